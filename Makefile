@@ -1,24 +1,24 @@
-# Two commands do everything, set-up included: `make demo` and `make test`.
-# All of them build with one profile, and by the names of programs, not of packages: so dependencies have the
-# same features for all, and are compiled once.
+# Two commands do everything, including setup: `make demo` and `make test`.
+# All targets build with one profile, and by the names of programs instead of packages. Dependencies therefore have the
+# same features in all targets, and are compiled once.
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
 
-# Rustup's own folder, for shells that were opened before it was installed.
+# Rustup's folder, for shells that were opened before it was installed.
 export PATH := $(PATH):$(HOME)/.cargo/bin
 CARGO ?= cargo
 
-# The real grooms that some tests and rows of `make bench` read; both say so when they are absent.
+# The real grooms that some tests and rows of `make bench` read. Both print a note if they are missing.
 TRESSES_ASSETS ?= $(abspath $(wildcard ../shared/assets))
 ifneq ($(TRESSES_ASSETS),)
 export TRESSES_ASSETS
-# Where they are, a test that cannot find one fails.
+# If the folder exists, a test fails if its file is missing.
 export TRESSES_REQUIRE_ASSETS ?= 1
 endif
 
-# Without a session, Mesa's device-selection layer prints a complaint for every program; it has nothing to select.
+# Without a session, Mesa's device-selection layer prints an error for every program. There is nothing to select.
 ifeq ($(XDG_RUNTIME_DIR),)
 export NODEVICE_SELECT ?= 1
 endif
@@ -32,7 +32,7 @@ setup: ## Install what is missing: toolchain, C compiler, a Vulkan driver
 	@scripts/setup
 
 comma := ,
-# A display to open a window on: Windows and macOS have one, elsewhere the session says so.
+# A display to open a window on. Windows and macOS always have one; other systems set a variable.
 WINDOW := $(or $(DISPLAY),$(WAYLAND_DISPLAY),$(filter Windows_NT,$(OS)),$(filter Darwin,$(shell uname -s)))
 
 demo: setup ## Open the studio; without a display, draw out/demo.png and out/demo.webp
@@ -44,23 +44,23 @@ demo: setup ## Open the studio; without a display, draw out/demo.png and out/dem
 setup-tests:
 	@scripts/setup --tests
 
-# Lints while it compiles, so that dependencies are compiled once: checking alone would compile them a second time.
+# Lints while compiling, so that dependencies are compiled once. A separate check would compile them a second time.
 LINTED := RUSTC_WORKSPACE_WRAPPER=clippy-driver CARGO_BUILD_WARNINGS=deny $(CARGO)
 
 test: setup-tests ## Format, lints, then every test; one of them builds the web page
 	$(CARGO) fmt --all --check
-	TRESSES_REQUIRE_GPU=1 $(LINTED) test --workspace
+	$(LINTED) test --workspace
 
 proof: setup-tests ## The docs of the code, the library alone for browsers, the slow evidence behind docs/, which it prints, and damaged files
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --quiet
 	$(CARGO) check --package tresses --lib --example minimal --target wasm32-unknown-unknown --quiet
-	@failed=0; set -x; export TRESSES_REQUIRE_GPU=1; \
+	@failed=0; set -x; \
 	$(LINTED) test --workspace --lib --bins --tests --no-fail-fast -- --ignored --show-output || failed=1; \
 	$(LINTED) test --workspace --test gpu physics:: -- --show-output || failed=1; \
 	$(MAKE) --no-print-directory fuzz || failed=1; \
 	exit $$failed
 
-# A virtual environment with the wheel in it, and the command to compare with.
+# A virtual environment with the wheel. The tests in it compare the wheel with the command.
 PYTHON := target/python
 
 python: setup ## Build the wheel for Python into dist/python/, install it in target/python and test it there
@@ -84,19 +84,19 @@ release: setup ## Pack the command for this machine into dist/
 	@scripts/release
 
 package: setup ## Pack each crate that is meant to be published, and compile it from what was packed
-	# Cargo keeps what it unpacked and compiled of a version for good, though that version is not out yet.
+	# Cargo keeps the unpacked and compiled files of a version forever, even before that version is published.
 	rm -rf target/package $${CARGO_HOME:-$$HOME/.cargo}/registry/src/-*/tresses*
 	$(CARGO) clean --quiet -p tresses-groom -p tresses -p tresses-scene -p tresses-studio
 	$(CARGO) package --workspace
 
 bevy: setup ## Check the plugin for Bevy and run its tests, without a window
-	cd bindings/bevy && $(CARGO) fmt --check && TRESSES_REQUIRE_GPU=1 $(LINTED) test
+	cd bindings/bevy && $(CARGO) fmt --check && $(LINTED) test
 
 truth: setup ## Path-trace 36 views of hair with Mitsuba, half an hour, and compare ours with them (docs/appearance/truth.md)
 	test -d target/truth/python || python3 -m venv target/truth/python
 	target/truth/python/bin/pip install --quiet mitsuba==3.9.1 numpy pillow
 	$(CARGO) build --bin tresses
-	target/truth/python/bin/python scripts/truth target/truth/views
+	target/truth/python/bin/python tools/evidence/truth target/truth/views
 	target/debug/tresses compare target/truth/views/scenes.json --out target/truth/beside
 
 web: setup ## Build the web page into dist/, for any static file server

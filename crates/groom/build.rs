@@ -1,5 +1,5 @@
-//! Tells the build scripts of dependents where the sources are (`DEP_TRESSES_GROOM_SRC`): `tresses` generates WGSL from
-//! some of the structs.
+//! Exports the source folder to the build scripts of dependents (`DEP_TRESSES_GROOM_SRC`): `tresses` generates WGSL
+//! from some of the structs.
 
 use std::{env, path::PathBuf};
 

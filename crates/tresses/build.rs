@@ -1,7 +1,7 @@
-//! Links every entry-point shader of `src/**/*.wesl` into one plain WGSL file of `OUT_DIR` and writes the tables
-//! `shaders.rs` that `src/shaders.rs` includes: those that are there as they are, and those that are there for each value
-//! of a constant (`constants::VARIANTS`), which differ by one line and are kept once. Shaders import shared structs from
-//! the module `structs`, which `build/structs.rs` generates.
+//! Links each shader of `src/**/*.wesl` with an entry point into one plain WGSL file in `OUT_DIR`. Writes the tables
+//! `shaders.rs`, which `src/shaders.rs` includes: plain shaders, and shaders with a variant for each value of a
+//! constant (`constants::VARIANTS`). Variants differ in one line and are stored once. Shaders import shared structs
+//! from the module `structs`, which `build/structs.rs` generates.
 
 use std::{
     env, fs,
@@ -18,7 +18,7 @@ mod constants;
 #[path = "build/structs.rs"]
 mod structs;
 
-/// The shared structs of `tresses-groom`.
+/// Files of `tresses-groom` with shared structs.
 const GROOM: [&str; 3] = ["bound/binding.rs", "bound/strand.rs", "mesh/bvh/flat.rs"];
 
 fn main() {
@@ -33,7 +33,7 @@ fn main() {
     let mut varied = String::from("const VARIED: &[(&str, &str, &str, &[u32])] = &[\n");
     for file in files(Path::new("src"), "wesl") {
         let text = fs::read_to_string(&file).expect("a shader is readable");
-        // Others' shaders call what is in this one.
+        // A library module for a host's shaders, without an entry point.
         let outside = file.ends_with("outside.wesl");
         if !outside && !["@compute", "@vertex", "@fragment"].iter().any(|e| text.contains(e)) {
             continue;
@@ -82,7 +82,7 @@ fn module_path(path: &str) -> ModulePath {
     path.parse().expect("a module path")
 }
 
-/// The WGSL of all shared structs.
+/// Generates the WGSL of all shared structs.
 fn shared_structs() -> String {
     let groom = PathBuf::from(
         env::var_os("DEP_TRESSES_GROOM_SRC").expect("the build script of tresses-groom sets it"),
@@ -97,7 +97,7 @@ fn shared_structs() -> String {
     structs::generate(&sources, constants::SHARED).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Paths of the files below `dir` with an extension, in order.
+/// Returns the files below `dir` with an extension, sorted.
 fn files(dir: &Path, extension: &str) -> Vec<PathBuf> {
     let mut files: Vec<_> = fs::read_dir(dir)
         .expect("the source tree is readable")

@@ -1,54 +1,54 @@
-//! Damaged files for the readers: whole ones to begin with, and what is done to them.
+//! Input for fuzzing the readers: intact files, and edits that damage them.
 
 use bolero::TypeGenerator;
 use tresses_groom::{
-    Cooked, Look, SdfGrid, Strands, TriMesh,
+    CookedGroom, Look, SdfGrid, Strands, TriMesh,
     cooked::HEADER,
     error::Result,
     export::{Hair, Writer},
     glam::{Mat4, Vec2, Vec3},
-    import::{Given, ImportOptions, read_given, read_given_body},
+    import::{FileBytes, ImportOptions, read_given, read_given_body},
     orient::Unit,
     rig::{Animation, Bind, Channel, Curve, Delta, Joint, Node, Property, Rig, Target},
 };
 
-/// What happens to a file. Places are shares of its length, so that one list of edits fits files of all lengths.
+/// An edit of a file. Positions are fractions of its length, so that one list of edits fits files of any length.
 #[derive(Clone, Debug, TypeGenerator)]
 pub enum Edit {
-    /// It ends here.
+    /// Truncates the file.
     Cut(u16),
-    /// One byte is another.
+    /// Replaces one byte.
     Byte(u16, u8),
-    /// Four bytes, at a multiple of four, are one of the numbers that sizes overflow at.
+    /// Replaces four bytes, at a multiple of four, by a number at which sizes overflow.
     Word(u16, Extreme),
-    /// Eight bytes, at a multiple of eight, are.
+    /// Replaces eight bytes, at a multiple of eight, by such a number.
     Long(u16, Extreme),
-    /// So many bytes are missing.
+    /// Removes this many bytes.
     Remove(u16, u8),
-    /// So many bytes are there twice.
+    /// Repeats this many bytes.
     Repeat(u16, u8),
-    /// A number in a text is another.
+    /// Replaces a number in a text.
     Number(u16, Extreme),
 }
 
 /// Numbers at which readers tend to fail.
 #[derive(Clone, Copy, Debug, TypeGenerator)]
 pub enum Extreme {
-    /// None.
+    /// Zero.
     Zero,
     /// One.
     One,
-    /// The largest there is.
+    /// The largest unsigned number.
     Most,
-    /// The largest that has a sign.
+    /// The largest signed number.
     Signed,
-    /// The smallest that has one.
+    /// The smallest signed number.
     Negative,
-    /// As many as there could be of something of four bytes, and one.
+    /// The smallest count of four-byte items whose size overflows.
     Quarter,
-    /// Not a number, read as one of single precision.
+    /// NaN, in single precision for 32 bits and in double precision for 64.
     Nan,
-    /// Any.
+    /// Any number.
     Any(u64),
 }
 
@@ -78,7 +78,7 @@ impl Extreme {
     }
 }
 
-/// `file` after `edits`.
+/// Returns `file` after `edits`.
 pub fn damaged(file: &[u8], edits: &[Edit]) -> Vec<u8> {
     let mut bytes = file.to_vec();
     for edit in edits {
@@ -117,7 +117,7 @@ fn write(bytes: &mut [u8], at: usize, value: &[u8]) {
     }
 }
 
-/// A few strands with widths, colours and texture coordinates.
+/// Returns a few strands with widths, colors and texture coordinates.
 pub fn strands() -> Strands {
     let mut strands = Strands::default();
     for strand in 0..6 {
@@ -137,15 +137,15 @@ fn writer(name: &str) -> &'static Writer {
     Writer::of(name).expect("a format that is written")
 }
 
-/// The strands as a file.
+/// Returns the strands as a file.
 ///
 /// # Panics
-/// When they cannot be written: a fault of the writer.
+/// If the writer fails, which is a bug.
 pub fn written(name: &str) -> Vec<u8> {
     writer(name).strands(&strands(), Some(Unit(1.0))).expect("strands are written").bytes
 }
 
-/// The strands and a body of four vertices as one compressed file.
+/// Returns the strands and a mesh of four vertices as one compressed file.
 ///
 /// # Panics
 /// As [`written`].
@@ -156,7 +156,7 @@ pub fn packed() -> Vec<u8> {
     writer("a.glb").character(Some((&mesh, None)), &hair).expect("a character is written")
 }
 
-/// A body of four vertices as a file.
+/// Returns a mesh of four vertices as a file.
 ///
 /// # Panics
 /// As [`written`].
@@ -171,7 +171,7 @@ const PNG: [u8; 74] = [
     20, 119, 5, 124, 33, 57, 115, 50, 0, 0, 0, 0, 73, 69, 78, 68, 174, 66, 96, 130,
 ];
 
-/// A triangle as a file, whose material has a picture for its colour and for its normals.
+/// Returns a triangle as a file. Its material has a color texture and a normal texture.
 pub fn painted() -> Vec<u8> {
     let json = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
 "images":[{"bufferView":3,"mimeType":"image/png"}],"textures":[{"source":0}],
@@ -209,7 +209,8 @@ fn tetrahedron() -> TriMesh {
     TriMesh { positions, normals, triangles, ..Default::default() }
 }
 
-/// A body on a skeleton with a shape and an animation, and perhaps `hair`, as text of USD.
+/// Returns a mesh on a skeleton with a blend shape and an animation, and hair if `hair`, as USD. The extension of
+/// `name` selects text or binary.
 ///
 /// # Panics
 /// As [`written`].
@@ -219,24 +220,24 @@ pub fn living(name: &str, hair: bool) -> Vec<u8> {
     writer(name).character(Some((&mesh, Some(&rig(&mesh)))), hair).expect("a character is written")
 }
 
-/// A file among the optional assets, where there are any.
+/// Returns a file from the optional assets, if it exists.
 pub fn asset(path: &str) -> Option<Vec<u8>> {
     std::fs::read(std::path::Path::new(&std::env::var_os("TRESSES_ASSETS")?).join(path)).ok()
 }
 
-/// Reads a groom as someone would who opened the file. What comes of it does not matter, but that something does.
+/// Reads a groom like a user who opens the file. Any result is fine, as long as the reader returns.
 pub fn groom(name: &str, bytes: &[u8]) -> Result<usize> {
-    let files: [Given<'_>; 1] = [(name.into(), bytes.into())];
+    let files: [FileBytes<'_>; 1] = [(name.into(), bytes.into())];
     read_given(&files, &ImportOptions::default()).map(|(strands, ..)| strands.len())
 }
 
-/// Reads a body likewise.
+/// Reads a mesh in the same way.
 pub fn mesh(name: &str, bytes: &[u8]) -> Result<usize> {
-    let files: [Given<'_>; 1] = [(name.into(), bytes.into())];
+    let files: [FileBytes<'_>; 1] = [(name.into(), bytes.into())];
     read_given_body(&files, &ImportOptions::default()).map(|body| body.mesh.positions.len())
 }
 
-/// Two joints, a shape and an animation of both.
+/// Returns a rig with a joint, a blend shape, and an animation of both.
 fn rig(mesh: &TriMesh) -> Rig {
     let bind = |(p, n): (&Vec3, &Vec3)| Bind::rigid(*p, *n, 0);
     let curve = |values| Curve { times: vec![0.0, 1.0], values, ..Default::default() };
@@ -255,33 +256,33 @@ fn rig(mesh: &TriMesh) -> Rig {
     }
 }
 
-/// A cooked groom on a head with joints and a shape.
+/// Returns a cooked groom on a head with a joint and a blend shape.
 ///
 /// # Panics
-/// When what is written cannot be read.
+/// If the written groom cannot be read.
 pub fn cooked() -> Vec<u8> {
     let options = ImportOptions::default();
-    let given: [Given<'_>; 1] = [("a.tfx".into(), written("a.tfx").into())];
+    let given: [FileBytes<'_>; 1] = [("a.tfx".into(), written("a.tfx").into())];
     let (strands, _, report) = read_given(&given, &options).expect("strands");
     let mesh = tetrahedron();
     let field = SdfGrid::from_fn(Vec3::splat(-0.1), Vec3::splat(0.1), 3, |p| p.length() - 0.05);
     let rig = rig(&mesh);
     let mut cooked =
-        Cooked::new(strands, Some(mesh), Some(field.clone()), Some(rig), &report).expect("a groom");
+        CookedGroom::new(strands, Some(mesh), Some(field.clone()), Some(rig), &report).expect("a groom");
     cooked.parts = vec![(0, field)];
     cooked.write().expect("bytes")
 }
 
-/// Reads a cooked groom whose header is whole, with a checksum that fits, or else no damage would come any further; and
-/// does with it what is done with a groom.
+/// Reads a cooked groom with an intact header and a matching checksum, because otherwise the checksum would reject all
+/// damage. Then uses the groom as an application does.
 ///
 /// # Errors
-/// What the reader says.
+/// Errors of the reader.
 pub fn sealed(name: &str, bytes: &[u8]) -> Result<usize> {
     let whole = cooked();
     let body = bytes.get(HEADER..).unwrap_or_default();
     let file = [&whole[..HEADER - 4], &crc32fast::hash(body).to_le_bytes(), body].concat();
-    let cooked = Cooked::read(name.as_ref(), &file)?;
+    let cooked = CookedGroom::read(name.as_ref(), &file)?;
     (0..cooked.strands.len()).for_each(|i| drop(cooked.strands.length(i).to_string()));
     assert!(cooked.groom.bounds().is_some());
     let fields = cooked.field.iter().chain(cooked.parts.iter().map(|(_, part)| part));

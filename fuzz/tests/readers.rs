@@ -1,4 +1,4 @@
-//! Readers on damaged files: whatever is in them, they return, and soon. `make fuzz` gives each a minute.
+//! Readers on damaged files: they return soon, whatever the content. `make fuzz` runs each for a minute.
 
 use std::time::{Duration, Instant};
 
@@ -11,7 +11,7 @@ use tresses_groom::{
     import::{ImportOptions, read_given_body},
 };
 
-/// A file of some kilobytes that takes longer is an attack, not a file.
+/// Time limit. A file of some kilobytes that takes longer is a denial-of-service attack.
 const SOON: Duration = Duration::from_secs(20);
 
 fn survives(name: &str, file: &[u8], read: fn(&str, &[u8]) -> Result<usize>) {
@@ -61,7 +61,7 @@ fn usd_text() {
     survives("a.usda", &written("a.usda"), groom);
 }
 
-/// Hair that goes with joints, and the body that they bend.
+/// Hair on joints, and the mesh that they deform.
 #[test]
 fn usd_skeleton() {
     survives("a.usda", &living("a.usda", true), groom);

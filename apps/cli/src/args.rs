@@ -5,49 +5,50 @@ use std::{path::PathBuf, str::FromStr};
 use tresses::groom::formats;
 use tresses_scene::Preset;
 
-/// The widest or highest picture, pixels.
+/// Largest width or height of an image, pixels.
 const MAX_SIDE: u32 = 16_384;
 
-/// The most pixels of one picture: 8K.
+/// Most pixels of an image: 8K.
 const MAX_PIXELS: u64 = 7680 * 4320;
 
-/// Both, in words.
-const LIMITS: &str = "16 to 16384 pixels, and the picture at most 33,177,600 (7680x4320)";
+/// Both limits, in words.
+const LIMITS: &str = "16 to 16384 pixels, and the image at most 33,177,600 (7680x4320)";
 
-/// Which hair on which head.
+/// Hair and head.
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Hair")]
 pub struct SourceArgs {
     /// Groom files
-    #[arg(value_name = "GROOM", help_heading = None, help = grooms_help("joined into one groom; without any, a built-in style"))]
+    #[arg(value_name = "GROOM", help_heading = None, help = grooms_help("joined into one groom; if omitted, a built-in style"))]
     pub grooms: Vec<PathBuf>,
-    /// The head that the groom grows on and collides with
-    #[arg(long, value_name = "MESH", requires = "grooms", help = head_help("may be given again, for eyes and clothes"))]
+    /// Mesh that the groom grows on and collides with
+    #[arg(long, value_name = "MESH", requires = "grooms", help = head_help("may be repeated, for eyes and clothes"))]
     pub head: Vec<PathBuf>,
-    /// A built-in hairstyle: long, bob, curly or short
+    /// Built-in hairstyle: long, bob, curly or short
     #[arg(long, value_name = "NAME", conflicts_with = "grooms")]
     pub style: Option<String>,
+    /// Units and axes of the files.
     #[command(flatten)]
     pub orientation: OrientArgs,
 }
 
-/// The help of groom files.
+/// Returns the help text of groom files.
 pub fn grooms_help(more: &str) -> String {
     format!("Groom files ({}), {more}", formats::listed(formats::GROOMS, "or"))
 }
 
-/// The help of heads.
+/// Returns the help text of head meshes.
 pub fn head_help(more: &str) -> String {
     let meshes = formats::listed(formats::MESHES, "or");
-    format!("The mesh that the groom grows on and collides with ({meshes}); {more}")
+    format!("Mesh that the groom grows on and collides with ({meshes}); {more}")
 }
 
 impl SourceArgs {
-    /// Puts what is given into `preset`.
+    /// Applies the given options to `preset`.
     pub fn apply(&self, preset: &mut Preset) {
         let source = &mut preset.source;
         if !self.grooms.is_empty() || self.style.is_some() {
-            // Another hair: the preset's head and axes are those of its own.
+            // The preset's head and axes belong to the hair that is replaced.
             source.style.clone_from(&self.style);
             source.grooms.clone_from(&self.grooms);
             source.heads.clone_from(&self.head);
@@ -57,12 +58,12 @@ impl SourceArgs {
     }
 }
 
-/// The size of a picture in pixels.
+/// Size of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Size {
-    /// Pixels.
+    /// Width, pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height, pixels.
     pub height: u32,
 }
 
@@ -73,7 +74,7 @@ impl FromStr for Size {
         let (width, height) = text
             .split_once(['x', 'X', '×'])
             .and_then(|(w, h)| Some((w.parse::<u32>().ok()?, h.parse::<u32>().ok()?)))
-            .ok_or("give width x height in pixels, as in 1280x720")?;
+            .ok_or("expected WIDTHxHEIGHT in pixels, as in 1280x720")?;
         if !(16..=MAX_SIDE).contains(&width) || !(16..=MAX_SIDE).contains(&height) {
             return Err(format!("each side must be {LIMITS}"));
         }
@@ -91,31 +92,31 @@ impl Size {
     }
 }
 
-/// Metres between the camera and the middle of what it looks at.
+/// Parses the distance between the camera and its target, meters.
 pub fn distance(text: &str) -> Result<f32, String> {
     match text.parse() {
         Ok(distance) if (0.1..=1000.0).contains(&distance) => Ok(distance),
-        _ => Err("give metres, from 0.1 to 1000".into()),
+        _ => Err("expected meters, from 0.1 to 1000".into()),
     }
 }
 
-/// Samples per pixel.
+/// Parses the number of samples per pixel.
 pub fn samples(text: &str) -> Result<u32, String> {
     match text.parse() {
         Ok(n @ (1 | 4 | 8 | 16)) => Ok(n),
-        _ => Err("choose 1, 4, 8 or 16".into()),
+        _ => Err("expected 1, 4, 8 or 16".into()),
     }
 }
 
-/// Frames per second.
+/// Parses the frame rate, frames per second.
 pub fn fps(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(fps) if (1.0..=1000.0).contains(&fps) => Ok(fps),
-        _ => Err("give a number from 1 to 1000".into()),
+        _ => Err("expected a number from 1 to 1000".into()),
     }
 }
 
-/// How near the camera is: a name or a factor.
+/// Parses the zoom: a name or a factor.
 pub fn zoom(text: &str) -> Result<f32, String> {
     match text {
         "close" => Ok(2.2),
@@ -123,17 +124,17 @@ pub fn zoom(text: &str) -> Result<f32, String> {
         "far" => Ok(0.35),
         _ => match text.parse() {
             Ok(zoom) if (0.01..=20.0).contains(&zoom) => Ok(zoom),
-            _ => Err("choose close, normal, far or a factor from 0.01 to 20".into()),
+            _ => Err("expected close, normal, far or a factor from 0.01 to 20".into()),
         },
     }
 }
 
-/// A shape of a body and how much there is of it.
+/// Parses a morph target and its weight.
 pub fn morph(text: &str) -> Result<(String, f32), String> {
-    let (name, weight) = text.split_once('=').ok_or("give NAME=WEIGHT")?;
+    let (name, weight) = text.split_once('=').ok_or("expected NAME=WEIGHT")?;
     match weight.parse() {
         Ok(weight) if (-10.0..=10.0).contains(&weight) && !name.is_empty() => Ok((name.into(), weight)),
-        _ => Err("the weight is a number from -10 to 10".into()),
+        _ => Err("the weight must be a number from -10 to 10".into()),
     }
 }
 
@@ -143,14 +144,14 @@ mod tests {
     use tresses_scene::words::grouped;
 
     #[test]
-    fn values_mean_what_they_say() {
+    fn size_zoom_and_distance_parse() {
         assert_eq!("1280x720".parse(), Ok(Size { width: 1280, height: 720 }));
         assert_eq!(zoom("normal"), Ok(1.0));
         assert_eq!(distance("15"), Ok(15.0));
     }
 
     #[test]
-    fn the_limits_of_a_picture_are_those_in_words() {
+    fn size_limits_match_their_message() {
         assert!(LIMITS.contains(&format!("16 to {MAX_SIDE} ")) && LIMITS.contains(&grouped(MAX_PIXELS)));
         let widest = (MAX_PIXELS / u64::from(MAX_SIDE)) as u32;
         assert!(format!("{MAX_SIDE}x{widest}").parse::<Size>().is_ok());
@@ -158,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn another_hair_takes_the_place_of_a_presets() {
+    fn given_groom_replaces_the_presets_hair() {
         let mut preset = Preset::default();
         preset.source.grooms = vec!["a.tfx".into()];
         preset.source.heads = vec!["head.obj".into()];
@@ -173,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_refused() {
+    fn invalid_values_are_errors() {
         for size in ["", "12", "0x0", "8x8", "axb", "20000x100", "16000x16000", "-1x100", "100x100x100"] {
             assert!(size.parse::<Size>().is_err(), "{size}");
         }

@@ -1,4 +1,4 @@
-//! `tresses bake`: simulated hair as an Alembic or USD cache, for programs that play it back.
+//! `tresses bake`: writes simulated hair as an Alembic or USD cache.
 
 use crate::{export::drawn, files, progress, progress::Preparing, say, settings_args::SettingsArgs};
 use anyhow::Result;
@@ -14,33 +14,33 @@ use tresses::{
 };
 use tresses_scene::{Companions, Motion, Scene, Shelf};
 
-/// The longest cache, frames.
+/// Longest cache, frames.
 const MAX_FRAMES: i64 = 100_000;
 
-/// The options of `tresses bake`.
+/// Options of `tresses bake`.
 #[derive(clap::Args, Debug)]
-pub struct Args {
+pub struct BakeArgs {
     #[command(flatten)]
     pub settings: SettingsArgs,
-    /// How the character moves: still, nod, turn, shake, walk, dance, or a keyframe file (.json)
+    /// Motion of the character: still, nod, turn, shake, walk, dance, or a keyframe file (.json)
     #[arg(long, value_name = "NAME", default_value = "still")]
     pub motion: String,
-    /// Frames to simulate and to write [default: one period of the motion]
+    /// Frames to simulate and write [default: one period of the motion]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_FRAMES))]
     pub frames: Option<u32>,
     /// Frames per second
     #[arg(long, value_name = "F", default_value = "24", value_parser = crate::args::fps)]
     pub fps: f64,
-    /// The unit of the file: cm for Unreal and Maya [default: m]
+    /// Unit of the file: cm for Unreal and Maya [default: m]
     #[arg(long, value_name = "UNIT")]
     pub out_unit: Option<Unit>,
-    /// The cache
+    /// Cache file
     #[arg(long, value_name = "FILE", default_value = "out/hair.abc", help = out_help())]
     pub out: PathBuf,
 }
 
 /// Runs `tresses bake`.
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(args: &BakeArgs) -> Result<()> {
     let writer = Writer::holding(&args.out, Content::Frames)?;
     let motion = Motion::open(&args.motion)?;
     let period = (motion.duration() * args.fps).round().clamp(1.0, MAX_FRAMES as f64);
@@ -58,7 +58,7 @@ pub fn run(args: &Args) -> Result<()> {
     let scene = Scene::new(gpu, character, colliders, &physics, &quality, &preparing);
     let mut scene = pollster::block_on(scene)?;
     scene.apply(&preset.settings)?;
-    // All of it, however far away.
+    // Write all strands, whatever their level of detail.
     scene.set_lod(LodOptions { mode: LodMode::Off, ..Default::default() })?;
     drop(preparing);
     let (pivot, step) = (scene.character.neck(), 1.0 / args.fps);
@@ -86,5 +86,5 @@ pub fn run(args: &Args) -> Result<()> {
 
 fn out_help() -> String {
     let all = formats::listed(&formats::written(Content::Frames), "or");
-    format!("The cache ({all}; text, .usda, is several times as large as .abc)")
+    format!("Cache file ({all}); .usda is text and several times as large as .abc")
 }

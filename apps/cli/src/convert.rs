@@ -1,10 +1,10 @@
-//! `tresses convert`: grooms from one format into another.
+//! `tresses convert`: converts grooms between formats.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail, ensure};
 use tresses::groom::{
-    export::{Encoded, Hair, Writer},
+    export::{EncodedFile, Hair, Writer},
     formats::{self, Content, GROOMS, WRITTEN},
     import::{self, ImportOptions},
     orient::{Axis, Choice, Unit},
@@ -18,24 +18,24 @@ use crate::{
     progress::Preparing,
 };
 
-/// Convert grooms into other formats, in metres, Y up, face towards +Z; or cook one with its head (.tresses), which then
-/// opens at once.
+/// Convert grooms into other formats, in meters, Y up, face towards +Z; or cook a groom with its head (.tresses), which
+/// then opens without further processing.
 #[derive(clap::Args)]
 #[command(override_usage = "tresses convert [OPTIONS] <IN>... <OUT>")]
-pub struct Args {
-    // One list, since two would forbid options between them.
+pub struct ConvertArgs {
+    // A single list, because clap would not allow options between two.
     #[arg(required = true, value_name = "FILE", help = files_help())]
     files: Vec<PathBuf>,
-    /// The mesh that the groom grows on, to orient it by; a .glb and a .tresses get it, too.
+    /// Mesh that the groom grows on, to orient the groom; .glb and .tresses files also include it
     #[arg(long, value_name = "MESH")]
     head: Vec<PathBuf>,
-    /// Keep unit and axes of the input.
+    /// Keep unit and axes of the input
     #[arg(long)]
     as_is: bool,
-    /// The unit of the file to write, Alembic and USD only: cm for Unreal and Maya [default: m]
+    /// Unit of the file to write, Alembic and USD only: cm for Unreal and Maya [default: m]
     #[arg(long, value_name = "UNIT", conflicts_with = "as_is")]
     out_unit: Option<Unit>,
-    /// Compress a .glb (EXT_meshopt_compression): smaller, but what cannot read that opens nothing of it
+    /// Compress a .glb (EXT_meshopt_compression): smaller, but readers without that extension cannot open it
     #[arg(long, conflicts_with = "as_is")]
     packed: bool,
     #[command(flatten)]
@@ -47,12 +47,12 @@ pub struct Args {
 fn files_help() -> String {
     let [read, written] = [GROOMS, WRITTEN].map(|list| formats::listed(list, "or"));
     format!(
-        "Groom files ({read}), several are joined; the last one is the file to write, whose extension ({written}, or .tresses for a cooked one) decides the format"
+        "Groom files to read ({read}), joined into one; the last is the file to write, whose extension ({written}, or .tresses to cook) selects the format"
     )
 }
 
 /// Runs the command.
-pub fn run(args: Args) -> anyhow::Result<()> {
+pub fn run(args: ConvertArgs) -> anyhow::Result<()> {
     let Some((output, inputs)) = args.files.split_last().filter(|(_, inputs)| !inputs.is_empty()) else {
         bail!("convert needs at least one file to read and one to write");
     };
@@ -61,32 +61,32 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     if formats::is_cooked(output) {
         ensure!(
             !args.as_is && !args.packed,
-            "a cooked groom is in metres and not compressed: leave the option out"
+            "a cooked groom is in meters and not compressed: remove --as-is and --packed"
         );
-        ensure!(args.out_unit.is_none(), "a cooked groom is in metres: leave --out-unit out");
+        ensure!(args.out_unit.is_none(), "a cooked groom is in meters: remove --out-unit");
         return cook(inputs, &args.head, &options, output);
     }
     let writer = Writer::of(output)?;
     if args.as_is {
         options.orient =
             Choice { unit: Some(Unit(1.0)), up: Some(Axis::Y), front: Some(Axis::Z), mirror: Some(false) };
-        // Lengths in an unknown unit cannot be called too short.
+        // With an unknown unit, lengths cannot be checked.
         options.unrepaired = true;
     }
-    ensure!(!args.packed || writer.compresses, "only a .glb is compressed: leave --packed out");
+    ensure!(!args.packed || writer.compresses, "only .glb files can be compressed: remove --packed");
     let (strands, head, report) = if args.as_is {
         let (strands, report) = import::read(inputs, &options)?;
         (strands, None, report)
     } else {
         import::read_whole(inputs, &args.head, &options)?
     };
-    // A file that holds the material of the hair gets the body, too.
+    // Formats that store a hair material also get the body.
     let whole = writer.holds(Content::Look) && !args.as_is && args.out_unit.is_none();
     let encoded = if whole {
         let body = head.as_ref().map(|head| (head, report.rig.as_ref()));
         let look = report.look.as_ref();
         let hair = Hair { name: "hair", strands: &strands, packed: args.packed, look };
-        Encoded::from(writer.character(body, &[hair])?)
+        EncodedFile::from(writer.character(body, &[hair])?)
     } else {
         writer.strands(&strands, args.out_unit.or((!args.as_is).then_some(Unit(1.0))))?
     };
@@ -114,17 +114,17 @@ pub fn run(args: Args) -> anyhow::Result<()> {
         .iter()
         .chain(of_head)
         .filter(|_| !args.as_is)
-        .for_each(|d| println!("  in doubt: {d}"));
+        .for_each(|d| println!("  uncertain: {d}"));
     encoded.notes.iter().for_each(|n| println!("  {n}"));
     if !report.followers.is_empty() {
         println!(
-            "  the followers that the input asks for are left out; `tresses export` writes strands as they are drawn"
+            "  interpolated strands that the input requests are not written; `tresses export` writes all drawn strands"
         );
     }
     Ok(())
 }
 
-/// Writes all that opening a groom on its head computes.
+/// Writes a cooked groom: everything that opening the groom on its head computes.
 fn cook(grooms: &[PathBuf], heads: &[PathBuf], options: &ImportOptions, out: &Path) -> anyhow::Result<()> {
     let preparing = Preparing::new("reading the groom");
     let base = pollster::block_on(CharacterSource::imported(
@@ -132,7 +132,7 @@ fn cook(grooms: &[PathBuf], heads: &[PathBuf], options: &ImportOptions, out: &Pa
         options,
         &preparing,
     ))?;
-    let cooked = base.cook()?.context("only grooms of files are cooked")?;
+    let cooked = base.cook()?.context("only grooms from files can be cooked")?;
     let bytes = cooked.write()?;
     files::write(out, &bytes)?;
     drop(preparing);
@@ -140,7 +140,7 @@ fn cook(grooms: &[PathBuf], heads: &[PathBuf], options: &ImportOptions, out: &Pa
     let head = cooked.head.map(|head| format!(", a head of {} triangles", head.triangles.len()));
     let (head, size) = (head.unwrap_or_default(), bytes.len() as f64 / 1e6);
     println!("{}: {strands} strands on {guides} guides{head}, {size:.1} MB", out.display());
-    base.notes().for_each(|note| println!("  in doubt: {note}"));
-    println!("  for this version of Tresses: keep what it was made of");
+    base.notes().for_each(|note| println!("  uncertain: {note}"));
+    println!("  only for this version of Tresses: keep the source files");
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Pictures of a crowd: `tresses render --crowd`.
+//! `tresses render --crowd`: renders a crowd.
 
 use crate::{
     photographer::Photographer,
@@ -6,50 +6,50 @@ use crate::{
     progress,
 };
 use anyhow::{Result, ensure};
-use tresses::budget::{Budget, COARSEST, HeadChosen};
+use tresses::budget::{Budget, COARSEST, HeadDetail};
 use tresses_scene::{Crowd, CrowdOptions, Motion, crowd::ROWS, words::grouped};
 
-/// The most heads of a crowd.
+/// Most heads of a crowd.
 const MOST: u32 = 1000;
 
-/// Pictures that are drawn before the first one for what they cost.
+/// Frames drawn before the first, to measure costs.
 const TRIALS: u32 = 4;
 
-/// The options of a crowd.
+/// Options of a crowd.
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
 pub struct CrowdArgs {
-    /// Heads with the same hair in rows from 2 to 40 m, each with its own pose, phase and pigment, instead of one
-    #[arg(long = "crowd", value_name = "HEADS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)), help_heading = "Picture", hide_short_help = true)]
+    /// Draw this many heads with the same hair in rows from 2 to 40 m, each with its own pose, phase and pigment
+    #[arg(long = "crowd", value_name = "HEADS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)), help_heading = "Image", hide_short_help = true)]
     crowd: Option<u32>,
-    /// Milliseconds that the hair of a crowd may take in a frame: its levels of detail are chosen so
+    /// Time budget of a crowd's hair per frame, milliseconds; sets its levels of detail
     #[arg(
         long = "crowd-ms",
         value_name = "MS",
         requires = "crowd",
-        help_heading = "Picture",
+        help_heading = "Image",
         hide_short_help = true
     )]
     crowd_ms: Option<f32>,
-    /// Megabytes (10^6) of GPU memory that the hair of a crowd may take, likewise
+    /// GPU memory budget of a crowd's hair, megabytes (10^6 bytes); sets its levels of detail
     #[arg(
         long = "crowd-mb",
         value_name = "MB",
         requires = "crowd",
-        help_heading = "Picture",
+        help_heading = "Image",
         hide_short_help = true
     )]
     crowd_mb: Option<f64>,
 }
 
 impl CrowdArgs {
-    /// Whether there is to be a crowd.
+    /// Whether a crowd is requested.
     pub fn is_given(&self) -> bool {
         self.crowd.is_some()
     }
 
-    /// Refuses budgets that are none.
+    /// Checks the budgets.
     pub fn check(&self) -> Result<()> {
-        // Also false for what is no number.
+        // NaN also fails the comparison.
         let is_some = |value: f64| value > 0.0 && value.is_finite();
         ensure!(self.crowd_ms.is_none_or(|ms| is_some(ms.into())), "--crowd-ms must be a number above 0");
         ensure!(self.crowd_mb.is_none_or(is_some), "--crowd-mb must be a number above 0");
@@ -65,8 +65,8 @@ impl CrowdArgs {
     }
 }
 
-/// Draws `frames` frames of a crowd of the hair of `scene`, `fps` in a second, into `output`; says what was written and
-/// at which levels.
+/// Draws `frames` frames of a crowd with the hair of `scene` at `fps` frames per second into `output`. Returns a
+/// description of the files written and the levels of detail.
 pub fn render(
     scene: &mut Photographer,
     motion: &Motion,
@@ -79,11 +79,11 @@ pub fn render(
     crowd.budget.budget = args.budget();
     let timed = crowd.budget.budget.milliseconds.is_finite();
     let bar = progress::frames("drawing", u64::from(frames));
-    // What work costs here is not known before some is done: the first levels are found by trying.
+    // Costs are unknown before the first frames, so draw trial frames to find the first levels.
     for trial in 0..if timed { TRIALS } else { 0 } {
         crowd.budget.choose_anew();
         let measured = scene.measured_crowd(&mut crowd, motion, (0.0, 0.0), false)?;
-        // The first compiles.
+        // The first trial also compiles pipelines.
         if trial > 0 {
             let work = crowd.chosen().work;
             crowd.budget.costs.fit(&work, measured.wall);
@@ -96,7 +96,7 @@ pub fn render(
         let seconds = if frame == 0 { 0.0 } else { 1.0 / fps };
         let time = f64::from(frame) / fps;
         if timed {
-            // Costs are known by frames: the picture itself is drawn once more.
+            // Measure the frame, then draw it once more for the output.
             let measured = scene.measured_crowd(&mut crowd, motion, (time, seconds as f32), false)?;
             let work = crowd.chosen().work;
             crowd.budget.costs.fit(&work, measured.wall);
@@ -115,7 +115,7 @@ pub fn render(
     Ok(format!("{}\n{said}", output.finish()?))
 }
 
-/// The picture of the last frame. Blocks.
+/// Renders the last frame. Blocks.
 fn picture(scene: &mut Photographer, crowd: &Crowd) -> Result<Picture> {
     loop {
         let mut encoder = scene.gpu.context.device().create_command_encoder(&Default::default());
@@ -130,28 +130,29 @@ fn picture(scene: &mut Photographer, crowd: &Crowd) -> Result<Picture> {
     Ok(Picture { width, height, rgba })
 }
 
-/// What was chosen for the last frame, and what it takes.
+/// Describes the levels of detail of the last frame, and its costs.
 pub fn said(crowd: &Crowd, scene: &Photographer) -> String {
     let chosen = crowd.chosen();
     let seen = crowd.hair().filter(|hair| hair.is_seen()).count();
     let asleep = crowd.hair().filter(|hair| hair.is_asleep()).count();
-    let sum = |of: &dyn Fn(&HeadChosen) -> u64| grouped(chosen.heads.iter().map(of).sum());
+    let sum = |of: &dyn Fn(&HeadDetail) -> u64| grouped(chosen.heads.iter().map(of).sum());
     let [shared, own, view] = crowd.bytes(scene).map(|bytes| bytes as f64 * 1e-6);
     let budget = crowd.budget.budget;
     let kept = if chosen.fits {
         ""
     } else if chosen.bias < COARSEST {
-        ", on the way to the levels that the budget asks for, by an eighth of an octave in each frame"
+        ", approaching the levels for the budget by 1/8 octave per frame"
     } else {
-        ", the coarsest levels, which are beyond the budget"
+        ", the coarsest levels, which exceed the budget"
     };
     let mut of = String::new();
     if budget.milliseconds.is_finite() {
-        of += &format!("\nTime: {:.1} ms expected of {:.1}", chosen.milliseconds, budget.milliseconds);
+        of +=
+            &format!("\nTime: {:.1} ms expected, budget {:.1} ms", chosen.milliseconds, budget.milliseconds);
     }
     if budget.bytes < u64::MAX {
         let [held, all] = [crowd.held(scene), budget.bytes].map(|bytes| bytes as f64 * 1e-6);
-        of += &format!("\nMemory of hair and its light: {held:.1} MB of {all:.1}");
+        of += &format!("\nMemory of hair and its lighting: {held:.1} MB, budget {all:.1} MB");
     }
     format!(
         "{} heads, {seen} in view, {asleep} asleep: {} strands, {} vertices, {} guides; bias {:.2}{kept}\n\

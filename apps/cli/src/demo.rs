@@ -1,4 +1,4 @@
-//! `tresses demo`: the built-in character, as a picture and as a loop.
+//! `tresses demo`: the built-in character, as an image and as a loop.
 
 use crate::{
     args::{Size, SourceArgs},
@@ -7,7 +7,7 @@ use crate::{
     picture::Output,
     preset_args::PresetArgs,
     progress::Preparing,
-    render::{Times, animate},
+    render::{FrameTimes, animate},
     say, settings_args,
 };
 use anyhow::{Context, Result};
@@ -16,11 +16,11 @@ use tresses::groom::styles::Style;
 use tresses::lod::{LodMode, LodOptions};
 use tresses_scene::{Motion, Shot, Viewpoint, camera::Angle};
 
-/// The size of the picture.
+/// Size of the image.
 const PICTURE: Size = Size { width: 1920, height: 1200 };
 
-/// How fine the loop may be, from the coarsest on: its size, and the share of the strands that are drawn, each
-/// the wider for it.
+/// Quality levels of the loop, from coarse to fine: size, and fraction of the strands, which are drawn wider to
+/// compensate.
 const LOOPS: [(Size, f32); 4] = [
     (Size { width: 400, height: 250 }, 0.12),
     (Size { width: 480, height: 300 }, 0.25),
@@ -28,22 +28,22 @@ const LOOPS: [(Size, f32); 4] = [
     (Size { width: 800, height: 500 }, 1.0),
 ];
 
-/// At most how many times as long as a frame of one of these takes one of the next.
+/// Upper bound of the ratio of frame times between consecutive levels.
 const FINER: f64 = 2.5;
 
-/// How long the loop may take, seconds.
+/// Time limit for the loop, seconds.
 const LOOP_SECONDS: f64 = 50.0;
 
-/// Its speed, frames per second.
+/// Frame rate of the loop, frames per second.
 const LOOP_FPS: f64 = 20.0;
 
-/// The options of `tresses demo`.
+/// Options of `tresses demo`.
 #[derive(clap::Args, Debug)]
-pub struct Args {
-    /// The folder that receives demo.png and demo.webp
+pub struct DemoArgs {
+    /// Folder for demo.png and demo.webp
     #[arg(long, value_name = "FOLDER", default_value = "out")]
     pub out: PathBuf,
-    /// A built-in hairstyle: long, bob, curly or short [default: long]
+    /// Built-in hairstyle: long, bob, curly or short [default: long]
     #[arg(long, value_name = "NAME")]
     pub style: Option<String>,
     #[command(flatten)]
@@ -55,21 +55,21 @@ pub struct Args {
 }
 
 /// Runs `tresses demo`.
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(args: &DemoArgs) -> Result<()> {
     let mut preset = args.preset.open()?;
     SourceArgs { style: args.style.clone(), ..Default::default() }.apply(&mut preset);
     settings_args::apply(&args.companions, &args.rows, &mut preset)?;
     args.preset.finish(&mut preset)?;
     let motion = Motion::named("turn").context("the built-in motions hold a turn")?;
     if let Some(style) = &preset.source.style {
-        // What can be refused is refused before anything is said or made.
+        // Check the style before printing or creating anything.
         style.parse::<Style>()?;
     }
 
-    eprintln!("Making a character with moving hair.");
+    eprintln!("Building a character with moving hair.");
     let mut scene = Photographer::open(&preset, PICTURE)?;
-    eprintln!("Drawing a picture on {}.", scene.adapter_name());
-    let drawing = Preparing::new("drawing the picture");
+    eprintln!("Rendering an image on {}.", scene.adapter_name());
+    let drawing = Preparing::new("rendering the image");
     let camera = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), PICTURE.aspect(), 1.0);
     let mut output = Output::create(&args.out.join("demo.png"), (PICTURE.width, PICTURE.height), 1, 1.0)?;
     let pivot = scene.character.neck();
@@ -79,22 +79,22 @@ pub fn run(args: &Args) -> Result<()> {
     drop(drawing);
 
     let frames = (motion.duration() * LOOP_FPS).round() as u32;
-    let fitting = Preparing::new("trying how fast a loop can be drawn");
+    let fitting = Preparing::new("measuring the frame time");
     let (size, seconds) = fit(&mut scene, &motion, f64::from(frames))?;
     drop(fitting);
     let path = args.out.join("demo.webp");
     let mut output = Output::create(&path, (size.width, size.height), frames, LOOP_FPS)?;
-    let times = Times { frames, fps: LOOP_FPS, lead: -motion.duration() };
+    let times = FrameTimes { frames, fps: LOOP_FPS, lead: -motion.duration() };
     let camera = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), size.aspect(), 0.95);
-    eprintln!("Drawing a loop of {frames} frames, {}x{}; about {seconds:.0} s.", size.width, size.height);
+    eprintln!("Rendering a loop of {frames} frames, {}x{}; about {seconds:.0} s.", size.width, size.height);
     animate(&mut scene, &Shot::still(camera), &motion, times, &mut output)?;
     say!("{picture}");
     say!("{}", output.finish()?);
     Ok(())
 }
 
-/// Brings `scene` to the finest of [`LOOPS`] whose loop is drawn within [`LOOP_SECONDS`], or the coarsest: its size,
-/// and how long it will take, seconds.
+/// Sets `scene` to the finest of [`LOOPS`] that can be drawn within [`LOOP_SECONDS`], or the coarsest. Returns its size
+/// and the estimated time, seconds.
 fn fit(scene: &mut Photographer, motion: &Motion, frames: f64) -> Result<(Size, f64)> {
     let pivot = scene.character.neck();
     let mut fitting = (LOOPS[0].0, 0.0);
@@ -104,9 +104,9 @@ fn fit(scene: &mut Photographer, motion: &Motion, frames: f64) -> Result<(Size, 
         scene.set_lod(options)?;
         scene.resize([size.width, size.height])?;
         let camera = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), size.aspect(), 0.95);
-        // The level of detail is that of who looks.
+        // The level of detail depends on the camera.
         scene.watch(&camera);
-        // The quickest tells: in the first ones the driver still compiles what is new.
+        // Use the fastest frame: the first ones include compilation by the driver.
         let mut seconds = f64::INFINITY;
         for frame in 0..4 {
             let start = Instant::now();

@@ -1,4 +1,4 @@
-//! `tresses export`: the strands of a groom or a built-in style as they are drawn at rest, for other programs.
+//! `tresses export`: writes the strands of a groom or a built-in style as drawn at rest.
 
 use crate::{files, progress::Preparing, say, settings_args::SettingsArgs};
 use anyhow::{Result, ensure};
@@ -20,32 +20,32 @@ use tresses::{
 };
 use tresses_scene::{Companions, Scene, Shelf, motion};
 
-/// The options of `tresses export`.
+/// Options of `tresses export`.
 #[derive(clap::Args, Debug)]
-pub struct Args {
+pub struct ExportArgs {
     #[command(flatten)]
     pub settings: SettingsArgs,
-    /// The file for the strands
+    /// File for the strands
     #[arg(long, value_name = "FILE", help = out_help())]
     pub out: PathBuf,
-    /// A file for brows, lashes and beard of the built-in character, as for the strands
+    /// File for brows, lashes and beard of the built-in character
     #[arg(long, value_name = "FILE")]
     pub face_out: Option<PathBuf>,
-    /// Compress the .glb of --out (EXT_meshopt_compression): smaller, but what cannot read that opens nothing of it
+    /// Compress the .glb of --out (EXT_meshopt_compression): smaller, but readers without that extension cannot open it
     #[arg(long)]
     pub packed: bool,
-    /// A file for the body
+    /// File for the body
     #[arg(long, value_name = "FILE", help = head_help())]
     pub head_out: Option<PathBuf>,
 }
 
 /// Runs `tresses export`.
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(args: &ExportArgs) -> Result<()> {
     let writer = Writer::of(&args.out)?;
     let face_writer = args.face_out.as_deref().map(Writer::of).transpose()?;
     let head_writer =
         args.head_out.as_deref().map(|path| Writer::holding(path, Content::Mesh)).transpose()?;
-    ensure!(!args.packed || writer.compresses, "only a .glb is compressed: leave --packed out");
+    ensure!(!args.packed || writer.compresses, "only .glb files can be compressed: remove --packed");
     let preset = args.settings.preset()?;
     preset.settings.check()?;
     let preparing = Preparing::new("opening the GPU");
@@ -59,16 +59,13 @@ pub fn run(args: &Args) -> Result<()> {
         }
         rig
     });
-    ensure!(
-        args.head_out.is_none() || head.is_some(),
-        "nothing is drawn with this hair: leave --head-out out"
-    );
+    ensure!(args.head_out.is_none() || head.is_some(), "this hair has no body: remove --head-out");
     let colliders = Companions::of(&preset.source, Shelf::default()).colliders()?;
     let (physics, quality) = (preset.settings.physics(), preset.settings.quality([16, 16], 1)?);
     let scene = Scene::new(gpu, character, colliders, &physics, &quality, &preparing);
     let mut scene = pollster::block_on(scene)?;
     scene.apply(&preset.settings)?;
-    // All of it, however far away.
+    // Write all strands, whatever their level of detail.
     scene.set_lod(LodOptions { mode: LodMode::Off, ..Default::default() })?;
     scene.reset(&Gesture::default())?;
     let strands = drawn(&scene, [&scene.character.hair().strands])?;
@@ -91,7 +88,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     if let (Some(path), Some(writer)) = (&args.face_out, face_writer) {
         let face = || scene.character.grooms().skip(1);
-        ensure!(face().next().is_some(), "nothing grows on this face: leave --face-out out");
+        ensure!(face().next().is_some(), "this character has no facial hair: remove --face-out");
         let all = face().map(|hair| &hair.strands);
         write!(said, "\n{}", write_strands(path, writer, &drawn(&scene, all)?)?)?;
     }
@@ -100,7 +97,7 @@ pub fn run(args: &Args) -> Result<()> {
         files::write(path, &writer.mesh(head, rig.as_ref())?)?;
         if let Some(rig) = rig.as_ref().filter(|_| writer.holds(Content::Rig)) {
             let (joints, shapes) = (rig.joints.len(), rig.targets.len());
-            write!(said, ", {joints} joints, {shapes} shapes, {} animations", rig.animations.len())?;
+            write!(said, ", {joints} joints, {shapes} blend shapes, {} animations", rig.animations.len())?;
         }
     }
     drop(preparing);
@@ -111,7 +108,7 @@ pub fn run(args: &Args) -> Result<()> {
 fn out_help() -> String {
     let whole = formats::listed(&formats::written(Content::Rig), "and");
     format!(
-        "The file for the strands, whose extension ({}) decides the format; {whole} also hold what is drawn with the hair, and what bends it",
+        "File for the strands, whose extension ({}) selects the format; {whole} also store the body and its skeleton",
         formats::listed(WRITTEN, "or")
     )
 }
@@ -119,10 +116,10 @@ fn out_help() -> String {
 fn head_help() -> String {
     let (all, rigs) = (formats::written(Content::Mesh), formats::written(Content::Rig));
     let [all, rigs] = [(&all, "or"), (&rigs, "and")].map(|(list, joint)| formats::listed(list, joint));
-    format!("A file for what is drawn with the hair ({all}); {rigs} also hold what bends it")
+    format!("File for the body ({all}); {rigs} also store its skeleton")
 }
 
-/// Writes `strands`; what was written, in words.
+/// Writes `strands`. Returns a description of the file.
 fn write_strands(path: &Path, writer: &Writer, strands: &Strands) -> Result<String> {
     let encoded = writer.strands(strands, Some(Unit(1.0)))?;
     files::write(path, &encoded.bytes)?;
@@ -133,12 +130,12 @@ fn write_strands(path: &Path, writer: &Writer, strands: &Strands) -> Result<Stri
     Ok(said)
 }
 
-/// What was written where.
+/// Describes a file of strands.
 fn counted(path: &Path, strands: &Strands) -> String {
     format!("{}: {} strands, {} vertices", path.display(), strands.len(), strands.positions.len())
 }
 
-/// The strands of `all` that `scene` draws now. Blocks.
+/// Returns the strands of `all` as `scene` draws them now. Blocks.
 pub fn drawn<'a>(scene: &Scene, all: impl IntoIterator<Item = &'a StrandBuffers>) -> Result<Strands> {
     pollster::block_on(scene.drawn(all))
 }

@@ -1,4 +1,4 @@
-//! Files that appear complete or not at all: written beside their place under a temporary name, and moved there.
+//! Atomic file output: files are written under a temporary name in the same folder, then renamed.
 
 use anyhow::{Context, Result};
 use std::{
@@ -7,15 +7,15 @@ use std::{
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
-/// The temporary files that there are.
+/// Paths of the existing temporary files.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
-    // A panic elsewhere leaves a list that is still true.
+    // The list stays valid if another thread panics.
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A temporary file that is gone once this is dropped.
+/// A temporary file, deleted on drop.
 pub struct Temporary {
     file: Option<tempfile::NamedTempFile>,
     path: PathBuf,
@@ -28,11 +28,11 @@ impl Temporary {
         builder.prefix(".tresses-").suffix(".part");
         #[cfg(unix)]
         {
-            // Temporary files are private by default; these become the user's, under the umask.
+            // By default temporary files are private. Apply the umask instead.
             use std::os::unix::fs::PermissionsExt;
             builder.permissions(std::fs::Permissions::from_mode(0o666));
         }
-        // Made and listed in one go, as far as whoever ends the program can see.
+        // Create and list the file under one lock, so that `leave` deletes every file.
         let mut list = unfinished();
         let file = builder.tempfile_in(folder)?;
         let path = file.path().to_owned();
@@ -40,17 +40,17 @@ impl Temporary {
         Ok(Self { file: Some(file), path })
     }
 
-    /// For what becomes `path`.
+    /// Creates a temporary file in the folder of `path`.
     pub fn beside(path: &Path) -> Result<Self> {
         Self::new(path.parent().unwrap_or(Path::new(""))).with_context(|| path.display().to_string())
     }
 
-    /// Where it is.
+    /// Returns the path of the temporary file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Adds `bytes` and moves it to `path`, replacing what is there.
+    /// Appends `bytes` and moves the file to `path`, replacing an existing file.
     pub fn complete(mut self, bytes: &[u8], path: &Path) -> std::io::Result<()> {
         let Some(mut file) = self.file.take() else { return Ok(()) };
         file.write_all(bytes)?;
@@ -67,23 +67,23 @@ impl Drop for Temporary {
     }
 }
 
-/// Fails when no file can be made in `folder`.
+/// Fails if no file can be created in `folder`.
 pub fn probe(folder: &Path) -> Result<()> {
     Temporary::new(folder)
         .map(drop)
-        .with_context(|| format!("{}: no file can be created there", folder.display()))
+        .with_context(|| format!("{}: cannot create files in this folder", folder.display()))
 }
 
-/// Writes `bytes` to `path`, replacing what is there.
+/// Writes `bytes` to `path`, replacing an existing file.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     let temporary = Temporary::new(path.parent().unwrap_or(Path::new("")));
     temporary.and_then(|file| file.complete(bytes, path)).with_context(|| path.display().to_string())
 }
 
-/// What a file is written through, piece by piece.
+/// Writer of a temporary file.
 pub type Pieces<'a> = BufWriter<&'a mut tempfile::NamedTempFile>;
 
-/// Writes to `path` what `write` makes piece by piece, replacing what is there once it is done.
+/// Writes a file through `write`, then moves it to `path`, replacing an existing file.
 pub fn stream(path: &Path, write: impl FnOnce(Pieces<'_>) -> Result<()>) -> Result<()> {
     let name = || path.display().to_string();
     let mut temporary = Temporary::beside(path)?;
@@ -93,13 +93,14 @@ pub fn stream(path: &Path, write: impl FnOnce(Pieces<'_>) -> Result<()>) -> Resu
     temporary.complete(&[], path).with_context(name)
 }
 
-/// Removes what is not complete, and ends the program with `code`. Until it has ended no file is begun or completed.
+/// Deletes temporary files and exits with `code`. The lock keeps other threads from creating or completing files until
+/// the exit.
 pub fn leave(code: i32) -> ! {
     let list = unfinished();
     for path in list.iter() {
-        // One that is gone already is no harm, and nobody is left to hear of another.
+        // Ignore errors: the file may be gone already, and the program is about to end.
         let _ = std::fs::remove_file(path);
     }
-    // Not through the handlers of a driver, whose threads are still at work: a software driver crashes in them.
+    // Skip exit handlers: those of a software driver crash while its threads are running.
     signal_hook::low_level::exit(code)
 }

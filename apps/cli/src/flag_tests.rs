@@ -3,7 +3,7 @@
 use super::Cli;
 use clap::CommandFactory;
 
-/// The flags of what hair is like, of `render`, `studio` and `preset`.
+/// Flags of hair settings, shared by `render`, `studio` and `preset`.
 const SETTINGS: &[&str] = &[
     "ambient",
     "avoid",
@@ -66,7 +66,7 @@ const SETTINGS: &[&str] = &[
     "wind",
     "wind-seed",
 ];
-/// Those that `render` has besides.
+/// Flags that only `render` has.
 const RENDER: &[&str] = &[
     "camera",
     "debug",
@@ -123,7 +123,7 @@ const COMPARE: &[&str] = &[
     "shadows",
 ];
 
-/// Flags of `command` that are missing of `names`.
+/// Returns the flags in `names` that `command` lacks.
 fn missing<'a>(command: &str, names: &[&'a str]) -> Vec<&'a str> {
     let mut cli = Cli::command();
     cli.build();
@@ -144,19 +144,19 @@ fn no_flag_is_lost() {
 }
 
 #[test]
-fn commands_make_sense() {
+fn command_definition_is_valid() {
     Cli::command().debug_assert();
 }
 
 #[test]
-fn a_short_help_is_short_and_a_long_one_has_topics() {
+fn short_help_is_short_and_long_help_has_topics() {
     let mut cli = Cli::command();
     let render = cli.find_subcommand_mut("render").unwrap();
     let (short, long) = (render.render_help().to_string(), render.render_long_help().to_string());
     let count = |text: &str| text.lines().filter(|line| line.trim_start().starts_with("--")).count();
     assert!((15..=25).contains(&count(&short)), "{short}");
     assert!(count(&long) >= SETTINGS.len() + RENDER.len(), "{long}");
-    for topic in ["Hair:", "Style:", "Shading:", "Wind:", "Shadows:", "Maps on the scalp:", "Picture:"] {
+    for topic in ["Hair:", "Style:", "Shading:", "Wind:", "Shadows:", "Maps on the scalp:", "Image:"] {
         assert!(long.contains(&format!("\n{topic}\n")), "{topic} {long}");
     }
     for flag in ["--out", "--size", "--style", "--color", "--curl", "--set"] {
@@ -165,7 +165,7 @@ fn a_short_help_is_short_and_a_long_one_has_topics() {
 }
 
 #[test]
-fn what_was_meant_is_said() {
+fn typos_get_a_suggestion() {
     use clap::Parser;
     for (words, name) in [
         (&["tresses", "render", "--styl", "bob"][..], "; did you mean --style?"),

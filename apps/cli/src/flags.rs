@@ -1,4 +1,4 @@
-//! Flags that are made of tables: those of parameters, and those of files that go with the hair.
+//! Flags generated from the tables of parameters and companion files.
 
 use anyhow::Result;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches, error::ErrorKind};
@@ -6,17 +6,17 @@ use std::{marker::PhantomData, str::FromStr};
 use tresses_scene::{
     Companion, Settings, Source,
     companions::{ColorSource, MapSource},
-    knobs::{Flag, Kind, Knob, SECTIONS, flags::Assigned},
-    source::{COMPANIONS, Kind as Companionship},
+    knobs::{Flag, Knob, SECTIONS, ValueKind, flags::Assignment},
+    source::{COMPANIONS, CompanionKind as Companionship},
 };
 
-/// Which rows of the table a command has flags of.
+/// Selects the parameters that a command has flags for.
 pub trait Rows {
-    /// Whether it has this one.
+    /// Whether the command has this flag.
     fn has(flag: &Flag) -> bool;
 }
 
-/// All of them.
+/// Selects all parameters.
 #[derive(Clone, Debug, Default)]
 pub struct All;
 
@@ -26,10 +26,10 @@ impl Rows for All {
     }
 }
 
-/// What the flags of parameters say.
+/// Parsed flags of parameters.
 #[derive(Clone, Debug, Default)]
 pub struct RowFlags<R> {
-    given: Vec<(&'static str, Assigned)>,
+    given: Vec<(&'static str, Assignment)>,
     rows: PhantomData<R>,
 }
 
@@ -39,13 +39,13 @@ impl<R: Rows> RowFlags<R> {
         self.given.iter().any(|(given, _)| *given == name)
     }
 
-    /// Puts what is given into `settings`.
+    /// Applies the given flags to `settings`.
     pub fn apply(&self, settings: &mut Settings) -> Result<()> {
         self.given.iter().for_each(|(_, assigned)| assigned.reset(settings));
         self.given.iter().try_for_each(|(_, assigned)| Ok(assigned.set(settings)?))
     }
 
-    /// Rows that have flags, with the titles of their sections.
+    /// Returns the parameters that have flags, with the titles of their sections.
     fn rows() -> impl Iterator<Item = (&'static str, &'static Knob, Flag)> {
         let rows = SECTIONS.iter().flat_map(|section| section.knobs.iter().map(|row| (section.title, row)));
         rows.filter_map(|(title, row)| Some((title, row, row.flag.filter(|flag| R::has(flag))?)))
@@ -75,7 +75,7 @@ impl<R: Rows> FromArgMatches for RowFlags<R> {
             };
             if texts.len() > flag.times {
                 let (name, count, most) = (flag.name, texts.len(), flag.times);
-                let sentence = format!("--{name} was given {count} times, but at most {most} are possible");
+                let sentence = format!("--{name} is given {count} times, but at most {most} are allowed");
                 return Err(refuse(ErrorKind::TooManyValues, sentence));
             }
             for (time, text) in texts.into_iter().enumerate() {
@@ -92,12 +92,12 @@ impl<R: Rows> FromArgMatches for RowFlags<R> {
     }
 }
 
-/// The flag of a row: what it does from its hint, what is allowed and its default from the row.
+/// Creates the flag of a parameter, with help from the parameter's hint, range and default.
 fn argument(title: &'static str, row: &'static Knob, flag: Flag) -> Arg {
     let about = if flag.about.is_empty() { row.hint } else { flag.about };
     let about = about.trim_end_matches('.');
     let mut long = format!("{about}.\n{}", row.flag_help());
-    if let Kind::Choice(choices) = row.kind {
+    if let ValueKind::Choice(choices) = row.kind {
         for choice in choices {
             long += &format!("\n- {}: {}", choice.name, choice.hint);
         }
@@ -113,14 +113,14 @@ fn argument(title: &'static str, row: &'static Knob, flag: Flag) -> Arg {
         value => arg
             .value_name(value)
             .action(if flag.times > 1 { ArgAction::Append } else { ArgAction::Set })
-            // A list may begin with a negative number, which is no flag.
+            // A list may begin with a negative number, which is not a flag.
             .allow_hyphen_values(flag.times > 1)
             .allow_negative_numbers(true)
             .value_parser(move |text: &str| row.read_flag(text, 0).map(|_| text.to_owned())),
     }
 }
 
-/// Files that go with the hair: maps, curls, obstacles, surroundings.
+/// Parsed flags of companion files: maps, curls, obstacles, environments.
 #[derive(Clone, Debug, Default)]
 pub struct CompanionFlags {
     given: Vec<(&'static Companion, String)>,
@@ -132,15 +132,16 @@ impl CompanionFlags {
         self.given.iter().any(|(companion, _)| companion.key == key)
     }
 
-    /// Puts what is given into `source`.
+    /// Applies the given files to `source`.
     pub fn apply(&self, source: &mut Source) {
         self.given.iter().for_each(|(companion, name)| companion.set(source, Some(name.clone())));
     }
 }
 
-/// What a picture over the scalp is.
-const SCALP: &str = "\nA .png over the scalp, its top the front and its right the left of the head (:r, :g or :b \
-    behind it for one channel), or front, crown, sides, nape, hairline, noise, or not-front ..";
+/// Help text of scalp maps.
+const SCALP: &str = "\nA .png of the scalp from above: the top is the front, the right is the head's left. Append :r, \
+    :g or :b for one channel. Or a built-in map: front, crown, sides, nape, hairline, noise, or an inverse such as \
+    not-front.";
 
 impl Args for CompanionFlags {
     fn augment_args(command: Command) -> Command {
@@ -155,7 +156,7 @@ impl Args for CompanionFlags {
                 long += if companion.key == COMPANIONS[0].key {
                     SCALP
                 } else {
-                    "\nA picture or a name as for --density-map."
+                    "\nAn image or a name, as for --density-map."
                 };
             }
             let kind = companion.kind;
@@ -188,7 +189,7 @@ impl FromArgMatches for CompanionFlags {
     }
 }
 
-/// The name of a file of this kind, as a preset has it.
+/// Returns the name of a file of this kind, in the form that presets store.
 fn name(kind: Companionship, text: &str) -> Result<String, String> {
     Ok(match kind {
         Companionship::Map => MapSource::from_str(text).map_err(|error| error.to_string())?.to_string(),

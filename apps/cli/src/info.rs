@@ -1,4 +1,4 @@
-//! `tresses info`: the contents of a groom, and its problems.
+//! `tresses info`: reports the contents of a groom and its problems.
 
 use std::path::{Path, PathBuf};
 
@@ -13,19 +13,19 @@ use tresses::groom::{
 };
 use tresses_scene::{
     Anatomy,
-    anatomy::{Capsule, Part, PartForm, capsule::STANDS_OUT},
+    anatomy::{BodyPart, Capsule, PartForm, capsule::STANDS_OUT},
 };
 
 use crate::orient_args::{MomentArgs, OrientArgs};
 
-/// Report what a groom holds, how it is oriented, and what is odd about it.
+/// Report the contents of a groom, its orientation, and its problems.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct InfoArgs {
     #[arg(required = true, value_name = "FILE", help = crate::args::grooms_help("several are one groom"))]
     files: Vec<PathBuf>,
     #[arg(long, value_name = "MESH", help = crate::args::head_help("several are one head"))]
     head: Vec<PathBuf>,
-    /// Print JSON instead of text.
+    /// Print JSON instead of text
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -35,15 +35,15 @@ pub struct Args {
 }
 
 /// Runs the command.
-pub fn run(args: Args) -> anyhow::Result<()> {
+pub fn run(args: InfoArgs) -> anyhow::Result<()> {
     let mut strict = args.orient.options();
     strict.moment = args.moment.moment();
-    // A number that is not finite is a finding here, and afterwards the error it is elsewhere.
+    // First report numbers that are not finite as findings, then fail on them as other commands do.
     let mut options = strict.clone();
     options.lenient = true;
     options.unrepaired = true;
     let (strands, head, report) = import::read_whole(&args.files, &args.head, &options)?;
-    // What is wrong with the strands is said below.
+    // Errors in the strands are reported below.
     let of = |(rig, head): (&Rig, &TriMesh)| Anatomy::new(rig.clone(), head, strands.iter()).ok();
     let anatomy = report.rig.as_ref().zip(head.as_ref()).and_then(of);
     if args.json {
@@ -53,7 +53,7 @@ pub fn run(args: Args) -> anyhow::Result<()> {
     }
     if report.lint.findings.iter().any(|f| f.severity == Severity::Error) {
         import::read(&args.files, &strict)?;
-        bail!("{}: the groom cannot be used", args.files[0].display());
+        bail!("{}: the groom has errors and cannot be used", args.files[0].display());
     }
     Ok(())
 }
@@ -129,15 +129,19 @@ fn as_text(report: &ImportReport, anatomy: Option<&Anatomy>) -> String {
         let tilt = tilt.to_degrees();
         line(
             &mut out,
-            "look",
+            "material",
             format!(
-                "melanin {eumelanin}, {pheomelanin}; roughness {along}, {around}; scales {tilt:.1}°; ior {ior}"
+                "melanin {eumelanin}, {pheomelanin}; roughness {along}, {around}; cuticle angle {tilt:.1}°; IOR {ior}"
             ),
         );
     }
     if let Some(text) = followers(report) {
-        line(&mut out, "followers", text);
-        line(&mut out, "", "--grow 0 draws the strands alone, --grow N fills them up to N".to_string());
+        line(&mut out, "interpolated", text);
+        line(
+            &mut out,
+            "",
+            "--grow 0 draws only the strands of the file, --grow N fills the groom to N strands".to_string(),
+        );
     }
     if let Some(head) = &report.head_placement {
         orientation(&mut out, "head", head);
@@ -161,24 +165,24 @@ fn as_text(report: &ImportReport, anatomy: Option<&Anatomy>) -> String {
     out
 }
 
-/// What strands have besides their shape.
+/// Adds the attributes of the strands.
 fn attributes(out: &mut String, report: &ImportReport) {
     let has = &report.attributes;
     let all = [
         ("widths", has.widths),
-        ("colours", has.colors),
+        ("colors", has.colors),
         ("scalp coordinates", has.root_uvs),
-        ("strand numbers", has.ids),
+        ("strand IDs", has.ids),
     ];
     let list = |there: bool| {
         let some: Vec<_> = all.iter().filter(|(_, has)| *has == there).map(|(name, _)| *name).collect();
         if some.is_empty() { "none".into() } else { some.join(", ") }
     };
-    line(out, "has", format!("{} (not there: {})", list(true), list(false)));
+    line(out, "has", format!("{} (missing: {})", list(true), list(false)));
     if has.guides > 0 {
         let bound = match has.bound {
             0 => String::new(),
-            count => format!("; {count} strands say which of them they follow"),
+            count => format!("; {count} strands name the guide they follow"),
         };
         line(out, "guides", format!("{} of the strands{bound}", has.guides));
     }
@@ -196,10 +200,10 @@ fn attributes(out: &mut String, report: &ImportReport) {
     }
 }
 
-/// Groups that are listed one by one.
+/// Most groups that are listed.
 const MOST_GROUPS: usize = 12;
 
-/// The followers that the files ask for, if they do.
+/// Describes the interpolated strands that the files request, if any.
 fn followers(report: &ImportReport) -> Option<String> {
     let all = &report.followers;
     let most = all.iter().map(|f| f.count).max().filter(|count| *count > 0)?;
@@ -207,7 +211,7 @@ fn followers(report: &ImportReport) -> Option<String> {
     let count = if least == most { most.to_string() } else { format!("{least} to {most}") };
     let radius = all.iter().filter_map(|f| f.radius).reduce(f32::max);
     let within = radius.map_or(String::new(), |radius| format!(" within {:.2} mm", 1e3 * radius));
-    Some(format!("{count} around each strand{within}: {} are drawn", report.with_followers()))
+    Some(format!("{count} around each strand{within}: {} strands are drawn", report.with_followers()))
 }
 
 fn measures(out: &mut String, lint: &Report) {
@@ -231,19 +235,19 @@ fn measures(out: &mut String, lint: &Report) {
     }
 }
 
-/// What moves the body, by the names that `--animation` and `--morph` take.
+/// Adds joints, animations and morph targets of the body, by the names that `--animation` and `--morph` take.
 fn bends(out: &mut String, rig: &Rig) {
     line(out, "body", format!("{} joints, {} nodes", rig.joints.len(), rig.nodes.len()));
     for animation in &rig.animations {
         line(out, "", format!("animation {}, {:.2} s", animation.name, animation.length));
     }
-    rig.targets.iter().for_each(|target| line(out, "", format!("shape {}", target.name)));
+    rig.targets.iter().for_each(|target| line(out, "", format!("blend shape {}", target.name)));
 }
 
-/// What hair collides with, by the names that a file of colliders takes.
+/// Adds the colliders of the body, by the names that a collider file takes.
 fn parts(out: &mut String, anatomy: &Anatomy) {
     let head = anatomy.name(anatomy.head.node);
-    line(out, "colliders", format!("{head}: the field of the head, which hair goes with"));
+    line(out, "colliders", format!("{head}: distance field of the head, which carries the hair"));
     for part in &anatomy.parts {
         let form = match part.form {
             PartForm::Field => "field",
@@ -255,18 +259,18 @@ fn parts(out: &mut String, anatomy: &Anatomy) {
     }
 }
 
-/// The capsule that is most like a part, and how like it is.
-fn fitted(part: &Part) -> String {
+/// Describes the capsule that fits a part best, and its error.
+fn fitted(part: &BodyPart) -> String {
     let Some(fitted) = part.fitted else { return "; no capsule fits".into() };
     let Capsule { ends: [a, b], radius } = fitted.capsule;
     let (off, missed, out) = (1e3 * fitted.off, 1e2 * fitted.missed, 1e3 * STANDS_OUT);
     format!(
-        "; as a capsule {a:.3} to {b:.3} m, radius {:.1} mm: off by {off:.1} mm, {missed:.0} % stands out by {out} mm",
+        "; best capsule: {a:.3} to {b:.3} m, radius {:.1} mm, error {off:.1} mm, {missed:.0} % outside by more than {out} mm",
         1e3 * radius
     )
 }
 
-fn part_as_json(anatomy: &Anatomy, part: &Part) -> Value {
+fn part_as_json(anatomy: &Anatomy, part: &BodyPart) -> Value {
     let capsule = |capsule: Capsule| {
         let [from, to] = capsule.ends.map(|end| end.to_array());
         json!({"capsule": {"from": from, "to": to, "radius": capsule.radius}})
@@ -293,7 +297,7 @@ fn orientation(out: &mut String, what: &str, p: &Placement) {
         format!("{} m per unit, up {}, face {}{mirrored}", p.unit.0, p.up.name(), p.front.name()),
     );
     p.reasons.iter().for_each(|r| line(out, "", r.clone()));
-    p.doubts.iter().for_each(|d| line(out, "", format!("in doubt: {d}")));
+    p.doubts.iter().for_each(|d| line(out, "", format!("uncertain: {d}")));
 }
 
 fn line(out: &mut String, label: &str, value: String) {

@@ -1,18 +1,18 @@
-//! Ctrl-C ends the program at once, whatever it is doing: a frame, or a driver's compilation, may take many seconds and
-//! cannot be stopped half way. Files appear complete or not at all ([`files`]), so nothing is broken by it.
+//! Ctrl-C ends the program at once: a frame, or a driver's compilation, may take many seconds and cannot be canceled.
+//! Files are written atomically ([`files`]), so none is left incomplete.
 
 use crate::{files, progress};
 
-/// The exit code of a program that Ctrl-C ended.
+/// Exit code after Ctrl-C.
 const EXIT_CODE: i32 = 130;
 
-/// Listens for Ctrl-C from here on.
+/// Installs the Ctrl-C handler.
 pub fn listen() {
     let handler = || {
         progress::clear();
         eprintln!("tresses: interrupted");
         files::leave(EXIT_CODE)
     };
-    // A second listener cannot exist; were there one, Ctrl-C would end the program the plain way.
+    // An error would mean a second handler; then Ctrl-C keeps its default action.
     let _ = ctrlc::set_handler(handler);
 }

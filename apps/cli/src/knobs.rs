@@ -1,4 +1,4 @@
-//! `tresses knobs`: every parameter with its range and what it does.
+//! `tresses knobs`: lists all parameters with their ranges and hints.
 
 use crate::say;
 use anyhow::{Result, ensure};
@@ -7,10 +7,10 @@ use tresses_scene::{
     knobs::{SECTIONS, markdown},
 };
 
-/// The options of `tresses knobs`.
+/// Options of `tresses knobs`.
 #[derive(clap::Args, Debug)]
-pub struct Args {
-    /// Only parameters whose path, name or hint contains this, such as wind or simulation.drag
+pub struct KnobsArgs {
+    /// List only parameters whose path, name or hint contains this, such as wind or simulation.drag
     #[arg(value_name = "WORD")]
     pub word: Option<String>,
     /// Print docs/knobs.md
@@ -19,7 +19,7 @@ pub struct Args {
 }
 
 /// Runs `tresses knobs`.
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(args: &KnobsArgs) -> Result<()> {
     if args.markdown {
         say!("{}", markdown().trim_end());
         return Ok(());
@@ -44,13 +44,13 @@ pub fn run(args: &Args) -> Result<()> {
         for knob in knobs {
             let cost = match knob.cost {
                 Change::Frame => "",
-                Change::Regrow => "; grows strands again",
-                Change::Rebuild => "; builds pipelines again",
+                Change::Regrow => "; rebuilds strands",
+                Change::Rebuild => "; recreates pipelines",
             };
             say!("  {} = {} ({}{cost})", knob.path, knob.text(knob.default()), knob.range());
             say!("      {}", knob.hint);
         }
     }
-    ensure!(found, "no parameter has {word} in its name or hint; without a word all are listed");
+    ensure!(found, "no parameter has {word} in its name or hint; without a word, all are listed");
     Ok(())
 }

@@ -8,10 +8,10 @@ use tresses::groom::{
 /// Unit and axes of the files.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct OrientArgs {
-    /// The groom's unit: m, cm, mm, dm, in, ft or metres per unit [default: guessed]
+    /// Groom's unit: m, cm, mm, dm, in, ft or meters per unit [default: guessed]
     #[arg(long, value_name = "UNIT", help_heading = "Unit and axes", hide_short_help = true)]
     unit: Option<Unit>,
-    /// The groom's axis that points up, such as y, z or -z [default: guessed]
+    /// Groom's axis that points up, such as y, z or -z [default: guessed]
     #[arg(
         long,
         value_name = "AXIS",
@@ -20,7 +20,7 @@ pub struct OrientArgs {
         hide_short_help = true
     )]
     up: Option<Axis>,
-    /// The groom's axis that the face looks along [default: guessed]
+    /// Groom's axis that the face points along [default: guessed]
     #[arg(
         long,
         value_name = "AXIS",
@@ -29,17 +29,17 @@ pub struct OrientArgs {
         hide_short_help = true
     )]
     front: Option<Axis>,
-    /// Whether to swap the left and right of the groom [default: guessed, with a head]
+    /// Whether to swap left and right of the groom [default: guessed, with a head]
     #[arg(
         long, value_name = "BOOL", num_args = 0..=1, require_equals = true,
         default_missing_value = "true",
         help_heading = "Unit and axes", hide_short_help = true
     )]
     mirror: Option<bool>,
-    /// The head's unit [default: guessed]
+    /// Head's unit [default: guessed]
     #[arg(long, value_name = "UNIT", help_heading = "Unit and axes", hide_short_help = true)]
     head_unit: Option<Unit>,
-    /// The head's axis that points up [default: guessed]
+    /// Head's axis that points up [default: guessed]
     #[arg(
         long,
         value_name = "AXIS",
@@ -48,7 +48,7 @@ pub struct OrientArgs {
         hide_short_help = true
     )]
     head_up: Option<Axis>,
-    /// The head's axis that the face looks along [default: guessed]
+    /// Head's axis that the face points along [default: guessed]
     #[arg(
         long,
         value_name = "AXIS",
@@ -59,19 +59,19 @@ pub struct OrientArgs {
     head_front: Option<Axis>,
 }
 
-/// Which moment of an animated groom is read.
+/// Frame or time of an animated groom.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct MomentArgs {
-    /// The frame of an animated groom (.abc, .usd) that is read, from 0 on [default: the first]
+    /// Frame to read from an animated groom (.abc, .usd), counted from 0 [default: the first]
     #[arg(long, value_name = "N", conflicts_with = "seconds")]
     frame: Option<u32>,
-    /// The time of an animated groom whose nearest frame is read, seconds
+    /// Time to read from an animated groom, seconds; the nearest frame is read
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     seconds: Option<f64>,
 }
 
 impl MomentArgs {
-    /// As the library takes it.
+    /// Returns the moment in the library's form.
     pub fn moment(&self) -> Moment {
         match (self.frame, self.seconds) {
             (Some(frame), _) => Moment::Frame(frame),
@@ -82,7 +82,7 @@ impl MomentArgs {
 }
 
 impl OrientArgs {
-    /// Puts what is given into `options`.
+    /// Applies the given options to `options`.
     pub fn apply(&self, options: &mut ImportOptions) {
         let (groom, head) = (&mut options.orient, &mut options.orient_head);
         groom.unit = self.unit.or(groom.unit);
@@ -94,7 +94,7 @@ impl OrientArgs {
         head.front = self.head_front.or(head.front);
     }
 
-    /// As the library takes them.
+    /// Returns the import options.
     pub fn options(&self) -> ImportOptions {
         let mut options = ImportOptions::default();
         self.apply(&mut options);

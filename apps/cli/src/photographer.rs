@@ -1,9 +1,9 @@
-//! A character and the pictures taken of it.
+//! A scene and the images rendered of it.
 
 use crate::{
     args::Size,
     debug::{self, Debug},
-    picture::{Frame, Kind, Picture, layers},
+    picture::{Frame, OutputKind, Picture, layers},
     progress::Preparing,
 };
 use anyhow::{Result, ensure};
@@ -12,9 +12,9 @@ use std::{
     sync::Arc,
 };
 use tresses::{PipelineRequest, gpu::Gpu, present::Background};
-use tresses_scene::{Companions, Preset, Scene, Shelf, Viewpoint, scene::Asked};
+use tresses_scene::{Companions, Preset, Scene, Shelf, Viewpoint, scene::OutputRequest};
 
-/// A scene, and what is shown over its pictures.
+/// A scene, and the debug view shown in its images.
 pub struct Photographer {
     scene: Scene,
     debug: Option<Debug>,
@@ -35,22 +35,22 @@ impl DerefMut for Photographer {
 }
 
 impl Photographer {
-    /// Opens the GPU, reads or grows the character of `preset` and brings it there.
+    /// Opens the GPU and loads or grows the character of `preset`.
     pub fn open(preset: &Preset, size: Size) -> Result<Self> {
         Self::with_samples(None, preset, size, (false, true))
     }
 
-    /// The same for pictures of hair at rest, which need fewer pipelines.
+    /// Opens a scene for hair at rest, which needs fewer pipelines.
     pub fn open_still(preset: &Preset, size: Size) -> Result<Self> {
         Self::with_samples(None, preset, size, (false, false))
     }
 
-    /// The same with fewer samples per pixel where the adapter offers no more.
+    /// Opens a scene with fewer samples per pixel if the adapter does not offer more.
     pub fn with_samples_at_most(preset: &Preset, size: Size) -> Result<Self> {
         Self::with_samples(None, preset, size, (true, true))
     }
 
-    /// The same on a GPU that is open already.
+    /// Opens a scene on an existing GPU.
     pub fn on(gpu: Gpu, preset: &Preset, size: Size) -> Result<Self> {
         Self::with_samples(Some(gpu), preset, size, (true, true))
     }
@@ -71,14 +71,14 @@ impl Photographer {
         let mut quality = settings.quality([size.width, size.height], most)?;
         ensure!(
             quality.view.samples <= most || fewer,
-            "{} samples per pixel were requested, but {} offers at most {most}",
+            "{} samples per pixel were requested, but {} supports at most {most}",
             quality.view.samples,
             gpu.info.name
         );
         quality.view.samples = quality.view.samples.min(most);
         let context = gpu.context.clone();
         let compile = |requests: Vec<PipelineRequest>| pollster::block_on(context.prepare(&requests, &()));
-        // Shaders are compiled while the character is made.
+        // Compile shaders while the character is built.
         let mut scene = std::thread::scope(|scope| -> Result<Scene> {
             let at_rest = settings.pipelines(quality.view);
             let at_rest = scope.spawn(move || compile(at_rest));
@@ -99,35 +99,35 @@ impl Photographer {
         })?;
         if let Some(roots) = scene.character.roots().filter(|roots| roots.farthest > 0.01) {
             let [mean, farthest] = [roots.mean, roots.farthest].map(|metres| 1e3 * metres);
-            eprintln!("note: roots are {mean:.1} mm from the body in the mean, {farthest:.0} mm at most");
+            eprintln!("note: roots are {mean:.1} mm from the body on average, {farthest:.0} mm at most");
         }
         scene.apply(settings)?;
         scene.set_surroundings(surroundings.map(Arc::new));
         Ok(Self { scene, debug: None })
     }
 
-    /// From here on pictures show what `args` ask for.
+    /// Shows the debug view of `args` from now on.
     pub fn show(&mut self, args: &debug::DebugArgs) -> Result<()> {
         self.debug = Debug::new(&mut self.scene, args)?;
         Ok(())
     }
 
-    /// Whether a range of colours is to be found from all frames of a sequence before the first is drawn.
+    /// Whether the color range depends on all frames of a sequence.
     pub fn seeks_range(&self) -> bool {
         self.debug.as_ref().is_some_and(|debug| debug.seeks_range(&self.scene))
     }
 
-    /// Takes note of what this frame adds to that range. Blocks.
+    /// Includes the current frame in that range. Blocks.
     pub fn observe(&mut self) -> Result<()> {
         self.debug.as_mut().map_or(Ok(()), |debug| debug.observe(&self.scene))
     }
 
-    /// Pictures have the range of all frames that were observed from here on.
+    /// Sets the color range from all observed frames.
     pub fn settle_range(&mut self) -> Result<()> {
         self.debug.as_mut().map_or(Ok(()), |debug| debug.settle(&mut self.scene))
     }
 
-    /// The current picture. Blocks.
+    /// Renders the current frame. Blocks.
     pub fn picture(&mut self, camera: &Viewpoint) -> Result<Picture> {
         let scene = &mut self.scene;
         scene.place_colliders();
@@ -151,20 +151,20 @@ impl Photographer {
         Ok(picture)
     }
 
-    /// The frame that `kind` takes. Blocks.
-    pub fn frame(&mut self, camera: &Viewpoint, kind: Kind) -> Result<Frame> {
+    /// Renders the current frame for an output of `kind`. Blocks.
+    pub fn frame(&mut self, camera: &Viewpoint, kind: OutputKind) -> Result<Frame> {
         if !kind.has_layers() {
             return Ok(Frame::Shown(self.picture(camera)?));
         }
-        let asked = Asked { linear: true, hair: true, bare: false };
+        let asked = OutputRequest { linear: true, hair: true, bare: false };
         let captured = pollster::block_on(self.scene.capture(camera, asked))?;
         let (size, projection) = (self.scene.targets().size, self.scene.picture.camera.projection);
         Ok(Frame::File(layers::encode(&captured, size, &projection)?, size))
     }
 
-    /// How many pixels of the picture the hair covers, whatever is before it. Blocks.
+    /// Returns the number of pixels that hair covers, including occluded hair. Blocks.
     pub fn hair_pixels(&mut self, camera: &Viewpoint) -> Result<f64> {
-        let asked = Asked { bare: true, ..Asked::default() };
+        let asked = OutputRequest { bare: true, ..OutputRequest::default() };
         let background = std::mem::replace(&mut self.scene.picture.background, Background::transparent());
         let captured = pollster::block_on(self.scene.capture(camera, asked));
         self.scene.picture.background = background;

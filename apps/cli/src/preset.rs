@@ -1,13 +1,13 @@
-//! `tresses preset`: writes the given options as a preset.
+//! `tresses preset`: prints the given options as a preset.
 
 use crate::{say, settings_args::SettingsArgs};
 use anyhow::Result;
 use tresses_scene::preset::Extent;
 
-/// The options of `tresses preset`.
+/// Options of `tresses preset`.
 #[derive(clap::Args, Debug)]
-pub struct Args {
-    /// Write all parameters, with hints and ranges, not only those that differ from the defaults
+pub struct PresetCommandArgs {
+    /// Write all parameters with hints and ranges, not only those that differ from the defaults
     #[arg(long)]
     pub all: bool,
     #[command(flatten)]
@@ -15,7 +15,7 @@ pub struct Args {
 }
 
 /// Runs `tresses preset`.
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(args: &PresetCommandArgs) -> Result<()> {
     let preset = args.settings.preset()?;
     let extent = if args.all { Extent::All } else { Extent::Changed };
     say!("{}", preset.write(extent).trim_end());

@@ -1,4 +1,4 @@
-//! Presets on the command line, and single parameters by their names.
+//! Presets on the command line, and single parameters by name.
 
 use anyhow::{Result, bail};
 use std::{path::PathBuf, str::FromStr};
@@ -8,28 +8,28 @@ use tresses_scene::{
     preset::Extent,
 };
 
-/// Where settings come from and go to.
+/// Options for presets and single parameters.
 #[derive(clap::Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Presets")]
 pub struct PresetArgs {
-    /// Settings from a file, and the hair that it names; other options take precedence
+    /// Load settings and hair from a preset; other options take precedence
     #[arg(long, value_name = "FILE")]
     preset: Option<PathBuf>,
-    /// Any parameter that `tresses knobs` lists, as in simulation.drag=5; may be repeated
+    /// Set any parameter that `tresses knobs` lists, as in simulation.drag=5; may be repeated
     #[arg(long = "set", value_name = "NAME=VALUE")]
     assignments: Vec<Assignment>,
-    /// Write the result of all options into a preset
+    /// Write the result of all options to a preset
     #[arg(long, value_name = "FILE", hide_short_help = true)]
     save_preset: Option<PathBuf>,
 }
 
 impl PresetArgs {
-    /// The preset that is given, or nothing but defaults.
+    /// Returns the given preset, or the defaults.
     pub fn open(&self) -> Result<Preset> {
         open(self.preset.as_ref())
     }
 
-    /// Sets single parameters of `preset`, and writes it where it is asked for.
+    /// Sets single parameters of `preset`, and saves it if requested.
     pub fn finish(&self, preset: &mut Preset) -> Result<()> {
         for Assignment { knob, value } in &self.assignments {
             knob.set(&mut preset.settings, *value)?;
@@ -37,7 +37,7 @@ impl PresetArgs {
         preset.settings.check()?;
         if let Some(path) = &self.save_preset {
             if path.extension().is_none_or(|extension| extension != "toml") {
-                bail!("{}: presets are .toml files", path.display());
+                bail!("{}: a preset must be a .toml file", path.display());
             }
             preset.name = path.file_stem().map(|name| name.to_string_lossy().into_owned());
             preset
@@ -49,7 +49,7 @@ impl PresetArgs {
     }
 }
 
-/// The preset at `path`, or nothing but defaults.
+/// Returns the preset at `path`, or the defaults.
 pub fn open(path: Option<&PathBuf>) -> Result<Preset> {
     Ok(path.map(|path| Preset::open(path)).transpose()?.unwrap_or_default())
 }
@@ -65,7 +65,7 @@ impl FromStr for Assignment {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (path, value) = text.split_once('=').ok_or("give a name and a value, as in simulation.drag=5")?;
+        let (path, value) = text.split_once('=').ok_or("expected NAME=VALUE, as in simulation.drag=5")?;
         let knob = knobs::named(path.trim())?;
         let value = knob.parse(value).map_err(|refusal| refusal.to_string())?;
         Ok(Self { knob, value })

@@ -1,4 +1,4 @@
-//! Progress on the terminal; silent where the output is not a terminal.
+//! Progress on the terminal. Silent if the output is not a terminal.
 
 use indicatif::{ProgressBar, ProgressStyle, WeakProgressBar};
 use std::{
@@ -8,7 +8,7 @@ use std::{
 };
 use tresses::Progress;
 
-/// The bar that is on the terminal.
+/// The current bar.
 static SHOWN: Mutex<Option<WeakProgressBar>> = Mutex::new(None);
 
 fn shown(bar: ProgressBar) -> ProgressBar {
@@ -16,7 +16,7 @@ fn shown(bar: ProgressBar) -> ProgressBar {
     bar
 }
 
-/// Takes the bar from the terminal, for the last words of a program.
+/// Removes the bar from the terminal before the program exits.
 pub fn clear() {
     let shown = SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take();
     if let Some(bar) = shown.and_then(|bar| bar.upgrade()) {
@@ -30,18 +30,17 @@ fn styled(bar: &ProgressBar, template: &str) {
     }
 }
 
-/// A bar over `frames` frames.
+/// Shows a bar of `frames` frames.
 pub fn frames(what: &'static str, frames: u64) -> ProgressBar {
     let bar = ProgressBar::new(frames).with_message(what);
     styled(&bar, "{msg} {wide_bar} {pos}/{len} frames, {eta} left");
     shown(bar)
 }
 
-/// Steps of a bar that shows a share.
+/// Resolution of a bar that shows a fraction.
 const STEPS: u64 = 1000;
 
-/// What is being made before the first frame: a line that turns, or a bar with the time left once a task can tell how
-/// far it is.
+/// Progress of the preparation: a spinner, or a bar with the remaining time once a task reports its fraction.
 pub struct Preparing {
     bar: ProgressBar,
     task: Cell<&'static str>,
@@ -58,7 +57,7 @@ impl Preparing {
         preparing
     }
 
-    /// `task` goes on now; nobody knows how far it is.
+    /// Shows `task` with a spinner.
     pub fn task(&self, task: &'static str) {
         self.task.set(task);
         self.is_measured.set(false);
@@ -67,7 +66,7 @@ impl Preparing {
         self.bar.set_message(task);
     }
 
-    /// Lets `tell` write to the terminal.
+    /// Hides the bar while `tell` writes to the terminal.
     pub fn suspend(&self, tell: impl FnOnce()) {
         self.bar.suspend(tell);
     }

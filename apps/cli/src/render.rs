@@ -1,10 +1,10 @@
-//! `tresses render`: a picture, numbered frames, an animation or a film of a groom or a built-in style.
+//! `tresses render`: an image, numbered frames, an animation or a video of a groom or a built-in style.
 
 use crate::{
     args::{self, Size},
     crowd, debug,
     photographer::Photographer,
-    picture::{Film, Kind, Output},
+    picture::{Film, Output, OutputKind},
     progress, say,
     settings_args::SettingsArgs,
 };
@@ -18,65 +18,65 @@ use tresses::{
 };
 use tresses_scene::{Motion, Shot, Viewpoint, camera::Angle, motion::NAMES};
 
-/// The longest animation, frames.
+/// Longest animation, frames.
 const MAX_FRAMES: u32 = 100_000;
 
-/// The options of `tresses render`.
+/// Options of `tresses render`.
 #[derive(clap::Args, Debug)]
-#[command(after_help = "These are the options that are needed most; --help shows all of them by topic.")]
-#[command(after_long_help = "Every other parameter is set by --set NAME=VALUE; `tresses knobs` lists them.")]
-pub struct Args {
+#[command(after_help = "These are the most common options; --help lists all of them by topic.")]
+#[command(after_long_help = "Set any other parameter with --set NAME=VALUE; `tresses knobs` lists them.")]
+pub struct RenderArgs {
     #[command(flatten)]
     pub settings: SettingsArgs,
-    /// How the character moves: still, nod, turn, shake, walk, dance, or a keyframe file (.json)
-    #[arg(long, value_name = "NAME", default_value = "still", help_heading = "Picture")]
+    /// Motion of the character: still, nod, turn, shake, walk, dance, or a keyframe file (.json)
+    #[arg(long, value_name = "NAME", default_value = "still", help_heading = "Image")]
     pub motion: String,
-    /// How the head's body moves: the name of an animation in its file (.glb, .gltf)
-    #[arg(long, value_name = "NAME", help_heading = "Picture")]
+    /// Animation of the head mesh, by its name in the file (.glb, .gltf)
+    #[arg(long, value_name = "NAME", help_heading = "Image")]
     pub animation: Option<String>,
-    /// How much there is of a shape of the body, instead of what its animation says; may be given again
-    #[arg(long = "morph", value_name = "NAME=WEIGHT", value_parser = args::morph, help_heading = "Picture", hide_short_help = true)]
+    /// Weight of a morph target, instead of the animation's; may be repeated
+    #[arg(long = "morph", value_name = "NAME=WEIGHT", value_parser = args::morph, help_heading = "Image", hide_short_help = true)]
     pub morphs: Vec<(String, f32)>,
-    /// Frames to simulate; a single .png or .exr shows the last one [default: 1 for that, else one period of the motion]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_FRAMES)), help_heading = "Picture")]
+    /// Frames to simulate; a single .png or .exr shows the last [default: 1 for these, else one period of the motion]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_FRAMES)), help_heading = "Image")]
     pub frames: Option<u32>,
     /// Frames per second
-    #[arg(long, value_name = "F", default_value = "24", value_parser = args::fps, help_heading = "Picture")]
+    #[arg(long, value_name = "F", default_value = "24", value_parser = args::fps, help_heading = "Image")]
     pub fps: f64,
-    /// Width and height in pixels, each 16 to 16384 and together at most 33,177,600 (7680x4320)
-    #[arg(long, value_name = "WxH", default_value = "1280x720", help_heading = "Picture")]
+    /// Width and height in pixels: each 16 to 16384, together at most 33,177,600 (7680x4320)
+    #[arg(long, value_name = "WxH", default_value = "1280x720", help_heading = "Image")]
     pub size: Size,
-    /// Where the camera stands
-    #[arg(long, value_name = "NAME", value_enum, default_value_t, help_heading = "Picture")]
+    /// Position of the camera
+    #[arg(long, value_name = "NAME", value_enum, default_value_t, help_heading = "Image")]
     pub camera: Angle,
-    /// The camera goes with the head, wherever a motion or an animation takes it
-    #[arg(long, help_heading = "Picture", hide_short_help = true)]
+    /// Move the camera with the head
+    #[arg(long, help_heading = "Image", hide_short_help = true)]
     pub follow: bool,
     /// Distance of the camera: close, normal, far, or a magnification
-    #[arg(long, value_name = "FACTOR", default_value = "normal", value_parser = args::zoom, help_heading = "Picture")]
+    #[arg(long, value_name = "FACTOR", default_value = "normal", value_parser = args::zoom, help_heading = "Image")]
     pub zoom: f32,
-    /// Distance of the camera from the middle of its subject, metres; instead of --zoom
-    #[arg(long, value_name = "METRES", value_parser = args::distance, conflicts_with = "zoom", help_heading = "Picture", hide_short_help = true)]
+    /// Distance of the camera from the center of its subject, meters; instead of --zoom
+    #[arg(long, value_name = "METERS", value_parser = args::distance, conflicts_with = "zoom", help_heading = "Image", hide_short_help = true)]
     pub distance: Option<f32>,
-    /// Distance in the last frame: the camera moves by equal factors in equal times
-    #[arg(long, value_name = "METRES", value_parser = args::distance, help_heading = "Picture", hide_short_help = true)]
+    /// Distance in the last frame; the camera moves by equal factors in equal times
+    #[arg(long, value_name = "METERS", value_parser = args::distance, help_heading = "Image", hide_short_help = true)]
     pub distance_to: Option<f32>,
     #[command(flatten)]
     pub crowd: crowd::CrowdArgs,
-    /// Output: one .png or .exr (linear, with depth, coverage, motion and strands of the hair), numbered frames (a folder, or
-    /// a name with #### in it), an animation (.webp, .gif, .apng), or a film (.mp4, .webm; by ffmpeg)
-    #[arg(long, value_name = "PATH", default_value = "out/render.png", help_heading = "Picture")]
+    /// Output: one .png or .exr (linear, with depth, coverage, motion and strands of the hair), numbered frames (a
+    /// folder, or a name with #### in it), an animation (.webp, .gif, .apng), or a video (.mp4, .webm; needs ffmpeg)
+    #[arg(long, value_name = "PATH", default_value = "out/render.png", help_heading = "Image")]
     pub out: PathBuf,
-    /// Nothing behind hair and head: .png and .exr have an alpha channel
-    #[arg(long, help_heading = "Picture", hide_short_help = true)]
+    /// Leave the background transparent; .png and .exr have an alpha channel
+    #[arg(long, help_heading = "Image", hide_short_help = true)]
     pub transparent: bool,
     #[command(flatten)]
     pub debug: debug::DebugArgs,
 }
 
 /// Runs `tresses render`.
-pub fn run(args: &Args) -> Result<()> {
-    let kind = Kind::of(&args.out)?;
+pub fn run(args: &RenderArgs) -> Result<()> {
+    let kind = OutputKind::of(&args.out)?;
     let motion = Motion::open(&args.motion)?;
     let frames = |period: f64| -> Result<u32> {
         match args.frames {
@@ -86,18 +86,18 @@ pub fn run(args: &Args) -> Result<()> {
                 let frames = (period * args.fps).round().max(1.0);
                 ensure!(
                     frames <= f64::from(MAX_FRAMES),
-                    "the motion lasts {frames} frames, but at most {MAX_FRAMES} are drawn; give --frames"
+                    "the motion has {frames} frames, but at most {MAX_FRAMES} are drawn; give --frames"
                 );
                 Ok(frames as u32)
             }
         }
     };
     let known = frames(motion.duration())?;
-    // What can be refused is refused before anything is opened or made.
+    // Check the options before opening or creating anything.
     let mut preset = args.settings.preset()?;
     let hair_hair = &mut preset.settings.simulation.hair_hair;
     if args.debug.debug == Some(DebugView::Density) && hair_hair.mode == HairHairMode::Off {
-        // Hair that passes through hair has a grid all the same, which does nothing.
+        // The density view needs the grid, so keep it without any effect on the hair.
         *hair_hair = HairHair { speed: 0.0, friction: 0.0, ..HairHair::default() };
     }
     args.debug.check(&preset.settings.physics())?;
@@ -106,18 +106,18 @@ pub fn run(args: &Args) -> Result<()> {
     }
     ensure!(
         !args.transparent || kind.has_alpha(),
-        "{}: --transparent is for .png and .exr, alone or numbered",
+        "{}: --transparent needs .png or .exr",
         args.out.display()
     );
-    if kind == Kind::Film {
+    if kind == OutputKind::Film {
         Film::check(&args.out)?;
     }
     if kind.has_layers() {
         let (_, coverage) = preset.settings.sampling(16)?;
-        ensure!(args.debug.debug.is_none(), "--debug shows colours: .png instead of .exr");
+        ensure!(args.debug.debug.is_none(), "--debug does not support .exr: choose .png");
         ensure!(
             coverage == Coverage::Tiles && preset.settings.ssaa == 1,
-            "where hair is, is known of pictures by tiles without supersampling only: leave out --coverage and --ssaa"
+            ".exr layers need tiles without supersampling: remove --coverage and --ssaa"
         );
     }
     if args.crowd.is_given() {
@@ -146,25 +146,26 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Refuses what a crowd has not.
-fn check_crowd(args: &Args) -> Result<()> {
+/// Checks that the options are valid for a crowd.
+fn check_crowd(args: &RenderArgs) -> Result<()> {
     let one = args.distance.is_some() || args.distance_to.is_some() || args.zoom != 1.0;
-    ensure!(!one, "a crowd is seen from where all of it is in the picture: leave out --zoom and --distance");
-    ensure!(!Kind::of(&args.out)?.has_layers(), "a crowd is drawn without layers: .png instead of .exr");
-    ensure!(!args.transparent, "--transparent is for one head: leave out --crowd");
-    ensure!(args.debug.debug.is_none(), "--debug looks into one head: leave out --crowd");
+    ensure!(!one, "the camera of a crowd frames all heads: remove --zoom, --distance and --distance-to");
+    ensure!(!OutputKind::of(&args.out)?.has_layers(), "--crowd does not support .exr: choose .png");
+    ensure!(!args.transparent, "--transparent does not support --crowd: remove one of them");
+    ensure!(args.debug.debug.is_none(), "--debug does not support --crowd: remove one of them");
     args.crowd.check()
 }
 
-/// Gives the body its motion and its shapes, as `args` have them; how long the motion is, seconds, if there is one.
-fn bend(scene: &mut Photographer, motion: &Motion, args: &Args) -> Result<Option<f64>> {
-    // Built-in motions name shapes of the built-in character, which others need not have.
+/// Sets animation and morph targets of the body from `args`. Returns the animation's duration in seconds, if there is
+/// one.
+fn bend(scene: &mut Photographer, motion: &Motion, args: &RenderArgs) -> Result<Option<f64>> {
+    // Built-in motions use morph targets of the built-in character, which other characters may lack.
     let keyed = motion.shapes().filter(|_| !NAMES.contains(&args.motion.as_str()));
     let Some(rig) = scene.character.rig_mut() else {
         let wanted = args.animation.is_some() || !args.morphs.is_empty() || keyed.count() > 0;
         ensure!(
             !wanted,
-            "the head has no animations and no shapes: give one that has by --head (.glb, .gltf)"
+            "the head has no animations and no blend shapes: give a head that has them with --head (.glb, .gltf)"
         );
         return Ok(None);
     };
@@ -172,7 +173,7 @@ fn bend(scene: &mut Photographer, motion: &Motion, args: &Args) -> Result<Option
         && rig.animations().next().is_none()
     {
         bail!(
-            "the body has no animation {name:?}; it has none of its own; --motion has {}",
+            "the body has no animation {name:?}: it has no animations; --motion has {}",
             NAMES[1..].join(", ")
         );
     }
@@ -189,41 +190,41 @@ fn record(
     shot: &Shot,
     motion: &Motion,
     (frames, period): (u32, f64),
-    args: &Args,
+    args: &RenderArgs,
 ) -> Result<String> {
     let size = (args.size.width, args.size.height);
     let mut output = Output::create(&args.out, size, frames, args.fps)?.with_alpha(args.transparent);
-    // A whole run of a repeating motion is a loop: the hair must start as it ends.
+    // A whole period of a repeating motion loops, so the hair starts with a warm-up period.
     let is_loop = output.kind().is_animation()
         && (motion.repeats() || args.animation.is_some())
         && (f64::from(frames) / args.fps - period).abs() < 0.5 / args.fps;
     let lead = if is_loop { -period } else { 0.0 };
     let shot = if args.follow { shot.following(scene.subject()) } else { *shot };
-    animate(scene, &shot, motion, Times { frames, fps: args.fps, lead }, &mut output)?;
+    animate(scene, &shot, motion, FrameTimes { frames, fps: args.fps, lead }, &mut output)?;
     output.finish()
 }
 
-/// When frames are taken.
+/// Timing of a sequence of frames.
 #[derive(Clone, Copy, Debug)]
-pub struct Times {
-    /// How many frames.
+pub struct FrameTimes {
+    /// Number of frames.
     pub frames: u32,
     /// Frames per second.
     pub fps: f64,
-    /// When the hair starts to move, seconds before (below zero) the first frame.
+    /// Start of the simulation relative to the first frame, seconds; negative or zero.
     pub lead: f64,
 }
 
-/// Moves the head, and hands every frame to `output`.
+/// Animates the character and adds every frame to `output`.
 pub fn animate(
     scene: &mut Photographer,
     shot: &Shot,
     motion: &Motion,
-    times: Times,
+    times: FrameTimes,
     output: &mut Output,
 ) -> Result<()> {
     if times.frames > 1 && !output.keeps_only_last() && scene.seeks_range() {
-        // One range of colours for all frames: they are simulated once before, and not drawn.
+        // One color range for all frames: simulate them once without drawing to measure it.
         play(scene, shot, motion, times, "measuring", |scene, _, _| scene.observe())?;
         scene.settle_range()?;
     }
@@ -235,12 +236,12 @@ pub fn animate(
     })
 }
 
-/// Moves the head from the begin of the motion on, and does something with every frame.
+/// Plays the motion from its start and calls `each` for every frame.
 fn play(
     scene: &mut Photographer,
     shot: &Shot,
     motion: &Motion,
-    times: Times,
+    times: FrameTimes,
     work: &'static str,
     mut each: impl FnMut(&mut Photographer, u32, &Viewpoint) -> Result<()>,
 ) -> Result<()> {
@@ -261,7 +262,7 @@ fn play(
     for frame in 0..times.frames {
         let camera = at(frame);
         if frame > 0 {
-            // The level of detail is that of where the head was.
+            // The camera follows the head's last position, and the level of detail depends on the camera.
             let head = scene.character.head();
             scene.watch(&shot.with(&camera, &head));
             scene.advance(&motion.gesture(f64::from(frame) * step, pivot), step as f32)?;

@@ -1,4 +1,4 @@
-//! All options for hair, and their effect on a preset.
+//! Options for all hair settings, and their effect on a preset.
 
 use crate::{
     args::SourceArgs,
@@ -9,7 +9,7 @@ use anyhow::{Result, ensure};
 use tresses::draw::Coverage;
 use tresses_scene::{Preset, Settings, Value, knobs, settings::HairColor};
 
-/// Everything that a preset holds. What is given here wins over the preset, and that over the defaults.
+/// Options for everything that a preset stores. Options override the preset, and the preset overrides the defaults.
 #[derive(clap::Args, Debug, Default)]
 pub struct SettingsArgs {
     #[command(flatten)]
@@ -23,7 +23,7 @@ pub struct SettingsArgs {
 }
 
 impl SettingsArgs {
-    /// What all of them come to.
+    /// Returns the preset with all options applied.
     pub fn preset(&self) -> Result<Preset> {
         let mut preset = self.preset.open()?;
         self.source.apply(&mut preset);
@@ -33,28 +33,28 @@ impl SettingsArgs {
     }
 }
 
-/// Puts the parameters that are given into `settings`; refuses pigments and roughness of a model that has none.
+/// Applies the given parameters to `settings`. Rejects pigments and roughness for a shading model without them.
 pub fn apply_rows<R: Rows>(rows: &RowFlags<R>, settings: &mut Settings) -> Result<()> {
     rows.apply(settings)?;
     let model = knobs::find("shading.model").map(|row| row.get(settings));
     for name in ["melanin", "roughness"] {
         ensure!(
             !(rows.gives(name) && rows.gives("shading")) || model != Some(Value::Choice("kajiya-kay")),
-            "--{name} describes fibres, which --shading kajiya-kay does not have"
+            "--{name} needs --shading fiber"
         );
     }
     Ok(())
 }
 
-/// Puts files and parameters that are given into `preset`; refuses what contradicts itself.
+/// Applies the given files and parameters to `preset`. Rejects contradictions.
 pub fn apply(companions: &CompanionFlags, rows: &RowFlags<All>, preset: &mut Preset) -> Result<()> {
     ensure!(
         !(rows.gives("color") && rows.gives("melanin")),
-        "--color and --melanin both say what colour the hair has: give one"
+        "--color and --melanin both set the hair color: give one of them"
     );
     ensure!(
         !(rows.gives("color") && companions.gives("color_map")),
-        "--color gives all hair one colour and --color-map many; give one of them"
+        "--color and --color-map both set the hair color: give one of them"
     );
     let Preset { source, settings, .. } = preset;
     companions.apply(source);
@@ -67,12 +67,12 @@ pub fn apply(companions: &CompanionFlags, rows: &RowFlags<All>, preset: &mut Pre
     ensure!(
         source.environment.is_some()
             || !(rows.gives("environment-turn") || rows.gives("environment-strength")),
-        "there are no surroundings to turn or to strengthen: give --environment"
+        "--environment-turn and --environment-strength need --environment"
     );
     let (_, coverage) = settings.sampling(16)?;
     ensure!(
         !rows.gives("layers") || matches!(coverage, Coverage::DepthPeeling { .. }),
-        "--layers is for --coverage peel: the other modes have none"
+        "--layers needs --coverage peel"
     );
     Ok(())
 }
@@ -94,11 +94,11 @@ mod tests {
     }
 
     #[test]
-    fn by_default_everything_is_as_in_the_library() {
+    fn defaults_match_the_library() {
         assert_eq!(parse(&[]).unwrap(), Preset::default());
     }
 
-    /// Every option with another value than by default, and the knobs that it turns.
+    /// Options with a value other than the default, and the parameters that they change.
     const OPTIONS: &[(&[&str], &[&str])] = &[
         (&["--strands", "500"], &["style.strands"]),
         (&["--grow", "900"], &["style.grow"]),
@@ -158,7 +158,7 @@ mod tests {
     ];
 
     #[test]
-    fn options_win_over_a_preset_and_that_over_the_defaults() {
+    fn options_override_presets_and_presets_override_defaults() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("preset.toml");
         let file = path.to_str().unwrap();
@@ -179,14 +179,14 @@ mod tests {
                 let from = if paths.contains(&knob.path) { &alone } else { &all };
                 assert_eq!(knob.get(&over), knob.get(from), "{words:?}: {}", knob.path);
             }
-            // And a default that is given explicitly wins as well.
+            // An explicit default also overrides the preset.
         }
         let calm = parse(&["--preset", file, "--wind", "0"]).unwrap().settings;
         assert_eq!((calm.wind_speed(), calm.lights.rim), (0.0, 2.0));
     }
 
     #[test]
-    fn what_is_saved_is_the_same_again() {
+    fn saved_preset_round_trips() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("deep/mine.toml");
         let file = path.to_str().unwrap();
@@ -194,7 +194,7 @@ mod tests {
         let saved = parse(&words).unwrap();
         assert_eq!(saved.name.as_deref(), Some("mine"));
         assert_eq!(parse(&["--preset", file]).unwrap(), saved);
-        // Two grooms, and a style instead of them.
+        // Grooms given on the command line replace the preset's style.
         let words = ["a.tfx", "--head", "h.obj", "--preset", file];
         let other = parse(&words).unwrap();
         assert_eq!((other.source.style, other.source.grooms.len()), (None, 1));
@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn assignments_that_make_no_sense_are_refused() {
+    fn invalid_assignments_are_errors() {
         for (text, clause) in [
             ("simulation.drga=5", "the nearest is simulation.drag"),
             ("simulation.drag", "as in simulation.drag=5"),
@@ -216,7 +216,7 @@ mod tests {
     }
 
     #[test]
-    fn surroundings_go_into_a_preset() {
+    fn environment_is_stored_in_a_preset() {
         let words = ["--environment", "sky.hdr", "--environment-turn", "-90", "--environment-strength", "2"];
         let preset = parse(&words).unwrap();
         assert_eq!(preset.source.environment.as_deref(), Some("sky.hdr"));
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn what_contradicts_itself_is_refused() {
+    fn contradictory_options_are_errors() {
         for words in [
             &["--color", "red", "--melanin", "1"][..],
             &["--color", "red", "--color-map", "a.png"],
@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn another_kind_of_curl_or_edge_replaces_that_of_a_preset() {
+    fn curl_and_coverage_replace_those_of_a_preset() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("preset.toml");
         let file = path.to_str().unwrap();

@@ -1,27 +1,27 @@
-//! `tresses studio`: the window.
+//! `tresses studio`: opens the studio.
 
 use crate::settings_args::SettingsArgs;
 use anyhow::{Context, Result};
 use tresses_scene::{Companions, Shelf};
 use tresses_studio::Options;
 
-/// What the window shows first; everything can be changed there.
+/// Initial state of the window.
 #[derive(clap::Args, Debug)]
-pub struct Args {
+pub struct StudioArgs {
     #[command(flatten)]
     settings: SettingsArgs,
 }
 
 /// Opens the window and returns when it is closed.
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(args: &StudioArgs) -> Result<()> {
     tresses_studio::run(args.options()?)
 }
 
-impl Args {
+impl StudioArgs {
     fn options(&self) -> Result<Options> {
         let preset = self.settings.preset()?;
         let source = preset.source;
-        // Said here, and not in a window that has nothing to show.
+        // Report missing files here instead of in an empty window.
         for path in source.grooms.iter().chain(&source.heads) {
             std::fs::metadata(path).with_context(|| path.display().to_string())?;
         }
@@ -51,7 +51,7 @@ mod tests {
     #[derive(Parser)]
     struct Command {
         #[command(flatten)]
-        args: Args,
+        args: StudioArgs,
     }
 
     fn options(words: &[&str]) -> Result<Options> {
@@ -59,7 +59,7 @@ mod tests {
     }
 
     #[test]
-    fn the_window_begins_as_the_options_say() {
+    fn options_set_the_initial_state() {
         assert_eq!(options(&[]).unwrap(), Options::default());
         let begun = options(&["--style", "bob", "--set", "wind.speed=3"]).unwrap();
         assert_eq!((begun.style.as_deref(), begun.settings.wind_speed()), (Some("bob"), 3.0));
@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_window_cannot_show_is_said_before_it_opens() {
+    fn missing_files_fail_before_the_window_opens() {
         for (words, text) in [
             (&["nowhere.tfx"][..], "nowhere.tfx"),
             (&["--length-map", "nowhere.png"], "nowhere.png"),

@@ -1,8 +1,8 @@
-//! Alembic and USD against programs that we did not write: Blender and the reference implementations.
+//! Alembic and USD files, checked with Blender and the reference implementations.
 //!
-//! `TRESSES_BPY` is a Python with the module `bpy` (Debian's Blender is built without Alembic), `TRESSES_ALEMBIC` one
-//! with the module `alembic3d`, `TRESSES_USD` one with `pxr`; without them Blender is looked for, and what is not there
-//! is skipped.
+//! `TRESSES_BPY` names a Python with the module `bpy` (Debian's Blender is built without Alembic), `TRESSES_ALEMBIC`
+//! one with `alembic3d`, and `TRESSES_USD` one with `pxr`. Without `TRESSES_BPY` the tests look for Blender. Tests
+//! whose program is missing are skipped.
 
 use std::{
     path::{Path, PathBuf},
@@ -28,7 +28,7 @@ fn script(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(name)
 }
 
-/// What the script prints in Blender, if there is one that has Alembic.
+/// Runs the script in Blender and returns its output, or `None` without a Blender that supports Alembic.
 fn blender(folder: &Path, words: &[&str]) -> Option<String> {
     let script = script("blender_grooms.py");
     let mut run = match std::env::var_os("TRESSES_BPY") {
@@ -47,7 +47,7 @@ fn blender(folder: &Path, words: &[&str]) -> Option<String> {
     let said = String::from_utf8_lossy(&[out.stdout, out.stderr].concat()).into_owned();
     if said.contains("alembic_export\" could not be found")
         || said.contains("alembic_import\" could not be found")
-        // Before 3.5 its scripts cannot make hair.
+        // Before version 3.5, scripts cannot create hair.
         || said.contains("no attribute 'add_curves'")
     {
         return None;
@@ -56,19 +56,19 @@ fn blender(folder: &Path, words: &[&str]) -> Option<String> {
     Some(said)
 }
 
-/// What Blender finds in a file: curves, points and the sum of all coordinates, of three frames.
+/// Returns what Blender reads from a file: curves, points and the sum of all coordinates, in three frames.
 fn found(folder: &Path, file: &str) -> Option<Value> {
     let said = blender(folder, &["count", file])?;
     let line = said.lines().find_map(|line| line.strip_prefix("FOUND ")).unwrap_or_else(|| panic!("{said}"));
     Some(serde_json::from_str(line).unwrap())
 }
 
-/// The sum of all coordinates of the lines in an `.obj`.
+/// Returns the sum of all coordinates of the lines in an `.obj`.
 fn sum(obj: &Path) -> [f64; 3] {
     sum_of_every(1, 1, obj)
 }
 
-/// The same of every `step`th point of lines of `points` each.
+/// Returns the sum over every `step`th point of lines of `points` points each.
 fn sum_of_every(step: usize, points: usize, obj: &Path) -> [f64; 3] {
     let text = std::fs::read_to_string(obj).unwrap();
     let mut sum = [0.0; 3];
@@ -81,7 +81,7 @@ fn sum_of_every(step: usize, points: usize, obj: &Path) -> [f64; 3] {
     sum
 }
 
-/// Whether two sums of `points` positions are those of the same curves, to a micrometre each.
+/// Whether two sums of `points` positions belong to the same curves, to a micrometer per point.
 fn same(a: [f64; 3], b: &Value, points: u64) -> bool {
     a.iter().enumerate().all(|(k, a)| (a - b[k].as_f64().unwrap()).abs() < 1e-6 * points as f64)
 }
@@ -99,10 +99,10 @@ fn hair_from_blender_is_upright_and_complete() {
     assert_eq!(curves["groom_placement"]["up"], "y");
     assert_eq!(curves["groom_placement"]["front"], "z");
     assert_eq!(curves["groom_placement"]["metres_per_unit"], 1.0);
-    // Radii of 50 µm at the root, 20 at the tip.
+    // Radius 50 µm at the root, 20 µm at the tip.
     let radius = |which: &str| curves["radius_m"][which].as_f64().unwrap();
     assert!((radius("max") - 5e-5).abs() < 1e-8 && (radius("min") - 2e-5).abs() < 1e-8, "{curves}");
-    // The same with the head of the same file.
+    // The same groom with the head in the same file.
     let with_head = info(folder, &["curves.abc", "--head", "curves.abc"]);
     assert!(with_head["root_distance_m"]["median"].as_f64().unwrap() < 5e-4, "{with_head}");
     assert_eq!(with_head["groom_placement"]["up"], "y");
@@ -116,7 +116,7 @@ fn hair_from_blender_is_upright_and_complete() {
     let last = info(folder, &["particles.abc", "--frame", "2"]);
     assert_eq!(last["strands"], 3000);
 
-    // And back: what we write is what Blender opens.
+    // The other direction: Blender reads our files.
     tresses(folder, &["convert", "curves.abc", "ours.abc"]);
     tresses(folder, &["convert", "curves.abc", "ours.obj"]);
     let Some(opened) = found(folder, "ours.abc") else { return };
@@ -138,10 +138,10 @@ fn hair_from_blender_is_upright_and_complete() {
 
 #[test]
 #[ignore = "proof"]
-fn a_cache_moves_in_blender_as_it_was_simulated() {
+fn blender_plays_the_cache_as_simulated() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    // Half a metre per second: frames differ by far more than a micrometre.
+    // At half a meter per second, frames differ by far more than a micrometer.
     let args = [
         "bake",
         "--style",
@@ -157,8 +157,8 @@ fn a_cache_moves_in_blender_as_it_was_simulated() {
     ];
     let out = Command::new(env!("CARGO_BIN_EXE_tresses")).current_dir(folder).args(args).output().unwrap();
     let said = String::from_utf8_lossy(&[out.stdout, out.stderr].concat()).into_owned();
-    if said.contains("adapter") && std::env::var_os("TRESSES_REQUIRE_GPU").is_none() {
-        return println!("skipped: {said}");
+    if tresses_testing::lacks_gpu(&said) {
+        return;
     }
     assert!(said.contains("4 frames of 500 strands"), "{said}");
     let bits = std::fs::read(folder.join("a.abc")).unwrap();
@@ -179,7 +179,7 @@ fn a_cache_moves_in_blender_as_it_was_simulated() {
 
 #[test]
 #[ignore = "proof"]
-fn the_reference_implementation_reads_what_we_write() {
+fn reference_alembic_reads_our_files() {
     let Some(python) = std::env::var_os("TRESSES_ALEMBIC") else {
         return println!("skipped: TRESSES_ALEMBIC is not set");
     };
@@ -215,7 +215,7 @@ fn usd_from_blender_is_upright_and_complete() {
     let meant = sum(&folder.join("abc.obj"));
     for file in ["curves.usda", "curves.usdc", "curves.usdz"] {
         let curves = info(folder, &[file]);
-        // Eight pieces of Catmull-Rom, four steps each.
+        // Eight Catmull-Rom segments, four steps each.
         assert_eq!((&curves["strands"], &curves["vertices"]), (&STRANDS.into(), &(STRANDS * 33).into()));
         assert_eq!(curves["groom_placement"]["up"], "z", "{curves}");
         assert_eq!(curves["groom_placement"]["front"], "-y", "{curves}");
@@ -224,14 +224,14 @@ fn usd_from_blender_is_upright_and_complete() {
         assert!((radius("max") - 5e-5).abs() < 1e-8 && (radius("min") - 2e-5).abs() < 1e-8, "{curves}");
         let with_head = info(folder, &[file, "--head", file]);
         assert!(with_head["root_distance_m"]["median"].as_f64().unwrap() < 5e-4, "{with_head}");
-        // Through the points that Alembic has.
+        // Through the points of the Alembic file.
         tresses(folder, &["convert", file, "usd.obj"]);
         let [ours, other] = [4, 8].map(|step| sum_of_every(step, 33, &folder.join("usd.obj")));
         let near =
             |sum: [f64; 3]| (0..3).all(|k| (sum[k] - meant[k]).abs() < 1e-6 * (STRANDS * POINTS) as f64);
         assert!(near(ours) && !near(other), "{file}: {ours:?} {meant:?}");
     }
-    // Blender writes no children here.
+    // Blender does not export children to USD.
     let particles = info(folder, &["particles.usda", "--head", "particles.usda"]);
     assert_eq!(particles["strands"], 300);
     assert_eq!(particles["groom_placement"]["up"], "z");
@@ -240,7 +240,7 @@ fn usd_from_blender_is_upright_and_complete() {
 
 #[test]
 #[ignore = "proof"]
-fn usd_of_pixar_reads_what_we_write() {
+fn pixar_usd_reads_our_files() {
     let Some(python) = std::env::var_os("TRESSES_USD") else {
         return println!("skipped: TRESSES_USD is not set");
     };

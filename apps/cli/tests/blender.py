@@ -1,6 +1,8 @@
-"""A character made in Blender: `blender --background --python blender.py -- body.glb`, or `body.usdc`, which has one action.
+"""Creates a character in Blender: `blender --background --python blender.py -- body.glb`, or `body.usdc` with one
+action.
 
-Shoulders, a neck and a head, one skin over three bones, 1.8 units high, Z up as Blender has it; a shape, two actions."""
+The character has shoulders, a neck and a head: one skinned mesh with three bones, 1.8 units high, Z up as in
+Blender. It has one shape key and two actions."""
 
 import sys
 
@@ -8,7 +10,7 @@ import bpy
 
 bpy.ops.wm.read_factory_settings(use_empty=True)
 
-# A skin: stacked rings, smooth, with a nose that tells the front (-Y in Blender).
+# The mesh: smooth-shaded stacked rings, with a nose that marks the front (-Y in Blender).
 import math
 
 RINGS = [
@@ -40,7 +42,7 @@ for polygon in mesh.polygons:
 body = bpy.data.objects.new("Skin", mesh)
 bpy.context.collection.objects.link(body)
 
-# Bones.
+# The bones.
 armature = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
 bpy.context.collection.objects.link(armature)
 bpy.context.view_layer.objects.active = armature
@@ -52,7 +54,7 @@ for name, low, high in [("Chest", 1.20, 1.44), ("Neck", 1.44, 1.55), ("Head", 1.
     parent = bone
 bpy.ops.object.mode_set(mode="OBJECT")
 
-# Weights run smoothly from bone to bone.
+# Weights blend smoothly from bone to bone.
 def share(height, low, high):
     return min(max((height - low) / (high - low), 0.0), 1.0)
 
@@ -65,13 +67,13 @@ for i, (_, _, height) in enumerate(vertices):
 body.parent = armature
 body.modifiers.new("Armature", "ARMATURE").object = armature
 
-# A shape: the crown rises.
+# A shape key that raises the crown.
 body.shape_key_add(name="Basis")
 tall = body.shape_key_add(name="Tall")
 for i, (x, y, height) in enumerate(vertices):
     tall.data[i].co = (x, y, height + 0.02 * share(height, 1.66, 1.80))
 
-# Two actions, as tracks: the exporter writes each as an animation.
+# Two actions as NLA tracks: the exporter writes each as an animation.
 armature.animation_data_create()
 bpy.context.scene.render.fps = 24
 for name, axis, degrees in (("Turn", 1, 50), ("Nod", 0, 20)):
@@ -92,7 +94,7 @@ armature.animation_data.action = None
 if sys.argv[-1].endswith(".glb"):
     bpy.ops.export_scene.gltf(filepath=sys.argv[-1], export_format="GLB")
 else:
-    # Scenes of USD have one time, and so one action.
+    # A USD scene has a single timeline, so it stores one action.
     for track in list(armature.animation_data.nla_tracks)[1:]:
         armature.animation_data.nla_tracks.remove(track)
     scene = bpy.context.scene

@@ -1,10 +1,10 @@
-"""Grooms made in Blender, and grooms opened in it.
+"""Creates grooms in Blender, and reads grooms with it.
 
-`python blender_grooms.py make FOLDER`: a head with hair of Blender's Curves, and with particle hair and children,
-written as Alembic and USD. `python blender_grooms.py count FILE`: opens a file and prints, as JSON, how many curves and
-points there are, the sum of all coordinates as a head would have them (Y up), and the mean width.
+`python blender_grooms.py make FOLDER` creates a head with Blender's hair curves, and one with particle hair and
+children, and writes them as Alembic and USD. `python blender_grooms.py count FILE` opens a file and prints as JSON
+the number of curves and points, the sum of all coordinates (Y up), and the mean width.
 
-Runs in Blender (`blender --background --python … -- …`) or with the module `bpy`; needs one that has Alembic."""
+Runs in Blender (`blender --background --python … -- …`) or with the module `bpy`. Needs a build with Alembic."""
 
 import json
 import math
@@ -18,7 +18,7 @@ CURVES, POINTS = 600, 9
 
 
 def head():
-    """A ball of a head with a nose towards -Y, as characters look in Blender."""
+    """Creates an ellipsoid head whose nose points to -Y, the front of characters in Blender."""
     bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=0.09, location=(0, 0, 1.65))
     ball = bpy.context.object
     ball.name = "Head"
@@ -32,7 +32,7 @@ def head():
 
 
 def curves():
-    """Hair that stands out, then falls; none on the face."""
+    """Creates hair that leaves the scalp radially, then falls. The face has none."""
     random.seed(1)
     data = bpy.data.hair_curves.new("Hair")
     hair = bpy.data.objects.new("Hair", data)
@@ -98,7 +98,7 @@ def count(path):
             item = item.evaluated_get(graph)
             place = item.matrix_world
             if item.type == "CURVE":
-                # Older versions open curves as splines.
+                # Older versions import curves as splines.
                 lines = [[(p.co.to_3d(), p.radius) for p in spline.points] for spline in item.data.splines]
             else:
                 lines = [[(p.position, p.radius) for p in curve.points] for curve in item.data.curves]
@@ -115,6 +115,6 @@ def count(path):
 
 if __name__ == "__main__":
     words = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
-    # Blender's exporters may leave the working folder.
+    # Blender's exporters may change the working folder.
     place = os.path.abspath(words[1])
     make(place) if words[0] == "make" else count(place)

@@ -1,4 +1,4 @@
-//! Hair on bodies that bend, from outside. The bodies are in the optional assets.
+//! Hair on skinned characters, tested through the command and the library. The characters are in the optional assets.
 
 use std::{
     path::{Path, PathBuf},
@@ -18,7 +18,7 @@ fn tresses(folder: &Path, args: &[&str]) -> (bool, String) {
     (out.status.success(), String::from_utf8_lossy(&[out.stdout, out.stderr].concat()).into_owned())
 }
 
-/// The assets' files, where there are some.
+/// Returns the folder of the assets, if there is one.
 fn assets() -> Option<PathBuf> {
     let found = std::env::var_os("TRESSES_ASSETS").map(PathBuf::from).filter(|path| path.exists());
     let required = std::env::var_os("TRESSES_REQUIRE_ASSETS").is_some_and(|v| v == "1");
@@ -27,16 +27,15 @@ fn assets() -> Option<PathBuf> {
 }
 
 #[test]
-fn a_head_that_cannot_move_says_so() {
+fn unknown_animations_and_morphs_are_errors() {
     let folder = tempfile::tempdir().unwrap();
     for (args, why) in [
-        (["--animation", "Walk"], "it has none of its own; --motion has nod"),
+        (["--animation", "Walk"], "it has no animations; --motion has nod"),
         (["--morph", "Angry=1"], "Breath, Jaw, Brows"),
     ] {
         let (done, said) = tresses(folder.path(), &[&["render", "--strands", "50"], &args[..]].concat());
-        if !done && said.contains("adapter") {
-            assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "{said}");
-            return println!("skipped: {said}");
+        if tresses_testing::lacks_gpu(&said) {
+            return;
         }
         assert!(!done && said.contains(why), "{said}");
     }
@@ -47,7 +46,7 @@ fn a_head_that_cannot_move_says_so() {
 }
 
 #[test]
-fn a_robot_dances_with_hair_on() {
+fn skinned_robot_renders_with_hair() {
     let Some(assets) = assets() else { return println!("skipped: TRESSES_ASSETS is not set") };
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| assets.join(name).to_str().unwrap().to_owned();
@@ -59,9 +58,8 @@ fn a_robot_dances_with_hair_on() {
         (done, said, std::fs::read(folder.path().join(out)).unwrap_or_default())
     };
     let (done, said, angry) = take(&["--morph", "Angry=1"], "angry.png");
-    if !done && said.contains("adapter") {
-        assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "{said}");
-        return println!("skipped: {said}");
+    if tresses_testing::lacks_gpu(&said) {
+        return;
     }
     assert!(done, "{said}");
     let (done, said, dances) = take(&["--animation", "dance", "--frames", "4"], "dance.png");
@@ -71,17 +69,17 @@ fn a_robot_dances_with_hair_on() {
     assert!(!folder.path().join("no.png").exists());
 }
 
-/// Blender, where it is installed, makes the character: a third exporter, besides those of the assets and our own.
+/// Blender, if installed, creates the character: a third exporter besides the assets' and our own.
 #[test]
 #[ignore = "proof"]
-fn a_body_from_blender_wears_hair() {
+fn blender_character_renders_with_hair() {
     let folder = tempfile::tempdir().unwrap();
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/blender.py");
     let run = |args: &[&str]| tresses(folder.path(), args);
     let (done, said) = run(&["export", "--style", "bob", "--strands", "400", "--out", "bob.hair"]);
     assert!(done, "{said}");
     for (file, animations) in [("body.glb", &["Turn", "Nod"][..]), ("body.usdc", &["Action"])] {
-        // A Python with the module `bpy`, as `alembic.rs` takes it, or Blender itself.
+        // A Python with the module `bpy`, as in `alembic.rs`, or Blender itself.
         let mut blender = match std::env::var_os("TRESSES_BPY") {
             Some(python) => {
                 let mut run = Command::new(python);
@@ -99,7 +97,7 @@ fn a_body_from_blender_wears_hair() {
         };
         let said = String::from_utf8_lossy(&[made.stdout, made.stderr].concat()).into_owned();
         if !folder.path().join(file).exists() && said.contains("usd_export") {
-            // Debian's is built without USD.
+            // Debian's Blender is built without USD.
             println!("skipped: Blender has no USD");
             continue;
         }
@@ -107,7 +105,7 @@ fn a_body_from_blender_wears_hair() {
         let (done, said) = run(&["info", "bob.hair", "--head", file]);
         assert!(done && said.contains("3 joints"), "{said}");
         let whats = animations.iter().map(|name| format!("animation {name}"));
-        for what in whats.chain(["shape Tall".into()]) {
+        for what in whats.chain(["blend shape Tall".into()]) {
             assert!(said.contains(&what), "{what}: {said}");
         }
         let there = ["render", "bob.hair", "--head", file, "--size", "96x96", "--frames", "6"];
@@ -119,19 +117,19 @@ fn a_body_from_blender_wears_hair() {
     }
 }
 
-/// How deep a guide vertex may be inside the body, metres, and for how many steps in a row it may be deeper.
+/// Depth inside the body, meters, that a guide vertex may exceed for at most [`STEPS`] consecutive steps.
 const DEEP: f32 = 1e-3;
 const STEPS: usize = 2;
 
-/// How a style goes with the dancing character, or Sintel's hair with a body of the assets that moves on its own: the deepest any guide vertex came below the skin, metres, the most steps in
-/// a row that one was deeper than [`DEEP`], and how many were for longer than [`STEPS`]. `deforms`: whether fields do;
-/// `grown`: by how much skin is supposed to be farther out than it is, metres.
+/// Simulates a style on the dancing character, or Sintel's hair on an animated character of the assets. Returns the
+/// greatest depth of any guide vertex below the skin (meters), the most consecutive steps that one was deeper than
+/// [`DEEP`], and the number of vertices for which these were more than [`STEPS`]. `deforms`: whether the distance
+/// fields follow the skin; `grown`: offset added to every depth, meters.
 fn danced(name: &str, seconds: f32, deforms: bool, grown: f32) -> Option<(f32, usize, usize)> {
     let gpu = match pollster::block_on(Gpu::open()) {
         Ok(gpu) => gpu,
         Err(error) => {
-            assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "{error}");
-            println!("skipped: {error}");
+            tresses_testing::skip("gpu", error);
             return None;
         }
     };
@@ -160,9 +158,9 @@ fn danced(name: &str, seconds: f32, deforms: bool, grown: f32) -> Option<(f32, u
     let (motion, pivot) =
         (Motion::named(if walks { "still" } else { "dance" }).unwrap(), scene.character.neck());
     let vertices = scene.character.hair().guides.vertex_count as usize;
-    // A groom that was made for another head rests deep in this one.
+    // A groom made for another head may start deep inside this one.
     let reach = if walks { 0.3 } else { 0.03 };
-    // How deep each vertex is below the skin, where that is now.
+    // Returns the depth of each vertex below the current skin.
     let depths = |scene: &Scene, body: Pose| -> Vec<f32> {
         let (context, hair) = (&scene.gpu.context, scene.character.hair());
         let at: Vec<[f32; 4]> = readback(context, &hair.guides.current).unwrap();
@@ -211,25 +209,25 @@ fn danced(name: &str, seconds: f32, deforms: bool, grown: f32) -> Option<(f32, u
 }
 
 #[test]
-fn no_hair_stays_in_a_body_that_dances() {
+fn hair_stays_out_of_a_dancing_body() {
     let Some((deepest, longest, long)) = danced("bob", 0.6, true, 0.0) else { return };
     assert!(longest <= STEPS && long == 0, "{deepest} m, {longest} steps");
-    // Skin that is 6 mm farther out than what hair collides with does have hair in it.
+    // With skin 6 mm farther out than the colliders, hair does stay inside.
     assert!(danced("bob", 0.2, true, 0.006).unwrap().1 > STEPS);
 }
 
 #[test]
 #[ignore = "proof"]
-fn no_hair_of_any_style_stays_in_a_body_that_dances_for_ten_seconds() {
+fn every_style_stays_out_of_a_dancing_body_for_ten_seconds() {
     for style in Style::NAMES {
         let Some((deepest, longest, _)) = danced(style, 10.0, true, 0.0) else { return };
         assert!(longest <= STEPS, "{style}: {deepest} m, {longest} steps");
     }
-    // A body of few triangles, under hair that does not fit it: the less deep, the more of its skin is known.
+    // A character of few triangles with hair that does not fit: fields that follow the skin reduce the depth.
     let [skin, joints] = [true, false].map(|deforms| danced("characters/CesiumMan.glb", 6.0, deforms, 0.0));
     if let (Some(skin), Some(joints)) = (skin, joints) {
         assert!(skin.0 < 0.8 * joints.0 && skin.2 < joints.2, "{skin:?} {joints:?}");
     }
-    // In skin that leaves fields which go with joints alone it does.
+    // With fields that follow only the joints, hair does stay inside the skin.
     assert!(danced("long", 3.0, false, 0.0).unwrap().1 > STEPS);
 }

@@ -1,4 +1,4 @@
-//! `tresses info` and `tresses convert` from outside.
+//! `tresses info` and `tresses convert` as processes.
 
 use std::{
     path::Path,
@@ -24,7 +24,7 @@ fn text(bytes: &[u8]) -> String {
 }
 
 #[test]
-fn a_groom_goes_through_every_format_and_comes_back() {
+fn groom_round_trips_through_the_formats() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     std::fs::write(here.join("in.obj"), OBJ).unwrap();
@@ -44,12 +44,12 @@ fn a_groom_goes_through_every_format_and_comes_back() {
     let last = std::fs::read_to_string(here.join("d.obj")).unwrap();
     assert_eq!(last.lines().filter(|l| l.starts_with('v')).count(), 5, "the duplicate is merged: {last}");
     assert!(last.contains("v 0.05 1.69 0\n"), "{last}");
-    // Nothing else is left behind.
+    // No other files remain.
     assert_eq!(std::fs::read_dir(here).unwrap().count(), 5);
 }
 
 #[test]
-fn info_lists_findings_and_what_is_done() {
+fn info_lists_findings_and_actions() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("in.obj"), OBJ).unwrap();
     let out = tresses(folder.path(), &["info", "in.obj"]);
@@ -64,7 +64,7 @@ fn info_lists_findings_and_what_is_done() {
 }
 
 #[test]
-fn bad_input_is_one_sentence_exit_code_1_and_no_file() {
+fn invalid_input_is_an_error_of_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     std::fs::write(here.join("cut.hair"), &b"HAIR\x01\0\0\0\x02\0\0\0\x02\0\0\0"[..]).unwrap();

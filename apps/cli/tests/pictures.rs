@@ -1,9 +1,9 @@
-//! What `tresses render` writes besides plain pictures: layers, alpha, films.
+//! Special outputs of `tresses render`: layers, alpha, videos.
 
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read};
 use std::{collections::BTreeMap, path::Path, process::Command};
 
-/// Small, and quick to draw.
+/// Options for small images that are quick to draw.
 const SHORT: [&str; 8] = ["render", "--style", "short", "--strands", "2000", "--samples", "1", "--size"];
 
 fn run(folder: &Path, args: &[&str], ffmpeg: Option<&str>) -> (bool, String) {
@@ -16,19 +16,17 @@ fn run(folder: &Path, args: &[&str], ffmpeg: Option<&str>) -> (bool, String) {
     (out.status.success(), String::from_utf8_lossy(&[out.stdout, out.stderr].concat()).into_owned())
 }
 
-/// Whether pictures can be drawn here; what was said.
+/// Runs a command that renders. Returns its output, or `None` without a GPU.
 fn drawn(folder: &Path, args: &[&str]) -> Option<String> {
     let (done, said) = run(folder, args, None);
-    if !done && said.contains("adapter") {
-        assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "{said}");
-        println!("skipped: {said}");
+    if tresses_testing::lacks_gpu(&said) {
         return None;
     }
     assert!(done, "{said}");
     Some(said)
 }
 
-/// The channels of an EXR file as numbers that single precision holds.
+/// Reads the channels of an EXR file. Doubles represent all values exactly.
 fn channels(path: &Path) -> BTreeMap<String, Vec<f64>> {
     let image =
         read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
@@ -51,7 +49,7 @@ fn pixels(path: &Path) -> (png::ColorType, Vec<u8>) {
 }
 
 #[test]
-fn layers_say_where_hair_is() {
+fn exr_layers_describe_the_hair() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     let words = [&SHORT[..], &["64x48", "--motion", "shake", "--frames", "5", "--out", "a.##.exr"]].concat();
@@ -84,12 +82,12 @@ fn layers_say_where_hair_is() {
         assert_eq!(*alpha, 1.0);
     }
     assert!(hair.iter().all(|i| of("hair.strand")[*i] < 2000.0 || of("hair.groom")[*i] > 0.0));
-    // A head is a quarter of a metre deep and fills the picture at about a metre.
+    // The head is a quarter of a meter deep and fills the image at about a meter.
     let depths = || hair.iter().map(|i| of("hair.Z")[*i]);
     let (near, far) = depths().fold((f64::MAX, 0.0f64), |(near, far), z| (near.min(z), far.max(z)));
     assert!(near > 0.3 && far < 3.0 && far - near > 0.03 && far - near < 0.4, "{near} {far}");
     assert!(hair.iter().any(|i| of("hair.motion.X")[*i].abs() > 0.05));
-    // Linear light is not bent, and what is brighter in one is in the other.
+    // The linear channels and the PNG agree on which pixels are brighter.
     let words = [&SHORT[..], &["64x48", "--motion", "shake", "--frames", "5", "--out", "b.##.png"]].concat();
     drawn(at, &words);
     let shown = pixels(&at.join("b.04.png")).1;
@@ -101,7 +99,7 @@ fn layers_say_where_hair_is() {
 }
 
 #[test]
-fn a_transparent_picture_has_nothing_behind_it() {
+fn transparent_background_has_zero_alpha() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     let words = [&SHORT[..], &["64x48", "--transparent", "--out"]].concat();
@@ -119,21 +117,20 @@ fn a_transparent_picture_has_nothing_behind_it() {
         (0..64 * 48).map(|i| (255.0 * layers["A"][i] - f64::from(rgba[4 * i + 3])).abs()).fold(0.0, f64::max);
     assert!(off < 1.0, "{off}");
     let (done, said) = run(at, &[&words[..], &["a.gif"]].concat(), None);
-    assert!(!done && said.contains("--transparent is for .png and .exr"), "{said}");
+    assert!(!done && said.contains("--transparent needs .png or .exr"), "{said}");
 }
 
 #[test]
-fn films_are_made_where_there_is_a_program_for_them() {
+fn videos_are_encoded_with_ffmpeg() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     let frames = ["65x49", "--motion", "shake", "--frames", "3", "--out"];
     let words = [&SHORT[..], &frames, &["b/a.mp4"]].concat();
     let (done, said) = run(at, &words, Some("no-such-program"));
-    if said.contains("adapter") && !said.contains("no-such-program") {
-        assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "{said}");
-        return println!("skipped: {said}");
+    if tresses_testing::lacks_gpu(&said) {
+        return;
     }
-    assert!(!done && said.contains("films are made by no-such-program") && said.contains(".webp"), "{said}");
+    assert!(!done && said.contains("videos need no-such-program") && said.contains(".webp"), "{said}");
     if cfg!(unix) {
         let (done, said) = run(at, &words, Some("false"));
         assert!(!done && said.contains("false failed"), "{said}");

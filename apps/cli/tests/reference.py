@@ -1,8 +1,8 @@
-"""Grooms as the reference implementation of Alembic writes and reads them (Python module `alembic3d`).
+"""Writes and reads grooms with the reference implementation of Alembic (Python module `alembic3d`).
 
-`python reference.py write FILE`: strands (B-splines, widths per curve, two frames) and guides, each under transforms, with
-Unreal's attributes; `crates/groom/src/import/abc/reference.abc` is this file. `python reference.py read FILE`: prints, as
-JSON, what curves a file has."""
+`python reference.py write FILE` writes strands (B-splines, widths per curve, two frames) and guides, each under
+transforms, with Unreal's attributes; `crates/groom/src/import/abc/reference.abc` is this file. `python reference.py
+read FILE` prints the curves of a file as JSON: their number, points, attributes and times."""
 
 import json
 import sys

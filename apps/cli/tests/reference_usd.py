@@ -1,15 +1,16 @@
-"""Grooms as Pixar's USD writes and reads them (Python module `pxr`, package `usd-core`).
+"""Writes and reads grooms with Pixar's USD (Python module `pxr`, package `usd-core`).
 
-`python reference_usd.py write FILE`: strands (B-splines, widths per curve, two frames) and guides, each under transforms,
-with Unreal's attributes; `crates/groom/src/import/usd/reference.usdc` is this file. `python reference_usd.py read FILE`:
-prints, as JSON, what curves a file has: how many, how many points, and the sum of these in the world, in metres, Y up.
+`python reference_usd.py write FILE` writes strands (B-splines, widths per curve, two frames) and guides, each under
+transforms, with Unreal's attributes; `crates/groom/src/import/usd/reference.usdc` is this file. `python
+reference_usd.py read FILE` prints the curves of a file as JSON: their number, the number of points, and the sum of
+the points in world space (meters, Y up).
 
-`python reference_usd.py posed FILE CODE`: where UsdSkel has the points of a character at a time code: how many, and their
-sum, by the type of their prim.
+`python reference_usd.py posed FILE CODE` skins a character with UsdSkel at a time code, and prints the number and
+the sum of the points by the type of their prim.
 
-`python reference_usd.py skel FILE`: a skeleton of three joints in motion, a body on it with a shape, and hair that goes
-with it, as a whole and point by point; prints where UsdSkel has all points, at rest and in each frame.
-`crates/groom/src/import/usd/reference_skel.usdc` and `.txt` are these."""
+`python reference_usd.py skel FILE` writes an animated skeleton of three joints, a skinned body with a blend shape,
+and hair that is skinned rigidly as a whole and per point. It prints the points as skinned by UsdSkel, at rest and in
+each frame. `crates/groom/src/import/usd/reference_skel.usdc` and `.txt` are the results."""
 
 import json
 import sys
@@ -151,7 +152,7 @@ def skel(path):
         time = Usd.TimeCode(moment) if moment else Usd.TimeCode.EarliestTime()
         bones = query.ComputeSkinningTransforms(time) if moment else None
         if bones is None:
-            # At rest: the chain of rest transforms, behind the inverse of the bind transforms.
+            # At rest: the inverse bind transforms, followed by the chain of rest transforms.
             now = []
             for i, rest in enumerate(skeleton.GetRestTransformsAttr().Get()):
                 now.append(rest * now[i - 1] if i else rest)
@@ -165,7 +166,7 @@ def skel(path):
                 share = walk.GetBlendShapeWeightsAttr().Get(time)[0]
                 for index, offset in zip(jaw.GetPointIndicesAttr().Get(), jaw.GetOffsetsAttr().Get()):
                     points[index] += offset * share
-            # Brought into the order of the prim's own joints by the query.
+            # The query maps the joints to the order of the prim's own list.
             own = Vt.Matrix4dArray(bones)
             if skin.IsRigidlyDeformed():
                 moved = skin.ComputeSkinnedTransform(own, time)

@@ -1,15 +1,15 @@
-//! Our pictures beside a path tracer's, where there are some.
+//! Validation against a path tracer, if the reference images are available.
 
 use std::{path::PathBuf, process::Command};
 
-/// How far a ratio may be off.
-type Bound = (&'static str, f64);
+/// Name of a ratio, and its largest deviation from 1.
+type RatioBound = (&'static str, f64);
 
-/// Those of `bounds` that a view or a light does not keep, a line each.
-fn broken(report: &serde_json::Value, list: &str, bounds: &[Bound]) -> Vec<String> {
+/// Returns a line for each ratio of a view or light that violates its bound.
+fn broken(report: &serde_json::Value, list: &str, bounds: &[RatioBound]) -> Vec<String> {
     let rows = report[list].as_array().expect("a list of rows");
     assert!(!rows.is_empty(), "nothing was compared");
-    let check = |row: &serde_json::Value, (what, most): &Bound| {
+    let check = |row: &serde_json::Value, (what, most): &RatioBound| {
         let of = |whose: &str| row[whose][what].as_f64();
         let ratio = of("ours")? / of("reference")?;
         println!("{}: {what} {ratio:.3}", row["name"]);
@@ -21,7 +21,7 @@ fn broken(report: &serde_json::Value, list: &str, bounds: &[Bound]) -> Vec<Strin
 
 #[test]
 #[ignore = "proof"]
-fn light_is_as_bright_as_path_traced() {
+fn luminance_matches_the_path_tracer() {
     let Some(assets) = std::env::var_os("TRESSES_ASSETS").map(PathBuf::from) else {
         assert!(std::env::var_os("TRESSES_REQUIRE_ASSETS").is_none(), "TRESSES_ASSETS is not set");
         return println!("skipped: TRESSES_ASSETS is not set");
@@ -37,7 +37,7 @@ fn light_is_as_bright_as_path_traced() {
     let found = compare(&[]);
     let all = [broken(&found, "views", &views), broken(&found, "lights", &lights)].concat();
     assert!(all.is_empty(), "{all:#?}");
-    // Hair that no sky is kept from, and skin that no hair throws light on, are told apart.
+    // The bounds detect missing occlusion of ambient light by hair, and missing light reflected from hair onto skin.
     let off = compare(&["--only", "sintel_brunette", "--ambient", "off"]);
     assert!(!broken(&off, "lights", &lights).is_empty());
 }

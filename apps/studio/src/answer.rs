@@ -1,27 +1,27 @@
-//! Answers of dialogs and hosts, which the window receives with its next frame.
+//! Events from dialogs and the host page. The window handles them in its next frame.
 
 use crate::{files::Files, hosted::Command};
 use std::path::PathBuf;
 use tresses_scene::{Companion, Shelf};
 
-/// A file that was read.
+/// A file's path and content.
 pub type Read = (PathBuf, Vec<u8>);
 
-/// A choice of the user or a command of the host.
+/// A user's choice in a dialog, a command of the host, or the result of background work.
 #[derive(Clone, Debug)]
 pub enum Answer {
-    /// Groom and head files to open.
+    /// Opens groom and head files.
     Open(Files),
-    /// The text of a preset, where it is from, and the files that came with it.
+    /// Path and text of a preset, and the files dropped with it.
     Preset(PathBuf, String, Shelf),
-    /// A companion of the hair, its file name, and the files that came with it.
+    /// A companion file of the hair, its name, and the files dropped with it.
     Companion(&'static Companion, String, Shelf),
-    /// A picture that may be any map.
+    /// Name of an image that may be any scalp map, and its bytes.
     Picture(String, Shelf),
     /// A command of the host.
     Do(Command),
-    /// Something was written.
+    /// A success message.
     Wrote(String),
-    /// Something went wrong.
+    /// An error message.
     Failed(String),
 }

@@ -1,50 +1,50 @@
-//! A ball that is dropped on the head and rolls off through the hair. The coupling is one-way: hair
-//! yields to it, the head bounces it, and hair does not affect its path.
+//! A ball that falls on the head and rolls off through the hair. The coupling is one-way: the ball pushes hair and
+//! bounces off the head, but hair does not affect its path.
 
 use tresses::character::Bounds;
 use tresses::{Pose, glam::Vec3, groom::SdfGrid};
 
-/// Radius, metres.
+/// Radius, meters.
 pub const RADIUS: f32 = 0.035;
-/// How far above the hair it begins, metres.
+/// Initial gap between ball and hair, meters.
 const ABOVE: f32 = 0.12;
-/// How far beside the middle, metres: it must roll off somewhere.
+/// Initial horizontal offset from the center, meters, so that the ball rolls off.
 const BESIDE: f32 = 0.03;
-/// How far below the picture it is gone, metres.
+/// The ball is removed this far below the subject, meters.
 const BELOW: f32 = 0.12;
 /// Gravity, m/s².
 const GRAVITY: f32 = 9.81;
-/// The share of the speed that is left of a bounce.
+/// Coefficient of restitution.
 const BOUNCE: f32 = 0.3;
-/// The share of the speed along the skin that is lost in a second of rolling.
+/// Tangential damping while in contact, 1/s.
 const ROLLING: f32 = 0.6;
-/// The longest step, seconds: no further than a third of its radius at 6 m/s.
+/// Longest time step, seconds. At 6 m/s the ball moves a third of its radius per step.
 const STEP: f32 = 1.0 / 500.0;
 
-/// A ball on its way.
+/// A falling or rolling ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
-    /// Its middle, world space, metres.
+    /// Center, world space, meters.
     pub at: Vec3,
-    /// m/s.
+    /// Velocity, m/s.
     velocity: Vec3,
-    /// Where it is gone, metres.
+    /// Height below which the ball is removed, meters.
     floor: f32,
 }
 
 impl Ball {
-    /// A ball above `subject`, the `number`th: each rolls off another way.
+    /// Returns ball `number` above `subject`. Each number starts in a different direction from the center.
     pub fn dropped(subject: Bounds, number: u32) -> Self {
         let (lo, hi) = subject;
-        // The golden angle: never twice the same.
+        // Multiples of the golden angle never repeat.
         let (sin, cos) = (number as f32 * 2.399_963 + 0.6).sin_cos();
         let top = Vec3::new(0.5 * (lo.x + hi.x), hi.y + ABOVE + RADIUS, 0.5 * (lo.z + hi.z));
         let at = top + BESIDE * Vec3::new(sin, 0.0, cos);
         Self { at, velocity: Vec3::ZERO, floor: lo.y - BELOW }
     }
 
-    /// The ball `seconds` later; `None` when it has left the picture. `solids`: what it rolls off,
-    /// distance fields (metres) and their poses.
+    /// Returns the ball `seconds` later, or `None` once it has fallen below the subject. `solids` are the distance
+    /// fields (meters) that it collides with, and their poses.
     pub fn advanced(mut self, seconds: f32, solids: &[(&SdfGrid, Pose)]) -> Option<Self> {
         let steps = (seconds / STEP).ceil().max(1.0);
         let h = seconds / steps;
@@ -81,7 +81,7 @@ mod tests {
     const SUBJECT: Bounds = (Vec3::new(-0.1, 1.4, -0.1), Vec3::new(0.1, 1.7, 0.1));
 
     #[test]
-    fn it_falls_as_things_do() {
+    fn ball_falls_with_gravity() {
         let ball = Ball::dropped(SUBJECT, 0);
         let later = ball.advanced(0.2, &[]).unwrap();
         let fallen = ball.at.y - later.at.y;
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_gone_soon() {
+    fn ball_leaves_the_mannequin_within_two_seconds() {
         use tresses::groom::mannequin;
         let field = SdfGrid::from_fn(Vec3::splat(-0.4), Vec3::splat(0.4), 96, mannequin::distance);
         let subject = (Vec3::new(-0.13, -0.2, -0.15), Vec3::new(0.13, 0.25, 0.13));
@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn it_rolls_off_a_head_and_never_enters_it() {
+    fn ball_rolls_off_without_entering_the_head() {
         let middle = Vec3::new(0.0, 1.55, 0.0);
         let field = SdfGrid::from_fn(Vec3::new(-0.3, 1.2, -0.3), Vec3::new(0.3, 1.9, 0.3), 64, |p| {
             p.distance(middle) - 0.12

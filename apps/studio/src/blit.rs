@@ -1,5 +1,5 @@
-//! The picture on the window. egui's own shader would do, but it also computes filtering by hand and the way from one
-//! encoding of colours to another, for each pixel of the window: on a software driver that took as long as the hair.
+//! Copies a frame to the window. egui's own shader filters and converts color encodings per window pixel in the shader;
+//! with a software driver that took as long as drawing the hair.
 
 use eframe::{
     egui::{PaintCallback, PaintCallbackInfo, Rect},
@@ -30,7 +30,7 @@ fn decoded(in: Corner) -> @location(0) vec4<f32> {
 }
 ";
 
-/// What paints pictures on one window.
+/// Pipeline that paints frames on one window.
 #[derive(Clone)]
 pub struct Blit {
     pipeline: wgpu::RenderPipeline,
@@ -38,7 +38,7 @@ pub struct Blit {
 }
 
 impl Blit {
-    /// For the window of `state`.
+    /// Creates the pipeline for the window of `state`.
     pub fn new(state: &RenderState) -> Self {
         let device = &state.device;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -57,7 +57,7 @@ impl Blit {
             },
             fragment: Some(wgpu::FragmentState {
                 module: &module,
-                // A window that encodes what it is given takes radiance.
+                // An sRGB target encodes its input, so the shader must output linear color.
                 entry_point: Some(if format.is_srgb() { "decoded" } else { "encoded" }),
                 compilation_options: Default::default(),
                 targets: &[Some(wgpu::ColorTargetState {
@@ -81,8 +81,8 @@ impl Blit {
         Self { pipeline, sampler }
     }
 
-    /// `picture`, to be painted again and again.
-    pub fn of(&self, device: &wgpu::Device, picture: &wgpu::TextureView) -> Seen {
+    /// Binds `picture` for painting, in any number of frames.
+    pub fn of(&self, device: &wgpu::Device, picture: &wgpu::TextureView) -> DisplayImage {
         let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("blit"),
@@ -92,25 +92,25 @@ impl Blit {
                 entry(1, wgpu::BindingResource::Sampler(&self.sampler)),
             ],
         });
-        Seen { pipeline: self.pipeline.clone(), group }
+        DisplayImage { pipeline: self.pipeline.clone(), group }
     }
 }
 
-/// A picture that can be painted.
+/// A texture bound for painting.
 #[derive(Clone)]
-pub struct Seen {
+pub struct DisplayImage {
     pipeline: wgpu::RenderPipeline,
     group: wgpu::BindGroup,
 }
 
-impl Seen {
-    /// It, filling `rect`.
+impl DisplayImage {
+    /// Returns a callback that paints the texture over `rect`.
     pub fn at(&self, rect: Rect) -> PaintCallback {
         Callback::new_paint_callback(rect, self.clone())
     }
 }
 
-impl CallbackTrait for Seen {
+impl CallbackTrait for DisplayImage {
     fn paint(&self, _: PaintCallbackInfo, pass: &mut wgpu::RenderPass<'static>, _: &CallbackResources) {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.group, &[]);

@@ -1,4 +1,4 @@
-//! The device that window and hair share.
+//! The GPU device shared by the window and the hair.
 
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use std::sync::Arc;
@@ -7,10 +7,10 @@ use tresses::{
     gpu::{Gpu, Tier},
 };
 
-/// How egui creates its device.
+/// Returns egui's device configuration.
 pub fn configuration() -> WgpuConfiguration {
     let mut setup = WgpuSetupCreateNew::without_display_handle();
-    // OpenGL lacks what the compute stages need.
+    // OpenGL lacks features that the compute stages need.
     setup.instance_descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
     setup.power_preference = wgpu::PowerPreference::HighPerformance;
     setup.device_descriptor = Arc::new(|adapter| wgpu::DeviceDescriptor {
@@ -32,7 +32,7 @@ pub fn configuration() -> WgpuConfiguration {
     WgpuConfiguration { wgpu_setup: WgpuSetup::CreateNew(setup), ..Default::default() }
 }
 
-/// WebGPU's defaults are enough; buffers may be as large as the adapter has them, for large grooms.
+/// Returns WebGPU's default limits, with buffers as large as the adapter supports, for large grooms.
 fn limits(adapter: &wgpu::Adapter) -> wgpu::Limits {
     let has = adapter.limits();
     wgpu::Limits {
@@ -43,7 +43,7 @@ fn limits(adapter: &wgpu::Adapter) -> wgpu::Limits {
     }
 }
 
-/// egui's device as the library has it.
+/// Wraps egui's device for the library.
 pub fn gpu(state: &eframe::egui_wgpu::RenderState) -> Gpu {
     Gpu {
         adapter: state.adapter.clone(),

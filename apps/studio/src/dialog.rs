@@ -1,4 +1,4 @@
-//! File dialogs of the desktop, which do not block the window.
+//! File dialogs. They do not block the window.
 
 use crate::{
     answer::{Answer, Read},
@@ -16,12 +16,12 @@ use tresses::groom::formats;
 use tresses_scene::{Companion, Preset, preset::Extent};
 use web_time::Instant;
 
-/// What is saved.
+/// Data to save.
 #[derive(Clone, Debug)]
 pub enum Content {
-    /// The same wherever it goes.
+    /// Bytes that do not depend on the file's location.
     Bytes(Vec<u8>),
-    /// A preset, in which the names of files are relative to where it is.
+    /// A preset. It stores file names relative to its own location.
     Preset(Box<Preset>),
 }
 
@@ -38,11 +38,11 @@ impl From<Preset> for Content {
 }
 
 impl Content {
-    /// What is written to `path`.
+    /// Returns the bytes to write to `path`.
     fn bytes(&self, path: &Path) -> std::io::Result<Cow<'_, [u8]>> {
         match self {
             Self::Bytes(bytes) => Ok(Cow::Borrowed(bytes)),
-            // A browser has names, and no folders that they could be relative to.
+            // A browser has file names but no folders that they could be relative to.
             Self::Preset(preset) if cfg!(target_arch = "wasm32") => {
                 Ok(Cow::Owned(preset.write(Extent::Changed).into_bytes()))
             }
@@ -52,13 +52,13 @@ impl Content {
         }
     }
 
-    #[cfg_attr(target_arch = "wasm32", allow(dead_code))] // No test runs there.
+    #[cfg_attr(target_arch = "wasm32", allow(dead_code))] // Unit tests do not run in a browser.
     fn write(&self, path: &Path) -> std::io::Result<()> {
         std::fs::write(path, self.bytes(path)?)
     }
 }
 
-/// Answers on their way to a window.
+/// Opens dialogs and queues their answers for a window.
 #[derive(Clone)]
 pub struct Dialogs {
     answers: Arc<Mutex<Vec<Answer>>>,
@@ -66,23 +66,23 @@ pub struct Dialogs {
 }
 
 impl Dialogs {
-    /// Dialogs of the window of `context`.
+    /// Creates the queue for the window of `context`.
     pub fn new(context: &egui::Context) -> Self {
         Self { answers: Arc::default(), context: context.clone() }
     }
 
-    /// What has been answered since the last call.
+    /// Takes all answers queued since the last call.
     pub fn take(&self) -> Vec<Answer> {
         std::mem::take(&mut *self.answers.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Tells the window.
+    /// Queues an answer and wakes the window.
     pub fn tell(&self, answer: Answer) {
         self.answers.lock().unwrap_or_else(PoisonError::into_inner).push(answer);
         self.context.request_repaint();
     }
 
-    /// Says so if the dialog that was asked for at `asked` did not open.
+    /// Reports an error if the dialog requested at `asked` did not open.
     fn nothing(&self, asked: Instant) {
         if no_dialog(asked) {
             let help = "drop files on the window or name them on the command line";
@@ -90,7 +90,7 @@ impl Dialogs {
         }
     }
 
-    /// Asks for files, and tells what is to be done with them.
+    /// Opens the file dialog that `ask` builds, reads the chosen files, and queues the answers of `sort`.
     fn ask(
         &self,
         ask: impl FnOnce() -> AsyncFileDialog + Send + 'static,
@@ -113,7 +113,7 @@ impl Dialogs {
         });
     }
 
-    /// Asks for a groom, a head, or both.
+    /// Opens a dialog for a groom, a head, or both.
     pub fn open(&self) {
         let ask = || {
             let ask = AsyncFileDialog::new().set_title("Open a groom, a head, or both");
@@ -122,18 +122,18 @@ impl Dialogs {
         self.ask(ask, |files| sort::files(files, sort::IN_MEMORY));
     }
 
-    /// Asks for a preset.
+    /// Opens a dialog for a preset.
     pub fn preset(&self) {
         let ask = || AsyncFileDialog::new().set_title("Open a preset").add_filter("Presets", &["toml"]);
         self.ask(ask, |files| sort::files(files, sort::IN_MEMORY));
     }
 
-    /// Asks for a file beside the hair.
+    /// Opens a dialog for a companion file of the hair.
     pub fn companion(&self, companion: &'static Companion) {
         let ask = move || {
             let mut endings = companion.kind.extensions().to_vec();
             if sort::IN_MEMORY {
-                // What it names is not found otherwise.
+                // The studio cannot open files that this file names, so the user must choose them too.
                 endings.extend(companion.kind.needs());
             }
             AsyncFileDialog::new().set_title(companion.title).add_filter(companion.title, &endings)
@@ -141,7 +141,7 @@ impl Dialogs {
         self.ask(ask, move |files| vec![sort::chosen(companion, files, sort::IN_MEMORY)]);
     }
 
-    /// Takes what was dropped on the window: a groom, a head, a preset, maps, obstacles, surroundings.
+    /// Reads and sorts files dropped on the window: grooms, heads, presets, maps, obstacles, environments.
     pub fn dropped(&self, files: Vec<DroppedFileHandle>) {
         let dialogs = self.clone();
         task::spawn(move || async move {
@@ -166,7 +166,7 @@ impl Dialogs {
         });
     }
 
-    /// Asks where `content` shall go, with `name` as a proposal.
+    /// Opens a save dialog for `content` with `name` as the suggested name.
     #[cfg(not(target_arch = "wasm32"))]
     pub fn save(&self, title: &str, name: &str, content: impl Into<Content>) {
         let content = content.into();
@@ -184,26 +184,25 @@ impl Dialogs {
         });
     }
 
-    /// Offers `content` for download as `name`: where it goes is the browser's business.
+    /// Downloads `content` as `name` through the browser.
     #[cfg(target_arch = "wasm32")]
     pub fn save(&self, _: &str, name: &str, content: impl Into<Content>) {
         let done = content.into().bytes(Path::new(name)).map(|bytes| crate::page::download(name, &bytes));
         self.tell(match done {
-            Ok(Ok(())) => Answer::Wrote(format!("{name} is handed to the browser as a download")),
+            Ok(Ok(())) => Answer::Wrote(format!("{name} is downloaded by the browser")),
             Ok(Err(error)) => Answer::Failed(format!("{name} cannot be downloaded: {error:?}")),
-            Err(error) => Answer::Failed(format!("{name} cannot be written: {error}")),
+            Err(error) => Answer::Failed(format!("{name} cannot be saved: {error}")),
         });
     }
 }
 
-/// Whether a dialog that was asked for at `asked` cannot have been seen: nothing could have opened it, or
-/// nobody is so quick to close one. (The toolkit does not tell one from the other.)
+/// Whether the dialog requested at `asked` did not open: the system has none, or the request ended faster than a user
+/// could close a dialog. (The toolkit does not distinguish the two.)
 fn no_dialog(asked: Instant) -> bool {
     cfg!(not(target_arch = "wasm32")) && (asked.elapsed() < Duration::from_millis(500) || !has_dialogs())
 }
 
-/// Whether there may be somebody to open dialogs: on Linux a desktop portal, for which there must be a
-/// session's bus, or zenity.
+/// Whether the system can open file dialogs. On Linux that takes zenity or a desktop portal, which needs a session bus.
 fn has_dialogs() -> bool {
     if !cfg!(target_os = "linux") {
         return true;
@@ -215,10 +214,10 @@ fn has_dialogs() -> bool {
     bus || zenity || set("DBUS_SESSION_BUS_ADDRESS").is_some()
 }
 
-/// What is missing when no dialog opens.
+/// Error text for a system without file dialogs.
 const MISSING: &str = "no file dialogs are available (on Linux install a desktop portal or zenity)";
 
-/// Writes `bytes` where the person wants them; names without an ending get that of `name`.
+/// Writes `content` to the chosen file. A name without an extension gets the extension of `name`.
 #[cfg(not(target_arch = "wasm32"))]
 fn write(file: &rfd::FileHandle, name: &str, content: &Content) -> Answer {
     let mut path = file.path().to_path_buf();
@@ -233,12 +232,12 @@ fn write(file: &rfd::FileHandle, name: &str, content: &Content) -> Answer {
 #[cfg(not(target_arch = "wasm32"))]
 fn wrote(path: &Path, result: std::io::Result<()>) -> Answer {
     match result {
-        Ok(()) => Answer::Wrote(format!("{} is written", path.display())),
-        Err(error) => Answer::Failed(format!("{} cannot be written: {error}", path.display())),
+        Ok(()) => Answer::Wrote(format!("{} is saved", path.display())),
+        Err(error) => Answer::Failed(format!("{} cannot be saved: {error}", path.display())),
     }
 }
 
-/// Without a dialog: writes `content` into the folder that the studio was started in, over no other file.
+/// Writes `content` to the current folder, for systems without dialogs. Never overwrites a file.
 #[cfg(not(target_arch = "wasm32"))]
 fn write_here(name: &str, content: &Content) -> Answer {
     let name = Path::new(name);
@@ -256,7 +255,7 @@ fn write_here(name: &str, content: &Content) -> Answer {
     }
 }
 
-/// Where a file is; in a browser its name.
+/// Returns a file's path; in a browser, its name.
 fn path_of(file: &rfd::FileHandle) -> PathBuf {
     #[cfg(target_arch = "wasm32")]
     return file.file_name().into();
@@ -269,7 +268,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn without_a_dialog_no_file_is_overwritten() {
+    fn saving_without_a_dialog_keeps_existing_files() {
         let folder = std::env::temp_dir().join(format!("tresses-dialog-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let name = folder.join("preset.toml");

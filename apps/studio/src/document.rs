@@ -1,9 +1,9 @@
-//! The document: settings and hair with their history, the character made from them, and the job under way.
+//! The document: settings and hair with undo history, the character built from them, and the running job.
 
 use crate::{
     files::Files,
     hair::{COLORS, Hair, Source},
-    job::{Done, Job, Order, Shown},
+    job::{DisplayedCharacter, Job, JobResult, Order},
     messages::Messages,
 };
 use eframe::egui;
@@ -18,22 +18,22 @@ use tresses_scene::{Companion, Companions, History, Preset, Settings, Shelf, sou
 pub struct Document {
     context: egui::Context,
     gpu: Gpu,
-    /// The parameters and the hair, with their history.
+    /// Settings and hair, with undo history.
     pub settings: History<Hair>,
     /// The character on the screen; `None` until the first job ends.
-    pub shown: Option<Shown>,
-    /// The job under way.
+    pub shown: Option<DisplayedCharacter>,
+    /// The running job.
     pub job: Option<Job>,
-    /// The color map that is being read: it becomes the hair color when it arrives.
+    /// Name of a color map that a job is loading. It becomes the hair color once loaded.
     painted: Option<String>,
-    /// Strands or pipelines are older than the settings; the next job makes them again.
+    /// Whether strands or pipelines are older than the settings. The next job rebuilds them.
     stale: bool,
     /// Whether the settings have changed since the last frame.
     pub dirty: bool,
 }
 
 impl Document {
-    /// `hair` with `settings`, without a character and without a job.
+    /// Creates a document with `hair` and `settings`, without a character or a job.
     pub fn new(context: &egui::Context, gpu: Gpu, settings: Settings, hair: Hair) -> Self {
         Self {
             context: context.clone(),
@@ -47,19 +47,19 @@ impl Document {
         }
     }
 
-    /// The hair that is shown, or will be when the work that is under way is done.
+    /// Returns the hair of the running job, else the hair on the screen.
     pub fn wanted(&self) -> Hair {
         let coming = self.job.as_ref().map(|job| &job.hair);
         coming.or(self.shown.as_ref().map(|shown| &shown.hair)).cloned().unwrap_or_default()
     }
 
-    /// Starts a job that reads `source` anew; the current character stays until it ends.
+    /// Starts a job that reads `source` again. The current character stays until the job ends.
     pub fn open(&mut self, source: Source, messages: &mut Messages) {
         let companions = self.wanted().companions;
         self.make(Hair { source, companions }, true, messages);
     }
 
-    /// Puts a file in its place beside the hair, or takes it away.
+    /// Sets the companion file, or removes it if `name` is `None`.
     pub fn put(
         &mut self,
         companion: &Companion,
@@ -79,21 +79,21 @@ impl Document {
         }
     }
 
-    /// Goes to `hair`, if it is not there already.
+    /// Starts a job for `hair` unless it is already shown or loading.
     fn go_to(&mut self, hair: Hair, messages: &mut Messages) {
         self.painted = None;
         if self.job.as_ref().is_some_and(|job| job.hair == hair) {
             return;
         }
         if self.shown.as_ref().is_some_and(|shown| shown.hair == hair) {
-            // Whatever was on its way is wanted no longer, but for what settings have asked for.
+            // Discard the running job, but keep the rebuild that changed settings need.
             self.stale |= self.job.take().is_some();
             return;
         }
         self.light(hair, messages);
     }
 
-    /// Starts to make `hair` ready: only its light where nothing else is another.
+    /// Starts a job for `hair`. If only the environment differs, the job loads just that.
     fn light(&mut self, hair: Hair, messages: &mut Messages) {
         let same = self.shown.as_ref().is_some_and(|shown| shown.hair.is_lit_otherwise(&hair));
         if same && self.job.as_ref().is_none_or(Job::is_light) {
@@ -104,12 +104,12 @@ impl Document {
         }
     }
 
-    /// Starts to make `hair` ready; `fresh`: its files are read although they are those that are shown.
+    /// Starts a job that builds `hair`. `fresh` reads its files again even if they are already shown.
     pub fn make(&mut self, hair: Hair, fresh: bool, messages: &mut Messages) {
         let shown = self.shown.as_ref().filter(|shown| !fresh && shown.hair.source == hair.source);
         let base = shown.map(|shown| shown.base.clone());
-        // Light stays if it is the same file.
-        let same_light = |shown: &&Shown| {
+        // Reuse the environment if its file is the same.
+        let same_light = |shown: &&DisplayedCharacter| {
             let light = |hair: &Hair| hair.companions.names().environment.clone();
             light(&shown.hair) == light(&hair) && !shown.hair.companions.files_differ(&hair.companions)
         };
@@ -122,8 +122,9 @@ impl Document {
         self.job = Some(Job::start(&self.context, self.gpu.clone(), order));
     }
 
-    /// The result of a job that has ended, and its hair. After an error the document returns to the hair on the screen.
-    pub fn take_done(&mut self, messages: &mut Messages) -> Option<(Hair, Done)> {
+    /// Returns the result of a finished job and its hair. After an error the document reverts to the hair on the
+    /// screen.
+    pub fn take_done(&mut self, messages: &mut Messages) -> Option<(Hair, JobResult)> {
         let done = self.job.as_ref()?.take()?;
         let Job { hair, .. } = self.job.take()?;
         let error = match done {
@@ -133,7 +134,7 @@ impl Document {
         self.painted = None;
         match &self.shown {
             Some(shown) => self.settings.set_hair(shown.hair.clone()),
-            // An empty window shows the built-in hair.
+            // An empty window falls back to the built-in hair.
             None if hair != Hair::default() => self.make(Hair::default(), true, messages),
             None => {}
         }
@@ -141,12 +142,12 @@ impl Document {
         None
     }
 
-    /// `hair` is shown from here on, which is a step that can be undone. Colours that were painted for it are
-    /// seen at once, whatever colour it had: that belongs to the same step.
+    /// Records `hair` as the shown hair, as one undo step. If a color map was loaded for it, the same step switches the
+    /// hair color to that map.
     pub fn arrived(&mut self, hair: &Hair) {
         let painted = self.painted.take();
         if self.shown.is_none() {
-            // The first is where one begins.
+            // The first hair is the start of the history, not an undo step.
             self.settings.set_hair(hair.clone());
             return;
         }
@@ -156,35 +157,35 @@ impl Document {
         self.follow(&before);
     }
 
-    /// The built-in style that is shown, if it is one.
+    /// Returns the built-in style on the screen, if it is one.
     pub fn style(&self) -> Option<Style> {
         self.shown.as_ref().and_then(|shown| shown.base.style().copied())
     }
 
-    /// The settings are others from here on; `label` names the step for an undo.
+    /// Changes the settings. `label` names the undo step.
     pub fn change(&mut self, settings: Settings, label: &str) {
         let before = self.settings.now().clone();
         self.settings.change(settings, label);
         self.follow(&before);
     }
 
-    /// Takes parameters, hair and companions from the preset at `path` with the content `text`; `files` came with it as
-    /// bytes.
+    /// Applies parameters, hair and companions of a preset. `text` is its content, `path` its location, and `files` the
+    /// files dropped with it.
     pub fn open_preset(&mut self, path: &Path, text: &str, files: Shelf, messages: &mut Messages) {
         let preset = match Preset::read(text, &path.display().to_string()) {
             Ok(preset) => preset,
             Err(error) => return messages.fail(error),
         };
         self.change(preset.settings, "Preset");
-        // Names of files in it are relative to it.
+        // File names in a preset are relative to it.
         let source = preset.source.inside(path.parent().unwrap_or(Path::new("")));
-        let mut said = format!("{} is applied", path.display());
+        let mut said = format!("{} is loaded", path.display());
         let before = self.wanted();
         let on_files = matches!(before.source, Source::Files { .. });
         let hair = match &source.style {
-            // A look is tried on the hair that is there.
+            // A preset for a style is applied to the current groom.
             Some(style) if on_files => {
-                said += &format!(" to this groom; it was made for the style {style}");
+                said += &format!(" for the current groom; the preset was made for style {style}");
                 None
             }
             Some(style) => Some(Source::Style(style.clone())),
@@ -192,13 +193,13 @@ impl Document {
             None => match groom(&source, &files) {
                 Some(files) => Some(Source::Files { files, options: Box::new(source.orientation.clone()) }),
                 None => {
-                    said += " to this hair; its groom has to be given with it";
+                    said += " for the current hair; to load its groom, drop both together";
                     None
                 }
             },
         };
         let companions = Companions::of(&source, files);
-        // Other hair replaces the companions too.
+        // New hair also replaces the companions.
         let companions = match hair.is_some() || companions.all().next().is_some() {
             true => companions,
             false => before.companions.clone(),
@@ -210,7 +211,7 @@ impl Document {
         messages.said = Some(said);
     }
 
-    /// Takes the last change back, or the last undo where that is to be done `again`.
+    /// Undoes the last change, or redoes it if `again`.
     pub fn undo(&mut self, again: bool, messages: &mut Messages) {
         let before = self.settings.now().clone();
         let step = if again { self.settings.redo() } else { self.settings.undo() };
@@ -220,18 +221,18 @@ impl Document {
         }
     }
 
-    /// Marks frame and job as due where the settings differ from `before`.
+    /// Marks a frame and a job as due if the settings differ from `before`.
     fn follow(&mut self, before: &Settings) {
         let changes = self.settings.now().changes(before);
         self.dirty |= changes.any();
-        // A job waits until the pointer is up.
+        // A job waits until the pointer is released.
         self.stale |= changes.regrow || changes.rebuild;
         if changes.any() {
             self.context.request_repaint();
         }
     }
 
-    /// Starts the long work that changes have left, unless a finger is still on them.
+    /// Starts the job that changed settings need, once the pointer is released.
     pub fn work_off(&mut self, messages: &mut Messages) {
         if self.context.input(|input| input.pointer.any_down()) {
             return;
@@ -246,7 +247,7 @@ impl Document {
     }
 }
 
-/// Groom and head of a preset: where it says they are or, in a browser, among the bytes that came with it.
+/// Returns the groom and head of a preset: paths on a desktop, bytes from `given` in a browser.
 fn groom(source: &source::Source, given: &Shelf) -> Option<Files> {
     if !cfg!(target_arch = "wasm32") {
         return Some(Files::Disk { grooms: source.grooms.clone(), heads: source.heads.clone() });

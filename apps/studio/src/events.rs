@@ -1,21 +1,22 @@
-//! What the pointer did, told to one frame at a time as far as a frame can understand it.
+//! Splits pointer events between frames so that egui hits the right widget.
 //!
-//! egui asks once a frame what lies under the pointer: where it is at the frame's end. Frames may take seconds on a
-//! software driver, and whoever clicks and goes on within one would have clicked on what lies where the pointer is
-//! now; a slider that is pulled and let go within one would not move at all. So what comes after a press or a
-//! release, once the pointer leaves its place, waits for the next frame.
+//! egui hit-tests once per frame, at the pointer's last position in that frame. With a software driver a frame can take
+//! seconds. A click followed by a move within one frame would then hit the widget under the later position, and a
+//! slider dragged and released within one frame would not move. Therefore, once the pointer leaves the position of a
+//! press or release, the remaining events wait for the next frame.
 
 use eframe::egui::{Event, Pos2};
 
-/// How far the pointer may go from a press and still be at its place: as far as egui lets a click go, points.
+/// Distance that the pointer may move after a press within the same frame, points. It equals egui's click tolerance.
 const NEAR: f32 = 6.0;
 
-/// Events that wait for the next frame.
+/// Events deferred to the next frame.
 #[derive(Default)]
-pub struct Waiting(Vec<Event>);
+pub struct EventQueue(Vec<Event>);
 
-impl Waiting {
-    /// Leaves in `events` what this frame takes, behind what has waited for it; whether any wait for another.
+impl EventQueue {
+    /// Moves deferred events to the front of `events` and defers those that this frame must not see. Returns whether
+    /// any remain deferred.
     pub fn exchange(&mut self, events: &mut Vec<Event>) -> bool {
         let mut all = std::mem::take(&mut self.0);
         all.append(events);
@@ -25,7 +26,7 @@ impl Waiting {
     }
 }
 
-/// How many of `events` the next frame can take.
+/// Returns how many of `events` the next frame can take.
 fn first_that_waits(events: &[Event]) -> usize {
     let mut place: Option<Pos2> = None;
     for (i, event) in events.iter().enumerate() {
@@ -48,10 +49,10 @@ mod tests {
     use super::*;
     use eframe::egui::{self, Modifiers, PointerButton, pos2};
 
-    /// A window with two buttons and a slider, in which `events` come within one frame, and then frames until none
-    /// waits: how often each button was clicked, and what the slider says.
+    /// Runs a window with two buttons and a slider that receives `events` in one frame, then runs frames until no event
+    /// is deferred. Returns the clicks of each button and the slider's value. Without `waits`, no event is deferred.
     fn after(events: &[Event], waits: bool) -> ([u32; 2], f32) {
-        let (context, mut waiting) = (egui::Context::default(), Waiting::default());
+        let (context, mut waiting) = (egui::Context::default(), EventQueue::default());
         let (mut clicks, mut value) = ([0; 2], 0.0);
         let mut frame = |mut events: Vec<Event>| {
             let more = waits && waiting.exchange(&mut events);
@@ -66,11 +67,11 @@ mod tests {
                 let place = egui::Rect::from_min_size(pos2(20.0, 200.0), egui::vec2(200.0, 30.0));
                 ui.put(place, egui::Slider::new(&mut value, 0.0..=1.0).show_value(false));
             });
-            // Nobody paints.
+            // Nothing is painted.
             output.textures_delta.clear();
             more
         };
-        // Where things are is known from the frame before.
+        // egui hit-tests with the widget positions of the previous frame.
         frame(Vec::new());
         frame(Vec::new());
         let mut more = frame(events.to_vec());
@@ -91,11 +92,11 @@ mod tests {
     const BUTTONS: [Pos2; 2] = [pos2(60.0, 15.0), pos2(60.0, 65.0)];
 
     #[test]
-    fn a_click_hits_what_it_was_made_on() {
+    fn click_hits_the_widget_under_the_press() {
         let mut events = click(BUTTONS[0]).to_vec();
         events.push(Event::PointerMoved(BUTTONS[1]));
         assert_eq!(after(&events, true).0, [1, 0]);
-        // Without waiting it hits what the pointer went to.
+        // Without deferral the click hits the widget at the later position.
         assert_ne!(after(&events, false).0, [1, 0]);
         let both = click(BUTTONS[0]).into_iter().chain(click(BUTTONS[1])).collect::<Vec<_>>();
         assert_eq!(after(&both, true).0, [1, 1]);
@@ -103,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slider_is_pulled_within_a_frame() {
+    fn slider_drag_works_within_one_frame() {
         let (from, to) = (pos2(25.0, 215.0), pos2(150.0, 215.0));
         let events =
             [Event::PointerMoved(from), button(from, true), Event::PointerMoved(to), button(to, false)];
@@ -113,17 +114,17 @@ mod tests {
     }
 
     #[test]
-    fn what_a_frame_can_take_does_not_wait() {
+    fn events_near_a_press_are_not_deferred() {
         let near = pos2(62.0, 17.0);
         let mut events = click(BUTTONS[0]).to_vec();
         events.insert(2, Event::PointerMoved(near));
         events.push(Event::Text("a".into()));
         events.push(Event::PointerGone);
         let mut taken = events.clone();
-        assert!(!Waiting::default().exchange(&mut taken));
+        assert!(!EventQueue::default().exchange(&mut taken));
         assert_eq!(taken, events);
-        // And the pointer may go anywhere before.
+        // Moves before a press are not deferred.
         let moves = [BUTTONS[1], BUTTONS[0]].map(Event::PointerMoved).to_vec();
-        assert!(!Waiting::default().exchange(&mut moves.clone()));
+        assert!(!EventQueue::default().exchange(&mut moves.clone()));
     }
 }

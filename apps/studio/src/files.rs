@@ -1,25 +1,25 @@
-//! Files that were chosen or dropped: paths on a desktop, bytes in a browser.
+//! Chosen or dropped files: paths on a desktop, bytes in a browser.
 
 use std::{path::PathBuf, sync::Arc};
 use tresses::character::CharacterFiles;
-use tresses::groom::import::Given;
+use tresses::groom::import::FileBytes;
 
 /// The files of a groom and its head.
 #[derive(Clone, Debug)]
 pub enum Files {
-    /// On the disk.
+    /// Paths on disk.
     Disk {
-        /// The groom.
+        /// Groom files.
         grooms: Vec<PathBuf>,
-        /// The head; there may be none.
+        /// Head meshes; may be empty.
         heads: Vec<PathBuf>,
     },
-    /// Their bytes.
-    Given(Arc<Vec<Given<'static>>>),
+    /// Names and bytes in memory.
+    Given(Arc<Vec<FileBytes<'static>>>),
 }
 
 impl PartialEq for Files {
-    /// The same paths, or the same bytes in memory.
+    /// Compares paths, or the identity of the bytes in memory.
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Disk { grooms: a, heads: b }, Self::Disk { grooms: c, heads: d }) => a == c && b == d,
@@ -30,7 +30,7 @@ impl PartialEq for Files {
 }
 
 impl Files {
-    /// As the readers take them.
+    /// Returns the files in the form that the importer takes.
     pub fn borrowed(&self) -> CharacterFiles<'_> {
         match self {
             Self::Disk { grooms, heads } => CharacterFiles::Disk { grooms, heads },
@@ -38,7 +38,7 @@ impl Files {
         }
     }
 
-    /// A few words for a title.
+    /// Returns a short name for titles.
     pub fn name(&self) -> String {
         let paths: Vec<&PathBuf> = match self {
             Self::Disk { grooms, .. } => grooms.iter().collect(),

@@ -1,5 +1,5 @@
-//! A frame on its way through the GPU. What takes long is handed in part by part, the next when the one before is
-//! done: the window's own frames go between them, and what is left can be given up.
+//! A frame in flight on the GPU. A long frame is split into parts, and each part is submitted when the previous one is
+//! done. The window's own frames run in between, and the remaining parts can be canceled.
 
 use std::{
     collections::VecDeque,
@@ -10,11 +10,11 @@ use web_time::Instant;
 struct Parts {
     left: VecDeque<wgpu::CommandBuffer>,
     done: usize,
-    /// When all of them were done.
+    /// Time at which all parts were done.
     landed: Option<Instant>,
 }
 
-/// What is under way.
+/// A frame in flight.
 pub struct Flight {
     begun: Instant,
     all: usize,
@@ -25,7 +25,7 @@ fn lock(parts: &Mutex<Parts>) -> MutexGuard<'_, Parts> {
     parts.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Hands in the next part, and after the last calls `wake`.
+/// Submits the next part. Calls `wake` when none is left.
 fn go_on(queue: &wgpu::Queue, parts: &Arc<Mutex<Parts>>, wake: impl FnOnce() + Send + 'static) {
     let next = lock(parts).left.pop_front();
     let Some(next) = next else {
@@ -41,7 +41,7 @@ fn go_on(queue: &wgpu::Queue, parts: &Arc<Mutex<Parts>>, wake: impl FnOnce() + S
 }
 
 impl Flight {
-    /// Hands `parts` in, one after another; `wake` is called when the last is done.
+    /// Starts submitting `parts` in order. Calls `wake` when the last is done.
     pub fn start(
         queue: &wgpu::Queue,
         begun: Instant,
@@ -54,36 +54,36 @@ impl Flight {
         Self { begun, all, parts }
     }
 
-    /// Milliseconds that it took, once it is done.
+    /// Returns the frame's duration in milliseconds once it is done.
     pub fn landed(&self) -> Option<f32> {
         Some(lock(&self.parts).landed?.duration_since(self.begun).as_secs_f32() * 1e3)
     }
 
-    /// How many of its parts are done, of how many.
+    /// Returns the number of finished parts and of all parts.
     pub fn progress(&self) -> (usize, usize) {
         (lock(&self.parts).done, self.all)
     }
 
-    /// No more parts are handed in.
+    /// Cancels the parts not yet submitted.
     pub fn give_up(&self) {
         lock(&self.parts).left.clear();
     }
 }
 
-/// A device calls back when somebody asks it: a thread does while a frame is under way.
+/// Thread that polls the device while a frame is in flight. Native wgpu runs callbacks only when the device is polled.
 #[cfg(not(target_arch = "wasm32"))]
 pub struct Watcher(std::sync::mpsc::Sender<Arc<Mutex<Parts>>>);
 
 #[cfg(not(target_arch = "wasm32"))]
 impl Watcher {
-    /// For what is handed in to `device`.
+    /// Starts the thread for `device`.
     pub fn new(device: &wgpu::Device) -> Self {
         let (sender, receiver) = std::sync::mpsc::channel::<Arc<Mutex<Parts>>>();
         let device = device.clone();
         std::thread::spawn(move || {
             while let Ok(parts) = receiver.recv() {
                 while lock(&parts).landed.is_none() {
-                    // Waiting inside the device would keep the window from handing in work.
+                    // A blocking wait would hold a device lock and delay the window's submissions.
                     if device.poll(wgpu::PollType::Poll).is_err() {
                         return;
                     }
@@ -94,25 +94,25 @@ impl Watcher {
         Self(sender)
     }
 
-    /// Sees to `flight`.
+    /// Polls until `flight` is done.
     pub fn watch(&self, flight: &Flight) {
-        // Without the thread the device is lost, and somebody has said so.
+        // The thread only ends when the device is lost, which the loss callback reports.
         let _ = self.0.send(flight.parts.clone());
     }
 }
 
-/// A browser calls back by itself.
+/// Does nothing: a browser runs callbacks without polling.
 #[cfg(target_arch = "wasm32")]
 pub struct Watcher;
 
 #[cfg(target_arch = "wasm32")]
 impl Watcher {
-    /// For what is handed in to a device.
+    /// Creates the placeholder.
     pub fn new(_: &wgpu::Device) -> Self {
         Self
     }
 
-    /// Sees to a flight.
+    /// Does nothing.
     pub fn watch(&self, _: &Flight) {}
 }
 
@@ -123,9 +123,9 @@ mod tests {
     use tresses::gpu::Gpu;
 
     #[test]
-    fn parts_go_one_by_one_until_they_are_given_up() {
+    fn parts_are_submitted_in_turn_until_canceled() {
         let Ok(gpu) = pollster::block_on(Gpu::open()) else {
-            assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "there is no adapter");
+            tresses_testing::skip("gpu", "no GPU adapter");
             return;
         };
         let woken = Arc::new(AtomicU32::new(0));

@@ -1,18 +1,18 @@
-//! A hair: its source and its companions.
+//! The hair of a document: its source and its companion files.
 
 use crate::files::Files;
 use tresses::groom::{import::ImportOptions, styles::Style};
 use tresses_scene::{Companion, Companions, Settings, settings::HairColor, source};
 
-/// The key of the colours painted on the scalp.
+/// Companion key of the color map on the scalp.
 pub const COLORS: &str = "color_map";
 
-/// Groom and head.
+/// A groom with its head.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
-    /// A built-in style, by its name.
+    /// Name of a built-in style.
     Style(String),
-    /// The files of one groom, and of the head it grows on if there are any.
+    /// The files of one groom, and of its head if there is one.
     Files {
         /// The files.
         files: Files,
@@ -22,7 +22,7 @@ pub enum Source {
 }
 
 impl Source {
-    /// A few words for a title.
+    /// Returns a short name for titles.
     pub fn name(&self) -> String {
         match self {
             Self::Style(name) => name.clone(),
@@ -31,12 +31,12 @@ impl Source {
     }
 }
 
-/// Which hair, and the maps, obstacles and surroundings beside it.
+/// Hair and its maps, obstacles and environment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hair {
     /// Groom and head.
     pub source: Source,
-    /// What stands beside them.
+    /// Maps, obstacles and environment.
     pub companions: Companions,
 }
 
@@ -47,12 +47,13 @@ impl Default for Hair {
 }
 
 impl Hair {
-    /// Whether `other` is the same hair in another light.
+    /// Whether `other` differs at most in its environment.
     pub fn is_lit_otherwise(&self, other: &Self) -> bool {
         self.source == other.source && !self.companions.differ_in_hair(&other.companions)
     }
 
-    /// The settings under which one sees it: colours that were `painted` for it hide behind no other.
+    /// Returns `settings` with the hair color taken from the color map, if `painted` names this hair's map. A newly
+    /// loaded map is visible at once this way.
     pub fn seen_with(&self, settings: &Settings, painted: Option<&str>) -> Settings {
         let mut settings = settings.clone();
         if painted.is_some() && painted == self.companions.names().color_map.as_deref() {
@@ -61,7 +62,7 @@ impl Hair {
         settings
     }
 
-    /// What leads from `before` to this, a word or two.
+    /// Returns a label of a few words for the change from `before`.
     pub fn step_from(&self, before: &Self) -> String {
         if self.source != before.source {
             return format!("Hair: {}", self.source.name());
@@ -74,7 +75,7 @@ impl Hair {
         }
     }
 
-    /// As a preset names it; bytes of a browser have no place that could be named.
+    /// Returns the source for a preset. Files in a browser have no path, so they are left out.
     pub fn named(&self) -> source::Source {
         let mut source = self.companions.names().clone();
         match &self.source {
@@ -95,7 +96,7 @@ mod tests {
     use tresses_scene::{Shelf, source::companion};
 
     #[test]
-    fn what_changed_is_named() {
+    fn undo_label_names_the_change() {
         let bob = Hair { source: Source::Style("bob".into()), ..Hair::default() };
         let with = |hair: &Hair, key: &str| {
             let name = Some("front".into());
@@ -104,7 +105,7 @@ mod tests {
         };
         let (sparse, lit) = (with(&bob, "density_map"), with(&bob, "environment"));
         assert_eq!(bob.step_from(&Hair::default()), "Hair: bob");
-        assert_eq!((sparse.step_from(&bob), lit.step_from(&bob)), ("Density".into(), "Surroundings".into()));
+        assert_eq!((sparse.step_from(&bob), lit.step_from(&bob)), ("Density".into(), "Environment".into()));
         assert_eq!(lit.step_from(&sparse), "Files");
         assert!(lit.is_lit_otherwise(&bob) && !sparse.is_lit_otherwise(&bob));
         assert!(!bob.is_lit_otherwise(&Hair::default()));
@@ -113,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn painted_colours_are_seen() {
+    fn loaded_color_map_becomes_the_hair_color() {
         let name = || Some("colours.png".to_owned());
         let companions = Companions::default().with(companion(COLORS).unwrap(), name(), &Shelf::default());
         let hair = Hair { companions, ..Hair::default() };
@@ -122,7 +123,7 @@ mod tests {
         let color =
             |hair: &Hair, painted: Option<String>| hair.seen_with(&brown, painted.as_deref()).shading.color;
         assert_eq!(color(&hair, name()), HairColor::File);
-        // Those of a preset that says brown, and of hair that came in their place, are not.
+        // A preset that says brown, and hair without the map, keep their color.
         assert_eq!(color(&hair, None), HairColor::Brown);
         assert_eq!(color(&Hair::default(), name()), HairColor::Brown);
     }

@@ -7,25 +7,25 @@ use tresses::{
     groom::SdfGrid,
 };
 
-/// How fast a held head follows, rad/s.
+/// Natural frequency of the spring while the head is held, rad/s.
 const HELD: f32 = 22.0;
-/// How fast a head that is let go swings back, rad/s.
+/// Natural frequency of the spring after release, rad/s.
 const FREE: f32 = 9.0;
-/// Damping of that swing; 1 does not swing.
+/// Damping ratio after release; 1 is critical damping.
 const FREE_DAMPING: f32 = 0.45;
-/// The farthest from its place, metres.
+/// Largest displacement from the rest position, meters.
 const REACH: f32 = 0.3;
-/// The farthest turns, radians: yaw, pitch.
+/// Largest yaw and pitch, radians.
 const TURNS: Vec2 = Vec2::new(1.4, 0.7);
-/// Skin and the hair that lies on it, metres.
+/// Thickness of skin and flat hair, added to the head for picking, meters.
 const SKIN: f32 = 0.012;
 
-/// A spring per degree of freedom: where the head is off its place.
+/// Displacement of the head from its animated pose: one spring per degree of freedom.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Hand {
-    /// How far from the eye it was taken, metres.
+pub struct HeadSpring {
+    /// Distance from the eye to the grabbed point, meters, while held.
     held: Option<f32>,
-    /// Metres.
+    /// Translation, meters.
     shift: Spring3,
     /// Yaw, pitch, 0; radians.
     turn: Spring3,
@@ -39,7 +39,7 @@ struct Spring3 {
 }
 
 impl Spring3 {
-    /// Semi-implicit steps, small ones whatever `seconds` is.
+    /// Semi-implicit Euler with steps of 1/240 s, at most 64 of them.
     fn advance(&mut self, seconds: f32, rate: f32, damping: f32) {
         let steps = (seconds * 240.0).ceil().clamp(1.0, 64.0);
         let h = seconds / steps;
@@ -54,40 +54,40 @@ impl Spring3 {
     }
 }
 
-impl Hand {
-    /// Takes the head at a point `depth` metres from the eye.
+impl HeadSpring {
+    /// Grabs the head at a point `depth` meters from the eye.
     pub fn take(&mut self, depth: f32) {
         self.held = Some(depth);
     }
 
-    /// Lets it go: it swings back to its place.
+    /// Releases the head; it swings back to its rest position.
     pub fn release(&mut self) {
         self.held = None;
         (self.shift.to, self.turn.to) = (Vec3::ZERO, Vec3::ZERO);
     }
 
-    /// How far from the eye it was taken, metres, while it is held.
+    /// Returns the distance from the eye to the grabbed point, meters, while held.
     pub fn held(&self) -> Option<f32> {
         self.held
     }
 
-    /// The held head is to be `by` metres farther.
+    /// Moves the target of a held head by `by`, meters.
     pub fn drag(&mut self, by: Vec3) {
         self.shift.to = (self.shift.to + by).clamp_length_max(REACH);
     }
 
-    /// The held head is to be turned by `by` more: yaw and pitch, radians.
+    /// Turns the target of a held head by `by`: yaw and pitch, radians.
     pub fn turn(&mut self, by: Vec2) {
         let to = (self.turn.to.truncate() + by).clamp(-TURNS, TURNS);
         self.turn.to = to.extend(0.0);
     }
 
-    /// Whether nothing moves.
+    /// Whether all springs are at rest.
     pub fn is_still(&self) -> bool {
         self.shift.is_still() && self.turn.is_still()
     }
 
-    /// `seconds` go by.
+    /// Advances the springs by `seconds`.
     pub fn advance(&mut self, seconds: f32) {
         let (rate, damping) = if self.held.is_some() { (HELD, 1.0) } else { (FREE, FREE_DAMPING) };
         for spring in [&mut self.shift, &mut self.turn] {
@@ -98,7 +98,7 @@ impl Hand {
         }
     }
 
-    /// `gesture`, as the hand has it: it shifts the body, and turns the head about `pivot` (groom space, metres).
+    /// Adds the displacement to `gesture`: shifts the body and turns the head about `pivot` (groom space, meters).
     pub fn apply(&self, mut gesture: Gesture, pivot: Vec3) -> Gesture {
         let [yaw, pitch, _] = self.turn.at.to_array();
         let turn = Pose::about(pivot, Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch));
@@ -108,7 +108,7 @@ impl Hand {
     }
 }
 
-/// How far along a ray (`eye`, unit `direction`, world) the head at `pose` is, metres.
+/// Returns the distance along a ray (`eye`, unit `direction`, world space) to the head at `pose`, meters.
 pub fn hit(field: &SdfGrid, pose: &Pose, eye: Vec3, direction: Vec3) -> Option<f32> {
     let back = pose.inverse();
     let (origin, along) = (back.point(eye), back.rotation * direction);
@@ -131,8 +131,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_head_follows_swings_and_comes_to_rest_where_it_was() {
-        let mut hand = Hand::default();
+    fn released_head_swings_back_to_rest() {
+        let mut hand = HeadSpring::default();
         hand.take(1.0);
         hand.drag(Vec3::X * 0.1);
         for _ in 0..60 {
@@ -147,12 +147,12 @@ mod tests {
             least = least.min(hand.apply(Gesture::default(), pivot).rigid().translation.x);
         }
         assert!(least < -0.005, "it swings past its place: {least}");
-        assert!(hand.is_still() && hand == Hand::default());
+        assert!(hand.is_still() && hand == HeadSpring::default());
     }
 
     #[test]
-    fn long_frames_do_not_blow_it_up() {
-        let mut hand = Hand::default();
+    fn spring_is_stable_for_long_frames() {
+        let mut hand = HeadSpring::default();
         hand.take(1.0);
         hand.drag(Vec3::X);
         for _ in 0..20 {
@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_meet_a_head_where_it_is() {
+    fn ray_hits_the_head_at_its_pose() {
         let field = SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 33, |p| p.length() - 0.1);
         let pose = Pose { translation: Vec3::X, ..Pose::IDENTITY };
         let t = hit(&field, &pose, Vec3::new(1.0, 0.0, 2.0), Vec3::NEG_Z);

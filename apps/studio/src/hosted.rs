@@ -1,4 +1,4 @@
-//! The studio in somebody else's page: without panels, told what to do by name, and telling what has come of it.
+//! The studio embedded in a host page: no panels; the page sends commands by name and receives the state.
 
 use crate::{messages::Messages, renderer::Renderer, state::State};
 use anyhow::{Context, Result, bail};
@@ -9,45 +9,47 @@ use tresses_scene::{
     motion::NAMES,
 };
 
-/// Something that a host wants.
+/// A command of the host.
 #[derive(Clone, Debug)]
 pub enum Command {
-    /// A parameter of the table.
+    /// Sets a parameter.
     Set(&'static Knob, Value),
-    /// Whether time goes by.
+    /// Plays or pauses.
     Playing(bool),
-    /// A built-in motion.
+    /// Chooses a built-in motion.
     Motion(&'static str),
-    /// What a body that bends does: the name of an animation, or nothing.
+    /// Chooses an animation of a skinned character, or none.
     Animation(Option<String>),
-    /// From where the head is seen.
+    /// Moves the camera to a named view.
     Camera(Angle),
 }
 
 impl Command {
-    /// `name` is `playing`, `motion`, `animation`, `camera`, or the path of a parameter.
+    /// Parses a command. `name` is `playing`, `motion`, `animation`, `camera`, or the path of a parameter.
     ///
     /// # Errors
-    /// One sentence, for a name or a value that does not exist.
+    /// Fails with one sentence for an unknown name or an invalid value.
     pub fn of(name: &str, value: &str) -> Result<Self> {
         Ok(match name {
             "playing" => match value {
                 "true" => Self::Playing(true),
                 "false" => Self::Playing(false),
-                _ => bail!("playing is true or false, not “{value}”"),
+                _ => bail!("playing is “{value}”, but must be true or false"),
             },
             "motion" => {
                 let motion = NAMES.into_iter().find(|motion| *motion == value);
-                Self::Motion(motion.with_context(|| {
-                    format!("there is no motion “{value}”; there are {}", NAMES.join(", "))
-                })?)
+                Self::Motion(
+                    motion.with_context(|| {
+                        format!("there is no motion “{value}”; choose {}", NAMES.join(", "))
+                    })?,
+                )
             }
             "animation" => Self::Animation((!value.is_empty()).then(|| value.into())),
             "camera" => {
                 let names = Angle::ALL.map(|(_, name)| name).join(", ");
                 let angle = Angle::ALL.into_iter().find(|(_, name)| *name == value);
                 Self::Camera(
-                    angle.with_context(|| format!("there is no camera “{value}”; there are {names}"))?.0,
+                    angle.with_context(|| format!("there is no camera “{value}”; choose {names}"))?.0,
                 )
             }
             path => {
@@ -60,25 +62,25 @@ impl Command {
     }
 }
 
-/// What a host is called with after every frame of the window: how things are.
+/// Callback of the host, called with the state after every frame of the window.
 pub type Tell = Box<dyn Fn(&State)>;
 
-/// The page around the studio, if there is one.
+/// The host page, if there is one.
 #[derive(Default)]
 pub struct Host {
     /// Called after every frame of the window.
     pub tell: Option<Tell>,
-    /// The animation that a body is to begin with, once it is there.
+    /// Animation to start once a character is loaded; `Some(None)` stops the current one.
     pub animation: Option<Option<String>>,
 }
 
 impl Host {
-    /// Does what was asked for of a body that is there now.
+    /// Starts the requested animation on the current character.
     pub fn animate(&mut self, renderer: &mut Renderer, messages: &mut Messages) {
         let Some(show) = &mut renderer.show else { return };
         let Some(name) = self.animation.take() else { return };
         let Some(living) = show.stage.character.rig_mut() else {
-            messages.error = Some("this body has no animations".into());
+            messages.error = Some("this character has no animations".into());
             return;
         };
         if let Err(error) = living.set_animation(name.as_deref()) {
@@ -95,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_host_is_understood_or_told_what_there_is() {
+    fn commands_parse_or_list_valid_names() {
         assert!(matches!(Command::of("playing", "false").unwrap(), Command::Playing(false)));
         assert!(matches!(Command::of("camera", "side").unwrap(), Command::Camera(Angle::Side)));
         assert!(matches!(Command::of("animation", "").unwrap(), Command::Animation(None)));

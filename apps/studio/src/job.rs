@@ -1,4 +1,4 @@
-//! Long operations in the background: pipelines, then a character on the GPU.
+//! Background jobs: they load hair, compile pipelines and build a character on the GPU.
 
 use crate::{
     hair::{Hair, Source},
@@ -17,27 +17,27 @@ use tresses::{
 };
 use tresses_scene::{Quality, Scene, Settings, Surroundings};
 
-/// Size of the very first picture, which nobody sees, pixels.
+/// Size of the warm-up frame, which is not shown, pixels.
 const FIRST: [u32; 2] = [487, 305];
-/// How long work goes on before the window gets its turn.
+/// Longest time that a job works before it yields to the window.
 const PATIENCE: std::time::Duration = std::time::Duration::from_millis(40);
 
-/// What is to be made ready.
+/// Input of a job.
 pub struct Order {
-    /// Which hair, with what beside it.
+    /// Hair and companions.
     pub hair: Hair,
-    /// What is there of it already.
+    /// The loaded groom, if it can be reused.
     pub base: Option<Arc<CharacterSource>>,
-    /// Its surroundings, if they are read already.
+    /// The loaded environment, if it can be reused.
     pub surroundings: Option<Arc<Surroundings>>,
-    /// How.
+    /// All parameters.
     pub settings: Settings,
-    /// Whether camera and motion stay as they are.
+    /// Whether camera and motion stay unchanged.
     pub keep: bool,
 }
 
 /// The character on the screen.
-pub struct Shown {
+pub struct DisplayedCharacter {
     /// Its source and companions.
     pub hair: Hair,
     /// Notes for the user, a sentence each.
@@ -49,45 +49,45 @@ pub struct Shown {
 }
 
 /// A character that is ready to be shown.
-pub struct Ready {
-    /// On the GPU.
+pub struct PreparedCharacter {
+    /// The character on the GPU.
     pub stage: Scene,
     /// Its source, for display and for later jobs.
-    pub shown: Shown,
-    /// Whether camera and motion stay as they are.
+    pub shown: DisplayedCharacter,
+    /// Whether camera and motion stay unchanged.
     pub keep: bool,
 }
 
-/// What came of work.
-pub enum Done {
+/// Result of a job.
+pub enum JobResult {
     /// A character.
-    Hair(Box<Ready>),
-    /// Other surroundings, or none, for the character that is shown.
+    Hair(Box<PreparedCharacter>),
+    /// A new environment, or none, for the character on the screen.
     Light(Option<Arc<Surroundings>>),
 }
 
-/// How far it is.
+/// Progress and result of a job.
 #[derive(Default)]
 struct Inbox {
     step: &'static str,
     fraction: f32,
-    /// When the window had its turn last.
+    /// Time at which the job last yielded to the window.
     breath: Option<web_time::Instant>,
-    done: Option<Result<Done>>,
+    done: Option<Result<JobResult>>,
 }
 
-/// Work that is under way.
+/// A running job.
 pub struct Job {
     inbox: Arc<Mutex<Inbox>>,
-    /// What will be shown.
+    /// The hair that the job loads.
     pub hair: Hair,
     is_light: bool,
-    /// When it was begun.
+    /// Start time.
     pub begun: web_time::Instant,
 }
 
-/// Tells the window how far the work is.
-struct Teller {
+/// Reports a job's progress to the window.
+struct ProgressSender {
     inbox: Arc<Mutex<Inbox>>,
     context: egui::Context,
 }
@@ -96,15 +96,15 @@ fn lock(inbox: &Mutex<Inbox>) -> MutexGuard<'_, Inbox> {
     inbox.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Teller {
-    /// Hands in what came of the work.
-    fn done(&self, done: Result<Done>) {
+impl ProgressSender {
+    /// Stores the result and wakes the window.
+    fn done(&self, done: Result<JobResult>) {
         lock(&self.inbox).done = Some(done);
         self.context.request_repaint();
     }
 }
 
-impl Progress for Teller {
+impl Progress for ProgressSender {
     async fn step(&self, task: &'static str, fraction: f32) {
         let now = web_time::Instant::now();
         let waits = {
@@ -125,60 +125,60 @@ impl Progress for Teller {
 }
 
 impl Job {
-    /// Starts to make `order` ready.
+    /// Starts to build `order`.
     pub fn start(context: &egui::Context, gpu: Gpu, order: Order) -> Self {
         let (job, teller) = Self::begin(context, order.hair.clone(), false);
         task::spawn(move || async move {
             let done = ready(gpu, order, &teller).await;
-            teller.done(done.map(|ready| Done::Hair(Box::new(ready))));
+            teller.done(done.map(|ready| JobResult::Hair(Box::new(ready))));
         });
         job
     }
 
-    /// Starts to read the surroundings of `hair`, which is shown but for them.
+    /// Starts to load the environment of `hair`. Everything else of it is already shown.
     pub fn light(context: &egui::Context, hair: Hair) -> Self {
         let companions = hair.companions.clone();
         let (job, teller) = Self::begin(context, hair, true);
         task::spawn(move || async move {
-            teller.step("reading the surroundings", 0.0).await;
-            teller.done(companions.surroundings().map(|read| Done::Light(read.map(Arc::new))));
+            teller.step("reading the environment map", 0.0).await;
+            teller.done(companions.surroundings().map(|read| JobResult::Light(read.map(Arc::new))));
         });
         job
     }
 
-    fn begin(context: &egui::Context, hair: Hair, is_light: bool) -> (Self, Teller) {
+    fn begin(context: &egui::Context, hair: Hair, is_light: bool) -> (Self, ProgressSender) {
         let inbox = Arc::<Mutex<Inbox>>::default();
         let begun = web_time::Instant::now();
-        let teller = Teller { inbox: inbox.clone(), context: context.clone() };
+        let teller = ProgressSender { inbox: inbox.clone(), context: context.clone() };
         (Self { inbox, hair, is_light, begun }, teller)
     }
 
-    /// Whether only the light will be another.
+    /// Whether the job only loads an environment.
     pub fn is_light(&self) -> bool {
         self.is_light
     }
 
-    /// What it does now, a few words.
+    /// Returns the current step, a few words.
     pub fn step(&self) -> &'static str {
         lock(&self.inbox).step
     }
 
-    /// How much of that is done, 0 to 1.
+    /// Returns the finished fraction of the step, 0 to 1.
     pub fn fraction(&self) -> f32 {
         lock(&self.inbox).fraction
     }
 
-    /// What came of it, once.
-    pub fn take(&self) -> Option<Result<Done>> {
+    /// Takes the result once the job has ended.
+    pub fn take(&self) -> Option<Result<JobResult>> {
         lock(&self.inbox).done.take()
     }
 }
 
-async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready> {
+async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<PreparedCharacter> {
     let Order { hair, base, surroundings, settings, keep } = order;
     let Hair { source, companions } = &hair;
-    // What can be refused is refused before anything is made.
-    progress.step("reading maps and environments", 0.0).await;
+    // Validate the inputs before the expensive work.
+    progress.step("reading maps and the environment map", 0.0).await;
     let (maps, colliders) = (companions.maps()?, companions.colliders()?);
     let surroundings = match surroundings {
         Some(surroundings) => Some(surroundings),
@@ -197,7 +197,7 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
     let styling = settings.styling(base.style(), &maps)?;
     let mut character = base.dress(&styling, progress).await?;
     let notes = std::mem::take(&mut character.notes);
-    // What is compiled already is there at once.
+    // Pipelines that are already compiled cost nothing here.
     let mut wanted = settings.pipelines(options);
     wanted.extend(settings.pipelines_of_motion(&character.guide_vertices()));
     gpu.context.prepare(&wanted, progress).await?;
@@ -207,12 +207,12 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Ready
     let mut stage = stage?;
     stage.dress(&settings);
     stage.set_surroundings(surroundings.clone());
-    progress.step("drawing the first picture", 0.0).await;
+    progress.step("rendering the first frame", 0.0).await;
     first_picture(&mut stage)?;
-    Ok(Ready { stage, shown: Shown { hair, notes, base, surroundings }, keep })
+    Ok(PreparedCharacter { stage, shown: DisplayedCharacter { hair, notes, base, surroundings }, keep })
 }
 
-/// How pictures are sampled: as `settings` say, and where they say nothing so that it is fast.
+/// Returns the view options: from `settings` where they set the sampling, else fast defaults.
 pub fn view_options(settings: &Settings, tier: Tier) -> tresses::Result<ViewOptions> {
     if settings.gives("edges.samples") || settings.gives("edges.coverage") {
         return settings.view_options(tier.max_samples);
@@ -221,13 +221,13 @@ pub fn view_options(settings: &Settings, tier: Tier) -> tresses::Result<ViewOpti
     if tier.software {
         fast.samples = 1;
         fast.shadow_resolution = fast.shadow_resolution.min(256);
-        // An eighth of the cells, whose work does not fall with the strands.
+        // 12³ cells instead of 24³: their cost does not fall with the strand count.
         fast.ambient_cells = fast.ambient_cells.min(12);
     }
     Ok(fast)
 }
 
-/// Drivers finish compiling when something is drawn: better here than in the window.
+/// Draws two frames. Drivers finish compiling at the first draw, which would otherwise stall the window.
 fn first_picture(stage: &mut Scene) -> Result<()> {
     let mut encoder = stage.gpu.context.device().create_command_encoder(&Default::default());
     let camera = tresses_scene::Viewpoint::portrait(Default::default(), stage.subject(), 1.0, 1.0);

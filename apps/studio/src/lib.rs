@@ -1,19 +1,18 @@
-//! The studio: one interactive viewer of hair, in a window and in the browser.
+//! The studio: an interactive hair viewer for the desktop and the browser.
 //!
 //! ```text
 //! app ──► panels, viewport            user input, frame by frame; each borrows the parts it needs
 //!  ├──► document ──► job ──► task      settings, hair, history; jobs on a thread natively, async tasks in the browser
-//!  ├──► record, picture, hosted        a loop or a picture as a file; the host page
-//!  │      └──► renderer ──► stage      when and how finely a frame is drawn; only `stage` talks to the renderer
+//!  ├──► record, picture, hosted        a loop or an image as a file; the host page
+//!  │      └──► renderer ──► stage      schedule and quality of frames; only `stage` talks to the renderer
 //!  │             └──► playback         transport, hand and ball
 //!  └──► dialog, loss, messages
 //! ```
 //!
-//! egui owns window, device and queue ([`device`] says what it asks the adapter for); [`stage`] draws
-//! into a texture of its own, on the same queue. At most one frame of hair is in flight at any time ([`flight`]):
-//! meanwhile the window shows the previous one and stays responsive, as long frames are handed in part by part and
-//! the window's own go between. Frame time controls the resolution ([`pace`]). Nothing is drawn unless hair moves or
-//! something changed.
+//! egui owns the window, the device and the queue ([`device`] configures them). [`stage`] draws into its own texture on
+//! the same queue. At most one frame of hair is in flight ([`flight`]); meanwhile the window shows the previous one and
+//! stays responsive, because long frames are submitted in parts and the window's own frames run in between. The frame
+//! time controls the resolution ([`pace`]). Nothing is drawn unless hair moves or something has changed.
 
 pub mod answer;
 pub mod app;

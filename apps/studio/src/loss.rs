@@ -1,4 +1,4 @@
-//! A device that is lost, or refuses its work: one sentence, and another window.
+//! Lost devices and device errors: reports the cause and reopens the window.
 
 use crate::options::Options;
 use eframe::egui;
@@ -7,35 +7,35 @@ use std::sync::{
     atomic::{AtomicBool, Ordering},
 };
 
-/// Options of the open window, for the next one if its device is lost.
+/// Options that reopen the current window if its device is lost.
 static SHOWN: Mutex<Option<Box<Options>>> = Mutex::new(None);
 
-/// Why the device of the window is gone.
+/// Why the window's device was lost.
 static GONE: Mutex<Option<String>> = Mutex::new(None);
 
-/// Whether a device that is destroyed counts as lost: only a test destroys one that is in use.
+/// Whether destroying the device counts as losing it. Only tests set this.
 static DESTROYS: AtomicBool = AtomicBool::new(false);
 
-/// Why nothing can be drawn any more.
+/// Why drawing has stopped.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loss {
-    /// One sentence.
+    /// Cause, one sentence.
     sentence: String,
-    /// Whether the device itself is gone, and not only its work refused.
+    /// Whether the device is lost, as opposed to a device error.
     is_gone: bool,
 }
 
-/// What the driver has reported so far.
+/// First loss or error that the driver reported.
 #[derive(Clone, Debug, Default)]
-pub struct Lost(Arc<Mutex<Option<Loss>>>);
+pub struct DeviceLoss(Arc<Mutex<Option<Loss>>>);
 
-impl Lost {
-    /// Why nothing can be drawn any more.
+impl DeviceLoss {
+    /// Returns why drawing has stopped, if it has.
     pub fn sentence(&self) -> Option<String> {
         self.loss().map(|loss| loss.sentence)
     }
 
-    /// Whether there is no device any more with which a window could say so.
+    /// Whether the device is lost, so that the window cannot show the cause.
     pub fn is_gone(&self) -> bool {
         self.loss().is_some_and(|loss| loss.is_gone)
     }
@@ -45,17 +45,17 @@ impl Lost {
     }
 }
 
-/// From here on `lost` says what went wrong on `device`, instead of a panic.
-pub fn listen(device: &wgpu::Device, context: &egui::Context, lost: &Lost) {
+/// Records errors and the loss of `device` in `lost` instead of panicking.
+pub fn listen(device: &wgpu::Device, context: &egui::Context, lost: &DeviceLoss) {
     let tell = |sentence: &str, is_gone: bool| {
         let (lost, context, sentence) = (lost.clone(), context.clone(), sentence.to_owned());
         move |message: String| {
             let first = message.lines().next().unwrap_or_default().to_owned();
             let mut lost = lost.0.lock().unwrap_or_else(PoisonError::into_inner);
-            // What comes first is the cause; what is gone is worse than what is refused.
+            // The first report is the cause, except that a lost device replaces a device error.
             if lost.as_ref().is_none_or(|before| is_gone && !before.is_gone) {
                 let cause = if first.is_empty() { sentence.clone() } else { format!("{sentence}: {first}") };
-                // egui has no device to draw it with.
+                // egui has no device left to draw the message.
                 #[cfg(target_arch = "wasm32")]
                 crate::page::say(&cause);
                 if is_gone {
@@ -68,37 +68,37 @@ pub fn listen(device: &wgpu::Device, context: &egui::Context, lost: &Lost) {
     };
     let gone = tell("The GPU was lost", true);
     device.set_device_lost_callback(move |reason, message| {
-        // That of a window that closes is none.
+        // A closing window destroys its device, which is no loss.
         if DESTROYS.load(Ordering::Relaxed) || reason != wgpu::DeviceLostReason::Destroyed {
             gone(message);
         }
     });
-    let wrong = tell("The GPU refused its work", false);
+    let wrong = tell("The GPU reported an error", false);
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
         eprintln!("{error}");
         wrong(error.to_string());
     }));
 }
 
-/// Keeps the options that open the window again.
+/// Stores the options that reopen the window.
 pub fn remember(shown: Options) {
     *SHOWN.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(shown));
 }
 
-/// The reason if the window's device is gone, and the options that open the window again. Takes both.
+/// Takes the cause if the window's device was lost, and the options that reopen the window.
 pub fn take() -> (Option<String>, Option<Box<Options>>) {
     let gone = GONE.lock().unwrap_or_else(PoisonError::into_inner).take();
     (gone, SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take())
 }
 
-/// Loses the device after the frame that `TRESSES_STUDIO_LOSE_AT` names, once: a test of what follows.
+/// Destroys the device after the frame that `TRESSES_STUDIO_LOSE_AT` names, once, to test recovery.
 pub fn lose_for_tests(device: &wgpu::Device, frames: u64) {
     static DONE: AtomicBool = AtomicBool::new(false);
     let at = std::env::var("TRESSES_STUDIO_LOSE_AT").ok().and_then(|text| text.parse::<u64>().ok());
     if at.is_some_and(|at| frames >= at) && !DONE.swap(true, Ordering::Relaxed) {
         DESTROYS.store(true, Ordering::Relaxed);
         device.destroy();
-        // Calls back, here or on the thread that watches over frames; whatever it says, the device is gone.
+        // The callback runs here or on the polling thread; either way the device is lost.
         for _ in 0..1000 {
             let _ = device.poll(wgpu::PollType::Poll);
             if GONE.lock().unwrap_or_else(PoisonError::into_inner).is_some() {
@@ -116,16 +116,16 @@ mod tests {
     use tresses::gpu::Gpu;
 
     #[test]
-    fn a_lost_device_is_told() {
+    fn device_errors_and_loss_are_reported() {
         let Ok(gpu) = pollster::block_on(Gpu::open()) else {
-            assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "there is no adapter");
+            tresses_testing::skip("gpu", "no GPU adapter");
             return;
         };
-        let (context, lost) = (egui::Context::default(), Lost::default());
-        let now = Lost::loss;
+        let (context, lost) = (egui::Context::default(), DeviceLoss::default());
+        let now = DeviceLoss::loss;
         listen(gpu.context.device(), &context, &lost);
         assert_eq!(now(&lost), None);
-        // Refused work is told, and leaves a device.
+        // A device error is reported and does not count as a loss.
         let usage = wgpu::BufferUsages::empty();
         let _ = gpu.context.device().create_buffer(&wgpu::BufferDescriptor {
             label: None,
@@ -133,7 +133,10 @@ mod tests {
             usage,
             mapped_at_creation: false,
         });
-        assert!(now(&lost).is_some_and(|loss| !loss.is_gone && loss.sentence.contains("refused")));
+        assert!(
+            now(&lost)
+                .is_some_and(|loss| !loss.is_gone && loss.sentence.starts_with("The GPU reported an error"))
+        );
         DESTROYS.store(true, Ordering::Relaxed);
         gpu.context.device().destroy();
         let _ = gpu.context.device().poll(wgpu::PollType::Poll);

@@ -1,8 +1,8 @@
-//! Sentences for the user.
+//! Messages for the user.
 
 use std::fmt::Display;
 
-/// The last sentences for the user.
+/// The current messages.
 #[derive(Clone, Debug, Default)]
 pub struct Messages {
     /// The last error.
@@ -12,12 +12,12 @@ pub struct Messages {
 }
 
 impl Messages {
-    /// Removes all sentences: something new begins.
+    /// Removes all messages.
     pub fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// Shows `error`, with its causes.
+    /// Shows `error` with its causes.
     pub fn fail(&mut self, error: impl Display) {
         self.error = Some(format!("{error:#}"));
     }

@@ -1,38 +1,38 @@
-//! The window.
+//! The desktop window.
 
 use crate::{app::Studio, device, loss, options::Options};
 use anyhow::{Result, anyhow};
 use eframe::egui;
 use std::panic::{self, AssertUnwindSafe};
 
-/// The window's size at first, points.
+/// Initial window size, points.
 const SIZE: [f32; 2] = [1280.0, 800.0];
 
-/// How often a device may be lost before it is given up.
+/// How often the window is reopened after a device loss.
 const MOST: u32 = 3;
 
-/// Opens the window and returns when it is closed. A window that loses its device is opened again.
+/// Opens the window and returns when it is closed. A window that loses its device is reopened.
 ///
 /// # Errors
-/// One sentence, when there is no display or no adapter that can draw, or the device was lost too often.
+/// Fails with one sentence if there is no display or no suitable adapter, or the device was lost too often.
 pub fn run(options: Options) -> Result<()> {
     let mut next = options;
     for _ in 0..=MOST {
-        // Whoever asks a device that is gone for memory panics, wgpu's helpers and egui's painter among them.
+        // wgpu's helpers and egui's painter panic when they allocate on a lost device.
         let done = panic::catch_unwind(AssertUnwindSafe(|| open(next)));
         let (gone, shown) = loss::take();
         next = match (done, gone, shown) {
             (Ok(_), Some(why), Some(shown)) => {
-                let trouble = format!("{why}. This is the studio opened again");
+                let trouble = format!("{why}. The window was opened again");
                 Options { trouble: Some(trouble), ..*shown }
             }
-            // In the midst of a frame: the toolkit opens no other window after that.
-            (Err(_), Some(why), _) => return Err(anyhow!("{why}; open the studio again")),
+            // A panic within a frame: winit cannot open another window after that.
+            (Err(_), Some(why), _) => return Err(anyhow!("{why}; start the studio again")),
             (Ok(done), ..) => return done,
             (Err(other), ..) => panic::resume_unwind(other),
         };
     }
-    Err(anyhow!("the GPU was lost {} times; the studio gives it up", MOST + 1))
+    Err(anyhow!("the GPU was lost {} times; the studio gives up", MOST + 1))
 }
 
 fn open(options: Options) -> Result<()> {
@@ -45,7 +45,7 @@ fn open(options: Options) -> Result<()> {
             .with_drag_and_drop(true),
         renderer: eframe::Renderer::Wgpu,
         wgpu_options: device::configuration(),
-        // Panels are of one colour each, and pictures have their own.
+        // Panels are single colors, and frames are dithered already.
         dithering: false,
         ..Default::default()
     };
@@ -54,11 +54,11 @@ fn open(options: Options) -> Result<()> {
     eframe::run_native("tresses", native, start).map_err(|error| anyhow!("{}", sentence(&error.to_string())))
 }
 
-/// What the toolkit says, with what to do about it.
+/// Returns the window toolkit's error with a hint for the user.
 fn sentence(error: &str) -> String {
     let lower = error.to_lowercase();
     let help = if lower.contains("display") || lower.contains("event loop") {
-        "; the studio needs a display: `tresses render` and `tresses demo` do without"
+        "; the studio needs a display, `tresses render` and `tresses demo` do not"
     } else if lower.contains("adapter") || lower.contains("wgpu") {
         "; on Linux without a GPU, scripts/setup installs Mesa's software Vulkan driver"
     } else {

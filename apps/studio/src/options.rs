@@ -1,4 +1,4 @@
-//! The studio's start options.
+//! Start options of the studio.
 
 use crate::files::Files;
 use anyhow::{Context, Result, anyhow};
@@ -6,35 +6,34 @@ use std::path::PathBuf;
 use tresses::groom::{import::ImportOptions, styles::Style};
 use tresses_scene::{Companions, Settings, knobs};
 
-/// What the studio shows first.
+/// Options of a studio window.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
-    /// The files of one groom; none for a built-in style.
+    /// The files of one groom; empty for a built-in style.
     pub grooms: Vec<PathBuf>,
-    /// The meshes of the head it grows on.
+    /// Head meshes of the groom.
     pub heads: Vec<PathBuf>,
-    /// The built-in style, when there is no groom: one of [`tresses::groom::styles::Style::NAMES`].
+    /// The built-in style if there is no groom: one of [`tresses::groom::styles::Style::NAMES`].
     pub style: Option<String>,
-    /// What is known of the files' units and axes.
+    /// Units and axes of the files; unset fields are guessed.
     pub import: ImportOptions,
-    /// Maps, obstacles and surroundings.
+    /// Maps, obstacles and environment.
     pub companions: Companions,
-    /// Every parameter.
+    /// All parameters.
     pub settings: Settings,
-    /// Whether there is a picture and nothing else, as in a page of others.
+    /// Whether to hide everything but the viewport, as in an embedded viewer.
     pub bare: bool,
-    /// Files that are there already, instead of those on the disk.
+    /// Files in memory, used instead of those on disk.
     pub given: Option<Files>,
-    /// What went wrong before, a sentence that is shown.
+    /// An error to show, from the previous window.
     pub trouble: Option<String>,
 }
 
 impl Options {
-    /// As a page's address has them: `style`, and parameters by their paths, such as
-    /// `?style=bob&style.strands=5000&wind.speed=3`.
+    /// Parses a page's query: `style`, and parameters by path, such as `?style=bob&style.strands=5000&wind.speed=3`.
     ///
     /// # Errors
-    /// One sentence, for a name or a value that does not exist.
+    /// Fails with one sentence for an unknown name or an invalid value.
     pub fn of<'a>(query: impl IntoIterator<Item = (&'a str, &'a str)>) -> Result<Self> {
         let mut options = Self::default();
         for (name, value) in query {
@@ -55,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_address_tells_style_and_parameters() {
+    fn query_sets_style_and_parameters() {
         let options = Options::of([("style", "bob"), ("style.strands", "1500")]).unwrap();
         assert_eq!(options.style.as_deref(), Some("bob"));
         let strands = knobs::find("style.strands").map(|knob| knob.get(&options.settings));
@@ -64,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn what_an_address_has_wrong_is_said() {
+    fn invalid_query_is_an_error() {
         for (name, value) in [("style", "mohawk"), ("strands", "10"), ("style.strands", "many")] {
             let said = format!("{:#}", Options::of([(name, value)]).unwrap_err());
             assert!(said.contains(if name == "style" { value } else { "style.strands" }), "{said}");

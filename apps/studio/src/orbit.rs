@@ -1,27 +1,27 @@
-//! The user's camera: it orbits a point, pans and zooms, and moves smoothly to named views.
+//! The user's camera: it orbits a point, pans, zooms, and glides to named views.
 
 use tresses::character::Bounds;
 use tresses::glam::{Vec2, Vec3};
 use tresses_scene::camera::{Angle, VERTICAL_FOV, Viewpoint};
 
-/// Nearest and farthest that a camera may come to what it looks at, metres.
+/// Range of the camera's distance from its target, meters.
 const DISTANCE: (f32, f32) = (0.05, 10.0);
 /// Radians per point of a drag.
 const TURN: f32 = 0.006;
-/// Steepest look up or down, radians.
+/// Largest pitch up or down, radians.
 const STEEPEST: f32 = 1.5;
-/// The share of the way that is left after a second of gliding.
+/// Fraction of the distance that remains after gliding for a second.
 const GLIDE: f32 = 1e-6;
 
-/// Where the camera is, as a person thinks of it.
+/// Camera position in orbit coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Spot {
     target: Vec3,
-    /// From before the face towards the head's left, radians.
+    /// From the front of the face towards the head's left, radians.
     yaw: f32,
     /// Above the horizon, radians.
     pitch: f32,
-    /// Metres.
+    /// Distance from the target, meters.
     distance: f32,
 }
 
@@ -39,25 +39,25 @@ impl Spot {
     }
 }
 
-/// A camera on its way.
+/// An orbiting camera, possibly gliding to a goal.
 #[derive(Clone, Debug)]
 pub struct Orbit {
     now: Spot,
     goal: Spot,
-    /// The view that the picture keeps when its shape changes, until a person moves the camera.
+    /// Named view that is kept when the aspect ratio changes, until the user moves the camera.
     framed: Option<Angle>,
     subject: Bounds,
     aspect: f32,
 }
 
 impl Orbit {
-    /// A portrait of `subject` from `view`.
+    /// Creates a portrait of `subject` from `view`.
     pub fn new(view: Angle, subject: Bounds) -> Self {
         let place = Spot::of(&Viewpoint::portrait(view, subject, 1.3, 1.0));
         Self { now: place, goal: place, framed: Some(view), subject, aspect: 1.3 }
     }
 
-    /// Another subject, seen from the same side.
+    /// Frames another subject from the same side.
     pub fn show(&mut self, subject: Bounds) {
         self.subject = subject;
         let view = self.framed.unwrap_or_default();
@@ -69,7 +69,7 @@ impl Orbit {
         self.now = self.goal;
     }
 
-    /// The picture is `aspect` times as wide as high from here on.
+    /// Sets the aspect ratio, width over height.
     pub fn set_aspect(&mut self, aspect: f32) {
         if (aspect - self.aspect).abs() < 1e-4 {
             return;
@@ -87,13 +87,13 @@ impl Orbit {
     /// Glides to a portrait from `view`.
     pub fn frame(&mut self, view: Angle) {
         self.goal = Spot::of(&Viewpoint::portrait(view, self.subject, self.aspect, 1.0));
-        // The short way round.
+        // Turn the short way round.
         let turns = ((self.now.yaw - self.goal.yaw) / std::f32::consts::TAU).round();
         self.goal.yaw += turns * std::f32::consts::TAU;
         self.framed = Some(view);
     }
 
-    /// The view it was framed from, if it has not been moved since.
+    /// Returns the named view, unless the user has moved the camera since.
     pub fn framed(&self) -> Option<Angle> {
         self.framed
     }
@@ -106,7 +106,7 @@ impl Orbit {
         self.goal = self.now;
     }
 
-    /// Moves sideways by a drag of `points` in a picture `height` points high: what is looked at follows.
+    /// Pans by a drag of `points` in a viewport `height` points high; the target follows the pointer.
     pub fn pan(&mut self, points: Vec2, height: f32) {
         self.taken();
         let (right, up) = self.plane();
@@ -115,19 +115,19 @@ impl Orbit {
         self.goal = self.now;
     }
 
-    /// Comes `factor` times nearer.
+    /// Divides the distance by `factor`.
     pub fn zoom(&mut self, factor: f32) {
         self.taken();
         self.now.distance = (self.now.distance / factor.max(1e-3)).clamp(DISTANCE.0, DISTANCE.1);
         self.goal = self.now;
     }
 
-    /// A person has taken the camera: it stays as it is.
+    /// Drops the named view: the user has moved the camera.
     fn taken(&mut self) {
         self.framed = None;
     }
 
-    /// Whether it is on its way to a view.
+    /// Whether the camera is gliding to a view.
     pub fn is_gliding(&self) -> bool {
         self.now != self.goal
     }
@@ -153,18 +153,18 @@ impl Orbit {
         }
     }
 
-    /// The camera now.
+    /// Returns the current camera.
     pub fn camera(&self) -> Viewpoint {
         Viewpoint { eye: self.now.target + self.now.back() * self.now.distance, target: self.now.target }
     }
 
-    /// Right and up in the picture.
+    /// Returns the right and up directions of the image plane.
     pub fn plane(&self) -> (Vec3, Vec3) {
         let right = Vec3::new(self.now.yaw.cos(), 0.0, -self.now.yaw.sin());
         (right, self.now.back().cross(right))
     }
 
-    /// From where and where to one looks at `at`, which is -1 to 1 from left to right and from bottom to top.
+    /// Returns eye and unit direction of the ray through `at`, in normalized device coordinates: -1 to 1, right and up.
     pub fn ray(&self, at: Vec2) -> (Vec3, Vec3) {
         let (right, up) = self.plane();
         let tan = (0.5 * VERTICAL_FOV).tan();
@@ -172,7 +172,7 @@ impl Orbit {
         (self.camera().eye, direction.normalize())
     }
 
-    /// The height of the picture at distance `depth` from the eye, metres.
+    /// Returns the height of the view frustum at distance `depth` from the eye, meters.
     pub fn height_at(&self, depth: f32) -> f32 {
         2.0 * (0.5 * VERTICAL_FOV).tan() * depth
     }
@@ -185,7 +185,7 @@ mod tests {
     const SUBJECT: Bounds = (Vec3::new(-0.11, 1.40, -0.13), Vec3::new(0.10, 1.67, 0.13));
 
     #[test]
-    fn it_glides_to_a_view_and_stops() {
+    fn camera_glides_to_a_view_and_stops() {
         let mut orbit = Orbit::new(Angle::Front, SUBJECT);
         orbit.frame(Angle::Side);
         assert!(orbit.is_gliding());
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn the_middle_ray_meets_the_target() {
+    fn center_ray_passes_through_the_target() {
         let mut orbit = Orbit::new(Angle::ThreeQuarter, SUBJECT);
         orbit.pan(Vec2::new(30.0, -20.0), 600.0);
         let (eye, direction) = orbit.ray(Vec2::ZERO);
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn the_far_way_is_not_taken() {
+    fn glide_turns_the_short_way() {
         let mut orbit = Orbit::new(Angle::Back, SUBJECT);
         orbit.turn(Vec2::new(-100.0, 0.0));
         orbit.frame(Angle::Back);

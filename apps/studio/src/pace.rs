@@ -1,68 +1,69 @@
-//! Keeps frames short: resolution and detail fall until a frame fits, and rise again when there is time.
-//! When nothing moves, the picture is refined level by level to full quality.
+//! Keeps frames short: lowers resolution and detail until a frame fits its time budget, and raises them when there is
+//! time. When nothing moves, the image is refined in steps to full quality.
 
 use anyhow::Result;
 use tresses::lod::LodOptions;
 use tresses_scene::{Scene, Settings};
 
-/// How finely a frame is drawn.
+/// Quality of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Level {
-    /// The factor on the resolution.
+    /// Factor on the resolution.
     pub scale: f32,
-    /// What is added to the bias of the level of detail.
+    /// Offset added to the level-of-detail bias.
     pub bias: f32,
-    /// The factor on how far strands may stray from their full shape: fewer segments.
+    /// Factor on the allowed deviation of simplified strands from their full curves; larger values give fewer segments.
     pub stray: f32,
-    /// Whether the hair moves in steps of twice the length.
+    /// Whether the hair is simulated with time steps of twice the length.
     pub slow: bool,
-    /// Pixels drawn per pixel shown, along each axis, if the settings do not ask for more.
+    /// Supersampling factor per axis, unless the settings ask for more.
     pub ssaa: u32,
 }
 
 impl Level {
-    /// Everything.
+    /// Full quality.
     pub const FULL: Self = Self { scale: 1.0, bias: 0.0, stray: 1.0, slow: false, ssaa: 1 };
 
-    /// Everything, for a device that draws one sample per pixel because it is slow: what nobody waits for, or
-    /// what is kept, has four. Layers would be better still, and take as long again.
+    /// Full quality for a device that is slow enough to draw one sample per pixel: a still or saved image gets four.
+    /// Depth peeling would look better but take twice as long.
     pub const STILL: Self = Self { ssaa: 2, ..Self::FULL };
 
     const fn lower(scale: f32, bias: f32, stray: f32) -> Self {
         Self { scale, bias, stray, ..Self::FULL }
     }
 
-    /// The level of detail that this makes of what a person has chosen.
+    /// Applies the level to the level-of-detail options that the user has chosen.
     pub fn lod(&self, mut options: LodOptions) -> LodOptions {
         options.bias = (options.bias + self.bias).clamp(-8.0, 8.0);
         options.curve_error = (options.curve_error * self.stray).min(100.0);
         if self.slow {
-            // From any distance, and by twice at most.
+            // Allow steps of at least twice the length, at any distance.
             (options.slow_pixel, options.slowest) = (1e-6, options.slowest.max(2.0));
         }
         options
     }
 
-    /// Gives `stage` the settings as they are, drawn so finely; before each frame.
+    /// Applies `settings` at this level to `stage`. Called before each frame.
     ///
     /// # Errors
-    /// When the level of detail is out of its range.
+    /// Fails if the level-of-detail options are out of range.
     pub fn dress(&self, stage: &mut Scene, settings: &Settings) -> Result<()> {
         stage.take(settings);
         if stage.gpu.context.tier().software {
-            // Its coarse maps shade what casts the shadow sooner.
+            // Its coarse shadow maps self-shadow more, so they need a larger bias.
             stage.picture.shadows.bias *= 2.0;
         }
         stage.set_lod(self.lod(settings.lod()))
     }
 
-    /// Whether `finer` only has more samples: what is lit stays as it is.
+    /// Whether `finer` differs only by more samples, so that the lighting can be reused.
     pub fn is_only_smoothed(&self, finer: &Self) -> bool {
         self.ssaa < finer.ssaa && Self { ssaa: finer.ssaa, ..*self } == *finer
     }
 
-    /// About how much longer a frame of `other` takes: pixels take most of it. Four times as many of full
-    /// hair take two to three times as long (`tresses bench --appearance`), but not the light that is there already.
+    /// Estimates the cost of a frame at `other` relative to this level. The pixel count dominates. Four times the
+    /// samples of full hair take two to three times as long (`tresses-evidence appearance`), less if the lighting is
+    /// reused.
     fn cost_of(&self, other: &Self) -> f32 {
         let ratio = other.scale / self.scale;
         let samples = match (self.ssaa < other.ssaa, self.is_only_smoothed(other)) {
@@ -74,8 +75,9 @@ impl Level {
     }
 }
 
-/// From the best to the fastest. Few strands are wide enough for all (`tresses::lod`), but few segments are chords
-/// that sink into the skull: no level strays so far that skin shows through (`tests/levels.rs`).
+/// Levels from best to fastest. Fewer strands are drawn wider, so they still cover the scalp (`tresses::lod`). But
+/// fewer segments form chords that cut through the skull: no level has so few that skin shows through
+/// (`tests/levels.rs`).
 pub const LEVELS: [Level; 8] = [
     Level::FULL,
     Level { scale: 0.85, ..Level::FULL },
@@ -86,42 +88,42 @@ pub const LEVELS: [Level; 8] = [
     Level { slow: true, ..Level::lower(0.28, 2.5, 4.0) },
     Level { slow: true, ..Level::lower(0.24, 2.8, 3.0) },
 ];
-/// Milliseconds that a frame may take on a software driver.
+/// Frame budget of a software driver, milliseconds.
 const SOFTWARE: f32 = 80.0;
-/// Milliseconds that a frame may take on a GPU: 30 per second.
+/// Frame budget of a GPU, milliseconds: 30 frames per second.
 const HARDWARE: f32 = 33.0;
-/// This share of it is so little that there is room for more.
+/// Fraction of the budget below which a finer level may fit.
 const ROOM: f32 = 0.45;
-/// So many frames in a row must be too long, or have room.
+/// Consecutive frames over the budget, and with time to spare, before the level changes.
 const PATIENCE: (u32, u32) = (2, 24);
-/// A finer picture that takes longer than this comes after one that does not, milliseconds.
+/// If a finer image takes longer than this, a cheaper one is drawn first, milliseconds.
 const SOON: f32 = 1000.0;
-/// A frame that takes longer than this is handed in part by part, milliseconds.
+/// A frame that takes longer than this is submitted in parts, milliseconds.
 const WHOLE: f32 = 120.0;
 
-/// How finely frames are drawn.
+/// Chooses the quality of frames from their duration.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
-    /// Whether it changes by itself.
+    /// Whether the level adapts to the frame time.
     pub automatic: bool,
     level: usize,
     budget: f32,
-    /// How many frames in a row were too long, had room.
+    /// Consecutive frames that were over the budget, and that had time to spare.
     runs: (u32, u32),
-    /// How often a finer level was tried and did not fit: the next try waits longer.
+    /// Number of times that the level was lowered, at most 4. Each doubles the wait before a finer level is tried.
     failures: u32,
-    /// The level of a picture that is refined because nothing moves.
+    /// Level of a still image being refined.
     refined: Option<&'static Level>,
-    /// The finest.
+    /// The finest level.
     finest: &'static Level,
-    /// The picture is to be finished, whatever is automatic.
+    /// Whether a full-quality image was requested, even without `automatic`.
     finishes: bool,
-    /// Milliseconds of the last frame.
+    /// Duration of the last frame, milliseconds.
     last: f32,
 }
 
 impl Pace {
-    /// For a software driver or a GPU.
+    /// Creates the pace for a software driver or a GPU.
     pub fn new(software: bool) -> Self {
         let (budget, level) = if software { (SOFTWARE, 4) } else { (HARDWARE, 0) };
         let finest = if software { &Level::STILL } else { &LEVELS[0] };
@@ -129,68 +131,68 @@ impl Pace {
         Self { automatic: true, level, budget, runs, failures, refined, finest, finishes, last }
     }
 
-    /// How the next frame is drawn.
+    /// Returns the level of the next frame.
     pub fn level(&self) -> &'static Level {
         self.refined.unwrap_or(if self.automatic { &LEVELS[self.level] } else { &LEVELS[0] })
     }
 
-    /// How a picture is drawn that is kept.
+    /// Returns the level of an image that is saved.
     pub fn finest(&self) -> &'static Level {
         if self.automatic { self.finest } else { &LEVELS[0] }
     }
 
-    /// The longest a frame may be, milliseconds.
+    /// Returns the frame budget, milliseconds.
     pub fn budget(&self) -> f32 {
         self.budget
     }
 
-    /// Something moves: frames must be short again. Whether the last one was finer, or is being drawn.
+    /// Ends refinement because something moves. Returns whether an image was being refined.
     pub fn moved(&mut self) -> bool {
         let was = self.refined.take().is_some();
-        // What is asked for before all has come to rest still holds.
+        // A request made before the motion has stopped still holds.
         self.finishes &= !was;
         was
     }
 
-    /// The next frame that nothing else is due in has all that the device can do.
+    /// Requests the finest level for the next frame in which nothing moves.
     pub fn finish(&mut self) {
         self.finishes = true;
     }
 
-    /// Whether that has been asked for, and is not done.
+    /// Whether a requested full-quality image is still to be drawn.
     pub fn finishes(&self) -> bool {
         self.finishes
     }
 
-    /// Whether nothing is finer than `level`.
+    /// Whether `level` is the finest.
     pub fn is_finest(&self, level: &Level) -> bool {
         level == self.finest
     }
 
-    /// Whether frames are finer than those in motion.
+    /// Whether a still image is being refined.
     pub fn refines(&self) -> bool {
         self.refined.is_some()
     }
 
-    /// Whether a frame at `level` is to be handed in part by part, as far as the last one tells.
+    /// Whether a frame at `level` is long enough to be submitted in parts, estimated from the last frame.
     pub fn is_long(&self, level: &Level) -> bool {
         self.last * self.level().cost_of(level).max(1.0) > WHOLE
     }
 
-    /// Nothing has moved for a while: whether there is a finer level for the next frame. If the finest takes long,
-    /// there is one before it that does not.
+    /// Moves to a finer level for the next frame after nothing has moved for a while. Returns whether there is one. If
+    /// the finest takes long, a cheaper one is drawn first.
     pub fn refine(&mut self) -> bool {
         let Some(finer) = self.finer() else { return false };
         self.refined = Some(finer);
         true
     }
 
-    /// Whether [`refine`](Self::refine) would find something.
+    /// Whether [`refine`](Self::refine) would find a finer level.
     pub fn can_refine(&self) -> bool {
         self.finer().is_some()
     }
 
-    /// The best level that is there soon, as far as the last frame tells, else the finest.
+    /// Returns the best level that is ready soon, estimated from the last frame, else the finest.
     fn finer(&self) -> Option<&'static Level> {
         if self.last == 0.0 || !(self.automatic || self.finishes) {
             return None;
@@ -200,11 +202,11 @@ impl Pace {
         let finer: Vec<_> = all.take_while(|level| *level != now).collect();
         let soon = finer.iter().find(|level| self.last * now.cost_of(level) < SOON);
         let best = finer.first();
-        // After one that was there soon, nothing less than the finest.
+        // The step after a quick refinement is the finest level.
         if self.finishes || self.refined.is_some() { best } else { soon.or(best) }.copied()
     }
 
-    /// A frame took `milliseconds`. Whether the level has changed.
+    /// Records a frame of `milliseconds`. Returns whether the level has changed.
     pub fn landed(&mut self, milliseconds: f32) -> bool {
         self.last = milliseconds;
         self.finishes &= self.level() != self.finest;
@@ -216,7 +218,7 @@ impl Pace {
         self.runs.1 = if room { self.runs.1 + 1 } else { 0 };
         let before = self.level;
         if self.runs.0 >= PATIENCE.0 && self.level + 1 < LEVELS.len() {
-            // Far too long is helped at once.
+            // Skip a level if the frame is far over the budget.
             let far = if milliseconds > 3.0 * self.budget { 2 } else { 1 };
             self.level = (self.level + far).min(LEVELS.len() - 1);
             self.failures = (self.failures + 1).min(4);
@@ -235,9 +237,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn slow_frames_make_it_coarser_until_they_fit() {
+    fn slow_frames_lower_the_level_until_they_fit() {
         let mut pace = Pace::new(true);
-        // A frame costs 30 ms and 300 ms per full picture.
+        // Cost model: 30 ms, plus 300 ms at full resolution.
         let cost = |pace: &Pace| 30.0 + 300.0 * pace.level().scale * pace.level().scale;
         for _ in 0..40 {
             let ms = cost(&pace);
@@ -247,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn fast_frames_make_it_finer_and_it_settles() {
+    fn fast_frames_raise_the_level_without_oscillation() {
         let mut pace = Pace::new(true);
         assert!(pace.level().scale < 1.0);
         for _ in 0..400 {
@@ -263,13 +265,13 @@ mod tests {
     }
 
     #[test]
-    fn it_can_be_turned_off() {
+    fn manual_pace_keeps_the_level() {
         let mut pace = Pace { automatic: false, ..Pace::new(true) };
         assert!(!pace.landed(1e4) && !pace.landed(1e4) && pace.level().scale == 1.0);
     }
 
     #[test]
-    fn what_stands_still_is_refined_in_short_steps() {
+    fn still_image_is_refined_in_two_steps() {
         let mut pace = Pace { level: LEVELS.len() - 1, ..Pace::new(true) };
         assert!(!pace.refine(), "nothing is known of the time yet");
         let cost = |pace: &Pace| 30.0 + 3000.0 * pace.level().scale * pace.level().scale;
@@ -283,30 +285,30 @@ mod tests {
             all.push(*pace.level());
             assert!(all.len() < LEVELS.len());
         }
-        // One that is there soon, and then, however long it takes, the whole.
+        // First a level that is ready soon, then the finest regardless of its cost.
         assert!(all.len() == 2 && all[0].scale < 0.6, "{all:?}");
         assert_eq!(all[1], Level::STILL);
         assert!(pace.moved() && !pace.moved());
         assert!(pace.level().scale < 0.3);
-        // A fast device has the whole picture at once.
+        // A fast device draws the full image at once.
         pace.landed(5.0);
         assert!(pace.refine() && pace.level() == pace.finest() && !pace.refine());
         assert_eq!(*pace.level(), Level::STILL);
     }
 
     #[test]
-    fn a_picture_is_finished_on_request() {
-        // Even where nothing is refined by itself.
+    fn finish_refines_to_full_quality() {
+        // Also without automatic refinement.
         for automatic in [true, false] {
             let mut pace = Pace { automatic, ..Pace::new(true) };
             pace.landed(5000.0);
             assert_eq!(pace.can_refine(), automatic);
             pace.finish();
-            // The last movement before it begins.
+            // The motion that ends just after the request does not cancel it.
             assert!(!pace.moved() && pace.finishes());
             pace.landed(5000.0);
             assert!(pace.refine() && pace.level() == &Level::STILL && pace.is_long(pace.level()));
-            // A movement ends it.
+            // A later motion does.
             let mut stopped = pace;
             assert!(stopped.moved() && !stopped.finishes() && stopped.level() != &Level::STILL);
             pace.landed(20_000.0);
@@ -315,7 +317,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gpu_has_its_samples_always() {
+    fn gpu_has_no_extra_refinement() {
         let mut pace = Pace::new(false);
         pace.landed(20.0);
         assert!(!pace.refine(), "it draws in full already");

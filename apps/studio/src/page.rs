@@ -1,20 +1,20 @@
-//! The page outside the canvas: downloads, and a sentence where nothing can be drawn.
+//! The page outside the canvas: downloads and error messages.
 
 use wasm_bindgen::{JsCast, JsValue, prelude::*};
 
-/// Where the page says in words what the canvas cannot show.
+/// Id of the element for messages that the canvas cannot show.
 const MESSAGE: &str = "message";
 
-/// The button that loads the page again.
+/// Id of the button that reloads the page.
 const AGAIN: &str = "again";
 
-/// How long bytes of a download are kept for the browser to take, milliseconds.
+/// How long the bytes of a download are kept, milliseconds.
 const TAKEN: i32 = 60_000;
 
-/// Has the browser download `bytes` as the file `name`.
+/// Makes the browser download `bytes` as the file `name`.
 ///
 /// # Errors
-/// The browser's error.
+/// Returns the browser's error.
 pub(crate) fn download(name: &str, bytes: &[u8]) -> Result<(), JsValue> {
     let window = web_sys::window().ok_or("there is no window")?;
     let document = window.document().ok_or("there is no document")?;
@@ -32,14 +32,14 @@ pub(crate) fn download(name: &str, bytes: &[u8]) -> Result<(), JsValue> {
     Ok(())
 }
 
-/// Says a sentence over the canvas, for whatever happens after which nothing is drawn any more.
+/// Shows a message over the canvas, for errors after which nothing can be drawn.
 pub(crate) fn say(sentence: &str) {
     let element = web_sys::window()
         .and_then(|window| window.document())
         .and_then(|document| document.get_element_by_id(MESSAGE));
     let Some(element) = element else { return };
     element.set_text_content(Some(sentence));
-    // An error is ignored: the page has no other place for the sentence.
+    // Ignore an error: the page has no other place for the message.
     let _ = element.remove_attribute("hidden");
     let again = web_sys::window().and_then(|window| window.document()?.get_element_by_id(AGAIN));
     if let Some(again) = again {

@@ -1,33 +1,33 @@
-//! Time: what plays, how fast, and where the motion is.
+//! The transport: play state, speed, and the time of the motion.
 
 use tresses::character::Gesture;
 use tresses::glam::Vec3;
 use tresses_scene::motion::Motion;
 
-/// What a single step takes, seconds.
+/// Duration of a single step, seconds.
 pub const STEP: f32 = 1.0 / 60.0;
-/// How long the head takes from one motion to another, seconds.
+/// Duration of the blend from one motion to another, seconds.
 const CHANGE: f32 = 0.6;
-/// Slowest and fastest.
+/// Range of the speed.
 pub const SPEEDS: std::ops::RangeInclusive<f32> = 0.05..=2.0;
 
 /// The transport of the studio.
 #[derive(Clone, Debug)]
 pub struct Play {
-    /// Whether time goes by.
+    /// Whether the motion plays.
     pub playing: bool,
-    /// Seconds of hair per second of the clock.
+    /// Simulated seconds per real second.
     pub speed: f32,
-    /// The name of the motion.
+    /// Name of the motion.
     pub name: String,
     motion: Option<Motion>,
-    /// The motion before it, where that was, and how much of the way to the new one is done.
+    /// The previous motion, its time, and the progress of the blend, 0 to 1.
     leaving: Option<(Motion, f64, f32)>,
-    /// Seconds since the motion's begin.
+    /// Seconds since the start of the motion.
     pub time: f64,
-    /// Single steps that are due.
+    /// Requested single steps.
     steps: u32,
-    /// Whether the hair is to be put to rest.
+    /// Whether a reset of the hair was requested.
     reset: bool,
 }
 
@@ -48,7 +48,7 @@ impl Default for Play {
 }
 
 impl Play {
-    /// Another built-in motion, from its begin. The head does not jump there.
+    /// Starts another built-in motion. The head blends to it without a jump.
     pub fn choose(&mut self, name: &str) {
         self.leaving = self.motion.take().map(|motion| (motion, self.time, 0.0));
         self.motion = Motion::named(name);
@@ -56,34 +56,35 @@ impl Play {
         self.time = 0.0;
     }
 
-    /// One step is due; time stops.
+    /// Requests a single step and pauses.
     pub fn step(&mut self) {
         self.playing = false;
         self.steps += 1;
     }
 
-    /// The hair is to be put to rest, and the motion to its begin.
+    /// Requests a reset of the hair, and rewinds the motion.
     pub fn reset(&mut self) {
         self.reset = true;
         self.begin();
     }
 
-    /// The motion is at its begin, whatever was before.
+    /// Rewinds the motion and drops the blend from the previous one.
     pub fn begin(&mut self) {
         (self.leaving, self.time) = (None, 0.0);
     }
 
-    /// Whether the hair is to be put to rest; asked once.
+    /// Takes the request for a reset of the hair.
     pub fn take_reset(&mut self) -> bool {
         std::mem::take(&mut self.reset)
     }
 
-    /// Whether a frame is due although nothing plays.
+    /// Whether a frame is due.
     pub fn is_due(&self) -> bool {
         self.playing || self.steps > 0 || self.reset
     }
 
-    /// The seconds that go by in a frame `real` seconds after the last, of which a device manages `most`.
+    /// Advances to a frame `real` seconds after the last. Returns the simulated time step, `most` seconds or less while
+    /// playing.
     pub fn advance(&mut self, real: f32, most: f32) -> f32 {
         let dt = if self.playing { (real * self.speed).min(most) } else { STEP * self.steps as f32 };
         self.steps = 0;
@@ -98,17 +99,17 @@ impl Play {
         dt
     }
 
-    /// Seconds of a run of the motion.
+    /// Returns the duration of one period of the motion, seconds.
     pub fn period(&self) -> f64 {
         self.motion.as_ref().map_or(1.0, Motion::duration)
     }
 
-    /// What the character does now; its head turns about `pivot`.
+    /// Returns the character's gesture; its head turns about `pivot`.
     pub fn gesture(&self, pivot: Vec3) -> Gesture {
         let now =
             self.motion.as_ref().map_or_else(Gesture::default, |motion| motion.gesture(self.time, pivot));
         let Some((before, at, done)) = &self.leaving else { return now };
-        // Both go on meanwhile: velocities are continuous too.
+        // Both motions advance during the blend, so velocities are continuous too.
         before.gesture(*at, pivot).lerp(&now, done * done * (3.0 - 2.0 * done))
     }
 }
@@ -119,7 +120,7 @@ mod tests {
     use tresses::Pose;
 
     #[test]
-    fn another_motion_does_not_jerk_the_head() {
+    fn changing_the_motion_does_not_jerk_the_head() {
         let mut play = Play::default();
         let pivot = Vec3::Y;
         let run = |play: &mut Play, steps: u32| {

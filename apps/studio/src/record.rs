@@ -1,5 +1,5 @@
-//! A loop as a file: the motion runs from its start with a fixed time step, one frame of hair at a time,
-//! however long each takes. The window stays responsive and shows the recording.
+//! Records a loop as a file. The motion runs from its start with a fixed time step, one frame at a time, however long
+//! each takes. The window stays responsive and shows the recording.
 
 #[cfg(not(target_arch = "wasm32"))]
 use crate::task;
@@ -18,80 +18,81 @@ use tresses_scene::{
     picture::{Format, Picture},
 };
 
-/// The most pixels along a side.
+/// Largest width and height, pixels.
 pub const LARGEST: u32 = 4096;
-/// The longest loop, seconds.
+/// Longest loop, seconds.
 pub const LONGEST: f64 = 60.0;
 
-/// What a person chooses.
+/// Options of a recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wish {
-    /// Seconds; `None` for one period of the motion.
+pub struct RecordRequest {
+    /// Duration in seconds; `None` for one period of the motion.
     pub seconds: Option<f64>,
     /// Frames per second.
     pub fps: u32,
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// The kind of file.
+    /// File format.
     pub format: Format,
 }
 
-impl Default for Wish {
+impl Default for RecordRequest {
     fn default() -> Self {
         Self { seconds: None, fps: 20, size: [640, 400], format: Format::ALL[0] }
     }
 }
 
-impl Wish {
-    /// How long the loop is if a period of the motion lasts `period` seconds.
+impl RecordRequest {
+    /// Returns the loop's duration in seconds if the motion has a period of `period` seconds.
     pub fn length(&self, period: f64) -> f64 {
         self.seconds.unwrap_or(period).clamp(0.1, LONGEST)
     }
 
-    /// How many frames that are.
+    /// Returns the number of frames.
     pub fn frames(&self, period: f64) -> u32 {
         (self.length(period) * f64::from(self.fps)).round().max(1.0) as u32
     }
 }
 
-/// A recording under way.
+/// A running recording.
 pub struct Recording {
-    wish: Wish,
+    wish: RecordRequest,
     frames: u32,
-    /// Frames before the first, which bring the hair into the motion: the loop ends as it begins.
+    /// Warm-up frames before the first recorded one. They bring the hair into the periodic motion, so that the loop
+    /// closes.
     lead: u32,
-    /// The frame that is drawn next, the lead included.
+    /// Index of the next frame, warm-up included.
     next: u32,
-    /// Whether the last frame is for the encoder.
+    /// Whether the last frame goes to the encoder.
     kept: bool,
-    /// The frame that is on its way to it.
+    /// The frame being read back for the encoder.
     copy: Option<Pending>,
     written: u32,
     encoder: Encoder,
-    /// The transport as it was.
+    /// The transport before the recording.
     before: Play,
 }
 
 impl Recording {
-    /// How much of it is done, 0 to 1.
+    /// Returns the finished fraction, 0 to 1.
     pub fn fraction(&self) -> f32 {
         (self.next.min(self.lead) + self.written) as f32 / (self.lead + self.frames).max(1) as f32
     }
 
-    /// What it does now.
+    /// Returns the current step, as text.
     pub fn step(&self) -> String {
         if self.next < self.lead {
-            return "letting the hair settle into the motion".into();
+            return "simulating the warm-up".into();
         }
         format!("recording frame {} of {}", self.written + 1, self.frames)
     }
 
-    /// How frames are drawn: those that nobody keeps as fast as can be.
+    /// Returns the level of the next frame. Warm-up frames are drawn as fast as possible.
     fn level(&self, pace: &Pace) -> &'static Level {
         if self.next < self.lead { pace.level() } else { pace.finest() }
     }
 
-    /// Hands the last frame to the encoder and draws the next. Returns whether more frames follow.
+    /// Passes the last frame to the encoder and draws the next. Returns whether more frames follow.
     fn draw(
         &mut self,
         renderer: &mut Renderer,
@@ -130,12 +131,12 @@ impl Recording {
     }
 }
 
-/// The recorder of loops.
+/// Records loops.
 #[derive(Default)]
 pub struct Recorder {
     /// Options of the next recording.
-    pub wish: Wish,
-    /// The recording under way.
+    pub wish: RecordRequest,
+    /// The running recording.
     pub recording: Option<Recording>,
 }
 
@@ -145,13 +146,13 @@ impl Recorder {
         self.recording.is_some()
     }
 
-    /// Starts to record as the wish has it.
+    /// Starts a recording with the current options.
     pub fn start(&mut self, renderer: &mut Renderer, dialogs: &Dialogs, messages: &mut Messages) {
         let (wish, period) = (self.wish, renderer.period());
         let Some(show) = &mut renderer.show else { return };
         let frames = wish.frames(period);
         let encoder = Encoder::new(dialogs, wish, frames);
-        // Where a motion is cut before its end there is no loop to be closed.
+        // A motion that is cut before its end cannot loop, so it needs no warm-up.
         let periods = wish.length(period) / period;
         let closes = periods.fract().min(1.0 - periods.fract()) < 1e-3;
         let lead = if closes { (period * f64::from(wish.fps)).round() as u32 } else { 0 };
@@ -175,15 +176,15 @@ impl Recorder {
         });
     }
 
-    /// Stops recording; what is there is thrown away.
+    /// Stops and discards the recording.
     pub fn stop(&mut self, renderer: &mut Renderer, messages: &mut Messages) {
         if let Some(recording) = self.recording.take() {
             (renderer.playback.play, renderer.dirty) = (recording.before, true);
-            messages.said = Some("The recording was stopped; nothing was written".into());
+            messages.said = Some("The recording was stopped; nothing was saved".into());
         }
     }
 
-    /// Draws the next frame of the recording; no frame is under way. Returns whether there is a recording.
+    /// Draws the next frame of the recording. No frame may be in flight. Returns whether there is a recording.
     pub fn go_on(&mut self, renderer: &mut Renderer, settings: &Settings, messages: &mut Messages) -> bool {
         let Some(mut recording) = self.recording.take() else { return false };
         match recording.draw(renderer, settings, messages) {
@@ -202,22 +203,22 @@ impl Recorder {
     }
 }
 
-/// The file's name before somebody chooses another.
+/// Returns the suggested file name.
 fn name(format: Format) -> String {
     format!("tresses.{}", format.extension())
 }
 
-/// Compresses frames beside the window, and asks where the file shall go when it is complete.
+/// Encodes frames on a thread, then asks where to save the file.
 #[cfg(not(target_arch = "wasm32"))]
 struct Encoder(std::sync::mpsc::Sender<Option<Picture>>);
 
 #[cfg(not(target_arch = "wasm32"))]
 impl Encoder {
-    fn new(dialogs: &Dialogs, wish: Wish, frames: u32) -> Self {
+    fn new(dialogs: &Dialogs, wish: RecordRequest, frames: u32) -> Self {
         let (sender, receiver) = std::sync::mpsc::channel::<Option<Picture>>();
         let dialogs = dialogs.clone();
         task::spawn(move || async move {
-            // Without an end the recording was stopped: nothing is written.
+            // If the channel closes without an end message, the recording was stopped: save nothing.
             let encode = || -> Result<Option<Vec<u8>>> {
                 let mut animation = wish.format.begin(wish.size, frames, f64::from(wish.fps))?;
                 while let Ok(message) = receiver.recv() {
@@ -231,23 +232,23 @@ impl Encoder {
             match encode() {
                 Ok(Some(bytes)) => dialogs.save("Save the loop", &name(wish.format), bytes),
                 Ok(None) => {}
-                Err(error) => dialogs.tell(Answer::Failed(format!("the loop cannot be written: {error:#}"))),
+                Err(error) => dialogs.tell(Answer::Failed(format!("the loop cannot be encoded: {error:#}"))),
             }
         });
         Self(sender)
     }
 
     fn add(&mut self, picture: Picture) -> Result<()> {
-        self.0.send(Some(picture)).map_err(|_| anyhow::anyhow!("the loop cannot be written"))
+        self.0.send(Some(picture)).map_err(|_| anyhow::anyhow!("the loop cannot be encoded"))
     }
 
     fn finish(self) {
-        // If nobody listens any more, he has said why.
+        // If the encoder has ended, it has reported why.
         let _ = self.0.send(None);
     }
 }
 
-/// Compresses frames between those of the window: a page has no threads.
+/// Encodes frames on the main thread: a page has no threads.
 #[cfg(target_arch = "wasm32")]
 struct Encoder {
     animation: Result<Box<dyn tresses_scene::picture::Animation>>,
@@ -257,7 +258,7 @@ struct Encoder {
 
 #[cfg(target_arch = "wasm32")]
 impl Encoder {
-    fn new(dialogs: &Dialogs, wish: Wish, frames: u32) -> Self {
+    fn new(dialogs: &Dialogs, wish: RecordRequest, frames: u32) -> Self {
         let animation = wish.format.begin(wish.size, frames, f64::from(wish.fps));
         Self { animation, dialogs: dialogs.clone(), name: name(wish.format) }
     }
@@ -265,7 +266,7 @@ impl Encoder {
     fn add(&mut self, picture: Picture) -> Result<()> {
         match &mut self.animation {
             Ok(animation) => animation.add(&picture),
-            Err(error) => Err(anyhow::anyhow!("the loop cannot be written: {error:#}")),
+            Err(error) => Err(anyhow::anyhow!("the loop cannot be encoded: {error:#}")),
         }
     }
 
@@ -282,11 +283,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_loop_is_a_period_unless_somebody_wants_otherwise() {
-        let wish = Wish::default();
+    fn loop_lasts_one_period_by_default() {
+        let wish = RecordRequest::default();
         assert_eq!((wish.length(3.0), wish.frames(3.0)), (3.0, 60));
-        let short = Wish { seconds: Some(0.5), fps: 30, ..wish };
+        let short = RecordRequest { seconds: Some(0.5), fps: 30, ..wish };
         assert_eq!(short.frames(3.0), 15);
-        assert_eq!(Wish { seconds: Some(1e9), ..wish }.length(3.0), LONGEST);
+        assert_eq!(RecordRequest { seconds: Some(1e9), ..wish }.length(3.0), LONGEST);
     }
 }

@@ -1,11 +1,11 @@
-//! Frames of the hair: when one is due, and at which quality.
+//! Schedules frames of the hair and chooses their quality.
 
 use crate::{
     messages::Messages,
     orbit::Orbit,
     pace::{Level, Pace},
     playback::Playback,
-    stage::{Moment, Show},
+    stage::{CharacterDisplay, FrameContext},
 };
 use anyhow::Result;
 use eframe::{egui, egui_wgpu::RenderState};
@@ -14,20 +14,20 @@ use tresses::{glam::Vec3, gpu::Gpu, views};
 use tresses_scene::{Scene, Settings, camera::Angle};
 use web_time::Instant;
 
-/// How long nothing has moved before the picture is refined.
+/// Time without motion before a still image is refined.
 const REST: Duration = Duration::from_millis(500);
 
-/// Smallest picture, pixels.
+/// Smallest width and height, pixels.
 const LEAST: u32 = 16;
 
-/// The character, its motion and camera, and the picture of it.
+/// The character, its motion and camera, and the last frame.
 pub struct Renderer {
     context: egui::Context,
     state: RenderState,
     /// The window's device.
     pub gpu: Gpu,
-    /// The character and its picture, once there is one.
-    pub show: Option<Show>,
+    /// The character and its last frame; `None` until one is loaded.
+    pub show: Option<CharacterDisplay>,
     /// Transport, hand and ball.
     pub playback: Playback,
     /// The camera.
@@ -35,17 +35,17 @@ pub struct Renderer {
     /// Quality levels and frame time.
     pub pace: Pace,
     /// The active debug view.
-    pub debug: Option<views::Shown>,
-    /// Whether something has changed that the picture does not show yet.
+    pub debug: Option<views::DebugDisplay>,
+    /// Whether something has changed since the last frame.
     pub dirty: bool,
-    /// Size of the picture on the screen, pixels.
+    /// Size of the viewport, pixels.
     pub area: egui::Vec2,
-    /// Start of the rest: nothing has moved since.
+    /// Time of the last motion, while a still image waits to be refined.
     rest: Option<Instant>,
 }
 
 impl Renderer {
-    /// A renderer of the window of `context`, without a character.
+    /// Creates a renderer for the window of `context`, without a character.
     pub fn new(context: &egui::Context, state: RenderState, gpu: Gpu) -> Self {
         let orbit = Orbit::new(Angle::default(), (Vec3::new(-0.1, 1.4, -0.1), Vec3::new(0.1, 1.7, 0.1)));
         Self {
@@ -67,21 +67,21 @@ impl Renderer {
     pub fn present(&mut self, stage: Scene) {
         match &mut self.show {
             Some(show) => show.replace(stage),
-            None => self.show = Some(Show::new(stage, &self.state)),
+            None => self.show = Some(CharacterDisplay::new(stage, &self.state)),
         }
         self.dirty = true;
     }
 
-    /// Shows a frame that has ended and returns its milliseconds. Call it before the window is painted: nothing else may
-    /// wake the window again. `records`: the frame is one of a recording.
+    /// Takes a finished frame and returns its duration in milliseconds. Call it before the window is painted: the
+    /// finished frame does not wake the window again. `records`: the frame belongs to a recording.
     pub fn land(&mut self, records: bool) -> Option<f32> {
         let ms = self.show.as_mut()?.landed()?;
         self.dirty |= !records && self.pace.landed(ms);
         Some(ms)
     }
 
-    /// Whether a frame can begin: there is a character, and no frame is under way. A frame that is `due` does not wait
-    /// for the refinement of a still picture. Also keeps touched hair awake.
+    /// Whether a frame can start: there is a character, and no frame is in flight. A frame that is `due` cancels the
+    /// refinement of a still image. Also keeps touched hair moving.
     pub fn is_free(&mut self, due: bool) -> bool {
         let Some(show) = &mut self.show else { return false };
         self.playback.touch(show.stage.character.hair().grabbed().is_active());
@@ -91,7 +91,8 @@ impl Renderer {
         !show.is_under_way()
     }
 
-    /// Draws the next frame if one is `due` or the picture can be refined; no frame is under way. `works`: a job is.
+    /// Draws the next frame if one is `due` or the image can be refined. No frame may be in flight. `works`: a job is
+    /// running.
     pub fn draw_next(&mut self, due: bool, works: bool, settings: &Settings, messages: &mut Messages) {
         if due {
             self.rest = None;
@@ -122,8 +123,8 @@ impl Renderer {
         }
     }
 
-    /// Gives the stage the settings at `level`, before each frame. Returns a frame in which no time passes.
-    pub fn prepare(&mut self, level: &Level, settings: &Settings, messages: &mut Messages) -> Moment {
+    /// Applies the settings to the stage at `level`, before each frame. Returns a frame with a time step of zero.
+    pub fn prepare(&mut self, level: &Level, settings: &Settings, messages: &mut Messages) -> FrameContext {
         if let Some(show) = &mut self.show {
             let dressed = level.dress(&mut show.stage, settings);
             if let Err(error) = dressed.and_then(|()| show.stage.show(self.debug)) {
@@ -132,7 +133,7 @@ impl Renderer {
         }
         let pivot = self.show.as_ref().map_or(Vec3::ZERO, |show| show.stage.character.neck());
         let size = [self.area.x, self.area.y].map(|side| ((side * level.scale).round() as u32).max(LEAST));
-        Moment {
+        FrameContext {
             gesture: self.playback.gesture(pivot),
             seconds: 0.0,
             camera: self.orbit.camera(),
@@ -145,27 +146,27 @@ impl Renderer {
         }
     }
 
-    /// Draws a frame; none is under way.
+    /// Draws a frame. None may be in flight.
     ///
     /// # Errors
-    /// Errors of the library.
-    pub fn draw(&mut self, moment: &Moment) -> Result<()> {
+    /// Returns the library's errors.
+    pub fn draw(&mut self, moment: &FrameContext) -> Result<()> {
         self.show.as_mut().map_or(Ok(()), |show| show.draw(&self.state, &self.context, moment))
     }
 
-    /// Supersampling factor per axis of a picture of `size` at `level`. It exceeds the setting only where the adapter's
-    /// textures are large enough.
+    /// Returns the supersampling factor per axis for an image of `size` at `level`. It exceeds the setting only within
+    /// the adapter's texture size limit.
     pub fn ssaa_at(&self, level: &Level, size: [u32; 2], settings: &Settings) -> u32 {
         let most = self.gpu.context.device().limits().max_texture_dimension_2d / size[0].max(size[1]);
         settings.ssaa.max(level.ssaa.min(most))
     }
 
-    /// Wakes the window in a few milliseconds, for work that ends without a callback.
+    /// Wakes the window in 5 ms, for work that ends without a callback.
     pub fn look_again(&self) {
         self.context.request_repaint_after(Duration::from_millis(5));
     }
 
-    /// Whether a still picture is drawn again at a finer level now.
+    /// Whether to draw a still image again at a finer level now.
     fn refines(&mut self, works: bool) -> bool {
         if !self.may_refine(works) {
             self.rest = None;
@@ -180,33 +181,33 @@ impl Renderer {
         false
     }
 
-    /// Whether a still picture can be refined: not during a job (`works`), nor while the pointer is down unless
+    /// Whether a still image can be refined: not during a job (`works`), nor while the pointer is down unless
     /// [`finish`](Self::finish) was called.
     pub fn may_refine(&self, works: bool) -> bool {
         let down = self.context.input(|input| input.pointer.any_down());
         !works && self.pace.can_refine() && (self.pace.finishes() || !down)
     }
 
-    /// Stops the motion and refines the picture to the finest level until something moves.
+    /// Stops the motion and refines the image to the finest level, until something moves.
     pub fn finish(&mut self) {
         self.playback.stop();
         self.pace.finish();
     }
 
-    /// Whether [`finish`](Self::finish) would change the picture.
+    /// Whether [`finish`](Self::finish) would change the image.
     pub fn can_finish(&self) -> bool {
         let Some(show) = &self.show else { return false };
         let full = show.picture().is_some_and(|picture| self.pace.is_finest(&picture.level));
         !self.pace.finishes() && (self.playback.play.is_due() || !full)
     }
 
-    /// Progress of a refinement: parts done, and all parts.
+    /// Returns the progress of a refinement: finished parts, and all parts.
     pub fn refined(&self) -> Option<(usize, usize)> {
         let parts = self.show.as_ref()?.progress().filter(|(_, all)| *all > 1);
         parts.filter(|_| self.pace.refines())
     }
 
-    /// Lets a ball fall on the head.
+    /// Drops a ball on the head.
     pub fn drop_ball(&mut self) {
         if let Some(show) = &self.show {
             self.playback.drop_ball(show.stage.subject());
@@ -214,7 +215,7 @@ impl Renderer {
         }
     }
 
-    /// Seconds of one period: of the body's animation, else of the motion.
+    /// Returns the duration of one period, seconds: of the character's animation, else of the motion.
     pub fn period(&self) -> f64 {
         let living = self.show.as_ref().and_then(|show| show.stage.character.rig());
         let animation = living.and_then(|living| living.duration()).filter(|length| *length > 0.0);

@@ -1,4 +1,4 @@
-//! Dispatch of files that were chosen or dropped, by name and content.
+//! Sorts chosen or dropped files by name and content.
 
 use crate::{
     answer::{Answer, Read},
@@ -9,23 +9,23 @@ use std::{
     path::{Path, PathBuf},
     sync::Arc,
 };
-use tresses::groom::import::{self, Kind};
+use tresses::groom::import::{self, FileKind};
 use tresses_scene::{
     Companion, Shelf,
     source::{COMPANIONS, companion},
 };
 
-/// Whether files are there as bytes only. On a desktop, readers go to the disk again: there they find the
-/// companions that nobody names.
+/// Whether only the bytes of files are available, as in a browser. On a desktop, readers open the path again and find
+/// companion files next to it.
 pub const IN_MEMORY: bool = cfg!(target_arch = "wasm32");
 
-/// What is done with these files; `in_memory`: their bytes are all there is of them.
+/// Returns the action for each file. `in_memory`: only the bytes are available.
 pub fn files(mut files: Vec<Read>, in_memory: bool) -> Vec<Answer> {
     if let Some(at) = files.iter().position(|(path, _)| has_ending(path, &["toml"])) {
         let (path, bytes) = files.swap_remove(at);
         return match String::from_utf8(bytes) {
             Ok(text) => vec![Answer::Preset(path, text, shelf(files, in_memory))],
-            Err(_) => vec![Answer::Failed(format!("{} is no text in UTF-8", path.display()))],
+            Err(_) => vec![Answer::Failed(format!("{} is not UTF-8 text", path.display()))],
         };
     }
     let mut answers = Vec::new();
@@ -37,11 +37,11 @@ pub fn files(mut files: Vec<Read>, in_memory: bool) -> Vec<Answer> {
             Some(companion) => put(companion, list, named, in_memory),
             None => {
                 let name = list.0.display();
-                Answer::Failed(format!("{name} is no list of colliders, ties or painted levels"))
+                Answer::Failed(format!("{name} is not a list of colliders, ties or levels of detail"))
             }
         });
     }
-    // The pictures of a head's materials go with the head.
+    // Textures of a glTF head's materials belong to the head.
     let heads = files.iter().filter(|(path, _)| has_ending(path, &["gltf"]));
     let heads: String = heads.map(|(_, bytes)| String::from_utf8_lossy(bytes)).collect();
     let mut rest: Vec<Read> =
@@ -62,7 +62,7 @@ pub fn files(mut files: Vec<Read>, in_memory: bool) -> Vec<Answer> {
     answers
 }
 
-/// What was chosen for a place beside the hair, and what it may need.
+/// Returns the action for files that the user chose for a companion.
 pub fn chosen(companion: &'static Companion, mut files: Vec<Read>, in_memory: bool) -> Answer {
     let endings = companion.kind.extensions();
     match files.iter().position(|(path, _)| has_ending(path, endings)) {
@@ -70,7 +70,7 @@ pub fn chosen(companion: &'static Companion, mut files: Vec<Read>, in_memory: bo
             let file = files.swap_remove(at);
             put(companion, file, files, in_memory)
         }
-        None => Answer::Failed(format!("{} is read from .{} files", companion.title, endings.join(" and ."))),
+        None => Answer::Failed(format!("{}: expected a .{} file", companion.title, endings.join(" or ."))),
     }
 }
 
@@ -84,7 +84,7 @@ fn surroundings() -> &'static Companion {
     companion("environment").unwrap_or(&COMPANIONS[COMPANIONS.len() - 1])
 }
 
-/// Which list a .json file is.
+/// Returns which companion a .json file is.
 fn what(bytes: &[u8]) -> Option<&'static Companion> {
     let list: serde_json::Value = serde_json::from_slice(bytes).ok()?;
     [("colliders", "colliders"), ("joints", "colliders"), ("ties", "ties"), ("levels", "lod_maps")]
@@ -93,7 +93,7 @@ fn what(bytes: &[u8]) -> Option<&'static Companion> {
         .and_then(|(_, key)| companion(key))
 }
 
-/// Whether a text has the name of a file in it, as it is or as part of an address.
+/// Whether `text` contains the file's name, literally or URL-encoded.
 fn is_named(path: &Path, text: &str) -> bool {
     let Some(name) = path.file_name().map(|name| name.to_string_lossy()) else { return false };
     text.contains(&*name) || text.contains(&name.replace(' ', "%20"))
@@ -112,7 +112,7 @@ fn shelf(files: Vec<Read>, in_memory: bool) -> Shelf {
     shelf
 }
 
-/// Groom and head.
+/// Splits files into groom and head.
 fn hair(files: Vec<Read>, in_memory: bool) -> Files {
     if in_memory {
         let given = files.into_iter().map(|(path, bytes)| (path, Cow::Owned(bytes))).collect();
@@ -121,10 +121,10 @@ fn hair(files: Vec<Read>, in_memory: bool) -> Files {
     let (mut grooms, mut heads) = (Vec::<PathBuf>::new(), Vec::new());
     for (path, bytes) in files {
         match import::kind(&path, &bytes) {
-            Some(Kind::Mesh) => heads.push(path),
-            Some(Kind::Companion) => {}
-            // Of one that no reader takes the reader says so.
-            Some(Kind::Groom) | None => grooms.push(path),
+            Some(FileKind::Mesh) => heads.push(path),
+            Some(FileKind::Companion) => {}
+            // For unknown files the groom reader reports the error.
+            Some(FileKind::Groom) | None => grooms.push(path),
         }
     }
     Files::Disk { grooms, heads }
@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn dropped_files_find_their_places() {
+    fn dropped_files_are_sorted_by_kind() {
         let dropped = vec![
             read("far/sky.HDR", ""),
             read("far/d.png", ""),
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_head_takes_its_pictures_with_it() {
+    fn gltf_head_includes_its_textures() {
         let head =
             read("far/head.gltf", r#"{"images": [{"uri": "my%20skin.png"}, {"uri": "maps/cut.png"}]}"#);
         let dropped = vec![read("my skin.png", "a"), head, read("cut.png", "b"), read("density.png", "c")];
@@ -188,14 +188,14 @@ mod tests {
     }
 
     #[test]
-    fn a_preset_takes_its_files_with_it() {
+    fn preset_includes_its_files() {
         let answers = files(vec![read("d.png", "x"), read("look.toml", "version = 1")], true);
         assert!(matches!(&answers[..], [Answer::Preset(_, text, files)]
             if text == "version = 1" && files.holds(Path::new("d.png"))));
     }
 
     #[test]
-    fn what_fits_nowhere_is_said() {
+    fn unusable_files_are_errors() {
         let said =
             |answer: &Answer, word: &str| matches!(answer, Answer::Failed(text) if text.contains(word));
         assert!(said(&files(vec![read("x.json", "{}")], false)[0], "x.json"));

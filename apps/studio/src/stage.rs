@@ -1,8 +1,8 @@
-//! The character in the window: the only file that talks to the renderer, a frame into a texture at a time.
+//! The character in the window. Only this file talks to the renderer; it draws each frame into a texture.
 
 use crate::{
     ball,
-    blit::{Blit, Seen},
+    blit::{Blit, DisplayImage},
     flight::{Flight, Watcher},
     pace::Level,
 };
@@ -17,68 +17,68 @@ use tresses::{
 use tresses_scene::{Facts, Scene, Viewpoint};
 use web_time::Instant;
 
-/// What a frame is made for.
+/// Description of one frame.
 #[derive(Clone, Debug)]
-pub struct Moment {
-    /// What the character does.
+pub struct FrameContext {
+    /// The character's gesture.
     pub gesture: Gesture,
-    /// Seconds of hair since the frame before.
+    /// Time step of the hair, seconds.
     pub seconds: f32,
-    /// Who looks.
+    /// The camera.
     pub camera: Viewpoint,
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Pixels that are drawn per pixel of it, along each axis.
+    /// Supersampling factor per axis.
     pub ssaa: u32,
-    /// The middle of the ball, metres.
+    /// Center of the ball, meters.
     pub ball: Option<Vec3>,
-    /// Whether nothing but `ssaa` is other than in the frame before.
+    /// Whether only `ssaa` differs from the previous frame.
     pub again: bool,
-    /// How finely it is drawn.
+    /// Quality of the frame.
     pub level: Level,
-    /// Whether it takes so long that others go between its parts.
+    /// Whether to submit the frame in parts because it takes long.
     pub parts: bool,
 }
 
-/// The picture that is seen, which is not always the one that is drawn.
+/// The displayed frame. The frame in flight may be a newer one.
 pub struct Picture {
-    /// To be painted.
-    pub seen: Seen,
-    /// What it is drawn into.
+    /// The texture, bound for painting.
+    pub seen: DisplayImage,
+    /// The texture.
     view: wgpu::TextureView,
     /// Width and height, pixels.
     pub size: [u32; 2],
-    /// Pixels that were drawn per pixel of it, along each axis.
+    /// Supersampling factor per axis.
     pub ssaa: u32,
-    /// How finely it was drawn.
+    /// Quality of the frame.
     pub level: Level,
-    /// Strands in it.
+    /// Number of drawn strands.
     pub strands: u32,
-    /// Which of all frames it is, from 1.
+    /// Index of the frame, from 1.
     pub number: u64,
 }
 
-/// A character, its picture, and at most one frame under way.
-pub struct Show {
+/// A character, its last frame, and at most one frame in flight.
+pub struct CharacterDisplay {
     /// The character.
     pub stage: Scene,
     picture: Option<Picture>,
     flight: Option<(Flight, Level)>,
     blit: Blit,
-    /// Frames drawn.
+    /// Frames drawn so far.
     pub frames: u64,
-    /// Milliseconds that the last frame took, from recording to its end.
+    /// Duration of the last frame in milliseconds, from recording to completion.
     pub milliseconds: f32,
-    /// Of the stages, where the adapter's timestamps mean something.
+    /// GPU timestamps per stage, if the adapter's are meaningful.
     timings: Option<Timings>,
-    /// Times on their way.
+    /// Timestamps being read back.
     rows: Option<Rows>,
-    /// Milliseconds of the stages of a frame not long ago.
+    /// Milliseconds per stage of a recent frame.
     stages: Vec<(&'static str, f64)>,
     watcher: Watcher,
 }
 
-impl Show {
+impl CharacterDisplay {
     /// Shows `stage` in the window of `state`.
     pub fn new(stage: Scene, state: &RenderState) -> Self {
         let context = &stage.gpu.context;
@@ -100,23 +100,23 @@ impl Show {
         }
     }
 
-    /// Whether the times of stages can be known.
+    /// Whether times per stage are available.
     pub fn times_stages(&self) -> bool {
         self.timings.is_some()
     }
 
-    /// Milliseconds of the stages of a frame not long ago.
+    /// Returns the milliseconds per stage of a recent frame.
     pub fn stages(&self) -> &[(&'static str, f64)] {
         &self.stages
     }
 
-    /// Another character in its place, whose picture is still to come.
+    /// Replaces the character. Its first frame is still to be drawn.
     pub fn replace(&mut self, stage: Scene) {
         self.give_up();
         self.stage = stage;
     }
 
-    /// A frame that was under way and has landed gives its milliseconds, and is the picture from here on.
+    /// Makes a frame that has finished the displayed one. Returns its duration in milliseconds.
     pub fn landed(&mut self) -> Option<f32> {
         let (flight, level) = self.flight.as_ref()?;
         let ms = flight.landed()?;
@@ -140,35 +140,40 @@ impl Show {
         Some(ms)
     }
 
-    /// The frame that is under way, if any, is not finished: the next may begin.
+    /// Cancels the frame in flight, if any, so that the next can start.
     pub fn give_up(&mut self) {
         if let Some((flight, _)) = self.flight.take() {
             flight.give_up();
         }
     }
 
-    /// Whether a frame is under way, as far as one has looked.
+    /// Whether a frame is in flight, as of the last call of [`landed`](Self::landed).
     pub fn is_under_way(&self) -> bool {
         self.flight.is_some()
     }
 
-    /// How many parts of the frame that is under way are done, of how many.
+    /// Returns the number of finished parts and of all parts of the frame in flight.
     pub fn progress(&self) -> Option<(usize, usize)> {
         self.flight.as_ref().map(|(flight, _)| flight.progress())
     }
 
-    /// Sizes of what is drawn.
+    /// Returns strand and triangle counts and the memory of the groom.
     pub fn facts(&self) -> Facts {
         self.stage.facts()
     }
 
-    /// The last frame that is done.
+    /// Returns the last finished frame.
     pub fn picture(&self) -> Option<&Picture> {
         self.picture.as_ref()
     }
 
-    /// Draws a frame; the one before must have [landed](Self::landed).
-    pub fn draw(&mut self, state: &RenderState, context: &egui::Context, moment: &Moment) -> Result<()> {
+    /// Draws a frame. The previous one must have [landed](Self::landed).
+    pub fn draw(
+        &mut self,
+        state: &RenderState,
+        context: &egui::Context,
+        moment: &FrameContext,
+    ) -> Result<()> {
         let begun = Instant::now();
         let targets = self.stage.targets();
         if (targets.size, targets.ssaa) != (moment.size, moment.ssaa) {
@@ -180,7 +185,7 @@ impl Show {
         if let Some(done) = self.rows.as_mut().and_then(Rows::take) {
             (self.stages, self.rows) = (done?, None);
         }
-        // One frame's times at a time.
+        // Read back the timestamps of one frame at a time.
         let mut parts = moment.parts.then(Timings::of_parts);
         let timed = self.timings.as_mut().filter(|_| self.rows.is_none() && parts.is_none());
         let is_timed = timed.is_some();
@@ -204,7 +209,7 @@ impl Show {
         recorded.push(encoder.finish());
         self.frames += 1;
         let context = context.clone();
-        // Without a wait the window would be painted twice.
+        // A request without delay would paint the window twice.
         let wake = move || context.request_repaint_after(Duration::from_nanos(1));
         let flight = Flight::start(&state.queue, begun, recorded, wake);
         if is_timed && let Some(timings) = &mut self.timings {
@@ -215,7 +220,7 @@ impl Show {
         Ok(())
     }
 
-    /// The picture of the last frame, which has landed, on its way to the CPU.
+    /// Starts reading back the last finished frame.
     pub fn copy(&self) -> tresses::Result<Pending> {
         Pending::texture(&self.stage.gpu.context, self.stage.targets().picture().texture())
     }

@@ -1,54 +1,54 @@
-//! The studio's state, reported for tests that drive it from outside.
+//! The studio's state, published for host pages and tests.
 
 use serde::Serialize;
 use std::sync::{Mutex, PoisonError};
 
-/// A few facts, written after every frame of the window.
+/// State after a frame of the window.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct State {
-    /// Pictures of the hair so far.
+    /// Frames of the hair so far.
     pub frames: u64,
-    /// Which of them the window shows.
+    /// Index of the displayed frame.
     pub seen: u64,
-    /// How often the window was painted.
+    /// Number of times the window was painted.
     pub painted: u64,
     /// Strands of the groom; 0 while nothing is shown.
     pub strands: u32,
-    /// What is shown.
+    /// Name of the hair.
     pub file: String,
-    /// What stands beside it: maps, obstacles, surroundings.
+    /// Companion files: maps, obstacles, environment.
     pub companions: Vec<String>,
-    /// What is being done, or empty.
+    /// Current step of the running job, or empty.
     pub step: String,
-    /// The last sentence about something that went wrong, or empty.
+    /// The last error, or empty.
     pub error: String,
-    /// Whether time goes by.
+    /// Whether the motion plays.
     pub playing: bool,
-    /// Seconds of the motion.
+    /// Time of the motion, seconds.
     pub time: f64,
-    /// Pixels of the picture.
+    /// Size of the displayed frame, pixels.
     pub size: [u32; 2],
-    /// Pixels drawn per pixel of it, along each axis.
+    /// Supersampling factor per axis of the displayed frame.
     pub ssaa: u32,
-    /// Strands in it.
+    /// Number of drawn strands.
     pub drawn: u32,
-    /// How many parts of a finer one are done, of how many.
+    /// Progress of a refinement: finished parts, and all parts.
     pub parts: [usize; 2],
-    /// How far the camera is from what it looks at, metres.
+    /// Distance from the camera to its target, meters.
     pub distance: f32,
-    /// Milliseconds of the last frame.
+    /// Duration of the last frame, milliseconds.
     pub milliseconds: f32,
-    /// The adapter.
+    /// Name of the adapter.
     pub adapter: String,
     /// Whether the device is lost.
     pub lost: bool,
-    /// Whether a picture is under way or due.
+    /// Whether a frame is in flight or due.
     pub busy: bool,
 }
 
 static STATE: Mutex<Option<State>> = Mutex::new(None);
 
-/// Says how things are now; also to the file that `TRESSES_STUDIO_STATE` names, if it does.
+/// Publishes the state. Also writes it to the file named by `TRESSES_STUDIO_STATE`, if set.
 pub fn publish(state: State) {
     if let Some(path) = std::env::var_os("TRESSES_STUDIO_STATE")
         && let Ok(text) = serde_json::to_string(&state)
@@ -59,7 +59,7 @@ pub fn publish(state: State) {
     *STATE.lock().unwrap_or_else(PoisonError::into_inner) = Some(state);
 }
 
-/// How things are, as JSON; `{}` before the first frame.
+/// Returns the state as JSON; `{}` before the first frame.
 pub fn json() -> String {
     let state = STATE.lock().unwrap_or_else(PoisonError::into_inner);
     state.as_ref().and_then(|state| serde_json::to_string(state).ok()).unwrap_or_else(|| "{}".into())

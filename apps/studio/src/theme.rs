@@ -1,29 +1,29 @@
-//! The studio's theme: quiet and dark, so that the hair is the brightest thing.
+//! The studio's theme: muted and dark, so that the hair is the brightest thing.
 
 use eframe::egui::{self, Color32, CornerRadius, FontFamily, FontId, Stroke, TextStyle, Visuals, vec2};
 
-/// What is chosen or lit.
+/// Selected or highlighted items.
 pub const ACCENT: Color32 = Color32::from_rgb(0xe2, 0xa8, 0x63);
-/// Behind panels.
+/// Background of panels.
 pub const PANEL: Color32 = Color32::from_rgb(0x1a, 0x1b, 0x1d);
-/// Behind what can be pressed.
+/// Background of buttons and fields.
 pub const WIDGET: Color32 = Color32::from_rgb(0x2a, 0x2c, 0x30);
 /// Lines between panels.
 pub const LINE: Color32 = Color32::from_rgb(0x2c, 0x2e, 0x32);
-/// Text that explains.
+/// Secondary text.
 pub const QUIET: Color32 = Color32::from_rgb(0x8e, 0x92, 0x99);
 /// Text.
 pub const TEXT: Color32 = Color32::from_rgb(0xd4, 0xd6, 0xda);
-/// What went wrong.
+/// Errors.
 pub const ALARM: Color32 = Color32::from_rgb(0xe5, 0x73, 0x5f);
 
-/// Dresses `context`.
+/// Applies the theme to `context`.
 pub fn apply(context: &egui::Context) {
     context.set_theme(egui::Theme::Dark);
-    // Where a frame takes seconds any limit is over before a press and its release are seen: a click may last.
+    // No time limit for clicks: if a frame takes seconds, press and release are seen too far apart.
     context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
     let mut visuals = Visuals::dark();
-    // The window is cleared in their colour.
+    // The window is cleared in the panels' color.
     visuals.panel_fill = Color32::TRANSPARENT;
     visuals.window_fill = Color32::from_rgb(0x20, 0x21, 0x24);
     visuals.window_stroke = Stroke::new(1.0, LINE);
@@ -73,7 +73,7 @@ pub fn apply(context: &egui::Context) {
     });
 }
 
-/// A dark backdrop for controls on the picture.
+/// Returns a dark backdrop for controls over the viewport.
 pub fn plate() -> egui::Frame {
     egui::Frame::new()
         .fill(Color32::from_rgba_unmultiplied(0x16, 0x17, 0x19, 205))

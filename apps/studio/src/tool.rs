@@ -1,33 +1,33 @@
-//! The tools: what a drag in the picture does.
+//! The tools: the action of a drag in the viewport.
 
 use eframe::egui::Key;
 
-/// A tool of the palette.
+/// A tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tool {
-    /// The head follows the pointer; beside it the camera turns.
+    /// Drags the head; beside it, turns the camera.
     #[default]
     Hand,
-    /// A lock of hair follows the pointer.
+    /// Pulls a lock of hair.
     Lock,
-    /// The camera turns wherever the drag begins.
+    /// Turns the camera, wherever the drag starts.
     Camera,
 }
 
 impl Tool {
-    /// All, with name, key and a line of help.
+    /// All tools, with name, key and help.
     pub const ALL: [(Self, &'static str, Key, &'static str); 3] = [
         (
             Self::Hand,
             "Head",
             Key::H,
-            "Drag the head to move and shake it, with Shift to turn it. Beside the head the camera turns.",
+            "Drag the head to move it, or with Shift to turn it. Drag beside the head to orbit the camera.",
         ),
-        (Self::Lock, "Lock", Key::L, "Drag hair to pull a lock. Beside the hair nothing happens."),
-        (Self::Camera, "Camera", Key::C, "Drag to orbit. The right button does so with any tool."),
+        (Self::Lock, "Lock", Key::L, "Drag hair to pull a lock. Dragging beside the hair does nothing."),
+        (Self::Camera, "Camera", Key::C, "Drag to orbit the camera. The right button orbits with any tool."),
     ];
 
-    /// What the pointer can do, a line.
+    /// Returns a line of help for the pointer.
     pub fn hint(self) -> &'static str {
         match self {
             Self::Hand => "Drag the head to shake it · drag beside it to orbit · wheel to zoom",

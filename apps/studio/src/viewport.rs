@@ -1,10 +1,10 @@
-//! The viewport: the picture, and the pointer in it.
+//! The viewport: shows the frame and handles the pointer.
 
 use crate::{
     head,
     messages::Messages,
     renderer::Renderer,
-    stage::{Picture, Show},
+    stage::{CharacterDisplay, Picture},
     theme,
     tool::Tool,
 };
@@ -18,26 +18,27 @@ use tresses::{
 };
 use tresses_scene::camera::Angle;
 
-/// Zoom per point of a wheel.
+/// Zoom exponent per point of the wheel.
 const WHEEL: f32 = 0.0025;
-/// Radians of the head per point of a drag.
+/// Rotation of the head per point of a drag, radians.
 const TURN: f32 = 0.008;
-/// Radius of a lock that is pulled, metres.
+/// Radius of a pulled lock, meters.
 const LOCK: f32 = 0.02;
 
-/// The picture's place in the window: tool and pointer.
+/// The viewport's tool and pointer.
 #[derive(Debug, Default)]
 pub struct Viewport {
-    /// The tool of a drag.
+    /// The active tool.
     pub tool: Tool,
     /// Last position of the pointer in a drag.
     pointer: Option<Pos2>,
-    /// [Number](Picture::number) of the picture in the window, or 0.
+    /// [Number](Picture::number) of the displayed frame, or 0.
     pub seen: u64,
 }
 
 impl Viewport {
-    /// Shows the picture, in its own form while it `records`, and takes what the pointer does. Returns where it is.
+    /// Shows the frame and handles the pointer. While it `records`, the frame keeps its own aspect ratio. Returns the
+    /// viewport's rectangle.
     pub fn show(
         &mut self,
         renderer: &mut Renderer,
@@ -54,7 +55,7 @@ impl Viewport {
         renderer.orbit.set_aspect(rect.width() / rect.height().max(1.0));
         self.pointer(renderer, messages, ui, &response);
         let painter = ui.painter_at(rect);
-        let picture = renderer.show.as_ref().and_then(Show::picture);
+        let picture = renderer.show.as_ref().and_then(CharacterDisplay::picture);
         let place = picture.map(|picture| if records { fitted(picture, rect) } else { rect });
         if place != Some(rect) {
             painter.rect_filled(rect, 0.0, Color32::from_rgb(0x24, 0x26, 0x29));
@@ -76,7 +77,7 @@ impl Viewport {
                 input.multi_touch(),
             )
         });
-        // From where it was pressed: a drag is known as one only after a few points.
+        // Start at the press: egui recognizes a drag only after a few points.
         let from = if response.drag_started() { press } else { self.pointer };
         self.pointer = now.filter(|_| response.dragged());
         let delta =
@@ -92,7 +93,7 @@ impl Viewport {
             renderer.orbit.zoom(touch.zoom_delta);
             let by = touch.translation_delta;
             renderer.orbit.pan(Vec2::new(by.x, by.y), rect.height());
-            // Any of the fingers may be the one that moves.
+            // The pointer position does not show the motion of every finger.
             renderer.dirty = true;
         } else if response.dragged_by(PointerButton::Primary) {
             if let Some(depth) = renderer.playback.hand.held() {
@@ -105,7 +106,7 @@ impl Viewport {
                     renderer.playback.hand.drag(by);
                 }
             } else if self.tool == Tool::Lock {
-                // See `lock`.
+                // Handled in `lock`.
             } else if shift {
                 renderer.orbit.pan(delta, rect.height());
             } else {
@@ -131,14 +132,14 @@ impl Viewport {
     }
 }
 
-/// Where a picture of another form goes.
+/// Fits a frame of another aspect ratio into `rect`.
 fn fitted(picture: &Picture, rect: Rect) -> Rect {
     let [width, height] = picture.size.map(|side| side as f32);
     let scale = (rect.width() / width).min(rect.height() / height);
     Rect::from_center_size(rect.center(), scale * vec2(width, height))
 }
 
-/// Shows `sentence` over the picture at `rect`: why it cannot be drawn any more.
+/// Shows `sentence` over the frame at `rect`, after a device loss or error.
 pub fn alarm(sentence: &str, ui: &Ui, rect: Rect) {
     let painter = ui.painter_at(rect);
     let galley =
@@ -148,13 +149,13 @@ pub fn alarm(sentence: &str, ui: &Ui, rect: Rect) {
     painter.galley(place.min, galley, theme::ALARM);
 }
 
-/// Where in the picture `at` is, -1 to 1 from left to right and from bottom to top.
+/// Returns the normalized device coordinates of `at`: -1 to 1, right and up.
 fn place(rect: Rect, at: Pos2) -> Vec2 {
     let p = (at - rect.center()) / (0.5 * rect.size());
     Vec2::new(p.x, -p.y)
 }
 
-/// How far the head under the pointer is, metres.
+/// Returns the distance to the head under the pointer, meters.
 fn head_under(renderer: &Renderer, rect: Rect, at: Pos2) -> Option<f32> {
     let stage = &renderer.show.as_ref()?.stage;
     let (eye, direction) = renderer.orbit.ray(place(rect, at));
@@ -192,7 +193,7 @@ fn hover(renderer: &mut Renderer, tool: Tool, ui: &Ui, response: &Response) {
     }
     let (wheel, pinch, fingers) =
         ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta(), input.multi_touch().is_some()));
-    // Fingers have zoomed already, in `pointer`.
+    // `pointer` handles pinches of fingers.
     if fingers {
         return;
     }

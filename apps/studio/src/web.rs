@@ -1,4 +1,4 @@
-//! The page: a canvas instead of a window.
+//! JavaScript interface: the studio in a canvas.
 
 use crate::{
     answer::{Answer, Read},
@@ -13,21 +13,21 @@ use crate::{
 use std::{cell::RefCell, panic, rc::Rc};
 use wasm_bindgen::{JsCast, JsValue, prelude::*};
 
-/// A studio in a canvas: the whole of it, or nothing but its picture in a page of others.
+/// A studio in a canvas, with its panels or as an embedded viewer.
 #[wasm_bindgen]
 pub struct Viewer {
     runner: eframe::WebRunner,
     dialogs: Dialogs,
-    /// How it is, once there was a frame.
+    /// The last state; `None` before the first frame.
     state: Rc<RefCell<Option<State>>>,
 }
 
 #[wasm_bindgen]
 impl Viewer {
-    /// Opens it in `canvas`. `query` is as behind the question mark of an address ([`Options::of`]), `files` an array of
-    /// names and `Uint8Array`s in turn, which are shown first, `bare` for nothing but the picture. `told` is called with
-    /// the state as JSON whenever that has changed, but for what changes in every frame. Fails with one sentence where
-    /// something is wrong, or the browser has no WebGPU.
+    /// Opens the studio in `canvas`. `query` is the query string of an address ([`Options::of`]). `files` is an array
+    /// of alternating names and `Uint8Array`s to show first. `bare` hides everything but the viewport. `told` is called
+    /// with the state as JSON whenever it changes, except for fields that change every frame. Fails with one sentence
+    /// if an argument is invalid or the browser has no WebGPU.
     pub async fn open(
         canvas: web_sys::HtmlCanvasElement,
         query: String,
@@ -39,7 +39,7 @@ impl Viewer {
         let wanted = wanted.iter().map(|(name, value)| (name.as_str(), value.as_str()));
         let mut options = Options::of(wanted).map_err(|error| format!("{error:#}"))?;
         options.bare = bare;
-        // Those that are no groom follow once it is there.
+        // Companion files are loaded after the groom.
         let mut later = Vec::new();
         for answer in sort::files(read(&files), true) {
             match answer {
@@ -66,7 +66,7 @@ impl Viewer {
         Ok(Self { runner, dialogs, state })
     }
 
-    /// Shows other files: names and `Uint8Array`s in turn, as if they were dropped.
+    /// Shows other files, an array of alternating names and `Uint8Array`s, as if they were dropped.
     pub fn load(&self, files: js_sys::Array) {
         for answer in sort::files(read(&files), true) {
             self.dialogs.tell(answer);
@@ -80,33 +80,33 @@ impl Viewer {
         Ok(())
     }
 
-    /// How things are, as JSON.
+    /// Returns the state as JSON.
     pub fn state(&self) -> String {
         self.state.borrow().as_ref().map_or_else(|| "{}".into(), text)
     }
 
-    /// Ends it; the canvas is free again.
+    /// Closes the studio and frees the canvas.
     pub fn close(self) {
         self.runner.destroy();
     }
 }
 
-/// Names and bytes, in turn.
+/// Reads an array of alternating names and bytes.
 fn read(files: &js_sys::Array) -> Vec<Read> {
     let bytes = |value: JsValue| js_sys::Uint8Array::new(&value).to_vec();
     let name = |value: JsValue| value.as_string().unwrap_or_default().into();
     (0..files.length() / 2).map(|i| (name(files.get(2 * i)), bytes(files.get(2 * i + 1)))).collect()
 }
 
-/// A state as JSON.
+/// Returns a state as JSON.
 fn text(state: &State) -> String {
     serde_json::to_string(state).unwrap_or_default()
 }
 
-/// Tells a page of `now` if anything of it has changed that does not change in every frame.
+/// Calls `told` if the state has changed in a field that does not change every frame.
 fn tell(now: &State, state: &RefCell<Option<State>>, told: &js_sys::Function) {
     let before = state.replace(Some(now.clone())).unwrap_or_default();
-    // What changes all the time is left out of the comparison.
+    // Leave out the fields that change every frame.
     let lasting = |state: &State| {
         let State { strands, file, companions, step, error, playing, size, adapter, lost, .. } =
             state.clone();
@@ -126,12 +126,12 @@ fn tell(now: &State, state: &RefCell<Option<State>>, told: &js_sys::Function) {
         }
     };
     if lasting(&before) != lasting(now) {
-        // What a page's own function throws is in the console.
+        // An error thrown by the callback is in the console.
         let _ = told.call1(&JsValue::NULL, &text(now).into());
     }
 }
 
-/// Opens the whole studio in `canvas` with `files`, as the page's address has it.
+/// Opens the whole studio in `canvas` with `files` and the query of the page's address.
 #[wasm_bindgen]
 pub async fn start(
     canvas: web_sys::HtmlCanvasElement,
@@ -143,13 +143,13 @@ pub async fn start(
     Viewer::open(canvas, query, files, false, js_sys::Function::new_no_args("")).await
 }
 
-/// What the studio tells of itself, as JSON.
+/// Returns the studio's state as JSON.
 #[wasm_bindgen]
 pub fn tresses_state() -> String {
     state::json()
 }
 
-/// `window.tresses_state()` for tests that drive the page.
+/// Defines `window.tresses_state()` for tests that drive the page.
 fn expose() -> Result<(), JsValue> {
     let Some(window) = web_sys::window() else { return Ok(()) };
     let tell = Closure::<dyn Fn() -> String>::new(state::json);
@@ -158,18 +158,18 @@ fn expose() -> Result<(), JsValue> {
     Ok(())
 }
 
-/// Names and values of a query.
+/// Parses names and values of a query.
 fn pairs(query: &str) -> Result<Vec<(String, String)>, JsValue> {
     let pairs = web_sys::UrlSearchParams::new_with_str(query)?;
     let text = |pair: &JsValue, i| js_sys::Array::from(pair).get(i).as_string().unwrap_or_default();
     Ok(js_sys::Array::from(&pairs).iter().map(|pair| (text(&pair, 0), text(&pair, 1))).collect())
 }
 
-/// After a panic, which the console has in full, the page says that it has ended.
+/// Shows a message on the page after a panic. The console has the details.
 fn say_panics() {
     let before = panic::take_hook();
     panic::set_hook(Box::new(move |info| {
         before(info);
-        page::say("The studio has ended because of an error of its own, which the browser's console shows.");
+        page::say("The studio has crashed; the browser's console shows the error.");
     }));
 }

@@ -1,4 +1,4 @@
-//! Lower quality levels cover as much as full quality: a small picture has coarser hair, not less.
+//! Lower quality levels draw coarser hair that covers as much as full quality.
 
 use std::path::Path;
 use tresses::{
@@ -10,7 +10,7 @@ use tresses::{
     present::Background,
 };
 use tresses_scene::{
-    Colliders, Quality, Scene, Settings, Viewpoint, camera::Angle, measure::Measured, motion::Motion,
+    Colliders, Quality, Scene, Settings, Viewpoint, camera::Angle, measure::MeasuredFrame, motion::Motion,
     settings::HairColor,
 };
 use tresses_studio::{
@@ -18,12 +18,12 @@ use tresses_studio::{
     pace::{LEVELS, Level},
 };
 
-/// Width and height of the picture in a window of the size that it opens in, points.
+/// Size of the viewport in a window of the initial size, points.
 const AREA: [f32; 2] = [884.0, 692.0];
 
 fn stage() -> Option<(Scene, Settings)> {
     let Ok(gpu) = pollster::block_on(Gpu::open()) else {
-        assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "there is no adapter");
+        tresses_testing::skip("gpu", "no GPU adapter");
         return None;
     };
     let mut settings = Settings::default();
@@ -46,7 +46,7 @@ fn picture(stage: &mut Scene, settings: &Settings, level: &Level, view: Angle) -
     stage.resize(size).unwrap();
     level.dress(stage, settings).unwrap();
     assert_eq!(stage.lighting, settings.lights, "each level has all lights");
-    // Skin is black in any light, hair is not: what is which is seen of every pixel.
+    // Black skin and overexposed hair: each pixel is clearly one or the other.
     let body = &mut stage.character.body_mut().unwrap().material;
     (body.color, body.gloss) = (Vec3::ZERO, 0.0);
     stage.picture.tone.exposure *= 16.0;
@@ -61,10 +61,10 @@ fn picture(stage: &mut Scene, settings: &Settings, level: &Level, view: Angle) -
     pollster::block_on(stage.targets().read()).unwrap()
 }
 
-/// Blocks along each edge of a picture.
+/// Number of blocks along each edge of an image.
 const BLOCKS: usize = 24;
 
-/// The share of each block of the picture that is hair.
+/// Returns the fraction of hair pixels in each block.
 fn hair(stage: &Scene, picture: &[u8]) -> Vec<f32> {
     let [width, height] = stage.targets().size.map(|side| side as usize);
     let mut blocks = vec![[0.0; 2]; BLOCKS * BLOCKS];
@@ -77,14 +77,14 @@ fn hair(stage: &Scene, picture: &[u8]) -> Vec<f32> {
     blocks.into_iter().map(|[all, hair]| hair / all).collect()
 }
 
-/// What there is of the hair in all, and in the block that lacks the most of those that are full of it.
+/// Returns the ratio of hair to the `full` image: overall, and in the dense block that lacks the most.
 fn left(full: &[f32], now: &[f32]) -> [f32; 2] {
     let all = now.iter().sum::<f32>() / full.iter().sum::<f32>();
     let dense = full.iter().zip(now).filter(|(full, _)| **full > 0.9);
     [all, dense.map(|(full, now)| now / full).fold(1.0, f32::min)]
 }
 
-/// How much hair may lack or be too much in all, and how much must be there where it is full.
+/// Largest deviation of the overall ratio from 1, and smallest ratio of a dense block.
 const ALL: f32 = 0.05;
 const LEAST: f32 = 0.75;
 
@@ -93,18 +93,18 @@ fn fits([all, least]: [f32; 2]) -> bool {
 }
 
 #[test]
-fn what_is_lowered_covers_as_much() {
+fn lower_levels_cover_as_much() {
     cover_as_much(&[Angle::Back]);
 }
 
 #[test]
 #[ignore = "proof"]
-fn what_is_lowered_covers_as_much_from_the_side() {
+fn lower_levels_cover_as_much_from_the_side() {
     cover_as_much(&[Angle::ThreeQuarter]);
 }
 
 #[test]
-fn a_frame_in_parts_is_the_same_picture() {
+fn frame_in_parts_is_bit_identical() {
     let Some((mut stage, settings)) = stage() else { return };
     stage.resize([300, 220]).unwrap();
     let camera = Viewpoint::portrait(Angle::default(), stage.subject(), AREA[0] / AREA[1], 1.0);
@@ -135,18 +135,18 @@ fn a_frame_in_parts_is_the_same_picture() {
     assert!(picture(Some(all / 2)).0 != whole, "a part that is left out is missed");
 }
 
-/// The processor time of all threads of this process.
+/// Returns the processor time of all threads of this process.
 #[cfg(target_os = "linux")]
 fn processor() -> std::time::Duration {
     let now = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     std::time::Duration::new(now.tv_sec.unsigned_abs(), now.tv_nsec as u32)
 }
 
-/// Prints the milliseconds of processor time that each level takes in motion.
+/// Prints the processor time of each level in motion, milliseconds per frame.
 #[test]
 #[cfg(target_os = "linux")]
 #[ignore = "proof"]
-fn what_a_level_takes() {
+fn cost_of_each_level() {
     let Some((mut stage, settings)) = stage() else { return };
     stage.measure_by(processor);
     let motion = Motion::named("shake").unwrap();
@@ -160,7 +160,7 @@ fn what_a_level_takes() {
         for frame in 0..frames {
             level.dress(&mut stage, &settings).unwrap();
             let pose = motion.gesture(f64::from(frame) / 30.0, stage.character.neck());
-            let Measured { wall: all, stages, .. } =
+            let MeasuredFrame { wall: all, stages, .. } =
                 stage.measured_frame(&pose, 1.0 / 30.0, &camera).unwrap();
             if frame < frames / 2 {
                 continue;
@@ -184,7 +184,7 @@ fn what_a_level_takes() {
 fn cover_as_much(views: &[Angle]) {
     let Some((mut stage, settings)) = stage() else { return };
     let whole = Level { scale: 0.5, ..Level::FULL };
-    // The chords of so few segments sink into the skull.
+    // The chords of so few segments cut through the skull.
     let bald = Level { stray: 10.0, ..LEVELS[LEVELS.len() - 1] };
     for &view in views {
         let mut seen = |name: &str, level: &Level| {

@@ -1,35 +1,35 @@
-/** How a viewer is. */
+/** State of a viewer. */
 export interface ViewerState {
-  /** What is shown. */
+  /** Name of the hair. */
   file: string;
   strands: number;
-  /** What is being done, or empty. */
+  /** Current step of the running job, or empty. */
   step: string;
-  /** The last sentence about something that went wrong, or empty. */
+  /** The last error, or empty. */
   error: string;
   playing: boolean;
-  /** Seconds of the motion. */
+  /** Time of the motion, seconds. */
   time: number;
-  /** Pixels of the picture. */
+  /** Size of the displayed frame, pixels. */
   size: [number, number];
-  /** Pictures so far. */
+  /** Number of frames drawn so far. */
   frames: number;
-  /** Milliseconds of the last one. */
+  /** Duration of the last frame, milliseconds. */
   milliseconds: number;
   adapter: string;
   lost: boolean;
 }
 
 export interface ViewerEvents {
-  /** The program runs. */
+  /** The viewer runs. */
   ready: CustomEvent<void>;
-  /** Files are shown. */
+  /** Files have been loaded and are shown. */
   load: CustomEvent<{ file: string; strands: number }>;
-  /** A sentence about what went wrong. */
+  /** An error message. */
   error: CustomEvent<string>;
-  /** Bytes loaded so far; `total` is 0 where nobody says. */
+  /** Loaded bytes; `total` is 0 if unknown. */
   progress: CustomEvent<{ what: "viewer" | "files"; loaded: number; total: number }>;
-  /** Anything but time and frames has changed. */
+  /** The state has changed, other than time and frame counts. */
   change: CustomEvent<ViewerState>;
 }
 
@@ -38,16 +38,16 @@ export declare class TressesViewer extends HTMLElement {
   close(): void;
   load(...urls: (string | URL)[]): Promise<{ file: string; strands: number }>;
   loadBytes(files: (string | Uint8Array)[]): Promise<{ file: string; strands: number }>;
-  /** `playing`, `motion`, `animation`, `camera`, or a parameter by its path. */
+  /** Sets `playing`, `motion`, `animation`, `camera`, or a parameter by its path. */
   set(name: string, value: string | number | boolean): void;
   readonly state: Partial<ViewerState>;
   addEventListener<K extends keyof ViewerEvents>(type: K, listener: (event: ViewerEvents[K]) => void, options?: boolean | AddEventListenerOptions): void;
   addEventListener(type: string, listener: EventListenerOrEventListenerObject, options?: boolean | AddEventListenerOptions): void;
 }
 
-/** Why this browser cannot show hair, or null. */
+/** Returns why this browser cannot show hair, or null. */
 export declare function unsupported(): Promise<string | null>;
-/** Names and bytes in turn, for `loadBytes`. */
+/** Fetches files as alternating names and bytes, for `loadBytes`. */
 export declare function fetchFiles(urls: (string | URL)[], progress?: (loaded: number, total: number) => void): Promise<(string | Uint8Array)[]>;
 
 declare global {

@@ -1,8 +1,8 @@
-// <tresses-viewer src="hair.glb">: hair in a page, simulated and drawn by WebGPU. See README.md.
+// <tresses-viewer src="hair.glb">: hair in a web page, simulated and rendered with WebGPU. See README.md.
 
 const module = new URL("./tresses.js", import.meta.url);
 
-/** The program, loaded once for all elements of a page; `progress(loaded, total)` counts bytes. */
+/** The WebAssembly module, loaded once for all elements of a page. `progress(loaded, total)` receives bytes. */
 let program;
 const listeners = new Set();
 function loadProgram(progress) {
@@ -15,12 +15,12 @@ function loadProgram(progress) {
     await init({ module_or_path: wasm });
     return Viewer;
   })();
-  // What has failed may be tried again.
+  // Allow another attempt after a failure.
   program.catch(() => { program = undefined; }).finally(() => listeners.clear());
   return program;
 }
 
-/** A file's bytes; `progress(loaded, total)` as they come, `total` 0 where the server does not say. */
+/** Fetches a file. `progress(loaded, total)` receives bytes; `total` is 0 if the server does not send the length. */
 async function fetchBytes(url, progress) {
   const response = await fetch(url);
   if (!response.ok) throw new Error(`${url} cannot be loaded (${response.status} ${response.statusText})`);
@@ -41,7 +41,7 @@ async function fetchBytes(url, progress) {
   return bytes;
 }
 
-/** Names and bytes in turn, as the program takes them. */
+/** Fetches files as alternating names and bytes, for `loadBytes`. */
 export async function fetchFiles(urls, progress) {
   const counts = urls.map(() => [0, 0]);
   const files = await Promise.all(urls.map(async (url, i) => {
@@ -54,11 +54,11 @@ export async function fetchFiles(urls, progress) {
   return files.flat();
 }
 
-/** Why this browser cannot show hair, or null. */
+/** Returns why this browser cannot show hair, or null. */
 export async function unsupported() {
   if (!navigator.gpu)
-    return "This browser has no WebGPU; current versions of Chrome, Edge, Firefox and Safari have it, on pages opened by https or from localhost.";
-  return await navigator.gpu.requestAdapter() ? null : "This browser has WebGPU, but found no GPU that it may use.";
+    return "This browser has no WebGPU. Use a current version of Chrome, Edge, Firefox or Safari, and open the page by https or from localhost.";
+  return await navigator.gpu.requestAdapter() ? null : "This browser has WebGPU, but no usable GPU.";
 }
 
 const words = text => text ? text.split(/\s+/).filter(Boolean) : [];
@@ -88,7 +88,7 @@ export class TressesViewer extends HTMLElement {
   connectedCallback() { this.open().catch(() => {}); }
 
   disconnectedCallback() {
-    // Moved within the page, it goes on.
+    // Keep running if the element was only moved within the page.
     queueMicrotask(() => { if (!this.isConnected) this.close(); });
   }
 
@@ -98,7 +98,7 @@ export class TressesViewer extends HTMLElement {
     Promise.resolve(done).catch(error => this.#fail(error));
   }
 
-  /** Opens it, if it is not open; done when the program runs. */
+  /** Opens the viewer unless it is open. Resolves when the viewer runs. */
   open() { return this.#opening ??= this.#open().catch(error => { this.#opening = null; this.#fail(error); throw error; }); }
 
   async #open() {
@@ -108,8 +108,8 @@ export class TressesViewer extends HTMLElement {
       loadProgram((loaded, total) => this.#progress("viewer", loaded, total)),
       fetchFiles(this.#urls(), (loaded, total) => this.#progress("files", loaded, total)),
     ]);
-    if (!this.isConnected) throw new Error("the element has left the page");
-    // A canvas of the host's, or one of its own.
+    if (!this.isConnected) throw new Error("the element was removed from the page");
+    // Use the page's own canvas if there is one, else create one.
     this.#canvas = this.querySelector("canvas[slot=canvas]");
     if (!this.#canvas) {
       this.#canvas = document.createElement("canvas");
@@ -122,21 +122,21 @@ export class TressesViewer extends HTMLElement {
     this.dispatchEvent(new CustomEvent("ready"));
   }
 
-  /** Ends it and frees what it holds. */
+  /** Closes the viewer and frees its resources. */
   close() {
     this.#viewer?.close();
     this.#viewer = this.#opening = null;
     if (this.#canvas?.parentNode === this.shadowRoot) this.#canvas.remove();
   }
 
-  /** Shows the files at `urls`: grooms, heads, presets, maps, surroundings; done when they are shown. */
+  /** Loads the files at `urls`: grooms, heads, presets, maps, environments. Resolves when they are shown. */
   async load(...urls) {
     await this.open();
     const files = await fetchFiles(urls, (loaded, total) => this.#progress("files", loaded, total));
     return this.loadBytes(files);
   }
 
-  /** The same of files that are there: names and `Uint8Array`s in turn. */
+  /** Loads files given as alternating names and `Uint8Array`s. */
   async loadBytes(files) {
     await this.open();
     const shown = new Promise((resolve, reject) => {
@@ -156,7 +156,7 @@ export class TressesViewer extends HTMLElement {
     try { this.#viewer.set(name, String(value)); } catch (error) { throw new Error(String(error)); }
   }
 
-  /** How things are: file, strands, step, error, playing, size, frames, milliseconds. */
+  /** The current state: file, strands, step, error, playing, size, frames, milliseconds. */
   get state() { return this.#viewer ? JSON.parse(this.#viewer.state()) : {}; }
 
   #urls() { return [...words(this.getAttribute("src")), ...words(this.getAttribute("head")), ...words(this.getAttribute("preset"))]; }

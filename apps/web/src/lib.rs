@@ -1,7 +1,7 @@
-//! The web pages of Tresses: built into a folder of static files, and served from one.
+//! Builds the web pages of Tresses into a folder of static files, and serves such a folder.
 //!
-//! A page is a program for `wasm32-unknown-unknown`, the output of wasm-bindgen for it, and an HTML file of
-//! `pages/`. wasm-bindgen is used as a library, so that nothing needs to be installed beside Rust.
+//! A page consists of a program for `wasm32-unknown-unknown`, the bindings that wasm-bindgen generates for it, and
+//! files from `pages/` or `component/`. wasm-bindgen is linked as a library, so building needs no tools besides Rust.
 
 mod pack;
 mod serve;

@@ -1,4 +1,4 @@
-//! `make web` and `make web-serve`.
+//! Command line of `make web` and `make web-serve`.
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -16,19 +16,19 @@ struct Cli {
 enum Command {
     /// Build a page into a folder that any static file server can host.
     Build {
-        /// Which one.
+        /// Page to build
         #[arg(long, value_enum, default_value_t = Page::Studio)]
         page: Page,
-        /// The folder; what is in it is replaced.
+        /// Output folder; existing files in it are overwritten
         #[arg(long, default_value = "dist")]
         out: PathBuf,
     },
-    /// Serve a folder on this machine alone.
+    /// Serve a folder, on this machine only.
     Serve {
-        /// The folder.
+        /// Folder to serve
         #[arg(long, default_value = "dist")]
         folder: PathBuf,
-        /// The port.
+        /// Port to listen on
         #[arg(long, default_value_t = 8080)]
         port: u16,
     },

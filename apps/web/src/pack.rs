@@ -1,4 +1,4 @@
-//! Building a page.
+//! Builds a page.
 
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
@@ -11,25 +11,25 @@ use std::{
 };
 use wasm_bindgen_cli_support::Bindgen;
 
-/// The most bytes that a page may have a visitor load, compressed as every server can.
+/// Size limit of the files that a visitor loads, bytes after gzip.
 pub const LIMIT: u64 = 5_000_000;
 
-/// The pages.
+/// A page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Page {
     /// The studio.
     Studio,
-    /// The studio's picture as an element for pages of others, `<tresses-viewer>`: a package for npm.
+    /// The studio's viewport as a custom element, `<tresses-viewer>`, packaged for npm.
     Viewer,
-    /// The smallest program with hair: the library's example `minimal`.
+    /// The smallest program that renders hair: the library's example `minimal`.
     Minimal,
 }
 
 impl Page {
-    /// What cargo builds, and the file that comes of it.
+    /// Returns cargo's arguments, and the file that cargo builds.
     fn program(self) -> (&'static [&'static str], &'static str) {
         match self {
-            // Only here is the studio a module of its own; everywhere else it is a library.
+            // Only this build makes the studio a `cdylib`; everywhere else it is a library.
             Self::Studio | Self::Viewer => {
                 (&["--package", "tresses-studio", "--lib", "--crate-type", "cdylib"], "tresses_studio.wasm")
             }
@@ -37,7 +37,7 @@ impl Page {
         }
     }
 
-    /// What lies beside the program: names and texts.
+    /// Returns names and contents of the files next to the program.
     fn files(self) -> &'static [(&'static str, &'static str)] {
         const ELEMENT: (&str, &str) = ("tresses-viewer.js", include_str!("../component/tresses-viewer.js"));
         match self {
@@ -54,24 +54,24 @@ impl Page {
     }
 }
 
-/// What a visitor loads: name, bytes, bytes compressed by gzip.
+/// Sizes of the files that a visitor loads: name, bytes, bytes after gzip.
 #[derive(Debug)]
 pub struct Sizes(Vec<(String, u64, u64)>);
 
 impl Sizes {
-    /// Bytes of all files, compressed.
+    /// Returns the size of all files after gzip, bytes.
     pub fn compressed(&self) -> u64 {
         self.0.iter().map(|(_, _, compressed)| compressed).sum()
     }
 
-    /// Fails when that is more than [`LIMIT`].
+    /// Checks that the size does not exceed [`LIMIT`].
     ///
     /// # Errors
-    /// One sentence.
+    /// Returns one sentence with both sizes.
     pub fn check(&self) -> Result<()> {
         let (size, limit) = (self.compressed(), LIMIT);
         if size > limit {
-            bail!("the page takes {size} bytes compressed, more than the {limit} it may");
+            bail!("the page has {size} compressed bytes, but the limit is {limit}");
         }
         Ok(())
     }
@@ -89,11 +89,11 @@ impl fmt::Display for Sizes {
     }
 }
 
-/// Builds `page` into the folder `out`, which is made: small, for visitors, or with the profile of everything
-/// else, for tests, which compiles much faster as what runs while compiling is there already.
+/// Builds `page` into the folder `out`, creating it if necessary. `small` optimizes for size, for visitors. Otherwise
+/// the build uses the dev profile, for tests: it is much faster, because build-time dependencies are already compiled.
 ///
 /// # Errors
-/// When the program cannot be compiled, or the folder not be written.
+/// Fails if the program cannot be compiled or the folder cannot be written.
 pub fn pack(page: Page, out: &Path, small: bool) -> Result<Sizes> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize()?;
     let (what, file) = page.program();
@@ -104,9 +104,9 @@ pub fn pack(page: Page, out: &Path, small: bool) -> Result<Sizes> {
         .args(["--profile", if small { "web" } else { "dev" }])
         .args(what)
         .status()
-        .context("cargo cannot be started")?;
+        .context("cannot start cargo")?;
     if !status.success() {
-        bail!("the page's program cannot be compiled (see above)");
+        bail!("cannot compile the page's program (see above)");
     }
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
     std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;

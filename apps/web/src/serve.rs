@@ -1,4 +1,4 @@
-//! Serving a folder to browsers on this machine.
+//! Serves a folder to browsers on this machine.
 
 use anyhow::{Context, Result, anyhow};
 use percent_encoding::percent_decode_str;
@@ -9,7 +9,7 @@ use std::{
 };
 use tiny_http::{Header, Request, Response};
 
-/// A server of static files on the loopback interface.
+/// An HTTP server of static files on the loopback interface.
 #[derive(Clone)]
 pub struct Server {
     http: Arc<tiny_http::Server>,
@@ -17,34 +17,34 @@ pub struct Server {
 }
 
 impl Server {
-    /// Listens on `port`, or on any that is free for 0.
+    /// Listens on `port`, or on any free port for 0.
     ///
     /// # Errors
-    /// When the folder has no page, or the port is taken.
+    /// Fails if the folder has no page or the port is in use.
     pub fn new(folder: &Path, port: u16) -> Result<Self> {
         if !folder.join("index.html").is_file() {
-            return Err(anyhow!("{}: no page is there; `make web` builds one", folder.display()));
+            return Err(anyhow!("{}: there is no page; build it with `make web`", folder.display()));
         }
         let http = tiny_http::Server::http(("127.0.0.1", port))
             .map_err(|error| anyhow!("{error}"))
-            .with_context(|| format!("port {port} cannot be used"))?;
+            .with_context(|| format!("cannot listen on port {port}"))?;
         Ok(Self { http: Arc::new(http), folder: folder.to_path_buf() })
     }
 
-    /// The port that it listens on.
+    /// Returns the port that the server listens on.
     pub fn port(&self) -> u16 {
         self.http.server_addr().to_ip().map_or(0, |address| address.port())
     }
 
-    /// Answers until [`stop`](Self::stop)ped.
+    /// Answers requests until [`stop`](Self::stop) is called.
     pub fn run(&self) {
         for request in self.http.incoming_requests() {
-            // A browser that has gone away is no concern.
+            // Ignore errors of a browser that has disconnected.
             let _ = self.answer(request);
         }
     }
 
-    /// Lets [`run`](Self::run) return.
+    /// Makes [`run`](Self::run) return.
     pub fn stop(&self) {
         self.http.unblock();
     }
@@ -63,13 +63,13 @@ impl Server {
         let header = |name: &str, value: &str| {
             Header::from_bytes(name, value).expect("names and values are plain text")
         };
-        // A page that was built anew is to be seen anew.
+        // Do not cache, so that a rebuilt page is loaded again.
         let headers = [header("Content-Type", kind), header("Cache-Control", "no-store")];
         request.respond(headers.into_iter().fold(Response::from_file(file), Response::with_header))
     }
 }
 
-/// The file of `folder` that an address means, never one outside of it.
+/// Returns the path of a URL inside `folder`, never one outside of it.
 fn file(folder: &Path, url: &str) -> Option<PathBuf> {
     let name = percent_decode_str(url.split(['?', '#']).next()?).decode_utf8().ok()?;
     let name = name.trim_start_matches('/');
@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_outside_is_served() {
+    fn files_outside_the_folder_are_not_served() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
         assert_eq!(file(&folder, "/serve.rs?x=1"), Some(folder.join("serve.rs")));
         assert_eq!(file(&folder, "/s%65rve.rs"), Some(folder.join("serve.rs")));

@@ -1,5 +1,5 @@
-//! The studio in a real browser: its page opens, shows moving hair, responds to mouse and keys, accepts
-//! files, and neither the browser nor WebGPU reports an error.
+//! The studio in a browser: its page opens, shows moving hair, handles mouse, keys and files, and neither the browser
+//! nor WebGPU reports an error.
 
 mod browser;
 mod viewer;
@@ -16,49 +16,49 @@ use std::{
 };
 use tresses_web::{Page, Server, pack};
 
-/// Of the page, pixels; narrower ones fold the panel.
+/// Size of the page, pixels. Narrower pages hide the panel.
 const SIZE: [u32; 2] = [780, 420];
-/// Of a page with a picture of 1280 by 720.
+/// Size of a page whose viewport has 1280 × 720 pixels.
 const BROAD: [u32; 2] = [1684, 829];
-/// On that page the panel's page of times, and the box that is ticked while frames are kept short.
+/// On that page, the panel's tab with timings, and the check box that keeps frames short.
 const TIME: [f64; 2] = [1560.0, 57.0];
 const KEEP_SHORT: [f64; 2] = [1299.0, 204.0];
-/// Few strands, and a colour that a slider turns.
+/// A style with few strands, and a color that a slider controls.
 const ADDRESS: &str = "?style=short&style.strands=1500&shading.color=melanin";
-/// Where of the page the picture is, without what lies on it.
+/// Region of the viewport without controls.
 const PICTURE: (Range<u32>, Range<u32>) = (112..420, 90..330);
-/// Where of the page sentences about errors are.
+/// Region of error messages.
 const SENTENCES: (Range<u32>, Range<u32>) = (150..420, 276..336);
-/// The panel's field for words to search parameters by, the one slider that is left then, and its left end.
+/// The panel's search field, the one slider that a search leaves, and the slider's left end.
 const SEARCH: [f64; 2] = [580.0, 98.0];
 const SLIDER: [[f64; 2]; 2] = [[629.0, 158.0], [590.0, 158.0]];
-/// In the picture, where nothing lies on it.
+/// Center of the viewport, without controls.
 const MIDDLE: [f64; 2] = [216.0, 220.0];
-/// In the picture, beside the hair.
+/// A point in the viewport next to the hair.
 const BESIDE: [f64; 2] = [340.0, 130.0];
-/// The menu of files, its entry for a loop, and what is in the window that opens then: the pictures per second,
-/// a place where nothing is, and the button that begins.
+/// The file menu, its entry that records a loop, and in the dialog: the frame rate, an empty place, and the button that
+/// starts the recording.
 const MENU: [f64; 2] = [256.0, 18.0];
 const RECORD: [f64; 2] = [288.0, 172.0];
 const RATE: [f64; 2] = [363.0, 193.0];
 const WISH: [f64; 2] = [500.0, 285.0];
 const GO: [f64; 2] = [278.0, 285.0];
-/// Strands of the file that is dropped.
+/// Number of strands in the dropped file.
 const DROPPED: usize = 400;
 
-/// How much memory the browser may take while the page goes on as it did before, bytes.
+/// Largest growth of the browser's memory while the page runs, bytes.
 const MOST: i64 = 20_000_000;
-/// Sizes of the page that come by, pixels; the panel keeps its width and its place at the right.
+/// Sizes of the page during the memory test, pixels. The panel keeps its width on the right.
 const SIZES: [[u32; 2]; 3] = [SIZE, [SIZE[0] + 60, SIZE[1]], [SIZE[0], SIZE[1] + 60]];
-/// The panel's page of views of the inside; on it hair as it looks, locks, density and overdraw.
+/// The panel's tab of debug views, and four of its entries: no view, locks, density, overdraw.
 const INSIDE: [f64; 2] = [662.0, 57.0];
 const VIEWS: [[f64; 2]; 4] = [[495.0, 98.0], [470.0, 231.0], [475.0, 312.0], [585.0, 258.0]];
-/// By how much the wheel turns: as far away as two levels of detail.
+/// Wheel distance that moves the camera by two levels of detail.
 const WHEEL: f64 = 300.0;
-/// Rounds in which every size has been seen in every view.
+/// Number of rounds after which every size was shown with every view.
 const ROUNDS: usize = 12;
 
-/// A server for `folder`, which runs until it is told to stop.
+/// Starts a server of `folder` that runs until it is stopped.
 fn serve(folder: &Path) -> (Server, thread::JoinHandle<()>) {
     let server = Server::new(folder, 0).unwrap();
     let serving = thread::spawn({
@@ -68,14 +68,15 @@ fn serve(folder: &Path) -> (Server, thread::JoinHandle<()>) {
     (server, serving)
 }
 
-/// The studio's page with hair on it, which is drawn as `how` has it, and its server.
+/// Opens the studio's page and waits for hair. `how` is appended to the query.
 fn open(folder: &Path, how: &str) -> Option<(Browser, Server, thread::JoinHandle<()>)> {
     let mut opened = open_at(folder, SIZE, &format!("{ADDRESS}{how}"))?;
     state(&mut opened.0, |state| state["strands"] == 1500 && state["frames"].as_u64() > Some(0));
     Some(opened)
 }
 
-/// The same at an `address`, of `size` pixels, as soon as it tells of itself.
+/// Opens the studio's page at `address` with a viewport of `size` pixels, and waits until the studio publishes its
+/// state.
 fn open_at(
     folder: &Path,
     size: [u32; 2],
@@ -85,25 +86,25 @@ fn open_at(
     pack(Page::Studio, folder, false).unwrap();
     let (server, serving) = serve(folder);
     browser.go(&format!("http://127.0.0.1:{}/{address}", server.port()));
-    // WebAssembly is compiled, then the shaders.
+    // The browser compiles WebAssembly, then the shaders.
     browser.until("typeof window.tresses_state", |kind| kind == "function");
     Some((browser, server, serving))
 }
 
 #[test]
-fn memory_stands_still_in_a_browser() {
+fn memory_is_constant_in_a_browser() {
     stands_still(3, 60);
 }
 
 #[test]
 #[ignore = "proof"]
-fn two_thousand_frames_in_a_browser_take_no_more_than_a_hundred() {
+fn memory_is_constant_for_two_thousand_frames_in_a_browser() {
     stands_still(9, 2000);
 }
 
-/// The motion goes on, `frames` in each round, until there were `all` frames: the page is resized, the camera comes
-/// and goes, and with it the level of detail, views are shown. After as many rounds as show everything once, memory
-/// stands still.
+/// Runs rounds of `frames` frames until `all` frames are drawn. Each round changes the page size, the camera distance
+/// (and with it the level of detail) and the debug view. Checks that memory is constant after the rounds in which
+/// everything appeared once.
 fn stands_still(frames: u64, all: u64) {
     let folder = tempfile::tempdir().unwrap();
     let Some((mut browser, server, serving)) = open(folder.path(), "") else { return };
@@ -135,7 +136,7 @@ fn stands_still(frames: u64, all: u64) {
     let (Some(before), Some(after)) = (before, browser.resident()) else {
         return println!("skipped: the system does not tell how much memory a browser holds");
     };
-    // A browser starts processes for pages that are still to come, after a minute or two: they are not this page's.
+    // After a minute or two, browsers start spare processes for future pages. Leave them out.
     let of_this = |held: &BTreeMap<i64, i64>| {
         held.iter().filter(|(pid, _)| before.contains_key(pid)).map(|(_, held)| held).sum::<i64>()
     };
@@ -147,7 +148,7 @@ fn stands_still(frames: u64, all: u64) {
     );
     assert!(sizes.len() >= SIZES.len(), "the picture has changed its size: {sizes:?}");
     assert!(is - was <= MOST, "from {was} to {is} bytes");
-    // A leak of that size is seen.
+    // The measurement detects a leak of that size.
     browser.value(&format!("(window.kept = new Uint8Array({})).fill(1).length", 3 * MOST / 2));
     let leaked = of_this(&browser.resident().expect("it told before")) - is;
     assert!(leaked > MOST, "{leaked} bytes");
@@ -156,14 +157,14 @@ fn stands_still(frames: u64, all: u64) {
 }
 
 #[test]
-fn the_studio_runs_in_a_browser() {
+fn studio_runs_in_a_browser() {
     let folder = tempfile::tempdir().unwrap();
     let Some((mut browser, server, serving)) = open(folder.path(), "&edges.coverage=tiles") else { return };
     let first = picture(&mut browser, "hair", |picture| hair(picture) > 0.05);
     first.keep("studio-1-hair.png");
     picture(&mut browser, "motion", |later| change(later, &first) > 0.03).keep("studio-2-motion.png");
 
-    // A click gives the page the keyboard.
+    // A click gives the page the keyboard focus.
     browser.click(MIDDLE);
     browser.keys(" ");
     state(&mut browser, |state| state["playing"] == false);
@@ -180,7 +181,7 @@ fn the_studio_runs_in_a_browser() {
     turned.keep("studio-4-slider.png");
     assert!(change(&turned, &found) > 0.1, "without pigment it is white: {}", change(&turned, &found));
 
-    // Files, a whole one and a broken one.
+    // A valid and a broken file.
     let (whole, broken) = (folder.path().join("drop.tfx"), folder.path().join("broken.tfx"));
     let text = groom();
     std::fs::write(&whole, &text).unwrap();
@@ -205,7 +206,7 @@ fn the_studio_runs_in_a_browser() {
     told.keep("studio-6-sentence.png");
     assert!(alarm(&told) > 0.005, "{}", alarm(&told));
 
-    // Surroundings are there at once, and the hair goes on; a picture may be any map.
+    // An environment changes only the light. An image may be any map, so the studio asks.
     let (sky, map) = (folder.path().join("sky.hdr"), folder.path().join("map.png"));
     std::fs::write(&sky, surroundings()).unwrap();
     std::fs::write(&map, grey()).unwrap();
@@ -220,7 +221,7 @@ fn the_studio_runs_in_a_browser() {
     asked.keep("studio-8-question.png");
 
     assert!(browser.complaints().is_empty(), "{}", browser.complaints().join("\n"));
-    // That nothing was heard means something: what WebGPU refuses is heard.
+    // The list of complaints is meaningful: an error of WebGPU does appear in it.
     browser.value(REFUSED);
     let begin = Instant::now();
     while browser.complaints().is_empty() {
@@ -230,11 +231,11 @@ fn the_studio_runs_in_a_browser() {
     serving.join().unwrap();
 }
 
-/// Prints what a frame of Sintel's groom takes in the browser, every strand simulated, in motion and in full: the work
-/// of `tresses bench --preset` and of the peers' pages.
+/// Prints the frame time of Sintel's groom in the browser, with every strand simulated, in motion and at full quality:
+/// the same workload as `tresses bench --preset` and the pages of other libraries.
 #[test]
 #[ignore = "proof"]
-fn a_real_groom_in_full_in_a_browser() {
+fn cost_of_a_real_groom_in_a_browser() {
     let Some(assets) = std::env::var_os("TRESSES_ASSETS") else {
         return println!("skipped: there are no assets");
     };
@@ -250,9 +251,9 @@ fn a_real_groom_in_full_in_a_browser() {
     state(browser, |state| {
         state["file"].as_str().is_some_and(|file| file.starts_with("Sintel")) && state["step"] == ""
     });
-    // Held for some frames, seconds each: a click nevertheless.
+    // A drag that takes several frames of some seconds still counts as a click.
     browser.drag(TIME, TIME);
-    // At once, as a hand would that knows its way: the page of the panel is shown first, however long frames take.
+    // The next click follows at once. It hits the tab's content, because the studio handles it in a later frame.
     browser.click(KEEP_SHORT);
     let size = state(browser, |state| state["size"] == serde_json::json!([1280, 720]))["size"].clone();
     let mut frames: Vec<f64> = (0..7)
@@ -263,7 +264,7 @@ fn a_real_groom_in_full_in_a_browser() {
         .collect();
     browser.picture().keep("studio-sintel.png");
     assert_eq!(state(browser, |_| true)["drawn"], 11_400);
-    // The first ones have something to compile.
+    // The first frames include compilation.
     let mut rest = frames.split_off(2);
     rest.sort_by(f64::total_cmp);
     println!("{size} pixels: {:.0} ms a frame (median of {rest:.0?})", rest[rest.len() / 2]);
@@ -271,12 +272,12 @@ fn a_real_groom_in_full_in_a_browser() {
     serving.join().unwrap();
 }
 
-/// Browsers refuse shaders that wgpu's own compiler takes: they prove more of what must be alike for all threads.
+/// Browsers reject shaders that wgpu's own compiler accepts: their uniformity analysis is stricter.
 #[test]
-fn browsers_take_all_shaders() {
+fn browsers_accept_all_shaders() {
     let Some(mut browser) = Browser::start(SIZE) else { return };
     let folder = tempfile::tempdir().unwrap();
-    // WebGPU is for pages of a server.
+    // WebGPU needs a secure context, such as localhost.
     std::fs::write(folder.path().join("index.html"), "<!doctype html><title>Shaders</title>").unwrap();
     let (server, serving) = serve(folder.path());
     browser.go(&format!("http://127.0.0.1:{}/", server.port()));
@@ -297,10 +298,10 @@ fn browsers_take_all_shaders() {
 }
 
 #[test]
-fn without_webgpu_there_is_a_sentence() {
+fn missing_webgpu_shows_a_message() {
     let Some(mut browser) = Browser::without_webgpu(SIZE) else { return };
     let folder = tempfile::tempdir().unwrap();
-    // The page asks before it loads anything.
+    // The page checks for WebGPU before it loads anything.
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("pages/studio.html");
     std::fs::copy(page, folder.path().join("index.html")).unwrap();
     let element = Path::new(env!("CARGO_MANIFEST_DIR")).join("component/tresses-viewer.js");
@@ -315,7 +316,7 @@ fn without_webgpu_there_is_a_sentence() {
     serving.join().unwrap();
 }
 
-/// One finger looks around, two come nearer.
+/// One finger orbits, two zoom.
 fn gestures(browser: &mut Browser, before: &Picture) {
     let distance = |state: &Value| state["distance"].as_f64().unwrap();
     let far = distance(&state(browser, |_| true));
@@ -329,13 +330,13 @@ fn gestures(browser: &mut Browser, before: &Picture) {
     browser.swipe(&[[x - 20.0, y], [x + 20.0, y]], &[[x - 30.0, y], [x + 30.0, y]]);
     let near = still(browser);
     near.keep("studio-touch-2-near.png");
-    // Half as far apart again as they were, in the picture as on the glass.
+    // The fingers end 1.5 times as far apart, and so does the image.
     let ratio = far / distance(&state(browser, |_| true));
     assert!((ratio - 1.5).abs() < 0.05, "{ratio}");
     assert!(change(&near, &around) > 0.1, "{}", change(&near, &around));
 }
 
-/// A loop is recorded, and comes as a file that moves.
+/// Records a loop and checks the downloaded file.
 fn recording(browser: &mut Browser, folder: &Path) {
     browser.download_into(folder);
     browser.click(MENU);
@@ -346,7 +347,7 @@ fn recording(browser: &mut Browser, folder: &Path) {
     still(browser);
     browser.keys("2");
     still(browser);
-    // Elsewhere: what was typed holds.
+    // Clicking elsewhere commits the typed value.
     browser.click(WISH);
     still(browser).keep("studio-record-2-rate.png");
     browser.click(GO);
@@ -359,13 +360,13 @@ fn recording(browser: &mut Browser, folder: &Path) {
     let bytes = std::fs::read(&path).unwrap();
     let (frames, differ) = frames(&bytes);
     println!("a loop of {} bytes and {frames} frames", bytes.len());
-    // Three seconds, two a second.
+    // Three seconds at two frames per second.
     assert_eq!(frames, 6);
     assert!(differ, "it moves");
     still(browser).keep("studio-record-3-done.png");
 }
 
-/// How many pictures a GIF has, and whether any differs from the first.
+/// Returns the number of frames of a GIF, and whether any differs from the first.
 fn frames(gif: &[u8]) -> (usize, bool) {
     let mut options = gif::DecodeOptions::new();
     options.set_color_output(gif::ColorOutput::RGBA);
@@ -377,7 +378,7 @@ fn frames(gif: &[u8]) -> (usize, bool) {
     (frames.len(), frames.iter().any(|frame| *frame != frames[0]))
 }
 
-/// Surroundings, bright and blue above: pixels of four bytes each, as they are.
+/// Returns an environment map that is bright and blue above, as uncompressed RGBE.
 fn surroundings() -> Vec<u8> {
     let mut bytes = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n".to_vec();
     for i in 0..32 {
@@ -386,7 +387,7 @@ fn surroundings() -> Vec<u8> {
     bytes
 }
 
-/// A grey picture.
+/// Returns a gray image.
 fn grey() -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, 2, 2);
@@ -395,7 +396,7 @@ fn grey() -> Vec<u8> {
     bytes
 }
 
-/// What WebGPU has against shaders, each a name and a text.
+/// Script that compiles shaders, given as names and sources, and returns WebGPU's errors.
 const COMPILE: &str = "(async () => {
     const device = await (await navigator.gpu.requestAdapter()).requestDevice();
     const found = [];
@@ -408,18 +409,18 @@ const COMPILE: &str = "(async () => {
     return found;
 })()";
 
-/// Something that WebGPU refuses.
+/// Script that makes WebGPU report an error.
 const REFUSED: &str = "navigator.gpu.requestAdapter().then(adapter => adapter.requestDevice())
     .then(device => { device.createBuffer({ size: 4, usage: 0 }); return device.queue.onSubmittedWorkDone(); })";
 
-/// What the studio says of itself once `enough` is satisfied with it.
+/// Returns the studio's state once `enough` accepts it.
 fn state(browser: &mut Browser, enough: impl Fn(&Value) -> bool) -> Value {
     let parse = |value: &Value| serde_json::from_str::<Value>(value.as_str().unwrap_or_default());
     parse(&browser.until("window.tresses_state()", |value| parse(value).is_ok_and(|state| enough(&state))))
         .unwrap()
 }
 
-/// The page once `is` holds of it.
+/// Returns a screenshot once `is` holds for it.
 fn picture(browser: &mut Browser, what: &str, is: impl Fn(&Picture) -> bool) -> Picture {
     let begin = Instant::now();
     loop {
@@ -433,9 +434,9 @@ fn picture(browser: &mut Browser, what: &str, is: impl Fn(&Picture) -> bool) -> 
     }
 }
 
-/// The page once nothing is under way any more.
+/// Returns a screenshot once nothing is in flight and the page no longer changes.
 fn still(browser: &mut Browser) -> Picture {
-    // The caret beside it may blink.
+    // Outside these regions a caret may blink.
     let same = |a: &Picture, b: &Picture| change(a, b) == 0.0 && alarm(a) == alarm(b);
     let (begin, mut last) = (Instant::now(), None);
     loop {
@@ -454,19 +455,19 @@ fn drop_file(browser: &mut Browser, file: &Path) {
     browser.drop_files(&[file], MIDDLE);
 }
 
-/// The share of the picture that differs visibly.
+/// Returns the fraction of the viewport that differs visibly.
 fn change(a: &Picture, b: &Picture) -> f64 {
     let of = |picture: &Picture| picture.part(PICTURE.0, PICTURE.1);
     of(a).difference(&of(b), 12)
 }
 
-/// The share of the picture that is strands: of another brightness than the pixel beside it.
+/// Returns the fraction of the viewport that is strands: of a different brightness than the pixel to the right.
 fn hair(picture: &Picture) -> f64 {
     let light = |[r, g, b, _]: [u8; 4]| i32::from(r) + i32::from(g) + i32::from(b);
     picture.part(PICTURE.0, PICTURE.1).share(|a, b| (light(a) - light(b)).abs() > 15)
 }
 
-/// The share of the place of sentences that has the colour of those about errors.
+/// Returns the fraction of the message region that has the color of errors.
 fn alarm(picture: &Picture) -> f64 {
     let near = |a: u8, b: u8| a.abs_diff(b) < 24;
     picture
@@ -474,11 +475,11 @@ fn alarm(picture: &Picture) -> f64 {
         .share(|[r, g, b, _], _| near(r, 0xe5) && near(g, 0x73) && near(b, 0x5f))
 }
 
-/// Strands that hang from the upper half of a ball, as text; metres.
+/// Returns a groom as text: strands that hang from the upper half of a ball; meters.
 fn groom() -> String {
     let mut text = format!("version 2.0\nscale 1\nnumStrands {DROPPED}\n");
     for i in 0..DROPPED {
-        // Evenly over the half, by the golden angle.
+        // A golden-angle spiral distributes the roots evenly.
         let (height, turn) = (1.0 - i as f32 / DROPPED as f32, i as f32 * 2.399_963);
         let out = (1.0 - height * height).sqrt();
         let root = [out * turn.cos(), height, out * turn.sin()].map(|c| 0.1 * c);
@@ -493,7 +494,7 @@ fn groom() -> String {
 }
 
 #[test]
-fn the_measures_can_say_no() {
+fn image_metrics_reject_flat_images() {
     let pixels = SIZE[0] * SIZE[1];
     let flat = |color: [u8; 4]| Picture { size: SIZE, rgba: color.repeat(pixels as usize) };
     let (grey, skin) = (flat([40, 42, 46, 255]), flat([200, 150, 120, 255]));

@@ -1,4 +1,4 @@
-//! A character to play with, a mesh on joints: its head turns on its neck, a ball pushes its hair, the wind blows.
+//! A skinned character to play with: the head turns on its neck, a ball pushes the hair, and wind blows.
 //!
 //! `cargo run --release --example character`
 //!
@@ -7,9 +7,9 @@
 //! | A, D, W, S | turn and nod the head |
 //! | arrow keys | walk |
 //! | I, K, J, L, U, O | move the ball: up and down, left and right, near and far |
-//! | V | wind on and off |
-//! | H | next colour of hair |
-//! | M | several samples per pixel, or one |
+//! | V | toggle wind |
+//! | H | next hair color |
+//! | M | toggle MSAA |
 
 use bevy::{
     mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes},
@@ -23,7 +23,7 @@ use bevy_tresses::{
     tresses::{light::HairMaterial, wind::Wind},
 };
 
-/// Radius of the ball, metres.
+/// Radius of the ball, meters.
 const BALL: f32 = 0.05;
 
 fn main() {
@@ -36,15 +36,15 @@ fn main() {
         .run();
 }
 
-/// All of the character.
+/// The root of the character.
 #[derive(Component)]
 struct Body;
 
-/// A joint that has this share of a turn of the head.
+/// A joint, and its share of the head's rotation.
 #[derive(Component)]
 struct Turns(f32);
 
-/// What is pushed into the hair.
+/// The ball that pushes hair.
 #[derive(Component)]
 struct Ball;
 
@@ -57,7 +57,7 @@ fn dress(
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
 ) -> Result {
     let groom = HairGroom::character(&device, &queue, &Style::Long(Default::default()), Some(15_000))?;
-    // Torso, neck and head, as a file with a skinned body would bring them.
+    // Torso, neck and head, as a file with a skinned mesh would contain.
     let bust = groom.mesh.as_deref().ok_or("the character has a mesh")?;
     let (mesh, binds) = skinned_mesh(bust, &rig::rig(bust));
     let body = commands.spawn((Body, Transform::default(), Visibility::default())).id();
@@ -77,7 +77,7 @@ fn dress(
     let mesh = commands
         .spawn((Mesh3d(meshes.add(mesh)), MeshMaterial3d(skin), bent, Transform::default(), ChildOf(body)))
         .id();
-    // The groom was made on that mesh: hair rests on it as it is, and goes with its skin.
+    // The groom was made for this mesh, so it needs no placement. Its roots follow the skin.
     let hair = (Hair3d(grooms.add(groom)), HairMaterial3d(HairMaterial::brown()), HairSkin::new(mesh));
     commands.spawn((hair, ChildOf(body)));
     Ok(())
@@ -106,7 +106,7 @@ fn furnish(
         .spawn((DirectionalLight { illuminance: 3_000.0, ..Default::default() }, towards(0.8, 0.3, -0.5)));
 }
 
-/// -1, 0 or 1: which of two keys is held.
+/// Returns -1, 0 or 1, depending on which of two keys is pressed.
 fn axis(keys: &ButtonInput<KeyCode>, less: KeyCode, more: KeyCode) -> f32 {
     f32::from(keys.pressed(more)) - f32::from(keys.pressed(less))
 }
@@ -119,7 +119,7 @@ fn walk(keys: Res<ButtonInput<KeyCode>>, time: Res<Time>, mut body: Single<&mut 
 
 fn turn(keys: Res<ButtonInput<KeyCode>>, time: Res<Time>, mut joints: Query<(&mut Transform, &Turns)>) {
     use KeyCode::{KeyA, KeyD, KeyS, KeyW};
-    // The head follows quickly, as one does that is shaken.
+    // Exponential smoothing: the head follows quickly, as when shaken.
     let wanted = Quat::from_rotation_y(1.1 * axis(&keys, KeyA, KeyD))
         * Quat::from_rotation_x(0.5 * axis(&keys, KeyW, KeyS));
     for (mut joint, Turns(share)) in &mut joints {

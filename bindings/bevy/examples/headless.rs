@@ -1,4 +1,4 @@
-//! Without a window: the character of `minimal` turns its head for half a second, and a picture is taken.
+//! Renders without a window: the character of `minimal` turns its head for half a second, then a screenshot is saved.
 //!
 //! `cargo run --release --example headless -- picture.png [long|bob|curly|short] [front|side|back|near|far]`
 
@@ -25,7 +25,7 @@ const SIZE: [u32; 2] = [640, 640];
 
 fn main() -> Result<(), BevyError> {
     let mut words = std::env::args().skip(1);
-    let path = words.next().ok_or("where shall the picture go?")?;
+    let path = words.next().ok_or("expected the path of the image to write")?;
     let style = match words.next().as_deref() {
         None | Some("long") => Style::Long(Default::default()),
         Some("bob") => Style::Bob(Default::default()),
@@ -81,7 +81,7 @@ fn main() -> Result<(), BevyError> {
     world.spawn((DirectionalLight { illuminance: 6_000.0, ..Default::default() }, towards(-0.5, 0.7, 0.7)));
     world.spawn((DirectionalLight { illuminance: 3_000.0, ..Default::default() }, towards(0.8, 0.3, -0.5)));
 
-    // It takes a moment until the hair is there.
+    // Hair is built asynchronously.
     while !app.world_mut().query::<&HairReady>().iter(app.world()).all(HairReady::get) {
         app.update();
     }

@@ -1,4 +1,4 @@
-//! A head with hair that turns.
+//! A turning head with hair.
 //!
 //! `cargo run --release --example minimal`
 
@@ -20,7 +20,7 @@ fn main() {
         .run();
 }
 
-/// What turns.
+/// The turning head.
 #[derive(Component)]
 struct Head;
 

@@ -1,4 +1,4 @@
-//! What entities are given.
+//! Components and resources.
 
 use crate::HairGroom;
 use bevy::{
@@ -20,11 +20,11 @@ use tresses::{
     wind::Wind,
 };
 
-/// Hair: the origin of the groom's space, that of the head, is where the entity is.
+/// Hair with the origin of its groom's space at the entity.
 ///
-/// Make it a child of the head, or of the joint that turns the head. Scales are left out: hair has the size that its groom
-/// has. While the groom is being loaded or brought to the GPU nothing is drawn; when the asset changes, the hair before is
-/// shown until the new one is there.
+/// Make it a child of the head, or of the joint that turns the head. The entity's scale is ignored: hair has the size
+/// of its groom. Nothing is drawn until the groom is loaded and uploaded. When the asset changes, the old hair is shown
+/// until the new hair is ready.
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq)]
 #[require(Transform, Visibility, HairMaterial3d, HairPhysics, HairDetail, HairReady)]
 pub struct Hair3d(pub Handle<HairGroom>);
@@ -37,77 +37,77 @@ impl AsAssetId for Hair3d {
     }
 }
 
-/// Whether hair is on the GPU as the groom of its [`Hair3d`] has it now, so that it is drawn: for who waits before a fade
-/// or a picture.
+/// Whether hair is ready to be drawn: the current groom of its [`Hair3d`] is on the GPU. Use it to wait before a
+/// fade-in or a screenshot.
 #[derive(Component, Debug, Default)]
 pub struct HairReady(pub(crate) Arc<AtomicBool>);
 
 impl HairReady {
-    /// Whether it is, as of the last frame that was rendered.
+    /// Returns whether hair was ready in the last rendered frame.
     pub fn get(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }
 
-/// What hair looks like.
+/// Material of hair.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct HairMaterial3d(pub HairMaterial);
 
 impl Default for HairMaterial3d {
-    /// Brown.
+    /// Returns brown hair.
     fn default() -> Self {
         Self(HairMaterial::brown())
     }
 }
 
-/// How hair moves. [`wind`](SimulationParams::wind) plays no part here: it is [`GlobalHairWind`]'s or [`HairWind`]'s.
+/// Simulation parameters of hair. Their [`wind`](SimulationParams::wind) is ignored: [`GlobalHairWind`] or [`HairWind`]
+/// replaces it.
 ///
-/// The shape at rest is computed for the values that are there when the groom is brought to the GPU; later changes bend
-/// it.
+/// The rest shape is computed with the values at the time that the groom is uploaded. Later changes deform the hair.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct HairPhysics(pub SimulationParams);
 
-/// How much of hair is drawn, by how large a pixel of the camera that is nearest to it is. What levels of detail cost is
-/// measured for the widths and errors that are there when the groom is brought to the GPU.
+/// Level-of-detail options of hair. The level depends on the camera in which the hair is largest. The error of each
+/// level is measured with the widths and errors at the time that the groom is uploaded.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct HairDetail(pub LodOptions);
 
-/// Hair that touches other hair which has this too, where they are near each other: they push each other out and rub
-/// against each other. Not for hair and brows of one head, which lie in each other at rest.
+/// Marks hair that collides with other hair that has this component: nearby strands repel each other and rub. Not for
+/// hair and brows of one head, which overlap at rest.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct HairMeets;
 
-/// The wind on all hair; calm at first.
+/// Wind on all hair; calm by default.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
 pub struct GlobalHairWind(pub Wind);
 
-/// The wind on the hair of this entity alone, in place of [`GlobalHairWind`]: that of a fan, or none in a room.
+/// Wind on the hair of this entity, in place of [`GlobalHairWind`]: for example a fan, or calm air in a room.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 pub struct HairWind(pub Wind);
 
-/// How a camera draws hair, in place of [`TressesPlugin::view`](crate::TressesPlugin::view).
+/// Rendering options of a camera, in place of [`TressesPlugin::view`](crate::TressesPlugin::view).
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct HairView(pub ViewOptions);
 
-/// A camera for which hair writes its depth, where it hides more than half of what is behind: for depth of field, fog in
-/// volumes and what else goes by depth after the main pass. Of hair drawn [by tiles](tresses::draw::Coverage::Tiles), as
-/// it is by default.
+/// Makes hair write depth for this camera, in pixels where it covers more than half of the background. For depth of
+/// field, volumetric fog and other effects that read depth after the main pass. Needs hair drawn [by
+/// tiles](tresses::draw::Coverage::Tiles), the default.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct HairDepth;
 
-/// A 3D camera that sees no hair, and need not have [`Hdr`](bevy::camera::Hdr).
+/// A 3D camera that does not see hair, and does not need [`Hdr`](bevy::camera::Hdr).
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct NoHair;
 
-/// The form of a [`HairCollider`], in its entity's space, metres. The entity's scale is left out.
+/// Shape of a [`HairCollider`], in its entity's space, meters. The entity's scale is ignored.
 #[derive(Clone, Debug)]
 pub enum ColliderShape {
-    /// A ball.
+    /// A sphere.
     Sphere {
         /// Radius.
         radius: f32,
     },
-    /// All that is within `radius` of a segment along the entity's Y axis.
+    /// All points within `radius` of a segment along the entity's Y axis.
     Capsule {
         /// Half the length of the segment.
         half_length: f32,
@@ -116,47 +116,47 @@ pub enum ColliderShape {
     },
     /// An ellipsoid.
     Ellipsoid {
-        /// Half axes along the entity's X, Y and Z axes.
+        /// Semi-axes along the entity's X, Y and Z axes.
         radii: Vec3,
     },
-    /// What a distance field has inside. Hair is made anew, at rest, when another field comes or one goes.
+    /// The inside of a distance field. Adding or removing a field rebuilds all hair, at rest.
     Field(Arc<SdfGrid>),
 }
 
-/// An obstacle for all hair, where its entity is: a hand, a shoulder, a ball. At most 127 of them, less on a
-/// [skin](crate::HairSkin), whose own parts are up to 72.
+/// An obstacle for all hair at its entity: a hand, a shoulder, a ball. At most 127 of them. Hair on a
+/// [skin](crate::HairSkin) allows fewer, because up to 72 parts of the body count too.
 ///
-/// The head of a groom needs none, it has its distance field ([`HairGroom::head`]).
+/// The head of a groom needs no collider, because the groom has its distance field ([`HairGroom::head`]).
 #[derive(Component, Clone, Debug)]
 #[require(Transform)]
 pub struct HairCollider {
-    /// Its form.
+    /// Shape.
     pub shape: ColliderShape,
-    /// Factor of the hair's [`friction`](SimulationParams::friction).
+    /// Factor on the hair's [`friction`](SimulationParams::friction).
     pub friction: f32,
 }
 
 impl HairCollider {
-    /// One of this form, with the friction that the hair has.
+    /// Creates a collider with the hair's friction.
     pub fn new(shape: ColliderShape) -> Self {
         Self { shape, friction: 1.0 }
     }
 
-    /// A ball of `radius` metres.
+    /// Creates a sphere of `radius` meters.
     pub fn sphere(radius: f32) -> Self {
         Self::new(ColliderShape::Sphere { radius })
     }
 
-    /// What `mesh` encloses, in the entity's space ([`tri_mesh`](crate::tri_mesh) makes one of Bevy's). To compute its
-    /// field takes a while: clones of one share it.
+    /// Creates a collider from a closed `mesh` in the entity's space ([`tri_mesh`](crate::tri_mesh) converts Bevy's
+    /// meshes). Computing its distance field takes a while; clones share it.
     ///
     /// # Errors
-    /// As [`sdf::build`].
+    /// Returns the errors of [`sdf::build`].
     pub fn mesh(mesh: &TriMesh) -> tresses::groom::Result<Self> {
         Ok(Self::new(ColliderShape::Field(Arc::new(sdf::build(mesh, &Default::default())?))))
     }
 
-    /// For hair that knows these fields; nothing where its own is not among them.
+    /// Converts the collider for hair built with `fields`. Returns `None` if its own field is not among them.
     pub(crate) fn collider(&self, fields: &[Arc<SdfGrid>]) -> Option<Collider> {
         let shape = match &self.shape {
             ColliderShape::Sphere { radius } => Shape::sphere(*radius),

@@ -1,9 +1,9 @@
-//! Errors of frames.
+//! Error log of frames.
 
 use bevy::log::error;
 use std::collections::BTreeSet;
 
-/// Logs each message once: what fails in one frame fails in the next.
+/// Logs each message once, because an error in one frame usually repeats in the next.
 #[derive(Debug, Default)]
 pub(crate) struct ErrorLog(BTreeSet<String>);
 

@@ -1,4 +1,4 @@
-//! What of the main world the next frame of hair needs.
+//! Extracts the hair scene from the main world.
 
 use crate::{
     ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDepth, HairDetail, HairGroom, HairMaterial3d,
@@ -24,30 +24,30 @@ use tresses::{
     Pose, groom::SdfGrid, light::HairMaterial, lod::LodOptions, simulate::SimulationParams, view::ViewOptions,
 };
 
-/// All of it.
+/// Data of the main world for the next frame of hair.
 #[derive(Resource, Debug, Default)]
 pub(crate) struct Scene {
-    /// Seconds since the last frame.
+    /// Time since the last frame, seconds.
     pub dt: f32,
-    /// By the order of entities, so that a frame does not depend on that of Bevy's storage.
+    /// Sorted by entity, so that frames do not depend on Bevy's storage order.
     pub hair: Vec<SceneHair>,
-    /// By the order of entities.
+    /// Sorted by entity.
     pub colliders: Vec<(Entity, HairCollider, Pose)>,
-    /// Those of the colliders, each once.
+    /// Distance fields of the colliders, without duplicates.
     pub fields: Vec<Arc<SdfGrid>>,
     pub lights: Vec<SceneLight>,
-    /// Reflection probes, by the order of entities.
+    /// Reflection probes, sorted by entity.
     pub probes: Vec<SceneSky>,
     pub cameras: EntityHashMap<SceneCamera>,
 }
 
-/// An entity's hair.
+/// Hair of an entity.
 #[derive(Clone, Debug)]
 pub(crate) struct SceneHair {
     pub entity: Entity,
-    /// `None` while it is being loaded.
+    /// `None` while the groom is loading.
     pub groom: Option<HairGroom>,
-    /// Of the entity.
+    /// Pose of the entity.
     pub pose: Pose,
     pub skin: SkinState,
     pub material: HairMaterial,
@@ -55,9 +55,9 @@ pub(crate) struct SceneHair {
     pub detail: LodOptions,
     pub layers: RenderLayers,
     pub visible: bool,
-    /// Whether it has [`HairMeets`].
+    /// Whether the entity has [`HairMeets`].
     pub meets: bool,
-    /// The flag of [`HairReady`].
+    /// Flag of [`HairReady`].
     pub ready: Arc<AtomicBool>,
 }
 
@@ -65,39 +65,39 @@ pub(crate) struct SceneHair {
 #[derive(Clone, Debug)]
 pub(crate) struct SceneCamera {
     pub layers: RenderLayers,
-    /// Candela per square metre, from everywhere.
+    /// Ambient radiance, candela per square meter.
     pub ambient: Vec3,
-    /// Its environment map.
+    /// Environment map.
     pub sky: Option<SceneSky>,
-    /// Whether hair writes its depth.
+    /// Whether hair writes depth for this camera.
     pub depth: bool,
-    /// The fog between it and hair.
+    /// Distance fog.
     pub fog: Option<SceneFog>,
     pub options: Option<ViewOptions>,
 }
 
-/// A camera's fog, as the shader of the fog pass reads it.
+/// A camera's distance fog, in the form of the fog pass's uniform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SceneFog {
-    /// Linear color; alpha is the share of the fog that is seen.
+    /// Linear color; alpha is the opacity of the fog.
     pub color: Vec4,
-    /// Light that is lost per metre, by channel; `w` is the power of the distance. Where that is 0 the fog is linear, from
-    /// nothing at `x` to all at `y`, metres.
+    /// Extinction per meter and channel; `w` is the exponent of the distance. If `w` is 0, the fog is linear from `x`
+    /// to `y`, meters.
     pub lost: Vec4,
-    /// Light of the fog per metre, by channel.
+    /// Inscattering per meter and channel.
     pub seen: Vec4,
 }
 
-/// An environment map, everywhere or in a box.
+/// An environment map, global or in a box.
 #[derive(Clone, Debug)]
 pub(crate) struct SceneSky {
     pub map: AssetId<Image>,
-    /// Candela per square metre of a value of 1.
+    /// Candela per square meter for a texel value of 1.
     pub intensity: f32,
-    /// From the map to the world.
+    /// Rotation from the map to the world.
     pub rotation: Quat,
-    /// From the world to a unit cube around the origin that it fills, and the share of the cube, from its faces inwards,
-    /// along which it fades.
+    /// World to a unit cube around the origin, and the fraction of the cube along which the probe fades out towards its
+    /// faces. `None` for a global map.
     inside: Option<(Mat4, Vec3)>,
 }
 
@@ -112,26 +112,26 @@ impl SceneSky {
         if let Some((place, probe)) = of {
             let (_, rotation, _) = place.to_scale_rotation_translation();
             sky.rotation = (rotation * light.rotation).normalize();
-            // The box is turned as the light is.
+            // Bevy rotates the box by the light's rotation too.
             let from_cube = place.to_matrix() * Mat4::from_quat(light.rotation);
             sky.inside = Some((from_cube.inverse(), probe.falloff));
         }
         sky
     }
 
-    /// The share that it has of what lights a place.
+    /// Returns the probe's weight at `place`, 0 to 1.
     pub fn share(&self, place: Vec3) -> f32 {
         let Some((to_cube, falloff)) = &self.inside else { return 1.0 };
         let from_face = 0.5 - to_cube.transform_point3(place).abs();
         if !(from_face.cmpgt(Vec3::ZERO).all()) {
             return 0.0;
         }
-        // As Bevy's shader has it.
+        // The same falloff as in Bevy's shader.
         (from_face / falloff.max(Vec3::splat(1e-4))).min(Vec3::ONE).min_element()
     }
 }
 
-/// Position and rotation of an entity, without its scale.
+/// Returns position and rotation of an entity, without its scale.
 fn pose(place: &GlobalTransform) -> Pose {
     let (_, rotation, translation) = place.to_scale_rotation_translation();
     Pose { rotation: rotation.normalize(), translation }
@@ -155,7 +155,7 @@ type HairQuery<'a> = (
 type LightQuery<'a, L> =
     (Entity, &'a L, &'a GlobalTransform, &'a InheritedVisibility, Option<&'a RenderLayers>);
 
-/// Hair, colliders and time.
+/// Extracts hair, colliders and the time step.
 pub(crate) fn extract_hair(
     mut scene: ResMut<Scene>,
     time: Extract<Res<Time>>,
@@ -208,7 +208,7 @@ pub(crate) fn extract_hair(
     }
 }
 
-/// Lights and cameras.
+/// Extracts lights, cameras and probes.
 pub(crate) fn extract_light(
     mut scene: ResMut<Scene>,
     distant: Extract<Query<LightQuery<'static, DirectionalLight>>>,

@@ -1,4 +1,4 @@
-//! Grooms as assets.
+//! The groom asset.
 
 use crate::meshes;
 use bevy::{
@@ -12,56 +12,56 @@ use tresses::{
     simulate::Tie,
 };
 
-/// A groom, and the head that it grows on. Cheap to clone: what is large is shared.
+/// A groom and its head. Cheap to clone: large data is shared.
 ///
-/// Hair is made anew when `groom` or `head` become others, so change them as wholes.
+/// Hair is rebuilt when `groom` or `head` point to other data, so replace them rather than modify them.
 #[derive(Asset, TypePath, Clone, Debug)]
 pub struct HairGroom {
-    /// Guides and strands, in metres, Y up, the face towards +Z.
+    /// Guides and strands: meters, Y up, face towards +Z.
     pub groom: Arc<Groom>,
-    /// The distance field of what the hair grows on, in the groom's space: it collides with that.
+    /// Distance field of the head, in the groom's space. Hair collides with it.
     pub head: Option<Arc<SdfGrid>>,
-    /// The mesh of what it grows on, in the groom's space: its shadow falls on the hair, and light that it reflects. Bevy
-    /// draws it where an entity has [`head_mesh`](Self::head_mesh).
+    /// Mesh of the head, in the groom's space. It casts shadows on the hair and reflects light onto it. Bevy draws it
+    /// where an entity has [`head_mesh`](Self::head_mesh).
     pub mesh: Option<Arc<TriMesh>>,
-    /// What holds it together or to the head: bands, braids, pins, where they are at rest.
+    /// Bands, braids and pins that hold hair together or to the head, at rest.
     pub ties: Vec<Tie>,
-    /// How it is brought to the GPU; `simulation` is the entity's [`HairPhysics`](crate::HairPhysics), `lod` its
-    /// [`HairDetail`](crate::HairDetail).
+    /// Options for uploading the groom. [`HairPhysics`](crate::HairPhysics) replaces `simulation`, and
+    /// [`HairDetail`](crate::HairDetail) replaces `lod`.
     pub options: HairOptions,
 }
 
 impl HairGroom {
-    /// Hair without a head.
+    /// Creates hair without a head.
     pub fn new(groom: Groom) -> Self {
         let options = HairOptions::default();
         Self { groom: Arc::new(groom), head: None, mesh: None, ties: Vec::new(), options }
     }
 
-    /// Guides chosen among `strands`, which all others follow.
+    /// Chooses guides among `strands` and binds the others to them.
     ///
     /// # Errors
-    /// As [`bind()`].
+    /// Returns the errors of [`bind()`].
     pub fn from_strands(strands: &Strands, options: &BindOptions) -> tresses::groom::Result<Self> {
         bind(strands, options).map(Self::new)
     }
 
-    /// The same hair on `head`, a closed mesh in the groom's space, which it collides with ([`tri_mesh`](crate::tri_mesh) makes
-    /// one of Bevy's).
+    /// Adds `head`, a closed mesh in the groom's space that hair collides with ([`tri_mesh`](crate::tri_mesh) converts
+    /// Bevy's meshes).
     ///
     /// # Errors
-    /// As [`sdf::build`].
+    /// Returns the errors of [`sdf::build`].
     pub fn with_head(mut self, head: TriMesh) -> tresses::groom::Result<Self> {
         self.head = Some(Arc::new(sdf::build(&head, &Default::default())?));
         self.mesh = Some(Arc::new(head));
         Ok(self)
     }
 
-    /// The built-in character with hair of `style`; `strands` for the style's own number. A style that is not one of the
-    /// defaults falls into place on the GPU first, a second or so.
+    /// Creates the built-in character with hair of `style`; `None` uses the style's own strand count. A style with
+    /// custom parameters first settles on the GPU, which takes about a second.
     ///
     /// # Errors
-    /// As [`drape::character`].
+    /// Returns the errors of [`drape::character`].
     pub fn character(
         device: &RenderDevice,
         queue: &RenderQueue,
@@ -74,18 +74,18 @@ impl HairGroom {
         Ok(Self { head, mesh, ..Self::new(made.groom) })
     }
 
-    /// The same hair with what holds it together or to the head, where that is at rest.
+    /// Adds ties that hold hair together or to the head.
     pub fn with_ties(mut self, ties: Vec<Tie>) -> Self {
         self.ties = ties;
         self
     }
 
-    /// The mesh of what it grows on, for Bevy to draw.
+    /// Returns the head's mesh for Bevy to draw.
     pub fn head_mesh(&self) -> Option<Mesh> {
         self.mesh.as_deref().map(meshes::mesh)
     }
 
-    /// Whether it is the same as `other`, in the same memory.
+    /// Whether both share the same data in memory.
     pub(crate) fn is(&self, other: &Self) -> bool {
         fn same<T>(a: &Option<Arc<T>>, b: &Option<Arc<T>>) -> bool {
             a.as_ref().map(Arc::as_ptr) == b.as_ref().map(Arc::as_ptr)

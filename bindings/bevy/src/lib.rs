@@ -1,9 +1,9 @@
 //! Real-time hair for Bevy.
 //!
-//! A groom is an [asset](HairGroom), from a file or grown on the built-in character. An entity with [`Hair3d`] wears it:
-//! the hair follows the entity's [`GlobalTransform`](bevy::prelude::GlobalTransform), and so the head that the entity is
-//! part of. It is simulated once per frame by Bevy's [`Time`](bevy::prelude::Time), and drawn into every 3D camera after
-//! what Bevy draws itself and before tone mapping, hidden by the scene's depth and lit by the scene's lights.
+//! A groom is an [asset](HairGroom), loaded from a file or grown on the built-in character. An entity with [`Hair3d`]
+//! has hair that follows its [`GlobalTransform`](bevy::prelude::GlobalTransform), usually as a child of a head. Hair is
+//! simulated once per frame with Bevy's [`Time`](bevy::prelude::Time). It is drawn into every 3D camera after Bevy's
+//! main pass and before tone mapping, occluded by the scene's depth and lit by the scene's lights.
 //!
 //! ```no_run
 //! use bevy::{prelude::*, render::renderer::{RenderDevice, RenderQueue}};
@@ -23,8 +23,8 @@
 //! # let _ = |app: &mut App| { app.add_plugins(TressesPlugin::default()).add_systems(Startup, dress); };
 //! ```
 //!
-//! Units are Bevy's and the library's alike: metres, Y up, right-handed. A groom's face is towards +Z, so a character
-//! that looks along Bevy's forward (-Z) is turned by half a turn about Y.
+//! Units are Bevy's: meters, Y up, right-handed. A groom's face points to +Z, so a character that faces Bevy's
+//! forward direction (-Z) needs a rotation of 180° about Y.
 
 mod components;
 mod error_log;

@@ -1,36 +1,36 @@
-//! Bevy's lights as the library has them: four directional lights and a sky.
+//! Converts Bevy's lights to the library's: four directional lights and a sky.
 //!
-//! Hair is a few decimetres large, so a point or spot light is as good as parallel there: it becomes a directional light
-//! from where it is, with the irradiance that Bevy's own shaders have at the middle of the hair, fading and cone included.
-//! Of more than four lights the strongest are taken.
+//! Hair is a few decimeters large, so light from a point or spot light is nearly parallel there. Each becomes a
+//! directional light from its position, with the irradiance that Bevy's shaders compute at the center of the hair,
+//! including range and cone. If there are more than four lights, the strongest are used.
 
 use bevy::{camera::visibility::RenderLayers, prelude::*};
 use tresses::light::{Directional, Lights, Sky, lights::MAX_LIGHTS};
 
-/// Where light comes from.
+/// Kind and geometry of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Source {
-    /// From afar, out of this direction.
+    /// Distant, with the direction to the light.
     Distant(Vec3),
-    /// From a place, as far as `range` metres.
+    /// A point with a range, meters.
     Point { at: Vec3, range: f32 },
-    /// From a place along `axis`, within a cone: the share is `scale` times the cosine plus `offset`, squared.
+    /// A spot along `axis`; the cone attenuation is (`scale` · cos + `offset`)², clamped.
     Spot { at: Vec3, range: f32, axis: Vec3, scale: f32, offset: f32 },
-    /// From all of the front of a rectangle, half of whose edges are `right` and `up`: that is where it faces.
+    /// A one-sided rectangle; `right` and `up` are half its edges.
     Rect { at: Vec3, range: f32, right: Vec3, up: Vec3 },
 }
 
 /// A light of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SceneLight {
-    /// Its entity in the main world.
+    /// Entity in the main world.
     pub entity: Entity,
     pub source: Source,
-    /// Illuminance (lux) of a distant light, luminance (candela per square metre) of a rectangle, else luminous intensity
-    /// (candela), by its colour.
+    /// Color times illuminance (lux) of a distant light, luminance (candela per square meter) of a rectangle, or
+    /// luminous intensity (candela) of other lights.
     pub strength: Vec3,
     pub layers: RenderLayers,
-    /// Whether hair casts a shadow in it: as meshes do.
+    /// Whether hair and meshes cast shadows in its light.
     pub casts: bool,
 }
 
@@ -75,13 +75,13 @@ impl SceneLight {
             right: 0.5 * size.x * place.right(),
             up: 0.5 * size.y * place.up(),
         };
-        // As much as a matt surface of its size sends out with its power.
+        // Luminance of a diffuse emitter of this size and power.
         let luminance = light.intensity / (size.x * size.y * std::f32::consts::PI);
-        // Nothing casts a shadow of it in Bevy.
+        // Bevy draws no shadow maps for rectangles.
         Self { entity, source, strength: rgb(light.color) * luminance, layers, casts: false }
     }
 
-    /// What arrives of it at `place`, through an `exposure`.
+    /// Returns the directional light at `place`, scaled by `exposure`.
     fn at(&self, place: Vec3, exposure: f32) -> Directional {
         let (direction, share) = match self.source {
             Source::Distant(direction) => (direction, 1.0),
@@ -92,7 +92,7 @@ impl SceneLight {
                 (direction, share * cone * cone)
             }
             Source::Rect { at, range, right, up } => {
-                // Counter-clockwise for who sees its front.
+                // Counterclockwise as seen from the front.
                 let corners = [right + up, right - up, -right - up, up - right].map(|corner| at + corner);
                 let light = Directional::from_polygon(&corners, Vec3::ONE, place);
                 (light.direction, light.irradiance.x * left_at(at.distance_squared(place), range))
@@ -102,32 +102,32 @@ impl SceneLight {
     }
 }
 
-/// The direction at `place` of a lamp at `at`, and its irradiance over its intensity: by the square of the distance, no
-/// stronger below a centimetre (as Bevy's own), and fading to nothing at `range`.
+/// Returns the direction at `place` to a point light at `at`, and the irradiance per intensity: inverse square, clamped
+/// below a centimeter (as in Bevy), and fading to zero at `range`.
 fn arriving(at: Vec3, place: Vec3, range: f32) -> (Vec3, f32) {
     let light = Directional::from_point(at, Vec3::ONE, place);
     (light.direction, light.irradiance.x * left_at(at.distance_squared(place), range))
 }
 
-/// The share that is left of a light at the squared distance, of one that ends at `range`.
+/// Returns the attenuation by `range` at a squared distance.
 fn left_at(square: f32, range: f32) -> f32 {
     let spent = square / (range * range);
     let left = (1.0 - spent * spent).clamp(0.0, 1.0);
     left * left
 }
 
-/// Lumens of a light that shines into all directions as candela; Bevy takes those of a spot light so, too.
+/// Converts the lumens of an isotropic light to candela. Bevy treats spot lights the same way.
 fn candela(lumens: f32) -> f32 {
     lumens / (4.0 * std::f32::consts::PI)
 }
 
-/// Linear red, green and blue.
+/// Returns linear RGB.
 pub(crate) fn rgb(color: Color) -> Vec3 {
     color.to_linear().to_vec3()
 }
 
-/// The light at `place` of those of `lights` that are among `layers`, and of an `ambient` radiance (candela per square
-/// metre) from everywhere, through an `exposure`; which lights those are, and in which of them hair casts a shadow.
+/// Returns the light at `place`, scaled by `exposure`: the `lights` in `layers`, and an `ambient` radiance (candela per
+/// square meter). Also returns the entities of these lights, and whether hair casts shadows in each.
 pub(crate) fn at(
     place: Vec3,
     lights: &[SceneLight],
@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn light_falls_with_the_square_of_the_distance_and_ends() {
+    fn point_light_falls_off_and_ends_at_its_range() {
         let light = PointLight { intensity: 4.0 * std::f32::consts::PI * 100.0, range: 1e6, ..default() };
         let lamp = SceneLight::point(
             Entity::PLACEHOLDER,
@@ -180,9 +180,9 @@ mod tests {
     }
 
     #[test]
-    fn a_spot_light_shines_into_its_cone() {
+    fn spot_light_is_limited_to_its_cone() {
         let light = SpotLight { inner_angle: 0.2, outer_angle: 0.4, range: 1e6, ..default() };
-        // Above the origin, looking down.
+        // Above the origin, pointing down.
         let place = Transform::from_xyz(0.0, 1.0, 0.0).looking_at(Vec3::ZERO, Vec3::Z);
         let spot = [SceneLight::spot(Entity::PLACEHOLDER, &light, &place.into(), default())];
         let share = |angle: f32| {
@@ -196,18 +196,18 @@ mod tests {
     }
 
     #[test]
-    fn a_rectangle_shines_to_where_it_faces() {
+    fn rectangle_light_is_one_sided() {
         let light = RectLight { intensity: 100.0, width: 0.02, height: 0.03, range: 1e6, ..default() };
         let place = Transform::from_xyz(0.0, 3.0, 0.0).looking_at(Vec3::ZERO, Vec3::Z);
         let lamp = [SceneLight::rect(Entity::PLACEHOLDER, &light, &place.into(), default())];
-        // Far away it is a point of as much power, by the cosine.
+        // From afar a rectangle is a point light of the same power, times the cosine.
         let below = seen(&lamp, Vec3::ZERO)[0];
         let power = 100.0 / std::f32::consts::PI;
         assert!(near(below.irradiance, Vec3::splat(power / 9.0)) && near(below.direction, Vec3::Y));
         let aside = seen(&lamp, Vec3::X * 3.0)[0];
         assert!(near(aside.irradiance, Vec3::splat(power / 18.0 * 0.5_f32.sqrt())), "{}", aside.irradiance);
         assert!(seen(&lamp, Vec3::Y * 4.0).is_empty(), "there is no light behind it");
-        // Of a wall without end as much arrives as of a sky.
+        // An infinite wall gives the irradiance of a sky.
         let wall = RectLight {
             intensity: 4e6 * std::f32::consts::PI,
             width: 2e3,
@@ -218,7 +218,7 @@ mod tests {
         let wall = [SceneLight::rect(Entity::PLACEHOLDER, &wall, &place.into(), default())];
         let found = seen(&wall, Vec3::ZERO)[0].irradiance.x;
         assert!((found / std::f32::consts::PI - 1.0).abs() < 0.01, "{found}");
-        // Twice as large in its transform: a quarter of the luminance of four times the area.
+        // A transform of scale 2: four times the area at a quarter of the luminance.
         let double = [SceneLight::rect(
             Entity::PLACEHOLDER,
             &light,
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn the_strongest_four_of_the_right_layers_are_taken() {
+    fn four_strongest_lights_in_matching_layers_are_used() {
         let sun = |lux: f32, layer: usize| {
             let light = DirectionalLight { illuminance: lux, ..default() };
             let place = Transform::default().looking_to(Vec3::NEG_Y, Vec3::Z);

@@ -1,4 +1,4 @@
-//! Grooms from files.
+//! Loads grooms from files.
 
 use crate::HairGroom;
 use bevy::{
@@ -9,29 +9,29 @@ use serde::{Deserialize, Serialize};
 use std::{borrow::Cow, path::PathBuf, sync::Arc};
 use tresses::groom::{
     BindOptions, Fill, Groom, GuideCount, Head, SdfGrid, TriMesh, bind, bind_filled, fill,
-    import::{self, Given},
+    import::{self, FileBytes},
     mesh::sdf,
 };
 
-/// How a groom is loaded.
+/// Options for loading a groom.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct HairGroomSettings {
-    /// Files that belong to it, relative to its own: the meshes of its head, what those need (`.mtl`, `.bin`), further
+    /// Additional files, relative to the groom's: meshes of its head, files that these need (`.mtl`, `.bin`), further
     /// parts of the groom.
     pub beside: Vec<String>,
-    /// Grows strands between those of the files until there are so many; `None` for those of the files.
+    /// Fills the groom with interpolated strands up to this count; `None` keeps the strands of the files.
     pub strands: Option<u32>,
-    /// How many strands are simulated; `None` for one in sixteen, or those that the file marks as guides.
+    /// Number of guides; `None` for the guides marked in the file, or else one strand in sixteen.
     pub guides: Option<u32>,
 }
 
-/// Loads a [`HairGroom`] from every format that [`import`] reads: `assets.load::<HairGroom>(path)`, as a field of that type
-/// has it. By their extensions alone only the formats of grooms come to it: `.glb` is left to the loader of scenes. Unit and
-/// axes are guessed where files do not say them.
+/// Loads a [`HairGroom`] from every format that [`import`] reads: `assets.load::<HairGroom>(path)`, or a load whose
+/// type is inferred. Untyped loads select this loader only for formats that hold nothing but grooms; `.glb` goes to
+/// Bevy's scene loader. Unit and axes are guessed if the file does not state them.
 #[derive(Debug, Default, TypePath)]
 pub struct HairGroomLoader;
 
-/// A file beside the groom's own that cannot be read.
+/// Error of a file that the groom needs.
 #[derive(Debug)]
 struct LoadError(String);
 
@@ -57,7 +57,7 @@ impl AssetLoader for HairGroomLoader {
         let mut bytes = Vec::new();
         reader.read_to_end(&mut bytes).await?;
         let path = context.path().clone();
-        let mut files: Vec<Given<'_>> = vec![(path.path().to_path_buf(), Cow::Owned(bytes))];
+        let mut files: Vec<FileBytes<'_>> = vec![(path.path().to_path_buf(), Cow::Owned(bytes))];
         for name in &settings.beside {
             let beside: AssetPath<'static> = path.resolve_embed_str(name)?;
             let bytes = context.read_asset_bytes(beside.clone()).await;
@@ -72,7 +72,7 @@ impl AssetLoader for HairGroomLoader {
             for note in cooked.report(path.path()).files.iter().flat_map(|file| &file.notes) {
                 info!("{path}: {note}");
             }
-            // Of a body that bends the field is that of its head alone.
+            // For a skinned mesh, the cooked field covers only the head. Build one of the whole mesh.
             let mesh = cooked.head.as_ref();
             let whole = if cooked.rig.is_some() {
                 mesh.map(|mesh| sdf::build(mesh, &Default::default()))
@@ -100,12 +100,12 @@ impl AssetLoader for HairGroomLoader {
     }
 
     fn extensions(&self) -> &[&str] {
-        // A label, as of a scene in a file, leaves nothing but the extension to choose a loader by.
+        // For a labeled path, such as a scene in a file, Bevy chooses the loader by the extension alone.
         OWN
     }
 }
 
-/// What nothing but hair is in.
+/// Extensions of formats that hold nothing but hair.
 const OWN: &[&str] = &["tfx", "hair", "tresses"];
 
 fn asset(groom: Groom, head: Option<SdfGrid>, mesh: Option<TriMesh>) -> HairGroom {

@@ -1,4 +1,4 @@
-//! Meshes of Bevy's as the library has them, and back.
+//! Converts meshes between Bevy and the library.
 
 use bevy::{
     asset::RenderAssetUsages,
@@ -11,7 +11,7 @@ use tresses::groom::{
     rig::{Bind, Joint},
 };
 
-/// The triangles of a mesh, to grow hair on or to push it; nothing where it is no list of triangles between vertices with
+/// Converts a mesh to grow hair on it or to use it as a collider. Returns `None` unless it is a triangle list with
 /// positions and normals that the main world still has.
 pub fn tri_mesh(mesh: &Mesh) -> Option<TriMesh> {
     if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
@@ -35,7 +35,7 @@ pub fn tri_mesh(mesh: &Mesh) -> Option<TriMesh> {
     Some(TriMesh { positions, normals, triangles: corners.as_chunks::<3>().0.to_vec(), ..TriMesh::default() })
 }
 
-/// The mesh for Bevy to draw.
+/// Converts a mesh for Bevy to draw.
 pub(crate) fn mesh(TriMesh { positions, normals, colors, triangles, .. }: &TriMesh) -> Mesh {
     let all = |vectors: &[Vec3]| vectors.iter().map(Vec3::to_array).collect::<Vec<_>>();
     let mut mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
@@ -49,11 +49,12 @@ pub(crate) fn mesh(TriMesh { positions, normals, colors, triangles, .. }: &TriMe
     mesh
 }
 
-/// The mesh of a body that joints bend, for Bevy to draw with a
-/// [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh), and the inverse bind poses of its joints, in the order of the rig's.
-/// Its vertices are those of `mesh`, the body at rest in the groom's space, and that is its bind pose: an entity that stands
-/// for a joint is at rest where the rig has the joint's node, times [`Rig::to_groom`]. Of what more than four joints carry
-/// the four strongest are left; shapes and animations stay the rig's.
+/// Returns the mesh of a skinned character for a [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh), and the inverse
+/// bind poses of the rig's joints in order.
+///
+/// The mesh has the vertices of `of` at rest, in the groom's space, which is the bind pose. An entity for a joint is at
+/// rest at the transform of the joint's node in the rig, times [`Rig::to_groom`]. Of more than four joints per vertex,
+/// the four strongest are kept. Morph targets and animations are not converted.
 pub fn skinned_mesh(of: &TriMesh, rig: &Rig) -> (Mesh, Vec<Mat4>) {
     let strongest = |bind: &Bind| {
         let mut all: Vec<(u16, f32)> = bind.joints.into_iter().zip(bind.weights).collect();
@@ -79,7 +80,7 @@ mod tests {
     use tresses::groom::mannequin;
 
     #[test]
-    fn a_mesh_is_the_same_after_both_ways() {
+    fn mesh_round_trips() {
         let cube = tri_mesh(&Cuboid::from_length(1.0).into()).expect("a cube has triangles");
         assert_eq!((cube.positions.len(), cube.triangles.len()), (24, 12));
         assert_eq!(tri_mesh(&mesh(&cube)), Some(cube.clone()));
@@ -93,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_body_keeps_its_four_strongest_joints_and_rests_where_it_is() {
+    fn skinned_mesh_keeps_four_joints_and_its_rest_pose() {
         let bust = mannequin::mesh(40);
         let mut rig = mannequin::rig::rig(&bust);
         rig.vertices[0].weights = [0.05, 0.3, 0.25, 0.2, 0.1, 0.06, 0.04, 0.0];

@@ -17,22 +17,22 @@ use bevy::{
 };
 use tresses::view::ViewOptions;
 
-/// Hair, for an app with Bevy's renderer: after [`DefaultPlugins`].
+/// Adds hair to an app. Add it after [`DefaultPlugins`].
 #[derive(Clone, Debug)]
 pub struct TressesPlugin {
-    /// How cameras draw hair that have no [`HairView`](crate::HairView) of their own. Its `output` is without effect. Hair
-    /// cannot be [peeled](tresses::draw::Coverage::DepthPeeling) here.
+    /// Rendering options of cameras without a [`HairView`](crate::HairView). Their `output` is ignored. [Depth
+    /// peeling](tresses::draw::Coverage::DepthPeeling) is not supported.
     pub view: ViewOptions,
-    /// How much of its shadow hair casts on meshes, 0 (none) to 1, in lights with `shadow_maps_enabled`: their colour is
-    /// darkened by what hair keeps of the lights that light it, to 2.5 m behind it. What does not come of those, as
-    /// emission, is darkened alike, and so is what is behind a floor.
+    /// Strength of the shadows that hair casts on meshes, 0 (none) to 1, in lights with `shadow_maps_enabled`. A
+    /// screen-space pass darkens meshes up to 2.5 m behind the hair by the fraction of the light that hair blocks. It
+    /// also darkens light from other sources, such as emission, and surfaces below the one that receives the shadow.
     pub casts: f32,
 }
 
 impl Default for TressesPlugin {
-    /// All strands in order, tile by tile, with all of their shadow.
+    /// Returns tiles for all strands, with full shadows.
     fn default() -> Self {
-        // The samples of a view are those of meshes, which Bevy draws itself.
+        // The sample count is for meshes that the view draws; here Bevy draws them.
         Self { view: ViewOptions { samples: 1, ..ViewOptions::default() }, casts: 1.0 }
     }
 }
@@ -44,9 +44,7 @@ impl Plugin for TressesPlugin {
             .init_resource::<GlobalHairWind>()
             .add_systems(PostUpdate, widen_range);
         let Some(app) = app.get_sub_app_mut(RenderApp) else {
-            warn!(
-                "there is no renderer, so there is no hair to be seen: add TressesPlugin after DefaultPlugins"
-            );
+            warn!("TressesPlugin found no renderer, so hair is not drawn: add it after DefaultPlugins");
             return;
         };
         app.init_resource::<Scene>()
@@ -71,7 +69,8 @@ impl Plugin for TressesPlugin {
     }
 }
 
-/// Hair is drawn before tone mapping, which only cameras with [`Hdr`] do apart from the meshes.
+/// Adds [`Hdr`] to cameras that see hair. Hair is drawn before tone mapping, which only HDR cameras do in a separate
+/// pass.
 fn widen_range(
     mut commands: Commands,
     hair: Query<(), With<Hair3d>>,
@@ -81,7 +80,7 @@ fn widen_range(
         return;
     }
     for camera in &cameras {
-        info!("camera {camera} gets the component Hdr, as hair needs it; NoHair keeps it as it is");
+        info!("adding Hdr to camera {camera}, which hair needs; add NoHair to the camera to prevent this");
         commands.entity(camera).insert(Hdr);
     }
 }

@@ -1,4 +1,4 @@
-"""Hair in the wind as a data set: a picture of each moment with depth, directions, motion and strands per pixel.
+"""Write a data set of hair in the wind: color, depth, tangents, motion and strand labels of each frame.
 
     python labels.py out/ --style long --frames 3
 """
@@ -36,13 +36,13 @@ def main():
 
 
 def sheet(out):
-    """The outputs side by side, in colours."""
+    """Return the outputs side by side as one color image."""
     hair = out["coverage"][..., None]
     depth = np.where(np.isfinite(out["depth"]), out["depth"], np.nan)
     near, far = np.nanmin(depth), np.nanmax(depth)
     shades = np.nan_to_num((far - depth) / max(far - near, 1e-6))[..., None].repeat(3, axis=2)
     hues = np.random.default_rng(0).random((out["strand"].max() + 2, 3))
-    hues[-1] = 0  # where no strand is
+    hues[-1] = 0  # background
     moved = np.nan_to_num(out["motion"]) / 8
     ways = np.dstack([0.5 + moved, np.full(moved.shape[:2], 0.5)]) * hair
     parts = [out["color"][..., :3] / 255, shades, 0.5 * (out["tangent"] + 1) * hair, hues[out["strand"]], ways]

@@ -1,4 +1,4 @@
-//! Arrays of NumPy in and out. What comes in may be anything that NumPy makes an array of.
+//! Conversion from and to NumPy arrays. Inputs may be anything that `numpy.asarray` accepts.
 
 use crate::TressesError;
 use bytemuck::Pod;
@@ -6,18 +6,18 @@ use numpy::{Element, IntoPyArray, PyArrayDyn, PyReadonlyArrayDyn, PyUntypedArray
 use pyo3::{intern, prelude::*};
 use tresses::glam::{Vec2, Vec3};
 
-/// An array of `shape` with `values`.
+/// Returns an array of `shape` that holds `values`.
 pub fn array<'py, T: Element>(
     py: Python<'py>,
     shape: &[usize],
     values: Vec<T>,
 ) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
     let wrong =
-        |error: numpy::ndarray::ShapeError| TressesError::new_err(format!("an array does not fit: {error}"));
+        |error: numpy::ndarray::ShapeError| TressesError::new_err(format!("cannot shape an array: {error}"));
     Ok(ArrayD::from_shape_vec(shape.to_vec(), values).map_err(wrong)?.into_pyarray(py))
 }
 
-/// Vectors or matrices as an array whose last axes are theirs.
+/// Returns vectors or matrices as an array; `shape` includes their own axes.
 pub fn floats<'py, T: Pod>(
     py: Python<'py>,
     shape: &[usize],
@@ -26,12 +26,12 @@ pub fn floats<'py, T: Pod>(
     array(py, shape, bytemuck::cast_slice(values).to_vec())
 }
 
-/// Points as an array [n, 3].
+/// Returns points as an array [n, 3].
 pub fn points<'py>(py: Python<'py>, points: &[Vec3]) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
     floats(py, &[points.len(), 3], points)
 }
 
-/// Numbers and their shape, as `dtype` of NumPy, C order; `what` names them in an error.
+/// Returns the shape and the values of `of`, converted to `dtype` in C order. Errors call the argument `what`.
 fn given<T: Element + Copy>(
     of: &Bound<'_, PyAny>,
     what: &str,
@@ -50,17 +50,17 @@ fn given<T: Element + Copy>(
     Ok((array.shape().to_vec(), array.as_array().iter().copied().collect()))
 }
 
-/// Single-precision numbers and their shape.
+/// Returns the shape and the values of an array of single-precision numbers.
 pub fn given_floats(of: &Bound<'_, PyAny>, what: &str) -> PyResult<(Vec<usize>, Vec<f32>)> {
     given(of, what, "float32")
 }
 
-/// Whole numbers and their shape.
+/// Returns the shape and the values of an array of integers.
 pub fn given_integers(of: &Bound<'_, PyAny>, what: &str) -> PyResult<(Vec<usize>, Vec<i64>)> {
     given(of, what, "int64")
 }
 
-/// Points of an array whose last axis has three numbers, and the lengths of the axes before it.
+/// Returns the points of an array [..., 3], and the lengths of the leading axes.
 pub fn given_points(of: &Bound<'_, PyAny>, what: &str) -> PyResult<(Vec<usize>, Vec<Vec3>)> {
     let (mut shape, values) = given_floats(of, what)?;
     if shape.pop() != Some(3) {
@@ -69,7 +69,7 @@ pub fn given_points(of: &Bound<'_, PyAny>, what: &str) -> PyResult<(Vec<usize>, 
     Ok((shape, bytemuck::pod_collect_to_vec::<f32, Vec3>(&values)))
 }
 
-/// `count` points, or one for all.
+/// Returns `count` points, from an array of as many or from a single point that is repeated.
 pub fn given_points_for(of: &Bound<'_, PyAny>, what: &str, count: usize) -> PyResult<Vec<Vec3>> {
     let (shape, points) = given_points(of, what)?;
     match points.len() {
@@ -79,7 +79,7 @@ pub fn given_points_for(of: &Bound<'_, PyAny>, what: &str, count: usize) -> PyRe
     }
 }
 
-/// `count` numbers, or one for all.
+/// Returns `count` numbers, from an array of as many or from a single number that is repeated.
 pub fn given_numbers_for(of: &Bound<'_, PyAny>, what: &str, count: usize) -> PyResult<Vec<f32>> {
     let (shape, numbers) = given_floats(of, what)?;
     match numbers.len() {
@@ -89,7 +89,7 @@ pub fn given_numbers_for(of: &Bound<'_, PyAny>, what: &str, count: usize) -> PyR
     }
 }
 
-/// `count` pairs.
+/// Returns `count` pairs of numbers.
 pub fn given_pairs(of: &Bound<'_, PyAny>, what: &str, count: usize) -> PyResult<Vec<Vec2>> {
     let (shape, values) = given_floats(of, what)?;
     if shape != [count, 2] {

@@ -1,4 +1,4 @@
-//! The GPU, opened once for the whole process when it is first needed.
+//! The GPU, opened on first use and shared by the whole process.
 
 use crate::work::run;
 use anyhow::Result;
@@ -8,7 +8,7 @@ use tresses::gpu::Gpu;
 
 static OPENED: Mutex<Option<Gpu>> = Mutex::new(None);
 
-/// The process's adapter with its context. Two that ask at a time wait for one another.
+/// Returns the adapter and its context. The mutex serializes concurrent first calls.
 pub fn open() -> Result<Gpu> {
     let mut opened = OPENED.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(gpu) = &*opened {
@@ -17,10 +17,12 @@ pub fn open() -> Result<Gpu> {
     Ok(opened.insert(pollster::block_on(Gpu::open())?).clone())
 }
 
-/// What hair is simulated and drawn on.
+/// Return the adapter that simulates and renders hair. Opens the GPU on first use.
 ///
-/// Returns a dict with ``name``, ``driver``, ``backend``, ``software`` (whether it runs on the processor) and
-/// ``max_samples`` (per pixel). Opens the GPU if nothing has done so before.
+/// Returns
+/// -------
+/// dict
+///     ``name``, ``driver``, ``backend``, ``software`` (whether it runs on the CPU) and ``max_samples`` (per pixel).
 #[pyfunction]
 pub fn adapter(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let Gpu { info, context, .. } = run(py, None, async |_| open())?;

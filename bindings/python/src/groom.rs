@@ -1,4 +1,4 @@
-//! Grooms: strands and the guides that they follow, on a head or on none.
+//! Grooms: render strands and their guides, with or without a head.
 
 use crate::{
     arrays::{array, floats},
@@ -21,21 +21,23 @@ use tresses::{
 };
 use tresses_scene::{Companions, Preset, Shelf, Source, settings::Settings, source};
 
-/// Hair, ready to be simulated: guides, which are simulated, and strands, which are drawn and follow them; on a head, or on
-/// none. Made by `built_in`, `read`, `of` or `preset`.
+/// Hair that is ready for simulation.
+///
+/// A groom has guides, which are simulated, and render strands, which follow them. It may have a head. Create one with
+/// `built_in`, `read`, `of` or `preset`.
 #[pyclass(frozen, module = "tresses")]
 pub struct Groom {
-    /// With its strands in the order in which they are drawn.
+    /// The character, with strands in drawing order.
     pub character: CharacterParts,
-    /// The files beside it.
+    /// Names of the companion files.
     pub source: Source,
-    /// With what it was made.
+    /// Settings the groom was made with.
     pub settings: Settings,
-    /// Which of the strands that it was made of each is.
+    /// Source index of each strand.
     order: Vec<u32>,
 }
 
-/// Puts the files that keywords name into `source`.
+/// Sets the companion files that the keyword arguments name in `source`.
 fn companions_of(source: &mut Source, files: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
     for (key, file) in files.into_iter().flatten() {
         let key: String = key.extract()?;
@@ -50,7 +52,7 @@ fn companions_of(source: &mut Source, files: Option<&Bound<'_, PyDict>>) -> PyRe
 impl Groom {
     fn new(mut character: CharacterParts, preset: Preset) -> Self {
         let strands = &mut character.groom.strands;
-        // As the GPU has them; to order what is in order changes nothing.
+        // The upload sorts strands the same way; sorting sorted strands has no effect.
         let order = lod::order(strands);
         lod::arrange(strands);
         Self { character, source: preset.source, settings: preset.settings, order }
@@ -65,19 +67,20 @@ impl Groom {
 
 #[pymethods]
 impl Groom {
-    /// A built-in hairstyle on the built-in character.
+    /// Grow a built-in hairstyle on the built-in character.
     ///
     /// Parameters
     /// ----------
     /// style : str
     ///     ``"long"``, ``"bob"``, ``"curly"`` or ``"short"``.
     /// settings : dict or Settings, optional
-    ///     How hair grows, and what `Simulation` begins with; ``style.strands`` says how many strands, ``style.seed`` which.
+    ///     Settings for growth and the initial settings of a `Simulation`. For example, ``style.strands`` sets the
+    ///     number of strands and ``style.seed`` the random seed.
     /// progress : callable, optional
-    ///     Is called with what goes on (str) and how much of it is done (0 to 1).
+    ///     Called with the current task (str) and the fraction of it that is done (0 to 1).
     /// **files : path
-    ///     Files beside it: density_map, thickness_map, length_map, curl_map, stiffness_map, color_map, curl_curve, lod_maps,
-    ///     colliders, ties, environment.
+    ///     Companion files: density_map, thickness_map, length_map, curl_map, stiffness_map, color_map, curl_curve,
+    ///     lod_maps, colliders, ties, environment.
     #[staticmethod]
     #[pyo3(signature = (style="long", settings=None, *, progress=None, **files))]
     fn built_in(
@@ -93,22 +96,22 @@ impl Groom {
         Self::open(py, Preset { name: None, source, settings: settings_of(settings)? }, progress)
     }
 
-    /// The groom of files, on the head of files.
+    /// Read a groom from files, with its head.
     ///
     /// Parameters
     /// ----------
     /// files : path or list of paths
-    ///     The groom, `formats()["grooms"]`.
+    ///     Files of the groom; ``formats()["grooms"]`` lists the extensions.
     /// head : path or list of paths, optional
-    ///     The mesh that it grows on; one with joints, shapes or animations bends.
-    /// settings, progress, **files
-    ///     As for `built_in`.
+    ///     Mesh that the hair grows on. A mesh with joints, blend shapes or animations becomes a skinned body.
+    /// settings, progress, **beside
+    ///     As `settings`, `progress` and `files` of `built_in`.
     /// unit, up, front, mirror : optional
-    ///     What is known of the groom's unit and axes; the rest is guessed.
+    ///     Known unit and axes of the groom; the importer guesses the others.
     #[staticmethod]
     #[pyo3(signature = (files, head=None, settings=None, *, unit=None, up=None, front=None, mirror=None, progress=None,
         **beside))]
-    #[allow(clippy::too_many_arguments)] // Keywords.
+    #[allow(clippy::too_many_arguments)] // Python keyword arguments.
     fn read(
         py: Python<'_>,
         files: &Bound<'_, PyAny>,
@@ -132,8 +135,10 @@ impl Groom {
         Self::open(py, Preset { name: None, source, settings: settings_of(settings)? }, progress)
     }
 
-    /// The groom of strands from arrays, in metres, Y up, face towards +Z, on a head or on none. What cannot be used is
-    /// repaired as by `Strands.repaired`; widths and colours are those of the strands.
+    /// Create a groom from strands in arrays, with or without a head.
+    ///
+    /// Coordinates are meters, Y up, face toward +Z. Invalid strands are repaired as by `Strands.repaired`. The groom
+    /// keeps the widths and colors of the strands. `built_in` describes the other parameters.
     #[staticmethod]
     #[pyo3(signature = (strands, head=None, settings=None, *, progress=None, **files))]
     fn of(
@@ -156,7 +161,8 @@ impl Groom {
         Ok(Self::new(character, Preset { name: None, source, settings }))
     }
 
-    /// What a preset file (.toml) says: hair, head, files beside it, and settings; those given here win.
+    /// Create the groom of a preset file (.toml): hair, head, companion files and settings. `settings` take precedence
+    /// over the file.
     #[staticmethod]
     #[pyo3(signature = (file, settings=None, *, progress=None))]
     fn preset(
@@ -175,8 +181,8 @@ impl Groom {
         Self::open(py, preset, progress)
     }
 
-    /// The strands at rest, as they are drawn, in the order in which `Simulation.strands` has them: Strands with widths, and
-    /// colours where the groom has some.
+    /// Return the render strands at rest, in the order of `Simulation.strands`: Strands with widths, and with colors if
+    /// the groom has them.
     fn strands(&self, py: Python<'_>) -> Strands {
         py.detach(|| {
             let bound = &self.character.groom.strands;
@@ -193,22 +199,23 @@ impl Groom {
         })
     }
 
-    /// Which of the strands that it was made of each is, after what could not be used had been left out: int32 [n]. Hair
-    /// that grew between given strands, or on a style, has numbers of its own.
+    /// Source index of each strand, counted after invalid strands were dropped: int32 [n]. Strands that were filled in
+    /// between the given ones, or grown on a style, have indices of their own.
     #[getter]
     fn order<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<i32>>> {
         array(py, &[self.order.len()], self.order.iter().map(|i| *i as i32).collect())
     }
 
-    /// The guides at rest, metres: float32 [g, v, 3].
+    /// Guides at rest, meters: float32 [g, v, 3].
     #[getter]
     fn guides<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let guides = &self.character.groom.guides;
         floats(py, &[guides.len(), guides.vertex_count as usize, 3], &guides.positions)
     }
 
-    /// How strands follow guides: a dict of ``guides`` (int32 [n, 3], the heaviest first), ``weights`` (float32 [n, 3], whose
-    /// sum is 1) and ``scales`` (float32 [n, 3], how far along each guide, 0 to 1, the strand's tip hangs).
+    /// Binding of strands to guides: a dict of ``guides`` (int32 [n, 3], in order of decreasing weight), ``weights``
+    /// (float32 [n, 3], sum 1) and ``scales`` (float32 [n, 3], position along each guide, 0 to 1, that drives the tip
+    /// of the strand).
     #[getter]
     fn binding<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let bindings = &self.character.groom.strands.bindings;
@@ -230,19 +237,19 @@ impl Groom {
         Ok(dict)
     }
 
-    /// What is drawn with the hair, a Mesh, or None.
+    /// Head mesh that is drawn with the hair: a Mesh, or None.
     #[getter]
     fn head(&self) -> Option<Mesh> {
         self.character.head.clone().map(Mesh)
     }
 
-    /// What one should know of it: a list of str.
+    /// Remarks from creating the groom: a list of str.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.character.notes.clone()
     }
 
-    /// With what it was made.
+    /// Settings the groom was made with.
     #[getter]
     fn settings(&self) -> settings::Settings {
         settings::Settings(self.settings.clone())

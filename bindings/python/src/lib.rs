@@ -1,8 +1,8 @@
-//! The compiled half of the Python package `tresses`; the other half, with its types, is in `python/tresses`.
+//! Compiled part of the Python package `tresses`. The Python part and the type stubs are in `python/tresses`.
 //!
-//! It wraps `tresses_scene`, as the command and the studio do, and adds nothing of its own: arrays become strands and
-//! meshes, keyword arguments become settings, and results become arrays. Long work is done without the interpreter's lock
-//! ([`work`]), and what a caller must not see half done is in a mutex.
+//! It wraps `tresses_scene`, like the command line and the studio: arrays become strands and meshes, keyword arguments
+//! become settings, and results become arrays. Long operations release the GIL ([`work`]); mutexes protect state that
+//! callers must not see half updated.
 
 mod arrays;
 mod device;
@@ -18,16 +18,63 @@ mod simulation;
 mod strands;
 mod work;
 
-use pyo3::{create_exception, exceptions::PyException, prelude::*};
+use pyo3::{
+    create_exception,
+    exceptions::{PyException, PyFileNotFoundError},
+    prelude::*,
+    sync::PyOnceLock,
+    types::{PyDict, PyType},
+};
+use std::io;
+use tresses::groom::Error as GroomError;
 
-create_exception!(tresses, TressesError, PyException, "What tresses refuses or cannot do, in one sentence.");
+create_exception!(tresses, TressesError, PyException, "Error of tresses. The message is one sentence.");
 
-/// The exception that tells `error`.
+/// Converts `error` to a Python exception.
 fn raised(error: impl Into<anyhow::Error>) -> PyErr {
-    TressesError::new_err(format!("{:#}", error.into()))
+    let error = error.into();
+    let message = tresses_scene::words::sentence(&error);
+    if !error.chain().any(is_missing_file) {
+        return TressesError::new_err(message);
+    }
+    Python::attach(|py| match missing_file_error(py) {
+        Ok(class) => PyErr::from_type(class.clone(), message),
+        Err(error) => error,
+    })
 }
 
-/// The compiled half of the package.
+/// Whether `error` reports a file that does not exist.
+fn is_missing_file(error: &(dyn std::error::Error + 'static)) -> bool {
+    let of_groom = |error: &GroomError| match error {
+        GroomError::Io { source, .. } => source.kind() == io::ErrorKind::NotFound,
+        _ => false,
+    };
+    match error.downcast_ref() {
+        Some(tresses::Error::Groom(error)) => of_groom(error),
+        _ => {
+            error.downcast_ref().is_some_and(of_groom)
+                || error
+                    .downcast_ref()
+                    .is_some_and(|error: &io::Error| error.kind() == io::ErrorKind::NotFound)
+        }
+    }
+}
+
+/// Returns `MissingFileError`, which is a `TressesError` and a `FileNotFoundError`.
+fn missing_file_error(py: Python<'_>) -> PyResult<&Bound<'_, PyType>> {
+    static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+    let class = CLASS.get_or_try_init(py, || {
+        let bases = (py.get_type::<TressesError>(), py.get_type::<PyFileNotFoundError>());
+        let members = PyDict::new(py);
+        members.set_item("__module__", "tresses")?;
+        members.set_item("__doc__", "A file that does not exist.")?;
+        let class = py.get_type::<PyType>().call1(("MissingFileError", bases, members))?;
+        PyResult::Ok(class.cast_into::<PyType>()?.unbind())
+    })?;
+    Ok(class.bind(py))
+}
+
+/// Compiled part of the `tresses` package.
 #[pymodule]
 mod _tresses {
     #[pymodule_export]
@@ -48,4 +95,12 @@ mod _tresses {
     use crate::simulation::Simulation;
     #[pymodule_export]
     use crate::strands::{Finding, Strands};
+
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("MissingFileError", crate::missing_file_error(module.py())?)?;
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
 }

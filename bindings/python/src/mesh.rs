@@ -1,4 +1,4 @@
-//! Meshes: heads and bodies.
+//! Triangle meshes of heads and bodies.
 
 use crate::{
     TressesError,
@@ -16,16 +16,16 @@ use tresses::{
 
 /// A triangle mesh, for example a head that hair grows on.
 ///
-/// Metres, right-handed, Y up, the face towards +Z.
+/// Coordinates are meters, right-handed, Y up, face toward +Z.
 ///
 /// Parameters
 /// ----------
 /// positions : array [v, 3]
-///     Vertices, metres.
+///     Vertices, meters.
 /// triangles : array of int [t, 3]
-///     Corners, counter-clockwise seen from outside.
+///     Vertex indices, counter-clockwise seen from outside.
 /// normals : array [v, 3], optional
-///     Unit normals; without them they are the means of the triangles around.
+///     Unit normals. By default they are computed from the adjacent triangles.
 /// colors : array [v, 3] or [3], optional
 ///     Linear sRGB.
 #[pyclass(frozen, module = "tresses")]
@@ -49,15 +49,16 @@ impl Mesh {
             )));
         }
         let count = positions.len();
-        let none =
-            |i: i64| TressesError::new_err(format!("a triangle names vertex {i}, but there are {count}"));
+        let none = |i: i64| {
+            TressesError::new_err(format!("a triangle refers to vertex {i}, but there are {count} vertices"))
+        };
         let corners = corners.into_iter().map(|i| u32::try_from(i).map_err(|_| none(i)));
         let corners = corners.collect::<PyResult<Vec<_>>>()?;
         let mut mesh = TriMesh { positions, triangles: corners.as_chunks().0.to_vec(), ..Default::default() };
         if let Some(colors) = colors {
             mesh.colors = given_points_for(colors, "colors", count)?;
         }
-        // Normals are made of triangles whose corners there are.
+        // Check the vertex indices, with placeholder normals, before computing normals from the triangles.
         mesh.normals = vec![Vec3::Y; count];
         mesh.validate().map_err(raised)?;
         match normals {
@@ -68,8 +69,10 @@ impl Mesh {
         Ok(Self(mesh))
     }
 
-    /// Reads a head or body from one or more files (``formats()["heads"]``) and brings it into metres, Y up, face towards +Z;
-    ///  ``unit``, ``up``, ``front`` and ``mirror`` say what would be guessed.
+    /// Read a head or body from one or more files and convert it to meters, Y up, face toward +Z.
+    ///
+    /// ``formats()["heads"]`` lists the file extensions. ``unit``, ``up``, ``front`` and ``mirror`` are known
+    /// properties of the file; the importer guesses the others.
     #[staticmethod]
     #[pyo3(signature = (files, *, unit=None, up=None, front=None, mirror=None))]
     fn read(
@@ -86,7 +89,7 @@ impl Mesh {
         py.detach(|| import::read_head(&files, &options)).map(|(mesh, _)| Self(mesh)).map_err(raised)
     }
 
-    /// Writes a file, whose ending says the format (``formats()["meshes_written"]``).
+    /// Write a file. Its extension selects the format, one of ``formats()["meshes_written"]``.
     fn write(&self, py: Python<'_>, file: PathBuf) -> PyResult<()> {
         py.detach(|| -> anyhow::Result<()> {
             std::fs::write(&file, Writer::holding(&file, Content::Mesh)?.mesh(&self.0, None)?)
@@ -95,7 +98,7 @@ impl Mesh {
         .map_err(raised)
     }
 
-    /// Vertices, metres: float32 [v, 3].
+    /// Vertices, meters: float32 [v, 3].
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         points(py, &self.0.positions)
@@ -107,13 +110,13 @@ impl Mesh {
         points(py, &self.0.normals)
     }
 
-    /// Linear sRGB, float32 [v, 3], or None.
+    /// Linear sRGB: float32 [v, 3], or None.
     #[getter]
     fn colors<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f32>>>> {
         (!self.0.colors.is_empty()).then(|| points(py, &self.0.colors)).transpose()
     }
 
-    /// Corners, counter-clockwise seen from outside: int32 [t, 3].
+    /// Vertex indices, counter-clockwise seen from outside: int32 [t, 3].
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<i32>>> {
         let corners = self.0.triangles.iter().flatten().map(|i| *i as i32).collect();

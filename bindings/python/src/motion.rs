@@ -8,8 +8,13 @@ use crate::{
 use pyo3::{prelude::*, types::PyDict};
 use tresses_scene::motion;
 
-/// A motion of the character: ``"still"``, ``"nod"``, ``"turn"``, ``"shake"``, ``"walk"``, ``"dance"``, or a keyframe file
-/// (.json).
+/// A motion of the character.
+///
+/// Parameters
+/// ----------
+/// name : str
+///     ``"still"``, ``"nod"``, ``"turn"``, ``"shake"``, ``"walk"`` or ``"dance"``, or the path of a keyframe file
+///     (.json).
 #[pyclass(frozen, module = "tresses")]
 pub struct Motion {
     name: String,
@@ -23,27 +28,27 @@ impl Motion {
         Ok(Self { motion: motion::Motion::open(&name).map_err(raised)?, name })
     }
 
-    /// Seconds from the first to the last key.
+    /// Time from the first to the last key, seconds.
     #[getter]
     fn duration(&self) -> f64 {
         self.motion.duration()
     }
 
-    /// Whether it starts over after its duration.
+    /// Whether the motion loops.
     #[getter]
     fn repeats(&self) -> bool {
         self.motion.repeats()
     }
 
-    /// What the character does at a time: a dict of ``head``, ``body`` and ``shapes``, for
-    /// ``sim.step(dt, **motion.at(time, sim.pivot))``.
+    /// Return the pose of the character at a time: a dict of ``head``, ``body`` and ``shapes``, as arguments of
+    /// `Simulation.step`: ``sim.step(dt, **motion.at(time, sim.pivot))``.
     ///
     /// Parameters
     /// ----------
     /// time : float
-    ///     Seconds.
+    ///     Time, seconds.
     /// pivot : array [3]
-    ///     What the head turns about, metres: `Simulation.pivot`.
+    ///     Joint that the head turns about, meters: `Simulation.pivot`.
     fn at<'py>(&self, py: Python<'py>, time: f64, pivot: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyDict>> {
         if !time.is_finite() {
             return Err(TressesError::new_err(format!("time is {time}, but must be finite")));

@@ -1,4 +1,4 @@
-//! What pictures give, as arrays.
+//! Outputs of `Simulation.render` as arrays.
 
 use crate::{TressesError, arrays::array, pose::vector};
 use numpy::PyArrayDyn;
@@ -7,22 +7,22 @@ use tresses::{character::Bounds, glam::Mat4, groom::Strands};
 use tresses_scene::{
     Viewpoint,
     camera::Angle,
-    scene::{Asked, Captured},
+    scene::{Capture, OutputRequest},
 };
 
-/// The outputs, in the order in which the documentation has them.
+/// Names of the outputs, in the order of the documentation.
 pub const OUTPUTS: [&str; 10] =
     ["color", "linear", "coverage", "depth", "motion", "strand", "groom", "share", "along", "tangent"];
 
-/// Which outputs a caller wants.
-pub struct Wanted(Vec<String>);
+/// Requested outputs.
+pub struct OutputNames(Vec<String>);
 
-impl Wanted {
-    /// Those of a list of names.
+impl OutputNames {
+    /// Checks a list of output names.
     pub fn new(names: Vec<String>) -> PyResult<Self> {
         if let Some(name) = names.iter().find(|name| !OUTPUTS.contains(&name.as_str())) {
             let all = OUTPUTS.join(", ");
-            return Err(TressesError::new_err(format!("there is no output {name}; there are {all}")));
+            return Err(TressesError::new_err(format!("there is no output {name}; choose {all}")));
         }
         Ok(Self(names))
     }
@@ -31,22 +31,22 @@ impl Wanted {
         self.0.iter().any(|wanted| wanted == name)
     }
 
-    /// What a scene is to be asked.
-    pub fn asked(&self) -> Asked {
-        Asked {
+    /// Returns the capture options of the scene.
+    pub fn asked(&self) -> OutputRequest {
+        OutputRequest {
             linear: self.has("linear"),
             hair: OUTPUTS[2..].iter().any(|name| self.has(name)),
             bare: false,
         }
     }
 
-    /// Whether strands are needed.
+    /// Returns whether the outputs require reading back the strands.
     pub fn needs_strands(&self) -> bool {
         self.has("tangent") || self.has("along")
     }
 }
 
-/// Where a caller's camera is: an angle by its name, or the eye and what it looks at.
+/// Converts a camera from Python: the name of an angle, or eye and target.
 pub fn viewpoint(
     camera: &Bound<'_, PyAny>,
     subject: Bounds,
@@ -60,7 +60,7 @@ pub fn viewpoint(
             let all = Angle::ALL.map(|(_, name)| name).join(", ");
             let none = || {
                 TressesError::new_err(format!(
-                    "there is no camera {name}; there are {all}, and (eye, target)"
+                    "there is no camera {name}; choose {all}, or give (eye, target)"
                 ))
             };
             if !(zoom.is_finite() && zoom > 0.0) {
@@ -69,9 +69,9 @@ pub fn viewpoint(
             Viewpoint::portrait(angle.ok_or_else(none)?, subject, size[0] as f32 / size[1] as f32, zoom)
         }
         Err(_) => {
-            let pair: (Bound<'_, PyAny>, Bound<'_, PyAny>) = camera.extract().map_err(|_| {
-                TressesError::new_err("camera must be the name of an angle, or (eye, target)")
-            })?;
+            let pair: (Bound<'_, PyAny>, Bound<'_, PyAny>) = camera
+                .extract()
+                .map_err(|_| TressesError::new_err("camera must be a name, or (eye, target)"))?;
             Viewpoint {
                 eye: vector(&pair.0, "the camera's eye")?,
                 target: vector(&pair.1, "the camera's target")?,
@@ -79,7 +79,7 @@ pub fn viewpoint(
         }
     };
     if view.distance().is_nan() || view.distance() < 1e-4 {
-        return Err(TressesError::new_err("the camera's eye is where it looks at"));
+        return Err(TressesError::new_err("eye and target of the camera are the same point"));
     }
     match distance {
         None => Ok(view),
@@ -88,17 +88,17 @@ pub fn viewpoint(
     }
 }
 
-/// A matrix as an array [4, 4] of rows.
+/// Returns a matrix as an array [4, 4] of rows.
 pub fn matrix<'py>(py: Python<'py>, matrix: Mat4) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
     array(py, &[4, 4], matrix.transpose().to_cols_array().to_vec())
 }
 
-/// The outputs of a picture of `size` as a dict of arrays; `projection` is its camera's, `strands` the strands of each
-/// groom in it, if they are needed.
+/// Returns the outputs of a frame of `size` as a dict of arrays. `projection` is the projection matrix of its camera.
+/// `strands` holds the strands of each groom, if [`needs_strands`](OutputNames::needs_strands).
 pub fn outputs<'py>(
     py: Python<'py>,
-    wanted: &Wanted,
-    captured: &Captured,
+    wanted: &OutputNames,
+    captured: &Capture,
     ([width, height], projection): ([u32; 2], Mat4),
     strands: &[Strands],
 ) -> PyResult<Bound<'py, PyDict>> {

@@ -1,4 +1,4 @@
-//! Rigid poses: 4 × 4 matrices, or a translation and a quaternion.
+//! Rigid poses: 4 × 4 matrices, or translation and quaternion.
 
 use crate::{TressesError, arrays::given_floats};
 use pyo3::prelude::*;
@@ -7,18 +7,18 @@ use tresses::{
     glam::{Mat3, Mat4, Quat, Vec3},
 };
 
-/// How far a matrix may be from a rotation, or a quaternion from length 1.
+/// Tolerance for rotation matrices, and for the length of quaternions.
 const TOLERANCE: f32 = 1e-3;
 
-/// A pose as Python has it: translation (metres) and quaternion (x, y, z, w), to the bit.
-pub type Told = ([f32; 3], [f32; 4]);
+/// A pose in Python: translation (meters) and quaternion (x, y, z, w). The numbers are exact.
+pub type PoseTuple = ([f32; 3], [f32; 4]);
 
-/// For Python.
-pub fn told(pose: &Pose) -> Told {
+/// Converts a pose to Python.
+pub fn told(pose: &Pose) -> PoseTuple {
     (pose.translation.to_array(), pose.rotation.to_array())
 }
 
-/// A pose that Python gives; `what` names it in an error.
+/// Converts a pose from Python. Errors call the argument `what`.
 pub fn pose(of: &Bound<'_, PyAny>, what: &str) -> PyResult<Pose> {
     let refuse = |why: &str| TressesError::new_err(format!("{what} {why}"));
     let pair = of.extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>)>();
@@ -27,10 +27,10 @@ pub fn pose(of: &Bound<'_, PyAny>, what: &str) -> PyResult<Pose> {
             let (shape, numbers) = given_floats(&rotation, what)?;
             let rotation = Quat::from_array(<[f32; 4]>::try_from(numbers).unwrap_or([f32::NAN; 4]));
             if shape != [4] || !rotation.is_finite() || (rotation.length() - 1.0).abs() > TOLERANCE {
-                return Err(refuse("has no quaternion (x, y, z, w) of length 1"));
+                return Err(refuse("must have a quaternion (x, y, z, w) of length 1"));
             }
             let unit = rotation.normalize();
-            // What this program told comes back to the bit.
+            // Keep unit quaternions unchanged, so that poses from `told` round-trip bit-identically.
             let rotation = if (rotation.length_squared() - 1.0).abs() < 1e-6 { rotation } else { unit };
             Pose { rotation, translation: vector(&translation, what)? }
         }
@@ -47,15 +47,15 @@ pub fn pose(of: &Bound<'_, PyAny>, what: &str) -> PyResult<Pose> {
             let last = (matrix.row(3) - tresses::glam::Vec4::W).abs().max_element();
             let is_rigid = off < TOLERANCE && last < TOLERANCE && turn.determinant() > 0.0;
             if !is_rigid {
-                return Err(refuse("is a matrix that does more than turn and move"));
+                return Err(refuse("must be a rigid matrix, with rotation and translation only"));
             }
             Pose { rotation: Quat::from_mat3(&turn).normalize(), translation: matrix.w_axis.truncate() }
         }
     };
-    if pose.translation.is_finite() { Ok(pose) } else { Err(refuse("has a translation that is not finite")) }
+    if pose.translation.is_finite() { Ok(pose) } else { Err(refuse("must have a finite translation")) }
 }
 
-/// A point or direction that Python gives.
+/// Converts a point or direction from Python. Errors call the argument `what`.
 pub fn vector(of: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec3> {
     let (shape, values) = given_floats(of, what)?;
     let vector = Vec3::from_array(<[f32; 3]>::try_from(values).unwrap_or([f32::NAN; 3]));

@@ -1,4 +1,4 @@
-//! Files in, and what was done with them.
+//! Reading files, with a report of the import.
 
 use crate::{
     TressesError,
@@ -15,20 +15,20 @@ use tresses::groom::{
     orient::Placement,
 };
 
-/// What files held, in metres, Y up, face towards +Z.
+/// Contents of imported files, in meters, Y up, face toward +Z.
 #[pyclass(frozen, get_all, module = "tresses")]
 pub struct Import {
-    /// The strands.
+    /// Imported strands.
     pub strands: Py<Strands>,
-    /// The head, or None.
+    /// Head mesh, or None.
     pub head: Option<Py<Mesh>>,
-    /// What is odd about the groom, before it was repaired: a list of Finding.
+    /// Problems of the groom before its repair: a list of Finding.
     pub findings: Vec<Py<Finding>>,
-    /// What was done on the way, why, and what is in doubt: a list of str.
+    /// Steps of the import with their reasons, and doubts: a list of str.
     pub notes: Vec<String>,
-    /// How the groom came into metres, Y up, face +Z: a dict with unit (metres), up, front, mirrored and translation.
+    /// Transform of the groom to meters, Y up, face +Z: a dict with unit (meters), up, front, mirrored and translation.
     pub placement: Py<PyDict>,
-    /// The same of the head, or None.
+    /// The same for the head, or None.
     pub head_placement: Option<Py<PyDict>>,
 }
 
@@ -42,23 +42,24 @@ fn placed(py: Python<'_>, placement: &Placement) -> PyResult<Py<PyDict>> {
     Ok(dict.unbind())
 }
 
-/// Reads one groom from one or more files, which are joined (`formats()` lists their endings), and if it is given the head
-/// that it grows on.
+/// Read a groom from one or more files, which are joined, and optionally the head it grows on.
+///
+/// ``formats()`` lists the file extensions.
 ///
 /// Parameters
 /// ----------
 /// files : path or list of paths
-///     The groom.
+///     Files of the groom.
 /// head : path or list of paths, optional
-///     The mesh that it grows on; groom and head orient each other.
+///     Mesh that the hair grows on. The importer uses groom and head to orient each other.
 /// unit, up, front, mirror, head_unit, head_up, head_front : optional
-///     What is known of units (``"cm"``, or metres per unit) and axes (``"z"``, ``"-y"``); the rest is guessed.
+///     Known units (``"cm"``, or meters per unit) and axes (``"z"``, ``"-y"``); the importer guesses the others.
 /// frame : int, optional
-///     Which frame of an animated file is read; the first without it.
+///     Frame of an animated file; the first by default.
 /// lenient : bool
-///     Whether numbers that are not finite are kept, for `Strands.lint` to find.
+///     Whether to keep numbers that are not finite, so that `Strands.lint` finds them.
 /// repair : bool
-///     Whether what cannot be used is repaired: strands without length, vertices that repeat.
+///     Whether to repair invalid data, such as strands without length and repeated vertices.
 ///
 /// Returns
 /// -------
@@ -66,7 +67,7 @@ fn placed(py: Python<'_>, placement: &Placement) -> PyResult<Py<PyDict>> {
 #[pyfunction]
 #[pyo3(signature = (files, head=None, *, unit=None, up=None, front=None, mirror=None, head_unit=None, head_up=None,
     head_front=None, frame=None, lenient=false, repair=true))]
-#[allow(clippy::too_many_arguments)] // Keywords.
+#[allow(clippy::too_many_arguments)] // Python keyword arguments.
 pub fn read(
     py: Python<'_>,
     files: &Bound<'_, PyAny>,
@@ -97,7 +98,7 @@ pub fn read(
     let mut notes: Vec<String> = report.files.iter().flat_map(|file| file.notes.clone()).collect();
     notes.extend(placements().flat_map(|placement| placement.reasons.clone()));
     notes.extend(
-        placements().flat_map(|placement| &placement.doubts).map(|doubt| format!("in doubt: {doubt}")),
+        placements().flat_map(|placement| &placement.doubts).map(|doubt| format!("uncertain: {doubt}")),
     );
     Ok(Import {
         strands: Py::new(py, Strands(strands))?,
@@ -109,8 +110,13 @@ pub fn read(
     })
 }
 
-/// The endings of files: a dict of ``grooms`` and ``heads`` (read), ``written``, ``meshes_written`` and, of those, ``any_unit``
-/// (written in other units than metres, too).
+/// Return the supported file extensions.
+///
+/// Returns
+/// -------
+/// dict
+///     Lists of str: ``grooms`` and ``heads`` (read), ``written`` (strands), ``meshes_written`` (meshes), and
+///     ``any_unit`` (written in any unit, not only meters).
 #[pyfunction]
 pub fn formats(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
@@ -126,8 +132,8 @@ pub fn formats(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     Ok(dict)
 }
 
-/// For keywords that nobody knows.
+/// Returns the error for an unknown keyword argument.
 pub fn unknown(key: &str, known: impl Iterator<Item = &'static str>) -> PyErr {
     let known: Vec<_> = known.collect();
-    TressesError::new_err(format!("there is no file called {key}; there are {}", known.join(", ")))
+    TressesError::new_err(format!("there is no companion file {key}; choose {}", known.join(", ")))
 }

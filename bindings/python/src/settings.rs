@@ -1,4 +1,4 @@
-//! The table of parameters, and settings by its names.
+//! The table of parameters, and settings by parameter name.
 
 use crate::{TressesError, raised};
 use pyo3::{
@@ -9,40 +9,40 @@ use pyo3::{
 use std::path::PathBuf;
 use tresses_scene::{
     Change, Knob, Preset, Value,
-    knobs::{self, Kind},
+    knobs::{self, ValueKind},
     preset::Extent,
     settings,
 };
 
-/// A row of the table of parameters.
+/// A parameter: one row of the table that `parameters` returns.
 #[pyclass(frozen, get_all, module = "tresses")]
 pub struct Parameter {
-    /// Its name, for example ``"wind.speed"``.
+    /// Name, for example ``"wind.speed"``.
     name: &'static str,
-    /// What a panel calls it.
+    /// Label in user interfaces.
     label: &'static str,
-    /// What it does and when to change it.
+    /// Effect, and when to change it.
     hint: &'static str,
     /// ``"number"``, ``"integer"``, ``"toggle"``, ``"choice"`` or ``"color"``.
     kind: &'static str,
-    /// The unit of its numbers; empty for plain ones.
+    /// Unit of numbers; empty for plain numbers.
     unit: &'static str,
-    /// The smallest number, or None.
+    /// Minimum, or None.
     least: Option<f64>,
-    /// The largest number, or None.
+    /// Maximum, or None.
     most: Option<f64>,
-    /// What is allowed, in words.
+    /// Allowed values, in words.
     range: String,
-    /// The names of a choice with what they do, a list of pairs.
+    /// Names and descriptions of a choice's values: a list of pairs.
     choices: Vec<(&'static str, &'static str)>,
-    /// The value by default; None for automatic.
+    /// Default value; None for automatic.
     default: Py<PyAny>,
-    /// Whether None is a value: as it suits the style, the file or the colour.
+    /// Whether None is allowed. The value then follows from the style, the file or the color.
     automatic: bool,
-    /// Whether it is seldom needed.
+    /// Whether it is rarely needed.
     advanced: bool,
-    /// What a change takes: ``"frame"`` (the next frame has it), ``"rebuild"`` (targets are made again) or ``"regrow"``
-    /// (another Groom).
+    /// Cost of a change: ``"frame"`` (it takes effect in the next frame), ``"rebuild"`` (render targets are recreated)
+    /// or ``"regrow"`` (a new Groom is required).
     cost: &'static str,
 }
 
@@ -53,21 +53,21 @@ impl Parameter {
     }
 }
 
-/// All parameters: a list of Parameter, in the order in which people look for them.
+/// Return all parameters: a list of Parameter in display order.
 #[pyfunction]
 pub fn parameters(py: Python<'_>) -> PyResult<Vec<Py<Parameter>>> {
     let row = |knob: &'static Knob| {
         let (kind, unit, least, most) = match knob.kind {
-            Kind::Number { unit, least, most, .. } => ("number", unit.symbol, Some(least), Some(most)),
-            Kind::Integer { unit, least, most, .. } => {
+            ValueKind::Number { unit, least, most, .. } => ("number", unit.symbol, Some(least), Some(most)),
+            ValueKind::Integer { unit, least, most, .. } => {
                 ("integer", unit.symbol, Some(f64::from(least)), Some(f64::from(most)))
             }
-            Kind::Toggle => ("toggle", "", None, None),
-            Kind::Choice(_) => ("choice", "", None, None),
-            Kind::Color => ("color", "", None, None),
+            ValueKind::Toggle => ("toggle", "", None, None),
+            ValueKind::Choice(_) => ("choice", "", None, None),
+            ValueKind::Color => ("color", "", None, None),
         };
         let choices = match knob.kind {
-            Kind::Choice(choices) => choices.iter().map(|choice| (choice.name, choice.hint)).collect(),
+            ValueKind::Choice(choices) => choices.iter().map(|choice| (choice.name, choice.hint)).collect(),
             _ => Vec::new(),
         };
         let cost = match knob.cost {
@@ -100,7 +100,7 @@ pub fn parameters(py: Python<'_>) -> PyResult<Vec<Py<Parameter>>> {
     knobs::all().map(row).collect()
 }
 
-/// A value as Python has it, numbers in the parameter's unit.
+/// Converts a value to Python, with numbers in the parameter's unit.
 fn shown(py: Python<'_>, knob: &Knob, value: Value) -> PyResult<Py<PyAny>> {
     Ok(match value {
         Value::Auto => py.None(),
@@ -112,7 +112,7 @@ fn shown(py: Python<'_>, knob: &Knob, value: Value) -> PyResult<Py<PyAny>> {
     })
 }
 
-/// A value of Python's for a parameter.
+/// Converts a Python value for the parameter `knob`.
 fn given(knob: &Knob, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if value.is_none() {
         return Ok(Value::Auto);
@@ -125,12 +125,12 @@ fn given(knob: &Knob, value: &Bound<'_, PyAny>) -> PyResult<Value> {
         TressesError::new_err(format!("{} is {value:?}, but must be {range}", knob.path))
     };
     let value = match knob.kind {
-        Kind::Number { .. } => Value::Number(knob.inner(value.extract::<f64>().map_err(wrong)?)),
-        Kind::Integer { .. } => Value::Integer(value.extract::<u32>().map_err(wrong)?),
-        Kind::Toggle => Value::Toggle(value.extract::<bool>().map_err(wrong)?),
-        // Numbers of samples are names.
-        Kind::Choice(_) => return knob.parse(&value.str()?.to_string()).map_err(raised),
-        Kind::Color => Value::Color(value.extract::<[u8; 3]>().map_err(wrong)?),
+        ValueKind::Number { .. } => Value::Number(knob.inner(value.extract::<f64>().map_err(wrong)?)),
+        ValueKind::Integer { .. } => Value::Integer(value.extract::<u32>().map_err(wrong)?),
+        ValueKind::Toggle => Value::Toggle(value.extract::<bool>().map_err(wrong)?),
+        // Sample counts are choices with numeric names.
+        ValueKind::Choice(_) => return knob.parse(&value.str()?.to_string()).map_err(raised),
+        ValueKind::Color => Value::Color(value.extract::<[u8; 3]>().map_err(wrong)?),
     };
     knob.check(value).map_err(raised)?;
     Ok(value)
@@ -140,15 +140,15 @@ fn named(name: &str) -> PyResult<&'static Knob> {
     knobs::named(name).map_err(PyKeyError::new_err)
 }
 
-/// Everything that can be turned, by the names of `parameters()`: a mapping from names to values.
+/// All settings: a mapping from the names of `parameters()` to values.
 ///
-/// Numbers are in the parameter's unit (``settings["style.curl_radius"] = 9`` is 9 mm); a str may have a unit of its own
-/// (``"0.9 cm"``). None is automatic. A value out of range is refused with TressesError, an unknown name with KeyError.
+/// Numbers are in the parameter's unit: ``settings["style.curl_radius"] = 9`` sets 9 mm. A str may contain a unit
+/// (``"0.9 cm"``). None means automatic. Values out of range raise TressesError; unknown names raise KeyError.
 ///
 /// Parameters
 /// ----------
 /// values : dict or Settings, optional
-///     What differs from the defaults.
+///     Values that differ from the defaults.
 #[pyclass(module = "tresses", mapping)]
 #[derive(Clone, Default)]
 pub struct Settings(pub settings::Settings);
@@ -165,13 +165,14 @@ impl Settings {
         Ok(settings)
     }
 
-    /// The settings of a preset file (.toml). Which hair it is for is left out: `Groom.preset` has both.
+    /// Read the settings of a preset file (.toml). It ignores the hair that the preset names; `Groom.preset` reads
+    /// both.
     #[staticmethod]
     fn open(file: PathBuf) -> PyResult<Self> {
         Ok(Self(Preset::open(&file).map_err(raised)?.settings))
     }
 
-    /// Writes a preset file (.toml) of what differs from the defaults.
+    /// Write a preset file (.toml) with the settings that differ from the defaults.
     #[pyo3(signature = (file, name=None))]
     fn save(&self, file: PathBuf, name: Option<String>) -> PyResult<()> {
         let preset = Preset { name, settings: self.0.clone(), ..Default::default() };
@@ -180,8 +181,8 @@ impl Settings {
             .map_err(|error| TressesError::new_err(format!("{}: {error}", file.display())))
     }
 
-    /// Takes what `values` (a dict or Settings) have; of Settings, what is not as by default. All of it or, after an
-    /// error, nothing.
+    /// Set the values in `values` (a dict or Settings). From Settings, only values that differ from the defaults are
+    /// taken. After an error nothing has changed.
     pub fn update(&mut self, values: &Bound<'_, PyAny>) -> PyResult<()> {
         let mut changed = self.0.clone();
         if let Ok(other) = values.cast::<Self>() {
@@ -199,7 +200,7 @@ impl Settings {
         Ok(())
     }
 
-    /// A dict of what differs from the defaults.
+    /// Return a dict of the values that differ from the defaults.
     fn changed<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
         for knob in knobs::all().filter(|knob| !knob.is_default(&self.0)) {
@@ -208,22 +209,22 @@ impl Settings {
         Ok(dict)
     }
 
-    /// Another one with the same values.
+    /// Return a copy.
     fn copy(&self) -> Self {
         self.clone()
     }
 
-    /// The names of all parameters.
+    /// Return the names of all parameters.
     fn keys(&self) -> Vec<&'static str> {
         knobs::all().map(|knob| knob.path).collect()
     }
 
-    /// The values of all parameters.
+    /// Return the values of all parameters.
     fn values(&self, py: Python<'_>) -> PyResult<Vec<Py<PyAny>>> {
         knobs::all().map(|knob| shown(py, knob, knob.get(&self.0))).collect()
     }
 
-    /// Names and values of all parameters.
+    /// Return the names and values of all parameters: a list of pairs.
     fn items(&self, py: Python<'_>) -> PyResult<Vec<(&'static str, Py<PyAny>)>> {
         knobs::all().map(|knob| Ok((knob.path, shown(py, knob, knob.get(&self.0))?))).collect()
     }
@@ -238,7 +239,7 @@ impl Settings {
         knob.set(&mut self.0, given(knob, value)?).map_err(raised)
     }
 
-    /// Gives a parameter its default back.
+    /// Reset a parameter to its default.
     fn __delitem__(&mut self, name: &str) -> PyResult<()> {
         named(name)?.reset(&mut self.0);
         Ok(())
@@ -265,7 +266,7 @@ impl Settings {
     }
 }
 
-/// What a caller gives for settings: None, a dict, or Settings.
+/// Converts the settings argument of a function: None, a dict, or Settings.
 pub fn settings_of(values: Option<&Bound<'_, PyAny>>) -> PyResult<settings::Settings> {
     let settings = Settings::new(values)?.0;
     settings.check().map_err(raised)?;

@@ -1,6 +1,6 @@
-//! Hair that moves, step by step, and pictures of it.
+//! Step-by-step hair simulation and rendering.
 
-// What waits is polled by one thread, which holds the lock for as long as the work lasts.
+// `work::run` polls each future on a single thread, which holds the lock for the whole operation.
 #![allow(clippy::await_holding_lock)]
 
 use crate::{
@@ -8,8 +8,8 @@ use crate::{
     arrays::floats,
     device,
     groom::Groom,
-    picture::{self, Wanted, matrix, viewpoint},
-    pose::{Told, pose, told, vector},
+    picture::{self, OutputNames, matrix, viewpoint},
+    pose::{PoseTuple, pose, told, vector},
     raised, settings,
     strands::Strands,
     work::run,
@@ -20,49 +20,53 @@ use pyo3::{prelude::*, types::PyDict};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tresses::{Camera, character::Gesture, clock::MAX_STEPS, glam::Vec3, gpu::Gpu, present::Background};
 use tresses_scene::{
-    Companions, Quality, Scene, Shelf, camera::VERTICAL_FOV, scene::Asked, settings::Settings as Values,
+    Companions, Quality, Scene, Shelf, camera::VERTICAL_FOV, scene::OutputRequest,
+    settings::Settings as Values,
 };
 
-/// The longest step, seconds.
+/// Maximum length of a step, seconds.
 const LONGEST: f32 = 3600.0;
 
-/// What is behind methods that release the interpreter's lock.
+/// State accessed by methods that release the GIL.
 struct Inner {
     scene: Scene,
     settings: Values,
     gesture: Gesture,
-    /// Whether hair has been put to rest since what the character does was said last.
+    /// Whether the hair has been put at rest, by `reset` or on first use.
     begun: bool,
 }
 
-/// Hair on the GPU: it is moved by `step`, read by `strands` and `guides`, drawn by `render`. The same calls give the same
-/// bits, on one GPU.
+/// Hair simulation on the GPU.
+///
+/// `step` advances the hair, `strands` and `guides` read it back, and `render` draws it. On the same GPU, the same
+/// calls give bit-identical results.
 ///
 /// Parameters
 /// ----------
 /// groom : Groom
+///     Hair to simulate.
 /// settings : dict or Settings, optional
-///     What differs from the settings that the groom was made with: physics, wind, colours, lights.
+///     Overrides of the groom's settings: physics, wind, colors, lights.
 /// progress : callable, optional
-///     Is called with what goes on (str) and how much of it is done (0 to 1).
+///     Called with the current task (str) and the fraction of it that is done (0 to 1).
 #[pyclass(frozen, module = "tresses")]
 pub struct Simulation {
     inner: Mutex<Inner>,
 }
 
-/// What the character does, as a caller says it.
-struct Said {
+/// Pose of the character and wind, as passed by the caller.
+struct PoseInput {
     gesture: Gesture,
     wind: Option<Vec3>,
 }
 
 impl Simulation {
     fn lock(&self) -> MutexGuard<'_, Inner> {
-        // After a panic the scene is one that has not been told everything: the next step tells it again.
+        // After a panic the scene may be partially updated; the next step sets the whole state again.
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What is said, on top of what was said before.
+    /// Applies the given arguments to the current gesture. Arguments that are `None` keep their last value.
     fn said(
         &self,
         py: Python<'_>,
@@ -70,7 +74,7 @@ impl Simulation {
         body: Option<&Bound<'_, PyAny>>,
         shapes: Option<&Bound<'_, PyDict>>,
         wind: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Said> {
+    ) -> PyResult<PoseInput> {
         let mut gesture = py.detach(|| self.lock().gesture.clone());
         if let Some(head) = head {
             gesture.head = pose(head, "head")?;
@@ -83,18 +87,20 @@ impl Simulation {
             for (name, weight) in shapes {
                 let (name, weight): (String, f32) = (name.extract()?, weight.extract()?);
                 if !weight.is_finite() {
-                    return Err(TressesError::new_err(format!("the shape {name} has the weight {weight}")));
+                    return Err(TressesError::new_err(format!(
+                        "the weight of blend shape {name} is {weight}, but must be finite"
+                    )));
                 }
                 gesture.shapes.push((Arc::from(name), weight));
             }
         }
         let wind = wind.map(|wind| vector(wind, "wind")).transpose()?;
-        Ok(Said { gesture, wind })
+        Ok(PoseInput { gesture, wind })
     }
 }
 
 impl Inner {
-    fn take(&mut self, said: &Said) -> anyhow::Result<()> {
+    fn take(&mut self, said: &PoseInput) -> anyhow::Result<()> {
         if let Some(rig) = self.scene.character.rig() {
             for (name, _) in &said.gesture.shapes {
                 rig.find_shape(name)?;
@@ -109,19 +115,19 @@ impl Inner {
         Ok(())
     }
 
-    fn rest(&mut self, said: Said) -> anyhow::Result<()> {
+    fn rest(&mut self, said: PoseInput) -> anyhow::Result<()> {
         self.take(&said)?;
         self.scene.reset(&said.gesture)?;
         (self.gesture, self.begun) = (said.gesture, true);
         Ok(())
     }
 
-    /// Makes what is to be seen of hair that nobody has moved yet.
+    /// Puts the hair at rest unless this has happened already.
     fn begin(&mut self) -> anyhow::Result<()> {
         if self.begun {
             return Ok(());
         }
-        self.rest(Said { gesture: self.gesture.clone(), wind: None })
+        self.rest(PoseInput { gesture: self.gesture.clone(), wind: None })
     }
 }
 
@@ -158,22 +164,23 @@ impl Simulation {
         Ok(Self { inner: Mutex::new(inner) })
     }
 
-    /// Time passes, and the hair moves.
+    /// Advance the simulation by a time step.
     ///
     /// Parameters
     /// ----------
     /// dt : float
-    ///     Seconds. The physics goes on in fixed steps of ``1 / simulation.rate``, as many as are due; what is seen lies
-    ///     between the last two.
+    ///     Time step, seconds. The physics runs in as many fixed steps as are due, each of the length set by
+    ///     ``simulation.step``. The visible hair is interpolated between the last two fixed steps.
     /// head : array [4, 4], or (translation, quaternion), optional
-    ///     Where the head is at the end of the step, relative to where it rests: a rigid matrix, or metres and (x, y, z, w).
-    ///     Without it the head stays where it is. It moves evenly during the step; one that jumps takes its hair along.
-    /// body : likewise, optional
-    ///     Where all of the character is.
+    ///     Pose of the head at the end of the step, relative to its rest pose: a rigid matrix, or a translation in
+    ///     meters and a quaternion (x, y, z, w). Without it the head keeps its pose. The head moves evenly during the
+    ///     step. If it jumps, its hair moves with it.
+    /// body : array [4, 4], or (translation, quaternion), optional
+    ///     Pose of the whole character, in the same forms as `head`.
     /// shapes : dict, optional
-    ///     How much there is of the body's shapes (`shapes`), instead of what was said before.
+    ///     Weights of blend shapes by name (see the property `shapes`). Replaces all previous weights.
     /// wind : array [3], optional
-    ///     Velocity of the air far from the head, m/s, from here on, until `apply` says another.
+    ///     Wind velocity far from the head, m/s. It stays in effect until the next `wind` argument or call of `apply`.
     #[pyo3(signature = (dt, head=None, *, body=None, shapes=None, wind=None))]
     fn step(
         &self,
@@ -192,7 +199,7 @@ impl Simulation {
             let mut inner = self.lock();
             inner.begin()?;
             inner.take(&said)?;
-            // A frame of the library has so many fixed steps at most, and leaves the rest out.
+            // The library runs at most `MAX_STEPS` fixed steps per frame and drops the rest, so split long steps.
             let most = MAX_STEPS as f32 * inner.scene.character.physics.step;
             let parts = (dt / most).ceil().max(1.0) as u32;
             let from = inner.gesture.clone();
@@ -209,7 +216,9 @@ impl Simulation {
         })
     }
 
-    /// Puts the hair to rest on a character that does what is said; time is 0.
+    /// Put the hair at rest on the posed character and set the time to 0.
+    ///
+    /// `step` describes the parameters. Omitted parameters keep their last value.
     #[pyo3(signature = (head=None, *, body=None, shapes=None, wind=None))]
     fn reset(
         &self,
@@ -223,8 +232,13 @@ impl Simulation {
         run(py, None, async |_| self.lock().rest(said))
     }
 
-    /// Takes other settings from here on: None, a dict of what changes, or Settings. What makes other strands
-    /// (`Parameter.cost` is ``"regrow"``) is refused: that takes another Groom.
+    /// Change the settings.
+    ///
+    /// Parameters
+    /// ----------
+    /// settings : dict or Settings
+    ///     Settings to change. Parameters that require other strands (`Parameter.cost` is ``"regrow"``) raise
+    ///     TressesError; create a new Groom to change them.
     fn apply(&self, py: Python<'_>, settings: &Bound<'_, PyAny>) -> PyResult<()> {
         let mut all = settings::Settings(py.detach(|| self.lock().settings.clone()));
         all.update(settings)?;
@@ -233,14 +247,14 @@ impl Simulation {
         run(py, None, async |_| {
             let mut inner = self.lock();
             let changes = settings.changes(&inner.settings);
-            ensure!(!changes.regrow, "these settings make other strands: make another Groom with them");
+            ensure!(!changes.regrow, "these settings change the strands: create another Groom with them");
             inner.scene.apply(&settings)?;
             inner.settings = settings;
             Ok(())
         })
     }
 
-    /// The strands as they are drawn now, in the world: Strands with widths, metres.
+    /// Return the render strands in their current state: Strands with widths, in world space, meters.
     fn strands(&self, py: Python<'_>) -> PyResult<Strands> {
         run(py, None, async |_| {
             let mut inner = self.lock();
@@ -250,7 +264,8 @@ impl Simulation {
         .map(Strands)
     }
 
-    /// Brows, lashes and beard as they are drawn now, one Strands each: outputs name them as grooms 1, 2, ….
+    /// Return brows, lashes and beard in their current state, one Strands each. Outputs of `render` number them as
+    /// grooms 1, 2, ….
     fn face(&self, py: Python<'_>) -> PyResult<Vec<Strands>> {
         let all = run(py, None, async |_| {
             let mut inner = self.lock();
@@ -264,7 +279,7 @@ impl Simulation {
         Ok(all.into_iter().map(Strands).collect())
     }
 
-    /// The guides after the last fixed step, in the world, metres: float32 [g, v, 3].
+    /// Return the guides after the last fixed step, in world space, meters: float32 [g, v, 3].
     fn guides<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let (shape, guides) = run(py, None, async |_| {
             let mut inner = self.lock();
@@ -276,41 +291,45 @@ impl Simulation {
         floats(py, &shape, &guides)
     }
 
-    /// Draws the hair as it is now.
+    /// Render the current state.
     ///
     /// Parameters
     /// ----------
-    /// camera : str, or (eye, target)
-    ///     ``"front"``, ``"three-quarter"``, ``"side"`` or ``"back"``, or where it is and what it looks at, metres. The field of
-    ///     view is 30° vertically.
+    /// camera : str, or (eye, target), optional
+    ///     ``"front"``, ``"three-quarter"`` (the default), ``"side"`` or ``"back"``, or position and target of the
+    ///     camera in meters. The vertical field of view is 30°.
     /// size : (int, int)
     ///     Width and height, pixels.
-    /// outputs : list of str
-    ///     What is returned, see below.
-    /// zoom, distance : float, optional
-    ///     How much closer a named camera is, and how far from what it looks at, metres.
+    /// outputs : list of str, optional
+    ///     Names of the arrays to return, see below. Without it only ``color``.
+    /// zoom : float
+    ///     Zoom factor of a named camera; 2 shows half as much.
+    /// distance : float, optional
+    ///     Distance of the camera from its target, meters.
     /// background : ``"transparent"`` or array [3], optional
-    ///     Nothing, or linear radiance; grey-blue without it.
+    ///     No background, or its linear radiance. The default is a grayish blue.
     /// head : bool
-    ///     Whether the head is drawn; it casts no shadows and hides nothing where it is not.
+    ///     Whether to draw the head. Without it, the head neither occludes hair nor casts shadows.
     ///
     /// Returns
     /// -------
     /// dict
-    ///     Arrays, rows from the top:
-    ///     ``color`` uint8 [h, w, 4], sRGB and alpha (premultiplied before it is encoded);
+    ///     Arrays by output name, rows from the top:
+    ///     ``color`` uint8 [h, w, 4], sRGB and alpha (premultiplied before encoding);
     ///     ``linear`` float32 [h, w, 4], radiance before exposure and tone mapping, premultiplied;
-    ///     ``coverage`` float32 [h, w], how opaque the hair is;
-    ///     ``depth`` float32 [h, w], metres along the view to what is seen of the hair, inf where there is none;
-    ///     ``motion`` float32 [h, w, 2], pixels to the right and down since the last picture that had one of these outputs,
-    ///     nan where that is not known;
-    ///     ``strand`` int32 [h, w], the strand that the pixel shows most of, -1 for none: an index into ``strands()``;
-    ///     ``groom`` int32 [h, w], 0 for the hair, from 1 on those of ``face()``, -1 for none;
-    ///     ``share`` float32 [h, w], how much of the pixel that strand covers;
-    ///     ``along`` float32 [h, w], where on it, 0 (root) to 1 (tip), nan for none;
-    ///     ``tangent`` float32 [h, w, 3], its direction from root to tip in the world, 0 for none.
+    ///     ``coverage`` float32 [h, w], opacity of the hair;
+    ///     ``depth`` float32 [h, w], view-space depth of the visible hair in meters, inf without hair;
+    ///     ``motion`` float32 [h, w, 2], motion in pixels to the right and down since the last render that had any
+    ///     output except ``color`` and ``linear``, nan if unknown;
+    ///     ``groom`` int32 [h, w], 0 for the hair, 1 and up for the items of ``face()``, -1 without hair;
+    ///     ``strand`` int32 [h, w], index in this groom of the strand that covers most of the pixel, -1 without hair;
+    ///     ``share`` float32 [h, w], share of the pixel that this strand covers;
+    ///     ``along`` float32 [h, w], position along this strand from 0 (root) to 1 (tip), nan without hair;
+    ///     ``tangent`` float32 [h, w, 3], direction of this strand from root to tip in world space, 0 without hair.
+    ///     All outputs except ``color`` and ``linear`` require tiled hair (``edges.coverage``) without supersampling
+    ///     (``edges.ssaa``).
     #[pyo3(signature = (camera=None, size=(1280, 720), outputs=None, *, zoom=1.0, distance=None, background=None, head=true))]
-    #[allow(clippy::too_many_arguments)] // Keywords.
+    #[allow(clippy::too_many_arguments)] // Python keyword arguments.
     fn render<'py>(
         &self,
         py: Python<'py>,
@@ -322,7 +341,7 @@ impl Simulation {
         background: Option<&Bound<'py, PyAny>>,
         head: bool,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let wanted = Wanted::new(outputs.unwrap_or_else(|| vec!["color".into()]))?;
+        let wanted = OutputNames::new(outputs.unwrap_or_else(|| vec!["color".into()]))?;
         let size = sized(size)?;
         let background = match background {
             None => Background::default(),
@@ -332,7 +351,7 @@ impl Simulation {
             Some(of) => Background::flat(vector(of, "background")?),
         };
         let view = self.look(py, camera, size, zoom, distance)?;
-        let asked = Asked { bare: !head, ..wanted.asked() };
+        let asked = OutputRequest { bare: !head, ..wanted.asked() };
         let (captured, projection, strands) = run(py, None, async |_| {
             let mut inner = self.lock();
             inner.begin()?;
@@ -340,7 +359,7 @@ impl Simulation {
             let quality = sampled(settings, size, &scene.gpu)?;
             ensure!(
                 !asked.hair || quality.ssaa == 1,
-                "where hair is, is known of pictures without supersampling: set edges.ssaa to 1"
+                "outputs of the hair need images without supersampling: set edges.ssaa to 1"
             );
             scene.set_quality(&quality)?;
             scene.gpu.context.prepare(&settings.pipelines(quality.view), &()).await?;
@@ -357,8 +376,14 @@ impl Simulation {
         picture::outputs(py, &wanted, &captured, (size, projection), &strands)
     }
 
-    /// The matrices of a camera of `render`: a dict of ``view`` (from the world to the camera, which looks along -Z) and
-    /// ``projection`` (to normalised coordinates, y up, depth 1 at the near plane and 0 far away), float32 [4, 4] for columns.
+    /// Return the matrices of a camera. `render` describes the parameters.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     ``view``, from world space to camera space (looking along -Z), and ``projection``, from camera space to
+    ///     normalized device coordinates (Y up, depth 1 at the near plane and 0 at infinity): float32 [4, 4], for
+    ///     column vectors.
     #[pyo3(signature = (camera=None, size=(1280, 720), *, zoom=1.0, distance=None))]
     fn camera<'py>(
         &self,
@@ -377,25 +402,25 @@ impl Simulation {
         Ok(dict)
     }
 
-    /// Seconds since the hair was put to rest.
+    /// Time since the hair was put at rest, seconds.
     #[getter]
     fn time(&self, py: Python<'_>) -> f64 {
         py.detach(|| self.lock().scene.character.time())
     }
 
-    /// The joint that the head turns about, metres: 3 numbers.
+    /// Joint that the head turns about, meters: 3 numbers.
     #[getter]
     fn pivot(&self, py: Python<'_>) -> [f32; 3] {
         py.detach(|| self.lock().scene.character.neck().to_array())
     }
 
-    /// Where the head is, relative to where it rests: translation and quaternion (x, y, z, w).
+    /// Pose of the head relative to its rest pose: translation and quaternion (x, y, z, w).
     #[getter]
-    fn head(&self, py: Python<'_>) -> Told {
+    fn head(&self, py: Python<'_>) -> PoseTuple {
         py.detach(|| told(&self.lock().scene.character.head()))
     }
 
-    /// The names of the body's shapes.
+    /// Names of the character's blend shapes.
     #[getter]
     fn shapes(&self, py: Python<'_>) -> Vec<String> {
         py.detach(|| {
@@ -404,13 +429,13 @@ impl Simulation {
         })
     }
 
-    /// The settings that it has now.
+    /// Current settings.
     #[getter]
     fn settings(&self, py: Python<'_>) -> settings::Settings {
         settings::Settings(py.detach(|| self.lock().settings.clone()))
     }
 
-    /// Bytes of GPU memory that the hair takes.
+    /// GPU memory of the hair, bytes.
     #[getter]
     fn bytes(&self, py: Python<'_>) -> u64 {
         py.detach(|| self.lock().scene.facts().bytes)
@@ -437,32 +462,32 @@ impl Simulation {
     }
 }
 
-/// How pictures of `size` are sampled.
+/// Returns the image quality for frames of `size` pixels.
 fn sampled(settings: &Values, size: [u32; 2], gpu: &Gpu) -> anyhow::Result<Quality> {
     let most = gpu.context.tier().max_samples;
     let quality = settings.quality(size, most)?;
     ensure!(
         quality.view.samples <= most,
-        "{} samples per pixel, but {} offers at most {most}",
+        "edges.samples is {}, but {} supports at most {most}",
         quality.view.samples,
         gpu.info.name
     );
     Ok(quality)
 }
 
-/// The size of a picture.
+/// Checks the size of a frame.
 fn sized((width, height): (u32, u32)) -> PyResult<[u32; 2]> {
     if width == 0 || height == 0 {
-        return Err(TressesError::new_err(format!("a picture of {width} x {height} pixels has none")));
+        return Err(TressesError::new_err(format!("size is {width} x {height}, but both must be above 0")));
     }
     Ok([width, height])
 }
 
-/// `settings` for hair that is there already.
+/// Checks that `settings` keep the strands of an existing groom.
 fn settings_of_groom(settings: Values, groom: &Groom) -> PyResult<Values> {
     settings.check().map_err(raised)?;
     if settings.changes(&groom.settings).regrow {
-        return Err(TressesError::new_err("these settings make other strands: give them to the Groom"));
+        return Err(TressesError::new_err("these settings change the strands: give them to the Groom"));
     }
     Ok(settings)
 }

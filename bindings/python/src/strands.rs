@@ -1,4 +1,4 @@
-//! Strands: lines of any number of vertices, with widths and colours.
+//! Strands: polylines with widths and colors.
 
 use crate::{
     TressesError,
@@ -17,22 +17,22 @@ use pyo3::{
 use std::path::PathBuf;
 use tresses::groom::{self, MAX_VERTICES, export::Writer, lint, orient::Unit};
 
-/// Strands of hair: lines, root first.
+/// Hair strands as polylines, root first.
 ///
-/// Metres, right-handed, Y up, the face towards +Z.
+/// Coordinates are meters, right-handed, Y up, face toward +Z.
 ///
 /// Parameters
 /// ----------
 /// positions : array [n, v, 3] or [all, 3]
-///     Vertices, metres; flat ones take offsets.
+///     Vertices, meters. The flat form requires `offsets`.
 /// offsets : array of int [n + 1], optional
 ///     Strand ``i`` has the vertices ``offsets[i]`` to ``offsets[i + 1]``.
 /// widths : number, or array [n, v] or [all], optional
-///     Diameters, metres.
+///     Diameters, meters.
 /// colors : array [3], [n, v, 3] or [all, 3], optional
 ///     Linear sRGB.
 /// root_uvs : array [n, 2], optional
-///     Where each grows, in texture coordinates of the scalp.
+///     Texture coordinates of the roots on the scalp.
 #[pyclass(frozen, module = "tresses")]
 pub struct Strands(pub groom::Strands);
 
@@ -51,7 +51,7 @@ impl Strands {
         let count = positions.len();
         if count as u64 > MAX_VERTICES {
             return Err(TressesError::new_err(format!(
-                "there are {count} vertices, but at most {MAX_VERTICES} fit"
+                "there are {count} vertices, but at most {MAX_VERTICES} are supported"
             )));
         }
         let offsets = match (offsets, &shape[..]) {
@@ -76,7 +76,7 @@ impl Strands {
         Ok(Self(strands))
     }
 
-    /// Strands of a list of arrays [v, 3], which may differ in v.
+    /// Create strands from a list of arrays [v, 3]; v may differ.
     #[staticmethod]
     fn of(lines: &Bound<'_, PyAny>) -> PyResult<Self> {
         let mut strands = groom::Strands { offsets: vec![0], ..Default::default() };
@@ -86,28 +86,31 @@ impl Strands {
                 return Err(TressesError::new_err("each strand must be an array [v, 3]"));
             }
             if (strands.positions.len() + line.len()) as u64 > MAX_VERTICES {
-                return Err(TressesError::new_err(format!("there are more than {MAX_VERTICES} vertices")));
+                return Err(TressesError::new_err(format!(
+                    "there are more than {MAX_VERTICES} vertices, which is the limit"
+                )));
             }
             strands.push(&line);
         }
         Ok(Self(strands))
     }
 
-    /// Writes a file, whose ending says the format (`formats()["written"]`).
+    /// Write a file. Its extension selects the format, one of ``formats()["written"]``.
     ///
     /// Parameters
     /// ----------
     /// file : path
-    ///     Replaced if there is one.
+    ///     File to create or replace.
     /// unit : str, optional
-    ///     The unit of the file, for formats that can be in any (``formats()["any_unit"]``): ``"cm"`` for Unreal and Maya.
+    ///     Unit of the file, such as ``"cm"`` for Unreal and Maya, for the formats in ``formats()["any_unit"]``.
     /// oriented : bool
-    ///     Whether the file says that it is in metres, Y up, face towards +Z; False for strands that are not.
+    ///     Whether the file declares meters, Y up, face toward +Z. Set it to False for strands with other axes or
+    ///     units.
     ///
     /// Returns
     /// -------
     /// list of str
-    ///     What the format has no place for.
+    ///     Data that the format cannot store.
     #[pyo3(signature = (file, *, unit=None, oriented=true))]
     fn write(
         &self,
@@ -129,15 +132,19 @@ impl Strands {
         .map_err(raised)
     }
 
-    /// What is odd about them, the worst first: a list of Finding. With the head they grow on also roots that are not on it.
+    /// Check the strands and return a list of Finding, the most severe first. `head`, the mesh they grow on, also
+    /// enables checks for roots that are off the head.
     #[pyo3(signature = (head=None))]
     fn lint(&self, py: Python<'_>, head: Option<&Mesh>) -> PyResult<Vec<Py<Finding>>> {
         let report = py.detach(|| lint::check(&self.0, head.map(|head| &head.0)));
         Finding::all(py, &report)
     }
 
-    /// The same without what cannot be used: strands without length or of one vertex, numbers that are not finite, vertices
-    /// that repeat, more vertices than can be drawn. Returns the strands and a dict of what was done.
+    /// Return repaired strands and a dict of counts.
+    ///
+    /// The repair removes repeated vertices and vertices that are not finite, drops strands without length or with a
+    /// single vertex, and resamples strands with more vertices than can be drawn. The counts are ``dropped_strands``,
+    /// ``merged_vertices`` (all removed vertices) and ``resampled_strands``.
     fn repaired<'py>(&self, py: Python<'py>) -> PyResult<(Self, Bound<'py, PyDict>)> {
         let (strands, done) = py.detach(|| {
             let mut strands = self.0.clone();
@@ -151,13 +158,14 @@ impl Strands {
         Ok((Self(strands), dict))
     }
 
-    /// Vertices of all strands, one after the other, metres: float32 [all, 3].
+    /// Vertices of all strands, concatenated, meters: float32 [all, 3].
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         points(py, &self.0.positions)
     }
 
-    /// Strand ``i`` has the vertices ``offsets[i]`` to ``offsets[i + 1]``: int64 [n + 1].
+    /// Offsets of the strands in `positions`: strand ``i`` has the vertices ``offsets[i]`` to ``offsets[i + 1]``. int64
+    /// [n + 1].
     #[getter]
     fn offsets<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<i64>>> {
         let offsets: Vec<_> = self.0.offsets.iter().map(|offset| i64::from(*offset)).collect();
@@ -165,7 +173,7 @@ impl Strands {
         array(py, &[offsets.len()], offsets)
     }
 
-    /// Diameters at the vertices, metres: float32 [all], or None.
+    /// Diameters at the vertices, meters: float32 [all], or None.
     #[getter]
     fn widths<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f32>>>> {
         let widths: Vec<f32> = self.0.radii.iter().map(|radius| 2.0 * radius).collect();
@@ -178,31 +186,32 @@ impl Strands {
         (!self.0.colors.is_empty()).then(|| points(py, &self.0.colors)).transpose()
     }
 
-    /// Where each grows, in texture coordinates of the scalp: float32 [n, 2], or None.
+    /// Texture coordinates of the roots on the scalp: float32 [n, 2], or None.
     #[getter]
     fn root_uvs<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f32>>>> {
         let uvs = &self.0.root_uvs;
         (!uvs.is_empty()).then(|| floats(py, &[uvs.len(), 2], uvs)).transpose()
     }
 
-    /// Lengths along the segments, metres: float32 [n].
+    /// Lengths of the polylines, meters: float32 [n].
     #[getter]
     fn lengths<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         array(py, &[self.0.len()], (0..self.0.len()).map(|i| self.0.length(i)).collect())
     }
 
-    /// Vertices of strands that all have as many, metres: float32 [n, v, 3]. TressesError where they have not.
+    /// Return the vertices as float32 [n, v, 3], meters. Raises TressesError if strands differ in their number of
+    /// vertices.
     fn grid<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let strands = &self.0;
         let each = strands.iter().next().map_or(0, <[_]>::len);
         if strands.iter().any(|strand| strand.len() != each) {
-            let why = "the strands differ in their numbers of vertices: use positions and offsets";
+            let why = "strands differ in their number of vertices: use positions and offsets";
             return Err(TressesError::new_err(why));
         }
         floats(py, &[strands.len(), each, 3], &strands.positions)
     }
 
-    /// A list of arrays [v, 3].
+    /// Return the strands as a list of arrays [v, 3].
     fn lines<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         let lines: Vec<_> = self.0.iter().map(|strand| points(py, strand)).collect::<PyResult<_>>()?;
         PyList::new(py, lines)
@@ -216,8 +225,9 @@ impl Strands {
         let count = self.0.len();
         let place = if index < 0 { index.checked_add_unsigned(count) } else { Some(index) };
         let place = place.and_then(|i| usize::try_from(i).ok()).filter(|i| *i < count);
-        let place =
-            place.ok_or_else(|| PyIndexError::new_err(format!("there are {count} strands, no {index}")))?;
+        let place = place.ok_or_else(|| {
+            PyIndexError::new_err(format!("index {index} is out of range: there are {count} strands"))
+        })?;
         points(py, self.0.strand(place))
     }
 
@@ -226,33 +236,34 @@ impl Strands {
     }
 }
 
-/// Offsets of strands among `count` vertices.
+/// Checks the offsets of strands among `count` vertices.
 fn checked(offsets: Vec<i64>, count: usize) -> PyResult<Vec<u32>> {
     let fit = offsets.first() == Some(&0)
         && offsets.last().is_some_and(|last| usize::try_from(*last).is_ok_and(|last| last == count))
         && offsets.windows(2).all(|pair| pair[0] <= pair[1]);
     if !fit {
-        let why =
-            format!("offsets must begin with 0, never fall, and end with {count}, the number of vertices");
+        let why = format!(
+            "offsets must begin with 0, never decrease, and end with {count}, the number of vertices"
+        );
         return Err(TressesError::new_err(why));
     }
     Ok(offsets.into_iter().map(|offset| offset as u32).collect())
 }
 
-/// One thing that is odd about a groom.
+/// A problem that `Strands.lint` or `read` found in a groom.
 #[pyclass(frozen, get_all, module = "tresses")]
 pub struct Finding {
-    /// What, in words.
+    /// Kind of problem, in words.
     pub kind: &'static str,
     /// ``"note"``, ``"warning"`` or ``"error"``.
     pub severity: &'static str,
-    /// How often.
+    /// Number of occurrences.
     pub count: usize,
-    /// The first strand it is about, where it is about strands.
+    /// Index of the first affected strand, or None.
     pub first_strand: Option<usize>,
-    /// What it means here.
+    /// Meaning of the problem in this groom.
     pub detail: String,
-    /// What is done about it.
+    /// How the importer handles it.
     pub action: String,
 }
 
@@ -264,7 +275,7 @@ impl Finding {
 }
 
 impl Finding {
-    /// Those of a report.
+    /// Converts the findings of a report.
     pub fn all(py: Python<'_>, report: &lint::Report) -> PyResult<Vec<Py<Self>>> {
         let one = |finding: &lint::Finding| {
             let lint::Finding { kind, severity, count, first_strand, detail, action } = finding;

@@ -1,4 +1,4 @@
-//! Long work: without the interpreter's lock, with a callback that hears of it, and until somebody presses Ctrl-C.
+//! Long operations: they release the GIL, report progress to a callback, and stop on Ctrl-C.
 
 use crate::raised;
 use pyo3::prelude::*;
@@ -11,11 +11,11 @@ use std::{
 };
 use tresses::Progress;
 
-/// How often signals are looked for and the callback hears of one and the same task.
+/// Interval between checks for signals, and between progress callbacks for the same task.
 const PACE: Duration = Duration::from_millis(50);
 
-/// Who is told of work, and what ended it before it was done.
-pub struct Teller {
+/// Reports progress to the callback, and stores the exception that interrupted the work.
+pub struct ProgressCallback {
     callback: Option<Py<PyAny>>,
     state: Mutex<State>,
 }
@@ -26,13 +26,13 @@ struct State {
     failed: Option<PyErr>,
 }
 
-impl Teller {
+impl ProgressCallback {
     fn state(&self) -> MutexGuard<'_, State> {
-        // A panic elsewhere leaves values that are still true.
+        // The state stays valid even after a panic in another thread.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Tells the callback and looks for signals; whether the work is to go on.
+    /// Calls the callback and checks for signals. Returns whether the work should continue.
     fn tell(&self, task: &'static str, fraction: f32) -> bool {
         {
             let mut state = self.state();
@@ -53,7 +53,7 @@ impl Teller {
         self.keep(told)
     }
 
-    /// Looks for signals.
+    /// Checks for signals.
     pub fn look(&self) -> PyResult<()> {
         Python::attach(|py| py.check_signals())
     }
@@ -69,10 +69,10 @@ impl Teller {
     }
 }
 
-impl Progress for Teller {
+impl Progress for ProgressCallback {
     async fn step(&self, task: &'static str, fraction: f32) {
         if !self.tell(task, fraction) {
-            // Whoever polls the work finds out why it waits, and drops it.
+            // `run` sees the error while this future is pending, and drops the work.
             std::future::pending::<()>().await;
         }
     }
@@ -86,16 +86,15 @@ impl Wake for Unpark {
     }
 }
 
-/// Does `work` to its end without the interpreter's lock; `callback` is told of it: a task in words, and how much of it is
-/// done, 0 to 1.
+/// Runs `work` to completion without the GIL. `callback` receives the current task in words and its fraction, 0 to 1.
 pub fn run<T: Send>(
     py: Python<'_>,
     callback: Option<Py<PyAny>>,
-    work: impl AsyncFnOnce(&Teller) -> anyhow::Result<T> + Send,
+    work: impl AsyncFnOnce(&ProgressCallback) -> anyhow::Result<T> + Send,
 ) -> PyResult<T> {
     py.detach(|| {
         let state = State { task: "", told: None, failed: None };
-        let teller = Teller { callback, state: Mutex::new(state) };
+        let teller = ProgressCallback { callback, state: Mutex::new(state) };
         let mut future = pin!(work(&teller));
         let waker = Waker::from(Arc::new(Unpark(thread::current())));
         loop {

@@ -1,4 +1,4 @@
-"""What tests share: a small groom, and the command to compare with."""
+"""Shared fixtures: a small groom, and the command line to compare with."""
 
 import os
 import subprocess
@@ -7,7 +7,7 @@ import pytest
 
 import tresses
 
-# Full detail, as arrays have it.
+# Full detail, so that renders match the arrays.
 SETTINGS = {"style.strands": 400, "lod.mode": "off"}
 
 
@@ -23,7 +23,7 @@ def sim(groom):
 
 @pytest.fixture(scope="session")
 def command():
-    """Runs the command `tresses`, whose program TRESSES_COMMAND names."""
+    """Return a function that runs the `tresses` program named by TRESSES_COMMAND."""
     program = os.environ["TRESSES_COMMAND"]
 
     def run(*words):

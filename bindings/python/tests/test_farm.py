@@ -1,4 +1,4 @@
-"""Plans, their shards, and workers that are killed."""
+"""Plans, schedules, shards, and recovery from killed workers."""
 
 import io
 import json
@@ -52,7 +52,7 @@ elevation = 10
 
 @pytest.fixture(scope="session")
 def small(tmp_path_factory):
-    """The plan, and what one worker made of it."""
+    """Return the plan and the output of a single worker."""
     folder = tmp_path_factory.mktemp("farm")
     file = folder / "small.toml"
     file.write_text(SMALL)
@@ -68,18 +68,18 @@ def command(*words, **more):
 
 
 def contents(folder):
-    """All that a run leaves and that is the same each time."""
+    """Return the files of a run that must be bit-identical between runs."""
     files = [folder / "manifest.json", *sorted((folder / "shards").iterdir())]
     return {file.name: file.read_bytes() for file in files}
 
 
 def arrays(files):
-    """The arrays of a sample."""
+    """Return the arrays of a sample."""
     return {ending[:-4]: np.load(io.BytesIO(data)) for ending, data in files.items() if ending.endswith(".npy")}
 
 
 def killed_in_the_midst(plan, out, **words):
-    """Runs two workers, of which the first is killed while it writes shard 0; what was told."""
+    """Run two workers and kill the first while it writes shard 0. Return the progress messages."""
     told = []
 
     def kill(process):
@@ -101,7 +101,7 @@ def killed_in_the_midst(plan, out, **words):
 # Plans
 
 
-def test_a_plan_is_spread_out(small):
+def test_plan_expands_into_shots(small):
     plan, _ = small
     assert len(plan.shots) == 4 and len(plan.shards) == 8 and [c.name for c in plan.cameras] == ["front", "around"]
     assert [shot.name for shot in plan.shots][:2] == ["bob shading.color=red shake", "bob shading.color=red nod"]
@@ -111,7 +111,7 @@ def test_a_plan_is_spread_out(small):
     assert farm.parse(SMALL).fingerprint != farm.parse(SMALL.replace("seed = 5", "seed = 6")).fingerprint
 
 
-def test_what_is_added_leaves_shots_as_they_were():
+def test_additions_keep_existing_shots():
     before = {shot.name: (shot.seed, shot.settings) for shot in farm.parse(SMALL).shots}
     more = SMALL.replace('["red"', '["blond", "red"').replace('motions = [', 'motions = ["turn", ')
     after = {shot.name: (shot.seed, shot.settings) for shot in farm.parse(more).shots}
@@ -120,7 +120,7 @@ def test_what_is_added_leaves_shots_as_they_were():
     assert other.keys() == before.keys() and not any(other[name] == before[name] for name in other)
 
 
-def test_draws_are_spread_over_their_ranges():
+def test_draws_cover_their_ranges():
     plan = farm.parse(
         'frames = 1\ndraws = 400\nsettings.style.strands = 9\n[draw]\nwind.speed = { from = 2, to = 8 }\n'
         'style.seed = { from = 0, to = 3 }\n"shading.color" = ["red", "black"]\n'
@@ -138,7 +138,7 @@ def test_draws_are_spread_over_their_ranges():
 @pytest.mark.parametrize(
     "lines, sentence",
     [
-        ("frames = ", "is no TOML"),
+        ("frames = ", "is not valid TOML"),
         ("", "frames is missing"),
         ("frames = 0", "frames is 0, but must be from 1"),
         ("frames = true", "frames is True, but must be a whole number"),
@@ -158,37 +158,37 @@ def test_draws_are_spread_over_their_ranges():
         ("frames = 2\nsweep.wind.speed = 3", "sweep: wind.speed is 3, but must be a list"),
         ("frames = 2\nsweep.wind.speed = [3, 3]", "sweep: wind.speed has 3 twice"),
         ("frames = 2\nsweep.wind.speed = [3, 1e9]", "sweep: .*wind.speed"),
-        ("frames = 2\nsweep.wind.speed = [3]\ndraw.wind.speed = [4]", "draw: wind.speed is in .sweep. too"),
+        ("frames = 2\nsweep.wind.speed = [3]\ndraw.wind.speed = [4]", "draw: wind.speed is also in .sweep."),
         ("frames = 2\ndraw.wind.speed = { from = 4 }", "draw: wind.speed.to"),
         ("frames = 2\ndraw.wind.speed = { from = 4, to = 2 }", "from 4 down to 2"),
         ("frames = 2\ndraw.wind.speed = { from = 0, to = 2, log = true }", "log"),
         ("frames = 2\ndraw.wind.speed = { from = 0, to = 1e9 }", "draw: wind.speed.to is 1000000000.0, but must be"),
         ("frames = 2\ndraw.shading.color = { from = 0, to = 1 }", "draw: shading.color"),
-        ("frames = 2\ndraws = 3", "nothing is drawn"),
-        ("frames = 1000000\ndraws = 1000000\ndraw.wind.speed = [1, 2]", "may have"),
-        ('frames = 2\n[[groom]]\nstyle = "mohawk"', r"groom\[0\].style is mohawk; there are long"),
+        ("frames = 2\ndraws = 3", "nothing is random"),
+        ("frames = 1000000\ndraws = 1000000\ndraw.wind.speed = [1, 2]", "the limit is"),
+        ('frames = 2\n[[groom]]\nstyle = "mohawk"', r"groom\[0\].style is mohawk, but must be one of long"),
         ('frames = 2\n[[groom]]\nfile = "none.tfx"', r"groom\[0\].file: .*none.tfx"),
         ('frames = 2\n[[groom]]\nstyle = "bob"\nhead = "x.obj"', r"groom\[0\].head is unknown"),
-        ('frames = 2\n[[groom]]\nstyle = "bob"\nties = "x.json"', r"groom\[0\].ties: there is no .*x.json"),
+        ('frames = 2\n[[groom]]\nstyle = "bob"\nties = "x.json"', r"groom\[0\].ties: .*x.json does not exist"),
         ('frames = 2\n[[groom]]\nstyle = "bob"\n[[groom]]\nstyle = "bob"', "two grooms called bob"),
         ("frames = 2\n[[groom]]", "style, file or preset"),
         ('frames = 2\n[[camera]]\nname = "a.b"', r"camera\[0\].name"),
-        ('frames = 2\n[[camera]]\nname = "a"', "one of angle"),
+        ('frames = 2\n[[camera]]\nname = "a"', "one of: angle"),
         ('frames = 2\n[[camera]]\nname = "a"\neye = [0, 1, 2]', "target"),
         ('frames = 2\n[[camera]]\nname = "a"\neye = [0, 1]', r"camera\[0\].eye"),
-        ('frames = 2\n[[camera]]\nname = "front"\nelevation = 3', r"camera\[0\].elevation says nothing"),
+        ('frames = 2\n[[camera]]\nname = "front"\nelevation = 3', r"camera\[0\].elevation does not apply"),
         ('frames = 2\n[[camera]]\nname = "front"\n[[camera]]\nname = "front"', "two cameras called front"),
         ('frames = 2\n[[look]]\nname = "a"\n[look.settings]\nwind.speed = 1e9', r"look\[0\].settings: "),
         ("frames = 2\ncamera = 3", r"camera is 3, but must be tables"),
     ],
 )
-def test_a_plan_that_makes_no_sense_is_refused_in_one_sentence(lines, sentence):
+def test_invalid_plans_fail_with_one_sentence(lines, sentence):
     with pytest.raises(farm.PlanError, match=sentence) as caught:
         farm.parse(lines)
     assert "\n" not in str(caught.value)
 
 
-def test_a_broken_groom_ends_it_before_anything_is_written(tmp_path):
+def test_broken_groom_fails_before_writing(tmp_path):
     (tmp_path / "hair.tfx").write_bytes(b"\1\0\0\0" * 40)
     (tmp_path / "plan.toml").write_text('frames = 2\n[[groom]]\nfile = "hair.tfx"\n')
     ended = command(tmp_path / "plan.toml", "--out", tmp_path / "out")
@@ -198,23 +198,23 @@ def test_a_broken_groom_ends_it_before_anything_is_written(tmp_path):
     for words, code, clause in [
         (["--dry-run"], 0, "1 shots of 2 frames"),
         (["--simulate", "1,2"], 2, "costs.json"),
-        (["--simulate", "1,many"], 2, "many is no whole number"),
+        (["--simulate", "1,many"], 2, "many is not a whole number"),
         (["--verify"], 1, "no manifest"),
     ]:
         ended = command(tmp_path / "plan.toml", "--out", tmp_path / "out", *words)
         assert ended.returncode == code and clause in ended.stdout + ended.stderr, ended
     assert not (tmp_path / "out").exists()
     assert command(tmp_path / "none.toml").returncode == 2
-    # A folder that holds something else stays as it is.
+    # A folder with other contents is left alone.
     ended = command(tmp_path / "plan.toml", "--out", tmp_path)
-    assert ended.returncode == 1 and "holds something else" in ended.stderr
+    assert ended.returncode == 1 and "contains other files" in ended.stderr
 
 
 # Schedules
 
 
 def played(runs, workers, lose=()):
-    """The order in which shards are done by workers who all take one second."""
+    """Simulate workers that take one second per shard. Return the order of the shards and the total time."""
     places = [(shot, i) for shot, run in enumerate(runs) for i in range(len(run))]
     order, asked = [], schedule.Schedule(runs, places)
     now = {worker: asked.take(worker) for worker in range(workers)}
@@ -230,22 +230,22 @@ def played(runs, workers, lose=()):
     raise AssertionError("it never ends")
 
 
-def test_no_shard_is_lost_or_doubled():
+def test_every_shard_is_done_once():
     runs = [list(range(8 * shot, 8 * shot + 8)) for shot in range(5)]
     for workers in (1, 2, 3, 7, 40, 64):
         for lose in ((), {(0, 0)}, {(1, 0), (1, 1), (3, 0)}, {(turn, 0) for turn in range(9)}):
             order, turns = played(runs, workers, lose)
             assert sorted(order) == list(range(40)), (workers, lose)
             if not lose:
-                # Hardly anybody waits while there is something to be taken.
+                # Workers hardly ever wait while shards are left.
                 assert turns <= 40 / workers + 4
     assert played(runs, 1)[0] == list(range(40))
-    # A shard that is doubled is seen.
+    # The check detects a duplicate shard.
     twice, _ = played([[0, 1], [1, 2]], 2)
     assert sorted(twice) != [0, 1, 2]
 
 
-def test_what_is_taken_from_another_is_worth_its_steps():
+def test_taken_shards_account_for_repeated_steps():
     places = [(0, i) for i in range(20)]
 
     def taken(again, done=1):
@@ -254,10 +254,10 @@ def test_what_is_taken_from_another_is_worth_its_steps():
             asked.take("first")
         return asked.take("second")
 
-    # Half where steps cost nothing, less where they cost more, nothing where they cost what all costs.
+    # Take half if steps are free, less if they cost more, and nothing if they are the whole cost.
     assert taken(0.0) == 10 and 10 < taken(0.3) < taken(0.6) < 20 and taken(1.0) is None
     assert taken(0.3, 20) is None
-    # Who stands in the shot already has less to simulate.
+    # A worker that is already in the shot has fewer steps to repeat.
     asked = schedule.Schedule([list(range(10)), list(range(10, 20))], [(i // 10, i % 10) for i in range(20)], 0.3)
     for worker in range(3):
         asked.take(worker)
@@ -269,24 +269,24 @@ def test_what_is_taken_from_another_is_worth_its_steps():
 # Shards
 
 
-def test_the_same_plan_gives_the_same_bytes_after_a_killed_worker(small, tmp_path):
+def test_output_is_identical_after_a_killed_worker(small, tmp_path):
     plan, whole = small
     told = killed_in_the_midst(plan, tmp_path / "killed")
-    assert any("is lost with shard 0" in line for line in told), told
+    assert any("was lost with shard 0" in line for line in told), told
     there, again = contents(whole), contents(tmp_path / "killed")
     assert again == there
-    assert farm.verify(tmp_path / "killed") == "8 shards with 32 samples are what the manifest says"
-    # Another seed gives other bytes.
+    assert farm.verify(tmp_path / "killed") == "8 shards with 32 samples match the manifest"
+    # Another seed changes the output.
     other = farm.parse(SMALL.replace("seed = 5", "seed = 6").replace('"shake", ', ""))
     farm.run(other, tmp_path / "other", tell=lambda line: None)
     assert not set(contents(tmp_path / "other").values()) & set(there.values())
 
 
-def test_a_run_goes_on_where_it_ended(small, tmp_path):
+def test_interrupted_run_resumes(small, tmp_path):
     plan, whole = small
     file, out = tmp_path / "plan.toml", tmp_path / "out"
     file.write_text(SMALL)
-    # In the background of a shell nobody hears of Ctrl-C, nor does what is started there.
+    # Shells ignore Ctrl-C in background jobs, and child processes inherit that. Restore the default handler.
     heard = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         driver = subprocess.Popen(
@@ -301,21 +301,21 @@ def test_a_run_goes_on_where_it_ended(small, tmp_path):
     driver.send_signal(signal.SIGINT)
     _, told = driver.communicate(timeout=30)
     assert driver.returncode == 130 and time.monotonic() - began < 5, told
-    assert "goes on from the shards" in told and "Traceback" not in told, told
+    assert "resume from the shards" in told and "Traceback" not in told, told
     there = len(list(out.glob("records/*.json")))
     assert 0 < there < 8 and not (out / "manifest.json").exists()
     ended = command(file, "--out", out, "--workers", 2)
-    assert ended.returncode == 0 and "of 8 shards are there already" in ended.stderr, ended.stderr
+    assert ended.returncode == 0 and "of 8 shards are done already" in ended.stderr, ended.stderr
     assert contents(out) == contents(whole)
-    # Once more: nothing is drawn.
-    assert "all 8 shards are there" in command(file, "--out", out).stderr
-    # Another plan is not mixed into it.
+    # A second run renders nothing.
+    assert "all 8 shards are done" in command(file, "--out", out).stderr
+    # A folder rejects another plan.
     file.write_text(SMALL.replace("seed = 5", "seed = 6"))
     ended = command(file, "--out", out)
-    assert ended.returncode == 1 and "holds another plan" in ended.stderr
+    assert ended.returncode == 1 and "contains another plan" in ended.stderr
 
 
-def test_damage_is_found(small, tmp_path):
+def test_verify_detects_damage(small, tmp_path):
     import shutil
 
     _, whole = small
@@ -325,15 +325,15 @@ def test_damage_is_found(small, tmp_path):
     data = bytearray(shard.read_bytes())
     data[5000] ^= 1
     shard.write_bytes(data)
-    with pytest.raises(farm.FolderError, match="000003.tar is not what the manifest says"):
+    with pytest.raises(farm.FolderError, match="000003.tar does not match the manifest"):
         farm.verify(out)
     shard.unlink()
     with pytest.raises(farm.FolderError, match="000003.tar"):
         farm.verify(out)
 
 
-def test_pictures_are_those_of_a_simulation(small):
-    """What a worker draws is what the package draws, and says of it."""
+def test_samples_match_a_direct_simulation(small):
+    """A worker's samples equal direct renders, and their metadata is correct."""
     plan, whole = small
     shot = plan.shots[1]
     sim = tresses.Simulation(tresses.Groom.built_in("bob", shot.settings))
@@ -354,7 +354,7 @@ def test_pictures_are_those_of_a_simulation(small):
     told = json.loads(files["json"])
     assert told["seed"] == shot.seed and told["settings"] == shot.settings and told["time"] == pytest.approx(0.1)
     assert np.array_equal(told["view"], sim.camera("front", (64, 40))["view"])
-    # The camera that was drawn is another one for another shot, and hair is in its picture.
+    # Random cameras differ between shots and see the hair.
     views = {json.loads(files["json"])["seed"]: np.array(json.loads(files["json"])["view"])
              for shard in (1, 3) for key, files in shards.read(whole / "shards" / f"{shard:06}.tar") if "around" in key}
     one, other = views.values()
@@ -362,8 +362,8 @@ def test_pictures_are_those_of_a_simulation(small):
     assert (arrays(samples["000001-000003-around"])["strand"] >= 0).sum() > 60
 
 
-def test_motion_is_that_of_one_camera(groom):
-    """Against `render`, which knows it of one camera from picture to picture."""
+def test_motion_matches_render_with_one_camera(groom):
+    """Compare with `render`, which measures motion from frame to frame of one camera."""
     size = (160, 120)
     text = SMALL.replace("[64, 40]", "[160, 120]").replace("style.strands = 200\nstyle.guides = 60", "style.strands = 400")
     plan = farm.parse(text.replace('"nod"', '"turn"'))
@@ -380,18 +380,18 @@ def test_motion_is_that_of_one_camera(groom):
             step = round(sim.time * 60) + 1
             sim.step(1 / 60, **shake.at(step / 60, sim.pivot))
         theirs = sim.render("front", size, ["motion", "share", "coverage"])
-        # Where hardly another strand is seen; `render` has the mean of all.
+        # Compare pixels with a single visible strand, because `render` averages over all strands.
         sure = (theirs["coverage"] > 0.02) & (theirs["share"] > 0.9 * theirs["coverage"])
         assert np.isnan(mine).all() == (frame == 0)
         if frame:
             far.append(np.abs(mine - theirs["motion"])[sure])
     far, length = np.concatenate(far), np.abs(theirs["motion"][sure])
     assert sure.sum() > 300 and length.max() > 1 and np.quantile(far, 0.9) < 0.05, np.quantile(far, 0.9)
-    # The comparer sees another camera.
+    # The comparison detects another camera.
     assert np.nanquantile(np.abs(around - theirs["motion"])[sure], 0.9) > 0.2
 
 
-def test_readers_of_data_sets_read_it(small):
+def test_webdataset_reads_shards(small):
     wds = pytest.importorskip("webdataset", reason="webdataset is not installed")
     plan, whole = small
     urls = f"{whole}/shards/{{000000..000007}}.tar"
@@ -402,7 +402,7 @@ def test_readers_of_data_sets_read_it(small):
         assert sample["json"]["camera"] in ("front", "around")
 
 
-def test_compressed_shards_hold_the_same(small, tmp_path):
+def test_compressed_shards_have_equal_contents(small, tmp_path):
     plan, whole = small
     text = SMALL.replace("seed = 5", "seed = 5\ncompress = true").replace('["red", "black"]', '["red"]')
     farm.run(farm.parse(text), tmp_path / "out", tell=lambda line: None)
@@ -412,14 +412,14 @@ def test_compressed_shards_hold_the_same(small, tmp_path):
     assert packed.stat().st_size < 0.7 * (whole / "shards" / "000003.tar").stat().st_size
 
 
-def test_shots_that_are_refused_are_left_out(tmp_path):
-    """A groom whose maps turn out to be none when hair is grown."""
+def test_failed_shots_are_left_out(tmp_path):
+    """The density map turns out to be invalid when the groom is grown."""
     (tmp_path / "thin.png").write_bytes(b"none")
     text = 'frames = 1\nsize = [32, 32]\nsettings.style.strands = 50\n[[groom]]\nstyle = "bob"\n[[groom]]\nstyle = "short"\n'
     told = []
-    with pytest.raises(farm.FolderError, match="1 of 2 shots were left out"):
+    with pytest.raises(farm.FolderError, match="1 of 2 shots failed"):
         farm.run(farm.parse(text + 'density_map = "thin.png"\n', tmp_path), tmp_path / "out", tell=told.append)
-    assert any(re.search(r"shot 1 \(short still\) is left out: .*thin.png", line) for line in told), told
+    assert any(re.search(r"shot 1 \(short still\) failed: .*thin.png", line) for line in told), told
     assert len(list((tmp_path / "out" / "shards").iterdir())) == 1 and not (tmp_path / "out" / "manifest.json").exists()
 
 
@@ -427,7 +427,7 @@ def test_shots_that_are_refused_are_left_out(tmp_path):
 
 
 class Played:
-    """An engine without workers: what comes of a shard is said by `answer`."""
+    """An engine without workers. `answer` returns the event for each shard."""
 
     name, seconds = "played", 0.0
 
@@ -473,7 +473,7 @@ def driven(plan, out, answer):
     return told
 
 
-def test_a_shard_that_kills_its_workers_ends_the_run(small, tmp_path):
+def test_run_fails_if_a_shard_kills_its_workers(small, tmp_path):
     plan, _ = small
 
     def done(worker, shard):
@@ -490,7 +490,7 @@ def test_a_shard_that_kills_its_workers_ends_the_run(small, tmp_path):
     with pytest.raises(farm.FolderError, match="worker 0: the disk is full"):
         driven(plan, tmp_path / "full", lambda worker, shard: ("broken", worker, "the disk is full"))
     told = driven(plan, tmp_path / "cards", done)
-    # A worker is lost when nothing is left for the others, and no other one can be started.
+    # A worker is lost when no other shards are left, and its replacement never starts.
     lost = []
 
     def late(worker, shard):
@@ -500,55 +500,56 @@ def test_a_shard_that_kills_its_workers_ends_the_run(small, tmp_path):
         return done(worker, shard)
 
     assert any("shard 0 (its machine is off)" in line for line in driven(plan, tmp_path / "off", late))
-    assert "3 adapters took part, whose bits may differ: card 0, card 1, card 2" in told
+    assert "3 adapters took part, so samples may not be bit-identical: card 0, card 1, card 2" in told
 
 
-def test_a_forecast_is_the_sum_of_its_costs(small):
+def test_forecast_sums_costs(small):
     plan, whole = small
     each = {"grooms": 3.0, "shots": 0.25, "steps": 0.5, "pictures": 1.0}
     costs = forecast.Costs(each, start=2.0, dispatch=0.01, shots={}, told="")
-    # Four shots of six steps and eight pictures; all have the same strands.
+    # Four shots of six steps and eight images; all use the same groom.
     by_hand = 2 + 8 * 0.01 + 4 * (0.25 + 6 * 0.5 + 8 * 1.0)
     assert forecast.forecast(plan, costs, 1).seconds == pytest.approx(by_hand + 3)
     rows = [forecast.forecast(plan, costs, workers) for workers in (1, 2, 4, 8, 64)]
     assert all(one.seconds >= more.seconds for one, more in zip(rows, rows[1:]))
     assert rows[0].again == 0 and rows[3].again > 0 and rows[4].idle > 0.8
-    # No more than there are shards, and no faster than a shard at a shot's end with all steps before it.
+    # Workers beyond the number of shards do not help. The lower bound is a shard at the end of a shot with all steps
+    # before it.
     assert rows[4].seconds == pytest.approx(rows[3].seconds)
     assert rows[4].seconds >= 2 + 3 + 6 * 0.5 + 4 * 1.0
     measured = forecast.read(whole / "costs.json")
     assert all(measured.of(shot.name)[kind] > 0 for shot in plan.shots for kind in ("shots", "steps", "pictures"))
-    # The first shard made the one groom, and compiled what all need.
+    # The first shard includes growing the groom and the one-time compilation.
     assert measured.start > 0.3
 
 
-def test_without_ray_a_sentence_says_how_to_get_it(small, tmp_path, monkeypatch):
+def test_missing_ray_error_names_the_package(small, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "ray", None)
     with pytest.raises(farm.FolderError, match="pip install 'tresses.farm.'"):
         farm.run(small[0], tmp_path / "out", ray="local")
     assert not (tmp_path / "out").exists()
 
 
-def test_nobody_at_an_address_is_said_at_once(small, tmp_path):
+def test_unreachable_ray_address_fails_fast(small, tmp_path):
     pytest.importorskip("ray")
     began = time.monotonic()
     for address in ("127.0.0.1:1", "ray://127.0.0.1:1", "somewhere:else"):
-        with pytest.raises(farm.FolderError, match=f"no Ray at {address}"):
+        with pytest.raises(farm.FolderError, match=f"Ray at {address}"):
             farm.run(small[0], tmp_path / "out", ray=address)
     assert time.monotonic() - began < 20
 
 
-def test_ray_gives_the_same_bytes_after_a_killed_worker(small, tmp_path):
+def test_ray_output_is_identical_after_a_killed_worker(small, tmp_path):
     pytest.importorskip("ray", reason="Ray is not installed")
     plan, whole = small
     told = killed_in_the_midst(plan, tmp_path / "out", ray="local")
-    assert any("is lost with shard 0" in line for line in told), told
+    assert any("was lost with shard 0" in line for line in told), told
     assert contents(tmp_path / "out") == contents(whole)
     costs = json.loads((tmp_path / "out" / "costs.json").read_text())
     assert costs["run"]["engine"].startswith("Ray ") and costs["run"]["dispatch"] < 1
 
 
-def test_ray_data_reads_it(small):
+def test_ray_data_reads_shards(small):
     ray = pytest.importorskip("ray", reason="Ray is not installed")
     pytest.importorskip("pyarrow", reason="Ray Data is not installed")
     _, whole = small

@@ -7,7 +7,7 @@ import tresses
 
 
 def lines(count=6, vertices=5):
-    """Strands that stand on a plane, 10 cm high, of unequal numbers of vertices."""
+    """Return strands of different vertex counts, 10 cm high, with roots on a plane."""
     out = []
     for i in range(count):
         n = vertices + i % 3
@@ -19,7 +19,7 @@ def lines(count=6, vertices=5):
     return out
 
 
-def test_arrays_come_back():
+def test_arrays_round_trip():
     given = lines()
     count = sum(map(len, given))
     widths = np.linspace(5e-5, 9e-5, count, dtype=np.float32)
@@ -45,19 +45,19 @@ def test_arrays_come_back():
         (dict(positions=np.zeros((4, 2))), "3 numbers"),
         (dict(positions=np.zeros((4, 3))), "offsets"),
         (dict(positions=np.zeros((4, 3)), offsets=[0, 5]), "end with 4"),
-        (dict(positions=np.zeros((4, 3)), offsets=[0, 3, 2, 4]), "never fall"),
-        (dict(positions=np.zeros((4, 3)), offsets=[0, -1, 4]), "never fall"),
+        (dict(positions=np.zeros((4, 3)), offsets=[0, 3, 2, 4]), "never decrease"),
+        (dict(positions=np.zeros((4, 3)), offsets=[0, -1, 4]), "never decrease"),
         (dict(positions=np.zeros((2, 2, 3)), widths=[1.0, 2.0]), "widths"),
         (dict(positions="hair"), "not an array of numbers"),
     ],
 )
-def test_arrays_that_make_no_sense_are_refused(values, clause):
+def test_invalid_arrays_fail(values, clause):
     with pytest.raises(tresses.TressesError, match=clause):
         tresses.Strands(**values)
 
 
 @pytest.mark.parametrize("ending", ["hair", "obj", "data", "ply", "abc", "npz"])
-def test_files_hold_what_was_written(tmp_path, ending):
+def test_files_round_trip(tmp_path, ending):
     assert ending == "npz" or ending in tresses.formats()["written"]
     given = tresses.Strands.of(lines())
     given = tresses.Strands(given.positions, given.offsets, widths=7e-5)
@@ -68,7 +68,7 @@ def test_files_hold_what_was_written(tmp_path, ending):
     else:
         notes = given.write(file)
         assert ("widths" in " ".join(notes)) == (ending in ("obj", "data"))
-        # What a .data file is in stands nowhere in it.
+        # A .data file does not store its unit and axes.
         known = dict(unit="m", up="y", front="z", mirror=False) if ending == "data" else {}
         back = tresses.read(file, **known).strands
     assert np.array_equal(back.positions, given.positions) and np.array_equal(back.offsets, given.offsets)
@@ -76,7 +76,7 @@ def test_files_hold_what_was_written(tmp_path, ending):
         assert np.array_equal(back.widths, given.widths)
 
 
-def test_data_files_are_those_of_hair_salon(tmp_path):
+def test_data_files_follow_the_hair_salon_format(tmp_path):
     file = tmp_path / "strands00001.data"
     with open(file, "wb") as target:
         np.array([3], "<i4").tofile(target)
@@ -92,7 +92,7 @@ def test_data_files_are_those_of_hair_salon(tmp_path):
     assert done["dropped_strands"] == 1 and len(repaired) == 2 == len(tresses.read(file).strands)
 
 
-def test_broken_files_are_one_sentence(tmp_path):
+def test_broken_files_fail_with_one_sentence(tmp_path):
     for name, content in [
         ("a.data", b"\x09\0\0\0\x01\0\0\0"),
         ("a.ply", b"ply\nformat ascii 1.0\nend_header\n"),
@@ -106,13 +106,18 @@ def test_broken_files_are_one_sentence(tmp_path):
         with pytest.raises(tresses.TressesError) as error:
             read(file)
         assert name in str(error.value) and "\n" not in str(error.value)
-    with pytest.raises(tresses.TressesError, match="nowhere.hair"):
-        tresses.read(tmp_path / "nowhere.hair")
+    for missing in (FileNotFoundError, tresses.TressesError):
+        with pytest.raises(missing, match="nowhere.hair") as error:
+            tresses.read(tmp_path / "nowhere.hair")
+        assert str(error.value).count("No such file") == 1
+    with pytest.raises(FileNotFoundError):
+        tresses.Settings.open(tmp_path / "nowhere.toml")
+    assert tresses.__version__.count(".") == 2
     with pytest.raises(tresses.TressesError, match="written as"):
         tresses.Strands.of(lines()).write(tmp_path / "a.xyz")
 
 
-def test_lint_finds_what_is_odd():
+def test_lint_reports_problems():
     given = lines()
     given[2][3] = np.nan
     given[4][:] = given[4][0]
@@ -124,7 +129,7 @@ def test_lint_finds_what_is_odd():
     assert not any(f.severity == "error" for f in strands.repaired()[0].lint())
 
 
-def test_meshes_are_checked(tmp_path):
+def test_meshes_validate_and_round_trip(tmp_path):
     corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
     mesh = tresses.Mesh(corners, [[0, 1, 2]])
     assert np.allclose(mesh.normals, [0, 0, 1]) and mesh.colors is None and mesh.triangles.tolist() == [[0, 1, 2]]
@@ -137,7 +142,7 @@ def test_meshes_are_checked(tmp_path):
     assert np.allclose(back.positions, mesh.positions)
 
 
-def test_a_built_in_groom_tells_all_of_itself(groom):
+def test_built_in_groom_exposes_its_data(groom):
     strands, guides, binding = groom.strands(), groom.guides, groom.binding
     assert len(groom) == len(strands) == 400 and strands.grid().shape[0] == 400
     assert guides.ndim == 3 and guides.shape[2] == 3 and np.isfinite(guides).all()
@@ -146,11 +151,11 @@ def test_a_built_in_groom_tells_all_of_itself(groom):
     assert np.all(np.diff(binding["weights"], axis=1) <= 1e-6)
     assert sorted(groom.order) == list(range(400))
     assert groom.head.positions.shape[1] == 3 and groom.settings["style.strands"] == 400
-    # Hair of real width, on a bust of real height.
+    # Realistic hair width and bust height.
     assert 2e-5 < strands.widths.mean() < 2e-3 and 0.3 < np.ptp(groom.head.positions[:, 1]) < 0.8
 
 
-def test_the_same_seed_is_the_same_hair():
+def test_equal_seeds_grow_equal_hair():
     def grown(seed):
         return tresses.Groom.built_in("short", {"style.strands": 200, "style.seed": seed}).strands().positions
 
@@ -158,20 +163,20 @@ def test_the_same_seed_is_the_same_hair():
     assert not np.array_equal(grown(3), grown(4))
 
 
-def test_a_groom_of_arrays_keeps_its_strands():
+def test_groom_of_arrays_keeps_its_strands():
     root = np.stack([0.05 * np.cos(np.arange(40)), 1.6 + 0 * np.arange(40), 0.05 * np.sin(np.arange(40))], axis=1)
     down = np.linspace(0, 0.2, 17)
     lines = root[:, None] + np.stack([0.3 * down, -down, 0 * down], axis=1)[None]
     groom = tresses.Groom.of(tresses.Strands(lines, widths=8e-5), settings={"style.all_guides": True})
     ours = groom.strands().grid()
-    # 16 bits of the box of a strand.
+    # Rest vertices are quantized to 16 bits in each strand's bounding box.
     assert np.abs(ours[:, [0, -1]] - lines[groom.order][:, [0, -1]]).max() < 5e-6
     assert len(groom.guides) == 40 and groom.head is None
-    with pytest.raises(tresses.TressesError, match="nothing is left"):
+    with pytest.raises(tresses.TressesError, match="no strand is usable"):
         tresses.Groom.of(tresses.Strands(np.zeros((3, 4, 3))))
 
 
-def test_arrays_are_what_the_command_exports(tmp_path, command, groom):
+def test_arrays_match_the_command_export(tmp_path, command, groom):
     file = tmp_path / "a.hair"
     command("export", "--style", "bob", "--strands", "400", "--out", file)
     theirs = tresses.read(file)

@@ -1,4 +1,4 @@
-"""The notebook runs, and the pictures in it are there. With TRESSES_KEEP_NOTEBOOK=1 what comes out is kept in it."""
+"""Runs the notebook and compares its images. TRESSES_KEEP_NOTEBOOK=1 stores the new output in the notebook."""
 
 import base64
 import io
@@ -20,7 +20,7 @@ def pictures(notebook):
     ]
 
 
-def test_the_notebook_runs_and_shows_what_it_showed():
+def test_notebook_reproduces_its_images():
     nbformat = pytest.importorskip("nbformat", reason="nbformat is not installed")
     nbclient = pytest.importorskip("nbclient", reason="nbclient is not installed")
     import numpy as np
@@ -31,7 +31,7 @@ def test_the_notebook_runs_and_shows_what_it_showed():
     again = nbformat.read(NOTEBOOK, as_version=4)
     nbclient.NotebookClient(again, timeout=300, kernel_name="python3").execute()
     if os.environ.get("TRESSES_KEEP_NOTEBOOK"):
-        # Times of cells are another's each time.
+        # Execution times differ between runs.
         for cell in again.cells:
             cell.metadata = {}
         nbformat.write(again, NOTEBOOK)
@@ -41,7 +41,7 @@ def test_the_notebook_runs_and_shows_what_it_showed():
     for one, other in zip(before, now):
         one, other = (np.asarray(Image.open(io.BytesIO(data))).astype(int) for data in (one, other))
         assert one.shape == other.shape and one.std() > 20
-        # On another adapter motion differs a little.
+        # Motion differs slightly between adapters.
         assert np.abs(one - other).mean() < 12
     assert np.abs(one - one[::-1]).mean() > 12, "the comparer sees what is upside down"
     for text in re.findall(r"\]\((\.\./[^)#]+)", NOTEBOOK.read_text()):

@@ -1,4 +1,4 @@
-"""Pictures and labels."""
+"""Rendered images and labels."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ def encoded(linear):
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055)
 
 
-def test_pictures_are_those_of_the_command(tmp_path, command, sim):
+def test_render_matches_the_command(tmp_path, command, sim):
     file = tmp_path / "a.png"
     words = ["--style", "bob", "--strands", "400", "--lod", "off", "--camera", "front", "--size", "160x120"]
     command("render", *words, "--out", file)
@@ -24,8 +24,8 @@ def test_pictures_are_those_of_the_command(tmp_path, command, sim):
     assert not np.array_equal(sim.render("side", SIZE)["color"], ours)
 
 
-def test_linear_radiance_is_what_is_tone_mapped(sim):
-    # Dark enough that nothing is bent.
+def test_color_is_tone_mapped_linear_radiance(sim):
+    # Dark enough to stay in the linear part of the tone curve.
     sim.apply({"lights.exposure": 0.1})
     out = sim.render("front", SIZE, ["color", "linear"], background="transparent")
     assert out["linear"].dtype == np.float32 and np.isfinite(out["linear"]).all()
@@ -33,11 +33,11 @@ def test_linear_radiance_is_what_is_tone_mapped(sim):
     expected = 255 * encoded(0.1 * out["linear"][..., :3])
     assert np.abs(expected - out["color"][..., :3]).max() < 1.01
     assert np.abs(255 * out["linear"][..., 3] - out["color"][..., 3]).max() < 1.01
-    # The comparer sees a factor.
+    # The comparison detects a wrong factor.
     assert np.abs(255 * encoded(0.2 * out["linear"][..., :3]) - out["color"][..., :3]).max() > 3
 
 
-def test_labels_are_of_the_strands_that_are_there(sim):
+def test_labels_match_visible_strands(sim):
     out = sim.render("front", SIZE, LABELS)
     again = sim.render("front", SIZE, LABELS)
     hair = out["strand"] >= 0
@@ -52,7 +52,7 @@ def test_labels_are_of_the_strands_that_are_there(sim):
     assert np.allclose(np.linalg.norm(out["tangent"][hair], axis=1), 1, atol=1e-3)
     assert np.all(out["tangent"][~hair] == 0)
 
-    # The point of the strand that a pixel shows is projected into that pixel, and is as far away as hair is there.
+    # The labeled strand point projects into its pixel, and its depth matches.
     camera = sim.camera("front", SIZE)
     grooms = [sim.strands(), *sim.face()]
     rows, columns = np.nonzero(hair & (out["share"] > 0.3))
@@ -70,14 +70,14 @@ def test_labels_are_of_the_strands_that_are_there(sim):
         far.append(abs(-view[2] - out["depth"][row, column]))
     assert np.quantile(beside, 0.95) < 1.5, np.quantile(beside, 0.95)
     assert np.quantile(far, 0.9) < 0.02, np.quantile(far, 0.9)
-    # Labels of other strands fail that.
+    # Labels of other strands fail this check.
     wrong = grooms[0].grid()[(out["strand"][rows, columns] + 7) % 400].mean(axis=1)
     clip = np.c_[wrong, np.ones(len(wrong))] @ (camera["projection"] @ camera["view"]).T
     place = (clip[:, :2] / clip[:, 3:] * [0.5, -0.5] + 0.5) * SIZE
     assert np.quantile(np.abs(place - np.c_[columns, rows]).max(axis=1), 0.5) > 3
 
 
-def test_motion_is_known_from_the_second_picture_on(sim):
+def test_motion_is_known_from_the_second_frame(sim):
     first = sim.render("front", SIZE, ["motion", "depth"])
     assert np.isnan(first["motion"]).all()
     still = sim.render("front", SIZE, ["motion"])["motion"]
@@ -91,7 +91,7 @@ def test_motion_is_known_from_the_second_picture_on(sim):
     assert np.abs(out["motion"][hair][:, 1]).max() < 0.05
 
 
-def test_hair_without_a_head_shows_what_was_hidden(sim):
+def test_hair_without_head_is_not_occluded(sim):
     behind = sim.render("front", SIZE, ["coverage"])["coverage"]
     alone = sim.render("front", SIZE, ["coverage"], head=False)["coverage"]
     assert alone.sum() > 1.1 * behind.sum()
@@ -112,12 +112,12 @@ def test_cameras_and_backgrounds(sim):
     assert 2.7 < far[np.isfinite(far)].mean() < 3.1
 
 
-def test_what_makes_no_sense_is_refused(sim):
+def test_invalid_render_arguments_fail(sim):
     for words, clause in [
         (dict(outputs=["normals"]), "no output normals"),
         (dict(camera="above"), "no camera above"),
-        (dict(camera=([0, 0, 0], [0, 0, 0])), "where it looks"),
-        (dict(size=(0, 10)), "has none"),
+        (dict(camera=([0, 0, 0], [0, 0, 0])), "same point"),
+        (dict(size=(0, 10)), "above 0"),
         (dict(size=(100000, 10)), "size"),
         (dict(zoom=-1.0), "zoom"),
         (dict(distance=float("nan")), "distance"),

@@ -1,4 +1,4 @@
-"""Parameters by their names."""
+"""Parameters by name."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 import tresses
 
 
-def test_every_parameter_has_a_row_and_a_value():
+def test_parameters_have_rows_and_values():
     rows = tresses.parameters()
     settings = tresses.Settings()
     assert len(rows) == len(settings) > 80 and [row.name for row in rows] == list(settings)
@@ -14,7 +14,7 @@ def test_every_parameter_has_a_row_and_a_value():
         assert row.hint and row.range and row.cost in ("frame", "regrow", "rebuild")
         assert settings[row.name] == row.default
         assert (row.default is None) <= row.automatic
-        # Its own default and both ends of its range are allowed; what is beyond is not.
+        # The default and both ends of the range are allowed; values beyond are not.
         settings[row.name] = row.default
         if row.kind in ("number", "integer"):
             for end in (row.least, row.most):
@@ -30,7 +30,7 @@ def test_every_parameter_has_a_row_and_a_value():
     assert settings == tresses.Settings() and settings.changed() == {}
 
 
-def test_values_are_what_python_has():
+def test_values_convert_to_python_types():
     settings = tresses.Settings({"wind.speed": 4, "style.curl_radius": "0.9 cm", "shading.srgb": (1, 2, 254)})
     assert settings.changed() == {"wind.speed": 4.0, "style.curl_radius": 9.0, "shading.srgb": "#0102fe"}
     settings["wind.speed"] = np.float32(2.5)
@@ -50,7 +50,7 @@ def test_values_are_what_python_has():
     assert settings == before, "all of it or nothing"
 
 
-def test_presets_hold_settings(tmp_path):
+def test_presets_round_trip(tmp_path):
     settings = tresses.Settings({"wind.speed": 14, "simulation.drag": 5})
     file = tmp_path / "storm.toml"
     settings.save(file, name="storm")

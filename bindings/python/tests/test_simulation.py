@@ -1,4 +1,4 @@
-"""Motion, step by step."""
+"""Step-by-step simulation."""
 
 import os
 import signal
@@ -18,13 +18,13 @@ def moved(sim, steps=20):
     return sim
 
 
-def test_hair_at_rest_is_the_groom(groom, sim):
+def test_hair_at_rest_matches_the_groom(groom, sim):
     assert np.abs(sim.strands().positions - groom.strands().positions).max() < 1e-3
     assert np.abs(sim.guides() - groom.guides).max() < 1e-3
     assert sim.time == 0 and len(sim.face()) > 0
 
 
-def test_the_same_calls_give_the_same_bits(groom, sim):
+def test_simulation_is_deterministic(groom, sim):
     rest = sim.strands().positions
     once = moved(sim).strands().positions
     again = moved(tresses.Simulation(groom)).strands().positions
@@ -34,14 +34,14 @@ def test_the_same_calls_give_the_same_bits(groom, sim):
     assert np.array_equal(sim.strands().positions, rest) is False, "the head is where it was said to be"
     sim.reset(head=np.eye(4), body=np.eye(4), shapes={})
     assert np.array_equal(sim.strands().positions, rest)
-    # Another wind is another motion.
+    # Another wind gives another motion.
     other = tresses.Simulation(groom, {"wind.speed": 6})
     for _ in range(10):
         other.step(1 / 60)
     assert not np.array_equal(other.guides(), moved(sim, 10).guides())
 
 
-def test_roots_go_with_the_head(groom):
+def test_roots_follow_the_head(groom):
     sim = tresses.Simulation(groom)
     rest = sim.strands().grid()
     angle = 0.3
@@ -51,7 +51,7 @@ def test_roots_go_with_the_head(groom):
     pose[:3, 3] = [0.1, 0.02, -0.3]
     for given in (pose, (pose[:3, 3], [0, np.sin(angle / 2), 0, np.cos(angle / 2)])):
         sim.reset(body=np.eye(4))
-        # A walk of half a second: nothing is teleported.
+        # Walk for half a second, without teleporting.
         for i in range(30):
             sim.step(1 / 60, body=([0.1 * (i + 1) / 30, 0, 0], [0, 0, 0, 1]))
         sim.reset(body=given)
@@ -61,7 +61,7 @@ def test_roots_go_with_the_head(groom):
     assert np.allclose(translation, pose[:3, 3], atol=1e-5) and np.isclose(np.linalg.norm(quaternion), 1)
 
 
-def test_lengths_stay_and_long_steps_are_parted(groom):
+def test_long_steps_are_split(groom):
     one, many = tresses.Simulation(groom, {"wind.speed": 5}), tresses.Simulation(groom, {"wind.speed": 5})
     rest = one.strands().lengths
     many.reset()
@@ -73,7 +73,7 @@ def test_lengths_stay_and_long_steps_are_parted(groom):
     assert np.abs(one.strands().lengths / rest - 1).max() < 0.02
 
 
-def test_what_makes_no_sense_is_refused(groom, sim):
+def test_invalid_arguments_fail(groom, sim):
     nonsense = [
         dict(dt=-1),
         dict(dt=float("nan")),
@@ -95,7 +95,7 @@ def test_what_makes_no_sense_is_refused(groom, sim):
         sim.apply({"style.strands": 100})
     with pytest.raises(tresses.TressesError, match="give them to the Groom"):
         tresses.Simulation(groom, {"style.strands": 100})
-    with pytest.raises(tresses.TressesError, match="no file called"):
+    with pytest.raises(tresses.TressesError, match="no companion file"):
         tresses.Groom.built_in("bob", densitymap="x.png")
     with pytest.raises(tresses.TressesError, match="long, bob"):
         tresses.Groom.built_in("mohawk")
@@ -103,13 +103,13 @@ def test_what_makes_no_sense_is_refused(groom, sim):
         tresses.Motion("moonwalk")
 
 
-def test_settings_are_taken_while_it_runs(sim):
+def test_settings_change_between_steps(sim):
     sim.apply({"wind.speed": 3, "shading.color": "red"})
     assert sim.settings["wind.speed"] == 3 and sim.settings["shading.color"] == "red"
     sim.step(0.1)
 
 
-def test_progress_is_told_and_its_errors_are_raised():
+def test_progress_callback_exceptions_propagate():
     told = []
     groom = tresses.Groom.built_in("bob", {"style.strands": 300}, progress=lambda *words: told.append(words))
     assert told and all(isinstance(task, str) and 0 <= share <= 1 for task, share in told)
@@ -125,7 +125,7 @@ def test_progress_is_told_and_its_errors_are_raised():
         tresses.Groom.built_in("bob", {"style.strands": 300}, progress=stop)
 
 
-def test_ctrl_c_ends_a_long_call(sim):
+def test_ctrl_c_interrupts_a_long_call(sim):
     sim.step(0.1)
     timer = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
     timer.start()
@@ -137,7 +137,7 @@ def test_ctrl_c_ends_a_long_call(sim):
     sim.step(0.1)
 
 
-def test_other_threads_run_meanwhile(sim):
+def test_long_calls_release_the_gil(sim):
     counted = [0]
     done = threading.Event()
 

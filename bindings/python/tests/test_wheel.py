@@ -1,11 +1,11 @@
-"""The wheel that was built, which TRESSES_WHEEL names."""
+"""Checks the built wheel, named by TRESSES_WHEEL."""
 
 import os
 import re
 import zipfile
 
 
-def test_the_wheel_is_for_any_python_and_any_linux():
+def test_wheel_is_abi3_and_portable():
     wheel = os.environ["TRESSES_WHEEL"]
     tags = re.fullmatch(r"tresses-.+-cp39-abi3-(.+)\.whl", os.path.basename(wheel))
     assert tags, wheel
@@ -15,7 +15,7 @@ def test_the_wheel_is_for_any_python_and_any_linux():
     assert {"tresses/__init__.pyi", "tresses/py.typed", "tresses/__init__.py", "tresses/farm/__main__.py"} <= names
 
 
-def test_types_name_what_there_is():
+def test_stubs_match_the_package():
     import ast
     import inspect
 

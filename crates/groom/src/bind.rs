@@ -1,4 +1,4 @@
-//! Imported strands: guides are chosen among them, and every other strand is bound to up to three guides.
+//! Binding of imported strands: chooses guides among them and binds every strand to up to three guides.
 
 mod marked;
 
@@ -8,31 +8,30 @@ use crate::{
     curve, hash,
 };
 use glam::{UVec3, Vec3};
-use marked::Marked;
+use marked::MarkedGuides;
 use std::collections::HashMap;
 
-/// How many of the strands are simulated.
+/// Number of strands to simulate as guides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GuideCount {
-    /// One in this many strands.
+    /// One strand in this many.
     OneIn(u32),
-    /// This many, or all when there are fewer strands.
+    /// This many strands, or all if there are fewer.
     Count(u32),
     /// Every strand is its own guide.
     All,
 }
 
-/// How a groom is made of strands.
+/// Options for binding strands to guides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BindOptions {
-    /// How many strands are simulated.
+    /// Number of guides.
     pub guides: GuideCount,
-    /// Vertices per guide, 3 to 64; `None`: 32, or as many as the strands have when all are guides.
+    /// Vertices per guide, 3 to 64. `None`: 32, or the median vertex count of the strands if all are guides.
     pub guide_vertices: Option<u32>,
-    /// Vertices per drawn strand, 2 to 64; `None`: about 32, such that the strands' own vertices
-    /// are among them.
+    /// Vertices per render strand, 2 to 64. `None`: about 32, chosen so that the input vertices are among them.
     pub strand_vertices: Option<u32>,
-    /// Radius at root and tip, metres; `None`: the file's, or one that covers a head.
+    /// Radius at root and tip, meters. `None`: the radii in the file, or a radius that covers a head.
     pub radius: Option<(f32, f32)>,
 }
 
@@ -42,18 +41,17 @@ impl Default for BindOptions {
     }
 }
 
-/// Default tip radius as a fraction of the root's.
+/// Default tip radius as a fraction of the root radius.
 const TAPER: f32 = 0.4;
 
-/// Chooses guides among `strands` (metres, groom space) and binds all strands to them.
+/// Chooses guides among `strands` (meters, groom space) and binds all strands to them.
 ///
-/// Guides are spread evenly: strands are sorted along a space-filling curve of their roots, cut
-/// into runs of equal size, and of each run the strand nearest to the run's mean shape is taken.
-/// A strand is bound to the guides that are nearest at root, middle and tip together, so that hair
-/// on either side of a parting does not mix.
+/// Guides are spread evenly: strands are sorted along a space-filling curve of their roots and cut into runs of equal
+/// size. The strand nearest to the mean shape of each run becomes a guide. A strand is bound to the guides that are
+/// nearest at root, middle and tip together, so hair on either side of a parting does not mix.
 ///
-/// Guides that a file marks are taken as they are for [`GuideCount::OneIn`], and what it says of who follows whom;
-/// where a file has other strands, its guides are not drawn.
+/// With [`GuideCount::OneIn`], guides marked in the file replace this choice, and the file's assignment of strands to
+/// guides is kept. If the file also has other strands, its guides are not rendered.
 ///
 /// # Errors
 /// [`Error::Unusable`] without strands; [`Error::Parameter`] for counts out of range.
@@ -61,40 +59,40 @@ pub fn bind(strands: &Strands, options: &BindOptions) -> Result<Groom> {
     bind_any(strands, options, None)
 }
 
-/// The given strands that a new one is made of.
+/// The input strands that a new strand is interpolated from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parents {
-    /// Indices of given strands. The first lends its curls, its number of vertices and its attributes.
+    /// Indices of input strands. The first provides the curls, the number of vertices and the attributes.
     pub strands: [u32; 3],
-    /// What each counts in the path; the sum is 1. A strand that counts 0 is none.
+    /// Weight of each strand in the path; the sum is 1. A strand of weight 0 is unused.
     pub weights: [f32; 3],
 }
 
 impl Parents {
-    /// One strand alone.
+    /// Returns a single parent.
     pub(crate) fn one(strand: u32) -> Self {
         Self { strands: [strand; 3], weights: [1.0, 0.0, 0.0] }
     }
 
-    /// Those that count, with what they count.
+    /// Iterates over the strands with a weight above 0 and their weights.
     pub fn iter(&self) -> impl Iterator<Item = (u32, f32)> {
         self.strands.into_iter().zip(self.weights).filter(|(_, weight)| *weight > 0.0)
     }
 }
 
-/// The origins of strands that were grown between given ones.
+/// Origins of strands that were interpolated between input strands.
 pub(crate) struct Origins<'a> {
-    /// How many strands are given; they come first.
+    /// Number of input strands; they come first.
     pub given: usize,
-    /// For each given strand its index before some were left out, by which parents are named.
+    /// For each input strand, its index before thinning. [`Parents::strands`] holds these indices.
     pub original: &'a [u32],
-    /// For each new strand its parents.
+    /// Parents of each new strand.
     pub parents: &'a [Parents],
-    /// Whether two given strands run together, so that hair may follow both.
+    /// Whether two input strands run together, so that a new strand may follow both.
     pub runs_with: &'a dyn Fn(u32, u32) -> bool,
 }
 
-/// [`bind`] for strands of which some were grown between the others.
+/// [`bind`] for strands of which some were interpolated between the others.
 pub(crate) fn bind_any(
     strands: &Strands,
     options: &BindOptions,
@@ -125,11 +123,11 @@ pub(crate) fn bind_any(
             count as usize
         }
         GuideCount::OneIn(n) => {
-            in_range("one guide in", n, 1, u32::MAX, "at least 1")?;
+            in_range("strands per guide", n, 1, u32::MAX, "at least 1")?;
             strands.len().div_ceil(n as usize)
         }
     };
-    let marked = Marked::of(strands, given, options);
+    let marked = MarkedGuides::of(strands, given, options);
     let all =
         marked.is_none() && (options.guides == GuideCount::All || (origins.is_some() && count >= given));
     let chosen: Vec<u32> = match &marked {
@@ -171,7 +169,7 @@ pub(crate) fn bind_any(
         if let Some(lineage) = lineage.as_mut().filter(|_| i < given) {
             lineage.follows.push(influences.clone());
         }
-        // Where there is other hair, guides only guide.
+        // If the file has other strands, marked guides are not rendered.
         if marked.as_ref().is_some_and(|marked| marked.others && strands.marks[i].guide) {
             continue;
         }
@@ -183,19 +181,19 @@ pub(crate) fn bind_any(
         bound.push(strand, &rest, &radii, &influences);
     }
     for count in &mut guides.strands {
-        // The one that each guide started with stood for itself.
+        // Each guide starts with a count of 1 for itself, which is removed here.
         *count = (*count - 1.0).max(1.0);
     }
     Ok(Groom { guides, strands: bound })
 }
 
-/// Whom new strands follow: those whom their parents follow.
+/// Assigns to new strands the guides of their parents.
 struct Lineage<'a> {
     origins: &'a Origins<'a>,
     chosen: &'a [u32],
-    /// For each strand that was given to be filled, which one it is now, if it is left.
+    /// Current index of each remaining input strand, by its index before thinning.
     now: HashMap<u32, u32>,
-    /// What each given strand follows.
+    /// Influences of each input strand.
     follows: Vec<Vec<Influence>>,
 }
 
@@ -205,7 +203,7 @@ impl<'a> Lineage<'a> {
         Self { origins, chosen, now, follows: Vec::with_capacity(origins.given) }
     }
 
-    /// The guides of new strand `i`; those nearest in shape where none of its parents is left.
+    /// Returns the guides of new strand `i`, or the guides nearest in shape if its parents provide none.
     fn follow(
         &self,
         i: usize,
@@ -251,21 +249,21 @@ fn in_range(name: &'static str, value: u32, lo: u32, hi: u32, range: &'static st
     }
 }
 
-/// The median number of vertices per strand.
+/// Returns the median number of vertices per strand.
 fn typical_vertices(offsets: &[u32]) -> u32 {
     let mut counts: Vec<_> = offsets.windows(2).map(|w| w[1] - w[0]).collect();
     let middle = counts.len() / 2;
     *counts.select_nth_unstable(middle).1
 }
 
-/// About 32 vertices, one more than a multiple of the segments of a typical strand.
+/// Returns a vertex count near 32 whose segments are a multiple of a typical strand's segments.
 fn drawn_vertices(typical: u32) -> u32 {
     let segments = typical.max(2) - 1;
     let per_segment = (31.0 / segments as f32).round().max(1.0) as u32;
     (segments * per_segment + 1).min(MAX_STRAND_VERTICES)
 }
 
-/// Radius and colours of strand `i`, and the radius fraction at each drawn vertex.
+/// Returns the radius and colors of strand `i`, and the radius fraction at each render vertex.
 fn appearance(strands: &Strands, i: usize, vertices: u32, options: &BindOptions) -> (Strand, Vec<f32>) {
     let range = strands.range(i);
     let along = |j: u32| j as f32 / (vertices - 1) as f32;
@@ -296,14 +294,14 @@ fn appearance(strands: &Strands, i: usize, vertices: u32, options: &BindOptions)
     (strand, fractions)
 }
 
-/// Where each strand is at root, middle and tip.
+/// Coarse shape of each strand: points at root, middle and tip.
 struct Shapes {
     points: Vec<[Vec3; 3]>,
     pinned: Vec<bool>,
 }
 
 impl Shapes {
-    /// Those of the first `count` strands.
+    /// Samples the first `count` strands.
     fn new(strands: &Strands, count: usize) -> Self {
         let points = strands.iter().take(count).map(Self::of).collect();
         let pinned = (0..count).map(|i| strands.tip_pinned.get(i).copied().unwrap_or(false)).collect();
@@ -315,12 +313,12 @@ impl Shapes {
         [even[0], even[1], even[2]]
     }
 
-    /// Squared distance of two strands' shapes, roots counting most.
+    /// Returns the squared distance of two shapes; roots count most.
     fn distance(a: &[Vec3; 3], b: &[Vec3; 3]) -> f32 {
         a[0].distance_squared(b[0]) + 0.5 * a[1].distance_squared(b[1]) + 0.25 * a[2].distance_squared(b[2])
     }
 
-    /// `count` strands, well spread over the roots; strands with pinned tips keep guides of their own.
+    /// Chooses `count` strands spread evenly over the roots. Strands with pinned tips get guides of their own.
     fn choose(&self, count: usize) -> Vec<u32> {
         let (lo, hi) = self
             .points
@@ -354,7 +352,7 @@ impl Shapes {
         chosen
     }
 
-    /// The strand nearest to the mean of `members`.
+    /// Returns the strand nearest to the mean of `members`.
     fn medoid(&self, members: &[u32]) -> Option<u32> {
         let mut mean = [Vec3::ZERO; 3];
         for &i in members {
@@ -367,17 +365,17 @@ impl Shapes {
     }
 }
 
-/// Interleaves the lower ten bits of each axis.
+/// Returns the Morton code of a cell: the lower ten bits of each axis, interleaved.
 fn morton(cell: UVec3) -> u32 {
     let spread = |v: u32| (0..10).fold(0, |bits, i| bits | (v >> i & 1) << (3 * i));
     spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2
 }
 
-/// Guides in cells of a hashed grid over their roots.
+/// Hash grid over the roots of the guides.
 struct Finder {
     cell: f32,
     cells: HashMap<glam::IVec3, Vec<u32>>,
-    /// For each guide, the strand that it is.
+    /// Strand index of each guide.
     chosen: Vec<u32>,
 }
 
@@ -387,7 +385,7 @@ impl Finder {
             let root = shapes.points[i as usize][0];
             (lo.min(root), hi.max(root))
         });
-        // Roots lie on a surface: about two per cell of this size.
+        // Roots lie on a surface: cells of this size hold about two each.
         let cell = ((hi - lo).length() / (chosen.len() as f32).sqrt()).max(1e-6);
         let mut cells: HashMap<_, Vec<u32>> = HashMap::new();
         for (guide, &i) in chosen.iter().enumerate() {
@@ -397,7 +395,7 @@ impl Finder {
         Self { cell, cells, chosen: chosen.to_vec() }
     }
 
-    /// The guides within `reach` cells of `root`.
+    /// Returns the guides within `reach` cells of `root`.
     fn around(&self, root: Vec3, reach: i32) -> Vec<u32> {
         let center = (root / self.cell).floor().as_ivec3();
         let mut found = Vec::new();
@@ -413,8 +411,8 @@ impl Finder {
         found
     }
 
-    /// Up to three guides for a strand, among those that `suits` allows where it allows any nearby, with weights
-    /// by inverse squared distance of shapes.
+    /// Returns up to three guides for a strand, weighted by inverse squared distance of shapes. A guide that `suits`
+    /// rejects is used only if `suits` rejects all candidates.
     fn nearest(
         &self,
         shapes: &Shapes,
@@ -431,7 +429,7 @@ impl Finder {
             }
         }
         if candidates.is_empty() {
-            // A strand far from every guide of its kind: all of them are candidates.
+            // The strand is far from every guide of its kind: consider all guides.
             candidates = (0..self.chosen.len() as u32).collect();
         }
         if candidates.iter().any(|g| suits(*g)) {
@@ -443,7 +441,7 @@ impl Finder {
             .collect();
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         ranked.truncate(3);
-        // A guide more than twice as far as the nearest pulls the wrong way: it fades out.
+        // A guide more than twice as far as the nearest pulls the wrong way, so its weight fades to 0.
         let nearest = ranked[0].0.max(1e-8);
         let weight = |d: f32| (nearest / d.max(1e-8) - 0.2).max(0.0);
         let total: f32 = ranked.iter().map(|r| weight(r.0)).sum();

@@ -1,4 +1,4 @@
-//! Long arrays of plain values, as the bytes that they are in memory: read and written at the speed of a copy.
+//! Serde adapter that stores long arrays of plain values as their bytes in memory, at the speed of a copy.
 
 use bytemuck::Pod;
 use serde::{
@@ -7,7 +7,7 @@ use serde::{
 };
 use std::marker::PhantomData;
 
-// All that wgpu runs on has its bytes in this order; files are the same everywhere.
+// All targets of wgpu are little-endian, so files are portable.
 const _: () = assert!(cfg!(target_endian = "little"));
 
 pub fn serialize<T: Pod, S: Serializer>(values: &[T], to: S) -> Result<S::Ok, S::Error> {

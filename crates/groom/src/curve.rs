@@ -1,13 +1,13 @@
-//! Polylines as curves: resampling.
+//! Resampling of polylines.
 
 use glam::Vec3;
 
-/// The length of a polyline, metres.
+/// Returns the length of a polyline, meters.
 pub fn length(points: &[Vec3]) -> f32 {
     points.windows(2).map(|w| w[0].distance(w[1])).sum()
 }
 
-/// The point at each of the rising `distances` along the polyline `points`.
+/// Returns the points at ascending `distances` along the polyline `points`.
 fn walk(points: &[Vec3], distances: impl Iterator<Item = f32>) -> Vec<Vec3> {
     let mut segment = 0;
     let mut passed = 0.0;
@@ -26,8 +26,7 @@ fn walk(points: &[Vec3], distances: impl Iterator<Item = f32>) -> Vec<Vec3> {
         .collect()
 }
 
-/// `count` points (at least 2) at equal steps of arc length along the polyline `points`, with both
-/// ends exact.
+/// Returns `count` points (at least 2) at equal steps of arc length along the polyline `points`. Both ends are exact.
 pub fn resample_chords(points: &[Vec3], count: usize) -> Vec<Vec3> {
     let Some(last) = points.last() else { return Vec::new() };
     let total = length(points);
@@ -36,10 +35,10 @@ pub fn resample_chords(points: &[Vec3], count: usize) -> Vec<Vec3> {
     resampled
 }
 
-/// `count` points (at least 2) at equal steps of arc length along the smooth curve through
-/// `points`, with both ends exact.
+/// Returns `count` points (at least 2) at equal steps of arc length along the smooth curve through `points`. Both ends
+/// are exact.
 pub fn resample(points: &[Vec3], count: usize) -> Vec<Vec3> {
-    // Fine enough that the polyline is the curve to a fraction of a percent of a segment.
+    // Fine enough that the polyline deviates from the curve by a fraction of a percent of a segment.
     let fine = if points.len() > 2 && points.len() < 4 * count {
         subdivide(points, (4 * count).div_ceil(points.len() - 1) * (points.len() - 1) + 1)
     } else {
@@ -48,9 +47,8 @@ pub fn resample(points: &[Vec3], count: usize) -> Vec<Vec3> {
     resample_chords(&fine, count)
 }
 
-/// `count` points (at least 2) at equal parameter steps of the Catmull-Rom spline through
-/// `points` (at least 2). Where `count - 1` is a multiple of the number of segments, every one of
-/// `points` is among them.
+/// Returns `count` points (at least 2) at equal parameter steps of the Catmull-Rom spline through `points` (at least
+/// 2). If `count - 1` is a multiple of the number of segments, the result contains every one of `points`.
 pub fn subdivide(points: &[Vec3], count: usize) -> Vec<Vec3> {
     let last = points.len() - 1;
     let at = |i: isize| match i {
@@ -67,7 +65,7 @@ pub fn subdivide(points: &[Vec3], count: usize) -> Vec<Vec3> {
             let t = part as f32 / (count - 1) as f32;
             let k = whole as isize;
             let (p0, p1, p2, p3) = (at(k - 1), at(k), at(k + 1), at(k + 2));
-            // Centripetal knots: no loops or overshoots where segments differ in length.
+            // Centripetal knots: no loops or overshoots between segments of different length.
             let knot = |a: Vec3, b: Vec3| a.distance(b).sqrt().max(1e-6);
             let (d0, d1, d2) = (knot(p0, p1), knot(p1, p2), knot(p2, p3));
             let m1 = (p2 - p1) + d1 * ((p1 - p0) / d0 - (p2 - p0) / (d0 + d1));
@@ -101,7 +99,7 @@ mod tests {
         for (i, p) in points.iter().enumerate() {
             assert_eq!(fine[2 * i], *p);
         }
-        // And lies on the helix in between, better than chords do.
+        // Between the vertices, the spline stays close to the helix.
         let truth = helix(31);
         let error =
             |curve: &[Vec3]| curve.iter().zip(&truth).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
@@ -120,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn chords_are_walked_at_equal_steps() {
+    fn chords_are_resampled_at_equal_steps() {
         let source: Vec<_> = (0..37).map(|i| Vec3::new((i * i) as f32 * 1e-3, 0.1, 0.3)).collect();
         let out = resample_chords(&source, 16);
         assert_eq!((out[0], out[15]), (source[0], source[36]));
@@ -131,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn degenerate_polylines_are_harmless() {
+    fn degenerate_polylines_stay_finite() {
         for points in [vec![Vec3::X, Vec3::X], vec![Vec3::X, Vec3::X, Vec3::X], vec![Vec3::X, Vec3::Y]] {
             assert!(resample(&points, 8).iter().chain(&subdivide(&points, 9)).all(|p| p.is_finite()));
         }

@@ -1,11 +1,11 @@
-//! Errors on the CPU side, each one sentence that names the place and, where there is one, the remedy.
+//! Errors of this crate. Each message is one sentence that names the place and, where there is one, the remedy.
 
 use std::path::PathBuf;
 
-/// The result of this crate's fallible calls.
+/// Result type of this crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// Where in a file something is wrong.
+/// Position of an error in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum At {
     /// The file as a whole.
@@ -26,26 +26,26 @@ impl std::fmt::Display for At {
     }
 }
 
-/// What can go wrong.
+/// Errors of this crate.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A file cannot be opened, read or written.
+    /// A file could not be opened, read or written.
     #[error("{path}: {source}", path = .path.display())]
     Io {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error from the operating system.
         source: std::io::Error,
     },
-    /// A file is not what it should be.
+    /// A file is invalid.
     #[error("{path}{at}: {problem}", path = .path.display())]
     File {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Where in it.
+        /// Position in the file.
         at: At,
-        /// One clause.
+        /// Problem, as one clause.
         problem: String,
     },
     /// A groom or a mesh cannot be used.
@@ -54,20 +54,20 @@ pub enum Error {
     /// A parameter is outside its range.
     #[error("{name} is {value}, but must be {range}")]
     Parameter {
-        /// The parameter.
+        /// Name of the parameter.
         name: &'static str,
-        /// What was given.
+        /// Rejected value.
         value: String,
-        /// What is allowed, in words.
+        /// Allowed range, in words.
         range: &'static str,
     },
 }
 
 impl Error {
-    /// [`Error::Parameter`] unless `value` is a number from `least` to `most`; `range` says so in words.
+    /// Checks that `value` is a number from `least` to `most`. `range` is that range in words.
     ///
     /// # Errors
-    /// That one.
+    /// [`Error::Parameter`] if it is not.
     pub fn unless_within(
         name: &'static str,
         value: f32,

@@ -1,4 +1,4 @@
-//! Guides on the CPU: the strands that are simulated.
+//! Guides on the CPU: the simulated strands.
 
 use crate::{
     curve,
@@ -12,39 +12,39 @@ use glam::Vec3;
 pub struct Guides {
     /// Vertices per guide, 3 to [`crate::MAX_GUIDE_VERTICES`].
     pub vertex_count: u32,
-    /// Rest positions, groom space, metres; guide after guide, root first.
+    /// Rest positions, groom space, meters: guide after guide, root first.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub positions: Vec<Vec3>,
-    /// One per guide: multiplier of the stiffness, from the scalp map.
+    /// Stiffness multiplier from the scalp map, one per guide.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub stiffness: Vec<f32>,
-    /// One per guide: how many drawn strands it stands for.
+    /// Number of render strands that each guide represents.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub strands: Vec<f32>,
-    /// One per guide: whether its tip follows the head, as its root does.
+    /// Whether the tip follows the head as the root does, one per guide.
     pub tip_pinned: Vec<bool>,
-    /// One per guide: the number of the group that its file has it in; or empty.
+    /// Group number from the file, one per guide; empty without groups.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub groups: Vec<i32>,
 }
 
 impl Guides {
-    /// No guides yet.
+    /// Returns an empty set of guides with `vertex_count` vertices each.
     pub fn new(vertex_count: u32) -> Self {
         Self { vertex_count, ..Self::default() }
     }
 
-    /// The number of guides.
+    /// Returns the number of guides.
     pub fn len(&self) -> usize {
         self.stiffness.len()
     }
 
-    /// Whether there is no guide.
+    /// Returns whether there are no guides.
     pub fn is_empty(&self) -> bool {
         self.stiffness.is_empty()
     }
 
-    /// The vertices of guide `i`.
+    /// Returns the vertices of guide `i`.
     pub fn guide(&self, i: usize) -> &[Vec3] {
         let n = self.vertex_count as usize;
         &self.positions[i * n..(i + 1) * n]
@@ -58,10 +58,10 @@ impl Guides {
         self.tip_pinned.push(tip_pinned);
     }
 
-    /// Multiplies the stiffness of every guide by what `map` has at its root, seen from the middle of
-    /// the braincase `skull` (groom space, metres; [`SKULL_CENTRE`](crate::mannequin::SKULL_CENTRE)
-    /// for the built-in head). Bending and the pull to the rest pose both follow it; along the strand they
-    /// change as the simulation's parameters say. The shape at rest stays what it is.
+    /// Multiplies the stiffness of every guide by the value of `map` at its root, seen from `skull`, the center of the
+    /// braincase (groom space, meters; [`SKULL_CENTRE`](crate::mannequin::SKULL_CENTRE) for the built-in head). The
+    /// factor applies to bending and to the pull toward the rest pose. The simulation parameters define how both vary
+    /// along the strand. The rest shape does not change.
     pub fn stiffen(&mut self, map: &ScalpMap, skull: Vec3) {
         let n = self.vertex_count as usize;
         for (stiffness, guide) in self.stiffness.iter_mut().zip(self.positions.chunks_exact(n)) {
@@ -75,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_map_makes_one_side_stiffer() {
+    fn stiffness_map_scales_one_side() {
         let mut guides = Guides::new(3);
         for x in [-0.08f32, 0.0, 0.08] {
             guides.push(&[Vec3::new(x, 0.05, 0.0), Vec3::new(x, 0.1, 0.0)], 2.0, false);
@@ -84,7 +84,7 @@ mod tests {
         guides.stiffen(&map, Vec3::ZERO);
         assert!((guides.stiffness[0] - 1.0).abs() < 1e-5 && (guides.stiffness[2] - 6.0).abs() < 1e-5);
         assert!((1.0..=6.0).contains(&guides.stiffness[1]));
-        // The sides are those of the head, not of the picture.
+        // Left and right refer to the head, not to the image.
         guides.stiffen(&ScalpMap::from_fn(64, |uv| 1.0 - uv.x), Vec3::ZERO);
         assert!(guides.stiffness[0] > 0.5 && guides.stiffness[2] < 3.0);
     }

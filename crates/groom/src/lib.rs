@@ -1,5 +1,4 @@
-//! Grooms before the GPU: strands and heads, imported or procedural, guides, and the strands that follow
-//! them.
+//! Hair processing on the CPU: imported or procedural strands and heads, guides, and render strands bound to guides.
 //!
 //! ```text
 //! files ─► import ─► orient ─► lint, repair ─► fill ─► bind ──► restyle ─┐
@@ -7,24 +6,24 @@
 //! mannequin ─► styles: guides of a recipe ─► grow ───────────────────────┘
 //! ```
 //!
-//! A mesh that comes with joints, shapes or animations comes with a [`Rig`], which poses it.
+//! A mesh with joints, blend shapes or animations has a [`Rig`], which poses it.
 //!
 //! A module uses only modules of the lines above its own (`tests/modules.rs` checks this list):
 //!
 //! ```text
-//! bulk curve error hash progress rice sdf srgb strands │ plain data, coding of numbers
+//! bulk curve error hash progress rice sdf srgb strands │ plain data; coding of integers
 //! mesh random range scalp                              │ triangle meshes; the scalp and maps on it
-//! guides lint look rig                                 │ simulated strands; checks; materials; bodies that bend
-//! bound mannequin orient                               │ drawn strands; the built-in character; units and axes
+//! guides lint look rig                                 │ simulated strands; checks; materials; rigs of skinned meshes
+//! bound mannequin orient                               │ render strands; the built-in character; units and axes
 //! bind formats report styles                           │ guides for strands; files; recipes of hairstyles
-//! cooked export                                        │ grooms that open at once; writers
+//! cooked export                                        │ precomputed grooms; writers
 //! import                                               │ readers
 //! grow                                                 │ strands from guides
-//! fill restyle                                         │ strands between strands; curls and clumps for them
+//! fill restyle                                         │ strands between strands; their curls and clumps
 //! ```
 //!
-//! Everything here runs on the CPU and needs no GPU. The crate `tresses` simulates and draws a [`Groom`];
-//! it re-exports this one as `tresses::groom`.
+//! Everything in this crate runs on the CPU. The crate `tresses` simulates and renders a [`Groom`]; it re-exports this
+//! crate as `tresses::groom`.
 
 pub mod bind;
 pub mod bound;
@@ -62,9 +61,9 @@ pub mod styles;
 pub use bind::{BindOptions, GuideCount, bind};
 pub use bound::{BoundStrands, Groom, Influence};
 #[cfg(feature = "cooked")]
-pub use cooked::Cooked;
+pub use cooked::CookedGroom;
 pub use error::{Error, Result};
-pub use fill::{Fill, Filled, Head, bind_filled, fill};
+pub use fill::{Fill, FilledStrands, Head, bind_filled, fill};
 pub use glam;
 pub use guides::Guides;
 pub use look::Look;
@@ -75,9 +74,9 @@ pub use rig::{Rig, RigPose};
 pub use sdf::SdfGrid;
 pub use strands::{Followers, Strands};
 
-/// The most vertices a guide may have.
+/// Maximum number of vertices per guide.
 pub const MAX_GUIDE_VERTICES: u32 = 64;
-/// The most vertices a drawn strand may have.
+/// Maximum number of vertices per render strand.
 pub const MAX_STRAND_VERTICES: u32 = 64;
-/// The most vertices a groom may have: 16 bytes each fill the largest buffer that WebGPU can bind.
+/// Maximum number of vertices of a groom. At 16 bytes each, they fill the largest buffer that WebGPU can bind.
 pub const MAX_VERTICES: u64 = 1 << 28;

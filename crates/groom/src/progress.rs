@@ -1,15 +1,15 @@
 //! Progress of long operations on the CPU, which also yield to other work.
 //!
-//! Long functions take a [`Progress`] and are `async`; most have a twin without both.
+//! Long functions take a [`Progress`] and are `async`; most have a synchronous variant without it.
 
 use std::{
     pin::pin,
     task::{Context, Poll, Waker},
 };
 
-/// Who listens to long work, and may hold it up: a browser's page must give the event loop its turn
-/// several times a second, a window wants a bar that moves. It is told every few milliseconds; a listener
-/// whose way of waiting takes long does well to wait only when some time has passed since it last did.
+/// A listener to long operations, which it may also suspend: a web page must return to the event loop several times a
+/// second, and a window updates a progress bar. The work calls [`step`](Self::step) every few milliseconds. A listener
+/// whose way of waiting is slow should wait only when some time has passed since it last did.
 ///
 /// ```
 /// struct Printed;
@@ -21,12 +21,12 @@ use std::{
 /// }
 /// ```
 pub trait Progress {
-    /// `task` (a few words, lower case) goes on now, `fraction` (0 to 1) of it being done. The work
+    /// Reports that `task` (a few words, lower case) is running and that `fraction` (0 to 1) of it is done. The work
     /// waits until the future is ready.
     fn step(&self, task: &'static str, fraction: f32) -> impl Future<Output = ()>;
 }
 
-/// Nobody listens.
+/// Ignores all reports.
 impl Progress for () {
     async fn step(&self, _task: &'static str, _fraction: f32) {}
 }
@@ -37,7 +37,7 @@ impl<P: Progress> Progress for &P {
     }
 }
 
-/// How many threads long work is divided among: as many as the machine runs at once, one in a browser.
+/// Returns the number of threads for long operations: as many as the machine runs at once, one in a browser.
 pub fn threads() -> usize {
     match cfg!(target_arch = "wasm32") {
         true => 1,
@@ -45,14 +45,14 @@ pub fn threads() -> usize {
     }
 }
 
-/// What a future gives that is ready when it is first polled: one without a [`Progress`] that waits and
-/// without read-back.
+/// Returns the value of a future that is ready when it is first polled: one without a waiting [`Progress`] and without
+/// read-back.
 ///
 /// # Panics
-/// When the future waits.
+/// If the future waits.
 pub fn at_once<T>(future: impl Future<Output = T>) -> T {
     match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
         Poll::Ready(value) => value,
-        Poll::Pending => unreachable!("nothing in it waits"),
+        Poll::Pending => unreachable!("the future is not ready at its first poll"),
     }
 }

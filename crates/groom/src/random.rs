@@ -3,44 +3,44 @@
 use crate::hash::pcg;
 use glam::Vec3;
 
-/// A generator whose whole state is one number, so that every strand can have its own.
+/// A generator whose state is one number, so that every strand can have its own.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rng(u32);
 
 impl Rng {
-    /// A stream for `index` under `seed`.
+    /// Creates the stream `index` of `seed`.
     pub(crate) fn new(seed: u32, index: u32) -> Self {
         Self(pcg(seed ^ pcg(index)))
     }
 
-    /// The next 32 random bits.
+    /// Returns the next 32 random bits.
     pub(crate) fn bits(&mut self) -> u32 {
         self.0 = self.0.wrapping_add(0x6d2b_79f5);
         pcg(self.0)
     }
 
-    /// Uniform in 0..1.
+    /// Returns a uniform number in 0..1.
     pub(crate) fn unit(&mut self) -> f32 {
         (self.bits() >> 8) as f32 / 16_777_216.0
     }
 
-    /// Uniform in `lo..hi`.
+    /// Returns a uniform number in `lo..hi`.
     pub(crate) fn range(&mut self, lo: f32, hi: f32) -> f32 {
         lo + (hi - lo) * self.unit()
     }
 
-    /// Bell-shaped with mean 0 and standard deviation 1, never beyond 3: the sum of three uniforms.
+    /// Returns a bell-shaped number with mean 0 and standard deviation 1, never beyond 3: the sum of three uniforms.
     pub(crate) fn bell(&mut self) -> f32 {
         (self.unit() + self.unit() + self.unit() - 1.5) * 2.0
     }
 
-    /// A vector with independent [`bell`](Self::bell) coordinates.
+    /// Returns a vector with independent [`bell`](Self::bell) coordinates.
     pub(crate) fn bell3(&mut self) -> Vec3 {
         Vec3::new(self.bell(), self.bell(), self.bell())
     }
 }
 
-/// Smooth value noise in -1..1 with features of unit size.
+/// Returns smooth value noise in -1..1 with features of unit size.
 pub(crate) fn noise(p: Vec3, seed: u32) -> f32 {
     let base = p.floor();
     let f = p - base;
@@ -56,13 +56,13 @@ pub(crate) fn noise(p: Vec3, seed: u32) -> f32 {
     mix(plane(0), plane(1), w.z)
 }
 
-/// The cubic step from 0 at `a` to 1 at `b`.
+/// Returns the cubic step from 0 at `a` to 1 at `b`.
 pub(crate) fn smoothstep(a: f32, b: f32, x: f32) -> f32 {
     let t = ((x - a) / (b - a)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// The linear blend of `a` and `b`.
+/// Returns the linear blend of `a` and `b`.
 pub(crate) fn lerp(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
 }

@@ -1,48 +1,48 @@
-//! The ranges of parameters: a constant beside the field, which its check and every interface name.
+//! Ranges of parameters: constants beside the fields, shared by their checks and by every interface.
 
 use crate::{Error, Result};
 
-/// What a parameter may be, both ends included, in SI units. [`range!`](crate::range!) makes one.
+/// Range of a parameter, both ends included, in SI units. [`range!`](crate::range!) creates one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// What errors call the parameter.
+    /// Name of the parameter in errors.
     pub name: &'static str,
-    /// The smallest value that works.
+    /// Smallest valid value.
     pub least: f64,
-    /// The largest.
+    /// Largest valid value.
     pub most: f64,
-    /// The part of it that interfaces offer: what makes sense for hair.
+    /// Part of the range that interfaces offer because it makes sense for hair.
     pub usual: [f64; 2],
     words: &'static str,
 }
 
 impl Range {
-    /// From `least` to `most`, which `words` say.
+    /// Creates a range from `least` to `most`; `words` is its text.
     pub const fn new(name: &'static str, least: f64, most: f64, words: &'static str) -> Self {
         Self { name, least, most, usual: [least, most], words }
     }
 
-    /// Interfaces offer this part of it.
+    /// Sets the part of the range that interfaces offer.
     pub const fn usually(mut self, least: f64, most: f64) -> Self {
         self.usual = [least, most];
         self
     }
 
-    /// Whether `value` is a number within the range.
+    /// Checks that `value` is a number within the range.
     ///
     /// # Errors
-    /// [`Error::Parameter`] when it is not.
+    /// [`Error::Parameter`] if it is not.
     pub fn check(&self, value: f32) -> Result<()> {
         Error::unless_within(self.name, value, self.least as f32, self.most as f32, self.words)
     }
 
-    /// `value` brought into the range; a value that is no number stays one.
+    /// Clamps `value` to the range; NaN stays NaN.
     pub fn clamp(&self, value: f32) -> f32 {
         value.clamp(self.least as f32, self.most as f32)
     }
 }
 
-/// A [`Range`](crate::range::Range): its name, both ends as literals, their unit, and what is usual.
+/// Creates a [`Range`](crate::range::Range) from its name, both ends as literals, their unit, and the usual part.
 ///
 /// ```
 /// use tresses_groom::{range, range::Range};

@@ -1,77 +1,77 @@
-//! What importing a groom found and did.
+//! Report of a groom import.
 
 use crate::{Followers, Look, Rig, Strands, lint, orient};
 use std::path::PathBuf;
 
-/// What one file held.
+/// Contents of one file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileReport {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
     /// Format and version.
     pub format: &'static str,
-    /// Strands in it.
+    /// Number of strands.
     pub strands: usize,
-    /// Vertices in it.
+    /// Number of vertices.
     pub vertices: usize,
-    /// What was done on the way, or left out.
+    /// Changes and omissions while reading.
     pub notes: Vec<String>,
 }
 
-/// What was read and what was done with it.
+/// Contents of the imported files and the changes made to them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImportReport {
-    /// One per groom file, in the order given.
+    /// One report per groom file, in the order given.
     pub files: Vec<FileReport>,
-    /// How the groom came into metres, Y up, face +Z.
+    /// Conversion of the groom to meters, Y up, face toward +Z.
     pub placement: orient::Placement,
-    /// How the head did.
+    /// Conversion of the head.
     pub head_placement: Option<orient::Placement>,
-    /// What bends the head, if its files have that.
+    /// Rig of the head, if its files have one.
     pub rig: Option<Rig>,
-    /// What the groom was like before the repair.
+    /// Lint findings before the repair.
     pub lint: lint::Report,
-    /// What the repair did.
-    pub repaired: lint::Repaired,
-    /// The followers that the files ask for, one entry per strand, radii in metres; empty where none do.
+    /// Changes made by the repair.
+    pub repaired: lint::RepairReport,
+    /// Child strands that the files request, one entry per strand, radii in meters; empty if they request none.
     pub followers: Vec<Followers>,
-    /// The groups that the files sort their strands into, by number; empty where they do not.
+    /// Groups of strands in the files, by number; empty without groups.
     pub groups: Vec<Group>,
-    /// What attributes the files have of each strand or vertex.
+    /// Attributes of strands and vertices in the files.
     pub attributes: Attributes,
-    /// What the first file that says so has its hair look like.
+    /// Appearance of the hair, from the first file that describes it.
     pub look: Option<Look>,
 }
 
-/// Strands that belong together.
+/// A group of strands.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Group {
-    /// Its number.
+    /// Number of the group.
     pub id: i32,
-    /// Its name, where the file has one.
+    /// Name of the group, if the file has one.
     pub name: String,
-    /// Strands in it, guides among them.
+    /// Number of strands, guides included.
     pub strands: usize,
-    /// Guides in it.
+    /// Number of guides.
     pub guides: usize,
 }
 
-/// Which attributes there are.
+/// Attributes that the files contain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Attributes {
-    /// A width at each vertex.
+    /// Whether there is a width at each vertex.
     pub widths: bool,
-    /// A colour at each vertex.
+    /// Whether there is a color at each vertex.
     pub colors: bool,
-    /// Scalp texture coordinates.
+    /// Whether there are scalp texture coordinates.
     pub root_uvs: bool,
-    /// Strands have numbers.
+    /// Whether strands have numbers.
     pub ids: bool,
-    /// Strands that are guides.
+    /// Number of strands that are guides.
     pub guides: usize,
-    /// Strands that say which guides they follow.
+    /// Number of strands that name the guides they follow.
     pub bound: usize,
 }
 
@@ -89,7 +89,7 @@ impl Attributes {
 }
 
 impl ImportReport {
-    /// How many strands there are with all followers that the files ask for.
+    /// Returns the number of strands, including all child strands that the files request.
     pub fn with_followers(&self) -> u64 {
         self.followers.iter().map(|followers| 1 + u64::from(followers.count)).sum()
     }

@@ -1,16 +1,15 @@
-//! Curls, clumps, stray hairs and widths for existing grooms, above all imported ones.
+//! Curls, clumps, stray hairs and widths for existing grooms, mostly imported ones.
 //!
-//! Guides stay as they are. They are chosen and bound among the hair as the file has it, and the rest
-//! curves of the drawn strands change afterwards: a curled guide would be simulated as a spring, and the
-//! strands of three such guides would be their mean, which is not a curl.
+//! Guides do not change. They are chosen and bound in the original hair, and then the rest curves of the render strands
+//! change. A curled guide would be simulated as a spring, and the strands of three such guides would be their mean,
+//! which is not a curl.
 //!
 //! ```text
 //! bound strands ─► locks ─► gather ─► curl ─► unrest ─► widths ─► bound strands
 //! ```
 //!
-//! *Locks* are strands whose roots lie within the clumps' spacing of a centre; among those centres each
-//! strand takes the one whose direction is most similar, so that no lock has hair from both sides of a
-//! parting.
+//! *Locks* are strands whose roots lie within the clumps' spacing of a center. Among those centers, each strand takes
+//! the one with the most similar direction, so that no lock has hair from both sides of a parting.
 
 use super::{
     Groom,
@@ -28,38 +27,38 @@ use crate::{
 use glam::{IVec3, Vec3};
 use std::collections::HashMap;
 
-/// What changes on strands that are bound to guides.
+/// Changes to strands that are bound to guides.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Restyle {
-    /// Curls; their locks are the clumps.
+    /// Curls; each clump is a lock.
     pub curls: Curls,
-    /// Factor of the radius of curls, over the scalp.
+    /// Factor on the radius of curls, over the scalp.
     pub curl_map: Option<ScalpMap>,
-    /// How strands gather; `None`: as the file has them, or as it suits the curls. `lock` and
-    /// `tip_spread` are without effect.
+    /// Clumps. `None` keeps the clumps of the file, or sets clumps that suit the curls. `lock` and `tip_spread` have no
+    /// effect.
     pub clumps: Option<Clumps>,
-    /// Frizz, strays and flyaways; `None` for none. `shorter` is without effect.
+    /// Frizz, strays and flyaways; `None` for none. `shorter` has no effect.
     pub unrest: Option<Unrest>,
-    /// The usual diameter, metres; `None` for what the strands have.
+    /// Median diameter, meters; `None` keeps the diameters.
     pub diameter: Option<f32>,
     /// Standard deviation of the width over the strands, as a fraction.
     pub width_variation: f32,
-    /// Width at the tip as a fraction, reached evenly along the strand; `None` for what the strands have.
+    /// Width at the tip as a fraction, with a linear taper along the strand; `None` keeps the widths.
     pub tip_width: Option<f32>,
-    /// What every random choice follows from.
+    /// Seed of every random choice.
     pub seed: u32,
 }
 
-/// The clumps of strands that have been given none.
+/// Clumps for options that set none.
 const NO_CLUMPS: Clumps = Clumps { spacing: 0.006, strength: 0.0, start: 0.05, lock: 0.0, tip_spread: 1.0 };
 
 impl Restyle {
-    /// Whether it changes anything.
+    /// Returns whether the options change anything.
     pub fn any(&self) -> bool {
         self.curls.any() || *self != Self { curls: self.curls.clone(), seed: self.seed, ..Self::default() }
     }
 
-    /// The clumps that strands get.
+    /// Returns the clumps to apply.
     fn clumps(&self) -> Clumps {
         match self.clumps {
             Some(clumps) => clumps,
@@ -68,13 +67,13 @@ impl Restyle {
         }
     }
 
-    /// The frizz, strays and flyaways that strands get.
+    /// Returns the frizz, strays and flyaways to apply.
     fn unruly(&self) -> Unrest {
         let still = Unrest { frizz: 0.0, strays: 0.0, stray: 0.0, flyaways: 0.0, flyaway: 0.0, shorter: 0.0 };
         self.unrest.unwrap_or(still)
     }
 
-    /// Checks that every value is in its range, which is that of growth.
+    /// Checks that every value is in the range of the growth parameter.
     ///
     /// # Errors
     /// [`Error::Parameter`](crate::Error::Parameter) for a value out of range.
@@ -91,13 +90,13 @@ impl Restyle {
         .check()
     }
 
-    /// Changes the strands of `groom` (metres, groom space); `skull` is the middle of the braincase.
-    /// Strands on guides whose tips are fixed get no curls.
+    /// Changes the strands of `groom` (meters, groom space); `skull` is the center of the braincase. Strands on guides
+    /// with pinned tips keep their shape.
     ///
     /// # Errors
-    /// [`Error::Parameter`](crate::Error::Parameter) for values out of range,
-    /// [`Error::Unusable`](crate::Error::Unusable) where the strands have too few
-    /// vertices for the curls: bind with [`BindOptions::strand_vertices`](super::BindOptions) of 64.
+    /// [`Error::Parameter`](crate::Error::Parameter) for values out of range.
+    /// [`Error::Unusable`](crate::Error::Unusable) if the strands have too few vertices for the curls: bind with
+    /// [`BindOptions::strand_vertices`](super::BindOptions) of 64.
     pub fn apply(&self, groom: &mut Groom, skull: Vec3) -> Result<()> {
         self.check()?;
         let (clumps, unruly) = (self.clumps(), self.unruly());
@@ -176,7 +175,8 @@ fn push(
     out.bindings.push(binding);
 }
 
-/// Draws the strand to the centre of its lock: to the point as far from the root, as long as there is one.
+/// Pulls the strand toward the center of its lock: each vertex toward the center's point at the same distance from the
+/// root.
 fn gather(
     line: &mut [Vec3],
     centre: &[Vec3],
@@ -197,14 +197,14 @@ fn gather(
     for (k, p) in line.iter_mut().enumerate().skip(1) {
         let t = k as f32 / last;
         let along = own * t;
-        // A strand that is longer than the centre goes on beside its end.
+        // A strand longer than the center continues beside its end.
         let there = 1.0 - smoothstep(0.85 * reach, 1.05 * reach, along);
         let middle = walk.at(along.min(reach));
         *p = p.lerp(middle, strength * smoothstep(clumps.start, 0.85, t) * there);
     }
 }
 
-/// Winds the strand around its path and returns the fraction of it that it takes.
+/// Winds the strand around its path and returns the fraction of the path that it covers.
 fn wind(
     line: &mut [Vec3],
     curls: &Curls,
@@ -228,7 +228,7 @@ fn wind(
     fraction
 }
 
-/// Points along a polyline at rising distances.
+/// Cursor for points along a polyline at ascending distances.
 struct Walk<'a> {
     line: &'a [Vec3],
     segment: usize,
@@ -253,12 +253,12 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// Strands in locks.
+/// Assignment of strands to locks.
 #[derive(Default)]
 struct Locks {
-    /// The strand in the middle of each lock.
+    /// Center strand of each lock.
     centres: Vec<u32>,
-    /// The lock of each strand.
+    /// Lock of each strand.
     of: Vec<u32>,
 }
 
@@ -276,7 +276,7 @@ impl Locks {
                 .copied()
                 .collect()
         };
-        // In random order every strand that is far enough from all centres becomes one: they are spread
+        // In random order, every strand that is far enough from all centers becomes one. Centers are thus spread
         // evenly, and every strand has one within the spacing.
         let mut order: Vec<u32> = (0..lines.len() as u32).collect();
         order.sort_by_key(|&i| (pcg(i ^ 0x10c5), i));

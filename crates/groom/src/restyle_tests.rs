@@ -2,7 +2,7 @@ use super::*;
 use crate::{BindOptions, GuideCount, Strands, bind, scalp::spread_direction};
 use glam::Vec2;
 
-/// Strands of 20 cm that leave a head of 9 cm straight, bound with 64 vertices.
+/// Straight strands of 20 cm on a head of 9 cm radius, bound with 64 vertices.
 fn ball(count: u32) -> Groom {
     let mut strands = Strands::default();
     for i in 0..count {
@@ -23,7 +23,7 @@ fn regular() -> Curls {
     Curls { irregularity: 0.0, coherence: 1.0, neighbours: 1.0, ..Curls::ringlets() }
 }
 
-/// No gathering: strands keep their own paths.
+/// Without clumping, strands keep their own paths.
 const LOOSE: Clumps = Clumps { strength: 0.0, ..NO_CLUMPS };
 
 #[test]
@@ -37,7 +37,7 @@ fn imported_strands_curl_and_guides_stay() {
         (0..800).step_by(7).all(|i| {
             let (old, new) = (line(&before, i), line(groom, i));
             assert!(old[0].distance(new[0]) < 1e-5);
-            // Beyond the ramp, on a straight path: the radius everywhere.
+            // Beyond the ramp, on a straight path, the radius is the same everywhere.
             (15..64).all(|k| (old[k].distance(new[k]) / radius - 1.0).abs() < 0.01)
         })
     };
@@ -48,14 +48,14 @@ fn imported_strands_curl_and_guides_stay() {
 }
 
 #[test]
-fn shrunken_strands_keep_their_lengths_and_hang_higher_on_their_guides() {
+fn shrunken_strands_keep_length_and_end_higher_on_guides() {
     let before = ball(300);
     let mut after = before.clone();
     let curls = Curls { shrink: 1.0, ..regular() };
     Restyle { curls, clumps: Some(LOOSE), ..Restyle::default() }.apply(&mut after, Vec3::ZERO).unwrap();
     for i in 0..300 {
         let [old, new] = [&before, &after].map(|groom| curve::length(&line(groom, i)));
-        // Chords cut the corners of six vertices to a turn.
+        // Chords cut the corners, at six vertices per turn.
         assert!((new / old - 1.0).abs() < 0.04, "{new} {old}");
         let ratio = after.strands.bindings[i].scale[0] / before.strands.bindings[i].scale[0];
         assert!((0.4..0.7).contains(&ratio), "{ratio}");
@@ -63,7 +63,7 @@ fn shrunken_strands_keep_their_lengths_and_hang_higher_on_their_guides() {
 }
 
 #[test]
-fn a_curl_map_acts_where_it_is_painted() {
+fn curl_map_affects_only_painted_side() {
     let before = ball(800);
     let map = ScalpMap::from_fn(64, |uv| if uv.x > 0.5 { 1.0 } else { 0.0 });
     let flipped = ScalpMap::from_fn(64, |uv| if uv.x > 0.5 { 0.0 } else { 1.0 });
@@ -111,12 +111,12 @@ fn widths_vary_and_narrow() {
     assert!((mean / 5e-5 - 1.0).abs() < 0.02 && (0.15..0.21).contains(&spread), "{mean} {spread}");
     let tip = after.strands.rest[63].unpack(&after.strands.bindings[0]).1;
     assert!((tip - 0.3).abs() < 0.003, "{tip}");
-    // Shapes stay as they are, to the last bit of the packing.
+    // Shapes stay the same within the precision of the packing.
     assert!((0..2000).step_by(50).all(|i| line(&before, i)[30].distance(line(&after, i)[30]) < 1e-5));
 }
 
 #[test]
-fn what_cannot_be_is_refused() {
+fn invalid_options_leave_groom_unchanged() {
     let mut strands = Strands::default();
     strands.push(&[Vec3::ZERO, Vec3::Y * 0.3]);
     let mut groom = bind(&strands, &BindOptions { strand_vertices: Some(16), ..Default::default() }).unwrap();

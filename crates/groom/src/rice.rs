@@ -1,10 +1,10 @@
-//! Variable-length coding of integers, for the files stored in this crate.
+//! Variable-length coding of integers for the files stored in this crate.
 //!
-//! A number is written as in JPEG-LS (Rice coding): its low `k` bits unchanged, the rest as that many zeros
-//! and a one, with `k` from the mean of what its [`Context`] has seen so far. Predictions are mostly right,
-//! so most numbers are small.
+//! Numbers are written as in JPEG-LS (Rice coding): the low `k` bits unchanged, the rest as that many zeros and a one.
+//! `k` follows from the mean of the numbers that the [`Context`] has seen so far. Predictions are mostly right, so most
+//! numbers are small.
 
-/// What numbers of one kind have been like.
+/// Statistics of one kind of number.
 #[derive(Clone, Debug)]
 pub(crate) struct Context {
     sum: u64,
@@ -17,14 +17,14 @@ impl Default for Context {
     }
 }
 
-/// Zeros from which on a number stands as it is, in 32 bits.
+/// Number of zeros from which on a number is stored plainly, in 32 bits.
 const ESCAPE: u32 = 24;
 
-/// Numbers after which half of what was seen is forgotten.
+/// Numbers after which the statistics are halved.
 const MEMORY: u64 = 256;
 
 impl Context {
-    /// How many low bits stand as they are.
+    /// Returns the number of low bits that are stored unchanged.
     fn low_bits(&self) -> u32 {
         (0..31).find(|k| self.count << k >= self.sum).unwrap_or(31)
     }
@@ -39,7 +39,7 @@ impl Context {
     }
 }
 
-/// Writes bits, the lowest of each byte first.
+/// Bit writer, the lowest bit of each byte first.
 #[derive(Debug, Default)]
 pub(crate) struct Writer {
     bytes: Vec<u8>,
@@ -47,7 +47,7 @@ pub(crate) struct Writer {
 }
 
 impl Writer {
-    /// One bit.
+    /// Writes one bit.
     pub(crate) fn bit(&mut self, bit: bool) {
         if self.used.is_multiple_of(8) {
             self.bytes.push(0);
@@ -62,7 +62,7 @@ impl Writer {
         (0..count).for_each(|i| self.bit(value >> i & 1 == 1));
     }
 
-    /// A number of the kind of `context`.
+    /// Writes a number with the statistics of `context`.
     pub(crate) fn put(&mut self, context: &mut Context, value: i32) {
         let folded = ((value << 1) ^ (value >> 31)) as u32;
         let k = context.low_bits();
@@ -78,29 +78,29 @@ impl Writer {
         context.learn(folded);
     }
 
-    /// The bytes.
+    /// Returns the bytes.
     pub(crate) fn finish(self) -> Vec<u8> {
         self.bytes
     }
 }
 
-/// Reads what a [`Writer`] wrote.
+/// Reader of the output of a [`Writer`].
 #[derive(Debug)]
 pub(crate) struct Reader<'a> {
     bytes: &'a [u8],
     at: usize,
-    /// The next bits, the first one lowest.
+    /// Buffered bits, the next one lowest.
     held: u64,
     count: u32,
 }
 
 impl<'a> Reader<'a> {
-    /// From the beginning.
+    /// Starts at the beginning of `bytes`.
     pub(crate) fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, at: 0, held: 0, count: 0 }
     }
 
-    /// Sees to it that 57 bits are held; behind the end there are zeros.
+    /// Fills the buffer to at least 57 bits; zeros follow the end.
     fn fill(&mut self) {
         while self.count <= 56 {
             let byte = self.bytes.get(self.at).copied().unwrap_or(0);
@@ -118,12 +118,12 @@ impl<'a> Reader<'a> {
         value as u32
     }
 
-    /// One bit.
+    /// Reads one bit.
     pub(crate) fn bit(&mut self) -> bool {
         self.bits(1) == 1
     }
 
-    /// A number of the kind of `context`.
+    /// Reads a number with the statistics of `context`.
     pub(crate) fn get(&mut self, context: &mut Context) -> i32 {
         let k = context.low_bits();
         self.fill();
@@ -134,7 +134,7 @@ impl<'a> Reader<'a> {
         (folded >> 1) as i32 ^ -((folded & 1) as i32)
     }
 
-    /// Whether all bytes have been read, and no more.
+    /// Returns whether exactly all bytes have been read.
     pub(crate) fn is_done(&self) -> bool {
         self.at - (self.count / 8) as usize == self.bytes.len()
     }
@@ -145,7 +145,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_come_back() {
+    fn numbers_round_trip() {
         let values: Vec<i32> = (0..4000u32)
             .map(|i| (crate::hash::pcg(i) as i32) >> (20 + i % 12))
             .chain([i32::MIN, i32::MAX, 0, -1])

@@ -1,16 +1,16 @@
-//! A signed distance field on a regular grid, CPU side: the collider of a head.
+//! Signed distance field on a regular grid, on the CPU: the collider of a head.
 
 use glam::{UVec3, Vec3};
 
-/// Signed distances (metres, negative inside) at the nodes of a regular grid in groom space.
+/// Signed distances (meters, negative inside) at the nodes of a regular grid in groom space.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct SdfGrid {
     /// Nodes along x, y and z.
     pub size: UVec3,
-    /// Position of node (0, 0, 0), metres.
+    /// Position of node (0, 0, 0), meters.
     pub origin: Vec3,
-    /// Distance between neighbouring nodes, metres.
+    /// Distance between neighboring nodes, meters.
     pub cell: f32,
     /// Distances, x fastest.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
@@ -18,28 +18,28 @@ pub struct SdfGrid {
 }
 
 impl SdfGrid {
-    /// A grid whose longest axis has `resolution` nodes and that covers `lo..hi`, filled by `distance`.
+    /// Returns a grid that covers `lo..hi` with `resolution` nodes along the longest axis, filled by `distance`.
     pub fn from_fn(lo: Vec3, hi: Vec3, resolution: u32, distance: impl Fn(Vec3) -> f32) -> Self {
         let mut grid = Self::over(lo, hi, resolution);
         grid.distances = (0..grid.size.element_product()).map(|i| distance(grid.node(i))).collect();
         grid
     }
 
-    /// The same without distances.
+    /// [`from_fn`](Self::from_fn) without distances.
     pub(crate) fn over(lo: Vec3, hi: Vec3, resolution: u32) -> Self {
         let cell = (hi - lo).max_element() / (resolution.max(2) - 1) as f32;
         let size = ((hi - lo) / cell).ceil().as_uvec3() + UVec3::ONE;
         Self { size, origin: lo, cell, distances: Vec::new() }
     }
 
-    /// The position of node `i`, metres.
+    /// Returns the position of node `i`, meters.
     pub fn node(&self, i: u32) -> Vec3 {
         let (x, y, z) = (i % self.size.x, i / self.size.x % self.size.y, i / (self.size.x * self.size.y));
         self.origin + Vec3::new(x as f32, y as f32, z as f32) * self.cell
     }
 
-    /// The distance at `p`, metres: trilinear inside the grid; outside, that of the nearest point
-    /// of the grid's box plus the way to it.
+    /// Returns the distance at `p`, meters: trilinear inside the grid. Outside, it is the distance at the closest point
+    /// of the grid's box plus the distance to that point.
     pub fn sample(&self, p: Vec3) -> f32 {
         let last = (self.size - UVec3::ONE).as_vec3();
         let local = (p - self.origin) / self.cell;
@@ -56,21 +56,21 @@ impl SdfGrid {
         mix(plane(0), plane(1), f.z) + (local - q).length() * self.cell
     }
 
-    /// The gradient of the distance at `p`, normalised: away from the obstacle.
+    /// Returns the normalized gradient of the distance at `p`, which points away from the obstacle.
     pub fn normal(&self, p: Vec3) -> Vec3 {
         let h = 0.5 * self.cell;
         let d = |axis: Vec3| self.sample(p + axis * h) - self.sample(p - axis * h);
         Vec3::new(d(Vec3::X), d(Vec3::Y), d(Vec3::Z)).normalize_or(Vec3::Y)
     }
 
-    /// [`Self::normal`] at every node, x fastest: eight times as fast as one by one.
+    /// Returns [`Self::normal`] at every node, x fastest: eight times as fast as separate calls.
     pub fn node_normals(&self) -> impl Iterator<Item = Vec3> + '_ {
         let n = self.size;
         let step = [1, n.x, n.x * n.y];
         (0..n.element_product()).map(move |i| {
             let at = [i % n.x, i / n.x % n.y, i / (n.x * n.y)];
             let d = |j: u32| self.distances[j as usize];
-            // Half a cell beyond the grid, distances go on as `sample` has them.
+            // Half a cell outside of the grid, distances continue as in `sample`.
             let side = |axis: usize, up: bool| match up {
                 true if at[axis] + 1 < n[axis] => 0.5 * (d(i) + d(i + step[axis])),
                 false if at[axis] > 0 => 0.5 * (d(i) + d(i - step[axis])),
@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sphere_is_sampled_as_a_sphere() {
+    fn sampled_sphere_matches_closed_form() {
         let grid = SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 33, |p| p.length() - 0.1);
         for p in [Vec3::new(0.12, 0.03, -0.05), Vec3::new(0.05, 0.0, 0.04), Vec3::new(0.5, 0.0, 0.0)] {
             assert!((grid.sample(p) - (p.length() - 0.1)).abs() < 2e-3, "{p}");
@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn normals_at_nodes_are_those_of_points() {
+    fn node_normals_match_point_normals() {
         let grid = SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::new(0.2, 0.1, 0.15), 17, |p| {
             p.length() - 0.1 + 0.01 * (40.0 * p.x).sin()
         });

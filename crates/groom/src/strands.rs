@@ -1,93 +1,93 @@
-//! Explicit strands: the common form of every groom file and of all grown hair.
+//! Explicit strands: the common form of all groom files and all grown hair.
 
 use glam::{Vec2, Vec3};
 
 /// Strands as flat arrays: strand `i` owns the vertices `offsets[i]..offsets[i + 1]`, root first.
 ///
-/// Metres, right-handed, Y up, the face towards +Z, once an importer has done its work.
+/// After import: meters, right-handed, Y up, face toward +Z.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Strands {
-    /// One more than there are strands; starts with 0, never falls.
+    /// Offset of each strand's first vertex, and the number of vertices: starts with 0, never decreases.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub offsets: Vec<u32>,
-    /// One per vertex, metres.
+    /// Vertex positions, meters.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub positions: Vec<Vec3>,
-    /// One per vertex, metres, or empty where the source has none.
+    /// Vertex radii, meters, or empty if the source has none.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub radii: Vec<f32>,
-    /// Linear sRGB, one per vertex, or empty.
+    /// Vertex colors, linear sRGB, or empty.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub colors: Vec<Vec3>,
     /// Scalp texture coordinates, one per strand, or empty.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub root_uvs: Vec<Vec2>,
-    /// One per strand: whether the tip is fixed to the head as the root is; or empty for none.
+    /// Whether the tip is fixed to the head like the root, one per strand; or empty for none.
     pub tip_pinned: Vec<bool>,
-    /// What a file says of each strand besides, one per strand, or empty.
+    /// Guide data from the file, one per strand, or empty.
     pub marks: Vec<Mark>,
 }
 
-/// What a file says of a strand besides its shape.
+/// Data of a strand in a file that describe guides and groups.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mark {
-    /// Whether it is a guide, which others follow.
+    /// Whether the strand is a guide, which others follow.
     pub guide: bool,
-    /// Its number, by which others name it.
+    /// Number by which other strands refer to it.
     pub id: i32,
-    /// The number of its group.
+    /// Number of the strand's group.
     pub group: i32,
-    /// The numbers of the guides that it follows.
+    /// Numbers of the guides that the strand follows.
     pub closest: [i32; 3],
-    /// How far it follows each; all 0 where the file does not say.
+    /// Weight of each guide; all 0 if the file has none.
     pub weights: [f32; 3],
 }
 
-/// The followers of one strand.
+/// Child strands of one strand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Followers {
-    /// How many.
+    /// Number of child strands.
     pub count: u32,
-    /// How far from the strand at most, metres; `None` where the file does not say: half as far as its
-    /// neighbours are.
+    /// Maximum distance of the roots from the strand, meters; `None` if the file has none, for half the distance of the
+    /// strand's neighbors.
     pub radius: Option<f32>,
 }
 
 impl Strands {
-    /// The number of strands.
+    /// Returns the number of strands.
     pub fn len(&self) -> usize {
         self.offsets.len().saturating_sub(1)
     }
 
-    /// Whether there is no strand.
+    /// Returns whether there are no strands.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The vertex range of strand `i`.
+    /// Returns the vertex range of strand `i`.
     pub fn range(&self, i: usize) -> std::ops::Range<usize> {
         self.offsets[i] as usize..self.offsets[i + 1] as usize
     }
 
-    /// The vertices of strand `i`, root first.
+    /// Returns the vertices of strand `i`, root first.
     pub fn strand(&self, i: usize) -> &[Vec3] {
         &self.positions[self.range(i)]
     }
 
-    /// The strands in order.
+    /// Iterates over the strands in order.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &[Vec3]> {
         self.offsets.windows(2).map(|w| &self.positions[w[0] as usize..w[1] as usize])
     }
 
-    /// The length of strand `i` along its segments, metres.
+    /// Returns the length of strand `i` along its segments, meters.
     pub fn length(&self, i: usize) -> f32 {
         self.strand(i).windows(2).map(|w| w[0].distance(w[1])).sum()
     }
 
-    /// Whether some strands are marked as guides.
+    /// Returns whether any strand is marked as a guide.
     pub fn has_guides(&self) -> bool {
         self.marks.iter().any(|mark| mark.guide)
     }
@@ -101,7 +101,7 @@ impl Strands {
         self.offsets.push(self.positions.len() as u32);
     }
 
-    /// The smallest and largest corner over all vertices, or `None` without vertices.
+    /// Returns the minimum and maximum corner over all vertices, or `None` without vertices.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         let first = *self.positions.first()?;
         Some(self.positions.iter().fold((first, first), |(lo, hi), p| (lo.min(*p), hi.max(*p))))
@@ -113,7 +113,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pushed_strands_come_back() {
+    fn pushed_strands_are_stored_in_order() {
         let mut strands = Strands::default();
         assert!(strands.is_empty() && strands.bounds().is_none());
         strands.push(&[Vec3::ZERO, Vec3::Y, Vec3::Y * 3.0]);

@@ -1,7 +1,7 @@
-//! The graph of modules.
+//! The crate's module graph.
 
 use std::path::Path;
-use tresses_modules::Modules;
+use tresses_testing::Modules;
 
 fn modules() -> Modules {
     Modules::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs"))
@@ -14,7 +14,7 @@ fn modules_have_no_circles() {
 }
 
 #[test]
-fn the_order_of_modules_is_that_of_the_documentation() {
+fn modules_follow_documented_order() {
     let text = include_str!("../src/lib.rs");
     let lines = text.lines().filter_map(|line| line.strip_prefix("//! ")?.split_once(" │ "));
     let order: Vec<Vec<&str>> = lines.map(|(names, _)| names.split_whitespace().collect()).collect();

@@ -1,30 +1,30 @@
-//! Portrait cameras: positions from which the head and its hair fill the picture.
+//! Portrait cameras, which frame the head and its hair.
 
 use tresses::{Pose, character::Bounds, glam::Vec3};
 
-/// The vertical field of view of every camera, radians: a portrait lens.
+/// Vertical field of view of every camera, radians, like a portrait lens.
 pub const VERTICAL_FOV: f32 = 30.0 / 180.0 * std::f32::consts::PI;
 
-/// How much of the picture's height or width the subject fills.
+/// Share of the frame's height or width that the subject fills.
 const FILL: f32 = 0.9;
 
-/// From where the head is seen.
+/// Direction from which the camera sees the head.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Angle {
-    /// From before the face.
+    /// In front of the face.
     Front,
-    /// Half from the side of the head's left.
+    /// Halfway between the front and the head's left.
     #[default]
     ThreeQuarter,
-    /// From the head's left.
+    /// The head's left.
     Side,
-    /// From behind.
+    /// Behind the head.
     Back,
 }
 
 impl Angle {
-    /// All of them, and what they are called.
+    /// All angles with their names.
     pub const ALL: [(Self, &'static str); 4] = [
         (Self::Front, "front"),
         (Self::ThreeQuarter, "three-quarter"),
@@ -32,7 +32,7 @@ impl Angle {
         (Self::Back, "back"),
     ];
 
-    /// The turn to the head's left and the height above the horizon, degrees.
+    /// Returns azimuth toward the head's left and elevation, degrees.
     fn angles(self) -> (f32, f32) {
         match self {
             Self::Front => (0.0, 4.0),
@@ -43,17 +43,17 @@ impl Angle {
     }
 }
 
-/// Where a camera is and what it looks at.
+/// Position and target of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewpoint {
-    /// Where it is, metres.
+    /// Position, meters.
     pub eye: Vec3,
-    /// What it looks at, metres.
+    /// Target, meters.
     pub target: Vec3,
 }
 
 impl Viewpoint {
-    /// Frames `subject` from `view` in a picture `aspect` times as wide as high; `zoom` 2 shows half as much.
+    /// Frames `subject` from `view`. `aspect` is width over height of the frame; `zoom` 2 shows half as much.
     pub fn portrait(view: Angle, subject: Bounds, aspect: f32, zoom: f32) -> Self {
         let (azimuth, elevation) = view.angles();
         let (azimuth, elevation) = (azimuth.to_radians(), elevation.to_radians());
@@ -64,8 +64,8 @@ impl Viewpoint {
         let target = 0.5 * (subject.0 + subject.1);
         let half = 0.5 * (subject.1 - subject.0);
         let tan = (0.5 * VERTICAL_FOV).tan() * FILL;
-        // An elliptic cylinder rather than the box: no hairstyle reaches the corners of its box. In
-        // height a slimmer one: what is nearest to the camera is seldom at the very top or bottom.
+        // Fit an elliptic cylinder rather than the box, because no hairstyle reaches the corners of its box. The
+        // cylinder is narrower at top and bottom, because the point nearest to the camera is seldom there.
         let distance = (0..32)
             .flat_map(|i| {
                 let angle = i as f32 / 16.0 * std::f32::consts::PI;
@@ -78,51 +78,52 @@ impl Viewpoint {
         Self { eye: target + back * (distance / zoom), target }
     }
 
-    /// How far it is from what it looks at, metres.
+    /// Returns the distance from eye to target, meters.
     pub fn distance(&self) -> f32 {
         self.eye.distance(self.target)
     }
 
-    /// The same view from `distance` metres.
+    /// Returns the same view from `distance` meters.
     pub fn moved(&self, distance: f32) -> Self {
         let back = (self.eye - self.target).normalize_or(Vec3::Z);
         Self { eye: self.target + back * distance, ..*self }
     }
 }
 
-/// A camera that may move away from what it looks at, or towards it.
+/// A camera that may move along its view axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shot {
     from: Viewpoint,
-    /// Metres.
+    /// Distance at the end, meters.
     to: f32,
-    /// The middle of the head at rest, with which it goes, if it does.
+    /// Center of the head at rest if the camera follows the head.
     follows: Option<Vec3>,
 }
 
 impl Shot {
-    /// One that stays.
+    /// Returns a shot that does not move.
     pub fn still(camera: Viewpoint) -> Self {
         Self { to: camera.distance(), from: camera, follows: None }
     }
 
-    /// One that ends `to` metres away.
+    /// Returns a shot that ends `to` meters from its target.
     pub fn moving(camera: Viewpoint, to: f32) -> Self {
         Self { from: camera, to, follows: None }
     }
 
-    /// The same shot, which goes with a head whose picture `subject` fills at rest.
+    /// Returns a copy that follows the head, whose bounds at rest are `subject`.
     pub fn following(&self, subject: Bounds) -> Self {
         Self { follows: Some(0.5 * (subject.0 + subject.1)), ..*self }
     }
 
-    /// A camera of the shot, where `head` takes it. It does not turn with the head.
+    /// Moves `camera`, a viewpoint of this shot, along with the head pose `head`. The camera does not turn with the
+    /// head.
     pub fn with(&self, camera: &Viewpoint, head: &Pose) -> Viewpoint {
         let by = self.follows.map_or(Vec3::ZERO, |middle| head.point(middle) - middle);
         Viewpoint { eye: camera.eye + by, target: camera.target + by }
     }
 
-    /// At the time `t` of the shot, 0 to 1: in equal times the distance changes by equal factors.
+    /// Returns the viewpoint at time `t` of the shot, 0 to 1. The distance changes by equal factors in equal times.
     pub fn at(&self, t: f32) -> Viewpoint {
         let from = self.from.distance();
         if from == self.to { self.from } else { self.from.moved(from * (self.to / from).powf(t)) }
@@ -145,14 +146,14 @@ mod tests {
     }
 
     #[test]
-    fn the_subject_is_inside_and_fills_the_picture() {
+    fn portrait_frames_the_subject() {
         for view in [Angle::Front, Angle::ThreeQuarter, Angle::Side, Angle::Back] {
             for aspect in [0.5, 1.0, 1.6] {
                 let camera = Viewpoint::portrait(view, HAIR, aspect, 1.0);
                 let mut reach: f32 = 0.0;
                 for i in 0..8 {
                     let pick = |bit: usize, lo: f32, hi: f32| if i >> bit & 1 == 0 { lo } else { hi };
-                    // The cylinder's extremes: axis ends of the box's top and bottom.
+                    // Extreme points of the narrow cylinder at top and bottom.
                     let p = Vec3::new(
                         pick(0, HAIR.0.x, HAIR.1.x) * 0.7,
                         pick(1, HAIR.0.y, HAIR.1.y),
@@ -182,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn views_stand_where_they_say() {
+    fn angles_place_the_camera() {
         let eye = |view| {
             let camera = Viewpoint::portrait(view, HAIR, 1.6, 1.0);
             camera.eye - camera.target

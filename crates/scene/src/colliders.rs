@@ -1,4 +1,4 @@
-//! Obstacles from a file: shapes with a motion each, for `--colliders`.
+//! Reads colliders, animated shapes, from a file for `--colliders`.
 //!
 //! ```json
 //! {"colliders": [
@@ -13,13 +13,13 @@
 //!   {"joint": "LeftHand", "shape": "fit", "friction": 2}, {"joint": "Tail", "shape": "none"}
 //! ]}
 //! ```
-//! Metres, seconds, degrees (yaw, pitch, roll). Meshes are taken as they are, in metres, Y up, from the folder of the file;
-//! their distance fields are made on the GPU. Joints are those of a body that bends, as `tresses info` lists them, and go
-//! with it: a part is its distance `field`, the capsule that is `fit` to it, a capsule that is given (groom space, the body
-//! at rest), or `none`.
+//! Units are meters, seconds and degrees (yaw, pitch, roll). Meshes are in meters, Y up, with paths relative to the
+//! file; their distance fields are computed on the GPU. `joints` names joints of a skinned body, as listed by `tresses
+//! info`. The part of the body at a joint moves with it and collides as its distance `field`, as a fitted capsule
+//! (`fit`), as an explicit capsule (groom space, body at rest), or not at all (`none`).
 
 use crate::{
-    motion::{Key, Motion},
+    motion::{Keyframe, Motion},
     shelf::Shelf,
 };
 use anyhow::{Context, Result, bail, ensure};
@@ -45,44 +45,44 @@ struct File {
     joints: Option<Vec<Joint>>,
 }
 
-/// What is said of a joint.
+/// Collider settings of a joint.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Joint {
-    /// Its name, or `#` and the number of its node.
+    /// Joint name, or `#` and the index of its node.
     pub joint: String,
-    /// What its part is to hair.
+    /// Collision shape of the joint's part.
     pub shape: Role,
-    /// Multiplies the coefficient of friction.
+    /// Factor on the coefficient of friction.
     #[serde(default = "one")]
     pub friction: f32,
 }
 
-/// What becomes of the part of a body that a joint carries.
+/// Collision shape of the part of a body that a joint carries.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 pub enum Role {
-    /// Its distance field.
+    /// The distance field of the part.
     Field,
-    /// The capsule that is most like it.
+    /// The capsule that fits the part best.
     #[serde(rename = "fit")]
     Fitted,
-    /// A capsule, groom space at rest, metres.
+    /// An explicit capsule, in groom space at rest, meters.
     Capsule {
-        /// An end of its axis.
+        /// One end of the axis.
         from: [f32; 3],
-        /// The other end.
+        /// The other end of the axis.
         to: [f32; 3],
-        /// Its radius.
+        /// Radius.
         radius: f32,
     },
-    /// Hair passes through it.
+    /// No collision.
     #[serde(rename = "none")]
     Nothing,
 }
 
 impl Joint {
-    /// The collider of its part, to which `fitted` is the capsule that is most like it.
+    /// Returns the collision shape of the joint's part. `fitted` is the capsule fitted to it.
     fn form(&self, fitted: Option<Capsule>) -> Result<PartForm> {
         Ok(match self.shape {
             Role::Nothing => PartForm::Nothing,
@@ -91,7 +91,10 @@ impl Joint {
                 PartForm::Capsule(Capsule { ends: [from, to].map(Vec3::from), radius })
             }
             Role::Fitted => PartForm::Capsule(fitted.with_context(|| {
-                format!("the joint {:?} holds too little to fit a capsule to", self.joint)
+                format!(
+                    "joint {:?} carries too few vertices to fit a capsule; choose another shape",
+                    self.joint
+                )
             })?),
         })
     }
@@ -107,7 +110,7 @@ struct Entry {
     friction: f32,
     #[serde(default, rename = "loop")]
     repeats: bool,
-    keys: Vec<Key>,
+    keys: Vec<Keyframe>,
 }
 
 fn one() -> f32 {
@@ -139,18 +142,18 @@ enum Form {
     },
 }
 
-/// The obstacles of one file.
+/// Colliders from a file.
 #[derive(Default)]
 pub struct Colliders {
-    /// Their shapes.
+    /// Shapes, anchors and friction.
     pub list: Vec<Collider>,
-    /// The mesh of each, in its own frame.
+    /// Meshes for drawing, each in its own frame.
     looks: Vec<TriMesh>,
     motions: Vec<Motion>,
     fields: Vec<Field>,
-    /// The roles of joints of a skinned body.
+    /// Settings of a skinned body's joints.
     joints: Vec<Joint>,
-    /// The middle of a ball and its radius, metres.
+    /// Center and radius of the ball, meters.
     ball: Option<(Vec3, f32)>,
 }
 
@@ -158,7 +161,7 @@ impl Colliders {
     /// Reads the file at `path` and the meshes that it names.
     ///
     /// # Errors
-    /// One sentence that names the file, when it or a mesh cannot be read.
+    /// Fails if the file or a mesh cannot be read. The message names the file.
     pub fn read(path: &Path, files: &Shelf) -> Result<Self> {
         let bytes = files.load(path)?;
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -167,14 +170,14 @@ impl Colliders {
 
     fn parse(text: &[u8], folder: &Path, files: &Shelf) -> Result<Self> {
         let File { colliders, joints } = serde_json::from_slice(text)?;
-        ensure!(colliders.is_some() || joints.is_some(), "it has neither colliders nor joints");
+        ensure!(colliders.is_some() || joints.is_some(), "the file has neither colliders nor joints");
         let joints = joints.unwrap_or_default();
         for Joint { joint, shape, friction } in &joints {
             let numbers = match shape {
                 Role::Capsule { from, to, radius } => [from.as_slice(), to, &[*radius, *friction]].concat(),
                 _ => vec![*friction],
             };
-            ensure!(numbers.iter().all(|x| x.is_finite()), "joint {joint:?} has what is no number");
+            ensure!(numbers.iter().all(|x| x.is_finite()), "joint {joint:?}: a value is not a finite number");
         }
         let mut all = Self { joints, ..Self::default() };
         for (i, entry) in colliders.into_iter().flatten().enumerate() {
@@ -204,33 +207,36 @@ impl Colliders {
                 (Shape::Field(FieldId(self.fields.len() as u32 - 1)), mesh)
             }
         };
-        ensure!(entry.friction.is_finite(), "the friction is no number");
+        ensure!(entry.friction.is_finite(), "friction is not a finite number");
         let anchor = match entry.anchor {
             Base::World => Anchor::World,
             Base::Head => Anchor::Head,
         };
-        let is_rigid = |key: &Key| key.lean == [0.0; 3] && key.shapes.is_empty();
-        ensure!(entry.keys.iter().all(is_rigid), "only a character leans and has shapes");
+        let is_rigid = |key: &Keyframe| key.lean == [0.0; 3] && key.shapes.is_empty();
+        ensure!(entry.keys.iter().all(is_rigid), "keys of colliders cannot have lean or shapes");
         self.motions.push(Motion::keyed(entry.keys, entry.repeats)?);
         self.list.push(Collider { shape, anchor, friction: entry.friction });
         self.looks.push(look);
         Ok(())
     }
 
-    /// What the file says of joints.
+    /// Returns the joint settings of the file.
     pub fn joints(&self) -> &[Joint] {
         &self.joints
     }
 
-    /// Gives the parts of a body the roles that the file says; `mesh` is the body's.
+    /// Applies the joint settings of the file to a body's `anatomy`; `mesh` is the body's mesh.
     ///
     /// # Errors
-    /// One sentence for a joint that is not there, that holds nothing, or that is the head's.
+    /// Fails for joints that do not exist, that carry no part, or that carry the head.
     pub fn arrange(&self, anatomy: &mut Anatomy, mesh: &TriMesh) -> Result<()> {
         for joint in &self.joints {
             let named = anatomy.named(&joint.joint)?;
             if named.contains(&anatomy.head.node) {
-                bail!("hair grows on the joint {:?}: its part is always a distance field", joint.joint);
+                bail!(
+                    "hair grows on joint {:?}: its shape is always a distance field; remove the entry",
+                    joint.joint
+                );
             }
             let mut found = false;
             for i in 0..anatomy.parts.len() {
@@ -250,13 +256,13 @@ impl Colliders {
                 part.form = joint.form(fitted.map(|fitted| fitted.capsule))?;
             }
             if !found {
-                bail!("the joint {:?} holds nothing", joint.joint);
+                bail!("joint {:?} carries no vertices; remove the entry", joint.joint);
             }
         }
         Ok(())
     }
 
-    /// The distance fields of the meshes.
+    /// Returns the sources of the mesh colliders' distance fields.
     pub fn fields<'a>(&'a self, builder: &'a FieldBuilder) -> Vec<FieldSource<'a>> {
         let source = |field: &'a Field| match field {
             Field::Mesh(mesh, options) => FieldSource::Mesh { builder, mesh, options },
@@ -265,14 +271,15 @@ impl Colliders {
         self.fields.iter().map(source).collect()
     }
 
-    /// Places a ball of `radius` metres in the world, metres; `None` removes it. Returns whether it has come or gone.
+    /// Places a ball of `radius` (meters) at `at` in the world; `None` removes it. Returns whether it was added or
+    /// removed.
     pub fn set_ball(&mut self, at: Option<Vec3>, radius: f32) -> bool {
         let had = self.ball.is_some();
         self.ball = at.map(|at| (at, radius));
         had != at.is_some()
     }
 
-    /// The ball.
+    /// Returns the ball as an obstacle.
     pub fn ball(&self) -> Option<Obstacle> {
         self.ball.map(|(at, radius)| Obstacle {
             id: 0,
@@ -281,15 +288,16 @@ impl Colliders {
         })
     }
 
-    /// Their poses at `time`, seconds, without the ball's.
+    /// Returns the poses of the colliders at `time` (seconds), without the ball.
     pub fn poses(&self, time: f64) -> Vec<Pose> {
         self.motions.iter().map(|motion| motion.pose(time, Vec3::ZERO)).collect()
     }
 
-    /// Their mesh, the ball's last, with each where `poses` have it; at its origin where they do not.
+    /// Returns the combined mesh of the colliders, the ball last, posed by `poses`. Colliders without a pose stay at
+    /// the origin.
     pub fn mesh(&self, poses: &[Pose]) -> TriMesh {
         let mut all = TriMesh::default();
-        // As bodies without colors are drawn.
+        // Default body color, for meshes without vertex colors.
         let skin = BodyMaterial::default().color;
         let ball = self.ball.map(|(_, radius)| ball(|p| p * radius));
         let poses = poses.iter().copied().chain(std::iter::repeat(Pose::IDENTITY));
@@ -306,9 +314,9 @@ impl Colliders {
     }
 }
 
-/// The unit sphere, each point where `stretch` puts it.
+/// Returns a unit sphere with `stretch` applied to each point.
 fn ball(stretch: impl Fn(Vec3) -> Vec3) -> TriMesh {
-    // Odd, so that no ring lies on the equator, where a capsule is cut.
+    // Odd, so that no ring lies on the equator, where a capsule is split.
     const RINGS: u32 = 23;
     const SIDES: u32 = 48;
     let mut mesh = TriMesh::default();
@@ -343,7 +351,7 @@ mod tests {
     }
 
     #[test]
-    fn meshes_are_read_from_bytes() {
+    fn meshes_load_from_memory() {
         let text =
             br#"{"colliders": [{"shape": {"mesh": {"file": "far/leaf.obj"}}, "keys": [{"time": 0}]}]}"#;
         let mut files = Shelf::default();
@@ -355,7 +363,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_is_read() {
+    fn colliders_parse() {
         let text = r#"{"colliders": [
             {"shape": {"capsule": {"radius": 0.03, "half_length": 0.1}},
              "keys": [{"time": 0, "translation": [0, 0, 0]}, {"time": 2, "translation": [1, 0, 0]}]},
@@ -368,7 +376,7 @@ mod tests {
         assert_eq!(all.poses(9.0)[0].translation, Vec3::X);
         let (lo, hi) = all.looks[0].bounds().unwrap();
         assert!((hi.y - 0.13).abs() < 1e-4 && (lo.y + 0.13).abs() < 1e-4 && (hi.x - 0.03).abs() < 1e-4);
-        // Outwards.
+        // Normals point outward.
         let look = &all.looks[1];
         assert!(look.positions.iter().zip(&look.normals).all(|(p, n)| p.dot(*n) > 0.0));
         let together = all.mesh(&all.poses(0.0));
@@ -377,7 +385,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_comes_and_goes() {
+    fn set_ball_reports_changes() {
         let mut all = Colliders::default();
         assert!(all.set_ball(Some(Vec3::Y), 0.03) && !all.set_ball(Some(Vec3::X), 0.03));
         let ball = all.ball().unwrap();
@@ -388,7 +396,7 @@ mod tests {
     }
 
     #[test]
-    fn joints_get_the_roles_of_the_file() {
+    fn joints_take_roles_from_the_file() {
         let mesh = mannequin::mesh(60);
         let built_in = Anatomy::built_in(&mesh, &mannequin::sdf(mannequin::FIELD_RESOLUTION));
         let arranged = |joints: &str| {
@@ -412,7 +420,7 @@ mod tests {
         assert!((0.03..0.09).contains(&neck.radius), "{neck:?}");
         assert_eq!(anatomy.parts[1].form, PartForm::Field);
         for (joints, why) in [
-            (r#"{"joint": "Tail", "shape": "none"}"#, "no joint \"Tail\"; parts are carried by Neck, Torso"),
+            (r#"{"joint": "Tail", "shape": "none"}"#, "no joint \"Tail\"; joints with parts: Neck, Torso"),
             (r#"{"joint": "Head", "shape": "none"}"#, "hair grows on"),
             (r#"{"joint": "Neck", "shape": "none", "friction": null}"#, "invalid type"),
         ] {
@@ -422,7 +430,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_refused() {
+    fn invalid_colliders_fail() {
         let bad = |text: &str| assert!(parse(text).is_err(), "{text}");
         bad("{}");
         bad(r#"{"joints": [{"joint": "Arm", "shape": "cone"}]}"#);

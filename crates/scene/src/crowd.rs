@@ -1,4 +1,4 @@
-//! A crowd: many characters with the same groom, each with a place, a phase of the motion and a pigment of its own.
+//! Crowds: many characters that share a groom, each with its own position, motion phase and pigment.
 
 use crate::{
     camera::{VERTICAL_FOV, Viewpoint},
@@ -8,7 +8,7 @@ use crate::{
 use anyhow::{Result, ensure};
 use tresses::{
     Character, Hair, Pose,
-    budget::Chosen,
+    budget::CrowdDetail,
     character::{CrowdBudget, Drawing, Gesture},
     glam::{Quat, Vec3},
     gpu::Timings,
@@ -17,59 +17,56 @@ use tresses::{
     math::hash::pcg,
 };
 
-/// Metres from the camera of the first row and of the last.
+/// Distances of the first and the last row from the camera, meters.
 pub const ROWS: [f32; 2] = [2.0, 40.0];
-/// Metres between the middles of two heads of a row, at least.
+/// Minimum distance between the centers of two heads in a row, meters.
 const APART: f32 = 0.62;
-/// How far the camera is above the heads, per metre of the first row's distance.
+/// Height of the camera above the heads per meter of distance to the first row.
 const ABOVE: f32 = 0.22;
 
-/// What a crowd is like.
+/// Options of a crowd.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrowdOptions {
-    /// How many heads.
+    /// Number of heads.
     pub heads: u32,
-    /// Metres from the camera of the first row and of the last.
+    /// Distances of the first and the last row from the camera, meters.
     pub rows: [f32; 2],
-    /// Whether hair has several pigments, or all that of the settings.
+    /// Whether hair colors vary. Otherwise all hair has the material of the settings.
     pub pigments: bool,
 }
 
-/// One character of the crowd.
+/// One character of a crowd.
 struct Head {
     character: Character,
-    /// From groom space of a head that looks ahead to where it stands.
+    /// Transform from groom space, with the head facing forward, to its place in the world.
     place: Pose,
-    /// The share of the motion's period by which it is ahead.
+    /// Phase offset, as a share of the motion's period.
     phase: f64,
 }
 
-/// Many instances of the character of a scene, and the camera that sees them.
+/// Many instances of a scene's character, and the camera that sees them.
 pub struct Crowd {
     heads: Vec<Head>,
-    /// The camera.
+    /// Viewpoint of the crowd.
     pub camera: Viewpoint,
-    /// The most that they may cost, the cost of work, and the levels of the last frame.
+    /// Cost budget, cost model, and the levels of detail of the last frame.
     pub budget: CrowdBudget,
 }
 
 impl Crowd {
-    /// Instances of the character of `scene`, with its material, animation and levels of detail: let those be [`levels`]
-    /// before its hair is uploaded, for which it is measured.
+    /// Instantiates the character of `scene` with its material, animation and levels of detail. Set the levels to
+    /// [`levels`] before uploading the hair, because the upload measures the hair for them.
     ///
     /// # Errors
-    /// When the scene has obstacles, which all heads would share, or when the adapter cannot hold them.
+    /// Fails if the scene has colliders, which all heads would share, or if the adapter cannot allocate the instances.
     pub fn new(scene: &mut Scene, options: &CrowdOptions) -> Result<Self> {
-        ensure!(options.heads > 0, "a crowd has one head at least");
-        ensure!(
-            scene.character.props.is_empty(),
-            "the hair of a crowd knows of no obstacle but its body: leave out colliders"
-        );
+        ensure!(options.heads > 0, "a crowd needs at least one head");
+        ensure!(scene.character.props.is_empty(), "a crowd does not support colliders: remove them");
         let (lo, hi) = scene.subject();
         let middle = 0.5 * (lo + hi);
         let rows = rows(options, scene.targets().size);
         let eye = Vec3::new(0.0, middle.y + ABOVE * options.rows[0] + 0.5 * (hi.y - lo.y), middle.z);
-        // Down so far that both the first row and the last are in the picture.
+        // Aim between the first and the last row, so that both are in the frame.
         let down = |away: f32| ((eye.y - middle.y) / away).atan();
         let pitch = 0.5 * (down(options.rows[0]) + down(options.rows[1]));
         let camera =
@@ -80,7 +77,7 @@ impl Crowd {
             let random = |k: u32| pcg(8 * i as u32 + k) as f32 / u32::MAX as f32;
             let mut character = scene.character.instance()?;
             character.set_material(materials[pcg(i as u32 + 31) as usize % materials.len()]);
-            // Towards the camera, give or take a quarter of a turn.
+            // Face the camera, up to 0.8 rad to either side.
             let yaw = (random(0) - 0.5) * 1.6 + (-at.x).atan2(-at.z);
             let turn = Pose::about(middle, Quat::from_rotation_y(yaw));
             let place = Pose { translation: turn.translation + at, ..turn };
@@ -89,32 +86,32 @@ impl Crowd {
         Ok(Self { heads, camera, budget: CrowdBudget::default() })
     }
 
-    /// How many heads there are.
+    /// Returns the number of heads.
     pub fn len(&self) -> usize {
         self.heads.len()
     }
 
-    /// Whether there is none, which never is.
+    /// Returns whether the crowd is empty, which `new` prevents.
     pub fn is_empty(&self) -> bool {
         self.heads.is_empty()
     }
 
-    /// The levels that were chosen for the last frame, groom by groom.
-    pub fn chosen(&self) -> &Chosen {
+    /// Returns the levels chosen for the last frame, one per groom.
+    pub fn chosen(&self) -> &CrowdDetail {
         &self.budget.chosen
     }
 
-    /// Sets the options of their levels of detail.
+    /// Sets the level of detail options of all heads.
     pub fn set_lod(&mut self, options: LodOptions) {
         self.heads.iter_mut().for_each(|head| head.character.set_lod(options));
     }
 
-    /// Puts all hair to rest at the next frame.
+    /// Puts all hair at rest in the next frame.
     pub fn reset(&mut self) {
         self.heads.iter_mut().for_each(|head| head.character.reset());
     }
 
-    /// Bytes of GPU memory: of what heads share, of each, and of the view.
+    /// Returns GPU memory, bytes: shared by all heads, owned by each, and held by the view.
     pub fn bytes(&self, scene: &Scene) -> [u64; 3] {
         let shared = self.heads.first().map_or(0, |head| head.character.shared_bytes());
         let own = self.heads.iter().map(|head| head.character.own_bytes());
@@ -123,8 +120,8 @@ impl Crowd {
         [shared, own.sum(), lit + view.targets().bytes()]
     }
 
-    /// Bytes of GPU memory that a [budget](Self::budget) is about, after a picture: of the hair of all heads, and of what a
-    /// view holds for it and its light.
+    /// Returns the GPU memory that the [budget](Self::budget) limits, bytes, after a frame: the hair of all heads, and
+    /// the view's buffers for hair and its lighting.
     pub fn held(&self, scene: &Scene) -> u64 {
         let grooms = || self.heads.iter().flat_map(|head| head.character.grooms());
         let shared: u64 = self
@@ -139,11 +136,11 @@ impl Crowd {
         shared + own + view.zone_bytes() + view.shaded_bytes() + view.targets().hair_bytes()
     }
 
-    /// Records the motion of a frame `seconds` after the last one, to `time` seconds of `motion`, for which levels of detail
-    /// are chosen.
+    /// Records the motion of a frame that is `seconds` long and ends at `time` seconds of `motion`, and chooses levels
+    /// of detail.
     ///
     /// # Errors
-    /// When the adapter cannot hold what a level needs.
+    /// Fails if the adapter cannot allocate what a level needs.
     pub fn record_advance(
         &mut self,
         scene: &mut Scene,
@@ -159,7 +156,7 @@ impl Crowd {
             let ahead = *phase * motion.duration();
             let gesture = motion.gesture(time + ahead, neck);
             character.gesture = Gesture { body: place.after(&gesture.body), ..gesture };
-            // Bodies walk out of step too.
+            // Offset body animations too.
             let period = character.rig().and_then(|rig| rig.duration()).unwrap_or_default();
             character.seek(time - f64::from(seconds) + *phase * f64::from(period));
         }
@@ -168,10 +165,10 @@ impl Crowd {
         Ok(frame.within(&mut self.budget).advance(&mut all, seconds)?)
     }
 
-    /// Records the picture of that frame into the view of `scene`.
+    /// Records drawing that frame into the view of `scene`.
     ///
     /// # Errors
-    /// When the adapter cannot hold what the view needs.
+    /// Fails if the adapter cannot allocate what the view needs.
     pub fn record_draw(
         &self,
         scene: &mut Scene,
@@ -183,19 +180,19 @@ impl Crowd {
         Ok(frame.draw_as(&mut scene.view, &all, Drawing::new(&scene.picture))?)
     }
 
-    /// The hair of each head.
+    /// Iterates over the hair of each head.
     pub fn hair(&self) -> impl Iterator<Item = &Hair> {
         self.heads.iter().map(|head| head.character.hair())
     }
 
-    /// The distance of each head from the camera, metres.
+    /// Returns the distance of each head from the camera, meters.
     pub fn distances(&self) -> Vec<f32> {
         let of = |head: &Head| head.place.point(head.character.neck()).distance(self.camera.eye);
         self.heads.iter().map(of).collect()
     }
 }
 
-/// Levels of detail of one head of many: what nobody has said is a crowd's.
+/// Returns the level of detail options of a head in a crowd: options that have their defaults get the crowd's defaults.
 pub fn levels(own: LodOptions) -> LodOptions {
     fn said<T: PartialEq>(own: T, one: T, many: T) -> T {
         if own == one { many } else { own }
@@ -215,8 +212,8 @@ pub fn levels(own: LodOptions) -> LodOptions {
     }
 }
 
-/// Where heads stand relative to one under the camera, metres: in rows at equal distances, each as wide as the picture is
-/// there at most.
+/// Returns the offsets of the heads from a head directly below the camera, meters. Rows are equally spaced, and at most
+/// as wide as the frame at their distance.
 fn rows(options: &CrowdOptions, [width, height]: [u32; 2]) -> Vec<Vec3> {
     let count = options.heads.max(1);
     let rows = (f64::from(count).sqrt().ceil() as u32).max(1);
@@ -232,7 +229,7 @@ fn rows(options: &CrowdOptions, [width, height]: [u32; 2]) -> Vec<Vec3> {
         let apart = (wide / own.max(1) as f32).clamp(APART, 2.5 * APART + 0.04 * away);
         for i in 0..own {
             let random = |k: u32| pcg(4 * heads.len() as u32 + k) as f32 / u32::MAX as f32 - 0.5;
-            // Not in rank and file.
+            // Jitter, so that heads do not form a grid.
             let aside = (i as f32 - 0.5 * (own - 1) as f32) * apart + 0.25 * (apart - APART) * random(0);
             let back = if row == 0 { 0.0 } else { 0.5 * random(1) };
             heads.push(Vec3::new(aside, 0.12 * random(2), -away + back));
@@ -241,13 +238,13 @@ fn rows(options: &CrowdOptions, [width, height]: [u32; 2]) -> Vec<Vec3> {
     heads
 }
 
-/// What hair of a crowd looks like: the settings' first.
+/// Returns the materials of a crowd's hair. The first is the settings' material.
 fn pigments(own: HairMaterial, several: bool) -> Vec<HairMaterial> {
     let mut all = vec![own];
     if several {
         let named =
             [HairMaterial::black(), HairMaterial::brown(), HairMaterial::blond(), HairMaterial::red()];
-        // Model, fibre and width stay the settings'.
+        // Keep the shading model, the fiber and the minimum width of the settings.
         all.extend(named.map(|other| {
             let HairMaterial { model, file_colors, min_width, .. } = own;
             let mut material = HairMaterial { model, file_colors, min_width, ..other };
@@ -267,7 +264,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_hold_all_heads_apart() {
+    fn rows_keep_heads_apart() {
         for heads in [1, 2, 25, 100, 300] {
             let options = CrowdOptions { heads, rows: ROWS, pigments: true };
             let places = rows(&options, [1280, 720]);

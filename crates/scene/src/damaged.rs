@@ -1,5 +1,6 @@
-//! What people write by hand, damaged: presets, motions, ties, obstacles, levels. Whatever is in a file, it is read or
-//! refused, soon and with a sentence, and what is read makes sense. Some thousand files each; more for
+//! Robustness tests of the readers of handwritten files: presets, motions, ties, colliders, levels of detail. Each
+//! reader gets randomly damaged files. It must accept or reject each one without panicking, within [`SOON`], and with
+//! an error message; accepted contents must be valid. Each test uses [`FILES`] files, or runs for
 //! `TRESSES_DAMAGED_SECONDS`, which `make fuzz` sets.
 
 use crate::{
@@ -13,12 +14,12 @@ use std::{
 };
 use tresses::glam::Vec3;
 
-/// Files of each kind, where no time is given.
+/// Number of files per test, if no duration is set.
 const FILES: u64 = 3000;
-/// A file of a kilobyte that takes longer is an attack.
+/// Time limit per file. A file of a kilobyte that takes longer is a denial of service.
 const SOON: Duration = Duration::from_secs(5);
 
-/// Numbers and words that break readers.
+/// Numbers and words that are likely to break parsers.
 const WORDS: [&str; 24] = [
     "0",
     "-1",
@@ -46,7 +47,7 @@ const WORDS: [&str; 24] = [
     "''''",
 ];
 
-/// Numbers that files may well hold.
+/// Numbers that are plausible in files.
 const NUMBERS: &[&str] =
     &["0", "1", "-1", "3", "0.5", "0.001", "1e-7", "1e-38", "1e-320", "-0.0", "250", "1e6", "1e30", "1e39"];
 
@@ -66,7 +67,7 @@ impl Chance {
     }
 }
 
-/// `text` with one to three changes.
+/// Returns `text` with one to three random changes.
 fn damaged(text: &str, seed: u64) -> Vec<u8> {
     let mut chance = Chance(seed);
     let mut bytes = text.as_bytes().to_vec();
@@ -78,13 +79,13 @@ fn damaged(text: &str, seed: u64) -> Vec<u8> {
             1 => drop(bytes.splice(at..end, [])),
             2 => bytes[at..end].iter_mut().take(1).for_each(|byte| *byte = chance.next() as u8),
             3 => {
-                // A part once more, somewhere.
+                // Insert a copy of a part at a random position.
                 let part = bytes[at..(at + 200).min(bytes.len())].to_vec();
                 let to = chance.below(bytes.len());
                 drop(bytes.splice(to..to, part));
             }
             kind => {
-                // Another word in the place of a name, or another number in that of one.
+                // Replace a name with a word, or a number with another number.
                 let number = kind > 5;
                 let begins =
                     |byte: &u8| if number { byte.is_ascii_digit() } else { byte.is_ascii_alphabetic() };
@@ -104,7 +105,8 @@ fn damaged(text: &str, seed: u64) -> Vec<u8> {
     bytes
 }
 
-/// Gives `read` damaged `texts`; it says what is wrong with one, if anything. Returns how many were read.
+/// Runs `read` on damaged copies of `texts`. `read` returns an error message for rejected files. Returns the number of
+/// accepted files.
 fn survives(texts: &[&str], read: impl Fn(&[u8]) -> Result<(), String>) -> u64 {
     for text in texts {
         read(text.as_bytes()).unwrap_or_else(|error| panic!("the file is whole: {error}\n{text}"));
@@ -112,7 +114,7 @@ fn survives(texts: &[&str], read: impl Fn(&[u8]) -> Result<(), String>) -> u64 {
     let number = |text: String| text.parse::<u64>().expect("TRESSES_DAMAGED_SECONDS is a number");
     let seconds = std::env::var("TRESSES_DAMAGED_SECONDS").ok().map(number);
     let until = seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds));
-    // The same files each time, or, where time is given, others.
+    // The same files on every run, or different ones if a duration is set.
     let clock = std::time::SystemTime::UNIX_EPOCH.elapsed().map_or(0, |time| time.as_secs());
     let first = seconds.map_or(0, |_| clock << 32);
     let (mut seed, mut whole) = (first, 0);
@@ -135,7 +137,7 @@ fn survives(texts: &[&str], read: impl Fn(&[u8]) -> Result<(), String>) -> u64 {
     whole
 }
 
-/// With the files that a companion names.
+/// Returns a shelf with the file and the mesh that it names.
 fn shelf(name: &str, bytes: &[u8]) -> Shelf {
     let mut files = Shelf::default();
     files.put(name.into(), bytes);
@@ -147,7 +149,7 @@ fn shelf(name: &str, bytes: &[u8]) -> Shelf {
 }
 
 #[test]
-fn presets() {
+fn presets_survive_damage() {
     let all = Preset::default().write(Extent::All);
     let some = "version = 1\nname = \"a\"\n\n[source]\nstyle = \"curly\"\n\n[simulation]\ndrag = 5 # 1/s\n\n[wind]\nspeed = 14\n\n[style]\ncurl_radius = 0.01\n";
     survives(&[&all, some, include_str!("../../../presets/storm.toml")], |bytes| {
@@ -161,7 +163,7 @@ fn presets() {
 }
 
 #[test]
-fn motions() {
+fn motions_survive_damage() {
     let keys = r#"{"loop": true, "keys": [{"time": 0, "rotation": [10, 0, -5]}, {"time": 0.5, "rotation": [-30, 4, 0],
         "lean": [0, 8, 0], "translation": [0, 0.01, 0], "shapes": {"Jaw": 0.5, "Brows": 1}}, {"time": 1.25,
         "rotation": [10, 0, -5]}]}"#;
@@ -180,7 +182,7 @@ fn motions() {
 }
 
 #[test]
-fn bands() {
+fn ties_survive_damage() {
     let file = r#"{"ties": [{"at": [0, 1, 2], "radius": 0.02}, {"from": [0, 1, 0], "to": [0, 2, 0], "radius": 0.01},
         {"at": [1, 1, 1], "radius": 0.01, "held": "to-head", "gather": 0.3, "group": 4}]}"#;
     survives(&[file], |bytes| {
@@ -192,7 +194,7 @@ fn bands() {
 }
 
 #[test]
-fn obstacles() {
+fn colliders_survive_damage() {
     let file = r#"{"colliders": [{"shape": {"capsule": {"radius": 0.1, "half_length": 0.2}}, "keys": [{"time": 0,
         "translation": [0, 1, 0]}]}, {"shape": {"ellipsoid": {"radii": [0.1, 0.2, 0.3]}}, "friction": 0.5, "loop": true,
         "keys": [{"time": 0}, {"time": 1, "rotation": [5, 0, 0]}, {"time": 2}]}, {"shape": {"mesh": {"file": "ball.obj",
@@ -205,7 +207,7 @@ fn obstacles() {
 }
 
 #[test]
-fn painted_levels() {
+fn levels_survive_damage() {
     let file = r#"{"levels": [{"size": 0}, {"size": 120.5, "density": null}]}"#;
     survives(&[file], |bytes| {
         levels(Path::new("levels.json"), &shelf("levels.json", bytes))
@@ -216,7 +218,7 @@ fn painted_levels() {
 
 #[test]
 #[should_panic(expected = "is not survived")]
-fn a_reader_that_panics_is_seen() {
+fn panics_are_detected() {
     survives(&["abc"], |bytes| {
         assert!(bytes != b"ab" && bytes != b"a");
         if bytes.len() > 3 { Err("too long".into()) } else { Ok(()) }

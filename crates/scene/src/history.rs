@@ -1,23 +1,23 @@
-//! Undo of parameter changes.
+//! Undo and redo of parameter changes.
 
 use crate::{knobs, settings::Settings};
 
-/// The most steps that can be undone.
+/// Maximum number of undo steps.
 const DEPTH: usize = 500;
 
-/// Settings with all that they were before, and which hair `H` they were for. Turning one knob again and again,
-/// as under a finger, is one step, until [`settle`](Self::settle) says that the finger has left it.
+/// Current settings, the hair `H` they apply to, and their history. Consecutive changes of one parameter, such as a
+/// slider drag, merge into one step until [`settle`](Self::settle) ends it.
 #[derive(Clone, Debug)]
 pub struct History<H> {
     now: Settings,
     hair: H,
     past: Vec<Step<H>>,
     future: Vec<Step<H>>,
-    /// Whether the last step goes on.
+    /// Whether the next change may merge into the last step.
     open: bool,
 }
 
-/// Settings and hair, and what led from the earlier to the later of them.
+/// Settings and hair before a change (after it, for redo), and what changed.
 #[derive(Clone, Debug)]
 struct Step<H> {
     settings: Settings,
@@ -27,22 +27,22 @@ struct Step<H> {
 }
 
 impl<H: Clone + PartialEq> History<H> {
-    /// Nothing to undo.
+    /// Creates a history without steps.
     pub fn new(settings: Settings, hair: H) -> Self {
         Self { now: settings, hair, past: Vec::new(), future: Vec::new(), open: false }
     }
 
-    /// The settings as they are.
+    /// Returns the current settings.
     pub fn now(&self) -> &Settings {
         &self.now
     }
 
-    /// The hair as it is.
+    /// Returns the current hair.
     pub fn hair(&self) -> &H {
         &self.hair
     }
 
-    /// Settings and hair are others from here on, which is a step named `label`.
+    /// Replaces settings and hair as one step named `label`.
     pub fn change_both(&mut self, settings: Settings, hair: H, label: &str) {
         if hair == self.hair && settings == self.now {
             return;
@@ -55,7 +55,7 @@ impl<H: Clone + PartialEq> History<H> {
         self.push(step);
     }
 
-    /// The hair is another one, and that is no step: what should have been shown cannot be.
+    /// Replaces the hair without recording a step, for hair that failed to load.
     pub fn set_hair(&mut self, hair: H) {
         self.hair = hair;
     }
@@ -67,8 +67,8 @@ impl<H: Clone + PartialEq> History<H> {
         }
     }
 
-    /// The settings are others from here on. A single knob that differs is a step by its own label, and
-    /// goes on with the step before if that was the same; anything else is a step named `label`.
+    /// Replaces the settings. If one parameter differs, the step is named after that parameter and merges into the
+    /// previous step of the same parameter. Otherwise it is a new step named `label`.
     pub fn change(&mut self, settings: Settings, label: &str) {
         let mut turned = knobs::all().filter(|knob| knob.get(&settings) != knob.get(&self.now));
         let Some(first) = turned.next() else { return };
@@ -79,7 +79,7 @@ impl<H: Clone + PartialEq> History<H> {
         self.open = single;
         let before = std::mem::replace(&mut self.now, settings);
         if goes_on {
-            // Back where it began: nothing happened.
+            // The value is back where the drag began, so there is nothing to undo.
             if self.past.last().is_some_and(|step| step.settings == self.now && step.hair == self.hair) {
                 self.past.pop();
                 self.open = false;
@@ -91,12 +91,12 @@ impl<H: Clone + PartialEq> History<H> {
         self.push(Step { settings: before, hair, knob, label });
     }
 
-    /// The next change is a step of its own.
+    /// Ends the current step, so that the next change is a new one.
     pub fn settle(&mut self) {
         self.open = false;
     }
 
-    /// Takes the last step back; the settings as they are then, `None` when there is nothing to undo.
+    /// Undoes the last step and returns the restored settings, or `None` if there is nothing to undo.
     pub fn undo(&mut self) -> Option<&Settings> {
         let step = self.past.pop()?;
         let settings = std::mem::replace(&mut self.now, step.settings);
@@ -106,7 +106,7 @@ impl<H: Clone + PartialEq> History<H> {
         Some(&self.now)
     }
 
-    /// Takes the last [`undo`](Self::undo) back.
+    /// Redoes the last step that [`undo`](Self::undo) undid.
     pub fn redo(&mut self) -> Option<&Settings> {
         let step = self.future.pop()?;
         let settings = std::mem::replace(&mut self.now, step.settings);
@@ -116,12 +116,12 @@ impl<H: Clone + PartialEq> History<H> {
         Some(&self.now)
     }
 
-    /// What [`undo`](Self::undo) would take back.
+    /// Returns the name of the step that [`undo`](Self::undo) would undo.
     pub fn undoes(&self) -> Option<&str> {
         self.past.last().map(|step| step.label.as_str())
     }
 
-    /// What [`redo`](Self::redo) would bring back.
+    /// Returns the name of the step that [`redo`](Self::redo) would redo.
     pub fn redoes(&self) -> Option<&str> {
         self.future.last().map(|step| step.label.as_str())
     }
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drag_is_one_step() {
+    fn drag_is_one_step() {
         let start = Settings::default();
         let mut history = History::new(start.clone(), "bob");
         assert!(history.undo().is_none() && history.redo().is_none());
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn a_preset_is_one_step_with_a_name() {
+    fn preset_is_one_named_step() {
         let mut history = History::new(Settings::default(), "bob");
         drag(&mut history, 5.0);
         let storm = with(&Settings::default(), |s| {
@@ -177,7 +177,7 @@ mod tests {
         });
         history.change(storm.clone(), "storm");
         assert_eq!(history.undoes(), Some("storm"));
-        // What follows does not run into it.
+        // Later changes do not merge into it.
         let other = with(&storm, |s| s.set_wind_speed(15.0));
         history.change(other, "?");
         assert_eq!(history.undo(), Some(&storm));
@@ -185,14 +185,14 @@ mod tests {
     }
 
     #[test]
-    fn a_new_change_ends_what_was_undone() {
+    fn new_change_clears_redo() {
         let mut history = History::new(Settings::default(), "bob");
         drag(&mut history, 5.0);
         history.undo();
         drag(&mut history, 6.0);
         assert!(history.redo().is_none());
         assert_eq!(history.now().simulation.drag, 6.0);
-        // There and back again, and no change at all, are no steps.
+        // A change that is reverted within a step, and an empty change, add no step.
         history.settle();
         drag(&mut history, 7.0);
         drag(&mut history, 6.0);
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn hair_comes_back_too() {
+    fn undo_restores_hair() {
         let mut history = History::new(Settings::default(), "bob");
         drag(&mut history, 5.0);
         history.change_both(history.now().clone(), "bob", "the same is no step");
@@ -218,11 +218,11 @@ mod tests {
         history.undo();
         history.redo();
         assert_eq!(*history.hair(), "long");
-        // Hair with settings that belong to it is one step.
+        // Hair and its settings change in one step.
         let before = history.now().clone();
-        history.change_both(with(&before, |s| s.set_wind_speed(5.0)), "painted", "Colours");
+        history.change_both(with(&before, |s| s.set_wind_speed(5.0)), "painted", "Colors");
         assert_eq!(history.undo(), Some(&before));
-        assert_eq!((*history.hair(), history.redoes()), ("long", Some("Colours")));
+        assert_eq!((*history.hair(), history.redoes()), ("long", Some("Colors")));
         history.redo();
         assert_eq!((*history.hair(), history.now().wind_speed()), ("painted", 5.0));
     }

@@ -1,26 +1,27 @@
-//! Shared by the command, the studio, the page and the Python package: a character from files or built in, its settings,
-//! the motion of its head, its cameras, and all of it on the GPU. The library `tresses` does not depend on it.
+//! Code that the command line, the studio, the web page and the Python package share: characters from files or built
+//! in, their settings, head motion, cameras, and the scene on the GPU. The library `tresses` does not depend on this
+//! crate.
 //!
 //! Each module depends only on modules above it in this list:
 //!
-//! - `words`: numbers as text.
+//! - `words`: number formatting.
 //! - `picture`: images and animations as files.
-//! - `shelf`: files by name, in memory or on the disk.
+//! - `shelf`: files by name, in memory or on disk.
 //! - `camera`: viewpoints and shots.
 //! - `motion`: motions, built in or from keyframe files.
-//! - `source`: the names of a character's files.
-//! - `settings`: all parameters, as one value.
-//! - `quality`: the size of images and how finely they are sampled.
+//! - `source`: names of the files that a character is built from.
+//! - `settings`: all parameters as one value.
+//! - `quality`: image size and sampling.
 //! - `knobs`: the table of all parameters, with units, ranges and hints.
-//! - `colliders`: obstacles from a file.
-//! - `companions`: readers of the files beside groom and head.
-//! - `options`: the library's options that settings come to.
-//! - `preset`: settings and the names of files as one text file.
-//! - `open`: the character of a preset.
+//! - `colliders`: colliders from a file.
+//! - `companions`: readers of the files that accompany a groom and its head.
+//! - `options`: conversion of settings to the library's options.
+//! - `preset`: settings and file names as one text file.
+//! - `open`: loading a preset's character.
 //! - `history`: undo and redo.
-//! - `scene`: a character on the GPU, with its obstacles, lighting and view.
+//! - `scene`: a character on the GPU with colliders, lighting and a view.
 //! - `crowd`: many instances of a character.
-//! - `measure`: the time that frames take.
+//! - `measure`: frame timing.
 
 pub mod camera;
 pub mod colliders;

@@ -1,23 +1,23 @@
-//! Measures frames, stage by stage. Blocks, so it is not for a browser.
+//! Frame timing, per stage. The functions block, so browsers cannot use them.
 
 use crate::{camera::Viewpoint, crowd::Crowd, motion::Motion, scene::Scene};
 use anyhow::Result;
 use tresses::character::Gesture;
 use tresses::gpu::{Clock, Counts, Timings};
 
-/// A frame that was waited for.
+/// Timing of a completed frame.
 #[derive(Debug)]
-pub struct Measured {
-    /// Milliseconds from recording to completion.
+pub struct MeasuredFrame {
+    /// Wall time from recording to completion, ms.
     pub wall: f64,
-    /// Milliseconds of its stages, where the adapter can tell.
+    /// Time per stage, ms, if the adapter can measure it.
     pub stages: Vec<(&'static str, f64)>,
-    /// What was recorded for them.
+    /// Recorded GPU commands per stage.
     pub counts: Vec<(&'static str, Counts)>,
 }
 
 impl Scene {
-    /// What is measured from here on is measured by `clock`, on adapters whose own timestamps do not compare.
+    /// Sets the clock of measurements on adapters without comparable timestamps.
     pub fn measure_by(&mut self, clock: Clock) {
         self.clock = clock;
         let tier = &self.gpu.context.tier();
@@ -26,17 +26,17 @@ impl Scene {
         }
     }
 
-    /// A whole frame, waited for.
+    /// Measures a frame and waits for it.
     pub fn measured_frame(
         &mut self,
         gesture: &Gesture,
         seconds: f32,
         camera: &Viewpoint,
-    ) -> Result<Measured> {
+    ) -> Result<MeasuredFrame> {
         self.watch(camera);
         let start = (self.clock)();
         let mut timings = std::mem::replace(&mut self.timings, Timings::by(self.clock));
-        // On a software driver they are those of a clock that waits for each part.
+        // A software driver uses a clock that waits for each part.
         let tier = &self.gpu.context.tier();
         let mut timed = (tier.timestamps || tier.software).then_some(&mut timings);
         let mut encoder = self.gpu.context.device().create_command_encoder(&Default::default());
@@ -47,11 +47,11 @@ impl Scene {
         let wall = (self.clock)().saturating_sub(start).as_secs_f64() * 1e3;
         self.timings = timings;
         let counts = self.timings.counts().to_vec();
-        Ok(Measured { wall, stages: self.read_timings()?, counts })
+        Ok(MeasuredFrame { wall, stages: self.read_timings()?, counts })
     }
 
-    /// The milliseconds of the stages that move the hair by a frame: by timestamps, or each stage
-    /// submitted and waited for alone where there are none that compare.
+    /// Measures the stages that advance the hair by a frame, ms. Without comparable timestamps, each stage is submitted
+    /// and awaited separately.
     pub fn measured_advance(&mut self, gesture: &Gesture, seconds: f32) -> Result<Vec<(&'static str, f64)>> {
         let mut timings = std::mem::replace(&mut self.timings, Timings::by(self.clock));
         let mut encoder = self.gpu.context.device().create_command_encoder(&Default::default());
@@ -62,15 +62,16 @@ impl Scene {
         self.read_timings()
     }
 
-    /// A whole frame of `crowd`, waited for, at `time` of a motion; stage by stage if `staged`, which on a software driver
-    /// takes longer: each part of each head is waited for then.
+    /// Measures a frame of `crowd` and waits for it. `times` holds the time of the motion and the length of the frame,
+    /// seconds. `staged` also measures each stage, which takes longer on a software driver because it waits for each
+    /// part of each head.
     pub fn measured_crowd(
         &mut self,
         crowd: &mut Crowd,
         motion: &Motion,
         times: (f64, f32),
         staged: bool,
-    ) -> Result<Measured> {
+    ) -> Result<MeasuredFrame> {
         let start = (self.clock)();
         let mut timings = std::mem::replace(&mut self.timings, Timings::by(self.clock));
         let mut timed = staged.then_some(&mut timings);
@@ -85,10 +86,10 @@ impl Scene {
         self.timings = timings;
         let counts = self.timings.counts().to_vec();
         let stages = if staged { self.read_timings()? } else { Vec::new() };
-        Ok(Measured { wall, stages, counts })
+        Ok(MeasuredFrame { wall, stages, counts })
     }
 
-    /// A whole frame of the one head, waited for as one.
+    /// Measures a frame without separating its stages, ms.
     pub fn measured_whole(&mut self, gesture: &Gesture, seconds: f32, camera: &Viewpoint) -> Result<f64> {
         self.watch(camera);
         let start = (self.clock)();
@@ -99,13 +100,13 @@ impl Scene {
         Ok((self.clock)().saturating_sub(start).as_secs_f64() * 1e3)
     }
 
-    /// Bytes of GPU memory that a picture takes per pixel.
+    /// Returns the GPU memory of the render targets per pixel, bytes.
     pub fn bytes_per_pixel(&self) -> f64 {
         let [width, height] = self.targets().size;
         self.targets().bytes() as f64 / (f64::from(width) * f64::from(height))
     }
 
-    /// The rows of the frame that was waited for.
+    /// Reads the stage timings of the last frame.
     fn read_timings(&mut self) -> Result<Vec<(&'static str, f64)>> {
         Ok(pollster::block_on(self.timings.read(&self.gpu.context))?)
     }

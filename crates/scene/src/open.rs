@@ -1,4 +1,4 @@
-//! The character of a preset: a groom with its head, from files or built in.
+//! Loads the character of a preset: a groom and its head, imported or built in.
 
 use crate::{companions::Companions, preset::Preset, settings::HairColor, shelf::Shelf};
 use anyhow::{Result, ensure};
@@ -10,16 +10,16 @@ use tresses::{
 };
 
 impl Preset {
-    /// Reads or grows the character of this preset; built-in styles are draped on the GPU.
+    /// Imports or grows this preset's character. Built-in styles are draped on the GPU.
     ///
     /// # Errors
-    /// One sentence, when that makes no sense or a file cannot be read.
+    /// Fails if the preset is contradictory or a file cannot be read. The message is one sentence.
     pub async fn character(&self, context: &Context, progress: &impl Progress) -> Result<CharacterParts> {
-        // What can be refused is refused before anything is made.
+        // Check the arguments before any expensive work.
         let source = &self.source;
         ensure!(
             source.color_map.is_none() || self.settings.shading.color == HairColor::File,
-            "a map of colours shows with shading.color on file only"
+            "a color map needs shading.color = file"
         );
         let maps = Companions::of(source, Shelf::default()).maps()?;
         let style = match source.grooms.is_empty() {

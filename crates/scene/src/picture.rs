@@ -1,5 +1,4 @@
-//! Finished pictures, and animations of them as the bytes of one file: for the command's files and the
-//! studio's downloads alike.
+//! Rendered images and animations, encoded as files in memory. Used by the command line and by the studio's downloads.
 
 mod animation;
 
@@ -9,31 +8,31 @@ use anyhow::Result;
 pub use tresses::groom::srgb::encoded;
 use tresses::groom::srgb::linear;
 
-/// Pixels from top left, row by row, sRGB.
+/// An sRGB image, row by row from the top left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// Pixels.
+    /// Width, pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height, pixels.
     pub height: u32,
-    /// Four bytes per pixel: red, green, blue, alpha.
+    /// Red, green, blue and alpha, one byte each.
     pub rgba: Vec<u8>,
 }
 
 impl Picture {
-    /// As the bytes of a PNG file without alpha.
+    /// Encodes the image as PNG without alpha.
     ///
     /// # Errors
-    /// When there are not as many bytes as pixels.
+    /// Fails if the number of bytes does not match the size.
     pub fn png(&self) -> Result<Vec<u8>> {
         self.encoded(png::ColorType::Rgb, &self.rgb())
     }
 
-    /// As the bytes of a PNG file with alpha: colours, which the picture has multiplied by alpha before they were encoded,
-    /// are divided by it, as PNG has it.
+    /// Encodes the image as PNG with alpha. PNG stores straight alpha, so the linear colors, premultiplied in the
+    /// image, are divided by alpha.
     ///
     /// # Errors
-    /// When there are not as many bytes as pixels.
+    /// Fails if the number of bytes does not match the size.
     pub fn png_with_alpha(&self) -> Result<Vec<u8>> {
         let straight: Vec<u8> = self.rgba.as_chunks().0.iter().copied().flat_map(straight).collect();
         self.encoded(png::ColorType::Rgba, &straight)
@@ -51,13 +50,13 @@ impl Picture {
         Ok(bytes)
     }
 
-    /// Without alpha: three bytes per pixel.
+    /// Returns the pixels without alpha, three bytes each.
     pub fn rgb(&self) -> Vec<u8> {
         self.rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect()
     }
 }
 
-/// A colour whose light is divided by its alpha; none where there is none.
+/// Divides a color by its alpha in linear space. Returns zero for zero alpha.
 fn straight([r, g, b, a]: [u8; 4]) -> [u8; 4] {
     let alpha = f32::from(a) / 255.0;
     let divided = |v: u8| {
@@ -72,7 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_half_there_is_as_bright_as_all_of_it() {
+    fn straight_alpha_restores_brightness() {
         let half = encoded(0.5 * linear(200.0 / 255.0));
         let [r, g, b, a] = straight([(255.0 * half + 0.5) as u8, 0, 255, 128]);
         assert!(r.abs_diff(200) <= 1 && (g, b, a) == (0, 255, 128), "{r}");

@@ -1,9 +1,9 @@
-//! A character on the GPU, ready to be animated and drawn; `frames` alone calls the library's frame.
+//! A character on the GPU, ready to be animated and drawn. Only `frames` calls the library's frame functions.
 
 mod frames;
 mod outputs;
 
-pub use outputs::{Asked, Captured};
+pub use outputs::{Capture, OutputRequest};
 
 use crate::{
     camera::Viewpoint,
@@ -26,64 +26,64 @@ use tresses::{
     lod::{Detail, LodMode, LodOptions},
     simulate::SimulationParams,
     view::Picture,
-    views::{DebugViews, Shown},
+    views::{DebugDisplay, DebugViews},
 };
 
-/// Sizes of what is drawn.
+/// Size statistics of the hair.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Facts {
-    /// Simulated strands.
+    /// Number of guides.
     pub guides: u32,
-    /// Drawn strands.
+    /// Number of render strands.
     pub strands: u32,
-    /// Vertices of each drawn strand.
+    /// Vertices per render strand.
     pub vertices_per_strand: u32,
-    /// Triangles of the hair.
+    /// Number of hair triangles.
     pub triangles: u64,
-    /// GPU memory of the groom, bytes.
+    /// GPU memory of the hair, bytes.
     pub bytes: u64,
 }
 
-/// What the light of surroundings depends on: their turn, radians, and strength.
+/// Returns the settings that the light of an environment map depends on: rotation, radians, and strength.
 fn turned(lights: &LightSettings) -> [f32; 2] {
     [lights.environment_turn, lights.environment_strength]
 }
 
-/// A character on the GPU, with its obstacles, its lighting and a view of it.
+/// A character on the GPU, with its colliders, lighting and a view.
 pub struct Scene {
-    /// The adapter and its context.
+    /// Adapter and context.
     pub gpu: Gpu,
-    /// The character. Its first prop is the mesh of the obstacles, where there are some.
+    /// The character. Its first prop is the collider mesh, if there are colliders.
     pub character: Character,
-    /// The targets and the light of the picture.
+    /// Targets and light of the view.
     pub view: View,
-    /// What does not depend on the camera; this and the lights are set for each frame.
+    /// Camera-independent render options. Camera and lights are set for each frame.
     pub picture: Picture,
-    /// From timestamps where there are some that mean something, else by the clock.
+    /// GPU timestamps where the adapter supports reliable ones, otherwise clock times.
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) timings: tresses::gpu::Timings,
-    /// The clock of other measurements.
+    /// Clock of the other measurements.
     #[cfg(not(target_arch = "wasm32"))]
     pub(crate) clock: tresses::gpu::Clock,
     /// The active debug view.
-    shown: Option<Shown>,
-    /// Its pipelines, once there was one.
+    shown: Option<DebugDisplay>,
+    /// Pipelines of the debug views, created on first use.
     views: Option<DebugViews>,
-    /// The environment that lights the scene in place of a photographer, and its light as it was turned and strengthened
-    /// last.
+    /// Environment map that replaces key, rim and sky light, the rotation and strength for which its light was
+    /// computed, and that light.
     surroundings: Option<(Arc<Surroundings>, [f32; 2], Lights)>,
-    /// Key, rim, sky and lamps.
+    /// Key, rim and sky light, and additional lights.
     pub lighting: LightSettings,
     colliders: Colliders,
-    /// The viewpoint that the level of detail is chosen for.
+    /// Viewpoint that the level of detail is chosen for.
     watcher: Option<Viewpoint>,
 }
 
 impl Scene {
-    /// Uploads the character of `parts`, at rest under `physics`, among `colliders`.
+    /// Uploads the character of `parts`, at rest under `physics`, with `colliders`.
     ///
     /// # Errors
-    /// When the adapter cannot hold it or the parts make no sense.
+    /// Fails if the adapter cannot allocate the character or `parts` are invalid.
     pub async fn new(
         gpu: Gpu,
         mut parts: CharacterParts,
@@ -95,7 +95,7 @@ impl Scene {
         let context = &gpu.context;
         match (&mut parts.anatomy, &parts.head) {
             (Some(anatomy), Some(mesh)) => colliders.arrange(anatomy, mesh).context("colliders")?,
-            _ => ensure!(colliders.joints().is_empty(), "colliders of joints need a head whose body bends"),
+            _ => ensure!(colliders.joints().is_empty(), "joint colliders need a head mesh with a skeleton"),
         }
         let view = View::new(context, &quality.view, quality.size, quality.ssaa)?;
         let builder = FieldBuilder::new(context);
@@ -108,7 +108,7 @@ impl Scene {
             ..Default::default()
         };
         let mut character = Character::new(context, parts, &options, progress).await?;
-        // Full detail, unless somebody asks for less.
+        // Draw full detail until the caller requests less.
         character.set_lod(LodOptions { mode: LodMode::Off, ..quality.lod });
         #[cfg(not(target_arch = "wasm32"))]
         let timings = match context.tier().timestamps && !context.tier().software {
@@ -135,18 +135,17 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Everything that `settings` have for the frames from here on; strands, pipelines and targets stay
-    /// as they are.
+    /// Applies the settings that take effect in the next frame. Strands, pipelines and targets do not change.
     ///
     /// # Errors
-    /// The first parameter that is out of its range.
+    /// Returns the first parameter that is out of range.
     pub fn apply(&mut self, settings: &Settings) -> Result<()> {
         settings.check()?;
         self.take(settings);
         Ok(())
     }
 
-    /// [`apply`](Self::apply) for settings that are known to be in their ranges; cheap enough for every frame.
+    /// As [`apply`](Self::apply), for settings that are already validated. Cheap enough to call every frame.
     pub fn take(&mut self, settings: &Settings) {
         self.character.physics = settings.physics();
         self.character.set_avoidance(settings.avoidance);
@@ -160,14 +159,14 @@ impl Scene {
         self.dress(settings);
     }
 
-    /// What of `settings` is the look of hair and picture.
+    /// Applies the settings of the hair's and the frame's appearance.
     pub fn dress(&mut self, settings: &Settings) {
         let mut material = self.character.hair().set.material;
         settings.apply(&mut self.picture, &mut material, self.character.look());
         self.character.set_material(material);
     }
 
-    /// Makes the mesh of the obstacles that there are now.
+    /// Rebuilds the mesh of the colliders.
     pub(super) fn make_obstacles(&mut self) {
         let cells = self.view.options().ambient_cells;
         let mesh = Some(self.colliders.mesh(&[])).filter(|mesh| !mesh.triangles.is_empty());
@@ -175,7 +174,7 @@ impl Scene {
         self.character.props = body.into_iter().collect();
     }
 
-    /// Pictures are sampled as `quality` says from here on.
+    /// Sets size, sampling and view options of the frames that follow.
     ///
     /// # Errors
     /// As [`View::set_options`].
@@ -187,7 +186,7 @@ impl Scene {
         }
     }
 
-    /// What lights the scene; `None` for a photographer, as the settings have it.
+    /// Sets the environment map that lights the scene. `None` selects the key, rim and sky light of the settings.
     pub fn set_surroundings(&mut self, surroundings: Option<Arc<Surroundings>>) {
         let lighting = &self.lighting;
         self.surroundings = surroundings.map(|surroundings| {
@@ -196,28 +195,28 @@ impl Scene {
         });
     }
 
-    /// What the hair looks like with these settings, where pigments say it.
+    /// Returns pigments and fiber shape of the hair with these settings, or `None` if they do not define pigments.
     pub fn look(&self, settings: &Settings) -> Option<Look> {
         settings.look(self.character.look())
     }
 
-    /// How much of the hair is drawn from here on.
+    /// Sets the level of detail.
     pub fn set_lod(&mut self, options: LodOptions) -> Result<()> {
         options.check()?;
         self.character.set_lod(options);
         Ok(())
     }
 
-    /// The level of detail of the last frame.
+    /// Returns the level of detail of the last frame.
     pub fn detail(&self) -> &Detail {
         self.character.hair().lod.current()
     }
 
-    /// From here on pictures show `shown` instead of hair as it looks.
+    /// Selects the debug view for the frames that follow; `None` draws hair normally.
     ///
     /// # Errors
-    /// When the adapter refuses a pipeline for it.
-    pub fn show(&mut self, shown: Option<Shown>) -> Result<()> {
+    /// Fails if the adapter rejects the debug pipeline.
+    pub fn show(&mut self, shown: Option<DebugDisplay>) -> Result<()> {
         if shown.is_some() && self.views.is_none() {
             let mut views = DebugViews::new(&self.gpu.context, PICTURE_FORMAT)?;
             views.set_head(self.character.field());
@@ -227,37 +226,37 @@ impl Scene {
         Ok(())
     }
 
-    /// What pictures show instead of hair as it looks.
-    pub fn shown(&self) -> Option<Shown> {
+    /// Returns the active debug view.
+    pub fn shown(&self) -> Option<DebugDisplay> {
         self.shown
     }
 
-    /// From here on `camera` looks: frames are made for it.
+    /// Sets the viewpoint that the level of detail is chosen for.
     pub fn watch(&mut self, camera: &Viewpoint) {
         self.watcher = Some(*camera);
     }
 
-    /// The box that a portrait shows, metres.
+    /// Returns the bounds that a portrait camera frames, meters.
     pub fn subject(&self) -> Bounds {
         self.character.subject()
     }
 
-    /// The textures of the pictures.
+    /// Returns the render targets.
     pub fn targets(&self) -> &Targets {
         self.view.targets()
     }
 
-    /// Samples per pixel.
+    /// Returns the number of samples per pixel.
     pub fn samples(&self) -> u32 {
         self.targets().samples
     }
 
-    /// On what the pictures are made.
+    /// Returns the name of the adapter.
     pub fn adapter_name(&self) -> &str {
         &self.gpu.info.name
     }
 
-    /// Sizes of what is drawn.
+    /// Returns size statistics of the hair.
     pub fn facts(&self) -> Facts {
         let hair = self.character.hair();
         Facts {
@@ -269,15 +268,15 @@ impl Scene {
         }
     }
 
-    /// Pictures of another size from here on.
+    /// Resizes the render targets.
     ///
     /// # Errors
-    /// One sentence, when the adapter has no textures of that size.
+    /// Fails if the adapter does not support textures of that size.
     pub fn resize(&mut self, size: [u32; 2]) -> Result<()> {
         self.resample(size, self.targets().ssaa)
     }
 
-    /// The same, each pixel of which is made of `ssaa` × `ssaa` that are drawn.
+    /// Resizes the render targets, with `ssaa` × `ssaa` supersampling.
     ///
     /// # Errors
     /// As [`resize`](Self::resize).

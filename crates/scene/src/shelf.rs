@@ -1,4 +1,4 @@
-//! Files by name: bytes already in memory, as in a browser, and the disk where there is one.
+//! Files by name: bytes in memory, as in a browser, and files on disk where there are any.
 
 use anyhow::{Context, Result, ensure};
 use std::{
@@ -6,66 +6,62 @@ use std::{
     path::{Path, PathBuf},
     sync::Arc,
 };
-use tresses::groom::import::Given;
+use tresses::groom::import::FileBytes;
 
-/// A file that is there already.
-pub type Held = (PathBuf, Arc<[u8]>);
+/// A file in memory.
+pub type ShelfItem = (PathBuf, Arc<[u8]>);
 
-/// Files that are there as bytes; others are looked for on the disk.
+/// Files in memory. Files that are not found there are read from disk.
 #[derive(Clone, Debug, Default)]
-pub struct Shelf(Vec<Held>);
+pub struct Shelf(Vec<ShelfItem>);
 
 impl PartialEq for Shelf {
-    /// The same bytes in memory: they may be large.
+    /// Compares pointers, not bytes: files may be large.
     fn eq(&self, other: &Self) -> bool {
-        let same = |(a, b): (&Held, &Held)| a.0 == b.0 && Arc::ptr_eq(&a.1, &b.1);
+        let same = |(a, b): (&ShelfItem, &ShelfItem)| a.0 == b.0 && Arc::ptr_eq(&a.1, &b.1);
         self.0.len() == other.0.len() && self.0.iter().zip(&other.0).all(same)
     }
 }
 
 impl Shelf {
-    /// Puts a file on it, in the place of another of that name.
+    /// Adds a file, replacing one with the same name.
     pub fn put(&mut self, name: PathBuf, bytes: impl Into<Arc<[u8]>>) {
         self.0.retain(|(held, _)| *held != name);
         self.0.push((name, bytes.into()));
     }
 
-    /// Takes a file off it.
+    /// Removes a file.
     pub fn take(&mut self, name: &Path) {
         self.0.retain(|(held, _)| held != name);
     }
 
-    /// Everything of `other` too.
+    /// Adds all files of `other`.
     pub fn add(&mut self, other: &Self) {
         for (name, bytes) in &other.0 {
             self.put(name.clone(), bytes.clone());
         }
     }
 
-    /// Whether the file at `path` is there as bytes.
+    /// Returns whether the file at `path` is in memory.
     pub fn holds(&self, path: &Path) -> bool {
         self.find(path).is_some()
     }
 
-    /// The files as readers take them.
-    pub fn given(&self) -> Vec<Given<'_>> {
+    /// Returns the files in the form that importers take.
+    pub fn given(&self) -> Vec<FileBytes<'_>> {
         self.0.iter().map(|(name, bytes)| (name.clone(), Cow::Borrowed(&**bytes))).collect()
     }
 
-    /// A whole file. What was dropped or picked has lost its folder: its name alone is looked for too.
+    /// Loads a whole file. Dropped or picked files have lost their folder, so the file name alone also matches.
     ///
     /// # Errors
-    /// One sentence that names the file, when it is nowhere.
+    /// Fails if the file is not found. The message names the file.
     pub fn load(&self, path: &Path) -> Result<Cow<'_, [u8]>> {
         if let Some(bytes) = self.find(path) {
             return Ok(Cow::Borrowed(bytes));
         }
         let name = || path.display().to_string();
-        ensure!(
-            !cfg!(target_arch = "wasm32"),
-            "{} has to be given: choose it, or drop it on the page",
-            name()
-        );
+        ensure!(!cfg!(target_arch = "wasm32"), "{} is missing: choose it, or drop it on the page", name());
         std::fs::read(path).map(Cow::Owned).with_context(name)
     }
 
@@ -81,7 +77,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_come_before_the_disk() {
+    fn memory_takes_precedence_over_disk() {
         let mut shelf = Shelf::default();
         let here = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"));
         assert!(shelf.load(here).unwrap().starts_with(b"[package]"));

@@ -1,64 +1,65 @@
-//! The files that a character is made of, by name: groom and head, or a built-in style, and their [companions](Companion).
+//! Names of the files that a character is built from: groom and head, or a built-in style, and their
+//! [companions](Companion).
 
 use std::path::PathBuf;
 use tresses::groom::{formats, import::ImportOptions};
 
-/// Groom, head and the other files, or a built-in style; everything may be left out.
+/// Groom, head and companion files, or a built-in style. All fields are optional.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Source {
-    /// A built-in hairstyle.
+    /// Name of a built-in hairstyle.
     pub style: Option<String>,
     /// Groom files.
     pub grooms: Vec<PathBuf>,
-    /// The head's files.
+    /// Head files.
     pub heads: Vec<PathBuf>,
-    /// What is known of their units and axes.
+    /// Known units and axes of groom and head.
     pub orientation: ImportOptions,
-    /// Share of the strands that stay: a picture, `picture.png:r` for a channel, or the name of a map.
+    /// Density map, the share of strands kept: an image, `image.png:r` for one channel, or the name of a built-in map.
     pub density_map: Option<String>,
-    /// Factor of the widths, likewise.
+    /// Width factor map, in the same notation.
     pub thickness_map: Option<String>,
-    /// Factor of the lengths, likewise.
+    /// Length factor map, in the same notation.
     pub length_map: Option<String>,
-    /// Factor of the radius of curls, likewise.
+    /// Curl radius factor map, in the same notation.
     pub curl_map: Option<String>,
-    /// Stiffness, likewise.
+    /// Stiffness map, in the same notation.
     pub stiffness_map: Option<String>,
-    /// Colours of the hair: a picture.
+    /// Hair color image.
     pub color_map: Option<String>,
-    /// A drawn curl.
+    /// Drawn curl.
     pub curl_curve: Option<String>,
     /// Painted levels of detail.
     pub lod_maps: Option<String>,
-    /// Obstacles.
+    /// Collider file.
     pub colliders: Option<String>,
-    /// Bands and pins.
+    /// File of bands, braids and pins.
     pub ties: Option<String>,
-    /// A picture of the surroundings.
+    /// Environment map.
     pub environment: Option<String>,
 }
 
-/// What kind of file a companion is.
+/// File type of a companion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// A grey picture over the scalp, or a map of the library by its name.
+pub enum CompanionKind {
+    /// A grayscale image over the scalp, or the name of a built-in map.
     Map,
-    /// A picture of colours over the scalp.
+    /// A color image over the scalp.
     Colors,
     /// A groom of one strand.
     Curve,
     /// A list of painted levels of detail.
     Levels,
-    /// A list of obstacles.
+    /// A list of colliders.
     Colliders,
-    /// A list of bands and pins.
+    /// A list of bands, braids and pins.
     Ties,
-    /// An equirectangular picture.
+    /// An equirectangular environment map.
     Surroundings,
 }
 
-impl Kind {
-    /// The endings of its files.
+impl CompanionKind {
+    /// Returns the file extensions.
     pub fn extensions(self) -> &'static [&'static str] {
         match self {
             Self::Map | Self::Colors => &["png"],
@@ -68,7 +69,7 @@ impl Kind {
         }
     }
 
-    /// The endings of what such files name in their turn.
+    /// Returns the extensions of files that a companion of this kind refers to.
     pub fn needs(self) -> Vec<&'static str> {
         match self {
             Self::Levels => vec!["png"],
@@ -77,25 +78,25 @@ impl Kind {
         }
     }
 
-    /// Whether strands have to be made again when it changes.
+    /// Returns whether a change of the file requires rebuilding the strands.
     pub fn is_of_hair(self) -> bool {
         self != Self::Surroundings
     }
 }
 
-/// A place for a file beside groom and head.
+/// Description of one companion file.
 #[derive(Debug)]
 pub struct Companion {
-    /// Its key in a preset.
+    /// Key in a preset.
     pub key: &'static str,
-    /// The flag of the command, without its dashes.
+    /// Command-line flag, without its dashes.
     pub flag: &'static str,
-    /// A word or two for a panel.
+    /// Title in a panel, one or two words.
     pub title: &'static str,
-    /// One line.
+    /// Description, one line.
     pub hint: &'static str,
-    /// What kind of file it is.
-    pub kind: Kind,
+    /// File type.
+    pub kind: CompanionKind,
     pub(crate) place: fn(&mut Source) -> &mut Option<String>,
 }
 
@@ -106,13 +107,13 @@ impl PartialEq for Companion {
 }
 
 impl Companion {
-    /// The name of the file in `source`.
+    /// Returns the companion's file name in `source`.
     pub fn name(&self, source: &Source) -> Option<String> {
-        // The places are the same whether something is to be written there or not.
+        // `place` needs a mutable source, so read from a copy.
         (self.place)(&mut source.clone()).clone()
     }
 
-    /// Puts a name there, or takes it away.
+    /// Sets or removes the companion's file name in `source`.
     pub fn set(&self, source: &mut Source, name: Option<String>) {
         *(self.place)(source) = name;
     }
@@ -125,76 +126,70 @@ macro_rules! companion {
             flag: $flag,
             title: $title,
             hint: $hint,
-            kind: Kind::$kind,
+            kind: CompanionKind::$kind,
             place: |source| &mut source.$key,
         }
     };
 }
 
-/// All of them, in the order in which presets have them.
+/// All companions, in the order of presets.
 pub static COMPANIONS: [Companion; 11] = [
     companion!(
         density_map,
         "density-map",
         Map,
         "Density",
-        "The share of the strands that stay: none where it is black, all where it is white"
+        "Fraction of strands that remain: none where the map is black, all where it is white"
     ),
-    companion!(thickness_map, "thickness-map", Map, "Thickness", "What widths are multiplied by, 0 to 1"),
-    companion!(length_map, "length-map", Map, "Length", "What lengths are multiplied by, 0 to 1"),
-    companion!(curl_map, "curl-map", Map, "Curl radius", "What the radius of curls is multiplied by, 0 to 1"),
+    companion!(thickness_map, "thickness-map", Map, "Thickness", "Factor on strand widths, 0 to 1"),
+    companion!(length_map, "length-map", Map, "Length", "Factor on strand lengths, 0 to 1"),
+    companion!(curl_map, "curl-map", Map, "Curl radius", "Factor on the radius of curls, 0 to 1"),
     companion!(
         stiffness_map,
         "stiffness-map",
         Map,
         "Stiffness",
-        "Black is a quarter as stiff, white four times, middle grey as it was"
+        "Factor on stiffness: 1/4 where the map is black, 1 at middle gray, 4 where it is white"
     ),
-    companion!(
-        color_map,
-        "color-map",
-        Colors,
-        "Colours",
-        "The colours of the hair, where shading.color is on file"
-    ),
+    companion!(color_map, "color-map", Colors, "Colors", "Colors of the hair, if shading.color is file"),
     companion!(
         curl_curve,
         "curl-curve",
         Curve,
-        "Shape of curls",
-        "One drawn curl, repeated along the strands: a file of one line"
+        "Curl shape",
+        "A drawn curl, repeated along the strands: a file with one line"
     ),
     companion!(
         lod_maps,
         "lod-maps",
         Levels,
         "Levels of detail",
-        "Painted levels of detail: sizes in pixels, each with maps of density and thickness"
+        "Painted levels of detail: sizes in pixels, each with density and thickness maps"
     ),
     companion!(
         colliders,
         "colliders",
         Colliders,
-        "Obstacles",
-        "What hair collides with besides the head: capsules, ellipsoids and meshes that move"
+        "Colliders",
+        "Colliders besides the head: moving capsules, ellipsoids and meshes"
     ),
     companion!(
         ties,
         "ties",
         Ties,
         "Ties",
-        "Bands, braids and pins that hold the hair, where they are at rest"
+        "Bands, braids and pins that hold the hair, at their rest positions"
     ),
     companion!(
         environment,
         "environment",
         Surroundings,
-        "Surroundings",
-        "An equirectangular picture that gives all light instead of key, rim and sky; its middle lies before the face"
+        "Environment",
+        "Equirectangular environment map that replaces key, rim and ambient light; its center is in front of the face"
     ),
 ];
 
-/// The companion with a key.
+/// Returns the companion with the given key.
 pub fn companion(key: &str) -> Option<&'static Companion> {
     COMPANIONS.iter().find(|companion| companion.key == key)
 }

@@ -1,7 +1,7 @@
-//! The order of the crate's modules.
+//! Tests of the dependency order of the crate's modules.
 
 use std::path::Path;
-use tresses_modules::Modules;
+use tresses_testing::Modules;
 
 fn modules() -> Modules {
     Modules::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs"))
@@ -14,7 +14,7 @@ fn modules_have_no_circles() {
 }
 
 #[test]
-fn modules_depend_only_on_those_above_them_in_the_list_of_the_crate() {
+fn modules_depend_only_on_earlier_ones() {
     let list: Vec<_> = include_str!("../src/lib.rs")
         .lines()
         .filter_map(|line| line.strip_prefix("//! - `")?.split_once('`'))

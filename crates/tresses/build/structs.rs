@@ -1,9 +1,9 @@
-//! The WGSL of each struct that host and shaders share, generated from the Rust definition. A shader writes
+//! Generates the WGSL of each struct that host and shaders share from its Rust definition. A shader writes
 //! `import structs::CameraUniform;`.
 //!
-//! A shared struct is a struct that derives `Pod`. `Pod` forbids implicit padding: a field's offset in Rust is the sum of
-//! the sizes before it. WGSL rounds that sum up to the field's alignment. Where the two offsets differ, there is no
-//! output but an error. Vertex formats derive `NoUninit` instead, since no shader declares them.
+//! A struct is shared if it derives `Pod`. `Pod` forbids implicit padding, so a field's offset in Rust is the sum of
+//! the sizes before it. WGSL rounds that sum up to the field's alignment. If the two offsets differ, generation fails
+//! with an error. Vertex formats derive `NoUninit` instead, since no shader declares them.
 
 use std::collections::BTreeMap;
 
@@ -11,21 +11,21 @@ use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
 
 struct Struct {
     file: String,
-    /// Name and type.
+    /// Names and types.
     fields: Vec<(String, Vec<TokenTree>)>,
 }
 
-/// A type as WGSL writes it, with its sizes in bytes.
+/// A WGSL type with its alignment and size in bytes.
 struct Type {
     wgsl: String,
     align: u32,
     size: u32,
-    /// The size in Rust.
+    /// Size in Rust, bytes.
     packed: u32,
 }
 
-/// The WGSL of all shared structs in `sources` (path and text of Rust files). `constants` are the array lengths that
-/// have a name. Errors are sentences that name file, struct and field.
+/// Returns the WGSL of all shared structs in `sources` (path and text of Rust files). `constants` are the named array
+/// lengths. Errors name file, struct and field.
 pub fn generate(sources: &[(String, String)], constants: &[(&str, u32)]) -> Result<String, String> {
     let mut structs = BTreeMap::new();
     for (file, text) in sources {
@@ -87,7 +87,7 @@ fn fields(body: TokenStream) -> Vec<(String, Vec<TokenTree>)> {
     let is = |token: &TokenTree, c| matches!(token, TokenTree::Punct(punct) if punct.as_char() == c);
     let tokens: Vec<_> = body.into_iter().collect();
     let fields = tokens.split(|token| is(token, ','));
-    // Attributes and visibility have no colon outside of groups.
+    // Attributes and visibility contain no colon outside groups.
     let field = |field: &[TokenTree]| {
         let colon = field.iter().position(|token| is(token, ':'))?;
         Some((field[colon - 1].to_string(), field[colon + 1..].to_vec()))
@@ -101,7 +101,7 @@ struct Generator<'a> {
 }
 
 impl Generator<'_> {
-    /// A struct as a type, and its declaration.
+    /// Returns a struct's type and its WGSL declaration.
     fn layout(&self, name: &str) -> Result<(Type, String), String> {
         let Struct { file, fields } = &self.structs[name];
         let (mut align, mut size, mut packed) = (1, 0u32, 0);
@@ -162,7 +162,7 @@ impl Generator<'_> {
         })
     }
 
-    /// Two to four scalars are a vector.
+    /// Converts an array. Two to four scalars become a vector.
     fn array(&self, array: &Group) -> Result<Type, String> {
         let tokens: Vec<_> = array.stream().into_iter().collect();
         let [element @ .., length] = &*tokens.split(|token| token.to_string() == ";").collect::<Vec<_>>()
@@ -170,7 +170,11 @@ impl Generator<'_> {
             return Err("WGSL has no such type".to_owned());
         };
         let of = self.resolve(&element.concat())?;
-        let length = length[0].to_string();
+        let length = match length {
+            [length] => length.to_string(),
+            [length, cast, _] if cast.to_string() == "as" => length.to_string(),
+            _ => return Err("the length of an array is a number or a constant".to_owned()),
+        };
         let known = self.constants.iter().find(|(name, _)| *name == length).map(|(_, value)| *value);
         let count =
             known.or_else(|| length.parse().ok()).ok_or(format!("{length} is not in constants::SHARED"))?;

@@ -1,5 +1,5 @@
-//! Hair on a character that an engine skins by itself: its compute shader writes vertices in the engine's own format,
-//! and roots of the hair follow them. Nothing is read back.
+//! Hair on a mesh that an engine skins itself. The engine's compute shader writes vertices in its own format, and the
+//! hair's roots follow them. Nothing is read back.
 //!
 //! `cargo run --example character -- picture.png`
 
@@ -15,11 +15,11 @@ use tresses::{
     wgpu::{self, util::DeviceExt},
 };
 
-/// Words of one of the engine's vertices: position, normal, two texture coordinates.
+/// Words per vertex of the engine: position, normal, two texture coordinates.
 const WORDS: u32 = 8;
 
-/// The engine's skinning. The head turns on a neck that follows it more and more from the shoulders up. What bends is
-/// drawn by Tresses here, so that its vertices are written too; an engine that draws its bodies itself leaves that out.
+/// The engine's skinning. The head turns on a neck that follows it increasingly from the shoulders up. Tresses draws
+/// the mesh here, so the shader also writes the vertices of its body; an engine that draws its own meshes omits that.
 const SKINNING: &str = "
 @group(0) @binding(0) var<storage, read> rest: array<f32>;
 @group(0) @binding(1) var<storage, read_write> skinned: array<f32>;
@@ -42,7 +42,7 @@ const SKINNING: &str = "
 }";
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    pollster::block_on(render(&std::env::args().nth(1).ok_or("usage: character picture.png")?))
+    pollster::block_on(render(&std::env::args().nth(1).ok_or("usage: character image.png")?))
 }
 
 async fn render(path: &str) -> Result<(), Box<dyn std::error::Error>> {
@@ -50,22 +50,22 @@ async fn render(path: &str) -> Result<(), Box<dyn std::error::Error>> {
     let (device, queue) = (tresses.device(), tresses.queue());
     let source = CharacterSource::built_in(&tresses, &"bob".parse()?, &()).await?;
     let mut parts = source.dress(&Styling::default(), &()).await?;
-    // The engine takes the place of the built-in rig. Hair collides with the head, and with the shoulders, which stay.
+    // The engine replaces the built-in rig. Hair collides with the head, and with the shoulders, which do not bend.
     parts.anatomy = None;
-    let [torso, ..] = rig::parts(parts.whole().ok_or("no field")?);
+    let [torso, ..] = rig::parts(parts.whole().ok_or("the character has no distance field")?);
     let options = CharacterOptions {
         fields: &[FieldSource::Grid(&torso)],
         obstacles: &[Collider::new(Shape::Field(FieldId(0)))],
         ..Default::default()
     };
-    let mesh = parts.head.clone().ok_or("no mesh")?;
+    let mesh = parts.head.clone().ok_or("the character has no mesh")?;
     let mut ann = Character::new(&tresses, parts.clone(), &options, &()).await?;
 
-    // Once: roots belong to the skin as the engine has it, none more than a centimeter away.
-    let engine = Engine::new(device, &mesh, ann.body().ok_or("no body")?);
+    // Once: attach the roots to the engine's skin, none more than a centimeter away.
+    let engine = Engine::new(device, &mesh, ann.body().ok_or("the character has no body")?);
     let at = |first| (&engine.vertices, Words { first, stride: WORDS });
     let report = ann.skinned_by(&parts, &Skin { positions: at(0), normals: at(3) }, 0.01)?;
-    println!("mean distance of roots from the skin: {:.2} mm", 1e3 * report.mean);
+    println!("mean distance of the roots from the mesh: {:.2} mm", 1e3 * report.mean);
 
     let size = [480, 600];
     let mut view = View::new(&tresses, &Default::default(), size, 1)?;

@@ -1,7 +1,9 @@
 //! Writes the files stored in `tresses-groom`: the mannequin's mesh and distance field, and the draped guides of the
-//! built-in styles. Run it when the sculpture, a recipe or the draping has changed.
+//! built-in styles. Run it after a change of the sculpture, a recipe or the draping:
 //!
-//! `cargo run -p tresses --example cook`, and once more: guides are traced on the bust that was compiled in.
+//! `cargo run -p tresses --example cook`
+//!
+//! If `bust.bin` has changed, run it twice: guides are traced on the bust that was compiled in.
 
 use std::path::Path;
 use tresses::{
@@ -24,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let is_fresh = std::fs::read(folder.join("bust.bin")).is_ok_and(|stored| stored == bust);
     write("bust.bin", bust)?;
     if !is_fresh {
-        println!("the bust has changed: run it once more for the guides");
+        println!("the bust has changed: run this example again for the guides");
         return Ok(());
     }
     let tresses = pollster::block_on(Gpu::open())?.context;

@@ -1,9 +1,9 @@
-//! Hair in a renderer of your own, which has its color, depth, camera, lights, shadow map and shader (`embed.wgsl`) and
-//! draws a head, a ring and the ground. Hair is behind and before the ring; shadows fall both ways. The integration is
-//! below the comments that begin with "Tresses". `cargo run --release --example embed -- picture.png`
+//! Hair in a renderer of your own, with its color, depth, camera, lights, shadow map and shader (`embed.wgsl`). It
+//! draws a head, a ring and the ground. Hair is behind and in front of the ring, and shadows fall both ways. The
+//! integration follows the comments that begin with "Tresses". `cargo run --release --example embed -- picture.png`
 
 use half::f16;
-use tresses::draw::{Embed, Surroundings, embed::shade};
+use tresses::draw::{Compositor, Surroundings, embed::shade};
 use tresses::gpu::{Binding, Gpu, bindings, readback};
 use tresses::light::{HairMaterial, Lights, SceneShadow};
 use tresses::view::{Picture, View, ViewOptions};
@@ -15,7 +15,7 @@ const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    pollster::block_on(picture(&std::env::args().nth(1).ok_or("where shall the picture go?")?))
+    pollster::block_on(picture(&std::env::args().nth(1).ok_or("usage: embed image.png")?))
 }
 
 async fn picture(path: &str) -> Result<(), Box<dyn std::error::Error>> {
@@ -30,13 +30,13 @@ async fn picture(path: &str) -> Result<(), Box<dyn std::error::Error>> {
     let lamp = Camera::look_at(4.0 * key.direction, Vec3::ZERO, 0.3, [2048; 2]);
     let [to_camera, to_lamp] = [camera, lamp].map(|eye| eye.projection * eye.view);
 
-    // Tresses: a character, a view of it, what blends it into the renderer's color.
+    // Tresses: a character, a view of it, and the compositing into the renderer's color.
     let mut ann = Character::built_in(&tresses, "curly").await?;
     ann.set_material(HairMaterial::red());
     ann.set_pose(body);
     let options = ViewOptions::default();
     let mut view = View::new(&tresses, &options, SIZE, 1)?;
-    let embed = Embed::new(&tresses, (options.samples, options.coverage), COLOR)?;
+    let embed = Compositor::new(&tresses, (options.samples, options.coverage), COLOR)?;
     let picture = Picture { camera, lights, ..Default::default() };
     let source = wgpu::ShaderSource::Wgsl((shade::wgsl(1) + include_str!("embed.wgsl")).into());
 
@@ -107,7 +107,7 @@ async fn picture(path: &str) -> Result<(), Box<dyn std::error::Error>> {
     let group = bindings::group(device, "scene", &own, &resources);
     let own = &shadow_pipeline.get_bind_group_layout(0);
     let shadow_group = bindings::group(device, "shadow", own, &resources[..3]);
-    // Draws what the eye with this number sees: the camera into color and depth, a light into its shadow map.
+    // Draws the scene seen from the camera (eye 0) into color and depth, or from the light (eye 1) into its shadow map.
     let draw = |encoder: &mut wgpu::CommandEncoder, eye, view, hair: Option<&wgpu::BindGroup>| {
         let (resolve_target, ops, depth_ops) = (Some(&color), Default::default(), Some(Default::default()));
         let out =
@@ -129,12 +129,12 @@ async fn picture(path: &str) -> Result<(), Box<dyn std::error::Error>> {
     tresses.frame(&mut encoder).advance(&mut [&mut ann], 1.0 / 60.0)?;
     // The renderer: its shadow map.
     draw(&mut encoder, 1, &shadow_map, None);
-    // Tresses: light, which the shader asks for the shadow of hair.
+    // Tresses: the light. The renderer's shader evaluates the shadow of hair from it.
     let shadow = SceneShadow { light: 0, depth: &shadow_map, part: None, projection: to_lamp, bias: 0.006 };
     tresses.frame(&mut encoder).light(&mut view, &[&ann], &picture, &[shadow])?;
-    // The renderer: its picture.
+    // The renderer: its image.
     draw(&mut encoder, 0, &depth, Some(view.light_group()));
-    // Tresses: hair over it.
+    // Tresses: the hair over it.
     let into = Surroundings { lit: true, ..Surroundings::new(&color, &depth, camera.projection) };
     tresses.frame(&mut encoder).composite(&mut view, &[&ann], &picture, &embed, into)?;
     // The renderer: tone mapping.

@@ -1,4 +1,4 @@
-// The renderer's shader: a head, a ring of brass and the ground, in a key light with a shadow map and a rim light.
+// The renderer's shader: a head, a brass ring and the ground, in a key light with a shadow map and a rim light.
 struct Scene { eyes: array<mat4x4f, 2>, body: mat4x4f, lights: array<vec4f, 4>, camera: vec4f }
 @group(0) @binding(0) var<uniform> scene: Scene;
 @group(0) @binding(1) var<storage> head: array<f32>;
@@ -12,7 +12,7 @@ struct Point {
     @location(2) color: vec3f,
     // 1 for brass, 0 for skin and ground.
     @location(3) metal: f32,
-    // Share of the rim light.
+    // Intensity of the rim light.
     @location(4) rim: f32,
 }
 
@@ -23,7 +23,7 @@ const CORNERS = array(vec2i(0, 0), vec2i(1, 0), vec2i(0, 1), vec2i(0, 1), vec2i(
     point.rim = 1.0;
     let grid = i32(i) - i32(arrayLength(&corners));
     if grid < 0 {
-        // The head: a vertex has seven words, which begin with its position and its normal.
+        // The head: a vertex has seven words, which begin with position and normal.
         let word = 7 * corners[i];
         point.at = (scene.body * vec4f(head[word], head[word + 1], head[word + 2], 1.0)).xyz;
         point.normal = (scene.body * vec4f(head[word + 3], head[word + 4], head[word + 5], 0.0)).xyz;

@@ -1,5 +1,5 @@
-//! Build time of a mesh's distance field on the GPU and on the CPU, and their difference: of the mesh in a file, or of the
-//! built-in head.
+//! Measures the build time of a mesh's distance field on the GPU and on the CPU, and the difference of the results. The
+//! mesh comes from a file; the default is the built-in head.
 //!
 //! `cargo run --release --example field -- head.obj`
 
@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{name}: {} triangles, on {}", mesh.triangles.len(), info.name);
     for resolution in [64, 128] {
         let options = SdfOptions { resolution, fill_cavities: false, ..Default::default() };
-        // The first time the driver compiles the kernels.
+        // The first call compiles the kernels.
         let coarse = SdfOptions { resolution: 8, ..options.clone() };
         pollster::block_on(builder.grid(&mesh, &coarse))?;
         let start = Instant::now();

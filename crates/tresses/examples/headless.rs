@@ -1,11 +1,11 @@
-//! A built-in character that turns its head, without a window: `cargo run --example headless -- picture.png`
+//! Renders a built-in character that turns its head, without a window: `cargo run --example headless -- picture.png`
 
 use tresses::{
     Camera, Character, Pose, View, character::Drawing, glam::Quat, glam::Vec3, gpu::Gpu, view::Picture,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    pollster::block_on(render(&std::env::args().nth(1).ok_or("usage: headless picture.png")?))
+    pollster::block_on(render(&std::env::args().nth(1).ok_or("usage: headless image.png")?))
 }
 
 async fn render(path: &str) -> Result<(), Box<dyn std::error::Error>> {

@@ -1,4 +1,4 @@
-//! A window with hair on a head that turns: `cargo run --example minimal`. In a browser it is a page.
+//! A window that shows a turning head with hair: `cargo run --example minimal`. In a browser it is a page.
 
 use std::{cell::RefCell, rc::Rc, sync::Arc};
 use tresses::view::{Picture, View, ViewOptions};
@@ -49,7 +49,7 @@ impl Show {
     }
 }
 
-/// Makes the surface as large as the window. Returns the size and the format.
+/// Resizes the surface to the window. Returns its size and format.
 fn configure(surface: &wgpu::Surface<'_>, gpu: &Gpu, window: &Window) -> ([u32; 2], wgpu::TextureFormat) {
     let [width, height] = <[u32; 2]>::from(window.inner_size()).map(|length| length.max(1));
     let config = surface.get_default_config(&gpu.adapter, width, height).expect("a supported surface");

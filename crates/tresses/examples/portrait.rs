@@ -1,4 +1,4 @@
-//! A portrait after half a second of motion: of the groom and the head in files, or of the built-in character without any.
+//! Renders a portrait after half a second of motion: of a groom and a head from files, or of the built-in character.
 //!
 //! `cargo run --example portrait -- portrait.png groom.tfx head.obj`
 
@@ -12,7 +12,7 @@ use tresses::{
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
-    let path = arguments.next().ok_or("usage: portrait portrait.png [groom and head ...]")?;
+    let path = arguments.next().ok_or("usage: portrait image.png [groom and head ...]")?;
     pollster::block_on(render(&path, &arguments.collect::<Vec<_>>()))
 }
 
@@ -24,7 +24,7 @@ async fn render(path: &str, files: &[String]) -> Result<(), Box<dyn std::error::
     };
     let size = [1280, 720];
     let mut view = View::new(&tresses, &Default::default(), size, 1)?;
-    // The subject fills three quarters of the height of a portrait lens's picture.
+    // The subject fills three quarters of the image's height, as in a portrait.
     let (low, high) = ann.subject();
     let middle = 0.5 * (low + high);
     let distance = (high.y - low.y) / 0.75 / (2.0 * 0.25f32.tan());

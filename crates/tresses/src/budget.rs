@@ -1,22 +1,23 @@
-//! A budget for many heads: levels of detail are chosen so that all of them together cost no more.
+//! A budget for crowds: levels of detail are chosen so that all heads together stay within a time and a memory limit.
 //!
 //! ```text
-//! camera, heads ─► what each would draw, simulate and hold at a bias ─► Costs ─► milliseconds ─┐
-//!        ▲                                                                        bytes ───────┤
-//!        └───────────── the least bias that keeps both (bisection) ◄───────────────────────────┘
+//! camera, heads ─► drawing, simulation and memory of each head at a bias ─► Costs ─► milliseconds ─┐
+//!        ▲                                                                           bytes ────────┤
+//!        └───────────── smallest bias that meets both limits (bisection) ◄─────────────────────────┘
 //! ```
 //!
-//! One [bias](crate::lod::LodOptions::bias) for all heads: strands as wide in pixels on each, so that none looks coarser than
-//! another. That is also what least error asks for: an octave of bias saves on each head about the same share of what it
-//! costs, and is seen on each as much (Funkhouser and Séquin, "Adaptive display algorithm for interactive frame rates",
-//! SIGGRAPH 1993, weigh benefit by cost; here both are alike).
+//! One [bias](crate::lod::LodOptions::bias) applies to all heads. Strands are then equally wide in pixels on each, so
+//! no head looks coarser than another. It also minimizes the total error: an octave of bias saves about the same share
+//! of the cost on each head and is equally visible on each. (Funkhouser and Séquin, "Adaptive display algorithm for
+//! interactive frame rates", SIGGRAPH 1993, weigh benefit by cost; here the ratio is the same for all heads.)
 //!
-//! What work costs is a sum of factors that [`Costs::fit`] finds from frames that were timed: least squares, with the
-//! factors that were known before as a prior, and none negative. Without timings they are those of a software driver,
-//! whose proportions serve elsewhere until there are some. Bytes are counted, not guessed.
+//! The cost model is linear: each kind of work has a factor. [`Costs::fit`] estimates the factors from timed frames by
+//! non-negative least squares, with the previously known factors as a prior. The default
+//! factors are from a software driver; their proportions serve on other devices until frames are timed. Bytes are
+//! counted, not estimated.
 //!
-//! The bias follows at most [`FASTEST`] octaves per frame, so that a frame that took long for other reasons does not
-//! show. Timings differ from run to run, and so may levels: whoever needs two runs to be the same gives no milliseconds.
+//! The bias changes by at most [`FASTEST`] octaves per frame, so that a single slow frame has no visible effect.
+//! Timings differ from run to run, and so may levels. For reproducible runs, leave [`Budget::milliseconds`] infinite.
 //!
 //! [`CrowdBudget`](crate::character::CrowdBudget) applies a [`Budget`] to the characters of a frame:
 //!
@@ -28,7 +29,7 @@
 //!     view::Picture,
 //! };
 //!
-//! /// Once: characters that share everything that does not move.
+//! Once: creates characters that share everything that does not move.
 //! async fn crowd(tresses: &Context, count: usize) -> Result<Vec<Character>> {
 //!     let source = CharacterSource::built_in(tresses, &"long".parse()?, &()).await?;
 //!     let parts = source.dress(&Styling::default(), &()).await?;
@@ -38,7 +39,7 @@
 //!     (0..count).map(|_| first.instance()).collect()
 //! }
 //!
-//! /// Each frame. `milliseconds` is the time that the last one took.
+//! Each frame. `milliseconds` is the time of the last frame.
 //! fn frame(
 //!     tresses: &Context,
 //!     encoder: &mut wgpu::CommandEncoder,
@@ -57,7 +58,7 @@
 //! }
 //! ```
 //!
-//! Hosts that hold [`Hair`] themselves call [`Budget::look_from`].
+//! Hosts that own [`Hair`] directly call [`Budget::look_from`].
 
 use crate::{
     Camera, Hair, Pose,
@@ -65,59 +66,59 @@ use crate::{
     strands::Room,
 };
 
-/// What a frame of all heads may take.
+/// Limits for all heads of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Budget {
-    /// Milliseconds of hair in a frame, as the frames were timed that costs were fitted to.
+    /// Time for hair per frame, ms, measured like the frames that the costs were fitted to.
     pub milliseconds: f32,
-    /// Bytes of GPU memory of the heads, those of a view included.
+    /// GPU memory of the heads including the view's share, bytes.
     pub bytes: u64,
 }
 
 impl Default for Budget {
-    /// Any time, any memory.
+    /// No limits.
     fn default() -> Self {
         Self { milliseconds: f32::INFINITY, bytes: u64::MAX }
     }
 }
 
-/// What a view holds on the GPU for heads, bytes.
-pub struct Held<'a> {
-    /// For each drawn vertex, its colours included.
+/// GPU memory that a view needs for heads.
+pub struct ViewBytes<'a> {
+    /// Bytes per drawn vertex, including its color.
     pub vertex: u64,
-    /// For the head of this number while it is in view, with so many octaves of bias more: the light of its
+    /// Bytes for the head of this index while it is in view, given the extra bias in octaves: the lighting of its
     /// [zone](crate::light::Zone::bytes).
     pub head: &'a dyn Fn(usize, f32) -> u64,
 }
 
-impl Held<'_> {
-    /// For each vertex that tiles draw: points, lists, colours and shading.
+impl ViewBytes<'_> {
+    /// Bytes per vertex drawn by tiles: points, lists, colors and shading.
     pub const BY_TILES: u64 = 63;
-    /// For each vertex of strips: its colours.
+    /// Bytes per vertex drawn as strips: its color.
     pub const BY_STRIPS: u64 = 4;
 }
 
-/// The most octaves by which the bias changes in a frame.
+/// Maximum change of the bias per frame, octaves.
 pub const FASTEST: f32 = 0.125;
-/// The most that is added to the bias that heads have.
+/// Maximum bias that a budget adds, octaves.
 pub const COARSEST: f32 = 6.0;
 
-/// What heads do in a frame.
+/// Work that heads cause in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
-    /// Heads that are in view.
+    /// Heads in view.
     pub heads: f64,
     /// Drawn strand vertices.
     pub vertices: f64,
-    /// Solves of a guide vertex: vertices of guides that are simulated, times substeps, times steps.
+    /// Solves of a guide vertex: vertices of simulated guides × substeps × steps.
     pub solves: f64,
-    /// Steps of grids in which hair meets hair.
+    /// Steps of self-collision grids.
     pub grids: f64,
     /// Pixels of the squares around heads.
     pub pixels: f64,
 }
 
-/// The kinds of work, and that there is a frame at all.
+/// Number of cost factors: the kinds of work and a constant per frame.
 const KINDS: usize = 6;
 
 impl Work {
@@ -134,46 +135,46 @@ impl Work {
     }
 }
 
-/// What work costs, milliseconds.
+/// Cost of work, ms.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Costs {
-    /// Of a frame, a head, a drawn vertex, a solve, a step of a grid, a pixel.
+    /// Cost per frame, head, drawn vertex, solve, grid step and pixel.
     factors: [f64; KINDS],
-    /// What was known before anything was timed.
+    /// Factors before any frame was timed.
     prior: [f64; KINDS],
-    /// The last frames that were timed: their work and milliseconds.
+    /// Work and milliseconds of the most recent timed frames.
     timed: Vec<([f64; KINDS], f64)>,
 }
 
-/// So many frames are remembered.
+/// Number of timed frames kept.
 const REMEMBERED: usize = 48;
 
 impl Default for Costs {
-    /// Of a software driver on two cores.
+    /// Factors of a software driver on two cores.
     fn default() -> Self {
         Self::new([20.0, 4.0, 1.5e-3, 4e-5, 4.0, 2e-4])
     }
 }
 
 impl Costs {
-    /// With these factors: milliseconds of a frame, a head in view, a drawn vertex, a solve, a step of a grid, a pixel.
+    /// Creates costs from factors in ms: per frame, head in view, drawn vertex, solve, grid step and pixel.
     pub fn new(factors: [f64; KINDS]) -> Self {
         let factors = factors.map(|factor| if factor.is_finite() { factor.max(0.0) } else { 0.0 });
         Self { factors, prior: factors, timed: Vec::new() }
     }
 
-    /// The factors, in the order of [`new`](Self::new).
+    /// Returns the factors in the order of [`new`](Self::new).
     pub fn factors(&self) -> [f64; KINDS] {
         self.factors
     }
 
-    /// What `work` costs, milliseconds.
+    /// Returns the estimated cost of `work`, ms.
     pub fn of(&self, work: &Work) -> f64 {
         self.factors.iter().zip(work.list()).map(|(factor, work)| factor * work).sum()
     }
 
-    /// A frame of this work took so long: the factors become those that the last frames tell. A time that is none is
-    /// forgotten.
+    /// Adds a timed frame and refits the factors to the most recent frames. Ignores times that are not finite and
+    /// positive.
     pub fn fit(&mut self, work: &Work, milliseconds: f64) {
         if !(milliseconds.is_finite() && milliseconds > 0.0) {
             return;
@@ -185,9 +186,9 @@ impl Costs {
         self.factors = self.solve();
     }
 
-    /// Least squares of relative errors, and of how far factors are from those known before times what all of them are off
-    /// by: what frames do not tell apart keeps its proportions. Coordinate by coordinate, none below zero: the problem is
-    /// convex, and six numbers are found in no time.
+    /// Minimizes the squared relative errors of the timed frames plus a penalty on deviation from the scaled prior. The
+    /// scale is the mean ratio of measured to predicted time, so factors that the frames do not determine keep their
+    /// proportions. Uses coordinate descent with factors clamped at zero: the problem is convex and has six unknowns.
     fn solve(&self) -> [f64; KINDS] {
         let known = |work: &[f64; KINDS]| work.iter().zip(&self.prior).map(|(w, p)| w * p).sum::<f64>();
         let scale = self.timed.iter().map(|(work, ms)| ms / known(work).max(1e-12)).sum::<f64>()
@@ -214,58 +215,58 @@ impl Costs {
     }
 }
 
-/// What was chosen for one head.
+/// The level chosen for one head.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct HeadChosen {
-    /// Whether it is in view.
+pub struct HeadDetail {
+    /// Whether the head is in view.
     pub seen: bool,
-    /// Whether it has come to rest.
+    /// Whether the hair has come to rest.
     pub asleep: bool,
     /// Drawn strands.
     pub strands: u32,
-    /// Vertices of each.
+    /// Vertices per strand.
     pub vertices: u32,
     /// Simulated guides.
     pub guides: u32,
-    /// Substeps of each step.
+    /// Substeps per step.
     pub substeps: u32,
-    /// Its diameter, pixels.
+    /// Diameter of the hair in the image, pixels.
     pub size: f32,
-    /// Bytes of GPU memory that are its own.
+    /// GPU memory owned by this head, bytes.
     pub bytes: u64,
 }
 
-/// What was chosen for all heads.
+/// The levels chosen for all heads.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Chosen {
-    /// Added to the bias of each, octaves.
+pub struct CrowdDetail {
+    /// Bias added to each head's own, octaves.
     pub bias: f32,
-    /// What they are to do.
+    /// Total work.
     pub work: Work,
-    /// What that is expected to cost, milliseconds.
+    /// Estimated cost of that work, ms.
     pub milliseconds: f64,
-    /// Bytes of GPU memory: of each head, and once what they share.
+    /// GPU memory, bytes: the own memory of each head, and shared memory once.
     pub bytes: u64,
-    /// Whether the budget is kept: with the coarsest levels it may not be.
+    /// Whether the budget is met. Even the coarsest levels may exceed it.
     pub fits: bool,
-    /// One by one.
-    pub heads: Vec<HeadChosen>,
+    /// The level of each head.
+    pub heads: Vec<HeadDetail>,
 }
 
 impl Budget {
-    /// Chooses the level of detail of `heads`, each with where its head is, for `camera`: call it instead of
-    /// [`Hair::look_from`], before a frame is recorded. `before` is the bias of the frame before ([`Chosen::bias`]): `None`
-    /// where there was none, so that nobody sees levels change. `held` says what a view holds for them.
+    /// Chooses the level of detail of `heads`, each given with its head's pose, for `camera`. Call it before a frame is
+    /// recorded, instead of [`Hair::look_from`]. `before` is the bias of the last frame ([`CrowdDetail::bias`]); `None`
+    /// allows any change of levels, for a first frame or after a cut. `held` describes the view's memory for the heads.
     pub fn look_from(
         &self,
         costs: &Costs,
         camera: &Camera,
         heads: &mut [(&mut Hair, Pose)],
         before: Option<f32>,
-        held: &Held<'_>,
-    ) -> Chosen {
-        let plan = |bias: f32, heads: &[(&mut Hair, Pose)]| -> (Chosen, Vec<Detail>) {
-            let mut chosen = Chosen { bias, ..Chosen::default() };
+        held: &ViewBytes<'_>,
+    ) -> CrowdDetail {
+        let plan = |bias: f32, heads: &[(&mut Hair, Pose)]| -> (CrowdDetail, Vec<Detail>) {
+            let mut chosen = CrowdDetail { bias, ..CrowdDetail::default() };
             let mut details = Vec::with_capacity(heads.len());
             chosen.bytes = heads.iter().map(|(hair, _)| hair.shared_bytes()).max().unwrap_or(0);
             for (i, (hair, pose)) in heads.iter().enumerate() {
@@ -282,7 +283,7 @@ impl Budget {
             (chosen, details)
         };
         let wanted = self.least(|bias| plan(bias, heads).0.fits);
-        // Memory is there or is not; time may pass for other reasons.
+        // The limited rate applies to time only, which may be a passing disturbance. Memory must fit at once.
         let reachable = before.map_or(wanted, |bias| wanted.clamp(bias - FASTEST, bias + FASTEST));
         let reachable = reachable.clamp(0.0, COARSEST);
         let (mut chosen, mut details) = plan(reachable, heads);
@@ -295,7 +296,7 @@ impl Budget {
         chosen
     }
 
-    /// The least bias with which the budget is kept; the coarsest where none keeps it.
+    /// Returns the smallest bias that meets the budget, or the largest bias if none does.
     fn least(&self, fits: impl Fn(f32) -> bool) -> f32 {
         if fits(0.0) {
             return 0.0;
@@ -310,8 +311,8 @@ impl Budget {
 }
 
 impl Hair {
-    /// What it does and holds at `detail`, seen by `camera` on a head at `pose`.
-    fn at(&self, detail: &Detail, camera: &Camera, pose: &Pose, view_bytes: u64) -> (HeadChosen, Work) {
+    /// Returns the level and the work of this hair at `detail`, seen by `camera` on a head at `pose`.
+    fn at(&self, detail: &Detail, camera: &Camera, pose: &Pose, view_bytes: u64) -> (HeadDetail, Work) {
         let seen = !self.lod.options.sleep || self.sees(camera, pose);
         let vertices = detail.segments.ceil() as u32 + 1;
         let [guides, substeps] = self.motion_at(detail);
@@ -322,7 +323,7 @@ impl Hair {
         let bytes =
             self.own_bytes() - self.strand_bytes(self.strands.room) + self.strand_bytes(room) + per_view;
         let asleep = self.is_asleep();
-        let head = HeadChosen {
+        let head = HeadDetail {
             seen,
             asleep,
             strands: if seen { detail.strands } else { 0 },
@@ -335,7 +336,7 @@ impl Hair {
         if !seen {
             return (head, Work::default());
         }
-        // As if frames came at the rate of the steps.
+        // Assumes one frame per fixed step.
         let steps = f64::from(detail.step.max(1.0)).recip();
         let moves = if asleep { 0.0 } else { steps };
         let work = Work {
@@ -349,9 +350,8 @@ impl Hair {
     }
 }
 
-/// The levels that [`Budget`] chooses among are those of options that let motion be coarser too.
 impl LodOptions {
-    /// The same with so many octaves of bias more.
+    /// Returns these options with the bias raised by `octaves`.
     pub fn coarser(self, octaves: f32) -> Self {
         Self { bias: (self.bias + octaves).clamp(-8.0, 8.0), ..self }
     }
@@ -374,7 +374,7 @@ mod tests {
     }
 
     #[test]
-    fn factors_are_found_from_timed_frames() {
+    fn fit_recovers_factors_from_noisy_frames() {
         let truth = Costs::new([3.0, 0.5, 4e-5, 2e-6, 0.3, 1e-5]);
         let mut costs = Costs::default();
         let off = |costs: &Costs| {
@@ -382,14 +382,14 @@ mod tests {
         };
         let before = off(&costs);
         for i in 0..40 {
-            // 10 % of noise.
+            // 10 % noise.
             let noise = 0.9 + 0.2 * f64::from(pcg(977 * i)) / f64::from(u32::MAX);
             costs.fit(&work(i), truth.of(&work(i)) * noise);
         }
         println!("{before} {} {:?}", off(&costs), costs.factors());
-        // Frames that were not timed, within twice the noise of those that were.
+        // Frames that were not used for fitting: within twice the noise of the timed ones.
         assert!(before > 3.0 && off(&costs) < 0.2, "{before} {}", off(&costs));
-        // One kind of frame tells only what it costs itself, and the proportions stay.
+        // Identical frames determine only their own cost; the proportions of the factors stay.
         let mut costs = Costs::default();
         (0..20).for_each(|_| costs.fit(&work(3), 7.0));
         assert!((costs.of(&work(3)) - 7.0).abs() < 0.2, "{}", costs.of(&work(3)));
@@ -400,7 +400,7 @@ mod tests {
     }
 
     #[test]
-    fn the_least_bias_is_found() {
+    fn least_bias_is_smallest_that_fits() {
         let budget = Budget::default();
         assert_eq!(budget.least(|_| true), 0.0);
         assert_eq!(budget.least(|_| false), COARSEST);

@@ -1,18 +1,18 @@
-//! The camera, and what it makes of light.
+//! The camera and its tone mapping.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
 use crate::math::Ray;
 
-/// From linear radiance to the picture's 0..1.
+/// Maps linear radiance to display values from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToneMap {
-    /// Factor before everything else.
+    /// Exposure: factor applied to the radiance first.
     pub exposure: f32,
-    /// Below this the picture is linear; above it is compressed so that it never reaches 1.
+    /// Start of the shoulder: the mapping is linear below it and compresses values above it so that they never reach 1.
     pub shoulder: f32,
-    /// How fast colours brighter than the shoulder fade to white.
+    /// How fast colors brighter than the shoulder fade to white.
     pub desaturation: f32,
 }
 
@@ -22,15 +22,15 @@ impl Default for ToneMap {
     }
 }
 
-/// A camera and the size of its picture.
+/// A camera and the size of its image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// World to view space: right-handed, looking along -Z, metres.
+    /// World to view space, meters. View space is right-handed; the camera looks along -Z.
     pub view: Mat4,
-    /// View to clip space. Depth runs from 1 (near) down to 0 (far), so that the precision of
-    /// floating-point depth is spent evenly.
+    /// View to clip space with reversed depth: 1 at the near plane, 0 at the far plane. Reversing spreads the precision
+    /// of floating-point depth evenly.
     pub projection: Mat4,
-    /// Width and height of the picture, pixels.
+    /// Width and height of the image, pixels.
     pub size: [u32; 2],
 }
 
@@ -42,8 +42,8 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// A perspective camera at `eye` that looks at `target` (metres) with the vertical field of
-    /// view `fov_y` (radians), upright. The near plane is at 1 cm, the far plane at infinity.
+    /// Creates an upright perspective camera at `eye` that looks at `target` (meters). `fov_y` is the vertical field of
+    /// view in radians. The near plane is at 1 cm, the far plane at infinity.
     pub fn look_at(eye: Vec3, target: Vec3, fov_y: f32, size: [u32; 2]) -> Self {
         let aspect = size[0].max(1) as f32 / size[1].max(1) as f32;
         Self {
@@ -53,8 +53,8 @@ impl Camera {
         }
     }
 
-    /// A perspective projection with reversed depth and no far plane: vertical field of view
-    /// (radians), width over height, distance of the near plane (metres).
+    /// Returns a perspective projection with reversed depth and no far plane. `fov_y` is the vertical field of view in
+    /// radians, `aspect` width over height, `near` the distance of the near plane in meters.
     pub fn perspective(fov_y: f32, aspect: f32, near: f32) -> Mat4 {
         let focal = 1.0 / (0.5 * fov_y).tan();
         Mat4::from_cols_array_2d(&[
@@ -65,24 +65,24 @@ impl Camera {
         ])
     }
 
-    /// Where the camera is, metres.
+    /// Returns the position of the camera, meters.
     pub fn eye(&self) -> Vec3 {
         self.view.inverse().w_axis.truncate()
     }
 
-    /// The ray from the camera through a place of the picture, pixels from its left and upper edge.
+    /// Returns the ray through a point of the image, in pixels from its upper left corner.
     pub fn ray(&self, x: f32, y: f32) -> Ray {
         let [width, height] = self.size.map(|side| side.max(1) as f32);
         let inverse = (self.projection * self.view).inverse();
-        // Depth is reversed, and 0 may be at infinity.
+        // Depth is reversed, and depth 0 may lie at infinity.
         let at =
             |depth| inverse.project_point3(Vec3::new(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, depth));
         let (near, far) = (at(1.0), at(0.5));
         Ray { origin: near, direction: (far - near).normalize_or(Vec3::NEG_Z) }
     }
 
-    /// The height of a pixel (metres) at a point whose clip coordinate `w` is 1: for a perspective
-    /// camera at a distance of 1 m, for an orthographic one anywhere.
+    /// Returns the height of a pixel (meters) at a point whose clip coordinate `w` is 1: at a distance of 1 m for a
+    /// perspective camera, anywhere for an orthographic one.
     pub fn pixel(&self) -> f32 {
         2.0 / (self.projection.y_axis.y.abs() * self.size[1].max(1) as f32)
     }
@@ -95,8 +95,8 @@ impl Camera {
             size: Vec2::new(self.size[0] as f32, self.size[1] as f32),
             samples,
             ssaa,
-            // Depth is (c z + a) / (d z + b) of the view's z. Solved for z, and two of them subtracted: what
-            // is left does not suffer from the camera being far away.
+            // Depth as a function of view z is (c z + a) / (d z + b). Solving for z and subtracting two of them
+            // analytically avoids the cancellation that a distant camera would cause.
             way: {
                 let (a, b) = (self.projection.w_axis.z, self.projection.w_axis.w);
                 let (c, d) = (self.projection.z_axis.z, self.projection.z_axis.w);
@@ -106,23 +106,24 @@ impl Camera {
     }
 }
 
-/// What the shaders know of a [`Camera`].
+/// A [`Camera`] as shaders read it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct CameraUniform {
     /// World to clip space.
     pub view_projection: Mat4,
-    /// Where the camera is, metres.
+    /// Position of the camera, meters.
     pub eye: Vec3,
-    /// See [`Camera::pixel`]; of the supersampled target.
+    /// [`Camera::pixel`] of the supersampled target.
     pub pixel: f32,
-    /// Width and height of the picture, pixels.
+    /// Width and height of the image, pixels.
     pub size: Vec2,
-    /// Samples per pixel of the target.
+    /// MSAA samples per target pixel.
     pub samples: u32,
-    /// Target pixels per picture pixel along each axis.
+    /// Target pixels per image pixel along each axis.
     pub ssaa: u32,
-    /// From depth `s` to depth `t` the view goes `z (t - s) / ((x - y s) (x - y t))` metres on.
+    /// Coefficients that convert depth differences to meters. From depth `s` to depth `t`, a view ray advances
+    /// `z (t - s) / ((x - y s) (x - y t))` meters.
     pub way: Vec4,
 }
 
@@ -131,7 +132,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_pixel_is_a_pixel() {
+    fn pixel_size_ray_and_depth_match_projection() {
         let camera = Camera::look_at(Vec3::new(0.0, 0.0, 2.0), Vec3::ZERO, 0.5, [300, 200]);
         let clip = |p: Vec3| camera.projection * camera.view * p.extend(1.0);
         let pixel = camera.pixel() * clip(Vec3::ZERO).w;

@@ -1,125 +1,124 @@
-//! Fixed steps from real time.
+//! The fixed-step clock: turns frame times into fixed simulation steps.
 //!
-//! A frame passes in the time since the last one and the current pose of the head; the result is the fixed
-//! steps to simulate and the interpolation factor of the drawn state between the last two. The head's
-//! motion within the frame is divided among the steps, so that the hair sees the same motion at any frame
-//! rate. Poses are those of the frame's [`Space`](crate::space::Space): a head that is carried along by it does not
-//! move.
+//! A frame supplies the time since the last one and the current pose of the head. The clock returns the fixed steps to
+//! simulate, and the fraction at which the drawn state is interpolated between the last two states. The head's motion
+//! within the frame is divided among the steps, so hair moves the same at any frame rate. Poses are relative to the
+//! frame's [`Space`](crate::space::Space): a head that is carried along by its space does not move.
 
 use crate::{Pose, math::map::Map};
 use glam::Vec3;
 
-/// The most fixed steps of one frame.
+/// Maximum fixed steps per frame.
 pub const MAX_STEPS: u32 = 8;
-/// The most substeps of one step.
+/// Maximum substeps per step.
 pub const MAX_SUBSTEPS: u32 = 32;
 
-/// What a step does.
+/// Kind of a step.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
-    /// Simulates.
+    /// Simulates the hair.
     #[default]
     Step = 0,
-    /// Carries every strand rigidly with the head, velocities too.
+    /// Carries every strand rigidly with the head, including its velocity.
     Carry = 1,
-    /// Puts every strand into its rest pose, without velocity relative to the world.
+    /// Puts every strand into its rest pose, with zero velocity in the world.
     Reset = 2,
 }
 
-/// One fixed step of a frame: where the head is when it begins and when it ends.
+/// One fixed step of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
-    /// What it does.
+    /// Kind of the step.
     pub mode: Mode,
     /// Pose of the head at the start.
     pub begin: Pose,
     /// Pose of the head at the end.
     pub end: Pose,
-    /// Where in the frame's motion it begins, 0..=1.
+    /// Fraction of the frame's motion at the start, 0..=1.
     pub from: f32,
-    /// Where in the frame's motion it ends, 0..=1.
+    /// Fraction of the frame's motion at the end, 0..=1.
     pub to: f32,
 }
 
 impl Step {
-    /// How fast the head goes in it, m/s, if it takes `length` seconds.
+    /// Returns the head's mean velocity in the step, m/s. `length` is the step's length in seconds.
     pub(crate) fn drift(&self, length: f32) -> Vec3 {
         (self.end.translation - self.begin.translation) / length.max(1e-6)
     }
 }
 
-/// The fixed steps of a frame with their lengths.
+/// The fixed steps of a frame and their length.
 #[derive(Clone, Copy, Debug)]
 pub struct Steps<'a> {
     /// The steps, in order.
     pub steps: &'a [Step],
-    /// Length of each, s.
+    /// Length of each step, s.
     pub length: f32,
-    /// Implicit solves of each.
+    /// Substeps of each step: implicit solves.
     pub substeps: u32,
 }
 
 impl<'a> Steps<'a> {
-    /// The last [`MAX_STEPS`] of them.
+    /// Returns the last [`MAX_STEPS`] steps.
     pub(crate) fn last(&self) -> &'a [Step] {
         &self.steps[self.steps.len().saturating_sub(MAX_STEPS as usize)..]
     }
 }
 
-/// Turns frames into fixed steps.
+/// Fixed-step clock.
 #[derive(Clone, Debug)]
-pub struct Clock {
-    /// A head that moves farther than this in one fixed step, metres, is teleported: the hair is
+pub struct StepClock {
+    /// Largest translation of the head in one fixed step, meters. Above it the motion is a teleport: the hair is
     /// carried along rigidly.
     pub teleport_distance: f32,
-    /// The same for a turn, radians.
+    /// Largest rotation of the head in one fixed step without a teleport, radians.
     pub teleport_angle: f32,
     accumulator: f64,
-    /// The head's pose at the end of the last step.
+    /// Pose of the head at the end of the last step.
     state: Option<Pose>,
     reset: bool,
 }
 
-impl Default for Clock {
+impl Default for StepClock {
     fn default() -> Self {
         Self { teleport_distance: 0.3, teleport_angle: 1.0, accumulator: 0.0, state: None, reset: false }
     }
 }
 
-/// What a frame has to do.
+/// The fixed steps that a frame runs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ticks {
     /// The steps, in order.
     pub steps: Vec<Step>,
-    /// What is drawn lies at this fraction from the state before the last step to the one after it.
+    /// Interpolation fraction of the drawn state: 0 is the state before the last step, 1 the state after it.
     pub alpha: f32,
-    /// Time of the frame that was left out because it was too long, s.
+    /// Time dropped because the frame was too long, s.
     pub skipped: f32,
 }
 
-impl Clock {
-    /// The next frame starts from the rest pose.
+impl StepClock {
+    /// Makes the next frame start from the rest pose.
     pub fn reset(&mut self) {
         self.reset = true;
     }
 
-    /// The head's pose at the end of the last step, unless the next frame starts from the rest pose.
+    /// Returns the head's pose at the end of the last step, or `None` if the next frame starts from the rest pose.
     pub(crate) fn state(&self) -> Option<&Pose> {
         self.state.as_ref().filter(|_| !self.reset)
     }
 
-    /// Poses are given in another space from here on, to which `map` leads.
+    /// Converts the stored pose to another space; `map` leads there.
     pub(crate) fn enter(&mut self, map: &Map) {
         self.state = self.state.map(|state| map.pose(&state));
     }
 
-    /// How many steps, of `step` seconds, it is from [`state`](Self::state) to the end of a frame of `dt` seconds.
+    /// Returns the number of steps of `step` seconds from the last step's end to the end of a frame of `dt` seconds.
     pub(crate) fn steps_to(&self, dt: f64, step: f64) -> f32 {
         ((self.accumulator + dt) / step).clamp(1.0, MAX_STEPS.into()) as f32
     }
 
-    /// Whether a head that goes from `at` to `head` in so many steps is teleported.
+    /// Whether the motion of the head from `at` to `head` within `steps` steps is a teleport.
     pub(crate) fn jumps(&self, at: &Pose, head: &Pose, steps: f32) -> bool {
         let distance = at.translation.distance(head.translation);
         let angle = at.rotation.angle_between(head.rotation);
@@ -128,15 +127,16 @@ impl Clock {
             || !distance.is_finite()
     }
 
-    /// How far it is from `at` to `head`, in steps of a head that is nearly teleported.
+    /// Returns the size of the motion from `at` to `head`, relative to the largest that one step takes without a
+    /// teleport.
     pub(crate) fn way(&self, at: &Pose, head: &Pose) -> f32 {
         let distance = at.translation.distance(head.translation) / self.teleport_distance;
         distance.max(at.rotation.angle_between(head.rotation) / self.teleport_angle)
     }
 
-    /// The steps, each `step` seconds, of a frame that came `dt` seconds after the last one with
-    /// the head now at `head`. A `dt` that is negative or no number counts as 0, and of one that
-    /// is longer than [`MAX_STEPS`] steps the rest is skipped, which [`Ticks::skipped`] says.
+    /// Returns the steps of `step` seconds each that are due in a frame, `dt` seconds after the last one, with the head
+    /// now at `head`. A `dt` that is negative or NaN counts as 0. Time beyond [`MAX_STEPS`] steps is dropped and
+    /// reported in [`Ticks::skipped`].
     pub fn tick(&mut self, dt: f32, step: f32, head: &Pose) -> Ticks {
         let whole = |mode| Step { mode, begin: *head, end: *head, from: 0.0, to: 1.0 };
         let Some(at) = self.state.filter(|_| !self.reset) else {
@@ -148,12 +148,12 @@ impl Clock {
         let step = f64::from(step.clamp(1e-4, 0.1));
         let dt = if dt.is_finite() { f64::from(dt.max(0.0)) } else { 0.0 };
         let before = self.accumulator;
-        // Just below a whole step counts as one: 1/60 s is not a sum of binary fractions.
+        // Tolerance for rounding: 1/60 s is not a sum of binary fractions.
         let due = ((before + dt) / step + 1e-4).floor();
         let count = due.min(f64::from(MAX_STEPS));
         let skipped = (due - count) * step;
         self.accumulator = (before + dt - due * step).max(0.0);
-        // The last step ends this long before the frame's time.
+        // Time from the end of the last step to the frame's time.
         let lag = self.accumulator;
         let span = (before + dt - skipped).max(1e-9);
         let mut steps = Vec::with_capacity(count as usize);
@@ -190,9 +190,9 @@ mod tests {
     }
 
     #[test]
-    fn the_same_number_of_steps_at_any_frame_rate() {
+    fn step_count_is_independent_of_frame_rate() {
         for rate in [24.0f32, 30.0, 60.0, 90.0, 144.0, 1000.0] {
-            let mut clock = Clock::default();
+            let mut clock = StepClock::default();
             let mut steps = clock.tick(0.0, 1.0 / 60.0, &at(0.0)).steps;
             assert_eq!(steps.remove(0).mode, Mode::Reset);
             let mut end = at(0.0);
@@ -214,8 +214,8 @@ mod tests {
     }
 
     #[test]
-    fn long_frames_are_cut_and_jumps_are_carried() {
-        let mut clock = Clock::default();
+    fn long_frames_drop_time_and_jumps_carry_hair() {
+        let mut clock = StepClock::default();
         clock.tick(0.0, 1.0 / 60.0, &at(0.0));
         let ticks = clock.tick(2.0, 1.0 / 60.0, &at(0.2));
         assert_eq!(ticks.steps.len(), MAX_STEPS as usize);

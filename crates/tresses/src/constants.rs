@@ -1,7 +1,7 @@
-//! Numbers that host and shaders share. `build.rs` includes this file and hands the table to
-//! WESL, where a shader writes `import constants::STRAND_WORKGROUP;`.
+//! Constants that host and shaders share. `build.rs` includes this file and makes the constants available to WESL: a
+//! shader writes `import constants::STRAND_WORKGROUP;`.
 
-/// The table `build.rs` reads.
+/// The table that `build.rs` reads.
 #[allow(dead_code)]
 pub const SHARED: &[(&str, u32)] = &[
     ("GUIDE_WORKGROUP", GUIDE_WORKGROUP),
@@ -36,8 +36,8 @@ pub const SHARED: &[(&str, u32)] = &[
     ("TILE_STRATA", TILE_STRATA),
 ];
 
-/// Shaders that are linked once for each value of a constant: module, constant, values. Each has the value as
-/// a last part of its path.
+/// Shaders that are linked once per value of a constant: module, constant, values. The value becomes the last component
+/// of the module path.
 #[allow(dead_code)]
 pub const VARIANTS: &[(&str, &str, &[u32])] = &[
     ("simulate::step", "GUIDE_CAPACITY", &GUIDE_CAPACITIES),
@@ -49,67 +49,68 @@ pub const VARIANTS: &[(&str, &str, &[u32])] = &[
     ("draw::tiles::blend", "SURFACES", &[1, 2]),
 ];
 
-/// Threads of one workgroup of the passes that run once per guide.
+/// Workgroup size of passes with one thread per guide.
 pub const GUIDE_WORKGROUP: u32 = 32;
-/// Threads of one workgroup of the passes that run once per strand vertex.
+/// Workgroup size of passes with one thread per strand vertex.
 pub const STRAND_WORKGROUP: u32 = 64;
-/// Vertices of a strand that the search for obstacles looks at together.
+/// Consecutive vertices of a strand that one thread tests for obstacles.
 pub const HIT_RUN: u32 = 8;
-/// The most cells along a line that the blur of the hair's grid reads for four.
+/// Maximum cells along a line that the blur of the density grid reads to produce four cells.
 pub const MAX_TAPS: u32 = 96;
 
-/// Threads that hold one ring of a [tie](crate::simulate::ties) together.
+/// Workgroup size of the kernel for [ties](crate::simulate::ties): one workgroup holds one ring.
 pub const TIE_WORKGROUP: u32 = 64;
-/// The most [links](crate::simulate::links) of a guide vertex.
+/// Maximum [links](crate::simulate::links) per guide vertex.
 pub const LINKS: u32 = 4;
-/// The most samples that make a pixel.
+/// Maximum samples that contribute to a resolved pixel.
 pub const MAX_FOOTPRINT: u32 = 32;
-/// Threads of one workgroup of the passes that run once per cell or guide vertex.
+/// Workgroup size of passes with one thread per grid cell or guide vertex.
 pub const VOLUME_WORKGROUP: u32 = 64;
-/// The vertex counts that the step of the guides is linked for: WGSL sizes private arrays by constants, and
-/// short guides shall not pay for the private memory of long ones.
+/// Vertex counts for which the guide step is linked. WGSL sizes private arrays by constants, and short guides should
+/// not need the private memory of long ones.
 pub const GUIDE_CAPACITIES: [u32; 6] = [8, 16, 24, 32, 48, MAX_GUIDE_VERTICES];
-/// The most vertices a guide may have.
+/// Maximum vertices per guide.
 pub const MAX_GUIDE_VERTICES: u32 = 64;
-/// The most vertices a drawn strand may have.
+/// Maximum vertices per drawn strand.
 pub const MAX_STRAND_VERTICES: u32 = 64;
-/// The most colliders of one groom, the head's field included.
+/// Maximum colliders per groom, including the head's field.
 pub const MAX_COLLIDERS: u32 = 128;
-/// Threads of one workgroup of the kernels that make distance fields.
+/// Workgroup size of the kernels that build distance fields.
 pub const BUILD_WORKGROUP: u32 = 64;
-/// Nodes along each edge of the grid that says how a distance field deforms with skin.
+/// Nodes along each edge of the grid that stores how a distance field deforms with the skin.
 pub const DEFORM_NODES: u32 = 20;
-/// The most directional lights of a scene.
+/// Maximum directional lights of a scene.
 pub const MAX_LIGHTS: u32 = 4;
-/// The most shadow maps: one per light, and one from above for the sky.
+/// Maximum shadow maps: one per light, and one from above for the sky.
 pub const SHADOW_MAPS: u32 = MAX_LIGHTS + 1;
-/// The most gust modes of a step's uniforms.
+/// Maximum gust modes in a step's uniforms.
 pub const MAX_GUSTS: u32 = 24;
-/// Edge of a block of shadow map texels, which hold how much hair there is and how high.
+/// Edge of a block of shadow map texels. Each block stores the share of its texels with hair and their mean height.
 pub const SHADOW_BLOCK: u32 = 4;
-/// Layers of a deep opacity map.
+/// Layers per deep opacity map.
 pub const DEEP_LAYERS: u32 = 8;
-/// The most strands that are counted in deep opacity maps: of more, these represent all.
+/// Maximum strands counted in deep opacity maps. Of more strands, an even subset represents all.
 pub const COVER_STRANDS: u32 = 8192;
-/// The most segments of a strand that lie in those maps as one.
+/// Maximum segments of a strand that deep opacity maps treat as one.
 pub const COVER_STRIDE: u32 = 2;
-/// About how many strands represent all of them in the grid of ambient light.
+/// Approximate number of strands that represent all of them in the grid of ambient light.
 pub const AMBIENT_STRANDS: u32 = 4096;
-/// Edge of a tile of the compute rasteriser, pixels: a row of them is one thread's.
+/// Edge of a tile of the compute rasterizer, pixels. One thread processes one row of a tile.
 pub const TILE: u32 = 8;
-/// Bins of depth in a tile; also the threads of the workgroup that puts them in order.
+/// Depth bins per tile; also the size of the workgroup that sorts them.
 pub const TILE_BINS: u32 = 64;
-/// Edge of a block of tiles that share the range of depth that bins divide, tiles.
+/// Edge of a block of tiles that share one depth range for their bins, tiles.
 pub const TILE_BLOCK: u32 = 2;
-/// Up to so many entries of a bin are compared with each other; with more, a workgroup sorts them.
+/// Largest bin that is sorted by pairwise comparison; larger ones take a workgroup each.
 pub const TILE_FEW: u32 = 512;
-/// Points in a row of the textures that hold them.
+/// Points per row of the textures that store them.
 pub const TILE_POINTS: u32 = 4096;
-/// The most rounds that the lists of tiles are made in.
+/// Maximum rounds in which tile lists are built.
 pub const TILE_ROUNDS: u32 = 4;
-/// Threads of the one workgroup that adds up tiles.
+/// Size of the single workgroup that computes the prefix sum over tiles.
 pub const TILE_SCAN: u32 = 256;
-/// Tiles of a workgroup.
+/// Tiles per workgroup.
 pub const TILE_SLOTS: u32 = 4;
-/// Tiles are dealt to workgroups from so many places at once.
+/// Runs into which the tile list is divided. Neighboring workgroups take tiles from different runs, which balances
+/// load.
 pub const TILE_STRATA: u32 = 16;

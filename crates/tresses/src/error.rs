@@ -1,61 +1,61 @@
-//! Errors, each one sentence that names the place and, where there is one, the remedy.
+//! Errors. Each is one sentence that names the place and, where there is one, the remedy.
 
 use crate::groom;
 pub use groom::error::At;
 
-/// The result of the library's fallible calls.
+/// Result of the library's fallible functions.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// What can go wrong.
+/// Errors of the library.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A file, a groom or a mesh cannot be used.
+    /// A file, groom or mesh is unusable.
     #[error(transparent)]
     Groom(groom::Error),
-    /// Colliders cannot be used as they are.
+    /// The colliders are unusable.
     #[error("colliders: {0}")]
     Colliders(String),
-    /// The adapter's limits are too small.
+    /// A buffer exceeds the adapter's limits.
     #[error("{what} needs {need} bytes in one buffer, but this adapter allows {have}")]
     Limit {
-        /// What needs them.
+        /// The resource.
         what: &'static str,
         /// Bytes needed.
         need: u64,
         /// Bytes allowed.
         have: u64,
     },
-    /// A parameter is outside its range, the groom's included.
+    /// A parameter is out of range, including parameters of the groom.
     #[error("{name} is {value}, but must be {range}")]
     Parameter {
-        /// The parameter.
+        /// Name of the parameter.
         name: &'static str,
-        /// What was given.
+        /// The given value.
         value: String,
-        /// What is allowed, in words.
+        /// Allowed range, in words.
         range: &'static str,
     },
-    /// No adapter, or none that will do.
+    /// No adapter was found, or none is sufficient.
     #[error("{0}")]
     Adapter(String),
-    /// wgpu refused something: a bug of this crate, or a lost device.
-    #[error("the GPU refused {stage}: {problem}")]
+    /// wgpu reported an error: a bug of this crate, or a lost device.
+    #[error("the GPU reported an error in {stage}: {problem}")]
     Gpu {
         /// The stage or resource.
         stage: &'static str,
-        /// What wgpu said.
+        /// wgpu's message.
         problem: String,
     },
 }
 
 impl Error {
-    /// A groom or a mesh cannot be used.
+    /// Returns the error for an unusable groom or mesh.
     pub(crate) fn unusable(problem: impl Into<String>) -> Self {
         Self::Groom(groom::Error::Unusable(problem.into()))
     }
 
-    /// [`Error::Parameter`] unless `value` is a number from `least` to `most`; `range` says so in words.
+    /// Returns [`Error::Parameter`] unless `value` is a number from `least` to `most`. `range` is the range in words.
     pub(crate) fn unless_within(
         name: &'static str,
         value: f32,

@@ -1,71 +1,70 @@
-//! The frame: the only place that writes the order of the stages.
+//! Records frames: the only module that defines the order of the stages.
 //!
 //! ```text
 //! each groom   roots; per fixed step: volume ─► wind ─► simulate; then tessellate ─► interpolate ─► avoid
-//! each view    light: shadow maps, light from all sides, shading ─► draw: bodies, hair ─► present
+//! each view    light: shadow maps, ambient light, shading ─► draw: bodies, hair ─► present
 //! ```
 //!
-//! Any number of grooms and views go into one submission. What a groom is goes with [`Hair`], what a view has with
-//! [`View`]: neither knows what else is recorded, as long as each is recorded once, but for grooms that
-//! [meet](Hair::meet). The grooms of a view lie in the same shadow maps and the same grid of light, and each pass that
-//! draws hair draws all of them, so that their order means nothing.
+//! One submission takes any number of grooms and views. A [`Hair`] holds the state of a groom, a [`View`] the state of
+//! a camera. They are independent of each other as long as each is recorded once per submission, except for grooms that
+//! [meet](Hair::meet). The grooms of a view share its shadow maps and its grid of ambient light. Each pass that draws
+//! hair draws all of them, so their order does not matter.
 
 use crate::{
     Context, Error, Hair, Result,
     body::Body,
-    draw::{Embed, Surroundings, record::Canvas},
+    draw::{Compositor, Surroundings, record::Canvas},
     gpu::{Commands, Timings},
     hair::HairFrame,
-    light::{self, HairSet, Part, SceneShadow, Seen, Shaded, ShadingRate},
+    light::{self, HairSet, HairShading, HairView, Part, SceneShadow, ShadingRate},
     skinning::Skinning,
     stage::Stage,
     view::{Picture, View},
-    views::{DebugViews, Shown},
+    views::{DebugDisplay, DebugViews},
 };
 use std::sync::Arc;
 
-/// What is drawn into a view.
+/// Inputs for drawing one view.
 #[derive(Debug)]
-pub struct Sight<'a> {
+pub struct ViewPass<'a> {
     /// The view.
     pub view: &'a View,
-    /// Who looks, in which light.
+    /// Camera, lights and display options.
     pub picture: &'a Picture,
-    /// Where the finished picture goes; `None` for [`Targets::picture`](crate::draw::Targets::picture). It has the
-    /// view's size and the format of its options.
+    /// Target of the finished image, with the view's size and the format of its options; `None` for
+    /// [`Targets::picture`](crate::draw::Targets::picture).
     pub output: Option<&'a wgpu::TextureView>,
-    /// What is shown.
-    pub shows: Shows<'a>,
-    /// Whether the targets are asked where hair is and which strand each pixel shows, of bodies and hair
-    /// ([`Shows::Hair`]) or once more ([`Shows::Again`]): [`Targets::geometry`](crate::draw::Targets::geometry),
-    /// [`Targets::labels`](crate::draw::Targets::labels). Only hair by [`Coverage::Tiles`](crate::draw::Coverage::Tiles)
-    /// knows.
+    /// Content of the image.
+    pub shows: ViewContent<'a>,
+    /// Whether to write hair geometry and strand labels as well: [`Targets::geometry`](crate::draw::Targets::geometry),
+    /// [`Targets::labels`](crate::draw::Targets::labels). Applies to [`ViewContent::Hair`] and [`ViewContent::Again`], and requires
+    /// [`Coverage::Tiles`](crate::draw::Coverage::Tiles).
     pub asks: bool,
 }
 
-/// What a view shows.
+/// Content of a view's image.
 #[derive(Debug, Default)]
-pub enum Shows<'a> {
+pub enum ViewContent<'a> {
     /// Bodies and hair.
     #[default]
     Hair,
-    /// The same as in the view's last picture, which is drawn but not lit anew: after
-    /// [`View::resize`], a picture that stands still becomes finer. Hair, bodies and lights must be the same.
+    /// Bodies and hair again, with the lighting of the view's last image. Refines a still image after [`View::resize`].
+    /// Hair, bodies and lights must be unchanged.
     Again,
-    /// Hair over a scene that is drawn already, hidden by what is in front of it ([`crate::draw::embed`]). Bodies are
-    /// not drawn, but their shadows fall on hair; background and tone play no part.
-    Over(&'a Embed, Surroundings<'a>),
-    /// What is asked for instead of hair as it looks ([`crate::views`]). Nothing is read back.
-    Inside(&'a mut DebugViews, &'a Shown),
+    /// Hair composited into a scene that is already drawn and hides hair behind it ([`crate::draw::embed`]). Bodies are
+    /// not drawn, but cast shadows on hair. Background and tone mapping are not used.
+    Over(&'a Compositor, Surroundings<'a>),
+    /// A debug view ([`crate::views`]). Nothing is read back.
+    Inside(&'a mut DebugViews, &'a DebugDisplay),
 }
 
-impl Shows<'_> {
-    /// Whether the light has been made already.
-    fn is_lit(&self) -> bool {
+impl ViewContent<'_> {
+    /// Whether the lighting is already recorded.
+    pub(crate) fn is_lit(&self) -> bool {
         matches!(self, Self::Again | Self::Over(_, Surroundings { lit: true, .. }))
     }
 
-    /// The shadow maps of a host's scene.
+    /// Returns the shadow maps of the host's scene.
     fn shadows(&self) -> &[SceneShadow<'_>] {
         match self {
             Self::Over(_, into) => into.shadows,
@@ -74,56 +73,57 @@ impl Shows<'_> {
     }
 }
 
-impl<'a> Sight<'a> {
-    /// Bodies and hair into the view's own picture.
+impl<'a> ViewPass<'a> {
+    /// Draws bodies and hair into the view's own image.
     pub fn new(view: &'a View, picture: &'a Picture) -> Self {
-        Self { view, picture, output: None, shows: Shows::Hair, asks: false }
+        Self { view, picture, output: None, shows: ViewContent::Hair, asks: false }
     }
 }
 
-/// What a frame is recorded with.
+/// Records a frame.
 #[derive(Debug)]
 pub struct Recorder<'a> {
     commands: Commands<'a>,
 }
 
 impl Context {
-    /// Records a frame into `encoder`. After an error the encoder must not be submitted.
+    /// Starts recording a frame into `encoder`. After an error the encoder must not be submitted.
     pub fn recorder<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> Recorder<'a> {
         Recorder { commands: self.commands(encoder) }
     }
 }
 
 impl<'a> Recorder<'a> {
-    /// Measures the stages with `timings`. [By a clock](Timings::by), each part is submitted and waited for.
+    /// Measures the stages with `timings`. With a [host clock](Timings::by), each part is submitted and waited for
+    /// separately.
     pub fn with_timings(self, timings: impl Into<Option<&'a mut Timings>>) -> Self {
         Self { commands: self.commands.with_timings(timings) }
     }
 
-    /// The context that records.
+    /// Returns the context.
     pub fn context(&self) -> &Context {
         self.commands.context()
     }
 
-    /// The encoder, for commands of the caller between those of the frame.
+    /// Returns the encoder, so that the caller can add commands between those of the frame.
     pub fn encoder(&mut self) -> &mut wgpu::CommandEncoder {
         self.commands.encoder()
     }
 }
 
 impl Recorder<'_> {
-    /// A whole frame: each groom moves, then each view is drawn.
+    /// Records a whole frame: advances each groom, then draws each view.
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] when a parameter of the physics is out of its range,
-    /// [`crate::Error::Colliders`] when there are not as many poses as colliders, [`crate::Error::Limit`] when the
-    /// device cannot hold what a view needs, [`crate::Error::Groom`] when the hair of a view is drawn in several spaces,
+    /// [`crate::Error::Parameter`] when a parameter of the physics is out of range, [`crate::Error::Colliders`] when
+    /// the number of poses differs from the number of colliders, [`crate::Error::Limit`] when the device cannot hold
+    /// the buffers of a view, [`crate::Error::Groom`] when the hair of a view is drawn in several spaces,
     /// [`crate::Error::Gpu`] when a pipeline cannot be compiled.
     pub fn record(
         &mut self,
         hair: &mut [(&mut Hair, HairFrame<'_>)],
         bodies: &[&Body],
-        views: Vec<Sight<'_>>,
+        views: Vec<ViewPass<'_>>,
     ) -> Result<()> {
         for (hair, frame) in &mut *hair {
             self.advance(hair, frame)?;
@@ -132,8 +132,8 @@ impl Recorder<'_> {
         views.into_iter().try_for_each(|sight| self.draw(&hair, bodies, sight))
     }
 
-    /// Bends bodies: into the poses that they were [given](crate::skinning::Skinning::pose), before the hair on them
-    /// moves.
+    /// Skins bodies into the poses set by [`Skinning::pose`](crate::skinning::Skinning::pose). Call it before the hair
+    /// on them advances.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the pipeline cannot be compiled.
@@ -141,7 +141,7 @@ impl Recorder<'_> {
         self.stage(Stage::Skinning, |pass| bodies.iter().for_each(|body| body.record(pass)))
     }
 
-    /// Moves the hair by a frame.
+    /// Advances the hair by one frame.
     ///
     /// # Errors
     /// As [`record`](Self::record).
@@ -150,7 +150,7 @@ impl Recorder<'_> {
         self.follow(hair, frame)
     }
 
-    /// Only the guides: they move by as many fixed steps as have become due.
+    /// Advances only the guides, by the fixed steps that are due.
     ///
     /// # Errors
     /// As [`record`](Self::record).
@@ -177,7 +177,7 @@ impl Recorder<'_> {
         Ok(())
     }
 
-    /// Only the drawn strands: they follow the guides, which do not move.
+    /// Updates only the drawn strands from the guides, which do not move.
     ///
     /// # Errors
     /// As [`record`](Self::record).
@@ -192,31 +192,36 @@ impl Recorder<'_> {
         self.stage(Stage::Avoid, |pass| hair.record_avoid(pass))
     }
 
-    /// Draws hair and bodies as they are now into a view.
+    /// Draws hair and bodies in their current state into a view.
     ///
     /// # Errors
     /// As [`record`](Self::record).
-    pub fn draw(&mut self, hair: &[&Hair], bodies: &[&Body], sight: Sight<'_>) -> Result<()> {
+    pub fn draw(&mut self, hair: &[&Hair], bodies: &[&Body], sight: ViewPass<'_>) -> Result<()> {
         let seen = |hair: &Hair| hair.motion.drawn_in;
         if hair.windows(2).any(|pair| !seen(pair[0]).is_where(&seen(pair[1]))) {
-            let why = "the hair of one view must be drawn in one space: give all of it the same HairFrame::drawn_in";
+            let why = "all hair of a view must be drawn in the same space; set the same HairFrame::drawn_in for all";
             return Err(Error::unusable(why));
         }
         let sets: Vec<_> = hair.iter().map(|hair| &hair.set).collect();
         self.picture(&sets, hair, bodies, sight)
     }
 
-    /// [`draw`](Self::draw) for strands that nothing moves. Of [`Shows::Inside`], what is not in the strands
-    /// themselves is not seen.
+    /// [`draw`](Self::draw) for strands without simulation. Debug views ([`ViewContent::Inside`]) then show only data of the
+    /// strands themselves.
     ///
     /// # Errors
     /// As [`record`](Self::record).
-    pub fn draw_strands(&mut self, strands: &[&HairSet], bodies: &[&Body], sight: Sight<'_>) -> Result<()> {
+    pub fn draw_strands(
+        &mut self,
+        strands: &[&HairSet],
+        bodies: &[&Body],
+        sight: ViewPass<'_>,
+    ) -> Result<()> {
         self.picture(strands, &[], bodies, sight)
     }
 
-    /// Only the light of a picture, for those who ask it: the shadow maps, with those of a `scene`, and light from all
-    /// sides.
+    /// Records only the lighting of an image: shadow maps, including those of a `scene`, and ambient light. For hosts
+    /// whose shaders sample it.
     ///
     /// # Errors
     /// As [`record`](Self::record).
@@ -237,24 +242,24 @@ impl Recorder<'_> {
         self.cast(&parts, &lit, &seen, bodies, (&picture.lights, scene))
     }
 
-    /// The order of the stages that make a picture.
+    /// Records the stages of an image in order.
     fn picture(
         &mut self,
         sets: &[&HairSet],
         hair: &[&Hair],
         bodies: &[&Body],
-        sight: Sight<'_>,
+        sight: ViewPass<'_>,
     ) -> Result<()> {
-        let Sight { view, picture, output, shows, asks } = sight;
+        let ViewPass { view, picture, output, shows, asks } = sight;
         let inside = match &shows {
-            Shows::Inside(_, shown) => Some(*shown),
+            ViewContent::Inside(_, shown) => Some(*shown),
             _ => None,
         };
         let picture = &inside.map_or(*picture, |shown| shown.picture(picture));
         let parts = view.parts(picture.focus, [sets.len(), bodies.len()], inside.is_none());
         let shares = shares(view, sets, &parts, picture.shading)?;
         let seen = seen(sets, &shares, &parts);
-        // A debug view may leave hair out, which would hide what it shows.
+        // Hides the hair where it would cover what a debug view shows.
         let hides = inside.is_some_and(|shown| shown.view.hides_hair());
         let visible = if hides { &[][..] } else { &seen[..] };
 
@@ -277,22 +282,22 @@ impl Recorder<'_> {
             focus: &picture.focus,
             coverage: view.options().coverage,
             rate: picture.shading,
-            geometry: Embed::known(view.options().coverage, asks)?,
+            geometry: Compositor::known(view.options().coverage, asks)?,
             labels: asks,
             space: hair.first().map(|hair| hair.motion.drawn_in).unwrap_or_default(),
         };
         let output = output.unwrap_or_else(|| view.targets().picture());
         match shows {
-            Shows::Over(embed, into) => return composite(canvas, view, (embed, &into), &seen),
-            Shows::Hair => paint(canvas, view, bodies, visible, |canvas| shade(canvas, view, &seen))?,
-            // The segments that the last picture showed are shaded; finer tiles show others.
-            Shows::Again => {
+            ViewContent::Over(embed, into) => return composite(canvas, view, (embed, &into), &seen),
+            ViewContent::Hair => paint(canvas, view, bodies, visible, |canvas| shade(canvas, view, &seen))?,
+            // Shades the segments that the last image found visible. With tiles, a finer image shows other segments.
+            ViewContent::Again => {
                 paint(canvas, view, bodies, visible, |canvas| match canvas.coverage.is_tiled() {
                     true => shade(canvas, view, &seen),
                     false => Ok(()),
                 })?
             }
-            Shows::Inside(views, shown) => {
+            ViewContent::Inside(views, shown) => {
                 paint(canvas, view, bodies, visible, |canvas| {
                     // Debug views show all segments.
                     match views.shade(canvas.commands, shown, picture, hair, &seen)? {
@@ -312,12 +317,12 @@ impl Recorder<'_> {
         Ok(())
     }
 
-    /// Shadow maps, with those of a scene in the light of a picture, then light from all sides.
+    /// Records shadow maps, including those of a scene, then ambient light.
     fn cast(
         &mut self,
         parts: &[Part<'_>],
-        lit: &[crate::light::Lit],
-        hair: &[Seen<'_>],
+        lit: &[crate::light::FrameLight],
+        hair: &[HairView<'_>],
         bodies: &[&Body],
         (lights, scene): (&light::Lights, &[SceneShadow<'_>]),
     ) -> Result<()> {
@@ -337,7 +342,7 @@ impl Recorder<'_> {
         Ok(())
     }
 
-    /// A compute pass under the name of a stage.
+    /// Records a compute pass named after a stage.
     fn stage(&mut self, stage: Stage, record: impl FnOnce(&mut crate::gpu::ComputePass<'_>)) -> Result<()> {
         self.commands.start();
         let mut pass = self.commands.compute(stage.name());
@@ -348,12 +353,12 @@ impl Recorder<'_> {
     }
 }
 
-/// Bodies and `hair` into the targets, shaded by `shade` once it is known which segments are visible.
+/// Draws bodies and `hair` into the targets. Calls `shade` once the visible segments are known.
 fn paint<'a, 'c>(
     canvas: &mut Canvas<'a, 'c>,
     view: &View,
     bodies: &[&Body],
-    hair: &[Seen<'_>],
+    hair: &[HairView<'_>],
     shade: impl FnOnce(&mut Canvas<'a, 'c>) -> Result<()>,
 ) -> Result<()> {
     let draw = &view.draw;
@@ -374,14 +379,14 @@ fn paint<'a, 'c>(
     Ok(())
 }
 
-/// `hair` over the scene of a host.
+/// Composites `hair` into the scene of a host.
 fn composite(
     canvas: &mut Canvas<'_, '_>,
     view: &View,
-    (embed, into): (&Embed, &Surroundings<'_>),
-    hair: &[Seen<'_>],
+    (embed, into): (&Compositor, &Surroundings<'_>),
+    hair: &[HairView<'_>],
 ) -> Result<()> {
-    canvas.geometry = Embed::asked(canvas.coverage, canvas.camera.projection, into)?;
+    canvas.geometry = Compositor::asked(canvas.coverage, canvas.camera.projection, into)?;
     embed.record_depth(canvas, canvas.camera.projection, into);
     view.draw.record_seen(canvas, hair)?;
     shade(canvas, view, hair)?;
@@ -394,31 +399,36 @@ fn composite(
     Ok(())
 }
 
-/// Shades the visible segments of `hair` where these are known, or all of them.
-fn shade(canvas: &mut Canvas<'_, '_>, view: &View, hair: &[Seen<'_>]) -> Result<()> {
+/// Shades the visible segments of `hair` if they are known, otherwise all segments.
+fn shade(canvas: &mut Canvas<'_, '_>, view: &View, hair: &[HairView<'_>]) -> Result<()> {
     if view.draw.shade_seen(canvas, hair)? {
         return Ok(());
     }
     view.light.shade(canvas.commands, hair, canvas.rate)
 }
 
-/// What `view` has of each of `sets`, in the light of its part.
-fn shares(view: &View, sets: &[&HairSet], parts: &[Part<'_>], rate: ShadingRate) -> Result<Vec<Arc<Shaded>>> {
+/// Returns the buffers of `view` for each of `sets`, lit by the light of its part.
+fn shares(
+    view: &View,
+    sets: &[&HairSet],
+    parts: &[Part<'_>],
+    rate: ShadingRate,
+) -> Result<Vec<Arc<HairShading>>> {
     let lights: Vec<_> = (0..sets.len()).map(|i| light_of(i, parts).0).collect();
     view.shares(sets, &lights, rate)
 }
 
-/// The light of groom `i`, and whether it is a zone's: each is in one part.
-fn light_of<'a>(i: usize, parts: &[Part<'a>]) -> (&'a light::State, bool) {
+/// Returns the light of groom `i`, and whether it is a zone's. Each groom belongs to one part.
+fn light_of<'a>(i: usize, parts: &[Part<'a>]) -> (&'a light::LightState, bool) {
     let part = parts.iter().find(|part| part.hair.contains(&i)).unwrap_or(&parts[0]);
     (part.light, part.number > 0)
 }
 
-/// Each of `sets` as a view sees it.
-fn seen<'a>(sets: &[&'a HairSet], shares: &'a [Arc<Shaded>], parts: &[Part<'a>]) -> Vec<Seen<'a>> {
-    let seen = |(i, (hair, shaded)): (usize, (&&'a HairSet, &'a Arc<Shaded>))| {
+/// Pairs each of `sets` with its buffers and light in a view.
+fn seen<'a>(sets: &[&'a HairSet], shares: &'a [Arc<HairShading>], parts: &[Part<'a>]) -> Vec<HairView<'a>> {
+    let seen = |(i, (hair, shaded)): (usize, (&&'a HairSet, &'a Arc<HairShading>))| {
         let (light, zoned) = light_of(i, parts);
-        Seen { hair, shaded, light, zoned }
+        HairView { hair, shaded, light, zoned }
     };
     sets.iter().zip(shares).enumerate().map(seen).collect()
 }

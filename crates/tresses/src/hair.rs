@@ -1,6 +1,5 @@
-//! One groom on the GPU. Pipelines live as long as the device ([`Context`]), a groom's buffers as long as it is
-//! there ([`Hair`]), those of a picture as long as somebody looks ([`crate::view::View`]), parameters for a frame
-//! ([`HairFrame`]).
+//! One groom on the GPU. Lifetimes: pipelines live as long as the device ([`Context`]), a groom's buffers as long as
+//! its [`Hair`], render targets as long as their [`crate::view::View`], and parameters for one frame ([`HairFrame`]).
 
 use crate::{
     Camera, Context, Error, Pose, Progress, Result,
@@ -39,21 +38,21 @@ mod sleep;
 pub(crate) use curves::Curves;
 pub use frame::HairFrame;
 
-/// How a groom is brought to the GPU.
+/// Options for uploading a groom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HairOptions {
-    /// The physics for which the rest shape is computed.
+    /// Physics for which the rest shape is computed.
     pub simulation: SimulationParams,
-    /// Whether the groom's pose is the shape under gravity or without it.
+    /// Whether the groom's pose already includes gravity.
     pub rest: RestShape,
-    /// Distance that guides and strands keep from the head, metres, where they have it at rest.
+    /// Distance that guides and strands keep from the head, meters, where they have it at rest.
     pub clearance: f32,
-    /// The grid in which hair meets hair.
+    /// The grid for self-collision.
     pub volume: VolumeOptions,
-    /// How drawn strands avoid obstacles; can be changed later ([`Hair::avoidance`]).
+    /// Strand collision; can be changed later ([`Hair::avoidance`]).
     pub avoid: AvoidOptions,
-    /// How levels of detail are chosen; can be changed later ([`Lod::options`]). What strands cost that are as wide, and
-    /// that stray as far, is measured at load.
+    /// Level of detail; can be changed later ([`Lod::options`]). The tables for [`LodOptions::strand_width`] and
+    /// [`LodOptions::curve_error`] are measured at load, for the values given here.
     pub lod: LodOptions,
 }
 
@@ -70,49 +69,49 @@ impl Default for HairOptions {
     }
 }
 
-/// One groom on the GPU, and its state of motion.
+/// One groom on the GPU with its state of motion.
 #[derive(Debug)]
 pub struct Hair {
     pub(crate) context: Context,
-    /// What is simulated.
+    /// State of the simulated guides.
     pub guides: GuideBuffers,
-    /// What is drawn.
+    /// Buffers of the drawn strands.
     pub strands: StrandBuffers,
-    /// What it looks like, and what light and draw need of it.
+    /// Material, and the data that shading and drawing read.
     pub set: HairSet,
-    /// How drawn strands avoid obstacles, and what is remembered of it from frame to frame.
+    /// Strand collision: options, and state that is kept between frames.
     pub avoidance: Avoidance,
-    /// How much of it is drawn.
+    /// Level of detail.
     pub lod: Lod,
-    /// What it collides with.
+    /// Colliders.
     pub colliders: ColliderSet,
-    /// Density and velocity of the hair around the head.
+    /// Grid of hair density and velocity around the head.
     pub volume: Volume,
-    /// The air around the head, once the wind has blown.
+    /// Air around the head; `None` until there is wind.
     pub air: Option<Air>,
-    /// What acts on the guides besides their own physics.
+    /// Forces on the guides besides their own physics.
     effects: Effects,
     pub(crate) simulation: Simulation,
-    /// Its clock, and the frames that it is simulated and drawn in.
+    /// Clock, and the spaces in which the hair is simulated and drawn.
     pub(crate) motion: Motion,
-    /// From guides to strands.
+    /// Stages from guides to strands.
     pub(crate) curves: Curves,
-    /// The box around the hair at rest: its middle (groom space) and its longest side, metres.
+    /// Bounding box of the hair at rest: center (groom space) and longest side, meters.
     extent: (Vec3, f32),
-    /// The skin that it grows on, where that bends.
+    /// Roots that follow a skinned mesh.
     pub roots: Option<Roots>,
-    /// Whether it has room for no more strands than its level of detail draws.
+    /// Whether the strand buffers hold only the strands that the level of detail draws.
     fits: bool,
-    /// In which order guides are left out.
+    /// Order in which levels of detail drop guides.
     order: Arc<GuideOrder>,
     sleep: Sleep,
-    /// Substeps that the last frame asked for, in full detail.
+    /// Substeps requested by the last frame, before level of detail.
     substeps: u32,
 }
 
 impl Hair {
-    /// Brings `groom` to the GPU, at rest, the head at the origin. It collides with the head's
-    /// distance field `head` (groom space) alone.
+    /// Uploads `groom`, at rest with the head at the origin. The only collider is the head's distance field `head`
+    /// (groom space).
     ///
     /// # Errors
     /// As [`with_colliders`](Self::with_colliders).
@@ -126,12 +125,12 @@ impl Hair {
         Self::with_colliders(context, groom, options, &colliders)
     }
 
-    /// Brings `groom` to the GPU, at rest, the head at the origin, among `colliders`. The strands are put
-    /// in the order of [`lod::arrange`].
+    /// Uploads `groom`, at rest with the head at the origin, among `colliders`. Strands are reordered by
+    /// [`lod::arrange`].
     ///
     /// # Errors
-    /// [`Error::Limit`] when the adapter cannot hold it, [`Error::Groom`] and [`Error::Parameter`]
-    /// when the groom or the options make no sense, and what [`ColliderSet::new`] says.
+    /// [`Error::Limit`] when the adapter cannot hold it, [`Error::Groom`] and [`Error::Parameter`] when the groom or
+    /// the options are invalid, and the errors of [`ColliderSet::new`].
     pub fn with_colliders(
         context: &Context,
         groom: &Groom,
@@ -141,7 +140,7 @@ impl Hair {
         at_once(Self::with_progress(context, groom, options, colliders, &()))
     }
 
-    /// The same, telling `progress`.
+    /// [`with_colliders`](Self::with_colliders) that reports to `progress`.
     ///
     /// # Errors
     /// As [`with_colliders`](Self::with_colliders).
@@ -243,14 +242,14 @@ impl Hair {
         })
     }
 
-    /// From the next frame on its roots go with a skin that bends: `mesh` as it is at rest (groom space), `skin` as it is
-    /// in each frame, in a space whose pose is [`Roots::pose`]. [`HairFrame::head`](HairFrame::head) remains
-    /// the pose of what is rigid. `groom` is the one the hair was made from. No root may be farther than `reach` metres
-    /// from the mesh; the report says how far they are.
+    /// Makes the roots follow a deforming skin from the next frame on. `mesh` is the skin at rest (groom space). `skin`
+    /// holds its vertices in each frame, in a space whose pose is [`Roots::pose`]. [`HairFrame::head`](HairFrame::head)
+    /// remains the pose of the rigid part. `groom` is the one that the hair was made from. No root may be farther than
+    /// `reach` meters from the mesh; the report contains the distances.
     ///
     /// # Errors
-    /// [`crate::groom::Error::Unusable`] for another groom, a root that is farther away, and a skin that `mesh` does
-    /// not fit; [`Error::Limit`].
+    /// [`crate::groom::Error::Unusable`] for another groom, a root that is too far away, or a skin that does not fit
+    /// `mesh`; [`Error::Limit`].
     pub fn attach(
         &mut self,
         groom: &Groom,
@@ -261,40 +260,37 @@ impl Hair {
         if groom.strands.len() != self.strands.count as usize
             || groom.guides.len() != self.guides.count as usize
         {
-            return Err(Error::unusable("roots are those of the groom that the hair was made from"));
+            return Err(Error::unusable(
+                "roots can only be attached for the groom that the hair was created from",
+            ));
         }
         let mut arranged = groom.strands.clone();
         lod::arrange(&mut arranged);
         let buffers = (&mut self.guides, &mut self.strands);
         let (roots, report) = Roots::new(&self.context, (groom, &arranged), buffers, mesh, skin, reach)?;
         self.roots = Some(roots);
-        self.follow_roots()?;
-        Ok(report)
-    }
-
-    /// Binds the roots' buffers, which have come, to the stages that read them.
-    fn follow_roots(&mut self) -> Result<()> {
+        // Rebuild the stages that read the roots' buffers.
         let untied = Simulation::new(&self.context, &self.guides);
         let before = std::mem::replace(&mut self.simulation, untied);
         self.simulation.tie_as(&self.context, &self.guides, &before)?;
         self.curves = Curves::new(&self.context, &self.guides, &self.strands);
-        Ok(())
+        Ok(report)
     }
 
-    /// Lets the next frame carry the hair along with the head without moving it against the head, however far that goes.
+    /// Makes the next frame carry the hair rigidly with the head, whatever the distance.
     pub fn teleport(&mut self) {
         self.sleep.wake();
         self.motion.teleports = true;
     }
 
-    /// Puts the hair to rest at the next frame, wherever the head is then.
+    /// Puts the hair into its rest pose at the next frame, at the head's pose then.
     pub fn reset(&mut self) {
         self.sleep.wake();
         self.motion.clock.reset();
     }
 
-    /// From the next frame on these are the obstacles besides the head's field, whose poses the frames give:
-    /// a ball can come, change and go. See [`ColliderSet::replace`].
+    /// Replaces the obstacles besides the head's field from the next frame on, for example when a ball appears, changes
+    /// or disappears. Frames give their poses. See [`ColliderSet::replace`].
     ///
     /// # Errors
     /// As [`ColliderSet::replace`].
@@ -302,53 +298,55 @@ impl Hair {
         self.colliders.replace(colliders)
     }
 
-    /// From where guides are simulated, an origin near the hair that goes along with it ([`crate::space`]), to where hair
-    /// is drawn, as of the last frame: for who reads the state of guides or of a grab.
+    /// Returns the transform from simulation space to the space in which the hair is drawn, as of the last frame.
+    /// Simulation space has its origin near the hair and moves with it ([`crate::space`]). Callers that read the state
+    /// of guides or of a grab need it.
     pub fn place(&self) -> Pose {
         self.motion.to_drawn
     }
 
-    /// The frames from here on are drawn at the level of detail that [`Lod::options`](crate::lod::Lod::options)
-    /// have for what `camera` sees on a head at `head`, both in the space that hair is drawn in. Call it before a
-    /// frame is recorded; without it hair is drawn in full detail.
+    /// Chooses the level of detail for the next frames from what `camera` sees on a head at `head`, by
+    /// [`Lod::options`](crate::lod::Lod::options). Camera and head are in the space in which the hair is drawn. Call it
+    /// before a frame is recorded; otherwise hair is drawn at full detail.
     pub fn look_from(&mut self, camera: &Camera, head: &Pose) {
         self.look_at(camera, head, self.lod.seen(camera, head));
     }
 
-    /// The same at a level of detail that somebody else has chosen.
+    /// [`look_from`](Self::look_from) with a given level of detail.
     pub(crate) fn look_at(&mut self, camera: &Camera, head: &Pose, detail: Detail) {
         self.set_detail(detail);
         self.sleep.unseen = self.lod.options.sleep && !self.sees(camera, head);
     }
 
-    /// Whether `camera` sees anything of it on a head at `head`.
+    /// Whether any hair is in view of `camera` on a head at `head`.
     pub(crate) fn sees(&self, camera: &Camera, head: &Pose) -> bool {
         let (middle, radius) = self.lod.sphere;
         sees(camera, (head.point(middle), radius))
     }
 
-    /// Leaves it out of the next frames, until a camera [looks](Self::look_from) again.
+    /// Excludes the hair from frames until [`look_from`](Self::look_from) is called again.
     pub(crate) fn hide(&mut self) {
         self.sleep.unseen = true;
     }
 
-    /// Whether it was in view when a camera [looked](Self::look_from) last. Hair that is not, and may
-    /// [sleep](crate::lod::LodOptions::sleep), is neither simulated nor drawn.
+    /// Whether the hair was in view at the last call of [`look_from`](Self::look_from). Hair that is out of view and
+    /// may [sleep](crate::lod::LodOptions::sleep) is neither simulated nor drawn.
     pub fn is_seen(&self) -> bool {
         !self.sleep.unseen
     }
 
-    /// Whether it has come to rest and is left as it is.
+    /// Whether the hair has come to rest and is not simulated.
     pub fn is_asleep(&self) -> bool {
         self.sleep.asleep
     }
 
-    /// How many guides are simulated: all of them but for a [level of detail](crate::lod::LodOptions::guides).
+    /// Returns the number of simulated guides: all, unless a [level of detail](crate::lod::LodOptions::guides) drops
+    /// some.
     pub fn simulated_guides(&self) -> u32 {
         self.simulation.simulated()
     }
 
-    /// The frames from here on are drawn as `detail` says, which comes from [`Lod::detail`](crate::lod::Lod::detail).
+    /// Sets the level of detail of the next frames, as returned by [`Lod::detail`](crate::lod::Lod::detail).
     pub fn set_detail(&mut self, detail: Detail) {
         self.sleep.unseen = false;
         self.lod.set(&self.context, &mut self.strands, detail);
@@ -357,16 +355,18 @@ impl Hair {
         }
     }
 
-    /// Paints levels of detail: at most [`lod::MAX_LEVELS`], their sizes falling; none takes them away.
-    /// `groom` is the one the hair was made from, `skull` the middle of its braincase (groom space, metres;
-    /// [`SKULL_CENTRE`](crate::groom::mannequin::SKULL_CENTRE) for the built-in head). They act from the
-    /// next [`look_from`](Self::look_from) on.
+    /// Sets painted levels of detail: at most [`lod::MAX_LEVELS`] with descending sizes; an empty slice removes them.
+    /// `groom` is the one that the hair was made from. `skull` is the center of its braincase (groom space, meters;
+    /// [`SKULL_CENTRE`](crate::groom::mannequin::SKULL_CENTRE) for the built-in head). The levels take effect at the
+    /// next [`look_from`](Self::look_from).
     ///
     /// # Errors
-    /// [`Error::Parameter`] when the levels make no sense, [`Error::Groom`] when it is another groom.
+    /// [`Error::Parameter`] for invalid levels, [`Error::Groom`] for another groom.
     pub fn paint_levels(&mut self, groom: &Groom, levels: &[LodLevel], skull: Vec3) -> Result<()> {
         if groom.strands.len() != self.strands.count as usize {
-            return Err(Error::unusable("levels of detail must be painted on the groom of the hair"));
+            return Err(Error::unusable(
+                "levels of detail can only be painted on the groom that the hair was created from",
+            ));
         }
         let mut arranged = groom.strands.clone();
         lod::arrange(&mut arranged);
@@ -374,8 +374,9 @@ impl Hair {
     }
 }
 
-/// Memory that a groom needs for a while only: in a step the cells of its grid, then the forces on its guides; in a picture
-/// the knots of its shading. None of them is read after another is written, in whatever order heads and views come.
+/// Creates the scratch buffer of a groom. A step uses it for the cells of the density grid, then for the forces on
+/// guides; drawing uses it for shading samples. None of these is read after another has been written, in any order of
+/// heads and views.
 fn scratch(
     context: &Context,
     guides: &GuideBuffers,
@@ -387,7 +388,7 @@ fn scratch(
     storage::<u8>(device, "scratch of a groom", knots.max(volume.cell_bytes()?).max(guides.forces.size()))
 }
 
-/// The box around the guides at rest: its middle and its longest side, metres.
+/// Returns the bounding box of the guides at rest: center and longest side, meters.
 fn extent(groom: &Groom) -> (Vec3, f32) {
     let (lo, hi) = groom
         .guides
@@ -397,12 +398,12 @@ fn extent(groom: &Groom) -> (Vec3, f32) {
     (0.5 * (lo + hi), (hi - lo).max_element().max(0.05))
 }
 
-/// A number of strands or guides as the GPU counts them.
+/// Converts a number of strands or guides to the GPU's 32 bits.
 fn count(n: usize) -> Result<u32> {
     u32::try_from(n).map_err(|_| Error::unusable(format!("{n} strands are more than 32 bits can count")))
 }
 
-/// The strands, with the upper half of their seeds shared by all that follow the same first guide.
+/// Returns the strands with seeds whose upper half is shared by all strands of the same first guide.
 fn with_locks(strands: &BoundStrands) -> Vec<Strand> {
     let strands = strands.strands.iter().zip(&strands.bindings);
     strands

@@ -1,6 +1,6 @@
-//! Real-time hair for everything that runs wgpu: a groom goes in, simulated and shaded hair comes out.
+//! Real-time hair simulation and rendering on wgpu: takes a groom, simulates it and draws shaded hair.
 //!
-//! The modules stand in the order in which data passes through them; [`frame`] is the frame.
+//! The stage modules are declared in the order in which data passes through them. [`frame`] records them.
 //!
 //! ```no_run
 //! use tresses::{Camera, Character, Context, Pose, View, light::Lights, view::{Picture, ViewOptions}};
@@ -8,13 +8,13 @@
 //! # async fn example(
 //! #     device: &wgpu::Device, queue: &wgpu::Queue, target: &wgpu::TextureView, format: wgpu::TextureFormat,
 //! # ) -> tresses::Result<()> {
-//! // Once: the engine's device and queue, a character, a view.
+//! Once: wrap the engine's device and queue, load a character, create a view.
 //! let tresses = Context::new(device, queue);
 //! let mut ann = Character::load(&tresses, ["ann.glb"]).await?;
 //! let mut view = View::new(&tresses, &ViewOptions::for_target(format), [1280, 720], 1)?;
 //! let picture = Picture { camera: Camera::default(), lights: Lights::default(), ..Default::default() };
 //!
-//! // Each frame: the character is posed, its hair moves, then it is drawn.
+//! Each frame: pose the character, advance its hair, draw it.
 //! ann.set_pose(Pose::IDENTITY);
 //! let mut encoder = device.create_command_encoder(&Default::default());
 //! let mut frame = tresses.frame(&mut encoder);
@@ -24,14 +24,14 @@
 //! # Ok(()) }
 //! ```
 //!
-//! [`Character::built_in`] needs no file; [`Frame::composite`] draws hair into a scene that the engine has drawn. Programs
-//! that need more control use the layer below: [`Hair`], [`body::Body`], [`frame::Recorder`].
+//! [`Character::built_in`] needs no file. [`Frame::composite`] draws hair into a scene that the engine has drawn.
+//! Programs that need more control use the layer below: [`Hair`], [`body::Body`], [`frame::Recorder`].
 //!
-//! Whole programs are in `examples/`: `minimal` is a window, in a browser a page; `headless` writes one picture; `embed` puts
-//! a character into a renderer with its own targets, camera, lights and shadows; `character` follows a mesh that an engine
-//! skins; `portrait` reads a groom and a head from files.
+//! Complete programs are in `examples/`: `minimal` opens a window, or a page in a browser; `headless` writes one image;
+//! `embed` draws a character in a renderer with its own targets, camera, lights and shadows; `character` follows a mesh
+//! that an engine skins; `portrait` reads a groom and a head from files.
 
-// Objects of a browser belong to one thread, and so does a context.
+// In a browser, wgpu objects belong to one thread, and so does a context.
 #![cfg_attr(target_arch = "wasm32", allow(clippy::arc_with_non_send_sync))]
 
 pub use tresses_groom as groom;

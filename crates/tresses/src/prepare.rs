@@ -1,4 +1,4 @@
-//! Pipelines that are compiled in advance.
+//! Compiling pipelines in advance.
 
 use crate::{
     Context, Progress, Result, avoid, collide, draw,
@@ -11,7 +11,7 @@ use crate::{
 };
 use std::sync::Arc;
 
-/// Pipelines to compile in advance, see [`Context::prepare`].
+/// Pipelines to compile with [`Context::prepare`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PipelineRequest {
     /// Skinned meshes.
@@ -26,17 +26,17 @@ pub enum PipelineRequest {
     Forces,
     /// The simulation step for guides with this number of vertices.
     Step(u32),
-    /// The same for hair that twists.
+    /// The simulation step with twist for guides with this number of vertices.
     TwistStep(u32),
-    /// Strands that follow guides, and their widths.
+    /// Strands that follow guides, and strand widths.
     Strands,
-    /// Collision of strands.
+    /// Strand collision.
     Avoid,
-    /// Everything that a view with these options draws with, for hair shaded at this rate.
+    /// All pipelines of a view with these options, for hair shaded at this rate.
     View(ViewOptions, ShadingRate),
 }
 
-/// What a view draws with.
+/// Pipeline sets of a view.
 type ViewSets = (Arc<light::Pipelines>, Arc<draw::Pipelines>, Arc<present::Pipelines>);
 
 impl Context {
@@ -45,7 +45,7 @@ impl Context {
     /// there are recorded unchecked.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`] with wgpu's message for the first that failed.
+    /// [`crate::Error::Gpu`] with wgpu's message for the first pipeline that failed.
     pub async fn prepare(&self, requests: &[PipelineRequest], progress: &impl Progress) -> Result<()> {
         const TASK: &str = "compiling shaders";
         let sets: ViewSets = (self.pipelines(), self.pipelines(), self.pipelines());
@@ -57,7 +57,8 @@ impl Context {
             progress.step(TASK, done as f32 / count as f32).await;
             let batch: Vec<_> = jobs.drain(..threads.min(jobs.len())).collect();
             done += batch.len();
-            // Scopes belong to threads: jobs open their own, but for those of a browser, where answers come later.
+            // Error scopes belong to threads, so jobs open their own. In a browser errors arrive later, so one scope
+            // spans the batch.
             let scopes = cfg!(target_arch = "wasm32").then(|| Scopes::open(&self.device));
             run(&batch)?;
             if let Some(scopes) = scopes {
@@ -69,7 +70,7 @@ impl Context {
     }
 }
 
-/// Jobs that compile the requested pipelines of `sets`, which are those of `context`.
+/// Returns jobs that compile the requested pipelines of `sets`. The sets belong to `context`.
 fn jobs<'a>(context: &Context, request: &PipelineRequest, sets: &'a ViewSets) -> Vec<Job<'a>> {
     match *request {
         PipelineRequest::Skinning => context.jobs::<skinning::Pipelines>(),
@@ -107,7 +108,7 @@ fn jobs<'a>(context: &Context, request: &PipelineRequest, sets: &'a ViewSets) ->
     }
 }
 
-/// Runs all of `jobs`, at once where there are threads.
+/// Runs all of `jobs`, in parallel where the platform has threads.
 fn run(jobs: &[Job<'_>]) -> Result<()> {
     #[cfg(target_arch = "wasm32")]
     return jobs.iter().try_for_each(|job| job());
@@ -115,7 +116,7 @@ fn run(jobs: &[Job<'_>]) -> Result<()> {
     std::thread::scope(|scope| {
         let running: Vec<_> = jobs.iter().map(|job| scope.spawn(job)).collect();
         running.into_iter().try_for_each(|job| {
-            // A panic of a job is one of whoever asked for it.
+            // Pass a panic of a job on to the caller.
             job.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
         })
     })

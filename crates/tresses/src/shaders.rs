@@ -1,10 +1,10 @@
-//! The linked shaders: plain WGSL, one per entry-point file, by module path.
+//! Linked shaders: plain WGSL by module path, one per file with an entry point.
 
 use std::sync::OnceLock;
 
 include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
-/// The linked WGSL of `module`, for example `simulate::links` or `simulate::step::16`.
+/// Returns the linked WGSL of `module`, for example `simulate::links` or `simulate::step::16`.
 pub(crate) fn source(module: &str) -> &'static str {
     all()
         .iter()
@@ -13,13 +13,13 @@ pub(crate) fn source(module: &str) -> &'static str {
         .unwrap_or_else(|| panic!("no shader {module}"))
 }
 
-/// Every linked shader as (module path, WGSL), for tools and tests.
+/// Returns every linked shader as (module path, WGSL), for tools and tests.
 pub fn all() -> &'static [(&'static str, &'static str)] {
     static ALL: OnceLock<Vec<(&str, &str)>> = OnceLock::new();
     ALL.get_or_init(|| {
         let mut all = PLAIN.to_vec();
         for (module, text, line, values) in VARIED {
-            // `line` has the first of the values.
+            // `line` declares the first of the values.
             let (first, declared) = (values[0], line.trim_end_matches(|c: char| c != '='));
             for value in *values {
                 let text = match *value == first {

@@ -1,6 +1,6 @@
-//! The stages of the frame, in order: one row each, for the rows of times and the chapters.
+//! The stages of a frame in order. Timings and the table in ARCHITECTURE.md have one row per stage.
 
-/// Declares the stages: variant, name, folder below `src`, the work of one thread or vertex.
+/// Declares the stages: variant, name, folder below `src`, unit of work per thread or vertex.
 macro_rules! stages {
     ($($(#[$doc:meta])+ $stage:ident $name:literal $folder:literal $unit:literal,)+) => {
         /// A part of the frame that is timed.
@@ -10,20 +10,20 @@ macro_rules! stages {
         }
 
         impl Stage {
-            /// All stages in the order of the frame.
+            /// All stages in the order of a frame.
             pub const ALL: &[Self] = &[$(Self::$stage),+];
 
-            /// The name of its row of times.
+            /// Returns the name of the stage in timings.
             pub const fn name(self) -> &'static str {
                 match self { $(Self::$stage => $name),+ }
             }
 
-            /// The folder below `src` and the heading in ARCHITECTURE.md.
+            /// Returns the folder below `src`, which is also the stage's name in ARCHITECTURE.md.
             pub const fn folder(self) -> &'static str {
                 match self { $(Self::$stage => $folder),+ }
             }
 
-            /// The work of one thread or vertex.
+            /// Returns the unit of work of one thread or vertex.
             pub const fn unit(self) -> &'static str {
                 match self { $(Self::$stage => $unit),+ }
             }
@@ -32,21 +32,21 @@ macro_rules! stages {
 }
 
 stages! {
-    /// Skinned meshes are posed.
+    /// Poses skinned meshes.
     Skinning "skinning" "skinning" "body vertex",
-    /// Roots and fields follow skinned meshes.
+    /// Moves roots and deforms fields with skinned meshes.
     Roots "roots" "roots" "guide, strand",
-    /// Guides fill a grid of density and velocity.
+    /// Splats guides into a grid of density and velocity.
     Volume "volume" "volume" "guide vertex and cell",
-    /// Air moves around the head and through the hair.
+    /// Simulates the air around the head and through the hair.
     Wind "wind" "wind" "cell",
-    /// Guides move.
+    /// Simulates the guides.
     Simulate "simulate" "simulate" "guide",
-    /// Guides become smooth curves.
+    /// Turns guides into smooth curves.
     Tessellate "tessellate" "tessellate" "guide",
-    /// Guides become drawn strands.
+    /// Interpolates drawn strands between guides.
     Interpolate "interpolate" "interpolate" "strand",
-    /// Strands that entered an obstacle leave it.
+    /// Pushes strands out of obstacles.
     Avoid "avoid" "avoid" "eight strand vertices, strand",
     /// Shadow maps.
     Shadow "shadow" "light" "strand vertex",
@@ -54,17 +54,17 @@ stages! {
     Ambient "ambient" "light" "cell",
     /// Shading of strands.
     Shade "shade" "light" "strand vertex",
-    /// Bodies.
+    /// Draws bodies.
     Body "body" "draw" "strip vertex and pixel",
-    /// Tiles: segments are sorted into lists.
+    /// Tiles: sorts segments into lists.
     Bins "bins" "draw" "segment and tile",
-    /// Tiles: the visible segments are found.
+    /// Tiles: finds the visible segments.
     See "see" "draw" "row of a tile",
-    /// Depth peeling: the optical thickness behind the layers.
+    /// Depth peeling: accumulates the optical thickness behind the layers.
     Thickness "thickness" "draw" "strip vertex and pixel",
-    /// Hair into the HDR target.
+    /// Draws hair into the HDR target.
     Hair "hair" "draw" "strip vertex and pixel, or row of a tile",
-    /// Hair over a scene of the host.
+    /// Composites hair into a scene of the host.
     Embed "embed" "draw" "pixel",
     /// Resolve and tone mapping.
     Present "present" "present" "pixel",
@@ -78,7 +78,7 @@ mod tests {
     use std::path::Path;
 
     #[test]
-    fn every_stage_has_its_folder_and_its_chapter() {
+    fn every_stage_has_folder_and_architecture_row() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR"));
         let chapters = std::fs::read_to_string(root.join("../../ARCHITECTURE.md")).unwrap();
         let (mut place, mut before) = (0, "");

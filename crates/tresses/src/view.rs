@@ -1,5 +1,5 @@
-//! A view: one camera's eye on hair and bodies. What it has on the GPU ([`View`]), how that is made
-//! ([`ViewOptions`]), and what a frame shows in it ([`Picture`]).
+//! A view: one camera with its GPU resources ([`View`]), its options ([`ViewOptions`]) and its per-frame inputs
+//! ([`Picture`]).
 
 use crate::{
     Context, Result,
@@ -7,55 +7,56 @@ use crate::{
     draw::{self, Coverage, Targets, targets::PICTURE_FORMAT},
     gpu::bindings,
     light::{
-        self, Chosen, HairSet, Lights, Lit, Part, Seen, Shaded, ShadingRate, Shadows, Sphere, Zone, Zones,
+        self, FrameLight, HairSet, HairShading, HairView, Lights, Part, ShadingRate, ShadingSubset, Shadows,
+        Sphere, Zone, Zones,
     },
     present::{self, Background},
 };
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// What a frame shows in a view; plain values.
+/// Per-frame inputs of a view: plain values.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Picture {
-    /// Who looks.
+    /// The camera.
     pub camera: Camera,
     /// The lights.
     pub lights: Lights,
-    /// How shadows are made.
+    /// Shadow settings.
     pub shadows: Shadows,
-    /// What the shadow maps cover.
+    /// The sphere that shadow maps cover.
     pub focus: Sphere,
-    /// Where hair is shaded.
+    /// Where hair is shaded: per vertex or per pixel.
     pub shading: ShadingRate,
-    /// What is behind everything.
+    /// The background.
     pub background: Background,
-    /// From linear radiance to the picture.
+    /// Tone mapping.
     pub tone: ToneMap,
 }
 
-/// How a [`View`] is made.
+/// Options of a [`View`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ViewOptions {
-    /// Samples per pixel: 1, 4, 8 or 16, as the adapter offers and [`Coverage::check`] allows.
+    /// Samples per pixel: 1, 4, 8 or 16, as far as the adapter and [`Coverage::check`] allow.
     pub samples: u32,
-    /// How strands cover pixels.
+    /// How strands are rasterized.
     pub coverage: Coverage,
-    /// Texels along each edge of a shadow map, brought into 4 to 2048; of a deep opacity map a third,
-    /// or fewer where shadows are to be soft. Five maps take 43 bytes per texel ([`View::shadow_bytes`]).
+    /// Texels along each edge of a shadow map, clamped to 4 to 2048. Deep opacity maps have a third of it, or less for
+    /// soft shadows. Five maps take 43 bytes per texel ([`View::shadow_bytes`]).
     pub shadow_resolution: u32,
-    /// Texels along each edge of a map of each light that knows the strand nearest it, brought into 256 to 2048; 0 for
-    /// none. An option of quality: strands are then in each other's light or shade as they lie, not by chance
-    /// ([`Shadows::strand_by_strand`]), where deep opacity maps are used, each strand is drawn and a head is not far
-    /// away. A texel takes 16 bytes.
+    /// Texels along each edge of the strand maps, which store the strand nearest to each light; clamped to 256 to 2048,
+    /// 0 for none. With them, shadows between strands follow their geometry instead of being stochastic
+    /// ([`Shadows::strand_by_strand`]). Takes effect with deep opacity maps, when every strand is drawn and the head is
+    /// near. Takes 16 bytes per texel.
     pub strand_map: u32,
-    /// Cells along each edge of the grid of ambient light, brought into 4 to 64
-    /// ([`crate::light::ambient`]); each takes 300 bytes.
+    /// Cells along each edge of the grid of ambient light, clamped to 4 to 64 ([`crate::light::ambient`]). Takes 300
+    /// bytes per cell.
     pub ambient_cells: u32,
-    /// Format of what `present` writes to.
+    /// Format of the output texture.
     pub output: wgpu::TextureFormat,
 }
 
 impl Default for ViewOptions {
-    /// Strands by [tiles](Coverage::Tiles), meshes with four samples per pixel.
+    /// [Tiles](Coverage::Tiles) for strands, four samples per pixel for meshes.
     fn default() -> Self {
         Self {
             samples: 4,
@@ -69,13 +70,13 @@ impl Default for ViewOptions {
 }
 
 impl ViewOptions {
-    /// The default options for a view that is presented into textures of `format`, such as a window's.
+    /// Returns the default options for output textures of `format`, such as a window's.
     pub fn for_target(format: wgpu::TextureFormat) -> Self {
         Self { output: format, ..Self::default() }
     }
 }
 
-/// What one view has on the GPU: its camera, its light, its targets, and the colours of each groom that it sees.
+/// GPU resources of one view: camera, lighting, render targets, and the shaded colors of each groom that it sees.
 /// Record it once per submission.
 #[derive(Debug)]
 pub struct View {
@@ -83,17 +84,17 @@ pub struct View {
     pub(crate) draw: Arc<draw::Pipelines>,
     options: ViewOptions,
     camera: wgpu::Buffer,
-    /// Its light.
-    pub light: light::State,
+    /// Lighting of the view.
+    pub light: light::LightState,
     targets: Targets,
-    present: present::State,
+    present: present::PresentState,
     zones: Zones,
-    /// By the strands that they are of and the light that they are in.
-    shaded: Mutex<Vec<([wgpu::Buffer; 2], Arc<Shaded>)>>,
+    /// Keyed by the groom's strands and the light that shades them.
+    shaded: Mutex<Vec<([wgpu::Buffer; 2], Arc<HairShading>)>>,
 }
 
 impl View {
-    /// A view with a picture of `size` (width and height, pixels), supersampled by `ssaa` (1, 2 or 4) along each
+    /// Creates a view with an image of `size` (width and height, pixels), supersampled by `ssaa` (1, 2 or 4) along each
     /// axis.
     ///
     /// # Errors
@@ -103,7 +104,7 @@ impl View {
         let camera = bindings::uniform(&context.device, "camera", size_of::<CameraUniform>());
         Ok(Self {
             light: light(context, options, &camera),
-            present: present::State::new(context, &targets, options.coverage, options.output),
+            present: present::PresentState::new(context, &targets, options.coverage, options.output),
             draw: context.pipelines(),
             context: context.clone(),
             options: *options,
@@ -114,15 +115,15 @@ impl View {
         })
     }
 
-    /// How it was made.
+    /// Returns the options.
     pub fn options(&self) -> &ViewOptions {
         &self.options
     }
 
-    /// Becomes as if made with `options`; what they do not concern stays as it is, pipelines in any case.
+    /// Applies `options`. Recreates only the resources that they affect; pipelines stay.
     ///
     /// # Errors
-    /// As [`new`](Self::new); then nothing has changed.
+    /// As [`new`](Self::new). The view is unchanged after an error.
     pub fn set_options(&mut self, options: &ViewOptions) -> Result<()> {
         let lit =
             |options: &ViewOptions| (options.shadow_resolution, options.strand_map, options.ambient_cells);
@@ -143,37 +144,37 @@ impl View {
         Ok(())
     }
 
-    /// Pictures of another size, or of as many more pixels along each axis, from here on; the light stays.
+    /// Changes the size and supersampling of the image. The lighting stays.
     ///
     /// # Errors
-    /// As [`new`](Self::new); then nothing has changed.
+    /// As [`new`](Self::new). The view is unchanged after an error.
     pub fn resize(&mut self, size: [u32; 2], ssaa: u32) -> Result<()> {
         let ViewOptions { samples, coverage, output, .. } = self.options;
         self.targets = Targets::new(&self.context, size, (samples, coverage), ssaa)?;
-        self.present = present::State::new(&self.context, &self.targets, coverage, output);
+        self.present = present::PresentState::new(&self.context, &self.targets, coverage, output);
         Ok(())
     }
 
-    /// Records what the targets hold of the last picture into another output of the same size, of any `format`, before
-    /// `background` and with `tone`: the same radiance, shown otherwise.
+    /// Presents the last image again into another output of the same size and any `format`, with another `background`
+    /// and `tone`. The radiance in the targets is reused.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`] when the pipeline for it cannot be made.
+    /// [`crate::Error::Gpu`] when the pipeline cannot be compiled.
     pub fn present_into(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         (output, format): (&wgpu::TextureView, wgpu::TextureFormat),
         (background, tone): (&Background, &ToneMap),
     ) -> Result<()> {
-        let present = present::State::new(&self.context, &self.targets, self.options.coverage, format);
+        let present = present::PresentState::new(&self.context, &self.targets, self.options.coverage, format);
         present.prepare(&self.context, background, tone, &self.targets);
         present.record(&mut self.context.commands(encoder), &self.targets, output)
     }
 
-    /// Whether the last picture, which has been submitted, holds all of the hair. Where hair is
-    /// [drawn by tiles](Coverage::Tiles), a close-up may need lists so much longer than those before it that some
-    /// tiles of the first picture stay without hair; then the lists have grown, and it is to be drawn again. True
-    /// of all other coverage. A view that is drawn frame by frame learns by itself, a few frames later.
+    /// Whether the last image, which must have been submitted, contains all hair. With [`Coverage::Tiles`], a sudden
+    /// close-up may exceed the tile lists, which leaves some tiles of its first image without hair. The lists then
+    /// grow, and the image must be drawn again. Other coverage always returns `true`. Views that are drawn continuously
+    /// detect this on their own a few frames later.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
@@ -184,42 +185,50 @@ impl View {
         }
     }
 
-    /// What it draws into.
+    /// Returns the render targets.
     pub fn targets(&self) -> &Targets {
         &self.targets
     }
 
-    /// The shaded colours of `hair` in the last picture: what `light::shade` wrote, a word per strand vertex
-    /// ([`light::unpack_radiance`]), or, when pixels are shaded, eight bytes of what arrives of the light.
+    /// Returns the shaded colors of `hair` in the last image, as written by `light::shade`: one word per strand vertex
+    /// ([`light::unpack_radiance`]), or eight bytes of incident light with per-pixel shading.
     pub fn shaded(&self, hair: &HairSet) -> Option<wgpu::Buffer> {
         let shaded = self.lock();
         shaded.iter().find(|(of, _)| of[0] == hair.strands.vertices).map(|(_, shaded)| shaded.colors.clone())
     }
 
-    /// What shades only what the segments of `hair` need whose bits in `seen` are set, each by the number of the vertex that it
-    /// begins at ([`light::State::shade_chosen`]); for as long as the view's options stay as they are.
+    /// Returns a shader for selected segments of `hair`: those whose bit is set in `seen`, indexed by their first
+    /// vertex ([`light::State::shade_chosen`]). Valid while the view's options stay the same.
     ///
     /// # Errors
     /// [`crate::Error::Limit`].
-    pub fn chosen(&self, hair: &HairSet, seen: &wgpu::Buffer) -> Result<Chosen> {
+    pub fn chosen(&self, hair: &HairSet, seen: &wgpu::Buffer) -> Result<ShadingSubset> {
         let of = [&hair.strands.vertices, &self.light.lights];
         let shaded = self.lock().iter().find(|(known, _)| known.each_ref() == of).map(|(_, s)| s.clone());
         let shaded = match shaded {
             Some(shaded) => shaded,
             None => self.shares(&[hair], &[&self.light], ShadingRate::PerVertex)?.remove(0),
         };
-        Chosen::new(&self.context, (&self.light, &self.camera), hair, &shaded, seen.as_entire_binding())
+        ShadingSubset::new(
+            &self.context,
+            (&self.light, &self.camera),
+            hair,
+            &shaded,
+            seen.as_entire_binding(),
+        )
     }
 
-    /// From the next picture on the grooms and bodies of each zone are in its light, all others in that around
-    /// [`Picture::focus`]; none takes zones away. Pictures of [the inside](crate::frame::Shows::Inside) know of no zones.
+    /// Sets the lighting zones from the next image on. Grooms and bodies in a zone are lit by it, all others by the
+    /// lighting around [`Picture::focus`]. An empty slice removes all zones. [Debug views](crate::frame::ViewContent::Inside)
+    /// ignore zones.
     pub fn set_zones(&mut self, zones: &[Zone]) {
         self.zones.set(&self.context, &self.camera, zones);
     }
 
-    /// From the next picture on its light is as fine as `picture` shows it, for all of `counts` grooms and bodies: as it was
-    /// made, or coarser where they are few pixels across, of pictures `coarser` octaves coarser. In place of zones of
-    /// one's own; before each picture.
+    /// Adapts the resolution of the lighting to the size of the grooms and bodies in `picture`: full resolution, or
+    /// less if they cover few pixels. `coarser` is a bias in octaves: the lighting then suits an image of that much
+    /// lower resolution. `counts` are the numbers of grooms and bodies. Call it before each image, as an alternative
+    /// to [`set_zones`](Self::set_zones).
     pub fn fit_light(&mut self, (picture, coarser): (&Picture, f32), counts: [usize; 2]) {
         let finest = [self.options.shadow_resolution, self.options.ambient_cells];
         let Picture { focus, camera, .. } = picture;
@@ -227,72 +236,72 @@ impl View {
         self.set_zones(zone.as_slice());
     }
 
-    /// Bytes of GPU memory of the light of its zones.
+    /// Returns the GPU memory of the lighting of all zones, bytes.
     pub fn zone_bytes(&self) -> u64 {
         self.zones.bytes()
     }
 
-    /// What shaders that ask for its light bind, with [`light_layout`](Self::light_layout): those of a scene that asks hair for its
-    /// shadow ([`draw::embed::shade::wgsl`](crate::draw::embed::shade::wgsl)). It is the view's own
-    /// light: hair that lies in a zone ([`set_zones`](Self::set_zones), [`fit_light`](Self::fit_light)) is not in it. It
-    /// is another one after [`set_options`](Self::set_options).
+    /// Returns the bind group of the view's lighting, with the layout [`light_layout`](Self::light_layout), for scene
+    /// shaders that sample the shadow of the hair ([`draw::embed::shade::wgsl`](crate::draw::embed::shade::wgsl)). It
+    /// excludes hair in zones ([`set_zones`](Self::set_zones), [`fit_light`](Self::fit_light)).
+    /// [`set_options`](Self::set_options) may replace it.
     pub fn light_group(&self) -> &wgpu::BindGroup {
         &self.light.frame
     }
 
-    /// The layout of [`light_group`](Self::light_group), for pipelines of the caller.
+    /// Returns the layout of [`light_group`](Self::light_group), for the caller's pipelines.
     pub fn light_layout(context: &Context) -> wgpu::BindGroupLayout {
         context.pipelines::<light::Pipelines>().frame.clone()
     }
 
-    /// Bytes of GPU memory of the shadow maps.
+    /// Returns the GPU memory of the shadow maps, bytes.
     pub fn shadow_bytes(&self) -> u64 {
         self.light.shadow_bytes()
     }
 
-    /// Bytes of GPU memory of ambient light.
+    /// Returns the GPU memory of ambient light, bytes.
     pub fn ambient_bytes(&self) -> u64 {
         self.light.ambient_bytes()
     }
 
-    /// Bytes of GPU memory of the shaded colours of all grooms.
+    /// Returns the GPU memory of the shaded colors of all grooms, bytes.
     pub fn shaded_bytes(&self) -> u64 {
         self.lock().iter().map(|(_, shaded)| shaded.bytes()).sum()
     }
 
-    fn lock(&self) -> MutexGuard<'_, Vec<([wgpu::Buffer; 2], Arc<Shaded>)>> {
-        // What a panic leaves behind is whole.
+    fn lock(&self) -> MutexGuard<'_, Vec<([wgpu::Buffer; 2], Arc<HairShading>)>> {
+        // The list stays consistent if a holder panics.
         self.shaded.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The light of these parts is recorded.
+    /// Marks the lighting of these parts as recorded.
     pub(crate) fn made(&self, parts: &[Part<'_>]) {
         self.zones.made(parts);
     }
 
-    /// What a picture of so many grooms and bodies is lit by.
+    /// Divides the grooms and bodies of an image into parts with a common lighting.
     pub(crate) fn parts(&self, focus: Sphere, counts: [usize; 2], zoned: bool) -> Vec<Part<'_>> {
         Zones::parts(zoned.then_some(&self.zones), (&self.light, focus), counts)
     }
 
-    /// Its share of `hair`, each in the light of `lights`, made for those that it has not seen so, and let go of those that
-    /// are not among them.
+    /// Returns this view's buffers for each of `hair`, shaded by the respective one of `lights`. Reuses existing ones,
+    /// creates the missing ones and drops those no longer needed.
     pub(crate) fn shares(
         &self,
         hair: &[&HairSet],
-        lights: &[&light::State],
+        lights: &[&light::LightState],
         rate: ShadingRate,
-    ) -> Result<Vec<Arc<Shaded>>> {
+    ) -> Result<Vec<Arc<HairShading>>> {
         let mut known = self.lock();
         let mut before = std::mem::take(&mut *known);
         let shares = hair.iter().zip(lights).map(|(set, light)| {
             let of = [set.strands.vertices.clone(), light.lights.clone()];
-            // Hair may be drawn twice.
+            // The same hair may be listed twice.
             let again = || known.iter().find(|(known, _)| *known == of).map(|(_, shaded)| shaded.clone());
             let kept = before.iter().position(|(other, _)| *other == of).map(|i| before.swap_remove(i).1);
             let shaded = match kept.or_else(again).filter(|shaded| shaded.holds(set, rate)) {
                 Some(shaded) => shaded,
-                None => Arc::new(Shaded::new(&self.context, light, &self.camera, set, rate)?),
+                None => Arc::new(HairShading::new(&self.context, light, &self.camera, set, rate)?),
             };
             known.push((of, shaded.clone()));
             Ok(shaded)
@@ -300,8 +309,13 @@ impl View {
         shares.collect()
     }
 
-    /// Writes the values of a frame: what of each part's light is to be recorded.
-    pub(crate) fn prepare(&self, picture: &Picture, hair: &[Seen<'_>], parts: &[Part<'_>]) -> Vec<Lit> {
+    /// Writes the uniforms of a frame. Returns what to record of each part's lighting.
+    pub(crate) fn prepare(
+        &self,
+        picture: &Picture,
+        hair: &[HairView<'_>],
+        parts: &[Part<'_>],
+    ) -> Vec<FrameLight> {
         let camera = picture.camera.uniform(self.targets.samples, self.targets.ssaa);
         self.context.queue.write_buffer(&self.camera, 0, bytemuck::bytes_of(&camera));
         self.present.prepare(&self.context, &picture.background, &picture.tone, &self.targets);
@@ -319,18 +333,18 @@ impl View {
         parts.iter().map(lit).collect()
     }
 
-    /// The uniform of its camera.
+    /// Returns the camera's uniform buffer.
     pub(crate) fn eye(&self) -> &wgpu::Buffer {
         &self.camera
     }
 
-    /// What finishes its pictures.
-    pub(crate) fn present(&self) -> &present::State {
+    /// Returns the stage that resolves and tone-maps the image.
+    pub(crate) fn present(&self) -> &present::PresentState {
         &self.present
     }
 }
 
-fn light(context: &Context, options: &ViewOptions, camera: &wgpu::Buffer) -> light::State {
+fn light(context: &Context, options: &ViewOptions, camera: &wgpu::Buffer) -> light::LightState {
     let sizes = [options.shadow_resolution, options.ambient_cells];
-    light::State::new(context, sizes, options.strand_map, camera)
+    light::LightState::new(context, sizes, options.strand_map, camera)
 }

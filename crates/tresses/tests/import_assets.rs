@@ -1,4 +1,4 @@
-//! Grooms and heads of other people, read whole. Needs the folder that `TRESSES_ASSETS` names.
+//! Grooms and heads of other authors, read whole. Needs the folder `TRESSES_ASSETS`.
 
 use std::path::{Path, PathBuf};
 
@@ -22,7 +22,7 @@ fn assets() -> Option<PathBuf> {
     folder
 }
 
-/// Files, strands, vertices as their READMEs state them.
+/// Files, number of strands and number of vertices, as their READMEs state them.
 const GROOMS: &[(&[&str], usize, usize)] = &[
     (&["cyhair_straight/straight.hair"], 10_000, 160_000),
     (&["sintel/SintelHairOriginal-sintel_hair.16points.tfx"], 11_400, 182_400),
@@ -51,7 +51,7 @@ const GROOMS: &[(&[&str], usize, usize)] = &[
 ];
 
 #[test]
-fn counts_are_those_of_the_readmes() {
+fn counts_match_the_readmes() {
     let Some(assets) = assets() else { return };
     for (files, strands, vertices) in GROOMS {
         let paths: Vec<PathBuf> = files.iter().map(|f| assets.join(f)).collect();
@@ -97,7 +97,7 @@ fn heads_are_read_whole() {
     }
 }
 
-/// Groom (index into [`GROOMS`]), its head, and what must come out: unit, up, front, mirrored.
+/// Groom (index into [`GROOMS`]), its head, and the expected unit, up axis, front axis and mirroring.
 const ON_THEIR_HEADS: &[(usize, &str, f32, Axis, Axis, bool)] = &[
     (1, "sintel/sintel.obj", 1.0, Axis::Y, Axis::Z, false),
     (2, "sintel_lite21/sintel.obj", 0.01, Axis::Y, Axis::Z, false),
@@ -111,7 +111,7 @@ fn paths(assets: &Path, groom: usize) -> Vec<PathBuf> {
 }
 
 #[test]
-fn every_groom_lands_upright_on_its_own_head() {
+fn grooms_are_placed_upright_on_their_own_heads() {
     let Some(assets) = assets() else { return };
     for (groom, head, unit, up, front, mirrored) in ON_THEIR_HEADS {
         let files = paths(&assets, *groom);
@@ -122,7 +122,7 @@ fn every_groom_lands_upright_on_its_own_head() {
         assert!((p.unit.0 / unit - 1.0).abs() < 0.03, "{head}: {p:?}");
         let distance = report.lint.root_distance.unwrap();
         assert!(distance.median < 0.003 && distance.p95 < 0.02, "{head}: {distance:?}");
-        // Roots on top of the mesh, hair behind the face.
+        // Roots are on top of the mesh, and hair is behind the face.
         let (lo, hi) = mesh.bounds().unwrap();
         let highest = strands.iter().map(|s| s[0].y).fold(f32::MIN, f32::max);
         assert!((hi.y - highest).abs() < 0.02, "{head}: {highest} under {hi}");
@@ -133,9 +133,9 @@ fn every_groom_lands_upright_on_its_own_head() {
 }
 
 #[test]
-fn every_human_groom_finds_its_axes_alone() {
+fn grooms_are_oriented_without_a_head() {
     let Some(assets) = assets() else { return };
-    // The reference picture of straight.hair maps (x, y, z) to (−x, z, y) at about 4.2 mm.
+    // The reference image of straight.hair maps (x, y, z) to (−x, z, y), with a unit of about 4.2 mm.
     for (groom, unit, up, front) in [
         (0, 0.0042, Axis::Z, Axis::Y),
         (1, 1.0, Axis::Y, Axis::Z),
@@ -152,7 +152,7 @@ fn every_human_groom_finds_its_axes_alone() {
 }
 
 #[test]
-fn a_groom_for_another_head_is_fitted_onto_this_one() {
+fn groom_for_another_head_is_fitted() {
     let Some(assets) = assets() else { return };
     for (groom, head) in [
         (0, "head_ict_facekit/generic_neutral_mesh.obj"),
@@ -171,7 +171,7 @@ fn a_groom_for_another_head_is_fitted_onto_this_one() {
 }
 
 #[test]
-fn groom_and_head_turned_and_scaled_together_come_back() {
+fn rotated_and_scaled_groom_and_head_are_restored() {
     let Some(assets) = assets() else { return };
     let options = ImportOptions { unrepaired: true, ..Default::default() };
     let (strands, mesh, _) =
@@ -184,7 +184,7 @@ fn groom_and_head_turned_and_scaled_together_come_back() {
             let mut head = mesh.clone();
             groom.positions.iter_mut().for_each(|p| *p = turn * *p);
             head.positions.iter_mut().for_each(|p| *p = turn * *p);
-            let unknown = orient::Known::default();
+            let unknown = orient::KnownOrientation::default();
             let (own, of_head) = orient::pair(&groom, &unknown, &head, &unknown);
             assert_eq!((own.up, own.front, own.mirrored), (up, front, false), "{own:?}");
             assert_eq!((of_head.up, of_head.front, of_head.unit), (up, front, orient::Unit(0.01)));
@@ -193,7 +193,7 @@ fn groom_and_head_turned_and_scaled_together_come_back() {
 }
 
 #[test]
-fn given_axes_and_units_are_obeyed() {
+fn given_axes_and_units_are_used() {
     let Some(assets) = assets() else { return };
     let mut options = ImportOptions::default();
     options.orient.up = Some(Axis::Z);
@@ -202,7 +202,7 @@ fn given_axes_and_units_are_obeyed() {
     let (_, report) = import::read(&paths(&assets, 0), &options).unwrap();
     let p = report.placement;
     assert_eq!((p.up, p.front, p.unit.0), (Axis::Z, Axis::NegY, 0.01));
-    // With a head, a unit of the groom is that of the head too, where they share one.
+    // The unit given for the groom also applies to the head if both share one.
     let mut options = ImportOptions::default();
     options.orient.unit = Some("0.0037".parse().unwrap());
     let head = [assets.join("tressfx2_head/head_max4.obj")];
@@ -212,7 +212,7 @@ fn given_axes_and_units_are_obeyed() {
 }
 
 #[test]
-fn every_head_stands_upright_alone() {
+fn heads_are_oriented_without_a_groom() {
     let Some(assets) = assets() else { return };
     for (file, unit) in [
         ("head_ict_facekit/generic_neutral_mesh.obj", 0.01),
@@ -230,7 +230,7 @@ fn every_head_stands_upright_alone() {
 }
 
 #[test]
-fn human_heads_turned_any_way_stand_up_again() {
+fn rotated_human_heads_are_restored() {
     let Some(assets) = assets() else { return };
     for file in ["head_ict_facekit/generic_neutral_mesh.obj", "head_makehuman/base.obj", "sintel/sintel.obj"]
     {
@@ -240,7 +240,7 @@ fn human_heads_turned_any_way_stand_up_again() {
                 let turn = orient::Placement { up, front, ..Default::default() }.axes().transpose();
                 let mut head = whole.clone();
                 head.positions.iter_mut().for_each(|p| *p = turn * *p);
-                let found = orient::head(&head, &orient::Known::default());
+                let found = orient::head(&head, &orient::KnownOrientation::default());
                 assert_eq!((found.up, found.front), (up, front), "{file}: {found:?}");
             }
         }

@@ -1,9 +1,9 @@
-//! The modules of the crate depend on each other in one direction.
+//! The modules of the crate depend on each other in one direction, without cycles.
 
 use std::path::Path;
-use tresses_modules::Modules;
+use tresses_testing::Modules;
 
-/// Folders with a circle inside: their parts share one canvas, and one state of light.
+/// Folders whose modules form a cycle: they share one canvas, or one state of the light.
 const CIRCULAR: [&str; 2] = ["draw", "light"];
 
 #[test]

@@ -1,4 +1,5 @@
-//! Structs that host and shaders share: what the build script generates, and what it rejects. No GPU needed.
+//! Structs that host and shaders share: the code that the build script generates, and the errors it reports. Needs no
+//! GPU.
 
 use wgpu::naga::{AddressSpace, Module, Type, TypeInner, front::wgsl::parse_str, proc::Layouter};
 
@@ -52,7 +53,7 @@ fn rust_types_become_wgsl_types() {
 }
 
 #[test]
-fn a_struct_that_differs_is_an_error() {
+fn layout_mismatches_are_errors() {
     for (rust, error) in [
         (
             "struct A { center: Vec3, edge: Vec3, falloff: f32, _pad: u32 }",
@@ -68,6 +69,10 @@ fn a_struct_that_differs_is_an_error() {
         ),
         ("struct A { on: bool }", "src/0.rs: A.on: bool is neither a type of WGSL nor a shared struct"),
         ("struct A { on: [u32; MOST] }", "src/0.rs: A.on: MOST is not in constants::SHARED"),
+        (
+            "struct A { on: [u32; COUNT + 1] }",
+            "src/0.rs: A.on: the length of an array is a number or a constant",
+        ),
         ("struct A { on: (u32, u32) }", "src/0.rs: A.on: WGSL has no such type"),
         ("struct A(u32);", "src/0.rs: A derives Pod but has no named fields, or is generic"),
     ] {
@@ -78,7 +83,7 @@ fn a_struct_that_differs_is_an_error() {
     assert_eq!(generate(&[twice, twice]), Err(error.to_owned()));
 }
 
-/// The check of another implementation: where naga places fields, none leaves a gap, as none may in Rust.
+/// Checks with another implementation: naga's layout has no gaps, as in Rust.
 #[test]
 fn naga_finds_no_gap_in_shared_structs() {
     let wgsl = include_str!(concat!(env!("OUT_DIR"), "/structs.wesl")).replace("public ", "");
@@ -98,11 +103,11 @@ fn naga_finds_no_gap_in_shared_structs() {
     assert!(count > 60, "{count}");
 }
 
-/// Structs in buffers that no host writes or reads.
+/// Structs in buffers that the host neither writes nor reads.
 const SHADERS_ONLY: [&str; 3] =
     ["package_draw_soft_point_SoftPoint", "package_draw_tiles_grid_Busy", "package_light_ambient_grid_Cell"];
 
-/// The structs of the buffers of a shader that are no shared structs and do not begin with one.
+/// Returns the structs in the buffers of a shader that are not shared structs and do not begin with one.
 fn unshared(wgsl: &str) -> Vec<String> {
     let module: Module = parse_str(wgsl).unwrap_or_else(|error| panic!("{}", error.emit_to_string(wgsl)));
     let is_buffer = |space| matches!(space, AddressSpace::Uniform | AddressSpace::Storage { .. });

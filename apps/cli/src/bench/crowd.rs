@@ -1,4 +1,4 @@
-//! The cost of many heads with one groom, at 2 to 40 m, beside that of one in a portrait.
+//! Cost of many heads with one groom at 2 to 40 m, compared with one head in a portrait.
 
 use super::{
     results::StageTime,
@@ -11,62 +11,62 @@ use crate::{args::Size, photographer::Photographer};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use tresses::{
-    budget::HeadChosen,
+    budget::HeadDetail,
     lod::{LodMode, LodOptions},
 };
 use tresses_scene::words::grouped;
 use tresses_scene::{Crowd, CrowdOptions, Motion, Viewpoint, camera::Angle, crowd::ROWS};
 
-/// Pixels.
+/// Image size, pixels.
 const SIZE: Size = Size { width: 1280, height: 720 };
-/// Strands of each head in full detail.
+/// Strands per head in full detail.
 const STRANDS: u32 = 10_000;
-/// A hundred heads are to cost at most so many portraits.
+/// Number of heads, and their largest allowed cost in portraits.
 const GOAL: (u32, f64) = (100, 6.0);
-/// Frames that are measured stage by stage.
+/// Frames measured stage by stage.
 const STAGED: u32 = 2;
 
-/// What a crowd costs.
+/// Cost of a crowd.
 #[derive(Debug, Serialize)]
-pub struct Times {
-    /// How many heads.
+pub struct CrowdTimes {
+    /// Number of heads.
     pub heads: u32,
-    /// Milliseconds of a frame of one head in a portrait.
+    /// Milliseconds per frame of one head in a portrait.
     pub portrait: Summary,
-    /// Milliseconds of a frame of all.
+    /// Milliseconds per frame of the crowd.
     pub crowd: Summary,
-    /// Stage by stage: of the portrait, then of the crowd.
+    /// Times per stage: of the portrait, then of the crowd.
     pub stages: [Vec<StageTime>; 2],
-    /// Bytes of GPU memory of one head that does not share, and of its view.
+    /// Bytes of GPU memory of a single head, and of its view.
     pub alone: [u64; 2],
-    /// Bytes that heads share, of all heads, and of their view.
+    /// Bytes shared by all heads, bytes of all heads, and bytes of their view.
     pub bytes: [u64; 3],
-    /// What is said of rows at the same distance.
+    /// Averages of heads at similar distances.
     pub rows: Vec<Row>,
 }
 
-/// Heads that are about as far away.
+/// Heads at similar distances.
 #[derive(Debug, Default, Serialize)]
 pub struct Row {
-    /// Metres.
+    /// Mean distance, meters.
     pub distance: f32,
-    /// How many.
+    /// Number of heads.
     pub heads: u32,
-    /// Of each, the mean: pixels, strands, vertices of a strand, simulated guides, substeps.
+    /// Means per head: pixels, strands, vertices per strand, guides, substeps.
     pub means: [f64; 5],
-    /// Bytes of each that are its own.
+    /// Bytes per head that are not shared.
     pub bytes: u64,
 }
 
-/// Measures so many heads of the long style in motion.
-pub fn measure(heads: u32, sitting: Sitting<'_>) -> Result<Times> {
+/// Measures a crowd of `heads` heads with the long style in motion.
+pub fn measure(heads: u32, sitting: Sitting<'_>) -> Result<CrowdTimes> {
     let Sitting { frames, bar, .. } = sitting;
     let mut preset = workload::style(Some(STRANDS), workload::Edges::default());
-    // Measured for the crowd; the portrait is in full detail, and awake.
+    // The crowd's options, except that the portrait has full detail and does not sleep.
     preset.settings.lod = LodOptions { mode: LodMode::Off, sleep: false, ..LodOptions::CROWD };
     let mut scene = Photographer::with_samples_at_most(&preset, SIZE).context("a crowd")?;
     scene.measure_by(sitting.clock);
-    // Hair alone is measured.
+    // Remove brows, lashes and beard: only the main groom is measured.
     scene.character.shave();
     let motion = Motion::named("turn").context("a built-in motion")?;
     let pivot = scene.character.neck();
@@ -110,7 +110,7 @@ pub fn measure(heads: u32, sitting: Sitting<'_>) -> Result<Times> {
             bar.inc(1);
         }
     }
-    Ok(Times {
+    Ok(CrowdTimes {
         heads,
         portrait: Summary::of(portrait),
         crowd: Summary::of(all),
@@ -130,8 +130,8 @@ fn gather(stages: &mut Vec<(&'static str, Vec<f64>)>, measured: Vec<(&'static st
     }
 }
 
-/// Heads by how far they are away, in steps of a factor of 1.5.
-fn rows(distances: &[f32], heads: &[HeadChosen]) -> Vec<Row> {
+/// Groups heads by distance, in steps of a factor of 1.5.
+fn rows(distances: &[f32], heads: &[HeadDetail]) -> Vec<Row> {
     let mut rows: Vec<(i32, Row)> = Vec::new();
     for (distance, head) in distances.iter().zip(heads).filter(|(_, head)| head.seen) {
         let step = (distance.max(0.1).ln() / 1.5f32.ln()).floor() as i32;
@@ -155,10 +155,10 @@ fn rows(distances: &[f32], heads: &[HeadChosen]) -> Vec<Row> {
     rows.into_iter().map(|(_, row)| row).collect()
 }
 
-/// As tables, with what is to be said of the goal.
-pub fn text(times: &Times) -> String {
+/// Formats the results as tables, with a verdict on the goal.
+pub fn text(times: &CrowdTimes) -> String {
     let mb = |bytes: u64| format!("{:.1}", bytes as f64 * 1e-6);
-    let head = ["metres", "heads", "pixels", "strands", "vertices each", "guides", "substeps", "MB each"];
+    let head = ["meters", "heads", "pixels", "strands", "vertices each", "guides", "substeps", "MB each"];
     let mut lines = vec![head.map(String::from).to_vec()];
     for Row { distance, heads, means: [pixels, strands, vertices, guides, substeps], bytes } in &times.rows {
         lines.push(vec![
@@ -200,7 +200,7 @@ pub fn text(times: &Times) -> String {
     let [alone, view] = times.alone;
     let [shared, own, seen] = times.bytes;
     text += &format!(
-        "One head alone holds {} MB and its view {} MB; the crowd shares {} MB, its heads hold {} MB, its view {} MB.\n",
+        "One head alone uses {} MB and its view {} MB; the crowd shares {} MB, its heads use {} MB, its view {} MB.\n",
         mb(alone),
         mb(view),
         mb(shared),
@@ -208,9 +208,10 @@ pub fn text(times: &Times) -> String {
         mb(seen)
     );
     let ratio = crowd / portrait.max(1e-9);
-    text += &format!("{} heads cost {ratio:.2} portraits of one", times.heads);
+    text += &format!("{} heads cost as much as {ratio:.2} portraits", times.heads);
     if times.heads == GOAL.0 {
-        let verdict = if ratio <= GOAL.1 { "as wanted, at most" } else { "wanted is at most" };
+        let verdict =
+            if ratio <= GOAL.1 { "within the goal of at most" } else { "above the goal of at most" };
         text += &format!("; {verdict} {:.0}", GOAL.1);
     }
     text + ".\n"
@@ -221,13 +222,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_crowd_is_held_against_a_portrait() {
-        let head = |strands| HeadChosen { seen: true, strands, vertices: 10, ..HeadChosen::default() };
-        let unseen = HeadChosen::default();
+    fn crowd_is_compared_with_a_portrait() {
+        let head = |strands| HeadDetail { seen: true, strands, vertices: 10, ..HeadDetail::default() };
+        let unseen = HeadDetail::default();
         let rows = rows(&[2.0, 2.1, 30.0, 5.0], &[head(3000), head(1000), head(800), unseen]);
         assert_eq!(rows.iter().map(|row| row.heads).collect::<Vec<_>>(), [2, 1]);
         assert_eq!(rows[0].means[1], 2000.0);
-        let times = |ms: f64| Times {
+        let times = |ms: f64| CrowdTimes {
             heads: 100,
             portrait: Summary { median: 10.0, p95: 10.0 },
             crowd: Summary { median: ms, p95: ms },
@@ -240,9 +241,10 @@ mod tests {
             rows: Vec::new(),
         };
         assert!(
-            text(&times(50.0)).ends_with("100 heads cost 5.00 portraits of one; as wanted, at most 6.\n")
+            text(&times(50.0))
+                .ends_with("100 heads cost as much as 5.00 portraits; within the goal of at most 6.\n")
         );
-        assert!(text(&times(70.0)).ends_with("7.00 portraits of one; wanted is at most 6.\n"));
+        assert!(text(&times(70.0)).ends_with("7.00 portraits; above the goal of at most 6.\n"));
         assert!(
             text(&times(50.0)).lines().any(|line| line.split_whitespace().eq(["shadow", "1.00", "3.00"]))
         );

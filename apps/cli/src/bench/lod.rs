@@ -1,5 +1,5 @@
-//! The cost of a frame at a distance, at full detail and at the matching level of detail, with the pixels that
-//! the hair covers, and how it compares with a portrait's.
+//! Cost of a frame at several distances, at full detail and at the matching level of detail, compared with a portrait,
+//! and the number of pixels that the hair covers.
 
 use super::{
     results::StageTime,
@@ -13,55 +13,55 @@ use anyhow::{Context, Result};
 use serde::Serialize;
 use tresses::lod::{LodMode, LodOptions};
 use tresses_scene::words::grouped;
-use tresses_scene::{Motion, Viewpoint, camera::Angle, measure::Measured};
+use tresses_scene::{Motion, Viewpoint, camera::Angle, measure::MeasuredFrame};
 
-/// Pixels.
+/// Image size, pixels.
 const SIZE: Size = Size { width: 1280, height: 720 };
 /// Drawn strands in full detail.
 const STRANDS: u32 = 20_000;
-/// Metres; the first is a portrait's.
+/// Distances, meters. The first is a portrait's.
 pub const DISTANCES: [f32; 7] = [0.6, 1.0, 2.0, 4.0, 8.0, 15.0, 40.0];
-/// At so many metres strands are to cost at most so much of what they cost in the portrait.
+/// A distance in meters, and the largest allowed cost of strands there as a fraction of the portrait's.
 const GOAL: (f32, f64) = (15.0, 1.0 / 8.0);
-/// The stages that simulate, whose work is that of the guides.
+/// Stages that simulate the guides.
 const MOVING: [&str; 4] = ["volume", "wind", "simulate", "tessellate"];
-/// The stages that only the picture's size and the head matter to.
+/// Stages whose cost depends only on the image size and the head.
 const OTHERS: [&str; 2] = ["body", "present"];
 
-/// One distance.
+/// Results at one distance.
 #[derive(Debug, Serialize)]
-pub struct Point {
-    /// Metres.
+pub struct LodPoint {
+    /// Distance, meters.
     pub distance: f32,
-    /// Measured for each of the two.
+    /// Measured frames per mode.
     pub frames: u32,
-    /// What the hair covers.
+    /// Pixels covered by hair.
     pub pixels: f64,
-    /// All of it.
-    pub full: Times,
-    /// At its level of detail.
-    pub lod: Times,
+    /// Full detail.
+    pub full: LodTimes,
+    /// The matching level of detail.
+    pub lod: LodTimes,
 }
 
-/// What it costs.
+/// Cost of a frame.
 #[derive(Debug, Serialize)]
-pub struct Times {
-    /// Drawn.
+pub struct LodTimes {
+    /// Number of drawn strands.
     pub strands: u32,
-    /// Of each strand.
+    /// Segments per strand.
     pub segments: f32,
-    /// Milliseconds of the stages that work on strands.
+    /// Milliseconds of the stages that process strands.
     pub strand_stages: Summary,
-    /// Those, one by one.
+    /// Milliseconds of each of those stages.
     pub stages: Vec<StageTime>,
-    /// Milliseconds of those that work on guides, mean per frame.
+    /// Mean milliseconds per frame of the stages that process guides.
     pub guide_stages: f64,
     /// Milliseconds of a whole frame.
     pub frame: Summary,
 }
 
 /// Measures the long style in motion at all distances.
-pub fn measure(sitting: Sitting<'_>) -> Result<Vec<Point>> {
+pub fn measure(sitting: Sitting<'_>) -> Result<Vec<LodPoint>> {
     let preset = workload::style(Some(STRANDS), workload::Edges::default());
     let mut scene = Photographer::with_samples_at_most(&preset, SIZE).context("levels of detail")?;
     scene.measure_by(sitting.clock);
@@ -69,7 +69,7 @@ pub fn measure(sitting: Sitting<'_>) -> Result<Vec<Point>> {
     DISTANCES.iter().map(|distance| point(&mut scene, &near.moved(*distance), sitting)).collect()
 }
 
-fn point(scene: &mut Photographer, camera: &Viewpoint, sitting: Sitting<'_>) -> Result<Point> {
+fn point(scene: &mut Photographer, camera: &Viewpoint, sitting: Sitting<'_>) -> Result<LodPoint> {
     let Sitting { frames, bar, .. } = sitting;
     let motion = Motion::named("turn").context("a built-in motion")?;
     let pivot = scene.character.neck();
@@ -83,7 +83,7 @@ fn point(scene: &mut Photographer, camera: &Viewpoint, sitting: Sitting<'_>) -> 
         let (mut strands, mut guides, mut whole) = (Vec::new(), Vec::new(), Vec::new());
         for frame in 0..WARM_UP + frames {
             let pose = motion.gesture(f64::from(frame + 1) / FPS, pivot);
-            let Measured { wall, stages: times, .. } =
+            let MeasuredFrame { wall, stages: times, .. } =
                 scene.measured_frame(&pose, (1.0 / FPS) as f32, camera)?;
             if frame < WARM_UP {
                 continue;
@@ -106,7 +106,7 @@ fn point(scene: &mut Photographer, camera: &Viewpoint, sitting: Sitting<'_>) -> 
             whole.push(wall);
         }
         let detail = scene.detail();
-        rows.push(Times {
+        rows.push(LodTimes {
             strands: detail.strands,
             segments: detail.segments,
             strand_stages: Summary::of(strands),
@@ -120,21 +120,22 @@ fn point(scene: &mut Photographer, camera: &Viewpoint, sitting: Sitting<'_>) -> 
     let pixels = scene.hair_pixels(camera)?;
     let lod = rows.pop().context("two ways")?;
     let full = rows.pop().context("two ways")?;
-    Ok(Point { distance: camera.distance(), frames, pixels, full, lod })
+    Ok(LodPoint { distance: camera.distance(), frames, pixels, full, lod })
 }
 
-/// As tables, with what is to be said of the goal.
-pub fn text(points: &[Point]) -> String {
+/// Formats the results as tables, with a verdict on the goal.
+pub fn text(points: &[LodPoint]) -> String {
     let Some(portrait) = points.first() else { return String::new() };
-    let share = |point: &Point| point.lod.strand_stages.median / portrait.lod.strand_stages.median.max(1e-9);
+    let share =
+        |point: &LodPoint| point.lod.strand_stages.median / portrait.lod.strand_stages.median.max(1e-9);
     let head = [
-        "metres",
+        "meters",
         "pixels",
         "strands",
         "segments",
         "strand stages: full",
         "level",
-        "of the portrait's",
+        "relative to portrait",
         "guide stages: full",
         "level",
         "frame: full",
@@ -142,7 +143,7 @@ pub fn text(points: &[Point]) -> String {
     ];
     let mut rows = vec![head.map(String::from).to_vec()];
     for point in points {
-        let Point { distance, pixels, full, lod, .. } = point;
+        let LodPoint { distance, pixels, full, lod, .. } = point;
         rows.push(vec![
             format!("{distance:.1}"),
             grouped(*pixels as u64),
@@ -165,10 +166,9 @@ pub fn text(points: &[Point]) -> String {
         table(&rows)
     );
     let metres = points.iter().map(|point| format!("{:.1} m", point.distance));
-    let mut rows =
-        vec![std::iter::once("strand stages at their level".into()).chain(metres).collect::<Vec<_>>()];
+    let mut rows = vec![std::iter::once("strand stages, level".into()).chain(metres).collect::<Vec<_>>()];
     for stage in &portrait.lod.stages {
-        let time = |point: &Point| {
+        let time = |point: &LodPoint| {
             point.lod.stages.iter().find(|s| s.name == stage.name).map_or("-".into(), |s| ms(s.time.median))
         };
         rows.push(std::iter::once(stage.name.clone()).chain(points.iter().map(time)).collect());
@@ -177,9 +177,9 @@ pub fn text(points: &[Point]) -> String {
     let (metres, most) = GOAL;
     if let Some(point) = points.iter().find(|point| point.distance == metres) {
         let share = share(point);
-        let verdict = if share <= most { "as wanted, at most" } else { "wanted is at most" };
+        let verdict = if share <= most { "within the goal of at most" } else { "above the goal of at most" };
         text += &format!(
-            "At {metres} m they cost 1/{:.1} of what they cost at {} m; {verdict} 1/{}.\n",
+            "At {metres} m, strand stages cost 1/{:.1} of their cost at {} m; {verdict} 1/{}.\n",
             1.0 / share.max(1e-9),
             portrait.distance,
             1.0 / most
@@ -193,8 +193,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_distance_is_held_against_the_portrait() {
-        let times = |ms: f64| Times {
+    fn distance_is_compared_with_the_portrait() {
+        let times = |ms: f64| LodTimes {
             strands: 20_000,
             segments: 31.0,
             strand_stages: Summary { median: ms, p95: ms },
@@ -203,10 +203,10 @@ mod tests {
             frame: Summary::default(),
         };
         let point =
-            |distance, ms| Point { distance, frames: 1, pixels: 9.0, full: times(100.0), lod: times(ms) };
+            |distance, ms| LodPoint { distance, frames: 1, pixels: 9.0, full: times(100.0), lod: times(ms) };
         let said = |ms| text(&[point(0.6, 100.0), point(15.0, ms)]);
-        assert!(said(10.0).ends_with("1/10.0 of what they cost at 0.6 m; as wanted, at most 1/8.\n"));
-        assert!(said(20.0).ends_with("1/5.0 of what they cost at 0.6 m; wanted is at most 1/8.\n"));
+        assert!(said(10.0).ends_with("1/10.0 of their cost at 0.6 m; within the goal of at most 1/8.\n"));
+        assert!(said(20.0).ends_with("1/5.0 of their cost at 0.6 m; above the goal of at most 1/8.\n"));
         assert!(said(10.0).lines().any(|line| line.split_whitespace().eq(["shadow", "100.0", "10.0"])));
         assert_eq!(text(&[]), "");
     }

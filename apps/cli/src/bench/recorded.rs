@@ -1,44 +1,44 @@
-//! What a frame records, stage by stage: what costs on every driver, whatever it does.
+//! Commands that a frame records, by stage. They cost time on every driver.
 
 use super::table::table;
 use serde::Serialize;
 use tresses::gpu::Counts;
 
-/// What one stage records in one frame.
+/// Commands of one stage in one frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Recorded {
-    /// The stage, as its row of times.
+pub struct StageCommands {
+    /// Name of the stage, as in the table of times.
     pub stage: String,
     /// Compute and render passes.
     pub passes: u32,
-    /// Dispatches, those included whose workgroups the GPU counts.
+    /// Dispatches, including indirect ones.
     pub dispatches: u32,
     /// Draws.
     pub draws: u32,
-    /// Pipelines that are set.
+    /// Pipeline changes.
     pub pipelines: u32,
-    /// Bind groups that are set.
+    /// Bind group changes.
     pub groups: u32,
     /// Copies and fills outside of passes.
     pub transfers: u32,
-    /// Bytes that attachments and transfers move.
+    /// Bytes moved by attachments and transfers.
     pub bytes: u64,
 }
 
-impl From<(&str, Counts)> for Recorded {
+impl From<(&str, Counts)> for StageCommands {
     fn from((stage, counts): (&str, Counts)) -> Self {
         let Counts { passes, dispatches, draws, pipelines, groups, transfers, bytes } = counts;
         Self { stage: stage.into(), passes, dispatches, draws, pipelines, groups, transfers, bytes }
     }
 }
 
-/// As a table with sums; empty where nothing is known.
-pub fn text(stages: &[Recorded]) -> String {
+/// Formats a table with sums; empty without stages.
+pub fn text(stages: &[StageCommands]) -> String {
     if stages.is_empty() {
         return String::new();
     }
     let head = ["recorded", "passes", "dispatches", "draws", "pipelines", "bind groups", "transfers"];
-    let numbers = |of: &Recorded| {
+    let numbers = |of: &StageCommands| {
         [of.passes, of.dispatches, of.draws, of.pipelines, of.groups, of.transfers].map(u64::from)
     };
     let line = |name: &str, numbers: [u64; 6]| {
@@ -56,10 +56,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_frame_is_the_sum_of_its_stages() {
+    fn last_row_sums_all_stages() {
         let counts = Counts { passes: 2, dispatches: 3, groups: 40, ..Counts::default() };
-        let stages =
-            [Recorded::from(("bins", counts)), Recorded { draws: 7, ..Recorded::from(("body", counts)) }];
+        let stages = [
+            StageCommands::from(("bins", counts)),
+            StageCommands { draws: 7, ..StageCommands::from(("body", counts)) },
+        ];
         let text = text(&stages);
         let words: Vec<_> = text.lines().last().unwrap().split_whitespace().collect();
         assert_eq!(words, ["the", "frame", "4", "6", "7", "0", "80", "0"]);

@@ -1,7 +1,7 @@
-//! Times of scenes, stage by stage.
+//! Times of scenes, by stage.
 
 use super::{
-    recorded::{self, Recorded},
+    recorded::{self, StageCommands},
     statistics::Summary,
     table::{ms, table},
 };
@@ -12,29 +12,29 @@ use tresses_scene::words::grouped;
 /// One scene in one or several states.
 #[derive(Debug, Default, Serialize)]
 pub struct Group {
-    /// What it is.
+    /// Name of the scene.
     pub name: String,
-    /// What others have measured on it.
+    /// Published measurements of the scene.
     pub others: String,
-    /// Pixels.
+    /// Image size, pixels.
     pub size: [u32; 2],
-    /// Per pixel of the target.
+    /// Samples per pixel of the target.
     pub samples: u32,
-    /// Pixels of the target per pixel of the picture, along each axis.
+    /// Supersampling factor per axis.
     pub ssaa: u32,
-    /// Simulated.
+    /// Number of guides.
     pub guides: u32,
-    /// Drawn.
+    /// Number of drawn strands.
     pub strands: u32,
-    /// Of each drawn strand.
+    /// Vertices per drawn strand.
     pub vertices_per_strand: u32,
-    /// Of the hair.
+    /// Triangles of the hair.
     pub triangles: u64,
-    /// GPU memory of the groom.
+    /// GPU memory of the groom, bytes.
     pub bytes: u64,
-    /// That divided by the drawn vertices.
+    /// GPU memory per drawn vertex.
     pub bytes_per_vertex: f64,
-    /// At rest, in motion.
+    /// Runs at rest and in motion.
     pub runs: Vec<Run>,
 }
 
@@ -43,54 +43,55 @@ pub struct Group {
 pub struct Run {
     /// At rest, or in motion.
     pub state: String,
-    /// How many were measured.
+    /// Number of measured frames.
     pub frames: u32,
-    /// In order; from GPU timestamps.
+    /// Times per stage from GPU timestamps, in order.
     pub stages: Vec<StageTime>,
-    /// What one of them records.
-    pub recorded: Vec<Recorded>,
-    /// The sum of the stages in each frame.
+    /// Commands recorded by one frame.
+    pub recorded: Vec<StageCommands>,
+    /// Sum of the stages of a frame.
     pub gpu: Summary,
-    /// From recording to the GPU's last answer.
+    /// Time from the start of recording until the GPU is done.
     pub frame: Summary,
 }
 
-/// One stage's time.
+/// Time of one stage.
 #[derive(Debug, Serialize)]
 pub struct StageTime {
-    /// The pass or passes of that name.
+    /// Name of the stage.
     pub name: String,
+    /// Milliseconds.
     #[serde(flatten)]
     pub time: Summary,
 }
 
 impl StageTime {
-    /// Of times stage by stage.
+    /// Summarizes the times of each stage.
     pub fn all(stages: Vec<(&'static str, Vec<f64>)>) -> Vec<Self> {
         let row = |(name, times): (&str, _)| Self { name: name.into(), time: Summary::of(times) };
         stages.into_iter().map(row).collect()
     }
 }
 
-/// One point of the line of strand counts.
+/// Times with one strand count.
 #[derive(Debug, Serialize)]
-pub struct Point {
-    /// Drawn.
+pub struct StrandPoint {
+    /// Number of drawn strands.
     pub strands: u32,
-    /// Milliseconds, the sum of the stages.
+    /// Sum of the stages, milliseconds.
     pub gpu: Summary,
-    /// Milliseconds, whole frame.
+    /// Whole frame, milliseconds.
     pub frame: Summary,
 }
 
-/// So many frames were measured in each of `runs`.
+/// Formats the number of measured frames per run, as a range if it varies.
 pub fn measured(runs: impl Iterator<Item = u32> + Clone) -> String {
     let (fewest, most) = (runs.clone().min().unwrap_or(0), runs.max().unwrap_or(0));
     if fewest == most { format!("{most} frames") } else { format!("{fewest} to {most} frames") }
 }
 
 impl Group {
-    /// As a table.
+    /// Formats the results as a table.
     pub fn text(&self) -> String {
         let [width, height] = self.size;
         let mut text = format!(
@@ -132,7 +133,7 @@ impl Group {
             row("all stages", &|run| run.gpu);
         }
         row("whole frame", &|run| run.frame);
-        // A frame at rest records what one in motion does.
+        // The commands of the last run; runs at rest record the same.
         text + &table(&rows) + &self.runs.last().map_or(String::new(), |run| recorded::text(&run.recorded))
     }
 }

@@ -1,15 +1,15 @@
-//! How everything of one call is measured.
+//! Settings of all measurements of one run.
 
 use indicatif::ProgressBar;
 use tresses::gpu::Clock;
 
-/// How everything of one call is measured.
+/// Settings of all measurements of one run.
 #[derive(Clone, Copy)]
 pub struct Sitting<'a> {
     /// Measured frames per scene.
     pub frames: u32,
-    /// What times are measured by.
+    /// Clock for times on the CPU.
     pub clock: Clock,
-    /// Advances by one with each measured frame.
+    /// Progress bar; advances by one per measured frame.
     pub bar: &'a ProgressBar,
 }

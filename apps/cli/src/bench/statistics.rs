@@ -1,25 +1,25 @@
-//! Medians, percentiles and the exponent of a line of measurements.
+//! Medians, percentiles and line fits of measurements.
 
 use serde::Serialize;
 
 /// Statistics of repeated measurements.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Summary {
-    /// Milliseconds.
+    /// Median, milliseconds.
     pub median: f64,
-    /// Milliseconds; 95 of 100 are at most this.
+    /// 95th percentile, milliseconds.
     pub p95: f64,
 }
 
 impl Summary {
-    /// Of milliseconds in any order; zeros when there are none.
+    /// Summarizes values in milliseconds, in any order; zeros if there are none.
     pub fn of(mut values: Vec<f64>) -> Self {
         values.sort_by(f64::total_cmp);
         Self { median: percentile(&values, 0.5), p95: percentile(&values, 0.95) }
     }
 }
 
-/// Linear between the two nearest ranks of sorted values.
+/// Interpolates linearly between the two nearest ranks of sorted values.
 fn percentile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return 0.0 };
     let rank = share * last as f64;
@@ -27,11 +27,11 @@ fn percentile(sorted: &[f64], share: f64) -> f64 {
     sorted[low] + (sorted[(low + 1).min(last)] - sorted[low]) * rank.fract()
 }
 
-/// The straight line `fixed + slope * x` through points, least squares of the relative error.
+/// Fits the line `fixed + slope * x` to points, by least squares of the relative error.
 pub fn line(points: &[(f64, f64)]) -> (f64, f64) {
     let mut sums = [0.0; 5];
     for (x, y) in points.iter().filter(|(_, y)| *y > 0.0) {
-        // Relative: a millisecond too many weighs more at 1,000 strands than at 100,000.
+        // Relative error: a millisecond weighs more at 1,000 strands than at 100,000.
         let w = 1.0 / (y * y);
         for (sum, term) in sums.iter_mut().zip([w, w * x, w * x * x, w * y, w * x * y]) {
             *sum += term;
@@ -59,7 +59,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_is_found() {
+    fn line_fits_exact_points() {
         let points: Vec<_> = [1e3, 1e4, 1e5].iter().map(|x| (*x, 2.0 + 3e-4 * x)).collect();
         let (fixed, slope) = line(&points);
         assert!((fixed - 2.0).abs() < 1e-6 && (slope - 3e-4).abs() < 1e-10);

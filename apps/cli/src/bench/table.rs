@@ -1,8 +1,8 @@
-//! Tables of text.
+//! Text tables.
 
 use std::fmt::Write;
 
-/// Milliseconds with three significant digits or so.
+/// Formats milliseconds with about three significant digits.
 pub fn ms(value: f64) -> String {
     let digits = if value < 1.0 {
         3
@@ -14,7 +14,7 @@ pub fn ms(value: f64) -> String {
     format!("{value:.digits$}")
 }
 
-/// Columns of equal width: the first to the left, the others to the right.
+/// Formats rows as columns, the first aligned left and the others right.
 pub fn table(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |c: usize| rows.iter().filter_map(|row| row.get(c)).map(|v| v.chars().count()).max();

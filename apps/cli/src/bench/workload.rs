@@ -1,9 +1,9 @@
-//! What is measured: the two scenes of the 2008 talk, a peer's, and a line of strand counts.
+//! Measured scenes: the two scenes of the 2008 talk, a WebGPU peer's scene, presets, and a series of strand counts.
 
 use super::{
-    args::Args,
-    recorded::Recorded,
-    results::{Group, Point, Run, StageTime},
+    args::BenchArgs,
+    recorded::StageCommands,
+    results::{Group, Run, StageTime, StrandPoint},
     sitting::Sitting,
     statistics::Summary,
 };
@@ -13,39 +13,42 @@ use std::{path::PathBuf, time::Instant};
 use tresses::{character::source::strands_for, lod::LodMode};
 use tresses_scene::{Motion, Preset, Settings, Source, Viewpoint, camera::Angle};
 
-/// Frames before the first that counts: shaders are compiled, caches and clocks are warm.
+/// Warm-up frames, in which shaders are compiled.
 pub const WARM_UP: u32 = 2;
 
-/// After this many seconds and at least [`LEAST`] frames no more are measured: a software driver's
+/// Time limit of a scene, seconds. After it, at least [`LEAST`] frames are measured and no more: a software driver's
 /// frames take seconds.
 const LONG: f64 = 10.0;
 const LEAST: usize = 5;
 
-/// Frames per second of the motion that is measured.
+/// Frames per second of the measured motion.
 pub const FPS: f64 = 60.0;
 
 /// One scene to measure.
 pub struct Workload {
+    /// Name for the report.
     pub name: String,
     others: &'static str,
+    /// Hair and settings.
     pub preset: Preset,
-    /// Draw as many strands as make about this many triangles.
+    /// Chooses the strand count for about this many triangles.
     triangles: Option<u64>,
+    /// Image size, pixels.
     pub size: Size,
-    /// Metres; `None` for that of a portrait.
+    /// Distance of the camera, meters; `None` for a portrait.
     pub distance: Option<f32>,
-    /// The names of states and of their motions.
+    /// Names of the states and their motions.
     pub runs: Vec<(&'static str, &'static str)>,
 }
 
-/// How pictures are antialiased.
+/// Options of antialiasing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Edges {
-    /// Samples per pixel and coverage, as the table of parameters names them; `None` for those of the command.
+    /// Samples per pixel and coverage, as named by the parameters; `None` for the defaults of the command.
     pub modes: Option<(&'static str, &'static str)>,
-    /// Layers that are peeled; `None` for as many as are usual.
+    /// Number of peeled layers; `None` for the default.
     pub layers: Option<u32>,
-    /// Pixels drawn per pixel shown, along each axis; `None` for one.
+    /// Supersampling factor per axis; `None` for the default.
     pub ssaa: Option<u32>,
 }
 
@@ -62,19 +65,19 @@ impl Edges {
     }
 }
 
-/// Masks with `samples` and supersampling by `ssaa`; figures of others are those of samples alone.
+/// Returns sample masks with `samples` and supersampling by `ssaa`. Published figures have no supersampling.
 pub fn masks(samples: &'static str, ssaa: u32) -> Edges {
     Edges { modes: Some((samples, "mask")), ssaa: Some(ssaa), layers: None }
 }
 
-/// What is measured of `source`: all of it at any distance, with those `edges`.
+/// Returns a preset of `source` with `edges`, without level of detail.
 pub fn preset(source: Source, edges: Edges) -> Preset {
     let mut settings = edges.settings();
     settings.lod.mode = LodMode::Off;
     Preset { source, settings, name: None }
 }
 
-/// The built-in long style, with as many strands as it has or as are asked for.
+/// Returns the built-in long style, with its own or the given number of strands.
 pub fn style(strands: Option<u32>, edges: Edges) -> Preset {
     let mut preset = preset(Source { style: Some("long".into()), ..Source::default() }, edges);
     if let Some(strands) = strands {
@@ -83,7 +86,7 @@ pub fn style(strands: Option<u32>, edges: Edges) -> Preset {
     preset
 }
 
-/// The two scenes of the 2008 talk.
+/// Returns the two scenes of the 2008 talk.
 pub fn seed() -> Vec<Workload> {
     let runs = vec![("at rest", "still"), ("in motion", "turn")];
     vec![
@@ -108,9 +111,9 @@ pub fn seed() -> Vec<Workload> {
     ]
 }
 
-/// A groom with every strand simulated, at the size and samples of a WebGPU peer: as it draws strips, and as the
-/// command draws.
-pub fn peer(args: &Args) -> Option<[Workload; 2]> {
+/// Returns a groom with every strand simulated, at the size and sample count of a WebGPU peer: with the peer's way of
+/// drawing, and with the command's default.
+pub fn peer(args: &BenchArgs) -> Option<[Workload; 2]> {
     let (grooms, heads) = if args.grooms.is_empty() {
         let folder = PathBuf::from(std::env::var_os("TRESSES_ASSETS")?).join("sintel");
         let groom = folder.join("SintelHairOriginal-sintel_hair.16points.tfx");
@@ -146,7 +149,7 @@ pub fn peer(args: &Args) -> Option<[Workload; 2]> {
     ])
 }
 
-/// The built-in long style as the command draws it.
+/// Returns the built-in long style as the command draws it.
 pub fn long() -> Workload {
     Workload {
         name: "The style long".into(),
@@ -159,8 +162,8 @@ pub fn long() -> Workload {
     }
 }
 
-/// The hair and the settings of the preset at `path`.
-pub fn own(path: &PathBuf, args: &Args) -> Result<Workload> {
+/// Returns the hair and settings of the preset at `path`.
+pub fn of_preset(path: &PathBuf, size: Size, distance: Option<f32>) -> Result<Workload> {
     let preset = preset_args::open(Some(path))?;
     let name = preset.name.clone().unwrap_or_else(|| path.display().to_string());
     Ok(Workload {
@@ -168,13 +171,13 @@ pub fn own(path: &PathBuf, args: &Args) -> Result<Workload> {
         others: "",
         preset,
         triangles: None,
-        size: args.size,
-        distance: args.distance,
+        size,
+        distance,
         runs: vec![("at rest", "still"), ("in motion", "turn")],
     })
 }
 
-/// The counts of the line.
+/// Returns the strand counts of the series.
 pub fn strand_counts(quick: bool) -> Vec<u32> {
     if quick { vec![1_000, 10_000, 100_000] } else { vec![1_000, 3_000, 10_000, 30_000, 100_000] }
 }
@@ -212,15 +215,15 @@ pub fn measure(workload: &Workload, sitting: Sitting<'_>) -> Result<Group> {
 }
 
 /// Measures the long style with `strands` strands.
-pub fn point(strands: u32, sitting: Sitting<'_>) -> Result<Point> {
+pub fn point(strands: u32, sitting: Sitting<'_>) -> Result<StrandPoint> {
     let size = Size { width: 1280, height: 720 };
     let mut scene = Photographer::with_samples_at_most(&style(Some(strands), Edges::default()), size)?;
     let camera = camera(&scene, size, None);
     let run = run(&mut scene, "in motion", "turn", &camera, sitting)?;
-    Ok(Point { strands: scene.facts().strands, gpu: run.gpu, frame: run.frame })
+    Ok(StrandPoint { strands: scene.facts().strands, gpu: run.gpu, frame: run.frame })
 }
 
-/// A portrait, or the same direction from `distance` metres.
+/// Returns a portrait camera, or the same direction from `distance` meters.
 pub fn camera(scene: &Photographer, size: Size, distance: Option<f32>) -> Viewpoint {
     let portrait = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), size.aspect(), 1.0);
     distance.map_or(portrait, |metres| portrait.moved(metres))
@@ -266,7 +269,7 @@ pub fn run(
         state: state.into(),
         frames: walls.len() as u32,
         stages: StageTime::all(stages),
-        recorded: counts.into_iter().map(Recorded::from).collect(),
+        recorded: counts.into_iter().map(StageCommands::from).collect(),
         gpu: Summary::of(sums),
         frame: Summary::of(walls),
     })

@@ -1,52 +1,51 @@
-//! Differences between two pictures.
+//! Differences between two images.
 
 use crate::picture::Picture;
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8};
 use serde::Serialize;
 
-/// The mean FLIP difference (Andersson et al. 2020), 0 for equal and 1 for opposite pictures, as
-/// seen with 67 pixels to a degree.
+/// Mean FLIP difference (Andersson et al. 2020): 0 for equal and 1 for opposite images, at 67 pixels per degree.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Difference {
-    /// Over the whole picture.
+    /// Mean of all pixels.
     pub picture: f64,
-    /// Over the pixels of hair.
+    /// Mean of the hair pixels.
     pub hair: f64,
 }
 
-/// Radiance.
+/// Linear radiance.
 pub struct Linear {
-    /// Pixels in a row.
+    /// Pixels per row.
     pub width: u32,
-    /// Rows from the top, linear red, green and blue.
+    /// Rows from the top, linear RGB.
     pub pixels: Vec<[f32; 3]>,
 }
 
 impl Linear {
-    /// Width and height, pixels.
+    /// Returns width and height, pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.pixels.len() as u32 / self.width.max(1))
     }
 
-    /// Rec. 709.
+    /// Returns the Rec. 709 luminance.
     pub fn luminance(&self, pixel: usize) -> f64 {
         let [r, g, b] = self.pixels[pixel].map(f64::from);
         0.2126 * r + 0.7152 * g + 0.0722 * b
     }
 }
 
-/// The indices of the pixels in which `mask` is more than half.
+/// Returns the indices of pixels whose mask value exceeds one half.
 pub fn hair(mask: &Picture) -> impl Iterator<Item = usize> {
     mask.rgba.as_chunks::<4>().0.iter().enumerate().filter(|(_, rgba)| rgba[0] > 127).map(|(i, _)| i)
 }
 
-/// 0 of none.
+/// Returns the mean, 0 without values.
 pub fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
     sum / f64::from(count.max(1))
 }
 
-/// The difference of `test` from `reference`, and a map of it.
+/// Returns the difference of `test` from `reference`, and an image of it.
 pub fn flip(reference: &Picture, test: &Picture, mask: &Picture) -> (Difference, Picture) {
     let (width, height) = (reference.width, reference.height);
     let image = |picture: &Picture| FlipImageRgb8::with_data(width, height, &picture.rgb());
@@ -74,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_pictures_do_not_differ_and_others_do() {
+    fn flip_is_zero_only_for_equal_images() {
         let mask = flat(255, 0);
         let (same, _) = flip(&flat(90, 90), &flat(90, 90), &mask);
         assert_eq!(same, Difference { picture: 0.0, hair: 0.0 });

@@ -1,10 +1,10 @@
-//! `tresses compare`: our pictures beside path-traced ones of the same hair, camera and lights, with
-//! the perceived difference (FLIP), and what hair and skin have of light ([`tones`]): of all lights, and of each alone
-//! where the reference has that.
+//! `tresses compare`: compares renders with path-traced ones of the same hair, camera and lights. It reports the
+//! perceived difference (FLIP) and the light on hair and skin ([`tones`]), for all lights together and for each light
+//! alone where the reference has that.
 //!
-//! Strands and head are read unchanged from the files that the reference names: nothing is oriented, simulated
-//! or fitted, so only rendering differs. Where the reference has singly scattered light, with shadows and
-//! without, the fractions that arrive are compared too ([`share`]).
+//! Strands and head are read unchanged from the files that the reference names. Nothing is oriented, simulated or
+//! fitted, so only rendering differs. If the reference has single-scattering images with and without shadows, the
+//! transmitted fractions are compared too ([`share`]).
 
 mod metrics;
 mod rig;
@@ -20,23 +20,23 @@ use crate::{
 use anyhow::{Context, Result, ensure};
 use metrics::{Difference, Linear};
 use rig::Rig;
-use scenes::{Folders, Pair, Scenes, WantedView};
+use scenes::{Folders, Pair, ReferenceView, Scenes};
 use serde::Serialize;
 use share::Share;
 use std::{fmt::Write, path::PathBuf};
 use tones::{Regions, Tones};
 use tresses_scene::knobs::Flag;
 
-/// The options of `tresses compare`.
+/// Options of `tresses compare`.
 #[derive(clap::Args, Debug)]
-pub struct Args {
-    /// The description of the reference pictures (scenes.json); they lie beside it
+pub struct CompareArgs {
+    /// Description of the reference images (scenes.json), in the same folder as the images
     #[arg(value_name = "FILE")]
     pub scenes: PathBuf,
-    /// The folder of the grooms it calls assets [default: $TRESSES_ASSETS]
+    /// Folder of the grooms that the description calls assets [default: $TRESSES_ASSETS]
     #[arg(long, value_name = "FOLDER")]
     pub assets: Option<PathBuf>,
-    /// Only this picture; may be repeated [default: all that show all of the light]
+    /// Compare only this image; may be repeated [default: all images with all lights]
     #[arg(long, value_name = "NAME")]
     pub only: Vec<String>,
     /// Samples per pixel: 1, 4, 8 or 16 [default: 8, or as many as the adapter offers]
@@ -44,7 +44,7 @@ pub struct Args {
     pub samples: Option<u32>,
     #[command(flatten)]
     pub shading: RowFlags<Shading>,
-    /// Folder for ours, the reference and the map of the difference side by side, a picture each
+    /// Folder for side-by-side images of render, reference and difference
     #[arg(long, value_name = "FOLDER")]
     pub out: Option<PathBuf>,
     /// Print JSON instead of a table
@@ -52,7 +52,7 @@ pub struct Args {
     pub json: bool,
 }
 
-/// The parameters that pictures are compared with.
+/// The parameters that `compare` has flags for.
 #[derive(Clone, Debug, Default)]
 pub struct Shading;
 
@@ -63,37 +63,37 @@ impl Rows for Shading {
     }
 }
 
-/// One view, ours against the reference.
+/// One view, our render against the reference.
 #[derive(Debug, Serialize)]
 struct Row {
     name: String,
-    /// Of pictures as they are shown; none of a light alone.
+    /// FLIP difference; `None` for images of a single light.
     #[serde(flatten)]
     difference: Option<Difference>,
     ours: Tones,
     reference: Tones,
 }
 
-/// All that was found.
+/// All results.
 #[derive(Debug, Default, Serialize)]
 struct Report {
-    /// All of the light.
+    /// Views with all lights.
     views: Vec<Row>,
-    /// One light alone.
+    /// Views with one light alone.
     lights: Vec<Row>,
-    /// How much of one light arrives.
+    /// Transmitted fractions of single lights.
     shares: Vec<Share>,
 }
 
 /// Runs `tresses compare`.
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(args: &CompareArgs) -> Result<()> {
     let assets = args.assets.clone().or_else(|| std::env::var_os("TRESSES_ASSETS").map(PathBuf::from));
     let folders = Folders { scenes: &args.scenes, assets: assets.as_deref() };
     let scenes = Scenes::read(&args.scenes)?;
     let (views, pairs) = (scenes.views(&args.only)?, scenes.pairs(&args.only)?);
     ensure!(
         !(views.is_empty() && pairs.is_empty()),
-        "{}: nothing can be compared with what was asked for",
+        "{}: no image matches the options",
         args.scenes.display()
     );
     let bar = progress::frames("comparing", (views.len() + pairs.len()) as u64);
@@ -107,7 +107,7 @@ pub fn run(args: &Args) -> Result<()> {
         let mask = folders.mask(view, (ours.width, ours.height))?;
         ensure!(
             (ours.width, ours.height) == (reference.width, reference.height),
-            "{}: the reference is {} × {} pixels, its description says {} × {}",
+            "{}: the reference is {} × {} pixels, but its description says {} × {}",
             view.name,
             reference.width,
             reference.height,
@@ -128,7 +128,7 @@ pub fn run(args: &Args) -> Result<()> {
         for one in view.alone() {
             let linear = stage.radiance(&one, &scenes, &args.shading)?;
             let radiance = folders.radiance(one.name, size)?;
-            // How noisy it is alone is not said.
+            // The noise of images of a single light is unknown.
             report.lights.push(row(one.name, None, None, &linear, &radiance.linear));
         }
         if let Some(folder) = &args.out {
@@ -156,10 +156,10 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// The stage with the groom of `view`: pictures of one groom follow each other.
+/// Returns the rig with the groom of `view`. Consecutive views of one groom share it.
 fn stage<'a>(
     last: &'a mut Option<Rig>,
-    view: &WantedView<'_>,
+    view: &ReferenceView<'_>,
     folders: &Folders<'_>,
     samples: Option<u32>,
 ) -> Result<&'a mut Rig> {
@@ -170,7 +170,7 @@ fn stage<'a>(
 }
 
 impl Report {
-    /// As tables.
+    /// Formats the results as tables.
     fn text(&self) -> String {
         let mut text = String::new();
         let views = self.views.iter().chain(&self.lights).map(|row| &row.name);
@@ -202,15 +202,15 @@ impl Report {
         if !self.views.is_empty() {
             let _ = writeln!(
                 text,
-                "\nLuminance is linear; what follows is ours over the reference's: of hair, of the dimmest and the \
-                 brightest tenth of its pixels, contrast of what is finer than five pixels (the reference's noise \
-                 taken off), skin without hair"
+                "\nLuminance is linear. The following columns are ratios, ours over the reference's: hair, the dimmest and the \
+                 brightest tenth of its pixels, contrast of details finer than five pixels (without the reference's \
+                 noise), and skin without hair"
             );
         }
         if !self.shares.is_empty() {
             let _ = writeln!(
                 text,
-                "\nThe share of a light that arrives (scattered once, with shadows over without)\n\
+                "\nTransmitted fraction of each light (single scattering, with shadows over without)\n\
                  {:wide$}  {:>8}  {:>9}  {:>10}  {:>10}",
                 "", "ours", "reference", "mean error", "unshadowed"
             );

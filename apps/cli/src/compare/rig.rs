@@ -1,9 +1,9 @@
-//! A groom of the reference on the GPU, and its pictures.
+//! A groom of the reference on the GPU, and renders of it.
 
 use super::Shading;
 use super::{
     metrics::Linear,
-    scenes::{Folders, Groom as Description, Radius, Scenes, WantedView},
+    scenes::{Folders, Groom as Description, Radius, ReferenceView, Scenes},
 };
 use crate::{flags::RowFlags, picture::Picture, settings_args::apply_rows};
 use anyhow::{Context as _, Error, Result, ensure};
@@ -15,7 +15,7 @@ use tresses::{
     character,
     collide::ColliderPoses,
     draw::Coverage,
-    frame::{Shows, Sight},
+    frame::{ViewContent, ViewPass},
     glam::{Affine3A, Mat4, Vec3},
     gpu::{Gpu, readback::blocking as readback},
     groom::{
@@ -28,17 +28,17 @@ use tresses::{
     present::Background,
     simulate::SimulationParams,
     view::{Picture as Shot, ViewOptions},
-    views::{DebugView, DebugViews, Shown},
+    views::{DebugDisplay, DebugView, DebugViews},
 };
 use tresses_scene::{Settings, knobs};
 
-/// What the pictures are read from.
+/// Format of the output texture.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
-/// Exposure at which no highlight reaches the tone curve's shoulder.
+/// Exposure at which no highlight reaches the shoulder of the tone curve.
 const DIM: f32 = 1.0 / 64.0;
-/// Softness of shadows on bodies, metres: the reference's lights have no extent.
+/// Filter radius of shadows on bodies, meters. The reference has lights without extent.
 const POINT: f32 = 0.0005;
-/// Points of the curve per segment of its control polygon.
+/// Curve segments per segment of the control polygon.
 const FINER: usize = 2;
 
 /// A groom of the reference, at rest.
@@ -49,21 +49,21 @@ pub struct Rig {
     body: Body,
     view: View,
     output: wgpu::Texture,
-    /// Metres per unit of the description.
+    /// Meters per unit of the description.
     unit: f32,
     focus: Sphere,
 }
 
 impl Rig {
-    /// Brings the groom of `view` to the GPU.
-    pub fn new(view: &WantedView<'_>, folders: &Folders<'_>, samples: Option<u32>) -> Result<Self> {
+    /// Uploads the groom of `view`.
+    pub fn new(view: &ReferenceView<'_>, folders: &Folders<'_>, samples: Option<u32>) -> Result<Self> {
         let gpu = pollster::block_on(Gpu::open())?;
         let context = gpu.context;
         let most = context.tier().max_samples;
         let samples = samples.unwrap_or(most.min(8));
         ensure!(
             samples <= most,
-            "--samples is {samples}, but {} offers at most {most} per pixel",
+            "--samples is {samples}, but {} supports at most {most} per pixel",
             gpu.info.name
         );
         let unit = view.groom.unit()?;
@@ -99,15 +99,15 @@ impl Rig {
         Ok(Self { name, context, hair, body, view: eye, output, unit, focus })
     }
 
-    /// Name of the groom.
+    /// Returns the name of the groom.
     pub fn groom(&self) -> &str {
         &self.name
     }
 
-    /// The picture as the reference's PNG files are made.
+    /// Renders an image like the reference's PNG files.
     pub fn draw(
         &mut self,
-        view: &WantedView<'_>,
+        view: &ReferenceView<'_>,
         scenes: &Scenes,
         shading: &RowFlags<Shading>,
     ) -> Result<Picture> {
@@ -119,10 +119,10 @@ impl Rig {
         Ok(Picture { width, height, rgba })
     }
 
-    /// The radiance before black.
+    /// Renders linear radiance in front of black.
     pub fn radiance(
         &mut self,
-        view: &WantedView<'_>,
+        view: &ReferenceView<'_>,
         scenes: &Scenes,
         shading: &RowFlags<Shading>,
     ) -> Result<Linear> {
@@ -130,23 +130,23 @@ impl Rig {
         Ok(radiance(self.view.targets().size[0], &self.shown(&scene, None)?))
     }
 
-    /// The radiance of light that one fibre has scattered, with shadows and without.
+    /// Renders single-scattered radiance, with and without shadows.
     pub fn draw_once(
         &mut self,
-        view: &WantedView<'_>,
+        view: &ReferenceView<'_>,
         scenes: &Scenes,
         shading: &RowFlags<Shading>,
     ) -> Result<[Linear; 2]> {
         let scene = dim(self.scene(view, scenes, shading)?);
         let width = self.view.targets().size[0];
-        // Light that a body has thrown is scattered twice.
+        // Ambient light includes light reflected by bodies, which is scattered twice.
         let shadows = Shadows { ambient: false, ..scene.shadows };
         let off = Shadows { method: ShadowMethod::Off, ..shadows };
         let mut views = DebugViews::new(&self.context, FORMAT)?;
         let mut once = |shadows: Shadows| -> Result<Linear> {
             let scene = Shot { shadows, ..scene };
-            // All light but that which several fibres have scattered. The body is in each picture: where hair
-            // adds nothing, as of a sky that is black, it is alone.
+            // Direct light minus multiple scattering. The subtraction also removes the body, so add it back: the sky is
+            // black here, so the `Sky` view shows only the body.
             let [all, many, none] = [DebugView::Direct, DebugView::Multiple, DebugView::Sky]
                 .map(|view| self.shown(&scene, Some((&mut views, view))));
             let [all, many, none] = [all?, many?, none?].map(|pixels| radiance(width, &pixels));
@@ -157,8 +157,13 @@ impl Rig {
         Ok([once(shadows)?, once(off)?])
     }
 
-    /// What `view` shows; its material is the hair's from here on.
-    fn scene(&mut self, view: &WantedView<'_>, scenes: &Scenes, shading: &RowFlags<Shading>) -> Result<Shot> {
+    /// Returns the scene of `view`, and sets the material of the hair.
+    fn scene(
+        &mut self,
+        view: &ReferenceView<'_>,
+        scenes: &Scenes,
+        shading: &RowFlags<Shading>,
+    ) -> Result<Shot> {
         let mut settings = material(view.material)?;
         apply_rows(shading, &mut settings)?;
         let options = ViewOptions {
@@ -171,13 +176,13 @@ impl Rig {
         let place = |p: [f32; 3]| Vec3::from(p) * self.unit;
         let (eye, target) = (place(camera.origin), place(camera.target));
         let light = |name: &str| -> Result<Directional> {
-            let light = view.groom.lights.get(name).with_context(|| format!("no light {name}"))?;
+            let light = view.groom.lights.get(name).with_context(|| format!("there is no light {name}"))?;
             Ok(Directional {
                 direction: light.direction_to_light.into(),
                 irradiance: light.irradiance_rgb.into(),
             })
         };
-        ensure!(view.lights.len() <= MAX_LIGHTS, "{} has more lights than can be drawn", view.name);
+        ensure!(view.lights.len() <= MAX_LIGHTS, "{}: too many lights", view.name);
         let mut directional = [Directional::OFF; MAX_LIGHTS];
         for (place, name) in directional.iter_mut().zip(view.lights) {
             *place = light(name)?;
@@ -199,14 +204,14 @@ impl Rig {
         })
     }
 
-    /// Draws `scene`, or what a view shows of it; sRGB, from 0 to 1.
+    /// Renders `scene`, or a debug view of it. Returns sRGB values from 0 to 1.
     fn shown(
         &mut self,
         scene: &Shot,
         mut shown: Option<(&mut DebugViews, DebugView)>,
     ) -> Result<Vec<[f32; 3]>> {
         self.record(scene, shown.as_mut().map(|(views, which)| (&mut **views, *which)))?;
-        // What is denser than anything before has been given room by now.
+        // If bins overflowed, the view has enlarged them by now, so render again.
         if !pollster::block_on(self.view.is_complete())? {
             self.record(scene, shown)?;
         }
@@ -220,7 +225,7 @@ impl Rig {
             .collect())
     }
 
-    /// Hands in what draws it.
+    /// Records and submits a frame.
     fn record(&mut self, scene: &Shot, shown: Option<(&mut DebugViews, DebugView)>) -> Result<()> {
         let context = self.context.clone();
         let mut encoder = context.device().create_command_encoder(&Default::default());
@@ -234,30 +239,30 @@ impl Rig {
         };
         recorder.advance(&mut self.hair, &frame)?;
         let output = self.output.create_view(&Default::default());
-        let shown = shown.map(|(views, which)| (views, Shown::new(which)));
+        let shown = shown.map(|(views, which)| (views, DebugDisplay::new(which)));
         let shows = match shown {
-            None => Shows::Hair,
-            Some((views, ref shown)) => Shows::Inside(views, shown),
+            None => ViewContent::Hair,
+            Some((views, ref shown)) => ViewContent::Inside(views, shown),
         };
-        let sight = Sight { output: Some(&output), shows, ..Sight::new(&self.view, scene) };
+        let sight = ViewPass { output: Some(&output), shows, ..ViewPass::new(&self.view, scene) };
         recorder.draw(&[&self.hair], &[&self.body], sight)?;
         context.queue().submit([encoder.finish()]);
         Ok(())
     }
 }
 
-/// `scene` before black, at [`DIM`].
+/// Returns `scene` in front of black, at the exposure [`DIM`].
 fn dim(scene: Shot) -> Shot {
     let tone = ToneMap { exposure: DIM, shoulder: 0.99, desaturation: 0.0 };
     Shot { background: Background::flat(Vec3::ZERO), tone, ..scene }
 }
 
-/// What the pixels of a picture at [`DIM`] were before tone mapping.
+/// Recovers the radiance of an image rendered at [`DIM`].
 fn radiance(width: u32, dim: &[[f32; 3]]) -> Linear {
     Linear { width, pixels: dim.iter().map(|rgb| rgb.map(|v| linear(v) / DIM)).collect() }
 }
 
-/// In which strands differ from each other and from root to tip; the reference's do not.
+/// Settings that make all strands alike from root to tip, as in the reference.
 const UNIFORM: [(&str, &str); 5] = [
     ("shading.root_pigment", "1"),
     ("shading.tip_pigment", "1"),
@@ -266,7 +271,7 @@ const UNIFORM: [(&str, &str); 5] = [
     ("shading.highlight_spread", "0"),
 ];
 
-/// Ours that comes closest to a material of the reference.
+/// Returns the settings that come closest to a material of the reference.
 fn material(name: &str) -> Result<Settings> {
     let name = if name == "brunette" { "brown" } else { name };
     let mut settings = Settings::default();
@@ -279,12 +284,12 @@ fn material(name: &str) -> Result<Settings> {
     Ok(settings)
 }
 
-/// The strands as the reference draws them: uniform cubic B-splines from the first to the last
-/// vertex, the end points mirrored, with radii that fall evenly. Metres.
+/// Returns the strands as the reference draws them: uniform cubic B-splines from the first to the last vertex, with
+/// mirrored end points and linearly decreasing radii. Meters.
 fn curves(strands: &Strands, groom: &Description, unit: f32) -> Strands {
     let mut curves = Strands::default();
     let most = strands.iter().map(<[Vec3]>::len).max().unwrap_or(0);
-    // Strands that have as many vertices as can be drawn are fine enough themselves.
+    // Strands that already have the maximum number of vertices are fine enough.
     let finer = if (most.max(1) - 1) * FINER < MAX_STRAND_VERTICES as usize { FINER } else { 1 };
     for strand in strands.iter() {
         let last = strand.len() - 1;
@@ -314,7 +319,7 @@ fn curves(strands: &Strands, groom: &Description, unit: f32) -> Strands {
     curves
 }
 
-/// The head of the reference, each part in its colour.
+/// Returns the head of the reference, each part in its color.
 fn head(groom: &Description, folders: &Folders<'_>, options: &ImportOptions, unit: f32) -> Result<TriMesh> {
     let parts = groom.head_parts.iter().map(|part| {
         let (mut mesh, _) = import::read_head(&[folders.beside(&part.file)], options)?;
@@ -332,7 +337,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn curves_begin_and_end_at_the_strands_ends() {
+    fn curves_interpolate_the_strand_ends() {
         let mut strands = Strands::default();
         strands.push(&[Vec3::ZERO, Vec3::X, Vec3::new(2.0, 1.0, 0.0), Vec3::new(2.0, 2.0, 0.0)]);
         let groom: Description = serde_json::from_value(serde_json::json!({
@@ -345,7 +350,7 @@ mod tests {
         let line = curves.strand(0);
         assert_eq!(line.len(), 7);
         assert!(line[0].length() < 1e-6 && line[6].distance(strands.positions[3]) < 1e-6);
-        // A B-spline's knot is a sixth, two thirds and a sixth of its neighbours.
+        // At a knot, the weights of a cubic B-spline are 1/6, 2/3 and 1/6.
         let knot = (strands.positions[0] + 4.0 * strands.positions[1] + strands.positions[2]) / 6.0;
         assert!(line[2].distance(knot) < 1e-6);
         assert_eq!((curves.radii[0], curves.radii[6]), (1.0, 0.5));

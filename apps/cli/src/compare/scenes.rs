@@ -1,4 +1,4 @@
-//! The description of the reference pictures, and the locations of the files that it names.
+//! The description of the reference images, and the paths of the files that it names.
 
 use super::metrics::Linear;
 use crate::picture::{self, Picture};
@@ -9,71 +9,71 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// All of it.
+/// Description of the reference.
 #[derive(Debug, Deserialize)]
 pub struct Scenes {
-    /// Behind everything, linear.
+    /// Background radiance, linear.
     pub background_linear: f32,
-    /// From everywhere, linear.
+    /// Radiance of the uniform environment, linear.
     pub environment_radiance_rgb: [f32; 3],
     grooms: BTreeMap<String, Groom>,
     pictures: BTreeMap<String, Shot>,
 }
 
-/// One groom on its head, in its own unit.
+/// A groom and its head, in the groom's unit.
 #[derive(Debug, Deserialize)]
 pub struct Groom {
     scale_note: String,
     strand_file: String,
-    /// Of every strand.
+    /// Radius of all strands.
     pub radius: Radius,
-    /// Where the picture is taken from.
-    pub camera: WantedCamera,
-    /// By name.
+    /// The camera.
+    pub camera: PinholeCamera,
+    /// Lights by name.
     pub lights: BTreeMap<String, Light>,
-    /// What is drawn with the hair.
-    pub head_parts: Vec<Part>,
+    /// Meshes drawn with the hair.
+    pub head_parts: Vec<MatteMesh>,
 }
 
-/// Linear in the vertex index.
+/// Strand radius, linear in the vertex index.
 #[derive(Clone, Copy, Debug, Deserialize)]
 pub struct Radius {
-    /// In the groom's unit.
+    /// At the root, in the groom's unit.
     pub root: f32,
-    /// In the groom's unit.
+    /// At the tip, in the groom's unit.
     pub tip: f32,
 }
 
-/// A pinhole camera, upright.
+/// An upright pinhole camera.
 #[derive(Debug, Deserialize)]
-pub struct WantedCamera {
-    /// Where it is.
+pub struct PinholeCamera {
+    /// Position of the camera.
     pub origin: [f32; 3],
-    /// What it looks at.
+    /// Point that the camera looks at.
     pub target: [f32; 3],
-    /// Degrees.
+    /// Vertical field of view, degrees.
     pub vertical_fov_degrees: f32,
     /// Width and height, pixels.
     pub resolution: [u32; 2],
 }
 
-/// A light with parallel rays.
+/// A directional light.
 #[derive(Debug, Deserialize)]
 pub struct Light {
-    /// Unit.
+    /// Direction to the light, unit length.
     pub direction_to_light: [f32; 3],
-    /// On a plane that faces it, linear.
+    /// Irradiance on a plane that faces the light, linear.
     pub irradiance_rgb: [f32; 3],
 }
 
-/// A matt mesh.
+/// A diffuse mesh.
 #[derive(Debug, Deserialize)]
-pub struct Part {
-    /// Beside the description.
+pub struct MatteMesh {
+    /// Path relative to the description.
     pub file: PathBuf,
-    /// Linear.
+    /// Reflectance, linear.
     pub reflectance_rgb: [f32; 3],
-    /// Its place, in the groom's unit.
+    /// Transform to world space, in the groom's unit.
     pub to_world_row_major: [[f32; 4]; 4],
 }
 
@@ -89,17 +89,17 @@ struct Shot {
     mean_rgb_hair_pixels: [f64; 3],
     #[serde(default)]
     noise: Noise,
-    /// The same picture by each light alone.
+    /// Images of the same view with each light alone.
     #[serde(default)]
     per_light_files: Vec<PathBuf>,
-    /// Two: light that one surface has scattered, once.
+    /// Maximum path depth; 2 means single scattering.
     #[serde(default)]
     max_depth: u32,
     #[serde(default = "yes")]
     shadow_rays: bool,
 }
 
-/// How far pixels are off because paths are few.
+/// Noise of the path tracer.
 #[derive(Debug, Default, Deserialize)]
 struct Noise {
     #[serde(default)]
@@ -110,40 +110,40 @@ fn yes() -> bool {
     true
 }
 
-/// One picture that can be compared.
+/// A view to compare.
 #[derive(Clone, Copy)]
-pub struct WantedView<'a> {
-    /// Of the picture.
+pub struct ReferenceView<'a> {
+    /// Name of the image.
     pub name: &'a str,
-    /// Of the groom.
+    /// Name of the groom.
     pub groom_name: &'a str,
     /// The groom.
     pub groom: &'a Groom,
     /// Name of the hair's material.
     pub material: &'a str,
-    /// Names of the lights that are on.
+    /// Names of the active lights.
     pub lights: &'a [String],
-    /// Whether the environment is.
+    /// Whether the environment is on.
     pub environment: bool,
-    /// By how much of their radiance the hair's pixels are off, root mean square.
+    /// Root-mean-square error of the hair pixels, relative to their mean radiance.
     pub noise: f64,
-    /// The same picture by each light alone.
+    /// Images of the same view with each light alone.
     alone: &'a [PathBuf],
 }
 
-/// A picture of the reference as it was computed, before nothing.
+/// A linear image of the reference, in front of nothing.
 pub struct Reference {
-    /// Its radiance.
+    /// Radiance.
     pub linear: Linear,
-    /// The share of each pixel that hair or a body covers.
+    /// Coverage of each pixel by hair and bodies.
     pub alpha: Vec<f32>,
 }
 
-/// Two pictures of light that is scattered once, with shadows and without.
+/// Two single-scattering images, with and without shadows.
 pub struct Pair<'a> {
-    /// The one with shadows.
-    pub view: WantedView<'a>,
-    /// The name of the other.
+    /// The view with shadows.
+    pub view: ReferenceView<'a>,
+    /// Name of the image without shadows.
     pub unshadowed: &'a str,
 }
 
@@ -151,14 +151,15 @@ impl Scenes {
     /// Reads a description.
     pub fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read(path).with_context(|| path.display().to_string())?;
-        serde_json::from_slice(&text).with_context(|| format!("{}: no description of scenes", path.display()))
+        serde_json::from_slice(&text)
+            .with_context(|| format!("{}: invalid description of scenes", path.display()))
     }
 
-    /// The named pictures, or all with light from everywhere; groom by groom.
-    pub fn views(&self, only: &[String]) -> Result<Vec<WantedView<'_>>> {
+    /// Returns the named views, or all with the environment, sorted by groom.
+    pub fn views(&self, only: &[String]) -> Result<Vec<ReferenceView<'_>>> {
         if let Some(name) = only.iter().find(|name| !self.pictures.contains_key(*name)) {
             let names: Vec<_> = self.pictures.keys().map(String::as_str).collect();
-            bail!("there is no picture {name}; choose {}", names.join(", "));
+            bail!("there is no image {name}; choose {}", names.join(", "));
         }
         let mut views = Vec::new();
         for (name, shot) in &self.pictures {
@@ -175,7 +176,7 @@ impl Scenes {
         Ok(views)
     }
 
-    /// The pictures that tell how much of a light arrives: those that are named, or all.
+    /// Returns the named single-scattering pairs, or all.
     pub fn pairs(&self, only: &[String]) -> Result<Vec<Pair<'_>>> {
         let mut pairs = Vec::new();
         for (name, shot) in &self.pictures {
@@ -195,11 +196,12 @@ impl Scenes {
         Ok(pairs)
     }
 
-    /// The view of a picture that shows shaded hair.
-    fn view<'a>(&'a self, name: &'a str, shot: &'a Shot) -> Result<Option<WantedView<'a>>> {
+    /// Returns the view of an image, or `None` if it does not show shaded hair.
+    fn view<'a>(&'a self, name: &'a str, shot: &'a Shot) -> Result<Option<ReferenceView<'a>>> {
         let (Some(groom_name), Some(material)) = (&shot.groom, &shot.material) else { return Ok(None) };
-        let groom = self.grooms.get(groom_name).with_context(|| format!("{name}: no groom {groom_name}"))?;
-        Ok(Some(WantedView {
+        let groom =
+            self.grooms.get(groom_name).with_context(|| format!("{name}: there is no groom {groom_name}"))?;
+        Ok(Some(ReferenceView {
             name,
             groom_name,
             groom,
@@ -212,8 +214,8 @@ impl Scenes {
     }
 }
 
-impl<'a> WantedView<'a> {
-    /// The same by each light alone, as far as there are pictures of that.
+impl<'a> ReferenceView<'a> {
+    /// Returns the same view with each light alone, as far as the reference has images of them.
     pub fn alone(&self) -> impl Iterator<Item = Self> {
         let view = *self;
         self.alone.iter().filter_map(move |file| {
@@ -233,7 +235,7 @@ impl<'a> WantedView<'a> {
 }
 
 impl Shot {
-    /// Of the mean radiance, as a path tracer's noise is of each pixel's.
+    /// Returns the noise relative to the mean radiance.
     fn noise(&self) -> f64 {
         let mean = (self.mean_rgb_hair_pixels.iter().map(|c| c * c).sum::<f64>() / 3.0).sqrt();
         self.noise.picture_rmse_linear_hair_pixels_estimate / mean.max(1e-12)
@@ -245,7 +247,7 @@ impl Shot {
 }
 
 impl Groom {
-    /// Metres per unit, from what the description says about it.
+    /// Returns the meters per unit, parsed from the scale note.
     pub fn unit(&self) -> Result<f32> {
         let words: Vec<_> = self.scale_note.split_whitespace().collect();
         let found = words.windows(2).find_map(|pair| {
@@ -257,12 +259,12 @@ impl Groom {
             };
             Some(pair[0].parse::<f32>().ok()? * size)
         });
-        found.with_context(|| format!("no unit in \"{}\"", self.scale_note))
+        found.with_context(|| format!("there is no unit in \"{}\"", self.scale_note))
     }
 
-    /// Where the strands are.
+    /// Returns the path of the strands.
     pub fn strands(&self, folders: &Folders<'_>) -> Result<PathBuf> {
-        // The path is followed by remarks in brackets.
+        // Remarks in parentheses follow the path.
         let path = self.strand_file.split(" (").next().unwrap_or_default();
         match path.strip_prefix("asset ") {
             None => Ok(folders.beside(Path::new(path))),
@@ -275,28 +277,28 @@ impl Groom {
     }
 }
 
-/// Where things lie.
+/// Locations of the reference files.
 pub struct Folders<'a> {
-    /// The description.
+    /// Path of the description.
     pub scenes: &'a Path,
-    /// The grooms.
+    /// Folder of the grooms.
     pub assets: Option<&'a Path>,
 }
 
 impl Folders<'_> {
-    /// A file that lies beside the description.
+    /// Returns a path relative to the description's folder.
     pub fn beside(&self, path: &Path) -> PathBuf {
         self.scenes.parent().unwrap_or(Path::new("")).join(path)
     }
 
-    /// The linear radiance of a picture of `size` pixels that lies there.
+    /// Reads the linear radiance of an image of `size` pixels.
     pub fn radiance(&self, name: &str, size: (u32, u32)) -> Result<Reference> {
         let path = self.beside(Path::new(&format!("{name}.exr")));
         let picture = image::open(&path).with_context(|| path.display().to_string())?.into_rgba32f();
         let (width, height) = size;
         ensure!(
             picture.dimensions() == size,
-            "{}: {} × {} pixels, its description says {width} × {height}",
+            "{}: the image is {} × {} pixels, but its description says {width} × {height}",
             path.display(),
             picture.width(),
             picture.height()
@@ -305,12 +307,12 @@ impl Folders<'_> {
         Ok(Reference { linear: Linear { width, pixels }, alpha })
     }
 
-    /// Where the picture of `view`, of `size` pixels, shows hair.
-    pub fn mask(&self, view: &WantedView<'_>, size: (u32, u32)) -> Result<Picture> {
+    /// Reads the hair mask of `view`, an image of `size` pixels.
+    pub fn mask(&self, view: &ReferenceView<'_>, size: (u32, u32)) -> Result<Picture> {
         let mask = self.picture(&format!("{}_hairmask", view.groom_name))?;
         ensure!(
             (mask.width, mask.height) == size,
-            "{}: the mask of the hair is {} × {} pixels, the picture {} × {}",
+            "{}: the hair mask is {} × {} pixels, but the image is {} × {}",
             view.name,
             mask.width,
             mask.height,
@@ -320,7 +322,7 @@ impl Folders<'_> {
         Ok(mask)
     }
 
-    /// A picture that lies there.
+    /// Reads an image of the reference.
     pub fn picture(&self, name: &str) -> Result<Picture> {
         picture::read(&self.beside(Path::new(&format!("{name}.png"))))
     }
@@ -335,7 +337,7 @@ mod tests {
             scale_note: scale_note.into(),
             strand_file: "asset a/b.tfx (all strands)".into(),
             radius: Radius { root: 1.0, tip: 1.0 },
-            camera: WantedCamera {
+            camera: PinholeCamera {
                 origin: [0.0; 3],
                 target: [0.0; 3],
                 vertical_fov_degrees: 30.0,
@@ -347,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn notes_tell_the_unit() {
+    fn unit_is_parsed_from_the_scale_note() {
         for (note, unit) in [
             ("1 unit = 1 m", 1.0),
             ("1 unit is about 3.7 mm (bald head)", 3.7e-3),
@@ -360,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn strands_lie_among_the_assets_or_beside() {
+    fn strand_paths_resolve_to_assets_or_the_description() {
         let folders = Folders { scenes: Path::new("ref/scenes.json"), assets: Some(Path::new("assets")) };
         let mut groom = groom("");
         assert_eq!(groom.strands(&folders).unwrap(), Path::new("assets/a/b.tfx"));

@@ -1,35 +1,35 @@
-//! The fraction of a light that arrives on visible hair: singly scattered light with shadows, over the same
-//! without.
+//! Fraction of the light that reaches visible hair: single-scattered light with shadows, divided by the same without
+//! shadows.
 
 use super::metrics::{Linear, hair};
 use crate::picture::Picture;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Edge of the squares over which shares are told apart, pixels: smaller ones would compare single strands,
-/// and the noise of the path tracer.
+/// Edge length of the squares whose fractions are compared, pixels. Smaller ones would compare single strands and the
+/// noise of the path tracer.
 const SQUARE: usize = 12;
 
-/// Pictures with shadows and without.
+/// Images with and without shadows.
 pub type Pictures = [Linear; 2];
 
-/// Ours against the reference's, over the pixels of hair.
+/// Our fractions and the reference's, over the hair pixels.
 #[derive(Debug, Serialize)]
 pub struct Share {
-    /// Of the picture with shadows.
+    /// Name of the image with shadows.
     pub name: String,
-    /// The share of all the light that arrives.
+    /// Fraction of the light that arrives.
     pub share: f64,
-    /// The same in the reference.
+    /// The reference's fraction.
     pub reference_share: f64,
-    /// The mean difference of the shares of squares of 12 pixels, weighted by the light there.
+    /// Mean absolute difference of the fractions in squares of 12 pixels, weighted by their light.
     pub error: f64,
-    /// Mean linear luminance without shadows, over the reference's.
+    /// Mean linear luminance without shadows, relative to the reference's.
     pub unshadowed: f64,
 }
 
 impl Share {
-    /// Ours against `reference`.
+    /// Compares our images with `reference`.
     pub fn new(name: &str, ours: &Pictures, reference: &Pictures, mask: &Picture) -> Self {
         let of = |pictures: &Pictures| {
             let mut squares = BTreeMap::<_, [f64; 2]>::new();
@@ -66,7 +66,7 @@ impl Share {
 mod tests {
     use super::*;
 
-    /// Half of the light arrives at the left, all of it at the right.
+    /// At the left `left` / 2 of the light arrives, at the right `right` / 2.
     fn pictures(left: f32, right: f32) -> Pictures {
         let picture = |left: f32, right: f32| {
             let pixels = (0..48 * 24).map(|i| [if i % 48 < 24 { left } else { right }; 3]).collect();
@@ -76,12 +76,12 @@ mod tests {
     }
 
     #[test]
-    fn shares_are_compared_where_they_are() {
+    fn shares_are_compared_per_square() {
         let mask = Picture { width: 48, height: 24, rgba: vec![255; 4 * 48 * 24] };
         let row = |ours: &Pictures| Share::new("a", ours, &pictures(1.0, 2.0), &mask);
         let same = row(&pictures(1.0, 2.0));
         assert!((same.share - 0.75).abs() < 1e-6 && same.error < 1e-9);
-        // The same light at the wrong place, and too little of it.
+        // First the same light in the wrong place, then too little light.
         let moved = row(&pictures(2.0, 1.0));
         assert!((moved.share - 0.75).abs() < 1e-6 && (moved.error - 0.5).abs() < 1e-6, "{moved:?}");
         let dark = row(&pictures(0.8, 1.6));

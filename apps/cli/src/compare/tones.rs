@@ -1,5 +1,5 @@
-//! What two pictures of the same hair have of light, each on its own: how much, how it is spread from the dimmest pixels
-//! to the brightest, how crisp strands are, and how much the skin beside them has.
+//! Luminance statistics of an image of hair: mean, distribution from the darkest to the brightest pixels, contrast
+//! between strands, and the skin next to the hair.
 
 use super::{
     metrics::{Linear, hair, mean},
@@ -8,37 +8,38 @@ use super::{
 use crate::picture::Picture;
 use serde::Serialize;
 
-/// Edge of the squares whose mean is taken from a pixel for what is finer, pixels.
+/// Edge length of the square that a pixel is compared with for contrast, pixels.
 const FINER: usize = 5;
 
-/// Of one picture.
+/// Statistics of one image.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Tones {
-    /// Mean linear radiance of the pixels of hair, by channel.
+    /// Mean linear radiance of the hair pixels.
     pub rgb: [f64; 3],
-    /// Their mean luminance.
+    /// Mean luminance of the hair pixels.
     pub luminance: f64,
-    /// Mean luminance of the dimmest tenth of them, and so on to the brightest.
+    /// Mean luminance of each tenth of the hair pixels, from the darkest to the brightest.
     pub tenths: [f64; 10],
-    /// How far the luminance of pixels amid hair is from the mean of the five by five around them, root mean square, over
-    /// the mean luminance; not where nobody knows the noise, or where all that is fine is noise.
+    /// Contrast of fine detail: root mean square of the differences between the luminance of pixels and the mean of the
+    /// 5 × 5 pixels around them, divided by the mean luminance. Only pixels surrounded by hair count. `None` if the
+    /// image noise is unknown or exceeds the contrast.
     pub contrast: Option<f64>,
-    /// Mean luminance of the pixels that bodies fill and no hair touches, where there are some.
+    /// Mean luminance of pixels with skin and no hair, if there are any.
     pub skin: Option<f64>,
 }
 
-/// What of a picture is what.
+/// Regions of an image.
 pub struct Regions {
-    /// The indices of pixels that are mostly hair.
+    /// Indices of pixels that are mostly hair.
     hair: Vec<usize>,
-    /// Of those in whose five by five pixels all are hair.
+    /// Indices of those whose 5 × 5 neighborhood is all hair.
     amid: Vec<usize>,
     skin: Vec<usize>,
     width: usize,
 }
 
 impl Regions {
-    /// By the mask of the hair (more than half of a pixel), and what else `reference` covers.
+    /// Creates the regions from the hair mask (more than half of a pixel) and the coverage of `reference`.
     pub fn new(mask: &Picture, reference: &Reference) -> Self {
         let (width, height) = (mask.width as usize, mask.height as usize);
         let share: Vec<u8> = mask.rgba.as_chunks::<4>().0.iter().map(|rgba| rgba[0]).collect();
@@ -55,7 +56,7 @@ impl Regions {
     }
 }
 
-/// The five by five pixels around one.
+/// Returns the 5 × 5 pixels around one.
 fn around(pixel: usize, width: usize) -> impl Iterator<Item = usize> {
     let reach = FINER / 2;
     let first = pixel - reach * width - reach;
@@ -63,7 +64,7 @@ fn around(pixel: usize, width: usize) -> impl Iterator<Item = usize> {
 }
 
 impl Tones {
-    /// Of `picture`, whose pixels are off by `noise` of their radiance, root mean square, if that is known.
+    /// Computes the statistics of `picture`. `noise` is its root-mean-square error relative to the radiance, if known.
     pub fn new(picture: &Linear, of: &Regions, noise: Option<f64>) -> Self {
         let light = |pixel: &usize| picture.luminance(*pixel);
         let mut sorted: Vec<f64> = of.hair.iter().map(light).collect();
@@ -78,7 +79,7 @@ impl Tones {
             (light(pixel) - near / (FINER * FINER) as f64).powi(2)
         };
         let contrast = |noise: f64| {
-            // Noise is none of a pixel's neighbours': all of it but what is in the mean is fine.
+            // Noise is independent per pixel, so all of it except its part in the mean counts as fine detail.
             let noise = (noise * luminance).powi(2) * (1.0 - 1.0 / (FINER * FINER) as f64);
             let fine = mean(of.amid.iter().map(finer)) - noise;
             (fine >= 0.0 && !of.amid.is_empty()).then(|| fine.sqrt() / luminance.max(1e-12))
@@ -92,7 +93,8 @@ impl Tones {
         }
     }
 
-    /// Over those of `other`, where they have some light: hair, its dimmest and its brightest tenth, contrast, skin.
+    /// Returns the ratios to `other`, where that is not black: hair, its darkest and its brightest tenth, contrast,
+    /// skin.
     pub fn over(&self, other: &Self) -> [Option<f64>; 5] {
         let least = 1e-4 * other.luminance;
         let lit = |own: f64, other: f64| (other > least).then(|| own / other);
@@ -113,7 +115,7 @@ mod tests {
 
     const WIDTH: usize = 40;
 
-    /// Columns of hair on the left, skin on the right.
+    /// Hair in the columns on the left, skin on the right.
     fn regions() -> Regions {
         let rgba = (0..WIDTH * WIDTH).flat_map(|i| [if i % WIDTH < 30 { 255 } else { 0 }; 4]).collect();
         let mask = Picture { width: WIDTH as u32, height: WIDTH as u32, rgba };
@@ -126,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn each_part_of_a_picture_has_its_own_light() {
+    fn tones_separate_hair_and_skin() {
         let of = regions();
         // Three tenths of the hair are bright, and the skin is brighter.
         let found = Tones::new(
@@ -153,21 +155,21 @@ mod tests {
         let right = [2.0, 2.0, 2.0, 1.0, 1.0];
         let is = |(is, should): (&Option<f64>, f64)| is.is_some_and(|is| (is - should).abs() < 1e-6);
         assert!(ratios.iter().zip(right).all(is), "{ratios:?}");
-        // Nothing is told of what has no light.
+        // No ratios to a black image.
         let dark = Tones::new(&picture(|_| 0.0), &of, Some(0.0));
         assert_eq!(found.over(&dark), [None; 5]);
     }
 
     #[test]
-    fn contrast_is_of_what_is_fine_and_not_of_noise() {
+    fn contrast_excludes_slopes_and_noise() {
         let of = regions();
-        // Strands of a pixel, each other one half as bright again as the mean, or as dark.
+        // Strands one pixel wide, alternately half brighter and half darker than the mean.
         let strands = Tones::new(&picture(|x| 1.0 + 0.5 * (1.0 - 2.0 * (x % 2) as f32)), &of, Some(0.0));
         assert!((strands.contrast.unwrap() - 0.5).abs() < 0.11, "{strands:?}");
         let slope = Tones::new(&picture(|x| 1.0 + 0.02 * x as f32), &of, Some(0.0));
         assert!(slope.contrast.unwrap() < 1e-6, "{slope:?}");
-        // Of noise that is part of what is fine the rest is left, of noise that is all of it nothing, and of unknown noise
-        // nobody knows.
+        // Noise below the fine detail leaves the rest, noise above it leaves nothing, and unknown noise gives no
+        // result.
         let noisy = |noise: Option<f64>| {
             Tones::new(&picture(|x| 1.0 + 0.5 * (1.0 - 2.0 * (x % 2) as f32)), &of, noise).contrast
         };

@@ -1,4 +1,4 @@
-//! The legend: a colour bar with numbers, drawn into the picture.
+//! Legend of a debug view: a color bar with numbers, drawn into the image.
 
 use crate::picture::Picture;
 use embedded_graphics::{
@@ -13,18 +13,18 @@ use std::convert::Infallible;
 use tresses::views::ramp;
 use tresses_scene::picture::encoded;
 
-/// What the colours mean.
+/// Meaning of the colors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Legend {
-    /// What is shown, with its unit.
+    /// Quantity and unit.
     pub title: String,
-    /// The number drawn darkest.
+    /// Value of the darkest color.
     pub min: f32,
-    /// The number drawn brightest.
+    /// Value of the brightest color.
     pub max: f32,
 }
 
-/// A picture that can be drawn into; what lies outside of it is left out.
+/// Draw target that clips to the image.
 struct Canvas<'a>(&'a mut Picture);
 
 impl OriginDimensions for Canvas<'_> {
@@ -49,7 +49,7 @@ impl DrawTarget for Canvas<'_> {
 }
 
 impl Legend {
-    /// Draws it into the lower left corner; pictures too small for it stay as they are.
+    /// Draws the legend into the lower left corner, unless the image is too small.
     pub fn draw(&self, picture: &mut Picture) {
         let font = font(picture);
         let (wide, high) = (font.character_size.width as i32, font.character_size.height as i32);
@@ -75,12 +75,12 @@ impl Legend {
     }
 }
 
-/// Large in large pictures.
+/// Returns a font that suits the image height.
 fn font(picture: &Picture) -> &'static MonoFont<'static> {
     if picture.height >= 400 { &iso_8859_1::FONT_10X20 } else { &iso_8859_1::FONT_6X10 }
 }
 
-/// White words with a shadow, so that they are read before anything; `at` is on their base line.
+/// Writes white text with a shadow, legible on any background. `at` is on the baseline.
 fn write(canvas: &mut Canvas<'_>, font: &MonoFont<'_>, words: &str, at: Point, alignment: Alignment) {
     for (color, shift) in [(Rgb888::BLACK, 1), (Rgb888::WHITE, 0)] {
         let style = MonoTextStyle::new(font, color);
@@ -88,7 +88,7 @@ fn write(canvas: &mut Canvas<'_>, font: &MonoFont<'_>, words: &str, at: Point, a
     }
 }
 
-/// Words below and to the right of a corner at `at`, pixels; nothing in pictures too small for them.
+/// Writes text below and to the right of `at`, pixels. Small images get none.
 pub fn caption(picture: &mut Picture, words: &str, at: [i32; 2]) {
     let font = font(picture);
     if picture.height >= 200 {
@@ -97,13 +97,13 @@ pub fn caption(picture: &mut Picture, words: &str, at: [i32; 2]) {
     }
 }
 
-/// A linear colour.
+/// Converts a linear color.
 fn srgb(color: [f32; 3]) -> Rgb888 {
     let [r, g, b] = color.map(|c| (encoded(c.clamp(0.0, 1.0)) * 255.0).round() as u8);
     Rgb888::new(r, g, b)
 }
 
-/// With at most three digits that matter.
+/// Formats a number with at most three significant digits.
 fn number(value: f32) -> String {
     match value.abs() {
         0.0 => "0".into(),
@@ -116,14 +116,14 @@ fn number(value: f32) -> String {
     }
 }
 
-/// The next larger of 1, 2 and 5 times a power of ten; 1 for what has none.
+/// Rounds up to 1, 2 or 5 times a power of ten. Returns 1 for values out of range.
 pub fn rounded_up(value: f32) -> f32 {
     if value.is_nan() || value <= 1e-20 || value > 1e20 {
         return 1.0;
     }
     let power = 10f32.powi(value.log10().floor() as i32);
     let up = [1.0, 2.0, 5.0, 10.0].map(|x| x * power);
-    // A hair's breadth above a round number is that number.
+    // Tolerate values slightly above a round number.
     up.into_iter().find(|x| value <= x * 1.001).unwrap_or(up[3])
 }
 
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn ends_are_round() {
+    fn scale_ends_are_round() {
         for (value, up) in [(3.1, 5.0), (0.013, 0.02), (700.0, 1000.0), (2.0, 2.0), (10.0, 10.0)] {
             assert!((rounded_up(value) / up - 1.0).abs() < 1e-5, "{value}: {}", rounded_up(value));
         }
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_drawn_where_there_is_room() {
+    fn legend_is_drawn_if_it_fits() {
         let legend = Legend { title: "speed, m/s".into(), min: 0.0, max: 2.0 };
         let blank = |width, height| Picture { width, height, rgba: vec![100; (width * height * 4) as usize] };
         for (width, height) in [(640, 480), (320, 200)] {

@@ -1,4 +1,4 @@
-//! `--debug`: the library's debug views, with a legend.
+//! `--debug`: debug views of the library, with a legend.
 
 mod legend;
 
@@ -8,18 +8,18 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use legend::Legend;
 use tresses::{
     simulate::SimulationParams,
-    views::{DebugView, Peak, Shown, panels},
+    views::{DebugDisplay, DebugView, Peak, panels},
     volume::HairHairMode,
 };
 use tresses_scene::Scene;
 
-/// The options of debug views.
+/// Options of debug views.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub struct DebugArgs {
-    /// Show one quantity alone, with a legend (docs/views.md)
+    /// Show a debug view with a legend (docs/views.md)
     #[arg(long, value_name = "NAME", value_parser = view(), help_heading = "Debug views")]
     pub debug: Option<DebugView>,
-    /// The number that --debug draws brightest [default: a round one; of grids, the peak of all frames]
+    /// Value of the brightest color of --debug [default: a round number; for grids, the peak of all frames]
     #[arg(
         long, value_name = "X", requires = "debug", value_parser = positive,
         help_heading = "Debug views", hide_short_help = true
@@ -27,14 +27,14 @@ pub struct DebugArgs {
     pub debug_max: Option<f32>,
 }
 
-/// The views by their names.
+/// Parses the name of a view.
 fn view() -> impl TypedValueParser<Value = DebugView> {
     PossibleValuesParser::new(DebugView::ALL.map(|view| PossibleValue::new(view.name()).help(view.hint())))
         .try_map(|name| DebugView::named(&name).ok_or("there is no such view"))
 }
 
 impl DebugArgs {
-    /// Refuses to show what `physics` leaves out.
+    /// Checks that `physics` simulates what the view shows.
     pub fn check(&self, physics: &SimulationParams) -> Result<()> {
         ensure!(
             !matches!(self.debug, Some(DebugView::Density | DebugView::Push))
@@ -52,27 +52,27 @@ impl DebugArgs {
 fn positive(text: &str) -> Result<f32, String> {
     match text.parse() {
         Ok(x) if (1e-9..=1e9).contains(&x) => Ok(x),
-        _ => Err("give a number above 0".into()),
+        _ => Err("expected a number above 0".into()),
     }
 }
 
-/// What belongs to a view besides what the stage draws: the range of its colours, and its legend.
+/// State of a debug view besides what the scene draws: the range of its colors, and its legend.
 pub struct Debug {
     peak: Peak,
-    /// The largest value that was seen of a sequence, and whether the range follows from it.
+    /// Largest value in the frames observed so far.
     largest: f32,
     is_of_sequence: bool,
 }
 
 impl Debug {
-    /// Makes `stage` show what `args` ask for, if anything.
+    /// Makes `stage` show the requested view, if any.
     pub fn new(stage: &mut Scene, args: &DebugArgs) -> Result<Option<Self>> {
         let Some(view) = args.debug else { return Ok(None) };
-        stage.show(Some(Shown { high: args.debug_max, ..Shown::new(view) }))?;
+        stage.show(Some(DebugDisplay { high: args.debug_max, ..DebugDisplay::new(view) }))?;
         Ok(Some(Self { peak: Peak::new(&stage.gpu.context), largest: 0.0, is_of_sequence: false }))
     }
 
-    /// Whether the range of the colours is still to be found: of grids that nobody gave one for. Blocks.
+    /// Measures the peak of a grid whose color range is not set. Blocks.
     fn unknown(&mut self, stage: &Scene) -> Result<Option<f32>> {
         let hair = stage.character.hair();
         let Some(shown) = stage.shown().filter(|shown| shown.high.is_none()) else { return Ok(None) };
@@ -80,39 +80,40 @@ impl Debug {
         Ok(Some(pollster::block_on(self.peak.measure(&grid))?))
     }
 
-    /// Whether the range of the colours is to be found from all frames of a sequence.
+    /// Whether the color range depends on all frames of a sequence.
     pub fn seeks_range(&self, stage: &Scene) -> bool {
         use DebugView::{Density, Push, Wind};
-        let grids = |shown: &Shown| matches!(shown.view, Density | Push | Wind) && shown.high.is_none();
+        let grids =
+            |shown: &DebugDisplay| matches!(shown.view, Density | Push | Wind) && shown.high.is_none();
         stage.shown().as_ref().is_some_and(grids)
     }
 
-    /// Takes note of a frame of the sequence. Blocks.
+    /// Includes a frame in the color range of the sequence. Blocks.
     pub fn observe(&mut self, stage: &Scene) -> Result<()> {
         self.largest = self.largest.max(self.unknown(stage)?.unwrap_or(0.0));
         Ok(())
     }
 
-    /// The range of the colours is from here on that of all frames that were observed.
+    /// Sets the color range from all observed frames.
     pub fn settle(&mut self, stage: &mut Scene) -> Result<()> {
         if let Some(shown) = stage.shown().filter(|_| self.largest > 0.0) {
-            stage.show(Some(Shown { high: Some(legend::rounded_up(self.largest)), ..shown }))?;
+            stage.show(Some(DebugDisplay { high: Some(legend::rounded_up(self.largest)), ..shown }))?;
             self.is_of_sequence = true;
         }
         Ok(())
     }
 
-    /// Before a picture: the range of the colours, if it is not known yet and there is something to see. Blocks.
+    /// Sets the color range before a frame, if it is unknown and the grid is not empty. Blocks.
     pub fn prepare(&mut self, stage: &mut Scene) -> Result<()> {
         let peak = self.unknown(stage)?.filter(|peak| *peak > 0.0);
         if let (Some(peak), Some(shown)) = (peak, stage.shown()) {
-            stage.show(Some(Shown { high: Some(legend::rounded_up(peak)), ..shown }))?;
+            stage.show(Some(DebugDisplay { high: Some(legend::rounded_up(peak)), ..shown }))?;
         }
         Ok(())
     }
 
-    /// Adds the legend of `shown` to a picture.
-    pub fn label(&self, shown: &Shown, picture: &mut Picture) {
+    /// Draws the legend of `shown` into a frame.
+    pub fn label(&self, shown: &DebugDisplay, picture: &mut Picture) {
         if let Some(scale) = shown.scale() {
             let of = if self.is_of_sequence { ", up to the peak of all frames" } else { "" };
             let title = format!("{}{of}", scale.title);

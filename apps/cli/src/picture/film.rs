@@ -1,4 +1,4 @@
-//! Films, `.mp4` and `.webm`, by ffmpeg where it is installed: frames go to it as they come.
+//! Videos, `.mp4` and `.webm`: frames are piped to ffmpeg, if it is installed.
 
 use super::Picture;
 use crate::files::Temporary;
@@ -10,26 +10,26 @@ use std::{
     thread::JoinHandle,
 };
 
-/// The program, unless `TRESSES_FFMPEG` names another.
+/// The encoder program, unless `TRESSES_FFMPEG` names another.
 const PROGRAM: &str = "ffmpeg";
 
-/// The encoders of containers: what plays everywhere, at a quality that keeps single hairs.
+/// Encoder options: widely supported codecs, at a quality that preserves single hairs.
 const MP4: &[&str] =
     &["-c:v", "libx264", "-crf", "16", "-preset", "medium", "-movflags", "+faststart", "-f", "mp4"];
 const WEBM: &[&str] = &["-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0", "-row-mt", "1", "-f", "webm"];
 
-/// A film that is being written. One that is dropped leaves nothing.
+/// A video being written. Dropping it deletes the file.
 pub struct Film {
     child: Child,
     frames: Option<ChildStdin>,
-    /// What it says, read as it comes: a program that nobody listens to may wait for ever.
+    /// Error output of the program, read as it arrives so that a full pipe does not block the program.
     said: Option<JoinHandle<String>>,
     file: Option<Temporary>,
     program: String,
 }
 
 impl Film {
-    /// Begins the film of `path`, `.webm` or else `.mp4`.
+    /// Starts the video at `path`: WebM for `.webm`, else MP4.
     pub fn begin(path: &Path, (width, height): (u32, u32), fps: f64) -> Result<Self> {
         let program = program();
         let is_webm = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("webm"));
@@ -38,7 +38,7 @@ impl Film {
         command
             .args(["-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pix_fmt", "rgba"])
             .args(["-video_size", &format!("{width}x{height}"), "-framerate", &fps.to_string(), "-i", "-"])
-            // Colours are sRGB's; these films halve the resolution of hues, so that sides are even.
+            // Input colors are sRGB. The videos halve the chroma resolution, so pad both sides to even lengths.
             .args([
                 "-vf",
                 "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv,format=yuv420p",
@@ -52,7 +52,7 @@ impl Film {
         let said = child.stderr.take().map(|mut stderr| {
             std::thread::spawn(move || {
                 let mut said = String::new();
-                // What is no text says nothing.
+                // Ignore output that is not UTF-8.
                 let _ = stderr.read_to_string(&mut said);
                 said
             })
@@ -60,7 +60,7 @@ impl Film {
         Ok(Self { child, frames, said, file: Some(file), program })
     }
 
-    /// Fails when there is no program for the film of `path`.
+    /// Fails if the encoder for the video at `path` is missing.
     pub fn check(path: &Path) -> Result<()> {
         let program = program();
         let mut command = Command::new(&program);
@@ -68,30 +68,30 @@ impl Film {
         command.status().map(drop).with_context(|| missing(path, &program))
     }
 
-    /// The next frame.
+    /// Adds a frame.
     pub fn add(&mut self, picture: &Picture) -> Result<()> {
-        let frames = self.frames.as_mut().context("the film is done")?;
+        let frames = self.frames.as_mut().context("the video is complete")?;
         match frames.write_all(&picture.rgba) {
             Ok(()) => Ok(()),
             Err(_) => {
-                // It has ended, and says why.
+                // The program has exited; report its error.
                 self.ended()?;
-                bail!("{} ended before the film did", self.program)
+                bail!("{} exited before the end of the video", self.program)
             }
         }
     }
 
-    /// Completes the film at `path`; its bytes.
+    /// Completes the video at `path`. Returns its size, bytes.
     pub fn finish(mut self, path: &Path) -> Result<u64> {
         self.ended()?;
-        let file = self.file.take().context("the film is done")?;
+        let file = self.file.take().context("the video is complete")?;
         let size = std::fs::metadata(file.path())?.len();
-        ensure!(size > 0, "{} has written nothing", self.program);
+        ensure!(size > 0, "{} wrote nothing", self.program);
         file.complete(&[], path)?;
         Ok(size)
     }
 
-    /// Waits for the program.
+    /// Closes the pipe and waits for the program.
     fn ended(&mut self) -> Result<()> {
         drop(self.frames.take());
         let status = self.child.wait()?;
@@ -99,7 +99,7 @@ impl Film {
         if status.success() {
             return Ok(());
         }
-        let why = said.lines().next().unwrap_or("it does not say why");
+        let why = said.lines().next().unwrap_or("no error message");
         bail!("{} failed: {why}", self.program)
     }
 }
@@ -111,13 +111,13 @@ fn program() -> String {
 fn missing(path: &Path, program: &str) -> String {
     let path = path.display();
     format!(
-        "{path}: films are made by {program}, which cannot be started (.webp, .gif and .apng need no program)"
+        "{path}: videos need {program}, which cannot be started; install it, or choose .webp, .gif or .apng"
     )
 }
 
 impl Drop for Film {
     fn drop(&mut self) {
-        // Of one that has ended this is nothing.
+        // Does nothing if the program has exited.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

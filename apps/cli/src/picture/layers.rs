@@ -1,5 +1,5 @@
-//! Pictures with all that is known of them, `.exr`: linear radiance and alpha, and of the hair depth, coverage, motion,
-//! and the strand that each pixel shows most of.
+//! Images with auxiliary channels, `.exr`: linear radiance and alpha, and for hair the depth, coverage, motion, and id
+//! of the dominant strand per pixel.
 
 use anyhow::{Context, Result};
 use exr::prelude::{
@@ -8,13 +8,13 @@ use exr::prelude::{
 };
 use std::io::Cursor;
 use tresses::glam::Mat4;
-use tresses_scene::scene::Captured;
+use tresses_scene::scene::Capture;
 
-/// What pixels without hair have as strand and groom.
+/// Strand and groom id of pixels without hair.
 const NONE: u32 = u32::MAX;
 
-/// The file of `captured`, a picture of so many pixels; `projection` is its camera's.
-pub fn encode(captured: &Captured, [width, height]: [u32; 2], projection: &Mat4) -> Result<Vec<u8>> {
+/// Encodes `captured`, an image of `width` × `height` pixels. `projection` is the camera's projection matrix.
+pub fn encode(captured: &Capture, [width, height]: [u32; 2], projection: &Mat4) -> Result<Vec<u8>> {
     let half = |values: &mut dyn Iterator<Item = f32>| FlatSamples::F16(values.map(f16::from_f32).collect());
     let light = |c: usize| half(&mut captured.linear.iter().map(|texel| texel[c]));
     let (motions, labels) = (captured.motions(), &captured.labels);
@@ -43,6 +43,6 @@ pub fn encode(captured: &Captured, [width, height]: [u32; 2], projection: &Mat4)
     let size = (width as usize, height as usize);
     let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
     let mut bytes = Cursor::new(Vec::new());
-    Image::from_layer(layer).write().to_buffered(&mut bytes).context("the picture cannot be encoded")?;
+    Image::from_layer(layer).write().to_buffered(&mut bytes).context("cannot encode the image")?;
     Ok(bytes.into_inner())
 }

@@ -1,7 +1,7 @@
-//! Output of pictures: one file, numbered frames, an animation file or a film, chosen by the path.
+//! Image output: one file, numbered frames, an animation or a video, chosen by the path.
 //!
-//! No partial file ever has its final name: every file is written under a temporary name next to it and renamed
-//! when it is complete.
+//! Files are written under a temporary name in the same folder and renamed when complete, so no partial file has its
+//! final name.
 
 mod film;
 pub mod layers;
@@ -20,7 +20,7 @@ pub fn read(path: &Path) -> Result<Picture> {
         decoder
             .set_transformations(png::Transformations::normalize_to_color8() | png::Transformations::ALPHA);
         let mut reader = decoder.read_info()?;
-        let mut bytes = vec![0; reader.output_buffer_size().context("the picture is too large")?];
+        let mut bytes = vec![0; reader.output_buffer_size().context("the image is too large")?];
         let info = reader.next_frame(&mut bytes)?;
         let pixel = |p: &[u8]| match p {
             [grey, alpha] => [*grey, *grey, *grey, *alpha],
@@ -32,7 +32,7 @@ pub fn read(path: &Path) -> Result<Picture> {
     read().with_context(|| path.display().to_string())
 }
 
-/// Pictures of one height, from left to right.
+/// Joins images of equal height from left to right.
 pub fn beside(pictures: &[&Picture]) -> Picture {
     let height = pictures.iter().map(|p| p.height).min().unwrap_or(0);
     let row = |picture: &Picture, y: u32| {
@@ -44,52 +44,52 @@ pub fn beside(pictures: &[&Picture]) -> Picture {
     Picture { width: pictures.iter().map(|p| p.width).sum(), height, rgba }
 }
 
-/// Writes it as a PNG file.
+/// Writes a PNG file.
 pub fn write(picture: &Picture, path: &Path) -> Result<()> {
     files::write(path, &picture.png()?)
 }
 
-/// How a frame of its own is written.
+/// Encoding of single frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Encoded {
-    /// `.png`: as it is shown.
+pub enum FrameFormat {
+    /// `.png`: the displayed image.
     Png,
-    /// `.exr`: linear, with all that is known of it.
+    /// `.exr`: linear, with auxiliary channels.
     Exr,
 }
 
-/// What a path stands for.
+/// Kind of output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// One file with one picture.
-    Still(Encoded),
-    /// A folder of numbered frames, or a path with `#` where their numbers go.
-    Frames(Encoded),
-    /// `.webp`: small, in true colour, shown by every browser.
+pub enum OutputKind {
+    /// A file with one image.
+    Still(FrameFormat),
+    /// A folder of numbered frames, or a path with `#` in place of the numbers.
+    Frames(FrameFormat),
+    /// `.webp`: small, true color, supported by every browser.
     WebP,
-    /// `.gif`: 256 colours per frame.
+    /// `.gif`: 256 colors per frame.
     Gif,
     /// `.apng`: lossless and large.
     Apng,
-    /// `.mp4` or `.webm`, by a program.
+    /// `.mp4` or `.webm`, encoded by ffmpeg.
     Film,
 }
 
-impl Kind {
-    /// The kind `path` asks for: by its extension; without one, a folder.
+impl OutputKind {
+    /// Returns the kind for the extension of `path`; a path without one is a folder.
     pub fn of(path: &Path) -> Result<Self> {
         let extension = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
         let single = |encoded| if numbered(path) { Self::Frames(encoded) } else { Self::Still(encoded) };
         Ok(match extension.as_deref() {
-            _ if is_folder(path) => Self::Frames(Encoded::Png),
-            Some("png") => single(Encoded::Png),
-            Some("exr") => single(Encoded::Exr),
+            _ if is_folder(path) => Self::Frames(FrameFormat::Png),
+            Some("png") => single(FrameFormat::Png),
+            Some("exr") => single(FrameFormat::Exr),
             Some("webp") => Self::WebP,
             Some("gif") => Self::Gif,
             Some("apng") => Self::Apng,
             Some("mp4" | "webm") => Self::Film,
             other => bail!(
-                "{}: pictures cannot be written as .{}; choose .png, .exr, .webp, .gif, .apng, .mp4, .webm, or a \
+                "{}: images cannot be written as .{}; choose .png, .exr, .webp, .gif, .apng, .mp4, .webm, or a \
                  folder",
                 path.display(),
                 other.unwrap_or_default()
@@ -97,27 +97,27 @@ impl Kind {
         })
     }
 
-    /// Whether it is one file with many frames that repeats for ever.
+    /// Whether the output is a looping animation in one file.
     pub fn is_animation(self) -> bool {
         matches!(self, Self::WebP | Self::Gif | Self::Apng)
     }
 
-    /// Whether it has one picture.
+    /// Whether the output is one image.
     pub fn is_still(self) -> bool {
         matches!(self, Self::Still(_))
     }
 
-    /// Whether more than colours is written.
+    /// Whether the output has auxiliary channels.
     pub fn has_layers(self) -> bool {
-        matches!(self, Self::Still(Encoded::Exr) | Self::Frames(Encoded::Exr))
+        matches!(self, Self::Still(FrameFormat::Exr) | Self::Frames(FrameFormat::Exr))
     }
 
-    /// Whether it can have an alpha channel.
+    /// Whether the output supports an alpha channel.
     pub fn has_alpha(self) -> bool {
         matches!(self, Self::Still(_) | Self::Frames(_))
     }
 
-    /// The most pixels along one side that the format can hold.
+    /// Returns the largest width or height of the format, pixels.
     pub fn max_side(self) -> u32 {
         match self {
             Self::WebP => 16_383,
@@ -127,18 +127,18 @@ impl Kind {
     }
 }
 
-/// Whether a path is a folder's: one that is there, ends like one, or has no extension.
+/// Whether a path is a folder: it exists, ends with a slash, or has no extension.
 fn is_folder(path: &Path) -> bool {
     let ends = path.as_os_str().to_string_lossy().ends_with(['/', '\\']);
     ends || path.extension().is_none() || path.is_dir()
 }
 
-/// Whether the name of a file has a place for numbers.
+/// Whether the file name has a place for numbers.
 fn numbered(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().contains('#'))
 }
 
-/// The path of a frame: its number in place of the first `#`s, with as many digits at least.
+/// Returns the path of a frame: its number replaces the first run of `#`, padded to the length of the run.
 fn frame(path: &Path, number: u32) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let Some(from) = name.find('#') else { return path.to_owned() };
@@ -146,11 +146,11 @@ fn frame(path: &Path, number: u32) -> PathBuf {
     path.with_file_name(format!("{}{number:0digits$}{}", &name[..from], &name[from + digits..]))
 }
 
-/// One frame.
+/// A frame.
 pub enum Frame {
-    /// As it is shown.
+    /// The displayed image.
     Shown(Picture),
-    /// The bytes of its file, and its size in pixels.
+    /// An encoded file, and its size in pixels.
     File(Vec<u8>, [u32; 2]),
 }
 
@@ -163,17 +163,17 @@ impl Frame {
     }
 }
 
-/// Takes the frames of one output in order.
+/// Writes the frames of one output in order.
 pub struct Output {
     path: PathBuf,
-    kind: Kind,
-    /// Whether files have alpha.
+    kind: OutputKind,
+    /// Whether PNG files have an alpha channel.
     alpha: bool,
     sink: Sink,
 }
 
 enum Sink {
-    /// The last picture counts.
+    /// The last frame.
     Still(Option<Frame>),
     Frames {
         next: u32,
@@ -183,14 +183,14 @@ enum Sink {
 }
 
 impl Output {
-    /// Prepares to write `frames` frames of `width` × `height` pixels at `fps` frames per second.
-    /// Folders are made here, so that a path that cannot be written fails before the work, not after.
+    /// Prepares to write `frames` frames of `width` × `height` pixels at `fps` frames per second. Creates folders now,
+    /// so that an unwritable path fails before the work.
     pub fn create(path: &Path, size: (u32, u32), frames: u32, fps: f64) -> Result<Self> {
-        let kind = Kind::of(path)?;
+        let kind = OutputKind::of(path)?;
         let (width, height) = size;
         ensure!(
             width.max(height) <= kind.max_side(),
-            "{}: this format holds at most {} pixels along a side",
+            "{}: this format supports at most {} pixels per side",
             path.display(),
             kind.max_side()
         );
@@ -198,36 +198,36 @@ impl Output {
         let folder = path.parent().unwrap_or(Path::new(""));
         if !folder.as_os_str().is_empty() {
             std::fs::create_dir_all(folder)
-                .with_context(|| format!("{}: the folder cannot be created", folder.display()))?;
+                .with_context(|| format!("{}: cannot create the folder", folder.display()))?;
         }
         files::probe(folder)?;
         let sink = match kind {
-            Kind::Still(_) => Sink::Still(None),
-            Kind::Frames(_) => Sink::Frames { next: 0 },
-            Kind::WebP => Sink::Animation(Format::WebP.begin([width, height], frames, fps)?),
-            Kind::Gif => Sink::Animation(Format::Gif.begin([width, height], frames, fps)?),
-            Kind::Apng => Sink::Animation(Format::Apng.begin([width, height], frames, fps)?),
-            Kind::Film => Sink::Film(Film::begin(&path, size, fps)?),
+            OutputKind::Still(_) => Sink::Still(None),
+            OutputKind::Frames(_) => Sink::Frames { next: 0 },
+            OutputKind::WebP => Sink::Animation(Format::WebP.begin([width, height], frames, fps)?),
+            OutputKind::Gif => Sink::Animation(Format::Gif.begin([width, height], frames, fps)?),
+            OutputKind::Apng => Sink::Animation(Format::Apng.begin([width, height], frames, fps)?),
+            OutputKind::Film => Sink::Film(Film::begin(&path, size, fps)?),
         };
         Ok(Self { path, kind, alpha: false, sink })
     }
 
-    /// From here on pictures are written with their alpha.
+    /// Sets whether PNG files have an alpha channel.
     pub fn with_alpha(self, alpha: bool) -> Self {
         Self { alpha, ..self }
     }
 
-    /// What its path stands for.
-    pub fn kind(&self) -> Kind {
+    /// Returns the kind of output.
+    pub fn kind(&self) -> OutputKind {
         self.kind
     }
 
-    /// Whether only the last frame will be kept.
+    /// Whether only the last frame is written.
     pub fn keeps_only_last(&self) -> bool {
         self.kind.is_still()
     }
 
-    /// The next frame.
+    /// Adds a frame.
     pub fn add(&mut self, added: Frame) -> Result<()> {
         match (&mut self.sink, added) {
             (Sink::Still(last), added) => *last = Some(added),
@@ -242,13 +242,13 @@ impl Output {
                 film.add(&picture).with_context(|| self.path.display().to_string())?;
             }
             (Sink::Animation(_) | Sink::Film(_), Frame::File(..)) => {
-                bail!("{}: an animation has no layers", self.path.display())
+                bail!("{}: animations cannot store layers", self.path.display())
             }
         }
         Ok(())
     }
 
-    /// Completes the output: what was written, in words.
+    /// Completes the output. Returns a description of the files.
     pub fn finish(self) -> Result<String> {
         let shown = self.path.display();
         let megabytes = |bytes: f64| format!("{shown} ({:.1} MB)", bytes * 1e-6);
@@ -258,7 +258,7 @@ impl Output {
                 let [width, height] = last.size();
                 Ok(format!("{shown} ({width} × {height})"))
             }
-            Sink::Still(None) => bail!("{shown}: there is no picture to write"),
+            Sink::Still(None) => bail!("{shown}: there is no image to write"),
             Sink::Frames { next } => {
                 let [first, last] = [0, next.saturating_sub(1)].map(|number| frame(&self.path, number));
                 let last = last.file_name().unwrap_or_default().to_string_lossy();
@@ -297,7 +297,7 @@ mod tests {
         Picture { width, height, rgba }
     }
 
-    /// The mean difference of a channel, 0 to 255.
+    /// Returns the mean absolute difference of the channels, 0 to 255.
     fn difference(a: &[u8], b: &[u8]) -> f64 {
         assert_eq!(a.len(), b.len());
         a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>() / a.len() as f64
@@ -323,26 +323,26 @@ mod tests {
     }
 
     #[test]
-    fn the_path_decides() {
+    fn path_selects_the_kind() {
         for (path, kind) in [
-            ("a.png", Kind::Still(Encoded::Png)),
-            ("a.PNG", Kind::Still(Encoded::Png)),
-            ("a.exr", Kind::Still(Encoded::Exr)),
-            ("out/frames", Kind::Frames(Encoded::Png)),
-            ("out/v1.2/", Kind::Frames(Encoded::Png)),
-            ("out/a.####.exr", Kind::Frames(Encoded::Exr)),
-            ("out/#.png", Kind::Frames(Encoded::Png)),
-            ("out/take#1/", Kind::Frames(Encoded::Png)),
-            ("out/take#1", Kind::Frames(Encoded::Png)),
-            ("a.mp4", Kind::Film),
-            ("a.WebM", Kind::Film),
-            ("a.webp", Kind::WebP),
-            ("a.gif", Kind::Gif),
-            ("a.apng", Kind::Apng),
+            ("a.png", OutputKind::Still(FrameFormat::Png)),
+            ("a.PNG", OutputKind::Still(FrameFormat::Png)),
+            ("a.exr", OutputKind::Still(FrameFormat::Exr)),
+            ("out/frames", OutputKind::Frames(FrameFormat::Png)),
+            ("out/v1.2/", OutputKind::Frames(FrameFormat::Png)),
+            ("out/a.####.exr", OutputKind::Frames(FrameFormat::Exr)),
+            ("out/#.png", OutputKind::Frames(FrameFormat::Png)),
+            ("out/take#1/", OutputKind::Frames(FrameFormat::Png)),
+            ("out/take#1", OutputKind::Frames(FrameFormat::Png)),
+            ("a.mp4", OutputKind::Film),
+            ("a.WebM", OutputKind::Film),
+            ("a.webp", OutputKind::WebP),
+            ("a.gif", OutputKind::Gif),
+            ("a.apng", OutputKind::Apng),
         ] {
-            assert_eq!(Kind::of(Path::new(path)).unwrap(), kind, "{path}");
+            assert_eq!(OutputKind::of(Path::new(path)).unwrap(), kind, "{path}");
         }
-        assert!(Kind::of(Path::new("a.avi")).unwrap_err().to_string().contains(".webp"));
+        assert!(OutputKind::of(Path::new("a.avi")).unwrap_err().to_string().contains(".webp"));
         let path = |name: &str, number| frame(Path::new(name), number).display().to_string();
         assert_eq!([path("a/b.##.exr", 7), path("a/b.##.exr", 123)], ["a/b.07.exr", "a/b.123.exr"]);
     }
@@ -364,7 +364,7 @@ mod tests {
     }
 
     #[test]
-    fn folders_may_be_called_anything() {
+    fn folder_names_may_contain_number_signs() {
         for name in ["take#1", "take#1/"] {
             let (_folder, path) = write(name, &[gradient(0)]);
             assert_eq!(read_png(&path.join("frame_0000.png")).1, gradient(0).rgb(), "{name}");
@@ -410,7 +410,7 @@ mod tests {
     }
 
     #[test]
-    fn an_interrupted_output_leaves_nothing() {
+    fn dropped_output_leaves_no_file() {
         let folder = tempfile::tempdir().unwrap();
         for name in ["a.png", "a.webp", "a.gif", "a.apng"] {
             let mut output = Output::create(&folder.path().join(name), (48, 32), 2, 25.0).unwrap();
@@ -421,7 +421,7 @@ mod tests {
     }
 
     #[test]
-    fn a_place_that_cannot_be_written_fails_before_the_work() {
+    fn unwritable_paths_fail_on_create() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("file");
         std::fs::write(&file, "x").unwrap();

@@ -1,4 +1,4 @@
-//! The studio: all of its parts, and one frame of the window.
+//! The studio application: its parts, and one frame of the window.
 
 mod receive;
 
@@ -6,19 +6,19 @@ use crate::{
     device,
     dialog::Dialogs,
     document::Document,
-    events::Waiting,
+    events::EventQueue,
     files::Files,
     hair::{Hair, Source},
     hosted::Host,
     job::Job,
-    loss::{self, Lost},
+    loss::{self, DeviceLoss},
     messages::Messages,
     options::Options,
     panels::{self, Panels, overlay::Overlay},
     picture::Snapshot,
     record::Recorder,
     renderer::Renderer,
-    stage::Show,
+    stage::CharacterDisplay,
     state::{self, State},
     theme,
     viewport::{self, Viewport},
@@ -38,27 +38,27 @@ pub struct Studio {
     pub(crate) dialogs: Dialogs,
     messages: Messages,
     panels: Panels,
-    /// Whether the panels are hidden, as in a page of the host.
+    /// Whether the panels are hidden, as in an embedded viewer.
     bare: bool,
     /// The host page.
     pub(crate) host: Host,
-    /// Pointer events for the next frame.
-    waiting: Waiting,
-    /// Loss of the device, as reported by the driver.
-    lost: Lost,
+    /// Pointer events deferred to the next frame.
+    waiting: EventQueue,
+    /// Device loss or errors that the driver reported.
+    lost: DeviceLoss,
 }
 
 impl Studio {
-    /// An empty studio in a new window. The first job is under way.
+    /// Opens an empty studio in a new window and starts its first job.
     ///
     /// # Errors
-    /// When the window has no GPU.
+    /// Fails if the window has no GPU.
     pub fn new(context: &eframe::CreationContext<'_>, options: Options) -> Result<Self> {
-        let state = context.wgpu_render_state.clone().context("the window has no GPU that can draw hair")?;
+        let state = context.wgpu_render_state.clone().context("the window has no suitable GPU")?;
         let context = &context.egui_ctx;
         theme::apply(context);
         let gpu = device::gpu(&state);
-        let lost = Lost::default();
+        let lost = DeviceLoss::default();
         loss::listen(gpu.context.device(), context, &lost);
         let source = if let Some(files) = options.given {
             Source::Files { files, options: Box::new(options.import) }
@@ -84,13 +84,13 @@ impl Studio {
             panels: Panels::default(),
             bare: options.bare,
             host: Host::default(),
-            waiting: Waiting::default(),
+            waiting: EventQueue::default(),
             lost,
         })
     }
 
-    /// Closes a window whose device is gone; [`crate::run`] opens another. Returns whether the window closes: then
-    /// nothing can be drawn.
+    /// Closes a window whose device is lost; [`crate::run`] opens another. Returns whether the window closes: nothing
+    /// can be drawn then.
     #[cfg(not(target_arch = "wasm32"))]
     fn leaves_if_gone(&self, context: &egui::Context) -> bool {
         let frames = self.renderer.show.as_ref().map_or(0, |show| show.frames);
@@ -103,7 +103,7 @@ impl Studio {
         gone
     }
 
-    /// Options that open the studio with the same hair and settings.
+    /// Returns options that open the studio again with the same hair and settings.
     #[cfg(not(target_arch = "wasm32"))]
     fn again(&self) -> Options {
         let wanted = self.document.wanted();
@@ -121,7 +121,7 @@ impl Studio {
         }
     }
 
-    /// Keys and the panels around the picture.
+    /// Handles keys and shows the panels around the viewport.
     fn frame(&mut self, ui: &mut egui::Ui) {
         let Self { document, renderer, viewport, snapshot, dialogs, messages, panels, .. } = self;
         let records = self.recorder.is_busy();
@@ -135,7 +135,7 @@ impl Studio {
         panels::side::show(panels, document, renderer, dialogs, messages, ui);
     }
 
-    /// The picture and the controls over it.
+    /// Shows the viewport and the controls over it.
     fn picture(&mut self, ui: &mut egui::Ui) {
         let Self { document, renderer, viewport, recorder, messages, .. } = self;
         let rect = viewport.show(renderer, recorder.is_busy(), messages, ui);
@@ -165,7 +165,7 @@ impl Studio {
         }
     }
 
-    /// The small windows over everything.
+    /// Shows the dialogs inside the window.
     fn windows(&mut self, ui: &egui::Ui) {
         let Self { document, renderer, recorder, messages, panels, .. } = self;
         if panels.record && !recorder.is_busy() {
@@ -177,7 +177,8 @@ impl Studio {
         panels::ask::show(&mut panels.asked, document, messages, ui);
     }
 
-    /// Draws the next frame of the hair, of a recording or of a picture to save, unless a frame is under way.
+    /// Draws the next frame: of the hair, of a recording, or of an image to save. Does nothing while a frame is in
+    /// flight.
     fn draw(&mut self, context: &egui::Context) {
         let Self { document, renderer, recorder, messages, .. } = self;
         renderer.dirty |= std::mem::take(&mut document.dirty) | renderer.orbit.is_gliding();
@@ -200,12 +201,12 @@ impl Studio {
         }
     }
 
-    /// Reports the state to the host and to tests.
+    /// Publishes the state for the host page and for tests.
     fn publish(&self, context: &egui::Context) {
         let Self { document, renderer, .. } = self;
         let (show, shown, records) =
             (renderer.show.as_ref(), document.shown.as_ref(), self.recorder.is_busy());
-        let (picture, lost) = (show.and_then(Show::picture), self.lost.sentence());
+        let (picture, lost) = (show.and_then(CharacterDisplay::picture), self.lost.sentence());
         let state = State {
             frames: show.map_or(0, |show| show.frames),
             seen: self.viewport.seen,
@@ -232,7 +233,7 @@ impl Studio {
                 || renderer.may_refine(document.job.is_some())
                 || renderer.playback.is_due()
                 || renderer.orbit.is_gliding()
-                || show.is_some_and(Show::is_under_way),
+                || show.is_some_and(CharacterDisplay::is_under_way),
         };
         if let Some(tell) = &self.host.tell {
             tell(&state);
@@ -268,7 +269,7 @@ impl eframe::App for Studio {
         self.document.work_off(&mut self.messages);
         self.draw(&context);
         if self.document.job.is_some() {
-            // Seconds are counted.
+            // The overlay counts the job's seconds.
             context.request_repaint_after(Duration::from_millis(500));
         }
         self.publish(&context);

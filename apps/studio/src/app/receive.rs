@@ -1,4 +1,4 @@
-//! Events between frames: files, commands, and jobs that have ended.
+//! Events between frames: files, commands, and finished jobs.
 
 use super::Studio;
 use crate::{
@@ -6,8 +6,8 @@ use crate::{
     files::Files,
     hair::{Hair, Source},
     hosted::Command,
-    job::{Done, Ready},
-    panels::ask::Asked,
+    job::{JobResult, PreparedCharacter},
+    panels::ask::MapChoice,
 };
 use eframe::egui;
 use std::sync::Arc;
@@ -15,11 +15,11 @@ use tresses::groom::import::ImportOptions;
 use tresses_scene::Surroundings;
 
 impl Studio {
-    /// Takes the result of a job, answers, and dropped files.
+    /// Handles the result of a finished job, queued answers, and dropped files.
     pub(super) fn receive(&mut self, context: &egui::Context) {
         match self.document.take_done(&mut self.messages) {
-            Some((_, Done::Hair(ready))) => self.present(*ready),
-            Some((hair, Done::Light(surroundings))) => self.light_up(hair, surroundings),
+            Some((_, JobResult::Hair(ready))) => self.present(*ready),
+            Some((hair, JobResult::Light(surroundings))) => self.light_up(hair, surroundings),
             None => {}
         }
         for answer in self.dialogs.take() {
@@ -30,7 +30,7 @@ impl Studio {
                 Answer::Companion(companion, name, files) => {
                     document.put(companion, Some(name), &files, messages)
                 }
-                Answer::Picture(name, files) => self.panels.asked.push(Asked::new(name, files)),
+                Answer::Picture(name, files) => self.panels.asked.push(MapChoice::new(name, files)),
                 Answer::Do(command) => self.obey(command),
                 Answer::Wrote(sentence) => messages.said = Some(sentence),
                 Answer::Failed(sentence) => messages.error = Some(sentence),
@@ -42,7 +42,7 @@ impl Studio {
         }
     }
 
-    /// Opens a groom, a head for the groom that is shown, or both.
+    /// Opens a groom, a head for the current groom, or both.
     fn open_files(&mut self, mut files: Files) {
         let mut choice = Box::<ImportOptions>::default();
         if let Files::Disk { grooms, .. } = &mut files
@@ -51,7 +51,7 @@ impl Studio {
             let Hair { source: Source::Files { files: Files::Disk { grooms: shown, .. }, options }, .. } =
                 self.document.wanted()
             else {
-                let help = "a head needs a groom: open a groom first, or both together";
+                let help = "a head needs a groom: open a groom first, or open both together";
                 self.messages.error = Some(help.into());
                 return;
             };
@@ -61,10 +61,10 @@ impl Studio {
     }
 
     /// Shows a new character.
-    fn present(&mut self, ready: Ready) {
-        // The recording is of the previous hair.
+    fn present(&mut self, ready: PreparedCharacter) {
+        // The recording shows the previous hair.
         self.recorder.stop(&mut self.renderer, &mut self.messages);
-        let Ready { mut stage, shown, keep } = ready;
+        let PreparedCharacter { mut stage, shown, keep } = ready;
         self.document.arrived(&shown.hair);
         if !keep {
             self.renderer.orbit.show(stage.subject());
@@ -79,7 +79,7 @@ impl Studio {
         self.animate();
     }
 
-    /// Lights the character with `surroundings`, or with the photographer's lights.
+    /// Lights the character with `surroundings`, or with the photographer's lights if there are none.
     fn light_up(&mut self, hair: Hair, surroundings: Option<Arc<Surroundings>>) {
         self.document.arrived(&hair);
         let (Some(shown), Some(show)) = (&mut self.document.shown, &mut self.renderer.show) else { return };

@@ -1,12 +1,12 @@
-//! What a body does that bends: its animations with their time, and its shapes.
+//! Controls of a skinned character: its animations, their time, and its morph targets.
 
 use crate::{messages::Messages, renderer::Renderer, theme};
 use eframe::egui::{ComboBox, RichText, Slider, Ui};
 
-/// How much of a shape there may be.
+/// Range of morph-target weights.
 const WEIGHTS: std::ops::RangeInclusive<f32> = -1.0..=2.0;
 
-/// The animation and where it is, if the body has any.
+/// Shows the animation and its time, if the character has any.
 pub fn time(renderer: &mut Renderer, messages: &mut Messages, ui: &mut Ui) {
     let Some(show) = &mut renderer.show else { return };
     let time = show.stage.character.time();
@@ -27,7 +27,7 @@ pub fn time(renderer: &mut Renderer, messages: &mut Messages, ui: &mut Ui) {
                 ui.selectable_value(&mut chosen, Some(name.to_string()), name);
             }
         });
-        choice.response.on_hover_text("What the body does; the motion below turns its head besides");
+        choice.response.on_hover_text("Animation of the body; the motion below also turns the head");
         if chosen != before {
             if let Err(error) = living.set_animation(chosen.as_deref()) {
                 messages.fail(error);
@@ -39,7 +39,7 @@ pub fn time(renderer: &mut Renderer, messages: &mut Messages, ui: &mut Ui) {
             let mut at = time.rem_euclid(f64::from(length));
             ui.spacing_mut().slider_width = (ui.available_width() - 110.0).max(80.0);
             let slider = Slider::new(&mut at, 0.0..=f64::from(length)).fixed_decimals(2).suffix(" s");
-            let slider = ui.add(slider).on_hover_text(format!("Where the animation is, of {length:.2} s"));
+            let slider = ui.add(slider).on_hover_text(format!("Time of the animation, of {length:.2} s"));
             if slider.changed() {
                 to = Some(at);
             }
@@ -51,7 +51,7 @@ pub fn time(renderer: &mut Renderer, messages: &mut Messages, ui: &mut Ui) {
     }
 }
 
-/// The shapes, if the body has any.
+/// Shows the morph targets, if the character has any.
 pub fn shapes(renderer: &mut Renderer, ui: &mut Ui) {
     let Some(living) = renderer.show.as_mut().and_then(|show| show.stage.character.rig_mut()) else { return };
     let names: Vec<String> = living.shapes().map(str::to_string).collect();
@@ -59,17 +59,23 @@ pub fn shapes(renderer: &mut Renderer, ui: &mut Ui) {
         return;
     }
     ui.separator();
-    ui.label(RichText::new("Shapes of the body").strong());
+    ui.label(RichText::new("Blend shapes").strong());
     for (number, name) in names.iter().enumerate() {
         let set = living.shape(number);
         let mut weight = set.unwrap_or(0.0);
         ui.horizontal(|ui| {
             let slider = ui.add(Slider::new(&mut weight, WEIGHTS).fixed_decimals(2).text(name));
-            let slider = slider.on_hover_text("1 is all of it. Motions change it until it is moved here.");
+            let slider =
+                slider.on_hover_text("Weight of the blend shape. Moving the slider overrides the motion.");
             if slider.changed() && living.set_shape(name, weight).is_ok() {
                 renderer.dirty = true;
             }
-            if set.is_some() && ui.small_button("free").on_hover_text("Leaves it to motions").clicked() {
+            if set.is_some()
+                && ui
+                    .small_button("release")
+                    .on_hover_text("Lets motions control the blend shape again")
+                    .clicked()
+            {
                 living.free_shape(number);
                 renderer.dirty = true;
             }

@@ -1,5 +1,5 @@
-//! Files beside the groom: maps on the scalp, obstacles, environments. Each has a row with the file and a cross
-//! that removes it.
+//! Companion files of the groom: scalp maps, obstacles, environments. Each row has the file name and a button that
+//! removes it.
 
 use crate::{
     dialog::Dialogs,
@@ -17,39 +17,43 @@ use tresses_scene::{
     Companion, Shelf,
     knobs::SECTIONS,
     settings::HairColor,
-    source::{COMPANIONS, Kind},
+    source::{COMPANIONS, CompanionKind},
 };
 
 /// Width of the titles, points.
 const TITLES: f32 = 112.0;
 
-/// The groups: a title, a line about it, and what is in it.
-const GROUPS: [(&str, &str, &[Kind]); 4] = [
-    ("Light", "An equirectangular picture that lights the hair (.hdr, .exr)", &[Kind::Surroundings]),
+/// Groups of rows: title, hint, and kinds of files.
+const GROUPS: [(&str, &str, &[CompanionKind]); 4] = [
+    (
+        "Light",
+        "An equirectangular environment map that lights the hair (.hdr, .exr)",
+        &[CompanionKind::Surroundings],
+    ),
     (
         "Maps on the scalp",
-        "Pictures (.png) of the scalp from above: the top is the front, the right is the head's left",
-        &[Kind::Map, Kind::Colors],
+        "Images (.png) of the scalp from above: the top is the front, the right is the head's left",
+        &[CompanionKind::Map, CompanionKind::Colors],
     ),
-    ("Strands", "Drawn curls and painted levels of detail", &[Kind::Curve, Kind::Levels]),
+    ("Strands", "Drawn curls and painted levels of detail", &[CompanionKind::Curve, CompanionKind::Levels]),
     (
         "Collisions and ties",
-        "What hair collides with besides the head, and what holds it",
-        &[Kind::Colliders, Kind::Ties],
+        "Colliders besides the head, and ties that hold the hair",
+        &[CompanionKind::Colliders, CompanionKind::Ties],
     ),
 ];
 
-/// What a person wants of a row.
-enum Wish {
-    /// A file by dialog.
+/// The user's action in a row.
+enum RowAction {
+    /// Choose a file in a dialog.
     Choose,
-    /// A map of the library.
+    /// Use a built-in map.
     Named(String),
-    /// Nothing there.
+    /// Remove the file.
     Remove,
 }
 
-/// Shows them.
+/// Shows the rows.
 pub fn show(document: &mut Document, dialogs: &Dialogs, messages: &mut Messages, ui: &mut Ui) {
     let companions = document.wanted().companions;
     let mut wish = None;
@@ -67,20 +71,20 @@ pub fn show(document: &mut Document, dialogs: &Dialogs, messages: &mut Messages,
             }
             ui.add_space(8.0);
         }
-        let help = "They can also be dropped on the window, as can presets that name them.";
+        let help = "Files, and presets that name them, can also be dropped on the window.";
         ui.label(RichText::new(help).small().color(theme::QUIET));
     });
     match wish {
         None => {}
-        Some((companion, Wish::Choose)) => dialogs.companion(companion),
-        Some((companion, Wish::Named(name))) => {
+        Some((companion, RowAction::Choose)) => dialogs.companion(companion),
+        Some((companion, RowAction::Named(name))) => {
             document.put(companion, Some(name), &Shelf::default(), messages);
         }
-        Some((companion, Wish::Remove)) => document.put(companion, None, &Shelf::default(), messages),
+        Some((companion, RowAction::Remove)) => document.put(companion, None, &Shelf::default(), messages),
     }
 }
 
-fn row(companion: &Companion, name: Option<&str>, ui: &mut Ui) -> Option<Wish> {
+fn row(companion: &Companion, name: Option<&str>, ui: &mut Ui) -> Option<RowAction> {
     let mut wish = None;
     ui.horizontal(|ui| {
         let size = egui::vec2(TITLES, ui.spacing().interact_size.y);
@@ -95,33 +99,33 @@ fn row(companion: &Companion, name: Option<&str>, ui: &mut Ui) -> Option<Wish> {
         let help = name.unwrap_or(companion.hint);
         ui.scope(|ui| {
             ui.set_max_width(width);
-            if companion.kind == Kind::Map {
+            if companion.kind == CompanionKind::Map {
                 let (response, _) = egui::containers::menu::MenuButton::from_button(button)
                     .ui(ui, |ui| wish = menu(name, ui));
                 response.on_hover_text(help);
             } else if ui.add(button).on_hover_text(format!("{help}\nClick to choose a file")).clicked() {
-                wish = Some(Wish::Choose);
+                wish = Some(RowAction::Choose);
             }
         });
-        if name.is_some() && icons::small(ui, Icon::Cross).on_hover_text("Takes it away").clicked() {
-            wish = Some(Wish::Remove);
+        if name.is_some() && icons::small(ui, Icon::Cross).on_hover_text("Remove").clicked() {
+            wish = Some(RowAction::Remove);
         }
     });
     wish
 }
 
-/// A picture, or what the library has.
-fn menu(name: Option<&str>, ui: &mut Ui) -> Option<Wish> {
+/// Shows the menu of a map: an image file, or a built-in map.
+fn menu(name: Option<&str>, ui: &mut Ui) -> Option<RowAction> {
     let mut wish = None;
-    if ui.button("Picture…").clicked() {
-        wish = Some(Wish::Choose);
+    if ui.button("Image…").clicked() {
+        wish = Some(RowAction::Choose);
     }
     ui.separator();
     for prefix in ["", "not-"] {
         for map in ScalpMap::NAMES {
             let each = format!("{prefix}{map}");
             if ui.selectable_label(name == Some(&each), &each).clicked() {
-                wish = Some(Wish::Named(each));
+                wish = Some(RowAction::Named(each));
             }
         }
     }
@@ -131,11 +135,11 @@ fn menu(name: Option<&str>, ui: &mut Ui) -> Option<Wish> {
     wish
 }
 
-/// What can be turned of a file that is there, and why nothing is seen of it.
+/// Shows the settings of a companion file, or why it has no effect.
 fn more(document: &mut Document, companion: &Companion, ui: &mut Ui) {
     let mut settings = document.settings.now().clone();
     match companion.kind {
-        Kind::Surroundings => {
+        CompanionKind::Surroundings => {
             let resolved = settings.resolved(document.style().as_ref());
             let all = SECTIONS.iter().flat_map(|section| section.knobs);
             for knob in all.filter(|knob| knob.path.starts_with("lights.environment")) {
@@ -144,12 +148,12 @@ fn more(document: &mut Document, companion: &Companion, ui: &mut Ui) {
                 }
             }
         }
-        Kind::Colors if settings.shading.color != HairColor::File => {
+        CompanionKind::Colors if settings.shading.color != HairColor::File => {
             ui.horizontal_wrapped(|ui| {
-                ui.label(RichText::new("The hair has a colour of its own.").color(theme::ACCENT));
+                ui.label(RichText::new("The map is hidden: Color is not file.").color(theme::ACCENT));
                 if ui.small_button("Show the map").clicked() {
                     settings.shading.color = HairColor::File;
-                    document.change(settings, "Colour");
+                    document.change(settings, "Color");
                 }
             });
         }
@@ -157,7 +161,7 @@ fn more(document: &mut Document, companion: &Companion, ui: &mut Ui) {
     }
 }
 
-/// The last part of a path.
+/// Returns the last component of a path.
 pub fn last(name: &str) -> &str {
     name.rsplit(['/', '\\']).next().unwrap_or(name)
 }

@@ -1,21 +1,21 @@
-//! A small rolling plot of frame times.
+//! A rolling plot of frame times.
 
 use crate::theme;
 use eframe::egui::{self, Align2, Color32, Rect, Sense, Stroke, TextStyle, Ui, pos2, vec2};
 use std::collections::VecDeque;
 
-/// Frames that are remembered.
+/// Number of frames in the plot.
 const MANY: usize = 120;
 
-/// Room for the numbers of the axis, points.
+/// Width of the axis labels, points.
 const AXIS: f32 = 52.0;
 
-/// Milliseconds of the last frames.
+/// Durations of the last frames, milliseconds.
 #[derive(Debug, Default)]
 pub struct Frames(VecDeque<f32>);
 
 impl Frames {
-    /// One more frame.
+    /// Adds a frame.
     pub fn push(&mut self, milliseconds: f32) {
         if self.0.len() == MANY {
             self.0.pop_front();
@@ -23,14 +23,14 @@ impl Frames {
         self.0.push_back(milliseconds);
     }
 
-    /// The median, once there are frames.
+    /// Returns the median, if there are frames.
     pub fn median(&self) -> Option<f32> {
         let mut sorted: Vec<f32> = self.0.iter().copied().collect();
         sorted.sort_by(f32::total_cmp);
         sorted.get(sorted.len() / 2).copied()
     }
 
-    /// Draws them, with a line at `budget` milliseconds.
+    /// Draws the plot, with a line at `budget` milliseconds.
     pub fn plot(&self, ui: &mut Ui, budget: f32) -> egui::Response {
         let (whole, response) = ui.allocate_exact_size(vec2(ui.available_width(), 72.0), Sense::hover());
         let painter = ui.painter_at(whole);
@@ -63,7 +63,7 @@ impl Frames {
     }
 }
 
-/// Milliseconds from one mark of the axis to the next, so that there are two or three: 1, 2 or 5, and zeros.
+/// Returns the axis step in milliseconds: 1, 2 or 5 times a power of ten, for two or three marks.
 fn step(most: f32) -> f32 {
     let least = most / 3.5;
     let power = 10f32.powf(least.log10().floor());
@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn the_median_is_in_the_middle() {
+    fn median_covers_the_last_frames() {
         let mut frames = Frames::default();
         assert_eq!(frames.median(), None);
         for ms in 0..2 * MANY {

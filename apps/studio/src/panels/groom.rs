@@ -1,4 +1,4 @@
-//! The groom: how it was read, the lint's findings, and how to read it differently.
+//! The groom: facts, findings of the lint, and options that reimport it.
 
 use crate::{document::Document, hair::Source, messages::Messages, panels::body, renderer::Renderer, theme};
 use eframe::egui::{self, ComboBox, Grid, RichText, ScrollArea, Ui};
@@ -10,7 +10,7 @@ use tresses::groom::{
 };
 use tresses_scene::words::grouped;
 
-/// Shows it.
+/// Shows the page.
 pub fn show(document: &mut Document, renderer: &mut Renderer, messages: &mut Messages, ui: &mut Ui) {
     ScrollArea::vertical().id_salt("groom").auto_shrink(false).show(ui, |ui| {
         facts(renderer, ui);
@@ -25,7 +25,7 @@ pub fn show(document: &mut Document, renderer: &mut Renderer, messages: &mut Mes
         findings(report, ui);
         ui.separator();
         let Source::Files { files, options } = &shown.hair.source else { return };
-        // A cooked groom is in metres and upright: nothing of that can be chosen.
+        // A cooked groom is always in meters and upright.
         if report.files.iter().any(|file| formats::is_cooked(&file.path)) {
             return;
         }
@@ -43,18 +43,18 @@ fn facts(renderer: &Renderer, ui: &mut Ui) {
     let facts = show.facts();
     Grid::new("facts").num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
         for (name, value, help) in [
-            ("Strands", grouped(facts.strands.into()), "Strands of the groom that are drawn at full detail"),
+            ("Strands", grouped(facts.strands.into()), "Strands drawn at full detail"),
             (
                 "Vertices per strand",
                 facts.vertices_per_strand.to_string(),
                 "Vertices of each drawn strand; files may have fewer",
             ),
-            ("Triangles", grouped(facts.triangles), "Triangles in the current picture"),
-            ("Guides", grouped(facts.guides.into()), "Strands that are simulated; the others follow them"),
+            ("Triangles", grouped(facts.triangles), "Triangles in the current frame"),
+            ("Guides", grouped(facts.guides.into()), "Simulated strands, which the others follow"),
             (
                 "GPU memory",
                 format!("{:.1} MB", facts.bytes as f64 / 1e6),
-                "Of the groom, without the picture",
+                "GPU memory of the groom, without render targets",
             ),
         ] {
             ui.label(RichText::new(name).color(theme::QUIET)).on_hover_text(help);
@@ -86,7 +86,7 @@ fn findings(report: &ImportReport, ui: &mut Ui) {
     }
 }
 
-/// Unit and axes of the groom, and of the head if there is one.
+/// Shows unit and axes of the groom, and of the head if there is one.
 fn orientation(options: &mut ImportOptions, report: &ImportReport, ui: &mut Ui) {
     placement("Groom", &mut options.orient, &report.placement, ui);
     if let Some(head) = &report.head_placement {
@@ -117,7 +117,7 @@ fn placement(title: &str, choice: &mut Choice, found: &Placement, ui: &mut Ui) {
     });
 }
 
-/// A choice that may be left to a guess.
+/// Shows a choice with an automatic option.
 fn pick<T: Copy + PartialEq>(
     ui: &mut Ui,
     id: (&str, &str),

@@ -1,27 +1,27 @@
-//! Buttons with a drawn sign: fonts do not have them all.
+//! Buttons with painted icons: the fonts lack some of the symbols.
 
 use crate::theme;
 use eframe::egui::{Color32, Painter, Pos2, Rect, Response, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2};
 use std::f32::consts::PI;
 
-/// A sign.
+/// An icon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Icon {
     /// A triangle.
     Play,
     /// Two bars.
     Pause,
-    /// A triangle before a bar.
+    /// A triangle and a bar.
     Step,
-    /// A bar before a triangle that points back.
+    /// A bar and a triangle that points left.
     Rewind,
-    /// An arrow that turns back.
+    /// A counterclockwise arrow.
     Undo,
-    /// Two strokes that cross.
+    /// An X.
     Cross,
 }
 
-/// A button with it.
+/// Shows a button with the icon.
 pub fn button(ui: &mut Ui, icon: Icon) -> Response {
     let (rect, response) = ui.allocate_exact_size(vec2(34.0, 26.0), Sense::click());
     let visuals = ui.style().interact(&response);
@@ -30,7 +30,7 @@ pub fn button(ui: &mut Ui, icon: Icon) -> Response {
     response
 }
 
-/// A small one without a plate.
+/// Shows a small button without a background.
 pub fn small(ui: &mut Ui, icon: Icon) -> Response {
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(16.0), Sense::click());
     let color = if response.hovered() { theme::ACCENT } else { theme::QUIET };
@@ -69,7 +69,7 @@ fn paint(painter: &Painter, icon: Icon, at: Rect, color: Color32) {
     }
 }
 
-/// Three quarters of a circle with a head.
+/// Paints three quarters of a circle with an arrow head.
 fn turning(painter: &Painter, at: Rect, color: Color32) {
     let radius = 0.42 * at.width();
     let place = |angle: f32| -> Pos2 { at.center() + radius * vec2(angle.cos(), angle.sin()) };

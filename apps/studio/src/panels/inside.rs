@@ -1,10 +1,10 @@
-//! The library's debug views.
+//! Debug views of the library.
 
 use crate::{renderer::Renderer, theme};
 use eframe::egui::{self, RichText, ScrollArea, Slider, Ui};
-use tresses::views::{DebugView, Shown};
+use tresses::views::{DebugDisplay, DebugView};
 
-/// The views by what they show; every view of the library is in one of them or under "More".
+/// The debug views by topic. A test checks that each view is in one group.
 const GROUPS: [(&str, &[DebugView]); 4] = [
     ("Guides", &[DebugView::Guides, DebugView::Speed, DebugView::Strain]),
     (
@@ -19,7 +19,7 @@ const GROUPS: [(&str, &[DebugView]); 4] = [
         ],
     ),
     (
-        "Grids and obstacles",
+        "Grids and colliders",
         &[DebugView::Density, DebugView::Push, DebugView::Wind, DebugView::Colliders, DebugView::Distance],
     ),
     (
@@ -36,14 +36,11 @@ const GROUPS: [(&str, &[DebugView]); 4] = [
     ),
 ];
 
-/// Shows the chooser.
+/// Shows the list of views.
 pub fn show(renderer: &mut Renderer, ui: &mut Ui) {
     let now = renderer.debug.map(|shown| shown.view);
     let mut chosen = None;
-    if ui
-        .selectable_label(now.is_none(), "Hair as it looks")
-        .on_hover_text("No view: the finished picture")
-        .clicked()
+    if ui.selectable_label(now.is_none(), "No debug view").on_hover_text("Shows the rendered hair").clicked()
     {
         chosen = Some(None);
     }
@@ -65,12 +62,12 @@ pub fn show(renderer: &mut Renderer, ui: &mut Ui) {
         scale(renderer, ui);
     });
     if let Some(view) = chosen {
-        renderer.debug = view.map(Shown::new);
+        renderer.debug = view.map(DebugDisplay::new);
         renderer.dirty = true;
     }
 }
 
-/// What the colours stand for, and the number drawn brightest.
+/// Shows the active view's hint and a slider for the top of its scale.
 fn scale(renderer: &mut Renderer, ui: &mut Ui) {
     let Some(shown) = &mut renderer.debug else { return };
     ui.separator();
@@ -79,9 +76,7 @@ fn scale(renderer: &mut Renderer, ui: &mut Ui) {
     ui.label(RichText::new(format!("{}: {} to", scale.title, scale.low)).color(theme::QUIET));
     let mut high = scale.high;
     let slider = Slider::new(&mut high, 0.01 * usual.high..=100.0 * usual.high).logarithmic(true);
-    let slider = ui
-        .add(slider)
-        .on_hover_text("The number that is drawn brightest. A double click gives the usual one.");
+    let slider = ui.add(slider).on_hover_text("Value of the brightest color. A double click resets it.");
     if slider.changed() {
         (shown.high, renderer.dirty) = (Some(high), true);
     }

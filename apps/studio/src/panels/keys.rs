@@ -1,17 +1,17 @@
-//! Keys.
+//! Keyboard shortcuts.
 
 use crate::{document::Document, messages::Messages, panels::Panels, renderer::Renderer, tool::Tool};
 use eframe::egui::{self, Key, KeyboardShortcut, Modifiers};
 use tresses_scene::camera::Angle;
 
-/// The views and their keys.
+/// Named views: label, key and hint.
 pub const VIEWS: [(Angle, &str, Key, &str); 4] = [
-    (Angle::Front, "Front", Key::Num1, "From before the face"),
+    (Angle::Front, "Front", Key::Num1, "From the front"),
     (
         Angle::ThreeQuarter,
         "3/4",
         Key::Num2,
-        "Three-quarter view; a double click in the picture does the same",
+        "Three-quarter view; a double click in the viewport does the same",
     ),
     (Angle::Side, "Side", Key::Num3, "From the head's left"),
     (Angle::Back, "Back", Key::Num4, "From behind"),
@@ -31,14 +31,14 @@ pub fn answer(
     }
     let undo = KeyboardShortcut::new(Modifiers::COMMAND, Key::Z);
     let redo = KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z);
-    // The one with more modifiers first.
+    // Redo first: its shortcut also matches undo.
     if context.input_mut(|input| input.consume_shortcut(&redo)) {
         document.undo(true, messages);
     }
     if context.input_mut(|input| input.consume_shortcut(&undo)) {
         document.undo(false, messages);
     }
-    // Several presses may come between two frames of the window.
+    // Several presses may arrive within one frame.
     let presses = |key| context.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key));
     let pressed = |key| presses(key) > 0;
     renderer.playback.play.playing ^= presses(Key::Space) % 2 == 1;

@@ -1,4 +1,4 @@
-//! Every parameter, as the table of `tresses_scene::knobs` has it.
+//! All parameters of the table in `tresses_scene::knobs`.
 
 use crate::{
     document::Document,
@@ -10,28 +10,28 @@ use eframe::egui::{
 };
 use tresses_scene::{
     Settings,
-    knobs::{Choice, Kind, Knob, SECTIONS, Scale, Section, Value},
+    knobs::{Choice, Knob, SECTIONS, Scale, Section, Value, ValueKind},
 };
 
-/// The sections that are open at first: what an artist reaches for.
+/// Keys of the sections that are open at start, the most used.
 const OPEN: [&str; 2] = ["style", "shading"];
 
-/// Width of the names, points.
+/// Width of the labels, points.
 const NAMES: f32 = 136.0;
 
-/// Shows them.
+/// Shows the search field and the parameters.
 pub fn show(document: &mut Document, search: &mut String, ui: &mut Ui) {
-    // From right to left: the field takes what is left, and the panel does not grow.
+    // Right to left: the field takes the remaining width, so the panel does not grow.
     let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
     ui.allocate_ui_with_layout(size, egui::Layout::right_to_left(egui::Align::Center), |ui| {
         let clear = !search.is_empty();
-        if clear && ui.small_button("x").on_hover_text("Shows all parameters").clicked() {
+        if clear && ui.small_button("x").on_hover_text("Show all parameters").clicked() {
             search.clear();
         }
         let edit = TextEdit::singleline(search).id_salt("search").hint_text("Search");
         let edit = edit.desired_width(ui.available_width());
-        let edit = ui.add(edit).on_hover_text("Shows the parameters whose name or hint has these words");
-        // Whoever turns something has done with the words: an undo is no longer theirs.
+        let edit = ui.add(edit).on_hover_text("Shows parameters whose name or hint contains these words");
+        // Drop the focus once the user clicks elsewhere, so that undo applies to the document, not to the search text.
         if edit.has_focus() && !edit.contains_pointer() && ui.input(|input| input.pointer.any_pressed()) {
             edit.surrender_focus();
         }
@@ -48,7 +48,7 @@ pub fn show(document: &mut Document, search: &mut String, ui: &mut Ui) {
             if first.is_empty() && advanced.is_empty() {
                 continue;
             }
-            // What is found is seen.
+            // Open the sections that have matches.
             let open = (!words.is_empty()).then_some(true);
             CollapsingHeader::new(
                 RichText::new(titled(section.title, section.knobs.iter(), &settings)).strong(),
@@ -85,7 +85,7 @@ pub fn show(document: &mut Document, search: &mut String, ui: &mut Ui) {
     }
 }
 
-/// A title, and how many of its parameters are not as by default.
+/// Returns a title with the number of changed parameters.
 fn titled<'a>(title: &str, knobs: impl Iterator<Item = &'a Knob>, settings: &Settings) -> String {
     match knobs.filter(|knob| !knob.is_default(settings)).count() {
         0 => title.into(),
@@ -98,7 +98,7 @@ fn matches(knob: &Knob, section: &Section, words: &str) -> bool {
     words.split_whitespace().all(|word| text.contains(word))
 }
 
-/// One parameter; whether it was changed.
+/// Shows one parameter. Returns whether it has changed.
 pub fn row(knob: &Knob, settings: &mut Settings, resolved: &Settings, ui: &mut Ui) -> bool {
     let value = knob.get(settings);
     let mut new = None;
@@ -122,31 +122,31 @@ pub fn row(knob: &Knob, settings: &mut Settings, resolved: &Settings, ui: &mut U
             new = Some(turned);
         }
         if !default {
-            let text = format!("Back to {}", knob.text(knob.default()));
+            let text = format!("Reset to {}", knob.text(knob.default()));
             if icons::small(ui, Icon::Undo).on_hover_text(text).clicked() {
                 new = Some(knob.default());
             }
         }
     });
     let Some(new) = new.filter(|new| *new != value) else { return false };
-    // A slider's end, rounded to single precision, may lie just beyond the range.
+    // A slider's end, rounded to single precision, may exceed the range.
     knob.set(settings, new).is_ok()
 }
 
 fn help(knob: &Knob) -> String {
     let (range, default) = (knob.range(), knob.text(knob.default()));
     format!(
-        "{}\n\nAllowed: {range}. By default: {default}.\nA double click on the name gives the default.\n{}",
+        "{}\n\nAllowed: {range}. Default: {default}.\nDouble-click the name to reset it.\n{}",
         knob.hint, knob.path
     )
 }
 
-/// What is turned; the new value while it is. `auto` when the value is not the user's.
+/// Shows the widget of a parameter and returns a new value. `auto` marks a value that the user has not set.
 fn widget(knob: &Knob, value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
     if auto {
         ui.visuals_mut().override_text_color = Some(theme::QUIET);
     }
-    // The unit stands after the number; a mark tells what is chosen by itself.
+    // The suffix is the unit, and a mark for automatic values.
     let mark = |unit: &str| match (unit, auto) {
         ("", false) => String::new(),
         ("", true) => " auto".into(),
@@ -156,54 +156,54 @@ fn widget(knob: &Knob, value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
     };
     ui.spacing_mut().slider_width = (ui.available_width() - 114.0).max(40.0);
     match (knob.kind, value) {
-        (Kind::Number { unit, least, most, scale }, Value::Number(number)) => {
+        (ValueKind::Number { unit, least, most, scale }, Value::Number(number)) => {
             let mut shown = knob.shown(number);
             let before = short(shown);
             let slider = Slider::new(&mut shown, least..=most)
                 .logarithmic(scale == Scale::Log)
                 .smallest_positive((most * 1e-5).max(1e-9))
-                // Not rounded: what is only shown must stay as it is to the bit.
+                // Do not round: showing a value must not change it.
                 .max_decimals(17)
                 .custom_formatter(|shown, _| short(shown))
                 .suffix(mark(unit.symbol));
             let slider = ui.add(slider).on_hover_text(knob.hint);
-            // A number that was only looked at comes back as its text, which has fewer digits.
+            // After focus without an edit, the widget returns its text, which has fewer digits.
             let turned = slider.changed() && (slider.dragged() || short(shown) != before);
             turned.then(|| Value::Number(knob.inner(shown.clamp(least, most))))
         }
-        (Kind::Integer { unit, least, most, step }, Value::Integer(mut number)) => {
+        (ValueKind::Integer { unit, least, most, step }, Value::Integer(mut number)) => {
             let slider = Slider::new(&mut number, least..=most)
                 .logarithmic(most > 1000)
                 .step_by(step.into())
                 .suffix(mark(unit.symbol));
             ui.add(slider).on_hover_text(knob.hint).changed().then_some(Value::Integer(number))
         }
-        (Kind::Toggle, Value::Toggle(mut on)) => {
+        (ValueKind::Toggle, Value::Toggle(mut on)) => {
             ui.checkbox(&mut on, "").on_hover_text(knob.hint).changed().then_some(Value::Toggle(on))
         }
-        (Kind::Color, Value::Color(mut rgb)) => {
+        (ValueKind::Color, Value::Color(mut rgb)) => {
             let changed = ui.color_edit_button_srgb(&mut rgb).on_hover_text(knob.hint).changed();
             changed.then_some(Value::Color(rgb))
         }
-        (Kind::Choice(choices), value) => choice(knob, choices, value, auto, ui),
-        // What is chosen by itself and unknown: a file has its own.
+        (ValueKind::Choice(choices), value) => choice(knob, choices, value, auto, ui),
+        // An automatic value that is unknown, such as one stored in the file.
         (kind, _) => ui
             .button("auto")
-            .on_hover_text("The value of the file or the style; click to choose another")
+            .on_hover_text("Value of the file or the style; click to set another")
             .clicked()
             .then(|| match kind {
-                Kind::Number { least, most, .. } => {
+                ValueKind::Number { least, most, .. } => {
                     Value::Number(knob.inner((least * most.max(0.0)).sqrt().clamp(least, most)))
                 }
-                Kind::Integer { least, .. } => Value::Integer(least),
-                Kind::Toggle => Value::Toggle(true),
-                Kind::Color => Value::Color([128, 96, 64]),
-                Kind::Choice(choices) => Value::Choice(choices[0].name),
+                ValueKind::Integer { least, .. } => Value::Integer(least),
+                ValueKind::Toggle => Value::Toggle(true),
+                ValueKind::Color => Value::Color([128, 96, 64]),
+                ValueKind::Choice(choices) => Value::Choice(choices[0].name),
             }),
     }
 }
 
-/// A number with three digits that count.
+/// Formats a number with three significant digits.
 fn short(number: f64) -> String {
     if number == 0.0 {
         return "0".into();
@@ -254,10 +254,10 @@ mod tests {
     }
 
     #[test]
-    fn to_show_a_parameter_changes_nothing() {
+    fn showing_a_parameter_keeps_its_value() {
         let settings = tresses_scene::Settings::default().resolved(Some(&Default::default()));
         let context = eframe::egui::Context::default();
-        // Twice: some widgets answer in the frame after.
+        // Two frames: some widgets respond in the next frame.
         for _ in 0..2 {
             let mut output = context.run_ui(Default::default(), |ui| {
                 for knob in SECTIONS.iter().flat_map(|section| section.knobs) {
@@ -266,13 +266,13 @@ mod tests {
                     assert!(new.is_none_or(|new| new == value), "{}: {value:?} to {new:?}", knob.path);
                 }
             });
-            // Nobody draws it.
+            // Nothing is painted.
             output.textures_delta.clear();
         }
     }
 
     #[test]
-    fn what_an_artist_reaches_for_is_seen_first() {
+    fn common_parameters_are_open_at_start() {
         for key in OPEN {
             assert!(SECTIONS[..3].iter().any(|section| section.key == key), "{key}");
         }
@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn words_are_found_in_names_and_hints() {
+    fn search_matches_names_and_hints() {
         let section = &SECTIONS[0];
         let knob = &section.knobs[0];
         assert!(matches(knob, section, "") && matches(knob, section, &knob.label.to_lowercase()));

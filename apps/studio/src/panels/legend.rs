@@ -1,17 +1,17 @@
-//! The legend of a view, at the bottom of the picture.
+//! Legend of the debug view, at the bottom of the viewport.
 
 use crate::{renderer::Renderer, theme};
 use eframe::egui::{Align2, Color32, Mesh, Pos2, Rect, RichText, Sense, TextStyle, Ui, pos2, vec2};
 use tresses::views::ramp;
 use tresses_scene::picture::encoded;
 
-/// How wide it is where there is room, points.
+/// Maximum width, points.
 const WIDTH: f32 = 280.0;
 
-/// Pieces of the bar.
+/// Segments of the color bar.
 const PIECES: u32 = 32;
 
-/// Shows the name of the view and its scale, not wider than `room` points.
+/// Shows name and scale of the view, at most `room` points wide.
 pub fn show(renderer: &Renderer, ui: &mut Ui, room: f32) {
     let Some(shown) = &renderer.debug else { return };
     let physics = renderer.show.as_ref().map(|show| &show.stage.character.physics);
@@ -19,12 +19,12 @@ pub fn show(renderer: &Renderer, ui: &mut Ui, room: f32) {
         ui.set_max_width(room.min(WIDTH));
         ui.label(RichText::new(shown.view.label()).strong()).on_hover_text(shown.view.hint());
         if let Some(why) = physics.and_then(|physics| shown.view.missing(physics)) {
-            ui.label(RichText::new(format!("There is nothing to show: {why}")).color(theme::ACCENT));
+            ui.label(RichText::new(format!("Nothing to show: {why}")).color(theme::ACCENT));
             return;
         }
         let Some(scale) = shown.scale() else { return };
         let bar = bar(ui);
-        // The numbers under the ends of the bar that they belong to.
+        // Numbers under the ends of the bar.
         let (row, _) = ui.allocate_exact_size(vec2(bar.width(), 14.0), Sense::hover());
         let font = TextStyle::Small.resolve(ui.style());
         let put = |at: Pos2, anchor: Align2, text: &str, color| {

@@ -1,4 +1,4 @@
-//! What surrounds the picture, a file each.
+//! Panels and controls around the viewport, one per file.
 
 pub mod ask;
 pub mod body;
@@ -21,33 +21,33 @@ pub mod wind;
 
 use eframe::egui;
 
-/// What panels remember.
+/// State of the panels.
 #[derive(Debug, Default)]
 pub struct Panels {
-    /// What the last frames took.
+    /// Durations of the last frames.
     pub frames: frames::Frames,
-    /// What the panel at the side shows.
+    /// Page of the side panel.
     pub page: side::Page,
-    /// The words that parameters are searched by.
+    /// Search words for parameters.
     pub search: String,
-    /// Whether a loop is being ordered.
+    /// Whether the dialog that records a loop is open.
     pub record: bool,
-    /// Pictures that were dropped, and may be any map.
-    pub asked: Vec<ask::Asked>,
-    /// Whether the panel at the side is hidden; `None`: where it would leave too little of the picture.
+    /// Dropped images whose kind the user must choose.
+    pub asked: Vec<ask::MapChoice>,
+    /// Whether the side panel is hidden; `None` hides it in narrow windows.
     folded: Option<bool>,
 }
 
-/// Width of a window that has room for a panel beside the picture, points.
+/// Window width from which the side panel is shown by default, points.
 const ROOM: f32 = 760.0;
 
 impl Panels {
-    /// Whether the panel at the side is hidden.
+    /// Whether the side panel is hidden.
     pub fn is_folded(&self, context: &egui::Context) -> bool {
         self.folded.unwrap_or(context.content_rect().width() < ROOM)
     }
 
-    /// Hides the panel at the side, or shows it.
+    /// Hides or shows the side panel.
     pub fn fold(&mut self, context: &egui::Context) {
         self.folded = Some(!self.is_folded(context));
     }

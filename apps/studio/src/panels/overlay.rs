@@ -1,4 +1,4 @@
-//! Controls over the picture: the palette, the views, progress, errors.
+//! Controls over the viewport: tools, views, progress, errors.
 
 use crate::{
     document::Document,
@@ -15,27 +15,27 @@ use eframe::egui::{
 };
 use std::time::Duration;
 
-/// Distance from the picture's edges, points.
+/// Distance from the viewport's edges, points.
 const GAP: f32 = 12.0;
 
-/// What the wind's dial takes of the width and height, with room around it, points.
+/// Width and height of the wind dial with its margins, points.
 const DIAL: f32 = 130.0;
 
-/// The height of a picture that has room for the dial under the tools, points.
+/// Viewport height below which the dial does not fit under the tools, points.
 const LOW: f32 = 290.0;
 
-/// How wide the words about long work may be, points.
+/// Maximum width of the hair's name in the progress of a job, points.
 const WORDS: f32 = 260.0;
 
-/// Controls over the picture, each shown by its own function.
+/// Controls over the viewport, each shown by its own function.
 pub struct Overlay<'a> {
     ui: &'a Ui,
-    /// Where the picture is.
+    /// The viewport.
     rect: Rect,
 }
 
 impl<'a> Overlay<'a> {
-    /// Controls over the picture at `rect`.
+    /// Creates the controls over the viewport at `rect`.
     pub fn new(ui: &'a Ui, rect: Rect) -> Self {
         Self { ui, rect }
     }
@@ -50,7 +50,7 @@ impl<'a> Overlay<'a> {
         area.show(self.ui.ctx(), |ui| plate().show(ui, show).inner).inner
     }
 
-    /// The tools.
+    /// Shows the tools.
     pub fn tools(&self, tool: &mut Tool, renderer: &mut Renderer) {
         self.at("tools", Align2::LEFT_TOP, Vec2::ZERO, |ui| {
             ui.with_layout(Layout::top_down_justified(Align::Center), |ui| {
@@ -70,7 +70,7 @@ impl<'a> Overlay<'a> {
         });
     }
 
-    /// The named views, in the middle: the panels of grids are at the right.
+    /// Shows the named views, centered at the top.
     pub fn views(&self, renderer: &mut Renderer) {
         self.at("views", Align2::CENTER_TOP, Vec2::ZERO, |ui| {
             ui.horizontal(|ui| {
@@ -86,7 +86,7 @@ impl<'a> Overlay<'a> {
         });
     }
 
-    /// The wind's dial.
+    /// Shows the wind dial.
     pub fn wind(&self, orbit: &Orbit, document: &mut Document) {
         let mut settings = document.settings.now().clone();
         let camera = orbit.camera();
@@ -106,15 +106,15 @@ impl<'a> Overlay<'a> {
         });
     }
 
-    /// Progress of a job, in the middle until a character is `shown`.
+    /// Shows the progress of a job, in the center until a character is `shown`.
     pub fn job(&self, job: &Job, shown: bool) {
         let (anchor, offset) =
             if shown { (Align2::CENTER_TOP, vec2(0.0, 44.0)) } else { (Align2::CENTER_CENTER, Vec2::ZERO) };
         self.at("job", anchor, offset, |ui| {
             ui.horizontal(|ui| {
-                // Nothing that moves by itself: on a software driver it would take the time of the work.
+                // No animation: with a software driver it would compete with the job.
                 bar(ui, job.fraction());
-                // The step is worth more than the name.
+                // The step comes before the name, which is truncated.
                 ui.label(job.step());
                 let seconds = format!("{:.0} s", job.begun.elapsed().as_secs_f32());
                 ui.label(RichText::new(seconds).color(theme::QUIET));
@@ -126,32 +126,32 @@ impl<'a> Overlay<'a> {
         });
     }
 
-    /// Progress of a recording. Returns whether the user stops it.
+    /// Shows the progress of a recording. Returns whether the user stops it.
     pub fn recording(&self, recording: &Recording) -> bool {
         self.at("recording", Align2::CENTER_TOP, vec2(0.0, 84.0), |ui| {
             let stop = ui.horizontal(|ui| {
                 bar(ui, recording.fraction());
                 ui.label(recording.step());
-                ui.small_button("Stop").on_hover_text("Discards the recording").clicked()
+                ui.small_button("Stop").on_hover_text("Stop and discard the recording").clicked()
             });
             stop.inner
         })
     }
 
-    /// Progress of a refinement: parts done, and all parts.
+    /// Shows the progress of a refinement: finished parts, and all parts.
     pub fn refined(&self, (done, all): (usize, usize)) {
         self.at("refined", Align2::RIGHT_TOP, vec2(0.0, 44.0), |ui| {
             ui.horizontal(|ui| {
                 bar(ui, done as f32 / all as f32);
-                let text = format!("finer: part {} of {all}", (done + 1).min(all));
+                let text = format!("refining: part {} of {all}", (done + 1).min(all));
                 ui.label(RichText::new(text).color(theme::QUIET));
             });
-            // Its parts are counted.
+            // Update the number of finished parts.
             ui.ctx().request_repaint_after(Duration::from_millis(250));
         });
     }
 
-    /// The legend of the debug view, if there is one.
+    /// Shows the legend of the debug view, if one is active.
     pub fn legend(&self, renderer: &Renderer) {
         if renderer.show.is_some() && renderer.debug.is_some() {
             let free = free(self.rect);
@@ -160,14 +160,14 @@ impl<'a> Overlay<'a> {
         }
     }
 
-    /// The last error, with a button that removes it.
+    /// Shows the last error with a button that dismisses it.
     pub fn error(&self, error: &mut Option<String>) {
         let Some(text) = error.clone() else { return };
         let free = free(self.rect);
         let show = |ui: &mut Ui| {
             ui.horizontal_wrapped(|ui| {
                 ui.label(RichText::new(text).color(theme::ALARM));
-                if ui.small_button("OK").on_hover_text("Takes this sentence away").clicked() {
+                if ui.small_button("OK").on_hover_text("Dismiss the message").clicked() {
                     *error = None;
                 }
             });
@@ -179,22 +179,22 @@ impl<'a> Overlay<'a> {
     }
 }
 
-/// Where the wind's dial is: under the tools, or beside them where the picture is low.
+/// Returns the corner of the wind dial: under the tools, or opposite them in a low viewport.
 fn dial(rect: Rect) -> Align2 {
     if rect.height() < LOW { Align2::RIGHT_BOTTOM } else { Align2::LEFT_BOTTOM }
 }
 
-/// Where there is room for words at the bottom of a picture.
+/// Position for messages at the bottom of the viewport.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Free {
     anchor: Align2,
-    /// How far above the bottom, points.
+    /// Distance from the bottom, points.
     lift: f32,
-    /// How wide they may be, points.
+    /// Maximum width, points.
     width: f32,
 }
 
-/// In the middle, else beside the dial, else above it.
+/// Returns the position for messages: in the center if it is wide enough, else beside the dial, else above it.
 fn free(rect: Rect) -> Free {
     let (middle, beside) = (rect.width() - 2.0 * DIAL, rect.width() - DIAL - GAP);
     let other = if dial(rect) == Align2::LEFT_BOTTOM { Align2::RIGHT_BOTTOM } else { Align2::LEFT_BOTTOM };
@@ -207,7 +207,7 @@ fn free(rect: Rect) -> Free {
     }
 }
 
-/// A bar that is full at 1.
+/// Shows a progress bar for `fraction`, 0 to 1.
 fn bar(ui: &mut Ui, fraction: f32) {
     ui.add(ProgressBar::new(fraction).desired_width(90.0).desired_height(6.0).fill(theme::ACCENT));
 }
@@ -218,7 +218,7 @@ mod tests {
     use eframe::egui::pos2;
 
     #[test]
-    fn words_and_dial_have_room_in_any_window() {
+    fn messages_dial_and_tools_do_not_overlap() {
         for size in [
             vec2(1080.0, 790.0),
             vec2(500.0, 300.0),

@@ -1,15 +1,15 @@
-//! The small window that starts the recording of a loop.
+//! Dialog that starts the recording of a loop.
 
 use crate::{
-    record::{LARGEST, LONGEST, Wish},
+    record::{LARGEST, LONGEST, RecordRequest},
     theme,
 };
 use eframe::egui::{self, Align2, ComboBox, DragValue, Grid, RichText, Ui, vec2};
 use tresses_scene::picture::Format;
 
-/// Shows it while it is `open`. Whether the recording of a loop as `wish` has it starts; the motion repeats after
+/// Shows the dialog while it is `open`. Returns whether the recording of `wish` starts. The motion repeats after
 /// `period` seconds.
-pub fn show(open: &mut bool, wish: &mut Wish, period: f64, ui: &Ui) -> bool {
+pub fn show(open: &mut bool, wish: &mut RecordRequest, period: f64, ui: &Ui) -> bool {
     let mut starts = false;
     let window = egui::Window::new("Record a loop").collapsible(false).resizable(false);
     let window = window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).open(open);
@@ -18,8 +18,8 @@ pub fn show(open: &mut bool, wish: &mut Wish, period: f64, ui: &Ui) -> bool {
     starts
 }
 
-fn inside(wish: &mut Wish, period: f64, ui: &mut Ui) -> bool {
-    let Wish { seconds, fps, size, format } = wish;
+fn inside(wish: &mut RecordRequest, period: f64, ui: &mut Ui) -> bool {
+    let RecordRequest { seconds, fps, size, format } = wish;
     Grid::new("wish").num_columns(2).spacing([16.0, 6.0]).show(ui, |ui| {
         let quiet = |text: &str| RichText::new(text).color(theme::QUIET);
         ui.label(quiet("Length"));
@@ -59,8 +59,8 @@ fn inside(wish: &mut Wish, period: f64, ui: &mut Ui) -> bool {
 fn words(format: Format) -> &'static str {
     match format {
         #[cfg(not(target_arch = "wasm32"))]
-        Format::WebP => "WebP: small, true colours",
-        Format::Gif => "GIF: shown everywhere, 256 colours",
+        Format::WebP => "WebP: small, true color",
+        Format::Gif => "GIF: shown everywhere, 256 colors",
         Format::Apng => "APNG: lossless, large",
     }
 }

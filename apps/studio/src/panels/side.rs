@@ -9,7 +9,7 @@ use crate::{
 };
 use eframe::egui::{self, Panel, Ui};
 
-/// What the panel shows.
+/// Page of the side panel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Page {
     /// Debug views.
@@ -19,7 +19,7 @@ pub enum Page {
     Knobs,
     /// The groom.
     Groom,
-    /// Maps, obstacles, surroundings.
+    /// Maps, obstacles, environments.
     Files,
     /// Timings.
     Time,
@@ -29,13 +29,13 @@ impl Page {
     const ALL: [(Self, &str, &str); 5] = [
         (Self::Knobs, "Parameters", "All parameters"),
         (Self::Groom, "Groom", "Contents, problems found, unit and axes"),
-        (Self::Files, "Files", "Maps on the scalp, obstacles, environments"),
-        (Self::Inside, "Inside", "Debug views: guides, grids, single terms of the light"),
-        (Self::Time, "Time", "Where the time of a frame goes"),
+        (Self::Files, "Files", "Scalp maps, colliders, environment maps"),
+        (Self::Inside, "Debug", "Debug views: guides, grids, terms of the shading"),
+        (Self::Time, "Time", "Frame time and GPU time per stage"),
     ];
 }
 
-/// Shows it.
+/// Shows the panel.
 pub fn show(
     panels: &mut Panels,
     document: &mut Document,
@@ -48,7 +48,7 @@ pub fn show(
         return;
     }
     let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 8));
-    // However narrow the window is, there is a picture.
+    // Leave room for the viewport in narrow windows.
     let widest = (0.55 * ui.available_width()).clamp(280.0, 520.0);
     let usual = (0.31 * ui.available_width()).clamp(348.0, 404.0);
     Panel::right("side").frame(frame).default_size(usual).size_range(280.0..=widest).show(ui, |ui| {

@@ -1,10 +1,10 @@
-//! The status line: hints for the pointer, the size of the picture and its frame time.
+//! The status line: hints for the pointer, image size and frame time.
 
 use crate::{pace::Level, panels::frames::Frames, renderer::Renderer, theme};
 use eframe::egui::{self, Align, Label, Layout, Panel, RichText, Ui};
 use tresses_scene::words::grouped;
 
-/// Shows it with `hint`: help for the pointer, or the last result.
+/// Shows the line with `hint`: help for the pointer, or the last result.
 pub fn show(hint: &str, frames: &Frames, renderer: &Renderer, ui: &mut Ui) {
     let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 4));
     Panel::bottom("status").frame(frame).show_separator_line(false).show(ui, |ui| {
@@ -38,19 +38,19 @@ fn right(frames: &Frames, renderer: &Renderer, ui: &mut Ui) {
     let text = if coarse { quiet(text).color(theme::ACCENT) } else { quiet(text) };
     let help = if coarse {
         let mut less = vec!["resolution and strands"];
-        less.extend(level.slow.then_some("steps of the hair per second"));
+        less.extend(level.slow.then_some("simulation rate"));
         format!(
-            "Less is drawn ({}) so that a frame takes less than {:.0} ms. When nothing moves, the picture becomes finer. This can be turned off under Time.",
+            "Quality is reduced ({}) to keep frames below {:.0} ms. The image is refined when nothing moves. Turn this off under Time.",
             less.join(", "),
             renderer.pace.budget()
         )
     } else {
-        "Drawn strands and picture size".into()
+        "Drawn strands and image size".into()
     };
     ui.label(text).on_hover_text(help);
 }
 
-/// The name of an adapter without what stands in brackets.
+/// Returns an adapter's name without the part in parentheses.
 fn short(name: &str) -> &str {
     name.split(" (").next().unwrap_or(name)
 }

@@ -1,23 +1,23 @@
-//! Where the time goes.
+//! Frame time, and GPU time per stage.
 
 use crate::{panels::frames::Frames, renderer::Renderer, theme};
 use eframe::egui::{Grid, RichText, Ui};
 
-/// Shows it.
+/// Shows the page.
 pub fn show(frames: &Frames, renderer: &mut Renderer, ui: &mut Ui) {
     let budget = renderer.pace.budget();
     let text = frames.median().map_or(String::new(), |ms| format!("{ms:.1} ms"));
     ui.horizontal(|ui| {
-        ui.label(RichText::new("Time of a frame").color(theme::QUIET));
+        ui.label(RichText::new("Frame time").color(theme::QUIET));
         ui.label(text);
     });
     let help = format!(
-        "Milliseconds of the last frames, from handing in to done; the line is at {budget:.0} ms. \
-         Waiting for others on the same machine is in it."
+        "Milliseconds of the last frames, from submission to completion; the line is at {budget:.0} ms. \
+         Waiting for other programs is included."
     );
     frames.plot(ui, budget).on_hover_text(help);
     let mut automatic = renderer.pace.automatic;
-    let help = "Lowers resolution and detail until a frame fits, and raises them when there is time or nothing moves";
+    let help = "Lowers resolution and detail to keep frames short, and raises them when there is time or nothing moves";
     if ui.checkbox(&mut automatic, "Keep frames short").on_hover_text(help).changed() {
         (renderer.pace.automatic, renderer.dirty) = (automatic, true);
     }
@@ -25,14 +25,14 @@ pub fn show(frames: &Frames, renderer: &mut Renderer, ui: &mut Ui) {
     stages(renderer, ui);
 }
 
-/// The stages on the GPU.
+/// Shows the GPU time of each stage.
 fn stages(renderer: &Renderer, ui: &mut Ui) {
     let Some(show) = &renderer.show else { return };
     if !show.times_stages() {
         let why = if renderer.gpu.context.tier().software {
-            "A software driver does not report the time of single stages; `tresses bench` measures them one by one."
+            "Software drivers do not report the time per stage; `tresses bench` measures each stage alone."
         } else {
-            "This adapter has no timestamps: the time of single stages is unknown."
+            "This adapter has no timestamps, so the time per stage is unknown."
         };
         ui.label(RichText::new(why).color(theme::QUIET));
         return;

@@ -1,4 +1,4 @@
-//! The top bar: what is shown, and actions on it.
+//! The top bar: choice of hair, and actions.
 
 use crate::{
     dialog::Dialogs, document::Document, hair::Source, messages::Messages, panels::Panels, picture::Snapshot,
@@ -8,10 +8,10 @@ use eframe::egui::{self, Align, ComboBox, Layout, Panel, RichText, Ui};
 use tresses::groom::{formats, styles::Style};
 use tresses_scene::preset::Preset;
 
-/// Width of a window in which everything has its button, points.
+/// Window width from which every action has its own button, points.
 const WIDE: f32 = 1000.0;
 
-/// Shows it. `can_record`: there is a character, and no loop is being recorded.
+/// Shows the bar. `can_record`: there is a character, and no loop is being recorded.
 pub fn show(
     panels: &mut Panels,
     document: &mut Document,
@@ -34,7 +34,7 @@ pub fn show(
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let text = if panels.is_folded(ui.ctx()) { "Show panel" } else { "Hide panel" };
-                if ui.button(text).on_hover_text("The panel at the side\nKey P").clicked() {
+                if ui.button(text).on_hover_text("Side panel\nKey P").clicked() {
                     panels.fold(ui.ctx());
                 }
                 history(document, messages, ui);
@@ -43,7 +43,7 @@ pub fn show(
     });
 }
 
-/// What is opened and saved: in a row, or below each other in a menu.
+/// Shows the actions that open and save: in a row, or in a menu.
 fn files(
     panels: &mut Panels,
     document: &Document,
@@ -54,17 +54,17 @@ fn files(
 ) {
     let [grooms, meshes] = [formats::GROOMS, formats::MESHES].map(|all| formats::listed(all, "or"));
     let help = format!(
-        "A groom ({grooms}), a head for it ({meshes}), or both. Files can also be dropped on the window, as can maps (.png), environments (.hdr, .exr) and obstacles (.json)."
+        "A groom ({grooms}), a head for it ({meshes}), or both. Files can also be dropped on the window, as can maps (.png), environment maps (.hdr, .exr) and colliders (.json)."
     );
     if ui.button("Open…").on_hover_text(help).clicked() {
         dialogs.open();
     }
     ui.separator();
     presets(document, dialogs, ui);
-    if ui.button("Save picture…").on_hover_text("The current picture, as PNG").clicked() {
+    if ui.button("Save image…").on_hover_text("Saves the current image as PNG").clicked() {
         snapshot.wanted = true;
     }
-    let help = "The motion as an animated picture";
+    let help = "Records the motion as an animated image";
     if ui.add_enabled(can_record, egui::Button::new("Record loop…")).on_hover_text(help).clicked() {
         panels.record = true;
     }
@@ -89,7 +89,7 @@ fn source(document: &mut Document, messages: &mut Messages, ui: &mut Ui) {
             }
         })
         .response
-        .on_hover_text(if built_in { "The built-in styles".into() } else { name.clone() });
+        .on_hover_text(if built_in { "Built-in styles".into() } else { name.clone() });
     if let Some(style) = chosen {
         document.open(Source::Style(style.into()), messages);
     }
@@ -107,7 +107,7 @@ fn history(document: &mut Document, messages: &mut Messages, ui: &mut Ui) {
             .on_disabled_hover_text(help)
             .clicked()
     };
-    // From right to left.
+    // Right to left.
     let (redo, undo) = (button("Redo", &redoes, "Ctrl Shift Z"), button("Undo", &undoes, "Ctrl Z"));
     if undo {
         document.undo(false, messages);
@@ -122,7 +122,7 @@ fn presets(document: &Document, dialogs: &Dialogs, ui: &mut Ui) {
     if ui.button("Open preset…").on_hover_text(help).clicked() {
         dialogs.preset();
     }
-    let help = "Saves all parameters, the hair and its files into a text file";
+    let help = "Saves all parameters, the hair and the names of its files to a text file";
     if ui.button("Save preset…").on_hover_text(help).clicked() {
         let (settings, source) = (document.settings.now().clone(), document.wanted().named());
         let preset = Preset { settings, source, ..Default::default() };

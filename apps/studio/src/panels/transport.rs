@@ -1,4 +1,4 @@
-//! Time: play, step, reset, the speed, and the motion.
+//! The transport: play, step, reset, speed, and the motion.
 
 use crate::{
     messages::Messages,
@@ -13,10 +13,10 @@ use crate::{
 use eframe::egui::{self, Button, DragValue, Panel, RichText, Slider, Ui};
 use tresses_scene::motion::NAMES;
 
-/// The room that the slider of the speed takes with its words, points.
+/// Width of the speed slider with its label, points.
 const SLIDER: f32 = 250.0;
 
-/// Shows it. `records`: a loop is being recorded.
+/// Shows the transport. `records`: a loop is being recorded.
 pub fn show(renderer: &mut Renderer, records: bool, messages: &mut Messages, ui: &mut Ui) {
     let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 7));
     Panel::bottom("transport").frame(frame).show(ui, |ui| {
@@ -28,20 +28,16 @@ pub fn show(renderer: &mut Renderer, records: bool, messages: &mut Messages, ui:
                 play.playing = !play.playing;
             }
             if icons::button(ui, Icon::Step)
-                .on_hover_text("One step of 1/60 s, then pause\nKey . (period)")
+                .on_hover_text("Advance by 1/60 s, then pause\nKey . (period)")
                 .clicked()
             {
                 play.step();
             }
-            if icons::button(ui, Icon::Rewind)
-                .on_hover_text("Hair at rest, motion at its start\nKey R")
-                .clicked()
-            {
+            if icons::button(ui, Icon::Rewind).on_hover_text("Reset hair and motion\nKey R").clicked() {
                 play.reset();
             }
-            let help =
-                "Stops the motion and draws the picture as finely as can be, however long it takes\nKey F";
-            let finish = ui.add_enabled(!records && renderer.can_finish(), Button::new("Finish picture"));
+            let help = "Stops the motion and renders the image at full quality, however long it takes\nKey F";
+            let finish = ui.add_enabled(!records && renderer.can_finish(), Button::new("Finish image"));
             if finish.on_hover_text(help).clicked() {
                 renderer.finish();
             }

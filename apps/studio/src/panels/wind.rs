@@ -1,4 +1,4 @@
-//! The wind as a dial: the head from above as the camera sees it, and a handle where the wind comes from.
+//! The wind dial: the head from above, turned with the camera, and a handle on the side that the wind comes from.
 
 use crate::theme;
 use eframe::egui::{
@@ -6,17 +6,18 @@ use eframe::egui::{
 };
 use std::f32::consts::TAU;
 
-/// The speed at the dial's rim, m/s.
+/// Speed at the dial's rim, m/s.
 const MOST: f32 = 20.0;
-/// Slower than this is calm, m/s.
+/// Speed below which the wind is calm, m/s.
 const CALM: f32 = 0.3;
 /// Radius of the dial, points.
 const RADIUS: f32 = 38.0;
 
-/// Wind as a person sets it: speed (m/s) and where it comes from (radians, from the front over the head's left).
+/// Wind speed (m/s), and the direction it comes from (radians, from the front towards the head's left).
 pub type Wind = (f32, f32);
 
-/// Shows the dial for a camera turned by `azimuth` about the head; the new wind while the handle is dragged.
+/// Shows the dial for a camera turned by `azimuth` about the head. Returns the new wind while the user drags the
+/// handle.
 pub fn show(ui: &mut Ui, wind: Wind, azimuth: f32) -> Option<Wind> {
     let size = Vec2::splat(2.0 * RADIUS + 8.0);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
@@ -24,9 +25,9 @@ pub fn show(ui: &mut Ui, wind: Wind, azimuth: f32) -> Option<Wind> {
     let handle = center + place(wind, azimuth);
     paint(ui.painter(), center, handle, wind, azimuth, &response);
     let turned = pull(&response, center, azimuth);
-    let text = "Drag the handle to where the wind comes from; the farther from the head, the stronger. A double click stops the wind.";
+    let text = "Drag the handle toward the origin of the wind; farther from the center is stronger. A double click stops the wind.";
     let response = response.on_hover_cursor(CursorIcon::PointingHand);
-    // Not below, where the transport is.
+    // Below the dial is the transport.
     let mut tooltip = Tooltip::for_enabled(&response);
     tooltip.popup = tooltip.popup.align(RectAlign::TOP_START).align_alternatives(&[RectAlign::TOP_END]);
     tooltip.show(|ui| ui.label(text));
@@ -41,15 +42,15 @@ fn pull(response: &Response, center: Pos2, azimuth: f32) -> Option<Wind> {
     Some(wind_at(at - center, azimuth))
 }
 
-/// Where the handle is, from the dial's centre. The camera is below the dial.
+/// Returns the handle's offset from the dial's center. The camera is below the dial.
 fn place((speed, direction): Wind, azimuth: f32) -> Vec2 {
     let angle = direction - azimuth;
-    // The square root leaves room for breezes.
+    // The square root gives low speeds more room.
     let far = RADIUS * (speed / MOST).clamp(0.0, 1.0).sqrt();
     far * vec2(angle.sin(), angle.cos())
 }
 
-/// The wind of a handle at `from` the centre.
+/// Returns the wind for a handle at offset `from` the center.
 fn wind_at(from: Vec2, azimuth: f32) -> Wind {
     let share = (from.length() / RADIUS).min(1.0);
     let speed = (MOST * share * share * 10.0).round() / 10.0;
@@ -66,7 +67,7 @@ fn paint(painter: &Painter, center: Pos2, handle: Pos2, (speed, _): Wind, azimut
     for speed in [1.25, 5.0] {
         painter.circle_stroke(center, RADIUS * f32::sqrt(speed / MOST), line(16));
     }
-    // The head from above, its nose where the face is.
+    // The head from above; its nose points to the face.
     painter.circle(center, 7.0, Color32::from_white_alpha(28), line(70));
     let nose = vec2((-azimuth).sin(), (-azimuth).cos());
     painter.circle_filled(center + 8.0 * nose, 2.0, Color32::from_white_alpha(130));
@@ -87,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_handle_and_its_wind_agree_from_any_side() {
+    fn wind_round_trips_through_the_handle() {
         for azimuth in [0.0, 0.7, 3.0, -2.0] {
             for direction in [-3.0, -1.0, 0.0, 0.5, 2.0] {
                 let (speed, turn) = wind_at(place((5.0, direction), azimuth), azimuth);
@@ -101,7 +102,7 @@ mod tests {
 
     #[test]
     fn wind_towards_the_camera_comes_from_above_the_dial() {
-        // The camera stands before the face; wind from the back blows towards it.
+        // The camera is in front of the face; wind from the back blows towards it.
         assert!(place((5.0, std::f32::consts::PI), 0.0).y < 0.0);
         // The head's left is at the camera's right.
         assert!(place((5.0, TAU / 4.0), 0.0).x > 0.0);

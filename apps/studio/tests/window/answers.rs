@@ -1,4 +1,4 @@
-//! The window answers while hair is drawn: keys are seen soon, and none is lost.
+//! The window stays responsive while hair is drawn: keys are handled soon, and none is lost.
 
 use crate::{
     SPACE, can_run,
@@ -10,7 +10,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Where the tools are, and how large that is, pixels.
+/// Position and size of the tools, pixels.
 const TOOLS: ([i16; 2], [u16; 2]) = ([14, 44], [80, 100]);
 
 fn letter(letter: char) -> u32 {
@@ -27,7 +27,7 @@ fn open() -> Desk {
     desk
 }
 
-/// Milliseconds from a key to what it paints: the tool that the hand holds.
+/// Returns the milliseconds from a key press until the tools are repainted. The key must change the tool.
 fn answer(desk: &mut Desk, key: u32) -> f64 {
     let tools = |desk: &Desk| desk.part(TOOLS.0, TOOLS.1);
     let before: Shot = tools(desk);
@@ -40,7 +40,7 @@ fn answer(desk: &mut Desk, key: u32) -> f64 {
     begun.elapsed().as_secs_f64() * 1e3
 }
 
-/// Median and 95th percentile.
+/// Returns the median and the 95th percentile.
 fn spread(mut values: Vec<f64>) -> [f64; 2] {
     values.sort_by(f64::total_cmp);
     [0.5, 0.95].map(|at| values[((values.len() - 1) as f64 * at).round() as usize])
@@ -61,7 +61,7 @@ fn no_key_is_lost() {
         told["time"].as_f64().unwrap()
     };
     let begun = rest(&mut desk);
-    // The whole picture is under way, and more keys come than the window paints frames.
+    // A full-quality frame is in flight, and more keys arrive than the window paints frames.
     desk.key(letter('2'));
     std::thread::sleep(Duration::from_millis(700));
     for _ in 0..40 {
@@ -71,21 +71,21 @@ fn no_key_is_lost() {
     std::thread::sleep(Duration::from_secs(1));
     let steps = (rest(&mut desk) - begun) * 60.0;
     assert!((steps - 40.0).abs() < 1e-3, "{steps} of 40 steps");
-    // An even number of times it stays as it is, an odd one it changes.
+    // An even number of presses keeps the play state, an odd number toggles it.
     for (presses, plays) in [(6, false), (7, true)] {
         (0..presses).for_each(|_| desk.tap(SPACE));
         std::thread::sleep(Duration::from_secs(1));
-        // What paints last has seen all of them.
+        // Its repaint comes after all earlier keys.
         answer(&mut desk, letter(if plays { 'c' } else { 'l' }));
         let state = desk.wait_for("state", |desk| desk.state());
         assert_eq!(state["playing"] == true, plays, "after {presses} presses");
     }
 }
 
-/// Prints how long a large groom takes to its whole picture, and how soon a movement ends that.
+/// Prints how long a large groom takes to reach full quality, and how soon a motion cancels that.
 #[test]
 #[ignore = "proof"]
-fn a_large_groom_is_finished_by_itself() {
+fn large_groom_refines_to_full_quality() {
     let Some(assets) = std::env::var_os("TRESSES_ASSETS").filter(|_| can_run()) else {
         return println!("skipped: there are no assets");
     };
@@ -117,7 +117,7 @@ fn a_large_groom_is_finished_by_itself() {
         let frames = number(&desk, "frames");
         let begun = Instant::now();
         desk.tap(letter('r'));
-        // A frame that is shown, not the one that is given up.
+        // A new frame, not the canceled one.
         desk.wait_for("a frame", |desk| {
             (number(desk, "frames") > frames && desk.state()?["parts"][1] == 0).then_some(())
         });
@@ -127,10 +127,10 @@ fn a_large_groom_is_finished_by_itself() {
     println!("and finished again in {:.1} s", finished(&mut desk));
 }
 
-/// Prints how soon keys are answered in motion and while a picture is refined, and what a frame in motion takes.
+/// Prints key latencies in motion and during refinement, and the processor time of a frame in motion.
 #[test]
 #[ignore = "proof"]
-fn keys_are_answered_soon() {
+fn key_latency() {
     if !can_run() {
         return;
     }
@@ -140,7 +140,7 @@ fn keys_are_answered_soon() {
         desk.state()
             .and_then(|state| Some((state["frames"].as_u64()?, state["painted"].as_u64().unwrap_or(0))))
     };
-    // It settles on a level.
+    // Wait until the level settles.
     std::thread::sleep(Duration::from_secs(8));
     let begun = (desk.wait_for("state", |desk| frames(desk)), desk.processor(), Instant::now());
     std::thread::sleep(Duration::from_secs(10));
@@ -170,7 +170,7 @@ fn keys_are_answered_soon() {
     for view in "123412341234".chars() {
         desk.key(letter(view));
         let begun = Instant::now();
-        // From half a second on it is refined; what comes before is not counted.
+        // Refinement starts half a second after the last motion; earlier answers do not count.
         while begun.elapsed() < Duration::from_secs(6) {
             let answers = round(&mut desk, 70);
             let busy = desk.state().is_some_and(|state| state["busy"] == true);

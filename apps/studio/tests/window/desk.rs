@@ -15,10 +15,10 @@ use x11rb::{
     rust_connection::RustConnection,
 };
 
-/// How long anything may take on a busy machine.
+/// Timeout of each wait, generous for busy machines.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// The server, the studio and a connection.
+/// The X server, the studio, and a connection to the server.
 pub struct Desk {
     server: Child,
     studio: Child,
@@ -28,7 +28,7 @@ pub struct Desk {
     window: Window,
 }
 
-/// What is on the screen where the window is.
+/// A screenshot of the window.
 #[derive(Clone, PartialEq)]
 pub struct Shot {
     pub width: usize,
@@ -38,7 +38,7 @@ pub struct Shot {
 }
 
 impl Shot {
-    /// Leaves it as a picture for whoever wants to look, under `target/tmp`.
+    /// Saves the screenshot under `target/tmp`, for inspection.
     pub fn keep(&self, name: &str) {
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("studio-{name}.png"));
         let bytes = self.pixels.as_flattened();
@@ -46,7 +46,7 @@ impl Shot {
         image::save_buffer(path, bytes, width, height, image::ExtendedColorType::Rgb8).unwrap();
     }
 
-    /// The share of the pixels of the middle (the picture, without panels) for which `is` holds.
+    /// Returns the fraction of viewport pixels for which `is` holds.
     pub fn share(&self, is: impl Fn(usize, [u8; 3]) -> bool) -> f64 {
         let (xs, ys) = self.picture();
         let all = xs.len() * ys.len();
@@ -55,18 +55,19 @@ impl Shot {
         count.count() as f64 / all as f64
     }
 
-    /// Where the picture surely is.
+    /// Returns a range of pixels that is inside the viewport.
     fn picture(&self) -> (std::ops::Range<usize>, std::ops::Range<usize>) {
         (90..self.width.saturating_sub(320).max(100), 50..self.height - 80)
     }
 
-    /// The share of the picture that differs visibly from `other`.
+    /// Returns the fraction of the viewport that differs visibly from `other`.
     pub fn change(&self, other: &Self) -> f64 {
         assert_eq!((self.width, self.height), (other.width, other.height));
         self.share(|i, p| (0..3).any(|c| p[c].abs_diff(other.pixels[i][c]) > 12))
     }
 
-    /// The share of the picture that is strands: warm, and of another brightness than its neighbour.
+    /// Returns the fraction of the viewport that is strands: warm, and of a different brightness than the pixel to the
+    /// right.
     pub fn hair(&self) -> f64 {
         let light = |p: [u8; 3]| p.iter().map(|c| i32::from(*c)).sum::<i32>();
         self.share(|i, p| {
@@ -76,7 +77,7 @@ impl Shot {
     }
 }
 
-/// Why there is no display, if there is none.
+/// Returns why there is no virtual display, if there is none.
 pub fn missing() -> Option<String> {
     Command::new("Xvfb")
         .arg("-help")
@@ -88,12 +89,12 @@ pub fn missing() -> Option<String> {
 }
 
 impl Desk {
-    /// A screen of 1920 × 1200 with the studio on it.
+    /// Opens the studio on a screen of 1920 × 1200.
     pub fn open(arguments: &[&str]) -> Self {
         Self::open_with(arguments, &[])
     }
 
-    /// The same with variables of the environment.
+    /// Opens the studio with environment variables.
     pub fn open_with(arguments: &[&str], variables: &[(&str, &str)]) -> Self {
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-screen", "0", "1920x1200x24", "-nolisten", "tcp", "-noreset"])
@@ -105,9 +106,9 @@ impl Desk {
         BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
         let display = format!(":{}", number.trim());
         let state = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("studio-state{display}.json"));
-        // Of an earlier run; there may be none.
+        // Remove the state of an earlier run, if any.
         let _ = std::fs::remove_file(&state);
-        // Another program with the studio in it may have been named, with what it is to show.
+        // `TRESSES_STUDIO_PROGRAM` may name another program that contains the studio, with its arguments.
         let named = std::env::var("TRESSES_STUDIO_PROGRAM").unwrap_or_default();
         let mut words = named.split_whitespace();
         let mut studio = match words.next() {
@@ -132,12 +133,12 @@ impl Desk {
         desk
     }
 
-    /// Goes on with the window that is there now, if there is another.
+    /// Switches to the current window, after the studio has reopened it.
     pub fn follow(&mut self) {
         self.window = self.wait_for("the window", Self::find);
     }
 
-    /// Waits until `what` is there.
+    /// Waits until `what` returns a value.
     pub fn wait_for<T>(&mut self, name: &str, mut what: impl FnMut(&mut Self) -> Option<T>) -> T {
         let begun = Instant::now();
         loop {
@@ -152,7 +153,7 @@ impl Desk {
         }
     }
 
-    /// The window with the studio's title, when it is on the screen.
+    /// Finds the visible window with the studio's title.
     fn find(&mut self) -> Option<Window> {
         let tree = self.connection.query_tree(self.root).ok()?.reply().ok()?;
         tree.children.into_iter().find(|&window| {
@@ -164,13 +165,13 @@ impl Desk {
         })
     }
 
-    /// What is in the window.
+    /// Returns a screenshot of the window.
     pub fn shot(&mut self) -> Shot {
         let at = self.connection.get_geometry(self.window).unwrap().reply().unwrap();
         self.part([0, 0], [at.width.min(1920), at.height.min(1200)])
     }
 
-    /// What is in a part of the window, from its left upper corner.
+    /// Returns a screenshot of a part of the window, given its top left corner and size.
     pub fn part(&self, [x, y]: [i16; 2], [width, height]: [u16; 2]) -> Shot {
         let image = self.connection.get_image(ImageFormat::Z_PIXMAP, self.window, x, y, width, height, !0);
         let data = image.unwrap().reply().unwrap().data;
@@ -178,19 +179,19 @@ impl Desk {
         Shot { width: width.into(), height: height.into(), pixels }
     }
 
-    /// What the studio says of itself; nothing while it writes it.
+    /// Returns the studio's published state; `None` while the studio writes it.
     pub fn state(&self) -> Option<serde_json::Value> {
         serde_json::from_slice(&std::fs::read(&self.state).ok()?).ok()
     }
 
-    /// What is in the window once nothing is under way any more.
+    /// Returns a screenshot once nothing is in flight and the window no longer changes.
     pub fn still(&mut self) -> Shot {
         let mut last = None;
         self.wait_for("picture that stands still", |desk| {
             std::thread::sleep(Duration::from_millis(200));
             let rests = desk.state()?["busy"] == false;
             let now = desk.shot();
-            // The window shows a picture a little after it is drawn.
+            // The window shows a frame a little after it is drawn.
             let same = rests && last.as_ref() == Some(&now);
             if same {
                 let state = desk.state()?;
@@ -216,7 +217,7 @@ impl Desk {
         self.fake(xproto::MOTION_NOTIFY_EVENT, 0, x, y);
     }
 
-    /// Drags from one place to another with `button` (1 left, 3 right); `held` sees the end before it is let go.
+    /// Drags between two positions with `button` (1 left, 3 right). `held` runs before the button is released.
     pub fn drag<R>(&mut self, button: u8, [a, b]: [[i16; 2]; 2], held: impl FnOnce(&mut Self) -> R) -> R {
         self.fake(xproto::MOTION_NOTIFY_EVENT, 0, a[0], a[1]);
         self.fake(xproto::BUTTON_PRESS_EVENT, button, 0, 0);
@@ -229,21 +230,21 @@ impl Desk {
         result
     }
 
-    /// Types the key with an X keysym (that of a Latin letter is its code).
+    /// Types the key with an X keysym (a Latin letter's keysym is its code point).
     pub fn key(&mut self, symbol: u32) {
         let code = self.code(symbol);
         self.fake(xproto::KEY_PRESS_EVENT, code, 0, 0);
         self.fake(xproto::KEY_RELEASE_EVENT, code, 0, 0);
     }
 
-    /// The same, as fast as the server takes it.
+    /// Types the key without delays.
     pub fn tap(&mut self, symbol: u32) {
         let code = self.code(symbol);
         self.send(xproto::KEY_PRESS_EVENT, code, 0, 0);
         self.send(xproto::KEY_RELEASE_EVENT, code, 0, 0);
     }
 
-    /// The code of the key with an X keysym, which the window gets from here on.
+    /// Returns the keycode of an X keysym, and focuses the window.
     fn code(&self, symbol: u32) -> u8 {
         let setup = self.connection.setup();
         let (first, count) = (setup.min_keycode, setup.max_keycode - setup.min_keycode + 1);
@@ -255,28 +256,28 @@ impl Desk {
         first + at as u8
     }
 
-    /// What the studio holds in memory, bytes.
+    /// Returns the studio's resident memory, bytes.
     pub fn resident(&self) -> i64 {
         let text = std::fs::read_to_string(format!("/proc/{}/statm", self.studio.id())).unwrap();
         4096 * text.split_whitespace().nth(1).unwrap().parse::<i64>().unwrap()
     }
 
-    /// The processor time of the studio so far, seconds.
+    /// Returns the studio's processor time so far, seconds.
     pub fn processor(&self) -> f64 {
         let text = std::fs::read_to_string(format!("/proc/{}/stat", self.studio.id())).unwrap();
-        // Behind the name, which may hold anything: user and system, in hundredths of a second.
+        // Fields after the name, which may contain anything: user and system time in hundredths of a second.
         let fields: Vec<_> = text.rsplit_once(')').unwrap().1.split_whitespace().collect();
         [11, 12].iter().map(|&at| fields[at].parse::<f64>().unwrap()).sum::<f64>() / 100.0
     }
 
-    /// Makes the window another size.
+    /// Resizes the window.
     pub fn resize(&mut self, width: u32, height: u32) {
         let size = ConfigureWindowAux::new().width(width).height(height);
         self.connection.configure_window(self.window, &size).unwrap();
         self.connection.flush().unwrap();
     }
 
-    /// Closes the window as a desktop does, and waits for the studio to end.
+    /// Closes the window as a desktop would, and waits for the studio to end.
     pub fn close(mut self) -> ExitStatus {
         let atom =
             |name: &[u8]| -> Atom { self.connection.intern_atom(false, name).unwrap().reply().unwrap().atom };

@@ -1,5 +1,4 @@
-//! The window on a virtual display, with the software driver: it opens, draws hair, responds, resizes and
-//! closes.
+//! The window on a virtual display with the software driver: it opens, draws hair, responds, resizes and closes.
 #![cfg(target_os = "linux")]
 
 mod answers;
@@ -8,10 +7,10 @@ mod desk;
 use desk::{Desk, Shot};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Keysyms.
+/// Keysym of the space bar.
 const SPACE: u32 = 0x20;
 
-/// One window at a time: two make each other's frames long.
+/// Tests take turns: two windows slow down each other's frames.
 static TURN: Mutex<()> = Mutex::new(());
 
 fn turn() -> MutexGuard<'static, ()> {
@@ -20,13 +19,12 @@ fn turn() -> MutexGuard<'static, ()> {
 
 fn can_run() -> bool {
     let Some(why) = desk::missing() else { return true };
-    assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none(), "the window cannot be tested: {why}");
-    eprintln!("skipped: {why}");
+    tresses_testing::skip("window", why);
     false
 }
 
 #[test]
-fn the_window_draws_answers_resizes_and_closes() {
+fn window_draws_responds_resizes_and_closes() {
     if !can_run() {
         return;
     }
@@ -38,7 +36,7 @@ fn the_window_draws_answers_resizes_and_closes() {
         ((shot.width, shot.height) == (900, 620) && shot.hair() > 0.02).then_some(shot)
     });
 
-    // The motion plays: the picture changes by itself, until it is told to stand still.
+    // The motion changes the frame until it is paused.
     desk.wait_for("motion", |desk| (desk.shot().change(&first) > 0.02).then_some(()));
     desk.key(SPACE);
     desk.wait_for("pause", |desk| (desk.state()?["playing"] == false).then_some(()));
@@ -46,9 +44,9 @@ fn the_window_draws_answers_resizes_and_closes() {
     rest.keep("rest");
     assert!(rest.hair() > 0.02, "{}", rest.hair());
 
-    // The head is under the middle of the picture and follows the pointer; let go, it comes back.
+    // The head is under the center of the viewport. It follows the pointer and swings back when released.
     let middle = [((rest.width - 300) / 2) as i16, (rest.height / 2 - 30) as i16];
-    // It is held for a while, and so is the drag: nothing is due when it has arrived.
+    // The head is held until the frames settle.
     let frames = |desk: &Desk| desk.state().and_then(|state| state["frames"].as_u64());
     let drawn = frames(&desk);
     let pulled = desk.drag(1, [middle, [middle[0] + 110, middle[1]]], |desk| {
@@ -62,7 +60,7 @@ fn the_window_draws_answers_resizes_and_closes() {
     let back = desk.still();
     back.keep("back");
     let back_at = middle_of_hair(&back);
-    // How many strands are drawn may have changed, and with it where their middle is.
+    // The number of drawn strands, and with it their average position, may have changed.
     let left = (back_at - at_rest).abs() / (pulled - at_rest);
     assert!(left < 0.4, "it comes back, from {pulled} to {back_at} instead of {at_rest}");
 
@@ -72,7 +70,7 @@ fn the_window_draws_answers_resizes_and_closes() {
 
     turned.keep("turned");
 
-    // A picture follows the window. What the screen shows at first is a piece of the old one.
+    // The frame follows the window size. At first the screen shows part of the old one.
     let size = |desk: &Desk| desk.state().map(|state| state["size"].to_string());
     let before = size(&desk);
     desk.resize(640, 420);
@@ -88,7 +86,7 @@ fn the_window_draws_answers_resizes_and_closes() {
 }
 
 #[test]
-fn a_lost_device_opens_another_window() {
+fn lost_device_reopens_the_window() {
     if !can_run() {
         return;
     }
@@ -105,7 +103,7 @@ fn a_lost_device_opens_another_window() {
     assert!(desk.close().success());
 }
 
-/// Where the strands are on average, pixels from the left.
+/// Returns the average position of the strands, pixels from the left.
 fn middle_of_hair(shot: &Shot) -> f64 {
     let (sum, count) = (std::cell::Cell::new(0.0), std::cell::Cell::new(0.0));
     shot.share(|i, p| {
@@ -120,7 +118,7 @@ fn middle_of_hair(shot: &Shot) -> f64 {
 }
 
 #[test]
-fn the_measure_of_hair_can_say_no() {
+fn hair_detector_rejects_flat_images() {
     let flat = Shot { width: 900, height: 620, pixels: vec![[40, 42, 46]; 900 * 620] };
     assert_eq!(flat.hair(), 0.0);
     let mut skin = flat.clone();

@@ -1,4 +1,4 @@
-//! A headless Chromium, driven through the DevTools protocol: a few commands over one WebSocket.
+//! A headless Chromium, controlled with the DevTools protocol over a WebSocket.
 
 use base64::{Engine, prelude::BASE64_STANDARD};
 use serde_json::{Value, json};
@@ -13,13 +13,13 @@ use std::{
 use tempfile::TempDir;
 use tungstenite::{Message, WebSocket};
 
-/// How long anything may take: software drawing on a busy machine is slow.
+/// Timeout of each operation; software rendering on a busy machine is slow.
 pub const PATIENCE: Duration = Duration::from_secs(240);
 
-/// Under which names browsers with WebGPU are installed.
+/// Program names of browsers with WebGPU.
 const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
-/// WebGPU on the CPU, with a canvas, by SwiftShader.
+/// Flags for WebGPU on the CPU (SwiftShader) with a canvas.
 const FLAGS: [&str; 17] = [
     "--headless=new",
     "--no-sandbox",
@@ -50,7 +50,7 @@ pub struct Browser {
     complaints: Vec<String>,
 }
 
-/// A picture of the page: RGBA, rows from the top.
+/// A screenshot of the page: RGBA, rows from the top.
 #[derive(Clone, PartialEq)]
 pub struct Picture {
     pub size: [u32; 2],
@@ -58,7 +58,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// The share of pixels whose colours differ by more than `least` of 255 in some channel.
+    /// Returns the fraction of pixels whose color differs by more than `least` of 255 in some channel.
     pub fn difference(&self, other: &Self, least: u8) -> f64 {
         assert_eq!(self.size, other.size);
         let (a, b) = (self.rgba.as_chunks::<4>().0, other.rgba.as_chunks::<4>().0);
@@ -66,7 +66,7 @@ impl Picture {
         a.iter().zip(b).filter(differs).count() as f64 / a.len() as f64
     }
 
-    /// The part `xs` × `ys`, pixels from the left and from the top.
+    /// Returns the region `xs` × `ys`, pixels from the left and the top.
     pub fn part(&self, xs: Range<u32>, ys: Range<u32>) -> Self {
         let row = |y: u32| {
             let at = |x: u32| 4 * (y * self.size[0] + x) as usize;
@@ -76,13 +76,13 @@ impl Picture {
         Self { size: [xs.end - xs.start, ys.end - ys.start], rgba }
     }
 
-    /// The share of pixels for which `is` holds, given their colour and that of the next to the right.
+    /// Returns the fraction of pixels for which `is` holds, given a pixel and its right neighbor.
     pub fn share(&self, is: impl Fn([u8; 4], [u8; 4]) -> bool) -> f64 {
         let pixels = self.rgba.as_chunks::<4>().0;
         pixels.array_windows().filter(|[a, b]| is(*a, *b)).count() as f64 / pixels.len() as f64
     }
 
-    /// Writes a PNG, for people who want to see it: into the folder `TRESSES_PICTURES`, if it is set.
+    /// Writes a PNG for inspection into the folder `TRESSES_PICTURES`, if that is set.
     pub fn keep(&self, name: &str) {
         let Some(folder) = std::env::var_os("TRESSES_PICTURES").map(PathBuf::from) else { return };
         std::fs::create_dir_all(&folder).unwrap();
@@ -94,13 +94,13 @@ impl Picture {
 }
 
 impl Browser {
-    /// A browser that shows nothing yet in `size` pixels, or `None` where none is installed and none
-    /// need be.
+    /// Starts a browser of `size` pixels with a blank page. Returns `None` if no browser is installed and none is
+    /// required.
     pub fn start(size: [u32; 2]) -> Option<Self> {
         Self::with_flags(size, &FLAGS)
     }
 
-    /// The same without WebGPU.
+    /// Starts a browser without WebGPU.
     pub fn without_webgpu(size: [u32; 2]) -> Option<Self> {
         let mut flags: Vec<&str> = FLAGS.into_iter().filter(|flag| !flag.contains("webgpu")).collect();
         flags.push("--disable-features=WebGPU,WebGPUService");
@@ -109,9 +109,7 @@ impl Browser {
 
     fn with_flags([width, height]: [u32; 2], flags: &[&str]) -> Option<Self> {
         let Some(program) = installed() else {
-            let required = std::env::var_os("TRESSES_REQUIRE_GPU").is_some_and(|v| v == "1");
-            assert!(!required, "no Chromium was found; scripts/setup installs it");
-            println!("skipped: no Chromium was found");
+            tresses_testing::skip("browser", "no Chromium was found");
             return None;
         };
         let profile = tempfile::tempdir().unwrap();
@@ -129,7 +127,7 @@ impl Browser {
         let stream = TcpStream::connect(("127.0.0.1", port)).expect("the browser listens");
         stream.set_read_timeout(Some(Duration::from_secs(1))).unwrap();
         stream.set_nodelay(true).unwrap();
-        // The handshake reads without a timeout of its own.
+        // The handshake has no timeout of its own.
         let (socket, _) = tungstenite::client(format!("ws://127.0.0.1:{port}{path}"), stream)
             .expect("the browser speaks the protocol");
         let mut browser =
@@ -145,13 +143,13 @@ impl Browser {
         Some(browser)
     }
 
-    /// Goes to `url`.
+    /// Navigates to `url`.
     pub fn go(&mut self, url: &str) {
         let answer = self.call("Page.navigate", json!({"url": url}));
         assert!(answer.get("errorText").is_none(), "{url}: {answer}");
     }
 
-    /// The value of an expression in the page, promises awaited.
+    /// Evaluates an expression in the page, awaiting promises.
     pub fn value(&mut self, expression: &str) -> Value {
         let what = json!({"expression": expression, "awaitPromise": true, "returnByValue": true});
         let answer = self.call("Runtime.evaluate", what);
@@ -159,7 +157,7 @@ impl Browser {
         answer["result"]["value"].clone()
     }
 
-    /// Asks again and again until `enough` is satisfied with the value, which is returned.
+    /// Evaluates an expression repeatedly until `enough` accepts its value.
     pub fn until(&mut self, expression: &str, enough: impl Fn(&Value) -> bool) -> Value {
         let begin = Instant::now();
         loop {
@@ -174,7 +172,7 @@ impl Browser {
         }
     }
 
-    /// What the page shows now.
+    /// Takes a screenshot of the page.
     pub fn picture(&mut self) -> Picture {
         let answer = self.call("Page.captureScreenshot", json!({"format": "png"}));
         let png = BASE64_STANDARD.decode(answer["data"].as_str().expect("a picture")).unwrap();
@@ -191,8 +189,7 @@ impl Browser {
         Picture { size: [info.width, info.height], rgba }
     }
 
-    /// Moves the mouse, presses or releases its left button: `kind` is one of the protocol's, such as
-    /// `mousePressed`.
+    /// Sends a mouse event for the left button. `kind` is a type of the protocol, such as `mousePressed`.
     pub fn mouse(&mut self, kind: &str, [x, y]: [f64; 2]) {
         let button = if kind == "mouseMoved" { "none" } else { "left" };
         let event = json!({"type": kind, "x": x, "y": y, "button": button, "clickCount": 1});
@@ -206,7 +203,7 @@ impl Browser {
         }
     }
 
-    /// Presses the mouse at `from` and lets it go at `to`.
+    /// Drags the mouse from `from` to `to`.
     pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
         self.mouse("mouseMoved", from);
         self.mouse("mousePressed", from);
@@ -217,7 +214,7 @@ impl Browser {
         self.mouse("mouseReleased", to);
     }
 
-    /// Types.
+    /// Types `text`.
     pub fn keys(&mut self, text: &str) {
         for letter in text.chars() {
             for kind in ["keyDown", "keyUp"] {
@@ -237,20 +234,20 @@ impl Browser {
         }
     }
 
-    /// Puts fingers on the page, moves them there, or lifts those that are not named: `kind` is one of the
-    /// protocol's, such as `touchStart`.
+    /// Sends a touch event: `fingers` are all fingers that touch the page. `kind` is a type of the protocol, such as
+    /// `touchStart`.
     pub fn touch(&mut self, kind: &str, fingers: &[[f64; 2]]) {
         let points: Vec<_> =
             fingers.iter().enumerate().map(|(i, [x, y])| json!({"x": x, "y": y, "id": i})).collect();
         self.call("Input.dispatchTouchEvent", json!({"type": kind, "touchPoints": points}));
     }
 
-    /// Fingers go from one place to another.
+    /// Moves fingers from `from` to `to`.
     pub fn swipe(&mut self, from: &[[f64; 2]], to: &[[f64; 2]]) {
         for count in 1..=from.len() {
             self.touch("touchStart", &from[..count]);
         }
-        // A gesture is measured from where the fingers are in its first frame.
+        // egui measures a gesture from the positions in its first frame.
         self.frames();
         for i in 1..=4 {
             let between =
@@ -261,7 +258,7 @@ impl Browser {
         self.touch("touchEnd", &[]);
     }
 
-    /// Lets the page have its frames.
+    /// Waits for some frames of the page.
     fn frames(&mut self) {
         let frame = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))";
         for _ in 0..2 {
@@ -269,21 +266,20 @@ impl Browser {
         }
     }
 
-    /// From here on the page has `size`, pixels.
+    /// Sets the size of the page, pixels.
     pub fn resize(&mut self, [width, height]: [u32; 2]) {
         let metrics = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
         self.call("Emulation.setDeviceMetricsOverride", metrics);
     }
 
-    /// Turns the mouse's wheel by so many pixels.
+    /// Turns the mouse wheel by `by` pixels.
     pub fn wheel(&mut self, [x, y]: [f64; 2], by: f64) {
         let event = json!({"type": "mouseWheel", "x": x, "y": y, "deltaX": 0.0, "deltaY": by});
         self.call("Input.dispatchMouseEvent", event);
     }
 
-    /// What each process of the browser, by its number, holds in memory besides its program, bytes, once the page's
-    /// garbage is collected: WebAssembly's memory and the adapter's are part of it. Where the system tells, which is
-    /// Linux.
+    /// Returns the anonymous and shared memory of each process of the browser by process id, bytes, after a garbage
+    /// collection. That includes the memory of WebAssembly and of the adapter. Returns `None` except on Linux.
     pub fn resident(&mut self) -> Option<BTreeMap<i64, i64>> {
         self.call("HeapProfiler.collectGarbage", json!({}));
         let number = |text: &str, name: &str| -> Option<i64> {
@@ -308,15 +304,15 @@ impl Browser {
         )
     }
 
-    /// From here on the page's downloads go into `folder`.
+    /// Directs downloads of the page into `folder`.
     pub fn download_into(&mut self, folder: &Path) {
         let how = json!({"behavior": "allow", "downloadPath": folder.display().to_string()});
         self.call("Browser.setDownloadBehavior", how);
     }
 
-    /// What the page's console has heard of errors and warnings, wgpu's and WebGPU's among them.
+    /// Returns the errors and warnings in the page's console, including wgpu's and WebGPU's.
     pub fn complaints(&mut self) -> &[String] {
-        // Events come before the answer to whatever is asked after them.
+        // The browser sends pending events before the answer to this call.
         self.value("0");
         &self.complaints
     }
@@ -341,7 +337,7 @@ impl Browser {
         panic!("{method}: no answer in {} s", PATIENCE.as_secs());
     }
 
-    /// The next message, if one comes within a second.
+    /// Returns the next message, if one arrives within a second.
     fn next(&mut self) -> Option<Value> {
         use std::io::ErrorKind::{TimedOut, WouldBlock};
         match self.socket.read() {
@@ -385,7 +381,7 @@ fn installed() -> Option<PathBuf> {
     NAMES.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name))).find(|p| p.is_file())
 }
 
-/// Port and path at which the browser with `profile` listens: it writes them into a file.
+/// Reads the port and path at which the browser with `profile` listens; the browser writes them into a file.
 fn endpoint(profile: &Path) -> (u16, String) {
     let begin = Instant::now();
     while begin.elapsed() < PATIENCE {

@@ -1,4 +1,4 @@
-//! `<tresses-viewer>` in a real browser: a page of somebody else's with hair in it.
+//! `<tresses-viewer>` in a browser, embedded in a host page.
 
 use crate::{
     browser::{Browser, Picture},
@@ -16,11 +16,11 @@ use tresses::{
 };
 use tresses_web::{Page, Server, pack};
 
-/// Of the page, pixels.
+/// Size of the page, pixels.
 const SIZE: [u32; 2] = [640, 400];
-/// Strands of the file that the page begins with.
+/// Number of strands of the page's first file.
 const STRANDS: usize = 600;
-/// The page; `log` has what it was told.
+/// The page. `log` collects the element's events.
 const PAGE: &str = r#"<!doctype html><title>A page</title>
 <style>body { margin: 0 } tresses-viewer { height: 400px }</style>
 <script>
@@ -33,7 +33,7 @@ const PAGE: &str = r#"<!doctype html><title>A page</title>
 <script type="module" src="tresses-viewer.js"></script>
 <tresses-viewer id="viewer" src="head%20of%20hair.glb" query="edges.coverage=tiles" animation="Turn" camera="front"></tresses-viewer>"#;
 
-/// The built-in body with hair that stands out from its head.
+/// Returns the built-in body with hair that stands out from its head.
 fn character() -> (TriMesh, Strands) {
     let mesh = mannequin::mesh(60);
     let mut strands = Strands::default();
@@ -46,14 +46,14 @@ fn character() -> (TriMesh, Strands) {
     (mesh, strands)
 }
 
-/// What `script`, a promise's, has come to.
+/// Awaits the promise `script`, and returns its value or error message.
 fn awaited(browser: &mut Browser, script: &str) -> Value {
     browser
         .value(&format!("({script}).then(value => [\"done\", value], error => [\"failed\", error.message])"))
 }
 
 #[test]
-fn an_element_shows_hair_and_says_what_is_wrong() {
+fn element_shows_hair_and_reports_errors() {
     let Some(mut browser) = Browser::start(SIZE) else { return };
     let browser = &mut browser;
     let folder = tempfile::tempdir().unwrap();
@@ -86,12 +86,12 @@ fn an_element_shows_hair_and_says_what_is_wrong() {
     assert!(log.as_array().unwrap().contains(&shown), "{log}");
     let first = picture(browser, "hair", |picture| hair_of(picture) > 0.02);
     first.keep("viewer-1-hair.png");
-    // The animation of the file plays.
+    // The animation in the file plays.
     picture(browser, "animation", |now| change(now, &first) > 0.01).keep("viewer-2-animation.png");
     let state = |browser: &mut Browser| browser.value("document.getElementById('viewer').state");
     assert_eq!(state(browser)["playing"], true);
 
-    // Parameters by name, and what is wrong with them.
+    // Parameters by name, and errors for invalid ones.
     let set = |browser: &mut Browser, name: &str, value: &str| {
         let script = format!("(async () => document.getElementById('viewer').set('{name}', '{value}'))()");
         awaited(browser, &script)
@@ -102,7 +102,7 @@ fn an_element_shows_hair_and_says_what_is_wrong() {
     let wrong = set(browser, "motion", "fly");
     assert!(wrong[0] == "failed" && wrong[1].as_str().unwrap().contains("shake"), "{wrong}");
 
-    // Other files: whole, broken, missing; what was shown stays.
+    // Other files: broken, unsuitable, missing. The shown hair stays.
     let load = |file: &str| format!("document.getElementById('viewer').load('{file}')");
     let broken = awaited(browser, &load("broken.glb"));
     assert!(broken[0] == "failed" && broken[1].as_str().unwrap().contains("broken.glb"), "{broken}");
@@ -112,7 +112,7 @@ fn an_element_shows_hair_and_says_what_is_wrong() {
     assert!(missing[0] == "failed" && missing[1].as_str().unwrap().contains("404"), "{missing}");
     assert_eq!(state(browser)["file"], "head of hair.glb");
 
-    // A second one beside it, on a canvas of the page's; then both go.
+    // A second element next to it, on the page's own canvas. Then remove both.
     let second = "new Promise((resolve, reject) => {
         const other = document.createElement('tresses-viewer');
         other.innerHTML = '<canvas slot=canvas id=own></canvas>';
@@ -126,7 +126,7 @@ fn an_element_shows_hair_and_says_what_is_wrong() {
     browser.value("document.querySelectorAll('tresses-viewer').forEach(viewer => viewer.remove())");
     let gone = browser.until("document.querySelectorAll('canvas').length", |count| count == 0);
     assert_eq!(gone, 0);
-    // The browser itself tells of the file that is not there.
+    // The browser itself reports the missing file.
     let others: Vec<String> =
         browser.complaints().iter().filter(|said| !said.contains("nothing.glb")).cloned().collect();
     assert!(others.is_empty(), "{}", others.join("\n"));
@@ -134,7 +134,7 @@ fn an_element_shows_hair_and_says_what_is_wrong() {
     serving.join().unwrap();
 }
 
-/// The head turns to one side and back.
+/// Returns an animation that turns the head to one side and back.
 fn turning() -> tresses::groom::rig::Animation {
     use tresses::{
         glam::Quat,
@@ -147,7 +147,7 @@ fn turning() -> tresses::groom::rig::Animation {
     Animation { name: "Turn".into(), length: 1.2, channels }
 }
 
-/// The share of the page that is strands: of another brightness than the pixel beside it.
+/// Returns the fraction of the page that is strands: of a different brightness than the pixel to the right.
 fn hair_of(picture: &Picture) -> f64 {
     let light = |[r, g, b, _]: [u8; 4]| i32::from(r) + i32::from(g) + i32::from(b);
     picture.part(100..540, 20..380).share(|a, b| (light(a) - light(b)).abs() > 15)
@@ -158,7 +158,7 @@ fn change(a: &Picture, b: &Picture) -> f64 {
 }
 
 #[test]
-fn the_package_names_what_is_in_it() {
+fn package_lists_its_files_and_types() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("component");
     let package: Value =
         serde_json::from_str(&std::fs::read_to_string(folder.join("package.json")).unwrap()).unwrap();

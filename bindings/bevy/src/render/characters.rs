@@ -1,4 +1,4 @@
-//! Grooms become characters on the GPU.
+//! Builds characters on the GPU from grooms.
 
 use super::HairContext;
 use crate::{
@@ -24,11 +24,11 @@ use tresses::{
     simulate::SimulationParams,
 };
 
-/// The hair of an entity on the GPU.
+/// Hair of an entity on the GPU.
 #[derive(Debug)]
 pub(crate) struct HairModel {
     pub character: Character,
-    /// Whether the last frame moved it; otherwise it is not drawn.
+    /// Whether the last frame simulated it. If not, it is not drawn.
     pub is_shown: bool,
     /// Whether its pose has been set.
     is_placed: bool,
@@ -36,8 +36,8 @@ pub(crate) struct HairModel {
 }
 
 impl HairModel {
-    /// Places it where `hair` is. Hair on a skin stays where it was while that skin is gone or replaced by another one.
-    /// Returns whether its place is known.
+    /// Sets the pose from `hair`. Hair on a skin keeps its last pose while that skin is missing or being replaced.
+    /// Returns whether a pose is known.
     pub fn place(&mut self, hair: &SceneHair) -> bool {
         match (&self.recipe.skin, &hair.skin) {
             (None, _) => self.character.set_pose(hair.pose),
@@ -54,8 +54,8 @@ impl HairModel {
         true
     }
 
-    /// The colliders of the scene that it has room for. A field that the character was not made with is left out until
-    /// the next character comes.
+    /// Returns the colliders of the scene, as many as fit. Omits fields that the character was not built with, until
+    /// the next character is ready.
     pub fn obstacles(&self, scene: &Scene) -> Vec<Obstacle> {
         let all = scene.colliders.iter().filter_map(|(entity, collider, pose)| {
             let collider = collider.collider(&self.recipe.fields)?;
@@ -64,29 +64,29 @@ impl HairModel {
         all.take(self.room()).collect()
     }
 
-    /// The most colliders besides the head and the other parts of the body.
+    /// Returns the largest number of colliders besides the head and the other parts of the body.
     pub fn room(&self) -> usize {
         let own = self.character.rig().map_or(0, |rig| rig.anatomy().solids().count());
         (MAX_COLLIDERS as usize).saturating_sub(1 + own)
     }
 }
 
-/// What a character is made from.
+/// Inputs of a character.
 #[derive(Clone, Debug)]
 struct Recipe {
     groom: HairGroom,
-    /// The rest shape follows from it.
+    /// Determines the rest shape.
     physics: SimulationParams,
-    /// The levels of detail are measured for it.
+    /// The levels of detail are measured for these options.
     detail: LodOptions,
-    /// The fields of the scene's colliders.
+    /// Distance fields of the scene's colliders.
     fields: Vec<Arc<SdfGrid>>,
     skin: Option<Arc<Skin>>,
 }
 
 impl Recipe {
-    /// Whether a character of the `other` recipe need not be made anew for this one. Later physics bend the hair, later
-    /// details choose among its levels.
+    /// Whether a character of the `other` recipe can be used for this one. Different physics deform the hair, and
+    /// different detail options choose among its levels, so neither needs a new character.
     fn is(&self, other: &Self) -> bool {
         let same = |(a, b): (&Arc<SdfGrid>, _)| Arc::ptr_eq(a, b);
         self.groom.is(&other.groom)
@@ -95,14 +95,14 @@ impl Recipe {
             && self.skin.as_ref().map(Arc::as_ptr) == other.skin.as_ref().map(Arc::as_ptr)
     }
 
-    /// Whether an instance of a character of one is a character of the other. Each skin has a character of its own.
+    /// Whether both can share a character as instances. Each skin needs its own character.
     fn is_shared(&self, other: &Self) -> bool {
-        // Wind has no part in the rest shape.
+        // Wind does not affect the rest shape.
         let rest = |physics: &SimulationParams| SimulationParams { wind: Default::default(), ..*physics };
         self.skin.is_none() && self.is(other) && rest(&self.physics) == rest(&other.physics)
     }
 
-    /// Makes the character, on a task: measuring its levels of detail takes a while.
+    /// Builds the character on a task, because measuring its levels of detail takes a while.
     fn make(self, context: Context) -> Task<Result<Character>> {
         AsyncComputeTaskPool::get().spawn(async move {
             let Self { groom, physics, detail, fields, skin } = self;
@@ -124,14 +124,15 @@ impl Recipe {
                 ..Default::default()
             };
             let mut character = Character::new(&context, parts, &options, &()).await?;
-            // Hair and brows on one skin cast its shadow once.
+            character.prepare_to_bend()?;
+            // Hair and brows on one skin cast the skin's shadow only once.
             character.body_id = skin.map(|skin| skin.entity.to_bits());
             Ok(character)
         })
     }
 }
 
-/// The hair of an entity: on the GPU, on its way there, or impossible.
+/// State of an entity's hair: ready, being built, or failed.
 #[derive(Debug, Default)]
 struct Slot {
     model: Option<HairModel>,
@@ -140,7 +141,7 @@ struct Slot {
 }
 
 impl Slot {
-    /// Whether there is no need to make a character for `recipe`.
+    /// Whether `recipe` is ready, being built, or has failed.
     fn has(&self, recipe: &Recipe) -> bool {
         match &self.pending {
             Some((pending, _)) => pending.is(recipe),
@@ -148,12 +149,12 @@ impl Slot {
         }
     }
 
-    /// Whether its hair is of `recipe`.
+    /// Whether the current hair matches `recipe`.
     fn shows(&self, recipe: &Recipe) -> bool {
         self.model.as_ref().is_some_and(|model| model.recipe.is(recipe))
     }
 
-    /// Takes a character that is ready.
+    /// Takes a finished character.
     fn poll(&mut self, errors: &mut ErrorLog) {
         if let Some(result) = self.pending.as_mut().and_then(|(_, task)| check_ready(task))
             && let Some((recipe, _)) = self.pending.take()
@@ -169,14 +170,14 @@ impl Slot {
                 Self { model: Some(model), ..Self::default() }
             }
             Err(error) => {
-                errors.report(format!("hair cannot be made: {error}"));
+                errors.report(format!("cannot create hair: {error}"));
                 Self { failed: Some(recipe), ..Self::default() }
             }
         };
     }
 }
 
-/// The hair of all entities.
+/// Hair of all entities.
 #[derive(Resource, Debug, Default)]
 pub(crate) struct Wardrobe {
     slots: EntityHashMap<Slot>,
@@ -184,12 +185,12 @@ pub(crate) struct Wardrobe {
 }
 
 impl Wardrobe {
-    /// The hair of an entity, if it is on the GPU.
+    /// Returns the hair of an entity, if it is on the GPU.
     pub fn get_mut(&mut self, entity: Entity) -> Option<&mut HairModel> {
         self.slots.get_mut(&entity)?.model.as_mut()
     }
 
-    /// The characters that `layers` show, in the scene's order.
+    /// Returns the characters visible in `layers`, in the scene's order.
     pub fn seen<'a>(
         &'a self,
         scene: &'a Scene,
@@ -200,7 +201,7 @@ impl Wardrobe {
         shown.filter_map(model).filter(|model| model.is_shown).map(|model| &model.character)
     }
 
-    /// The characters that [meet](crate::HairMeets) in this frame, in the scene's order.
+    /// Returns the characters with [`HairMeets`](crate::HairMeets) in this frame, in the scene's order.
     pub fn meeting(&mut self, scene: &Scene) -> Vec<&mut Character> {
         let place = |entity| scene.hair.iter().position(|hair| hair.meets && hair.entity == entity);
         let found = self.slots.iter_mut().filter_map(|(entity, slot)| {
@@ -213,7 +214,7 @@ impl Wardrobe {
     }
 }
 
-/// Makes characters for hair that has come, takes those that are ready, drops those whose entity is gone.
+/// Starts building characters for new hair, takes finished ones, and drops the hair of removed entities.
 pub(crate) fn prepare(scene: Res<Scene>, mut wardrobe: ResMut<Wardrobe>, context: Res<HairContext>) {
     let Wardrobe { slots, errors } = &mut *wardrobe;
     slots.retain(|entity, _| scene.hair.iter().any(|hair| hair.entity == *entity));

@@ -1,8 +1,8 @@
-//! Hair is drawn into a camera.
+//! Draws hair into a camera.
 //!
-//! After Bevy's main pass, so that the scene's depth is complete, and before what Bevy does to the finished picture: bloom
-//! and tone mapping see hair as everything else. Hair goes over the colour of one sample per pixel that the main pass has
-//! left, hidden by all the depths that it has left of each pixel ([`Surroundings`]).
+//! Hair is drawn after Bevy's main pass, when the scene's depth is complete, and before bloom and tone mapping, which
+//! thus apply to hair. Hair is blended over the resolved color of the main pass, and occluded per depth sample
+//! ([`Surroundings`]).
 
 use super::{
     HairContext, Wardrobe,
@@ -30,34 +30,34 @@ use bevy::{
 };
 use tresses::{
     Camera, Character, Context, Result, View,
-    draw::{Coverage, Embed, Shade, Surroundings},
+    draw::{Compositor, Coverage, Shade, Surroundings},
     view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages},
 };
 
-/// How cameras without a [`HairView`](crate::HairView) draw hair.
+/// Rendering options of cameras without a [`HairView`](crate::HairView).
 #[derive(Resource, Clone, Copy, Debug)]
 pub(crate) struct DefaultView {
     pub options: ViewOptions,
-    /// How much of its shadow hair casts.
+    /// Strength of the shadows that hair casts on meshes.
     pub casts: f32,
 }
 
-/// The views of all cameras, by their entities in the main world.
+/// Views of all cameras, by entity in the main world.
 #[derive(Resource, Debug, Default)]
 pub(crate) struct CameraViews(EntityHashMap<CameraView>);
 
 #[derive(Debug)]
 struct CameraView {
     view: View,
-    embed: Embed,
+    embed: Compositor,
     format: TextureFormat,
-    /// Made when the camera first has targets for them.
+    /// Created when the camera first needs them.
     overlays: Option<Overlays>,
 }
 
 impl CameraViews {
-    /// The view of a camera with these options, of a size and for a target of a format: kept, resized or made.
+    /// Returns the view of a camera for these options, size and format, recreated or resized if they have changed.
     fn get(
         &mut self,
         camera: Entity,
@@ -68,7 +68,7 @@ impl CameraViews {
         let fits = |kept: &CameraView| (kept.view.options(), kept.format) == (options, format);
         if !self.0.get(&camera).is_some_and(fits) {
             let view = View::new(context, options, size, 1)?;
-            let embed = Embed::new(context, (options.samples, options.coverage), format)?;
+            let embed = Compositor::new(context, (options.samples, options.coverage), format)?;
             self.0.insert(camera, CameraView { view, embed, format, overlays: None });
         }
         let kept = self.0.get_mut(&camera).expect("it has just been put there");
@@ -79,7 +79,7 @@ impl CameraViews {
     }
 }
 
-/// Lets hair read the depth of the cameras that see it, and forgets cameras that are gone.
+/// Makes depth textures readable for cameras that see hair, and drops the views of removed cameras.
 pub(crate) fn read_depth(
     scene: Res<Scene>,
     mut views: ResMut<CameraViews>,
@@ -121,7 +121,7 @@ pub(crate) fn draw(
     let (extracted, bevy_camera, target, depth, prepass, is_scaled) = query.into_inner();
     let entity = extracted.retained_view_entity.main_entity.entity();
     let Some(seen_by) = scene.cameras.get(&entity) else { return };
-    // A camera that has just come gets its wide range for the next frame.
+    // A new camera becomes HDR in the next frame.
     if !bevy_camera.hdr {
         return;
     }
@@ -130,24 +130,23 @@ pub(crate) fn draw(
         return;
     }
     if is_scaled {
-        errors
-            .report(format!("camera {entity} draws at another resolution than it shows, which hair cannot"));
+        errors.report(format!("camera {entity} has MainPassResolutionOverride, which hair does not support"));
         return;
     }
     let options = seen_by.options.unwrap_or(default.options);
-    // Tiles alone know where hair is.
+    // Only tiles provide depth, motion and opacity of hair.
     let is_tiled = options.coverage == Coverage::Tiles;
     if seen_by.depth && !is_tiled {
-        errors.report(format!("camera {entity} has HairDepth, which only hair drawn by tiles can give"));
+        errors.report(format!("camera {entity} has HairDepth, which needs tiled hair (Coverage::Tiles)"));
     }
     if seen_by.fog.is_some() && !is_tiled {
-        errors.report(format!("the fog of camera {entity} reaches only hair that is drawn by tiles"));
+        errors.report(format!("the fog of camera {entity} needs tiled hair (Coverage::Tiles)"));
     }
     let (color, format) = (target.main_texture_view(), target.main_texture_format());
     let depth_view = &*depth.attachment.texture.default_view;
     let (depth_format, samples) = (depth.texture().format(), depth.texture().sample_count());
     let motion = prepass.and_then(|prepass| prepass.motion_vectors.as_ref()).map(|motion| &motion.texture);
-    // Nothing that reads motion reads several samples per pixel of it.
+    // No effect of Bevy reads multisampled motion vectors.
     let motion = motion.filter(|motion| motion.texture.sample_count() == 1 && is_tiled);
     let drawing = Drawing {
         characters,
@@ -174,22 +173,22 @@ pub(crate) fn draw(
     let view = views.get(entity, &tresses, &options, (drawing.camera.size, format));
     match view.and_then(|view| drawing.record(view, &tresses, &mut encoder, into)) {
         Ok(()) => context.add_command_buffer(encoder.finish()),
-        Err(error) => errors.report(format!("camera {entity} cannot show hair: {error}")),
+        Err(error) => errors.report(format!("cannot draw hair for camera {entity}: {error}")),
     }
 }
 
-/// The hair of a camera in a frame.
+/// Input of drawing hair into a camera.
 struct Drawing<'a> {
     characters: Vec<&'a Character>,
     scene: &'a Scene,
     seen_by: &'a SceneCamera,
     camera: Camera,
     exposure: f32,
-    /// How much of its shadow hair casts.
+    /// Strength of the shadows that hair casts on meshes.
     casts: f32,
     shadows: &'a LightShadows<'a, 'a>,
     skies: &'a Skies,
-    /// The camera.
+    /// Entity of the camera.
     entity: Entity,
     overlays: OverlayTargets<'a>,
 }
@@ -204,7 +203,7 @@ impl Drawing<'_> {
         into: Surroundings<'_>,
     ) -> Result<()> {
         let Self { characters, scene, seen_by, camera, exposure, .. } = self;
-        // Lights are parallel in the library, so they are those that arrive at the nearest head.
+        // The library's lights are directional, so evaluate them at the nearest head.
         let foci = Character::foci(characters, camera);
         let at = foci.nearest.center;
         let (mut lights, sources, casts) =

@@ -1,9 +1,9 @@
-//! Hair in the render world.
+//! Systems of the render world.
 //!
 //! ```text
-//! Render       prepare: grooms become characters, on a task each; measure_skies: the light of environment maps
-//! RenderGraph  simulate: all hair moves, once per frame
-//! Core3d       draw: hair into this camera's color, by its depth
+//! Render       prepare: grooms become characters, on a task each; measure_skies: light of environment maps
+//! RenderGraph  simulate: all hair, once per frame
+//! Core3d       draw: hair into this camera's color, tested against its depth
 //! ```
 
 mod characters;

@@ -1,14 +1,13 @@
-//! Passes over a camera's targets where hair is: motion vectors for temporal antialiasing and motion blur, depth for depth
-//! of field, and fog.
+//! Passes that write hair's motion vectors, depth and fog into a camera's targets.
 //!
-//! The prepass has written the motion of meshes, the main pass their depth. When hair is drawn, the library writes its
-//! motion, depth and opacity ([`Surroundings::geometry`](tresses::draw::Surroundings::geometry)). Where hair hides more
-//! than half of what is behind, its motion and its depth replace those of the meshes, motion in Bevy's unit: shares of the
-//! frame, to the right and down.
+//! The prepass has written the motion of meshes, the main pass their depth. While drawing hair, the library writes the
+//! hair's motion, depth and opacity into a texture ([`Surroundings::geometry`](tresses::draw::Surroundings::geometry)).
+//! Where hair covers more than half of the background, the passes write the hair's motion and depth over the scene's. Motion is
+//! in Bevy's unit: fractions of the frame, to the right and down.
 //!
-//! Bevy's shader fogs meshes where it draws them, and hair comes after that. What is behind hair has its own fog; the fog
-//! before hair goes over the frame as thick as hair is opaque: exact where hair hides what is behind, and nearly so where it
-//! is thin.
+//! Bevy's shaders apply fog to meshes while drawing them. The background of hair is thus already fogged. The fog in
+//! front of hair is blended over the frame in proportion to the hair's opacity. That is exact for opaque hair and
+//! approximate for thin hair.
 
 use crate::extract::SceneFog;
 use bevy::{
@@ -17,7 +16,7 @@ use bevy::{
 };
 use tresses::{
     Context,
-    draw::Embed,
+    draw::Compositor,
     gpu::{Binding, bindings},
     wgpu::{self, TextureFormat, TextureUsages},
 };
@@ -66,7 +65,7 @@ fn found(place: vec2<f32>) -> vec4<f32> {
     return vec4(fog.color.xyz * seen * share, share * dot(lost, vec3(1.0 / 3.0)));
 }";
 
-/// A pass of a camera, named for its fragment shader.
+/// A pass of a camera, named after its fragment shader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Overlay {
     Motion,
@@ -74,33 +73,33 @@ enum Overlay {
     Fog,
 }
 
-/// A target: its view, its format and its samples per pixel.
+/// A target: view, format and samples per pixel.
 pub(super) type OverlayTarget<'a> = (&'a wgpu::TextureView, TextureFormat, u32);
 
-/// The targets of a camera that hair is written into.
+/// Targets of a camera that hair is written into.
 #[derive(Clone, Copy)]
 pub(super) struct OverlayTargets<'a> {
-    /// Motion vectors of one sample per pixel.
+    /// Motion vectors, single-sampled.
     pub motion: Option<OverlayTarget<'a>>,
     /// The scene's depth.
     pub depth: Option<OverlayTarget<'a>>,
-    /// The frame that fog goes over.
+    /// The color target for fog.
     pub fog: Option<(OverlayTarget<'a>, SceneFog)>,
 }
 
 impl OverlayTargets<'_> {
-    /// Whether there is any.
+    /// Whether there are any targets.
     pub fn any(&self) -> bool {
         self.motion.is_some() || self.depth.is_some() || self.fog.is_some()
     }
 }
 
-/// The passes of a camera.
+/// Resources of a camera's passes.
 #[derive(Debug)]
 pub(super) struct Overlays {
-    /// The texture that the library writes motion, depth and opacity into.
+    /// Texture into which the library writes motion, depth and opacity.
     pub geometry: wgpu::TextureView,
-    /// Its size.
+    /// Size of the texture.
     pub size: [u32; 2],
     fog: wgpu::Buffer,
     group: wgpu::BindGroup,
@@ -110,7 +109,7 @@ pub(super) struct Overlays {
 }
 
 impl Overlays {
-    /// For frames of `size`.
+    /// Creates the resources for frames of `size`.
     pub fn new(device: &wgpu::Device, size: [u32; 2]) -> Self {
         const LABEL: &str = "hair geometry";
         let label = Some(LABEL);
@@ -120,7 +119,7 @@ impl Overlays {
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: Embed::GEOMETRY,
+            format: Compositor::GEOMETRY,
             usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         });
@@ -140,7 +139,7 @@ impl Overlays {
         Self { geometry, size, fog, group, layout, module, pipelines: HashMap::default() }
     }
 
-    /// Records all passes over frames that begin at `origin` of their targets and are seen with `projection`.
+    /// Records all passes. `origin` is the frame's corner in the targets.
     pub fn record(
         &mut self,
         context: &Context,
@@ -197,7 +196,7 @@ impl Overlays {
     }
 }
 
-/// The pipeline of a pass into a target of this format with so many samples per pixel.
+/// Creates the pipeline of a pass for a target format and sample count.
 fn pipeline(
     device: &wgpu::Device,
     (layout, module): (&wgpu::PipelineLayout, &wgpu::ShaderModule),
@@ -216,7 +215,7 @@ fn pipeline(
     };
     let over = wgpu::BlendState {
         color: component(wgpu::BlendFactor::One, wgpu::BlendFactor::OneMinusSrcAlpha),
-        // The frame stays as opaque as it was.
+        // Keep the alpha of the frame.
         alpha: component(wgpu::BlendFactor::Zero, wgpu::BlendFactor::One),
     };
     let blend = (overlay == Overlay::Fog).then_some(over);
@@ -235,7 +234,7 @@ fn pipeline(
         depth_stencil: is_depth.then(|| wgpu::DepthStencilState {
             format,
             depth_write_enabled: Some(true),
-            // Bevy's depth is 1 at the near plane.
+            // Bevy uses reversed depth: 1 at the near plane.
             depth_compare: Some(wgpu::CompareFunction::GreaterEqual),
             stencil: Default::default(),
             bias: Default::default(),

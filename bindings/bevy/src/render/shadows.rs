@@ -1,7 +1,7 @@
-//! The shadows of Bevy's meshes: the maps that its lights have drawn, for the library to take over.
+//! Shadow maps that Bevy has drawn for its meshes, for use by the library.
 //!
-//! All of them are views of their own in the render world, each with one layer of a texture: the cascades of directional
-//! lights, which are a camera's, spot lights, and the six faces of point lights.
+//! Each is a view in the render world with one layer of a texture: a cascade of a directional light for one camera, a
+//! spot light, or one of the six faces of a point light.
 
 use bevy::{ecs::system::SystemParam, prelude::*};
 use tresses::light::{SceneShadow, Sphere, lights::MAX_LIGHTS, scene::MOST_SCENE_SHADOWS};
@@ -27,16 +27,16 @@ impl std::fmt::Debug for LightShadows<'_, '_> {
     }
 }
 
-/// Bevy keeps what is nearer than this to the surface of its own casters out of their shadow, metres, and hair too.
+/// Constant depth bias, meters: hair this close to a caster gets no shadow from it.
 #[cfg(feature = "pbr")]
 const CLOSE: f32 = 0.005;
-/// And what is nearer than so many texels.
+/// Depth bias in texels of the shadow map.
 #[cfg(feature = "pbr")]
 const TEXELS: f32 = 1.5;
 
 impl LightShadows<'_, '_> {
-    /// Those of `lights`, the places of which are those among the library's, that a `camera` sees `heads` with: of the
-    /// cascades of a light those that a head is not wholly in a finer one of.
+    /// Returns the shadow maps of `lights` that a `camera` needs for `heads`. A light's index in `lights` is its index
+    /// in the library. Omits a cascade if a finer one contains each head completely.
     #[cfg(feature = "pbr")]
     pub fn of(
         &self,
@@ -73,7 +73,7 @@ impl LightShadows<'_, '_> {
             let texels =
                 seen.iter().map(|(head, _)| texel(&projection, heads[*head].center, view.viewport.z));
             let Some(coarsest) = texels.reduce(f32::max) else { continue };
-            // The other faces of a point light have the rest of a head.
+            // A face of a point light may contain only part of a head; the other faces have the rest.
             done.extend(seen.iter().filter(|(_, whole)| cascade && *whole).map(|(head, _)| (light, *head)));
             shadows.push(SceneShadow { bias: CLOSE + TEXELS * coarsest, ..shadow });
         }
@@ -81,7 +81,7 @@ impl LightShadows<'_, '_> {
         shadows
     }
 
-    /// None: without Bevy's own renderer there are none.
+    /// Returns none: without Bevy's PBR renderer there are no shadow maps.
     #[cfg(not(feature = "pbr"))]
     pub fn of(&self, _: &[Option<Entity>; MAX_LIGHTS], _: Entity, _: &[Sphere]) -> Vec<SceneShadow<'_>> {
         let _ = MOST_SCENE_SHADOWS;
@@ -89,13 +89,13 @@ impl LightShadows<'_, '_> {
     }
 }
 
-/// From the world to the clip space of a map.
+/// Returns the matrix from the world to the clip space of a shadow map.
 #[cfg(feature = "pbr")]
 fn projection(view: &ExtractedView) -> Mat4 {
     view.clip_from_world.unwrap_or_else(|| view.clip_from_view * view.world_from_view.to_matrix().inverse())
 }
 
-/// How large a texel of a map of `size`² is at a place, metres.
+/// Returns the size of a texel at `at`, meters, for a shadow map of `size`² texels.
 #[cfg(feature = "pbr")]
 fn texel(projection: &Mat4, at: Vec3, size: u32) -> f32 {
     let w = (*projection * at.extend(1.0)).w;
@@ -108,7 +108,7 @@ mod tests {
     use tresses::glam::camera::rh::proj::directx;
 
     #[test]
-    fn texels_grow_with_the_distance_of_lamps() {
+    fn texel_size_grows_with_distance_in_perspective() {
         let flat = directx::orthographic(-1.0, 1.0, -1.0, 1.0, 0.0, 10.0);
         let lamp = directx::perspective_infinite_reverse(std::f32::consts::FRAC_PI_2, 1.0, 0.1);
         for (projection, edge) in [(flat, 1.0), (lamp, 5.0)] {

@@ -1,4 +1,4 @@
-//! Hair moves, once per frame.
+//! Simulates hair, once per frame.
 
 use super::{HairContext, Wardrobe, characters::HairModel};
 use crate::{
@@ -11,7 +11,7 @@ use bevy::{
 };
 use tresses::{Camera, Character, Result, character::Frame, wgpu};
 
-/// A camera of Bevy's: its depth runs from 1 to 0 as well.
+/// Converts a camera. Bevy's depth also runs from 1 to 0.
 pub(crate) fn camera(view: &ExtractedView) -> Camera {
     Camera {
         view: view.world_from_view.to_matrix().inverse(),
@@ -20,7 +20,7 @@ pub(crate) fn camera(view: &ExtractedView) -> Camera {
     }
 }
 
-/// Moves all hair by a frame, each at the level of detail for the camera that sees it largest.
+/// Simulates all hair for a frame, each at the level of detail for the camera in which it is largest.
 pub(crate) fn simulate(
     scene: Res<Scene>,
     mut wardrobe: ResMut<Wardrobe>,
@@ -33,7 +33,7 @@ pub(crate) fn simulate(
         if let Some(model) = wardrobe.get_mut(hair.entity) {
             model.is_shown = model.place(hair) && hair.visible;
             if !model.is_shown {
-                // It is at rest when it is shown again, wherever that is.
+                // Hidden hair is at rest when it is shown again.
                 model.character.reset();
             }
         }
@@ -44,7 +44,7 @@ pub(crate) fn simulate(
         let room = model.room();
         if room < scene.colliders.len() {
             errors.report(format!(
-                "hair has room for {room} colliders besides its body's: the last are left out"
+                "hair supports {room} colliders besides those of its body: the last ones are ignored"
             ));
         }
         let sees = |entity: Entity| {
@@ -55,11 +55,11 @@ pub(crate) fn simulate(
         let label = Some("hair");
         let mut encoder = tresses.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
         let moved = model.advance(tresses.frame(&mut encoder).seen_by(&cameras), hair, &scene);
-        // A skin that was posed before an error is not posed again, so its commands are submitted in any case.
+        // Submit even after an error: the skin may be posed already, and it is posed only once.
         context.add_command_buffer(encoder.finish());
         model.is_shown = moved.is_ok();
         if let Err(error) = moved {
-            errors.report(format!("hair of entity {} cannot move: {error}", hair.entity));
+            errors.report(format!("cannot simulate hair of entity {}: {error}", hair.entity));
         }
     }
 }

@@ -1,7 +1,8 @@
-//! Environment maps and reflection probes: what their cube maps hold, as hair is lit by it.
+//! Measures the light of environment maps and reflection probes.
 //!
-//! Bevy has them on the GPU, some of them only there, so they are measured there ([`CubeProbe`]); the sums come some frames
-//! later. Maps that Bevy filters itself change without a word: all are measured again from time to time.
+//! Bevy keeps the cube maps on the GPU, some of them only there, so they are measured there ([`CubeProbe`]). The
+//! results arrive some frames later. Maps that Bevy generates may change without notice, so all maps are measured again
+//! periodically.
 
 use super::HairContext;
 use crate::{
@@ -19,23 +20,23 @@ use tresses::{
     wgpu,
 };
 
-/// Frames from one measurement of a map to the next.
+/// Frames between two measurements of a map.
 const AGAIN: u32 = 60;
 
-/// Bevy asks its cube maps by directions whose third axis is the other way.
+/// Bevy samples cube maps with the Z axis flipped.
 const MIRROR: Mat3 = Mat3::from_diagonal(Vec3::new(1.0, 1.0, -1.0));
 
-/// The light of a cube map.
+/// Light of a cube map.
 #[derive(Debug, Default)]
 struct MapLight {
-    /// Of an intensity of 1, not turned.
+    /// For an intensity of 1, without rotation.
     environment: Environment,
     pending: Option<CubeLight>,
-    /// Frames since the last measurement began.
+    /// Frames since the last measurement started.
     age: u32,
 }
 
-/// The light of all cube maps.
+/// Light of all cube maps.
 #[derive(Resource, Debug, Default)]
 pub(crate) struct Skies {
     probe: Option<CubeProbe>,
@@ -67,7 +68,7 @@ pub(crate) fn measure_skies(
         match sky.pending.as_mut().and_then(CubeLight::take) {
             Some(Ok(environment)) => (sky.environment, sky.pending) = (environment, None),
             Some(Err(error)) => {
-                errors.report(format!("an environment map cannot light hair: {error}"));
+                errors.report(format!("cannot light hair with an environment map: {error}"));
                 sky.pending = None;
             }
             None => {}
@@ -84,22 +85,22 @@ pub(crate) fn measure_skies(
         match begun {
             Ok(light) => sky.pending = Some(light),
             Err(problem) => {
-                errors.report(format!("an environment map cannot light hair: {problem}"));
+                errors.report(format!("cannot light hair with an environment map: {problem}"));
             }
         }
     }
 }
 
-/// A view of all six faces, or why there is none.
+/// Returns a cube view of all six faces, or why there is none.
 fn usable(device: &wgpu::Device, image: &GpuImage) -> Result<wgpu::TextureView, String> {
     let (format, layers) = (image.texture.format(), image.texture.depth_or_array_layers());
     let flat = image.texture.dimension() == wgpu::TextureDimension::D2;
     if layers < 6 || !flat || image.texture.width() != image.texture.height() {
-        return Err(format!("it has {layers} layers, a cube has six, which are squares"));
+        return Err(format!("it has {layers} layers, but a cube map has 6 square layers"));
     }
     let filtered = format.sample_type(None, Some(device.features()));
     if filtered != Some(wgpu::TextureSampleType::Float { filterable: true }) {
-        return Err(format!("this device does not filter {format:?}"));
+        return Err(format!("this device cannot filter {format:?}"));
     }
     Ok((*image.texture).create_view(&wgpu::TextureViewDescriptor {
         label: Some("environment map"),
@@ -110,11 +111,12 @@ fn usable(device: &wgpu::Device, image: &GpuImage) -> Result<wgpu::TextureView, 
 }
 
 impl Skies {
-    /// What lights hair at `place`: that of the probes around it, as far as they go that of its camera.
+    /// Returns the environment at `place`: the probes there, and the camera's map for the remaining weight.
     pub fn at(&self, place: Vec3, camera: &SceneCamera, probes: &[SceneSky]) -> Environment {
         let around: Vec<_> = probes.iter().map(|sky| (sky, sky.share(place))).collect();
         let sum: f32 = around.iter().map(|(_, share)| share).sum();
-        // As Bevy's shader: what probes leave is the camera's; where it has none, or they leave none, their mean counts.
+        // As in Bevy's shader: the camera's map gets the weight that probes leave. Without a camera map, or if no
+        // weight is left, normalize the probes.
         let left = if camera.sky.is_some() { (1.0 - sum).max(0.0) } else { 0.0 };
         let whole = if left > 0.0 || sum <= 0.0 { 1.0 } else { sum };
         let skies = around.into_iter().chain(camera.sky.as_ref().map(|sky| (sky, left)));

@@ -1,15 +1,17 @@
-//! Skinned meshes of Bevy's as a mesh and a rig of the library's, and the transforms of their joints in each frame.
+//! Bevy's skinned meshes, converted to a mesh and a rig of the library, and the transforms of their joints in each
+//! frame.
 //!
 //! ```text
-//! main world    Mesh, SkinnedMesh ─► Skin (once)        GlobalTransform of joints, weights ─► JointTransforms (each frame)
+//! main world    Mesh, SkinnedMesh ─► Skin (once)        GlobalTransform of joints, weights ─► JointTransforms (each
+//! frame)
 //! a task        Skin ─► CharacterParts ─► Character
 //! render world  JointTransforms ─► BodyPose ─► Character
 //! ```
 //!
-//! Bevy deforms vertices where it draws them and keeps none, so the library deforms its own copy of the mesh with the same
-//! joints. A vertex `v` is at `G_j · I_j · v` in the world, with the joint's transform and its inverse bind pose. The
-//! groom's space at rest is that of the vertices after `T⁻¹` ([`Skin::to_mesh`]); hair goes with the joint that carries
-//! most of its roots, from `T⁻¹ · I_j⁻¹` at rest to `G_j` now.
+//! Bevy deforms vertices while drawing and does not store them, so the library deforms its own copy of the mesh with
+//! the same joints. A vertex `v` is at `G_j · I_j · v` in the world, where `G_j` is the transform of joint `j` and
+//! `I_j` its inverse bind pose. The rest pose in the groom's space is the vertices transformed by `T⁻¹`, where `T` is
+//! [`Skin::to_mesh`]. Hair follows the joint that carries most of its roots: from `T⁻¹ · I_j⁻¹` at rest to `G_j` now.
 
 mod read;
 
@@ -23,72 +25,72 @@ use tresses::{
     groom::{Rig, RigPose, TriMesh, rig::anatomy::Anatomy},
 };
 
-/// Roots of hair on the skin of a body that Bevy bends: beside [`Hair3d`](crate::Hair3d).
+/// Attaches hair to a skinned mesh of Bevy. Add it next to [`Hair3d`](crate::Hair3d).
 ///
-/// The body is an entity with a [`Mesh3d`], which joints ([`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh)), morph
-/// targets or both bend. Each root goes with the skin at its place; what hair collides with, and what shades it, is this
-/// mesh as it is bent, part by part, in place of the groom's own head.
+/// The body is an entity with a [`Mesh3d`] that is deformed by joints
+/// ([`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh)), morph targets, or both. Each root follows the skin at its
+/// position. The deformed mesh replaces the groom's own head for collisions and shadows, part by part.
 ///
-/// Hair that is a child of one of the joints, or farther below it, rests where that joint has it in the bind pose. Hair
-/// elsewhere rests in the space of the mesh's vertices, as a groom that was made on that mesh; where its entity is plays no
-/// part then. `HairSkin::at` says it where neither holds.
+/// Hair below one of the joints in the hierarchy rests where that joint is in the bind pose. Other hair rests in the
+/// space of the mesh's vertices, as a groom made for that mesh; its own transform is then ignored. If neither is right,
+/// set [`at`](Self::at).
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct HairSkin {
     /// The entity with the mesh.
     pub mesh: Entity,
-    /// From the groom's space to that of the mesh's vertices, in the bind pose.
+    /// Transform from the groom's space to the space of the mesh's vertices, in the bind pose.
     pub at: Option<Mat4>,
-    /// No root may be farther from the skin at rest, metres.
+    /// Largest distance of a root from the skin at rest, meters. Hair with a farther root is rejected.
     pub reach: f32,
 }
 
 impl HairSkin {
-    /// On the skin of an entity, at most a centimetre from it.
+    /// Attaches hair to the skin of an entity, with roots at most a centimeter from it.
     pub fn new(mesh: Entity) -> Self {
         Self { mesh, at: None, reach: 0.01 }
     }
 }
 
-/// A skinned mesh, for the library: made once.
+/// A skinned mesh in the library's form, created once.
 #[derive(Debug)]
 pub(crate) struct Skin {
     /// The entity with the mesh.
     pub entity: Entity,
-    /// Its joints and morph targets; a node for each joint.
+    /// Joints and morph targets, with one node per joint.
     pub rig: Rig,
-    /// At rest, in the groom's space, metres.
+    /// Mesh at rest, in the groom's space, meters.
     pub mesh: TriMesh,
-    /// The place among Bevy's joints of each of the rig's.
+    /// Index of each of the rig's joints among Bevy's joints.
     pub order: Vec<usize>,
-    /// From the groom's space at rest to that of the vertices.
+    /// Transform from the groom's space at rest to the space of the vertices.
     pub to_mesh: Mat4,
     /// [`HairSkin::reach`].
     pub reach: f32,
 }
 
-/// What deforms a skinned mesh in a frame.
+/// Joint transforms and morph weights of a frame.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct JointTransforms {
-    /// From each of Bevy's joints to the world.
+    /// Transforms of Bevy's joints in the world.
     pub joints: Vec<Mat4>,
-    /// The weight of each morph target.
+    /// Weights of the morph targets.
     pub weights: Vec<f32>,
 }
 
-/// The skin that hair is on.
+/// State of the skin that hair is attached to.
 #[derive(Clone, Debug, Default)]
 pub(crate) enum SkinState {
-    /// None.
+    /// Hair is not on a skin.
     #[default]
     Off,
-    /// Its mesh is not loaded yet.
+    /// The mesh is not loaded yet.
     Awaited,
-    /// Its mesh, and the joints in this frame.
+    /// The mesh, and its joints in this frame.
     Loaded(Arc<Skin>, JointTransforms),
 }
 
 impl SkinState {
-    /// The skin, where it is loaded.
+    /// Returns the skin, if it is loaded.
     pub fn skin(&self) -> Option<&Arc<Skin>> {
         match self {
             Self::Loaded(skin, _) => Some(skin),
@@ -98,8 +100,8 @@ impl SkinState {
 }
 
 impl Skin {
-    /// The pose of the joint that hair goes with, from where it rests in the groom's space to the world, and that of the
-    /// whole body relative to it.
+    /// Returns the pose of the joint that hair follows, from its rest pose in the groom's space to the world, and the
+    /// pose of the whole body relative to it.
     pub fn pose(&self, anatomy: &Anatomy, at: &JointTransforms) -> (Pose, BodyPose) {
         let joint = |number: usize| at.joints.get(self.order[number]).copied().unwrap_or_default();
         let node = |node: u32| {

@@ -1,4 +1,4 @@
-//! Skinned meshes are read from the main world.
+//! Reads skinned meshes from the main world.
 
 use super::{HairSkin, JointTransforms, Skin, SkinState};
 use crate::meshes::tri_mesh;
@@ -18,7 +18,7 @@ use tresses::groom::{
     rig::{Bind, Delta, Joint, Node, Target},
 };
 
-/// The main world's meshes and joints.
+/// Meshes and joints of the main world.
 #[derive(SystemParam)]
 pub(crate) struct SkinQueries<'w, 's> {
     bodies: Extract<
@@ -43,33 +43,33 @@ pub(crate) struct SkinQueries<'w, 's> {
     binds: Extract<'w, 's, Res<'static, Assets<SkinnedMeshInverseBindposes>>>,
 }
 
-/// What a skin follows from: it is read again when this changes.
+/// Inputs of a skin. The skin is read again when they change.
 #[derive(Debug, PartialEq)]
 struct SkinKey {
     on: HairSkin,
     mesh: AssetId<Mesh>,
     binds: Option<AssetId<SkinnedMeshInverseBindposes>>,
     joints: Vec<Entity>,
-    /// The place of the joint that carries the hair.
+    /// Index of the joint that carries the hair.
     carrier: Option<usize>,
 }
 
-/// Skins that were read, by the entity of the hair; `None` for one that cannot be read.
+/// Skins by the entity of the hair; `None` for a skin that could not be read.
 #[derive(Debug, Default)]
 pub(crate) struct SkinCache(EntityHashMap<(SkinKey, Option<Arc<Skin>>)>);
 
 impl SkinCache {
-    /// Forgets hair that is gone.
+    /// Drops the skins of removed hair.
     pub fn keep(&mut self, is_there: impl Fn(Entity) -> bool) {
         self.0.retain(|entity, _| is_there(*entity));
     }
 }
 
 impl SkinQueries<'_, '_> {
-    /// The skin of the hair of an `entity` that is at `place`: from the cache, or read now.
+    /// Returns the skin of hair on `entity` at `place`, from the cache or by reading it.
     ///
     /// # Errors
-    /// Why there is none.
+    /// Returns why there is no skin.
     pub fn find(
         &self,
         cache: &mut SkinCache,
@@ -78,10 +78,10 @@ impl SkinQueries<'_, '_> {
         place: Mat4,
     ) -> Result<SkinState, String> {
         let Ok((mesh, own, skinned, morph)) = self.bodies.get(on.mesh) else {
-            return Err("hair is to be on an entity that has no mesh".into());
+            return Err("HairSkin::mesh is an entity without a mesh".into());
         };
         if !(on.reach.is_finite() && on.at.is_none_or(|at| at.is_finite())) {
-            return Err("hair is on a skin at a place that is no number".into());
+            return Err("HairSkin::at or HairSkin::reach is not finite".into());
         }
         let (Some(asset), binds) =
             (self.meshes.get(&mesh.0), skinned.map(|skinned| self.binds.get(&skinned.inverse_bindposes)))
@@ -121,19 +121,23 @@ impl SkinQueries<'_, '_> {
             let identity = [Mat4::IDENTITY];
             let binds = binds.flatten().map_or(&identity[..], |binds| binds);
             if binds.len() < joints.len() || joints.is_empty() {
-                return Err(format!("hair is on {} joints with {} bind poses", joints.len(), binds.len()));
+                return Err(format!(
+                    "the mesh of HairSkin has {} joints, but {} bind poses",
+                    joints.len(),
+                    binds.len()
+                ));
             }
             let in_bind_pose = |i: usize| binds[i].inverse() * transforms.joints[i].inverse() * place;
             let to_mesh = on.at.unwrap_or_else(|| carrier.map_or(Mat4::IDENTITY, in_bind_pose));
             if !to_mesh.is_finite() || to_mesh.determinant().abs() < 1e-12 {
-                // It may grow from nothing: it is tried again.
-                return Err("a joint above hair is flattened".into());
+                // The joint may grow from zero size, so do not cache the failure.
+                return Err("a joint above the hair has zero scale".into());
             }
             let skin = self.read(on, asset, (joints, binds), to_mesh).map(Arc::new);
             cache.0.insert(entity, (key, skin.as_ref().ok().cloned()));
-            Some(skin.map_err(|problem| format!("hair cannot be on a mesh: {problem}"))?)
+            Some(skin.map_err(|problem| format!("cannot attach hair to a mesh: {problem}"))?)
         };
-        // An unreadable mesh was reported when it was tried.
+        // The error of an unreadable mesh was reported when it was read.
         Ok(skin.map_or(SkinState::Awaited, |skin| SkinState::Loaded(skin, transforms)))
     }
 
@@ -148,7 +152,7 @@ impl SkinQueries<'_, '_> {
         (joints, binds): (&[Entity], &[Mat4]),
         to_mesh: Mat4,
     ) -> Result<Skin, String> {
-        // Parents before their children, as a rig has them.
+        // A rig lists parents before children.
         let parent = |joint: Entity| self.above(joint).skip(1).find_map(|up| place_of(joints, up));
         let depth = |joint: Entity| self.above(joint).filter(|up| joints.contains(up)).count();
         let mut order: Vec<usize> = (0..joints.len()).collect();
@@ -163,7 +167,7 @@ impl SkinQueries<'_, '_> {
         let joint = |(node, i): (usize, &usize)| Joint { node: node as u32, inverse_bind: binds[*i] };
         let palette: Vec<Joint> = order.iter().enumerate().map(joint).collect();
         let mut mesh = tri_mesh(asset)
-            .ok_or("it is no list of triangles with positions and normals that the main world has")?;
+            .ok_or("it must be a triangle list with positions and normals, kept in the main world")?;
         let numbers: Vec<u16> = (0..joints.len()).map(|i| node_of(i) as u16).collect();
         let vertices = bound(asset, &mesh, &numbers)?;
         let targets = targets(asset.morph_targets().map_or(&[][..], |all| all), mesh.positions.len());
@@ -177,7 +181,7 @@ impl SkinQueries<'_, '_> {
         Ok(Skin { entity: on.mesh, rig, mesh, order, to_mesh, reach: on.reach })
     }
 
-    /// An entity and all that it is in.
+    /// Returns an entity and its ancestors.
     fn above(&self, entity: Entity) -> impl Iterator<Item = Entity> {
         std::iter::successors(Some(entity), |at| self.parents.get(*at).ok().map(ChildOf::parent))
     }
@@ -187,13 +191,13 @@ fn place_of(joints: &[Entity], entity: Entity) -> Option<usize> {
     joints.iter().position(|joint| *joint == entity)
 }
 
-/// What each vertex follows; `numbers` are those of the rig's joints in Bevy's order.
+/// Returns the joints and weights of each vertex. `numbers` maps Bevy's joints to the rig's.
 fn bound(asset: &Mesh, mesh: &TriMesh, numbers: &[u16]) -> Result<Vec<Bind>, String> {
     let all = mesh.positions.iter().zip(&mesh.normals);
     let attribute = |id| asset.try_attribute_option(id).ok().flatten();
     let joints = match attribute(Mesh::ATTRIBUTE_JOINT_INDEX) {
         Some(VertexAttributeValues::Uint16x4(all)) => Some(all),
-        Some(_) => return Err("its joints are not of the usual format".into()),
+        Some(_) => return Err("its joint indices must be Uint16x4".into()),
         None => None,
     };
     let weights: Option<Vec<[f32; 4]>> = match attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT) {
@@ -204,7 +208,7 @@ fn bound(asset: &Mesh, mesh: &TriMesh, numbers: &[u16]) -> Result<Vec<Bind>, Str
         Some(VertexAttributeValues::Unorm8x4(all)) => {
             Some(all.iter().map(|four| four.map(|w| f32::from(w) / 255.0)).collect())
         }
-        Some(_) => return Err("its weights are not of a usual format".into()),
+        Some(_) => return Err("its joint weights must be Float32x4, Unorm16x4 or Unorm8x4".into()),
         None => None,
     };
     let Some((joints, weights)) = joints.zip(weights) else {
@@ -219,19 +223,22 @@ fn bound(asset: &Mesh, mesh: &TriMesh, numbers: &[u16]) -> Result<Vec<Bind>, Str
         for (i, (joint, share)) in four.iter().zip(shares).enumerate().filter(|(_, (_, share))| *share > 0.0)
         {
             let Some(number) = numbers.get(usize::from(*joint)) else {
-                return Err(format!("a vertex follows joint {joint} of {}", numbers.len()));
+                return Err(format!(
+                    "a vertex refers to joint {joint}, but there are {} joints",
+                    numbers.len()
+                ));
             };
             (bind.joints[i], bind.weights[i]) = (*number, share / sum);
         }
         Ok(bind)
     };
     if joints.len() != mesh.positions.len() || weights.len() != joints.len() {
-        return Err("it has not a joint and a weight for each vertex".into());
+        return Err("the numbers of joint indices and weights differ from the number of vertices".into());
     }
     all.zip(joints.iter().zip(weights)).map(bind).collect()
 }
 
-/// Shapes, of displacements that follow each other target by target.
+/// Splits Bevy's morph attributes into one morph target per run of `vertices` displacements.
 fn targets(all: &[MorphAttributes], vertices: usize) -> Vec<Target> {
     let target = |(i, of): (usize, &[MorphAttributes])| {
         let moved = of.iter().enumerate().filter(|(_, d)| d.position != Vec3::ZERO || d.normal != Vec3::ZERO);

@@ -1,4 +1,4 @@
-//! A Bevy app without a window, and pictures of what its cameras see.
+//! A Bevy app without a window, and images of its cameras.
 
 use bevy::{
     app::PluginsState,
@@ -21,23 +21,23 @@ use bevy_tresses::{HairGroom, HairReady, TressesPlugin, groom::Strands, tri_mesh
 use std::time::Duration;
 use tresses::{Context, gpu::readback};
 
-/// Width and height of pictures.
+/// Width and height of the images.
 pub const SIZE: [u32; 2] = [128, 96];
-/// Radius of the head, metres.
+/// Radius of the head, meters.
 pub const HEAD: f32 = 0.08;
 
-/// An app that reads assets from `assets`; each update is a sixtieth of a second. Hair casts no shadow on meshes.
+/// Creates an app that reads assets from `assets`. Each update takes 1/60 s. Hair casts no shadows on meshes.
 pub fn app(assets: &str) -> App {
     app_that_casts(assets, 0.0)
 }
 
-/// One whose hair casts so much of its shadow.
+/// Creates an app whose hair casts shadows of strength `casts`.
 pub fn app_that_casts(assets: &str, casts: f32) -> App {
     let mut app = App::new();
     let window =
         WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..Default::default() };
     let files = AssetPlugin { file_path: assets.into(), ..Default::default() };
-    // Frame by frame, so that a picture is that of the update before.
+    // No pipelined rendering, so that an image belongs to the last update.
     let plugins = DefaultPlugins
         .build()
         .set(window)
@@ -57,13 +57,13 @@ pub fn app_that_casts(assets: &str, casts: f32) -> App {
     app
 }
 
-/// Straight strands of a fan to the right (+X) of a ball, in the plane that a camera on +Z looks at.
+/// Returns a fan of straight strands to the right (+X) of a ball, in the plane that a camera on +Z faces.
 pub fn fan(count: usize) -> Strands {
     let mut strands = Strands::default();
     for i in 0..count {
         let share = i as f32 / count as f32;
         let angle = (share - 0.5) * 1.6;
-        // Some depth, so that there is hair before and behind the middle.
+        // Some depth, so that there is hair in front of and behind the plane.
         let aside = 0.02 * ((i * 7 % 11) as f32 / 5.0 - 1.0);
         let way = Vec3::new(angle.cos(), angle.sin(), aside / HEAD).normalize();
         strands.push(&(0..12).map(|j| way * (HEAD + 0.1 * j as f32 / 11.0)).collect::<Vec<_>>());
@@ -71,21 +71,21 @@ pub fn fan(count: usize) -> Strands {
     strands
 }
 
-/// The fan as a groom, on a ball.
+/// Returns the fan as a groom, with the ball as its head.
 pub fn groom() -> HairGroom {
     let head = tri_mesh(&Sphere::new(HEAD).mesh().uv(24, 16)).expect("a ball has triangles");
     let hair = HairGroom::from_strands(&fan(1500), &Default::default()).expect("strands are sound");
     hair.with_head(head).expect("a ball is closed")
 }
 
-/// Adds an image for a camera to draw into.
+/// Adds an image as a camera's render target.
 pub fn image(app: &mut App, [width, height]: [u32; 2]) -> Handle<Image> {
     let mut image = Image::new_target_texture(width, height, TextureFormat::Rgba8UnormSrgb, None);
     image.texture_descriptor.usage |= TextureUsages::COPY_SRC;
     app.world_mut().resource_mut::<Assets<Image>>().add(image)
 }
 
-/// A camera half a metre before the origin, and its image.
+/// Adds a camera half a meter in front of the origin. Returns it and its image.
 pub fn camera(app: &mut App) -> (Entity, Handle<Image>) {
     let image = image(app, SIZE);
     let camera = (
@@ -98,13 +98,13 @@ pub fn camera(app: &mut App) -> (Entity, Handle<Image>) {
     (app.world_mut().spawn(camera).id(), image)
 }
 
-/// A light from the front.
+/// Adds a light from the front.
 pub fn light(app: &mut App) -> Entity {
     let place = Transform::from_xyz(0.3, 0.5, 1.0).looking_at(Vec3::ZERO, Vec3::Y);
     app.world_mut().spawn((DirectionalLight::default(), place)).id()
 }
 
-/// Updates until all hair is there.
+/// Updates the app until all hair is ready.
 pub fn wait(app: &mut App) {
     for _ in 0..2000 {
         app.update();
@@ -117,7 +117,7 @@ pub fn wait(app: &mut App) {
     panic!("hair does not come");
 }
 
-/// What is in an image after `frames` more frames.
+/// Returns the content of an image after `frames` more frames.
 pub fn after(app: &mut App, frames: usize, image: &Handle<Image>) -> Picture {
     for _ in 0..frames {
         app.update();
@@ -131,7 +131,7 @@ pub fn after(app: &mut App, frames: usize, image: &Handle<Image>) -> Picture {
     Picture { width: texture.width(), pixels: bytes.as_chunks::<4>().0.to_vec() }
 }
 
-/// What is in an image once it is drawn and stands still: shaders and tables are loaded while the first frames go by.
+/// Returns an image once it no longer changes. Shaders and textures load during the first frames.
 pub fn settled(app: &mut App, image: &Handle<Image>) -> Picture {
     let mut last = after(app, 3, image);
     for _ in 0..200 {
@@ -145,7 +145,7 @@ pub fn settled(app: &mut App, image: &Handle<Image>) -> Picture {
     panic!("the picture does not come");
 }
 
-/// A picture, row by row from above.
+/// An image, rows from the top.
 #[derive(Clone)]
 pub struct Picture {
     pub width: u32,
@@ -153,7 +153,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Where it differs from `other` by more than rounding.
+    /// Returns the pixels that differ from `other` by more than rounding.
     pub fn changed(&self, other: &Self) -> Vec<[u32; 2]> {
         assert_eq!(self.pixels.len(), other.pixels.len());
         let differ = |(a, b): (&[u8; 4], &[u8; 4])| a.iter().zip(b).any(|(a, b)| a.abs_diff(*b) > 3);
@@ -162,12 +162,12 @@ impl Picture {
         all.filter(|(_, pair)| differ(*pair)).map(|(i, _)| [i as u32 % width, i as u32 / width]).collect()
     }
 
-    /// Whether it is `other`, up to rounding.
+    /// Whether the image equals `other`, up to rounding.
     pub fn is(&self, other: &Self) -> bool {
         self.changed(other).is_empty()
     }
 
-    /// The mean of all channels of some pixels, 0 to 255.
+    /// Returns the mean of all channels of some pixels, 0 to 255.
     pub fn brightness(&self, of: &[[u32; 2]]) -> f32 {
         let value = |[x, y]: &[u32; 2]| {
             let [r, g, b, _] = self.pixels[(y * self.width + x) as usize].map(f32::from);
@@ -176,7 +176,7 @@ impl Picture {
         of.iter().map(value).sum::<f32>() / of.len().max(1) as f32
     }
 
-    /// Writes it to a file beside the test's other results, to be looked at.
+    /// Writes a PNG for inspection into the folder `TRESSES_PICTURES`, if that is set.
     pub fn keep(&self, name: &str) {
         let Some(folder) = std::env::var_os("TRESSES_PICTURES") else { return };
         let size = bevy::render::render_resource::Extent3d {
@@ -196,13 +196,13 @@ impl Picture {
     }
 }
 
-/// The mean place of pixels.
+/// Returns the mean position of pixels.
 pub fn middle(pixels: &[[u32; 2]]) -> Vec2 {
     let sum: Vec2 = pixels.iter().map(|[x, y]| Vec2::new(*x as f32, *y as f32)).sum();
     sum / pixels.len().max(1) as f32
 }
 
-/// Those of the pixels of hair that are well inside the fan, where it hides what is behind.
+/// Returns the pixels of `hair` that are well inside the fan, where hair is opaque.
 pub fn inside(hair: &[[u32; 2]]) -> Vec<[u32; 2]> {
     let around = |[x, y]: &[u32; 2], k: u32| [(x + k % 3).wrapping_sub(1), (y + k / 3).wrapping_sub(1)];
     hair.iter().filter(|at| (0..9).all(|k| hair.contains(&around(at, k)))).copied().collect()

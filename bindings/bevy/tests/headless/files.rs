@@ -1,4 +1,4 @@
-//! Grooms come from files, and anew when these change.
+//! Grooms load from files, and reload when these change.
 
 use crate::common::{after, app, camera, fan, light, middle, settled, wait};
 use bevy::prelude::*;
@@ -6,7 +6,7 @@ use bevy_tresses::{Hair3d, HairGroom, HairGroomSettings};
 use std::{fs, path::Path, time::Duration};
 use tresses::groom::{Strands, export::Writer, orient::Unit};
 
-/// Writes the lowest `count` of the 900 strands of a fan, in metres.
+/// Writes the lowest `count` of the 900 strands of a fan, in meters.
 fn write(path: &Path, count: usize) {
     let (all, mut strands) = (fan(900), Strands::default());
     all.iter().take(count).for_each(|strand| strands.push(strand));
@@ -16,7 +16,7 @@ fn write(path: &Path, count: usize) {
 }
 
 #[test]
-fn a_groom_is_loaded_and_loaded_again() {
+fn groom_loads_and_reloads() {
     let folder = std::env::temp_dir().join(format!("bevy_tresses-{}", std::process::id()));
     fs::create_dir_all(&folder).expect("there is room");
     let mut app = app(&folder.to_string_lossy());
@@ -28,7 +28,7 @@ fn a_groom_is_loaded_and_loaded_again() {
         let server = app.world().resource::<AssetServer>().clone();
         let groom: Handle<HairGroom> = server.load(name);
         let hair = app.world_mut().spawn(Hair3d(groom.clone())).id();
-        // Reading is a task of its own.
+        // Loading is asynchronous.
         wait(&mut app);
         let full = after(&mut app, 3, &image);
         let strands = |app: &App| {
@@ -50,14 +50,14 @@ fn a_groom_is_loaded_and_loaded_again() {
         }
         assert_eq!((name, strands(&app)), (name, Some(300)));
         wait(&mut app);
-        // A third is left, at the bottom.
+        // A third of the strands is left, at the bottom.
         let lower = after(&mut app, 4, &image).changed(&bare);
         let [all, low] = [&seen, &lower].map(|pixels| middle(pixels).y);
         assert!(lower.len() > 100 && low > all + 5.0, "{name}: {} pixels, at {low} after {all}", lower.len());
         app.world_mut().despawn(hair);
         assert!(after(&mut app, 3, &image).is(&bare));
     }
-    // A file that is none says so and shows nothing; settings choose what is simulated.
+    // A broken file fails to load. Settings choose the number of guides.
     write(&folder.join("few.hair"), 400);
     let server = app.world().resource::<AssetServer>().clone();
     let choose = |settings: &mut HairGroomSettings| settings.guides = Some(40);

@@ -1,4 +1,5 @@
-//! One glTF file with a body, its joints, a motion and hair: a scene of Bevy's that wears the hair of the same file.
+//! A glTF file with a skinned mesh, an animation and hair: Bevy loads the scene, and the hair of the same file is
+//! attached to it.
 
 use crate::common::{after, app, camera, light, middle, settled, wait};
 use bevy::{
@@ -13,7 +14,7 @@ use tresses::groom::{
     rig::{Animation, Channel, Curve, Property},
 };
 
-/// The built-in bust, whose head turns to the side in a second and stays there.
+/// Returns the built-in bust, whose head turns to the side in a second and stays there.
 fn body() -> (TriMesh, Rig) {
     let bust = mannequin::mesh(60);
     let mut rig = mannequin::rig::rig(&bust);
@@ -24,7 +25,7 @@ fn body() -> (TriMesh, Rig) {
     (bust, rig)
 }
 
-/// Hair that stands out to the right of the crown.
+/// Returns hair that stands out to the right of the crown.
 fn tuft(bust: &TriMesh) -> Strands {
     let mut strands = Strands::default();
     for (p, n) in bust.positions.iter().zip(&bust.normals).filter(|(p, n)| p.y > 0.06 && n.x > 0.6) {
@@ -34,7 +35,7 @@ fn tuft(bust: &TriMesh) -> Strands {
 }
 
 #[test]
-fn a_scene_wears_the_hair_of_its_file() {
+fn gltf_scene_has_the_hair_of_its_file() {
     let folder = std::env::temp_dir().join(format!("bevy_tresses_gltf-{}", std::process::id()));
     fs::create_dir_all(&folder).expect("there is room");
     let (bust, rig) = body();
@@ -52,7 +53,7 @@ fn a_scene_wears_the_hair_of_its_file() {
     let (_, image) = camera(&mut app);
     let bare = settled(&mut app, &image);
     let server = app.world().resource::<AssetServer>().clone();
-    // Each of Bevy's own loads finds Bevy's own loader.
+    // Labeled loads choose Bevy's own loader.
     let scene = server.load(GltfAssetLabel::Scene(0).from_asset("body.glb"));
     let clip = server.load(GltfAssetLabel::Animation(0).from_asset("body.glb"));
     let groom: Handle<HairGroom> = server.load("body.glb");

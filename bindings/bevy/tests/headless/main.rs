@@ -1,4 +1,4 @@
-//! Apps with Bevy's renderer and no window: what their cameras see of hair. One binary, as linking Bevy takes a while.
+//! Hair in apps with Bevy's renderer and without a window. A single test binary, because linking Bevy takes a while.
 
 mod common;
 mod files;

@@ -1,4 +1,4 @@
-//! Hair goes with its entity, what pushes it moves it, and Bevy is told where it is.
+//! Hair follows its entity, collides, blows in the wind, and writes motion vectors and depth for Bevy.
 
 use crate::common::{Picture, SIZE, after, app, camera, groom, inside, light, middle, settled, wait};
 use bevy::{
@@ -21,26 +21,26 @@ use tresses::{
     wind::Wind,
 };
 
-/// Where hair is.
+/// Returns the pixels of hair.
 fn seen(app: &mut App, frames: usize, image: &Handle<Image>, bare: &Picture) -> Vec<[u32; 2]> {
     after(app, frames, image).changed(bare)
 }
 
 #[test]
-fn hair_goes_with_joints_and_gives_way() {
+fn hair_follows_joints_and_collides() {
     let mut app = app("assets");
     let light = light(&mut app);
     let (_, image) = camera(&mut app);
     let bare = settled(&mut app, &image);
     let groom = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom());
-    // A joint turns the head, whose hair is its child.
+    // Hair is a child of a joint that turns the head.
     let joint = app.world_mut().spawn((Transform::default(), Visibility::default())).id();
     let hair = app.world_mut().spawn((Hair3d(groom), ChildOf(joint))).id();
     wait(&mut app);
     let rest = seen(&mut app, 4, &image, &bare);
     assert!(rest.len() > 400, "{} pixels of hair", rest.len());
 
-    // A rod along the view comes from below and lifts it.
+    // A rod along the viewing direction rises from below and lifts the hair.
     let at = |y: f32| {
         Transform::from_xyz(0.13, y, 0.0).with_rotation(Quat::from_rotation_x(std::f32::consts::FRAC_PI_2))
     };
@@ -61,7 +61,7 @@ fn hair_goes_with_joints_and_gives_way() {
     let fallen = seen(&mut app, 60, &image, &bare);
     assert!((middle(&rest) - middle(&fallen)).length() < 2.0, "{} {}", middle(&rest), middle(&fallen));
 
-    // So does a box: hair is made anew with its field, and then goes around it.
+    // A box lifts it too. Its distance field rebuilds the hair.
     let beam: Mesh = Cuboid::new(0.06, 0.06, 0.5).into();
     let beam = HairCollider::mesh(&tri_mesh(&beam).expect("a box has triangles")).expect("a box is closed");
     let beam = app.world_mut().spawn((beam, Transform::from_xyz(0.13, -0.2, 0.0))).id();
@@ -84,13 +84,13 @@ fn hair_goes_with_joints_and_gives_way() {
     let again = seen(&mut app, 4, &image, &bare);
     assert!((middle(&rest) - middle(&again)).length() < 1.0, "{} {}", middle(&rest), middle(&again));
 
-    // Wind from the right blows it back and up.
+    // Wind from the right blows hair back and up.
     app.world_mut().resource_mut::<GlobalHairWind>().0 = Wind::new(Vec3::new(-12.0, 6.0, 0.0));
     let blown = seen(&mut app, 25, &image, &bare);
     assert!((middle(&rest) - middle(&blown)).length() > 2.0, "{} {}", middle(&rest), middle(&blown));
     app.world_mut().resource_mut::<GlobalHairWind>().0 = Wind::default();
 
-    // The joint turns by half a turn, in a second: what was on the right is on the left, then hangs as before.
+    // The joint turns by 180° in a second: the hair moves from right to left, then hangs as before.
     for step in 1..=60 {
         let turn = Quat::from_rotation_y(std::f32::consts::PI * step as f32 / 60.0);
         app.world_mut().entity_mut(joint).insert(Transform::from_rotation(turn));
@@ -101,7 +101,7 @@ fn hair_goes_with_joints_and_gives_way() {
     assert!((middle(&turned) - mirrored).length() < 3.0, "{} {mirrored}", middle(&turned));
     assert!((middle(&rest) - mirrored).length() > 20.0, "the comparer sees no difference");
 
-    // It is lit by the scene's lights, and as its material says.
+    // Hair responds to the scene's lights and to its material.
     let brightness = |app: &mut App| after(app, 2, &image).brightness(&turned);
     let brown = brightness(&mut app);
     app.world_mut().entity_mut(hair).insert(HairMaterial3d(HairMaterial::blond()));
@@ -117,14 +117,14 @@ fn hair_goes_with_joints_and_gives_way() {
 }
 
 #[test]
-fn hair_of_two_heads_meets() {
+fn hair_of_two_heads_collides() {
     let mut app = app("assets");
     light(&mut app);
     let (_, image) = camera(&mut app);
     let bare = settled(&mut app, &image);
     let groom = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom());
     let left = app.world_mut().spawn(Hair3d(groom.clone())).id();
-    // The second one's fan reaches into the first one's.
+    // The second fan overlaps the first.
     let turned = Transform::from_rotation(Quat::from_rotation_y(std::f32::consts::PI));
     let facing = app.world_mut().spawn((Hair3d(groom), turned.with_translation(Vec3::X * 0.26))).id();
     wait(&mut app);
@@ -138,7 +138,7 @@ fn hair_of_two_heads_meets() {
     assert!(differ(&beside, &through) > 60, "{} pixels of {}", differ(&beside, &through), through.len());
 }
 
-/// What is in a texture that cannot be copied from, as this binding, pixel by pixel.
+/// Reads a texture that cannot be copied, through `binding`, pixel by pixel.
 fn texels(app: &App, view: &wgpu::TextureView, binding: Binding) -> Vec<Vec2> {
     let world = app.sub_app(RenderApp).world();
     let device = world.resource::<RenderDevice>().wgpu_device();
@@ -195,7 +195,7 @@ fn texels(app: &App, view: &wgpu::TextureView, binding: Binding) -> Vec<Vec2> {
     found.into_iter().map(Vec2::from_array).collect()
 }
 
-/// The motion vectors that a camera has after the last frame, pixel by pixel.
+/// Returns the motion vectors of a camera after the last frame.
 fn vectors(app: &mut App) -> Vec<Vec2> {
     let world = app.sub_app_mut(RenderApp).world_mut();
     let found = world.query::<&ViewPrepassTextures>().iter(world).next().expect("there is a prepass");
@@ -203,7 +203,7 @@ fn vectors(app: &mut App) -> Vec<Vec2> {
     texels(app, &motion, Binding::Texels2d)
 }
 
-/// The depth that a camera has after the last frame, pixel by pixel: 1 at the near plane.
+/// Returns the depth of a camera after the last frame: 1 at the near plane.
 fn depths(app: &mut App) -> Vec<f32> {
     let world = app.sub_app_mut(RenderApp).world_mut();
     let found = world.query::<&ViewDepthStencilTexture>().iter(world).next().expect("there is a camera");
@@ -214,7 +214,7 @@ fn depths(app: &mut App) -> Vec<f32> {
 }
 
 #[test]
-fn hair_writes_depth_where_it_is_asked_to() {
+fn hair_depth_writes_depth() {
     let mut app = app("assets");
     light(&mut app);
     let (eye, image) = camera(&mut app);
@@ -231,7 +231,7 @@ fn hair_writes_depth_where_it_is_asked_to() {
         assert!(depths(&mut app).iter().all(|depth| *depth == 0.0), "{msaa:?}: there is nothing but hair");
         app.world_mut().entity_mut(eye).insert(HairDepth);
         assert!(after(&mut app, 4, &image).is(&before), "{msaa:?}: the picture is the same");
-        // The near plane is at 10 cm, hair half a metre away, give or take the 4 cm that the fan is thick.
+        // The near plane is at 10 cm, hair half a meter away, give or take the fan's thickness of 4 cm.
         let found = depths(&mut app);
         let depth = |[x, y]: &[u32; 2]| found[(y * 128 + x) as usize];
         let right = hair.iter().filter(|at| (depth(at) - 0.2).abs() < 0.025).count();
@@ -243,7 +243,7 @@ fn hair_writes_depth_where_it_is_asked_to() {
 }
 
 #[test]
-fn bevy_is_told_how_hair_moves() {
+fn hair_writes_motion_vectors() {
     let mut app = app("assets");
     light(&mut app);
     let (eye, image) = camera(&mut app);
@@ -258,7 +258,7 @@ fn bevy_is_told_how_hair_moves() {
     let found = vectors(&mut app);
     let moved = inside(&still).iter().filter(|place| at(place, &found).length() > 2e-3).count();
     assert!(moved * 20 < still.len(), "{moved} of {} pixels of hair that stands still move", still.len());
-    // The camera goes to the right, by 4 mm a frame, and hair half a metre away to the left in its picture.
+    // The camera moves right by 4 mm per frame, so hair half a meter away moves left in the image.
     let way = 0.004;
     for step in 1..6 {
         let place = Transform::from_xyz(way * step as f32, 0.0, 0.5);
@@ -279,7 +279,7 @@ fn bevy_is_told_how_hair_moves() {
         hair.len()
     );
     assert!(right * 10 > 9 * hair.len() && hair.len() > 200);
-    // Beside it what the prepass has written stays: nothing.
+    // Next to hair, the motion of the prepass stays: zero.
     let beside = (0..96).map(|y| at(&[4, y], &found).length()).fold(0.0, f32::max);
     assert_eq!(beside, 0.0);
 }

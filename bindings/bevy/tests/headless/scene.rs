@@ -1,4 +1,4 @@
-//! Hair among what Bevy draws: hidden by it, over it, in several cameras, gone with its entity.
+//! Hair in Bevy's scenes: occlusion, several cameras, instances, removal.
 
 use crate::common::{after, app, camera, groom, image, light, middle, settled, wait};
 use bevy::{
@@ -7,7 +7,7 @@ use bevy::{
 };
 use bevy_tresses::{Hair3d, HairGroom, NoHair};
 
-/// Frames after which everything that was asked for is there.
+/// Frames after which all changes are visible.
 const ALL: usize = 4;
 
 fn wear(app: &mut App, at: Vec3) -> Entity {
@@ -17,7 +17,7 @@ fn wear(app: &mut App, at: Vec3) -> Entity {
     hair
 }
 
-/// A cube of `color` at `z`, which the sides of a picture see nothing beside if it is `large`.
+/// Adds a thin unlit plate of `color` and width `size` at depth `z`.
 fn cube(app: &mut App, color: Color, z: f32, size: f32) -> Entity {
     let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(1.0));
     let material = StandardMaterial { base_color: color, unlit: true, ..Default::default() };
@@ -27,7 +27,7 @@ fn cube(app: &mut App, color: Color, z: f32, size: f32) -> Entity {
 }
 
 #[test]
-fn hair_is_among_what_bevy_draws() {
+fn hair_is_occluded_by_the_scene() {
     let mut app = app("assets");
     light(&mut app);
     let (camera, picture) = camera(&mut app);
@@ -40,7 +40,7 @@ fn hair_is_among_what_bevy_draws() {
     dressed.keep("dressed");
     let covered = dressed.changed(&bare);
     assert!(covered.len() > 400, "{} pixels of hair", covered.len());
-    // The fan is to the right of the middle, and half as high as it is wide.
+    // The fan is to the right of the center, and its height is half its width.
     let [left, right] = [covered.iter().map(|p| p[0]).min(), covered.iter().map(|p| p[0]).max()];
     assert!(left.is_some_and(|x| x > 64) && right.is_some_and(|x| x < 116), "{left:?} to {right:?}");
     assert!((middle(&covered).y - 48.0).abs() < 4.0, "{}", middle(&covered));
@@ -50,7 +50,7 @@ fn hair_is_among_what_bevy_draws() {
         let free = after(&mut app, ALL, &picture);
         let hair = free.changed(&bare).len();
         assert!(hair > 400, "{msaa:?}: {hair} pixels of hair before the wall");
-        // What is in front of hair hides it.
+        // A plate in front of hair hides it.
         let front = cube(&mut app, Color::srgb(0.1, 0.7, 0.2), 0.25, 0.6);
         let hidden = after(&mut app, ALL, &picture);
         app.world_mut().entity_mut(camera).insert(NoHair);
@@ -58,7 +58,7 @@ fn hair_is_among_what_bevy_draws() {
         assert!(hidden.is(&alone), "{msaa:?}: hair shines through");
         assert!(free.changed(&alone).len() > 400, "the comparer sees no difference");
         app.world_mut().entity_mut(camera).remove::<NoHair>();
-        // What stands in the middle of the fan hides half of it.
+        // A plate in the middle of the fan hides half of it.
         app.world_mut()
             .entity_mut(front)
             .insert(Transform::from_xyz(0.0, 0.0, 0.0).with_scale(Vec3::new(2.0, 2.0, 0.001)));
@@ -71,7 +71,7 @@ fn hair_is_among_what_bevy_draws() {
     }
 
     app.world_mut().entity_mut(camera).insert(Msaa::Off);
-    // Of parallel rays it covers as much as of those that meet where it is.
+    // In an orthographic projection of matching size, hair covers about the same pixels.
     let parallel = OrthographicProjection {
         scaling_mode: ScalingMode::FixedVertical { viewport_height: 0.4228 },
         ..OrthographicProjection::default_3d()
@@ -96,11 +96,11 @@ fn hair_is_among_what_bevy_draws() {
 }
 
 #[test]
-fn each_camera_sees_hair_from_where_it_is() {
+fn each_camera_sees_hair_from_its_position() {
     let mut app = app("assets");
     light(&mut app);
     let (_, front) = camera(&mut app);
-    // From behind, where right is left, into two parts of one image.
+    // Two viewports of one image, one from the front and one from behind, where left and right are swapped.
     let split = image(&mut app, [256, 96]);
     let mut part = |x: u32, z: f32, order: isize| {
         let viewport = Viewport {
@@ -132,19 +132,19 @@ fn each_camera_sees_hair_from_where_it_is() {
         left.len(),
         right.len()
     );
-    // The left part is the picture of the first camera, but for the edges that several samples smooth.
+    // The left viewport shows the first camera's image, except for antialiased edges.
     assert!((middle(&seen) - middle(&left)).length() < 1.0, "{} {}", middle(&seen), middle(&left));
     let mirrored = Vec2::new(256.0 + 127.0 - 128.0 - middle(&left).x, middle(&left).y);
     assert!((middle(&right) - mirrored).length() < 2.0, "{} {mirrored}", middle(&right));
 }
 
 #[test]
-fn heads_share_a_groom_and_have_their_own_place() {
+fn heads_share_a_groom_at_different_places() {
     let mut app = app("assets");
     light(&mut app);
     let (_, picture) = camera(&mut app);
     let bare = settled(&mut app, &picture);
-    // Away from each other, so that each has a zone of light.
+    // Far enough apart for separate lighting zones.
     let first = wear(&mut app, Vec3::NEG_X * 0.25);
     let groom = app.world().get::<Hair3d>(first).cloned().expect("it wears hair");
     let alone = after(&mut app, ALL, &picture);
@@ -158,7 +158,7 @@ fn heads_share_a_groom_and_have_their_own_place() {
     let mirrored = Vec2::new(127.0 - middle(&seen).x, middle(&seen).y);
     assert!(seen.len() > 400 && (middle(&left) - middle(&seen)).length() < 0.5, "{}", middle(&left));
     assert!((middle(&right) - mirrored).length() < 1.0, "{} {mirrored}", middle(&right));
-    // The first is lit as if it were alone; the second is seen from behind.
+    // The first is lit as if it were alone. The second is seen from behind.
     let [both, one] = [pair.brightness(&left), alone.brightness(&seen)];
     assert!((both / one - 1.0).abs() < 0.05, "{both} {one}");
     app.world_mut().despawn(first);

@@ -1,13 +1,13 @@
-//! Shadows between hair and Bevy's meshes, by every kind of light.
+//! Shadows between hair and Bevy's meshes, for every kind of light.
 
 use crate::common::{after, app, app_that_casts, camera, groom, settled, wait};
 use bevy::{light::GlobalAmbientLight, prelude::*};
 use bevy_tresses::{Hair3d, HairGroom};
 
-/// Frames after which everything that was asked for is there.
+/// Frames after which all changes are visible.
 const ALL: usize = 4;
 
-/// A light of a kind from where all lights are, whose shadows are drawn.
+/// Adds a light of a kind, with shadow maps, at the same place for all kinds.
 fn lamp(app: &mut App, kind: usize) -> Entity {
     let place = Transform::from_xyz(0.0, 1.0, 1.0).looking_at(Vec3::ZERO, Vec3::Y);
     let world = app.world_mut();
@@ -37,7 +37,7 @@ fn block(app: &mut App, place: Transform) -> Entity {
 }
 
 #[test]
-fn meshes_shade_hair() {
+fn meshes_cast_shadows_on_hair() {
     let mut app = app("assets");
     app.insert_resource(GlobalAmbientLight { brightness: 0.0, ..Default::default() });
     let (_, picture) = camera(&mut app);
@@ -50,7 +50,7 @@ fn meshes_shade_hair() {
         let lit = after(&mut app, ALL, &picture);
         let seen = lit.changed(&bare);
         assert!(seen.len() > 300, "{name}: {} pixels of hair", seen.len());
-        // A plate half way to the light, where the camera does not look.
+        // A plate halfway to the light, outside the camera's view.
         let half = Transform::from_xyz(0.0, 0.5, 0.5).looking_at(Vec3::ZERO, Vec3::Y);
         let plate = block(&mut app, half.with_scale(Vec3::new(0.6, 0.6, 0.01)));
         let shaded = after(&mut app, ALL, &picture);
@@ -59,7 +59,7 @@ fn meshes_shade_hair() {
         println!("{name}: hair of {before}, behind a block {behind}");
         assert!(behind < 0.1 * before, "{name}");
         app.world_mut().despawn(plate);
-        // One beside it changes nothing.
+        // A block beside the light's path changes nothing.
         let aside = block(&mut app, Transform::from_xyz(2.0, 0.5, 0.5).with_scale(Vec3::splat(0.4)));
         assert!(after(&mut app, ALL, &picture).is(&lit), "{name}: a block beside the way of the light");
         app.world_mut().despawn(aside);
@@ -68,7 +68,7 @@ fn meshes_shade_hair() {
 }
 
 #[test]
-fn hair_shades_meshes() {
+fn hair_casts_shadows_on_meshes() {
     let [with, without] = [1.0, 0.0].map(|casts| {
         let mut app = app_that_casts("assets", casts);
         app.insert_resource(GlobalAmbientLight { brightness: 0.0, ..Default::default() });
@@ -84,7 +84,7 @@ fn hair_shades_meshes() {
         (bare, dressed)
     });
     assert!(with.0.is(&without.0), "a scene without hair is as it was");
-    // Light from above and before: the shadow is below, on a wall as far behind as it is lower.
+    // Light comes from above and the front, so the shadow on the wall is below the hair.
     let shadow = with.1.changed(&without.1);
     let [lit, dark] = [&without.1, &with.1].map(|picture| picture.brightness(&shadow));
     println!("{} pixels of {lit} in the shadow of hair, there {dark}", shadow.len());

@@ -1,4 +1,4 @@
-//! Hair in the light of environment maps and reflection probes, and in fog.
+//! Hair lit by environment maps and reflection probes, and hair in fog.
 
 use crate::common::{Picture, after, app, camera, fan, inside, light, settled, wait};
 use bevy::{
@@ -10,10 +10,10 @@ use bevy_tresses::{Hair3d, HairGroom};
 
 /// Frames after which a map is measured.
 const MEASURED: usize = 8;
-/// Candela per square metre.
+/// Luminance, candela per square meter.
 const BRIGHT: f32 = 4000.0;
 
-/// The mean brightness of the upper and of the lower half of what differs.
+/// Returns the mean brightness of the upper and of the lower half of the changed pixels.
 fn halves(of: &Picture, bare: &Picture) -> [f32; 2] {
     let (above, below): (Vec<_>, Vec<_>) = of.changed(bare).into_iter().partition(|[_, y]| *y < 48);
     [of.brightness(&above), of.brightness(&below)]
@@ -30,7 +30,7 @@ fn environment_maps_and_probes_light_hair() {
     app.world_mut().spawn(Hair3d(groom));
     wait(&mut app);
 
-    // The same from everywhere is what ambient light is.
+    // A uniform environment map equals ambient light.
     app.insert_resource(GlobalAmbientLight { brightness: BRIGHT, ..Default::default() });
     let ambient = after(&mut app, MEASURED, &image);
     let [above, below] = halves(&ambient, &bare);
@@ -49,7 +49,7 @@ fn environment_maps_and_probes_light_hair() {
     assert!(off < 20, "{off} pixels differ from ambient light");
     assert!(dark.changed(&ambient).len() > 400, "the comparer sees no difference");
 
-    // Light from above; turned about the view it comes from below.
+    // Light from above. Rotated about the viewing direction, the map lights from below.
     let grey = Color::linear_rgb(0.5, 0.5, 0.5);
     let sky = map(&mut app, [Color::WHITE, grey, Color::BLACK]);
     app.world_mut().entity_mut(eye).insert(sky.clone());
@@ -62,7 +62,7 @@ fn environment_maps_and_probes_light_hair() {
     let mirrored = (above - bottom).abs().max((below - top).abs());
     assert!(above > below + 2.0 && mirrored < 1.0, "{above} {below} upright, {top} {bottom} turned");
 
-    // A probe around the hair takes its place, as far as it goes.
+    // A probe replaces the camera's map inside its box.
     app.world_mut().entity_mut(eye).remove::<EnvironmentMapLight>();
     let red = map(&mut app, [Color::linear_rgb(1.0, 0.0, 0.0); 3]);
     app.world_mut().entity_mut(eye).insert(red);
@@ -81,11 +81,11 @@ fn environment_maps_and_probes_light_hair() {
 }
 
 #[test]
-fn fog_lies_before_hair() {
+fn fog_applies_to_hair() {
     let mut app = app("assets");
     light(&mut app);
     let (eye, image) = camera(&mut app);
-    // Colours as they are.
+    // No tone mapping, so that colors are unchanged.
     app.world_mut().entity_mut(eye).insert(Tonemapping::None);
     let bare = settled(&mut app, &image);
     let groom = HairGroom::from_strands(&fan(1500), &Default::default()).expect("strands are sound");
@@ -100,21 +100,21 @@ fn fog_lies_before_hair() {
         app.world_mut().entity_mut(eye).insert(fog(falloff));
         after(&mut app, 4, &image)
     };
-    // What is there none of changes nothing, nor what begins behind the hair.
+    // Fog of density zero, and fog that begins behind the hair, change nothing.
     for none in [FogFalloff::Exponential { density: 0.0 }, FogFalloff::Linear { start: 1.0, end: 2.0 }] {
         assert!(seen(none).is(&clear));
     }
-    // All of it leaves the colour of the fog where hair hides what is behind; the background has none.
+    // Full fog leaves only its color where hair is opaque. The background has no fog.
     let dense: Vec<_> = inside(&hair).into_iter().filter(|[x, _]| *x < 92).collect();
     assert!(dense.len() > 150, "{} pixels", dense.len());
     let thick = seen(FogFalloff::Linear { start: 0.0, end: 0.1 });
     thick.keep("thick fog");
     let [r, g, b] = mean(&thick, &dense);
     assert!(r < 10.0 && b < 10.0 && g > 60.0, "{r} {g} {b}");
-    // Its thinnest edges are seen in fog alone.
+    // Thin edges of hair become visible only in fog.
     let beside = thick.changed(&bare).into_iter().filter(|pixel| !hair.contains(pixel)).count();
     assert!(beside < hair.len() / 8, "fog is beside the hair: {beside} of {} pixels", hair.len());
-    // Half way it is between both, whichever way it gets there: half of the light at half a metre.
+    // All falloffs agree where they transmit half of the light, at half a meter.
     let density = 2.0 * std::f32::consts::LN_2;
     let linear = seen(FogFalloff::Linear { start: 0.0, end: 1.0 });
     let half = mean(&linear, &hair);
@@ -132,7 +132,7 @@ fn fog_lies_before_hair() {
     }
 }
 
-/// The mean of each channel of some pixels.
+/// Returns the mean of each channel of some pixels.
 fn mean(of: &Picture, pixels: &[[u32; 2]]) -> [f32; 3] {
     let channel = |k: usize| {
         let all = pixels.iter().map(|[x, y]| f32::from(of.pixels[(y * of.width + x) as usize][k]));

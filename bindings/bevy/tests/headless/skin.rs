@@ -1,4 +1,4 @@
-//! Hair on bodies that Bevy bends: by joints, by morph targets, in any units.
+//! Hair on skinned meshes of Bevy: with joints, with morph targets, in other units.
 
 use crate::common::{HEAD, Picture, after, app, camera, fan, light, middle, settled, wait};
 use bevy::{
@@ -11,13 +11,13 @@ use bevy::{
 };
 use bevy_tresses::{Hair3d, HairGroom, HairReady, HairSkin, groom::TriMesh, tri_mesh};
 
-/// Frames after which everything that was asked for is there.
+/// Frames after which all changes are visible.
 const ALL: usize = 4;
-/// Metres to a pixel where the hair is.
+/// Size of a pixel at the hair, meters.
 const PIXEL: f32 = 0.0044;
 
-/// The ball of the fan, `size` times as large, as two joints at its middle have it: the second carries as much of a vertex
-/// as `share` says of its place.
+/// Returns the fan's ball as a mesh with two joints at its center, scaled by `size`. `share` is the weight of the
+/// second joint at a position.
 fn ball(size: f32, share: impl Fn(Vec3) -> f32) -> Mesh {
     let mut mesh = Sphere::new(HEAD).mesh().uv(24, 16);
     let Some(VertexAttributeValues::Float32x3(places)) = mesh.attribute_mut(Mesh::ATTRIBUTE_POSITION) else {
@@ -35,7 +35,7 @@ fn groom() -> HairGroom {
     HairGroom::from_strands(&fan(1500), &Default::default()).expect("strands are sound")
 }
 
-/// The fan on its ball, which goes with its entity as a whole.
+/// Returns the fan on its ball, rigid.
 fn rigid() -> HairGroom {
     let head: TriMesh = tri_mesh(&ball(1.0, |_| 0.0)).expect("a ball has triangles");
     groom().with_head(head).expect("a ball is closed")
@@ -45,16 +45,16 @@ fn wear(app: &mut App, groom: HairGroom) -> Hair3d {
     Hair3d(app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom))
 }
 
-/// Two joints at the middle of a ball of this size, the second a child of the first, and the ball on them.
+/// A ball on two joints at its center; the second joint is a child of the first.
 struct Body {
     joints: [Entity; 2],
     mesh: Entity,
 }
 
-/// A body whose vertices are `size` times as large, and its root as much smaller.
+/// Adds a body whose vertices are scaled by `size` and whose root by its inverse.
 fn body(app: &mut App, size: f32, share: impl Fn(Vec3) -> f32) -> Body {
     let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(ball(size, share));
-    // Not at the middle of the mesh: binding undoes that.
+    // The joints are not at the mesh's origin; the bind poses compensate.
     let off = Transform::from_xyz(0.0, 0.02 * size, 0.01 * size);
     let binds = vec![off.to_matrix().inverse(); 2];
     let binds = app
@@ -71,7 +71,7 @@ fn body(app: &mut App, size: f32, share: impl Fn(Vec3) -> f32) -> Body {
     Body { joints, mesh }
 }
 
-/// Turns an entity by a bit more in each of some frames.
+/// Turns an entity by 0.02 rad per frame about a point, for 30 frames.
 fn turn(app: &mut App, entity: Entity, base: Transform, about: Vec3) {
     for i in 1..=30 {
         let rotation = Quat::from_rotation_z(0.02 * i as f32);
@@ -81,14 +81,14 @@ fn turn(app: &mut App, entity: Entity, base: Transform, about: Vec3) {
     }
 }
 
-/// How far the middle of what differs is from another's, metres.
+/// Returns the shift of the mean position of hair between two images, meters.
 fn moved(a: &Picture, b: &Picture, bare: &Picture) -> Vec2 {
     (middle(&a.changed(bare)) - middle(&b.changed(bare))) * PIXEL
 }
 
 #[test]
-fn joints_carry_hair() {
-    // A ball that all of the second joint carries moves hair as a head does that turns about the same place.
+fn hair_follows_its_joint() {
+    // A ball carried by the second joint moves hair like a rigid head that turns about the same point.
     let mut app_a = app("assets");
     light(&mut app_a);
     let (_, picture) = camera(&mut app_a);
@@ -113,7 +113,7 @@ fn joints_carry_hair() {
         let hair = wear(&mut app, groom());
         let hair = app.world_mut().spawn((hair, HairSkin::new(mesh))).id();
         if child {
-            // Where the joint has the groom's origin, the middle of the ball.
+            // Place the groom's origin at the center of the ball.
             let place = Transform::from_xyz(0.0, -0.02 * size, -0.01 * size);
             app.world_mut().entity_mut(hair).insert((place, ChildOf(second)));
         }
@@ -132,11 +132,11 @@ fn joints_carry_hair() {
 }
 
 #[test]
-fn skin_that_stretches_and_swells_takes_roots_along() {
+fn roots_follow_stretching_skin_and_morph_targets() {
     let mut app = app("assets");
     light(&mut app);
     let (_, picture) = camera(&mut app);
-    // The upper half goes with the second joint.
+    // The second joint carries the upper half.
     let share = |p: Vec3| if p.y > 0.0 { (p.y / 0.02).min(1.0) } else { 0.0 };
     let Body { joints: [_, second], mesh } = body(&mut app, 1.0, share);
     app.world_mut().entity_mut(mesh).insert(Visibility::Hidden);
@@ -158,7 +158,7 @@ fn skin_that_stretches_and_swells_takes_roots_along() {
     assert!(down.abs() < 0.02, "the lower stays: {down} m");
     app.world_mut().entity_mut(second).insert(Transform::default());
 
-    // A shape that moves what is to the right by 3 cm.
+    // A morph target that moves the right side by 3 cm.
     let asset = app.world().get::<Mesh3d>(mesh).expect("it has a mesh").0.clone();
     let mut swollen = ball(1.0, share);
     let push =
@@ -183,20 +183,20 @@ fn skin_that_stretches_and_swells_takes_roots_along() {
     swollen.keep("swollen");
     let aside = moved(&swollen, &before, &bare);
     assert!((0.015..0.035).contains(&aside.x), "it moves by {aside} m");
-    // Without its body it stays where it was.
+    // Without its body, hair stays where it is.
     app.world_mut().despawn(mesh);
     let left = moved(&after(&mut app, 10, &picture), &swollen, &bare);
     assert!(left.length() < 0.3 * PIXEL, "hair without its body goes {left} m");
 }
 
 #[test]
-fn hair_that_does_not_fit_is_not_shown() {
+fn hair_off_the_skin_is_not_shown() {
     let mut app = app("assets");
     light(&mut app);
     let (_, picture) = camera(&mut app);
     let bare = settled(&mut app, &picture);
     let hair = wear(&mut app, groom());
-    // Of an entity without a mesh, then too far from one.
+    // First on an entity without a mesh, then too far from a mesh.
     let none = app.world_mut().spawn(Transform::default()).id();
     let hair = app.world_mut().spawn((hair, HairSkin::new(none))).id();
     let shown = |app: &mut App| {
@@ -216,7 +216,7 @@ fn hair_that_does_not_fit_is_not_shown() {
     app.world_mut().entity_mut(hair).insert(HairSkin { reach: 0.06, ..far });
     assert!(shown(&mut app), "which is allowed");
     assert!(!after(&mut app, ALL, &picture).is(&bare));
-    // From a skin to none.
+    // Hair moves from a skin to no skin.
     app.world_mut().entity_mut(hair).remove::<HairSkin>();
     assert!(shown(&mut app));
     assert!(!after(&mut app, ALL, &picture).is(&bare));

@@ -1,6 +1,7 @@
-"""Real-time hair: grooms as NumPy arrays, simulation step by step, pictures and labels.
+"""Real-time hair: grooms as NumPy arrays, step-by-step simulation, images and labels.
 
-Metres, seconds, right-handed, Y up, the face towards +Z. The guide is docs/python.md of the project.
+Coordinates are meters, right-handed, Y up, face toward +Z; times are seconds. The guide is docs/python.md in the
+repository.
 
 >>> import tresses
 >>> groom = tresses.Groom.built_in("bob", {"style.strands": 5000})
@@ -14,12 +15,14 @@ from ._tresses import (
     Groom,
     Import,
     Mesh,
+    MissingFileError,
     Motion,
     Parameter,
     Settings,
     Simulation,
     Strands,
     TressesError,
+    __version__,
     adapter,
     formats,
     parameters,
@@ -32,6 +35,7 @@ __all__ = [
     "Groom",
     "Import",
     "Mesh",
+    "MissingFileError",
     "Motion",
     "Parameter",
     "Settings",

@@ -1,4 +1,4 @@
-"""Types of the package; what the calls do is said by their docstrings."""
+"""Type stubs of the package; the docstrings are in the compiled module."""
 
 from os import PathLike
 from typing import Any, Callable, Iterable, Iterator, List, Mapping, Optional, Sequence, Tuple, TypedDict, Union
@@ -12,13 +12,16 @@ Floats = NDArray[np.float32]
 Ints = NDArray[np.int32]
 Value = Union[float, int, bool, str, Tuple[int, int, int], None]
 Values = Union["Settings", Mapping[str, Value], None]
-# Translation (metres) and quaternion (x, y, z, w).
+# Translation (meters) and quaternion (x, y, z, w).
 Placed = Tuple[Sequence[float], Sequence[float]]
 Pose = Union[ArrayLike, Placed]
 Progress = Callable[[str, float], Any]
 Camera = Union[str, Tuple[ArrayLike, ArrayLike]]
 
+__version__: str
+
 class TressesError(Exception): ...
+class MissingFileError(TressesError, FileNotFoundError): ...
 
 class Finding:
     @property

@@ -1,21 +1,22 @@
-//! Guides that a file marks, and what it says of who follows them.
+//! Guides marked in a file, and the file's assignment of strands to them.
 
 use std::collections::HashMap;
 
 use super::{BindOptions, GuideCount};
 use crate::{Strands, bound::Influence};
 
-/// Guides that the file marks.
-pub(super) struct Marked {
+/// Guides marked in a file.
+pub(super) struct MarkedGuides {
     pub guides: Vec<u32>,
-    /// Which of them has a number.
+    /// Index of each guide by its id in the file.
     by_id: HashMap<i32, u32>,
-    /// Whether the file has strands besides.
+    /// Whether the file also has strands that are not guides.
     pub others: bool,
 }
 
-impl Marked {
-    /// Those among the first `given` strands; none where somebody wants a number of guides of their own.
+impl MarkedGuides {
+    /// Collects the marked guides among the first `given` strands. Returns `None` without marked guides, or if
+    /// `options.guides` is not [`GuideCount::OneIn`].
     pub fn of(strands: &Strands, given: usize, options: &BindOptions) -> Option<Self> {
         let marks = strands.marks.get(..given).filter(|_| matches!(options.guides, GuideCount::OneIn(_)))?;
         let guides: Vec<u32> = (0u32..).zip(marks).filter(|(_, mark)| mark.guide).map(|(i, _)| i).collect();
@@ -23,7 +24,7 @@ impl Marked {
         (!guides.is_empty()).then_some(Self { others: guides.len() < given, guides, by_id })
     }
 
-    /// The guides that the file says strand `i` follows, if it says.
+    /// Returns the guides that the file assigns to strand `i`, if any.
     pub fn follow(&self, strands: &Strands, i: usize) -> Option<Vec<Influence>> {
         let mark = strands.marks.get(i)?;
         let mut found: Vec<Influence> = Vec::new();

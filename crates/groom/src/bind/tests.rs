@@ -1,7 +1,7 @@
 use super::*;
 use crate::strands::Mark;
 
-/// Strands on a sphere of 9 cm that hang 10 cm.
+/// Strands on a sphere of 9 cm radius that hang 10 cm.
 fn groom(count: usize) -> Strands {
     let mut strands = Strands::default();
     for i in 0..count {
@@ -20,7 +20,7 @@ fn groom(count: usize) -> Strands {
 }
 
 #[test]
-fn weights_sum_to_one_and_counts_are_as_asked() {
+fn guide_counts_match_options_and_weights_sum_to_one() {
     let strands = groom(3000);
     for (guides, expected) in
         [(GuideCount::OneIn(16), 188), (GuideCount::Count(100), 100), (GuideCount::All, 3000)]
@@ -39,7 +39,7 @@ fn weights_sum_to_one_and_counts_are_as_asked() {
 }
 
 #[test]
-fn guides_are_well_spread() {
+fn guides_are_spread_evenly() {
     let strands = groom(4000);
     let groom =
         bind(&strands, &BindOptions { guides: GuideCount::Count(250), ..Default::default() }).unwrap();
@@ -47,12 +47,12 @@ fn guides_are_well_spread() {
         (0..groom.guides.len()).map(|g| groom.guides.guide(g)[0].distance(p)).fold(f32::INFINITY, f32::min)
     };
     let farthest = strands.iter().map(|s| reach(s[0])).fold(0.0, f32::max);
-    // A perfect triangular grid of 250 points on this half sphere leaves none farther than 9 mm.
+    // In a perfect triangular grid of 250 points on this half sphere, no root is farther than 9 mm from a point.
     assert!(farthest < 0.02, "{farthest}");
 }
 
 #[test]
-fn rest_positions_survive_within_a_tenth_of_a_millimetre() {
+fn rest_positions_are_exact_to_10_micrometers() {
     let strands = groom(500);
     let groom = bind(&strands, &BindOptions::default()).unwrap();
     for (i, strand) in strands.iter().enumerate() {
@@ -64,7 +64,7 @@ fn rest_positions_survive_within_a_tenth_of_a_millimetre() {
 }
 
 #[test]
-fn tips_that_are_pinned_keep_their_own_guides() {
+fn strands_with_pinned_tips_follow_pinned_guides() {
     let mut strands = groom(1000);
     strands.tip_pinned = (0..1000).map(|i| i % 5 == 0).collect();
     let groom = bind(&strands, &BindOptions::default()).unwrap();
@@ -74,9 +74,10 @@ fn tips_that_are_pinned_keep_their_own_guides() {
 }
 
 #[test]
-fn guides_of_a_file_are_the_guides() {
+fn marked_guides_of_a_file_are_used() {
     let mut strands = groom(200);
-    // Every tenth is a guide; all others but the first follow two, three parts to one, far from them or not.
+    // Every tenth strand is a guide. The others, except the first, follow guides 5 and 15 in the ratio 3:1, near or
+    // far.
     strands.marks = (0..200)
         .map(|i| Mark {
             guide: i % 10 == 0,
@@ -96,21 +97,21 @@ fn guides_of_a_file_are_the_guides() {
     assert_ne!((bindings[0].guides[0], bindings[0].weight_b), (5, 0.25), "one that says nothing");
     let first = |g: usize| made.guides.guide(g)[0].distance(strands.strand(10 * g)[0]);
     assert!((0..20).all(|g| first(g) < 1e-6));
-    // Who wants another number gets it, and one that nobody has is not followed.
+    // An explicit guide count overrides the marks. An unknown guide id falls back to the nearest guides.
     let own = BindOptions { guides: GuideCount::Count(7), ..Default::default() };
     let other = bind(&strands, &own).unwrap();
     assert_eq!((other.guides.len(), other.strands.len()), (7, 200));
     strands.marks.iter_mut().for_each(|mark| mark.closest[1] = 7);
     let lost = bind(&strands, &BindOptions::default()).unwrap();
     assert!(lost.strands.bindings.iter().any(|b| b.guides[0] != 5));
-    // Guides alone are drawn.
+    // If every strand is a guide, the guides are rendered.
     strands.marks.iter_mut().for_each(|mark| mark.guide = true);
     let alone = bind(&strands, &BindOptions::default()).unwrap();
     assert_eq!((alone.guides.len(), alone.strands.len()), (200, 200));
 }
 
 #[test]
-fn nonsense_is_refused() {
+fn invalid_input_is_rejected() {
     assert!(bind(&Strands::default(), &BindOptions::default()).is_err());
     let options = BindOptions { guide_vertices: Some(1000), ..Default::default() };
     assert!(bind(&groom(10), &options).unwrap_err().to_string().contains("guide_vertices is 1000"));

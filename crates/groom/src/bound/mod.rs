@@ -1,4 +1,4 @@
-//! Drawn strands bound to guides, packed for the GPU.
+//! Render strands bound to guides, packed for the GPU.
 
 pub mod binding;
 pub mod strand;
@@ -9,52 +9,52 @@ pub use strand::Strand;
 use crate::Guides;
 use glam::Vec3;
 
-/// One guide of a drawn strand.
+/// Influence of one guide on a render strand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Influence {
     /// Index of the guide.
     pub guide: u32,
-    /// Its weight; the weights of a strand sum to 1.
+    /// Weight of the guide; the weights of a strand sum to 1.
     pub weight: f32,
-    /// The guide's parameter (0 root, 1 tip) where the strand's tip hangs.
+    /// Parameter of the guide (0 root, 1 tip) that the strand's tip follows.
     pub scale: f32,
 }
 
-/// Drawn strands with a fixed number of vertices each, as the GPU wants them.
+/// Render strands with a fixed number of vertices each, in GPU layout.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct BoundStrands {
     /// Vertices per strand, 2 to [`crate::MAX_STRAND_VERTICES`].
     pub vertex_count: u32,
-    /// One per strand.
+    /// Radius, seed and colors, one per strand.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub strands: Vec<Strand>,
-    /// One per strand.
+    /// Guides and bounds, one per strand.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub bindings: Vec<StrandBinding>,
-    /// `vertex_count` per strand.
+    /// Packed rest vertices, `vertex_count` per strand.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub rest: Vec<PackedRest>,
 }
 
 impl BoundStrands {
-    /// No strands yet.
+    /// Returns an empty set of strands with `vertex_count` vertices each.
     pub fn new(vertex_count: u32) -> Self {
         Self { vertex_count, ..Self::default() }
     }
 
-    /// The number of strands.
+    /// Returns the number of strands.
     pub fn len(&self) -> usize {
         self.strands.len()
     }
 
-    /// Whether there is no strand.
+    /// Returns whether there are no strands.
     pub fn is_empty(&self) -> bool {
         self.strands.is_empty()
     }
 
-    /// Adds a strand: `vertex_count` rest positions (groom space, metres), the radius at each as a
-    /// fraction of `strand.radius`, and one to three influences, in any order.
+    /// Adds a strand from `vertex_count` rest positions (groom space, meters), the radius at each as a fraction of
+    /// `strand.radius`, and one to three influences in any order.
     pub fn push(&mut self, strand: Strand, rest: &[Vec3], radii: &[f32], influences: &[Influence]) {
         let (lo, hi) =
             rest.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
@@ -74,25 +74,25 @@ impl BoundStrands {
         self.bindings.push(binding);
     }
 
-    /// The rest positions of strand `i`, groom space, metres.
+    /// Returns the rest positions of strand `i`, groom space, meters.
     pub fn rest_positions(&self, i: usize) -> impl Iterator<Item = Vec3> {
         let n = self.vertex_count as usize;
         self.rest[i * n..(i + 1) * n].iter().map(move |rest| rest.unpack(&self.bindings[i]).0)
     }
 }
 
-/// A groom ready for the GPU: guides to simulate and the strands that follow them.
+/// A groom ready for the GPU: guides to simulate and render strands that follow them.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Groom {
-    /// What is simulated.
+    /// Simulated guides.
     pub guides: Guides,
-    /// What is drawn.
+    /// Render strands.
     pub strands: BoundStrands,
 }
 
 impl Groom {
-    /// The smallest and largest corner of the drawn strands at rest, groom space, metres.
+    /// Returns the minimum and maximum corner of the render strands at rest, groom space, meters.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         (0..self.strands.len())
             .flat_map(|i| self.strands.rest_positions(i))
@@ -100,15 +100,15 @@ impl Groom {
             .reduce(|(lo, hi), (p, _)| (lo.min(p), hi.max(p)))
     }
 
-    /// Segments of all drawn strands, two triangles each.
+    /// Returns the number of triangles of all render strands, two per segment.
     pub fn triangles(&self) -> u64 {
         2 * self.strands.len() as u64 * u64::from(self.strands.vertex_count.saturating_sub(1))
     }
 }
 
-/// A radius (metres) that lets `count` strands cover a head as 100,000 real ones of 40 µm do;
-/// between the pairs of count and width that cover well in practice: 100,000 of 80 µm diameter,
-/// 20,000 of 200 µm, 10,000 of 300 µm.
+/// Returns the strand radius (meters) with which `count` strands cover a head like 100,000 real strands of 40 µm
+/// radius. The power law lies between pairs of count and diameter that cover well in practice: 100,000 of 80 µm, 20,000
+/// of 200 µm, 10,000 of 300 µm.
 pub fn covering_radius(count: usize) -> f32 {
     const REAL_COUNT: f32 = 100_000.0;
     const REAL_RADIUS: f32 = 40e-6;

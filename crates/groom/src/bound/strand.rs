@@ -1,25 +1,25 @@
-//! Per-strand data that shading needs.
+//! Per-strand data for shading.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-/// One drawn strand.
+/// Shading data of one render strand.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Strand {
-    /// The largest radius along the strand, metres; the vertices store fractions of it.
+    /// The largest radius along the strand, meters; the vertices store fractions of it.
     pub radius: f32,
-    /// A hash, uniform over all values, from which every random property of the strand follows.
-    /// Strands of one guide share the upper half on the GPU: what varies from lock to lock.
+    /// Uniform hash from which every random property of the strand derives. On the GPU, strands of one guide share the
+    /// upper half, which provides the variation between locks.
     pub seed: u32,
-    /// Colour at the root from the groom file, see [`pack_color`]; 0 for none.
+    /// Color at the root from the groom file, see [`pack_color`]; 0 for none.
     pub root_color: u32,
-    /// Colour at the tip from the groom file; 0 for none.
+    /// Color at the tip from the groom file; 0 for none.
     pub tip_color: u32,
 }
 
-/// Packs a linear colour, each channel clamped to 0..=1, with the square root as transfer curve;
-/// the top byte is 255, so that no colour packs to 0.
+/// Packs a linear color, each channel clamped to 0..=1, with the square root as transfer curve. The top byte is 255, so
+/// no color packs to 0.
 pub fn pack_color(linear: Vec3) -> u32 {
     let channel = |v: f32| (v.clamp(0.0, 1.0).sqrt() * 255.0 + 0.5) as u32;
     channel(linear.x) | channel(linear.y) << 8 | channel(linear.z) << 16 | 255 << 24

@@ -1,6 +1,6 @@
-//! What holds for every groom that has been read and bound, so that nothing downstream has to ask.
+//! Validation of cooked grooms. Code downstream relies on these checks and does not repeat them.
 
-use super::Cooked;
+use super::CookedGroom;
 use crate::{
     Groom, Look, MAX_GUIDE_VERTICES, MAX_STRAND_VERTICES, MAX_VERTICES, Rig, SdfGrid, Strands,
     orient::Placement,
@@ -8,55 +8,61 @@ use crate::{
 };
 use glam::Vec3;
 
-/// The most nodes of a field along an axis: its longest has as many at most as [`SdfOptions`](crate::mesh::SdfOptions) may
-/// ask for, and one more where it is rounded up.
+/// Maximum nodes of a distance field along one axis: the largest [`SdfOptions::resolution`](crate::mesh::SdfOptions),
+/// plus one for rounding.
 const MOST_NODES: u32 = 513;
-/// The most nodes of a rig that hang from each other, as in the reader of glTF.
+/// Maximum depth of the rig's node tree, as in the glTF reader.
 const DEEPEST: usize = 256;
 
-/// A clause about what is wrong, unless `holds`.
+/// Returns `problem`, a clause for the error message, unless `holds`.
 fn ensure(holds: bool, problem: &str) -> Result<(), String> {
     if holds { Ok(()) } else { Err(problem.into()) }
 }
 
-/// Whether an attribute is there for all or for none.
+/// Returns whether an attribute is absent or has one value per item.
 fn all_or_none(values: usize, all: usize) -> bool {
     values == 0 || values == all
 }
 
-impl Cooked {
-    /// Whether all indices are of what is there and all numbers finite that something is computed from; if not, the first
-    /// that is wrong.
+impl CookedGroom {
+    /// Checks that all indices are in range and that all numbers used in computations are finite. Returns the first
+    /// problem.
     pub(super) fn check(&self) -> Result<(), String> {
         strands(&self.strands)?;
         let count = self.strands.len();
         let followers = &self.said.followers;
         let within =
             followers.iter().filter_map(|f| f.radius).all(|radius| radius.is_finite() && radius >= 0.0);
-        ensure(all_or_none(followers.len(), count) && within, "followers are not those of its strands")?;
+        ensure(
+            all_or_none(followers.len(), count) && within,
+            "the child strand settings do not match the strands",
+        )?;
         let placements = [Some(&self.said.placement), self.said.head_placement.as_ref()];
         let placed = |p: &Placement| p.unit.0.is_finite() && p.unit.0 > 0.0 && p.translation.is_finite();
-        ensure(placements.into_iter().flatten().all(placed), "it is in no unit")?;
+        ensure(placements.into_iter().flatten().all(placed), "the unit or the translation is invalid")?;
         self.said.look.as_ref().map_or(Ok(()), Look::check).map_err(|error| error.to_string())?;
         groom(&self.groom)?;
-        // Where there is other hair, guides only guide.
+        // Strands marked as guides are not drawn if the groom has other strands.
         let guides = self.strands.marks.iter().filter(|mark| mark.guide).count();
         let drawn = if guides < count { count - guides } else { count };
-        ensure(self.groom.strands.len() == drawn, "not every strand is bound")?;
+        ensure(self.groom.strands.len() == drawn, "the number of bound strands does not match")?;
         let vertices = self.head.as_ref().map_or(0, |head| head.positions.len());
         if let Some(head) = &self.head {
             head.validate().map_err(|error| error.to_string())?;
             let whole = head.normals.len() == vertices && !head.triangles.is_empty();
-            ensure(whole, "the head has not a normal at each vertex, or no triangles")?;
+            ensure(whole, "the head mesh lacks normals or triangles")?;
         }
         for level in &self.levels {
             let inside = level.triangles.as_flattened().iter().all(|i| (*i as usize) < vertices);
-            ensure(inside && level.stray.is_finite(), "a coarser head has other vertices than the head")?;
+            ensure(
+                inside && level.stray.is_finite(),
+                "a coarser head mesh refers to missing vertices or is not finite",
+            )?;
         }
         self.field.as_ref().map_or(Ok(()), field)?;
         let nodes = self.rig.as_ref().map_or(0, |rig| rig.nodes.len());
         for (node, part) in &self.parts {
-            ensure((*node as usize) < nodes, "a part is carried by what is not there")?;
+            ensure((*node as usize) < nodes, "a body part refers to a missing node")?;
             field(part)?;
         }
         self.rig.as_ref().map_or(Ok(()), |all| rig(all, vertices))
@@ -67,22 +73,25 @@ fn strands(strands: &Strands) -> Result<(), String> {
     let (count, vertices) = (strands.len(), strands.positions.len());
     let offsets = &strands.offsets;
     let whole = offsets.first() == Some(&0) && offsets.last().is_some_and(|last| *last as usize == vertices);
-    ensure(count > 0 && whole && vertices as u64 <= MAX_VERTICES, "strands are not those of its vertices")?;
-    // In this order, so that none is below the one before.
+    ensure(
+        count > 0 && whole && vertices as u64 <= MAX_VERTICES,
+        "the strand offsets do not match the vertices",
+    )?;
+    // `checked_sub` rejects offsets that decrease.
     let sized = |w: &[u32]| w[1].checked_sub(w[0]).is_some_and(|n| (2..=MAX_STRAND_VERTICES).contains(&n));
     ensure(offsets.windows(2).all(sized), "a strand has too few or too many vertices")?;
     let per_vertex = [strands.radii.len(), strands.colors.len()];
     let per_strand = [strands.root_uvs.len(), strands.tip_pinned.len(), strands.marks.len()];
     let fits = per_vertex.iter().all(|n| all_or_none(*n, vertices))
         && per_strand.iter().all(|n| all_or_none(*n, count));
-    ensure(fits, "attributes are not those of its strands")?;
+    ensure(fits, "the attribute counts do not match the strands")?;
     let finite = strands.positions.iter().chain(&strands.colors).all(|p| p.is_finite())
         && strands.radii.iter().all(|radius| radius.is_finite() && *radius >= 0.0)
         && strands.root_uvs.iter().all(|uv| uv.is_finite())
         && strands.marks.iter().flat_map(|mark| mark.weights).all(f32::is_finite);
     ensure(finite, "strands have numbers that are not finite")?;
     let long = |strand: &[Vec3]| strand.windows(2).all(|w| w[0] != w[1]);
-    ensure(strands.iter().all(long), "strands have segments without length")
+    ensure(strands.iter().all(long), "strands have zero-length segments")
 }
 
 fn groom(groom: &Groom) -> Result<(), String> {
@@ -98,11 +107,11 @@ fn groom(groom: &Groom) -> Result<(), String> {
         && guides.tip_pinned.len() == count
         && all_or_none(guides.groups.len(), count)
         && strands.bindings.len() == bound;
-    ensure(fits, "guides and strands have not as many vertices as they say")?;
+    ensure(fits, "the guide and strand arrays have the wrong lengths")?;
     let follows = |guide: u32| (guide as usize) < count;
     ensure(
         strands.bindings.iter().all(|binding| binding.guides.into_iter().all(follows)),
-        "a strand follows a guide that is not there",
+        "a strand refers to a missing guide",
     )?;
     let mut numbers = strands.bindings.iter().flat_map(|b| {
         b.origin.to_array().into_iter().chain(b.scale).chain([b.extent, b.weight_b, b.weight_c])
@@ -119,7 +128,7 @@ fn field(field: &SdfGrid) -> Result<(), String> {
     let sized = field.size.min_element() >= 2 && field.size.max_element() <= MOST_NODES;
     let fits = sized && nodes == Some(field.distances.len() as u64);
     let placed = field.origin.is_finite() && field.cell.is_finite() && field.cell > 0.0;
-    ensure(fits && placed, "the distance field is not that of its nodes")?;
+    ensure(fits && placed, "the distance field has an invalid size or position")?;
     ensure(
         field.distances.iter().all(|d| d.is_finite()),
         "the distance field has numbers that are not finite",
@@ -127,49 +136,61 @@ fn field(field: &SdfGrid) -> Result<(), String> {
 }
 
 fn rig(rig: &Rig, vertices: usize) -> Result<(), String> {
-    ensure(rig.vertices.len() == vertices, "what bends the head has other vertices than it")?;
+    ensure(rig.vertices.len() == vertices, "the rig and the head have different numbers of vertices")?;
     let (nodes, joints, targets) = (rig.nodes.len(), rig.joints.len(), rig.targets.len());
     let mut depths: Vec<usize> = Vec::with_capacity(nodes);
     for node in &rig.nodes {
         let depth = node.parent.map(|parent| depths.get(parent as usize).map(|depth| depth + 1));
-        ensure(depth != Some(None), "a joint hangs from what is not there")?;
+        ensure(depth != Some(None), "a joint refers to a missing parent")?;
         depths.push(depth.flatten().unwrap_or(0));
         let Transform { translation, rotation, scale } = node.rest;
         let placed = translation.is_finite() && rotation.is_finite() && scale.is_finite();
         let weighed = node.weights.iter().all(|(_, weight)| weight.is_finite());
-        ensure(placed && weighed && node.matrix.is_none_or(|m| m.is_finite()), "a joint is nowhere")?;
+        ensure(
+            placed && weighed && node.matrix.is_none_or(|m| m.is_finite()),
+            "a joint has numbers that are not finite",
+        )?;
     }
-    ensure(depths.iter().all(|depth| *depth <= DEEPEST), "joints hang from each other too deep")?;
+    ensure(depths.iter().all(|depth| *depth <= DEEPEST), "joints are nested too deeply")?;
     let known = joints <= MAX_JOINTS
         && rig.joints.iter().all(|joint| (joint.node as usize) < nodes && joint.inverse_bind.is_finite())
         && rig.nodes.iter().flat_map(|node| &node.weights).all(|(target, _)| (*target as usize) < targets);
-    ensure(known && rig.to_groom.is_finite(), "a joint follows what is not there")?;
+    ensure(
+        known && rig.to_groom.is_finite(),
+        "a joint refers to a missing node or blend shape, or is not finite",
+    )?;
     for bind in &rig.vertices {
         let follows = bind.joints.iter().all(|joint| usize::from(*joint) < joints);
         let shares = bind.weights.iter().all(|weight| weight.is_finite() && *weight >= 0.0);
         let placed = bind.position.is_finite() && bind.normal.is_finite();
-        ensure(follows && shares && placed, "a vertex follows a joint that is not there")?;
+        ensure(follows && shares && placed, "a vertex refers to a missing joint or has invalid numbers")?;
     }
     for target in &rig.targets {
         let ascends = target.deltas.windows(2).all(|w| w[0].vertex < w[1].vertex);
         let inside = target.deltas.last().is_none_or(|delta| (delta.vertex as usize) < vertices);
         let finite = target.deltas.iter().all(|delta| delta.position.is_finite() && delta.normal.is_finite());
-        ensure(ascends && inside && finite, "a shape moves vertices that are not there")?;
+        ensure(
+            ascends && inside && finite,
+            "a blend shape refers to missing vertices or has invalid numbers",
+        )?;
     }
     rig.animations.iter().try_for_each(|motion| animation(motion, nodes, targets))
 }
 
 fn animation(animation: &Animation, nodes: usize, targets: usize) -> Result<(), String> {
-    ensure(animation.length.is_finite() && animation.length >= 0.0, "a motion has no length")?;
+    ensure(animation.length.is_finite() && animation.length >= 0.0, "an animation has an invalid length")?;
     for channel in &animation.channels {
         let of_targets = match &channel.property {
             Property::Weights(all) => all.iter().all(|target| (*target as usize) < targets),
             Property::Translation | Property::Rotation | Property::Scale => true,
         };
-        ensure(of_targets && (channel.node as usize) < nodes, "a motion moves what is not there")?;
+        ensure(
+            of_targets && (channel.node as usize) < nodes,
+            "an animation refers to a missing node or blend shape",
+        )?;
         let (times, values) = (&channel.curve.times, &channel.curve.values);
         let finite = times.iter().chain(values).all(|v| v.is_finite());
-        ensure(finite && times.is_sorted(), "a motion's keys are out of order")?;
+        ensure(finite && times.is_sorted(), "the keys of an animation are out of order or not finite")?;
     }
     Ok(())
 }

@@ -1,19 +1,19 @@
-//! Cooked grooms, `.tresses`: what opening a groom computes, computed once.
+//! Cooked grooms, `.tresses`: the results of opening a groom, computed once and stored.
 //!
 //! ```text
-//! magic (8) │ version u32 │ CRC-32 of the rest u32 │ version of this crate │ Cooked, by serde and postcard
+//! magic (8) │ version u32 │ CRC-32 of the rest u32 │ version of this crate │ CookedGroom, by serde and postcard
 //! ```
 //!
-//! Strands are oriented and repaired, the head's distance field and its coarser meshes are made, strands are bound to
-//! guides; long arrays lie there as they do in memory ([`bulk`](crate::bulk)). Reading copies and checks: whatever the bytes, what
-//! comes out is as the rest of the crate leaves a groom, or an error ([`Cooked::check`]).
+//! Strands are stored oriented, repaired and bound to guides, with the head's distance field and its coarser meshes.
+//! Long arrays have their in-memory layout ([`bulk`](crate::bulk)). Reading copies and validates: for any input,
+//! [`CookedGroom::read`] returns either a valid groom or an error ([`CookedGroom::check`]).
 //!
-//! A cooked groom belongs to the version of this crate that wrote it: what is computed may change without a change of its
-//! layout. It is made for opening, not for keeping: it says what it was made of, and another version asks for that to be
-//! cooked again. Interchange is what `.glb` and `.abc` are for.
+//! Only the version of this crate that wrote a cooked groom can read it, because computations may change while the
+//! layout stays the same. The format is for fast opening, not for archiving. A file lists its sources; another version
+//! of the crate returns an error that asks for it to be cooked again. For interchange use `.glb` or `.abc`.
 //!
-//! **Why not a cache?** A cache helps whoever opened the file before, on that machine. Games and pages are opened by
-//! people who never did.
+//! **Why not a cache?** A cache helps only on a machine that has opened the file before. Players of a game and visitors
+//! of a web page open it for the first time.
 
 mod check;
 #[cfg(test)]
@@ -28,58 +28,58 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// The version of the format that is read and written: it changes with any type in a [`Cooked`], and between releases with
-/// how any of it is computed.
+/// Version of the format. Increase it when a type in [`CookedGroom`] changes and, between releases, when a stored value is
+/// computed differently.
 pub const VERSION: u32 = 2;
-/// The version of Tresses.
+/// Version of this crate.
 const TRESSES: &str = env!("CARGO_PKG_VERSION");
-/// The first bytes: none that a text has, and a line's end that transfers as text would change.
+/// Magic bytes. Text cannot begin with `\x89`, and a transfer in text mode would change the line ending.
 const MAGIC: [u8; 8] = *b"\x89TRESS\r\n";
-/// Bytes before what the checksum is of.
+/// Size of the header, bytes. The checksum covers everything after it.
 pub const HEADER: usize = 16;
-/// As reports call it.
+/// Format name in reports.
 const FORMAT: &str = "Tresses, cooked";
 
-/// A groom with all that is computed when it is opened, in metres, Y up, face towards +Z.
+/// A groom with everything that opening it computes, in meters, Y up, face +Z.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Cooked {
-    /// Oriented and repaired.
+pub struct CookedGroom {
+    /// Strands, oriented and repaired.
     pub strands: Strands,
-    /// What they grow on.
+    /// Head mesh that the strands grow on.
     pub head: Option<TriMesh>,
-    /// The head's coarser meshes, [`TriMesh::levels`].
+    /// Coarser meshes of the head ([`TriMesh::levels`]).
     pub levels: Vec<mesh::Level>,
-    /// What hair collides with: the head or, of one that bends, the part that hair goes with.
+    /// Collision field of the head. For a skinned head: of the part that carries the hair.
     pub field: Option<SdfGrid>,
-    /// What bends the head.
+    /// Rig that deforms the head.
     pub rig: Option<Rig>,
-    /// Of a head that bends, its other parts that hair collides with, each with the node of the rig that carries it.
+    /// Further collision fields of a skinned head, each with the rig node that carries it.
     pub parts: Vec<(u32, SdfGrid)>,
-    /// The strands bound by [`BindOptions::default`].
+    /// The strands bound to guides with [`BindOptions::default`].
     pub groom: Groom,
-    said: Said,
+    said: ReportText,
 }
 
-/// What a report says besides.
+/// Contents of the [`ImportReport`] besides the fields of [`CookedGroom`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Said {
+struct ReportText {
     sources: Vec<String>,
     placement: orient::Placement,
     head_placement: Option<orient::Placement>,
     lint: lint::Report,
-    repaired: lint::Repaired,
+    repaired: lint::RepairReport,
     followers: Vec<Followers>,
     groups: Vec<Group>,
     attributes: Attributes,
     look: Option<Look>,
 }
 
-impl Cooked {
-    /// Of `strands` and `head` as [`import::read_whole`](crate::import::read_whole) gives them with `report`; `field` is
-    /// what they collide with. There are no [parts](Self::parts) yet.
+impl CookedGroom {
+    /// Binds `strands` and computes the head's coarser meshes. [`import::read_whole`](crate::import::read_whole)
+    /// returns `strands`, `head` and `report`; `field` is the strands' collision field. [`Self::parts`] stays empty.
     ///
     /// # Errors
-    /// As [`bind`].
+    /// See [`bind`].
     pub fn new(
         strands: Strands,
         head: Option<TriMesh>,
@@ -94,7 +94,7 @@ impl Cooked {
             let told: String = file.notes.iter().map(|note| format!(", {note}")).collect();
             format!("made of {name} ({}){told}", file.format)
         };
-        let said = Said {
+        let said = ReportText {
             sources: report.files.iter().map(source).collect(),
             placement: report.placement.clone(),
             head_placement: report.head_placement.clone(),
@@ -108,12 +108,12 @@ impl Cooked {
         Ok(Self { strands, head, levels, field, rig, parts: Vec::new(), groom, said })
     }
 
-    /// The file.
+    /// Encodes the groom as a file.
     ///
     /// # Errors
-    /// [`Error::Unusable`] when it would not be read again.
+    /// [`Error::Unusable`] if [`Self::read`] would reject the file.
     pub fn write(&self) -> Result<Vec<u8>> {
-        self.check().map_err(|problem| Error::Unusable(format!("it cannot be cooked: {problem}")))?;
+        self.check().map_err(|problem| Error::Unusable(format!("the groom cannot be cooked: {problem}")))?;
         self.encode()
     }
 
@@ -128,42 +128,49 @@ impl Cooked {
         Ok(bytes)
     }
 
-    /// From a file's bytes; `path` stands in errors.
+    /// Reads a groom from a file's bytes. Error messages name `path`.
     ///
     /// # Errors
-    /// [`Error::File`] when it is of another version, damaged, or not a cooked groom.
+    /// [`Error::File`] if the file has another version, is damaged, or is not a cooked groom.
     pub fn read(path: &Path, bytes: &[u8]) -> Result<Self> {
         let wrong = |at, problem: String| Error::File { path: path.to_path_buf(), at, problem };
         let Some((header, body)) = bytes.split_first_chunk::<HEADER>().filter(|(h, _)| h[..8] == MAGIC)
         else {
-            return Err(wrong(At::Byte(0), "no cooked groom begins like this".into()));
+            return Err(wrong(
+                At::Byte(0),
+                "the file is not a cooked groom: its first bytes are wrong".into(),
+            ));
         };
         let word = |at: usize| u32::from_le_bytes([0, 1, 2, 3].map(|i| header[at + i]));
         if word(8) != VERSION {
             let problem = format!(
-                "a cooked groom of version {}, where this Tresses reads version {VERSION}: cook it again",
+                "the file has format version {}, but this Tresses reads version {VERSION}; cook it again",
                 word(8)
             );
             return Err(wrong(At::Byte(8), problem));
         }
         if word(12) != crc32fast::hash(body) {
-            return Err(wrong(At::File, "damaged: its checksum is that of other bytes".into()));
+            return Err(wrong(At::File, "the file is damaged: its checksum does not match".into()));
         }
-        let none = |error| wrong(At::File, format!("no cooked groom comes of it: {error}"));
+        let none = |error| wrong(At::File, format!("the contents cannot be decoded: {error}"));
         let (of, body): (&str, _) = postcard::take_from_bytes(body).map_err(none)?;
         if of != TRESSES {
-            let problem = format!("cooked by Tresses {of}, where this is {TRESSES}: cook it again");
+            let problem = format!("cooked by Tresses {of}, but this is Tresses {TRESSES}; cook it again");
             return Err(wrong(At::Byte(HEADER as u64), problem));
         }
         let (cooked, left): (Self, _) = postcard::take_from_bytes(body).map_err(none)?;
         if !left.is_empty() {
-            return Err(wrong(At::Byte((bytes.len() - left.len()) as u64), "more bytes than a groom".into()));
+            return Err(wrong(
+                At::Byte((bytes.len() - left.len()) as u64),
+                "unexpected bytes after the groom".into(),
+            ));
         }
         cooked.check().map_err(|problem| wrong(At::File, problem))?;
         Ok(cooked)
     }
 
-    /// What is told of it when it is opened as `path`; the rig stays where it is.
+    /// Returns the import report for the groom, opened as `path`. [`ImportReport::rig`] is `None`: the rig stays in
+    /// `self`.
     pub fn report(&self, path: &Path) -> ImportReport {
         let said = self.said.clone();
         let file = FileReport {

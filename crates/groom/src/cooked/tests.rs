@@ -11,8 +11,8 @@ use crate::{
 use glam::{UVec3, Vec3};
 use std::path::PathBuf;
 
-/// With everything that can be in one.
-fn sample() -> Cooked {
+/// Returns a groom that uses every field.
+fn sample() -> CookedGroom {
     let mut strands = Strands::default();
     for i in 0..40 {
         let (x, z) = (0.004 * (i % 8) as f32, 0.004 * (i / 8) as f32);
@@ -65,13 +65,13 @@ fn sample() -> Cooked {
         head_placement: Some(orient::Placement::default()),
         rig: None,
         lint: lint::check(&strands, Some(&head)),
-        repaired: lint::Repaired { merged_vertices: 7, ..Default::default() },
+        repaired: lint::RepairReport { merged_vertices: 7, ..Default::default() },
         followers: vec![Followers { count: 2, radius: Some(0.001) }; 40],
         groups: vec![Group { id: 4, name: "fringe".into(), strands: 40, guides: 0 }],
         attributes: Attributes { widths: true, ..Default::default() },
         look: Some(Look { eumelanin: 3.0, ..Default::default() }),
     };
-    let mut cooked = Cooked::new(strands, Some(head), Some(field), Some(rig), &report).unwrap();
+    let mut cooked = CookedGroom::new(strands, Some(head), Some(field), Some(rig), &report).unwrap();
     cooked.parts = vec![(0, cooked.field.clone().unwrap())];
     cooked.levels = vec![mesh::Level { stray: 1e-3, triangles: vec![[0, 1, 2]] }];
     cooked
@@ -81,31 +81,31 @@ fn name() -> PathBuf {
     PathBuf::from("hair.tresses")
 }
 
-/// What is said of bytes that cannot be read.
+/// Returns the error for bytes that cannot be read.
 fn refused(bytes: &[u8]) -> String {
-    Cooked::read(&name(), bytes).unwrap_err().to_string()
+    CookedGroom::read(&name(), bytes).unwrap_err().to_string()
 }
 
 #[test]
-fn what_is_written_is_read() {
+fn groom_survives_round_trip() {
     let cooked = sample();
     let bytes = cooked.write().unwrap();
-    let back = Cooked::read(&name(), &bytes).unwrap();
+    let back = CookedGroom::read(&name(), &bytes).unwrap();
     assert_eq!(back, cooked);
     let report = back.report(&name());
     assert_eq!(report.files[0].notes, ["made of hair.tfx (TressFX 4), one note"]);
     assert_eq!((report.repaired.merged_vertices, report.groups[0].name.as_str()), (7, "fringe"));
-    // A comparison that sees a difference.
+    // The comparison detects a small difference.
     let mut other = cooked.clone();
     other.strands.positions[5].x += 1e-6;
     assert_ne!(back, other);
 }
 
-/// The sample's bytes are of [`VERSION`]: when this fails, types have changed, and with them goes the version.
+/// Pins the layout of [`VERSION`]. If this test fails, a type has changed: increase the version.
 #[test]
-fn a_version_is_one_layout() {
+fn layout_matches_version() {
     let mut still = sample();
-    // Nothing that another way of checking or binding would change.
+    // Replace everything that lint and binding compute, so that only a change of layout fails the test.
     still.said.lint =
         lint::Report { strands: 40, bounds: Some((Vec3::ZERO, Vec3::ONE)), ..Default::default() };
     still.groom.guides = Guides {
@@ -125,9 +125,9 @@ fn a_version_is_one_layout() {
 }
 
 #[test]
-fn other_bytes_are_refused() {
+fn damaged_bytes_are_rejected() {
     let bytes = sample().write().unwrap();
-    assert!(refused(b"").contains("no cooked groom begins"));
+    assert!(refused(b"").contains("not a cooked groom"));
     assert!(refused(&bytes[..20]).contains("checksum"));
     for at in (0..bytes.len()).step_by(37) {
         let mut bent = bytes.clone();
@@ -141,26 +141,26 @@ fn other_bytes_are_refused() {
         "{}",
         refused(&older)
     );
-    // With a checksum that fits: cut short, or longer.
+    // Truncated and extended contents with a valid checksum.
     let sealed = |body: &[u8]| [&bytes[..12], &crc32fast::hash(body).to_le_bytes(), body].concat();
     let body = &bytes[HEADER..];
     assert!(refused(&sealed(&[b"\x050.0.9", &body[1 + TRESSES.len()..]].concat())).contains("Tresses 0.0.9"));
-    assert!(Cooked::read(&name(), &sealed(body)).is_ok());
+    assert!(CookedGroom::read(&name(), &sealed(body)).is_ok());
     for cut in (0..body.len()).step_by(53) {
         refused(&sealed(&body[..cut]));
     }
-    assert!(refused(&sealed(&[body, &[0]].concat())).contains("more bytes"));
+    assert!(refused(&sealed(&[body, &[0]].concat())).contains("unexpected bytes"));
 }
 
-/// The head's paint.
-fn paint(cooked: &mut Cooked) -> &mut Paint {
+/// Returns the head's [`Paint`] for editing.
+fn paint(cooked: &mut CookedGroom) -> &mut Paint {
     std::sync::Arc::make_mut(cooked.head.as_mut().unwrap().paint.as_mut().unwrap())
 }
 
-/// Whoever makes a file with a checksum that fits still makes no groom that is none.
+/// A valid checksum does not bypass validation.
 #[test]
-fn what_does_not_belong_together_is_refused() {
-    let wrongs: [fn(&mut Cooked); 34] = [
+fn inconsistent_groom_is_rejected() {
+    let wrongs: [fn(&mut CookedGroom); 34] = [
         |c| c.said.look.as_mut().unwrap().eumelanin = f32::NAN,
         |c| c.strands.offsets[3] = 2,
         |c| c.strands.offsets[40] = 1000,
@@ -188,7 +188,7 @@ fn what_does_not_belong_together_is_refused() {
         |c| c.rig.as_mut().unwrap().nodes[0].rest.scale.x = f32::NAN,
         |c| c.rig.as_mut().unwrap().nodes[0].parent = Some(7),
         |c| {
-            // A chain of joints.
+            // A chain of nodes that is too deep.
             let nodes = &mut c.rig.as_mut().unwrap().nodes;
             nodes.extend((0..400).map(|i| Node { parent: Some(i), ..Default::default() }));
         },
@@ -204,25 +204,25 @@ fn what_does_not_belong_together_is_refused() {
         let mut cooked = sample();
         wrong(&mut cooked);
         assert!(cooked.write().is_err(), "the wrong {i} is written");
-        assert!(Cooked::read(&name(), &cooked.encode().unwrap()).is_err(), "the wrong {i} is read");
+        assert!(CookedGroom::read(&name(), &cooked.encode().unwrap()).is_err(), "the wrong {i} is read");
     }
 }
 
 #[test]
-fn guides_that_only_guide_are_bound_to_nobody() {
+fn guides_are_not_bound_as_strands() {
     let mut cooked = sample();
     let mark =
         |i: usize| crate::strands::Mark { guide: i.is_multiple_of(10), id: i as i32, ..Default::default() };
     cooked.strands.marks = (0..40).map(mark).collect();
     let report = cooked.report(&name());
-    let cooked = Cooked::new(cooked.strands, cooked.head, cooked.field, cooked.rig, &report).unwrap();
+    let cooked = CookedGroom::new(cooked.strands, cooked.head, cooked.field, cooked.rig, &report).unwrap();
     assert_eq!((cooked.groom.strands.len(), cooked.groom.guides.len()), (36, 4));
-    let back = Cooked::read(&name(), &cooked.write().unwrap()).unwrap();
+    let back = CookedGroom::read(&name(), &cooked.write().unwrap()).unwrap();
     assert_eq!(back, cooked);
-    // And where all are guides, all are drawn.
+    // If all strands are guides, all are drawn.
     let mut all = cooked.clone();
     all.strands.marks.iter_mut().for_each(|mark| mark.guide = true);
-    let all = Cooked::new(all.strands, None, None, None, &report).unwrap();
+    let all = CookedGroom::new(all.strands, None, None, None, &report).unwrap();
     assert_eq!(all.groom.strands.len(), 40);
-    assert!(Cooked::read(&name(), &all.write().unwrap()).is_ok());
+    assert!(CookedGroom::read(&name(), &all.write().unwrap()).is_ok());
 }

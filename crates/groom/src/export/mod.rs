@@ -1,10 +1,10 @@
-//! Writing grooms, bodies and caches.
+//! Export of grooms, meshes, characters and caches.
 //!
-//! Reading a written file back gives the same strands, bit-identical except in GLB, whose positions may be fractions of
-//! a box in 16 bits. [`Encoded::notes`] lists what a format cannot hold. A groom in metres, Y up, face +Z is marked as
-//! such in the file, so that nothing needs to be guessed later; only `.data` has no place for that.
+//! Reading a written file returns the same strands, bit-identical except in GLB, which may store positions as 16-bit
+//! fractions of a bounding box. [`Encoded::notes`] lists data that the format cannot hold. A file in meters, Y up, face
+//! +Z says so, and the importer need not guess; only `.data` has no field for it.
 
-pub use crate::formats::writer::{Cache, CacheOptions, Encoded, Hair, Output, Writer};
+pub use crate::formats::writer::{Cache, CacheOptions, EncodedFile, Hair, Output, Writer};
 
 use crate::{
     Rig, Strands, TriMesh,
@@ -20,19 +20,19 @@ fn writers() -> impl Iterator<Item = &'static Writer> {
 }
 
 impl Writer {
-    /// The writer of grooms for files with this name, by its extension.
+    /// Returns the writer of grooms for `path`, by its extension.
     ///
     /// # Errors
-    /// [`Error::File`] with the extensions of grooms that are written.
+    /// [`Error::File`] with the extensions of grooms that can be written.
     pub fn of(path: impl AsRef<Path>) -> Result<&'static Self> {
         Self::holding(path, Content::Strands)
     }
 
-    /// The writer for files with this name that can hold `content`: a [`Mesh`](Content::Mesh), or the
+    /// Returns the writer for `path` that can hold `content`: a [`Mesh`](Content::Mesh), or the
     /// [`Frames`](Content::Frames) of a cache.
     ///
     /// # Errors
-    /// [`Error::File`] with the extensions that can.
+    /// [`Error::File`] with the extensions that can hold it.
     pub fn holding(path: impl AsRef<Path>, content: Content) -> Result<&'static Self> {
         let (path, extension) = (path.as_ref(), formats::extension(path.as_ref()));
         let mut all = writers().filter(|writer| writer.holds(content));
@@ -45,31 +45,33 @@ impl Writer {
             _ => "a groom",
         };
         let problem = match formats::is_cooked(path) {
-            true => "a cooked groom is made of files, by `tresses convert`".into(),
-            false => format!("{what} is written as {}", formats::listed(&formats::written(content), "or")),
+            true => "use `tresses convert` to write a cooked groom".into(),
+            false => {
+                format!("{what} can be written as {}", formats::listed(&formats::written(content), "or"))
+            }
         };
         Err(Error::File { path: path.to_path_buf(), at: At::File, problem })
     }
 
-    /// Whether such files hold `content`.
+    /// Returns whether the format can hold `content`.
     pub fn holds(&self, content: Content) -> bool {
         self.holds.contains(&content)
     }
 
-    /// Encodes strands as a file in `unit`; they are in metres, Y up, face +Z. With `None` they are in an unknown unit and
-    /// unknown axes, of which the file then says nothing.
+    /// Encodes strands in meters, Y up, face +Z as a file in `unit`. `None` means that the unit and axes of the strands
+    /// are unknown; the file then does not state them.
     ///
     /// # Errors
-    /// [`Error::Unusable`] without strands, for a unit other than metres in a format without units, and where the strands
-    /// exceed what the format can count.
-    pub fn strands(&self, strands: &Strands, unit: Option<Unit>) -> Result<Encoded> {
+    /// [`Error::Unusable`] if there are no strands, if `unit` is not meters and the format has no units, or if the
+    /// strands exceed the format's counts.
+    pub fn strands(&self, strands: &Strands, unit: Option<Unit>) -> Result<EncodedFile> {
         if strands.is_empty() {
-            return Err(Error::Unusable("a groom without strands is not written".into()));
+            return Err(Error::Unusable("a groom without strands cannot be written".into()));
         }
         if unit.is_some_and(|unit| unit.0 != 1.0) && !self.any_unit {
             let others: Vec<_> = writers().filter(|it| it.any_unit).map(|it| it.extension).collect();
             let others = formats::listed(&others, "and");
-            let problem = format!("only {others} files are written in other units than metres");
+            let problem = format!("only {others} files can have a unit other than meters");
             return Err(Error::Unusable(problem));
         }
         let mut encoded = (self.strands)(strands, unit)?;
@@ -78,44 +80,45 @@ impl Writer {
             (Content::Widths, !strands.radii.is_empty(), "widths"),
             (Content::Colors, !strands.colors.is_empty(), "colors"),
             (Content::RootUvs, !strands.root_uvs.is_empty(), "scalp texture coordinates"),
-            (Content::PinnedTips, strands.tip_pinned.contains(&true), "the pinned tips"),
-            (Content::Guides, strands.has_guides(), "the marks of guides"),
+            (Content::PinnedTips, strands.tip_pinned.contains(&true), "pinned tips"),
+            (Content::Guides, strands.has_guides(), "guide marks"),
         ];
         let lost = lost.into_iter().filter(|(content, any, _)| *any && !self.holds(*content));
-        let notes = lost.map(|(.., what)| format!("the format has no place for {what}, so it is left out"));
+        let notes = lost.map(|(.., what)| format!("{what} are not written: the format cannot store them"));
         encoded.notes = notes.chain(encoded.notes).collect();
         Ok(encoded)
     }
 
-    /// Encodes a character: a body (metres, Y up), the rig that bends it, and hair at rest. In USD hair then follows the
-    /// joints that the skin at its roots follows, and animations are sampled at 24, 25, 30, 50 or 60 frames a second.
+    /// Encodes a character: a mesh (meters, Y up), its rig, and hair at rest. In USD each strand follows the joints of
+    /// the skin at its root, and animations are sampled at 24, 25, 30, 50 or 60 frames per second.
     ///
     /// # Errors
-    /// [`Error::Unusable`] for a format that holds no characters, for a rig of another mesh and for hair without strands;
-    /// in USD also for a joint that flattens what it holds, and for animations of more than 100,000 frames.
+    /// [`Error::Unusable`] for a format without characters, for a rig of another mesh and for hair without strands; in
+    /// USD also for a joint whose bind matrix has no inverse, and for animations of more than 100,000 frames.
     pub fn character(&self, body: Option<(&TriMesh, Option<&Rig>)>, hair: &[Hair<'_>]) -> Result<Vec<u8>> {
-        self.character.ok_or_else(|| self.cannot("a body with hair"))?(body, hair)
+        self.character.ok_or_else(|| self.cannot("a character"))?(body, hair)
     }
 
-    /// Encodes a mesh (metres, Y up, face +Z) and, where the format holds it, the rig that bends it.
+    /// Encodes a mesh (meters, Y up, face +Z) and, if the format supports it, its rig.
     ///
     /// # Errors
-    /// [`Error::Unusable`] for a format that holds no meshes, and as [`Self::character`].
+    /// [`Error::Unusable`] for a format without meshes, and the errors of [`Self::character`].
     pub fn mesh(&self, mesh: &TriMesh, rig: Option<&Rig>) -> Result<Vec<u8>> {
         self.mesh.ok_or_else(|| self.cannot("a mesh"))?(mesh, rig)
     }
 
-    /// Begins a cache of `strands`, whose positions come [frame by frame](Cache::frame).
+    /// Begins a cache of `strands`. [`Cache::frame`] writes the positions of each frame.
     ///
     /// # Errors
-    /// Those of `out`, and [`Unsupported`](io::ErrorKind::Unsupported) for a format that holds no frames.
+    /// The errors of `out`, and [`Unsupported`](io::ErrorKind::Unsupported) for a format without frames.
     pub fn cache<'a>(
         &self,
         out: Box<dyn Output + 'a>,
         strands: &Strands,
         options: CacheOptions,
     ) -> io::Result<Box<dyn Cache + 'a>> {
-        let unsupported = || io::Error::new(io::ErrorKind::Unsupported, self.cannot("moving hair"));
+        let unsupported =
+            || io::Error::new(io::ErrorKind::Unsupported, self.cannot("a cache of moving hair"));
         self.cache.ok_or_else(unsupported)?(out, strands, options)
     }
 

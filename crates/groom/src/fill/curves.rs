@@ -1,42 +1,41 @@
-//! The given strands taken apart: the path of each, and what it does around its path.
+//! Decomposition of the input strands into a smooth path and the detail around it.
 //!
-//! The mean of two curls is no curl. What is blended between strands is therefore their *path*, the strand
-//! smoothed over a little less than half a turn of its curl, or over a tenth of its length where it has
-//! none; what is left, the *detail*, goes from one strand to the next as it is. A path ends where its strand
-//! ends, so that path and detail together are the strand.
+//! The mean of two curls is no curl. Interpolation therefore blends only the *path*: the strand smoothed over a little
+//! less than half a turn of its curl, or over a tenth of its length if it has no curls. The remainder, the *detail*, is
+//! copied unchanged from one strand to another. A path ends where its strand ends, so path plus detail is the strand.
 
 use crate::{SdfGrid, Strands, curve};
 use glam::{Quat, Vec3};
 
-/// Even steps along a strand when it is smoothed.
+/// Even steps along a strand for smoothing.
 const STEPS: usize = 32;
 
-/// Points of each path by which strands are compared, root and tip included.
+/// Points of each path for comparing strands, root and tip included.
 pub(super) const KNOTS: usize = 9;
 
-/// The breadth of the smoothing (standard deviation of a bell) against a turn of a curl: 0.45 leaves 2 % of it.
+/// Standard deviation of the Gaussian smoothing kernel, in turns of the curl. 0.45 leaves 2% of the curl.
 const BREADTH: f32 = 0.45;
 
-/// The same against the length of a strand without curls.
+/// Standard deviation of the smoothing kernel for strands without curls, as a fraction of the length.
 const PLAIN: f32 = 0.1;
 
-/// Mean squared slope from which on a strand has curls.
+/// Mean squared slope above which a strand counts as curly.
 const SLOPE: f32 = 0.02;
 
-/// The given strands as paths and details; indexed as the strands' vertices.
+/// Paths and details of the input strands. Per-vertex arrays have the strands' vertex indices.
 pub(super) struct Curves {
     pub(super) offsets: Vec<u32>,
-    /// The fraction of the strand's length at each vertex.
+    /// Fraction of the strand's length at each vertex.
     pub(super) along: Vec<f32>,
     pub(super) path: Vec<Vec3>,
     pub(super) detail: Vec<Vec3>,
-    /// How the path has turned since the root, by the smallest rotation from edge to edge.
+    /// Rotation of the path since the root, accumulated from the smallest rotation between edges.
     pub(super) turn: Vec<Quat>,
-    /// Metres, one per strand.
+    /// Length of each strand, meters.
     pub(super) length: Vec<f32>,
-    /// The path at equal fractions of the length, `KNOTS` for each strand.
+    /// Path points at equal fractions of the length, `KNOTS` per strand.
     pub(super) knots: Vec<Vec3>,
-    /// The distance of each knot from the head, metres; empty without a head.
+    /// Distance of each knot from the head, meters; empty without a head.
     pub(super) clear: Vec<f32>,
 }
 
@@ -85,7 +84,7 @@ impl Curves {
         curves
     }
 
-    /// The vertices of strand `i`.
+    /// Returns the vertex range of strand `i`.
     pub(super) fn range(&self, i: u32) -> std::ops::Range<usize> {
         self.offsets[i as usize] as usize..self.offsets[i as usize + 1] as usize
     }
@@ -94,8 +93,8 @@ impl Curves {
         &self.knots[i as usize * KNOTS..(i as usize + 1) * KNOTS]
     }
 
-    /// The path of strand `i` at the fraction `s` of its length; `from` is the vertex that the last, smaller
-    /// fraction was behind.
+    /// Returns the point on the path of strand `i` at the fraction `s` of its length. `from` is a cursor for calls with
+    /// ascending `s`; it starts at 0.
     pub(super) fn path_at(&self, i: u32, s: f32, from: &mut usize) -> Vec3 {
         let range = self.range(i);
         let along = &self.along[range.clone()];
@@ -108,22 +107,22 @@ impl Curves {
     }
 }
 
-/// A polyline of even steps at the fraction `s`.
+/// Samples a polyline of even steps at the fraction `s`.
 fn at(even: &[Vec3], s: f32) -> Vec3 {
     let x = s * (even.len() - 1) as f32;
     let i = (x as usize).min(even.len() - 2);
     even[i].lerp(even[i + 1], x - i as f32)
 }
 
-/// The standard deviation of the smoothing, as a fraction of the length.
+/// Returns the standard deviation of the smoothing kernel, as a fraction of the length.
 fn breadth(even: &[Vec3], length: f32) -> f32 {
-    // What is left of the directions when their quadratic trend is taken out: a fall, a wave of the whole.
+    // Remove the quadratic trend of the directions, which is the fall or an overall wave, so that the curl remains.
     let mut slopes = [Vec3::ZERO; STEPS];
     for (slope, w) in slopes.iter_mut().zip(even.windows(2)) {
         *slope = (w[1] - w[0]) * (STEPS as f32 / length);
     }
     let x = |k: usize| (2.0 * k as f32 + 1.0) / STEPS as f32 - 1.0;
-    // Legendre's polynomials, whose squares have means of 1, 1/3 and 1/5.
+    // Legendre polynomials; the means of their squares are 1, 1/3 and 1/5.
     let basis: [fn(f32) -> f32; 3] = [|_| 1.0, |x| x, |x| 1.5 * x * x - 0.5];
     for (p, mean) in basis.iter().zip([1.0, 3.0, 5.0]) {
         let part: Vec3 = (0..STEPS).map(|k| slopes[k] * p(x(k))).sum::<Vec3>() * (mean / STEPS as f32);
@@ -135,7 +134,7 @@ fn breadth(even: &[Vec3], length: f32) -> f32 {
     if energy < SLOPE {
         return PLAIN;
     }
-    // The number of turns: where the spectrum of the directions is strongest.
+    // The number of turns is the peak of the spectrum of the directions.
     let power = |turns: f32| -> f32 {
         let (mut re, mut im) = (Vec3::ZERO, Vec3::ZERO);
         for (k, slope) in slopes.iter().enumerate() {
@@ -150,7 +149,8 @@ fn breadth(even: &[Vec3], length: f32) -> f32 {
     (BREADTH / turns).max(0.5 * PLAIN)
 }
 
-/// `even` smoothed by a bell, its ends held: beyond them it goes on as its own image in the end.
+/// Smooths `even` with a Gaussian kernel and keeps its ends fixed: beyond each end, the line continues as its point
+/// reflection.
 fn smooth(even: &[Vec3], breadth: f32, out: &mut Vec<Vec3>) {
     let n = even.len() as isize - 1;
     let deviation = breadth * n as f32;
@@ -168,7 +168,7 @@ fn smooth(even: &[Vec3], breadth: f32, out: &mut Vec<Vec3>) {
         (1..=reach).fold(weights[0] * get(i), |sum, d| sum + weights[d as usize] * (get(i - d) + get(i + d)))
             / total
     }));
-    // The ends are exact but for rounding.
+    // The ends are exact except for rounding.
     out[0] = even[0];
     out[n as usize] = even[n as usize];
 }
@@ -177,7 +177,7 @@ fn smooth(even: &[Vec3], breadth: f32, out: &mut Vec<Vec3>) {
 mod tests {
     use super::*;
 
-    /// A strand of `turns` turns around a falling path, `radius` wide.
+    /// A strand with `turns` turns of radius `radius` around a falling path.
     fn helix(turns: f32, radius: f32) -> Vec<Vec3> {
         (0..64)
             .map(|k| {
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn paths_have_no_curls_and_details_have_them() {
+    fn paths_are_smooth_and_details_hold_the_curls() {
         let mut strands = Strands::default();
         for turns in [2.0, 4.0, 7.0] {
             strands.push(&helix(turns, 0.006));

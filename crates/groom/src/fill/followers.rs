@@ -1,21 +1,21 @@
-//! Followers, as groom files ask for them: so many around each guide, within a radius.
+//! Child strands that groom files define by a count per guide and a radius.
 //!
-//! A TressFX file says how many hairs follow each of its own, and, in text, how far around it they are rooted.
-//! They have the guide's shape and lie beside it all along. Unlike [`fill`](super::fill) this asks nothing of
-//! the neighbours: it is the groom as its maker saw it.
+//! A TressFX file stores how many hairs follow each of its strands and, as text, the radius around the guide within
+//! which they are rooted. Child strands have the shape of their guide and stay beside it. Unlike [`fill`](super::fill),
+//! this does not depend on the neighboring strands, so the groom matches what its artist saw.
 
-use super::{Filled, Grown, Head, Scalp, TASK};
+use super::{FilledStrands, Head, NewStrands, Scalp, TASK};
 use crate::grow::Growth;
 use crate::random::Rng;
 use crate::{Error, Followers, Progress, Result, Strands, bind::Parents};
 use std::f32::consts::{PI, TAU};
 
-/// Adds to each of `given` (metres, groom space) its followers: `followers` has one entry per strand, or one
-/// for all. At most `most` strands come out, as evenly as that allows.
+/// Adds to each of `given` (meters, groom space) its child strands. `followers` has one entry per strand, or one for
+/// all. The result has at most `most` strands; that limit reduces the children of all strands evenly.
 ///
 /// # Errors
-/// [`Error::Unusable`] without strands, where the numbers do not fit together or there would be more than can
-/// be drawn; [`Error::Parameter`] for a radius that is none.
+/// [`Error::Unusable`] without strands, if the numbers of strands and followers differ, or for more strands than can be
+/// rendered; [`Error::Parameter`] for an invalid radius.
 pub async fn follow_with(
     given: &Strands,
     head: Head<'_>,
@@ -23,30 +23,30 @@ pub async fn follow_with(
     most: u32,
     seed: u32,
     progress: &impl Progress,
-) -> Result<Filled> {
+) -> Result<FilledStrands> {
     progress.step(TASK, 0.0).await;
     let n = given.len();
     let of = |i: usize| followers[if followers.len() == 1 { 0 } else { i }];
     if followers.len() != 1 && followers.len() != n {
-        let problem = format!("{n} strands, but followers for {}", followers.len());
+        let problem = format!("the groom has {n} strands, but child strand settings for {}", followers.len());
         return Err(Error::Unusable(problem));
     }
     let total = n as u64 + (0..n).map(|i| u64::from(of(i).count)).sum::<u64>();
     if total.min(u64::from(most)) > u64::from(Growth::MOST_STRANDS) {
         return Err(Error::Unusable(format!(
-            "the file asks for so many followers that there are {total} strands, more than the {} that can be drawn: say how many to grow, 0 for none",
+            "with the child strands of the file there are {total} strands, more than the {} that can be rendered; set how many to grow, or 0 for none",
             Growth::MOST_STRANDS
         )));
     }
-    const RADIUS: crate::range::Range = crate::range!("radius of followers", 0.0 to 1.0, "m");
+    const RADIUS: crate::range::Range = crate::range!("child strand radius", 0.0 to 1.0, "m");
     for radius in followers.iter().filter_map(|f| f.radius) {
         RADIUS.check(radius)?;
     }
     let scalp = Scalp::new(given, head, PI)?;
     let room = (total.min(u64::from(most)) as usize).saturating_sub(n);
-    let mut grown = Grown::new(given, room);
+    let mut grown = NewStrands::new(given, room);
     let (shaper, mut line) = (scalp.shaper(head), Vec::new());
-    // The first of each, then the second: where not all fit, each has some.
+    // Add the first child of every strand, then the second: if not all fit, each strand has some.
     let rounds = (0..n).map(|i| of(i).count).max().unwrap_or(0);
     'all: for k in 0..rounds {
         for i in 0..n {
@@ -62,7 +62,7 @@ pub async fn follow_with(
             }
             let site = scalp.surface.site(i as u32);
             let radius = radius.unwrap_or(0.5 * scalp.surface.spacing[site]);
-            // A sunflower's seeds: even in a disc for any number.
+            // Sunflower spiral: evenly spread in a disc for any count.
             let turned = Rng::new(seed ^ 0xf0110, i as u32).unit() * TAU;
             let (sin, cos) = (turned + k as f32 * 2.399_963).sin_cos();
             let out = radius * ((k as f32 + 0.5) / count as f32).sqrt();

@@ -1,30 +1,30 @@
-//! Which strands may be mixed: hair runs together, or it runs apart.
+//! Compatibility of strands: whether a new strand may be a mean of two input strands.
 
 use super::curves::{Curves, KNOTS};
 use super::surface::Surface;
 use crate::{SdfGrid, random::lerp};
 
-/// Strands of which one is longer than the other by this factor are of different cuts.
+/// Length ratio above which two strands belong to different cuts.
 const CUT: f32 = 2.0;
 
-/// How much deeper than its parents the middle between two strands may lie in the head, metres.
+/// How much deeper inside the head than its parents the midpoint of two strands may lie, meters.
 const INSIDE: f32 = 0.005;
 
-/// Neighbours whose distance shrinks below this part of what it is at the roots are of one clump.
+/// Neighbors belong to one clump if their distance shrinks below this fraction of the distance at the roots.
 const TOGETHER: f32 = 0.5;
 
-/// Points of the profile by which strands of a clump come together.
+/// Points of the profile that describes how the strands of a clump converge.
 const PROFILE: usize = KNOTS;
 
-/// What strands are to each other.
+/// Relations between the input strands.
 pub(super) struct Kin {
     pub(super) curves: Curves,
-    /// The cosine of the angle from which on strands run apart.
+    /// Cosine of the angle above which strands run apart.
     apart: f32,
     pinned: Vec<bool>,
-    /// Whether each strand has neighbours that it meets.
+    /// Whether each strand converges with a neighbor.
     clumped: Vec<bool>,
-    /// How the distance to the neighbours changes along each strand, as a factor of that at the root.
+    /// Distance to the neighbors along each strand, relative to the distance at the root.
     spread: Vec<[f32; PROFILE]>,
 }
 
@@ -49,7 +49,7 @@ impl Kin {
                 let meet = kin.meet(&ratios);
                 for i in [a as usize, b as usize] {
                     kin.clumped[i] |= meet;
-                    // Those that meet say how a clump comes together, whatever others do.
+                    // Converging neighbors dominate, because they show how the clump converges.
                     let weight = if meet { 16.0 } else { 1.0 };
                     sums[i].1 += weight;
                     sums[i].0.iter_mut().zip(ratios).for_each(|(sum, ratio)| *sum += weight * ratio.min(2.0));
@@ -64,7 +64,7 @@ impl Kin {
         kin
     }
 
-    /// The distance between two strands along them, as a factor of that at the root.
+    /// Returns the distance between two strands along them, relative to the distance at the root.
     fn ratios(&self, a: u32, b: u32) -> [f32; PROFILE] {
         let (p, q) = (self.curves.knots(a), self.curves.knots(b));
         let first = p[0].distance(q[0]).max(1e-4);
@@ -75,8 +75,8 @@ impl Kin {
         ratios[KNOTS / 2..].iter().any(|ratio| *ratio < TOGETHER)
     }
 
-    /// Whether two strands run together, so that hair may grow between them: neither apart as at a parting
-    /// nor around the head, of one cut, and both with tips of one kind.
+    /// Returns whether two strands run together, so that hair may grow between them. They must not diverge as at a
+    /// parting, must have similar lengths, and must have both pinned or both free tips.
     pub(super) fn runs_with(&self, a: u32, b: u32) -> bool {
         if a == b {
             return true;
@@ -90,7 +90,7 @@ impl Kin {
         let roots = p[0].distance(q[0]);
         for k in 1..KNOTS {
             let arc = 0.5 * (la + lb) * k as f32 / (KNOTS - 1) as f32;
-            // Near their roots strands that meet go towards each other.
+            // Skip points near the roots, where converging strands point toward each other.
             if arc < 2.0 * roots && k + 1 < KNOTS {
                 continue;
             }
@@ -102,7 +102,7 @@ impl Kin {
         true
     }
 
-    /// Whether the middle between two strands lies in the head though they do not.
+    /// Returns whether the midpoint between two strands lies inside the head although the strands do not.
     fn around_the_head(&self, a: u32, b: u32, field: &SdfGrid) -> bool {
         let clear = &self.curves.clear;
         (1..KNOTS).any(|k| {
@@ -112,7 +112,7 @@ impl Kin {
         })
     }
 
-    /// Whether hair between two strands is a mean of both.
+    /// Returns whether hair between two strands may be a mean of both.
     pub(super) fn mixes(&self, a: u32, b: u32, field: Option<&SdfGrid>) -> bool {
         if !self.runs_with(a, b) || field.is_some_and(|field| self.around_the_head(a, b, field)) {
             return false;
@@ -121,8 +121,8 @@ impl Kin {
         a == b || !either || self.meet(&self.ratios(a, b))
     }
 
-    /// How far apart strands that go with strand `a` lie at the fraction `s`, as a factor of their distance
-    /// at the root.
+    /// Returns the distance between strands beside strand `a` at the fraction `s`, relative to their distance at the
+    /// root.
     pub(super) fn spread(&self, a: u32, s: f32) -> f32 {
         let x = s.clamp(0.0, 1.0) * (PROFILE - 1) as f32;
         let k = (x as usize).min(PROFILE - 2);
@@ -130,7 +130,7 @@ impl Kin {
         lerp(profile[k], profile[k + 1], x - k as f32)
     }
 
-    /// The distance of strand `a` from the head at the fraction `s`, metres; far without a head.
+    /// Returns the distance of strand `a` from the head at the fraction `s`, meters; infinite without a head.
     pub(super) fn clear(&self, a: u32, s: f32) -> f32 {
         let x = s.clamp(0.0, 1.0) * (KNOTS - 1) as f32;
         let k = (x as usize).min(KNOTS - 2);

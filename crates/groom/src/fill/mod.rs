@@ -1,30 +1,29 @@
-//! Hair from guides alone: new strands between the given ones of a groom.
+//! Densifies a groom: interpolates new strands between the input strands.
 //!
-//! Many grooms are guides to be filled, some hundreds of strands where a head has a hundred thousand. Here
-//! any imported groom gets as many strands as are asked for. The given ones stay what they are, to the bit.
+//! Many grooms contain only guides: some hundreds of strands, where a head has a hundred thousand. This module fills
+//! any imported groom up to a given strand count. The input strands stay bit-identical.
 //!
 //! ```text
-//! given strands ─► paths and details ─┐
+//! input strands ─► paths and details ─┐
 //!      roots ─► triangles ─► places ──┴─► parents ─► path, detail, tufts, clear of the head ─► strands
 //! ```
 //!
-//! - The scalp is triangulated between the roots (`surface`), wherever they are; new roots fall on the
-//!   triangles, evenly and as densely as the given ones or a map have it (`place`), and are brought to the
-//!   skin where the given ones grow on it (`skin`).
-//! - A new strand has the strands at the corners of its triangle for parents, but only those that run with
-//!   the nearest of them (`kin`): hair that runs apart at a parting, around the head or in another clump is
-//!   not mixed. So every strand is on one side of a parting, and partings are found, not told.
-//! - Its path is the mean of its parents' paths, with their mean lengths; what one of them does around its
-//!   path, its curls, is carried over as it is (`curves`, `shape`). Where it has one parent only, it lies
-//!   beside that, as far as neighbours are from each other there: clumps close, fans open.
-//! - What is finer than the given strands is added: tufts, frizz, strays (`tufts`).
+//! - The scalp is triangulated between the roots (`surface`). New roots are scattered evenly over the triangles, as
+//!   densely as the input roots or as a map specifies (`place`). If the input strands grow on the skin, new roots are
+//!   projected onto it (`skin`).
+//! - The parents of a new strand are the strands at the corners of its triangle, limited to those that run with the
+//!   nearest of them (`kin`). Hair that diverges at a parting or around the head, or that belongs to different clumps,
+//!   is not mixed. Every strand is thus on one side of a parting, and partings are found automatically.
+//! - The path of a new strand is the mean of its parents' paths, with a length between theirs. Its curls are copied
+//!   unchanged from one parent (`curves`, `shape`). A strand with a single parent lies beside it, at the distance that
+//!   neighbors have there: clumps close, fans open.
+//! - Detail finer than the input strands is added: tufts, frizz, stray hairs (`tufts`).
 //!
-//! New strands are bound to guides through their parents ([`bind_filled`]), with
-//! the representation of all others: what they cost in a frame is what any drawn strand costs.
+//! New strands are bound to guides through their parents ([`bind_filled`]) and have the representation of all other
+//! strands. Each costs as much per frame as any render strand.
 //!
-//! Interpolating between three guides by barycentric weights is what engines do (Nguyen and Donnelly, *Hair
-//! Animation and Rendering in the Nalu Demo*, GPU Gems 2, chapter 23); they leave the choice of what not to
-//! mix to artists.
+//! Engines interpolate between three guides with barycentric weights (Nguyen and Donnelly, *Hair Animation and
+//! Rendering in the Nalu Demo*, GPU Gems 2, chapter 23). They leave it to artists to mark hair that must not be mixed.
 
 mod curves;
 mod followers;
@@ -40,7 +39,7 @@ mod tufts;
 
 pub use followers::follow_with;
 
-use crate::grow::{Growth, Paint, Unrest};
+use crate::grow::{Growth, ScalpPaint, Unrest};
 use crate::random::Rng;
 use crate::scalp::ScalpMap;
 use crate::{
@@ -61,25 +60,25 @@ use skin::Skin;
 use surface::Surface;
 use tufts::Tufts;
 
-const TASK: &str = "growing strands between the given ones";
+const TASK: &str = "filling the groom";
 
-/// How a groom is filled.
+/// Options for filling a groom.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fill {
-    /// Strands in all, the given ones among them, before the map takes some away.
+    /// Total number of strands, input strands included, before the map removes some.
     pub strands: u32,
-    /// Density over the scalp: the share of the new strands that there are, 0 to 1; `None` for all.
+    /// Density over the scalp: the fraction of new strands to keep, 0 to 1; `None` for all.
     pub density: Option<ScalpMap>,
-    /// The middle of the braincase, groom space, metres, from which the map is seen.
+    /// Center of the braincase, groom space, meters; the map is projected from it.
     pub skull: Vec3,
-    /// Neighbouring strands that are at a greater angle anywhere, seen from their roots, are not mixed,
-    /// radians; π for all to be mixed.
+    /// Neighboring strands are not mixed if they diverge by more than this angle anywhere, seen from their roots,
+    /// radians. π mixes all strands.
     pub parting: f32,
-    /// How far new strands beside one given strand run together in tufts at their tips, 0 to 1.
+    /// Strength of the tufts that new strands beside one input strand form toward their tips, 0 to 1.
     pub tufts: f32,
-    /// How single new strands differ; `shorter` is without effect.
+    /// Random variation of single new strands; `shorter` has no effect.
     pub unrest: Unrest,
-    /// What every random choice follows from.
+    /// Seed of every random choice.
     pub seed: u32,
 }
 
@@ -101,11 +100,11 @@ impl Default for Fill {
 
 impl Fill {
     /// The range of [`parting`](Self::parting).
-    #[allow(clippy::approx_constant)] // Ranges are given as literals: their texts are made of them.
+    #[allow(clippy::approx_constant)] // The texts of ranges are made from literals.
     pub const PARTING: Range = range!("parting angle", 0.0 to 3.1415927, "rad");
 
     fn check(&self) -> Result<()> {
-        const TUFTS: Range = range!("strength of tufts", 0.0 to 1.0);
+        const TUFTS: Range = range!("tuft strength", 0.0 to 1.0);
         Self::PARTING.check(self.parting)?;
         TUFTS.check(self.tufts)?;
         self.unrest.check()?;
@@ -117,43 +116,43 @@ impl Fill {
     }
 }
 
-/// What hair grows on; either may be missing.
+/// The head that hair grows on; either part may be missing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Head<'a> {
-    /// Its surface, groom space, metres: new roots lie on it.
+    /// Surface, groom space, meters. New roots lie on it.
     pub mesh: Option<&'a TriMesh>,
-    /// Its distance field: new strands stay outside.
+    /// Distance field. New strands stay outside.
     pub field: Option<&'a SdfGrid>,
 }
 
-/// Given strands and new ones.
-pub struct Filled {
-    /// The given ones first, as they were, then the new ones.
+/// Input strands and new strands.
+pub struct FilledStrands {
+    /// The unchanged input strands, then the new ones.
     pub strands: Strands,
-    /// How many are given.
+    /// Number of input strands.
     pub given: usize,
-    /// What each new strand is made of. Indices are those of the strands that were given to be filled.
+    /// Parents of each new strand. The indices refer to the strands passed to [`fill`].
     pub parents: Vec<Parents>,
-    /// For each given strand that is left, which one it was.
+    /// For each remaining input strand, its index among the strands passed to [`fill`].
     original: Vec<u32>,
-    /// Whether new strands are as dense as a map says already.
+    /// Whether the density of the new strands already follows a map.
     painted: bool,
     kin: Kin,
 }
 
-impl std::fmt::Debug for Filled {
+impl std::fmt::Debug for FilledStrands {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} strands, {} of them given", self.strands.len(), self.given)
     }
 }
 
-impl Filled {
-    /// The same, painted as [`Paint::apply`] does; strands that grew by a map of density are not thinned out
-    /// once more.
+impl FilledStrands {
+    /// Returns the strands painted as by [`Paint::apply`]. New strands that already follow a density map are not
+    /// thinned out again.
     ///
     /// # Errors
-    /// [`Error::Unusable`] when nothing is left.
-    pub fn painted(self, paint: &Paint, skull: Vec3, seed: u32) -> Result<Self> {
+    /// [`Error::Unusable`] if no strand is left.
+    pub fn painted(self, paint: &ScalpPaint, skull: Vec3, seed: u32) -> Result<Self> {
         let dense = if self.painted { self.given } else { self.strands.len() };
         let (strands, kept) = paint.apply_kept(&self.strands, skull, seed, dense)?;
         let given = kept.partition_point(|i| (*i as usize) < self.given);
@@ -163,30 +162,30 @@ impl Filled {
     }
 }
 
-/// [`bind`](crate::bind()) for filled strands: guides are chosen among the given ones, as many as for all strands; new
-/// strands follow the guides of their parents, one to three, and none that runs apart from them.
-/// [`GuideCount::All`](crate::GuideCount::All) makes every given strand a guide.
+/// [`bind`](crate::bind()) for filled strands. Guides are chosen among the input strands, as many as for all strands.
+/// Each new strand follows one to three guides of its parents, and none that runs apart from them.
+/// [`GuideCount::All`](crate::GuideCount::All) makes every input strand a guide.
 ///
 /// # Errors
 /// As [`bind`](crate::bind()).
-pub fn bind_filled(filled: &Filled, options: &BindOptions) -> Result<Groom> {
-    let Filled { strands, given, parents, original, kin, .. } = filled;
+pub fn bind_filled(filled: &FilledStrands, options: &BindOptions) -> Result<Groom> {
+    let FilledStrands { strands, given, parents, original, kin, .. } = filled;
     let runs_with = |a, b| kin.runs_with(a, b);
     let origins = Origins { given: *given, original, parents, runs_with: &runs_with };
-    // Where a map has left none of the given strands, guides are chosen among all.
+    // If a map removed all input strands, guides are chosen among the new ones.
     bind_any(strands, options, (*given > 0).then_some(&origins))
 }
 
-/// Fills `given` (metres, groom space) on `head`. Where there are as many already, nothing changes.
+/// Fills `given` (meters, groom space) on `head`. Returns it unchanged if it already has enough strands.
 ///
 /// # Errors
-/// [`Error::Unusable`] without strands or with a strand of one vertex, [`Error::Parameter`] for more strands
-/// than can be drawn or an angle that is none.
-pub fn fill(given: &Strands, head: Head<'_>, options: &Fill) -> Result<Filled> {
+/// [`Error::Unusable`] without strands or with a strand of one vertex; [`Error::Parameter`] for more strands than can
+/// be rendered or for an option out of range.
+pub fn fill(given: &Strands, head: Head<'_>, options: &Fill) -> Result<FilledStrands> {
     at_once(fill_with(given, head, options, &()))
 }
 
-/// The same, telling `progress`.
+/// [`fill`] that reports to `progress`.
 ///
 /// # Errors
 /// As [`fill`].
@@ -195,7 +194,7 @@ pub async fn fill_with(
     head: Head<'_>,
     options: &Fill,
     progress: &impl Progress,
-) -> Result<Filled> {
+) -> Result<FilledStrands> {
     options.check()?;
     progress.step(TASK, 0.0).await;
     let scalp = Scalp::new(given, head, options.parting)?;
@@ -206,7 +205,7 @@ pub async fn fill_with(
     let density = (given.len() + wanted) as f32 / given.len() as f32;
     let places = thrower.places(count, density, progress, TASK).await;
 
-    let mut grown = Grown::new(given, places.len());
+    let mut grown = NewStrands::new(given, places.len());
     let (shaper, mut line) = (scalp.shaper(head), Vec::new());
     let done = |from: f32, i: usize| from + 0.25 * i as f32 / count as f32;
     for (i, place) in places.iter().enumerate() {
@@ -231,7 +230,7 @@ pub async fn fill_with(
     Ok(grown.filled(given, options.density.is_some(), scalp.kin))
 }
 
-/// What is known of the given strands.
+/// Surface, relations and skin of the input strands.
 struct Scalp {
     surface: Surface,
     kin: Kin,
@@ -241,7 +240,7 @@ struct Scalp {
 impl Scalp {
     fn new(given: &Strands, head: Head<'_>, parting: f32) -> Result<Self> {
         if given.is_empty() {
-            return Err(Error::Unusable("the groom has no strands to grow others between".into()));
+            return Err(Error::Unusable("the groom has no strands, so it cannot be filled".into()));
         }
         if let Some(i) = (0..given.len()).find(|i| given.range(*i).len() < 2) {
             return Err(Error::Unusable(format!("strand {i} has fewer than two vertices")));
@@ -260,7 +259,7 @@ impl Scalp {
         Shaper { kin: &self.kin, field: head.field, skin: self.skin.as_ref() }
     }
 
-    /// The parents of a strand rooted at `place`.
+    /// Chooses the parents of a strand rooted at `place`.
     fn parents(&self, place: &Place, field: Option<&SdfGrid>, rng: &mut Rng) -> Parents {
         let strands = place.sites.map(|site| {
             let all = self.surface.strands(site);
@@ -269,7 +268,7 @@ impl Scalp {
         if place.sites[0] == place.sites[1] {
             return Parents::one(strands[0]);
         }
-        // The nearest decides on which side of a parting it is, and in which clump.
+        // The nearest strand determines the side of the parting and the clump.
         let mut order = [0, 1, 2];
         order.sort_by(|a, b| place.weights[*b].total_cmp(&place.weights[*a]));
         let [near, second, third] = order;
@@ -283,7 +282,8 @@ impl Scalp {
             weights[third] = 0.0;
         }
         let sum: f32 = weights.iter().sum();
-        // Whose curls it has: mostly those of the nearest, so that locks interlock where they meet.
+        // The lead, which provides the curls, is mostly the nearest strand; the random choice lets locks interlock
+        // where they meet.
         let mut chance = rng.unit() * weights.iter().map(|w| w.powi(3)).sum::<f32>();
         let lead = order.into_iter().find(|k| {
             chance -= weights[*k].powi(3);
@@ -295,18 +295,18 @@ impl Scalp {
     }
 }
 
-/// New strands as they are made.
-struct Grown {
+/// New strands under construction.
+struct NewStrands {
     strands: Strands,
     parents: Vec<Parents>,
 }
 
-impl Grown {
+impl NewStrands {
     fn new(given: &Strands, count: usize) -> Self {
         Self { strands: given.clone(), parents: Vec::with_capacity(count) }
     }
 
-    /// A strand along `line` with the attributes of its first parent.
+    /// Adds a strand along `line` with the attributes of its first parent.
     fn push(&mut self, given: &Strands, parents: Parents, line: &[Vec3]) {
         let lead = parents.strands[0] as usize;
         let range = given.range(lead);
@@ -316,13 +316,20 @@ impl Grown {
         strands.colors.extend(given.colors.get(range).into_iter().flatten());
         strands.root_uvs.extend(given.root_uvs.get(lead));
         strands.tip_pinned.extend(given.tip_pinned.get(lead));
-        // New hair is of the group it grows in, and no guide.
+        // New strands belong to the group of their parent and are no guides.
         strands.marks.extend(given.marks.get(lead).map(|mark| Mark { guide: false, ..*mark }));
         self.parents.push(parents);
     }
 
-    fn filled(self, given: &Strands, painted: bool, kin: Kin) -> Filled {
+    fn filled(self, given: &Strands, painted: bool, kin: Kin) -> FilledStrands {
         let original = (0..given.len() as u32).collect();
-        Filled { strands: self.strands, given: given.len(), parents: self.parents, original, painted, kin }
+        FilledStrands {
+            strands: self.strands,
+            given: given.len(),
+            parents: self.parents,
+            original,
+            painted,
+            kin,
+        }
     }
 }

@@ -1,16 +1,16 @@
-//! Nearest points in space, by a tree of planes.
+//! Nearest-neighbor search in space with a k-d tree.
 
 use glam::Vec3;
 
-/// Points in a balanced tree: the middle of every part of [`order`](Self::order) divides the rest along the
-/// axis in which that part is widest.
-pub(super) struct Near<'a> {
+/// Points in a balanced k-d tree: the median of every part of [`order`](Self::order) splits it along the axis of its
+/// largest extent.
+pub(super) struct PointTree<'a> {
     points: &'a [Vec3],
     order: Vec<u32>,
     axes: Vec<u8>,
 }
 
-impl<'a> Near<'a> {
+impl<'a> PointTree<'a> {
     pub(super) fn new(points: &'a [Vec3]) -> Self {
         let mut near =
             Self { points, order: (0..points.len() as u32).collect(), axes: vec![0; points.len()] };
@@ -36,8 +36,8 @@ impl<'a> Near<'a> {
         near
     }
 
-    /// The `count` points nearest to `p` and nearer than `reach` metres, nearest first: squared distances and
-    /// indices, put into `found`.
+    /// Puts the `count` points nearest to `p` and nearer than `reach` meters into `found`, nearest first, as squared
+    /// distances and indices.
     pub(super) fn nearest(&self, p: Vec3, count: usize, reach: f32, found: &mut Vec<(f32, u32)>) {
         found.clear();
         let mut most = reach * reach;
@@ -74,10 +74,10 @@ mod tests {
     use crate::random::Rng;
 
     #[test]
-    fn finds_what_brute_force_finds() {
+    fn nearest_points_match_brute_force() {
         let mut rng = Rng::new(4, 1);
         let points: Vec<Vec3> = (0..500).map(|_| rng.bell3()).collect();
-        let near = Near::new(&points);
+        let near = PointTree::new(&points);
         let mut found = Vec::new();
         for _ in 0..200 {
             let p = 1.2 * rng.bell3();
@@ -89,7 +89,7 @@ mod tests {
             all.retain(|(d, _)| *d <= 1.0);
             assert_eq!(found, all);
         }
-        Near::new(&[]).nearest(Vec3::ZERO, 3, 1.0, &mut found);
+        PointTree::new(&[]).nearest(Vec3::ZERO, 3, 1.0, &mut found);
         assert!(found.is_empty());
     }
 }

@@ -1,9 +1,9 @@
-//! Where new strands are rooted: evenly, as densely as the given ones or as a map has it.
+//! Root placement: scatters new roots evenly, as densely as the input roots or as a map specifies.
 //!
-//! Darts are thrown at the triangles between the given roots, more where roots are denser. One that falls too
-//! near to a root, given or new, is taken back; how near that is follows the density, and where no place is
-//! left it shrinks step by step until there are as many as wanted. What comes out is even in every part
-//! (blue noise), and keeps away from the roots that are there.
+//! The method is dart throwing on the triangles between the input roots, with more darts where roots are denser. A dart
+//! too close to an input root or a new root is rejected. The minimum distance follows the density and shrinks each
+//! round until the requested count is reached. The result is even everywhere (blue noise) and keeps its distance from
+//! the input roots.
 
 use super::surface::{Surface, area_of};
 use crate::{
@@ -14,42 +14,42 @@ use crate::{
 use glam::{IVec3, Vec3};
 use std::{collections::HashMap, f32::consts::TAU};
 
-/// Where a new strand is rooted, before the head is asked.
+/// Root of a new strand before projection onto the head.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
-    /// On the triangle between the given roots.
+    /// Position on the triangle between the input roots.
     pub(super) root: Vec3,
-    /// The sites around it; a lonely one three times.
+    /// Sites around the root; an isolated site three times.
     pub(super) sites: [u32; 3],
-    /// What each counts.
+    /// Barycentric weight of each site.
     pub(super) weights: [f32; 3],
 }
 
-/// The first distance against the largest that so many points could keep from each other.
+/// Minimum distance in the first round, relative to the spacing of a triangular grid of the same density.
 const CLOSE: f32 = 0.74;
 
-/// How far roots stray at the rim of the hair at most, metres.
+/// Maximum random displacement of roots at the rim of the hair, meters.
 const FRAYED: f32 = 0.007;
 
-/// What is left of it in the next round.
+/// Factor on the minimum distance per round.
 const SHRINK: f32 = 0.86;
 
-/// Rounds after which any place is taken.
+/// Rounds after which any place is accepted.
 const ROUNDS: usize = 16;
 
-/// Darts.
+/// Generator of random root positions (darts).
 pub(super) struct Thrower<'a> {
     surface: &'a Surface,
     map: Option<(&'a ScalpMap, Vec3)>,
     seed: u32,
-    /// The weights of triangles, then of lonely sites, summed up.
+    /// Cumulative weights of the triangles, then of the isolated sites.
     sums: Vec<f64>,
-    /// The greatest density within each triangle, against which darts are taken.
+    /// Maximum density within each triangle, for rejection sampling.
     peaks: Vec<f32>,
 }
 
 impl<'a> Thrower<'a> {
-    /// `map` is a density over the scalp as seen from the middle of the skull.
+    /// `map` is a density over the scalp and the center of the skull that it is projected from.
     pub(super) fn new(surface: &'a Surface, map: Option<(&'a ScalpMap, Vec3)>, seed: u32) -> Self {
         let mut sums = Vec::with_capacity(surface.triangles.len() + surface.lonely.len());
         let mut peaks = Vec::with_capacity(surface.triangles.len());
@@ -67,12 +67,12 @@ impl<'a> Thrower<'a> {
         Self { surface, map, seed, sums, peaks }
     }
 
-    /// The share of the hair that the map leaves at `root`.
+    /// Returns the fraction of the hair that the map keeps at `root`.
     fn painted(&self, root: Vec3) -> f32 {
         self.map.map_or(1.0, |(map, skull)| map.sample(scalp_uv(root - skull)).min(1.0))
     }
 
-    /// The share of the hair that the map leaves, by `tries` darts.
+    /// Estimates the fraction of the hair that the map keeps from `tries` darts.
     pub(super) fn share(&self, tries: u32) -> f32 {
         if self.map.is_none() {
             return 1.0;
@@ -83,11 +83,12 @@ impl<'a> Thrower<'a> {
         if count > 0 { sum / count as f32 } else { 0.0 }
     }
 
-    /// The `i`-th dart: where it falls, and the density there, strands per m², before the map.
+    /// Throws the `i`-th dart. Returns its place and the density there (strands per m², before the map), or `None` if
+    /// the dart is rejected.
     pub(super) fn throw(&self, i: u32) -> Option<(Place, f32, Rng)> {
         let mut rng = Rng::new(self.seed ^ 0xda27, i);
         let total = *self.sums.last()?;
-        // 48 bits: triangles are many.
+        // 48 bits, because there can be many triangles.
         let chance = (f64::from(rng.bits() >> 8) + f64::from(rng.bits() >> 8) / 16_777_216.0) / 16_777_216.0;
         let at = self.sums.partition_point(|sum| *sum <= chance * total).min(self.sums.len() - 1);
         let surface = self.surface;
@@ -100,7 +101,7 @@ impl<'a> Thrower<'a> {
             }
             let corners = surface.corners(sites);
             let mut root = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
-            // At the rim roots stray: a hairline is no row of straight edges.
+            // Displace roots at the rim, so that the hairline has no straight edges.
             let rim: f32 = (0..3).filter(|k| surface.rim[sites[*k] as usize]).map(|k| weights[k]).sum();
             if rim > 0.5 {
                 let near = sites[(0..3).fold(0, |m, k| if weights[k] > weights[m] { k } else { m })] as usize;
@@ -120,8 +121,8 @@ impl<'a> Thrower<'a> {
         Some((place, surface.density[site as usize], rng))
     }
 
-    /// `count` places; where the map takes nothing away, all strands are `times` as dense as the given ones.
-    /// Fewer where the map leaves no place at all.
+    /// Returns `count` places, or fewer if the map leaves no room. `times` is the density of all strands relative to
+    /// the input strands where the map removes none.
     pub(super) async fn places(
         &self,
         count: usize,
@@ -130,11 +131,11 @@ impl<'a> Thrower<'a> {
         task: &'static str,
     ) -> Vec<Place> {
         let mut places: Vec<Place> = Vec::with_capacity(count);
-        // As far as so many points could keep from each other.
+        // Spacing of a triangular grid of this density.
         let apart = |density: f32| (2.0 / (3f32.sqrt() * density * times)).sqrt();
-        let mut taken = Taken::new(&self.surface.density, apart, self.map.is_some());
+        let mut taken = RootGrids::new(&self.surface.density, apart, self.map.is_some());
         for (i, root) in (0u32..).zip(&self.surface.sites) {
-            // As many of the given ones make room as the map takes away.
+            // Skip input roots at random where the map removes hair, to make room for new ones.
             if Rng::new(self.seed ^ 0x9a9, i).unit() < self.painted(*root) {
                 taken.add(*root);
             }
@@ -143,7 +144,7 @@ impl<'a> Thrower<'a> {
         let mut dart = 0u32;
         for round in 0..=ROUNDS {
             let tries = (3 * (count - places.len()) + 64) as u32;
-            // In the last round everything counts; a map may still refuse.
+            // The last round accepts any distance; a map may still reject darts.
             let tries = if round == ROUNDS { tries.saturating_mul(64) } else { tries };
             for k in 0..tries {
                 if places.len() == count {
@@ -174,14 +175,14 @@ impl<'a> Thrower<'a> {
     }
 }
 
-/// Roots in grids of cells, one grid for each power of two that distances between roots have.
-struct Taken {
-    /// The size of the smallest cells, metres.
+/// Occupied positions in hash grids, one grid for each power of two of the root distances.
+struct RootGrids {
+    /// Size of the smallest cells, meters.
     finest: f32,
     grids: Vec<HashMap<IVec3, Vec<Vec3>, Hasher>>,
 }
 
-impl Taken {
+impl RootGrids {
     fn new(densities: &[f32], apart: impl Fn(f32) -> f32, painted: bool) -> Self {
         let (lo, hi) = densities
             .iter()
@@ -204,7 +205,7 @@ impl Taken {
         }
     }
 
-    /// Whether a root lies nearer than `radius`.
+    /// Returns whether a root lies nearer than `radius`.
     fn near(&self, root: Vec3, radius: f32) -> bool {
         let level = (0..self.grids.len()).find(|l| self.size(*l) >= radius).unwrap_or(self.grids.len() - 1);
         let size = self.size(level);
@@ -225,7 +226,7 @@ impl Taken {
     }
 }
 
-/// Cells are hashed as they are met most: often, and by nobody who means harm.
+/// Fast hasher for grid cells, without protection against crafted keys.
 #[derive(Clone, Copy, Default)]
 struct Hasher;
 

@@ -1,4 +1,4 @@
-//! The curve of a new strand.
+//! Curve of a new strand.
 
 use super::kin::Kin;
 use super::skin::Skin;
@@ -6,19 +6,19 @@ use crate::random::{Rng, lerp, smoothstep};
 use crate::{SdfGrid, bind::Parents};
 use glam::{Quat, Vec3};
 
-/// How far along the strand the step from the given roots' surface to the skin is spread, metres.
+/// Length over which the offset from the triangulated roots to the skin fades out along the strand, meters.
 const EASE: f32 = 0.03;
 
-/// How far strands keep from the skin where those beside them do, metres.
+/// Clearance that strands keep from the skin if their parents do, meters.
 const CLEARANCE: f32 = 0.001;
 
-/// How much of the difference in length between its parents and their mean a strand has.
+/// Share of one random parent in the length of a strand; the rest is the mean length of the parents.
 const OWN: f32 = 0.6;
 
 /// Rounds of pushing out of the head and restoring lengths.
 const ROUNDS: usize = 3;
 
-/// Makes curves; holds no state between strands.
+/// Builds the curves of new strands; holds no state between strands.
 pub(super) struct Shaper<'a> {
     pub(super) kin: &'a Kin,
     pub(super) field: Option<&'a SdfGrid>,
@@ -26,8 +26,9 @@ pub(super) struct Shaper<'a> {
 }
 
 impl Shaper<'_> {
-    /// Puts the vertices of a strand with these parents into `line`. `root` lies on the surface of the
-    /// given roots; `spreads` tells whether its distance from them changes as theirs from each other does.
+    /// Writes the vertices of a strand with these parents into `line`. `root` lies on the triangulated surface of the
+    /// input roots. With `spreads`, the distance from the parents varies along the strand as the parents' distance from
+    /// their neighbors does.
     pub(super) fn grow(
         &self,
         root: Vec3,
@@ -57,7 +58,7 @@ impl Shaper<'_> {
         let lift = skin.map_or(Vec3::ZERO, |skin| skin - root);
         let ease = EASE.min(0.5 * length);
 
-        // The path, its steps as long as the mean of its parents': the mean of two directions is shorter.
+        // Build the path with the mean step length of the parents, because the mean of two directions is shorter.
         line.clear();
         let mut aside = Vec::with_capacity(range.len());
         let mut places = [0usize; 3];
@@ -87,7 +88,7 @@ impl Shaper<'_> {
         line.iter_mut().zip(&aside).for_each(|(p, aside)| *p += *aside);
         let n = line.len();
 
-        // What the lead does around its path, turned as the paths differ.
+        // Add the detail of the lead, rotated from the lead's path to the new path.
         let path = &curves.path[range.clone()];
         let turned: Vec<Vec3> = (0..n)
             .map(|k| {
@@ -109,8 +110,7 @@ impl Shaper<'_> {
         }
     }
 
-    /// Moves vertices out of the head, where the strand's parents are not in it, and gives edges the lengths
-    /// they had.
+    /// Pushes vertices out of the head, unless the strand's parents are inside it, and restores the edge lengths.
     pub(super) fn clear(&self, line: &mut [Vec3], parents: &Parents) {
         let Some(field) = self.field else { return };
         let along = &self.kin.curves.along[self.kin.curves.range(parents.strands[0])];
@@ -132,7 +132,7 @@ impl Shaper<'_> {
             if !moved {
                 return;
             }
-            // Towards where each was pushed: what lies behind stays where it is.
+            // Aim each edge at the current position of its end, so that later vertices stay in place.
             for k in 1..line.len() {
                 let edge = (line[k] - line[k - 1]).normalize_or(Vec3::NEG_Y);
                 line[k] = line[k - 1] + edge * lengths[k - 1];
@@ -141,12 +141,12 @@ impl Shaper<'_> {
     }
 }
 
-/// The lengths of the edges of `line`.
+/// Returns the edge lengths of `line`.
 pub(super) fn lengths(line: &[Vec3]) -> Vec<f32> {
     line.windows(2).map(|w| w[0].distance(w[1])).collect()
 }
 
-/// Gives the edges of `line` these lengths again; a vertex takes what is behind it along.
+/// Restores the edge lengths of `line`; each vertex carries the later ones along.
 pub(super) fn restore(line: &mut [Vec3], lengths: &[f32]) {
     let Some(mut was) = line.first().copied() else { return };
     for k in 1..line.len() {

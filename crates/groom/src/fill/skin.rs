@@ -1,23 +1,23 @@
-//! The skin under the roots.
+//! Skin under the roots.
 
 use crate::{TriMesh, mesh::Bvh};
 use glam::Vec3;
 
-/// Roots farther than this from the mesh grow on something else, metres: a hair band, a cap.
+/// Roots farther than this from the mesh grow on something else (a hair band, a cap), meters.
 const NEAR: f32 = 0.012;
 
-/// How far beyond the roots the mesh is looked at, metres.
+/// Margin around the roots within which mesh triangles are used, meters.
 const MARGIN: f32 = 0.03;
 
-/// The part of a head that hair grows on.
+/// The part of a head mesh that hair grows on.
 pub(super) struct Skin {
     bvh: Bvh,
-    /// Whether each given strand grows on it.
+    /// Whether each input strand grows on it.
     on: Vec<bool>,
 }
 
 impl Skin {
-    /// The skin of `mesh` around `roots`; `None` where no root is near it.
+    /// Extracts the skin of `mesh` around `roots`. Returns `None` if no root is near it.
     pub(super) fn new(mesh: &TriMesh, roots: &[Vec3]) -> Option<Self> {
         let (lo, hi) = roots.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| {
             (lo.min(*p - MARGIN), hi.max(*p + MARGIN))
@@ -33,7 +33,7 @@ impl Skin {
         on.contains(&true).then_some(Self { bvh, on })
     }
 
-    /// The point of the skin nearest to `root`, where all `parents` grow on it.
+    /// Returns the point of the skin nearest to `root` if all `parents` grow on it.
     pub(super) fn at(&self, root: Vec3, mut parents: impl Iterator<Item = u32>) -> Option<Vec3> {
         let found =
             parents.all(|i| self.on[i as usize]).then(|| self.bvh.closest_point_within(root, 2.0 * NEAR));

@@ -1,44 +1,45 @@
-//! The scalp between the roots: triangles whose corners are roots.
+//! Triangulated scalp surface whose corners are roots.
 //!
-//! Roots lie on a surface, not in a plane, and not all on a head: a tail has its roots on a band, a fur all
-//! over a body. Each root is triangulated with its neighbours in its own tangent plane (its star is that of
-//! its Voronoi cell); a triangle is taken when two of its corners agree on it. Where they do not, one is
-//! missing or overlaps another by a sliver, which hair does not show.
+//! Roots lie on a surface, not in a plane, and not always on a head: a ponytail has its roots on a band, fur on a whole
+//! body. Each root is triangulated with its neighbors in its own tangent plane (its star is the dual of its Voronoi
+//! cell). A triangle is kept if two of its corners agree on it. Where they disagree, a triangle is missing or overlaps
+//! another by a sliver, which is not visible in hair.
 
-use super::near::Near;
+use super::near::PointTree;
 use crate::SdfGrid;
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 
-/// Roots nearer together than this, metres, are one.
+/// Distance below which roots are merged, meters.
 const SAME: f32 = 1e-5;
 
-/// Neighbours that a root is triangulated with.
+/// Number of neighbors that a root is triangulated with.
 const NEIGHBOURS: usize = 32;
 
-/// The largest circle around a triangle against the distance to neighbours: beyond is an edge of the hair.
+/// Maximum circumradius of a triangle, relative to the distance to neighbors. Larger ones lie beyond the edge of the
+/// hair.
 const WIDEST: f32 = 2.2;
 
-/// Half the size of the patch around a root that has no neighbours, metres.
+/// Half the size of the patch around a root without neighbors, meters.
 const ALONE: f32 = 0.004;
 
-/// The scalp as the roots have it.
+/// Scalp surface reconstructed from the roots.
 pub(super) struct Surface {
-    /// Where roots are; several strands may share one.
+    /// Positions of roots; several strands may share one.
     pub(super) sites: Vec<Vec3>,
-    /// Outward, one per site.
+    /// Outward normals, one per site.
     pub(super) normals: Vec<Vec3>,
-    /// Distance to the neighbours, metres, one per site.
+    /// Distance to the neighbors, meters, one per site.
     pub(super) spacing: Vec<f32>,
-    /// Strands per square metre, one per site.
+    /// Strands per square meter, one per site.
     pub(super) density: Vec<f32>,
-    /// Whether hair ends here: one per site.
+    /// Whether the site lies at the edge of the hair, one per site.
     pub(super) rim: Vec<bool>,
-    /// Corners are sites.
+    /// Triangles of site indices.
     pub(super) triangles: Vec<[u32; 3]>,
-    /// Sites in no triangle, and the radius of the patch around each, metres.
+    /// Isolated sites, which are in no triangle, and the radius of the patch around each, meters.
     pub(super) lonely: Vec<(u32, f32)>,
-    /// The site of each strand.
+    /// Site of each strand.
     of: Vec<u32>,
     /// The strands of site `i` are `members[starts[i]..starts[i + 1]]`.
     starts: Vec<u32>,
@@ -46,10 +47,10 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// The surface through `roots`; `outward` is where hair goes from each.
+    /// Builds the surface through `roots`. `outward` is the direction of the hair at each root.
     pub(super) fn new(roots: &[Vec3], outward: &[Vec3], field: Option<&SdfGrid>) -> Self {
         let (sites, of, starts, members) = gather(roots);
-        let near = Near::new(&sites);
+        let near = PointTree::new(&sites);
         let mut surface = Self {
             normals: Vec::with_capacity(sites.len()),
             spacing: Vec::with_capacity(sites.len()),
@@ -91,26 +92,26 @@ impl Surface {
         surface
     }
 
-    /// The strands that are rooted at `site`.
+    /// Returns the strands rooted at `site`.
     pub(super) fn strands(&self, site: u32) -> &[u32] {
         let i = site as usize;
         &self.members[self.starts[i] as usize..self.starts[i + 1] as usize]
     }
 
-    /// Where strand `i` is rooted.
+    /// Returns the site of strand `i`.
     pub(super) fn site(&self, i: u32) -> usize {
         self.of[i as usize] as usize
     }
 
-    /// The corners of a triangle.
+    /// Returns the corners of a triangle.
     pub(super) fn corners(&self, triangle: [u32; 3]) -> [Vec3; 3] {
         triangle.map(|site| self.sites[site as usize])
     }
 
-    /// How dense strands are around each site, and which sites have nothing around them.
+    /// Computes the strand density around each site, the rim and the isolated sites.
     fn weigh(&mut self) {
         let n = self.sites.len();
-        // The third of each triangle is its corner's; what lies beyond the edge of the hair is nobody's.
+        // Each corner owns a third of its triangles. Area beyond the edge of the hair belongs to no site.
         let (mut area, mut angle) = (vec![0.0f32; n], vec![0.0f32; n]);
         for &t in &self.triangles {
             let p = self.corners(t);
@@ -127,7 +128,7 @@ impl Surface {
             (self.strands(i as u32).len() as f32 * around, area[i])
         };
         let mut sums: Vec<(f32, f32)> = (0..n).map(own).collect();
-        // Over the neighbours as well: single roots lie by chance.
+        // Average over the neighbors as well, because single root positions are random.
         for t in &self.triangles {
             for k in 0..3 {
                 let (a, b) = (t[k] as usize, t[(k + 1) % 3] as usize);
@@ -142,7 +143,7 @@ impl Surface {
             self.density[i] = self.strands(i as u32).len() as f32 / (std::f32::consts::PI * radius * radius);
             self.lonely.push((i as u32, radius));
         }
-        // No place is so crowded or so empty that nothing else counts.
+        // Limit the range of densities, so that no site dominates.
         let mut sorted = self.density.clone();
         sorted.sort_by(f32::total_cmp);
         let middle = sorted[sorted.len() / 2];
@@ -152,14 +153,15 @@ impl Surface {
     }
 }
 
-/// The area of a triangle, m².
+/// Returns the area of a triangle, m².
 pub(super) fn area_of([a, b, c]: [Vec3; 3]) -> f32 {
     0.5 * (b - a).cross(c - a).length()
 }
 
-/// Sites, the site of each strand, and the strands of each site: where they start, and which they are.
+/// Merges coincident roots. Returns the sites, the site of each strand, and the strands of each site as start offsets
+/// and indices.
 fn gather(roots: &[Vec3]) -> (Vec<Vec3>, Vec<u32>, Vec<u32>, Vec<u32>) {
-    // By cells of the size within which roots are one; a pair on a border stays two, which does no harm.
+    // Roots in the same cell are merged. A pair across a cell border stays separate, which is harmless.
     let mut cells: HashMap<[i64; 3], u32> = HashMap::new();
     let mut sites: Vec<Vec3> = Vec::new();
     let of: Vec<u32> = roots
@@ -186,12 +188,13 @@ fn gather(roots: &[Vec3]) -> (Vec<Vec3>, Vec<u32>, Vec<u32>, Vec<u32>) {
     (sites, of, starts, members)
 }
 
-/// The outward direction at a root: that of the head where there is one, else across its neighbours.
+/// Returns the outward normal at a root: of the head's distance field near the head, else of the plane through its
+/// neighbors.
 fn normal(site: Vec3, found: &[(f32, u32)], sites: &[Vec3], way: Vec3, field: Option<&SdfGrid>) -> Vec3 {
     if let Some(field) = field.filter(|field| field.sample(site).abs() < 0.02) {
         return field.normal(site);
     }
-    // The plane through the nearest: the axis along which its equation is best determined.
+    // Fit a plane through the nearest neighbors, solved for the axis whose equation is best determined.
     let (mut diagonal, mut mixed) = (Vec3::ZERO, Vec3::ZERO);
     for (_, j) in &found[..found.len().min(12)] {
         let d = sites[*j as usize] - site;
@@ -212,24 +215,25 @@ fn normal(site: Vec3, found: &[(f32, u32)], sites: &[Vec3], way: Vec3, field: Op
     if plane.dot(way) < 0.0 { -plane } else { plane }
 }
 
-/// The two other corners of each triangle around `site`, in its tangent plane, whose circle is no larger than
+/// Returns the two other corners of each triangle around `site`, in its tangent plane, with a circumradius of at most
 /// `widest`.
 fn star(site: Vec3, normal: Vec3, widest: f32, found: &[(f32, u32)], sites: &[Vec3]) -> Vec<[u32; 2]> {
     const NOBODY: u32 = u32::MAX;
     let u = normal.any_orthonormal_vector();
     let v = normal.cross(u);
     let corner = |x: f32, y: f32| (Vec2::new(x, y) * widest, NOBODY);
-    // The Voronoi cell: corners in order, each with the neighbour across the side that begins there.
+    // The Voronoi cell: corners in order, each with the neighbor across the side that begins there.
     let mut cell = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
     let mut cut: Vec<(Vec2, u32)> = Vec::new();
     for &(squared, j) in found {
         let away = sites[j as usize] - site;
         let mut flat = Vec2::new(away.dot(u), away.dot(v));
-        // Neighbours on another sheet, as behind an ear, are none.
+        // Skip neighbors on another sheet of the surface, for example behind an ear.
         if flat.length_squared() < 0.25 * squared {
             continue;
         }
-        // Four corners of a square have one circle: a hair's breadth decides, the same for all of them.
+        // Four corners of a square have one circumcircle. A small offset per neighbor breaks the tie, the same way for
+        // all of them.
         flat *= 1.0 + 1e-4 * (crate::hash::pcg(j) >> 8) as f32 / 16_777_216.0;
         let half = 0.5 * flat.length_squared();
         let side = |p: Vec2| p.dot(flat) - half;
@@ -262,19 +266,19 @@ mod tests {
     use crate::scalp::spread_direction;
 
     #[test]
-    fn a_scalp_is_covered_once() {
-        // Directions spread over the part of a ball that holds a scalp.
+    fn triangles_cover_a_scalp_once() {
+        // Directions spread over the part of a sphere that holds a scalp.
         let roots: Vec<Vec3> = (0..900).map(|i| 0.09 * spread_direction(i, Vec2::new(0.1, 0.4))).collect();
         let outward: Vec<Vec3> = roots.iter().map(|p| p.normalize()).collect();
         let surface = Surface::new(&roots, &outward, None);
         assert!(surface.lonely.is_empty());
         let normals = surface.normals.iter().zip(&outward).map(|(a, b)| a.dot(*b)).fold(1.0, f32::min);
         assert!(normals > 0.97, "{normals}");
-        // The cap up to 2.4 radians, less what lies beyond its outermost roots.
+        // The cap up to 2.4 radians, minus the area beyond its outermost roots.
         let area: f32 = surface.triangles.iter().map(|t| area_of(surface.corners(*t))).sum();
         let cap = std::f32::consts::TAU * 0.09f32.powi(2) * (1.0 - 2.4f32.cos());
         assert!((0.93..1.01).contains(&(area / cap)), "{}", area / cap);
-        // Each inner side belongs to two triangles.
+        // Each inner edge belongs to two triangles.
         let mut sides: HashMap<[u32; 2], u32> = HashMap::new();
         for t in &surface.triangles {
             for k in 0..3 {
@@ -289,14 +293,14 @@ mod tests {
     }
 
     #[test]
-    fn roots_in_rows_and_on_heaps_are_no_trouble() {
+    fn collinear_and_coincident_roots_are_handled() {
         let line: Vec<Vec3> = (0..9).map(|i| Vec3::X * i as f32 * 0.01).collect();
         let up = vec![Vec3::Y; 9];
         let surface = Surface::new(&line, &up, None);
         assert_eq!((surface.triangles.len(), surface.lonely.len()), (0, 9));
         let surface = Surface::new(&[Vec3::X; 5], &up[..5], None);
         assert_eq!((surface.sites.len(), surface.strands(0)), (1, &[0, 1, 2, 3, 4][..]));
-        // A square grid, where four roots have one circle, is covered without holes.
+        // A square grid, where four roots share a circumcircle, is covered without holes.
         let grid: Vec<Vec3> =
             (0..100).map(|i| Vec3::new((i % 10) as f32, 0.0, (i / 10) as f32) * 0.01).collect();
         let surface = Surface::new(&grid, &[Vec3::Y; 100], None);

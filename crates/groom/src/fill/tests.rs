@@ -1,20 +1,20 @@
-//! What holds of every groom that is filled, on grooms whose answers are known.
+//! Tests of filling on grooms with known answers.
 
 use super::*;
 use crate::{BindOptions, Followers, GuideCount, bind, bind_filled, curve, mesh::Bvh, scalp::scalp_uv};
 use glam::{Vec2, Vec3};
 
-/// The radius of the ball that strands of these tests grow on, metres.
+/// Radius of the sphere that the test strands grow on, meters.
 const BALL: f32 = 0.09;
 
-/// Even roots on the upper half of a ball.
+/// Evenly spread roots on the upper half of a sphere.
 fn roots(count: u32) -> Vec<Vec3> {
     let start = Vec2::new(0.3, 0.6);
     let all = (0..).map(|i| BALL * crate::scalp::spread_direction(i, start));
     all.filter(|p| p.y > 0.2 * BALL).take(count as usize).collect()
 }
 
-/// Hair that falls to the left or to the right of the plane x = 0, at once and for good.
+/// Hair that falls to the left or to the right of the plane x = 0 from the root on.
 fn parted(count: u32) -> Strands {
     let mut strands = Strands::default();
     for (i, root) in roots(count).into_iter().enumerate() {
@@ -31,7 +31,7 @@ fn parted(count: u32) -> Strands {
     strands
 }
 
-/// Locks that curl: each a helix around its own straight axis.
+/// Curly locks: each a helix around its own straight axis.
 fn curly(count: u32, radius: f32, pitch: f32) -> Strands {
     let mut strands = Strands::default();
     for (i, root) in roots(count).into_iter().enumerate() {
@@ -50,23 +50,23 @@ fn curly(count: u32, radius: f32, pitch: f32) -> Strands {
     strands
 }
 
-fn filled(given: &Strands, count: u32) -> Filled {
+fn filled(given: &Strands, count: u32) -> FilledStrands {
     fill(given, Head::default(), &Fill { strands: count, ..Fill::default() }).unwrap()
 }
 
-/// The new strands, each with its parents.
-fn new(filled: &Filled) -> impl Iterator<Item = (&[Vec3], &Parents)> {
+/// Iterates over the new strands with their parents.
+fn new(filled: &FilledStrands) -> impl Iterator<Item = (&[Vec3], &Parents)> {
     filled.strands.iter().skip(filled.given).zip(&filled.parents)
 }
 
 #[test]
-fn given_strands_stay_to_the_bit() {
+fn input_strands_stay_bit_identical() {
     let given = parted(300);
     let filled = filled(&given, 4000);
     assert_eq!((filled.strands.len(), filled.given, filled.parents.len()), (4000, 300, 3700));
     let bits = |p: &[Vec3]| p.iter().flat_map(|p| p.to_array().map(f32::to_bits)).collect::<Vec<_>>();
     assert_eq!(bits(&filled.strands.positions[..given.positions.len()]), bits(&given.positions));
-    // And packed as they are drawn: rest curves and boxes are those of the groom alone.
+    // Packing keeps them too: rest curves and boxes are the same as without new strands.
     for guides in [GuideCount::All, GuideCount::OneIn(16), GuideCount::Count(40)] {
         let options = BindOptions { guides, ..BindOptions::default() };
         let (alone, among) = (bind(&given, &options).unwrap(), bind_filled(&filled, &options).unwrap());
@@ -82,25 +82,21 @@ fn given_strands_stay_to_the_bit() {
             );
         }
     }
-    // The comparer sees one bit.
-    let mut other = given.clone();
-    other.positions[7].x = f32::from_bits(other.positions[7].x.to_bits() ^ 1);
-    assert_ne!(bits(&other.positions), bits(&given.positions));
 }
 
 #[test]
-fn the_same_seed_is_the_same_hair() {
+fn same_seed_gives_same_strands() {
     let given = parted(200);
     let grow =
         |seed| fill(&given, Head::default(), &Fill { strands: 1500, seed, ..Fill::default() }).unwrap();
     assert_eq!(grow(5).strands, grow(5).strands);
     assert_ne!(grow(5).strands, grow(6).strands);
-    // What is there already stays.
+    // A count below the number of input strands changes nothing.
     assert_eq!(filled(&given, 100).strands, given);
 }
 
-/// How many new strands have parents on both sides, how many follow guides on both sides, and how many have a
-/// vertex behind the plane of the parting.
+/// Counts new strands with parents on both sides, with guides on both sides, and with a vertex behind the plane of the
+/// parting.
 fn mixed(parting: f32, guides: GuideCount) -> [usize; 3] {
     let given = parted(500);
     let filled = fill(&given, Head::default(), &Fill { strands: 8000, parting, ..Fill::default() }).unwrap();
@@ -117,7 +113,7 @@ fn mixed(parting: f32, guides: GuideCount) -> [usize; 3] {
         let weights = [1.0 - b.weight_b - b.weight_c, b.weight_b, b.weight_c];
         let followed = b.guides.iter().zip(weights).filter(|(_, w)| *w > 0.0);
         counts[1] += usize::from(both(&mut followed.map(|(g, _)| groom.guides.guide(*g as usize)[0].x)));
-        // Where it goes: to one side, whole.
+        // The whole strand must stay on the side of its lead.
         let side = given.strand(parents.strands[0] as usize)[0].x.signum();
         counts[2] += usize::from(line.iter().any(|p| p.x * side < -0.01));
     }
@@ -129,13 +125,13 @@ fn no_strand_crosses_a_parting() {
     for guides in [GuideCount::All, GuideCount::OneIn(16), GuideCount::Count(60)] {
         assert_eq!(mixed(Fill::default().parting, guides), [0; 3], "{guides:?}");
     }
-    // Without the check there are hundreds.
+    // Without the check, hundreds are mixed.
     let unchecked = mixed(std::f32::consts::PI, GuideCount::All);
     assert!(unchecked[0] > 200 && unchecked[1] > 200, "{unchecked:?}");
 }
 
 #[test]
-fn lengths_lie_within_those_of_the_parents() {
+fn lengths_lie_between_parent_lengths() {
     for given in [parted(300), curly(150, 0.004, 0.02)] {
         let filled = filled(&given, 2000);
         let mut outside = 0;
@@ -149,9 +145,9 @@ fn lengths_lie_within_those_of_the_parents() {
     }
 }
 
-/// Root mean square distance from the axis and way along it per turn, of the middle of a curl.
+/// Measures the middle of a curl: root mean square distance from the axis, and advance along the axis per turn.
 fn measure(line: &[Vec3]) -> [f32; 2] {
-    // The axis: the mean direction over whole turns is that between points a turn apart; by least squares.
+    // First estimate of the axis: the slope of the points by least squares.
     let part = &line[8..line.len() - 8];
     let n = part.len() as f32;
     let middle = part.iter().sum::<Vec3>() / n;
@@ -159,7 +155,7 @@ fn measure(line: &[Vec3]) -> [f32; 2] {
         part.iter().enumerate().map(|(k, p)| (*p - middle) * (k as f32 - (n - 1.0) / 2.0)).sum();
     let mut axis = slope.normalize();
     for _ in 0..20 {
-        // Powers of the scatter: the longest axis of the cloud is that of the curl.
+        // Power iteration on the scatter matrix: the longest axis of the points is the axis of the curl.
         axis = part.iter().map(|p| (*p - middle) * (*p - middle).dot(axis)).sum::<Vec3>().normalize();
     }
     let u = axis.any_orthonormal_vector();
@@ -173,7 +169,7 @@ fn measure(line: &[Vec3]) -> [f32; 2] {
 }
 
 #[test]
-fn curls_are_carried() {
+fn curls_keep_radius_and_pitch() {
     let (radius, pitch) = (0.005, 0.024);
     let given = curly(300, radius, pitch);
     let [r, p] = measure(given.strand(11));
@@ -186,7 +182,7 @@ fn curls_are_carried() {
     let off = |m: &&[f32; 2]| (m[0] / radius - 1.0).abs() > 0.05 || (m[1] / pitch - 1.0).abs() > 0.05;
     let off = all.iter().filter(off).count() as f32 / all.len() as f32;
     assert!(off < 0.05, "{off} of the strands are more than 5 % off");
-    // The mean of three curls is none: what blends them as they are is found out.
+    // The mean of three curls is no curl: this measure detects blended vertices.
     let blend = |parents: &Parents| -> Vec<Vec3> {
         (0..64).map(|k| parents.iter().map(|(i, w)| w * given.strand(i as usize)[k]).sum::<Vec3>()).collect()
     };
@@ -195,9 +191,9 @@ fn curls_are_carried() {
     assert!(blended < 0.8 * radius, "{blended}");
 }
 
-/// The distance of each point from the nearest other, against that of a perfect triangular grid of as many.
+/// Returns the distance of each point to its nearest neighbor, relative to a triangular grid of the same count.
 fn apart(points: &[Vec3], area: f32) -> Vec<f32> {
-    let near = near::Near::new(points);
+    let near = near::PointTree::new(points);
     let perfect = (2.0 * area / (3f32.sqrt() * points.len() as f32)).sqrt();
     let mut found = Vec::new();
     let nearest = points.iter().map(|p| {
@@ -210,7 +206,7 @@ fn apart(points: &[Vec3], area: f32) -> Vec<f32> {
 #[test]
 fn roots_are_even_and_on_the_skin() {
     let given = parted(260);
-    // A head finer than the guides are apart; its triangles sag less than 0.1 mm.
+    // A head mesh finer than the spacing of the guides; its triangles sag less than 0.1 mm.
     let mesh = crate::mesh::shapes::sphere(BALL, 160);
     let head = Head { mesh: Some(&mesh), field: None };
     let filled = fill(&given, head, &Fill { strands: 6000, ..Fill::default() }).unwrap();
@@ -218,7 +214,7 @@ fn roots_are_even_and_on_the_skin() {
     let roots: Vec<Vec3> = filled.strands.iter().map(|line| line[0]).collect();
     let far = roots.iter().map(|p| bvh.closest_point(*p).unwrap().distance).fold(0.0, f32::max);
     assert!(far < 1e-3, "{far}");
-    // On the flat triangles they are not: the check can fail.
+    // Roots on the flat triangles between guides fail the check.
     let flat = super::tests::filled(&given, 6000);
     let sag =
         flat.strands.iter().map(|line| bvh.closest_point(line[0]).unwrap().distance).fold(0.0, f32::max);
@@ -236,7 +232,7 @@ fn roots_are_even_and_on_the_skin() {
         [all.iter().sum::<f32>() / all.len() as f32, least(0.01)]
     };
     let [mean, least] = spread(&roots[filled.given..]);
-    // White noise: as many places without a thought for each other.
+    // White noise: the same number of independent random places.
     let thrower = Thrower::new(&surface, None, 3);
     let white: Vec<Vec3> =
         (0..).filter_map(|i| thrower.throw(i)).map(|dart| dart.0.root).take(roots.len() - 260).collect();
@@ -246,7 +242,7 @@ fn roots_are_even_and_on_the_skin() {
 }
 
 #[test]
-fn density_follows_the_given_roots_or_a_map() {
+fn density_follows_input_roots_or_map() {
     // Twice as dense in front.
     let mut given = Strands::default();
     let mut rng = Rng::new(9, 1);
@@ -256,7 +252,7 @@ fn density_follows_the_given_roots_or_a_map() {
         }
     }
     let front = |strands: &Strands, from: usize| {
-        // Away from the border between both and from the edges.
+        // Count away from the border between the halves and from the edges.
         let there = |z: f32| {
             strands.iter().skip(from).filter(|s| s[0].y > 0.4 * BALL && s[0].z * z > 0.01).count() as f32
         };
@@ -278,7 +274,7 @@ fn density_follows_the_given_roots_or_a_map() {
     let black = Fill { strands: 500, density: Some(ScalpMap::from_fn(2, |_| 0.0)), ..Fill::default() };
     let bald = fill(&parted(40), Head::default(), &black).unwrap();
     assert_eq!(bald.strands.len(), 40);
-    let paint = Paint { density: Some(map), ..Paint::default() };
+    let paint = ScalpPaint { density: Some(map), ..ScalpPaint::default() };
     let thinned = painted.painted(&paint, Vec3::ZERO, 1).unwrap();
     assert!(thinned.given < 300 && thinned.strands.len() - thinned.given == thinned.parents.len());
     assert!(bind_filled(&thinned, &BindOptions::default()).is_ok());
@@ -290,7 +286,7 @@ fn density_follows_the_given_roots_or_a_map() {
 
 #[test]
 fn clumps_stay_clumps() {
-    // Every dozen of roots meets at a tip of its own, whose neighbours are as far as the clumps' middles.
+    // About twelve roots converge at the tip of each clump. Tips are as far apart as the centers of the clumps.
     let centres: Vec<Vec3> = roots(60);
     let mut given = Strands::default();
     for root in roots(720) {
@@ -319,12 +315,12 @@ fn clumps_stay_clumps() {
     };
     let calm = Unrest { frizz: 0.0, stray: 0.0, flyaway: 0.0, ..Fill::default().unrest };
     let (old, new) = (off(&given, 0), grow(Fill { tufts: 0.0, unrest: calm, ..Fill::default() }));
-    // Tips of clumps lie some 25 mm apart: hair between two would be 8 mm and more from both.
+    // Tips of clumps are about 25 mm apart: hair between two would be at least 8 mm from both.
     assert!(new[0] < old[0] + 5e-4 && new[1] < old[1] + 2e-3, "{old:?} {new:?}");
-    // What strays, strays by 3 mm.
+    // Stray hairs deviate by 3 mm.
     let strays = grow(Fill::default());
     assert!(strays[0] < new[0] + 1e-3 && strays[1] < new[1] + 3e-3, "{new:?} {strays:?}");
-    // Means of whatever is around a place are between clumps.
+    // Means of all surrounding strands lie between clumps.
     let surface = Scalp::new(&given, Head::default(), 1.0).unwrap().surface;
     let thrower = Thrower::new(&surface, None, 3);
     let mut means = Strands::default();
@@ -338,7 +334,7 @@ fn clumps_stay_clumps() {
 }
 
 #[test]
-fn followers_lie_around_their_strands() {
+fn child_strands_stay_near_their_guide() {
     let given = parted(100);
     let follow = |followers: &[Followers], most| {
         crate::progress::at_once(follow_with(&given, Head::default(), followers, most, 1, &()))
@@ -349,12 +345,12 @@ fn followers_lie_around_their_strands() {
     for (line, parents) in new(&all) {
         let guide = given.strand(parents.strands[0] as usize);
         let away: Vec<f32> = line.iter().zip(guide).map(|(a, b)| a.distance(*b)).collect();
-        // As long as their guide, they drift where it bends.
+        // The children are as long as their guide, so they drift where it bends.
         assert!(away[0] <= 0.00201 && away.iter().all(|d| (2e-4..=0.0025).contains(d)), "{away:?}");
     }
-    // A map thins them out as it does their strands.
+    // A map thins them out like their guides.
     let density = Some(ScalpMap::from_fn(4, |_| 0.5));
-    let half = all.painted(&Paint { density, ..Paint::default() }, Vec3::ZERO, 1).unwrap();
+    let half = all.painted(&ScalpPaint { density, ..ScalpPaint::default() }, Vec3::ZERO, 1).unwrap();
     assert!((150..350).contains(&half.strands.len()) && bind_filled(&half, &BindOptions::default()).is_ok());
     assert_eq!(follow(&[four], 150).unwrap().strands.len(), 150);
     assert_eq!(follow(&[four], 50).unwrap().strands.len(), 100);
@@ -364,14 +360,14 @@ fn followers_lie_around_their_strands() {
     let sentence = |followers| follow(&[followers], u32::MAX).unwrap_err().to_string();
     assert!(sentence(Followers { count: u32::MAX, radius: None }).contains("429496729600 strands"));
     for radius in [f32::NAN, -1.0, f32::INFINITY, 50.0] {
-        assert!(sentence(Followers { count: 1, radius: Some(radius) }).contains("radius of followers"));
+        assert!(sentence(Followers { count: 1, radius: Some(radius) }).contains("child strand radius"));
     }
     assert!(follow(&[four, four], 9).is_err());
 }
 
 #[test]
 fn hair_stays_out_of_the_head() {
-    // Hair that lies on the ball and falls along it; between two strands a straight way leads through.
+    // Hair that falls along the surface of the sphere; a straight line between two strands passes through it.
     let field = SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 65, |p| p.length() - BALL);
     let mut given = Strands::default();
     for root in roots(80) {
@@ -394,13 +390,13 @@ fn hair_stays_out_of_the_head() {
     let mesh = crate::mesh::shapes::sphere(BALL, 160);
     let [least, most] = deepest(Head { mesh: Some(&mesh), field: Some(&field) });
     assert!(least > -1.5e-3 && most > -5e-4, "{least} {most}");
-    // Who does not look goes through.
+    // Without a head, hair passes through the sphere.
     let [least, most] = deepest(Head::default());
     assert!(least < -4e-3 && most < -2e-3, "{least} {most}");
 }
 
 #[test]
-fn odd_grooms_are_filled_or_refused() {
+fn degenerate_grooms_are_filled_or_rejected() {
     let line = |root: Vec3| [root, root + 0.05 * Vec3::Y, root + 0.1 * Vec3::Y];
     let grow = |roots: &[Vec3], count: u32| {
         let mut strands = Strands::default();
@@ -415,19 +411,19 @@ fn odd_grooms_are_filled_or_refused() {
         assert!(bind_filled(&filled, &BindOptions::default()).is_ok());
         reach.fold(0.0, f32::max)
     };
-    // One, two, many at one place, a row: a tuft around each.
+    // One root, two, many coincident ones, a row: a tuft grows around each.
     assert!(grow(&[Vec3::ZERO], 500) < 0.01);
     assert!(grow(&[Vec3::ZERO, Vec3::X * 0.5], 500) < 0.01);
     assert!(grow(&[Vec3::ONE; 30], 500) < 0.01);
     assert!(grow(&[Vec3::ZERO, Vec3::X * 0.01, Vec3::X * 0.02], 400) < 0.01);
-    // Three far from each other make a triangle.
+    // Three distant roots form a triangle.
     assert!(grow(&[Vec3::ZERO, Vec3::X * 0.02, Vec3::Z * 0.02], 400) < 0.02);
     let refused = |strands: &Strands, options: Fill| fill(strands, Head::default(), &options).unwrap_err();
     assert!(refused(&Strands::default(), Fill::default()).to_string().contains("no strands"));
     let mut short = Strands::default();
     short.push(&[Vec3::X]);
     assert!(refused(&short, Fill::default()).to_string().contains("strand 0"));
-    // More vertices than are drawn: those who repair nothing.
+    // Strands with more vertices than render strands have, as in a groom that was not repaired.
     let field = SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 33, |p| p.length() - BALL);
     let mut long = Strands::default();
     let line = |root: Vec3| (0..150).map(move |k| root * (1.0 - 0.001 * k as f32)).collect::<Vec<_>>();

@@ -1,35 +1,35 @@
-//! What is finer than the given strands: tufts, frizz and single hairs that stray.
+//! Detail finer than the input strands: tufts, frizz and stray hairs.
 //!
-//! Strands that lie beside one given strand would be as parallel as a comb's teeth. They gather in tufts of
-//! some millimetres, as hair does; where the given strands are nearer to each other than that, they are its
-//! tufts, and what is between them fills. Only strands of one lead gather: what they do around
-//! their paths is the same, so that curls stay, and none leaves its clump or its side of a parting.
+//! Strands beside one input strand would be as parallel as the teeth of a comb. Real hair gathers in tufts of some
+//! millimeters. Input strands that are closer together are tufts already, and new strands fill the space between them.
+//! Only strands with the same lead gather: they have the same detail around their paths, so curls stay, and no strand
+//! leaves its clump or its side of a parting.
 
 use super::shape::{lengths, restore};
-use super::{Fill, Grown, surface::Surface};
+use super::{Fill, NewStrands, surface::Surface};
 use crate::grow::unrest;
 use crate::random::{Rng, smoothstep};
 use glam::Vec3;
 use std::collections::HashMap;
 
-/// Distance between the centres of tufts, metres.
+/// Distance between the centers of tufts, meters.
 const SPACING: f32 = 0.0055;
 
-/// From the first to the second distance of the given strands, against [`SPACING`], there come to be tufts.
+/// Range of the spacing of the input strands, relative to [`SPACING`], over which tufts fade in.
 const SPARSE: [f32; 2] = [0.5, 1.5];
 
-/// The new strands that others gather around.
+/// Tufts of new strands, each around a center strand.
 pub(super) struct Tufts {
-    /// For each new strand the beginning of its centre's vertices, and how firm its tuft can be, 0 to 1;
-    /// `None` for one that has no other.
+    /// For each new strand, the first vertex of its center in `lines` and the maximum strength of its tuft, 0 to 1;
+    /// `None` for a strand that is a center itself.
     of: Vec<Option<(u32, f32)>>,
-    /// The vertices of the centres.
+    /// Vertices of the centers.
     lines: Vec<Vec3>,
 }
 
 impl Tufts {
-    /// The tufts of the new strands behind the first `given`, which `surface` has the roots of.
-    pub(super) fn new(grown: &Grown, given: usize, surface: &Surface) -> Self {
+    /// Groups the new strands, which follow the first `given` ones, into tufts. `surface` provides the root spacing.
+    pub(super) fn new(grown: &NewStrands, given: usize, surface: &Surface) -> Self {
         let mut tufts = Self { of: Vec::with_capacity(grown.parents.len()), lines: Vec::new() };
         let mut centres: HashMap<u32, Vec<u32>> = HashMap::new();
         for (i, parents) in grown.parents.iter().enumerate() {
@@ -51,12 +51,12 @@ impl Tufts {
         tufts
     }
 
-    /// Draws new strand `i` to the centre of its tuft and lets it stray; its edges keep their lengths.
+    /// Pulls new strand `i` toward the center of its tuft and adds stray offsets; edges keep their lengths.
     pub(super) fn comb(&self, i: usize, options: &Fill, rng: &mut Rng, line: &mut [Vec3]) {
         let last = (line.len() - 1) as f32;
         let lengths = lengths(line);
         let stray = rng.unit();
-        // Those that stray most belong to none.
+        // Flyaways follow their tuft only weakly.
         let held = if stray < options.unrest.flyaways { 0.3 } else { rng.range(0.5, 1.0) };
         if let Some((at, firm)) = self.of[i] {
             let mut own = Rng::new(options.seed ^ 0xbeef, at);

@@ -1,7 +1,7 @@
-//! Line elements chained to strands.
+//! Joins line elements into strands.
 
-/// Joins elements end to end. An element of more than two vertices keeps its direction; where all
-/// have two, a strand starts at its end with the lower index.
+/// Joins elements of two vertices end to end. A joined strand starts at its end with the lower index. Returns the
+/// elements unchanged if one has more than two vertices or if a vertex has more than two neighbors.
 pub(super) fn chain(elements: Vec<Vec<usize>>, vertices: usize) -> Vec<Vec<usize>> {
     let mut ends: Vec<Vec<usize>> = vec![Vec::new(); vertices];
     for (i, e) in elements.iter().enumerate() {
@@ -15,7 +15,7 @@ pub(super) fn chain(elements: Vec<Vec<usize>>, vertices: usize) -> Vec<Vec<usize
     }
     let mut used = vec![false; elements.len()];
     let mut strands = Vec::new();
-    // Free ends first; what is left after them are closed rings, cut at their lowest vertex.
+    // Open strands first. The remaining elements form closed rings, which are cut at their lowest vertex.
     for free in [true, false] {
         for start in 0..vertices {
             if free != (ends[start].len() == 1) {
@@ -28,7 +28,7 @@ pub(super) fn chain(elements: Vec<Vec<usize>>, vertices: usize) -> Vec<Vec<usize
                 strand.push(at);
             }
             if strand.len() == 2 {
-                // An element of its own keeps its direction too.
+                // A strand of a single element keeps its direction.
                 strand.clone_from(&elements[ends[start][0]]);
             }
             if strand.len() > 1 {
@@ -44,13 +44,13 @@ mod tests {
     use super::chain;
 
     #[test]
-    fn edges_become_strands_whatever_their_order() {
+    fn edges_join_in_any_order() {
         let edges = vec![vec![2, 1], vec![4, 3], vec![0, 1]];
         assert_eq!(chain(edges, 5), vec![vec![0, 1, 2], vec![4, 3]]);
     }
 
     #[test]
-    fn whole_strands_and_forks_stay_as_they_are() {
+    fn whole_strands_and_forks_are_unchanged() {
         let whole = vec![vec![3, 2, 1], vec![0, 4, 5]];
         assert_eq!(chain(whole.clone(), 6), whole);
         let fork = vec![vec![0, 1], vec![0, 2], vec![0, 3]];

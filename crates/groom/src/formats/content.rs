@@ -1,9 +1,9 @@
-//! What files can hold.
+//! Kinds of data that a file can hold.
 
-/// Something that a file can hold.
+/// A kind of data that a file can hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
-    /// Strands: their vertices.
+    /// Vertices of strands.
     Strands,
     /// Widths along strands.
     Widths,
@@ -11,17 +11,17 @@ pub enum Content {
     Colors,
     /// Texture coordinates of roots on the scalp.
     RootUvs,
-    /// Tips that are fixed to the head as roots are.
+    /// Tips pinned to the head, as roots are.
     PinnedTips,
-    /// Marks of guides, numbers and groups of strands, and the guides that strands follow.
+    /// Guide marks, ids and groups of strands, and the guides that each strand follows.
     Guides,
-    /// The number of followers around each strand.
+    /// Number of child strands around each strand.
     Followers,
-    /// The material of the hair.
+    /// Hair material.
     Look,
     /// Unit and axes.
     Units,
-    /// Hair that moves, frame by frame.
+    /// Positions of moving hair, frame by frame.
     Frames,
     /// A triangle mesh.
     Mesh,
@@ -31,12 +31,12 @@ pub enum Content {
     Rig,
     /// Animations of the joints and blend shapes.
     Animations,
-    /// The data that opening a groom computes.
+    /// Data that opening a groom computes.
     Computed,
 }
 
 impl Content {
-    /// Its name in a sentence.
+    /// Returns the name for use in a sentence.
     pub fn name(self) -> &'static str {
         match self {
             Self::Strands => "strands",
@@ -45,7 +45,7 @@ impl Content {
             Self::RootUvs => "scalp texture coordinates",
             Self::PinnedTips => "pinned tips",
             Self::Guides => "guides and groups",
-            Self::Followers => "numbers of followers",
+            Self::Followers => "child strand counts",
             Self::Look => "hair material",
             Self::Units => "unit and axes",
             Self::Frames => "frames of moving hair",
@@ -53,7 +53,7 @@ impl Content {
             Self::Textures => "textures",
             Self::Rig => "joints and blend shapes",
             Self::Animations => "animations",
-            Self::Computed => "what opening computes",
+            Self::Computed => "precomputed data",
         }
     }
 }

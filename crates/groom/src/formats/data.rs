@@ -1,10 +1,10 @@
-//! `.data`: strands as USC-HairSalon and reconstructions after it have them, little-endian: their number (i32), then of each
-//! the number of its points (i32) and these (3 × f32). Nothing says unit or axes.
+//! `.data`: strands of USC-HairSalon and later reconstructions, little-endian. A file stores the number of strands
+//! (i32), then for each strand its number of points (i32) and the points (3 × f32). It states neither unit nor axes.
 
 use super::{
     raw::Raw,
     source::Source,
-    writer::{Encoded, put},
+    writer::{EncodedFile, put},
 };
 use crate::{
     Strands,
@@ -18,13 +18,13 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
     let count = |what: &str, at: u64| -> Result<u64> {
         let count = source.u32(what, at)? as i32;
         u64::try_from(count)
-            .map_err(|_| source.problem(At::Byte(at), format!("the {what} is {count}, below zero")))
+            .map_err(|_| source.problem(At::Byte(at), format!("the {what} is negative: {count}")))
     };
     let strands = count("number of strands", 0)?;
     if strands == 0 {
         return Err(source.problem(At::Byte(0), "the file says it has 0 strands"));
     }
-    // Each has its number of points at least: that these are there justifies their offsets.
+    // Each strand stores at least its number of points. This check bounds the number of strands by the file's size.
     source.array("numbers of points", 4, strands, 4)?;
     let out = &mut raw.strands;
     out.offsets.push(0);
@@ -40,19 +40,19 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
         }
     }
     if empty > 0 {
-        raw.notes.push(format!("{empty} strands without points are left out"));
+        raw.notes.push(format!("{empty} strands without points are skipped"));
     }
     let more = source.bytes.len() as u64 - at;
     if more > 0 {
-        raw.notes.push(format!("{more} bytes after the last strand are not used"));
+        raw.notes.push(format!("{more} bytes after the last strand are ignored"));
     }
     Ok(raw)
 }
 
 /// Encodes strands.
-pub(super) fn encode(strands: &Strands, _: Option<Unit>) -> Result<Encoded> {
+pub(super) fn encode(strands: &Strands, _: Option<Unit>) -> Result<EncodedFile> {
     let count = |n: usize| {
-        let many = || Error::Unusable(format!("{n} are more than a .data file can count"));
+        let many = || Error::Unusable(format!("a .data file cannot store a count of {n}"));
         i32::try_from(n).map_err(|_| many())
     };
     let mut bytes = count(strands.len())?.to_le_bytes().to_vec();

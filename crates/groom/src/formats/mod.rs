@@ -1,11 +1,11 @@
-//! File formats: one row each. Readers, writers, dialogs, help texts and the documentation follow this table.
+//! The table of file formats. Readers, writers, dialogs, help texts and the documentation follow it.
 //!
-//! A new format is a module here and a row of [`FORMATS`]. The module has functions of these types:
+//! A new format is a module in this folder and a row of [`FORMATS`]. The module provides functions of these types:
 //!
-//! - `fn(&Source, Moment) -> Result<Raw>` for strands and `fn(&Source) -> Result<RawMesh>` for a mesh, each in the file's unit
-//!   and axes;
-//! - `fn(&Path, &[u8]) -> bool` where a file may hold strands or a mesh: whether it holds strands;
-//! - those of a [`Writer`]: strands as a file; bodies with hair, meshes and caches where the format holds them.
+//! - `fn(&Source, Moment) -> Result<Raw>` reads strands, `fn(&Source) -> Result<RawMesh>` a mesh, both in the file's
+//!   unit and axes;
+//! - `fn(&Path, &[u8]) -> bool`, if a file may hold strands or a mesh, returns whether it holds strands;
+//! - the functions of a [`Writer`] encode strands and, if the format supports them, characters, meshes and caches.
 
 #[cfg(feature = "alembic")]
 mod abc;
@@ -41,33 +41,33 @@ use writer::Writer;
 /// A file format.
 #[derive(Clone, Copy, Debug)]
 pub struct Format {
-    /// Its name.
+    /// Display name.
     pub name: &'static str,
-    /// The extensions of its files, in lower case; the usual one first.
+    /// Lowercase file extensions, the usual one first.
     pub extensions: &'static [&'static str],
-    /// The feature of this crate that reads it, or `None` where it is always read.
+    /// Feature of this crate that enables the reader; `None` if the reader is always enabled.
     pub feature: Option<&'static str>,
-    /// Whether the web page reads it.
+    /// Whether the web page reads the format.
     pub in_browsers: bool,
-    /// What is read from such a file.
+    /// Contents that the readers return.
     pub reads: &'static [Content],
-    /// The writers, one per extension that is written.
+    /// Writers, one per extension.
     pub writers: &'static [Writer],
-    /// The extensions of files that its meshes may name: materials, buffers, textures.
+    /// Extensions of files that a mesh may refer to: materials, buffers, textures.
     pub companions: &'static [&'static str],
-    /// Reads strands at one moment; `None` without the feature, and where such files hold none.
+    /// Reads strands at one moment. `None` if the feature is off or the format has no strands.
     pub(crate) read: Option<fn(&Source<'_>, Moment) -> Result<Raw>>,
-    /// Reads a mesh; `None` likewise.
+    /// Reads a mesh. `None` if the feature is off or the format has no meshes.
     pub(crate) read_mesh: Option<fn(&Source<'_>) -> Result<RawMesh>>,
-    /// Tells files with strands from files that are only a mesh, where both exist.
+    /// Returns whether a file has strands, for formats whose files may also be only a mesh.
     pub(crate) is_groom: Option<fn(&Path, &[u8]) -> bool>,
-    /// Tells whether a file with strands holds the body that they grow on.
+    /// Returns whether a file with strands also has the mesh that they grow on.
     pub(crate) holds_body: Option<fn(&Path, &[u8]) -> bool>,
-    /// Whether a file is read whole, as [`Cooked`](crate::cooked::Cooked), instead of by the readers here.
+    /// Whether [`CookedGroom`](crate::cooked::CookedGroom) reads the whole file, instead of `read` and `read_mesh`.
     pub(crate) is_cooked: bool,
 }
 
-/// A row without functions.
+/// Default values for rows.
 const NONE: Format = Format {
     name: "",
     extensions: &[],
@@ -83,7 +83,7 @@ const NONE: Format = Format {
     is_cooked: false,
 };
 
-/// `Some`, with a feature.
+/// Expands to `Some` of the value if the feature is on, else to `None`.
 macro_rules! with {
     ($feature:literal, $value:expr) => {{
         #[cfg(feature = $feature)]
@@ -99,7 +99,7 @@ macro_rules! with {
 
 use Content::*;
 
-/// All formats, in the order in which people see them.
+/// All formats, in display order.
 pub const FORMATS: &[Format] = &[
     Format {
         name: "TressFX",
@@ -233,7 +233,7 @@ pub const FORMATS: &[Format] = &[
         ..NONE
     },
     Format {
-        name: "cooked groom of one version of Tresses",
+        name: "cooked groom, for one version of Tresses",
         extensions: &["tresses"],
         feature: Some("cooked"),
         reads: &[
@@ -241,7 +241,7 @@ pub const FORMATS: &[Format] = &[
             Rig, Animations, Computed,
         ],
         read: with!("cooked", |source, _| {
-            let alone = "a cooked groom stands for itself: it is no part of another";
+            let alone = "a cooked groom is complete and cannot be part of another";
             Err(source.problem(At::File, alone))
         }),
         is_cooked: true,
@@ -256,14 +256,15 @@ pub const FORMATS: &[Format] = &[
     },
 ];
 
-/// Extensions of files with strands that are read. An `.obj` holds strands when it has lines, a `.glb` or `.gltf` when it
-/// has `EXT_tresses_hair`.
+/// Extensions of files that can hold a groom. An `.obj` is a groom if its first element is a line, a `.glb` or `.gltf`
+/// if it has `EXT_tresses_hair`.
 pub const GROOMS: &[&str] = &joined::<{ count(List::Grooms) }>(List::Grooms);
-/// Extensions of meshes that are read. An `.obj` is one when it has faces, an `.abc` or `.usd` when it has no curves.
+/// Extensions of files that can hold a mesh. An `.obj` is a mesh if its first element is a face, an `.abc` or `.usd` if
+/// it has no curves.
 pub const MESHES: &[&str] = &joined::<{ count(List::Meshes) }>(List::Meshes);
-/// Extensions of grooms that are written.
+/// Extensions of grooms that can be written.
 pub const WRITTEN: &[&str] = &joined::<{ count(List::Written) }>(List::Written);
-/// Extensions of files that meshes may need beside them.
+/// Extensions of files that a mesh may refer to.
 pub const COMPANIONS: &[&str] = &joined::<{ count(List::Companions) }>(List::Companions);
 
 #[derive(Clone, Copy)]
@@ -274,7 +275,7 @@ enum List {
     Companions,
 }
 
-/// The `k`-th extension that a format adds to a list.
+/// Returns the `k`-th extension that `format` adds to `list`.
 const fn entry(format: &Format, list: List, k: usize) -> Option<&'static str> {
     let all = match list {
         List::Grooms if format.read.is_some() => format.extensions,
@@ -298,7 +299,7 @@ const fn count(list: List) -> usize {
     all
 }
 
-/// A list of [`count`] extensions.
+/// Collects the [`count`] extensions of a list.
 const fn joined<const N: usize>(list: List) -> [&'static str; N] {
     let (mut all, mut n, mut i) = ([""; N], 0, 0);
     while i < FORMATS.len() {
@@ -313,18 +314,18 @@ const fn joined<const N: usize>(list: List) -> [&'static str; N] {
 }
 
 impl Format {
-    /// The format of files with this name, by its extension.
+    /// Returns the format of `path`, by its extension.
     pub fn of(path: &Path) -> Option<&'static Self> {
         let extension = extension(path);
         FORMATS.iter().find(|format| format.extensions.contains(&extension.as_str()))
     }
 
-    /// The error for a file that no reader takes as `what`, one of `extensions`.
+    /// Returns the error for a file that no reader accepts as `what` (“a groom”), which has one of `extensions`.
     pub(crate) fn unread(path: &Path, what: &str, extensions: &[&str]) -> Error {
         let missing = Self::of(path).filter(|format| format.read.is_none() && format.read_mesh.is_none());
         let problem = match missing.and_then(|format| Some((format.name, format.feature?))) {
             Some((name, feature)) => {
-                format!("{name} is read with the feature `{feature}`, which is off here")
+                format!("reading {name} needs the feature `{feature}`, which is off")
             }
             None => format!("{what} is a {} file", listed(extensions, "or")),
         };
@@ -332,23 +333,23 @@ impl Format {
     }
 }
 
-/// Extensions of files that are written and can hold `content`.
+/// Returns the extensions of writers that can hold `content`.
 pub fn written(content: Content) -> Vec<&'static str> {
     let writers = FORMATS.iter().flat_map(|format| format.writers);
     writers.filter(|writer| writer.holds.contains(&content)).map(|writer| writer.extension).collect()
 }
 
-/// The extension of a file's name in lower case, or nothing.
+/// Returns the lowercase extension of `path`, or an empty string.
 pub fn extension(path: &Path) -> String {
     path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
 }
 
-/// Whether a file's name is that of a cooked groom.
+/// Returns whether `path` has the extension of a cooked groom.
 pub fn is_cooked(path: &Path) -> bool {
     Format::of(path).is_some_and(|format| format.is_cooked)
 }
 
-/// Extensions for a sentence, `joint` before the last: ".tfx, .hair or .obj".
+/// Joins extensions for a sentence, with `joint` before the last: ".tfx, .hair or .obj".
 pub fn listed(extensions: &[&str], joint: &str) -> String {
     let dotted: Vec<_> = extensions.iter().map(|extension| format!(".{extension}")).collect();
     match dotted.split_last() {
@@ -358,13 +359,12 @@ pub fn listed(extensions: &[&str], joint: &str) -> String {
     }
 }
 
-/// The table as Markdown, for the documentation.
+/// Returns the table as Markdown, for the documentation.
 pub fn markdown() -> String {
     let names = |contents: &[Content]| contents.iter().map(|it| it.name()).collect::<Vec<_>>().join(", ");
     let files = |all: &[&str]| all.iter().map(|it| format!("`.{it}`")).collect::<Vec<_>>().join(", ");
-    let mut text = String::from(
-        "| files | format | holds, when read | written | read by the web page |\n|---|---|---|---|---|\n",
-    );
+    let mut text =
+        String::from("| files | format | reads | writes | read by the web page |\n|---|---|---|---|---|\n");
     for format in FORMATS {
         let written = |writer: &Writer| {
             let lost = format.reads.iter().copied().filter(|it| !writer.holds.contains(it));
@@ -394,14 +394,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn extensions_make_a_sentence() {
+    fn listed_joins_extensions() {
         assert_eq!(listed(&["tfx", "hair", "obj"], "or"), ".tfx, .hair or .obj");
         assert_eq!(listed(&["png"], "or"), ".png");
         assert_eq!(extension(Path::new("a/B.GLTF")), "gltf");
     }
 
     #[test]
-    fn rows_say_what_their_functions_do() {
+    fn row_fields_match_functions() {
         let mut seen: Vec<&str> = Vec::new();
         for format in FORMATS {
             let (name, reads) = (format.name, |content| format.reads.contains(&content));

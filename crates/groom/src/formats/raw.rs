@@ -7,39 +7,39 @@ use crate::{
 };
 use std::collections::BTreeMap;
 
-/// The text by which a file of ours says its unit and axes: such files need no guess.
+/// States unit and axes in the files that this crate writes.
 pub(super) const MARK: &str = "metres, Y up, face +Z";
-/// The same for files in centimetres.
+/// [`MARK`] for files in centimeters.
 pub(super) const CENTIMETRES: &str = "centimetres, Y up, face +Z";
 
-/// Which moment of an animated file is read.
+/// Moment of an animated file to read.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Moment {
-    /// Its first frame.
+    /// The first frame.
     #[default]
     First,
-    /// A frame by its number, from 0 on.
+    /// A frame by its number, counted from 0.
     Frame(u32),
     /// The frame nearest to this time, seconds.
     Seconds(f64),
 }
 
-/// One file as it is, in its own unit and axes.
+/// Contents of a groom file, in its own unit and axes.
 pub(crate) struct Raw {
     pub strands: Strands,
     pub format: &'static str,
     pub notes: Vec<String>,
-    /// What the file itself says of its unit and axes.
+    /// Unit and axes that the file states.
     pub declared: Choice,
-    /// The followers of each strand, in the file's unit; empty for none.
+    /// Child strands around each strand, in the file's unit; may be empty.
     pub followers: Vec<Followers>,
-    /// The names of groups, by number.
+    /// Group names by group id.
     pub group_names: BTreeMap<i32, String>,
-    /// What its hair looks like.
+    /// Hair material.
     pub look: Option<Look>,
 }
 
-/// Unit and axes as a text in a file has them: [`MARK`], [`CENTIMETRES`] or nothing.
+/// Parses unit and axes from a text that may contain [`MARK`] or [`CENTIMETRES`].
 pub(super) fn declared(text: &str) -> Choice {
     match text {
         _ if text.contains(CENTIMETRES) => Choice { unit: Some(Unit(0.01)), ..Choice::METRES },
@@ -61,20 +61,21 @@ impl Raw {
         }
     }
 
-    /// Gives every strand `count` followers within `radius`, as the header has them.
+    /// Sets the child strands of every strand: `count` within `radius`, as the file's header states.
     pub fn follow(&mut self, count: u64, radius: Option<f32>) {
         if count == 0 {
             return;
         }
-        // Nothing is within a radius of 0: whoever wrote it did not say.
+        // A radius of 0 means that the exporter did not set it.
         let radius = radius.filter(|radius| *radius > 0.0);
-        let within = radius.map_or(String::new(), |radius| format!(" within {radius} of its unit"));
-        self.notes.push(format!("asks for {count} followers of each strand{within}"));
+        let within = radius.map_or(String::new(), |radius| format!(" within {radius} file units"));
+        self.notes.push(format!("requests {count} child strands for each strand{within}"));
         let followers = Followers { count: u32::try_from(count).unwrap_or(u32::MAX), radius };
         self.followers = vec![followers; self.strands.len()];
     }
 
-    /// Adds `more`. An attribute lives on only where both have it; pinned tips and followers are joined in any case.
+    /// Appends `more` and returns notes on dropped attributes. An attribute is kept only if both have it; pinned tips,
+    /// child strands and marks are always kept.
     pub fn append(&mut self, more: Self) -> Vec<String> {
         let mut notes = Vec::new();
         self.look = self.look.or(more.look);
@@ -83,8 +84,8 @@ impl Raw {
         let base = a.positions.len() as u32;
         a.positions.extend(b.positions);
         a.offsets.extend(b.offsets.iter().skip(1).map(|o| o.saturating_add(base)));
-        join(&mut a.radii, b.radii, "thickness", &mut notes);
-        join(&mut a.colors, b.colors, "colour", &mut notes);
+        join(&mut a.radii, b.radii, "widths", &mut notes);
+        join(&mut a.colors, b.colors, "colors", &mut notes);
         join(&mut a.root_uvs, b.root_uvs, "texture coordinates", &mut notes);
         if !a.tip_pinned.is_empty() || !b.tip_pinned.is_empty() {
             a.tip_pinned.resize(before, false);
@@ -97,7 +98,7 @@ impl Raw {
             self.followers.resize(before + added, Default::default());
         }
         if !a.marks.is_empty() || !b.marks.is_empty() {
-            // Each file counts its strands for itself.
+            // Each file numbers its strands from its own start.
             let free = a.marks.iter().map(|mark| mark.id).max().map_or(0, |most| most.saturating_add(1));
             a.marks.resize(before, Mark::default());
             a.marks.extend(b.marks.into_iter().map(|mark| Mark {
@@ -115,23 +116,23 @@ impl Raw {
     }
 }
 
-/// A mesh as its file has it.
+/// Contents of a mesh file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RawMesh {
-    /// In the file's own unit and axes. Skins and shapes are at rest.
+    /// The mesh at rest, in the file's own unit and axes.
     pub mesh: TriMesh,
-    /// What the file or its format says of unit and axes.
+    /// Unit and axes that the file or its format states.
     pub declared: Choice,
-    /// What bends the mesh, with the same vertices in the same order: where a file has a skin, shapes to
-    /// blend or an animation.
+    /// Rig of the mesh, with the same vertices in the same order, if the file has a skin, morph targets or an
+    /// animation.
     pub rig: Option<Rig>,
-    /// What of the file was left out.
+    /// Notes on skipped data.
     pub notes: Vec<String>,
 }
 
 fn join<T>(a: &mut Vec<T>, b: Vec<T>, what: &str, notes: &mut Vec<String>) {
     if a.is_empty() != b.is_empty() {
-        notes.push(format!("not every file has {what}, so none is used"));
+        notes.push(format!("{what} are ignored: not every file has them"));
         a.clear();
     } else {
         a.extend(b);
@@ -145,7 +146,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn attributes_of_one_file_only_are_dropped_and_pins_kept() {
+    fn append_drops_unshared_attributes_but_keeps_pins() {
         let mut one = Raw::new("one");
         one.strands.push(&[Vec3::ZERO, Vec3::X]);
         one.strands.radii = vec![1.0; 2];

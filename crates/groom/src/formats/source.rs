@@ -1,4 +1,4 @@
-//! Files on the disk or in memory, as in a browser, and a file's bytes with every read bounds-checked.
+//! Files on disk or in memory, and bounds-checked reads of a file's bytes.
 
 use std::{
     borrow::Cow,
@@ -12,20 +12,20 @@ use crate::{
     error::{At, Error, Result},
 };
 
-/// A file that is there already: its name, whose ending decides the format, and its bytes.
-pub type Given<'a> = (PathBuf, Cow<'a, [u8]>);
+/// A file in memory: its name, whose extension decides the format, and its bytes.
+pub type FileBytes<'a> = (PathBuf, Cow<'a, [u8]>);
 
-/// A source of files.
+/// Where files are read from.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Files<'a> {
-    /// The system's.
+    /// The file system.
     Disk,
-    /// These and no others.
-    Given(&'a [Given<'a>]),
+    /// Only these files, for example in a browser.
+    Given(&'a [FileBytes<'a>]),
 }
 
 impl<'a> Files<'a> {
-    /// A whole file, or the error that names it.
+    /// Reads a whole file; an error names it.
     pub fn load(self, path: &Path) -> Result<Cow<'a, [u8]>> {
         match self {
             Self::Disk => match std::fs::read(path) {
@@ -33,13 +33,13 @@ impl<'a> Files<'a> {
                 Err(source) => Err(Error::Io { path: path.to_path_buf(), source }),
             },
             Self::Given(all) => {
-                // What is dropped or picked has lost its folder.
+                // A file that the user dropped or picked has lost its folder.
                 let found = all.iter().find(|(name, _)| name == path);
                 let found =
                     found.or_else(|| all.iter().find(|(name, _)| name.file_name() == path.file_name()));
                 let missing = || Error::Io {
                     path: path.to_path_buf(),
-                    source: std::io::Error::new(std::io::ErrorKind::NotFound, "it was not given"),
+                    source: std::io::Error::new(std::io::ErrorKind::NotFound, "the file was not provided"),
                 };
                 found.map(|(_, bytes)| Cow::Borrowed(&**bytes)).ok_or_else(missing)
             }
@@ -47,26 +47,26 @@ impl<'a> Files<'a> {
     }
 }
 
-/// A whole file in memory. Nothing a header says is believed before it fits into these bytes, so
-/// no allocation is larger than the file justifies.
+/// A whole file in memory. Sizes in a header are checked against these bytes, so no allocation is larger than the file
+/// justifies.
 #[derive(Clone, Copy)]
 pub(crate) struct Source<'a> {
     pub path: &'a Path,
     pub bytes: &'a [u8],
-    /// Where its companions are.
+    /// Where files that this one refers to are read from.
     pub files: Files<'a>,
-    /// Whether numbers that are not finite pass, so that a lint can count them.
+    /// Whether numbers may be infinite or NaN, so that a lint can count them.
     pub lenient: bool,
 }
 
 impl<'a> Source<'a> {
-    /// The file `name` that this one needs.
+    /// Reads the file `name` that this one refers to.
     pub fn companion(&self, name: &str) -> Result<Cow<'a, [u8]>> {
         let path = self.path.parent().unwrap_or(Path::new("")).join(name);
         self.files.load(&path).map_err(|error| match self.files {
             Files::Disk => error,
             Files::Given(_) => {
-                self.problem(At::File, format!("it needs {name}, which has to be given with it"))
+                self.problem(At::File, format!("the file needs {name}; provide both together"))
             }
         })
     }
@@ -75,7 +75,7 @@ impl<'a> Source<'a> {
         Error::File { path: self.path.to_path_buf(), at, problem: problem.into() }
     }
 
-    /// `count` items of `size` bytes from byte `offset`; `what` names them in the error.
+    /// Returns `count` items of `size` bytes from byte `offset`; `what` names them in the error.
     pub fn array(&self, what: &str, offset: u64, count: u64, size: u64) -> Result<&'a [u8]> {
         let length = self.bytes.len() as u64;
         let end = count.checked_mul(size).and_then(|n| n.checked_add(offset));
@@ -83,7 +83,7 @@ impl<'a> Source<'a> {
             Some(end) if end <= length => Ok(&self.bytes[offset as usize..end as usize]),
             _ if offset > length => Err(self.problem(
                 At::Byte(length),
-                format!("the file ends here, before the {what} that should start at byte {offset}"),
+                format!("the file ends here, but the {what} should start at byte {offset}"),
             )),
             _ => Err(self.problem(
                 At::Byte(length),
@@ -92,24 +92,25 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Refuses numbers that are not finite, unless it is lenient; `what` names them.
+    /// Rejects numbers that are not finite, unless the source is lenient; `what` names them.
     #[cfg(feature = "usd")]
     pub fn check_finite(&self, at: At, numbers: &[f32], what: &str) -> Result<()> {
         match numbers.iter().find(|number| !number.is_finite()) {
             Some(value) if !self.lenient => {
-                Err(self.problem(at, format!("{value} among the {what}, which must be finite")))
+                Err(self.problem(at, format!("a value of the {what} is {value}, but must be finite")))
             }
             _ => Ok(()),
         }
     }
 
-    /// Refuses more vertices than any GPU takes, before they are counted in 32 bits.
+    /// Rejects more vertices than any GPU buffer can hold, before they are counted in 32 bits.
     pub fn check_vertices(&self, at: u64, count: u64) -> Result<()> {
         if count <= MAX_VERTICES {
             return Ok(());
         }
-        let problem =
-            format!("{count} vertices, more than the {MAX_VERTICES} that fit in the largest GPU buffer");
+        let problem = format!(
+            "the groom has {count} vertices, more than the {MAX_VERTICES} that fit in the largest GPU buffer"
+        );
         Err(self.problem(At::Byte(at), problem))
     }
 
@@ -122,7 +123,7 @@ impl<'a> Source<'a> {
         Ok(f32::from_bits(self.u32(what, offset)?))
     }
 
-    /// `count` groups of `N` floats from byte `offset`, all finite unless the source is lenient.
+    /// Returns `count` groups of `N` floats from byte `offset`, finite unless the source is lenient.
     pub fn floats<const N: usize>(&self, what: &str, offset: u64, count: u64) -> Result<Vec<[f32; N]>> {
         let bytes = self.array(what, offset, count, 4 * N as u64)?;
         let mut all = Vec::with_capacity(count as usize);
@@ -132,7 +133,9 @@ impl<'a> Source<'a> {
                 *value = f32::from_le_bytes(*b);
                 if !value.is_finite() && !self.lenient {
                     let at = At::Byte(offset + 4 * (N * i + k) as u64);
-                    return Err(self.problem(at, format!("{value} among the {what}, which must be finite")));
+                    return Err(
+                        self.problem(at, format!("a value of the {what} is {value}, but must be finite"))
+                    );
                 }
             }
             all.push(values);
@@ -148,18 +151,18 @@ impl<'a> Source<'a> {
         Ok(self.floats::<3>(what, offset, count)?.into_iter().map(Vec3::from).collect())
     }
 
-    /// The file's lines with their numbers from 1, without line ends; text that is no UTF-8 is an error.
+    /// Returns the trimmed lines with their numbers, counted from 1. Invalid UTF-8 is an error.
     pub fn lines(&self) -> impl Iterator<Item = Result<(u64, &'a str)>> + '_ {
         self.bytes.split(|b| *b == b'\n').enumerate().map(|(i, line)| {
             let number = i as u64 + 1;
             match std::str::from_utf8(line) {
                 Ok(text) => Ok((number, text.trim())),
-                Err(_) => Err(self.problem(At::Line(number), "not text (invalid UTF-8)")),
+                Err(_) => Err(self.problem(At::Line(number), "the line is not text (invalid UTF-8)")),
             }
         })
     }
 
-    /// A number of a text file.
+    /// Parses a number of a text file.
     pub fn number(&self, line: u64, word: Option<&str>, what: &str) -> Result<f32> {
         let word = word.ok_or_else(|| self.problem(At::Line(line), format!("{what} is missing")))?;
         match word.parse::<f32>() {
@@ -171,7 +174,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// A count of a text file.
+    /// Parses a count of a text file.
     pub fn count(&self, line: u64, word: Option<&str>, what: &str) -> Result<u64> {
         let word = word.ok_or_else(|| self.problem(At::Line(line), format!("{what} is missing")))?;
         word.parse().map_err(|_| {
@@ -179,14 +182,14 @@ impl<'a> Source<'a> {
         })
     }
 
-    /// Three numbers of a text file.
+    /// Parses three numbers of a text file.
     pub fn vec3<'w>(&self, line: u64, words: &mut impl Iterator<Item = &'w str>, what: &str) -> Result<Vec3> {
         let mut next = |axis| self.number(line, words.next(), &format!("{what} {axis}"));
         Ok(Vec3::new(next("x")?, next("y")?, next("z")?))
     }
 }
 
-/// The beginning of a word, so that an error stays one sentence whatever the file holds.
+/// Returns the beginning of a word, to keep error messages short.
 pub(crate) fn excerpt(word: &str) -> String {
     let mut short: String = word.chars().take(24).collect();
     if short.len() < word.len() {

@@ -8,7 +8,7 @@ use crate::{
     error::{At, Result},
 };
 
-/// Reads the whole file; bones are not used.
+/// Reads the whole file and ignores bones.
 pub(super) fn read(source: &Source) -> Result<RawMesh> {
     let mut mesh = TriMesh::default();
     let (mut bones, mut vertices, mut triangles) = (0u64, 0u64, 0u64);
@@ -34,7 +34,7 @@ pub(super) fn read(source: &Source) -> Result<RawMesh> {
                     let i = source.count(line, words.next(), "a triangle's vertex")?;
                     if i >= mesh.positions.len() as u64 {
                         let problem =
-                            format!("vertex {i} does not exist, there are {}", mesh.positions.len());
+                            format!("vertex {i} does not exist; there are {}", mesh.positions.len());
                         return Err(source.problem(At::Line(line), problem));
                     }
                     Ok(i as u32)
@@ -43,10 +43,10 @@ pub(super) fn read(source: &Source) -> Result<RawMesh> {
                 mesh.triangles.push(corners);
                 triangles -= 1;
             }
-            _ => return Err(source.problem(At::Line(line), "a line that belongs to no section")),
+            _ => return Err(source.problem(At::Line(line), "the line belongs to no section")),
         }
     }
-    // Counts that no file could hold have no sum.
+    // The counts of a broken file may overflow.
     match bones.saturating_add(vertices).saturating_add(triangles) {
         0 => Ok(RawMesh { mesh, ..RawMesh::default() }),
         missing => {

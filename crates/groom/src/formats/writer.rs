@@ -1,4 +1,4 @@
-//! Types of the writers.
+//! Writer types.
 
 use super::content::Content;
 use crate::{Look, Result, Rig, Strands, TriMesh, orient::Unit};
@@ -8,28 +8,28 @@ use std::io;
 /// The writer of files with one extension.
 #[derive(Clone, Copy, Debug)]
 pub struct Writer {
-    /// The extension, in lower case.
+    /// Lowercase extension.
     pub extension: &'static str,
-    /// What such a file can hold.
+    /// Contents that such files can hold.
     pub holds: &'static [Content],
-    /// Whether files may be in other units than metres.
+    /// Whether files may be in units other than meters.
     pub any_unit: bool,
-    /// Whether hair may be compressed ([`Hair::packed`]).
+    /// Whether hair can be compressed ([`Hair::packed`]).
     pub compresses: bool,
-    /// Strands alone. The unit is that of the file, where the strands are in metres, Y up, face +Z; `None` says nothing of
-    /// unit and axes.
-    pub(crate) strands: fn(&Strands, Option<Unit>) -> Result<Encoded>,
+    /// Encodes strands, which are in meters, Y up, face +Z, as a file in the given unit. With `None` the file states
+    /// neither unit nor axes.
+    pub(crate) strands: fn(&Strands, Option<Unit>) -> Result<EncodedFile>,
     pub(crate) character: Option<WriteCharacter>,
     pub(crate) mesh: Option<WriteMesh>,
     pub(crate) cache: Option<WriteCache>,
 }
 
 impl Writer {
-    /// A writer of nothing but strands in metres, for the table to add to.
+    /// Returns a writer that supports only strands in meters; rows of the table add more.
     pub(super) const fn new(
         extension: &'static str,
         holds: &'static [Content],
-        strands: fn(&Strands, Option<Unit>) -> Result<Encoded>,
+        strands: fn(&Strands, Option<Unit>) -> Result<EncodedFile>,
     ) -> Self {
         let (any_unit, compresses) = (false, false);
         Self { extension, holds, any_unit, compresses, strands, character: None, mesh: None, cache: None }
@@ -41,16 +41,16 @@ pub(super) type WriteCharacter = fn(Option<(&TriMesh, Option<&Rig>)>, &[Hair<'_>
 pub(super) type WriteCache =
     for<'a> fn(Box<dyn Output + 'a>, &Strands, CacheOptions) -> io::Result<Box<dyn Cache + 'a>>;
 
-/// A file's bytes.
+/// An encoded file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Encoded {
+pub struct EncodedFile {
     /// The whole file.
     pub bytes: Vec<u8>,
-    /// What the format cannot hold, one clause each.
+    /// Notes on data that the format cannot hold, one clause each.
     pub notes: Vec<String>,
 }
 
-impl From<Vec<u8>> for Encoded {
+impl From<Vec<u8>> for EncodedFile {
     fn from(bytes: Vec<u8>) -> Self {
         Self { bytes, notes: Vec::new() }
     }
@@ -59,21 +59,21 @@ impl From<Vec<u8>> for Encoded {
 /// Hair of a character to be written.
 #[derive(Clone, Copy, Debug)]
 pub struct Hair<'a> {
-    /// Its name; in USD other characters than letters, digits and underscores are replaced.
+    /// Name. USD replaces characters other than letters, digits and underscores.
     pub name: &'a str,
-    /// At rest, metres, Y up, in the space of the body.
+    /// Strands at rest, meters, Y up, in the mesh's space.
     pub strands: &'a Strands,
-    /// Whether a glTF file compresses it by `EXT_meshopt_compression`: smaller, but programs without that extension open
-    /// nothing of the file.
+    /// Whether a glTF file compresses the strands with `EXT_meshopt_compression`. The file is smaller, but programs
+    /// without the extension cannot open it.
     pub packed: bool,
-    /// Its material, where one is written.
+    /// Hair material, if the file stores one.
     pub look: Option<&'a Look>,
 }
 
 /// Options of a cache.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CacheOptions {
-    /// The unit of the file; the strands are in metres, Y up.
+    /// Unit of the file. The strands are in meters, Y up.
     pub unit: Unit,
     /// Frames per second.
     pub rate: f64,
@@ -81,18 +81,18 @@ pub struct CacheOptions {
     pub frames: u32,
 }
 
-/// A cache that is being written: strands whose positions change from frame to frame. Frames are written as they come.
+/// A cache being written: strands whose positions change from frame to frame. Each frame is written immediately.
 pub trait Cache {
-    /// Writes one more frame: a position for each vertex of the strands, metres.
+    /// Writes a frame: one position per vertex of the strands, meters.
     ///
     /// # Errors
-    /// Those of the output, and [`InvalidInput`](io::ErrorKind::InvalidInput) for another number of positions.
+    /// The errors of the output, and [`InvalidInput`](io::ErrorKind::InvalidInput) for a wrong number of positions.
     fn frame(&mut self, positions: &[Vec3]) -> io::Result<()>;
 
     /// Ends the file.
     ///
     /// # Errors
-    /// Those of the output.
+    /// The errors of the output.
     fn finish(self: Box<Self>) -> io::Result<()>;
 }
 
@@ -101,7 +101,7 @@ pub trait Output: io::Write + io::Seek {}
 
 impl<T: io::Write + io::Seek> Output for T {}
 
-/// Appends numbers, little-endian.
+/// Appends little-endian numbers.
 pub(super) fn put<const N: usize>(bytes: &mut Vec<u8>, values: [f32; N]) {
     for v in values {
         bytes.extend_from_slice(&v.to_le_bytes());

@@ -7,10 +7,11 @@ use glam::Vec3;
 /// Rounds of pushing out and restoring lengths.
 const ROUNDS: usize = 2;
 
-/// A push that stretches no segment worth mentioning, metres.
+/// Push below which the stretch of segments is negligible, meters.
 const TOLERABLE: f32 = 4e-4;
 
-/// A distance field never changes faster than the way; blended and sampled ones are trusted less.
+/// Fraction of a sampled distance that is trusted to be free. Exact distance fields would allow 1; blended and sampled
+/// ones are less accurate.
 const TRUST: f32 = 0.7;
 
 pub(crate) struct Keeper<'a> {
@@ -24,8 +25,8 @@ impl<'a> Keeper<'a> {
         Self { scalp, face, clearance }
     }
 
-    /// Moves the vertices of `line` behind the root out of the head and off the face, and restores
-    /// the lengths of its segments as far as that allows.
+    /// Moves the vertices after the root out of the head and off the face, and restores the lengths of the segments as
+    /// far as possible.
     pub(crate) fn keep(&self, line: &mut [Vec3], rng: &mut Rng) {
         let full = self.clearance * rng.range(0.6, 1.8);
         let mut lengths = [0.0f32; 64];
@@ -43,14 +44,14 @@ impl<'a> Keeper<'a> {
         }
     }
 
-    /// Moves vertices out; the longest way that one had to go, metres.
+    /// Pushes vertices out. Returns the largest displacement, meters.
     fn push(&self, line: &mut [Vec3], full: f32, lengths: &[f32; 64]) -> f32 {
         let mut moved = 0.0f32;
         let mut along = 0.0;
         let mut free = 0.0f32;
         for i in 1..line.len() {
             along += lengths[i - 1];
-            // No need to look where the last look left room enough.
+            // Skip vertices within the free distance of the last sample.
             free -= line[i].distance(line[i - 1]);
             if free > 0.0 {
                 continue;

@@ -1,4 +1,4 @@
-//! Guides prepared for growth: smoothed, with frames, and with triangles between their roots.
+//! Guides prepared for growth: smoothed, with frames and a triangulation of their roots.
 
 use super::cells::Cells;
 use super::triangles::{delaunay, weights};
@@ -9,31 +9,31 @@ use crate::{
 };
 use glam::{Vec2, Vec3};
 
-/// Samples of each smoothed guide.
+/// Samples per smoothed guide.
 const SAMPLES: usize = 96;
 
-/// Which guides a strand follows, the heaviest first.
+/// Guides of a strand, by descending weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Bound {
+pub(crate) struct GuideWeights {
     pub(crate) guides: [u32; 3],
     pub(crate) weights: [f32; 3],
 }
 
 pub(crate) struct Scaffold<'a> {
     styled: &'a StyledGuides,
-    /// Smoothed guides, equal distances along each.
+    /// Smoothed guides, sampled at equal distances.
     points: Vec<Vec3>,
-    /// Two directions across the guide at each sample, carried along it without turning.
+    /// Two directions across the guide at each sample, parallel transported along it.
     across: Vec<[Vec3; 2]>,
     flat: Vec<Vec2>,
     cells: Cells,
     triangles: Vec<[u32; 3]>,
-    /// Triangles by the square of the plane that they touch.
+    /// Triangles that touch each grid square of the plane.
     buckets: Vec<Vec<u32>>,
     skull: Vec3,
 }
 
-/// Squares along each axis of the plane, which spans -BOUND..BOUND.
+/// Grid squares along each axis of the plane, which spans -BOUND..BOUND.
 const SQUARES: usize = 40;
 const BOUND: f32 = 2.2;
 
@@ -81,7 +81,7 @@ impl<'a> Scaffold<'a> {
         scaffold
     }
 
-    /// The triangles between guides whose hair runs together.
+    /// Returns the triangles between guides whose hair runs together.
     pub(crate) fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
@@ -90,7 +90,7 @@ impl<'a> Scaffold<'a> {
         self.points[guide * SAMPLES]
     }
 
-    /// The usual distance between neighbouring roots, metres: the median over the triangles' edges.
+    /// Returns the typical distance between neighboring roots, meters: the median edge length of the triangles.
     fn spacing(&self) -> f32 {
         let edge = |a: u32, b: u32| self.root(a as usize).distance(self.root(b as usize));
         let mut edges: Vec<f32> =
@@ -99,8 +99,8 @@ impl<'a> Scaffold<'a> {
         edges.get(edges.len() / 2).copied().unwrap_or(0.02)
     }
 
-    /// Whether hair may be blended over the triangle: no edge too long or across the parting, its
-    /// middle on the scalp, its guides in similar directions.
+    /// Returns whether hair may be blended over the triangle: no edge is too long or crosses the parting, the middle
+    /// lies on the scalp, and the guides have similar directions.
     fn keeps(&self, t: [u32; 3], spacing: f32, scalp: &dyn Scalp) -> bool {
         let roots = t.map(|g| self.root(g as usize));
         let ways = t.map(|g| {
@@ -116,38 +116,38 @@ impl<'a> Scaffold<'a> {
         })
     }
 
-    /// Whether the parting runs between `a` and `b`.
+    /// Returns whether the parting runs between `a` and `b`.
     fn crosses(&self, a: Vec3, b: Vec3) -> bool {
         self.styled.parting.as_ref().is_some_and(|parting| parting.separates(a, b))
     }
 
-    /// The guides of a strand rooted at `root`: the corners of its triangle, or of the nearest.
-    pub(crate) fn blend(&self, root: Vec3) -> Option<Bound> {
+    /// Returns the guides of a strand rooted at `root`: the corners of its triangle, or of the nearest one.
+    pub(crate) fn blend(&self, root: Vec3) -> Option<GuideWeights> {
         let p = stereographic(root - self.skull);
         let weigh = |t: &[u32; 3]| weights(t.map(|g| self.flat[g as usize]), p);
         for &i in &self.buckets[square(p.y) * SQUARES + square(p.x)] {
             let t = &self.triangles[i as usize];
             let (w, d) = weigh(t);
             if d == 0.0 {
-                return Some(Bound::new(*t, w));
+                return Some(GuideWeights::new(*t, w));
             }
         }
         let mut best = (f32::INFINITY, None);
         for t in &self.triangles {
             let (w, d) = weigh(t);
             if d < best.0 && !t.iter().any(|&g| self.crosses(root, self.root(g as usize))) {
-                best = (d, Some(Bound::new(*t, w)));
+                best = (d, Some(GuideWeights::new(*t, w)));
             }
         }
         best.1.or_else(|| self.single(root))
     }
 
-    /// The guide of a strand rooted at `root`: the nearest on its side of the parting.
-    pub(crate) fn single(&self, root: Vec3) -> Option<Bound> {
+    /// Returns the guide of a strand rooted at `root`: the nearest on its side of the parting.
+    pub(crate) fn single(&self, root: Vec3) -> Option<GuideWeights> {
         let p = stereographic(root - self.skull);
         let cost = |i: usize, d: f32| if self.crosses(root, self.root(i)) { d + 1.0 } else { d };
         let guide = self.cells.nearest(p, 1.0, cost)? as u32;
-        Some(Bound { guides: [guide; 3], weights: [1.0, 0.0, 0.0] })
+        Some(GuideWeights { guides: [guide; 3], weights: [1.0, 0.0, 0.0] })
     }
 
     fn place(t: f32) -> (usize, f32) {
@@ -156,14 +156,14 @@ impl<'a> Scaffold<'a> {
         (i, x - i as f32)
     }
 
-    /// The point of a guide at the fraction `t` of its length.
+    /// Samples a guide at the fraction `t` of its length.
     pub(crate) fn sample(&self, guide: u32, t: f32) -> Vec3 {
         let (i, f) = Self::place(t);
         let at = guide as usize * SAMPLES + i;
         self.points[at].lerp(self.points[at + 1], f)
     }
 
-    /// The two directions across a guide at the fraction `t` of its length.
+    /// Returns the two directions across a guide at the fraction `t` of its length.
     pub(crate) fn across(&self, guide: u32, t: f32) -> [Vec3; 2] {
         let (i, f) = Self::place(t);
         let at = guide as usize * SAMPLES + i;
@@ -171,13 +171,13 @@ impl<'a> Scaffold<'a> {
         [a[0].lerp(b[0], f), a[1].lerp(b[1], f)]
     }
 
-    /// The blended point at the fraction `t` of the guides' lengths.
-    pub(crate) fn blended(&self, bound: &Bound, t: f32) -> Vec3 {
+    /// Returns the blended point at the fraction `t` of the guides' lengths.
+    pub(crate) fn blended(&self, bound: &GuideWeights, t: f32) -> Vec3 {
         (0..3).map(|k| self.sample(bound.guides[k], t) * bound.weights[k]).sum()
     }
 }
 
-impl Bound {
+impl GuideWeights {
     fn new(guides: [u32; 3], weights: [f32; 3]) -> Self {
         let mut order = [0, 1, 2];
         order.sort_by(|&a, &b| f32::total_cmp(&weights[b], &weights[a]));
@@ -186,7 +186,7 @@ impl Bound {
     }
 }
 
-/// A curve through the vertices (Catmull-Rom), four points to an edge.
+/// Returns a Catmull-Rom curve through the vertices, four points per edge.
 fn smooth(line: &[Vec3]) -> Vec<Vec3> {
     let Some(last) = line.len().checked_sub(1) else { return vec![Vec3::ZERO; 2] };
     let mut out = Vec::with_capacity(4 * line.len());
@@ -210,13 +210,13 @@ fn smooth(line: &[Vec3]) -> Vec<Vec3> {
     out
 }
 
-/// Two directions across the line at each of its points, carried from edge to edge by the
-/// smallest rotation.
+/// Returns two directions across the line at each of its points, parallel transported by the smallest rotation between
+/// edges.
 pub(crate) fn frames(line: &[Vec3]) -> Vec<[Vec3; 2]> {
     frames_from(line, Vec3::ZERO)
 }
 
-/// The same, the second direction at the root as near to `out` as can be.
+/// [`frames`] with the second direction at the root as close to `outward` as possible.
 pub(crate) fn frames_from(line: &[Vec3], outward: Vec3) -> Vec<[Vec3; 2]> {
     let mut out = Vec::with_capacity(line.len());
     let mut normal = Vec3::ZERO;

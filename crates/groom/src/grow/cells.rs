@@ -1,4 +1,4 @@
-//! Nearest points in the plane by a grid of cells.
+//! Nearest-point search in the plane with a grid of cells.
 
 use glam::Vec2;
 
@@ -14,7 +14,7 @@ pub(crate) struct Cells {
 }
 
 impl Cells {
-    /// Sorts `points`, about two to a cell.
+    /// Sorts `points` into cells, about two per cell.
     pub(crate) fn new(points: Vec<Vec2>) -> Self {
         let first = points.first().copied().unwrap_or_default();
         let (lo, hi) = points.iter().fold((first, first), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
@@ -51,12 +51,12 @@ impl Cells {
         (y * self.wide + x) as usize
     }
 
-    /// The point with the smallest `cost`, which is at least the squared distance times `floor`.
+    /// Returns the point with the smallest `cost`, which must be at least `floor` times the squared distance.
     pub(crate) fn nearest(&self, p: Vec2, floor: f32, cost: impl Fn(usize, f32) -> f32) -> Option<usize> {
         let (cx, cy) = self.cell(p);
         let mut best = (f32::INFINITY, None);
         for ring in 0..self.wide.max(self.high) {
-            // Everything in this ring and beyond is at least that far away.
+            // All points in this ring and beyond are at least this far away.
             let far = ((ring - 1).max(0) as f32 * self.size).powi(2) * floor;
             if far > best.0 {
                 break;
@@ -89,7 +89,7 @@ mod tests {
     use crate::random::Rng;
 
     #[test]
-    fn finds_what_brute_force_finds() {
+    fn nearest_point_matches_brute_force() {
         let mut rng = Rng::new(1, 2);
         let points: Vec<Vec2> = (0..300).map(|_| Vec2::new(rng.unit(), rng.unit() * 0.5)).collect();
         let cells = Cells::new(points.clone());

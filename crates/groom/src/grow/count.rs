@@ -1,13 +1,13 @@
-//! The number of strands of each kind.
+//! Number of strands of each kind.
 
 use super::bind::Scaffold;
-use super::{Growth, Kind};
+use super::{Growth, StrandKind};
 use crate::random::smoothstep;
 use crate::scalp::{Scalp, scalp_uv};
 use crate::styles::StyledGuides;
 use glam::{Vec2, Vec3};
 
-/// The numbers of clump-based and of multi-strands.
+/// Returns the numbers of clump-based strands and of multi-strands.
 pub(crate) fn totals(
     scaffold: &Scaffold,
     styled: &StyledGuides,
@@ -17,9 +17,9 @@ pub(crate) fn totals(
     if let Some(total) = growth.strand_count {
         let total = total as usize;
         return match growth.kind {
-            Kind::Clump => [total, 0],
-            Kind::Multi => [0, total],
-            Kind::Both => {
+            StrandKind::Clump => [total, 0],
+            StrandKind::Multi => [0, total],
+            StrandKind::Both => {
                 let clump = (total as f32 * growth.clump_share) as usize;
                 [clump, total - clump]
             }
@@ -49,24 +49,23 @@ pub(crate) fn totals(
             .sum()
     };
     match growth.kind {
-        Kind::Clump => [clump(), 0],
-        Kind::Multi => [0, multi()],
-        Kind::Both => [clump(), multi()],
+        StrandKind::Clump => [clump(), 0],
+        StrandKind::Multi => [0, multi()],
+        StrandKind::Both => [clump(), multi()],
     }
 }
 
-/// Density of clump-based strands at a scalp point `edge` metres inside the hairline.
+/// Returns the density of clump-based strands at a scalp point `edge` meters inside the hairline.
 pub(crate) fn clump_density(growth: &Growth, edge: f32, open: f32, uv: Vec2) -> f32 {
     growth.clump_map.as_ref().map_or_else(|| fading(edge, open), |map| map.sample(uv))
 }
 
-/// Density of multi-strands at such a point.
+/// Returns the density of multi-strands at a scalp point `edge` meters inside the hairline.
 pub(crate) fn multi_density(growth: &Growth, edge: f32, open: f32, uv: Vec2) -> f32 {
     growth.density_map.as_ref().map_or_else(|| fading(edge, open), |map| map.sample(uv))
 }
 
-/// How far a scalp point lies open, 0 to 1: beside the parting and around the whorl no hair lies
-/// above the roots.
+/// Returns how exposed a scalp point is, 0 to 1: beside the parting and around the whorl, no hair covers the roots.
 pub(crate) fn open(styled: &StyledGuides, p: Vec3, beside: f32) -> f32 {
     match &styled.parting {
         Some(_) => (1.0 - smoothstep(0.003, 0.01, beside))
@@ -75,7 +74,7 @@ pub(crate) fn open(styled: &StyledGuides, p: Vec3, beside: f32) -> f32 {
     }
 }
 
-/// Thinning out over the last centimetre to the hairline, fullest where the scalp lies open.
+/// Returns a density that fades over the last centimeter to the hairline and is greatest where the scalp is exposed.
 fn fading(edge: f32, open: f32) -> f32 {
     let forehead = 1.0 - smoothstep(0.012, 0.03, edge);
     (0.15 + 0.85 * smoothstep(0.0, 0.011, edge)) * (0.4 + (0.6 * open).max(0.3 * forehead))

@@ -1,4 +1,4 @@
-//! Grown strands in the form that the GPU needs.
+//! Conversion of grown strands to the form that the GPU needs.
 
 use super::GrownStrands;
 use crate::{
@@ -8,7 +8,7 @@ use crate::{
 };
 
 impl GrownStrands {
-    /// The groom of these strands and `styled`, the guides that they grew from.
+    /// Builds the groom of these strands and `styled`, the guides that they grew from.
     pub fn bind(&self, styled: &StyledGuides) -> Groom {
         let mut guides = Guides::new(GUIDE_VERTICES as u32);
         for (guide, stiffness) in styled.guides.iter().zip(&styled.stiffness) {

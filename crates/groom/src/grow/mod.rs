@@ -1,17 +1,16 @@
-//! Drawn strands grown from guides.
+//! Growth of render strands from guides.
 //!
-//! Guides are few; a head of hair is tens of thousands of strands. Each grown strand follows either one
-//! guide (a *clump*: the guide's curve, with an offset that shrinks towards the tip) or the three guides at
-//! the corners of its scalp triangle (*multi-strand*: their barycentric blend at equal fractions of their
-//! lengths, so that no strand is cut to the shortest). The result is a rest curve and a binding; motion is
-//! added each frame on the GPU.
+//! Guides are few; a head of hair has tens of thousands of strands. Each grown strand follows either one guide (a
+//! *clump*: the guide's curve plus an offset that shrinks toward the tip) or the three guides at the corners of its
+//! scalp triangle (a *multi-strand*: their barycentric blend at equal fractions of their lengths, so that no strand is
+//! cut to the shortest). The result is a rest curve and a binding; the GPU adds motion each frame.
 //!
-//! Structure has three scales. *Locks*: strands are drawn towards their heaviest guide at the tip.
-//! *Clumps*: some strands are centres, and every other strand converges on the nearest centre, more so
-//! towards the tip. *Single strands*: lengths, fine frizz, and flyaways.
+//! Structure has three scales. *Locks*: strands are pulled toward their heaviest guide at the tip. *Clumps*: some
+//! strands are centers, and every other strand converges on the nearest center, more so toward the tip. *Single
+//! strands*: variation of length, fine frizz and flyaways.
 //!
 //! ```text
-//! roots ─► binding ─► blend or clump ─► lock ─► clump centre ─► curl ─► unrest ─► clear of the head
+//! roots ─► binding ─► blend or clump ─► lock ─► clump center ─► curl ─► unrest ─► clear of the head
 //! ```
 
 mod avoid;
@@ -31,8 +30,8 @@ mod unrest;
 pub(crate) use bind::frames_from;
 pub use curl::{CurlCurve, Curls};
 pub(crate) use curl::{Strand as CurlStrand, Twist};
-pub use paint::{ColorMap, Paint};
-pub use params::{Clumps, Growth, Kind, Unrest};
+pub use paint::{ColorMap, ScalpPaint};
+pub use params::{Clumps, Growth, StrandKind, Unrest};
 pub(crate) use unrest::unrest;
 
 use crate::hash::pcg;
@@ -41,56 +40,57 @@ use crate::{Progress, Result, progress::at_once};
 use crate::{scalp::Scalp, styles::StyledGuides};
 use glam::{Vec2, Vec3};
 
-/// One grown strand, apart from its vertices.
+/// One grown strand, without its vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GrownStrand {
-    /// The guides it follows, the heaviest first. A clump strand names its one guide three times.
+    /// Guides of the strand, by descending weight. A clump strand repeats its one guide three times.
     pub guides: [u32; 3],
-    /// Their weights, the largest first; the sum is 1.
+    /// Weights of the guides, the largest first; the sum is 1.
     pub weights: [f32; 3],
-    /// For each guide the fraction of it at which the strand's tip hangs.
+    /// For each guide, the fraction of its length that the strand's tip follows.
     pub scale: [f32; 3],
-    /// Largest radius along the strand, metres.
+    /// Largest radius along the strand, meters.
     pub radius: f32,
-    /// From which every later random choice follows.
+    /// Seed of every later random choice.
     pub seed: u32,
     /// Scalp coordinates of the root.
     pub root_uv: Vec2,
-    /// Painted colours of root and tip, packed as in [`Strand`](crate::bound::Strand); 0 for none.
+    /// Painted colors of root and tip, packed as in [`Strand`](crate::bound::Strand); 0 for none.
     pub colors: [u32; 2],
 }
 
 /// Grown strands at rest.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GrownStrands {
-    /// Vertices of each strand.
+    /// Vertices per strand.
     pub vertex_count: usize,
-    /// The strands.
+    /// One entry per strand.
     pub strands: Vec<GrownStrand>,
-    /// Rest positions, groom space, metres: `vertex_count` of each strand in turn, root first.
+    /// Rest positions, groom space, meters: `vertex_count` per strand, root first.
     pub positions: Vec<Vec3>,
-    /// Radius of each vertex as a fraction of the strand's, indexed as `positions`.
+    /// Radius of each vertex as a fraction of the strand's radius, indexed like `positions`.
     pub radii: Vec<f32>,
 }
 
 impl GrownStrands {
-    /// The vertices of strand `i`, root first.
+    /// Returns the vertices of strand `i`, root first.
     pub fn strand(&self, i: usize) -> &[Vec3] {
         &self.positions[i * self.vertex_count..(i + 1) * self.vertex_count]
     }
 }
 
-/// Grows strands on `scalp` from guides as [`styles::guides`](crate::styles::guides) makes them, or
-/// from the same guides after draping.
+/// Grows strands on `scalp` from the guides of [`styles::guides`](crate::styles::guides), or from the same guides after
+/// draping.
 ///
 /// # Errors
-/// [`Error::Parameter`](crate::Error::Parameter) for growth parameters out of range, and where maps
-/// leave no place for the strands that are asked for.
+/// [`Error::Parameter`](crate::Error::Parameter) for growth parameters out of range, or if maps leave no place for the
+/// requested strands. [`Error::Unusable`](crate::Error::Unusable) if the vertices cannot represent the curls, or if
+/// painted maps remove every strand.
 pub fn grow(styled: &StyledGuides, growth: &Growth, scalp: &dyn Scalp) -> Result<GrownStrands> {
     at_once(grow_with(styled, growth, scalp, &()))
 }
 
-/// The same, telling `progress`.
+/// [`grow`] that reports to `progress`.
 ///
 /// # Errors
 /// As [`grow`].
@@ -108,7 +108,7 @@ pub async fn grow_with(
     growth.curls.fits(median_length(styled), growth.vertices)?;
     let seeds = seed::seeds(&scaffold, styled, growth, scalp, totals)?;
     let n = seeds.len();
-    // Hair that is thinned out is no thicker for it.
+    // Painted maps that thin hair out do not change the diameter.
     let diameter = growth.diameter_for(totals[0] + totals[1]);
     let shaper = shape::Shaper::new(&scaffold, styled, growth, scalp, &seeds);
 
@@ -151,7 +151,7 @@ pub async fn grow_with(
     Ok(out)
 }
 
-/// The median length of the guides, metres.
+/// Returns the median length of the guides, meters.
 fn median_length(styled: &StyledGuides) -> f32 {
     let mut lengths: Vec<f32> = (0..styled.guides.len()).map(|i| styled.guides.length(i)).collect();
     lengths.sort_by(f32::total_cmp);

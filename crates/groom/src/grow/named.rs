@@ -1,4 +1,4 @@
-//! Named maps that need no picture.
+//! Named scalp maps that need no image.
 
 use crate::mannequin;
 use crate::random::{noise, smoothstep};
@@ -6,16 +6,16 @@ use crate::scalp::{Landmarks, Scalp, ScalpMap, scalp_direction};
 use crate::styles::Hairline;
 use glam::Vec3;
 
-/// Pixels along each side of a named map.
+/// Width and height of a named map, pixels.
 const SIZE: usize = 160;
 
-/// Size of the patches of the map `noise`, as an angle seen from the middle of the skull, radians.
+/// Size of the patches of the map `noise`, as an angle seen from the center of the skull, radians.
 const PATCH: f32 = 0.22;
 
-/// The mannequin as a scalp: where a head has its hair does not differ much.
-struct Usual;
+/// The mannequin as a scalp, because hairlines of different heads are similar.
+struct MannequinScalp;
 
-impl Scalp for Usual {
+impl Scalp for MannequinScalp {
     fn distance(&self, p: Vec3) -> f32 {
         mannequin::distance(p)
     }
@@ -26,12 +26,12 @@ impl Scalp for Usual {
 }
 
 impl ScalpMap {
-    /// The names that [`named`](Self::named) knows.
+    /// Names of the maps for [`named`](Self::named).
     pub const NAMES: [&'static str; 6] = ["front", "crown", "sides", "nape", "hairline", "noise"];
 
-    /// A map by its name: 1 at the `front`, on the `crown`, at the `sides`, at the `nape`, well inside the
-    /// `hairline` (0 at it), or in random patches (`noise`), and 0 elsewhere, with soft edges. With `not-`
-    /// before the name, 0 and 1 are exchanged.
+    /// Returns a map by name: 1 at the `front`, on the `crown`, at the `sides`, at the `nape`, well inside the
+    /// `hairline` (0 at it), or in random patches (`noise`), and 0 elsewhere, with soft edges. The prefix `not-`
+    /// exchanges 0 and 1.
     pub fn named(name: &str) -> Option<Self> {
         let (name, exchanged) = match name.strip_prefix("not-") {
             Some(rest) => (rest, true),
@@ -40,7 +40,7 @@ impl ScalpMap {
         if !Self::NAMES.contains(&name) {
             return None;
         }
-        let hairline = (name == "hairline").then(|| Hairline::new(&Usual, 0.0, 0.0, 1));
+        let hairline = (name == "hairline").then(|| Hairline::new(&MannequinScalp, 0.0, 0.0, 1));
         Some(Self::from_fn(SIZE, |uv| {
             let dir = scalp_direction(uv);
             let value = match name {
@@ -49,8 +49,8 @@ impl ScalpMap {
                 "sides" => smoothstep(0.45, 0.85, dir.x.abs()),
                 "nape" => smoothstep(-0.1, -0.55, dir.y) * smoothstep(0.1, -0.4, dir.z),
                 "hairline" => {
-                    let inside = hairline.as_ref().map_or(0.0, |line| line.inside(Usual.point(dir)));
-                    // Far from the line its distance is not to be trusted.
+                    let inside = hairline.as_ref().map_or(0.0, |line| line.inside(MannequinScalp.point(dir)));
+                    // Far from the hairline, its distance is unreliable.
                     smoothstep(0.0, 0.035, inside).max(smoothstep(0.6, 0.85, dir.y))
                 }
                 _ => smoothstep(-0.25, 0.25, noise(dir / PATCH, 0x9015e)),
@@ -67,7 +67,7 @@ mod tests {
     use glam::Vec2;
 
     #[test]
-    fn names_say_where() {
+    fn named_maps_cover_their_region() {
         let at = |name: &str, dir: Vec3| ScalpMap::named(name).unwrap().sample(scalp_uv(dir));
         for (name, here, there) in [
             ("front", Vec3::new(0.0, 0.6, 0.8), Vec3::NEG_Z),

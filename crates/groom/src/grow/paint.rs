@@ -1,4 +1,4 @@
-//! Values painted on the scalp, on top of those of a style or a file.
+//! Scalp maps that modify the strands of a style or a file.
 
 use crate::bound::strand::pack_color;
 use crate::random::Rng;
@@ -7,50 +7,49 @@ use crate::{Error, Result};
 use crate::{Strands, bound::covering_radius, curve};
 use glam::{Vec2, Vec3};
 
-/// Length under which nothing is left of a strand, as a fraction of what it had.
+/// Fraction of its length below which a cut strand is removed.
 const SHAVED: f32 = 0.02;
 
-/// Width under which nothing is left of a strand, as a fraction of what it had.
+/// Fraction of its width below which a strand is removed.
 const VANISHED: f32 = 0.01;
 
-/// Colours painted on the scalp: the albedo, linear sRGB.
+/// Hair color painted on the scalp: albedo, linear sRGB.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColorMap {
-    /// Red, green and blue.
+    /// Red, green and blue channels.
     pub channels: [ScalpMap; 3],
 }
 
 impl ColorMap {
-    /// The colour at `uv`, linear.
+    /// Returns the color at `uv`, linear.
     pub fn sample(&self, uv: Vec2) -> Vec3 {
         Vec3::from_array([0, 1, 2].map(|c| self.channels[c].sample(uv)))
     }
 
-    /// The colours of root and tip of a strand rooted at `uv`, packed for
-    /// [`Strand`](crate::bound::Strand): darker at the root and lighter at the tip, by as much as
-    /// the default colours of `tresses` are.
+    /// Returns the colors of root and tip of a strand rooted at `uv`, packed for [`Strand`](crate::bound::Strand). The
+    /// root is darker and the tip lighter than the map, in the same ratio as the default colors of `tresses`.
     pub fn strand(&self, uv: Vec2) -> [u32; 2] {
         let albedo = self.sample(uv);
         [pack_color(ROOT * albedo), pack_color(TIP * albedo)]
     }
 }
 
-/// Albedo at the root and at the tip against the painted one.
+/// Albedo at the root and at the tip, relative to the painted albedo.
 const ROOT: f32 = 0.8;
 const TIP: f32 = 1.25;
 
-/// Maps over the scalp; each multiplies what is there without it, so that white changes nothing.
+/// Maps over the scalp. Each multiplies the value that applies without it, so white changes nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Paint {
-    /// Share of the strands that stay.
+pub struct ScalpPaint {
+    /// Fraction of the strands that stay.
     pub density: Option<ScalpMap>,
-    /// Factor of the widths; strands of no width are left out.
+    /// Factor on the widths; strands without width are removed.
     pub thickness: Option<ScalpMap>,
-    /// Factor of the lengths; strands are cut, those of no length are left out.
+    /// Factor on the lengths: strands are cut, and those without length are removed.
     pub length: Option<ScalpMap>,
-    /// Factor of the radius of curls.
+    /// Factor on the radius of curls.
     pub curl: Option<ScalpMap>,
-    /// Colours of the strands.
+    /// Colors of the strands.
     pub color: Option<ColorMap>,
 }
 
@@ -58,9 +57,9 @@ fn factor(map: Option<&ScalpMap>, uv: Vec2) -> f32 {
     map.map_or(1.0, |map| map.sample(uv))
 }
 
-impl Paint {
-    /// What the maps make of a strand rooted at `uv`: factors of length and width, or `None` when there
-    /// is to be none. `chance` is a random number from 0 to 1.
+impl ScalpPaint {
+    /// Returns the factors on length and width of a strand rooted at `uv`, or `None` if the maps remove it. `chance` is
+    /// a random number from 0 to 1.
     pub(crate) fn strand(&self, uv: Vec2, chance: f32) -> Option<[f32; 2]> {
         let length = factor(self.length.as_ref(), uv).min(1.0);
         let width = factor(self.thickness.as_ref(), uv);
@@ -68,22 +67,23 @@ impl Paint {
         stays.then_some([length, width])
     }
 
-    /// The factor of curls rooted at `uv`.
+    /// Returns the factor on the radius of curls rooted at `uv`.
     pub(crate) fn curl(&self, uv: Vec2) -> f32 {
         factor(self.curl.as_ref(), uv)
     }
 
-    /// Thins out, cuts, scales and colours the imported `strands` (groom space, metres) by where their
-    /// roots lie as seen from `skull`, the middle of the braincase. What a strand is spared is decided
-    /// by `seed`. The map of curls is left to [`restyle`](crate::restyle).
+    /// Thins out, cuts, scales and colors the imported `strands` (groom space, meters) by the position of their roots
+    /// seen from `skull`, the center of the braincase. `seed` selects the strands that are thinned out.
+    /// [`restyle`](crate::restyle) applies the map of curls.
     ///
     /// # Errors
-    /// [`Error::Unusable`] when nothing is left.
+    /// [`Error::Unusable`] if no strand is left.
     pub fn apply(&self, strands: &Strands, skull: Vec3, seed: u32) -> Result<Strands> {
         self.apply_kept(strands, skull, seed, strands.len()).map(|(strands, _)| strands)
     }
 
-    /// The same where only the first `dense` strands are thinned out; also says which strands are left.
+    /// [`apply`](Self::apply) that thins out only the first `dense` strands. Also returns the indices of the remaining
+    /// strands.
     pub(crate) fn apply_kept(
         &self,
         strands: &Strands,
@@ -104,7 +104,7 @@ impl Paint {
             kept.push(i as u32);
             let n = line.len();
             let range = strands.range(i);
-            // The same vertices over less of the way.
+            // The same number of vertices over a shorter length.
             let places = if length < 1.0 { cut(line, length) } else { (0..n).map(|k| k as f32).collect() };
             let lerp_at = |x: f32| {
                 ((x as usize).min(n.saturating_sub(2)), x - (x as usize).min(n.saturating_sub(2)) as f32)
@@ -132,20 +132,18 @@ impl Paint {
             }
             out.root_uvs.extend(strands.root_uvs.get(i));
             out.marks.extend(strands.marks.get(i));
-            // A strand that is cut lets go of what held its tip.
+            // A cut strand no longer has a pinned tip.
             out.tip_pinned.extend(strands.tip_pinned.get(i).map(|pinned| *pinned && length >= 1.0));
         }
         if out.is_empty() {
-            return Err(Error::Unusable(
-                "the maps leave no strand: they are black wherever hair is rooted".into(),
-            ));
+            return Err(Error::Unusable("the maps remove all strands: they are black at every root".into()));
         }
         Ok((out, kept))
     }
 }
 
-/// For each vertex of `line` the place, in vertices, that it moves to when the line ends at the fraction
-/// `share` of its length.
+/// Returns for each vertex of `line` its new position, in vertex indices, if the line ends at the fraction `share` of
+/// its length.
 fn cut(line: &[Vec3], share: f32) -> Vec<f32> {
     let n = line.len();
     let end = share * curve::length(line);
@@ -166,7 +164,7 @@ fn cut(line: &[Vec3], share: f32) -> Vec<f32> {
 mod tests {
     use super::*;
 
-    /// Strands all over a head at the origin, 10 cm long, straight out.
+    /// Strands 10 cm long that stick out of a head at the origin.
     fn ball(count: usize) -> Strands {
         let mut strands = Strands::default();
         for i in 0..count {
@@ -181,7 +179,7 @@ mod tests {
         ScalpMap::from_fn(64, |uv| if uv.x > 0.5 { 1.0 } else { 0.25 })
     }
 
-    /// The mean of `value` over the strands that are rooted well to the left of the head, and to the right.
+    /// Returns the mean of `value` over the strands rooted well to the left of the head, and well to the right.
     fn sides(strands: &Strands, value: impl Fn(usize) -> f32) -> [f32; 2] {
         [1.0, -1.0].map(|side| {
             let there: Vec<f32> =
@@ -191,41 +189,45 @@ mod tests {
     }
 
     #[test]
-    fn paint_acts_where_it_is() {
+    fn paint_affects_only_painted_side() {
         let strands = ball(4000);
         let count =
             |s: &Strands, side: f32| (0..s.len()).filter(|i| s.strand(*i)[0].x * side > 0.03).count() as f32;
-        let thin =
-            Paint { density: Some(left()), ..Paint::default() }.apply(&strands, Vec3::ZERO, 1).unwrap();
+        let thin = ScalpPaint { density: Some(left()), ..ScalpPaint::default() }
+            .apply(&strands, Vec3::ZERO, 1)
+            .unwrap();
         let kept = [1.0, -1.0].map(|side| count(&thin, side) / count(&strands, side));
         let good = |[l, r]: [f32; 2]| l == 1.0 && (r - 0.25).abs() < 0.04;
         assert!(good(kept) && !good([kept[1], kept[0]]), "{kept:?}");
 
-        let cut = Paint { length: Some(left()), ..Paint::default() }.apply(&strands, Vec3::ZERO, 1).unwrap();
+        let cut = ScalpPaint { length: Some(left()), ..ScalpPaint::default() }
+            .apply(&strands, Vec3::ZERO, 1)
+            .unwrap();
         let lengths = sides(&cut, |i| cut.length(i));
         let good = |[l, r]: [f32; 2]| (l - 0.1).abs() < 1e-5 && (r - 0.025).abs() < 1e-5;
         assert!(good(lengths) && !good([lengths[1], lengths[0]]), "{lengths:?}");
 
-        let fine =
-            Paint { thickness: Some(left()), ..Paint::default() }.apply(&strands, Vec3::ZERO, 1).unwrap();
+        let fine = ScalpPaint { thickness: Some(left()), ..ScalpPaint::default() }
+            .apply(&strands, Vec3::ZERO, 1)
+            .unwrap();
         let widths = sides(&fine, |i| fine.radii[fine.range(i).start]);
         assert!((widths[1] / widths[0] - 0.25).abs() < 1e-4, "{widths:?}");
 
         let grey = ScalpMap::from_fn(2, |_| 0.2);
         let color = Some(ColorMap { channels: [left(), grey.clone(), grey] });
-        let red = Paint { color, ..Paint::default() }.apply(&strands, Vec3::ZERO, 1).unwrap();
+        let red = ScalpPaint { color, ..ScalpPaint::default() }.apply(&strands, Vec3::ZERO, 1).unwrap();
         let roots = sides(&red, |i| red.colors[red.range(i).start].x);
         assert!((roots[0] - 0.8).abs() < 1e-5 && (roots[1] - 0.2).abs() < 1e-5, "{roots:?}");
-        assert_eq!(Paint::default().apply(&strands, Vec3::ZERO, 1).unwrap(), strands);
+        assert_eq!(ScalpPaint::default().apply(&strands, Vec3::ZERO, 1).unwrap(), strands);
     }
 
     #[test]
-    fn black_everywhere_is_refused() {
+    fn all_black_maps_are_rejected() {
         let black = ScalpMap::from_fn(2, |_| 0.0);
         for paint in [
-            Paint { density: Some(black.clone()), ..Paint::default() },
-            Paint { length: Some(black.clone()), ..Paint::default() },
-            Paint { thickness: Some(black), ..Paint::default() },
+            ScalpPaint { density: Some(black.clone()), ..ScalpPaint::default() },
+            ScalpPaint { length: Some(black.clone()), ..ScalpPaint::default() },
+            ScalpPaint { thickness: Some(black), ..ScalpPaint::default() },
         ] {
             assert!(paint.apply(&ball(20), Vec3::ZERO, 1).is_err());
         }

@@ -1,36 +1,36 @@
-//! The parameters of growth.
+//! Growth parameters.
 
-use super::{Curls, Paint};
+use super::{Curls, ScalpPaint};
 use crate::MAX_STRAND_VERTICES;
 use crate::bound::covering_radius;
 use crate::scalp::ScalpMap;
 use crate::styles::{Curly, Style};
 use crate::{Error, Result, range, range::Range};
 
-/// Which kinds of strands are grown.
+/// Kinds of strands to grow.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Kind {
-    /// Around single guides.
+pub enum StrandKind {
+    /// Strands around single guides.
     Clump,
-    /// Between three guides.
+    /// Strands between three guides.
     Multi,
-    /// Both.
+    /// Both kinds.
     #[default]
     Both,
 }
 
-/// How strands gather.
+/// Clump and lock parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clumps {
-    /// Distance between clump centres on the scalp, metres.
+    /// Distance between clump centers on the scalp, meters.
     pub spacing: f32,
-    /// How far strands run together at the tip, 0 to 1.
+    /// Strength of convergence at the tip, 0 to 1.
     pub strength: f32,
-    /// Fraction of the length at which they begin to; below 0 where they grow together.
+    /// Fraction of the length at which convergence begins; below 0 for strands that converge from the root on.
     pub start: f32,
-    /// How far strands are drawn to their heaviest guide at the tip, 0 to 1: the locks.
+    /// Pull of strands toward their heaviest guide at the tip, 0 to 1 (locks).
     pub lock: f32,
-    /// Width of a clump-based strand's place around its guide at the tip against that at the root.
+    /// Spread of clump-based strands around their guide at the tip, relative to the root.
     pub tip_spread: f32,
 }
 
@@ -53,8 +53,8 @@ impl Clumps {
         Self::LOCK.check(self.lock)
     }
 
-    /// Clumps that curl as `curls` do. Round curls show when a lock of a centimetre or so, no thicker than
-    /// the curl is wide, winds as one from near its root; waves run through and change little.
+    /// Returns the clumps that suit `curls`. Round curls are visible if a lock of about a centimeter, no thicker than
+    /// the curl is wide, winds as one from near its root. Waves run continuously and change the clumps little.
     pub fn curled(self, curls: &Curls) -> Self {
         let round = 1.0 - curls.flatness;
         let mix = |a: f32, b: f32| a + (b - a) * round;
@@ -68,20 +68,20 @@ impl Clumps {
     }
 }
 
-/// How single strands differ.
+/// Random variation of single strands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unrest {
-    /// Amplitude of the fine waves that every strand has, metres.
+    /// Amplitude of the fine waves of every strand, meters.
     pub frizz: f32,
-    /// Share of strands that stray a little, at the tip alone.
+    /// Fraction of strands that stray slightly, at the tip only.
     pub strays: f32,
-    /// How far they stray, metres.
+    /// Deviation of strays, meters.
     pub stray: f32,
-    /// Share of strands, thin ones, that stray a lot.
+    /// Fraction of strands that stray far; these are thin.
     pub flyaways: f32,
-    /// How far those stray, metres.
+    /// Deviation of flyaways, meters.
     pub flyaway: f32,
-    /// Greatest shortening of strands against their guides, as a fraction.
+    /// Maximum shortening of strands relative to their guides, as a fraction.
     pub shorter: f32,
 }
 
@@ -108,50 +108,49 @@ impl Unrest {
     }
 }
 
-/// How strands grow from guides. Counts come from maps, as in a groom made by hand, or as one
-/// exact total.
+/// Parameters for growing strands from guides. The number of strands comes from maps, as in a groom made by hand, or is
+/// one exact total.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Growth {
-    /// Which kinds of strands.
-    pub kind: Kind,
-    /// The exact number of strands, before [`paint`](Self::paint) thins them out; `None` for what the counts and maps give.
+    /// Kinds of strands to grow.
+    pub kind: StrandKind,
+    /// Exact number of strands, before [`paint`](Self::paint) thins them out; `None` to use the counts and maps.
     pub strand_count: Option<u32>,
-    /// Share of clump-based strands where the total is given and both kinds grow.
+    /// Fraction of clump-based strands if the total is given and both kinds grow.
     pub clump_share: f32,
-    /// Strands around a guide where the map is 1.
+    /// Strands per guide where the map is 1.
     pub clump_count: u32,
-    /// Strands in a triangle of guides where the map is 1.
+    /// Strands per triangle of guides where the map is 1.
     pub multi_count: u32,
-    /// Density of clump-based strands over the scalp; `None` for one that thins out at the hairline.
+    /// Density of clump-based strands over the scalp; `None` for a density that fades at the hairline.
     pub clump_map: Option<ScalpMap>,
-    /// Density of multi-strands (the green channel of the original's map); `None` as above.
+    /// Density of multi-strands (the green channel of the map in Tariq and Bavoil 2008); `None` as above.
     pub density_map: Option<ScalpMap>,
-    /// Thickness of strands (the red channel), 1 for the full width; `None` for one that is finer
-    /// at the hairline.
+    /// Thickness of strands (the red channel of that map), 1 for the full width; `None` for strands that are finer at
+    /// the hairline.
     pub thickness_map: Option<ScalpMap>,
-    /// Vertices of each strand, 2 to 64.
+    /// Vertices per strand, 2 to 64.
     pub vertices: u32,
-    /// Diameter of a strand, metres; `None` for 80 µm at 100,000 strands and more at fewer, so
-    /// that they cover as much.
+    /// Diameter of a strand, meters; `None` for 80 µm at 100,000 strands and more for fewer strands, so that they cover
+    /// as much.
     pub diameter: Option<f32>,
-    /// Standard deviation of the diameter as a fraction.
+    /// Standard deviation of the diameter, as a fraction.
     pub width_variation: f32,
     /// Fraction of the length at which strands begin to taper.
     pub taper_start: f32,
-    /// Width at the tip as a fraction.
+    /// Width at the tip, as a fraction of the full width.
     pub tip_width: f32,
     /// Clumps and locks.
     pub clumps: Clumps,
-    /// Curls of all strands; their locks are the clumps.
+    /// Curls of all strands; each clump is a lock.
     pub curls: Curls,
-    /// Maps on top of the above. They take away: the number of strands is that before the painted
-    /// density.
-    pub paint: Paint,
-    /// Differences between single strands.
+    /// Maps on top of the above. They only take away: `strand_count` is the number before the painted density.
+    pub paint: ScalpPaint,
+    /// Random variation of single strands.
     pub unrest: Unrest,
-    /// Smallest distance of strands from the skin, metres.
+    /// Minimum distance of strands from the skin, meters.
     pub clearance: f32,
-    /// What every random choice follows from.
+    /// Seed of every random choice.
     pub seed: u32,
 }
 
@@ -168,14 +167,14 @@ impl Growth {
     pub const WIDTH_VARIATION: Range = range!("width variation", 0.0 to 1.0; usually 0.0 to 0.5);
     /// The range of [`tip_width`](Self::tip_width).
     pub const TIP_WIDTH: Range = range!("tip width", 0.0 to 1.0);
-    /// The most [`strand_count`](Self::strand_count): more than any adapter holds today, and few enough to be
-    /// grown in memory.
+    /// Maximum of [`strand_count`](Self::strand_count): more than any adapter holds today, and few enough to be grown
+    /// in memory.
     pub const MOST_STRANDS: u32 = 4_000_000;
 
-    /// The growth that suits `style`.
+    /// Returns the growth that suits `style`.
     pub fn for_style(style: &Style) -> Self {
         let base = Self {
-            kind: Kind::Both,
+            kind: StrandKind::Both,
             strand_count: Some(20_000),
             clump_share: 0.3,
             clump_count: 80,
@@ -198,7 +197,7 @@ impl Growth {
                 shorter: 0.11,
             },
             curls: Curls::default(),
-            paint: Paint::default(),
+            paint: ScalpPaint::default(),
             clearance: 0.001,
             seed: style.recipe().seed,
         };
@@ -228,8 +227,8 @@ impl Growth {
         }
     }
 
-    /// The same growth with curls, and with the clumps that suit them: locks that hold together from
-    /// near the root on, and as many vertices as there may be.
+    /// Returns this growth with curls, with clumps that suit them (locks that hold together from near the root on), and
+    /// with the maximum number of vertices.
     pub fn with_curls(mut self, curls: Curls) -> Self {
         if curls.any() {
             self.vertices = MAX_STRAND_VERTICES;
@@ -239,13 +238,13 @@ impl Growth {
         self
     }
 
-    /// The same growth with exactly `count` strands.
+    /// Returns this growth with exactly `count` strands.
     pub fn with_strands(mut self, count: u32) -> Self {
         self.strand_count = Some(count);
         self
     }
 
-    /// The usual diameter of `count` strands, metres.
+    /// Returns the diameter of each of `count` strands, meters.
     pub fn diameter_for(&self, count: usize) -> f32 {
         self.diameter.unwrap_or_else(|| 2.0 * covering_radius(count))
     }

@@ -1,7 +1,7 @@
-//! The roots of the drawn strands, and the guides that each is bound to.
+//! Roots of the render strands, and the guides of each.
 
 use super::Growth;
-use super::bind::{Bound, Scaffold};
+use super::bind::{GuideWeights, Scaffold};
 use super::count::{clump_density, multi_density, open};
 use crate::random::{Rng, smoothstep};
 use crate::scalp::{Scalp, scalp_uv, spread_direction};
@@ -14,29 +14,29 @@ use glam::{Vec2, Vec3};
 pub(crate) struct Seed {
     pub(crate) root: Vec3,
     pub(crate) uv: Vec2,
-    pub(crate) bound: Bound,
-    /// The side of the parting, and the distance from it, metres.
+    pub(crate) bound: GuideWeights,
+    /// Side of the parting, 1 or -1; `beside` is the distance from it, meters.
     pub(crate) side: f32,
     pub(crate) beside: f32,
-    /// Whether it follows one guide.
+    /// Whether the strand follows one guide.
     pub(crate) clump: bool,
-    /// Fraction of the guides' length at which it ends.
+    /// Fraction of the guides' length at which the strand ends.
     pub(crate) fraction: f32,
-    /// Width against the usual one.
+    /// Width relative to the usual width.
     pub(crate) thickness: f32,
-    /// Painted factors of length and width; `None` where there is to be no strand. It is still in the list,
-    /// so that the others stay where and what they are whatever is painted.
+    /// Painted factors on length and width; `None` if the maps remove the strand. A removed strand stays in the list,
+    /// so that maps do not change the other strands.
     pub(crate) paint: Option<[f32; 2]>,
 }
 
-/// Distance from the whorl below which strands follow one guide, metres.
+/// Distance from the whorl below which strands follow one guide, meters.
 const ALONE: f32 = 0.035;
 
-/// Tries for each strand before it is said that there is no place for it.
+/// Tries per strand before growth fails for lack of a place.
 const PATIENCE: u64 = 400;
 
-/// The strands: roots follow one evenly spread sequence over the scalp, thinned out by density,
-/// so that the strands of every beginning of the list are spread evenly too.
+/// Returns the strands to grow. Roots follow one evenly spread sequence over the scalp, thinned out by density, so
+/// every prefix of the list is evenly spread too.
 pub(crate) fn seeds(
     scaffold: &Scaffold,
     styled: &StyledGuides,
@@ -56,11 +56,11 @@ pub(crate) fn seeds(
         }
         let Ok(i) = u32::try_from(i) else { break };
         let mut rng = Rng::new(growth.seed ^ 0x77, i);
-        // Which kind comes next is drawn so that both run out together.
+        // Draw the kind at random, so that both kinds run out together.
         let clump = rng.unit() * ((left[0] + left[1]) as f32) < left[0] as f32 && left[0] > 0 || left[1] == 0;
         let dir = (spread_direction(i, start) + 0.002 * rng.bell3()).normalize_or(Vec3::Y);
         let root = scalp.point(dir);
-        // Equal steps of direction are unequal areas of the scalp.
+        // Equal steps of direction cover unequal areas of the scalp.
         let area = root.distance_squared(skull) / 0.016;
         if rng.unit() > area {
             continue;
@@ -83,8 +83,8 @@ pub(crate) fn seeds(
         if rng.unit() >= density {
             continue;
         }
-        // At a whorl hair parts in all directions. The mean of three guides is a stub that covers little,
-        // and single guides leave gaps between them: half of each closes both.
+        // At a whorl, hair parts in all directions. The mean of three guides is a stub that covers little, and single
+        // guides leave gaps. Half of each kind closes both.
         let crown = styled.parting.is_none() && root.distance(styled.whorl) < ALONE * rng.range(0.5, 1.0);
         let single = clump || (crown && rng.unit() < 0.5);
         let bound = if single { scaffold.single(root) } else { scaffold.blend(root) };
@@ -109,7 +109,7 @@ pub(crate) fn seeds(
     if left == [0, 0] {
         return match total > 0 && seeds.iter().all(|seed| seed.paint.is_none()) {
             true => {
-                Err(Error::Unusable("the maps leave no strand: they are black wherever hair grows".into()))
+                Err(Error::Unusable("the maps remove all strands: they are black wherever hair grows".into()))
             }
             false => Ok(seeds),
         };
@@ -117,11 +117,11 @@ pub(crate) fn seeds(
     Err(Error::Parameter {
         name: "number of strands",
         value: total.to_string(),
-        range: "0 where the scalp maps leave no place inside the hairline",
+        range: "0, because the scalp maps are black inside the hairline",
     })
 }
 
-/// How long a strand is against its guides: a little shorter, and many short ones at the hairline.
+/// Returns the length of a strand relative to its guides: slightly shorter, with many short strands at the hairline.
 fn fraction(growth: &Growth, edge: f32, rng: &mut Rng) -> f32 {
     let shorter = 1.0 - growth.unrest.shorter * (0.15 + 0.85 * rng.unit());
     let fringe = 1.0 - smoothstep(0.0, 0.01, edge);

@@ -1,4 +1,4 @@
-//! The rest curve of a strand.
+//! Rest curve of a strand.
 
 use super::avoid::Keeper;
 use super::bind::{Scaffold, frames_from};
@@ -11,24 +11,24 @@ use crate::scalp::{Scalp, stereographic};
 use crate::styles::StyledGuides;
 use glam::{Vec2, Vec3};
 
-/// Points of the curve of a clump's centre.
+/// Points of the curve of a clump's center.
 const CENTRE_POINTS: usize = 33;
 
-/// How a clump curls.
+/// Curl of a clump.
 #[derive(Clone, Copy, Debug)]
 struct ClumpTwist {
     twist: Twist,
-    /// The length of its centre, metres.
+    /// Length of the clump's center, meters.
     length: f32,
-    /// The fraction of its path that it takes.
+    /// Fraction of its path that the curled clump covers.
     fraction: f32,
 }
 
-/// What came of a strand.
-pub(crate) struct Filled {
-    /// Width against the usual one.
+/// Properties of a strand after shaping.
+pub(crate) struct StrandOutcome {
+    /// Width relative to the usual width.
     pub(crate) fineness: f32,
-    /// Fraction of the guides at which it ends.
+    /// Fraction of the guides' length at which the strand ends.
     pub(crate) fraction: f32,
 }
 
@@ -36,13 +36,13 @@ pub(crate) struct Shaper<'a> {
     scaffold: &'a Scaffold<'a>,
     growth: &'a Growth,
     keeper: Keeper<'a>,
-    /// The clump of each strand.
+    /// Clump of each strand.
     clump: Vec<u32>,
-    /// The uncut curve of each clump's centre.
+    /// Uncut curve of each clump's center.
     centres: Vec<Vec3>,
-    /// Two directions across it at each of its points.
+    /// Two directions across each center at each of its points.
     across: Vec<[Vec3; 2]>,
-    /// How each clump curls, where hair curls.
+    /// Curl of each clump; empty without curls.
     twists: Vec<ClumpTwist>,
 }
 
@@ -64,7 +64,7 @@ impl<'a> Shaper<'a> {
             across: Vec::new(),
             twists: Vec::new(),
         };
-        // A scalp has about 0.065 square metres. The first strands are as evenly spread as all.
+        // A scalp has about 0.065 m². The first strands, which become centers, are as evenly spread as all.
         let wanted = (0.065 / growth.clumps.spacing.max(5e-4).powi(2)) as usize;
         let count = wanted.min(seeds.len() / 4);
         let flat = |seed: &Seed| stereographic(seed.root - skull);
@@ -74,11 +74,11 @@ impl<'a> Shaper<'a> {
         let cells = Cells::new(places);
         for (i, seed) in seeds.iter().enumerate() {
             let cost = |k: usize, d: f32| {
-                // Hair does not cross the parting to its clump.
+                // Clumps do not gather hair across the parting.
                 let across = seed.beside < 0.02 && seeds[k].side != seed.side;
                 d * sizes[k] + if across { 1.0 } else { 0.0 }
             };
-            // The nearest by mere distance decides for centres themselves: each is its own.
+            // A center belongs to its own clump, even if another center costs less.
             let own = if i < count { Some(i) } else { cells.nearest(flat(seed), 0.39, cost) };
             shaper.clump[i] = own.unwrap_or(0) as u32;
         }
@@ -100,14 +100,14 @@ impl<'a> Shaper<'a> {
         shaper
     }
 
-    /// The curve by interpolation alone.
+    /// Computes the curve by interpolation alone.
     fn base(&self, seed: &Seed, line: &mut [Vec3]) {
         let last = (line.len() - 1) as f32;
         let lead = seed.bound.guides[0];
         let offset = seed.root - self.scaffold.blended(&seed.bound, 0.0);
         let clumps = self.growth.clumps;
         let around = {
-            // The way from the lead guide's root to this one, seen in the guide's frame.
+            // Offset from the lead guide's root to this root, in the guide's frame.
             let away = seed.root - self.scaffold.sample(lead, 0.0);
             let tangent =
                 (self.scaffold.sample(lead, 0.03) - self.scaffold.sample(lead, 0.0)).normalize_or_zero();
@@ -121,7 +121,7 @@ impl<'a> Shaper<'a> {
                 let [u, v] = self.scaffold.across(lead, t);
                 let shrink = lerp(1.0, clumps.tip_spread, smoothstep(0.0, 1.0, t));
                 let middle = self.scaffold.sample(lead, t);
-                // The part along the guide at the root has nowhere to go further down.
+                // The part of the offset along the guide fades out.
                 let along = seed.root - self.scaffold.sample(lead, 0.0) - {
                     let [u, v] = self.scaffold.across(lead, 0.0);
                     u * around.x + v * around.y
@@ -140,8 +140,8 @@ impl<'a> Shaper<'a> {
         line[0] = seed.root;
     }
 
-    /// Writes the rest curve of strand `index` and returns its width against the usual one.
-    pub(crate) fn fill(&self, index: usize, seed: &Seed, rng: &mut Rng, line: &mut [Vec3]) -> Filled {
+    /// Writes the rest curve of strand `index`.
+    pub(crate) fn fill(&self, index: usize, seed: &Seed, rng: &mut Rng, line: &mut [Vec3]) -> StrandOutcome {
         let clump = self.clump[index];
         let twist = self.twists.get(clump as usize);
         let seed = &Seed { fraction: seed.fraction * twist.map_or(1.0, |t| t.fraction), ..*seed };
@@ -154,10 +154,10 @@ impl<'a> Shaper<'a> {
         }
         unrest(&self.growth.unrest, stray, rng, line);
         self.keeper.keep(line, rng);
-        Filled { fineness: if flyaway { 0.65 } else { 1.0 }, fraction: seed.fraction }
+        StrandOutcome { fineness: if flyaway { 0.65 } else { 1.0 }, fraction: seed.fraction }
     }
 
-    /// Draws the strand to the centre of its clump.
+    /// Pulls the strand toward the center of its clump.
     fn gather(&self, clump: u32, seed: &Seed, share: f32, rng: &mut Rng, line: &mut [Vec3]) {
         let at = clump as usize * CENTRE_POINTS;
         let Some(centre) = self.centres.get(at..at + CENTRE_POINTS) else { return };
@@ -176,8 +176,8 @@ impl<'a> Shaper<'a> {
         }
     }
 
-    /// Winds the strand around its path. The strands of a clump turn together: they share the way
-    /// along the clump's centre and the directions across it.
+    /// Winds the strand around its path. The strands of a clump turn together: they share the arc length along the
+    /// clump's center and the directions across it.
     fn wind(
         &self,
         clump: u32,

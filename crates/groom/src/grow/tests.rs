@@ -8,7 +8,7 @@ fn styles() -> [Style; 4] {
     Style::NAMES.map(|name| name.parse().unwrap())
 }
 
-/// Growth of few strands.
+/// Growth of `style` with `count` strands.
 fn some(style: &Style, count: u32) -> Growth {
     Growth::for_style(style).with_strands(count)
 }
@@ -16,7 +16,7 @@ fn some(style: &Style, count: u32) -> Growth {
 #[test]
 fn totals_are_exact() {
     let styled = guides(&Style::default(), head());
-    for kind in [Kind::Clump, Kind::Multi, Kind::Both] {
+    for kind in [StrandKind::Clump, StrandKind::Multi, StrandKind::Both] {
         for count in [0, 1, 7, 1234] {
             let growth = Growth { kind, ..some(&Style::default(), count) };
             let grown = grow(&styled, &growth, head()).unwrap();
@@ -33,19 +33,23 @@ fn counts_follow_the_maps() {
     let full = ScalpMap::from_fn(4, |_| 1.0);
     let growth = Growth {
         strand_count: None,
-        kind: Kind::Clump,
+        kind: StrandKind::Clump,
         clump_count: 3,
         clump_map: Some(full.clone()),
         ..Growth::default()
     };
     assert_eq!(grow(&styled, &growth, head()).unwrap().strands.len(), 166 * 3);
-    let multi = Growth { kind: Kind::Multi, multi_count: 2, density_map: Some(full), ..growth };
+    let multi = Growth { kind: StrandKind::Multi, multi_count: 2, density_map: Some(full), ..growth };
     let triangles = grow(&styled, &multi, head()).unwrap().strands.len() / 2;
     assert!((200..330).contains(&triangles), "{triangles}");
     // Nothing grows where the map is black, and a map that is black everywhere is an error.
     let left = ScalpMap::from_fn(64, |uv| if uv.x > 0.5 { 1.0 } else { 0.0 });
-    let half =
-        Growth { density_map: Some(left), strand_count: Some(300), kind: Kind::Multi, ..Growth::default() };
+    let half = Growth {
+        density_map: Some(left),
+        strand_count: Some(300),
+        kind: StrandKind::Multi,
+        ..Growth::default()
+    };
     let grown = grow(&styled, &half, head()).unwrap();
     assert!(grown.strands.iter().all(|strand| strand.root_uv.x > 0.49));
     let none = Growth { density_map: Some(ScalpMap::from_fn(4, |_| 0.0)), strand_count: Some(9), ..half };
@@ -65,7 +69,7 @@ fn thickness_follows_the_map() {
 }
 
 #[test]
-fn bindings_are_sound() {
+fn bindings_are_valid() {
     for style in styles() {
         let styled = guides(&style, head());
         let grown = grow(&styled, &some(&style, 1500), head()).unwrap();
@@ -85,7 +89,7 @@ fn bindings_are_sound() {
 }
 
 #[test]
-fn a_seed_makes_growth_reproducible() {
+fn same_seed_grows_same_strands() {
     let style = Style::default();
     let styled = guides(&style, head());
     let growth = some(&style, 500);
@@ -112,7 +116,7 @@ fn strands_start_on_the_scalp_and_keep_clear() {
 }
 
 #[test]
-fn strands_are_as_long_as_their_guides_say() {
+fn strand_lengths_match_their_guides() {
     for style in styles().into_iter().filter(|style| !Growth::for_style(style).curls.any()) {
         let styled = guides(&style, head());
         let grown = grow(&styled, &some(&style, 1500), head()).unwrap();
@@ -132,10 +136,10 @@ fn strands_are_as_long_as_their_guides_say() {
 }
 
 #[test]
-fn without_structure_a_strand_is_the_blend_of_its_guides() {
+fn unstructured_strands_blend_their_guides() {
     let style = Style::default();
     let styled = guides(&style, head());
-    let mut growth = Growth { kind: Kind::Multi, clearance: 0.0, ..some(&style, 400) };
+    let mut growth = Growth { kind: StrandKind::Multi, clearance: 0.0, ..some(&style, 400) };
     growth.clumps = Clumps { strength: 0.0, lock: 0.0, ..growth.clumps };
     growth.unrest = Unrest { frizz: 0.0, strays: 0.0, flyaways: 0.0, ..growth.unrest };
     let grown = grow(&styled, &growth, head()).unwrap();
@@ -154,16 +158,16 @@ fn without_structure_a_strand_is_the_blend_of_its_guides() {
         })
         .collect();
     off.sort_by(f32::total_cmp);
-    // What is left is the offset of roots outside of all triangles, and what the head pushes away.
+    // The remaining error comes from roots outside of all triangles and from strands that the head pushes away.
     assert!(off[200] < 0.003, "{}", off[200]);
 }
 
 #[test]
-fn clumps_meet_towards_the_tips() {
+fn clumps_converge_toward_tips() {
     let style = Style::default();
     let styled = guides(&style, head());
     let spread = |strength: f32| {
-        let mut growth = Growth { kind: Kind::Multi, ..some(&style, 3000) };
+        let mut growth = Growth { kind: StrandKind::Multi, ..some(&style, 3000) };
         growth.clumps.strength = strength;
         growth.unrest = Unrest { frizz: 0.0, strays: 0.0, flyaways: 0.0, shorter: 0.0, ..growth.unrest };
         let grown = grow(&styled, &growth, head()).unwrap();
@@ -178,7 +182,7 @@ fn clumps_meet_towards_the_tips() {
 }
 
 #[test]
-fn the_scenes_of_the_seed_can_be_asked_for() {
+fn strand_count_sets_exact_triangle_count() {
     let styled = guides(&Style::default(), head());
     for (triangles, count) in [(0.99e6, 15_968), (2.1e6, 33_871)] {
         let grown = grow(&styled, &some(&Style::default(), count), head()).unwrap();
@@ -202,9 +206,10 @@ fn parameters_are_checked() {
     }
 }
 
-/// Multi-strands that nothing but curls leads from the blend of their guides.
+/// Multi-strands that differ from the blend of their guides only by curls.
 fn smooth_growth(style: &Style, count: u32, curls: Curls) -> Growth {
-    let mut growth = Growth { kind: Kind::Multi, clearance: 0.0, ..some(style, count) }.with_curls(curls);
+    let mut growth =
+        Growth { kind: StrandKind::Multi, clearance: 0.0, ..some(style, count) }.with_curls(curls);
     growth.vertices = 64;
     growth.clumps = Clumps { strength: 0.0, lock: 0.0, spacing: 0.03, ..growth.clumps };
     growth.unrest =
@@ -216,7 +221,7 @@ fn regular() -> Curls {
     Curls { irregularity: 0.0, coherence: 1.0, neighbours: 0.0, ..Curls::ringlets() }
 }
 
-/// How far every vertex of curled hair is from where it is without curls, strand by strand.
+/// Returns the length of each strand without curls, and the offset of each of its vertices when it is curled.
 fn offsets(style: &Style, count: u32, curls: &Curls) -> (Vec<f32>, Vec<Vec<Vec3>>) {
     let styled = guides(style, head());
     let straight = grow(&styled, &smooth_growth(style, count, Curls::default()), head()).unwrap();
@@ -227,14 +232,14 @@ fn offsets(style: &Style, count: u32, curls: &Curls) -> (Vec<f32>, Vec<Vec<Vec3>
 }
 
 #[test]
-fn grown_strands_have_the_radius_and_wavelength_of_their_curls() {
+fn grown_curls_have_requested_radius_and_wavelength() {
     let (lengths, off) = offsets(&Style::default(), 400, &regular());
     let mut radii: Vec<f32> = off.iter().flat_map(|o| o[24..].iter().map(|o| o.length())).collect();
     radii.sort_by(f32::total_cmp);
-    // Away from the head, which pushes: the median and what is above it.
+    // Median and 90th percentile, where the head does not push the strands.
     let (middle, high) = (radii[radii.len() / 2], radii[radii.len() * 9 / 10]);
     assert!((middle / 0.009 - 1.0).abs() < 0.02 && (high / 0.009 - 1.0).abs() < 0.05, "{middle} {high}");
-    // The angle that offsets turn by over the lower half, in wavelengths.
+    // Length per turn of the offsets over the lower half, which is the wavelength.
     let mut waves: Vec<f32> = off
         .iter()
         .zip(&lengths)
@@ -250,7 +255,7 @@ fn grown_strands_have_the_radius_and_wavelength_of_their_curls() {
 }
 
 #[test]
-fn neighbours_in_a_lock_curl_together() {
+fn strands_of_a_lock_curl_in_phase() {
     let style = Style::default();
     let likeness = |coherence: f32| {
         let (_, off) = offsets(&style, 1500, &Curls { coherence, ..regular() });
@@ -267,13 +272,13 @@ fn neighbours_in_a_lock_curl_together() {
         }
         sum.0 / sum.1 as f32
     };
-    // Some neighbours are of different locks.
+    // Some neighbors belong to different locks.
     let (together, apart) = (likeness(1.0), likeness(0.0));
     assert!(together > 0.6 && apart.abs() < 0.2, "{together} {apart}");
 }
 
 #[test]
-fn shrunken_curls_keep_the_lengths_of_strands() {
+fn shrinking_curls_keep_strand_lengths() {
     let style = Style::default();
     let styled = guides(&style, head());
     let mean = |curls: Curls| {
@@ -290,13 +295,13 @@ fn shrunken_curls_keep_the_lengths_of_strands() {
 }
 
 #[test]
-fn paint_acts_where_it_is_and_takes_away() {
+fn painted_maps_remove_hair_only_where_painted() {
     let style = Style::default();
     let styled = guides(&style, head());
     let map = |low: f32| Some(ScalpMap::from_fn(64, move |uv| if uv.x > 0.5 { 1.0 } else { low }));
     let plain = grow(&styled, &some(&style, 2000), head()).unwrap();
-    let painted = |paint: Paint| grow(&styled, &Growth { paint, ..some(&style, 2000) }, head()).unwrap();
-    // The mean over strands rooted well to the left of the head and to the right, and their numbers.
+    let painted = |paint: ScalpPaint| grow(&styled, &Growth { paint, ..some(&style, 2000) }, head()).unwrap();
+    // Returns the mean over strands rooted well to the left of the head and well to the right, and their numbers.
     let sides = |grown: &GrownStrands, value: &dyn Fn(usize) -> f32| {
         [true, false].map(|left| {
             let there: Vec<f32> = (0..grown.strands.len())
@@ -308,36 +313,36 @@ fn paint_acts_where_it_is_and_takes_away() {
         })
     };
     let usual = sides(&plain, &|i| plain.strands[i].radius);
-    let thin = painted(Paint { density: map(0.3), ..Paint::default() });
+    let thin = painted(ScalpPaint { density: map(0.3), ..ScalpPaint::default() });
     let now = sides(&thin, &|i| thin.strands[i].radius);
     let good = |l: f32, r: f32| l == 1.0 && (r - 0.3).abs() < 0.06;
     let kept = [0, 1].map(|k| now[k].1 / usual[k].1);
     assert!(good(kept[0], kept[1]) && !good(kept[1], kept[0]), "{kept:?}");
-    // Hair that is thinned out is no thicker for it.
+    // Thinning out does not make the other strands thicker.
     assert!((now[0].0 / usual[0].0 - 1.0).abs() < 1e-4);
 
-    let fine = painted(Paint { thickness: map(0.5), ..Paint::default() });
+    let fine = painted(ScalpPaint { thickness: map(0.5), ..ScalpPaint::default() });
     let now = sides(&fine, &|i| fine.strands[i].radius);
     assert!((now[0].0 / usual[0].0 - 1.0).abs() < 1e-4 && (now[1].0 / usual[1].0 - 0.5).abs() < 1e-4);
 
-    let cut = painted(Paint { length: map(0.4), ..Paint::default() });
+    let cut = painted(ScalpPaint { length: map(0.4), ..ScalpPaint::default() });
     let [was, now] = [&plain, &cut].map(|grown| sides(grown, &|i| grown.strands[i].scale[0]));
     assert!(now[0].0 == was[0].0 && (now[1].0 / was[1].0 - 0.4).abs() < 1e-4, "{was:?} {now:?}");
 
     let grey = ScalpMap::from_fn(2, |_| 0.1);
     let color = ColorMap { channels: [map(0.0).unwrap(), grey.clone(), grey] };
-    let red = painted(Paint { color: Some(color), ..Paint::default() });
+    let red = painted(ScalpPaint { color: Some(color), ..ScalpPaint::default() });
     let roots = sides(&red, &|i| (red.strands[i].colors[0] & 255) as f32);
     assert!((roots[0].0 - 0.8f32.sqrt() * 255.0).abs() < 1.0 && roots[1].0 == 0.0, "{roots:?}");
     assert!(plain.strands.iter().all(|s| s.colors == [0; 2]));
 
     let black = Some(ScalpMap::from_fn(4, |_| 0.0));
-    let growth = Growth { paint: Paint { density: black, ..Paint::default() }, ..some(&style, 50) };
+    let growth = Growth { paint: ScalpPaint { density: black, ..ScalpPaint::default() }, ..some(&style, 50) };
     assert!(grow(&styled, &growth, head()).is_err());
 }
 
 #[test]
-fn any_curls_grow_finite_hair() {
+fn random_curls_grow_finite_strands() {
     let styled = guides(&Style::default(), head());
     let mut rng = crate::random::Rng::new(5, 5);
     for _ in 0..12 {

@@ -1,8 +1,8 @@
-//! The triangles between guide roots, and which of them a drawn strand belongs to.
+//! Delaunay triangulation of the guide roots, and barycentric weights within it.
 
 use glam::{DVec2, Vec2};
 
-/// A Delaunay triangulation of `points`: the corners of each triangle.
+/// Returns a Delaunay triangulation of `points`, as the corners of each triangle.
 pub(crate) fn delaunay(points: &[Vec2]) -> Vec<[u32; 3]> {
     let n = points.len();
     if n < 3 {
@@ -13,14 +13,14 @@ pub(crate) fn delaunay(points: &[Vec2]) -> Vec<[u32; 3]> {
         points.iter().fold((first, first), |(lo, hi), p| (lo.min(p.as_dvec2()), hi.max(p.as_dvec2())));
     let middle = 0.5 * (lo + hi);
     let span = (hi - lo).max_element().max(1e-9) * 1e3;
-    // Three corners far outside hold everything; their triangles are dropped at the end.
+    // Three corners far outside form a triangle around all points; their triangles are dropped at the end.
     let mut all: Vec<DVec2> = points.iter().map(|p| p.as_dvec2()).collect();
     all.extend([
         middle + DVec2::new(-span, -span),
         middle + DVec2::new(span, -span),
         middle + DVec2::new(0.0, span),
     ]);
-    let mut triangles = vec![Circled::new(&all, [n as u32, n as u32 + 1, n as u32 + 2])];
+    let mut triangles = vec![Circumcircle::new(&all, [n as u32, n as u32 + 1, n as u32 + 2])];
     let mut edges: Vec<(u32, u32)> = Vec::new();
     for i in 0..n {
         edges.clear();
@@ -34,9 +34,9 @@ pub(crate) fn delaunay(points: &[Vec2]) -> Vec<[u32; 3]> {
         });
         for k in 0..edges.len() {
             let (a, b) = edges[k];
-            // An edge between two removed triangles is inside the hole.
+            // An edge between two removed triangles lies inside the hole.
             if !edges.contains(&(b, a)) {
-                triangles.push(Circled::new(&all, [a, b, i as u32]));
+                triangles.push(Circumcircle::new(&all, [a, b, i as u32]));
             }
         }
     }
@@ -44,13 +44,13 @@ pub(crate) fn delaunay(points: &[Vec2]) -> Vec<[u32; 3]> {
     triangles.into_iter().map(|triangle| triangle.corners).collect()
 }
 
-struct Circled {
+struct Circumcircle {
     corners: [u32; 3],
     centre: DVec2,
     radius_squared: f64,
 }
 
-impl Circled {
+impl Circumcircle {
     fn new(points: &[DVec2], corners: [u32; 3]) -> Self {
         let [a, b, c] = corners.map(|i| points[i as usize]);
         let (u, v) = (b - a, c - a);
@@ -62,8 +62,8 @@ impl Circled {
     }
 }
 
-/// The weights of the corners of a triangle at the point of it that is nearest to `p`, and the
-/// squared distance to that point: 0 inside.
+/// Returns the weights of a triangle's corners at its point nearest to `p`, and the squared distance to that point,
+/// which is 0 inside.
 pub(crate) fn weights(corners: [Vec2; 3], p: Vec2) -> ([f32; 3], f32) {
     let [a, b, c] = corners;
     let area = (b - a).perp_dot(c - a);
@@ -96,20 +96,20 @@ mod tests {
     use crate::random::Rng;
 
     #[test]
-    fn no_point_lies_in_a_circle_of_another_triangle() {
+    fn delaunay_circumcircles_are_empty() {
         let mut rng = Rng::new(3, 1);
         let points: Vec<Vec2> = (0..120).map(|_| Vec2::new(rng.unit(), rng.unit())).collect();
         let triangles = delaunay(&points);
         let all: Vec<DVec2> = points.iter().map(|p| p.as_dvec2()).collect();
         let empty = |triangles: &[[u32; 3]]| {
             triangles.iter().all(|t| {
-                let circle = Circled::new(&all, *t);
+                let circle = Circumcircle::new(&all, *t);
                 all.iter()
                     .all(|p| p.distance_squared(circle.centre) > circle.radius_squared * (1.0 - 1e-9) - 1e-12)
             })
         };
         assert!(triangles.len() > 200 && empty(&triangles));
-        // The comparer finds a wrong corner.
+        // The check detects a wrong corner.
         let mut wrong = triangles.clone();
         let t = wrong[10];
         wrong[10][2] = (0..120u32).find(|i| !t.contains(i)).unwrap_or(0);

@@ -4,8 +4,8 @@ use super::Unrest;
 use crate::random::{Rng, smoothstep};
 use glam::{Quat, Vec3};
 
-/// Fine waves in every strand, and a slow drift away from the path in some: with `stray`, a random
-/// number from 0 to 1, below the share of flyaways a long one, below that of both a short one.
+/// Adds fine waves and a slow drift away from the path. `stray` is a random number from 0 to 1: below the fraction of
+/// flyaways the drift is long, below the sum of both fractions it is short, and above it is minimal.
 pub(crate) fn unrest(unrest: &Unrest, stray: f32, rng: &mut Rng, line: &mut [Vec3]) {
     let reach = if stray < unrest.flyaways {
         unrest.flyaway * rng.range(0.5, 1.3)

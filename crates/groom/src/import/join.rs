@@ -1,4 +1,4 @@
-//! Joining several files into one groom: a hairstyle in four `.tfx` files is one hairstyle.
+//! Joins several files into one groom, for example a hairstyle in four `.tfx` files.
 
 use std::path::Path;
 

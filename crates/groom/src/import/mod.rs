@@ -1,9 +1,8 @@
-//! Grooms and heads from files.
+//! Imports grooms and heads from files.
 //!
-//! [`read`] takes the files of one groom, joins them, converts them to metres, Y up, face +Z and repairs
-//! what would cause trouble later; [`read_with_head`] does so for a groom and the mesh it grows on, and
-//! uses each to orient the other. A file is first read whole, and no size in its header is trusted before
-//! it fits into the bytes that are there.
+//! [`read`] reads the files of one groom, joins them, converts them to meters, Y up, face +Z, and repairs geometry that
+//! later stages cannot handle. [`read_with_head`] also reads the mesh that the groom grows on, and uses each to orient
+//! the other. Each file is loaded completely, and the sizes in its header are checked against its length.
 
 #[cfg(feature = "cooked")]
 mod cooked;
@@ -14,13 +13,13 @@ mod parse;
 
 #[cfg(feature = "cooked")]
 pub use cooked::{cooked, given_cooked};
-pub use kind::{Kind, holds_body, kind};
+pub use kind::{FileKind, holds_body, kind};
 pub(crate) use parse::parse;
 #[cfg(test)]
 pub(crate) use parse::parse_at;
 
 pub use crate::{
-    formats::{raw::Moment, source::Given},
+    formats::{raw::Moment, source::FileBytes},
     report::{Attributes, FileReport, Group, ImportReport},
 };
 
@@ -31,25 +30,25 @@ use crate::{
     error::{At, Error, Result},
     formats::{self, Format, source::Files},
     lint,
-    orient::{self, Known},
+    orient::{self, KnownOrientation},
 };
 
-/// How files are read.
+/// Options for reading files.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImportOptions {
-    /// What is known of the groom's unit and axes; the rest is guessed.
+    /// Known unit and axes of the groom; the rest is guessed.
     pub orient: orient::Choice,
-    /// What is known of the head's unit and axes; the rest is guessed.
+    /// Known unit and axes of the head; the rest is guessed.
     pub orient_head: orient::Choice,
-    /// Whether numbers that are not finite are kept for a lint to count, instead of an error.
+    /// Whether numbers that are not finite are kept for the lint to count. Otherwise they are errors.
     pub lenient: bool,
-    /// Whether the groom is left as the files have it, without [`lint::repair`].
+    /// Whether to skip [`lint::repair`].
     pub unrepaired: bool,
-    /// Which moment of an animated file is read.
+    /// Moment of an animated file to read.
     pub moment: Moment,
 }
 
-/// The groups of `strands`.
+/// Returns the groups of `strands`.
 fn groups(strands: &Strands, names: &BTreeMap<i32, String>) -> Vec<Group> {
     let mut all: BTreeMap<i32, Group> = BTreeMap::new();
     for mark in &strands.marks {
@@ -62,29 +61,29 @@ fn groups(strands: &Strands, names: &BTreeMap<i32, String>) -> Vec<Group> {
         group.strands += 1;
         group.guides += usize::from(mark.guide);
     }
-    // One nameless group is none.
+    // A single group without a name carries no information.
     if all.len() == 1 && names.is_empty() { Vec::new() } else { all.into_values().collect() }
 }
 
-/// A head or body from files, in metres, Y up, face +Z.
+/// A head or whole character from files, in meters, Y up, face +Z.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
-    /// At rest.
+    /// The mesh at rest.
     pub mesh: TriMesh,
-    /// What bends it, with the same vertices in the same order, if its files have that.
+    /// Rig with the same vertices in the same order, if the files have one.
     pub rig: Option<Rig>,
-    /// How it came into metres, Y up, face +Z.
+    /// Transform from the files to meters, Y up, face +Z.
     pub placement: orient::Placement,
 }
 
-/// Reads one groom from one or more files and orients it by itself.
+/// Reads one groom from one or more files and orients it without a head.
 pub fn read<P: AsRef<Path>>(paths: &[P], options: &ImportOptions) -> Result<(Strands, ImportReport)> {
     let (strands, _, report) = read_all(Files::Disk, paths, Heads::none(), options)?;
     Ok((strands, report))
 }
 
-/// Reads one groom from one or more files and the head it grows on from one or more mesh files
-/// (head, eyes, …, all in one unit and one set of axes), and orients both.
+/// Reads one groom from one or more files, and the head it grows on from one or more mesh files (head, eyes, …) that
+/// share one unit and one set of axes. Orients both.
 pub fn read_with_head<P: AsRef<Path>, H: AsRef<Path>>(
     paths: &[P],
     heads: &[H],
@@ -97,11 +96,11 @@ pub fn read_with_head<P: AsRef<Path>, H: AsRef<Path>>(
     Ok((strands, head.unwrap_or_default(), report))
 }
 
-/// Reads one groom with its head: that of `heads`, or else the body that the groom's files hold themselves
-/// ([`holds_body`]), or else none.
+/// Reads one groom with its head: the meshes `heads` or, if there are none, those in the groom's own files
+/// ([`holds_body`]), if any.
 ///
 /// # Errors
-/// As [`read`].
+/// See [`read`].
 pub fn read_whole<P: AsRef<Path>, H: AsRef<Path>>(
     paths: &[P],
     heads: &[H],
@@ -111,7 +110,7 @@ pub fn read_whole<P: AsRef<Path>, H: AsRef<Path>>(
     if all.paths.is_empty() {
         all.own = true;
         for path in paths.iter().map(AsRef::as_ref).filter(|path| may_hold_body(path)) {
-            // What cannot be read, the reader of the groom says.
+            // The groom reader reports files that cannot be read.
             if std::fs::read(path).is_ok_and(|bytes| holds_body(path, &bytes)) {
                 all.paths.push(path);
             }
@@ -120,61 +119,63 @@ pub fn read_whole<P: AsRef<Path>, H: AsRef<Path>>(
     read_all(Files::Disk, paths, all, options)
 }
 
-/// The same from bytes, for a browser: of `files` the grooms are joined, the meshes make the head, and
-/// companions (`.mtl`, `.bin`) are found by those that name them, by [`kind`]. Without a mesh there is no
-/// head.
+/// [`read_whole`] for files in memory, for example in a browser. `files` are sorted by [`kind`]: the grooms are joined,
+/// and the meshes make the head. Without meshes, the head is the one in the grooms' own files, if any. Companions
+/// (`.mtl`, `.bin`) are found by the files that refer to them.
 ///
 /// # Errors
-/// As [`read`], and [`Error::File`] for a file of no known kind, or when a file that another one needs is
-/// not among them.
+/// The errors of [`read`], and [`Error::File`] for a file of unknown kind or a missing companion.
 pub fn read_given(
-    files: &[Given<'_>],
+    files: &[FileBytes<'_>],
     options: &ImportOptions,
 ) -> Result<(Strands, Option<TriMesh>, ImportReport)> {
-    let sorted = Sorted::new(files)?;
+    let sorted = SortedFiles::new(files)?;
     if let ([], [mesh, ..]) = (&sorted.grooms[..], &sorted.meshes[..]) {
-        let problem = "a mesh, not a groom; it can be the head of one that is given with it".into();
+        let problem = "the file is a mesh, not a groom; add a groom to use it as the head".into();
         return Err(Error::File { path: mesh.to_path_buf(), at: At::File, problem });
     }
     read_all(Files::Given(files), &sorted.grooms, sorted.heads(), options)
 }
 
-/// [`read_head`] from bytes: the meshes among `files` and their companions.
+/// [`read_head`] for files in memory: the meshes among `files` and their companions.
 ///
 /// # Errors
-/// As [`read_given`].
-pub fn read_given_head(files: &[Given<'_>], options: &ImportOptions) -> Result<(TriMesh, orient::Placement)> {
+/// See [`read_given`].
+pub fn read_given_head(
+    files: &[FileBytes<'_>],
+    options: &ImportOptions,
+) -> Result<(TriMesh, orient::Placement)> {
     read_given_body(files, options).map(|body| (body.mesh, body.placement))
 }
 
-/// [`read_body`] from bytes: the meshes among `files` and their companions.
+/// [`read_body`] for files in memory: the meshes among `files` and their companions.
 ///
 /// # Errors
-/// As [`read_given`].
-pub fn read_given_body(files: &[Given<'_>], options: &ImportOptions) -> Result<Body> {
-    let sorted = Sorted::new(files)?;
+/// See [`read_given`].
+pub fn read_given_body(files: &[FileBytes<'_>], options: &ImportOptions) -> Result<Body> {
+    let sorted = SortedFiles::new(files)?;
     body_of(Files::Given(files), &sorted.meshes, options)
 }
 
-/// Given files by what they are.
-struct Sorted<'a> {
+/// Files in memory, sorted by kind.
+struct SortedFiles<'a> {
     grooms: Vec<&'a Path>,
     meshes: Vec<&'a Path>,
-    /// Grooms that have a body with them.
+    /// Grooms that also hold a mesh.
     bodies: Vec<&'a Path>,
 }
 
-impl<'a> Sorted<'a> {
-    fn new(files: &'a [Given<'_>]) -> Result<Self> {
+impl<'a> SortedFiles<'a> {
+    fn new(files: &'a [FileBytes<'_>]) -> Result<Self> {
         let mut sorted = Self { grooms: Vec::new(), meshes: Vec::new(), bodies: Vec::new() };
         for (name, bytes) in files {
             match kind(name, bytes) {
-                Some(Kind::Groom) => {
+                Some(FileKind::Groom) => {
                     sorted.grooms.push(name);
                     sorted.bodies.extend(holds_body(name, bytes).then_some(&**name));
                 }
-                Some(Kind::Mesh) => sorted.meshes.push(name),
-                Some(Kind::Companion) => {}
+                Some(FileKind::Mesh) => sorted.meshes.push(name),
+                Some(FileKind::Companion) => {}
                 None => {
                     let grooms = formats::listed(formats::GROOMS, "or");
                     let what = format!("a groom is a {grooms} file, a head");
@@ -185,14 +186,14 @@ impl<'a> Sorted<'a> {
         Ok(sorted)
     }
 
-    /// The meshes, or else the bodies that grooms have with them.
+    /// Returns the meshes or, if there are none, the grooms that also hold a mesh.
     fn heads(&self) -> Heads<'a> {
         let own = self.meshes.is_empty();
         Heads { paths: if own { self.bodies.clone() } else { self.meshes.clone() }, own }
     }
 }
 
-/// Whether a groom with this name may hold its body.
+/// Returns whether a groom with this name may hold a mesh.
 fn may_hold_body(path: &Path) -> bool {
     Format::of(path).is_some_and(|format| format.holds_body.is_some())
 }
@@ -200,7 +201,7 @@ fn may_hold_body(path: &Path) -> bool {
 /// The files of a head.
 struct Heads<'a> {
     paths: Vec<&'a Path>,
-    /// Whether they are those of the groom, which say themselves how both lie to each other.
+    /// Whether they are the groom's own files, which state how hair and head relate.
     own: bool,
 }
 
@@ -222,7 +223,7 @@ pub fn read_head<H: AsRef<Path>>(
     read_body(heads, options).map(|body| (body.mesh, body.placement))
 }
 
-/// [`read_head`] with what bends it.
+/// [`read_head`] with the head's rig.
 pub fn read_body<H: AsRef<Path>>(heads: &[H], options: &ImportOptions) -> Result<Body> {
     body_of(Files::Disk, heads, options)
 }
@@ -230,14 +231,14 @@ pub fn read_body<H: AsRef<Path>>(heads: &[H], options: &ImportOptions) -> Result
 fn body_of<H: AsRef<Path>>(files: Files<'_>, heads: &[H], options: &ImportOptions) -> Result<Body> {
     options.orient_head.check()?;
     let mut raw = mesh::read_from(files, heads)?;
-    let known = Known { given: options.orient_head, declared: raw.declared };
+    let known = KnownOrientation { given: options.orient_head, declared: raw.declared };
     let mut placement = orient::head(&raw.mesh, &known);
     placement.doubts.append(&mut raw.notes);
     place(&mut raw, &placement);
     Ok(Body { mesh: raw.mesh, rig: raw.rig, placement })
 }
 
-/// Brings a mesh and what bends it into metres, Y up, face +Z.
+/// Transforms a mesh and its rig to meters, Y up, face +Z.
 fn place(raw: &mut mesh::RawMesh, placement: &orient::Placement) {
     placement.apply_to_mesh(&mut raw.mesh);
     if let Some(rig) = &mut raw.rig {
@@ -262,16 +263,16 @@ fn read_all<P: AsRef<Path>>(
     let (raw, files) = join::read(from, paths, options)?;
     let (mut strands, mut followers) = (raw.strands, raw.followers);
     let mut head = if heads.paths.is_empty() { None } else { Some(mesh::read_from(from, &heads.paths)?) };
-    let known = Known { given: options.orient, declared: raw.declared };
+    let known = KnownOrientation { given: options.orient, declared: raw.declared };
     let (placement, mut head_placement) = match &head {
-        // What says all of it needs no head to compare with.
+        // A file that states its unit and axes needs no comparison with the head.
         Some(head) if heads.own && raw.declared == orient::Choice::METRES => {
             let given = options.orient_head.or(options.orient);
-            let of_head = Known { given, declared: head.declared };
+            let of_head = KnownOrientation { given, declared: head.declared };
             (orient::groom(&strands, &known), Some(orient::head(&head.mesh, &of_head)))
         }
         Some(head) => {
-            let of_head = Known { given: options.orient_head, declared: head.declared };
+            let of_head = KnownOrientation { given: options.orient_head, declared: head.declared };
             let (groom, head) = orient::pair(&strands, &known, &head.mesh, &of_head);
             (groom, Some(head))
         }
@@ -290,7 +291,7 @@ fn read_all<P: AsRef<Path>>(
     let (head, rig) = head.map_or((None, None), |h| (Some(h.mesh), h.rig));
     let (groups, attributes) = (groups(&strands, &raw.group_names), Attributes::of(&strands));
     let lint = lint::check(&strands, head.as_ref());
-    let mut repaired = lint::Repaired::default();
+    let mut repaired = lint::RepairReport::default();
     if !options.unrepaired {
         let left;
         (repaired, left) = lint::repair_kept(&mut strands);
@@ -299,7 +300,7 @@ fn read_all<P: AsRef<Path>>(
         }
         if strands.is_empty() {
             let path = paths.first().map(|p| p.as_ref().to_path_buf()).unwrap_or_default();
-            let problem = "every strand has zero length or a single vertex, so nothing is left to use".into();
+            let problem = "no strand is usable: each has zero length or a single vertex".into();
             return Err(Error::File { path, at: At::File, problem });
         }
     }

@@ -1,4 +1,4 @@
-//! One groom file from its bytes.
+//! Parses one groom file.
 
 use crate::{
     error::{At, Result},
@@ -10,17 +10,17 @@ use crate::{
 };
 use std::path::Path;
 
-/// One groom file as it is; `path` decides the format and stands in errors.
+/// Parses one groom file at its first frame. `path` decides the format and is named in errors.
 pub(crate) fn parse(path: &Path, bytes: &[u8], lenient: bool) -> Result<Raw> {
     parse_at(path, bytes, lenient, Moment::First)
 }
 
-/// The same at one moment, where the file is animated.
+/// Parses one groom file at a moment, if the file is animated.
 pub(crate) fn parse_at(path: &Path, bytes: &[u8], lenient: bool, moment: Moment) -> Result<Raw> {
     parse_source(&Source { path, bytes, files: Files::Given(&[]), lenient }, moment)
 }
 
-/// The same, and what it refers to beside it.
+/// Parses one groom file and the files that it refers to.
 pub(super) fn parse_source(source: &Source, moment: Moment) -> Result<Raw> {
     let Source { path, bytes, .. } = *source;
     if bytes.is_empty() {
@@ -29,13 +29,15 @@ pub(super) fn parse_source(source: &Source, moment: Moment) -> Result<Raw> {
     let format = Format::of(path);
     let Some((format, read)) = format.and_then(|format| Some((format, format.read?))) else {
         return Err(match format.is_some_and(|format| format.read_mesh.is_some()) {
-            true => source.problem(At::File, "a mesh, not a groom; it can be the head of one"),
+            true => {
+                source.problem(At::File, "the file is a mesh, not a groom; use it as the head of a groom")
+            }
             false => Format::unread(path, "a groom", formats::GROOMS),
         });
     };
     let raw = read(source, moment)?;
     if moment != Moment::First && !format.reads.contains(&Content::Frames) {
-        return Err(source.problem(At::File, "a format without frames, so none can be chosen"));
+        return Err(source.problem(At::File, "the format has no frames; a frame cannot be selected"));
     }
     if raw.strands.is_empty() {
         return Err(source.problem(At::File, "the file holds no strands"));

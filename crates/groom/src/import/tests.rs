@@ -1,4 +1,4 @@
-//! Deliberately broken files, and round trips through every format.
+//! Broken files, and round trips through every format.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use crate::{
     orient::Unit,
 };
 
-/// A groom of up to 12 strands; `uniform` gives all the same number of vertices.
+/// Generates grooms of up to 11 strands with equal or different numbers of vertices.
 fn grooms() -> impl Strategy<Value = Strands> {
     let strand = |n| prop::collection::vec(prop::array::uniform3(-2.0f32..2.0), n);
     let strands = prop_oneof![
@@ -42,12 +42,12 @@ fn grooms() -> impl Strategy<Value = Strands> {
     })
 }
 
-/// A file in metres, or in no unit.
+/// Encodes a groom. `None` omits the unit.
 fn encoded(strands: &Strands, name: &str, unit: Option<Unit>) -> Vec<u8> {
     Writer::of(name).unwrap().strands(strands, unit).unwrap().bytes
 }
 
-/// A file of each readable format with the same groom.
+/// Returns files of one groom in every readable format.
 fn files(groom: &Strands) -> Vec<(&'static str, Vec<u8>)> {
     let encoded = |name| (name, encoded(groom, name, None));
     vec![
@@ -62,7 +62,7 @@ fn files(groom: &Strands) -> Vec<(&'static str, Vec<u8>)> {
     ]
 }
 
-/// What others write: text, faces of no use, colours, numbers of several types, edges in no order.
+/// Returns a PLY file as other programs write it: text, unused faces and colors, several number types, unordered edges.
 fn ply_text(groom: &Strands) -> String {
     let (vertices, strands) = (groom.positions.len(), groom.len());
     let edges = vertices - strands;
@@ -107,7 +107,7 @@ fn tfx2(groom: &Strands) -> String {
     text
 }
 
-/// Reads a broken file: whatever comes, no panic, and an error is one line that names the file.
+/// Reads a broken file. It must not panic, and an error must be one line that names the file.
 fn survives(name: &str, bytes: &[u8]) -> Result<(), TestCaseError> {
     for lenient in [false, true] {
         match parse(Path::new(name), bytes, lenient) {
@@ -115,7 +115,7 @@ fn survives(name: &str, bytes: &[u8]) -> Result<(), TestCaseError> {
                 let s = &raw.strands;
                 prop_assert!(!s.is_empty() && s.offsets.windows(2).all(|w| w[0] <= w[1]));
                 prop_assert_eq!(*s.offsets.last().unwrap() as usize, s.positions.len());
-                // No allocation beyond what the file's bytes can hold; an OBJ may name a vertex often.
+                // Memory is bounded by the file's size, although an OBJ may refer to a vertex repeatedly.
                 prop_assert!(s.positions.len() <= bytes.len());
                 prop_assert!(lenient || s.positions.iter().all(|p| p.is_finite()));
             }
@@ -132,11 +132,11 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 
     #[test]
-    fn written_grooms_read_back_bit_for_bit(groom in grooms()) {
+    fn written_grooms_read_back_bit_identical(groom in grooms()) {
         for (format, writer) in FORMATS.iter().flat_map(|it| it.writers.iter().map(move |writer| (it, writer))) {
             let keeps = |content| writer.holds(content) && format.reads.contains(&content);
             let name = &format!("a.{}", writer.extension);
-            // Positions of a .glb are rounded; the crate has no reader of some without their features.
+            // A .glb rounds positions. Some formats have no reader because their feature is off.
             if writer.extension == "glb" || format.read.is_none() {
                 continue;
             }
@@ -158,7 +158,7 @@ proptest! {
                 expected.tip_pinned.clear();
             }
             if writer.extension == "tfx" {
-                // Shorter strands were filled up with their tip; random ones keep all else.
+                // Shorter strands were extended by copies of their tip, which the repair merges.
                 lint::repair(&mut back);
                 lint::repair(&mut expected);
             }
@@ -167,7 +167,7 @@ proptest! {
     }
 
     #[test]
-    fn read_only_formats_hold_what_was_put_in(groom in grooms()) {
+    fn read_only_formats_preserve_values(groom in grooms()) {
         let text = parse(Path::new("c.tfx"), tfx2(&groom).as_bytes(), false).unwrap().strands;
         prop_assert_eq!(&text.positions, &groom.positions);
         prop_assert_eq!(&text.offsets, &groom.offsets);
@@ -185,7 +185,7 @@ proptest! {
         for (name, bytes) in files(&groom) {
             let cut = &bytes[..(bytes.len() as f64 * share) as usize];
             survives(name, cut)?;
-            // A text may end early at a number that is shorter but whole.
+            // Truncated text may end in a shorter but valid number.
             let binary = ["a.hair", "a.ply"].contains(&name) || bytes[0] < 32;
             prop_assert!(!binary || parse(Path::new(name), cut, false).is_err(), "{} {}", name, cut.len());
         }
@@ -223,7 +223,7 @@ proptest! {
     }
 
     #[test]
-    fn repaired_grooms_keep_their_promises(mut groom in grooms(), nan in any::<prop::sample::Index>()) {
+    fn repaired_grooms_are_valid(mut groom in grooms(), nan in any::<prop::sample::Index>()) {
         let at = nan.index(groom.positions.len());
         groom.positions[at].y = f32::NAN;
         let before = groom.positions.len();
@@ -240,7 +240,7 @@ proptest! {
 }
 
 #[test]
-fn not_a_number_is_named_with_its_place() {
+fn nan_errors_state_their_position() {
     let mut groom = Strands::default();
     groom.push(&[Vec3::ZERO, Vec3::new(0.0, f32::NAN, 0.0)]);
     for (name, place) in [
@@ -258,7 +258,7 @@ fn not_a_number_is_named_with_its_place() {
 }
 
 #[test]
-fn a_hair_file_of_defaults_only_has_them() {
+fn hair_file_defaults_are_read() {
     let mut groom = Strands::default();
     groom.push(&[Vec3::ZERO, Vec3::X]);
     let mut bytes = encoded(&groom, "a.hair", None);
@@ -267,7 +267,7 @@ fn a_hair_file_of_defaults_only_has_them() {
     let strands = parse(Path::new("a.hair"), &bytes, false).unwrap().strands;
     assert_eq!(strands.radii, vec![0.05; 2]);
     assert_eq!(strands.colors, vec![Vec3::new(0.5, 0.0, 0.0); 2]);
-    // Thickness and transparency and colours, in that order.
+    // Thickness, transparency and colors, in this order.
     bytes[12..16].copy_from_slice(&(2u32 | 4 | 8 | 16).to_le_bytes());
     bytes.extend([1.0f32, 2.0, 0.9, 0.8, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6].iter().flat_map(|v| v.to_le_bytes()));
     let strands = parse(Path::new("a.hair"), &bytes, false).unwrap().strands;
@@ -276,18 +276,18 @@ fn a_hair_file_of_defaults_only_has_them() {
 }
 
 #[test]
-fn the_wrong_kind_of_file_is_told_so() {
+fn wrong_file_types_are_reported() {
     let says = |name: &str, bytes: &[u8]| parse(Path::new(name), bytes, false).err().unwrap().to_string();
     assert!(says("a.hair", b"HAIL").contains("HAIR"));
     assert!(says("a.tfx", &[0; 400]).contains("version"));
     assert!(says("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").contains("head"));
     assert!(says("a.obj", b"v 0 0 0\nl 1 2\n").contains("line 2"));
     assert!(says("a.tfx", b"").contains("empty"));
-    assert!(says("a.data", &[0xff; 8]).contains("below zero"));
+    assert!(says("a.data", &[0xff; 8]).contains("is negative"));
     assert!(says("a.data", &[9, 0, 0, 0, 1, 0, 0, 0]).contains("ends here"));
     let header = |lines: &str| format!("ply\nformat ascii 1.0\n{lines}end_header\n0 0 0\n");
     let vertex = "element vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
-    assert!(says("a.ply", b"plot\n").contains("starts with"));
+    assert!(says("a.ply", b"plot\n").contains("does not start with"));
     assert!(says("a.ply", header(vertex).as_bytes()).contains("points without edges"));
     assert!(says("a.ply", header(&vertex[..34]).as_bytes()).contains("no y"));
     let edges = format!("{vertex}element edge 1\nproperty int vertex1\nproperty int vertex2\n");
@@ -297,7 +297,7 @@ fn the_wrong_kind_of_file_is_told_so() {
     {
         let body = Writer::of("a.glb").unwrap().mesh(&crate::mannequin::mesh(20), None).unwrap();
         assert!(says("a.glb", &body).contains("head"));
-        assert!(says("a.glb", b"glTF").contains("not a readable glTF file"));
+        assert!(says("a.glb", b"glTF").contains("not a valid glTF file"));
     }
     assert!(says("a.tfxmesh", b"0").contains("a mesh, not a groom"));
     let said = says("a.fbx", b"0");
@@ -307,38 +307,33 @@ fn the_wrong_kind_of_file_is_told_so() {
 }
 
 #[test]
-fn writers_name_what_they_cannot_hold() {
+fn writers_report_lost_attributes() {
     let mut groom = Strands::default();
     groom.push(&[Vec3::ZERO, Vec3::X]);
     (groom.radii, groom.colors, groom.tip_pinned) = (vec![1e-5; 2], vec![Vec3::ONE; 2], vec![true]);
     let notes =
         |name: &str| Writer::of(name).unwrap().strands(&groom, Some(Unit(1.0))).unwrap().notes.join("; ");
-    let lost = |what: &str| format!("the format has no place for {what}, so it is left out");
-    assert_eq!(notes("a.hair"), lost("the pinned tips"));
+    let lost = |what: &str| format!("{what} are not written: the format cannot store them");
+    assert_eq!(notes("a.hair"), lost("pinned tips"));
     assert_eq!(notes("a.tfx"), lost("widths"));
-    let all = ["unit and axes", "widths", "colors", "the pinned tips"];
+    let all = ["unit and axes", "widths", "colors", "pinned tips"];
     assert_eq!(notes("a.data"), all.map(lost).join("; "));
     let error =
         |unit| Writer::of("a.hair").unwrap().strands(&groom, Some(Unit(unit))).unwrap_err().to_string();
     assert!(
-        error(0.01).contains("only .") && error(0.01).contains("other units than metres"),
+        error(0.01).contains("only .") && error(0.01).contains("a unit other than meters"),
         "{}",
         error(0.01)
     );
     assert!(Writer::of("a.hair").unwrap().mesh(&TriMesh::default(), None).is_err());
     assert!(
-        Writer::of("a.tfx")
-            .unwrap()
-            .character(None, &[])
-            .unwrap_err()
-            .to_string()
-            .contains("a body with hair")
+        Writer::of("a.tfx").unwrap().character(None, &[]).unwrap_err().to_string().contains("a character")
     );
     assert!(Writer::of("a.tresses").unwrap_err().to_string().contains("tresses convert"));
-    assert!(Writer::of("a.dae").unwrap_err().to_string().contains("a groom is written as .tfx, .hair"));
+    assert!(Writer::of("a.dae").unwrap_err().to_string().contains("a groom can be written as .tfx, .hair"));
 }
 
-/// The text of a groom with these header lines.
+/// Returns a text `.tfx` file with these header lines.
 fn asking(lines: &str) -> Vec<u8> {
     let mut groom = Strands::default();
     groom.push(&[Vec3::ZERO, Vec3::Y * 0.1, Vec3::Y * 0.2]);
@@ -351,8 +346,8 @@ fn followers_are_read() {
     let four = asking("scale 2.0\nnumFollowHairsPerGuideHair 4\nmaxRadiusAroundGuideHair 0.5\n");
     let raw = parse(Path::new("a.tfx"), &four, false).unwrap();
     assert_eq!(raw.followers, vec![Followers { count: 4, radius: Some(1.0) }; 2]);
-    assert!(raw.notes.iter().any(|note| note.contains("4 followers")));
-    // The binary version says how many.
+    assert!(raw.notes.iter().any(|note| note.contains("4 child strands")));
+    // The binary version states only the count.
     let mut groom = Strands::default();
     groom.push(&[Vec3::ZERO, Vec3::Y]);
     let mut bytes = tfx3(&groom);
@@ -360,13 +355,13 @@ fn followers_are_read() {
     bytes[12] = 6;
     let raw = parse(Path::new("a.tfx"), &bytes, false).unwrap();
     assert_eq!(raw.followers, vec![Followers { count: 6, radius: None }]);
-    // In metres, and one for each strand that is left; files that do not ask have none.
+    // Radii are in meters. Each remaining strand has an entry; files without child strands have none.
     let dropped = String::from_utf8(four.clone())
         .unwrap()
         .replace("0 0.2 0\n", "0 0 0\n")
         .replace("0 0.1 0\n", "0 0 0\n");
     let files = [("a.tfx", four), ("b.tfx", dropped.into_bytes()), ("c.tfx", asking(""))];
-    let files: Vec<Given> = files.map(|(name, bytes)| (name.into(), bytes.into())).into();
+    let files: Vec<FileBytes> = files.map(|(name, bytes)| (name.into(), bytes.into())).into();
     let orient = orient::Choice { unit: Some(orient::Unit(0.01)), ..Default::default() };
     let (strands, _, report) = read_given(&files, &ImportOptions { orient, ..Default::default() }).unwrap();
     assert_eq!((strands.len(), report.followers.len()), (5, 5));
@@ -376,18 +371,18 @@ fn followers_are_read() {
 }
 
 #[test]
-fn broken_followers_are_one_sentence_or_none() {
+fn invalid_followers_are_reported() {
     for (lines, says) in [
         ("numFollowHairsPerGuideHair many\n", "should be a count, but is “many”"),
         ("numFollowHairsPerGuideHair -1\n", "should be a count, but is “-1”"),
         ("numFollowHairsPerGuideHair\n", "numFollowHairsPerGuideHair is missing"),
         ("maxRadiusAroundGuideHair nan\n", "should be a finite number, but is “nan”"),
-        ("maxRadiusAroundGuideHair -2\n", "is -2, which no radius can be"),
+        ("maxRadiusAroundGuideHair -2\n", "is -2, but must not be negative"),
     ] {
         let error = parse(Path::new("a.tfx"), &asking(lines), false).err().unwrap().to_string();
         assert!(error.contains(says) && error.contains("line 2") && !error.contains('\n'), "{error}");
     }
-    // However many: there is room for the number, not for the hair, which whoever grows it says.
+    // Any count is stored, saturated to 32 bits. Filling reports that there is no room for so many strands.
     let many = parse(Path::new("a.tfx"), &asking("numFollowHairsPerGuideHair 99999999999\n"), false).unwrap();
     assert_eq!(many.followers[0].count, u32::MAX);
     let nowhere = asking("numFollowHairsPerGuideHair 3\nmaxRadiusAroundGuideHair 0\n");

@@ -1,24 +1,24 @@
-//! The findings.
+//! Findings of the lint.
 
 use glam::Vec3;
 
 use super::{MIN_SEGMENT, MIN_STRAND, Spread};
 use crate::{MAX_STRAND_VERTICES, Strands, TriMesh, mesh::bvh::Bvh};
 
-/// How bad a finding is.
+/// Severity of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub enum Severity {
     /// Worth knowing.
     Note,
-    /// Something is changed, or may look wrong.
+    /// The importer changes something, or the hair may look wrong.
     Warning,
-    /// The groom is not used as it is.
+    /// The groom cannot be used unchanged.
     Error,
 }
 
 impl Severity {
-    /// As printed.
+    /// Returns the name in messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Note => "note",
@@ -28,10 +28,10 @@ impl Severity {
     }
 }
 
-/// What was found.
+/// Kind of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
-pub enum Kind {
+pub enum FindingKind {
     /// Numbers that are not finite.
     NotFinite,
     /// Strands of fewer than two vertices.
@@ -44,20 +44,20 @@ pub enum Kind {
     ZeroLengthSegment,
     /// Strands of more vertices than can be drawn.
     ManyVertices,
-    /// Strands whose tip is fixed as the root is.
+    /// Strands whose tip is pinned, as the root is.
     BothEndsPinned,
     /// Roots that lie off the head.
     RootsOff,
     /// More strands or vertices than usual.
     Huge,
-    /// Widths that no hair has.
+    /// Widths that are unusual for hair.
     OddWidth,
     /// Strands that lie exactly on another.
     DuplicateStrand,
 }
 
-impl Kind {
-    /// As printed and in JSON.
+impl FindingKind {
+    /// Returns the name in messages and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Self::NotFinite => "numbers that are not finite",
@@ -75,59 +75,59 @@ impl Kind {
     }
 }
 
-/// One thing that is odd about a groom.
+/// An unusual property of a groom.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Finding {
-    /// What.
-    pub kind: Kind,
-    /// How bad.
+    /// Kind of the finding.
+    pub kind: FindingKind,
+    /// Severity of the finding.
     pub severity: Severity,
-    /// How often.
+    /// Number of occurrences.
     pub count: usize,
-    /// Where first: a strand's index, where it is about strands.
+    /// Index of the first affected strand, if the finding is about strands.
     pub first_strand: Option<usize>,
-    /// What it means here, one clause.
+    /// Meaning for this groom, one clause.
     pub detail: String,
-    /// What will be done about it, one clause.
+    /// Action of the importer, one clause.
     pub action: String,
 }
 
-/// A groom's measures and findings.
+/// Statistics and findings of a groom.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Report {
-    /// Strands.
+    /// Number of strands.
     pub strands: usize,
-    /// Vertices of all strands.
+    /// Number of vertices of all strands.
     pub vertices: usize,
     /// Vertices per strand.
     pub per_strand: Spread,
-    /// Lengths of strands, metres.
+    /// Lengths of strands, meters.
     pub lengths: Spread,
-    /// Smallest and largest corner over all finite vertices, metres.
+    /// Minimum and maximum corner of all finite vertices, meters.
     pub bounds: Option<(Vec3, Vec3)>,
-    /// Radii, metres, where there are any.
+    /// Radii, meters, if the groom has widths.
     pub radii: Option<Spread>,
-    /// Distances of the roots to the head, metres, where a head is given.
+    /// Distances of the roots to the head, meters, if a head is given.
     pub root_distance: Option<Spread>,
-    /// What is odd, the worst first.
+    /// Findings, the most severe first.
     pub findings: Vec<Finding>,
 }
 
 impl Report {
-    /// The finding of a kind, if there is one.
-    pub fn find(&self, kind: Kind) -> Option<&Finding> {
+    /// Returns the finding of a kind, if there is one.
+    pub fn find(&self, kind: FindingKind) -> Option<&Finding> {
         self.findings.iter().find(|f| f.kind == kind)
     }
 }
 
-/// Roots farther from the head than this are reported, metres.
+/// Distance from the head above which roots are reported, meters.
 const ROOT_TOLERANCE: f32 = 0.005;
-/// WebGPU promises to bind this many bytes at once; a drawn vertex needs 16.
+/// Bytes that WebGPU guarantees to bind at once; a drawn vertex takes 16.
 const PROMISED_BINDING: usize = 128 << 20;
 
-/// Counts per kind and remembers where each was seen first.
+/// Counts occurrences and stores the first affected strand.
 #[derive(Default)]
 struct Tally {
     count: usize,
@@ -143,7 +143,7 @@ impl Tally {
     }
 }
 
-/// Looks at a groom in metres, and at the head it grows on if there is one. Changes nothing.
+/// Checks a groom in meters and, if a head is given, the distance of its roots to the head. Changes nothing.
 pub fn check(strands: &Strands, head: Option<&TriMesh>) -> Report {
     let mut report = Report {
         strands: strands.len(),
@@ -196,18 +196,30 @@ fn shape(strands: &Strands, report: &mut Report) {
         }
     };
     use Severity::{Error, Note, Warning};
-    add(Kind::NotFinite, Error, nan, "vertices whose position is no number", "the file is refused");
-    add(Kind::SingleVertex, Warning, single, "a strand needs two vertices", "these strands are dropped");
-    add(Kind::ZeroLengthStrand, Warning, flat, "strands shorter than 0.1 mm", "these strands are dropped");
-    let merged = "each is merged with its neighbour; roots and tips stay in place";
-    add(Kind::DuplicateVertex, Note, same, "vertices that equal the one before them", merged);
-    add(Kind::ZeroLengthSegment, Note, short, "segments shorter than 0.01 mm", merged);
+    add(FindingKind::NotFinite, Error, nan, "vertices whose position is not finite", "the file is rejected");
+    add(
+        FindingKind::SingleVertex,
+        Warning,
+        single,
+        "a strand needs two vertices",
+        "these strands are dropped",
+    );
+    add(
+        FindingKind::ZeroLengthStrand,
+        Warning,
+        flat,
+        "strands shorter than 0.1 mm",
+        "these strands are dropped",
+    );
+    let merged = "each is merged with its neighbor; roots and tips stay in place";
+    add(FindingKind::DuplicateVertex, Note, same, "vertices that equal the one before them", merged);
+    add(FindingKind::ZeroLengthSegment, Note, short, "segments shorter than 0.01 mm", merged);
     let detail = format!("strands of more than {MAX_STRAND_VERTICES} vertices");
-    let action = format!("they are resampled to {MAX_STRAND_VERTICES} at equal distances");
-    add(Kind::ManyVertices, Warning, many, &detail, &action);
+    let action = format!("they are resampled to {MAX_STRAND_VERTICES} evenly spaced vertices");
+    add(FindingKind::ManyVertices, Warning, many, &detail, &action);
     let copies = copies(strands);
     add(
-        Kind::DuplicateStrand,
+        FindingKind::DuplicateStrand,
         Note,
         copies,
         "strands that equal an earlier one",
@@ -215,7 +227,7 @@ fn shape(strands: &Strands, report: &mut Report) {
     );
 }
 
-/// Strands that equal an earlier one in root, tip and number of vertices.
+/// Counts strands that equal an earlier one in root, middle vertex, tip and number of vertices.
 fn copies(strands: &Strands) -> Tally {
     let mut tally = Tally::default();
     let mut seen = std::collections::HashSet::with_capacity(strands.len());
@@ -232,12 +244,12 @@ fn pins(strands: &Strands, report: &mut Report) {
     let count = strands.tip_pinned.iter().filter(|p| **p).count();
     if count > 0 {
         report.findings.push(Finding {
-            kind: Kind::BothEndsPinned,
+            kind: FindingKind::BothEndsPinned,
             severity: Severity::Note,
             count,
             first_strand: strands.tip_pinned.iter().position(|p| *p),
             detail: "strands whose tip is fixed, as if tied into a band".into(),
-            action: "root and tip both follow the head, what is between them moves".into(),
+            action: "root and tip both follow the head; the vertices between them are simulated".into(),
         });
     }
 }
@@ -247,7 +259,7 @@ fn widths(report: &mut Report) {
     let odd = radii.min < 0.0 || radii.max == 0.0;
     if odd || radii.median > 3e-4 || radii.median < 5e-6 {
         report.findings.push(Finding {
-            kind: Kind::OddWidth,
+            kind: FindingKind::OddWidth,
             severity: Severity::Note,
             count: report.vertices,
             first_strand: None,
@@ -255,7 +267,7 @@ fn widths(report: &mut Report) {
                 "a median radius of {:.4} mm; a human hair has 0.03 to 0.05 mm",
                 radii.median * 1e3
             ),
-            action: if odd { "the file's widths are not used" } else { "the file's widths are kept" }.into(),
+            action: if odd { "the file's widths are ignored" } else { "the file's widths are kept" }.into(),
         });
     }
 }
@@ -264,13 +276,13 @@ fn size(report: &mut Report) {
     let bytes = report.vertices.saturating_mul(16);
     if report.strands > 500_000 || bytes > PROMISED_BINDING {
         report.findings.push(Finding {
-            kind: Kind::Huge,
+            kind: FindingKind::Huge,
             severity: Severity::Warning,
             count: report.strands,
             first_strand: None,
             detail: format!("{} MiB of drawn vertices", bytes >> 20),
             action:
-                "drawn in full if the adapter binds that much at once (WebGPU promises 128 MiB), else refused"
+                "drawn in full if the adapter supports bindings of that size (WebGPU guarantees 128 MiB), otherwise rejected"
                     .into(),
         });
     }
@@ -294,15 +306,15 @@ fn roots(strands: &Strands, head: &TriMesh, report: &mut Report) {
         let bad = 4 * count > strands.len();
         let mut action = "they are kept where they are and move with the head".to_string();
         if bad {
-            action += "; if the picture is wrong, give unit, axes or mirroring by hand";
+            action += "; if the hair is misplaced, set unit, axes or mirroring";
         }
         report.findings.push(Finding {
-            kind: Kind::RootsOff,
+            kind: FindingKind::RootsOff,
             severity: if bad { Severity::Warning } else { Severity::Note },
             count,
             first_strand: distances.iter().position(|d| *d > ROOT_TOLERANCE),
             detail: format!(
-                "roots more than 5 mm from the mesh, the farthest {:.0} mm (hair tied into a band roots there)",
+                "roots more than 5 mm from the mesh, the farthest {:.0} mm (hair tied into a band has its roots there)",
                 spread.max * 1e3
             ),
             action,

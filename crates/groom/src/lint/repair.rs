@@ -1,31 +1,31 @@
-//! Repairs that make a groom fit for all later steps.
+//! Repairs grooms for all later stages.
 
 use glam::Vec3;
 
 use super::{MIN_SEGMENT, MIN_STRAND};
 use crate::{MAX_STRAND_VERTICES, Strands};
 
-/// What a repair did.
+/// Counts of what a repair changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
-pub struct Repaired {
-    /// Vertices that were merged with the one before them, or were not finite.
+pub struct RepairReport {
+    /// Vertices merged with the one before them, or removed because they are not finite.
     pub merged_vertices: usize,
-    /// Strands of one vertex or no length, gone.
+    /// Dropped strands, which had one vertex or no length.
     pub dropped_strands: usize,
-    /// Strands with more vertices than can be drawn, resampled.
+    /// Resampled strands, which had more vertices than can be drawn.
     pub resampled_strands: usize,
 }
 
-/// Merges vertices that lie together, drops strands without length and resamples those of too many
-/// vertices. Roots and tips stay where they are, attributes follow. A second repair does nothing.
-pub fn repair(strands: &mut Strands) -> Repaired {
+/// Merges coincident vertices, drops strands without length, and resamples strands with too many vertices. Roots and
+/// tips stay in place, and attributes follow their vertices. A second repair changes nothing.
+pub fn repair(strands: &mut Strands) -> RepairReport {
     repair_kept(strands).0
 }
 
-/// The same, and which strands are left.
-pub(crate) fn repair_kept(strands: &mut Strands) -> (Repaired, Vec<u32>) {
-    let mut done = Repaired::default();
+/// [`repair`] that also returns the indices of the strands that are left.
+pub(crate) fn repair_kept(strands: &mut Strands) -> (RepairReport, Vec<u32>) {
+    let mut done = RepairReport::default();
     let mut left = Vec::with_capacity(strands.len());
     let limit = MAX_STRAND_VERTICES as usize;
     let mut out = Strands { offsets: vec![0], ..Default::default() };
@@ -48,7 +48,7 @@ pub(crate) fn repair_kept(strands: &mut Strands) -> (Repaired, Vec<u32>) {
             resample(&kept.iter().map(|k| strands.positions[at(k)]).collect::<Vec<_>>(), length, limit)
                 .into_iter()
                 .map(|(k, t)| (at(&kept[k]), at(&kept[k + 1]), t))
-                // Interpolating up to the end would round; the tip stays exactly where it is.
+                // Interpolation would round the tip; copy it exactly.
                 .map(|(a, b, t)| if t < 1.0 { (a, b, t) } else { (b, b, 0.0) })
                 .collect()
         } else {
@@ -68,7 +68,7 @@ pub(crate) fn repair_kept(strands: &mut Strands) -> (Repaired, Vec<u32>) {
         out.tip_pinned.extend(strands.tip_pinned.get(i));
         out.marks.extend(strands.marks.get(i));
     }
-    // Widths that no strand can have are no widths, and colours and coordinates must be numbers.
+    // Discard impossible widths, and colors or texture coordinates that are not finite.
     if out.radii.iter().any(|r| !r.is_finite() || *r < 0.0) || out.radii.iter().all(|r| *r == 0.0) {
         out.radii.clear();
     }
@@ -82,7 +82,7 @@ pub(crate) fn repair_kept(strands: &mut Strands) -> (Repaired, Vec<u32>) {
     (done, left)
 }
 
-/// The vertices of a strand that stay: finite, and each at least [`MIN_SEGMENT`] from the one before.
+/// Returns the vertices of a strand to keep: finite, and each at least [`MIN_SEGMENT`] from the one before.
 fn keep(strand: &[Vec3]) -> Vec<usize> {
     let mut kept: Vec<usize> = Vec::with_capacity(strand.len());
     let far = |a: usize, b: usize| strand[a].distance(strand[b]) >= MIN_SEGMENT;
@@ -93,7 +93,7 @@ fn keep(strand: &[Vec3]) -> Vec<usize> {
             kept.push(i);
         }
     }
-    // The tip stays where it is, instead of what lies too close before it.
+    // Keep the tip, and drop vertices that are too close before it.
     if let Some(tip) = tip.filter(|tip| kept.last() != Some(tip)) {
         while kept.len() > 1 && kept.last().is_some_and(|last| !far(*last, tip)) {
             kept.pop();
@@ -105,7 +105,7 @@ fn keep(strand: &[Vec3]) -> Vec<usize> {
     kept
 }
 
-/// `count` places at equal distances along `points`: segment and part of it.
+/// Returns `count` locations at equal distances along `points`: segment and fraction of it.
 fn resample(points: &[Vec3], length: f32, count: usize) -> Vec<(usize, f32)> {
     let (mut segment, mut before) = (0, 0.0);
     let last = points.len() - 2;
@@ -143,11 +143,11 @@ mod tests {
         let done = repair(&mut strands);
         assert_eq!(strands.strand(0), &[a, b, c + Vec3::X * 1e-6]);
         assert_eq!(strands.radii, vec![1.0, 3.0, 6.0]);
-        assert_eq!(done, Repaired { merged_vertices: 3, ..Default::default() });
+        assert_eq!(done, RepairReport { merged_vertices: 3, ..Default::default() });
     }
 
     #[test]
-    fn nothing_without_length_stays() {
+    fn strands_without_length_are_dropped() {
         let mut strands = Strands::default();
         strands.push(&[Vec3::X]);
         strands.push(&[Vec3::X, Vec3::X, Vec3::X]);
@@ -158,7 +158,7 @@ mod tests {
         assert_eq!((done.dropped_strands, strands.len()), (3, 1));
         assert_eq!(strands.root_uvs, vec![glam::Vec2::splat(2.0)]);
         let before = strands.clone();
-        assert_eq!(repair(&mut strands), Repaired::default());
+        assert_eq!(repair(&mut strands), RepairReport::default());
         assert_eq!(strands, before);
     }
 

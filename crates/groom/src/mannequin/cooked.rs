@@ -1,16 +1,15 @@
-//! The bust as stored in this crate: meshed and measured beforehand, 40 times faster to read than to build.
+//! Stored form of the bust: mesh and field computed in advance, 40 times faster to read than to build.
 //!
 //! ```text
 //! signs of the lattice ─► surface nets ─► vertices (+ residual), triangles (+ turned diagonals), normals (+ residual)
-//! field ─► each node from its seven neighbours (+ residual)
+//! field ─► each node from its seven neighbors (+ residual)
 //! ```
 //!
-//! Predictable values are not stored: where the surface passes through the lattice determines which
-//! triangles there are and roughly where, and the triangles predict the normals. The right half mirrors the
-//! left one. Numbers are rounded to [`STEP`].
+//! Predictable values are not stored. The signs of the lattice determine the triangles and the approximate vertices,
+//! and the triangles predict the normals. The right half mirrors the left half. Numbers are rounded to [`STEP`].
 //!
-//! `cargo run -p tresses --example cook` rewrites the file when the sculpture has changed; a test compares
-//! it with its source.
+//! `cargo run -p tresses --example cook` rewrites the file after a change of the sculpture; a test compares it with its
+//! source.
 
 use super::{
     FIELD_RESOLUTION, RESOLUTION,
@@ -25,10 +24,10 @@ use fast_surface_nets::SurfaceNetsBuffer;
 use glam::{IVec2, IVec3, Vec2, Vec3, vec3};
 use std::sync::OnceLock;
 
-/// What positions and distances are rounded to, metres: 7.6 µm.
+/// Quantization step of positions and distances, meters: 7.6 µm.
 pub(crate) const STEP: f32 = 1.0 / 131_072.0;
 
-/// What the coordinates of normals are rounded to: about 0.06 degrees.
+/// Quantization scale of the octahedral coordinates of normals: steps of about 0.06 degrees.
 const FINE: f32 = 1023.0;
 
 static FILE: &[u8] = include_bytes!("../../cooked/bust.bin");
@@ -40,19 +39,19 @@ pub(super) struct Bust {
     pub field: SdfGrid,
 }
 
-/// The bust, read once.
+/// Returns the bust, which is read once.
 pub(super) fn bust() -> &'static Bust {
     static BUST: OnceLock<Bust> = OnceLock::new();
     BUST.get_or_init(|| read(FILE))
 }
 
-/// The file for the bust as it is sculpted now.
+/// Returns the contents of the file for the current sculpture.
 pub fn cook() -> Vec<u8> {
     let (mesh, lattice) = at_once(model(RESOLUTION, &()));
     write(&lattice, &mesh, &at_once(measure(FIELD_RESOLUTION, &())))
 }
 
-/// What reader and writer keep of each kind of number.
+/// Adaptive coding contexts of reader and writer, one per kind of number.
 #[derive(Default)]
 struct Contexts {
     run: Context,
@@ -144,7 +143,7 @@ fn read(bytes: &[u8]) -> Bust {
         let d = beside(&rounded, &field, i) + from.get(&mut kinds.field);
         rounded.push(d);
     }
-    assert!(from.is_done(), "the cooked bust is that of another program: run the example `cook`");
+    assert!(from.is_done(), "the cooked bust is out of date: run the example `cook`");
     field.distances = rounded.iter().map(|d| *d as f32 * STEP).collect();
     Bust { mesh, field }
 }
@@ -157,7 +156,7 @@ fn mirrored(v: Vec3) -> Vec3 {
     v * vec3(-1.0, 1.0, 1.0)
 }
 
-/// `positions` as they will be read.
+/// Returns `positions` as the reader reconstructs them.
 fn placed(positions: &[Vec3], signs: &Lattice, nets: &SurfaceNetsBuffer) -> Vec<Vec3> {
     let mut all: Vec<Vec3> = Vec::with_capacity(positions.len());
     for (i, at) in nets.surface_points.iter().enumerate() {
@@ -172,13 +171,13 @@ fn placed(positions: &[Vec3], signs: &Lattice, nets: &SurfaceNetsBuffer) -> Vec<
     all
 }
 
-/// The two corners that the triangles of a quad share.
+/// Returns the two corners that the triangles of a quad share.
 fn diagonal(quad: &[u32; 6]) -> [u32; 2] {
     let other = if quad[1] == quad[5] { quad[1] } else { quad[2] };
     [quad[0].min(other), quad[0].max(other)]
 }
 
-/// The triangles of a quad, along its other diagonal if it is turned.
+/// Returns the triangles of a quad, along its other diagonal if `is_turned`.
 fn split(quad: &[u32; 6], is_turned: bool) -> [[u32; 3]; 2] {
     let [a, b, c, d, e, f] = *quad;
     match is_turned {
@@ -188,7 +187,7 @@ fn split(quad: &[u32; 6], is_turned: bool) -> [[u32; 3]; 2] {
     }
 }
 
-/// Normals by the triangles' areas. No function in it that differs from machine to machine.
+/// Returns area-weighted normals, not normalized. Uses only operations that give the same result on every machine.
 fn guessed(mesh: &TriMesh) -> Vec<Vec3> {
     let mut normals = vec![Vec3::ZERO; mesh.positions.len()];
     for t in &mesh.triangles {
@@ -198,7 +197,7 @@ fn guessed(mesh: &TriMesh) -> Vec<Vec3> {
     normals
 }
 
-/// A direction on the octahedron's flattened faces, in steps.
+/// Returns the octahedral coordinates of a direction, in quantization steps.
 fn flat(v: Vec3) -> IVec2 {
     let n = v / (v.x.abs() + v.y.abs() + v.z.abs()).max(1e-20);
     let p = match n.z >= 0.0 {
@@ -208,7 +207,7 @@ fn flat(v: Vec3) -> IVec2 {
     (p * FINE).round().as_ivec2()
 }
 
-/// The direction of [`flat`].
+/// Returns the direction for coordinates from [`flat`].
 fn round(steps: IVec2) -> Vec3 {
     let p = steps.as_vec2() / FINE;
     let mut n = p.extend(1.0 - p.x.abs() - p.y.abs());
@@ -218,7 +217,7 @@ fn round(steps: IVec2) -> Vec3 {
     n.normalize()
 }
 
-/// What node `i` of a field is likely to be, from the nodes before it: exact where it is linear.
+/// Predicts node `i` of a field from the nodes before it; exact for linear fields.
 fn beside(before: &[i32], field: &SdfGrid, i: usize) -> i32 {
     let (nx, ny) = (field.size.x as usize, field.size.y as usize);
     let at = [i % nx, i / nx % ny, i / (nx * ny)];
@@ -239,7 +238,7 @@ fn beside(before: &[i32], field: &SdfGrid, i: usize) -> i32 {
 mod tests {
     use super::*;
 
-    /// How far positions, normals and distances are off at most, and how many triangles are others.
+    /// Returns the largest differences of positions, normals and distances, and the number of different triangles.
     fn off(a: &Bust, b: &Bust) -> (f32, f32, f32, usize) {
         assert_eq!(a.mesh.positions.len(), b.mesh.positions.len());
         assert_eq!(a.mesh.triangles.len(), b.mesh.triangles.len());
@@ -269,12 +268,12 @@ mod tests {
     }
 
     #[test]
-    fn the_cooked_bust_is_that_of_its_source() {
+    fn cooked_bust_matches_its_source() {
         let (mesh, _) = at_once(model(RESOLUTION, &()));
         let mut live = Bust { mesh, field: at_once(measure(FIELD_RESOLUTION, &())) };
         let (place, normal, distance, others) = off(bust(), &live);
         println!("{} bytes: off by {place} m, {normal}, {distance} m, {others} triangles", FILE.len());
-        // Rounding, and the last bits of sines and roots on other machines.
+        // Tolerances for rounding, and for the last bits of sines and roots on other machines.
         let same = |(place, normal, distance, others): (f32, f32, f32, usize)| {
             place < STEP && normal < 3e-3 && distance < STEP && others < 20
         };

@@ -1,17 +1,17 @@
-//! The ears: a shell hollowed from an egg, so that its edge is the rim, with fold, bowl, tragus and lobe.
+//! Ears: a shell hollowed from an ellipsoid, so that its edge is the rim, with fold, bowl, tragus and lobe.
 
 use super::forms::*;
 use glam::{Vec2, Vec3, vec2, vec3};
 
-/// The middle of the ear where it leaves the head, mm.
+/// Center of the ear where it joins the head, mm.
 const MIDDLE: Vec3 = vec3(74.0, 90.0, -9.0);
-/// How far the ear leans back, radians.
+/// Backward tilt of the ear, radians.
 const LEAN: f32 = 0.22;
-/// The directions backwards along the ear and out of its bowl: it stands off the head by 27°.
+/// Directions backward along the ear and out of its bowl. The ear stands off the head by 27°.
 const BACK: Vec3 = vec3(0.454, 0.0, -0.891);
 const OUT: Vec3 = vec3(0.891, 0.0, 0.454);
 
-/// The ear's distance; `p.x` is not negative.
+/// Returns the signed distance to the ear, mm; `p.x` must not be negative.
 pub fn ear(p: Vec3) -> f32 {
     let q = p - MIDDLE;
     let bound = q.length() - 36.0;

@@ -1,9 +1,9 @@
-//! The face's features: sockets, closed lids, nose, lips, chin, cheekbones.
+//! Facial features: sockets, closed lids, nose, lips, chin, cheekbones.
 
 use super::forms::*;
 use glam::{Vec2, Vec3, vec3};
 
-/// Adds the features to the distance `d` of the bare head. `p.x` is not negative.
+/// Adds the features to the distance `d` of the bare head; `p.x` must not be negative.
 pub fn features(p: Vec3, d: f32) -> f32 {
     let d = planes(p, d);
     if p.z < 5.0 {
@@ -14,7 +14,7 @@ pub fn features(p: Vec3, d: f32) -> f32 {
     lips(p, d)
 }
 
-/// Soft pushes of clay: cheekbones, temples, brow, muzzle, chin.
+/// Adds soft bumps and hollows: cheekbones, temples, brow, muzzle, chin.
 pub fn planes(p: Vec3, d: f32) -> f32 {
     if p.z < 5.0 {
         return d;
@@ -23,7 +23,7 @@ pub fn planes(p: Vec3, d: f32) -> f32 {
     let apple = hill(p, vec3(30.0, 83.0, 82.0), vec3(26.0, 30.0, 30.0));
     let hollow = hill(p, vec3(50.0, 58.0, 47.0), vec3(26.0, 28.0, 42.0));
     let temple = hill(p, vec3(70.0, 134.0, 48.0), vec3(38.0, 40.0, 40.0));
-    // The brow's ridge is an arch, highest over the outer third of the eye.
+    // The brow ridge is an arch, highest over the outer third of the eye.
     let arch = 131.0 - 0.009 * (p.x - 33.0) * (p.x - 33.0);
     let brow = hill(vec3(p.x, p.y - arch, p.z), vec3(29.0, 0.0, 84.0), vec3(30.0, 12.0, 26.0));
     let muzzle = hill(p, vec3(0.0, 47.0, 94.0), vec3(32.0, 30.0, 34.0));
@@ -33,7 +33,7 @@ pub fn planes(p: Vec3, d: f32) -> f32 {
         + 1.7 * fold
 }
 
-/// The socket, the ball under its closed lids, the line where the lids meet and the fold above.
+/// Adds the socket, the ball under its closed lids, the line where the lids meet and the fold above.
 fn eye(p: Vec3, d: f32) -> f32 {
     let socket = ellipsoid(p, vec3(31.5, 111.3, 99.3), vec3(21.0, 11.3, 16.5));
     let d = carve(d, socket, 18.0);
@@ -43,7 +43,7 @@ fn eye(p: Vec3, d: f32) -> f32 {
         return d;
     }
     let d = join(d, ball, 6.0);
-    // The lids meet low, along an arc that hangs from the corners; the upper one lies over the lower.
+    // The lids meet low, along an arc that hangs from the corners; the upper lid lies over the lower.
     let t = (p.x - 31.5) / 16.5;
     let along = (1.0 - t * t).max(0.0);
     let seam = p.y - (108.2 - 3.2 * along + 0.9 * t);
@@ -69,7 +69,7 @@ fn nose(p: Vec3, d: f32) -> f32 {
     join(d, n, 13.0) + 0.6 * hollow
 }
 
-/// Two tubes that taper to the corners of the mouth; where they meet is the parting line.
+/// Adds the lips: two tubes that taper to the corners of the mouth and meet at the parting line.
 fn lips(p: Vec3, d: f32) -> f32 {
     let philtrum = hill(p, vec3(0.0, 57.0, 99.0), vec3(5.5, 9.0, 14.0));
     let corner = hill(p, vec3(24.5, 44.5, 86.0), vec3(8.0, 8.0, 12.0));
@@ -82,7 +82,7 @@ fn lips(p: Vec3, d: f32) -> f32 {
     let bow = (1.0 - (p.x / 6.0).powi(2)).max(0.0).powi(2);
     let back = 0.0165 * p.x * p.x;
     let smile = 0.0025 * p.x * p.x;
-    // The tubes run backwards towards the corners; the distance across them is that much shorter.
+    // The tubes run backward toward the corners, which shortens the distance across them.
     let run = (1.0 + (0.036 * p.x).powi(2)).sqrt().recip();
     let tube =
         |y: f32, z: f32, r: f32| (Vec2::new(p.y - y - smile, (p.z - z + back) * run).length() - r) * 0.97;

@@ -1,37 +1,38 @@
-//! The sculptor's tools: solid forms as signed distances, and ways to join them without a seam.
+//! Modeling tools: solid forms as signed distances, and smooth blends of them.
 //!
-//! All lengths are millimetres. Every form's gradient has unit length, or nearly so close to its surface;
-//! the blends are convex in the gradients, so they never exceed the forms they join.
+//! All lengths are in millimeters. The gradient of every form has unit length, or nearly so close to its surface.
+//! Blends are convex in the gradients, so they never lengthen the gradients of the forms.
 
 use glam::{Vec2, Vec3};
 
-/// The union of two solids with a fillet of size `k`; `k` is also how far apart the two distances
-/// may be for the fillet to be felt. The blend is cubic, so that curvature is continuous too and
-/// highlights do not show where one form ends.
+/// Returns the union of two solids with a fillet of size `k`, which is also the largest difference of the two distances
+/// at which the fillet has an effect. The blend is cubic: with continuous curvature, highlights do not show where one
+/// form ends.
 pub fn join(a: f32, b: f32, k: f32) -> f32 {
     let h = (k - (a - b).abs()).max(0.0) / k;
     a.min(b) - h * h * h * k * (1.0 / 6.0)
 }
 
-/// The intersection of two solids with its edge rounded.
+/// Returns the intersection of two solids with a rounded edge.
 pub fn meet(a: f32, b: f32, k: f32) -> f32 {
     -join(-a, -b, k)
 }
 
-/// `a` without `b`, with a rounded edge.
+/// Returns `a` without `b`, with a rounded edge.
 pub fn carve(a: f32, b: f32, k: f32) -> f32 {
     meet(a, -b, k)
 }
 
-/// An ellipsoid about `c` with semi-axes `r`: exact on its surface, within a few percent near it.
+/// Returns the distance to an ellipsoid about `c` with semi-axes `r`: exact on its surface, within a few percent near
+/// it.
 pub fn ellipsoid(p: Vec3, c: Vec3, r: Vec3) -> f32 {
     let q = (p - c) / r;
     let (value, slope) = (q.length(), (q / r).length());
     if slope < 1e-9 { -r.min_element() } else { value * (value - 1.0) / slope }
 }
 
-/// The hull of two spheres. The sphere that touches the hull nearest to `p` is found in closed form:
-/// seen from it, `p` lies along the hull's normal, which leans by the taper.
+/// Returns the distance to the hull of two spheres. The sphere that touches the hull nearest to `p` is found in closed
+/// form: seen from its center, `p` lies along the normal of the hull, which the taper tilts.
 pub fn stroke(p: Vec3, (a, ra): (Vec3, f32), (b, rb): (Vec3, f32)) -> f32 {
     let axis = b - a;
     let length = axis.length();
@@ -42,21 +43,21 @@ pub fn stroke(p: Vec3, (a, ra): (Vec3, f32), (b, rb): (Vec3, f32)) -> f32 {
     Vec2::new(along - foot, across).length() - ra - (rb - ra) * foot / length
 }
 
-/// A soft hill of height one at `c` that ends at the ellipsoid with semi-axes `r`. Added to a
-/// distance with a small factor, it pushes clay in or out. The steepest slope is 1.7 per semi-axis.
+/// Returns a soft bump of height 1 at `c` that ends at the ellipsoid with semi-axes `r`. Added to a distance with a
+/// small factor, it moves the surface in or out. The steepest slope is 1.7 per semi-axis.
 pub fn hill(p: Vec3, c: Vec3, r: Vec3) -> f32 {
     let h = (1.0 - ((p - c) / r).length_squared()).max(0.0);
     h * h * h
 }
 
-/// Hermite step from 0 at `a` to 1 at `b`.
+/// Returns the Hermite step from 0 at `a` to 1 at `b`.
 pub fn step(a: f32, b: f32, x: f32) -> f32 {
     let t = ((x - a) / (b - a)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// A curve of height: a uniform cubic B-spline over `knots`, the first at `start`, the others `spacing`
-/// apart; returns value and slope. Constant beyond the ends.
+/// Evaluates a profile over the height `y`: a uniform cubic B-spline over `knots`, the first at `start`, the others
+/// `spacing` apart. Returns value and slope. Constant beyond the ends.
 pub fn curve(knots: &[f32], start: f32, spacing: f32, y: f32) -> (f32, f32) {
     let last = knots.len() as i32 - 1;
     let s = ((y - start) / spacing).clamp(0.0, last as f32);
@@ -74,8 +75,8 @@ pub fn curve(knots: &[f32], start: f32, spacing: f32, y: f32) -> (f32, f32) {
     (value, slope)
 }
 
-/// `x` without a kink where it is zero: forms that stand astride the mirror plane meet smoothly. Off the
-/// plane it is short by up to `k`.
+/// Returns `x` without a kink at zero, so that forms across the mirror plane meet smoothly. Away from the plane, the
+/// result is too small by up to `k`.
 pub fn astride(x: f32, k: f32) -> f32 {
     x.hypot(k) - k
 }

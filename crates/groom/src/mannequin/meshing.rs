@@ -1,26 +1,26 @@
-//! From the distance field to triangles and to a grid.
+//! Conversion of the distance field to triangles and to a grid.
 
 use super::{distance, forms};
 use crate::{Progress, SdfGrid, TriMesh};
 use fast_surface_nets::{SurfaceNetsBuffer, ndshape::RuntimeShape, ndshape::Shape, surface_nets};
 use glam::{Vec3, vec3};
 
-/// A box around the bust with room to spare, metres.
+/// Bounding box of the bust with a margin, meters.
 const LO: Vec3 = vec3(-0.235, -0.260, -0.155);
 const HI: Vec3 = vec3(0.235, 0.240, 0.140);
 
-/// The field's grid without distances.
+/// Returns the grid of the field without distances.
 pub(super) fn grid(resolution: u32) -> SdfGrid {
     SdfGrid::over(LO, HI, resolution)
 }
 
-/// The field as it is sculpted.
+/// Samples the distance field of the sculpture.
 pub(super) async fn measure(resolution: u32, progress: &impl Progress) -> SdfGrid {
     let mut grid = grid(resolution);
     let (row, rows) = (grid.size.x, grid.size.y * grid.size.z);
     for i in 0..rows {
         if i % 16 == 0 {
-            progress.step("measuring the head", i as f32 / rows as f32).await;
+            progress.step("computing the distance field", i as f32 / rows as f32).await;
         }
         let nodes: Vec<f32> = (i * row..(i + 1) * row).map(|i| distance(grid.node(i))).collect();
         grid.distances.extend(nodes);
@@ -28,7 +28,7 @@ pub(super) async fn measure(resolution: u32, progress: &impl Progress) -> SdfGri
     grid
 }
 
-/// Where the nodes of one axis stand: `cell` apart within 4 cm of `fine`, three times as far beyond 12 cm.
+/// Returns the nodes of one axis: `cell` apart within 4 cm of `fine`, three times as far beyond 12 cm.
 fn nodes(lo: f32, hi: f32, fine: f32, cell: f32) -> Vec<f32> {
     let away = |length: f32| {
         let mut t = 0.0;
@@ -51,10 +51,10 @@ pub(super) struct Lattice {
     pub distances: Vec<f32>,
 }
 
-/// What takes long.
-const TASK: &str = "modelling the head";
+/// Name of the task for progress reports.
+const TASK: &str = "building the head";
 
-/// Cells along the edge of a block that is looked at as a whole first.
+/// Cells along the edge of a block, the unit that is skipped far from the surface.
 const BLOCK: usize = 6;
 
 impl Lattice {
@@ -65,10 +65,10 @@ impl Lattice {
         lattice
     }
 
-    /// Without distances.
+    /// Returns a lattice without distances.
     pub fn empty(resolution: u32) -> Self {
         let cell = 0.30 / resolution.clamp(16, 512) as f32;
-        // Lips and lids run across: rows are closer than columns.
+        // Lips and lids run horizontally, so rows are closer than columns.
         let axes = [
             nodes(LO.x, HI.x, 0.0, 1.15 * cell),
             nodes(LO.y, HI.y, 0.075, 0.7 * cell),
@@ -79,13 +79,13 @@ impl Lattice {
         Self { axes, shape, distances }
     }
 
-    /// The indices of the nodes of the left half and of the middle.
+    /// Returns the indices of the nodes of the left half and of the middle.
     pub fn left_half(&self) -> impl Iterator<Item = usize> + use<> {
         let across = self.axes[0].len();
         (0..self.distances.len()).filter(move |i| i % across <= across / 2)
     }
 
-    /// Puts a distance at a node and at the one that mirrors it.
+    /// Sets the distance at a node and at its mirror image.
     pub fn set(&mut self, i: usize, distance: f32) {
         let across = self.axes[0].len();
         let x = i % across;
@@ -93,13 +93,13 @@ impl Lattice {
         self.distances[i - x + across - 1 - x] = distance;
     }
 
-    /// The same with nothing but the signs of the distances.
+    /// Returns the lattice with only the signs of the distances.
     pub fn signs(&self) -> Self {
         let distances = self.distances.iter().map(|d| if *d < 0.0 { -1.0 } else { 1.0 }).collect();
         Self { axes: self.axes.clone(), shape: self.shape.clone(), distances }
     }
 
-    /// The surface: a vertex per cell that it passes through, at fractional nodes.
+    /// Returns the surface: one vertex per cell that it passes through, in fractional node coordinates.
     pub fn nets(&self) -> SurfaceNetsBuffer {
         let mut nets = SurfaceNetsBuffer::default();
         let last = self.shape.as_array().map(|n| n - 1);
@@ -107,12 +107,12 @@ impl Lattice {
         nets
     }
 
-    /// Whether a cell is in the left half.
+    /// Returns whether a cell is in the left half.
     pub fn is_left(&self, cell: [u32; 3]) -> bool {
         (cell[0] as usize) < self.axes[0].len() / 2
     }
 
-    /// The vertex in the cell that mirrors this one.
+    /// Returns the vertex in the mirror image of this cell.
     pub fn twin(&self, nets: &SurfaceNetsBuffer, [x, y, z]: [u32; 3]) -> usize {
         let across = self.axes[0].len() as u32;
         nets.stride_to_index[self.shape.linearize([across - 2 - x, y, z]) as usize] as usize
@@ -122,8 +122,8 @@ impl Lattice {
         Vec3::from_array([0, 1, 2].map(|a| self.axes[a][i[a]]))
     }
 
-    /// Distances at all nodes. A block that is farther from the surface than its own corners is given one
-    /// value, since only its sign will be asked for; the right half mirrors the left one.
+    /// Computes the distances at all nodes. A block that is farther from the surface than its own corners gets one
+    /// value, because only its sign is used. The right half mirrors the left half.
     async fn fill(&mut self, progress: &impl Progress) {
         let size = [0, 1, 2].map(|a| self.axes[a].len());
         let half = [size[0] / 2 + 1, size[1], size[2]];
@@ -152,8 +152,8 @@ impl Lattice {
         }
     }
 
-    /// Where the four corners of a cell's face are inside, outside, inside, outside, four quads would share
-    /// one edge. There the gap is thinner than a cell: fill it.
+    /// Fills gaps that are thinner than a cell. If the corners of a cell's face alternate between inside and outside,
+    /// four quads would share one edge.
     fn close_pinholes(&mut self) {
         let size = [0, 1, 2].map(|a| self.axes[a].len());
         let stride = [1, size[0], size[0] * size[1]];
@@ -175,7 +175,7 @@ impl Lattice {
         }
     }
 
-    /// The point at fractional node `q`.
+    /// Returns the point at the fractional node coordinates `q`.
     pub fn point(&self, q: [f32; 3]) -> Vec3 {
         Vec3::from_array([0, 1, 2].map(|a| {
             let i = (q[a] as usize).min(self.axes[a].len() - 2);
@@ -185,7 +185,7 @@ impl Lattice {
     }
 }
 
-/// Distance and gradient at `p` from the corners of a small tetrahedron about it.
+/// Returns distance and gradient at `p` from the corners of a small tetrahedron about it.
 pub(super) fn distance_and_gradient(p: Vec3) -> (f32, Vec3) {
     const H: f32 = 2e-4;
     const CORNERS: [Vec3; 4] =
@@ -198,7 +198,7 @@ pub(super) fn distance_and_gradient(p: Vec3) -> (f32, Vec3) {
     (0.25 * sum.0, sum.1 / (4.0 * H))
 }
 
-/// The bust as it is sculpted, and the lattice that it was meshed with.
+/// Meshes the sculpture. Returns the bust and its lattice.
 pub(super) async fn model(resolution: u32, progress: &impl Progress) -> (TriMesh, Lattice) {
     let lattice = Lattice::new(resolution, progress).await;
     let nets = lattice.nets();
@@ -207,12 +207,12 @@ pub(super) async fn model(resolution: u32, progress: &impl Progress) -> (TriMesh
         if i % 1024 == 0 {
             progress.step(TASK, 0.5 + 0.5 * i as f32 / nets.positions.len() as f32).await;
         }
-        // Both halves are worked out on the left, so that they mirror each other to the bit.
+        // Both halves are computed on the left, so that they are bit-identical mirror images.
         let q = lattice.point(*q);
         let mirror = vec3(if q.x < 0.0 { -1.0 } else { 1.0 }, 1.0, 1.0);
         let mut p = q * mirror;
         let mut normal = Vec3::Y;
-        // Naive surface nets leave a vertex a little off the surface: two Newton steps bring it there.
+        // Naive surface nets leave a vertex slightly off the surface: two Newton steps project it.
         for _ in 0..2 {
             let (d, g) = distance_and_gradient(p);
             p -= g * (d / g.length_squared().max(0.25));

@@ -1,4 +1,4 @@
-//! The bust's mesh and field at any resolution; the most used ones are stored.
+//! Mesh and field of the bust at any resolution; the most used resolutions are stored.
 
 use super::{
     FIELD_RESOLUTION, RESOLUTION,
@@ -7,13 +7,13 @@ use super::{
 };
 use crate::{Progress, SdfGrid, TriMesh, progress::at_once};
 
-/// The bust's field on a regular grid: the collider. `resolution` is the number of nodes along the
-/// longest axis; that of [`FIELD_RESOLUTION`] comes cooked.
+/// Returns the field of the bust on a regular grid: the collider. `resolution` is the number of nodes along the longest
+/// axis. The field at [`FIELD_RESOLUTION`] is precomputed.
 pub fn sdf(resolution: u32) -> SdfGrid {
     at_once(sdf_with(resolution, &()))
 }
 
-/// The same, telling `progress`.
+/// [`sdf`] that reports to `progress`.
 pub async fn sdf_with(resolution: u32, progress: &impl Progress) -> SdfGrid {
     match resolution {
         FIELD_RESOLUTION => bust().field.clone(),
@@ -21,13 +21,13 @@ pub async fn sdf_with(resolution: u32, progress: &impl Progress) -> SdfGrid {
     }
 }
 
-/// The bust as triangles with smooth normals. `resolution` (clamped to 16…512) is how many of the face's
-/// cells make 30 cm; elsewhere cells are up to three times wider. That of [`RESOLUTION`] comes cooked.
+/// Returns the bust as triangles with smooth normals. `resolution` (clamped to 16…512) is the number of the face's
+/// cells per 30 cm; other cells are up to three times wider. The mesh at [`RESOLUTION`] is precomputed.
 pub fn mesh(resolution: u32) -> TriMesh {
     at_once(mesh_with(resolution, &()))
 }
 
-/// The same, telling `progress`.
+/// [`mesh`] that reports to `progress`.
 pub async fn mesh_with(resolution: u32, progress: &impl Progress) -> TriMesh {
     match resolution {
         RESOLUTION => bust().mesh.clone(),

@@ -1,9 +1,9 @@
-//! The neck, leaning forward from the shoulders, with a hint of the sternomastoid.
+//! Neck, leaning forward from the shoulders, with a hint of the sternomastoid.
 
 use super::forms::*;
 use glam::{Vec3, vec3};
 
-/// The neck's distance; `p.x` is not negative.
+/// Returns the signed distance to the neck, mm; `p.x` must not be negative.
 pub fn neck(p: Vec3) -> f32 {
     // Two strokes, one behind the other, make a section a little deeper than wide.
     let front = stroke(p, (vec3(0.0, 60.0, -8.0), 36.8), (vec3(0.0, -120.0, -47.0), 40.5));

@@ -1,40 +1,40 @@
-//! What bends the bust: a torso, a neck and a head, and the shapes of breath, jaw and brows.
+//! Rig of the bust: joints for torso, neck and head, and blend shapes for breath, jaw and brows.
 //!
-//! Skin follows by where it is on the sculpture. Along the axis of the neck it goes from torso to neck to head; whatever
-//! lies on the form of the head, its jaw too, is the head's alone. Hair grows on nothing but that, so that the scalp stays
-//! rigid.
+//! Skin weights depend on the position on the sculpture. Along the axis of the neck they pass from torso to neck to
+//! head. Skin on the form of the head, its jaw included, belongs to the head alone. Hair grows only there, so the scalp
+//! stays rigid.
 //!
-//! A neck turns as a whole spine does: [`SHARES`] of a turn are those of the neck's joint, the rest is the head's.
+//! A neck turns as a whole spine does: [`SHARES`] divides a turn between the neck's joint and the head's joint.
 
 use super::{NECK_JOINT, forms::step, neck, skull};
 use crate::{
     SdfGrid, TriMesh,
     rig::{
         Bind, Delta, INFLUENCES, Joint, Node, Rig, Target, Transform,
-        anatomy::{Anatomy, Field, Part, PartForm},
+        anatomy::{Anatomy, BodyPart, Field, PartForm},
     },
 };
 use glam::{Mat4, Quat, Vec3, vec3};
 
-/// The joints, as [`Rig::nodes`] and [`Rig::joints`] have them: shoulders and chest, neck, head.
+/// Joints, in the order of [`Rig::nodes`] and [`Rig::joints`]: shoulders and chest, neck, head.
 pub const JOINTS: [(&str, Vec3); 3] =
     [("Torso", vec3(0.0, -0.25, -0.05)), ("Neck", NECK), ("Head", NECK_JOINT)];
-/// What the joints of neck and head have of a turn of the head.
+/// Shares of the neck's and the head's joint in a turn of the head.
 pub const SHARES: [(u32, f32); 2] = [(1, 0.4), (2, 0.6)];
-/// The names of the shapes: the chest rises, the jaw drops, the brows rise.
+/// Names of the blend shapes: the chest rises, the jaw drops, the brows rise.
 pub const SHAPES: [&str; 3] = ["Breath", "Jaw", "Brows"];
 
-/// Where the neck bends, metres: between the fifth and the sixth vertebra.
+/// Pivot of the neck, meters: between the fifth and the sixth vertebra.
 const NECK: Vec3 = vec3(0.0, -0.045, -0.042);
-/// The axis of the neck: its foot, mm, and its direction.
+/// Axis of the neck: its foot, mm, and its direction.
 const FOOT: Vec3 = vec3(0.0, -95.0, -52.0);
 const UP: Vec3 = vec3(0.0, 0.980_58, 0.196_12);
-/// How far two neighbouring parts' fields overlap beyond where they meet, mm.
+/// Overlap of the fields of two neighboring parts beyond the point where they meet, mm.
 const OVERLAP: f32 = 22.0;
-/// How far up the axis neck meets torso and head meets neck, mm.
+/// Heights along the axis where neck meets torso and head meets neck, mm.
 const MEETS: [f32; 2] = [30.0, 86.0];
 
-/// What bends `mesh`, a mesh of the bust ([`super::mesh`]). Poses are relative to groom space.
+/// Returns the rig of `mesh`, a mesh of the bust ([`super::mesh`]). Poses are relative to groom space.
 pub fn rig(mesh: &TriMesh) -> Rig {
     let parents = [None, Some(0), Some(1)];
     let nodes = JOINTS.iter().zip(parents).map(|((name, at), parent): (_, Option<u32>)| {
@@ -63,10 +63,10 @@ pub fn rig(mesh: &TriMesh) -> Rig {
 }
 
 impl Anatomy {
-    /// Of the built-in character, whose distance field `bust` is.
+    /// Returns the anatomy of the built-in character; `bust` is its distance field.
     pub fn built_in(mesh: &TriMesh, bust: &SdfGrid) -> Self {
         let [torso, neck, head] = parts(bust).map(Field::Grid);
-        let part = |node, field| Part::new(node, field, PartForm::Field);
+        let part = |node, field| BodyPart::new(node, field, PartForm::Field);
         Self {
             rig: rig(mesh),
             head: part(2, head),
@@ -77,21 +77,21 @@ impl Anatomy {
     }
 }
 
-/// What torso, neck and head have of the skin at `p`, metres.
+/// Returns the skin weights of torso, neck and head at `p`, meters.
 pub fn shares(p: Vec3) -> [f32; 3] {
     let p = p * 1000.0;
     let mirrored = vec3(p.x.abs(), p.y, p.z);
     let up = (p - FOOT).dot(UP);
-    // What lies on the head goes with it, and where it runs into the neck that follows gradually.
+    // Skin on the form of the head follows the head; the weight fades where the head runs into the neck.
     let on_head = step(24.0, 5.0, skull::head(mirrored)) * step(70.0, 100.0, up);
     let head = step(56.0, 114.0, up).max(on_head);
-    // Shoulders stay, however high they reach.
+    // Shoulders belong to the torso, however high they reach.
     let aside = step(45.0, 85.0, mirrored.x) * step(0.0, 25.0, neck::neck(mirrored));
     let torso = step(58.0, 2.0, up).max(aside) * (1.0 - head);
     [torso, 1.0 - torso - head, head]
 }
 
-/// The parts of the field of the bust that go with each of the joints. They overlap where they meet.
+/// Returns the part of the bust's field for each joint. The parts overlap where they meet.
 pub fn parts(bust: &SdfGrid) -> [SdfGrid; 3] {
     let up = |p: Vec3| 0.001 * (p * 1000.0 - FOOT).dot(UP);
     let [low, high] = MEETS.map(|mm| 0.001 * mm);
@@ -103,14 +103,14 @@ pub fn parts(bust: &SdfGrid) -> [SdfGrid; 3] {
     [part(-1.0, low + lap), part(low - lap, high + lap), part(high - lap, 1.0)]
 }
 
-/// `field` where `inside` is negative too, over as few nodes as hold it with a margin around.
+/// Returns the intersection of `field` with the region where `inside` is negative, cropped to it with a margin.
 fn clipped(field: &SdfGrid, inside: impl Fn(Vec3) -> f32) -> SdfGrid {
     let at = |i: u32| {
         glam::uvec3(i % field.size.x, i / field.size.x % field.size.y, i / (field.size.x * field.size.y))
     };
     let both = |i: u32| field.distances[i as usize].max(inside(field.node(i)));
     let all = 0..field.size.element_product();
-    // Hair is asked for some centimetres around.
+    // Hair samples the field some centimeters away from the surface.
     let near = all.clone().filter(|i| both(*i) < 0.02).map(at);
     let (lo, hi) = near.fold((field.size, glam::UVec3::ZERO), |(lo, hi), at| (lo.min(at), hi.max(at)));
     let hi = hi.max(lo + 1).min(field.size - 1);
@@ -125,9 +125,9 @@ fn clipped(field: &SdfGrid, inside: impl Fn(Vec3) -> f32) -> SdfGrid {
     }
 }
 
-/// A shape, as what `moves` adds to each place of `mesh`.
+/// Returns a blend shape that adds `moves` to each position of `mesh`.
 fn target(name: &str, mesh: &TriMesh, moves: impl Fn(Vec3) -> Vec3) -> Target {
-    // Half a millimetre: what the shape does to a small disc of skin tilts its normal.
+    // Half a millimeter: the normal follows from the deformation of a small disc of skin.
     const H: f32 = 5e-4;
     let deltas = mesh.positions.iter().zip(&mesh.normals).enumerate().filter_map(|(i, (p, n))| {
         let position = moves(*p);
@@ -140,7 +140,7 @@ fn target(name: &str, mesh: &TriMesh, moves: impl Fn(Vec3) -> Vec3) -> Target {
     Target { name: name.into(), deltas: deltas.collect() }
 }
 
-/// The chest, filled: ribs go out and up, and the shoulders rise.
+/// Breath: ribs move out and up, and the shoulders rise.
 fn breath(p: Vec3) -> Vec3 {
     let q = p * 1000.0;
     let low = step(-70.0, -150.0, q.y);
@@ -148,19 +148,19 @@ fn breath(p: Vec3) -> Vec3 {
     low * vec3(0.012 * q.x, 2.6, 1.5 + 3.5 * front) * 0.001
 }
 
-/// The jaw, dropped by 9 degrees about the axis through its joints in front of the ears. Lips part where they meet; cheeks
+/// Jaw: drops by 9 degrees about the axis through its joints in front of the ears. Lips part where they meet; cheeks
 /// and chin follow from there.
 fn jaw(p: Vec3) -> Vec3 {
     const HINGE: Vec3 = vec3(0.0, 66.0, 8.0);
     let q = p * 1000.0;
     let x = q.x.abs();
-    // The line at which lips meet, which bends back to the corners and from there to the hinge.
+    // The line where the lips meet, which bends back to the corners and from there to the hinge.
     let seam = 43.6 + 0.0025 * x * x;
     let back = step(92.0, 20.0, q.z);
     let line = seam + (HINGE.y - seam) * back;
     let soft = 1.2 + 26.0 * step(14.0, 40.0, x).max(back);
     let below = step(0.0, soft, line - q.y);
-    // What is the neck's stays.
+    // The neck stays.
     let on_head = step(20.0, 2.0, skull::head(vec3(x, q.y, q.z)));
     let front = step(5.0, 40.0, q.z);
     let share = below * on_head * front;
@@ -168,11 +168,11 @@ fn jaw(p: Vec3) -> Vec3 {
     (turned - q) * 0.001
 }
 
-/// The brows, 6 mm up, and the forehead folding towards them.
+/// Brows: rise by 6 mm and fold the forehead above them.
 fn brows(p: Vec3) -> Vec3 {
     let q = p * 1000.0;
     let x = q.x.abs();
-    // As the sculpture's ridge has its arch.
+    // The same arch as the brow ridge of the sculpture.
     let arch = 131.0 - 0.009 * (x - 33.0) * (x - 33.0);
     let up = step(arch - 12.0, arch - 1.0, q.y) * step(arch + 32.0, arch + 4.0, q.y);
     let along = step(56.0, 40.0, x) * step(30.0, 65.0, q.z);

@@ -7,7 +7,7 @@ use crate::{
 };
 
 #[test]
-fn shares_sum_to_one_and_parts_are_where_they_should_be() {
+fn skin_weights_sum_to_one_and_match_regions() {
     let mesh = mannequin::mesh(60);
     for p in &mesh.positions {
         let shares = shares(*p);
@@ -23,9 +23,9 @@ fn shares_sum_to_one_and_parts_are_where_they_should_be() {
     assert!(shares(NECK + vec3(0.0, 0.01, 0.04))[1] > 0.6);
 }
 
-/// Why nobody needs to ask the skin where hair grows.
+/// The scalp is rigid, so hair follows the head's joint without skinning of its roots.
 #[test]
-fn hair_grows_on_nothing_but_the_head() {
+fn hair_roots_follow_the_head_rigidly() {
     let scalp = GridScalp::of_mannequin(mannequin::sdf(mannequin::FIELD_RESOLUTION));
     let carried = |p: &Vec3| {
         let still = [jaw(*p), brows(*p)].iter().all(|by| by.length() < 1e-6);
@@ -49,7 +49,7 @@ fn bent(rig: &Rig, mesh: &TriMesh, pose: &crate::rig::RigPose) -> TriMesh {
     mesh
 }
 
-/// How long the longest edge of a triangle of `mesh` is, compared with how long it was at `rest`.
+/// Returns the largest ratio of an edge's length in `mesh` to its length at `rest`.
 fn stretch(mesh: &TriMesh, rest: &TriMesh) -> f32 {
     let edge =
         |mesh: &TriMesh, a: u32, b: u32| mesh.positions[a as usize].distance(mesh.positions[b as usize]);
@@ -76,19 +76,19 @@ fn the_head_turns_and_the_shoulders_stay() {
             assert!(moved < 2e-5, "{p} is the torso's and moves by {moved}");
         }
     }
-    // What the head has turns by all of it.
+    // Skin that belongs to the head turns by the whole angle.
     let nose =
         |mesh: &TriMesh| *mesh.positions.iter().max_by(|a, b| a.length().total_cmp(&b.length())).unwrap();
     let forward = mannequin::NOSE_TIP - mannequin::EAR.with_x(0.0);
     let tip = rig.pose_turned(None, &[], &turns).palette[2].transform_vector3(forward);
     assert!(tip.angle_between(turn * forward) < 1e-3, "{}", nose(&turned));
-    // Skin between is drawn out, not torn.
+    // Skin between the joints stretches but does not tear.
     let drawn = stretch(&turned, &mesh);
     assert!(drawn < 1.8, "{drawn}");
 }
 
 #[test]
-fn shapes_move_what_they_are_called_after() {
+fn blend_shapes_move_their_regions() {
     let mesh = mannequin::mesh(mannequin::RESOLUTION);
     let rig = rig(&mesh);
     let by = |name: &str, at: Vec3| {
@@ -103,7 +103,7 @@ fn shapes_move_what_they_are_called_after() {
     assert!(chin.y < -0.008 && chin.z < 0.0, "{chin}");
     still(by("Jaw", mannequin::NOSE_TIP).0);
     still(by("Jaw", vec3(0.16, -0.13, -0.06)).0);
-    // The lips part at the line where they meet: just above nothing moves, just below all does.
+    // The lips part at the line where they meet: just above nothing moves, just below everything does.
     still(jaw(mannequin::MOUTH + vec3(0.0, 0.002, 0.0)));
     assert!(jaw(mannequin::MOUTH - vec3(0.0, 0.003, 0.0)).y < -0.006);
     let (brow, _) = by("Brows", mannequin::BROW + vec3(0.033, 0.0, -0.005));
@@ -112,7 +112,7 @@ fn shapes_move_what_they_are_called_after() {
     let (chest, _) = by("Breath", vec3(0.0, -0.16, 0.03));
     assert!(chest.z > 0.002 && chest.y > 0.0, "{chest}");
     still(by("Breath", mannequin::CHIN).0);
-    // Normals are those of the skin as it then is.
+    // Normals follow the deformed skin.
     let mut again = TriMesh { normals: Vec::new(), ..opened.clone() };
     again.compute_normals();
     let wrong = opened.normals.iter().zip(&again.normals).filter(|(a, b)| a.dot(**b) < 0.7).count();
@@ -120,7 +120,7 @@ fn shapes_move_what_they_are_called_after() {
 }
 
 #[test]
-fn parts_of_the_field_make_the_bust() {
+fn field_parts_cover_the_bust() {
     let bust = mannequin::sdf(mannequin::FIELD_RESOLUTION);
     let parts = parts(&bust);
     let mesh = mannequin::mesh(60);
@@ -133,7 +133,7 @@ fn parts_of_the_field_make_the_bust() {
         }
     }
     assert!(farthest < 1e-6, "{farthest}");
-    // Each is a part: shoulders do not turn with the head.
+    // Each field covers one part: shoulders do not turn with the head.
     let shoulder = vec3(0.15, -0.1, -0.06);
     assert!(parts[0].sample(shoulder).abs() < 0.03 && parts[2].sample(shoulder) > 0.06);
     assert!(parts[0].sample(mannequin::CROWN) > 0.1 && parts[1].sample(mannequin::CROWN) > 0.06);
@@ -142,12 +142,12 @@ fn parts_of_the_field_make_the_bust() {
 }
 
 #[test]
-fn the_built_in_character_has_parts() {
+fn built_in_anatomy_has_head_neck_and_torso() {
     let mesh = mannequin::mesh(60);
     let bust = mannequin::sdf(mannequin::FIELD_RESOLUTION);
     let anatomy = Anatomy::built_in(&mesh, &bust);
     assert_eq!((anatomy.head.node, anatomy.parts.len(), anatomy.is_rigid), (2, 2, true));
-    let field = |part: &Part| match &part.field {
+    let field = |part: &BodyPart| match &part.field {
         Field::Grid(grid) => grid.clone(),
         Field::Mesh(..) => panic!("it is known"),
     };

@@ -3,13 +3,13 @@
 use super::forms::*;
 use glam::{Vec3, vec3};
 
-/// How much higher the shoulders sit than they were drawn, mm.
+/// Offset that raises the shoulders above the height of their coordinates, mm.
 const RISE: f32 = 10.0;
 
-/// Nothing of the torso is higher, mm.
+/// Upper bound of the height of the torso, mm.
 pub const TOP: f32 = 0.0;
 
-/// The torso's distance, not yet cut; `p.x` is not negative.
+/// Returns the signed distance to the torso before the cut, mm; `p.x` must not be negative.
 pub fn torso(p: Vec3) -> f32 {
     let p = p - vec3(0.0, RISE, 0.0);
     let chest = ellipsoid(p, vec3(0.0, -220.0, -50.0), vec3(150.0, 122.0, 82.0));
@@ -30,7 +30,8 @@ pub fn torso(p: Vec3) -> f32 {
     join(d, clavicle, 22.0)
 }
 
-/// The cut: below the curve that swings from the arms down to the breastbone there is nothing.
+/// Returns the signed distance to the cut. It ends the bust below the curve that swings from the arms down to the
+/// breastbone.
 pub fn cut(p: Vec3) -> f32 {
     let q = vec3(p.x, p.y + 60.0, 0.0);
     ellipsoid(q, Vec3::ZERO, vec3(238.0, 172.0, 1e4))

@@ -7,14 +7,14 @@ use super::{Paint, TriMesh, parts};
 use crate::{Error, Result};
 
 impl TriMesh {
-    /// Whether the mesh can be used: all indices in range, all numbers finite, and as many normals and
-    /// colours as positions, or none.
+    /// Checks that the mesh is usable: all indices are in range, all numbers are finite, and there are as many normals
+    /// and colors as positions, or none.
     pub fn validate(&self) -> Result<()> {
         let count = self.positions.len();
         for (name, values, optional) in [
             ("positions", &self.positions, false),
             ("normals", &self.normals, true),
-            ("colours", &self.colors, true),
+            ("colors", &self.colors, true),
         ] {
             if values.len() != count && !(optional && values.is_empty()) {
                 return Err(Error::Unusable(format!(
@@ -36,16 +36,16 @@ impl TriMesh {
         }
         if self.paint.as_ref().is_some_and(|paint| !paint.is_whole(count)) {
             return Err(Error::Unusable(format!(
-                "the mesh has the paint of other than its {count} vertices"
+                "the textures of the mesh do not match its {count} vertices"
             )));
         }
         Ok(())
     }
 
-    /// Sets the normals from the triangles, each weighted by its angle at the vertex, so that they do
-    /// not depend on how a flat face is cut up. Vertices at the same place share one normal: seams of
-    /// texture coordinates stay invisible, and so do edges that were meant to be hard. A vertex without
-    /// triangles looks up. Triangles with an index out of range are ignored.
+    /// Computes the normals from the triangles, each weighted by its angle at the vertex, so that they do not depend on
+    /// the triangulation of a flat face. Vertices at the same position share one normal: seams of texture coordinates
+    /// stay invisible, but hard edges become smooth too. The normal of a vertex without triangles points up. Triangles
+    /// with an index out of range are ignored.
     pub fn compute_normals(&mut self) {
         let places = parts::places(&self.positions);
         let mut sums = vec![Vec3::ZERO; self.positions.len()];
@@ -62,8 +62,8 @@ impl TriMesh {
         self.normals = places.iter().map(|&p| sums[p as usize].normalize_or(Vec3::Y)).collect();
     }
 
-    /// All of `meshes` as one. Normals and colours are kept where every mesh that has vertices has
-    /// them, and dropped otherwise.
+    /// Merges `meshes` into one. Normals and colors are kept if every mesh with vertices has them, and dropped
+    /// otherwise.
     pub fn merge(meshes: &[Self]) -> Self {
         let filled = || meshes.iter().filter(|m| !m.positions.is_empty());
         let normals = filled().all(|m| m.normals.len() == m.positions.len());
@@ -85,19 +85,19 @@ impl TriMesh {
         all
     }
 
-    /// The mesh scaled about the origin, then rotated, then moved (metres). A negative scale mirrors;
-    /// the triangles are turned so that their outside stays outside.
+    /// Scales the mesh about the origin, then rotates it, then moves it (meters). A negative scale mirrors the mesh and
+    /// flips its triangles, so that they still face outward.
     pub fn transform(&mut self, scale: f32, rotation: Quat, translation: Vec3) {
         let by = Affine3A::from_scale_rotation_translation(Vec3::splat(scale), rotation, translation);
         self.transform_affine(by);
     }
 
-    /// The mesh under any invertible affine map: axes swapped, mirrored or sheared. Normals stay
-    /// perpendicular, and triangles are turned if the map mirrors, so that outside stays outside.
+    /// Transforms the mesh by any invertible affine map: swapped axes, mirroring or shear. Normals stay perpendicular.
+    /// If the map mirrors, triangles are flipped, so that they still face outward.
     pub fn transform_affine(&mut self, by: Affine3A) {
         self.positions.iter_mut().for_each(|p| *p = by.transform_point3(*p));
         let mirrors = by.matrix3.determinant() < 0.0;
-        // The inverse transpose up to a positive factor.
+        // Inverse transpose up to a positive factor.
         let sign = if mirrors { -1.0 } else { 1.0 };
         let [x, y, z] = [by.matrix3.x_axis, by.matrix3.y_axis, by.matrix3.z_axis];
         let cofactors = [y.cross(z) * sign, z.cross(x) * sign, x.cross(y) * sign].map(Vec3::from);
@@ -117,7 +117,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn broken_meshes_are_named() {
+    fn validation_names_the_invalid_element() {
         let good = shapes::cuboid(Vec3::ONE);
         assert!(good.validate().is_ok());
         let mut bad = good.clone();
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn normals_of_a_cuboid_are_its_diagonals_and_of_a_sphere_its_radii() {
+    fn computed_normals_match_cuboid_and_sphere() {
         let mut mesh = shapes::cuboid(Vec3::new(1.0, 2.0, 3.0));
         mesh.compute_normals();
         for (p, n) in mesh.positions.iter().zip(&mesh.normals) {
@@ -140,13 +140,13 @@ mod tests {
         }
         let mut mesh = shapes::sphere(0.1, 24);
         mesh.compute_normals();
-        // Also across the seam, where the vertices are apart in the index but not in space.
+        // Also across the seam, where vertices have different indices but the same position.
         assert!(mesh.positions.iter().zip(&mesh.normals).all(|(p, n)| n.dot(p.normalize()) > 0.999));
         assert!(mesh.validate().is_ok());
     }
 
     #[test]
-    fn merging_moves_the_indices_and_keeps_what_all_have() {
+    fn merge_offsets_indices_and_keeps_common_attributes() {
         let mut a = shapes::cuboid(Vec3::ONE);
         a.compute_normals();
         let mut b = shapes::torus(3.0, 1.0, 8);
@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn outside_stays_outside_under_rotations_and_mirrors() {
+    fn transforms_keep_triangles_facing_outward() {
         for (scale, turn) in [(0.01, Quat::from_rotation_x(1.3)), (-2.0, Quat::from_rotation_z(0.4))] {
             let mut mesh = shapes::sphere(1.0, 12);
             mesh.compute_normals();
@@ -175,8 +175,9 @@ mod tests {
     }
 
     #[test]
-    fn a_corner_of_a_cube_points_along_its_diagonal() {
-        // Three faces at the origin's corner, one of them cut in two: area or count would tilt it.
+    fn normal_of_cube_corner_is_its_diagonal() {
+        // Three faces meet at the corner in the origin, one of them cut in two: weights by area or count would tilt the
+        // normal.
         let p = |x, y, z| Vec3::new(x, y, z);
         let positions =
             vec![p(0., 0., 0.), p(1., 0., 0.), p(0., 1., 0.), p(0., 0., 1.), p(0., 1., 1.), p(0., 0., 0.)];

@@ -1,69 +1,70 @@
-//! What the surface of a mesh is painted with: pictures of its materials, and where each vertex is in them.
+//! Textures of a mesh: images of its materials, and texture coordinates of each vertex.
 
 use crate::srgb::linear;
 use glam::{Vec2, Vec3};
 
-/// The pictures of a mesh's materials.
+/// Textures of a mesh's materials.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Paint {
-    /// Where each vertex is in the pictures of its coat: from the left and from the top, 1 is the other edge, and they
-    /// repeat.
+    /// Texture coordinates of each vertex in the images of its coat: from the left and from the top, 1 at the other
+    /// edge, repeating.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub places: Vec<Vec2>,
-    /// Which of the coats each vertex has; [`Paint::NONE`] for one that has its colour alone.
+    /// Coat of each vertex; [`Paint::NONE`] for a vertex that only has a color.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub of: Vec<u8>,
-    /// One for each material that has pictures.
+    /// One coat for each material with images.
     pub coats: Vec<Coat>,
 }
 
-/// The pictures of a material.
+/// Textures of one material.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Coat {
-    /// Albedo by sRGB's curve, and how much of the surface is there, the material's factors included.
+    /// Albedo, sRGB-encoded, and coverage in alpha; the material's factors are applied.
     pub base: Texture,
-    /// In red and green the surface's normal along the picture and up it, from -1 to 1, in blue the roughness. One texel
-    /// where the surface is even.
+    /// Red and green: surface normal along the image and up it, from -1 to 1. Blue: roughness. One texel if the surface
+    /// is uniform.
     pub relief: Texture,
-    /// Below how much of the surface there is nothing: cards with the picture of a lash. `None` where all of it is there.
+    /// Coverage below which the surface is cut out, as on cards with an image of an eyelash. `None` if nothing is cut
+    /// out.
     pub cutout: Option<f32>,
 }
 
-/// A picture.
+/// An RGBA image.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Texture {
-    /// Texels in a row.
+    /// Texels per row.
     pub width: u32,
-    /// Rows, from the top.
+    /// Number of rows, from the top.
     pub height: u32,
-    /// Four bytes each.
+    /// Four bytes per texel.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub rgba: Vec<u8>,
 }
 
 impl Texture {
-    /// Of one texel.
+    /// Returns a texture of one texel.
     pub fn even(texel: [u8; 4]) -> Self {
         Self { width: 1, height: 1, rgba: texel.to_vec() }
     }
 
-    /// The texel at a place, which repeats.
+    /// Returns the texel at texture coordinates, which repeat.
     fn texel(&self, place: Vec2) -> Option<[u8; 4]> {
         let at = |x: f32, n: u32| ((x - x.floor()) * n as f32) as usize % (n as usize).max(1);
         let (x, y) = (at(place.x, self.width), at(place.y, self.height));
         self.rgba.as_chunks::<4>().0.get(y * self.width as usize + x).copied()
     }
 
-    /// Whether it has as many texels as it says, and at least one.
+    /// Returns whether `rgba` has as many texels as width and height require, and at least one.
     pub fn is_whole(&self) -> bool {
         let texels = u64::from(self.width) * u64::from(self.height);
         texels > 0 && self.rgba.len() as u64 == 4 * texels
     }
 
-    /// The same with as many texels.
+    /// Returns the texture resized to `size` texels.
     #[cfg(feature = "textures")]
     fn resized(&self, size: [u32; 2]) -> Self {
         use image::{RgbaImage, imageops};
@@ -75,15 +76,16 @@ impl Texture {
     }
 }
 
-/// The pictures of a coat.
+/// Accessors of the textures of a coat.
 #[cfg(feature = "textures")]
 const PICTURES: [fn(&mut Coat) -> &mut Texture; 2] = [|coat| &mut coat.base, |coat| &mut coat.relief];
 
 impl Paint {
-    /// [`of`](Self::of) a vertex without pictures.
+    /// Value of [`of`](Self::of) for a vertex without images.
     pub const NONE: u8 = u8::MAX;
 
-    /// Whether every vertex of a mesh of so many has a place, and every coat is there and whole.
+    /// Returns whether the paint fits a mesh of `vertices` vertices: each has texture coordinates and an existing coat,
+    /// and all textures are whole.
     pub fn is_whole(&self, vertices: usize) -> bool {
         let known = |of: &u8| *of == Self::NONE || usize::from(*of) < self.coats.len();
         self.places.len() == vertices
@@ -94,8 +96,8 @@ impl Paint {
             && self.coats.len() <= usize::from(Self::NONE)
     }
 
-    /// Brings all base pictures to one size, and all reliefs: that of the largest, or less, so that all of them fit into
-    /// so many bytes.
+    /// Resizes all base textures to one size, and all reliefs to one size: the largest one, or less, so that all
+    /// textures fit into `bytes` bytes.
     #[cfg(feature = "textures")]
     pub fn level(&mut self, bytes: u64) {
         let largest = PICTURES.map(|picture| self.largest(picture));
@@ -123,14 +125,14 @@ impl Paint {
         sizes.fold([1; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])])
     }
 
-    /// The linear albedo of a vertex, where its coat has one.
+    /// Returns the linear albedo of a vertex, if its coat has one.
     pub fn color(&self, vertex: usize) -> Option<Vec3> {
         let coat = self.coats.get(usize::from(*self.of.get(vertex)?))?;
         let [r, g, b, _] = coat.base.texel(self.places[vertex])?;
         Some(Vec3::from([r, g, b].map(|byte| linear(f32::from(byte) / 255.0))))
     }
 
-    /// That of a mesh of `vertices`, and behind it that of another of `more`.
+    /// Joins the paint of two meshes with `vertices` and `more` vertices.
     pub(crate) fn join(
         own: Option<&Self>,
         vertices: usize,
@@ -145,7 +147,7 @@ impl Paint {
         all.of.resize(vertices, Self::NONE);
         if let Some(other) = other {
             let first = all.coats.len();
-            // What is beyond the last that can be told has its colour alone.
+            // Vertices of coats beyond the largest index keep only their color.
             let moved = |of: &u8| u8::try_from(first + usize::from(*of)).unwrap_or(Self::NONE);
             all.of.extend(other.of.iter().map(|of| if *of == Self::NONE { *of } else { moved(of) }));
             all.places.extend(&other.places);
@@ -158,7 +160,7 @@ impl Paint {
     }
 }
 
-/// Paint that several meshes may have.
+/// Serde adapter for paint that several meshes share.
 #[cfg(feature = "cooked")]
 pub(super) mod shared {
     use super::Paint;
@@ -180,7 +182,7 @@ mod tests {
 
     #[cfg(feature = "textures")]
     #[test]
-    fn pictures_are_brought_to_one_size() {
+    fn textures_are_resized_to_one_size() {
         let coat = |n: u32| Coat {
             base: Texture { width: n, height: n, rgba: [n as u8, 0, 0, 255].repeat((n * n) as usize) },
             relief: Texture::even([1, 2, 3, 4]),
@@ -196,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn a_place_repeats() {
+    fn texture_coordinates_repeat() {
         let [white, black] = [[255; 4], [0, 0, 0, 255]];
         let picture = Texture { width: 2, height: 2, rgba: [white, black, black, white].concat() };
         let at = |x, y| picture.texel(Vec2::new(x, y)).unwrap()[0];
@@ -204,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn meshes_keep_their_coats_when_they_are_joined() {
+    fn joined_meshes_keep_their_coats() {
         let coat =
             |r| Coat { base: Texture::even([r, 0, 0, 255]), relief: Texture::even([0; 4]), cutout: None };
         let one = Paint { places: vec![Vec2::ZERO; 2], of: vec![0, Paint::NONE], coats: vec![coat(255)] };

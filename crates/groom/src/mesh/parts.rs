@@ -1,4 +1,4 @@
-//! The connected parts of a mesh.
+//! Connected parts of a mesh.
 
 use std::collections::HashMap;
 
@@ -6,33 +6,32 @@ use glam::{DVec3, Vec3};
 
 use super::TriMesh;
 
-/// A connected part of a mesh: triangles that share vertices or places of vertices.
+/// A connected part of a mesh: triangles that share vertices or vertex positions.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+pub struct MeshPart {
     /// Indices into the mesh's `triangles`, ascending.
     pub triangles: Vec<u32>,
-    /// Its surface, square metres.
+    /// Surface area, square meters.
     pub area: f32,
-    /// What it encloses, cubic metres, negative if inverted. For an open part it depends on where the
-    /// part lies and means nothing.
+    /// Enclosed volume, cubic meters, negative if inverted. Meaningless for an open part, where it depends on the
+    /// position.
     pub volume: f32,
-    /// Whether every edge is used as often in one direction as in the other, so that the part has an
-    /// inside.
+    /// Whether every edge is used as often in one direction as in the other, so that the part has an inside.
     pub closed: bool,
 }
 
-impl Part {
-    /// The mean thickness of what a closed part encloses, metres: a plate's own, two thirds of a ball's
-    /// radius. 0 for an open part.
+impl MeshPart {
+    /// Returns the mean thickness of a closed part, meters: the thickness of a plate, two thirds of the radius of a
+    /// ball. 0 for an open part.
     pub fn thickness(&self) -> f32 {
         if self.closed && self.area > 0.0 { 2.0 * self.volume.abs() / self.area } else { 0.0 }
     }
 }
 
 impl TriMesh {
-    /// The connected parts, the one with the largest surface first. Triangles with an index out of
-    /// range belong to none.
-    pub fn parts(&self) -> Vec<Part> {
+    /// Returns the connected parts, the one with the largest surface first. Triangles with an index out of range belong
+    /// to none.
+    pub fn parts(&self) -> Vec<MeshPart> {
         let places = places(&self.positions);
         let mut groups = Groups((0..places.len() as u32).collect());
         let valid = |t: &[u32; 3]| t.iter().all(|&v| (v as usize) < places.len());
@@ -50,12 +49,12 @@ impl TriMesh {
             });
             parts[part].push(i as u32);
         }
-        let mut parts: Vec<Part> = parts.into_iter().map(|t| self.measure(t, &places)).collect();
+        let mut parts: Vec<MeshPart> = parts.into_iter().map(|t| self.measure(t, &places)).collect();
         parts.sort_by(|a, b| b.area.total_cmp(&a.area));
         parts
     }
 
-    fn measure(&self, triangles: Vec<u32>, places: &[u32]) -> Part {
+    fn measure(&self, triangles: Vec<u32>, places: &[u32]) -> MeshPart {
         let (mut area, mut volume) = (0.0, 0.0);
         let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
         let corner = |v: u32| self.positions[v as usize].as_dvec3();
@@ -72,19 +71,19 @@ impl TriMesh {
             }
         }
         let closed = edges.values().all(|&balance| balance == 0);
-        Part { triangles, area: area as f32, volume: volume as f32, closed }
+        MeshPart { triangles, area: area as f32, volume: volume as f32, closed }
     }
 }
 
-/// For every vertex the first one at the same place.
+/// Returns for every vertex the first one at the same position.
 pub fn places(positions: &[Vec3]) -> Vec<u32> {
     let mut first = HashMap::with_capacity(positions.len());
-    // Adding 0 makes a negative zero positive: the same place must have the same bits.
+    // Adding 0 makes a negative zero positive, so that equal positions have equal bits.
     let key = |p: Vec3| (p + Vec3::ZERO).to_array().map(f32::to_bits);
     positions.iter().enumerate().map(|(i, p)| *first.entry(key(*p)).or_insert(i as u32)).collect()
 }
 
-/// Disjoint sets as trees whose paths are halved on the way up.
+/// Disjoint sets as trees with path halving.
 struct Groups(Vec<u32>);
 
 impl Groups {

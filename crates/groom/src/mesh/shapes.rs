@@ -1,4 +1,4 @@
-//! Closed shapes with known distances, for testing fields and trees.
+//! Closed shapes with known distances, for tests of fields and trees.
 
 use std::f32::consts::TAU;
 
@@ -6,7 +6,8 @@ use glam::Vec3;
 
 use super::TriMesh;
 
-/// A mesh over an `m` by `n` lattice, `at(u, v)` with both in `0..1`, closed in the ways `wrap` says.
+/// Returns a mesh over an `m` by `n` lattice, `at(u, v)` with both in `0..1`, closed along the axes that `wrap`
+/// selects.
 fn lattice(m: u32, n: u32, wrap: [bool; 2], at: impl Fn(f32, f32) -> Vec3) -> TriMesh {
     let (columns, rows) = (m + u32::from(!wrap[0]), n + u32::from(!wrap[1]));
     let mut mesh = TriMesh::default();
@@ -25,17 +26,17 @@ fn lattice(m: u32, n: u32, wrap: [bool; 2], at: impl Fn(f32, f32) -> Vec3) -> Tr
     mesh
 }
 
-/// A sphere about the origin, `n` rows of latitude, with poles made of triangles without area.
+/// Returns a sphere about the origin, `n` rows of latitude, with poles of triangles without area.
 pub fn sphere(radius: f32, n: u32) -> TriMesh {
     lattice(2 * n, n, [true, false], |u, v| {
-        // The poles must be points exactly, or the mesh is not closed.
+        // The poles must be exact points, or the mesh is not closed.
         let ring = if v == 0.0 || v == 1.0 { 0.0 } else { (v * TAU * 0.5).sin() };
         let (s, c) = (u * TAU).sin_cos();
         radius * Vec3::new(s * ring, -(v * TAU * 0.5).cos(), c * ring)
     })
 }
 
-/// A torus about the origin around y.
+/// Returns a torus about the origin around y.
 pub fn torus(major: f32, minor: f32, n: u32) -> TriMesh {
     lattice(2 * n, n, [true, true], |u, v| {
         let ((s, c), (sv, cv)) = ((u * TAU).sin_cos(), (v * TAU).sin_cos());
@@ -43,7 +44,7 @@ pub fn torus(major: f32, minor: f32, n: u32) -> TriMesh {
     })
 }
 
-/// A box about the origin.
+/// Returns a box about the origin.
 pub fn cuboid(half: Vec3) -> TriMesh {
     let corner = |i: u32| {
         let sign = |bit: u32| if i & bit == 0 { -1.0 } else { 1.0 };
@@ -57,7 +58,7 @@ pub fn cuboid(half: Vec3) -> TriMesh {
     }
 }
 
-/// The same surface seen from the other side.
+/// Returns the mesh with flipped triangles.
 pub fn inverted(mut mesh: TriMesh) -> TriMesh {
     mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     mesh

@@ -1,11 +1,11 @@
-//! One triangle: its nearest point and its solid angle.
+//! Closest point and solid angle of one triangle.
 
 use std::f32::consts::TAU;
 
 use glam::Vec3;
 
-/// The point of triangle `[a, b, c]` nearest to `p` and its barycentric coordinates (sum 1, none
-/// negative). A triangle without area is treated as its longest edge or its point.
+/// Returns the point of triangle `[a, b, c]` closest to `p` and its barycentric coordinates (sum 1, none negative). A
+/// triangle without area is treated as its longest edge or its point.
 pub fn closest_point(p: Vec3, [a, b, c]: [Vec3; 3]) -> (Vec3, Vec3) {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (ab_ap, ac_ap) = (ab.dot(ap), ac.dot(ap));
@@ -22,12 +22,12 @@ pub fn closest_point(p: Vec3, [a, b, c]: [Vec3; 3]) -> (Vec3, Vec3) {
     if ac_cp >= 0.0 && ab_cp <= ac_cp {
         return (c, Vec3::Z);
     }
-    // Signed areas (times the triangle's own) of the three triangles that p's projection makes.
+    // Signed areas (times the triangle's own) of the three triangles that p's projection forms.
     let w = ab_ap * ac_bp - ab_bp * ac_ap;
     let v = ab_cp * ac_ap - ab_ap * ac_cp;
     let u = ab_bp * ac_cp - ab_cp * ac_bp;
     let total = u + v + w;
-    // Cancellation leaves no digits of the areas of a sliver: there the edges decide.
+    // In a sliver, cancellation leaves no digits of the areas, so the edges decide.
     if u > 0.0 && v > 0.0 && w > 0.0 && total > 1e-6 * ab.length_squared() * ac.length_squared() {
         let (v, w) = (v / total, w / total);
         return (a + ab * v + ac * w, Vec3::new((1.0 - v - w).max(0.0), v, w));
@@ -54,11 +54,11 @@ fn on_segment(p: Vec3, a: Vec3, b: Vec3, weights: impl Fn(f32, f32) -> Vec3) -> 
     (a + along * t, weights(1.0 - t, t))
 }
 
-/// A sum of signed solid angles (steradian) of triangles: positive from behind a triangle, where its
-/// corners run clockwise. Van Oosterom & Strackee 1983.
+/// A sum of signed solid angles of triangles, steradians: positive from behind a triangle, where its corners run
+/// clockwise. Source: Van Oosterom and Strackee 1983.
 ///
-/// Their formula gives half the angle as that of a complex number. Multiplying these and counting
-/// whole turns adds the angles with one arctangent for all triangles.
+/// Their formula gives half the angle as the argument of a complex number. Multiplying these numbers and counting whole
+/// turns adds the angles with one arctangent for all triangles.
 #[derive(Clone, Copy, Debug)]
 pub struct SolidAngle {
     re: f32,
@@ -69,20 +69,20 @@ pub struct SolidAngle {
 impl SolidAngle {
     pub const ZERO: Self = Self { re: 1.0, im: 0.0, turns: 0 };
 
-    /// Adds the angle under which `p` sees triangle `[a, b, c]`: 0 from a corner or an edge.
+    /// Adds the solid angle of triangle `[a, b, c]` seen from `p`: 0 from a corner or an edge.
     pub fn add(&mut self, p: Vec3, [a, b, c]: [Vec3; 3]) {
         let (a, b, c) = (a - p, b - p, c - p);
         let (la, lb, lc) = (a.length(), b.length(), c.length());
         let im = a.dot(b.cross(c));
         let re = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-        // The size means nothing; scaled, a product of many neither vanishes nor overflows.
+        // The magnitude is irrelevant; scaling keeps a product of many numbers from vanishing or overflowing.
         let size = re.abs() + im.abs();
         if size < f32::MIN_POSITIVE || im == 0.0 {
             return;
         }
         let (re, im) = (re / size, im / size);
         let product = (self.re * re - self.im * im, self.re * im + self.im * re);
-        // Two angles of up to half a turn to the same side that end on the other went past the half turn.
+        // Two angles of up to half a turn to the same side passed the half turn if their sum has the other sign.
         if self.im >= 0.0 && im > 0.0 && product.1 < 0.0 {
             self.turns += 1;
         } else if self.im < 0.0 && im < 0.0 && product.1 >= 0.0 {
@@ -92,13 +92,13 @@ impl SolidAngle {
         (self.re, self.im) = (product.0 / size, product.1 / size);
     }
 
-    /// The sum.
+    /// Returns the sum, steradians.
     pub fn total(self) -> f32 {
         2.0 * self.im.atan2(self.re) + 2.0 * TAU * self.turns as f32
     }
 }
 
-/// The angle of a single triangle.
+/// Returns the solid angle of a single triangle.
 #[cfg(test)]
 pub fn solid_angle(p: Vec3, triangle: [Vec3; 3]) -> f32 {
     let mut angle = SolidAngle::ZERO;
@@ -113,7 +113,7 @@ mod tests {
     const T: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
 
     #[test]
-    fn the_nearest_point_of_every_region_is_found() {
+    fn closest_point_is_found_in_every_region() {
         for (p, expected) in [
             (Vec3::new(0.2, 0.3, 1.0), Vec3::new(0.2, 0.3, 0.0)),
             (Vec3::new(-1.0, -2.0, 1.0), Vec3::ZERO),
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn triangles_without_area_are_segments_and_points() {
+    fn flat_triangles_act_as_segments_and_points() {
         let line = [Vec3::ZERO, Vec3::X, Vec3::X * 0.5];
         assert!(closest_point(Vec3::new(0.7, 1.0, 0.0), line).0.distance(Vec3::X * 0.7) < 1e-6);
         assert_eq!(closest_point(Vec3::Y, [Vec3::X; 3]).0, Vec3::X);
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn many_angles_in_one_sum_are_their_sum() {
+    fn accumulated_angle_equals_sum_of_angles() {
         let corner = |i: u32| Vec3::new((i * 7 % 11) as f32, (i * 5 % 13) as f32, (i * 3 % 7) as f32) - 4.0;
         for sign in [1.0, -1.0] {
             let (mut sum, mut apart) = (SolidAngle::ZERO, 0.0f64);

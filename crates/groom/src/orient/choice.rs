@@ -25,10 +25,10 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// All six, the usual ones first.
+    /// All six axes, the most common first.
     pub const ALL: [Self; 6] = [Self::Y, Self::Z, Self::X, Self::NegY, Self::NegZ, Self::NegX];
 
-    /// As a unit vector.
+    /// Returns the axis as a unit vector.
     pub fn vector(self) -> Vec3 {
         match self {
             Self::X => Vec3::X,
@@ -40,7 +40,7 @@ impl Axis {
         }
     }
 
-    /// The axis that `v` is closest to.
+    /// Returns the axis closest to `v`.
     pub fn nearest(v: Vec3) -> Self {
         let mut best = Self::Y;
         for axis in Self::ALL {
@@ -51,12 +51,12 @@ impl Axis {
         best
     }
 
-    /// The opposite direction.
+    /// Returns the opposite axis.
     pub fn opposite(self) -> Self {
         Self::nearest(-self.vector())
     }
 
-    /// As the command line has it: `y`, `-z`.
+    /// Returns the name on the command line: `y`, `-z`.
     pub fn name(self) -> &'static str {
         match self {
             Self::X => "x",
@@ -82,17 +82,17 @@ impl FromStr for Axis {
     }
 }
 
-/// Metres per unit of a file.
+/// Meters per unit of a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Unit(pub f32);
 
 impl Unit {
-    /// The units that files come in, with their names.
+    /// Common units of files, with their names and meters.
     pub const KNOWN: [(&'static str, f32); 6] =
         [("m", 1.0), ("cm", 0.01), ("mm", 0.001), ("dm", 0.1), ("in", 0.0254), ("ft", 0.3048)];
 
-    /// Its name, or the metres it has.
+    /// Returns the name of a known unit, or the number of meters.
     pub fn name(self) -> String {
         match Self::KNOWN.iter().find(|k| k.1 == self.0) {
             Some((name, _)) => (*name).into(),
@@ -114,31 +114,31 @@ impl FromStr for Unit {
             _ => Err(Error::Parameter {
                 name: "the unit",
                 value: text.into(),
-                range: "m, cm, mm, dm, in, ft or metres per unit, a positive number",
+                range: "m, cm, mm, dm, in, ft or a positive number of meters",
             }),
         }
     }
 }
 
-/// What is known about a file; `None` is guessed.
+/// Known unit and axes of a file. `None` means that the importer guesses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Choice {
-    /// Metres per unit.
+    /// Meters per unit.
     pub unit: Option<Unit>,
-    /// Which axis of the file points up.
+    /// Axis of the file that points up.
     pub up: Option<Axis>,
-    /// Which axis of the file the face looks along.
+    /// Axis of the file along which the face looks.
     pub front: Option<Axis>,
     /// Whether the file is a mirror image, left for right.
     pub mirror: Option<bool>,
 }
 
 impl Choice {
-    /// A file in metres, Y up, face +Z.
+    /// A file in meters, Y up, face +Z.
     pub const METRES: Self =
         Self { unit: Some(Unit(1.0)), up: Some(Axis::Y), front: Some(Axis::Z), mirror: Some(false) };
 
-    /// What both know alike.
+    /// Returns the values on which both agree.
     pub(crate) fn shared(self, other: Self) -> Self {
         Self {
             unit: self.unit.filter(|_| self.unit == other.unit),
@@ -148,8 +148,7 @@ impl Choice {
         }
     }
 
-    /// This, and what a file says where this says nothing. A file's axis that cannot go with a given one counts
-    /// for nothing.
+    /// Fills unknown values from `file`. Axes of the file that conflict with a given axis are ignored.
     pub(crate) fn or(self, file: Self) -> Self {
         let across = |axis: &Axis, given: Option<Axis>| {
             given.is_none_or(|given| given.vector().dot(axis.vector()) == 0.0)
@@ -163,7 +162,7 @@ impl Choice {
         }
     }
 
-    /// That up and front can both be so.
+    /// Checks that the up and front axes are perpendicular.
     pub fn check(&self) -> Result<()> {
         match (self.up, self.front) {
             (Some(up), Some(front)) if up.vector().dot(front.vector()) != 0.0 => Err(Error::Parameter {

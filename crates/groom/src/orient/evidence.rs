@@ -1,8 +1,7 @@
 //! Evidence for up and front from roots, strands and a head's surface.
 //!
-//! Each fact is a vector in the file's frame that should point up, down, forward or back; a candidate frame
-//! is scored by how well it agrees with all of them, with a small bonus for the frames that common programs
-//! write.
+//! Each feature is a vector in the file's frame that should point up, down, forward or back. The score of a candidate
+//! frame is its agreement with all features, plus a small bonus for frames that common programs write.
 
 use std::collections::HashMap;
 
@@ -11,21 +10,21 @@ use glam::Vec3;
 use super::{Sphere, frame::Frame, likeness};
 use crate::{Strands, TriMesh, mesh::bvh::Bvh};
 
-/// What hair says.
+/// Features of hair.
 #[derive(Clone, Debug)]
 pub(super) struct HairFacts {
     /// Up to a few thousand roots, in the file's unit.
     pub roots: Vec<Vec3>,
-    /// The sphere they lie on.
+    /// Sphere fitted to the roots.
     pub sphere: Sphere,
-    /// Their mean direction from its centre: up and back, since a face has none.
+    /// Mean direction from the sphere's center to the roots. It points up and back, since faces have no hair.
     pub mean: Vec3,
-    /// The mean direction from root to tip: down.
+    /// Mean direction from root to tip. It points down.
     pub fall: Vec3,
 }
 
 impl HairFacts {
-    /// `None` when no strand has a finite root and tip.
+    /// Returns `None` if no strand has a finite root and tip, or if the roots coincide.
     pub fn of(strands: &Strands) -> Option<Self> {
         let step = (strands.len() / 4000).max(1);
         let ends: Vec<(Vec3, Vec3)> = strands
@@ -48,7 +47,7 @@ impl HairFacts {
         Some(Self { roots, sphere, mean, fall })
     }
 
-    /// How well a frame agrees.
+    /// Returns the agreement with a frame.
     pub fn score(&self, frame: Frame) -> f32 {
         let (up, front) = (frame.up.vector(), frame.front.vector());
         let side = up.cross(front);
@@ -58,7 +57,7 @@ impl HairFacts {
             - 0.5 * self.mean.dot(side).abs()
     }
 
-    /// Half the breadth of the rooted area along `side`, without the outermost 2 % on either hand.
+    /// Returns half the breadth of the rooted area along `side`, without the outermost 2 % at both ends.
     pub fn half_breadth(&self, side: Vec3) -> f32 {
         let mut along: Vec<f32> = self.roots.iter().map(|p| p.dot(side)).collect();
         along.sort_unstable_by(f32::total_cmp);
@@ -67,27 +66,27 @@ impl HairFacts {
     }
 }
 
-/// Up to this mean difference, in skull radii, a mesh is like a human head: people's have at most 0.1.
+/// Maximum mean difference, skull radii, of a mesh that resembles a human head; real heads have at most 0.1.
 const ALIKE: f32 = 0.12;
-/// How much a head's shape counts.
+/// Weight of the resemblance to a head.
 const LIKENESS: f32 = 6.0;
 
-/// What a head's surface says.
+/// Features of a head's surface.
 #[derive(Clone, Debug)]
 pub(super) struct MeshFacts {
-    /// How far the mirror image lies from the mesh, per axis, their sum being 1.
+    /// Distance between the mesh and its mirror image per axis, normalized to a sum of 1.
     asymmetry: Vec3,
-    /// From the centre of the surface to the centre of the vertices: modellers spend them on faces.
+    /// From the center of the surface to the center of the vertices. It points to the face, where modelers spend
+    /// vertices.
     detail: Vec3,
-    /// From the centre to the middle of the surface's edges, mostly the cut through the neck: down.
+    /// From the center to the mean boundary edge, mostly the cut through the neck. It points down.
     cut: Vec3,
-    /// The difference to a head in every frame, in the order of [`Frame::all`]; empty where the mesh is
-    /// like a head in none.
+    /// Difference to a head in every frame, in the order of [`Frame::all`]; empty if the mesh resembles a head in none.
     differences: Vec<(Frame, f32)>,
 }
 
 impl MeshFacts {
-    /// Of a mesh with its tree.
+    /// Returns the features of a mesh; `bvh` is the mesh's tree.
     pub fn of(mesh: &TriMesh, bvh: &Bvh) -> Self {
         let (lo, hi) = mesh.bounds().unwrap_or_default();
         let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
@@ -120,7 +119,7 @@ impl MeshFacts {
         Self { asymmetry, detail, cut: cut(mesh).map_or(Vec3::ZERO, |c| (c - middle) / size), differences }
     }
 
-    /// How well a frame agrees.
+    /// Returns the agreement with a frame.
     pub fn score(&self, frame: Frame) -> f32 {
         let (up, front) = (frame.up.vector(), frame.front.vector());
         let side = up.cross(front).abs();
@@ -132,9 +131,9 @@ impl MeshFacts {
     }
 }
 
-/// The middle of the edges that belong to one triangle only, weighted by length.
+/// Returns the mean of the boundary edges, which belong to one triangle only, weighted by length.
 fn cut(mesh: &TriMesh) -> Option<Vec3> {
-    // Seams are no cuts: vertices at one place are one vertex.
+    // Vertices at one position count as one, so that texture seams are not boundaries.
     let mut places = HashMap::with_capacity(mesh.positions.len());
     let place: Vec<u32> = mesh
         .positions

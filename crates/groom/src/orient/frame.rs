@@ -1,8 +1,8 @@
-//! Candidate axes of a file.
+//! Candidate frames of a file.
 
 use super::{Axis, Choice};
 
-/// A candidate: the file's axes that point up and forward.
+/// A candidate frame: the file's axes that point up and forward.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Frame {
     pub up: Axis,
@@ -10,14 +10,14 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// All 24, the usual ones first.
+    /// Returns all 24 frames, the most common first.
     pub fn all() -> impl Iterator<Item = Self> {
         let pairs =
             Axis::ALL.into_iter().flat_map(|up| Axis::ALL.into_iter().map(move |front| Self { up, front }));
         pairs.filter(|f| f.up.vector().dot(f.front.vector()) == 0.0)
     }
 
-    /// How common it is among programs.
+    /// Returns the bonus for frames that common programs write.
     pub fn habit(self) -> f32 {
         match (self.up, self.front) {
             (Axis::Y, Axis::Z) => 0.3,

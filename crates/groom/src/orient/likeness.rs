@@ -1,18 +1,18 @@
-//! How closely a mesh, seen in a given frame, resembles a human head.
+//! Resemblance of a mesh, in a given frame, to a human head.
 //!
-//! Heads differ little in profile: from the crown down, in slices of 0.3 skull radii, the foremost and
-//! hindmost points in the middle and the half width follow one curve within a tenth of a radius, be they
-//! scanned, modelled or drawn.
+//! Human heads have similar profiles. In slices of 0.3 skull radii from the crown down, the foremost and hindmost
+//! points in the middle and the half breadth deviate by at most a tenth of a radius from a common curve, whether a head
+//! is scanned, modeled or drawn.
 
 use glam::Vec3;
 
 use super::frame::Frame;
 
-/// Slices from crown to mouth; below, chins and necks differ.
+/// Number of slices, from crown to mouth; below the mouth, chins and necks differ.
 const SLICES: usize = 9;
-/// Depth of a slice, skull radii.
+/// Height of a slice, skull radii.
 const SLICE: f32 = 0.3;
-/// Per slice, in skull radii: front, back, half breadth; the mean of five heads.
+/// Front, back and half breadth of each slice, skull radii: the mean of five heads.
 const HEAD: [[f32; 3]; SLICES] = [
     [0.68, 0.81, 0.65],
     [0.97, 0.99, 0.81],
@@ -24,10 +24,10 @@ const HEAD: [[f32; 3]; SLICES] = [
     [1.18, 0.80, 0.75],
     [1.07, 0.82, 0.62],
 ];
-/// A slice that is missing or this far off counts as entirely wrong.
+/// Maximum difference of one value, and the difference of a missing slice.
 const WORST: f32 = 0.5;
 
-/// The mean difference to a head, in skull radii, from 0 to [`WORST`].
+/// Returns the mean difference to a head, skull radii, from 0 to [`WORST`].
 pub(super) fn difference(points: &[Vec3], frame: Frame) -> f32 {
     let (up, front) = (frame.up.vector(), frame.front.vector());
     let side = up.cross(front);
@@ -50,8 +50,8 @@ pub(super) fn difference(points: &[Vec3], frame: Frame) -> f32 {
     pairs.map(|(is, should)| (is - should).abs().min(WORST)).sum::<f32>() / (3 * SLICES) as f32
 }
 
-/// Radius of the skull, height of the crown, and the middle of the skull, of points sorted from the
-/// top: a ball is as wide at a depth of its radius as it is deep there.
+/// Returns radius of the skull, height of the crown and center of the skull, from points sorted from the top down. It
+/// uses that a ball's half breadth at a depth of its radius equals that depth.
 fn skull(points: &[Vec3]) -> Option<(f32, f32, Vec3)> {
     let crown = points.first()?.y;
     let (mut lo, mut hi) = (Vec3::MAX, Vec3::MIN);
@@ -72,7 +72,7 @@ mod tests {
     use crate::orient::Axis;
 
     #[test]
-    fn the_head_itself_is_like_one_only_upright() {
+    fn mean_head_matches_only_upright() {
         let mut points = vec![Vec3::new(0.0, 1.0, 0.0)];
         for (i, [front, back, breadth]) in HEAD.iter().enumerate() {
             let y = 1.0 - (i as f32 + 0.5) * SLICE;

@@ -1,10 +1,10 @@
-//! Units, up axis, facing and mirroring: set by the user, or guessed with reasons.
+//! Unit, up axis, facing and mirroring of files: set by the user, or guessed with reasons.
 //!
-//! A groom alone is oriented by its roots: they lie on a sphere of known size, on top and behind, and hair
-//! falls. A head alone is oriented by its profile, its symmetry and by where its vertices are dense. A
-//! groom and a head are first related to each other, by the distance of the roots to the mesh over all
-//! plausible units, rotations and reflections, and then oriented together. A groom made for another head is
-//! fitted onto this one, and this is reported.
+//! A groom without a head is oriented by its roots, which lie on the top and back of a sphere of known size, and by the
+//! direction in which hair falls. A head without a groom is oriented by its profile, its symmetry and its vertex
+//! density. For a groom with a head, the importer first finds the relation between the two files, by the distance of
+//! the roots to the mesh over all plausible units, rotations and reflections. Then it orients both together. A groom
+//! made for another head is fitted onto this one, and the placement reports it.
 
 mod choice;
 mod evidence;
@@ -28,43 +28,43 @@ use size::{HALF_BREADTH, HEAD_HEIGHT};
 
 use crate::{Strands, TriMesh, mesh::bvh::Bvh};
 
-/// The lead over the next candidate under which a guess is called doubtful.
+/// A guess with a smaller lead over the next candidate is doubtful.
 const DOUBT: f32 = 0.1;
 
-/// What is known of a file's unit and axes before anything is guessed.
+/// Unit and axes of a file that are known before anything is guessed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Known {
-    /// What the user says, which counts for more.
+pub struct KnownOrientation {
+    /// Given by the user; takes precedence.
     pub given: Choice,
-    /// What the file or its format says.
+    /// Stated by the file or its format.
     pub declared: Choice,
 }
 
-impl Known {
-    /// Both together.
+impl KnownOrientation {
+    /// Returns both combined.
     fn whole(&self) -> Choice {
         self.given.or(self.declared)
     }
 }
 
-/// The best frame that a choice allows, and its lead over the next.
+/// Returns the best frame that a choice allows, its lead over the next, and the next.
 fn best_frame(choice: &Choice, score: impl Fn(Frame) -> f32) -> (Frame, f32, Option<Frame>) {
     let mut ranked: Vec<(f32, Frame)> =
         Frame::all().filter(|f| choice.allows(*f)).map(|f| (score(f), f)).collect();
-    // A choice that contradicts itself leaves none.
+    // A contradictory choice allows no frame.
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
     let best = ranked.first().copied().unwrap_or((0.0, Frame { up: Axis::Y, front: Axis::Z }));
     let next = ranked.get(1).copied();
     (best.1, next.map_or(f32::INFINITY, |n| best.0 - n.0), next.map(|n| n.1))
 }
 
-/// Notes the reasons for the axes.
-fn explain_axes(placement: &mut Placement, known: &Known, why: &str) {
-    let (whole, Known { given, declared: file }) = (known.whole(), known);
+/// Adds the reasons for the axes.
+fn explain_axes(placement: &mut Placement, known: &KnownOrientation, why: &str) {
+    let (whole, KnownOrientation { given, declared: file }) = (known.whole(), known);
     let (up, front) = (placement.up.name(), placement.front.name());
     let source = |given: Option<Axis>, file: Option<Axis>| match (given, file) {
         (Some(_), _) => "given",
-        (None, Some(_)) => "the file says so",
+        (None, Some(_)) => "stated by the file",
         (None, None) => why,
     };
     let of_up = source(given.up, file.up.filter(|up| whole.up == Some(*up)));
@@ -79,47 +79,51 @@ fn explain_axes(placement: &mut Placement, known: &Known, why: &str) {
 fn explain_doubt(placement: &mut Placement, lead: f32, next: Option<Frame>) {
     if let (true, Some(next)) = (lead < DOUBT, next) {
         placement.doubts.push(format!(
-            "up {} and face {} is nearly as likely; giving both axes settles it",
+            "up {} and face {} is nearly as likely; set both axes to be sure",
             next.up.name(),
             next.front.name()
         ));
     }
 }
 
-/// How a groom without a head comes into metres, Y up, face +Z.
-pub fn groom(strands: &Strands, known: &Known) -> Placement {
+/// Orients a groom without a head: returns its transform to meters, Y up, face +Z.
+pub fn groom(strands: &Strands, known: &KnownOrientation) -> Placement {
     let choice = known.whole();
     let mut placement = Placement { mirrored: choice.mirror.unwrap_or(false), ..Default::default() };
     let Some(facts) = HairFacts::of(strands) else {
         placement.unit = choice.unit.unwrap_or(Unit(1.0));
         placement.up = choice.up.unwrap_or(Axis::Y);
         placement.front = choice.front.unwrap_or(Axis::Z);
-        placement.doubts.push("too few roots to guess from; give unit, up and front by hand".into());
+        placement.doubts.push("too few roots to guess the orientation; set unit, up and front".into());
         return placement;
     };
     let (frame, lead, next) = best_frame(&choice, |f| facts.score(f) + f.habit());
     (placement.up, placement.front) = (frame.up, frame.front);
-    explain_axes(&mut placement, known, "roots lie on top and behind, hair falls");
+    explain_axes(
+        &mut placement,
+        known,
+        "guessed from the roots (top and back of the head) and the falling hair",
+    );
     explain_doubt(&mut placement, lead, next);
     unit_of_hair(&mut placement, &facts, &choice, known.given.unit.is_none());
     placement
 }
 
-/// The unit, from the breadth of the rooted area.
+/// Sets the unit from the breadth of the rooted area.
 fn unit_of_hair(placement: &mut Placement, facts: &HairFacts, choice: &Choice, declared: bool) {
     if let Some(unit) = choice.unit {
         placement.unit = unit;
-        let why = if declared { "the file says so" } else { "given" };
+        let why = if declared { "stated by the file" } else { "given" };
         placement.reasons.push(format!("1 unit is {} m: {why}", unit.0));
         return;
     }
     let breadth = facts.half_breadth(placement.up.vector().cross(placement.front.vector()));
-    // A strip or a single tuft has no breadth; its sphere is all there is.
+    // A strip or a single tuft has no breadth; use its sphere.
     let breadth = if breadth > 0.1 * facts.sphere.radius { breadth } else { facts.sphere.radius };
     let (unit, known) = size::unit(breadth, HALF_BREADTH);
     placement.unit = unit;
     let seen = format!(
-        "the rooted area is {:.3} units wide, a head's is {} cm",
+        "the area with roots is {:.3} units wide; on a head it is {} cm",
         2.0 * breadth,
         200.0 * HALF_BREADTH
     );
@@ -131,25 +135,24 @@ fn explain_unit(placement: &mut Placement, known: bool, seen: &str) {
     placement.reasons.push(if known {
         format!("1 unit is 1 {}: {seen}", unit.name())
     } else {
-        format!("1 unit is {:.3} mm, no usual unit but the size of a head: {seen}", 1e3 * unit.0)
+        format!("1 unit is {:.3} mm, not a common unit, but the size of a head: {seen}", 1e3 * unit.0)
     });
     if !known {
-        placement.doubts.push(format!(
-            "the size is a guess; a unit of {:.5} m or the like, given by hand, settles it",
-            unit.0
-        ));
+        placement
+            .doubts
+            .push(format!("the size is a guess; set the unit (about {:.5} m) to be sure", unit.0));
     }
 }
 
-/// How a head without a groom comes into metres, Y up, face +Z.
-pub fn head(mesh: &TriMesh, known: &Known) -> Placement {
+/// Orients a head without a groom: returns its transform to meters, Y up, face +Z.
+pub fn head(mesh: &TriMesh, known: &KnownOrientation) -> Placement {
     let choice = known.whole();
     let mut placement = Placement { mirrored: choice.mirror.unwrap_or(false), ..Default::default() };
     let facts = MeshFacts::of(mesh, &Bvh::new(mesh));
-    // Habit counts for more: a mesh says less than hair.
+    // Common frames get a larger bonus: a mesh has less evidence than hair.
     let (frame, lead, next) = best_frame(&choice, |f| facts.score(f) + 2.0 * f.habit());
     (placement.up, placement.front) = (frame.up, frame.front);
-    let why = "a head's profile and symmetry, and where the vertices are dense";
+    let why = "guessed from the head's profile, symmetry and vertex density";
     explain_axes(&mut placement, known, why);
     explain_doubt(&mut placement, lead, next);
     let declared = known.declared.unit.is_some() && known.given.unit.is_none();
@@ -157,7 +160,7 @@ pub fn head(mesh: &TriMesh, known: &Known) -> Placement {
     placement
 }
 
-/// The unit, from crown and chin, or from the breadth of the rooted area.
+/// Sets the unit from crown and chin, from the breadth of the rooted area, or from both.
 fn unit_of_head(
     placement: &mut Placement,
     mesh: &TriMesh,
@@ -167,7 +170,7 @@ fn unit_of_head(
 ) {
     if let Some(unit) = choice.unit {
         placement.unit = unit;
-        let why = if declared { "the format says so" } else { "given" };
+        let why = if declared { "stated by the format" } else { "given" };
         placement.reasons.push(format!("1 unit is {} m: {why}", unit.0));
         return;
     }
@@ -175,12 +178,12 @@ fn unit_of_head(
     let found = found.filter(|h| half_breadth.is_none_or(|b| (2.0..3.6).contains(&(h.height / b))));
     let (known, seen) = match (found, half_breadth) {
         (Some(head), Some(breadth)) => {
-            // Long heads and broad ones: neither measure alone.
+            // Heads may be long or broad, so use both measures.
             let (unit, known) =
                 size::unit((head.height * breadth).sqrt(), (HEAD_HEIGHT * HALF_BREADTH).sqrt());
             placement.unit = unit;
             let seen = format!(
-                "crown to chin is {:.3} units, the rooted area {:.3} wide; a head has {} and {} cm",
+                "crown to chin is {:.3} units and the area with roots {:.3} wide; on a head they are {} and {} cm",
                 head.height,
                 2.0 * breadth,
                 100.0 * HEAD_HEIGHT,
@@ -193,7 +196,11 @@ fn unit_of_head(
             placement.unit = unit;
             (
                 known,
-                format!("crown to chin is {:.3} units, a head's is {} cm", head.height, 100.0 * HEAD_HEIGHT),
+                format!(
+                    "crown to chin is {:.3} units; on a head it is {} cm",
+                    head.height,
+                    100.0 * HEAD_HEIGHT
+                ),
             )
         }
         (None, Some(breadth)) => {
@@ -202,7 +209,7 @@ fn unit_of_head(
             (
                 known,
                 format!(
-                    "the rooted area is {:.3} units wide, a head's is {} cm",
+                    "the area with roots is {:.3} units wide; on a head it is {} cm",
                     2.0 * breadth,
                     200.0 * HALF_BREADTH
                 ),
@@ -211,8 +218,8 @@ fn unit_of_head(
         (None, None) => {
             placement
                 .doubts
-                .push("no crown and chin found, so the unit is taken for a metre; if that is wrong, give it by hand".into());
-            (true, "nothing says otherwise".into())
+                .push("no crown and chin found, so the unit is assumed to be a meter; if that is wrong, set the unit".into());
+            (true, "assumed".into())
         }
     };
     explain_unit(placement, known, &seen);

@@ -1,9 +1,9 @@
-//! A groom and the head it grows on, which may come in different units and axes.
+//! Orients a groom and the head it grows on, which may have different units and axes.
 
 use glam::Vec3;
 
 use super::{
-    Axis, Choice, DOUBT, Known, Placement, Unit,
+    Axis, Choice, DOUBT, KnownOrientation, Placement, Unit,
     evidence::{HairFacts, MeshFacts},
     explain_axes, explain_unit,
     frame::Frame,
@@ -11,24 +11,29 @@ use super::{
 };
 use crate::{Strands, TriMesh, mesh::bvh::Bvh};
 
-/// The roots' median distance to the mesh, in radii of their sphere, up to which they belong to it.
+/// Maximum median distance between roots and the mesh that they belong to, in radii of their sphere.
 const BELONGS: f32 = 0.04;
-/// A root closer than this, in radii, was put exactly onto the mesh. Heads are nearly symmetric and
-/// their mirror images nearly fit, but not exactly.
+/// Maximum distance, in radii, of a root that lies exactly on the mesh. The mirror image of a head fits nearly, but
+/// not exactly.
 const EXACT: f32 = 1e-4;
-/// Scales between files of the usual units, the same unit first.
+/// Scales between files of common units, equal units first.
 const SCALES: [f32; 9] = [1.0, 0.01, 100.0, 0.1, 10.0, 0.001, 1000.0, 0.0254, 39.370_08];
 
-/// How a groom and its head come into metres, Y up, face +Z: the groom's placement, then the head's.
-pub fn pair(strands: &Strands, of_groom: &Known, mesh: &TriMesh, of_head: &Known) -> (Placement, Placement) {
+/// Returns the transforms of a groom and of its head, in this order, to meters, Y up, face +Z.
+pub fn pair(
+    strands: &Strands,
+    of_groom: &KnownOrientation,
+    mesh: &TriMesh,
+    of_head: &KnownOrientation,
+) -> (Placement, Placement) {
     let (choice, choice_head) = (of_groom.whole(), of_head.whole());
     let bvh = Bvh::new(mesh);
     let alone = || (groom(strands, of_groom), head(mesh, of_head));
     let Some(facts) = HairFacts::of(strands) else { return alone() };
     let relations = relations(&facts, &bvh, &choice, &choice_head);
     let surface = MeshFacts::of(mesh, &bvh);
-    // Relation and head frame together: the first must bring the roots to the skin, the second the
-    // result upright, and both must be what the user allows.
+    // Choose the relation and the head's frame together: the relation must move the roots to the skin, the frame must
+    // make the result upright, and the user must allow both.
     let mut ranked = Vec::new();
     for (relation, cost) in relations.iter().filter(|r| r.1 < BELONGS) {
         let exact = exact(&facts, relation, &bvh);
@@ -51,9 +56,9 @@ pub fn pair(strands: &Strands, of_groom: &Known, mesh: &TriMesh, of_head: &Known
         let own = seat(strands, own, mesh, &head);
         return (own, head);
     };
-    let why = "a head's profile and symmetry; roots lie on top and behind, hair falls";
+    let why = "guessed from the head's profile and symmetry, the roots and the falling hair";
     explain_axes(&mut upright, of_head, why);
-    // A unit given for one of the two files gives the other's.
+    // A unit given for one of the two files determines the other's.
     let given = choice_head.unit.or(choice.unit.map(|u| Unit(u.0 / relation.unit.0)));
     let side = relation.axes().transpose() * upright.up.vector().cross(upright.front.vector());
     let breadth = facts.half_breadth(side) * relation.unit.0;
@@ -73,7 +78,7 @@ pub fn pair(strands: &Strands, of_groom: &Known, mesh: &TriMesh, of_head: &Known
     {
         let (up, front) = (next.2.up.name(), next.2.front.name());
         own.doubts.push(format!(
-            "up {up} and face {front} of the head is nearly as likely; giving both axes settles it"
+            "up {up} and face {front} of the head is nearly as likely; set both axes to be sure"
         ));
     }
     (own, upright)
@@ -94,7 +99,7 @@ fn explain_relation(own: &mut Placement, relation: &Placement, median: f32) {
             axis(Vec3::Z)
         ));
     }
-    let how = if how.is_empty() { "shares the head's axes and unit".into() } else { how.join(" and ") };
+    let how = if how.is_empty() { "with the head's axes and unit".into() } else { how.join(" and ") };
     own.reasons.insert(
         0,
         format!("the groom, {how}, has its roots on the mesh: median distance {:.1} mm", median * 1e3),
@@ -103,7 +108,7 @@ fn explain_relation(own: &mut Placement, relation: &Placement, median: f32) {
     explain_unit(own, Unit::KNOWN.iter().any(|k| k.1 == unit.0) || unit.0 == 1.0, "from the head");
 }
 
-/// What is usual between a groom and its head.
+/// Returns a penalty for unusual relations between a groom and its head.
 fn habit(relation: &Placement) -> f32 {
     let turned = relation.axes() != glam::Mat3::IDENTITY;
     let mut score = 0.0;
@@ -112,8 +117,8 @@ fn habit(relation: &Placement) -> f32 {
     score - if relation.mirrored { 0.02 } else { 0.0 }
 }
 
-/// Every turn, reflection and scale from the groom's file to the head's, with the roots' median
-/// distance to the mesh in radii of their sphere.
+/// Returns every rotation, reflection and scale from the groom's file to the head's, with the median distance of the
+/// roots to the mesh, in radii of their sphere.
 fn relations(facts: &HairFacts, bvh: &Bvh, groom: &Choice, head: &Choice) -> Vec<(Placement, f32)> {
     let given = match (groom.unit, head.unit) {
         (Some(g), Some(h)) => Some(g.0 / h.0),
@@ -132,7 +137,7 @@ fn relations(facts: &HairFacts, bvh: &Bvh, groom: &Choice, head: &Choice) -> Vec
                 found.push((relation, cost));
             }
         }
-        // Files of one groom and its head mostly share a unit: look no further then.
+        // A groom and its head mostly share a unit: stop at the first scale that fits.
         if found.iter().any(|f| f.1 < BELONGS) {
             break;
         }
@@ -149,14 +154,14 @@ fn cost(roots: &[Vec3], relation: &Placement, bvh: &Bvh) -> f32 {
     *distances.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
-/// The share of roots that lie exactly on the mesh.
+/// Returns the fraction of roots that lie exactly on the mesh.
 fn exact(facts: &HairFacts, relation: &Placement, bvh: &Bvh) -> f32 {
     let near = EXACT * facts.sphere.radius * relation.unit.0;
     let on = |p: &&Vec3| bvh.closest_point_within(relation.point(**p), near).is_some();
     facts.roots.iter().filter(on).count() as f32 / facts.roots.len() as f32
 }
 
-/// `outer` after `inner`.
+/// Returns the placement that applies `inner`, then `outer`.
 fn compose(outer: &Placement, inner: &Placement) -> Placement {
     let axes = outer.axes() * inner.axes();
     Placement {
@@ -174,7 +179,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn composing_is_applying_one_after_the_other() {
+    fn compose_applies_inner_then_outer() {
         let inner = Placement {
             unit: Unit(0.1),
             up: Axis::Z,

@@ -1,27 +1,27 @@
-//! The transform from a file's unit and axes to metres, Y up, face +Z.
+//! The transform from a file's unit and axes to meters, Y up, face +Z.
 
 use glam::{Mat3, Mat4, Vec3};
 
 use super::{Axis, Unit};
 use crate::{Rig, Strands, TriMesh};
 
-/// How a file's coordinates become metres, Y up, face +Z, and why so.
+/// Transform from a file's coordinates to meters, Y up, face +Z, with its reasons.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Placement {
-    /// Metres per unit of the file.
+    /// Meters per unit of the file.
     pub unit: Unit,
-    /// The file's axis that points up.
+    /// Axis of the file that points up.
     pub up: Axis,
-    /// The file's axis that the face looks along.
+    /// Axis of the file along which the face looks.
     pub front: Axis,
-    /// Whether left and right are exchanged on the way.
+    /// Whether the transform exchanges left and right.
     pub mirrored: bool,
-    /// Added after everything else, metres. Zero unless hair had to be moved onto a head.
+    /// Translation, applied last, meters. Zero unless hair had to be moved onto a head.
     pub translation: Vec3,
-    /// Why: one clause per decision.
+    /// Reasons, one clause per decision.
     pub reasons: Vec<String>,
-    /// What is in doubt, with the option that settles it.
+    /// Doubts, each with the option that settles it.
     pub doubts: Vec<String>,
 }
 
@@ -40,24 +40,24 @@ impl Default for Placement {
 }
 
 impl Placement {
-    /// The rotation (or, mirrored, the reflection) without unit and translation.
+    /// Returns the rotation (or, if mirrored, the reflection), without unit and translation.
     pub fn axes(&self) -> Mat3 {
         let (up, front) = (self.up.vector(), self.front.vector());
         let side = up.cross(front) * if self.mirrored { -1.0 } else { 1.0 };
         Mat3::from_cols(side, up, front).transpose()
     }
 
-    /// A point of the file, in metres, Y up, face +Z.
+    /// Transforms a point of the file.
     pub fn point(&self, p: Vec3) -> Vec3 {
         self.axes() * p * self.unit.0 + self.translation
     }
 
-    /// The same for all points, as a matrix.
+    /// Returns the transform as a matrix.
     pub fn matrix(&self) -> Mat4 {
         Mat4::from_translation(self.translation) * Mat4::from_mat3(self.axes() * self.unit.0)
     }
 
-    /// Whether nothing changes.
+    /// Returns whether the transform changes nothing.
     pub fn is_identity(&self) -> bool {
         self.axes() == Mat3::IDENTITY && self.unit.0 == 1.0 && self.translation == Vec3::ZERO
     }
@@ -76,7 +76,7 @@ impl Placement {
         }
     }
 
-    /// Transforms a mesh in place; a mirrored one keeps its outside.
+    /// Transforms a mesh in place. Mirroring also reverses the winding, which keeps the outside.
     pub fn apply_to_mesh(&self, mesh: &mut TriMesh) {
         if self.is_identity() {
             return;
@@ -95,7 +95,7 @@ impl Placement {
         }
     }
 
-    /// Makes a rig bend its mesh where [`Self::apply_to_mesh`] has brought it.
+    /// Makes a rig deform the mesh that [`Self::apply_to_mesh`] transformed.
     pub fn apply_to_rig(&self, rig: &mut Rig) {
         rig.to_groom = self.matrix() * rig.to_groom;
     }
@@ -106,7 +106,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn up_and_front_go_where_they_belong() {
+    fn up_and_front_map_to_y_and_z() {
         let zup = Placement { up: Axis::Z, front: Axis::Y, unit: Unit(0.01), ..Default::default() };
         assert_eq!(zup.point(Vec3::new(1.0, 2.0, 3.0)), Vec3::new(-0.01, 0.03, 0.02));
         assert!(zup.axes().determinant() > 0.0);
@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mirrored_mesh_keeps_its_outside() {
+    fn mirrored_mesh_keeps_its_outside() {
         let mut mesh = TriMesh {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
             normals: vec![Vec3::Z; 3],

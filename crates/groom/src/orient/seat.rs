@@ -5,8 +5,8 @@ use glam::Vec3;
 use super::{Placement, Unit, evidence::HairFacts, size};
 use crate::{Strands, TriMesh, mesh::bvh::Bvh};
 
-/// Moves and scales `own`, the placement of a groom, so that its roots lie on `mesh`, which `head`
-/// brings into metres, Y up, face +Z. Axes stay as they are. The result says how well it fits.
+/// Moves and scales `own`, the placement of a groom, so that the roots lie on `mesh`, whose placement is `head`. The
+/// axes do not change. The result's reasons state how well the groom fits.
 pub fn seat(strands: &Strands, own: Placement, mesh: &TriMesh, head: &Placement) -> Placement {
     let mut mesh = mesh.clone();
     head.apply_to_mesh(&mut mesh);
@@ -27,7 +27,7 @@ pub fn seat(strands: &Strands, own: Placement, mesh: &TriMesh, head: &Placement)
             .collect();
         pairs.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         median = pairs.get(pairs.len() / 2).map_or(0.0, |p| p.0);
-        // Roots in a band lie off every scalp.
+        // Roots in a band lie off every scalp: ignore the farthest fifth.
         pairs.truncate((pairs.len() * 4 / 5).max(1));
         let n = pairs.len() as f32;
         let from = pairs.iter().map(|p| p.1).sum::<Vec3>() / n;
@@ -35,7 +35,7 @@ pub fn seat(strands: &Strands, own: Placement, mesh: &TriMesh, head: &Placement)
         let square: f32 = pairs.iter().map(|p| (p.1 - from).length_squared()).sum();
         let product: f32 = pairs.iter().map(|p| (p.1 - from).dot(p.2 - to)).sum();
         if square > 0.0 && product > 0.0 {
-            // A closest point never asks for growth by much; heads differ by a quarter at most.
+            // Limit the scale: closest points hardly pull towards growth, and heads differ by a quarter at most.
             scale = (product / square).clamp(0.75 * own.unit.0, 1.33 * own.unit.0);
         }
         shift = to - from * scale;
@@ -45,18 +45,18 @@ pub fn seat(strands: &Strands, own: Placement, mesh: &TriMesh, head: &Placement)
     }
     let mut placed = Placement { unit: Unit(scale), translation: shift, ..own };
     placed.reasons.push(format!(
-        "in no unit and turn do the roots lie on this mesh, so the groom is fitted onto it: {:.5} m per unit, moved by {:.3} m, roots then at a median of {:.1} mm",
+        "no unit and orientation puts the roots on this mesh, so the groom is fitted onto it: {:.5} m per unit, moved by {:.3} m, median distance of the roots {:.1} mm",
         scale,
         shift,
         median * 1e3
     ));
-    placed.doubts.push(
-        "this groom was made for another head; if it was not, give unit, axes or mirroring by hand".into(),
-    );
+    placed
+        .doubts
+        .push("this groom was made for another head; if it was not, set unit, axes or mirroring".into());
     placed
 }
 
-/// Where to begin: the topmost roots a little under the crown, the middle over the middle.
+/// Returns the initial translation: the topmost root at the height of the crown, the tops centered on each other.
 fn start(roots: &[Vec3], scale: f32, mesh: &TriMesh) -> Vec3 {
     let crown = mesh.positions.iter().map(|p| p.y).fold(f32::MIN, f32::max);
     let bounds = |points: &mut dyn Iterator<Item = Vec3>| {

@@ -1,24 +1,24 @@
-//! How large a unit is, from the size of a human head.
+//! Guesses the unit of a file from the size of a human head.
 
 use glam::{Mat3, Vec3};
 
 use super::Unit;
 use crate::TriMesh;
 
-/// Half the breadth of the rooted area of a human head, metres.
+/// Half the breadth of the rooted area of a human head, meters.
 pub(super) const HALF_BREADTH: f32 = 0.08;
-/// Crown to chin of a human head, metres.
+/// Crown to chin of a human head, meters.
 pub(super) const HEAD_HEIGHT: f32 = 0.22;
 
-/// The known unit that makes a length of `measured` units about `real` metres, or the scale that makes
-/// it exactly that; and whether it is a known one.
+/// Returns the known unit in which `measured` units are about `real` meters, or else the unit in which they are exactly
+/// that; and whether it is a known one.
 pub(super) fn unit(measured: f32, real: f32) -> (Unit, bool) {
     let scale = real / measured;
-    // Broken files hold numbers that no head has; any unit will do, but it must be one.
+    // Broken files give lengths that no head has. Any valid unit will do.
     let scale = if scale.is_finite() { scale.clamp(1e-9, 1e9) } else { 1.0 };
     let near = |metres: f32| (metres / scale).max(scale / metres);
     let metric = &Unit::KNOWN[..4];
-    // Heads differ by less than these factors; inches and feet lie too close to others to be guessed.
+    // Heads differ by less than this factor. Inches and feet are too close to other units to be guessed.
     match metric.iter().find(|(_, metres)| near(*metres) < 1.4) {
         Some((_, metres)) => (Unit(*metres), true),
         None => (Unit(scale), false),
@@ -28,17 +28,17 @@ pub(super) fn unit(measured: f32, real: f32) -> (Unit, bool) {
 /// Crown and chin of a head, in the mesh's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct HeadSize {
-    /// The highest point.
+    /// Height of the highest point.
     pub crown: f32,
-    /// Crown to chin.
+    /// Height from crown to chin.
     pub height: f32,
 }
 
-/// Finds crown and chin on the profile: the line of the foremost points at the middle, from the crown
-/// down, stays at the face's depth and steps back under the chin. `axes` turns the mesh upright.
+/// Finds crown and chin on the profile, the line of the foremost points in the middle from the crown down. It stays at
+/// the face's depth and recedes under the chin. `axes` rotates the mesh upright.
 ///
-/// Without hair the skull's breadth comes from the top: a ball's half breadth at a depth of its
-/// radius is its radius.
+/// `half_breadth` is measured on the rooted area. Without hair, the function measures the skull from the top: a ball's
+/// half breadth at a depth of its radius equals the radius.
 pub(super) fn head(mesh: &TriMesh, axes: Mat3, half_breadth: Option<f32>) -> Option<HeadSize> {
     let points: Vec<Vec3> = mesh.positions.iter().map(|p| axes * *p).collect();
     let crown = points.iter().map(|p| p.y).fold(f32::MIN, f32::max);
@@ -63,7 +63,7 @@ pub(super) fn head(mesh: &TriMesh, axes: Mat3, half_breadth: Option<f32>) -> Opt
         }
     }
     let face = profile[..BINS * 3 / 4].iter().copied().fold(f32::MIN, f32::max);
-    // Below the eyes at the earliest, and where the profile lies behind the face's middle depth.
+    // The chin is below the eyes, where the profile first recedes behind 62 % of the face's depth.
     let chin = (BINS * 9 / 20..BINS).find(|i| profile[*i] > f32::MIN && profile[*i] < 0.62 * face)?;
     let height = depth * chin as f32 / BINS as f32;
     Some(HeadSize { crown, height })

@@ -1,19 +1,19 @@
-//! The sphere that roots lie on: a first estimate of the skull.
+//! The sphere on which roots lie: a first estimate of the skull.
 
 use glam::{DMat3, DVec3, Vec3};
 
 /// A sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
-    /// Centre, in the unit of the points.
+    /// Center, in the unit of the points.
     pub center: Vec3,
     /// Radius, in the unit of the points.
     pub radius: f32,
 }
 
 impl Sphere {
-    /// Fitted to the 70 % of the points that lie closest to one sphere, so that hair rooted in a
-    /// band does not count. `None` for fewer than four points or points in a plane.
+    /// Fits a sphere to the 70 % of the points that are closest to it, so that hair rooted in a band does not count.
+    /// Returns `None` for fewer than four points or for coplanar points.
     pub fn fit(points: &[Vec3]) -> Option<Self> {
         let mut kept = points.to_vec();
         let mut sphere = least_squares(&kept)?;
@@ -29,7 +29,7 @@ impl Sphere {
     }
 }
 
-/// The algebraic fit: |p|² is linear in the centre and the radius.
+/// Algebraic least-squares fit: |p|² = 2 c·p + (r² − |c|²) is linear in the center c and in the bracket.
 fn least_squares(points: &[Vec3]) -> Option<Sphere> {
     if points.len() < 4 {
         return None;
@@ -43,7 +43,7 @@ fn least_squares(points: &[Vec3]) -> Option<Sphere> {
         matrix += DMat3::from_cols(q * q.x, q * q.y, q * q.z);
         right += q * (0.5 * (q.length_squared() - mean_square));
     }
-    // A flat set of points has no sphere.
+    // Coplanar points determine no sphere.
     let scale = mean_square * n / 3.0;
     if matrix.determinant() <= 1e-6 * scale.powi(3) {
         return None;
@@ -59,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_cap_with_outliers_gives_its_sphere() {
+    fn fit_ignores_outliers() {
         let center = Vec3::new(3.0, 90.0, -2.0);
         let mut points: Vec<Vec3> = (0..400)
             .map(|i| {

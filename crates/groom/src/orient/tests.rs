@@ -32,7 +32,7 @@ proptest! {
     ) {
         let mut groom_ = Strands::default();
         strands.iter().for_each(|s| groom_.push(s));
-        let alone = groom(&groom_, &Known::default());
+        let alone = groom(&groom_, &KnownOrientation::default());
         prop_assert!(usable(&alone), "{:?}", alone);
         let corners: Vec<Vec3> = corners.into_iter().filter(|c| c.is_finite()).collect();
         let triangles: Vec<[u32; 3]> =
@@ -42,9 +42,9 @@ proptest! {
         }
         let normals = vec![Vec3::Y; corners.len()];
         let mesh = TriMesh { positions: corners, normals, triangles, ..Default::default() };
-        let body = head(&mesh, &Known::default());
+        let body = head(&mesh, &KnownOrientation::default());
         prop_assert!(usable(&body), "{:?}", body);
-        let (own, body) = pair(&groom_, &Known::default(), &mesh, &Known::default());
+        let (own, body) = pair(&groom_, &KnownOrientation::default(), &mesh, &KnownOrientation::default());
         prop_assert!(usable(&own) && usable(&body), "{:?} {:?}", own, body);
     }
 }
@@ -59,32 +59,34 @@ fn contradicting_axes_are_refused() {
 }
 
 #[test]
-fn what_a_file_says_in_part_leaves_the_rest_to_guess() {
+fn partial_declarations_leave_the_rest_to_guess() {
     let file = Choice { unit: Some(Unit(0.01)), up: Some(Axis::Z), ..Default::default() };
     let both = Choice::default().or(file);
     assert_eq!((both.unit, both.up, both.front), (Some(Unit(0.01)), Some(Axis::Z), None));
-    // What is given counts for more, and takes with it what cannot go with it.
+    // A given value overrides the file's, and discards an axis that conflicts with it.
     let given = Choice { front: Some(Axis::NegZ), unit: Some(Unit(1.0)), ..Default::default() };
     assert_eq!(given.or(file), Choice { mirror: None, up: None, ..given });
     assert_eq!(Choice::METRES.shared(file), Choice::default());
     assert_eq!(Choice::METRES.shared(Choice { mirror: None, ..Choice::METRES }).up, Some(Axis::Y));
-    // A dome of hair, Z up: what stands for reasons is who said it.
+    // A dome of hair, Z up. The reasons name who stated each value.
     let mut dome = Strands::default();
     for i in 0..200 {
         let (a, h) = (i as f32 * 2.4, i as f32 / 200.0);
         let out = Vec3::new(a.cos() * (1.0 - h * h).sqrt(), a.sin() * (1.0 - h * h).sqrt(), h);
         dome.push(&[out * 8.0, out * 9.0, out * 10.0 - Vec3::Z]);
     }
-    let placed = groom(&dome, &Known { declared: file, ..Default::default() });
+    let placed = groom(&dome, &KnownOrientation { declared: file, ..Default::default() });
     assert_eq!((placed.up, placed.unit), (Axis::Z, Unit(0.01)));
     let reasons = placed.reasons.join("; ");
     assert!(
-        reasons.contains("up z: the file says so; face") && reasons.contains("0.01 m: the file"),
+        reasons.contains("up z: stated by the file; face") && reasons.contains("0.01 m: stated by the file"),
         "{reasons}"
     );
-    let told =
-        groom(&dome, &Known { declared: file, given: Choice { up: Some(Axis::X), ..Default::default() } })
-            .reasons
-            .join("; ");
+    let told = groom(
+        &dome,
+        &KnownOrientation { declared: file, given: Choice { up: Some(Axis::X), ..Default::default() } },
+    )
+    .reasons
+    .join("; ");
     assert!(told.contains("up x: given; face"), "{told}");
 }

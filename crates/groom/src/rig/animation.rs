@@ -1,4 +1,4 @@
-//! Values over time: keys and what lies between them.
+//! Animation curves: keys and the interpolation between them.
 
 use glam::{Quat, Vec4};
 
@@ -6,11 +6,11 @@ use glam::{Quat, Vec4};
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Animation {
-    /// Its name, empty if it has none.
+    /// Name, empty if it has none.
     pub name: String,
-    /// When its last key stands, seconds. It loops over this.
+    /// Time of the last key, seconds. The animation loops over it.
     pub length: f32,
-    /// What moves. Where two move the same, the later one counts.
+    /// Animated properties. If two channels move the same property, the later one counts.
     pub channels: Vec<Channel>,
 }
 
@@ -18,38 +18,38 @@ pub struct Animation {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Channel {
-    /// The node.
+    /// Index of the node.
     pub node: u32,
-    /// What of it moves.
+    /// Animated property of the node.
     pub property: Property,
-    /// Its values.
+    /// Values over time.
     pub curve: Curve,
 }
 
-/// What of a node is animated.
+/// Animated property of a node.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub enum Property {
-    /// Its translation: three numbers.
+    /// Translation: three numbers.
     Translation,
-    /// Its rotation: a quaternion, x, y, z, w.
+    /// Rotation: a quaternion, x, y, z, w.
     Rotation,
-    /// Its scale: three numbers.
+    /// Scale: three numbers.
     Scale,
-    /// The weights of these targets of the rig: one number each.
+    /// Weights of these targets of the rig: one number each.
     Weights(Vec<u32>),
 }
 
-/// How values between two keys are found.
+/// Interpolation between two keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub enum Interpolation {
-    /// The key before holds.
+    /// Holds the previous key.
     Step,
-    /// Along a line; rotations along the shorter arc.
+    /// Linear; rotations along the shorter arc.
     #[default]
     Linear,
-    /// Along Hermite's cubic, with a tangent before and one behind each key.
+    /// Cubic Hermite spline, with an in-tangent and an out-tangent at each key.
     CubicSpline,
 }
 
@@ -57,19 +57,19 @@ pub enum Interpolation {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Curve {
-    /// What lies between keys.
+    /// Interpolation between keys.
     pub interpolation: Interpolation,
-    /// Seconds, rising.
+    /// Times of the keys, seconds, ascending.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub times: Vec<f32>,
-    /// The numbers of each key, one after another. For a cubic spline a key has three times as many: the
-    /// tangent before it, its values, the tangent behind it; tangents are per second.
+    /// Numbers of each key, one after another. In a cubic spline, a key has three times as many: the in-tangent, the
+    /// values, the out-tangent. Tangents are per second.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub values: Vec<f32>,
 }
 
 impl Animation {
-    /// A time within the animation, which starts again after its end. 0 for a time that is not finite.
+    /// Wraps a time into the animation, which loops. Returns 0 for a time that is not finite.
     pub fn wrap(&self, time: f32) -> f32 {
         let wrapped = time.rem_euclid(self.length);
         if wrapped.is_finite() { wrapped } else { 0.0 }
@@ -77,9 +77,9 @@ impl Animation {
 }
 
 impl Curve {
-    /// Writes the values at `time` (seconds): the first key's before it, the last key's after it. `out`
-    /// is as long as a key has numbers. `turn` says that they are a quaternion. Without keys, or with
-    /// too few numbers for them, nothing is written.
+    /// Writes the values at `time` (seconds) to `out`, which is as long as a key has numbers. Before the first key and
+    /// after the last one, that key holds. `turn` marks the numbers as a quaternion. Without keys, or with too few
+    /// numbers for them, nothing is written.
     pub fn sample(&self, time: f32, turn: bool, out: &mut [f32]) {
         let parts = if self.interpolation == Interpolation::CubicSpline { 3 } else { 1 };
         if self.values.len() < self.times.len() * out.len() * parts {
@@ -105,7 +105,7 @@ impl Curve {
         }
     }
 
-    /// The values of a key, without tangents.
+    /// Returns the values of a key, without tangents.
     fn key(&self, key: usize, width: usize) -> &[f32] {
         match self.interpolation {
             Interpolation::CubicSpline => self.part(key, 1, width),
@@ -113,7 +113,7 @@ impl Curve {
         }
     }
 
-    /// Of a spline's key the tangent before (0), the values (1), the tangent behind (2).
+    /// Returns the in-tangent (0), the values (1) or the out-tangent (2) of a spline's key.
     fn part(&self, key: usize, part: usize, width: usize) -> &[f32] {
         &self.values[(3 * key + part) * width..][..width]
     }
@@ -145,7 +145,7 @@ impl Curve {
     }
 }
 
-/// Four numbers as a quaternion, unless they have no direction.
+/// Returns four numbers as a quaternion, or `None` if they have no direction.
 fn quaternion(values: &[f32]) -> Option<Quat> {
     let q = Quat::from_slice(values.get(..4)?);
     (q.length_squared() > 1e-12 && q.is_finite()).then_some(q)

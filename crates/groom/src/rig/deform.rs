@@ -1,13 +1,13 @@
-//! What a pose does to vertices: the reference that the GPU's kernel is compared with.
+//! Blend shapes and skinning on the CPU: the reference for the GPU's kernel.
 //!
 //! ```text
 //! p' = p + Σ weight · Δp        n' = n + Σ weight · Δn        over targets
 //! M  = Σ weight · palette                                     over the vertex's joints
-//! position = M · p'             normal = ± cofactor(M) · n', normalised
+//! position = M · p'             normal = ± cofactor(M) · n', normalized
 //! ```
 //!
-//! The cofactors of M's 3 × 3 are its inverse transpose up to the determinant, whose sign is the ±, and
-//! they exist where M flattens.
+//! The cofactors of the 3 × 3 part of M are its inverse transpose up to the determinant, whose sign is the ±. They
+//! exist even where M is singular.
 
 use glam::{Mat4, Vec3};
 
@@ -15,8 +15,8 @@ use super::{Bind, Rig, RigPose};
 use crate::TriMesh;
 
 impl Rig {
-    /// Writes the positions and normals of the mesh in a pose, in the groom's space. Its vertices are those
-    /// of the rig, in its order; what it has beyond them stays.
+    /// Writes the positions and normals of the mesh in a pose, in groom space. Its vertices are those of the rig, in
+    /// its order; further vertices of the mesh do not change.
     pub fn deform(&self, pose: &RigPose, mesh: &mut TriMesh) {
         self.shape(&pose.weights, mesh);
         let vertices = mesh.positions.iter_mut().zip(&mut mesh.normals);
@@ -27,8 +27,8 @@ impl Rig {
         }
     }
 
-    /// Writes the positions and normals that shapes with these weights give the mesh before joints carry it, in the space of
-    /// the file's mesh.
+    /// Writes the positions and normals after blend shapes with these weights and before skinning, in the space of the
+    /// file's mesh.
     pub(crate) fn shape(&self, weights: &[f32], mesh: &mut TriMesh) {
         mesh.normals.resize(mesh.positions.len(), Vec3::Y);
         let vertices = mesh.positions.iter_mut().zip(&mut mesh.normals);
@@ -46,25 +46,25 @@ impl Rig {
         }
     }
 
-    /// Takes the normals that a mesh in the rest pose has, where the file has none.
+    /// Takes the normals of a mesh in the rest pose, for a file that has none.
     pub(crate) fn take_normals(&mut self, mesh: &TriMesh) {
         let pose = self.rest_pose();
         for (bind, normal) in self.vertices.iter_mut().zip(&mesh.normals) {
-            // The inverse of what `turn` does, up to length.
+            // The inverse of `turn`, up to length.
             let by = blend(&pose.palette, bind);
             let axes = [by.x_axis, by.y_axis, by.z_axis].map(|a| a.truncate().dot(*normal));
             bind.normal = Vec3::from(axes).normalize_or(Vec3::Y);
         }
     }
 
-    /// Whether a pose turns the space around a vertex inside out.
+    /// Returns whether a pose mirrors the space around a vertex.
     #[cfg(feature = "gltf")]
     pub(crate) fn mirrors(&self, pose: &RigPose, vertex: u32) -> bool {
         self.vertices.get(vertex as usize).is_some_and(|v| blend(&pose.palette, v).determinant() < 0.0)
     }
 }
 
-/// What a vertex follows, as one matrix.
+/// Returns the weighted sum of a vertex's palette entries.
 fn blend(palette: &[Mat4], bind: &Bind) -> Mat4 {
     let shares = bind.joints.iter().zip(bind.weights).filter(|(_, weight)| *weight != 0.0);
     shares.fold(Mat4::ZERO, |sum, (joint, weight)| {
@@ -72,7 +72,7 @@ fn blend(palette: &[Mat4], bind: &Bind) -> Mat4 {
     })
 }
 
-/// A normal after a map: still perpendicular, unit, and outside if it was.
+/// Transforms a normal, so that it stays perpendicular, of unit length, and on the same side.
 fn turn(by: &Mat4, normal: Vec3) -> Vec3 {
     let [x, y, z] = [by.x_axis, by.y_axis, by.z_axis].map(|a| a.truncate());
     let cofactors = [y.cross(z), z.cross(x), x.cross(y)];

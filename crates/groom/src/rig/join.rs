@@ -1,4 +1,4 @@
-//! Several rigs as one, and meshes that never bend among them.
+//! Merging of several rigs, and rigs of static meshes.
 
 use std::collections::HashMap;
 
@@ -11,7 +11,7 @@ use crate::{
 };
 
 impl Rig {
-    /// The rig of a mesh that never bends: all vertices follow one node that stays where it is.
+    /// Returns the rig of a static mesh: all vertices follow one node that never moves.
     pub fn still(mesh: &TriMesh) -> Self {
         let normals = mesh.normals.iter().copied().chain(std::iter::repeat(glam::Vec3::Y));
         Self {
@@ -22,8 +22,8 @@ impl Rig {
         }
     }
 
-    /// Adds another rig, whose vertices come after this one's. Targets of one name become one, and so do
-    /// animations, which then last as long as the longer one. Both share a space; `to_groom` stays.
+    /// Appends another rig, whose vertices come after this one's. Targets with the same name become one, and so do
+    /// animations, which then last as long as the longer one. Both rigs share a space; `to_groom` stays.
     ///
     /// # Errors
     /// [`Error::Unusable`] for more than [`MAX_JOINTS`] joints.
@@ -31,7 +31,7 @@ impl Rig {
         let (nodes, joints) = (self.nodes.len() as u32, self.joints.len());
         if joints + other.joints.len() > MAX_JOINTS {
             let all = joints + other.joints.len();
-            return Err(Error::Unusable(format!("a rig of {all} joints, more than {MAX_JOINTS}")));
+            return Err(Error::Unusable(format!("the rig has {all} joints, more than {MAX_JOINTS}")));
         }
         let vertices = self.vertices.len() as u32;
         let mut named: HashMap<String, usize> =

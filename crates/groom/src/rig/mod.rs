@@ -1,4 +1,4 @@
-//! Bodies that bend: joints that vertices follow, shapes to blend, and motions over time.
+//! Rigs of skinned meshes: joints, blend shapes and animations.
 //!
 //! ```text
 //! Rig ── pose(animation, time) ─► RigPose ── deform ─► TriMesh
@@ -6,8 +6,8 @@
 //!  targets, animations             weights              normals
 //! ```
 //!
-//! A pose is small: one matrix per joint and one weight per shape. What is done to each vertex with it
-//! ([`Rig::deform`]) needs nothing else, so a GPU does it as well.
+//! A pose is small: one matrix per joint and one weight per blend shape. Deforming the vertices ([`Rig::deform`]) needs
+//! nothing else, so a GPU can do it as well.
 
 pub mod anatomy;
 mod animation;
@@ -20,106 +20,105 @@ pub use pose::RigPose;
 
 use glam::{Mat4, Quat, Vec3};
 
-/// The most palette entries a rig may have: what 16 bits count.
+/// Maximum number of palette entries of a rig, limited by 16-bit indices.
 pub const MAX_JOINTS: usize = 1 << 16;
-/// The most joints that one vertex follows.
+/// Maximum number of joints per vertex.
 pub const INFLUENCES: usize = 8;
 
-/// A body that bends: a mesh whose vertices follow joints, with shapes to blend, and motions.
+/// Rig of a skinned mesh: vertices that follow joints, blend shapes, and animations.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rig {
-    /// A parent stands before its children.
+    /// Nodes, a parent before its children.
     pub nodes: Vec<Node>,
-    /// The palette: what vertices follow. At most [`MAX_JOINTS`].
+    /// Palette of joints that vertices follow; at most [`MAX_JOINTS`].
     pub joints: Vec<Joint>,
-    /// One per vertex of the mesh, in its order.
+    /// Skinning of each vertex of the mesh, in its order.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub vertices: Vec<Bind>,
-    /// Shapes to blend. Those of one name are one, whichever parts of the mesh they move.
+    /// Blend shapes. Shapes with the same name are one, whichever parts of the mesh they move.
     pub targets: Vec<Target>,
-    /// Motions, in the file's order.
+    /// Animations, in the file's order.
     pub animations: Vec<Animation>,
-    /// From the file's space (glTF: Y up, metres) to the groom's: a similarity, and the identity until the
+    /// Transform from the file's space (glTF: Y up, meters) to groom space: a similarity, and the identity until the
     /// mesh is oriented.
     pub to_groom: Mat4,
 }
 
-/// A coordinate system that moves with its parent's.
+/// A coordinate system relative to its parent.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Node {
-    /// Its name, empty if it has none. Names need not be unique.
+    /// Name, empty if it has none. Names need not be unique.
     pub name: String,
-    /// The node that it moves with.
+    /// Parent node.
     pub parent: Option<u32>,
-    /// Where it is in its parent while nothing animates it.
+    /// Transform relative to the parent while nothing animates the node.
     pub rest: Transform,
-    /// The same as a matrix, where the file has one: a matrix may shear, which `rest` cannot. It holds
-    /// while nothing animates the node.
+    /// The same transform as a matrix, if the file has one: a matrix may shear, which `rest` cannot. It applies while
+    /// nothing animates the node.
     pub matrix: Option<Mat4>,
-    /// Weights of its mesh's shapes while nothing animates them: target of the rig and weight. What is
-    /// not listed has 0.
+    /// Weights of its mesh's blend shapes while nothing animates them: target of the rig and weight. Targets that are
+    /// not listed have 0.
     pub weights: Vec<(u32, f32)>,
 }
 
-/// A move, a turn and a stretch: first the scale applies, then the rotation, then the translation.
+/// Translation, rotation and scale. The scale applies first, then the rotation, then the translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Transform {
-    /// Units of the file.
+    /// Translation, in units of the file.
     pub translation: Vec3,
-    /// A unit quaternion.
+    /// Rotation, a unit quaternion.
     pub rotation: Quat,
-    /// Factors along the three axes.
+    /// Scale factors along the three axes.
     pub scale: Vec3,
 }
 
-/// An entry of the palette. It brings a vertex to
-/// `to_groom * global(node) * inverse_bind * position`.
+/// An entry of the palette. It maps a vertex to `to_groom * global(node) * inverse_bind * position`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Joint {
-    /// The node that it follows.
+    /// Node that the joint follows.
     pub node: u32,
-    /// From the mesh's space to the node's as they were when the mesh was bound.
+    /// Transform from the mesh's space to the node's space when the mesh was bound.
     pub inverse_bind: Mat4,
 }
 
-/// A vertex as the file has it, before any pose, and what it follows.
+/// A vertex of the file before any pose, with its skin weights.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Bind {
-    /// In the space of the file's mesh.
+    /// Position in the space of the file's mesh.
     pub position: Vec3,
-    /// Unit, in the same space.
+    /// Unit normal in the same space.
     pub normal: Vec3,
-    /// Entries of the palette. Those with weight 0 mean nothing, but exist.
+    /// Palette indices. Those with weight 0 are unused, but valid.
     pub joints: [u16; INFLUENCES],
-    /// Their shares, none negative, the sum 1.
+    /// Weights of the joints, none negative, the sum 1.
     pub weights: [f32; INFLUENCES],
 }
 
-/// A shape to blend, as what it adds to vertices at weight 1.
+/// A blend shape: the offsets that it adds to vertices at weight 1.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Target {
-    /// Its name, unique in a rig.
+    /// Name, unique in a rig.
     pub name: String,
-    /// Only vertices that it moves, ascending.
+    /// Offsets of the moved vertices, ascending by vertex.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub deltas: Vec<Delta>,
 }
 
-/// What a shape adds to a vertex, in the space of the file's mesh.
+/// Offset of a vertex by a blend shape, in the space of the file's mesh.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Delta {
-    /// The vertex.
+    /// Index of the vertex.
     pub vertex: u32,
-    /// Added to its position.
+    /// Offset of the position.
     pub position: Vec3,
-    /// Added to its normal.
+    /// Offset of the normal.
     pub normal: Vec3,
 }
 
@@ -130,12 +129,13 @@ impl Default for Transform {
 }
 
 impl Transform {
-    /// The same as a matrix.
+    /// Returns the transform as a matrix.
     pub fn matrix(&self) -> Mat4 {
         Mat4::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
     }
 
-    /// What of a matrix is no shear. One that flattens has no rotation that could be known.
+    /// Returns the transform of a matrix without its shear. If a singular matrix has no defined rotation, the rotation
+    /// is the identity.
     pub fn from_matrix(matrix: Mat4) -> Self {
         let (scale, rotation, translation) = matrix.to_scale_rotation_translation();
         if rotation.is_finite() && rotation.length_squared() > 0.0 {
@@ -146,7 +146,7 @@ impl Transform {
 }
 
 impl Bind {
-    /// A vertex that follows one entry of the palette and no other.
+    /// Returns a vertex that follows a single entry of the palette.
     pub fn rigid(position: Vec3, normal: Vec3, joint: u16) -> Self {
         let mut weights = [0.0; INFLUENCES];
         weights[0] = 1.0;
@@ -155,15 +155,15 @@ impl Bind {
 }
 
 impl Rig {
-    /// The animation of this name, or else one whose name differs only in upper and lower case.
+    /// Returns the animation of this name, or else one whose name differs only in case.
     pub fn animation(&self, name: &str) -> Option<&Animation> {
         let exact = self.animations.iter().find(|a| a.name == name);
         let lower = name.to_lowercase();
         exact.or_else(|| self.animations.iter().find(|a| a.name.to_lowercase() == lower))
     }
 
-    /// The index of the shape of this name among [`Rig::targets`], or else of one whose name differs only
-    /// in upper and lower case.
+    /// Returns the index among [`Rig::targets`] of the blend shape of this name, or else of one whose name differs only
+    /// in case.
     pub fn target(&self, name: &str) -> Option<usize> {
         let exact = self.targets.iter().position(|t| t.name == name);
         let lower = name.to_lowercase();

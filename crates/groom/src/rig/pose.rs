@@ -1,41 +1,41 @@
-//! Where joints are at a time.
+//! Evaluation of poses.
 
 use glam::{Mat4, Quat, Vec3};
 
 use super::{Animation, Joint, Property, Rig, Transform};
 
-/// What a pose amounts to.
+/// An evaluated pose.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RigPose {
-    /// Of each node, to the file's space.
+    /// Transform of each node to the file's space.
     pub globals: Vec<Mat4>,
-    /// Of each joint, from the space of the file's mesh to the groom's.
+    /// Transform of each joint from the space of the file's mesh to groom space.
     pub palette: Vec<Mat4>,
-    /// One per target, 1 for the whole shape.
+    /// Weight of each target, 1 for the whole shape.
     pub weights: Vec<f32>,
 }
 
 impl Rig {
-    /// The pose that nothing animates.
+    /// Returns the pose without any animation.
     pub fn rest_pose(&self) -> RigPose {
         self.pose_with(None, &[])
     }
 
-    /// The pose of an animation at `time` (seconds), which loops.
+    /// Returns the pose of an animation at `time` (seconds); the animation loops.
     pub fn pose(&self, animation: &Animation, time: f32) -> RigPose {
         self.pose_with(Some((animation, time)), &[])
     }
 
-    /// The pose of an animation at a time (seconds), or the one at rest, with some targets' weights set,
-    /// whatever the animation says of them.
+    /// Returns the pose of an animation at a time (seconds), or the rest pose. `morphs` sets the weights of some
+    /// targets and overrides the animation.
     ///
-    /// Several nodes may have shapes of one name. Of their weights the largest counts, by magnitude.
+    /// If several nodes have shapes with the same name, the largest of their weights counts, by magnitude.
     pub fn pose_with(&self, animation: Option<(&Animation, f32)>, morphs: &[(usize, f32)]) -> RigPose {
         self.pose_turned(animation, morphs, &[])
     }
 
-    /// The same with some nodes turned besides, each about where it then is, in groom space: a head looks aside in
-    /// the midst of a walk. What hangs from a node turns with it, so that the turns along a chain multiply.
+    /// [`pose_with`](Self::pose_with) that also turns some nodes, each about its current position, in groom space: for
+    /// example, a head looks aside during a walk. Children turn with their node, so the turns along a chain multiply.
     pub fn pose_turned(
         &self,
         animation: Option<(&Animation, f32)>,
@@ -112,7 +112,7 @@ impl Rig {
     }
 }
 
-/// Three numbers that `sample` overwrites if it knows any.
+/// Returns three numbers that `sample` may overwrite.
 fn three(old: Vec3, sample: impl FnOnce(&mut [f32])) -> Vec3 {
     let mut out = old.to_array();
     sample(&mut out);

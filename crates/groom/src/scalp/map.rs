@@ -1,9 +1,9 @@
-//! Values painted on the scalp.
+//! Scalar maps over the scalp.
 
 use crate::{Error, Result};
 use glam::Vec2;
 
-/// A picture over the scalp (see [`scalp_uv`](super::scalp_uv)), values usually 0 to 1.
+/// An image over the scalp (see [`scalp_uv`](super::scalp_uv)), with values usually from 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScalpMap {
     width: usize,
@@ -12,10 +12,10 @@ pub struct ScalpMap {
 }
 
 impl ScalpMap {
-    /// A map of `width` times `height` values, rows in order of rising v.
+    /// Creates a map of `width` times `height` values, rows in order of ascending v.
     ///
     /// # Errors
-    /// [`Error::Parameter`] when the number of values is another, or one is negative or not finite.
+    /// [`Error::Parameter`] for a wrong number of values, or for a value that is negative or not finite.
     pub fn new(width: usize, height: usize, values: Vec<f32>) -> Result<Self> {
         let good = width > 0 && height > 0 && width.checked_mul(height) == Some(values.len());
         if !good || values.iter().any(|v| !v.is_finite() || *v < 0.0) {
@@ -28,14 +28,14 @@ impl ScalpMap {
         Ok(Self { width, height, values })
     }
 
-    /// A map filled by a function of the scalp coordinates.
+    /// Creates a map of `size` times `size` values from a function of the scalp coordinates.
     pub fn from_fn(size: usize, value: impl Fn(Vec2) -> f32) -> Self {
         let size = size.max(1);
         let at = |i: usize| Vec2::new((i % size) as f32 + 0.5, (i / size) as f32 + 0.5) / size as f32;
         Self { width: size, height: size, values: (0..size * size).map(|i| value(at(i)).max(0.0)).collect() }
     }
 
-    /// The map with every value changed by `change`; what is not finite or negative becomes 0.
+    /// Returns the map with every value changed by `change`. Negative and non-finite results become 0.
     #[must_use]
     pub fn map(mut self, change: impl Fn(f32) -> f32) -> Self {
         for value in &mut self.values {
@@ -44,7 +44,7 @@ impl ScalpMap {
         self
     }
 
-    /// The value at `uv`: linear between the middles of the pixels, constant beyond them.
+    /// Returns the value at `uv`: linear between the centers of the pixels, constant beyond them.
     pub fn sample(&self, uv: Vec2) -> f32 {
         let axis = |v: f32, n: usize| {
             let x = (v * n as f32 - 0.5).clamp(0.0, (n - 1) as f32);
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_map_is_sampled_between_its_pixels() {
+    fn sampling_interpolates_between_pixels() {
         let map = ScalpMap::new(2, 1, vec![0.0, 1.0]).unwrap();
         assert_eq!(map.sample(Vec2::new(0.5, 0.5)), 0.5);
         assert_eq!(map.sample(Vec2::new(-3.0, 0.5)), 0.0);

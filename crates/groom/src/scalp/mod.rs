@@ -7,32 +7,32 @@ pub use map::ScalpMap;
 use crate::SdfGrid;
 use glam::{Vec2, Vec3};
 
-/// Points of a head that hairstyles are measured from, groom space, metres.
+/// Landmarks of a head for hairstyles, groom space, meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Landmarks {
-    /// The middle of the braincase: every scalp point is seen from here.
+    /// Center of the braincase, from which every scalp point is seen.
     pub skull: Vec3,
-    /// Between the eyebrows.
+    /// Point between the eyebrows.
     pub brow: Vec3,
-    /// The lowest point of the chin.
+    /// Lowest point of the chin.
     pub chin: Vec3,
-    /// The middle of the left ear (at positive x); the right one mirrors it.
+    /// Center of the left ear (at positive x); the right one mirrors it.
     pub ear: Vec3,
-    /// Where the hair of the neck ends, in the middle of the back.
+    /// Lower end of the neck's hair, in the middle of the back.
     pub nape: Vec3,
 }
 
 /// A head on which hair grows.
 pub trait Scalp {
-    /// The signed distance from the skin, metres, negative inside.
+    /// Returns the signed distance from the skin, meters, negative inside.
     fn distance(&self, p: Vec3) -> f32;
 
-    /// Its landmarks.
+    /// Returns the landmarks.
     fn landmarks(&self) -> Landmarks;
 
-    /// The outward direction at `p`: the gradient of the distance.
+    /// Returns the outward normal at `p`: the direction of the gradient of the distance.
     fn normal(&self, p: Vec3) -> Vec3 {
-        // Four looks at the corners of a tetrahedron tell the whole gradient.
+        // Four samples at the corners of a tetrahedron give the whole gradient.
         let corners = [
             Vec3::new(1.0, -1.0, -1.0),
             Vec3::new(-1.0, -1.0, 1.0),
@@ -42,7 +42,7 @@ pub trait Scalp {
         corners.iter().map(|c| *c * self.distance(p + *c * 8e-4)).sum::<Vec3>().normalize_or(Vec3::Y)
     }
 
-    /// The point of the skin that lies in the direction `dir` from the middle of the skull.
+    /// Returns the point of the skin in the direction `dir` from the center of the skull.
     fn point(&self, dir: Vec3) -> Vec3 {
         let from = self.landmarks().skull;
         let dir = dir.normalize_or(Vec3::Y);
@@ -58,12 +58,12 @@ pub trait Scalp {
     }
 }
 
-/// A head given by its distance field on a grid.
+/// A head defined by its distance field on a grid.
 #[derive(Clone, Debug)]
 pub struct GridScalp {
-    /// The field.
+    /// Distance field.
     pub field: SdfGrid,
-    /// The landmarks.
+    /// Landmarks.
     pub landmarks: Landmarks,
 }
 
@@ -77,17 +77,17 @@ impl Scalp for GridScalp {
     }
 }
 
-/// The direction in the middle of the scalp: up and back.
+/// Returns the direction of the middle of the scalp: up and back.
 fn pole() -> Vec3 {
     Vec3::new(0.0, 0.87, -0.493_052_7)
 }
 
-/// The angle from the pole at the edge of the scalp map, radians.
+/// Angle from the pole at the edge of the scalp map, radians.
 const MAP_ANGLE: f32 = 2.4;
 
-/// Where the direction `dir` from the skull lies on a scalp map: 0.5 in the middle of the scalp,
-/// distances from there in proportion, the left of the head (positive x) at large u, the front at
-/// large v. The whole scalp lies within 0..1.
+/// Returns the position of the direction `dir` from the skull on a scalp map: 0.5 in the middle of the scalp, at a
+/// distance from there in proportion to the angle. The left of the head (positive x) is at large u, the front at large
+/// v. The whole scalp lies within 0..1.
 pub fn scalp_uv(dir: Vec3) -> Vec2 {
     let pole = pole();
     let front = Vec3::X.cross(pole);
@@ -97,7 +97,7 @@ pub fn scalp_uv(dir: Vec3) -> Vec2 {
     Vec2::splat(0.5) + flat.normalize_or_zero() * (0.5 * angle / MAP_ANGLE)
 }
 
-/// The direction from the skull to the point `uv` of a scalp map: undoes [`scalp_uv`].
+/// Returns the direction from the skull to the point `uv` of a scalp map. Inverse of [`scalp_uv`].
 pub fn scalp_direction(uv: Vec2) -> Vec3 {
     let pole = pole();
     let front = Vec3::X.cross(pole);
@@ -106,8 +106,8 @@ pub fn scalp_direction(uv: Vec2) -> Vec3 {
     (pole * angle.cos() + (Vec3::X * way.x + front * way.y) * angle.sin()).normalize()
 }
 
-/// The stereographic projection about the middle of the scalp: circles stay circles, so that a
-/// Delaunay triangulation of the plane is one of the sphere.
+/// Returns the stereographic projection about the middle of the scalp. It maps circles to circles, so a Delaunay
+/// triangulation of the plane is one of the sphere.
 pub(crate) fn stereographic(dir: Vec3) -> Vec2 {
     let pole = pole();
     let front = Vec3::X.cross(pole);
@@ -115,12 +115,12 @@ pub(crate) fn stereographic(dir: Vec3) -> Vec2 {
     Vec2::new(dir.x, dir.dot(front)) / (1.0 + dir.dot(pole)).max(1e-3)
 }
 
-/// The `i`-th of evenly spread directions over the part of the sphere that holds the scalp: an
-/// additive recurrence, so that every beginning of the sequence is spread evenly too.
+/// Returns the `i`-th of evenly spread directions over the part of the sphere that holds the scalp. The sequence is an
+/// additive recurrence, so every prefix is evenly spread too.
 pub(crate) fn spread_direction(i: u32, start: Vec2) -> Vec3 {
     let pole = pole();
     let front = Vec3::X.cross(pole);
-    // The fractional parts are taken in 64 bits: after a million directions 32 would repeat.
+    // Compute the fractional parts in 64 bits: in 32 bits they would repeat after a million directions.
     let step = |g: f64, s: f32| ((f64::from(i) * g + f64::from(s)).fract()) as f32;
     let u = step(0.754_877_666_246_692_8, start.x);
     let v = step(0.569_840_290_998_053_3, start.y) * std::f32::consts::TAU;
@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn maps_go_there_and_back() {
+    fn scalp_coordinates_round_trip() {
         for i in 0..500 {
             let dir = spread_direction(i, Vec2::new(0.2, 0.7));
             let uv = scalp_uv(dir);

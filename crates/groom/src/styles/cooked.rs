@@ -1,9 +1,8 @@
-//! The guides of the built-in styles as stored in this crate: draped beforehand.
+//! Stored guides of the built-in styles, draped in advance.
 //!
-//! Draping a style takes the simulation of `tresses`, and so a GPU. For the default styles on the mannequin
-//! the result is stored: the same guides on every machine, in a few milliseconds.
-//! `cargo run -p tresses --example cook` writes the file; a test there compares it with the result of the
-//! simulation.
+//! Draping a style takes the simulation of `tresses`, and so a GPU. For the default styles on the mannequin, the result
+//! is stored: the same guides on every machine, in a few milliseconds. `cargo run -p tresses --example cook` writes the
+//! file; a test there compares it with the result of the simulation.
 
 use super::{GUIDE_VERTICES, Lines, Recipe, Style, StyledGuides};
 use crate::{
@@ -17,13 +16,13 @@ use std::sync::OnceLock;
 
 static FILE: &[u8] = include_bytes!("../../cooked/guides.bin");
 
-/// The recipes that are stored, in the file's order.
+/// Returns the stored recipes, in the file's order.
 fn recipes() -> impl Iterator<Item = Recipe> {
     Style::NAMES.iter().filter_map(|name| name.parse::<Style>().ok()).map(|style| style.recipe())
 }
 
-/// The draped guides of `recipe` on the mannequin, whose scalp is `mannequin`; `None`
-/// for a recipe that is not the default of one of [`Style::NAMES`].
+/// Returns the draped guides of `recipe` on the mannequin, whose scalp is `mannequin`. Returns `None` for a recipe that
+/// is not the default of one of [`Style::NAMES`].
 pub fn settled(recipe: &Recipe, mannequin: &dyn Scalp) -> Option<StyledGuides> {
     static GUIDES: OnceLock<Vec<Strands>> = OnceLock::new();
     let at = recipes().position(|stored| stored == *recipe)?;
@@ -31,7 +30,7 @@ pub fn settled(recipe: &Recipe, mannequin: &dyn Scalp) -> Option<StyledGuides> {
     Some(Lines::new(recipe, mannequin).styled(recipe, mannequin, guides))
 }
 
-/// The file for the settled guides of all styles, in the order of [`Style::NAMES`].
+/// Returns the contents of the file for the settled guides of all styles, in the order of [`Style::NAMES`].
 pub fn cook(styles: &[StyledGuides]) -> Vec<u8> {
     let mut out = Writer::default();
     let mut kinds = Kinds::default();
@@ -67,14 +66,14 @@ fn read(bytes: &[u8]) -> Vec<Strands> {
         strands
     });
     let styles = styles.collect();
-    assert!(from.is_done(), "the cooked guides are those of other styles: run the example `cook`");
+    assert!(from.is_done(), "the cooked guides are out of date: run the example `cook`");
     styles
 }
 
-/// Roots, first steps and all others, along each axis.
+/// Coding contexts of roots, first steps and all other vertices, along each axis.
 type Kinds = [[Context; 3]; 3];
 
-/// Where the next vertex is likely to be: straight on.
+/// Predicts the next vertex by continuing straight on.
 fn ahead(line: &[IVec3]) -> IVec3 {
     match line {
         [] => IVec3::ZERO,

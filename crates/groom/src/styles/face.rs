@@ -1,19 +1,19 @@
-//! The space in front of the face, which hair does not enter.
+//! Region in front of the face that hair does not enter.
 
 use crate::scalp::{Landmarks, Scalp};
 use glam::Vec3;
 
-/// An egg-shaped space in front of the face.
+/// An ellipsoidal region in front of the face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Face {
-    /// Its middle, metres.
+    /// Center, meters.
     pub centre: Vec3,
-    /// Half its width, height and depth, metres.
+    /// Half the width, height and depth, meters.
     pub radii: Vec3,
 }
 
 impl Face {
-    /// The space that belongs to a head's landmarks, from above the brows to the chin.
+    /// Creates the region for a head's landmarks, from above the brows to the chin.
     pub fn new(scalp: &dyn Scalp) -> Self {
         let Landmarks { brow, chin, .. } = scalp.landmarks();
         let height = 0.5 * (brow.y - chin.y) + 0.03;
@@ -21,23 +21,23 @@ impl Face {
         Self { centre, radii: Vec3::new(0.055, height, 0.06) }
     }
 
-    /// How deep `p` lies inside, 0 at the edge or outside and 1 in the middle.
+    /// Returns the depth of `p` inside, 0 at the edge or outside and 1 in the middle.
     pub fn depth(&self, p: Vec3) -> f32 {
         (1.0 - ((p - self.centre) / self.radii).length()).max(0.0)
     }
 
-    /// A distance that surely can be gone from `p` without coming inside, metres.
+    /// Returns a lower bound of the distance from `p` to the region, meters.
     pub fn room(&self, p: Vec3) -> f32 {
         ((((p - self.centre) / self.radii).length() - 1.0) * self.radii.min_element()).max(0.0)
     }
 
-    /// The nearest way out that does not lead up or down: to the side, and a little back.
+    /// Returns the direction of the nearest way out that does not lead up or down: to the side, and a little back.
     pub fn aside(&self, p: Vec3, side: f32) -> Vec3 {
         let way = if p.x.abs() > 0.004 { p.x.signum() } else { side };
         Vec3::new(way, 0.0, -0.35).normalize()
     }
 
-    /// `p` moved sideways to the edge of the space where it is inside.
+    /// Returns `p`, moved sideways to the edge of the region if it is inside.
     pub fn clear(&self, p: Vec3, side: f32) -> Vec3 {
         let q = (p - self.centre) / self.radii;
         let across = 1.0 - q.y * q.y - q.z * q.z;

@@ -1,10 +1,10 @@
-//! Where hair grows: the region of the scalp inside an irregular line.
+//! Hairline: the irregular border of the region of the scalp where hair grows.
 
 use crate::random::{noise, smoothstep};
 use crate::scalp::Scalp;
 use glam::Vec3;
 
-/// The line from forehead over temple, around the ear and down to the nape, on both sides.
+/// Line from the forehead over the temple, around the ear and down to the nape, on both sides.
 #[derive(Clone, Debug)]
 pub struct Hairline {
     skull: Vec3,
@@ -17,8 +17,8 @@ pub struct Hairline {
 /// Steps of the table of elevations.
 const STEPS: usize = 90;
 
-/// Knots of the line: azimuth in degrees from the front (the ear at 90), the landmark that the
-/// height is measured from, and the height above it in centimetres.
+/// Knots of the line: azimuth in degrees from the front (the ear is at 90), reference landmark, and height above it in
+/// centimeters.
 const KNOTS: [(f32, Mark, f32); 17] = [
     (0.0, Mark::Brow, 5.7),
     (14.0, Mark::Brow, 5.9),
@@ -46,14 +46,14 @@ enum Mark {
     Nape,
 }
 
-/// The direction from the skull at an azimuth (from the front towards +x) and an elevation.
+/// Returns the direction from the skull at an azimuth (from the front toward +x) and an elevation, radians.
 fn direction(azimuth: f32, elevation: f32) -> Vec3 {
     Vec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos())
 }
 
 impl Hairline {
-    /// The hairline on `scalp`, moved up (positive) or down by `raise` metres; `irregularity`
-    /// metres is how far it wanders.
+    /// Creates the hairline on `scalp`, moved up (positive) or down by `raise` meters, with random deviations of about
+    /// `irregularity` meters.
     pub fn new(scalp: &dyn Scalp, raise: f32, irregularity: f32, seed: u32) -> Self {
         let marks = scalp.landmarks();
         let ear_azimuth = (marks.ear.x).atan2(marks.ear.z - marks.skull.z).to_degrees();
@@ -63,7 +63,7 @@ impl Hairline {
                 Mark::Ear => marks.ear.y,
                 Mark::Nape => marks.nape.y,
             };
-            // The ear is where the mannequin has it; front and back stay where they are.
+            // Knots are relative to the mannequin's ear: shift them to this head's ear, but keep front and back.
             let shift = (ear_azimuth - 90.0) * (1.0 - (azimuth - 90.0).abs() / 90.0);
             (azimuth + shift, base + height * 0.01 + raise)
         });
@@ -82,8 +82,8 @@ impl Hairline {
         Self { skull: marks.skull, seed, irregularity, line }
     }
 
-    /// The distance from the line along the scalp at the direction of `p` from the skull, metres,
-    /// positive where hair grows. Exact to a few tenths near the line.
+    /// Returns the distance from the line along the scalp at the direction of `p` from the skull, meters, positive
+    /// where hair grows. Near the line, it is accurate to a few tenths of its value.
     pub fn inside(&self, p: Vec3) -> f32 {
         let v = p - self.skull;
         let r = v.length();
@@ -99,7 +99,7 @@ impl Hairline {
         (elevation - line) * r / (1.0 + slope * slope).sqrt() + wander * self.irregularity
     }
 
-    /// The direction from the skull to the line at an azimuth (radians, from the front towards +x).
+    /// Returns the direction from the skull to the line at an azimuth (radians, from the front toward +x).
     pub fn edge(&self, azimuth: f32) -> Vec3 {
         let x = azimuth.abs() / std::f32::consts::PI * STEPS as f32;
         let i = (x as usize).min(STEPS - 1);
@@ -107,8 +107,8 @@ impl Hairline {
     }
 }
 
-/// The elevation at which the scalp at `azimuth` has the height `y`: bisection, since the height
-/// of the scalp rises with the elevation.
+/// Returns the elevation at which the scalp at `azimuth` has the height `y`. Bisection works because the height of the
+/// scalp rises with the elevation.
 fn elevation_at_height(scalp: &dyn Scalp, azimuth: f32, y: f32) -> f32 {
     let (mut lo, mut hi) = (-1.2f32, 1.4f32);
     for _ in 0..18 {
@@ -128,7 +128,7 @@ mod tests {
     use crate::scalp::GridScalp;
 
     #[test]
-    fn hair_grows_on_the_scalp_only() {
+    fn hairline_excludes_face_ears_and_neck() {
         let head = GridScalp::mannequin(96);
         let line = Hairline::new(&head, 0.0, 0.002, 3);
         let marks = head.landmarks();
@@ -137,7 +137,7 @@ mod tests {
         for bare in [marks.brow, marks.chin, marks.ear, head.point(Vec3::new(0.0, -0.9, -0.5))] {
             assert!(line.inside(bare) < 0.0, "{bare}");
         }
-        // Just inside and outside of its own edge.
+        // Points just inside and outside of the line.
         for i in 0..60 {
             let edge = line.edge(i as f32 * 0.1 - 3.0);
             let (above, below) = (head.point(edge + Vec3::Y * 0.12), head.point(edge - Vec3::Y * 0.12));

@@ -1,15 +1,15 @@
 //! Built-in hairstyles: fields over the scalp, and the guides that follow them.
 //!
-//! A [`Style`] becomes a [`Recipe`] of numbers, from which [`guides`] makes strands. Roots are spread
-//! evenly inside a [`Hairline`]. From each root a path leaves the scalp at an angle, is combed away from
-//! the [`Parting`] and back, stays clear of the head by a distance that grows with the height of its root
-//! (hair from the top lies over hair from the sides), falls where the head no longer supports it, and ends
-//! at a length or at a common hem. Waves are added along the path.
+//! A [`Style`] expands to a [`Recipe`] of numbers, from which [`guides`] makes strands. Roots are spread evenly inside
+//! a [`Hairline`]. From each root a path leaves the scalp at an angle and is combed away from the [`Parting`] and back.
+//! It stays clear of the head by a distance that grows with the height of its root (hair from the top lies over hair
+//! from the sides), falls where the head no longer supports it, and ends at a length or at a common hem. Waves are
+//! added along the path.
 //!
-//! The shapes are close to their equilibrium under gravity and contact; the simulation of `tresses::drape`
-//! finishes them, with as much hold as the style needs to keep its volume and its wave ([`Hold`]). Spirals are not part of the guides, as three spirals
-//! of different phase have no meaningful mean; [`Curls`](crate::grow::Curls) describes how
-//! [`grow`](crate::grow) winds the drawn strands around them.
+//! The shapes are close to their equilibrium under gravity and contact. The simulation of `tresses::drape` finishes
+//! them, with as much hold as the style needs to keep its volume and its wave ([`Hold`]). Guides have no spirals,
+//! because three spirals of different phase have no meaningful mean. Instead, [`Curls`](crate::grow::Curls) describes
+//! how [`grow`](crate::grow) winds the render strands around the guides.
 
 mod cooked;
 mod face;
@@ -33,40 +33,40 @@ use crate::{
 };
 use glam::Vec3;
 
-/// Vertices of each guide.
+/// Vertices per guide.
 pub const GUIDE_VERTICES: usize = 32;
 
-/// Guides of a hairstyle with what is known of them and of the scalp.
+/// Guides of a hairstyle, with their stiffness and the lines of the scalp.
 #[derive(Clone, Debug)]
 pub struct StyledGuides {
-    /// The guides, root first, [`GUIDE_VERTICES`] each at equal distances along it, with scalp
-    /// coordinates. A draped version may take their place.
+    /// Guides, root first, with [`GUIDE_VERTICES`] vertices each at equal distances and with scalp coordinates. A
+    /// draped version may replace them.
     pub guides: Strands,
     /// Multiplier of the simulation's stiffness, one per guide.
     pub stiffness: Vec<f32>,
-    /// Where hair grows.
+    /// Border of the region where hair grows.
     pub hairline: Hairline,
-    /// The parting, if there is one.
+    /// Parting, if there is one.
     pub parting: Option<Parting>,
-    /// Where the hair of the crown parts, on the scalp, metres.
+    /// Whorl, where the hair of the crown parts, on the scalp, meters.
     pub whorl: Vec3,
-    /// The space that hair leaves free, or `None` where a fringe falls into it.
+    /// Region that hair does not enter, or `None` if a fringe falls into it.
     pub face: Option<Face>,
-    /// The numbers that the guides were made from.
+    /// Recipe of the guides.
     pub recipe: Recipe,
 }
 
-/// The guides of `style` on `scalp`.
+/// Returns the guides of `style` on `scalp`.
 pub fn guides(style: &Style, scalp: &dyn Scalp) -> StyledGuides {
     guides_of(&style.recipe(), scalp)
 }
 
-/// The guides of any recipe on `scalp`.
+/// Returns the guides of any recipe on `scalp`.
 pub fn guides_of(recipe: &Recipe, scalp: &dyn Scalp) -> StyledGuides {
     at_once(guides_with(recipe, scalp, &()))
 }
 
-/// The same, telling `progress`.
+/// [`guides_of`] that reports to `progress`.
 pub async fn guides_with(recipe: &Recipe, scalp: &dyn Scalp, progress: &impl Progress) -> StyledGuides {
     let lines = Lines::new(recipe, scalp);
     let field = lines.field(recipe, scalp);
@@ -78,11 +78,11 @@ pub async fn guides_with(recipe: &Recipe, scalp: &dyn Scalp, progress: &impl Pro
         if i % 4 == 0 {
             progress.step("tracing guides", i as f32 / count as f32).await;
         }
-        // Twice, as chords cut corners: what was even along the path is not quite along its chords.
+        // Resample twice, because equal steps along the path are not quite equal along its chords.
         let chords = resample_chords(&field.trace(root, i as u32), GUIDE_VERTICES);
         let mut line = resample_chords(&chords, GUIDE_VERTICES);
         for p in line.iter_mut().skip(1) {
-            // In creases, as behind the ears, the first way out is not all of it.
+            // In creases, for example behind the ears, one step does not lead all the way out.
             for _ in 0..4 {
                 let depth = 5e-4 - scalp.distance(*p);
                 *p += scalp.normal(*p) * depth.max(0.0);
@@ -93,7 +93,7 @@ pub async fn guides_with(recipe: &Recipe, scalp: &dyn Scalp, progress: &impl Pro
     lines.styled(recipe, scalp, strands)
 }
 
-/// The lines on a scalp that a recipe's guides follow.
+/// The lines on a scalp that the guides of a recipe follow.
 struct Lines {
     hairline: Hairline,
     parting: Option<Parting>,
@@ -113,7 +113,7 @@ impl Lines {
         trace::Field { recipe, scalp, marks, parting: self.parting.as_ref(), face, whorl: self.whorl }
     }
 
-    /// What is known of `guides` that follow these lines.
+    /// Adds scalp coordinates and stiffness to `guides` that follow these lines.
     fn styled(self, recipe: &Recipe, scalp: &dyn Scalp, mut guides: Strands) -> StyledGuides {
         let field = self.field(recipe, scalp);
         let roots: Vec<Vec3> = guides.iter().map(|guide| guide[0]).collect();

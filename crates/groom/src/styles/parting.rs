@@ -1,25 +1,25 @@
-//! The line from which hair falls to both sides.
+//! Parting: the line from which hair falls to both sides.
 
 use super::recipe::Recipe;
 use crate::random::noise;
 use crate::scalp::Scalp;
 use glam::Vec3;
 
-/// A parting: a line over the scalp from the forehead to the crown, seen as a narrow strip of skin.
+/// A parting: a line over the scalp from the forehead to the crown, visible as a narrow strip of skin.
 #[derive(Clone, Debug)]
 pub struct Parting {
-    /// Points on the scalp from the front to the crown, metres.
+    /// Points on the scalp from the front to the crown, meters.
     pub line: Vec<Vec3>,
-    /// Half the width of the bare strip, metres.
+    /// Half the width of the bare strip, meters.
     pub half_width: f32,
 }
 
 impl Parting {
-    /// A parting at the distance `x` (metres, positive to the head's left) from the middle, from the
-    /// forehead's hairline back to the crown, where it turns towards the middle. How wide it
-    /// is and how far it strays from its way is in `recipe`.
+    /// Creates a parting at the distance `x` (meters, positive to the head's left) from the middle. It runs from the
+    /// hairline of the forehead back to the crown, where it turns toward the middle. `recipe` defines its width and its
+    /// irregularity.
     pub fn new(scalp: &dyn Scalp, x: f32, recipe: &Recipe) -> Self {
-        // Degrees above the horizon; a fringe is combed from further back.
+        // Degrees above the horizon; a fringe is combed from farther back.
         let front = if recipe.fringe { 66.0 } else { 22.0 };
         let line = (0..=48)
             .map(|i| {
@@ -34,7 +34,7 @@ impl Parting {
         Self { line, half_width: recipe.parting_half_width }
     }
 
-    /// The point of the parting that is nearest to `p`.
+    /// Returns the point of the parting nearest to `p`.
     pub fn nearest(&self, p: Vec3) -> Vec3 {
         let mut best = (f32::INFINITY, p);
         for w in self.line.windows(2) {
@@ -49,19 +49,19 @@ impl Parting {
         best.1
     }
 
-    /// Whether the parting runs between the scalp points `a` and `b`.
+    /// Returns whether the parting runs between the scalp points `a` and `b`.
     pub fn separates(&self, a: Vec3, b: Vec3) -> bool {
         let (middle, reach) = (0.5 * (a + b), 0.55 * a.distance(b));
         let q = self.nearest(middle);
         q.distance_squared(middle) < reach * reach && self.side(a) != self.side(b)
     }
 
-    /// The side of `p`: -1 or 1, by the sign of its x beyond the parting.
+    /// Returns the side of `p`, -1 or 1: the sign of its x relative to the parting.
     pub fn side(&self, p: Vec3) -> f32 {
         if p.x >= self.nearest(p).x { 1.0 } else { -1.0 }
     }
 
-    /// Where the parting ends, at the crown.
+    /// Returns the end of the parting at the crown.
     pub fn end(&self) -> Vec3 {
         self.line.last().copied().unwrap_or(Vec3::ZERO)
     }

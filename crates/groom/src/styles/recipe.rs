@@ -1,4 +1,4 @@
-//! The parameters of the built-in styles.
+//! Parameters of the built-in styles.
 
 use crate::{Error, Result};
 use std::str::FromStr;
@@ -6,9 +6,9 @@ use std::str::FromStr;
 /// A pair of values: for hair rooted low on the head (nape, sides) and for hair rooted on top.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LowTop {
-    /// At the lowest roots.
+    /// Value at the lowest roots.
     pub low: f32,
-    /// At the highest roots.
+    /// Value at the highest roots.
     pub top: f32,
 }
 
@@ -17,77 +17,76 @@ impl LowTop {
         Self { low, top }
     }
 
-    /// The value at the layer `t`, 0 for the lowest roots and 1 for the highest.
+    /// Returns the value at the layer `t`, 0 for the lowest roots and 1 for the highest.
     pub fn at(self, t: f32) -> f32 {
         self.low + (self.top - self.low) * t
     }
 }
 
-/// What holds a style while it is draped, as a hairdresser's spray does; without it every style
-/// would hang from the head as wet hair. Both are multiplied by the guide's stiffness.
+/// Hold of a style while it is draped, like a hairdresser's spray. Without it, every style would hang from the head
+/// like wet hair. Bending and pull are multiplied by the guide's stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hold {
     /// Multiplier of the bending stiffness.
     pub bending: f32,
-    /// Pull towards the combed shape at the roots, acceleration per distance, 1/s².
+    /// Pull toward the combed shape at the roots, acceleration per distance, 1/s².
     pub root: f32,
-    /// The same from 20 cm of hair on.
+    /// Pull toward the combed shape from 20 cm of hair on, 1/s².
     pub tip: f32,
 }
 
-/// Everything that makes a hairstyle, as numbers. [`Long`], [`Bob`], [`Curly`] and [`Short`] are
-/// short ways to one.
+/// All parameters of a hairstyle. [`Long`], [`Bob`], [`Curly`] and [`Short`] are short forms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Recipe {
-    /// Number of guides, exactly.
+    /// Exact number of guides.
     pub guides: u32,
-    /// What every random choice follows from.
+    /// Seed of every random choice.
     pub seed: u32,
-    /// How far the hairline lies above its usual place, metres.
+    /// Height of the hairline above its usual place, meters.
     pub hairline_raise: f32,
-    /// How far the hairline wanders, metres.
+    /// Irregularity of the hairline, meters.
     pub hairline_irregularity: f32,
-    /// Distance of the parting from the middle, metres, positive to the head's left; `None` for
+    /// Distance of the parting from the middle, meters, positive to the head's left; `None` for
     /// hair that grows from a whorl at the crown.
     pub parting: Option<f32>,
-    /// Half the width of the bare strip at the parting, metres.
+    /// Half the width of the bare strip at the parting, meters.
     pub parting_half_width: f32,
-    /// How far the parting strays from its way, metres.
+    /// Irregularity of the parting, meters.
     pub parting_wander: f32,
-    /// Greatest length along the guide, metres.
+    /// Maximum length along the guide, meters.
     pub length: LowTop,
-    /// Smallest length, metres.
+    /// Minimum length, meters.
     pub shortest: f32,
-    /// Height of the ends below the chin, metres (negative: above), where strands that are long
+    /// Height of the ends below the chin, meters (negative: above), where strands that are long
     /// enough are cut; `None` for no common hem.
     pub hem: Option<f32>,
-    /// How far the hem is uneven, metres.
+    /// Unevenness of the hem, meters.
     pub hem_softness: f32,
     /// Angle between the scalp and the hair at the root, radians.
     pub lift: LowTop,
-    /// Distance that the hair keeps from the skin over the head, metres.
+    /// Distance of the hair from the skin over the head, meters.
     pub volume: LowTop,
-    /// Pull of the comb towards the back of the head against that away from the parting.
+    /// Pull of the comb toward the back of the head, relative to its pull away from the parting.
     pub back: f32,
-    /// Pull towards the face on top of the head.
+    /// Pull of the comb toward the face on top of the head.
     pub forward: f32,
-    /// Weight of gravity against the comb on the head.
+    /// Weight of gravity relative to the comb on the head.
     pub gravity: f32,
-    /// Length over which hair turns to a new direction, metres.
+    /// Length over which hair turns to a new direction, meters.
     pub bend: f32,
-    /// Amplitude of the wave, metres.
+    /// Amplitude of the wave, meters.
     pub wave: f32,
-    /// Length of the wave, metres.
+    /// Length of the wave, meters.
     pub wavelength: f32,
-    /// How far the last third turns in towards the neck, 0 to 1.
+    /// Strength with which the ends turn in toward the neck, 0 to 1.
     pub tip_in: f32,
-    /// How far neighbouring guides differ in direction, radians.
+    /// Difference in direction between neighboring guides, radians.
     pub tousle: f32,
-    /// Whether hair rooted over the forehead falls into it as a fringe.
+    /// Whether hair rooted above the forehead falls over it as a fringe.
     pub fringe: bool,
-    /// Stiffness of the guides against the simulation's parameter.
+    /// Stiffness of the guides relative to the simulation's parameter.
     pub stiffness: LowTop,
-    /// What holds the style while it falls into place.
+    /// Hold of the style while it is draped.
     pub hold: Hold,
 }
 
@@ -96,13 +95,13 @@ pub struct Recipe {
 pub struct Long {
     /// Number of guides.
     pub guides: u32,
-    /// What every random choice follows from.
+    /// Seed of every random choice.
     pub seed: u32,
-    /// Greatest length, metres.
+    /// Maximum length, meters.
     pub length: f32,
-    /// Distance of the parting from the middle, metres, positive to the head's left.
+    /// Distance of the parting from the middle, meters, positive to the head's left.
     pub parting: f32,
-    /// Amplitude of the wave, metres.
+    /// Amplitude of the wave, meters.
     pub wave: f32,
 }
 
@@ -117,13 +116,13 @@ impl Default for Long {
 pub struct Bob {
     /// Number of guides.
     pub guides: u32,
-    /// What every random choice follows from.
+    /// Seed of every random choice.
     pub seed: u32,
-    /// Height of the edge above the chin, metres.
+    /// Height of the edge above the chin, meters.
     pub edge: f32,
-    /// Distance of the parting from the middle, metres, positive to the head's left.
+    /// Distance of the parting from the middle, meters, positive to the head's left.
     pub parting: f32,
-    /// Whether hair falls into the forehead.
+    /// Whether hair falls over the forehead.
     pub fringe: bool,
 }
 
@@ -138,11 +137,11 @@ impl Default for Bob {
 pub struct Curly {
     /// Number of guides.
     pub guides: u32,
-    /// What every random choice follows from.
+    /// Seed of every random choice.
     pub seed: u32,
-    /// Length along the axis of the spirals, metres.
+    /// Length along the axis of the spirals, meters.
     pub length: f32,
-    /// Diameter of the spirals, metres.
+    /// Diameter of the spirals, meters.
     pub diameter: f32,
 }
 
@@ -157,11 +156,11 @@ impl Default for Curly {
 pub struct Short {
     /// Number of guides.
     pub guides: u32,
-    /// What every random choice follows from.
+    /// Seed of every random choice.
     pub seed: u32,
-    /// Length on top, metres.
+    /// Length on top, meters.
     pub top: f32,
-    /// Length at the sides and the nape, metres.
+    /// Length at the sides and the nape, meters.
     pub sides: f32,
 }
 
@@ -209,10 +208,10 @@ impl FromStr for Style {
 }
 
 impl Style {
-    /// The names that can be parsed.
+    /// Names of styles that can be parsed.
     pub const NAMES: [&'static str; 4] = ["long", "bob", "curly", "short"];
 
-    /// The name of the style.
+    /// Returns the name of the style.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Long(_) => "long",
@@ -222,7 +221,7 @@ impl Style {
         }
     }
 
-    /// The same style with every random choice made anew.
+    /// Returns the style with another seed.
     pub fn with_seed(mut self, new: u32) -> Self {
         match &mut self {
             Self::Long(Long { seed, .. })
@@ -233,7 +232,7 @@ impl Style {
         self
     }
 
-    /// The style as numbers.
+    /// Returns the recipe of the style.
     pub fn recipe(&self) -> Recipe {
         let base = Recipe {
             guides: 166,
@@ -335,7 +334,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn styles_have_names() {
+    fn style_names_round_trip() {
         for name in Style::NAMES {
             assert_eq!(name.parse::<Style>().unwrap().name(), name);
         }

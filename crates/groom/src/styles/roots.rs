@@ -1,4 +1,4 @@
-//! The roots of the guides: points spread evenly over the region inside the hairline.
+//! Roots of the guides: points spread evenly over the region inside the hairline.
 
 use super::hairline::Hairline;
 use super::parting::Parting;
@@ -6,15 +6,15 @@ use crate::random::Rng;
 use crate::scalp::{Scalp, spread_direction};
 use glam::{Vec2, Vec3, Vec4};
 
-/// Sample points of the region for each root that is sought.
+/// Sample points of the region per root.
 const SAMPLES_PER_ROOT: usize = 45;
 
 /// Rounds of relaxation.
 const ROUNDS: usize = 14;
 
-/// `count` points on `scalp` inside the hairline and beside the parting, relaxed: each is moved to
-/// the middle of the region that is nearest to it. Samples near an edge weigh more, so that the
-/// outermost roots lie close to it.
+/// Returns `count` points on `scalp` inside the hairline and beside the parting, relaxed by Lloyd's method: each moves
+/// to the mean of the samples nearest to it. Samples near an edge weigh more, so that the outermost roots lie close to
+/// it.
 pub(crate) fn guide_roots(
     scalp: &dyn Scalp,
     hairline: &Hairline,
@@ -24,7 +24,7 @@ pub(crate) fn guide_roots(
 ) -> Vec<Vec3> {
     let mut rng = Rng::new(seed, 0x0700);
     let start = Vec2::new(rng.unit(), rng.unit());
-    // The fourth coordinate lifts the two sides of the parting apart, so that no root has both.
+    // The fourth coordinate moves the two sides of the parting apart, so that no root covers both.
     let apart = |p: Vec3| match parting {
         Some(parting) => {
             let near = 1.0 - (parting.nearest(p).distance(p) / 0.03).min(1.0);
@@ -45,7 +45,7 @@ pub(crate) fn guide_roots(
         let edge = inside.min(beside);
         samples.push((apart(p), if edge < 0.006 { 3.0 } else { 1.0 }));
     }
-    // The samples are an even sequence, so any run of them is a good start.
+    // The samples are an evenly spread sequence, so any run of them is a good start.
     let mut roots: Vec<Vec4> = samples.iter().take(count).map(|sample| sample.0).collect();
     let mut sums = vec![(Vec4::ZERO, 0.0f32); roots.len()];
     for _ in 0..ROUNDS {
@@ -66,7 +66,7 @@ pub(crate) fn guide_roots(
         let p = scalp.point(root.truncate() - skull);
         let bare = hairline.inside(p) < 0.0005
             || parting.is_some_and(|line| line.nearest(p).distance(p) < line.half_width + 0.0005);
-        // A mean can fall outside of a region that bends inwards; its nearest sample does not.
+        // A mean can fall outside of a concave region; its nearest sample does not.
         if bare { samples[nearest_sample(&samples, *root)].0.truncate() } else { p }
     };
     roots.iter().map(settle).collect()

@@ -2,7 +2,7 @@ use super::*;
 use crate::{mannequin, scalp::GridScalp};
 use std::sync::OnceLock;
 
-/// The mannequin that the tests share.
+/// Returns the mannequin that the tests share.
 pub(crate) fn head() -> &'static GridScalp {
     static HEAD: OnceLock<GridScalp> = OnceLock::new();
     HEAD.get_or_init(|| GridScalp::mannequin(112))
@@ -12,7 +12,7 @@ fn styles() -> [Style; 4] {
     Style::NAMES.map(|name| name.parse().unwrap())
 }
 
-/// How many points lie in the box in front of the face, from the chin to the brow.
+/// Counts the points in the box in front of the face, from the chin to the brow.
 pub(crate) fn in_face(points: &[Vec3]) -> usize {
     let marks = head().landmarks();
     let inside =
@@ -20,7 +20,7 @@ pub(crate) fn in_face(points: &[Vec3]) -> usize {
     points.iter().filter(inside).count()
 }
 
-/// How many points behind the first of every `every` lie in the head.
+/// Counts the points in the head, except the first of every `every` points.
 pub(crate) fn in_head(points: &[Vec3], every: usize) -> usize {
     let inside = |(i, p): &(usize, &Vec3)| i % every != 0 && head().distance(**p) < 0.0;
     points.iter().enumerate().filter(inside).count()
@@ -39,7 +39,7 @@ fn guide_counts_are_exact() {
 }
 
 #[test]
-fn a_seed_makes_a_style_reproducible() {
+fn same_seed_gives_same_guides() {
     for style in styles() {
         let once = guides(&style, head()).guides;
         assert_eq!(once, guides(&style, head()).guides);
@@ -73,7 +73,7 @@ fn guides_keep_clear_of_head_and_face() {
         let mut positions = guides(&style, head()).guides.positions;
         assert_eq!(in_head(&positions, GUIDE_VERTICES), 0, "{}", style.name());
         assert_eq!(in_face(&positions), 0, "{}", style.name());
-        // Both would be seen.
+        // The checks detect both.
         positions[5] = head().landmarks().skull;
         positions[6] = mannequin::NOSE_TIP + Vec3::Z * 0.01;
         assert_eq!((in_head(&positions, GUIDE_VERTICES), in_face(&positions)), (1, 1));
@@ -81,7 +81,7 @@ fn guides_keep_clear_of_head_and_face() {
 }
 
 #[test]
-fn lengths_are_those_of_the_style() {
+fn guide_lengths_match_the_style() {
     for (style, shortest, longest) in styles()
         .into_iter()
         .zip([(0.12, 0.37), (0.03, 0.32), (0.1, 0.24), (0.02, 0.07)])
@@ -114,7 +114,7 @@ fn hair_falls_to_its_side_of_the_parting() {
 }
 
 #[test]
-fn a_fringe_ends_above_the_eyes() {
+fn fringe_ends_above_the_eyes() {
     let bob = Style::Bob(Bob { fringe: true, ..Bob::default() });
     let styled = guides(&bob, head());
     let marks = head().landmarks();

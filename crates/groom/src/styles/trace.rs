@@ -1,4 +1,4 @@
-//! Tracing one guide: a path that leaves the scalp, follows the comb over the head and falls.
+//! Tracing of one guide: a path that leaves the scalp, follows the comb over the head and falls.
 
 use super::face::Face;
 use super::parting::Parting;
@@ -7,32 +7,32 @@ use crate::random::{Rng, lerp, noise, smoothstep};
 use crate::scalp::{Landmarks, Scalp};
 use glam::Vec3;
 
-/// Length of a step along the path, metres.
+/// Length of a step along the path, meters.
 const STEP: f32 = 0.0025;
 
-/// What all paths of one hairstyle share.
+/// Data that all paths of one hairstyle share.
 pub(crate) struct Field<'a> {
     pub(crate) recipe: &'a Recipe,
     pub(crate) scalp: &'a dyn Scalp,
     pub(crate) marks: Landmarks,
     pub(crate) parting: Option<&'a Parting>,
     pub(crate) face: Face,
-    /// Where the hair of the crown parts when there is no parting line.
+    /// Point where the hair of the crown parts if there is no parting line.
     pub(crate) whorl: Vec3,
 }
 
 impl Field<'_> {
-    /// The layer of a root: 0 for the lowest (nape, over the ears), 1 for the highest.
+    /// Returns the layer of a root: 0 for the lowest (nape, over the ears), 1 for the highest.
     pub(crate) fn layer(&self, root: Vec3) -> f32 {
         smoothstep(self.marks.ear.y, self.marks.skull.y + 0.07, root.y)
     }
 
-    /// How far in front of the ears `p` lies, 0 at the ears to 1 at the forehead.
+    /// Returns the position of `p` in front of the ears, 0 at the ears to 1 at the forehead.
     fn frontness(&self, p: Vec3) -> f32 {
         smoothstep(self.marks.ear.z + 0.01, self.marks.brow.z - 0.02, p.z)
     }
 
-    /// Where the comb pulls at `p` hair of the given side, not yet along the skin.
+    /// Returns the pull of the comb at `p` on hair of the given side, not yet projected onto the skin.
     fn comb(&self, p: Vec3, side: f32, fringe: bool) -> Vec3 {
         let recipe = self.recipe;
         if fringe {
@@ -43,19 +43,19 @@ impl Field<'_> {
         let from = self.parting.map_or(self.whorl, |parting| parting.nearest(p));
         let mut away = (p - from).normalize_or_zero();
         if self.parting.is_some() {
-            // Close to the line the way from its nearest point is mere noise.
+            // Close to the line, the direction from its nearest point is noise.
             let near = 1.0 - smoothstep(0.0, 0.02, p.distance(from));
             let open = 1.0 - smoothstep(0.0, 0.03, from.distance(self.whorl));
             away = (away + Vec3::X * side * 2.0 * near * (1.0 - open)).normalize_or_zero();
         }
-        // Towards the crown hair of both sides sweeps back and covers the parting's end.
+        // Toward the crown, hair of both sides sweeps back and covers the end of the parting.
         let crown = match self.parting {
             Some(_) => {
                 (1.0 - smoothstep(0.01, 0.06, from.distance(self.whorl)))
                     * (1.0 - smoothstep(0.02, 0.06, p.distance(from)))
             }
             None => {
-                // Around a whorl hair turns.
+                // Hair turns around a whorl.
                 let near = 1.0 - smoothstep(0.0, 0.05, p.distance(from));
                 away = (away + (from - self.marks.skull).normalize_or(Vec3::Y).cross(away) * 2.6 * near)
                     .normalize_or_zero();
@@ -67,7 +67,7 @@ impl Field<'_> {
             + (Vec3::Z + Vec3::X * 0.12) * recipe.forward * top * smoothstep(-0.01, 0.05, p.z - self.whorl.z)
     }
 
-    /// The path from `root`: points at equal steps, root first.
+    /// Returns the path from `root`: points at equal steps, root first.
     pub(crate) fn trace(&self, root: Vec3, index: u32) -> Vec<Vec3> {
         let recipe = self.recipe;
         let mut rng = Rng::new(recipe.seed, index.wrapping_mul(7919) + 17);
@@ -79,7 +79,7 @@ impl Field<'_> {
         // Hair lies flatter at the parting.
         let beside =
             self.parting.map_or(1.0, |parting| smoothstep(0.0, 0.04, parting.nearest(root).distance(root)));
-        // Around a whorl it stands up, or the crown would be a hollow.
+        // Around a whorl hair stands up, or the crown would look hollow.
         let stand = match self.parting {
             Some(_) => 0.0,
             None => 1.0 - smoothstep(0.005, 0.06, root.distance(self.whorl)),
@@ -88,7 +88,7 @@ impl Field<'_> {
             * lerp(0.6, 1.0, beside)
             * (1.0 + 0.2 * rng.bell().clamp(-1.5, 1.5));
         let volume = recipe.volume.at(layer) * lerp(0.6, 1.0, beside) * (1.0 + 0.12 * rng.bell());
-        // Where hair parts in all directions some of it crosses over, and covers the spot.
+        // Where hair parts in all directions, some of it crosses over and covers the spot.
         let wild = match self.parting {
             Some(_) => 0.8 * (1.0 - smoothstep(0.006, 0.03, root.distance(self.whorl))),
             None => 1.0 * (1.0 - smoothstep(0.01, 0.035, root.distance(self.whorl))),
@@ -118,18 +118,18 @@ impl Field<'_> {
             let up = smoothstep(-0.35, 0.5, n.y) * smoothstep(self.marks.chin.y, self.marks.ear.y, p.y);
             let mut comb = self.comb(p, side, fringe);
             comb = glam::Quat::from_axis_angle(n, swing * (1.0 - along / 0.12).max(0.0)) * comb;
-            // It leads along the head, never off it.
+            // The comb acts along the head, never away from it.
             comb -= n * comb.dot(n);
-            // The comb holds over the braincase; below and away from it hair falls.
+            // The comb holds hair over the braincase; below and away from it, hair falls.
             let held = smoothstep(self.marks.ear.y - 0.03, self.marks.ear.y + 0.05, p.y)
                 * (1.0 - smoothstep(volume + 0.01, volume + 0.05, d));
             let mut target = comb * held * (1.0 - recipe.gravity * 0.45)
                 + Vec3::NEG_Y * recipe.gravity * lerp(1.0, 0.55, held);
-            // Near the skin only the way along it is open.
+            // Near the skin, remove the part of the direction along the normal.
             let close = 1.0 - smoothstep(volume, volume + 0.03, d);
             target -= n * target.dot(n) * close;
             target = target.normalize_or(t);
-            // Over the ears hair lies closer than above, or it would stand off like a hat's brim.
+            // Over the ears hair lies closer than above, or it would stand off like the brim of a hat.
             let full = volume * lerp(0.35, 1.0, smoothstep(self.marks.ear.y, self.marks.skull.y + 0.04, p.y));
             let wanted = full * smoothstep(0.0, 0.035, along).max(0.1);
             let error = (wanted - d) / 0.012;
@@ -137,7 +137,7 @@ impl Field<'_> {
             if let Some(hem) = hem
                 && recipe.tip_in > 0.0
             {
-                // The last centimetres turn in towards the neck.
+                // The last centimeters turn in toward the neck.
                 let last = 1.0 - smoothstep(hem, hem + 0.05, p.y);
                 let inward = Vec3::new(-p.x, 0.0, self.marks.nape.z * 0.4 - p.z).normalize_or_zero();
                 target += inward * recipe.tip_in * last;
@@ -169,20 +169,20 @@ impl Field<'_> {
         path
     }
 
-    /// The outward direction at `p` without the small forms of the head: hair passes over an ear and
-    /// does not follow it.
+    /// Returns the outward normal at `p` without the small forms of the head: hair passes over an ear and does not
+    /// follow it.
     fn broad_normal(&self, p: Vec3) -> Vec3 {
         let h = 0.014;
         let d = |axis: Vec3| self.scalp.distance(p + axis * h) - self.scalp.distance(p - axis * h);
         Vec3::new(d(Vec3::X), d(Vec3::Y), d(Vec3::Z)).normalize_or(Vec3::Y)
     }
 
-    /// Whether hair from `root` belongs to the fringe: over the forehead, in front of the crown.
+    /// Returns whether hair from `root` belongs to the fringe: over the forehead, in front of the crown.
     fn is_fringe(&self, root: Vec3) -> bool {
         root.z > self.marks.skull.z + 0.045 && root.x.abs() < 0.042 && root.y > self.marks.brow.y + 0.03
     }
 
-    /// Bends the path into waves that neighbouring paths share.
+    /// Adds waves to the path that neighboring paths share.
     fn wave(&self, path: &mut [Vec3], root: Vec3, rng: &mut Rng) {
         let recipe = self.recipe;
         if recipe.wave <= 0.0 {

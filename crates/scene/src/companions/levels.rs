@@ -14,21 +14,22 @@ struct File {
     levels: Vec<Level>,
 }
 
-/// One of them: names of maps, or pictures beside the file.
+/// One level: names of maps, or images relative to the file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Level {
-    /// Pixels.
+    /// Screen size of the hair, pixels.
     size: f32,
     density: Option<String>,
     thickness: Option<String>,
 }
 
-/// The painted levels that the .json file at `path` names: black draws no strand, white all; black is a
-/// quarter as wide, white four times, middle grey as it was.
+/// Reads painted levels of detail from the .json file at `path`. In density maps, black draws no strand and white all.
+/// In thickness maps, black draws a quarter of the width, middle gray the original width, and white four times the
+/// width.
 ///
 /// # Errors
-/// One sentence that names the file, when it or a picture that it names cannot be read.
+/// Fails if the file or an image that it names cannot be read. The message names the file.
 pub fn levels(path: &Path, files: &Shelf) -> Result<Vec<LodLevel>> {
     let text = files.load(path)?;
     let read = || -> Result<Vec<LodLevel>> {
@@ -63,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn levels_are_read_beside_their_file() {
+    fn levels_load_images_next_to_the_file() {
         let folder = tempfile::tempdir().unwrap();
         let mut encoder =
             png::Encoder::new(std::fs::File::create(folder.path().join("d.png")).unwrap(), 1, 1);
@@ -88,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn levels_are_read_from_bytes() {
+    fn levels_load_from_memory() {
         let mut png = Vec::new();
         let mut encoder = png::Encoder::new(&mut png, 1, 1);
         encoder.set_color(png::ColorType::Grayscale);

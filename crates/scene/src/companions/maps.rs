@@ -1,4 +1,4 @@
-//! Maps on the scalp from pictures and by name.
+//! Scalp maps, from images or by name.
 
 use crate::shelf::Shelf;
 use anyhow::{Context, Result, bail};
@@ -12,12 +12,12 @@ use tresses::{
     light::material::linear,
 };
 
-/// Where the values of a map come from.
+/// Source of a scalp map's values.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MapSource {
-    /// A map of the library.
+    /// A map built into the library.
     Named(String),
-    /// A picture and which of its channels; `None` for the mean of its colours.
+    /// An image and one of its channels; `None` averages the color channels.
     Picture(PathBuf, Option<usize>),
 }
 
@@ -36,7 +36,7 @@ impl FromStr for MapSource {
         });
         let (path, channel) = channel.map_or((text, None), |(path, c)| (path, Some(c)));
         if !is_png(path) {
-            return Err(format!("give a .png or one of {}", ScalpMap::NAMES.join(", ")));
+            return Err(format!("expected a .png file or one of {}", ScalpMap::NAMES.join(", ")));
         }
         Ok(Self::Picture(path.into(), channel))
     }
@@ -55,17 +55,20 @@ impl std::fmt::Display for MapSource {
 }
 
 impl MapSource {
-    /// The map, values from 0 to 1, whose picture is among `files`.
+    /// Reads the map, with values from 0 to 1. The image is looked up in `files`.
     ///
     /// # Errors
-    /// One sentence that names the picture, when it cannot be read or has no such channel.
+    /// Fails if the image cannot be read or lacks the channel. The message names the image.
     pub fn read(&self, files: &Shelf) -> Result<ScalpMap> {
         match self {
             Self::Named(name) => ScalpMap::named(name).with_context(|| format!("there is no map {name}")),
             Self::Picture(path, channel) => {
                 let picture = Picture::read(path, files)?;
                 if channel.is_some() && picture.channels == 1 {
-                    bail!("{}: a grey picture has no red, green and blue", path.display());
+                    bail!(
+                        "{}: a grayscale image has no separate channels; remove :r, :g or :b",
+                        path.display()
+                    );
                 }
                 match channel {
                     Some(channel) => picture.map(|pixel| pixel[*channel]),
@@ -76,7 +79,7 @@ impl MapSource {
     }
 }
 
-/// A picture of colours over the scalp.
+/// A color image over the scalp.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColorSource(PathBuf);
 
@@ -84,7 +87,7 @@ impl FromStr for ColorSource {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        if is_png(text) { Ok(Self(text.into())) } else { Err("give a .png".into()) }
+        if is_png(text) { Ok(Self(text.into())) } else { Err("expected a .png file".into()) }
     }
 }
 
@@ -95,10 +98,10 @@ impl std::fmt::Display for ColorSource {
 }
 
 impl ColorSource {
-    /// The map, linear, whose picture is among `files`.
+    /// Reads the map, in linear color. The image is looked up in `files`.
     ///
     /// # Errors
-    /// One sentence that names the picture, when it cannot be read.
+    /// Fails if the image cannot be read. The message names the image.
     pub fn read(&self, files: &Shelf) -> Result<ColorMap> {
         let picture = Picture::read(&self.0, files)?;
         let channel = |c: usize| picture.map(|pixel| linear(pixel[c.min(pixel.len() - 1)]));
@@ -110,26 +113,26 @@ fn is_png(path: &str) -> bool {
     Path::new(path).extension().is_some_and(|e| e.eq_ignore_ascii_case("png"))
 }
 
-/// A picture in the order of scalp maps: its lowest row, the back of the head, first.
+/// An image in the row order of scalp maps: the bottom row, the back of the head, comes first.
 struct Picture {
     width: usize,
     height: usize,
-    /// 1 or 3.
+    /// Channels per pixel, 1 or 3.
     channels: usize,
-    /// 0 to 1, without alpha.
+    /// Channel values from 0 to 1, without alpha.
     values: Vec<f32>,
 }
 
 impl Picture {
     fn read(path: &Path, files: &Shelf) -> Result<Self> {
-        // Its errors name the file.
+        // Errors of `load` already name the file.
         let file = files.load(path)?;
         let read = || -> Result<Self> {
             let mut decoder = png::Decoder::new(Cursor::new(&*file));
-            // Palettes and few bits become 8 bits; 16 bits stay.
+            // Expand palettes and low bit depths to 8 bits; 16-bit samples stay.
             decoder.set_transformations(png::Transformations::EXPAND);
             let mut reader = decoder.read_info()?;
-            let size = reader.output_buffer_size().context("the picture is too large")?;
+            let size = reader.output_buffer_size().context("the image is too large")?;
             let mut bytes = vec![0; size];
             let info = reader.next_frame(&mut bytes)?;
             let (width, height) = (info.width as usize, info.height as usize);
@@ -166,7 +169,7 @@ mod tests {
     use std::fs::File;
     use tresses::glam::Vec2;
 
-    /// A picture of 2 x 2 pixels; `bytes` row by row from the top.
+    /// Writes an image of 2 × 2 pixels; `bytes` holds its rows from the top.
     fn picture(
         folder: &Path,
         name: &str,
@@ -183,7 +186,7 @@ mod tests {
     }
 
     fn corners(map: &ScalpMap) -> [f32; 4] {
-        // Front right of the head, front left, back right, back left: the picture's pixels in order.
+        // Front right of the head, front left, back right, back left: the order of the image's pixels.
         [(0.0, 1.0), (1.0, 1.0), (0.0, 0.0), (1.0, 0.0)].map(|(u, v)| map.sample(Vec2::new(u, v)))
     }
 
@@ -192,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_of_every_kind_are_read() {
+    fn png_variants_load() {
         let folder = tempfile::tempdir().unwrap();
         let (grey, rgb) = (png::ColorType::Grayscale, png::ColorType::Rgb);
         let (eight, sixteen) = (png::BitDepth::Eight, png::BitDepth::Sixteen);
@@ -217,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn names_and_nonsense() {
+    fn map_sources_parse_or_fail() {
         assert_eq!("not-front".parse(), Ok(MapSource::Named("not-front".into())));
         assert!("front".parse::<MapSource>().unwrap().read(&Shelf::default()).is_ok());
         for text in ["not-front", "map.png", "deep/map.png:g"] {

@@ -1,6 +1,6 @@
-//! Files beside groom and head: maps on the scalp, a drawn curl, painted levels of detail, obstacles, ties and
-//! environments. A [`Source`] names them; here they are read, from the disk or,
-//! in a browser, from a [`Shelf`] of bytes.
+//! Files that accompany a groom and its head: scalp maps, a drawn curl, painted levels of detail, colliders, ties and
+//! environment maps. A [`Source`] names them. The functions here read them from disk or, in a browser, from the bytes
+//! in a [`Shelf`].
 
 pub(crate) mod levels;
 mod maps;
@@ -21,38 +21,38 @@ use anyhow::{Error, Result};
 use std::path::Path;
 use tresses::{
     groom::{
-        grow::{CurlCurve, Paint},
+        grow::{CurlCurve, ScalpPaint},
         scalp::ScalpMap,
     },
     lod::LodLevel,
     simulate::Tie,
 };
 
-/// What comes from files beside the groom: maps on the scalp, and a drawn curl.
+/// Contents of the companion files that affect strands.
 #[derive(Clone, Debug, Default)]
 pub struct Maps {
-    /// Maps that act before strands are made; the map of curls acts on imported grooms too.
-    pub paint: Paint,
-    /// Factors of the guides' stiffness.
+    /// Maps applied while strands are built. The curl map also applies to imported grooms.
+    pub paint: ScalpPaint,
+    /// Stiffness factors for the guides.
     pub stiffness: Option<ScalpMap>,
-    /// A drawn curl.
+    /// Drawn curl.
     pub curl: Option<CurlCurve>,
     /// Painted levels of detail.
     pub levels: Vec<LodLevel>,
-    /// What holds the hair.
+    /// Bands, braids and pins.
     pub ties: Vec<Tie>,
 }
 
-/// The names of what stands beside a groom, and the bytes of those that are not on the disk.
+/// Names of a groom's companion files, and the contents of those held in memory.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Companions {
     names: Source,
-    /// What is there as bytes.
+    /// Files in memory.
     pub files: Shelf,
 }
 
 impl Companions {
-    /// The companions that `source` names.
+    /// Collects the companions that `source` names.
     pub fn of(source: &Source, files: Shelf) -> Self {
         let mut names = Source::default();
         for companion in &COMPANIONS {
@@ -61,17 +61,17 @@ impl Companions {
         Self { names, files }
     }
 
-    /// The names alone: a source without hair.
+    /// Returns a source that names only the companions, without hair.
     pub fn names(&self) -> &Source {
         &self.names
     }
 
-    /// The name of one of them.
+    /// Returns the file name of one companion.
     pub fn name(&self, companion: &Companion) -> Option<String> {
         companion.name(&self.names)
     }
 
-    /// The same with another file in one place, or with none; `files` are there as bytes from then on.
+    /// Returns a copy with `companion` set to `name`, or removed. `files` are added to those in memory.
     pub fn with(&self, companion: &Companion, name: Option<String>, files: &Shelf) -> Self {
         let mut changed = self.clone();
         if let Some(old) = companion.name(&self.names) {
@@ -82,7 +82,7 @@ impl Companions {
         changed
     }
 
-    /// The bytes of everything but the surroundings.
+    /// Returns the files in memory except the environment map.
     fn files_of_hair(&self) -> Shelf {
         let mut files = self.files.clone();
         if let Some(name) = &self.names.environment {
@@ -91,35 +91,35 @@ impl Companions {
         files
     }
 
-    /// Each that there is, with the name of its file.
+    /// Iterates over the companions that are set, with their file names.
     pub fn all(&self) -> impl Iterator<Item = (&'static Companion, String)> {
         COMPANIONS.iter().filter_map(|companion| Some((companion, self.name(companion)?)))
     }
 
-    /// Whether hair that has these instead of `other` has to be made again.
+    /// Returns whether replacing `other` with these companions requires rebuilding the hair.
     pub fn differ_in_hair(&self, other: &Self) -> bool {
         let differs = |companion: &Companion| self.name(companion) != other.name(companion);
         self.files_of_hair() != other.files_of_hair()
             || COMPANIONS.iter().any(|c| c.kind.is_of_hair() && differs(c))
     }
 
-    /// Whether there are other bytes than in `other`.
+    /// Returns whether `self` and `other` have different files in memory.
     pub fn files_differ(&self, other: &Self) -> bool {
         self.files != other.files
     }
 
-    /// The maps, the drawn curl, the painted levels and the ties.
+    /// Reads the maps, the drawn curl, the painted levels and the ties.
     ///
     /// # Errors
-    /// One sentence, for the first that cannot be read.
+    /// Returns the first file's read error.
     pub fn maps(&self) -> Result<Maps> {
         maps(&self.names, &self.files)
     }
 
-    /// The obstacles; none where no file is named.
+    /// Reads the colliders; none if no file is set.
     ///
     /// # Errors
-    /// One sentence that names the file that cannot be read.
+    /// Fails if the file cannot be read. The message names the file.
     pub fn colliders(&self) -> Result<Colliders> {
         match &self.names.colliders {
             Some(path) => Colliders::read(Path::new(path), &self.files),
@@ -127,10 +127,10 @@ impl Companions {
         }
     }
 
-    /// The surroundings, if some are named.
+    /// Reads the environment map, if one is set.
     ///
     /// # Errors
-    /// One sentence that names the file that cannot be read.
+    /// Fails if the file cannot be read. The message names the file.
     pub fn surroundings(&self) -> Result<Option<Surroundings>> {
         self.names
             .environment
@@ -150,10 +150,10 @@ fn maps(source: &Source, files: &Shelf) -> Result<Maps> {
         let path = Path::new(name);
         anyhow::Ok(CurlCurve::parse(path, &files.load(path)?)?)
     };
-    // Black hair is a quarter as stiff, white four times.
+    // Black is a quarter as stiff, white four times.
     let stiffness = read(&source.stiffness_map)?.map(|map| map.map(|grey| 4f32.powf(2.0 * grey - 1.0)));
     Ok(Maps {
-        paint: Paint {
+        paint: ScalpPaint {
             density: read(&source.density_map)?,
             thickness: read(&source.thickness_map)?,
             length: read(&source.length_map)?,
@@ -179,7 +179,7 @@ mod tests {
     use crate::source::companion;
 
     #[test]
-    fn every_companion_has_its_place() {
+    fn each_companion_has_its_own_field() {
         let mut source = Source { style: Some("bob".into()), ..Source::default() };
         for companion in &COMPANIONS {
             companion.set(&mut source, Some(companion.key.into()));
@@ -196,7 +196,7 @@ mod tests {
             assert_eq!(less.differ_in_hair(&companions), companion.key != "environment");
             assert_eq!(less.all().count(), COMPANIONS.len() - 1);
         }
-        // Surroundings that come as bytes leave the hair as it is; a map does not.
+        // An environment map in memory does not require rebuilding the hair; a scalp map does.
         let mut sky = Shelf::default();
         sky.put("sky.hdr".into(), *b"x");
         let lit = companions.with(companion("environment").unwrap(), Some("sky.hdr".into()), &sky);
@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn maps_and_a_curve_are_read_from_bytes() {
+    fn maps_and_curve_load_from_memory() {
         let names = Source {
             density_map: Some("not-front".into()),
             curl_curve: Some("wave.obj".into()),

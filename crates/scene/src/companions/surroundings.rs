@@ -1,4 +1,4 @@
-//! A picture of the surroundings that lights the scene.
+//! Environment maps that light the scene.
 
 use crate::{settings::LightSettings, shelf::Shelf};
 use anyhow::{Context, Result, ensure};
@@ -8,13 +8,13 @@ use tresses::{
     light::{Directional, Environment, Lights, MAX_LIGHTS, Sky},
 };
 
-/// The most pixels of a picture that is read: 16K by 8K.
+/// Maximum number of pixels in an image: 16K by 8K.
 const MAX_PIXELS: u64 = 16_384 * 8_192;
 
-/// Columns that light is gathered in: finer makes no difference to hair.
+/// Columns of the reduced image. More columns make no difference on hair.
 const COLUMNS: usize = 512;
 
-/// An equirectangular picture, linear, made small enough; its middle lies before the face.
+/// Equirectangular environment map in linear color, reduced in size. The face (+Z) looks at its center.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surroundings {
     width: usize,
@@ -23,19 +23,19 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// The picture (.hdr or .exr) at `path`.
+    /// Reads the .hdr or .exr image at `path`.
     ///
     /// # Errors
-    /// One sentence that names the file, when it cannot be read or is not twice as wide as high.
+    /// Fails if the image cannot be read or is not twice as wide as high. The message names the file.
     pub fn read(path: &Path, files: &Shelf) -> Result<Self> {
         let bytes = files.load(path)?;
         decode(path, &bytes).with_context(|| path.display().to_string())
     }
 
-    /// The light of it, turned and strengthened as `settings` have it.
+    /// Returns the lights of the map, with the rotation and strength from `settings`.
     pub fn lights(&self, settings: &LightSettings) -> Lights {
         let (turn, strength) = (settings.environment_turn, settings.environment_strength);
-        // There are pixels: a picture without any is refused.
+        // `decode` rejects empty images.
         let (mut environment, suns) =
             Environment::from_equirectangular(self.width, self.height, &self.pixels, turn)
                 .unwrap_or_default();
@@ -54,7 +54,7 @@ fn decode(path: &Path, bytes: &[u8]) -> Result<Surroundings> {
     let format = image::ImageFormat::from_path(path).ok();
     let format =
         format.filter(|format| matches!(format, image::ImageFormat::Hdr | image::ImageFormat::OpenExr));
-    let format = format.context("surroundings are read from .hdr and .exr files")?;
+    let format = format.context("environment maps are read from .hdr and .exr files")?;
     let mut reader = image::ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = image::Limits::default();
     limits.max_alloc = Some(MAX_PIXELS * 16);
@@ -63,9 +63,9 @@ fn decode(path: &Path, bytes: &[u8]) -> Result<Surroundings> {
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     ensure!(
         width > 0 && width.abs_diff(2 * height) <= 2,
-        "the picture is {width} × {height} pixels, but surroundings are twice as wide as high"
+        "the image is {width} × {height} pixels, but an equirectangular map is twice as wide as high"
     );
-    // Whole blocks, so that every pixel counts.
+    // Average whole blocks, so that every pixel counts.
     let block = width.div_ceil(COLUMNS);
     let (columns, rows) = (width.div_ceil(block), height.div_ceil(block));
     let pixels = (0..rows * columns).map(|i| {
@@ -88,7 +88,7 @@ mod tests {
     use super::*;
     use tresses::glam::Quat;
 
-    /// Bright above, and a sun; on a shelf.
+    /// Returns a shelf with an environment map: bright above, dark below, with a sun.
     fn written(name: &str, width: u32, height: u32) -> Shelf {
         let picture = image::Rgb32FImage::from_fn(width, height, |x, y| match (x, y) {
             (10..12, 5..7) => image::Rgb([800.0, 700.0, 600.0]),
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn both_formats_are_read() {
+    fn hdr_and_exr_load() {
         for name in ["sky.hdr", "sky.exr"] {
             let read = Surroundings::read(Path::new(name), &written(name, 64, 32)).unwrap();
             let usual = LightSettings::default();
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_picture_of_surroundings_is_refused() {
+    fn invalid_environment_maps_fail() {
         let read = |name: &str, shelf: &Shelf| match Surroundings::read(Path::new(name), shelf) {
             Ok(_) => panic!("{name}"),
             Err(error) => format!("{error:#}"),

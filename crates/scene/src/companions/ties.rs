@@ -8,14 +8,15 @@
 //!   {"at": [0, 1.55, -0.13], "radius": 0.08, "gather": 0.25, "group": 2}
 //! ]}
 //! ```
-//! Metres, groom space, the hair at rest: a band at a place, a braid along a line, a pin that holds hair to the head, a band
-//! that draws loose hair together to a quarter, of the file's group 2 alone. What they do is [`tresses::simulate::ties`].
+//! Units are meters, in groom space with the hair at rest. The example lists a band at a point, a braid along a line, a
+//! pin that holds hair to the head, and a band that gathers the loose hair of the file's group 2 to a quarter.
+//! [`tresses::simulate::ties`] describes their effect.
 
 use crate::shelf::Shelf;
 use anyhow::{Context, Result, ensure};
 use serde::Deserialize;
 use std::path::Path;
-use tresses::simulate::{Held, Tie};
+use tresses::simulate::{Tie, TieTarget};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -31,7 +32,7 @@ struct Entry {
     to: Option<[f32; 3]>,
     radius: f32,
     #[serde(default)]
-    held: How,
+    held: TieForm,
     #[serde(default = "all")]
     gather: f32,
     group: Option<i32>,
@@ -43,7 +44,7 @@ fn all() -> f32 {
 
 #[derive(Clone, Copy, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-enum How {
+enum TieForm {
     #[default]
     Together,
     ToHead,
@@ -54,11 +55,11 @@ impl Entry {
         let (from, to) = match (self.at, self.from, self.to) {
             (Some(at), None, None) => (at, at),
             (None, Some(from), Some(to)) => (from, to),
-            _ => anyhow::bail!("a tie has either \"at\" or \"from\" and \"to\""),
+            _ => anyhow::bail!("a tie must have either \"at\", or \"from\" and \"to\""),
         };
         let held = match self.held {
-            How::Together => Held::Together,
-            How::ToHead => Held::ToHead,
+            TieForm::Together => TieTarget::Together,
+            TieForm::ToHead => TieTarget::ToHead,
         };
         let Self { radius, gather, group, .. } = *self;
         let tie = Tie { from: from.into(), to: to.into(), radius, held, gather, group };
@@ -67,10 +68,10 @@ impl Entry {
     }
 }
 
-/// The ties that the .json file at `path` lists.
+/// Reads the ties from the .json file at `path`.
 ///
 /// # Errors
-/// One sentence that names the file, when it cannot be read or a tie makes no sense.
+/// Fails if the file cannot be read or a tie is invalid. The message names the file.
 pub fn ties(path: &Path, files: &Shelf) -> Result<Vec<Tie>> {
     let text = files.load(path)?;
     let read = || -> Result<Vec<Tie>> {
@@ -93,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn bands_braids_and_pins_are_read() {
+    fn ties_parse() {
         let found = read(
             r#"{"ties": [{"at": [0, 1, 2], "radius": 0.02}, {"from": [0, 1, 0], "to": [0, 2, 0], "radius": 0.01},
                 {"at": [1, 1, 1], "radius": 0.01, "held": "to-head", "gather": 0.3, "group": 4}]}"#,
@@ -102,22 +103,22 @@ mod tests {
         let at = Vec3::new(0.0, 1.0, 2.0);
         assert_eq!(
             found[0],
-            Tie { from: at, to: at, radius: 0.02, held: Held::Together, gather: 1.0, group: None }
+            Tie { from: at, to: at, radius: 0.02, held: TieTarget::Together, gather: 1.0, group: None }
         );
         assert_eq!((found[2].gather, found[2].group), (0.3, Some(4)));
-        assert_eq!((found[1].from.y, found[1].to.y, found[2].held), (1.0, 2.0, Held::ToHead));
+        assert_eq!((found[1].from.y, found[1].to.y, found[2].held), (1.0, 2.0, TieTarget::ToHead));
     }
 
     #[test]
-    fn what_makes_no_sense_is_said() {
+    fn invalid_ties_fail_with_a_reason() {
         for (text, clause) in [
             (r#"{"ties": []}"#, "empty"),
             (r#"{"ties": [{"radius": 0.02}]}"#, "either"),
             (r#"{"ties": [{"at": [0, 1, 2], "to": [0, 0, 0], "radius": 0.02}]}"#, "either"),
-            (r#"{"ties": [{"at": [0, 1, 2], "radius": -1}]}"#, "radius of a tie"),
+            (r#"{"ties": [{"at": [0, 1, 2], "radius": -1}]}"#, "tie radius"),
             (r#"{"ties": [{"at": [0, 1, 2], "radius": 0.1, "held": "up"}]}"#, "to-head"),
             (r#"{"ties": [{"at": [0, 1], "radius": 0.1}]}"#, "length 2"),
-            (r#"{"ties": [{"at": [0, 1, 2], "radius": 0.1, "gather": 0}]}"#, "gather of a tie"),
+            (r#"{"ties": [{"at": [0, 1, 2], "radius": 0.1, "gather": 0}]}"#, "tie gather"),
             ("{", "EOF"),
         ] {
             let error = format!("{:#}", read(text).unwrap_err());

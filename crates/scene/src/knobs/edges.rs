@@ -1,8 +1,8 @@
 //! Parameters of antialiasing.
 
 use super::{
-    Access, Choice, Kind, Knob, Section, Value,
-    flags::{Part, flag, value},
+    Access, Choice, Knob, Section, Value, ValueKind,
+    flags::{FlagValue, flag, value},
     rows,
     value::*,
 };
@@ -10,33 +10,33 @@ use tresses::draw::Coverage;
 
 pub(super) const SECTION: Section = Section {
     key: "edges",
-    title: "Edges",
-    about: "Antialiasing: samples per pixel, and how strands thinner than a pixel cover it.",
+    title: "Antialiasing",
+    about: "Samples per pixel, and coverage by strands thinner than a pixel.",
     knobs: KNOBS,
 };
 
 const KNOBS: &[Knob] = rows! { "edges";
-    "samples" "Samples per pixel" {SAMPLES} Kind::Choice(COUNTS),
+    "samples" "Samples per pixel" {SAMPLES} ValueKind::Choice(COUNTS),
         auto, rebuild, flag(flag("samples", "N").first(SAMPLES_ALONE)),
-        "More give smoother edges of bodies, and of hair with mask and alpha; not every adapter has more than 4.";
+        "MSAA samples of bodies, and of hair with mask and alpha; not every adapter supports more than 4.";
     "coverage" "Coverage" [view.coverage] choice::<Coverage>(),
         auto, rebuild, flag(flag("coverage", "MODE").common().first(COVERAGE_ALONE)),
-        "How strands thinner than a pixel cover it: all in order, layers of them, a sample mask, or alpha to coverage.";
+        "Blending of strands thinner than a pixel: tiles, peeled layers, sample mask, or alpha to coverage.";
     "layers" "Peeled layers" [peeled_layers] integer(PLAIN, 1, Coverage::MAX_LAYERS, 1),
         rebuild, flag(flag("layers", "N")),
-        "Layers of hair that are sorted, a pass each (peel only); more for light, thin hair.";
+        "Sorted layers of hair, one pass each (peel only); more for light, thin hair.";
     "ssaa" "Supersampling" [ssaa] integer(TIMES, 1, 2, 1),
         rebuild, flag(flag("ssaa", "N")),
-        "Pixels drawn per pixel shown, along each axis; 2 costs four times as much.";
+        "Rendered pixels per output pixel along each axis; 2 costs four times as much.";
     "min_width" "Minimum width" [shading.material.min_width] number(PIXELS, 0.0, 10.0), advanced,
         "Thinner strands are drawn this wide and proportionally sparser (mask only).";
 };
 
-/// Whoever gives one of the two does not want the other of a preset, which was chosen with another.
-const SAMPLES_ALONE: &[Part] = &[value("edges.samples").resets(&["edges.coverage"])];
-const COVERAGE_ALONE: &[Part] = &[value("edges.coverage").resets(&["edges.samples"])];
+/// A flag for one of the two resets the other, because a preset chooses them as a pair.
+const SAMPLES_ALONE: &[FlagValue] = &[value("edges.samples").resets(&["edges.coverage"])];
+const COVERAGE_ALONE: &[FlagValue] = &[value("edges.coverage").resets(&["edges.samples"])];
 
-/// Samples per pixel that adapters may offer.
+/// Sample counts that adapters may support.
 const COUNTS: &[Choice] = &[
     Choice { name: "1", hint: "one sample" },
     Choice { name: "4", hint: "4×MSAA" },
@@ -44,7 +44,7 @@ const COUNTS: &[Choice] = &[
     Choice { name: "16", hint: "16×MSAA" },
 ];
 
-/// A number of samples, which has a name.
+/// The sample count as a named choice.
 const SAMPLES: Access = Access {
     get: |settings| {
         Value::Choice(match settings.view.samples {

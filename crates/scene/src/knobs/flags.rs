@@ -1,119 +1,119 @@
-//! Flags of the command, as the rows describe them.
+//! Command-line flags of the parameters.
 //!
-//! A flag reads a text into [`Assigned`]: which parameters go back to their defaults, and which get a value.
-//! Most flags are their row's value and nothing else. Some are composite: places with commas between them
-//! (`--wind 8,45`), `key=value` (`--curl waves,radius=8mm`), words in the place of a number (`--guides all`).
-//! What a [`Part`] of it says of other rows stands with it. Numbers are in the unit that people read or have
-//! a unit of their own; shares are from 0 to 1, or have a `%`.
+//! A flag parses its text to [`Assignment`]: parameters to reset to their defaults, and parameters to set. Most flags set
+//! only the parameter of their row. Composite flags take a comma-separated list (`--wind 8,45`), `key=value` pairs
+//! (`--curl waves,radius=8mm`) or words in place of a number (`--guides all`). A [`FlagValue`] also lists the changes it
+//! makes to other rows. Numbers are in the row's unit unless they carry another unit; shares are from 0 to 1, or have a
+//! `%`.
 
 use super::{
-    Kind, Knob, Value, find,
+    Knob, Value, ValueKind, find,
     text::{names, with_unit},
     value::PERCENT,
 };
 use crate::settings::Settings;
 
-/// A parameter of another row, and what it becomes.
+/// Path of a parameter and the value to set.
 pub type Set = (&'static str, Value);
 
-/// How a flag is written.
+/// Syntax of a flag.
 #[derive(Clone, Copy, Debug)]
 pub struct Flag {
-    /// Its name, without the dashes.
+    /// Name, without the dashes.
     pub name: &'static str,
-    /// What stands for its value in a help text; empty for a switch that has none.
+    /// Placeholder of the value in help texts; empty for a switch without a value.
     pub value: &'static str,
-    /// What it does; empty for the hint of its row.
+    /// Description; empty to use the hint of the row.
     pub about: &'static str,
-    /// Whether a short help text has it.
+    /// Whether the short help text lists the flag.
     pub common: bool,
-    /// How often it may be given; the rows of the second time have a 2 in the place of the 1.
+    /// Maximum number of occurrences. The second occurrence sets the rows whose names have a 2 instead of the 1.
     pub times: usize,
-    /// What stands first; nothing for a value of its row.
-    first: &'static [Part],
+    /// Alternatives for the first element; empty for a value of the row.
+    first: &'static [FlagValue],
     more: &'static [Slot],
-    keys: &'static [Key],
+    keys: &'static [FlagKey],
 }
 
-/// A place in a list with commas.
+/// An element of a comma-separated list.
 #[derive(Clone, Copy, Debug)]
 pub struct Slot {
-    part: Part,
-    missing: Missing,
+    part: FlagValue,
+    missing: OmittedValue,
 }
 
-/// What a place that is left out means.
+/// Meaning of an omitted element.
 #[derive(Clone, Copy, Debug)]
-pub enum Missing {
-    /// It must not be left out.
+pub enum OmittedValue {
+    /// An error.
     Refused,
-    /// The parameter stays as it is.
+    /// The parameter does not change.
     Kept,
-    /// As the place before.
+    /// The value of the previous element.
     Same,
-    /// This.
+    /// This value.
     Is(&'static str),
 }
 
-/// What may stand behind `key=`.
+/// Syntax of `key=value`.
 #[derive(Clone, Copy, Debug)]
-pub struct Key {
+pub struct FlagKey {
     key: &'static str,
-    parts: &'static [Part],
+    parts: &'static [FlagValue],
 }
 
-/// What may stand at a place: a value of a row, or a word.
+/// Syntax of an element: a value of a row, or a word.
 #[derive(Clone, Copy, Debug)]
-pub struct Part {
+pub struct FlagValue {
     path: &'static str,
-    /// A word instead of a value.
+    /// Word to match instead of a value.
     word: &'static str,
     sets: &'static [Set],
     resets: &'static [&'static str],
 }
 
-/// What a flag comes to.
+/// Result of parsing a flag.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Assigned {
-    /// Parameters that go back to their defaults first: they went with what is replaced.
+pub struct Assignment {
+    /// Parameters to reset first, because they belong to the value being replaced.
     resets: Vec<&'static str>,
-    /// Parameters that get a value.
+    /// Parameters to set.
     sets: Vec<Set>,
 }
 
-/// A part that is a value of the row at `path`.
-pub(super) const fn value(path: &'static str) -> Part {
-    Part { path, word: "", sets: &[], resets: &[] }
+/// Returns a part that matches a value of the row at `path`.
+pub(super) const fn value(path: &'static str) -> FlagValue {
+    FlagValue { path, word: "", sets: &[], resets: &[] }
 }
 
-/// A part that is a word.
-pub(super) const fn word(word: &'static str, sets: &'static [Set]) -> Part {
-    Part { path: "", word, sets, resets: &[] }
+/// Returns a part that matches a word.
+pub(super) const fn word(word: &'static str, sets: &'static [Set]) -> FlagValue {
+    FlagValue { path: "", word, sets, resets: &[] }
 }
 
-pub(super) const fn place(part: Part, missing: Missing) -> Slot {
+pub(super) const fn place(part: FlagValue, missing: OmittedValue) -> Slot {
     Slot { part, missing }
 }
 
-pub(super) const fn key(key: &'static str, parts: &'static [Part]) -> Key {
-    Key { key, parts }
+pub(super) const fn key(key: &'static str, parts: &'static [FlagValue]) -> FlagKey {
+    FlagKey { key, parts }
 }
 
-impl Part {
-    /// It sets other parameters too.
+impl FlagValue {
+    /// Adds values to set in other parameters.
     pub(super) const fn sets(mut self, sets: &'static [Set]) -> Self {
         self.sets = sets;
         self
     }
 
-    /// Other parameters go back to their defaults, unless they are given too.
+    /// Adds parameters to reset. Values that the flag sets explicitly take precedence.
     pub(super) const fn resets(mut self, resets: &'static [&'static str]) -> Self {
         self.resets = resets;
         self
     }
 
-    fn read(&self, text: &str) -> Option<Assigned> {
-        let mut assigned = Assigned { resets: self.resets.to_vec(), sets: Vec::new() };
+    fn read(&self, text: &str) -> Option<Assignment> {
+        let mut assigned = Assignment { resets: self.resets.to_vec(), sets: Vec::new() };
         if !self.path.is_empty() {
             assigned.sets.push((self.path, flag_value(find(self.path)?, text)?));
         } else if text != self.word {
@@ -131,7 +131,7 @@ impl Part {
     }
 }
 
-/// A flag of a single value.
+/// Returns a flag that takes a single value.
 pub(super) const fn flag(name: &'static str, value: &'static str) -> Flag {
     Flag { name, value, about: "", common: false, times: 1, first: &[], more: &[], keys: &[] }
 }
@@ -152,35 +152,41 @@ impl Flag {
         self
     }
 
-    /// Any of these in the place of a value of the row.
-    pub(super) const fn first(mut self, parts: &'static [Part]) -> Self {
+    /// Sets the alternatives that replace the row's value as the first element.
+    pub(super) const fn first(mut self, parts: &'static [FlagValue]) -> Self {
         self.first = parts;
         self
     }
 
-    /// More, with commas between them.
+    /// Adds further comma-separated elements.
     pub(super) const fn then(mut self, places: &'static [Slot]) -> Self {
         self.more = places;
         self
     }
 
-    /// What may be said by `key=value`, in any order.
-    pub(super) const fn keys(mut self, keys: &'static [Key]) -> Self {
+    /// Returns the names of the keys, as in `key=value`.
+    #[cfg(test)]
+    pub(super) fn key_names(&self) -> impl Iterator<Item = &str> {
+        self.keys.iter().map(|key| key.key)
+    }
+
+    /// Adds `key=value` pairs, allowed in any order.
+    pub(super) const fn keys(mut self, keys: &'static [FlagKey]) -> Self {
         self.keys = keys;
         self
     }
 }
 
 impl Knob {
-    /// What `text` behind the flag of this row says, where the flag is given for the `time`th time (from 0 on).
+    /// Parses `text`, the argument of this row's flag. `time` is the index of the flag's occurrence, counted from 0.
     ///
     /// # Errors
-    /// One clause that says what is allowed.
-    pub fn read_flag(&'static self, text: &str, time: usize) -> Result<Assigned, String> {
+    /// Returns one clause that states the allowed values.
+    pub fn read_flag(&'static self, text: &str, time: usize) -> Result<Assignment, String> {
         let Some(flag) = self.flag else { return Err(format!("{} has no flag", self.path)) };
         let own = [value(self.path)];
         let first = if flag.first.is_empty() { &own } else { flag.first };
-        let mut assigned = Assigned::default();
+        let mut assigned = Assignment::default();
         let mut at = 0;
         let mut before = "";
         for text in text.split(',').map(str::trim) {
@@ -188,7 +194,7 @@ impl Knob {
                 Some((key, text)) if !flag.keys.is_empty() => {
                     let Some(found) = flag.keys.iter().find(|known| known.key == key.trim()) else {
                         let keys: Vec<_> = flag.keys.iter().map(|known| known.key).collect();
-                        return Err(format!("there is no {}; give {}", key.trim(), keys.join(", ")));
+                        return Err(format!("there is no {}; choose {}", key.trim(), keys.join(", ")));
                     };
                     (found.key, text.trim(), found.parts)
                 }
@@ -197,7 +203,7 @@ impl Knob {
                         0 => first,
                         at => match flag.more.get(at - 1) {
                             Some(place) => std::slice::from_ref(&place.part),
-                            None => return Err(format!("it takes {}", self.flag_form(&flag))),
+                            None => return Err(format!("expected {}", self.flag_form(&flag))),
                         },
                     };
                     (at, before) = (at + 1, text);
@@ -207,14 +213,14 @@ impl Knob {
             assigned.add(read_any(parts, text).ok_or_else(|| refusal(key, text, parts))?);
         }
         if at == 0 && flag.keys.is_empty() {
-            return Err(format!("it takes {}", self.flag_form(&flag)));
+            return Err(format!("expected {}", self.flag_form(&flag)));
         }
         for place in flag.more.iter().skip(at.saturating_sub(1)).take(if at == 0 { 0 } else { usize::MAX }) {
             let text = match place.missing {
-                Missing::Refused => return Err(format!("it takes {}", self.flag_form(&flag))),
-                Missing::Kept => continue,
-                Missing::Same => before,
-                Missing::Is(text) => text,
+                OmittedValue::Refused => return Err(format!("expected {}", self.flag_form(&flag))),
+                OmittedValue::Kept => continue,
+                OmittedValue::Same => before,
+                OmittedValue::Is(text) => text,
             };
             let part = std::slice::from_ref(&place.part);
             assigned.add(read_any(part, text).ok_or_else(|| refusal("", text, part))?);
@@ -222,12 +228,12 @@ impl Knob {
         Ok(if time == 0 { assigned } else { assigned.of_another(time) })
     }
 
-    /// What the flag of this row takes, in words: `SPEED[,DEGREES]`, each with its range.
+    /// Describes the flag's argument, such as `SPEED[,DEGREES]`, with the range of each element.
     fn flag_form(&self, flag: &Flag) -> String {
         let mut words = format!("{}: ", flag.value);
         words += &match flag.first {
             [] => flag_range(self),
-            parts => parts.iter().map(Part::range).collect::<Vec<_>>().join(", or "),
+            parts => parts.iter().map(FlagValue::range).collect::<Vec<_>>().join(", or "),
         };
         for place in flag.more {
             words += &format!("; {}", place.part.range());
@@ -235,13 +241,13 @@ impl Knob {
         words
     }
 
-    /// The paths of all rows that its flag speaks of.
+    /// Returns the paths of all rows that the flag sets or resets.
     #[cfg(test)]
     pub(super) fn flag_paths(&self) -> Vec<&'static str> {
         let Some(flag) = self.flag else { return Vec::new() };
         let parts = flag.first.iter().chain(flag.more.iter().map(|place| &place.part));
         let parts = parts.chain(flag.keys.iter().flat_map(|key| key.parts));
-        let paths = |part: &Part| {
+        let paths = |part: &FlagValue| {
             let own = (!part.path.is_empty()).then_some(part.path);
             let others = part.sets.iter().map(|(path, _)| *path).chain(part.resets.iter().copied());
             own.into_iter().chain(others).collect::<Vec<_>>()
@@ -249,15 +255,15 @@ impl Knob {
         parts.flat_map(paths).collect()
     }
 
-    /// What a help text says of the values of the row's flag, and what is so by default.
+    /// Returns the help text of the flag's values, with ranges and defaults.
     pub fn flag_help(&self) -> String {
         let Some(flag) = self.flag else { return String::new() };
         let of_row = |row: &Knob| match row.default() {
             Value::Auto => flag_range(row),
             value => format!("{} [default: {}]", flag_range(row), flag_text(row, value)),
         };
-        let part = |part: &Part| find(part.path).map_or_else(|| format!("`{}`", part.word), of_row);
-        let any = |parts: &[Part]| parts.iter().map(part).collect::<Vec<_>>().join(", or ");
+        let part = |part: &FlagValue| find(part.path).map_or_else(|| format!("`{}`", part.word), of_row);
+        let any = |parts: &[FlagValue]| parts.iter().map(part).collect::<Vec<_>>().join(", or ");
         if flag.value.is_empty() {
             return String::new();
         }
@@ -279,13 +285,13 @@ impl Knob {
     }
 }
 
-impl Assigned {
+impl Assignment {
     fn add(&mut self, other: Self) {
         self.resets.extend(other.resets);
         self.sets.extend(other.sets);
     }
 
-    /// The same for the rows of the `time`th time.
+    /// Returns the assignments for the rows of the occurrence with index `time`.
     fn of_another(self, time: usize) -> Self {
         let other = |path: &str| {
             let path = path.replace('1', &(time + 1).to_string());
@@ -297,35 +303,36 @@ impl Assigned {
         }
     }
 
-    /// Puts back what goes with what is replaced. Before any of several flags [sets](Self::set) something.
+    /// Resets the parameters that belong to replaced values. With several flags, reset all before any
+    /// [`set`](Self::set).
     pub fn reset(&self, settings: &mut Settings) {
         self.resets.iter().filter_map(|path| find(path)).for_each(|row| row.reset(settings));
     }
 
-    /// Gives its parameters their values.
+    /// Sets the parameters.
     ///
     /// # Errors
-    /// One sentence, when a value is out of range.
+    /// Fails if a value is out of range.
     pub fn set(&self, settings: &mut Settings) -> Result<(), super::Refusal> {
         self.sets.iter().try_for_each(|(path, value)| settings.set(path, *value))
     }
 }
 
-/// What the first part that understands `text` makes of it.
-fn read_any(parts: &[Part], text: &str) -> Option<Assigned> {
+/// Returns the assignments of the first part that matches `text`.
+fn read_any(parts: &[FlagValue], text: &str) -> Option<Assignment> {
     parts.iter().find_map(|part| part.read(text))
 }
 
-fn refusal(key: &str, text: &str, parts: &[Part]) -> String {
-    let ranges: Vec<_> = parts.iter().map(Part::range).collect();
+fn refusal(key: &str, text: &str, parts: &[FlagValue]) -> String {
+    let ranges: Vec<_> = parts.iter().map(FlagValue::range).collect();
     let named = if key.is_empty() { "it".to_owned() } else { format!("{key} is {text}, but") };
     format!("{named} must be {}", ranges.join(", or "))
 }
 
-/// A value of `row` as its flag has it: of shares, a number without a unit is from 0 to 1.
+/// Parses a value of `row` in flag syntax, where a share without a unit is from 0 to 1.
 fn flag_value(row: &Knob, text: &str) -> Option<Value> {
     match row.kind {
-        Kind::Number { unit: PERCENT, .. } if !text.ends_with('%') && text != "auto" => {
+        ValueKind::Number { unit: PERCENT, .. } if !text.ends_with('%') && text != "auto" => {
             let share: f64 = text.parse().ok()?;
             row.parse(&(100.0 * share).to_string()).ok()
         }
@@ -333,31 +340,33 @@ fn flag_value(row: &Knob, text: &str) -> Option<Value> {
     }
 }
 
-/// What flags allow for `row`.
+/// Describes the values that flags accept for `row`.
 fn flag_range(row: &Knob) -> String {
     match row.kind {
-        Kind::Number { unit: PERCENT, least, most, .. } => {
+        ValueKind::Number { unit: PERCENT, least, most, .. } => {
             format!("from {} to {}", share(least), share(most))
         }
-        Kind::Number { unit, least, most, .. } => with_unit(&format!("from {least} to {most}"), unit.symbol),
-        Kind::Integer { unit, least, most, .. } => {
+        ValueKind::Number { unit, least, most, .. } => {
+            with_unit(&format!("from {least} to {most}"), unit.symbol)
+        }
+        ValueKind::Integer { unit, least, most, .. } => {
             with_unit(&format!("a whole number from {least} to {most}"), unit.symbol)
         }
-        Kind::Choice(choices) => format!("one of {}", names(choices)),
-        Kind::Toggle => "on or off".into(),
-        Kind::Color => "a colour such as 5a3b28".into(),
+        ValueKind::Choice(choices) => format!("one of {}", names(choices)),
+        ValueKind::Toggle => "on or off".into(),
+        ValueKind::Color => "a color such as 5a3b28".into(),
     }
 }
 
 fn flag_text(row: &Knob, value: Value) -> String {
     match (row.kind, value) {
-        (Kind::Number { unit: PERCENT, .. }, Value::Number(v)) => share(row.shown(v)),
+        (ValueKind::Number { unit: PERCENT, .. }, Value::Number(v)) => share(row.shown(v)),
         (_, Value::Toggle(on)) => if on { "on" } else { "off" }.into(),
         (_, value) => row.text(value),
     }
 }
 
-/// Percent as a share, without the noise of the division.
+/// Converts percent to a share, rounded to remove floating-point noise.
 fn share(percent: f64) -> String {
     ((percent * 1e7).round() / 1e9).to_string()
 }

@@ -1,8 +1,8 @@
 //! Parameters of the level of detail.
 
 use super::{
-    Kind, Knob, Section, Value,
-    flags::{Part, flag, value},
+    Knob, Section, Value, ValueKind,
+    flags::{FlagValue, flag, value},
     rows,
     value::*,
 };
@@ -11,36 +11,37 @@ use tresses::lod::{LodMode, LodOptions};
 pub(super) const SECTION: Section = Section {
     key: "lod",
     title: "Level of detail",
-    about: "How much of the hair is drawn; the strands that remain are wider.",
+    about: "Number of strands drawn and simulation rate by distance; fewer strands are drawn wider.",
     knobs: KNOBS,
 };
 
 const KNOBS: &[Knob] = rows! { "lod";
     "mode" "Mode" [lod.mode] choice::<LodMode>(),
         flag(flag("lod", "auto|off|FRACTION").common().first(LOD)
-            .about("Strands drawn: `auto` by the size of a pixel, `off` for all, or a share of them")),
-        "By the size of a pixel at the hair, full detail at any distance, or a fixed share.";
-    "fraction" "Share of the strands" [lod_fraction] within(PERCENT, LodOptions::FRACTION).log(),
-        "What is drawn when Mode is fraction.";
+            .about("Strands drawn: `auto` by the pixel size at the hair, `off` for all, or a fraction of them")),
+        "Level of detail by the pixel size at the hair, full detail at any distance, or a fixed fraction.";
+    "fraction" "Fraction of strands" [lod_fraction] within(PERCENT, LodOptions::FRACTION).log(),
+        "Fraction of strands drawn, if Mode is fraction.";
     "bias" "Bias" [lod.bias] within(PLAIN, LodOptions::BIAS), flag(flag("lod-bias", "STEPS")),
-        "1 draws as if the hair were twice as far away, -1 half as far (auto only).";
+        "Level offset: 1 draws as if the hair were twice as far away, -1 half as far (auto only).";
     "strand_width" "Minimum strand width" [lod.strand_width] within(PIXELS, LodOptions::STRAND_WIDTH).log(), advanced,
-        "Strands are left out until the others are this wide; higher is faster and coarser.";
+        "Width to which strands are widened as others are dropped; higher is faster and coarser.";
     "curve_error" "Curve error" [lod.curve_error] within(PIXELS, LodOptions::CURVE_ERROR).log(), advanced,
-        "How far strands may deviate from their shape when drawn with fewer segments.";
+        "Maximum deviation of strands that are drawn with fewer segments.";
     "slowest" "Longest step" [lod.slowest] within(TIMES, LodOptions::SLOWEST), advanced,
-        "How much longer the steps of the physics may get at a distance; 1 keeps the rate.";
+        "Maximum factor on the length of a simulation step at a distance; 1 keeps the rate.";
     "slow_pixel" "Longer steps from" [lod.slow_pixel] within(MILLIMETRES, LodOptions::SLOW_PIXEL).log(), advanced,
-        "Size of a pixel at the hair from which steps get longer.";
-    "guides" "Reach of guides" [lod.guides] within(PIXELS, LodOptions::GUIDES).log(), advanced,
-        "Guides nearer than this to one that is simulated go with it; 0 simulates all, in a crowd means 3.";
+        "Pixel size at the hair from which simulation steps get longer.";
+    "guides" "Guide distance" [lod.guides] within(PIXELS, LodOptions::GUIDES).log(), advanced,
+        "Guides nearer than this to a simulated guide follow it; 0 simulates all, or means 3 in a crowd.";
     "substep_pixel" "Fewer substeps from" [lod.substep_pixel] within(MILLIMETRES, LodOptions::SUBSTEP_PIXEL).log(), advanced,
-        "Size of a pixel from which half the substeps do, at twice that a quarter; 0 for never, in a crowd for 3.";
-    "alone_pixel" "Alone from" [lod.alone_pixel] within(MILLIMETRES, LodOptions::ALONE_PIXEL).log(), advanced,
-        "Size of a pixel from which hair feels less of other hair, at twice that none; 0: never, in a crowd 4.";
-    "sleep" "Sleep" [lod.sleep] Kind::Toggle, advanced,
-        "Hair that has come to rest or is out of view is left as it is; hair of a crowd always is.";
+        "Pixel size that halves the substeps; twice that quarters them. 0: never, or 3 in a crowd.";
+    "alone_pixel" "Less self-collision from" [lod.alone_pixel]
+        within(MILLIMETRES, LodOptions::ALONE_PIXEL).log(), advanced,
+        "Pixel size from which self-collision fades; it is off at twice that. 0: never, or 4 in a crowd.";
+    "sleep" "Sleep" [lod.sleep] ValueKind::Toggle, advanced,
+        "Pauses the simulation of hair at rest or out of view; always on in a crowd.";
 };
 
-const LOD: &[Part] =
+const LOD: &[FlagValue] =
     &[value("lod.mode"), value("lod.fraction").sets(&[("lod.mode", Value::Choice("fraction"))])];

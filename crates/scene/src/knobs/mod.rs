@@ -1,13 +1,12 @@
-//! The table of all parameters: what an interface shows, a preset holds, a flag sets and the documentation
-//! lists.
+//! Table of all parameters.
 //!
-//! A [`Knob`] is a row of it: a parameter of [`Settings`] with path, unit, range, hint and what a change
-//! costs. The value itself, with its default, is a field of the library's option structs, which the row
-//! names. There is no other list: the panels of the studio, the keys of presets, `--set`, the flags of the
-//! command and `docs/knobs.md` are made of the rows in [`SECTIONS`]. `CONTRIBUTING.md` adds one as an example.
+//! A [`Knob`] is a row of the table: a parameter of [`Settings`] with its path, unit, range, hint and cost of change.
+//! Its value and default are stored in a field of the library's option structs, which the row names. The rows in
+//! [`SECTIONS`] are the only list of parameters: studio panels, preset keys, `--set`, command-line flags and
+//! `docs/knobs.md` are generated from them. `CONTRIBUTING.md` shows how to add a parameter.
 //!
-//! Values are SI inside and human outside: `style.curl_radius` is 0.009 in [`Value::Number`] and 9 in the
-//! row's [`Unit`], which is the millimetre. [`Knob::shown`] and [`Knob::inner`] convert.
+//! [`Value`] holds SI units; interfaces show the row's [`Unit`]. For example, `style.curl_radius` is 0.009 in
+//! [`Value::Number`] and 9 in millimeters, its unit. [`Knob::shown`] and [`Knob::inner`] convert.
 //!
 //! ```
 //! use tresses_scene::{Settings, Value, knobs};
@@ -40,24 +39,24 @@ pub use document::markdown;
 pub use flags::Flag;
 pub(crate) use style::CURLS;
 pub use text::color;
-pub use value::{Choice, Kind, Refusal, Scale, Unit, Value};
+pub use value::{Choice, Refusal, Scale, Unit, Value, ValueKind};
 
 use crate::settings::Settings;
 
 /// A group of parameters.
 #[derive(Debug)]
 pub struct Section {
-    /// The first part of its rows' paths, and its table's name in a preset.
+    /// First part of the paths of its rows, and the table name in presets.
     pub key: &'static str,
-    /// What it is called.
+    /// Display name.
     pub title: &'static str,
-    /// What its parameters do, in a sentence.
+    /// Description of its parameters, one sentence.
     pub about: &'static str,
-    /// Its parameters.
+    /// Rows of the section.
     pub knobs: &'static [Knob],
 }
 
-/// All parameters, in the order in which people look for them.
+/// All sections, in display order.
 pub const SECTIONS: &[Section] = &[
     style::SECTION,
     shading::SECTION,
@@ -70,34 +69,34 @@ pub const SECTIONS: &[Section] = &[
     lod::SECTION,
 ];
 
-/// A parameter: a row of the table.
+/// A parameter: one row of the table.
 #[derive(Clone, Copy, Debug)]
 pub struct Knob {
-    /// Its name: the section's key, a dot, and its own.
+    /// Unique name: the section's key, a dot, and the row's key.
     pub path: &'static str,
-    /// What it is called.
+    /// Display name.
     pub label: &'static str,
-    /// What it does and when to change it, in a line.
+    /// Effect and when to change it, one line.
     pub hint: &'static str,
-    /// What its values are.
-    pub kind: Kind,
-    /// What a change costs.
+    /// Type and range of the values.
+    pub kind: ValueKind,
+    /// Cost of a change.
     pub cost: Change,
-    /// Whether [`Value::Auto`] is a value: as it suits the style, the file or the colour.
+    /// Whether [`Value::Auto`] is allowed. The value then follows from the style, the file or the color.
     pub automatic: bool,
-    /// Whether it is seldom needed: seeds, grids, tolerances. Interfaces fold it away.
+    /// Whether it is rarely needed, such as seeds, grids and tolerances. Interfaces collapse advanced parameters.
     pub advanced: bool,
-    /// The flag of the command that sets it, where it has one besides `--set`.
+    /// Dedicated command-line flag, if it has one besides `--set`.
     pub flag: Option<Flag>,
     field: Access,
 }
 
-/// How a row reads and writes its field.
+/// Accessors of a row's field.
 #[derive(Clone, Copy, Debug)]
 struct Access {
     get: fn(&Settings) -> Value,
     set: fn(&mut Settings, Value),
-    /// From the second to the first, to the bit.
+    /// Copies the field from the second argument to the first without rounding.
     copy: fn(&mut Settings, &Settings),
 }
 
@@ -127,17 +126,17 @@ impl Knob {
         self
     }
 
-    /// The key of its section.
+    /// Returns the key of the section.
     pub fn section(&self) -> &'static str {
         self.path.split_once('.').map_or(self.path, |(section, _)| section)
     }
 
-    /// Its name within the section.
+    /// Returns the key within the section.
     pub fn key(&self) -> &'static str {
         self.path.split_once('.').map_or(self.path, |(_, key)| key)
     }
 
-    /// Its value in `settings`.
+    /// Returns the value in `settings`.
     pub fn get(&self, settings: &Settings) -> Value {
         if self.automatic && !settings.given.contains(self.path) {
             return Value::Auto;
@@ -145,17 +144,17 @@ impl Knob {
         (self.field.get)(settings)
     }
 
-    /// Gives it a value.
+    /// Sets the value in `settings`.
     ///
     /// # Errors
-    /// One sentence for a value out of range or of another kind; `settings` stay as they were.
+    /// Fails if the value is out of range or of the wrong type; `settings` do not change.
     pub fn set(&self, settings: &mut Settings, value: Value) -> Result<(), Refusal> {
         self.check(value)?;
         self.put(settings, value);
         Ok(())
     }
 
-    /// Gives it a value that is known to be allowed.
+    /// Sets a value that has passed [`check`](Self::check).
     fn put(&self, settings: &mut Settings, value: Value) {
         if value == Value::Auto {
             settings.given.remove(self.path);
@@ -168,23 +167,23 @@ impl Knob {
         }
     }
 
-    /// Its value by default.
+    /// Returns the default value.
     pub fn default(&self) -> Value {
         self.get(&Settings::default())
     }
 
-    /// Whether `settings` have it as it is by default.
+    /// Returns whether `settings` have the default value.
     pub fn is_default(&self, settings: &Settings) -> bool {
         self.get(settings) == self.default()
     }
 
-    /// Gives it back its default.
+    /// Resets the value to its default.
     pub fn reset(&self, settings: &mut Settings) {
         settings.given.remove(self.path);
         (self.field.copy)(settings, &Settings::default());
     }
 
-    /// Gives it in `to` the number that it has in `from`, unless it is automatic there.
+    /// Copies the value from `from` to `to`, unless it is automatic in `from`.
     pub(crate) fn lay(&self, to: &mut Settings, from: &Settings) {
         if !self.automatic || from.given.contains(self.path) {
             (self.field.copy)(to, from);
@@ -192,31 +191,31 @@ impl Knob {
     }
 }
 
-/// All of them, in order.
+/// Iterates over all rows in display order.
 pub fn all() -> impl Iterator<Item = &'static Knob> {
     SECTIONS.iter().flat_map(|section| section.knobs)
 }
 
-/// Those of the section with this key.
+/// Iterates over the rows of the section with this key.
 pub(crate) fn section(key: &str) -> impl Iterator<Item = &'static Knob> {
     SECTIONS.iter().filter(move |section| section.key == key).flat_map(|section| section.knobs)
 }
 
-/// The one of this path.
+/// Returns the row with this path.
 pub fn find(path: &str) -> Option<&'static Knob> {
     all().find(|knob| knob.path == path)
 }
 
-/// The one of this path.
+/// Returns the row with this path.
 ///
 /// # Errors
-/// One sentence that names the nearest, where there is none.
+/// Names the nearest row if there is none with this path.
 pub fn named(path: &str) -> Result<&'static Knob, String> {
     if let Some(knob) = find(path) {
         return Ok(knob);
     }
     let key = path.rsplit_once('.').map_or(path, |(_, key)| key);
-    // One that only stands in another section is nearer than any other.
+    // A row with the same key in another section is the best suggestion.
     let elsewhere = all().find(|knob| knob.key() == key);
     let by_letters = || all().min_by_key(|knob| strsim::damerau_levenshtein(path, knob.path));
     Err(match elsewhere.or_else(by_letters) {
@@ -225,7 +224,7 @@ pub fn named(path: &str) -> Result<&'static Knob, String> {
     })
 }
 
-/// The rows of a section: key, label, `[field]`, what its values are, what else is to say of it, hint.
+/// Rows of a section: key, label, `[field]`, kind, modifiers, hint.
 macro_rules! rows {
     ($section:literal;
      $($key:literal $label:literal $field:tt $kind:expr, $($more:ident $(($($value:expr),*))?,)* $hint:literal;)*) => {

@@ -1,8 +1,8 @@
 //! Parameters of the strands.
 
 use super::{
-    Kind, Knob, Section, Value,
-    flags::{Key, Missing, Part, Set, Slot, flag, key, place, value, word},
+    Knob, Section, Value, ValueKind,
+    flags::{FlagKey, FlagValue, OmittedValue, Set, Slot, flag, key, place, value, word},
     rows,
     value::*,
 };
@@ -15,104 +15,103 @@ use tresses::groom::{
 pub(super) const SECTION: Section = Section {
     key: "style",
     title: "Style",
-    about: "How strands grow on a built-in style, and what changes on the strands of a groom file.",
+    about: "Growth of strands for built-in styles, and changes to the strands of groom files.",
     knobs: KNOBS,
 };
 
 const KNOBS: &[Knob] = rows! { "style";
     "length" "Length" [style.length] number(PERCENT, 5.0, 100.0),
         regrow, flag(flag("length", "SHARE").common()),
-        "Strands are cut to this share of their length.";
+        "Cuts strands to this fraction of their length.";
     "curl" "Curls" [style.curl] choice::<Curl>(),
         auto, regrow, flag(flag("curl", "NAME|KEY=VALUE,..").common().first(CURL).keys(CURL_KEYS)
-            .about("Curls by name, and what differs from them, as in waves,radius=8mm")),
+            .about("Curl type, and optional changes to it, as in waves,radius=8mm")),
         "Type of curl, from straight to tight coils; the parameters below vary it.";
     "curl_radius" "Curl radius" [style.growth.curls.radius] within(MILLIMETRES, Curls::RADIUS).log(), auto, regrow,
-        "Distance of the curl from the path of the strand; larger for voluminous hair, 0 for straight hair.";
+        "Radius of the curl around the path of the strand; larger for voluminous hair, 0 for straight hair.";
     "curl_wavelength" "Curl wavelength" [style.growth.curls.wavelength] within(MILLIMETRES, Curls::WAVELENGTH).log(),
         auto, regrow,
-        "Length along the strand of one turn; shorter is tighter and takes more vertices.";
+        "Length of one turn along the strand; shorter is tighter and needs more vertices.";
     "strands" "Strands" [style.growth.strand_count] integer(PLAIN, 1, Growth::MOST_STRANDS, 1),
         auto, regrow, flag(flag("strands", "N").common()),
-        "Number of strands drawn, at most; built-in styles grow exactly as many.";
-    "grow" "Fill up to" [style.grow] integer(PLAIN, 0, Growth::MOST_STRANDS, 1),
+        "Maximum number of strands drawn; built-in styles grow exactly this many.";
+    "grow" "Fill to" [style.grow] integer(PLAIN, 0, Growth::MOST_STRANDS, 1),
         auto, regrow, flag(flag("grow", "N").common()),
-        "Number of strands that a groom from files is filled up to; 0: its own alone, without followers.";
+        "Number of strands that a groom file is filled to by interpolation; 0 draws only its own strands.";
     "width" "Strand width" [style.growth.diameter] within(MICROMETRES, Growth::DIAMETER).log(),
         auto, regrow, flag(flag("width", "LENGTH").common()),
-        "Typical diameter of a drawn strand. Real hair has 50 to 120 µm; fewer strands need more to cover.";
+        "Typical diameter of a drawn strand. Real hair has 50 to 120 µm; fewer strands must be wider.";
     "clump" "Clumping" [style.growth.clumps.strength] within(PERCENT, Clumps::STRENGTH),
         auto, regrow, flag(flag("clump", "STRENGTH|KEY=VALUE,..").keys(CLUMP_KEYS)),
-        "How far strands converge towards their tips; high for wet or greasy hair.";
+        "Convergence of neighboring strands toward their tips; high for wet or greasy hair.";
     "frizz" "Frizz" [style.growth.unrest.frizz] within(MILLIMETRES, Unrest::FRIZZ).log(),
         auto, regrow, flag(flag("frizz", "LENGTH")),
-        "Amplitude of the fine waves of each single strand; roughens the surface.";
+        "Amplitude of fine waves on each strand; roughens the surface.";
     "flyaways" "Flyaways" [style.growth.unrest.flyaways] within(PERCENT, Unrest::FLYAWAYS),
         auto, regrow, flag(flag("flyaways", "SHARE[,LENGTH]").then(FLYAWAYS)),
-        "Share of strands, thin ones, that stand off far and form the halo against the light.";
+        "Fraction of thin strands that stand off far and form a halo in backlight.";
     "tip_width" "Tip width" [style.growth.tip_width] within(PERCENT, Growth::TIP_WIDTH),
         auto, regrow, flag(flag("tip-width", "SHARE")),
-        "Width at the tip relative to the root; small for soft ends, 100 % for a blunt cut.";
+        "Width at the tip relative to the root; low for soft ends, 100 % for a blunt cut.";
     "beard" "Beard" [style.face.beard] choice::<Beard>(), regrow, flag(flag("beard", "KIND").common()),
-        "What grows on chin and cheeks of the built-in character.";
-    "brows" "Brows" [style.face.brows] Kind::Toggle, regrow,
+        "Beard on chin and cheeks of the built-in character.";
+    "brows" "Brows" [style.face.brows] ValueKind::Toggle, regrow,
         "Whether the built-in character has brows.";
-    "lashes" "Lashes" [style.face.lashes] Kind::Toggle, regrow,
+    "lashes" "Lashes" [style.face.lashes] ValueKind::Toggle, regrow,
         "Whether the built-in character has lashes.";
     "grow_parting" "Parting angle" [style.grow_parting] number(DEGREES, 0.0, 180.0), advanced, regrow,
-        "Strands of a file that run apart by more than this are not mixed: hair parts between them.";
+        "Strands of a file that diverge by more than this are not interpolated: the hair parts there.";
     "guides" "Guides" [style.guides] integer(PLAIN, 1, 1_000_000, 1),
         auto, advanced, regrow, flag(flag("guides", "N|all").common().first(GUIDES)
-            .about("Number of strands simulated, which the others follow, or `all`")),
-        "Number of strands simulated, which the others follow; more where hair moves too much as one.";
-    "all_guides" "Simulate every strand" [style.all_guides] Kind::Toggle, advanced, regrow,
-        "No strand follows others; for few strands, or for comparison.";
+            .about("Number of simulated strands, which the others follow, or `all`")),
+        "Number of simulated strands, which the others follow; raise it if hair moves too uniformly.";
+    "all_guides" "Simulate every strand" [style.all_guides] ValueKind::Toggle, advanced, regrow,
+        "Simulates all strands instead of guides; for few strands, or for comparison.";
     "curl_flatness" "Curl flatness" [style.growth.curls.flatness] within(PERCENT, Curls::FLATNESS),
         auto, advanced, regrow,
-        "From a round spiral (0) to a wave in one plane (100 %).";
+        "Shape of the curl, from a round helix (0 %) to a wave in one plane (100 %).";
     "curl_start" "Curl start" [style.growth.curls.start] within(PERCENT, Curls::START), auto, advanced, regrow,
-        "Where along the strand curls begin; later for hair that was curled at its ends.";
+        "Position along the strand where curls begin; high for hair that is curled at its ends.";
     "curl_tip" "Curl radius at the tip" [style.growth.curls.tip] within(TIMES, Curls::TIP), auto, advanced, regrow,
         "Radius at the tip relative to the root; above 1 for ends that open.";
     "curl_irregularity" "Curl irregularity" [style.growth.curls.irregularity] within(PERCENT, Curls::IRREGULARITY),
         auto, advanced, regrow,
-        "How much curls differ from lock to lock and drift along the strand; less looks ironed.";
+        "Variation of curls between locks and along the strand; low values look ironed.";
     "curl_coherence" "Curl coherence" [style.growth.curls.coherence] within(PERCENT, Curls::COHERENCE),
         auto, advanced, regrow,
-        "How closely the strands of a lock turn together; less is frizzier.";
-    "curl_neighbours" "Curl of neighbours" [style.growth.curls.neighbours] within(PERCENT, Curls::NEIGHBOURS),
+        "Alignment of the curls within a lock; lower is frizzier.";
+    "curl_neighbours" "Curl of neighbors" [style.growth.curls.neighbours] within(PERCENT, Curls::NEIGHBOURS),
         auto, advanced, regrow,
-        "How closely a lock turns with adjacent locks; high for waves that run through the hair.";
+        "Alignment of the curls of adjacent locks; high for waves that run through the hair.";
     "curl_shrink" "Curl shrinkage" [style.growth.curls.shrink] within(PERCENT, Curls::SHRINK),
         auto, advanced, regrow,
-        "At 100 % strands keep their length and the style gets shorter; at 0 the style keeps its outline.";
-    "curl_stretch" "Stretch the drawn curl" [style.curl_stretch] Kind::Toggle, advanced, regrow,
-        "Lay a drawn curl once along the whole strand instead of repeating it.";
+        "At 100 %, strands keep their length and the style gets shorter; at 0 %, the style keeps its outline.";
+    "curl_stretch" "Stretch the drawn curl" [style.curl_stretch] ValueKind::Toggle, advanced, regrow,
+        "Fits a drawn curl once to the whole strand instead of repeating it.";
     "clump_spacing" "Clump spacing" [style.growth.clumps.spacing] within(MILLIMETRES, Clumps::SPACING).log(),
         auto, advanced, regrow,
-        "Distance between clumps on the scalp, which is their thickness.";
+        "Distance between clumps on the scalp, and so their thickness.";
     "clump_start" "Clump start" [style.growth.clumps.start] within(PERCENT, Clumps::START), auto, advanced, regrow,
-        "Where along the strand clumping begins; below 0 strands leave the scalp together.";
+        "Position along the strand where clumping begins; below 0, strands leave the scalp together.";
     "clump_lock" "Locks" [style.growth.clumps.lock] within(PERCENT, Clumps::LOCK), auto, advanced, regrow,
-        "How far clumps gather around their guides into locks; built-in styles only.";
+        "Convergence of clumps toward their guides, which forms locks; built-in styles only.";
     "strays" "Strays" [style.growth.unrest.strays] within(PERCENT, Unrest::STRAYS),
         auto, advanced, regrow, flag(flag("strays", "SHARE[,LENGTH]").then(STRAYS)),
-        "Share of strands that stand off a little towards the tip; breaks up hair that is too tidy.";
+        "Fraction of strands that stand off slightly near the tip; makes hair less tidy.";
     "stray_reach" "Stray distance" [style.growth.unrest.stray] within(MILLIMETRES, Unrest::STRAY).log(),
         auto, advanced, regrow,
-        "How far strays stand off.";
+        "Distance by which strays stand off.";
     "flyaway_reach" "Flyaway distance" [style.growth.unrest.flyaway] within(MILLIMETRES, Unrest::FLYAWAY).log(),
         auto, advanced, regrow,
-        "How far flyaways stand off.";
+        "Distance by which flyaways stand off.";
     "width_variation" "Width variation" [style.growth.width_variation] within(PERCENT, Growth::WIDTH_VARIATION),
         auto, advanced, regrow, flag(flag("width-variation", "SHARE")),
-        "How much widths differ from strand to strand: standard deviation over mean.";
+        "Variation of width between strands: standard deviation over mean.";
     "seed" "Seed" [style.growth.seed] integer(PLAIN, 0, 9999, 1), auto, advanced, regrow,
-        "Another number gives other strands of the same kind.";
+        "Random seed; another value gives different strands of the same style.";
 };
 
-/// Another type of curl: what was varied of the one before does not suit it.
-/// The parameters of curls that vary [`Curl`].
+/// Curl parameters that modify the preset [`Curl`].
 pub(crate) const CURLS: [&str; 9] = [
     "style.curl_radius",
     "style.curl_wavelength",
@@ -124,12 +123,13 @@ pub(crate) const CURLS: [&str; 9] = [
     "style.curl_neighbours",
     "style.curl_shrink",
 ];
-const CURL: &[Part] = &[value("style.curl").resets(&CURLS)];
+/// A new curl type resets the parameters that modified the previous one.
+const CURL: &[FlagValue] = &[value("style.curl").resets(&CURLS)];
 
 const STRETCHED: &[Set] = &[("style.curl_stretch", Value::Toggle(true))];
 const REPEATED: &[Set] = &[("style.curl_stretch", Value::Toggle(false))];
 
-const CURL_KEYS: &[Key] = &[
+const CURL_KEYS: &[FlagKey] = &[
     key("radius", &[value("style.curl_radius")]),
     key("wavelength", &[word("whole", STRETCHED), value("style.curl_wavelength").sets(REPEATED)]),
     key("flatness", &[value("style.curl_flatness")]),
@@ -141,17 +141,17 @@ const CURL_KEYS: &[Key] = &[
     key("shrink", &[value("style.curl_shrink")]),
 ];
 
-const CLUMP_KEYS: &[Key] = &[
+const CLUMP_KEYS: &[FlagKey] = &[
     key("strength", &[value("style.clump")]),
     key("spacing", &[value("style.clump_spacing")]),
     key("start", &[value("style.clump_start")]),
     key("lock", &[value("style.clump_lock")]),
 ];
 
-const STRAYS: &[Slot] = &[place(value("style.stray_reach"), Missing::Kept)];
-const FLYAWAYS: &[Slot] = &[place(value("style.flyaway_reach"), Missing::Kept)];
+const STRAYS: &[Slot] = &[place(value("style.stray_reach"), OmittedValue::Kept)];
+const FLYAWAYS: &[Slot] = &[place(value("style.flyaway_reach"), OmittedValue::Kept)];
 
-const GUIDES: &[Part] = &[
+const GUIDES: &[FlagValue] = &[
     word("all", &[("style.all_guides", Value::Toggle(true))]),
     value("style.guides").sets(&[("style.all_guides", Value::Toggle(false))]),
 ];

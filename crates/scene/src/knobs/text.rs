@@ -1,20 +1,20 @@
 //! Parsing and printing of values.
 
-use super::{Choice, Kind, Knob, Refusal, Unit, Value};
+use super::{Choice, Knob, Refusal, Unit, Value, ValueKind};
 
-/// Units of length that may stand behind a number, with their metres.
+/// Suffixes of length units and their size in meters.
 const LENGTHS: [(&str, f64); 6] =
     [("µm", 1e-6), ("μm", 1e-6), ("um", 1e-6), ("mm", 1e-3), ("cm", 1e-2), ("m", 1.0)];
 
 impl Knob {
-    /// `value` with its unit: `9 mm`, `true`, `#5a3b28`, `auto`.
+    /// Formats `value` with its unit: `9 mm`, `true`, `#5a3b28`, `auto`.
     pub fn text(&self, value: Value) -> String {
         match (value, self.kind) {
-            (Value::Number(v), Kind::Number { unit, .. }) => {
+            (Value::Number(v), ValueKind::Number { unit, .. }) => {
                 with_unit(&self.shown(v).to_string(), unit.symbol)
             }
             (Value::Number(v), _) => v.to_string(),
-            (Value::Integer(v), Kind::Integer { unit, .. }) => with_unit(&v.to_string(), unit.symbol),
+            (Value::Integer(v), ValueKind::Integer { unit, .. }) => with_unit(&v.to_string(), unit.symbol),
             (Value::Integer(v), _) => v.to_string(),
             (Value::Auto, _) => "auto".into(),
             (Value::Toggle(on), _) => on.to_string(),
@@ -23,31 +23,31 @@ impl Knob {
         }
     }
 
-    /// What is allowed, in words: `from 0 to 100 mm`, `one of auto, mask, peel`.
+    /// Describes the allowed values: `from 0 to 100 mm`, `one of auto, mask, peel`.
     pub fn range(&self) -> String {
         let auto = if self.automatic { ", or auto" } else { "" };
         match self.kind {
-            Kind::Number { unit, least, most, .. } => {
+            ValueKind::Number { unit, least, most, .. } => {
                 with_unit(&format!("from {least} to {most}"), unit.symbol) + auto
             }
-            Kind::Integer { unit, least, most, step } => {
+            ValueKind::Integer { unit, least, most, step } => {
                 let range = with_unit(&format!("from {least} to {most}"), unit.symbol);
                 let multiple = if step > 1 { format!(", a multiple of {step}") } else { String::new() };
                 format!("a whole number {range}{multiple}{auto}")
             }
-            Kind::Toggle => "true or false".into(),
-            Kind::Choice(choices) => {
+            ValueKind::Toggle => "true or false".into(),
+            ValueKind::Choice(choices) => {
                 let auto = if self.automatic { "auto, " } else { "" };
                 format!("one of {auto}{}", names(choices))
             }
-            Kind::Color => format!("a colour such as #5a3b28{auto}"),
+            ValueKind::Color => format!("a color such as #5a3b28{auto}"),
         }
     }
 
-    /// The value that `text` says: in the unit that people read, or with a unit of its own.
+    /// Parses `text`, in the row's unit or with an explicit unit.
     ///
     /// # Errors
-    /// One sentence.
+    /// Returns one sentence that states the allowed values.
     pub fn parse(&self, text: &str) -> Result<Value, Refusal> {
         let text = text.trim();
         let refuse = || Refusal { path: self.path.to_owned(), value: text.to_owned(), range: self.range() };
@@ -55,27 +55,29 @@ impl Knob {
             return Ok(Value::Auto);
         }
         let value = match self.kind {
-            Kind::Number { unit, .. } => Value::Number(self.inner(in_unit(text, unit).ok_or_else(refuse)?)),
-            Kind::Integer { unit, .. } => {
+            ValueKind::Number { unit, .. } => {
+                Value::Number(self.inner(in_unit(text, unit).ok_or_else(refuse)?))
+            }
+            ValueKind::Integer { unit, .. } => {
                 let number = text.strip_suffix(unit.symbol).unwrap_or(text).trim();
                 Value::Integer(number.parse().map_err(|_| refuse())?)
             }
-            Kind::Toggle => match text {
+            ValueKind::Toggle => match text {
                 "on" | "true" | "yes" => Value::Toggle(true),
                 "off" | "false" | "no" => Value::Toggle(false),
                 _ => return Err(refuse()),
             },
-            Kind::Choice(choices) => {
+            ValueKind::Choice(choices) => {
                 Value::Choice(choices.iter().find(|choice| choice.name == text).ok_or_else(refuse)?.name)
             }
-            Kind::Color => Value::Color(color(text).ok_or_else(refuse)?),
+            ValueKind::Color => Value::Color(color(text).ok_or_else(refuse)?),
         };
         self.check(value).map_err(|_| refuse())?;
         Ok(value)
     }
 }
 
-/// The number in `unit` that `text` says; lengths may be in any unit of length.
+/// Parses a number and converts it to `unit`. Lengths may have any length unit.
 fn in_unit(text: &str, unit: Unit) -> Option<f64> {
     let number = |text: &str| text.trim().parse::<f64>().ok();
     if LENGTHS.iter().any(|(symbol, _)| *symbol == unit.symbol) {
@@ -88,7 +90,7 @@ fn in_unit(text: &str, unit: Unit) -> Option<f64> {
     number(text.strip_suffix(unit.symbol).unwrap_or(text))
 }
 
-/// The names of `choices`, with commas between them.
+/// Returns the names of `choices`, separated by commas.
 pub(super) fn names(choices: &[Choice]) -> String {
     choices.iter().map(|choice| choice.name).collect::<Vec<_>>().join(", ")
 }
@@ -101,7 +103,7 @@ pub(super) fn with_unit(number: &str, symbol: &str) -> String {
     }
 }
 
-/// Six hexadecimal digits, with or without `#` before them.
+/// Parses six hexadecimal digits, with or without a leading `#`.
 pub fn color(text: &str) -> Option<[u8; 3]> {
     let digits = text.strip_prefix('#').unwrap_or(text);
     if digits.len() != 6 || !digits.bytes().all(|b| b.is_ascii_hexdigit()) {

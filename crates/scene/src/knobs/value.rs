@@ -1,4 +1,4 @@
-//! Values, units and ranges.
+//! Values, units and ranges of parameters.
 
 use super::Knob;
 use crate::{
@@ -19,17 +19,17 @@ use tresses::{
 /// A parameter's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
-    /// As it suits the style, the file or the colour.
+    /// Automatic: follows from the style, the file or the color.
     Auto,
-    /// In SI units.
+    /// A number in SI units.
     Number(f32),
     /// A count.
     Integer(u32),
     /// On or off.
     Toggle(bool),
-    /// The name of one of [`Kind::Choice`].
+    /// The name of one of the choices in [`ValueKind::Choice`].
     Choice(&'static str),
-    /// sRGB.
+    /// A color in sRGB.
     Color([u8; 3]),
 }
 
@@ -44,12 +44,12 @@ macro_rules! from {
 }
 from!(f32: Number, u32: Integer, bool: Toggle, &'static str: Choice, [u8; 3]: Color);
 
-/// A unit that people read.
+/// A display unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
-    /// Its symbol, empty for a plain number.
+    /// Symbol; empty for a plain number.
     pub symbol: &'static str,
-    /// How much it is in SI units.
+    /// Size in SI units.
     pub si: f64,
 }
 
@@ -58,7 +58,7 @@ impl Unit {
         Self { symbol, si }
     }
 
-    /// So many SI units in this one, without the noise of the division.
+    /// Converts an SI value to this unit, rounded to remove floating-point noise.
     const fn of(self, si: f64) -> f64 {
         (si / self.si * 1e6).round() / 1e6
     }
@@ -84,59 +84,59 @@ pub(super) const PIXELS: Unit = Unit::new("px", 1.0);
 pub(super) const TEXELS: Unit = Unit::new("texels", 1.0);
 pub(super) const TIMES: Unit = Unit::new("×", 1.0);
 
-/// How a range is laid out along a slider.
+/// Mapping of a range to a slider.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// Evenly.
+    /// Linear.
     Linear,
-    /// By factors. The range may begin at 0, which then is a point of its own at its end.
+    /// Logarithmic. In a range that begins at 0, the slider has a separate stop at 0.
     Log,
 }
 
-/// One of the values of a choice.
+/// A named value of a choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Choice {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// What it does, in a few words.
+    /// Effect, in a few words.
     pub hint: &'static str,
 }
 
-/// What the values of a parameter are.
+/// Type and range of a parameter's values.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
-    /// A number. Both ends of the range are in `unit` and belong to it.
+pub enum ValueKind {
+    /// A number. The range is inclusive, in `unit`.
     Number {
-        /// The unit that people read.
+        /// Display unit.
         unit: Unit,
-        /// The smallest.
+        /// Minimum.
         least: f64,
-        /// The largest.
+        /// Maximum.
         most: f64,
-        /// How it is laid out.
+        /// Mapping to a slider.
         scale: Scale,
     },
-    /// A whole number; `least` and `most` belong to the range.
+    /// An integer. The range is inclusive.
     Integer {
-        /// What is counted.
+        /// Display unit.
         unit: Unit,
-        /// The smallest.
+        /// Minimum.
         least: u32,
-        /// The largest.
+        /// Maximum.
         most: u32,
-        /// The distance between values, from 0 on.
+        /// Values are multiples of this.
         step: u32,
     },
     /// On or off.
     Toggle,
-    /// One of these.
+    /// One of these values.
     Choice(&'static [Choice]),
-    /// A colour in sRGB.
+    /// A color in sRGB.
     Color,
 }
 
-impl Kind {
-    /// Laid out by factors.
+impl ValueKind {
+    /// Switches to a logarithmic slider.
     pub(super) const fn log(self) -> Self {
         match self {
             Self::Number { unit, least, most, .. } => Self::Number { unit, least, most, scale: Scale::Log },
@@ -145,54 +145,56 @@ impl Kind {
     }
 }
 
-/// Numbers from `least` to `most`, both in `unit`.
-pub(super) const fn number(unit: Unit, least: f64, most: f64) -> Kind {
-    Kind::Number { unit, least, most, scale: Scale::Linear }
+/// Returns a range of numbers from `least` to `most`, both in `unit`.
+pub(super) const fn number(unit: Unit, least: f64, most: f64) -> ValueKind {
+    ValueKind::Number { unit, least, most, scale: Scale::Linear }
 }
 
-/// What is usual of a range of the library, in `unit`.
-pub(super) const fn within(unit: Unit, range: Range) -> Kind {
+/// Returns the usual part of a library range, converted to `unit`.
+pub(super) const fn within(unit: Unit, range: Range) -> ValueKind {
     let [least, most] = range.usual;
     number(unit, unit.of(least), unit.of(most))
 }
 
-pub(super) const fn integer(unit: Unit, least: u32, most: u32, step: u32) -> Kind {
-    Kind::Integer { unit, least, most, step }
+pub(super) const fn integer(unit: Unit, least: u32, most: u32, step: u32) -> ValueKind {
+    ValueKind::Integer { unit, least, most, step }
 }
 
-pub(super) const fn choice<T: Named>() -> Kind {
-    Kind::Choice(T::CHOICES)
+pub(super) const fn choice<T: NamedEnum>() -> ValueKind {
+    ValueKind::Choice(T::CHOICES)
 }
 
-/// Why a value is refused, in one sentence.
+/// Rejected value, described in one sentence.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{path} is {value}, but must be {range}")]
 pub struct Refusal {
-    /// The parameter.
+    /// Path of the parameter.
     pub path: String,
-    /// What was given.
+    /// The rejected value.
     pub value: String,
-    /// What is allowed, in words.
+    /// Allowed values, in words.
     pub range: String,
 }
 
 impl Knob {
-    /// Whether `value` is of its kind and within its range.
+    /// Checks that `value` has the right type and is within the range.
     ///
     /// # Errors
-    /// One sentence.
+    /// Returns one sentence that states the allowed values.
     pub fn check(&self, value: Value) -> Result<(), Refusal> {
         let fits = match (self.kind, value) {
             (_, Value::Auto) => self.automatic,
-            (Kind::Number { unit, least, most, .. }, Value::Number(v)) => {
-                // As an end that was typed comes out.
+            (ValueKind::Number { unit, least, most, .. }, Value::Number(v)) => {
+                // Compare with the ends after the same rounding as values that users enter.
                 ((least * unit.si) as f32..=(most * unit.si) as f32).contains(&v)
             }
-            (Kind::Integer { least, most, step, .. }, Value::Integer(v)) => {
+            (ValueKind::Integer { least, most, step, .. }, Value::Integer(v)) => {
                 (least..=most).contains(&v) && v.is_multiple_of(step)
             }
-            (Kind::Toggle, Value::Toggle(_)) | (Kind::Color, Value::Color(_)) => true,
-            (Kind::Choice(choices), Value::Choice(name)) => choices.iter().any(|choice| choice.name == name),
+            (ValueKind::Toggle, Value::Toggle(_)) | (ValueKind::Color, Value::Color(_)) => true,
+            (ValueKind::Choice(choices), Value::Choice(name)) => {
+                choices.iter().any(|choice| choice.name == name)
+            }
             _ => false,
         };
         if fits {
@@ -201,9 +203,9 @@ impl Knob {
         Err(Refusal { path: self.path.to_owned(), value: self.text(value), range: self.range() })
     }
 
-    /// A number of SI units in the unit that people read, rounded as far as no digit is lost.
+    /// Converts an SI value to the display unit, with the fewest digits that convert back to the same value.
     pub fn shown(&self, inner: f32) -> f64 {
-        let Kind::Number { unit, .. } = self.kind else { return f64::from(inner) };
+        let ValueKind::Number { unit, .. } = self.kind else { return f64::from(inner) };
         let exact = f64::from(inner) / unit.si;
         (0..17)
             .filter_map(|digits| format!("{exact:.digits$e}").parse::<f64>().ok())
@@ -211,20 +213,20 @@ impl Knob {
             .unwrap_or(exact)
     }
 
-    /// A number of the unit that people read in SI units.
+    /// Converts a value in the display unit to SI.
     pub fn inner(&self, shown: f64) -> f32 {
         match self.kind {
-            Kind::Number { unit, .. } => (shown * unit.si) as f32,
+            ValueKind::Number { unit, .. } => (shown * unit.si) as f32,
             _ => shown as f32,
         }
     }
 }
 
-/// A field of the settings that a row names. What it is put is of its kind: [`Knob::check`] has seen it.
+/// A settings field of a row. Values passed to [`put`](Self::put) have passed [`Knob::check`].
 pub trait Field {
-    /// As a value.
+    /// Returns the field as a value.
     fn value(&self) -> Value;
-    /// From a value; one of another kind changes nothing.
+    /// Sets the field from a value; ignores values of the wrong type.
     fn put(&mut self, value: Value);
 }
 
@@ -242,7 +244,7 @@ macro_rules! plain {
             }
         }
 
-        /// What the library leaves open.
+        /// An option that defaults to automatic.
         impl Field for Option<$type> {
             fn value(&self) -> Value {
                 self.map_or(Value::Auto, Value::$variant)
@@ -260,7 +262,7 @@ macro_rules! plain {
 }
 plain!(f32: Number, u32: Integer, bool: Toggle, [u8; 3]: Color);
 
-/// A linear colour, which people see as sRGB.
+/// A linear color, shown as sRGB.
 impl Field for Vec3 {
     fn value(&self) -> Value {
         Value::Color(self.to_array().map(|v| (255.0 * encoded(v)).round() as u8))
@@ -273,21 +275,21 @@ impl Field for Vec3 {
     }
 }
 
-/// An enum whose variants have names.
-pub trait Named: 'static {
-    /// The names, with what they mean.
+/// An enum with named variants.
+pub trait NamedEnum: 'static {
+    /// Names and descriptions of the variants.
     const CHOICES: &'static [Choice];
 }
 
 macro_rules! named {
     ($($type:ident { $($name:literal $variant:ident $hint:literal $(=> $payload:tt $value:expr)?;)* })*) => {$(
-        impl Named for $type {
+        impl NamedEnum for $type {
             const CHOICES: &'static [Choice] = &[$(Choice { name: $name, hint: $hint }),*];
         }
 
         impl Field for $type {
             fn value(&self) -> Value {
-                // Exhaustive, so that no variant is without a name.
+                // The exhaustive match ensures that every variant has a name.
                 Value::Choice(match self { $(Self::$variant $($payload)? => $name),* })
             }
 
@@ -311,52 +313,52 @@ named! {
     }
     Beard {
         "none" None "shaved";
-        "stubble" Stubble "some days old, 2 mm";
-        "short" Short "trimmed, a centimetre";
+        "stubble" Stubble "a few days old, 2 mm";
+        "short" Short "trimmed, 1 cm";
         "full" Full "half a year old, 4 cm at the chin";
     }
     HairHairMode {
-        "off" Off "hairs pass through each other";
-        "fixed" Fixed "a fixed push out of cells that are too dense";
+        "off" Off "strands pass through each other";
+        "fixed" Fixed "a fixed acceleration out of cells that are too dense";
         "gradient" Gradient "pressure along the negative gradient of the density, and friction";
     }
     AvoidMode {
-        "off" Off "strands enter obstacles";
-        "vertices" PenetratingOnly "only the vertices inside are moved out";
-        "strands" ChangeOver "a strand that hits an obstacle follows its nearest guide";
+        "off" Off "strands penetrate colliders";
+        "vertices" PenetratingOnly "only penetrating vertices are moved out";
+        "strands" ChangeOver "a strand that hits a collider follows its nearest guide";
     }
     HairColor {
-        "file" File "the colours of the groom file, or brown where it has none";
+        "file" File "the colors of the groom file, or brown if it has none";
         "blond" Blond "light blond";
         "brown" Brown "brown";
         "red" Red "copper red";
         "black" Black "black";
-        "srgb" Srgb "the sRGB colour";
+        "srgb" Srgb "the sRGB color";
         "melanin" Melanin "eumelanin and pheomelanin";
     }
     ShadingModel {
-        "fiber" Fiber "light refracted and absorbed in fibres and scattered among them";
-        "kajiya-kay" KajiyaKay "a diffuse colour and two highlights set by eye; the cheapest";
+        "fiber" Fiber "refraction and absorption in fibers, and scattering between them";
+        "kajiya-kay" KajiyaKay "a diffuse color and two highlights that are set by hand; the cheapest";
     }
     ShadingRate {
         "vertex" PerVertex "at each strand vertex, interpolated along the strand";
         "pixel" PerPixel "at each pixel";
     }
     ShadowMethod {
-        "opaque" Opaque "hair is solid: soft edges, black behind the first layer";
-        "absorption" Absorption "light is lost in proportion to the distance behind the nearest hair";
-        "deep" DeepOpacity "deep opacity maps: fibres are counted in layers behind the front of the hair";
+        "opaque" Opaque "opaque hair: soft edges, black behind the first layer";
+        "absorption" Absorption "absorption that grows with the distance behind the nearest hair";
+        "deep" DeepOpacity "deep opacity maps: fibers are counted in layers behind the first depth layer";
         "off" Off "no shadows";
     }
     Coverage {
-        "mask" SampleMask "each strand covers its share of the samples of a pixel";
-        "alpha" AlphaToCoverage "the adapter turns a strand's share of a pixel into samples";
-        "tiles" Tiles "compute shaders blend all strands in order, tile by tile; the finest";
-        "peel" DepthPeeling "depth peeling: strands are blended in layers, a pass each" => { .. } Coverage::PEELING;
+        "mask" SampleMask "sample mask: each strand covers its share of a pixel's samples";
+        "alpha" AlphaToCoverage "alpha to coverage: the adapter turns a strand's opacity into samples";
+        "tiles" Tiles "compute shaders blend all strands in order, per tile; the best quality";
+        "peel" DepthPeeling "depth peeling: strands are blended in layers, one pass each" => { .. } Coverage::PEELING;
     }
     LodMode {
-        "auto" Auto "by the size of a pixel at the hair";
+        "auto" Auto "by the pixel size at the hair";
         "off" Off "full detail at any distance";
-        "fraction" Fixed "a fixed share of the strands" => (_) LodMode::Fixed(1.0);
+        "fraction" Fixed "a fixed fraction of the strands" => (_) LodMode::Fixed(1.0);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{
     Access, Knob, Section, Value,
-    flags::{Missing, Slot, flag, place, value},
+    flags::{OmittedValue, Slot, flag, place, value},
     rows,
     value::*,
 };
@@ -11,7 +11,7 @@ use tresses::wind::{MAX_CELLS, Wind};
 pub(super) const SECTION: Section = Section {
     key: "wind",
     title: "Wind",
-    about: "What the air does far from the head, and how finely the air around the hair is computed.",
+    about: "Wind far from the head, and the grid that resolves the air around the hair.",
     knobs: KNOBS,
 };
 
@@ -20,23 +20,23 @@ const KNOBS: &[Knob] = rows! { "wind";
         flag(flag("wind", "SPEED[,DEGREES]").common().then(WIND)),
         "Mean speed: 2 m/s stirs leaves, 8 a flag, 20 is a storm. 0 costs nothing.";
     "direction" "Direction" [wind_direction] number(DEGREES, -360.0, 360.0),
-        "Where the wind comes from: the front (0), the left of the head (90), the back (180).";
+        "Direction that the wind comes from: front (0), left of the head (90), back (180).";
     "gusts" "Gusts" [simulation.wind.gusts] within(PERCENT, Wind::GUSTS),
         flag(flag("gusts", "INTENSITY")),
         "Standard deviation over mean speed: 10 % over water, 20 over land, 40 between houses.";
     "gust_length" "Gust length" [simulation.wind.gust_length] within(METRES, Wind::GUST_LENGTH).log(),
-        "Size of the gusts; one passes in about this length over the speed.";
+        "Size of gusts; a gust passes in about this length over the wind speed.";
     "seed" "Seed" [simulation.wind.seed] integer(PLAIN, 0, 9999, 1), advanced, flag(flag("wind-seed", "N")),
-        "Another number gives other gusts.";
+        "Random seed of the gusts.";
     "cells" "Grid cells" [simulation.wind.cells] integer(PLAIN, 0, MAX_CELLS, 8), advanced,
-        "Cells of the grid of air along each axis; more follow the head closer. 0: the same wind everywhere.";
+        "Cells of the air grid along each axis; more resolve the flow around the head. 0: uniform wind.";
     "room" "Grid size" [simulation.wind.room] within(TIMES, Wind::ROOM).log(), advanced,
-        "Edge of the grid of air over the size of the hair.";
+        "Edge of the air grid relative to the size of the hair.";
 };
 
-const WIND: &[Slot] = &[place(value("wind.direction"), Missing::Kept)];
+const WIND: &[Slot] = &[place(value("wind.direction"), OmittedValue::Kept)];
 
-/// The speed of wind from the front.
+/// Wind speed along -Z; a separate parameter sets the direction.
 const SPEED: Access = Access {
     get: |settings| Value::Number(settings.wind_speed()),
     set: |settings, value| {

@@ -1,4 +1,4 @@
-//! Motions as animations of a rig, for files that other programs open.
+//! Exports motions as rig animations, for files that other programs open.
 
 use super::{Motion, NAMES};
 use tresses::{
@@ -12,8 +12,8 @@ use tresses::{
 /// Keys per second.
 const RATE: f64 = 60.0;
 
-/// The built-in motions as animations of the built-in character's `rig`, but for standing still. Between two keys a turn
-/// is along its arc.
+/// Returns the built-in motions, except standing still, as animations of `rig`, the rig of the built-in character.
+/// Rotations between keys follow the shortest arc.
 pub fn of_the_character(rig: &Rig) -> Vec<Animation> {
     let moves = NAMES.iter().filter(|name| **name != "still");
     moves.filter_map(|name| Some(animation(name, &Motion::named(name)?, rig))).collect()
@@ -36,7 +36,7 @@ fn animation(name: &str, motion: &Motion, rig: &Rig) -> Animation {
     let mut channels =
         vec![channel(0, Property::Translation, places), rotation(0, &|i| gestures[i].body.rotation)];
     for (node, share) in mannequin::rig::SHARES {
-        // All joints rest unturned, and shares of one turn have one axis: each is relative to its parent already.
+        // Rest rotations are identity and all shares of one turn have the same axis, so each is relative to its parent.
         channels.push(rotation(node, &|i| Quat::IDENTITY.slerp(gestures[i].head.rotation, share)));
     }
     let targets: Vec<u32> = motion.shapes().filter_map(|shape| Some(rig.target(shape)? as u32)).collect();
@@ -56,7 +56,7 @@ mod tests {
     use tresses::Pose;
 
     #[test]
-    fn an_animation_has_the_character_where_the_motion_has_it() {
+    fn animation_matches_motion() {
         let mesh = mannequin::mesh(50);
         let rig = mannequin::rig::rig(&mesh);
         let all = of_the_character(&rig);

@@ -1,11 +1,11 @@
-//! Motions: the built-in ones and keyframe files, as a gesture for every time.
+//! Motions of a character, built in or from keyframe files, evaluated as a gesture per time.
 //!
-//! All are lists of keys. Between keys each angle follows a quintic whose slope at a key is that
-//! of a monotone cubic and whose acceleration there is zero: the curve is twice differentiable,
-//! passes through every key and never overshoots one, so a hold between two equal keys is still.
+//! A motion is a list of keys. Between keys each channel follows a quintic with zero acceleration at the keys and the
+//! slopes of a monotone cubic. The curve is twice differentiable, passes through every key and never overshoots, so it
+//! stays constant between equal keys.
 //!
-//! A key turns the head on the neck, leans the torso about the waist and puts the whole somewhere else; it may also say how
-//! much there is of the body's shapes. What is one rigid piece does all of it as one.
+//! A key rotates the head on the neck, leans the torso about the waist, translates the character, and optionally sets
+//! weights of blend shapes. A rigid body applies all of these as one pose.
 
 pub mod animation;
 mod named;
@@ -21,72 +21,72 @@ use tresses::{
     glam::{EulerRot, Quat, Vec3},
 };
 
-/// The most keys a keyframe file may have.
+/// Maximum number of keys in a keyframe file.
 const MAX_KEYS: usize = 100_000;
 
-/// How far below the joint of the neck a torso leans about, metres.
+/// Distance from the neck joint down to the pivot of the torso's lean, meters.
 const WAIST: f32 = 0.42;
-/// Angles of the head, of the torso, and where all of it is.
+/// Number of fixed channels: angles of head and torso, and translation.
 const FIXED: usize = 9;
 
-/// What a character does at one time.
+/// State of a character at one time.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]
 #[serde(deny_unknown_fields)]
-pub struct Key {
-    /// Seconds.
+pub struct Keyframe {
+    /// Time, seconds.
     pub time: f64,
-    /// The head on the neck: yaw (to the head's left), pitch (chin down) and roll (towards the head's right shoulder),
-    /// degrees.
+    /// Rotation of the head on the neck, degrees: yaw (toward the head's left), pitch (chin down), roll (toward the
+    /// head's right shoulder).
     #[serde(default)]
     pub rotation: [f64; 3],
-    /// The torso about the waist, the same three angles.
+    /// Lean of the torso about the waist, degrees: the same three angles.
     #[serde(default)]
     pub lean: [f64; 3],
-    /// Everything, metres.
+    /// Translation of the whole character, meters.
     #[serde(default)]
     pub translation: [f64; 3],
-    /// How much there is of the body's shapes, 1 for all of it. A shape that a key does not name has 0 there.
+    /// Weights of blend shapes, 1 for full effect. Shapes that a key does not name have weight 0.
     #[serde(default)]
     pub shapes: BTreeMap<String, f64>,
 }
 
-/// The form of a keyframe file.
+/// Format of keyframe files.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
     #[serde(default, rename = "loop")]
     repeats: bool,
-    keys: Vec<Key>,
+    keys: Vec<Keyframe>,
 }
 
-/// A motion.
+/// A keyframed motion.
 #[derive(Clone, Debug)]
 pub struct Motion {
     times: Vec<f64>,
-    /// The channels of every key: [`FIXED`] numbers, then the shapes.
+    /// Channels of every key: [`FIXED`] numbers, then the blend shape weights.
     values: Vec<Vec<f64>>,
-    /// Their slopes, units per second.
+    /// Slopes of the channels at every key, units per second.
     slopes: Vec<Vec<f64>>,
     shapes: Vec<Arc<str>>,
     repeats: bool,
 }
 
 impl Motion {
-    /// A built-in motion by its name, or the keyframe file at that path.
+    /// Returns the built-in motion `name`, or reads the keyframe file at that path.
     pub fn open(name: &str) -> Result<Self> {
         match Self::named(name) {
             Some(motion) => Ok(motion),
             None if Path::new(name).extension().is_some_and(|e| e == "json") => Self::read(Path::new(name)),
             None => bail!(
-                "there is no motion {name:?}; choose {} or give a keyframe file that ends in .json",
+                "there is no motion {name:?}; choose {}, or give a keyframe file (.json)",
                 NAMES.join(", ")
             ),
         }
     }
 
-    /// A keyframe file, in seconds, degrees and metres:
+    /// Reads a keyframe file, in seconds, degrees and meters:
     /// `{"loop": true, "keys": [{"time": 0, "rotation": [yaw, pitch, roll], "lean": [yaw, pitch, roll],
-    /// "translation": [x, y, z], "shapes": {"Jaw": 0.5}}, …]}`. All but the time may be left out.
+    /// "translation": [x, y, z], "shapes": {"Jaw": 0.5}}, …]}`. All fields of a key except `time` are optional.
     pub fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
         Self::parse(&text).with_context(|| path.display().to_string())
@@ -97,41 +97,41 @@ impl Motion {
         Self::keyed(keys, repeats)
     }
 
-    /// A motion through `keys`, over and over if it `repeats`.
-    pub fn keyed(keys: Vec<Key>, repeats: bool) -> Result<Self> {
+    /// Creates a motion from `keys`, which loops if `repeats` is set.
+    pub fn keyed(keys: Vec<Keyframe>, repeats: bool) -> Result<Self> {
         ensure!(!keys.is_empty(), "the motion has no keys");
         ensure!(
             keys.len() <= MAX_KEYS,
-            "the motion has {} keys, but at most {MAX_KEYS} are read",
+            "the motion has {} keys, but at most {MAX_KEYS} are supported",
             keys.len()
         );
         let shapes = shapes_of(&keys);
         for (i, key) in keys.iter().enumerate() {
             ensure!(
                 key.time.is_finite() && channels(key, &shapes).iter().all(|v| v.is_finite() && v.abs() < 1e6),
-                "key {i} holds a number that is not finite or is absurdly large"
+                "key {i}: a number is not finite or is larger than 1e6"
             );
             ensure!(i > 0 || key.time == 0.0, "the first key is at {} s, but must be at 0", key.time);
             ensure!(
                 i == 0 || key.time > keys[i - 1].time,
-                "key {i} is at {} s, not later than the key before it",
+                "key {i} is at {} s, not later than the previous key",
                 key.time
             );
         }
         let (first, last) = (&keys[0], &keys[keys.len() - 1]);
         ensure!(
             !repeats || (keys.len() > 1 && channels(first, &shapes) == channels(last, &shapes)),
-            "a motion that loops must end with the pose it starts with"
+            "a looping motion must end with its first pose"
         );
         Ok(Self::from_keys(&keys, repeats))
     }
 
-    fn from_keys(keys: &[Key], repeats: bool) -> Self {
+    fn from_keys(keys: &[Keyframe], repeats: bool) -> Self {
         let n = keys.len();
         let shapes = shapes_of(keys);
         let times: Vec<f64> = keys.iter().map(|key| key.time).collect();
         let values: Vec<Vec<f64>> = keys.iter().map(|key| channels(key, &shapes)).collect();
-        // The secant of the segment before key `i`; beyond the ends the other end's of a loop, or none.
+        // Secant of the segment before key `i`. Beyond the ends it wraps around in a loop and is zero otherwise.
         let secant = |i: usize, c: usize| -> f64 {
             if n < 2 || !(repeats || (1..n).contains(&i)) {
                 return 0.0;
@@ -152,23 +152,23 @@ impl Motion {
         Self { times, values, slopes, shapes, repeats }
     }
 
-    /// Seconds from the first to the last key.
+    /// Returns the time from the first to the last key, seconds.
     pub fn duration(&self) -> f64 {
         self.times[self.times.len() - 1]
     }
 
-    /// Whether the motion starts over after its [`duration`](Self::duration).
+    /// Returns whether the motion starts over after its [`duration`](Self::duration).
     pub fn repeats(&self) -> bool {
         self.repeats
     }
 
-    /// The names of the shapes that it moves.
+    /// Returns the names of the blend shapes that it animates.
     pub fn shapes(&self) -> impl Iterator<Item = &str> {
         self.shapes.iter().map(|name| &**name)
     }
 
-    /// All channels at `time` in seconds: yaw, pitch, roll of the head and of the torso in degrees, translation in
-    /// metres, shapes.
+    /// Returns all channels at `time` (seconds): yaw, pitch and roll of head and torso in degrees, translation in
+    /// meters, blend shape weights.
     fn at(&self, time: f64) -> Vec<f64> {
         let time =
             if self.repeats { time.rem_euclid(self.duration()) } else { time.clamp(0.0, self.duration()) };
@@ -186,7 +186,7 @@ impl Motion {
         (0..from.len()).map(channel).collect()
     }
 
-    /// What a character does at `time` in seconds, whose head turns about `pivot` (metres), the joint of its neck.
+    /// Returns the gesture at `time` (seconds). `pivot` is the neck joint about which the head turns, meters.
     pub fn gesture(&self, time: f64, pivot: Vec3) -> Gesture {
         let at = self.at(time);
         let turn = |angles: &[f64]| {
@@ -199,26 +199,26 @@ impl Motion {
         Gesture { body, head: Pose::about(pivot, turn(&at[..3])), shapes: shapes.collect() }
     }
 
-    /// The pose of something that is one piece, at `time` in seconds; it turns about `pivot` (metres).
+    /// Returns the pose of a rigid object at `time` (seconds), which turns about `pivot` (meters).
     pub fn pose(&self, time: f64, pivot: Vec3) -> Pose {
         self.gesture(time, pivot).rigid()
     }
 }
 
-/// The names of the shapes in all keys, in order.
-fn shapes_of(keys: &[Key]) -> Vec<Arc<str>> {
+/// Returns the names of the blend shapes in all keys, sorted.
+fn shapes_of(keys: &[Keyframe]) -> Vec<Arc<str>> {
     let names: std::collections::BTreeSet<&str> =
         keys.iter().flat_map(|key| key.shapes.keys()).map(String::as_str).collect();
     names.into_iter().map(Arc::from).collect()
 }
 
-fn channels(key: &Key, shapes: &[Arc<str>]) -> Vec<f64> {
+fn channels(key: &Keyframe, shapes: &[Arc<str>]) -> Vec<f64> {
     let fixed = [key.rotation, key.lean, key.translation].concat();
     let shapes = shapes.iter().map(|name| key.shapes.get(&**name).copied().unwrap_or(0.0));
     fixed.into_iter().chain(shapes).collect()
 }
 
-/// The quintic from 0 to `rise` over `s` in 0..1 with slopes `m0`, `m1` and no acceleration at the ends.
+/// Evaluates the quintic from 0 to `rise` for `s` in 0..1, with slopes `m0` and `m1` and zero acceleration at the ends.
 fn quintic(s: f64, rise: f64, m0: f64, m1: f64) -> f64 {
     let (s2, s3) = (s * s, s * s * s);
     let (s4, s5) = (s3 * s, s3 * s2);

@@ -1,19 +1,20 @@
-//! The motions that are built in.
+//! Built-in motions.
 
-use super::{Key, Motion};
+use super::{Keyframe, Motion};
 
 /// The names of the built-in motions.
 pub const NAMES: [&str; 6] = ["still", "nod", "turn", "shake", "walk", "dance"];
 
-/// The shape that breathes.
+/// Blend shape of breathing.
 const BREATH: &str = "Breath";
 
 impl Motion {
-    /// A built-in motion. All repeat; those of the head alone start and end at rest, and hold still for a while at the end.
+    /// Returns a built-in motion. All of them loop. Motions of the head alone start and end at rest, with a pause at
+    /// the end.
     pub fn named(name: &str) -> Option<Self> {
         let keys = match name {
             "still" => turns(&[(0.0, 0.0, 0.0), (2.0, 0.0, 0.0)]),
-            // Time in seconds, yaw, pitch in degrees. Heads turn by 60 to 120 degrees in half a second.
+            // Time in seconds; yaw and pitch in degrees. Heads turn by 60 to 120 degrees in half a second.
             "nod" => turns(&[
                 (0.0, 0.0, 0.0),
                 (0.25, 0.0, 30.0),
@@ -51,12 +52,12 @@ impl Motion {
     }
 }
 
-/// The head alone; the chest breathes once where there is time for it.
-fn turns(keys: &[(f64, f64, f64)]) -> Vec<Key> {
+/// Returns keys that move only the head. Unless it stays still, the chest breathes once per loop.
+fn turns(keys: &[(f64, f64, f64)]) -> Vec<Keyframe> {
     let moves = keys.iter().any(|(_, yaw, pitch)| *yaw != 0.0 || *pitch != 0.0);
     let length = keys[keys.len() - 1].0;
     let key = |&(time, yaw, pitch): &(f64, f64, f64)| {
-        let mut key = Key { time, rotation: [yaw, pitch, 0.0], ..Key::default() };
+        let mut key = Keyframe { time, rotation: [yaw, pitch, 0.0], ..Keyframe::default() };
         if moves {
             key.shapes.insert(BREATH.into(), breath(time / length));
         }
@@ -65,24 +66,24 @@ fn turns(keys: &[(f64, f64, f64)]) -> Vec<Key> {
     keys.iter().map(key).collect()
 }
 
-/// How much breath there is at a share of its time: in within two fifths, out in the rest.
+/// Returns the breathing weight at phase `t`: inhale during the first two fifths, exhale during the rest.
 fn breath(t: f64) -> f64 {
     let phase = if t < 0.4 { t / 0.4 } else { (1.0 - t) / 0.6 };
     0.5 - 0.5 * (std::f64::consts::PI * phase).cos()
 }
 
-/// A walk in place, two strides of 1.1 s: with each step the body falls and rises by 3 cm and sways by 2.4; shoulders turn
-/// against the hips, and the head against the shoulders, so that it looks ahead.
-fn walk() -> Vec<Key> {
+/// Returns a walk in place of two strides, 1.1 s each. The body moves vertically by 3 cm per step and sideways by 2.4
+/// cm per stride. The shoulders turn against the hips and the head against the shoulders, so that it looks ahead.
+fn walk() -> Vec<Keyframe> {
     const STRIDE: f64 = 1.1;
     const KEYS: u32 = 32;
     let key = |i: u32| {
-        // A whole number of strides comes out exactly where it began.
+        // Reduce the index, so that the last key equals the first exactly.
         let share = f64::from(i % KEYS) / f64::from(KEYS);
         let stride = 4.0 * std::f64::consts::PI * share;
         let (swing, sway) = (stride.sin(), (stride + 0.6).sin());
         let step = (2.0 * stride).cos();
-        Key {
+        Keyframe {
             time: 2.0 * STRIDE * f64::from(i) / f64::from(KEYS),
             rotation: [-4.5 * swing, -2.0 - 1.5 * step, -1.5 * sway],
             lean: [6.0 * swing, 3.0 + 0.8 * step, 2.0 * sway],
@@ -93,9 +94,10 @@ fn walk() -> Vec<Key> {
     (0..=KEYS).map(key).collect()
 }
 
-/// Eight beats, two in a second: down on every beat, from side to side on every second, and twice the head is thrown round.
-fn dance() -> Vec<Key> {
-    // Beats; yaw, pitch, roll of the head and of the torso in degrees; sideways and up in cm; brows, jaw.
+/// Returns a dance of eight beats, two per second: a dip on every beat, a sway on every second beat, and two head
+/// tosses.
+fn dance() -> Vec<Keyframe> {
+    // Beats; yaw, pitch, roll of head and torso in degrees; sideways and upward offset in cm; brow and jaw weights.
     type Row = (f64, [f64; 3], [f64; 3], [f64; 2], [f64; 2]);
     const ROWS: [Row; 17] = [
         (0.0, [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0], [0.0, 0.0]),
@@ -116,7 +118,7 @@ fn dance() -> Vec<Key> {
         (7.5, [0.0, 16.0, 0.0], [0.0, 6.0, 0.0], [0.0, -3.0], [0.0, 0.0]),
         (8.0, [0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0], [0.0, 0.0]),
     ];
-    let key = |(beat, rotation, lean, [x, y], [brows, jaw]): Row| Key {
+    let key = |(beat, rotation, lean, [x, y], [brows, jaw]): Row| Keyframe {
         time: 0.5 * beat,
         rotation,
         lean,

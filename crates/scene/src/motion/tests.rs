@@ -12,7 +12,7 @@ fn built_in_motions_loop_and_are_twice_differentiable() {
         let motion = Motion::named(name).unwrap();
         assert!(motion.repeats());
         let period = motion.duration();
-        // A quintic without slopes has its largest third derivative, 60 rise / span³, at its ends.
+        // A quintic with zero end slopes has its largest third derivative, 60 rise / span³, at its ends.
         let channels = FIXED + motion.shapes.len();
         let jerk = (1..motion.times.len())
             .map(|i| {
@@ -21,7 +21,7 @@ fn built_in_motions_loop_and_are_twice_differentiable() {
                 1.1 * 60.0 * rise / (motion.times[i] - motion.times[i - 1]).powi(3)
             })
             .fold(1e-3, f64::max);
-        // Across the seam as well: from one period before to one after.
+        // Include the seam of the loop.
         let value = |t: f64, c: usize| motion.at(t)[c];
         for t in steps(&motion, dt) {
             for c in 0..channels {
@@ -36,7 +36,7 @@ fn built_in_motions_loop_and_are_twice_differentiable() {
 
 #[test]
 fn heads_turn_at_the_stated_speed() {
-    // look.md: 60 to 120 degrees in half a second, from hold to hold.
+    // Heads turn by 60 to 120 degrees in half a second, from hold to hold.
     for name in ["nod", "turn", "shake"] {
         let motion = Motion::named(name).unwrap();
         for i in 1..motion.times.len() {
@@ -51,7 +51,7 @@ fn heads_turn_at_the_stated_speed() {
 }
 
 #[test]
-fn keys_are_met_and_not_overshot() {
+fn curves_pass_through_keys_without_overshoot() {
     let text = r#"{"keys": [{"time": 0}, {"time": 0.1, "rotation": [1, 0, 0]}, {"time": 1, "rotation": [90, -5, 3]},
         {"time": 1.5, "rotation": [90, -5, 3], "translation": [0.1, 0, 0]}]}"#;
     let motion = Motion::parse(text).unwrap();
@@ -69,7 +69,7 @@ fn keys_are_met_and_not_overshot() {
 }
 
 #[test]
-fn the_neck_stays_and_the_nose_goes_left() {
+fn head_turns_about_the_neck() {
     let neck = Vec3::new(0.0, 1.4, -0.02);
     let nose = Vec3::new(0.0, 1.55, 0.1);
     let pose = Motion::named("turn").unwrap().pose(0.3, neck);
@@ -80,15 +80,15 @@ fn the_neck_stays_and_the_nose_goes_left() {
 }
 
 #[test]
-fn bad_keyframes_give_one_sentence() {
+fn invalid_keyframes_fail_with_a_reason() {
     for (text, clause) in [
         ("", "EOF"),
         (r#"{"keys": []}"#, "no keys"),
         (r#"{"keys": [{"time": 1}]}"#, "must be at 0"),
         (r#"{"keys": [{"time": 0}, {"time": 0}]}"#, "not later"),
-        (r#"{"keys": [{"time": 0, "rotation": [1e99, 0, 0]}]}"#, "absurdly large"),
+        (r#"{"keys": [{"time": 0, "rotation": [1e99, 0, 0]}]}"#, "larger than 1e6"),
         (r#"{"keys": [{"time": 0, "spin": 3}]}"#, "spin"),
-        (r#"{"loop": true, "keys": [{"time": 0}, {"time": 1, "rotation": [9, 0, 0]}]}"#, "loops"),
+        (r#"{"loop": true, "keys": [{"time": 0}, {"time": 1, "rotation": [9, 0, 0]}]}"#, "looping"),
     ] {
         let error = format!("{:#}", Motion::parse(text).unwrap_err());
         assert!(error.contains(clause) && !error.contains('\n'), "{text}: {error}");
@@ -97,7 +97,7 @@ fn bad_keyframes_give_one_sentence() {
 }
 
 #[test]
-fn the_torso_leans_and_the_head_turns_on_it() {
+fn torso_leans_about_the_waist() {
     let neck = Vec3::new(0.0, 1.4, 0.0);
     let text =
         r#"{"keys": [{"time": 0, "rotation": [90, 0, 0], "lean": [0, 0, 30], "translation": [0, 0.1, 0]}]}"#;
@@ -105,14 +105,14 @@ fn the_torso_leans_and_the_head_turns_on_it() {
     assert!(gesture.head.point(neck).distance(neck) < 1e-6, "the head turns about the neck");
     let waist = neck - Vec3::Y * WAIST;
     assert!(gesture.body.point(waist).distance(waist + Vec3::Y * 0.1) < 1e-6, "the torso about the waist");
-    // Roll is to the right, and yaw is about the neck as the torso has it.
+    // Positive roll is to the right; yaw turns the head about the neck of the leaned torso.
     let at = gesture.rigid().point(neck) - Vec3::Y * 0.1;
     assert!((at - waist).length() - WAIST < 1e-6 && at.x < -0.2, "{at}");
     assert_eq!(gesture.rigid(), Motion::parse(text).unwrap().pose(0.0, neck));
 }
 
 #[test]
-fn shapes_are_keyed_and_blended() {
+fn blend_shapes_are_keyed_and_blended() {
     let text = r#"{"keys": [{"time": 0, "shapes": {"Jaw": 1}}, {"time": 1, "shapes": {"Brows": 0.5}}]}"#;
     let motion = Motion::parse(text).unwrap();
     assert_eq!(motion.shapes().collect::<Vec<_>>(), ["Brows", "Jaw"]);
@@ -122,7 +122,7 @@ fn shapes_are_keyed_and_blended() {
     let (calm, open) = (Gesture::default(), gesture(0.0));
     assert_eq!(calm.lerp(&open, 0.25).shape("Jaw"), 0.25);
     assert_eq!(open.lerp(&calm, 0.25).shape("Jaw"), 0.75);
-    // Who dances breathes, and at rest nothing is bent.
+    // Dancers breathe, and at rest no shape is active.
     for name in ["walk", "dance"] {
         let motion = Motion::named(name).unwrap();
         assert!(motion.shapes().any(|shape| shape == "Breath"), "{name}");

@@ -1,13 +1,13 @@
-//! Samples per pixel, and coverage of pixels by strands thinner than one.
+//! Multisampling, and coverage by strands thinner than a pixel.
 
 use crate::settings::Settings;
 use tresses::{Error, Result, draw::Coverage, light::ShadingRate};
 
 impl Settings {
-    /// Samples and coverage where the adapter offers `most` samples.
+    /// Returns the sample count and the coverage mode for an adapter that supports up to `most` samples.
     ///
     /// # Errors
-    /// Where they do not go together.
+    /// Fails if the sample count and the coverage mode exclude each other.
     pub fn sampling(&self, most: u32) -> Result<(u32, Coverage)> {
         let given = self.gives("edges.samples").then_some(self.view.samples);
         let peeled = Coverage::DepthPeeling { layers: self.peeled_layers };
@@ -15,7 +15,8 @@ impl Settings {
         let coverage = match (self.gives("edges.coverage").then_some(self.view.coverage), given) {
             (Some(Coverage::DepthPeeling { .. }), _) => peeled,
             (Some(coverage), _) => coverage,
-            // All layers in order are quieter and nearer to the truth than some of them, or any number of samples.
+            // Blending all layers in order has less noise and error than peeling a few of them or any number of
+            // samples.
             (None, _) if !per_pixel && peeled == Coverage::PEELING => Coverage::Tiles,
             (None, None | Some(1)) => peeled,
             (None, Some(_)) => Coverage::SampleMask,
@@ -23,7 +24,7 @@ impl Settings {
         let samples = match given {
             Some(samples) => samples,
             None if coverage == peeled => 1,
-            // Of bodies alone.
+            // Tiled hair is not multisampled; the samples are for bodies.
             None if coverage == Coverage::Tiles => most.min(4),
             None => most.min(8),
         };
@@ -32,16 +33,19 @@ impl Settings {
         if coverage == peeled && samples != 1 {
             return refuse(
                 "peel",
-                "mask or alpha with several samples per pixel: peeled strands are blended in one sample",
+                "mask or alpha with several samples per pixel: depth peeling supports one sample only",
             );
         }
         if coverage == Coverage::AlphaToCoverage && samples == 1 {
-            return refuse("alpha", "tiles, mask or peel with one sample per pixel: alpha needs several");
+            return refuse(
+                "alpha",
+                "tiles, mask or peel with one sample per pixel: alpha to coverage needs several",
+            );
         }
         if coverage == Coverage::Tiles && per_pixel {
             return refuse(
                 "tiles",
-                "mask, alpha or peel where hair is shaded for each pixel: tiles blend what is shaded at vertices",
+                "mask, alpha or peel with shading per pixel: tiles support shading per vertex only",
             );
         }
         coverage.check(samples)?;
@@ -50,7 +54,7 @@ impl Settings {
 
     pub(super) fn check_edges(&self) -> Result<()> {
         self.sampling(16)?;
-        // Whether they are used or not.
+        // Checked even if depth peeling is not the current mode.
         Coverage::DepthPeeling { layers: self.peeled_layers }.check(1)
     }
 
@@ -67,7 +71,7 @@ mod tests {
     use crate::Value;
 
     #[test]
-    fn samples_and_coverage_fit_together() {
+    fn sampling_resolves_samples_and_coverage() {
         let choose = |samples: &'static str, coverage: &'static str, most| {
             let mut settings = Settings::default();
             let value = |name| if name == "auto" { Value::Auto } else { Value::Choice(name) };
@@ -77,7 +81,7 @@ mod tests {
             settings.sampling(most).ok()
         };
         let two = Coverage::DepthPeeling { layers: 2 };
-        // A number of layers is one for peeling.
+        // A nondefault layer count selects depth peeling.
         assert_eq!(choose("auto", "auto", 4), Some((1, two)));
         assert_eq!(choose("4", "auto", 4), Some((4, Coverage::SampleMask)));
         assert_eq!(choose("auto", "tiles", 16), Some((4, Coverage::Tiles)));

@@ -1,4 +1,4 @@
-//! The library's options that [settings](Settings) come to: growth, material, view, pipelines.
+//! Converts [settings](Settings) to the library's options: growth, material, view, pipelines.
 
 mod edges;
 mod shading;
@@ -20,22 +20,22 @@ use tresses::{
     volume::HairHairMode,
 };
 
-/// Why settings make no sense, in one sentence.
+/// Invalid settings, described in one sentence.
 #[derive(Debug, thiserror::Error)]
 pub enum SettingsError {
     /// A parameter is out of its range.
     #[error(transparent)]
     Knob(#[from] Refusal),
-    /// What the library says.
+    /// An error from the library's own checks.
     #[error(transparent)]
     Library(#[from] tresses::Error),
 }
 
 impl Settings {
-    /// Whether every parameter is within its range and all of them fit together.
+    /// Checks that every parameter is within its range and that the parameters are consistent.
     ///
     /// # Errors
-    /// One sentence that names the first that does not.
+    /// Returns the first violation.
     pub fn check(&self) -> Result<(), SettingsError> {
         for knob in knobs::all() {
             knob.check(knob.get(self))?;
@@ -43,7 +43,7 @@ impl Settings {
         Ok(self.check_library()?)
     }
 
-    /// The library's own checks.
+    /// Runs the library's own checks.
     pub(crate) fn check_library(&self) -> Result<()> {
         self.physics().check()?;
         self.avoidance.check()?;
@@ -56,9 +56,9 @@ impl Settings {
         Ok(())
     }
 
-    /// The same with every automatic parameter as it comes out: on a built-in style, or `None` for a
-    /// groom from a file, whose strands stay as they are. What an interface shows beside *automatic*.
-    /// A parameter for which a file has a value of its own, such as its widths, stays automatic.
+    /// Returns a copy in which automatic parameters have their resolved values, which interfaces show next to
+    /// *automatic*. `style` is the built-in style, or `None` for a groom from a file, whose strands are not restyled.
+    /// Parameters that the file defines, such as strand width, remain automatic.
     pub fn resolved(&self, style: Option<&Style>) -> Self {
         let mut resolved = self.clone();
         self.resolve_style(style, &mut resolved);
@@ -67,22 +67,22 @@ impl Settings {
         resolved
     }
 
-    /// The options of a view where the adapter offers `most` samples per pixel.
+    /// Returns the view's options for an adapter that supports up to `most` samples per pixel.
     ///
     /// # Errors
-    /// Samples and coverage that do not go together.
+    /// Fails if the sample count and the coverage mode exclude each other.
     pub fn view_options(&self, most: u32) -> Result<ViewOptions> {
         let (samples, coverage) = self.sampling(most)?;
         Ok(ViewOptions { samples, coverage, ..self.view })
     }
 
-    /// The pipelines of a picture of hair at rest, for a view with `options`.
+    /// Returns the pipelines that render hair at rest in a view with `options`.
     pub fn pipelines(&self, options: ViewOptions) -> Vec<PipelineRequest> {
         use PipelineRequest::{Avoid, Strands, View};
         vec![Strands, Avoid, View(options, self.shading_rate())]
     }
 
-    /// Those that hair in motion needs besides, with guides of `guide_vertices` vertices.
+    /// Returns the additional pipelines for moving hair, with guides of `guide_vertices` vertices.
     pub fn pipelines_of_motion(&self, guide_vertices: &[u32]) -> Vec<PipelineRequest> {
         let SimulationParams { wind, hair_hair, twist, .. } = self.physics();
         let wind = wind.blows();
@@ -95,7 +95,7 @@ impl Settings {
         requests
     }
 
-    /// How pictures of `size` (pixels) are sampled where the adapter offers `most` samples per pixel.
+    /// Returns the image quality for `size` (pixels) on an adapter that supports up to `most` samples per pixel.
     ///
     /// # Errors
     /// As [`view_options`](Self::view_options).
@@ -103,10 +103,10 @@ impl Settings {
         Ok(Quality { size, view: self.view_options(most)?, ssaa: self.ssaa, lod: self.lod() })
     }
 
-    /// How strands become what is drawn: on a built-in style, or `None` for a groom from files.
+    /// Returns the styling options for a built-in style, or for a groom from files if `style` is `None`.
     ///
     /// # Errors
-    /// Curls out of range.
+    /// Fails if curl parameters are out of range.
     pub fn styling(&self, style: Option<&Style>, maps: &Maps) -> Result<Styling> {
         Ok(Styling {
             growth: style.map(|style| self.growth(style, maps)).transpose()?,
@@ -122,8 +122,8 @@ impl Settings {
         })
     }
 
-    /// Puts hair colour, shading, shadows and exposure into `picture` and `material`; the lights, which may go with
-    /// the camera, are [`LightSettings::lights`].
+    /// Writes hair color, shading, shadows and exposure to `picture` and `material`. The lights, which may depend on
+    /// the camera, come from [`LightSettings::lights`](crate::settings::LightSettings::lights).
     pub fn apply(&self, picture: &mut Picture, material: &mut HairMaterial, look: Option<&Look>) {
         *material = self.material_of(look);
         picture.shading = self.shading_rate();

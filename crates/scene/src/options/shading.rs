@@ -1,4 +1,4 @@
-//! The material of hair.
+//! Hair material.
 
 use crate::{
     knobs,
@@ -9,12 +9,12 @@ use tresses::{
     light::{HairMaterial, ShadingModel, fiber::FiberShape},
 };
 
-/// The tilt of the scales varies so much for a spread of the highlights: half as much as the shift of the softer
-/// highlights of Kajiya and Kay.
+/// Spread of the cuticle angle per unit of highlight spread. Highlights of the fiber model then shift half as far as
+/// the wider Kajiya-Kay highlights.
 const TILT: f32 = 0.25;
 
 impl Settings {
-    /// The look of hair as the library has it.
+    /// Returns the material.
     pub fn material(&self) -> HairMaterial {
         let mut onto = self.clone();
         onto.shading.material =
@@ -24,7 +24,7 @@ impl Settings {
         let fiber = &mut material.fiber;
         fiber.root_absorption *= self.shading.root_pigment / NATURAL.0;
         fiber.tip_absorption *= self.shading.tip_pigment / NATURAL.1;
-        // One parameter for both models.
+        // These parameters apply to both shading models.
         if self.gives("shading.lightness_spread") {
             fiber.melanin_spread = material.lightness_spread;
         }
@@ -34,9 +34,9 @@ impl Settings {
         material
     }
 
-    /// [`material`](Self::material) of hair whose file has it look like `look`: by that, where its colour is the file's; by
-    /// the colours of its strands, where they have some. Roughness, tilt and refraction are the file's as long as they are
-    /// those that hair usually has.
+    /// Returns the [`material`](Self::material) for a groom whose file stores the material `look`. It applies only
+    /// while the color is [`HairColor::File`]; strand colors in the file take precedence over its pigments. Roughness,
+    /// cuticle angle and IOR also come from the file unless the settings change them from their defaults.
     pub fn material_of(&self, look: Option<&Look>) -> HairMaterial {
         let Some(look) = look.filter(|_| self.shading.color == HairColor::File) else {
             return self.material();
@@ -48,7 +48,7 @@ impl Settings {
         HairMaterial { file_colors: true, ..own.material() }
     }
 
-    /// The shape of fibres of hair that looks like `look`.
+    /// Returns the fiber shape for a groom whose file stores `look`.
     fn shape_of(&self, look: &Look) -> FiberShape {
         let own = self.shading.material.fiber.shape;
         let [longitudinal, azimuthal] = look.roughness;
@@ -56,7 +56,8 @@ impl Settings {
         if own == FiberShape::default() { theirs.clamped() } else { own }
     }
 
-    /// What hair of these settings looks like, where that is a matter of pigments; `file` is what the file's does.
+    /// Returns the pigments and fiber shape of these settings. `file` is the material stored in the groom's file.
+    /// Returns `None` for an sRGB color, and for [`HairColor::File`] without a `file`.
     pub fn look(&self, file: Option<&Look>) -> Option<Look> {
         let mut shape = self.shading.material.fiber.shape;
         let (eumelanin, pheomelanin) = match self.shading.color {
@@ -99,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn by_default_hair_looks_as_the_library_has_it() {
+    fn named_colors_match_library_materials() {
         assert_eq!(Settings::default().material(), HairMaterial::default());
         for (color, name) in
             [(HairColor::Blond, "blond"), (HairColor::Red, "red"), (HairColor::Black, "black")]
@@ -110,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn one_spread_is_for_both_models() {
+    fn highlight_spread_sets_both_models() {
         let mut settings = colored(HairColor::Red);
         settings.set("shading.highlight_spread", 0.4).unwrap();
         settings.set("shading.diffuse", 0.9).unwrap();
@@ -120,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn pigment_is_spread_over_the_strand() {
+    fn tip_pigment_scales_tip_absorption() {
         let mut settings = colored(HairColor::Melanin);
         settings.shading.tip_pigment = 0.45;
         let half = settings.material();
@@ -133,14 +134,14 @@ mod tests {
     }
 
     #[test]
-    fn a_file_says_what_its_hair_looks_like() {
+    fn file_material_yields_to_settings() {
         let red = Look { eumelanin: 0.12, pheomelanin: 1.5, roughness: [0.2, 0.4], ..Look::default() };
         let mut settings = Settings::default();
         let of_file = settings.material_of(Some(&red));
         assert_eq!(of_file.fiber.root_absorption, HairMaterial::red().fiber.root_absorption);
         assert!(of_file.file_colors && of_file.fiber.shape.azimuthal == 0.4);
         assert_eq!(settings.look(Some(&red)), Some(red));
-        // What is said of it here counts for more.
+        // Explicit settings take precedence.
         settings.set("shading.roughness_along", 0.5).unwrap();
         assert_eq!(settings.material_of(Some(&red)).fiber.shape.azimuthal, 0.3);
         assert_eq!(settings.look(Some(&red)).unwrap().roughness, [0.5, 0.3]);
@@ -148,7 +149,7 @@ mod tests {
         assert_eq!(settings.material_of(Some(&red)), settings.material());
         let black = settings.look(Some(&red)).unwrap();
         assert_eq!((black.eumelanin, black.pheomelanin, black.roughness), (6.0, 0.3, [0.5, 0.3]));
-        // Each colour by name is its pigments.
+        // Named colors equal their pigments.
         for name in ["blond", "brown", "red", "black"] {
             settings.set("shading.color", name).unwrap();
             let look = settings.look(None).unwrap();

@@ -1,4 +1,4 @@
-//! Growth of a built-in style, and restyling of a groom from files.
+//! Growth of built-in styles, and restyling of grooms from files.
 
 use crate::{
     companions::Maps,
@@ -10,7 +10,7 @@ use tresses::{
     character::source::FillOptions,
     groom::{
         GuideCount, Restyle,
-        grow::{Curls, Growth, Paint, Unrest},
+        grow::{Curls, Growth, ScalpPaint, Unrest},
         scalp::ScalpMap,
         styles::Style,
     },
@@ -20,12 +20,12 @@ const CLUMPS: [&str; 4] = ["style.clump", "style.clump_spacing", "style.clump_st
 const UNREST: [&str; 3] = ["style.frizz", "style.strays", "style.flyaways"];
 
 impl Settings {
-    /// How many strands are drawn, where that is given.
+    /// Returns the strand count if it is set.
     pub(super) fn strands(&self) -> Option<u32> {
         self.gives("style.strands").then_some(self.style.growth.strand_count).flatten()
     }
 
-    /// How many strands are simulated; `None` for what is usual.
+    /// Returns the guide count; `None` leaves it to the library.
     pub(super) fn guides(&self) -> Option<GuideCount> {
         match self.style.all_guides {
             true => Some(GuideCount::All),
@@ -33,7 +33,7 @@ impl Settings {
         }
     }
 
-    /// How hair grows between the strands of a file.
+    /// Returns the options for filling in strands between the strands of a file.
     pub(super) fn growing(&self) -> FillOptions {
         let plain = FillOptions::default();
         FillOptions {
@@ -43,10 +43,10 @@ impl Settings {
         }
     }
 
-    /// The growth of a built-in style.
+    /// Returns the growth options of a built-in style.
     ///
     /// # Errors
-    /// Curls out of range.
+    /// Fails if curl parameters are out of range.
     pub fn growth(&self, style: &Style, maps: &Maps) -> Result<Growth> {
         let mut growth = Growth::for_style(style);
         if self.any_curls(maps) {
@@ -56,10 +56,10 @@ impl Settings {
         Ok(Growth { paint: self.paint(maps), ..self.over(growth) })
     }
 
-    /// What changes on a groom from files after it is bound; `None` for nothing.
+    /// Returns the changes to a bound groom from files; `None` if there are none.
     ///
     /// # Errors
-    /// Curls out of range.
+    /// Fails if curl parameters are out of range.
     pub fn restyle(&self, maps: &Maps) -> Result<Option<Restyle>> {
         let any = |paths: &[&str]| paths.iter().any(|path| self.gives(path));
         let plain = Growth::default();
@@ -70,7 +70,7 @@ impl Settings {
         let growth = self.over(Growth {
             clumps: if curls.any() { plain.clumps.curled(&curls) } else { plain.clumps },
             curls,
-            // Only what is asked for: the file's strands stray by themselves.
+            // Strands from files already have flyaways and frizz, so add only what the settings request.
             unrest: Unrest { frizz: 0.0, strays: 0.0, flyaways: 0.0, shorter: 0.0, ..plain.unrest },
             diameter: None,
             width_variation: 0.0,
@@ -90,8 +90,8 @@ impl Settings {
         Ok(restyle.any().then_some(restyle))
     }
 
-    /// The painted maps, strands being cut to the length that is given.
-    pub(super) fn paint(&self, maps: &Maps) -> Paint {
+    /// Returns the painted maps, with the length map multiplied by the length setting.
+    pub(super) fn paint(&self, maps: &Maps) -> ScalpPaint {
         let mut paint = maps.paint.clone();
         if self.style.length < 1.0 {
             let length = paint.length.take().unwrap_or_else(|| ScalpMap::from_fn(1, |_| 1.0));
@@ -100,7 +100,7 @@ impl Settings {
         paint
     }
 
-    /// `growth` with everything that is given.
+    /// Returns `growth` with all explicit settings applied.
     fn over(&self, growth: Growth) -> Growth {
         let mut onto = self.clone();
         onto.style.growth = growth;
@@ -113,7 +113,7 @@ impl Settings {
     }
 
     fn curls(&self, base: Curls, maps: &Maps) -> Result<Curls> {
-        // Whoever gives a wavelength but no radius wants curls nevertheless.
+        // A wavelength without a radius still implies curls.
         let base = match self.gives("style.curl") {
             true => self.style.curl.curls(),
             false if base.any() => base,
@@ -134,7 +134,7 @@ impl Settings {
 
     pub(super) fn resolve_style(&self, style: Option<&Style>, into: &mut Self) {
         let maps = Maps::default();
-        // What only a file knows.
+        // Parameters that only the file defines.
         let mut unknown = Vec::new();
         let growth = match style {
             Some(style) => {
@@ -160,7 +160,7 @@ impl Settings {
                 self.over(Growth {
                     curls: restyle.curls,
                     clumps: restyle.clumps.unwrap_or(plain.clumps),
-                    // A file's strands stray by themselves; nothing is added.
+                    // Strands from files already have flyaways and frizz; add none.
                     unrest: Unrest { frizz: 0.0, strays: 0.0, flyaways: 0.0, ..plain.unrest },
                     width_variation: restyle.width_variation,
                     seed: restyle.seed,
@@ -183,13 +183,13 @@ mod tests {
     use tresses::glam::Vec2;
 
     #[test]
-    fn strands_are_cut_on_top_of_a_map() {
+    fn length_setting_multiplies_length_map() {
         let uncut = Settings::default().growth(&Style::default(), &Maps::default()).unwrap();
         assert!(uncut.paint.length.is_none());
         let mut settings = Settings::default();
         settings.set("style.length", 0.4).unwrap();
         let length = |map: Option<ScalpMap>| {
-            let paint = Paint { length: map, ..Paint::default() };
+            let paint = ScalpPaint { length: map, ..ScalpPaint::default() };
             let maps = Maps { paint, ..Maps::default() };
             let cut = settings.growth(&Style::default(), &maps).unwrap().paint;
             assert_eq!(cut, settings.styling(None, &maps).unwrap().paint, "files are cut likewise");

@@ -1,40 +1,40 @@
-//! The animation files: every frame is compressed as it comes, the file is assembled at the end.
+//! Encoders of animation files. Each frame is compressed when it is added; `finish` assembles the file.
 
 use super::Picture;
 use anyhow::{Result, ensure};
 #[cfg(not(target_arch = "wasm32"))]
 use webp_animation::{EncoderOptions, EncodingConfig, EncodingType, LossyEncodingConfig};
 
-/// Turns frames into one file.
+/// Encoder of one animation file.
 pub trait Animation {
-    /// The next frame.
+    /// Adds the next frame.
     ///
     /// # Errors
-    /// When it is not of the animation's size.
+    /// Fails if the frame's size differs from the animation's.
     fn add(&mut self, picture: &Picture) -> Result<()>;
 
-    /// The bytes of the file.
+    /// Returns the bytes of the file.
     ///
     /// # Errors
-    /// When there are no frames.
+    /// Fails if there are no frames.
     fn finish(self: Box<Self>) -> Result<Vec<u8>>;
 }
 
-/// A kind of animation file.
+/// Format of animation files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// `.webp`: small, in true colour, shown by every browser. Its encoder is libwebp, which is C and not
-    /// there in a browser.
+    /// `.webp`: small, in true color, shown by every browser. The encoder is libwebp, a C library that is unavailable
+    /// on wasm.
     #[cfg(not(target_arch = "wasm32"))]
     WebP,
-    /// `.gif`: 256 colours per frame.
+    /// `.gif`: 256 colors per frame.
     Gif,
     /// `.apng`: lossless and large.
     Apng,
 }
 
 impl Format {
-    /// What there is, the best for most first.
+    /// Available formats, the most useful first.
     pub const ALL: &[Self] = &[
         #[cfg(not(target_arch = "wasm32"))]
         Self::WebP,
@@ -42,7 +42,7 @@ impl Format {
         Self::Apng,
     ];
 
-    /// The extension of its files.
+    /// Returns the file extension.
     pub fn extension(self) -> &'static str {
         match self {
             #[cfg(not(target_arch = "wasm32"))]
@@ -52,11 +52,11 @@ impl Format {
         }
     }
 
-    /// Begins a file of `frames` frames of `width` × `height` pixels at `fps` frames per second, which
-    /// repeats for ever.
+    /// Starts an animation of `frames` frames of `width` × `height` pixels at `fps` frames per second. The animation
+    /// loops forever.
     ///
     /// # Errors
-    /// One sentence, for what the format cannot hold.
+    /// Fails if the format does not support the size or frame rate.
     pub fn begin(self, [width, height]: [u32; 2], frames: u32, fps: f64) -> Result<Box<dyn Animation>> {
         Ok(match self {
             #[cfg(not(target_arch = "wasm32"))]
@@ -79,7 +79,7 @@ struct WebP {
 impl WebP {
     fn new(width: u32, height: u32, fps: f64) -> Result<Self> {
         let options = EncoderOptions {
-            // A key frame now and then lets a viewer seek and bounds what one bad frame can spoil.
+            // Regular key frames allow seeking and limit how far a damaged frame spreads.
             kmin: 9,
             kmax: 17,
             encoding_config: Some(EncodingConfig {
@@ -93,7 +93,7 @@ impl WebP {
         Ok(Self { encoder, frame: 0, fps })
     }
 
-    /// When the next frame begins, milliseconds; rounded from real time, so that errors do not add up.
+    /// Returns the start of the next frame, ms. Rounding absolute times keeps errors from accumulating.
     fn time(&self) -> i32 {
         (f64::from(self.frame) * 1000.0 / self.fps).round() as i32
     }
@@ -113,7 +113,7 @@ impl Animation for WebP {
     }
 }
 
-/// GIF with a palette of its own for every frame.
+/// GIF with a separate palette per frame.
 struct Gif {
     encoder: gif::Encoder<Vec<u8>>,
     frame: u32,
@@ -124,7 +124,7 @@ impl Gif {
     fn new(width: u32, height: u32, fps: f64) -> Result<Self> {
         ensure!(
             fps <= 50.0,
-            "a .gif shows at most 50 frames per second; choose another kind of file or fewer"
+            "a .gif has at most 50 frames per second; choose another format or a lower frame rate"
         );
         let mut encoder = gif::Encoder::new(Vec::new(), u16::try_from(width)?, u16::try_from(height)?, &[])?;
         encoder.set_repeat(gif::Repeat::Infinite)?;
@@ -134,11 +134,11 @@ impl Gif {
 
 impl Animation for Gif {
     fn add(&mut self, picture: &Picture) -> Result<()> {
-        // Neural quantisation over every tenth pixel: close to the best palette, and quick.
+        // Neural quantization of every tenth pixel: fast, and close to the best palette.
         let mut pixels = picture.rgba.clone();
         let mut frame =
             gif::Frame::from_rgba_speed(picture.width as u16, picture.height as u16, &mut pixels, 10);
-        // Hundredths of a second; rounded from real time, so that errors do not add up.
+        // Hundredths of a second. Rounding absolute times keeps errors from accumulating.
         let time = |frame: u32| (f64::from(frame) * 100.0 / self.fps).round() as u16;
         frame.delay = time(self.frame + 1).wrapping_sub(time(self.frame));
         self.encoder.write_frame(&frame)?;
@@ -153,13 +153,13 @@ impl Animation for Gif {
 
 /// Animated PNG, lossless.
 struct Apng {
-    writer: png::Writer<Shared>,
-    bytes: Shared,
+    writer: png::Writer<SharedBuffer>,
+    bytes: SharedBuffer,
 }
 
 impl Apng {
     fn new(width: u32, height: u32, frames: u32, fps: f64) -> Result<Self> {
-        let bytes = Shared::default();
+        let bytes = SharedBuffer::default();
         let mut encoder = png::Encoder::new(bytes.clone(), width, height);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
@@ -185,17 +185,17 @@ impl Animation for Apng {
     }
 }
 
-/// Bytes that the PNG writer fills and that are still there when it has finished with them.
+/// Shared buffer that outlives the PNG writer filling it.
 #[derive(Clone, Default)]
-struct Shared(std::rc::Rc<std::cell::RefCell<Vec<u8>>>);
+struct SharedBuffer(std::rc::Rc<std::cell::RefCell<Vec<u8>>>);
 
-impl Shared {
+impl SharedBuffer {
     fn take(&self) -> Vec<u8> {
         self.0.take()
     }
 }
 
-impl std::io::Write for Shared {
+impl std::io::Write for SharedBuffer {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
         self.0.borrow_mut().extend_from_slice(bytes);
         Ok(bytes.len())

@@ -1,4 +1,4 @@
-//! Presets: settings as one text file.
+//! Presets: settings as one TOML file.
 //!
 //! ```toml
 //! version = 1
@@ -13,10 +13,10 @@
 //! [wind]
 //! speed = 14 # m/s
 //! ```
-//! Tables and keys are those of the [`knobs`](crate::knobs), numbers are in the knobs' units; missing keys have
-//! their defaults. `[source]` says which hair it is for, and may be left out. A file with anything
-//! unknown is rejected as a whole, in one sentence with line, key and allowed values, so that nothing is applied
-//! partially.
+//! Tables and keys are the sections and keys of [`knobs`](crate::knobs). Numbers use the units of the knobs; missing
+//! keys take their defaults. The optional `[source]` table names the hair. A file with an unknown key or an invalid
+//! value is rejected as a whole, so nothing is applied partially; the error names the line, the key and the allowed
+//! values.
 
 mod read;
 mod source;
@@ -27,37 +27,37 @@ pub use write::Extent;
 use crate::{settings::Settings, source::Source};
 use std::path::Path;
 
-/// The version of the format that this program writes, and the only one that it reads.
+/// Format version that this crate writes, and the only one it reads.
 pub const VERSION: u32 = 1;
 
-/// A preset.
+/// Settings with an optional name and the hair they belong to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Preset {
-    /// What it is called.
+    /// Display name.
     pub name: Option<String>,
-    /// Which hair it is for; file names are relative to the preset.
+    /// Files or built-in style of the hair. File names in a preset file are relative to that file.
     pub source: Source,
-    /// Everything else.
+    /// All parameters.
     pub settings: Settings,
 }
 
-/// Why a preset cannot be read, in one sentence.
+/// Error from reading a preset, formatted as one sentence.
 #[derive(Debug, thiserror::Error)]
 #[error("{file}{}: {problem}", .line.map(|line| format!(" at line {line}")).unwrap_or_default())]
 pub struct PresetError {
-    /// The file.
+    /// Name of the file.
     pub file: String,
-    /// The line in it, counted from 1, where one is to blame.
+    /// Line number, counted from 1, if the error has one.
     pub line: Option<usize>,
-    /// One clause.
+    /// Description, one clause.
     pub problem: String,
 }
 
 impl Preset {
-    /// The preset that `text` holds; `file` is what its errors call it.
+    /// Parses a preset from `text`. Errors use `file` as the file name.
     ///
     /// # Errors
-    /// The first thing that it does not understand.
+    /// Returns the first problem found.
     pub fn read(text: &str, file: &str) -> Result<Self, PresetError> {
         read::read(text).map_err(|read::Problem { line, problem }| PresetError {
             file: file.to_owned(),
@@ -66,26 +66,25 @@ impl Preset {
         })
     }
 
-    /// The preset in the file at `path`. The names of other files in it are made relative to where the
-    /// program runs.
+    /// Reads the preset at `path`. File names in it become relative to the current directory.
     ///
     /// # Errors
-    /// As [`read`](Self::read), and when there is no such file.
+    /// As [`read`](Self::read); also fails if the file cannot be read.
     pub fn open(path: &Path) -> Result<Self, PresetError> {
         let file = path.display().to_string();
         let problem = |problem: String| PresetError { file: file.clone(), line: None, problem };
         let bytes = std::fs::read(path).map_err(|error| problem(error.to_string()))?;
-        let text = String::from_utf8(bytes).map_err(|_| problem("it is no text in UTF-8".into()))?;
+        let text = String::from_utf8(bytes).map_err(|_| problem("the file is not UTF-8 text".into()))?;
         let mut preset = Self::read(&text, &file)?;
         preset.source = preset.source.inside(path.parent().unwrap_or(Path::new("")));
         Ok(preset)
     }
 
-    /// Writes it to a file at `path`; the names of other files in it, which are relative to where the
-    /// program runs, are written relative to the preset.
+    /// Writes the preset to `path`. File names, which are relative to the current directory, are written relative to
+    /// the preset's folder.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// Fails if the file cannot be written.
     pub fn save(&self, path: &Path, extent: Extent) -> std::io::Result<()> {
         let text = self.text_at(path, extent)?;
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -93,10 +92,10 @@ impl Preset {
         std::fs::write(path, text)
     }
 
-    /// What [`save`](Self::save) would write to `path`.
+    /// Returns the text that [`save`](Self::save) writes to `path`.
     ///
     /// # Errors
-    /// When it is not known where the program runs.
+    /// Fails if the current directory is unknown.
     pub fn text_at(&self, path: &Path, extent: Extent) -> std::io::Result<String> {
         let source = self.source.seen_from(path.parent().unwrap_or(Path::new("")))?;
         Ok(Self { source, ..self.clone() }.write(extent))

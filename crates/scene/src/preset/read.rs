@@ -1,11 +1,11 @@
-//! From a text to a preset.
+//! Parses presets.
 
 use super::{
     Preset, VERSION,
     source::{FILES, MIRROR, TEXTS},
 };
 use crate::{
-    knobs::{self, Kind, Knob, SECTIONS, Value, color},
+    knobs::{self, Knob, SECTIONS, Value, ValueKind, color},
     settings::Settings,
     source::Source,
 };
@@ -15,13 +15,13 @@ use toml::{
     de::{DeTable, DeValue},
 };
 
-/// What is wrong, and where.
+/// Problem and the line where it occurs.
 pub(super) struct Problem {
     pub line: Option<usize>,
     pub problem: String,
 }
 
-/// A key with its value, and where they stand.
+/// Key, value, and the span of the key in the text.
 type Entry<'a> = (&'a str, &'a DeValue<'a>, Range<usize>);
 
 pub(super) fn read(text: &str) -> Result<Preset, Problem> {
@@ -39,7 +39,7 @@ pub(super) fn read(text: &str) -> Result<Preset, Problem> {
     Ok(preset)
 }
 
-/// In the order of the file.
+/// Returns the table's entries in file order.
 fn entries<'a>(table: &'a DeTable<'a>) -> Vec<Entry<'a>> {
     let entry = |(key, value): (&'a Spanned<_>, &'a Spanned<DeValue<'a>>)| {
         let key: &'a Spanned<std::borrow::Cow<'a, str>> = key;
@@ -66,7 +66,7 @@ fn preset(entries: &[Entry]) -> Result<Preset, (Range<usize>, String)> {
                 ));
             }
             ("name", DeValue::String(name)) => preset.name = Some(name.to_string()),
-            ("name", found) => return refuse(format!("name is {}, but must be a text", show(found))),
+            ("name", found) => return refuse(format!("name is {}, but must be a string", show(found))),
             ("source", DeValue::Table(table)) => source(&self::entries(table), &mut preset.source)?,
             (key, DeValue::Table(table)) if SECTIONS.iter().any(|section| section.key == key) => {
                 section(key, &self::entries(table), &mut preset.settings)?;
@@ -74,10 +74,10 @@ fn preset(entries: &[Entry]) -> Result<Preset, (Range<usize>, String)> {
             (key, found) => return refuse(stray(key, found)),
         }
     }
-    if version { Ok(preset) } else { Err((0..0, format!("it does not say version = {VERSION}"))) }
+    if version { Ok(preset) } else { Err((0..0, format!("version = {VERSION} is missing"))) }
 }
 
-/// What to say of a key outside the tables, or of a table that nobody knows.
+/// Describes an unknown table, or a key that is outside every table.
 fn stray(key: &str, found: &DeValue) -> String {
     let tables = SECTIONS.iter().map(|section| section.key).chain(["source"]);
     match found {
@@ -86,7 +86,7 @@ fn stray(key: &str, found: &DeValue) -> String {
             format!("there is no table [{key}]; the nearest is [{nearest}]")
         }
         _ => match knobs::all().find(|knob| knob.key() == key) {
-            Some(knob) => format!("{key} stands outside its table [{}]", knob.section()),
+            Some(knob) => format!("{key} must be in its table [{}]", knob.section()),
             None if tables.clone().any(|table| table == key) => format!("{key} must be a table, [{key}]"),
             None => {
                 let nearest = nearest(key, ["version", "name"].into_iter().chain(tables)).unwrap_or_default();
@@ -114,13 +114,15 @@ fn section(key: &str, entries: &[Entry], settings: &mut Settings) -> Result<(), 
 fn value(knob: &Knob, found: &DeValue) -> Option<Value> {
     Some(match (knob.kind, found) {
         (_, DeValue::String(text)) if knob.automatic && text == "auto" => Value::Auto,
-        (Kind::Number { .. }, DeValue::Float(v)) => Value::Number(knob.inner(v.as_str().parse().ok()?)),
-        (Kind::Number { .. }, DeValue::Integer(v)) => Value::Number(knob.inner(v.to_string().parse().ok()?)),
-        (Kind::Integer { .. }, DeValue::Integer(v)) => Value::Integer(v.to_string().parse().ok()?),
-        (Kind::Toggle, DeValue::Boolean(on)) => Value::Toggle(*on),
-        (Kind::Choice(_), DeValue::String(text)) => knob.parse(text).ok()?,
-        (Kind::Choice(_), DeValue::Integer(v)) => knob.parse(&v.to_string()).ok()?,
-        (Kind::Color, DeValue::String(text)) => Value::Color(color(text)?),
+        (ValueKind::Number { .. }, DeValue::Float(v)) => Value::Number(knob.inner(v.as_str().parse().ok()?)),
+        (ValueKind::Number { .. }, DeValue::Integer(v)) => {
+            Value::Number(knob.inner(v.to_string().parse().ok()?))
+        }
+        (ValueKind::Integer { .. }, DeValue::Integer(v)) => Value::Integer(v.to_string().parse().ok()?),
+        (ValueKind::Toggle, DeValue::Boolean(on)) => Value::Toggle(*on),
+        (ValueKind::Choice(_), DeValue::String(text)) => knob.parse(text).ok()?,
+        (ValueKind::Choice(_), DeValue::Integer(v)) => knob.parse(&v.to_string()).ok()?,
+        (ValueKind::Color, DeValue::String(text)) => Value::Color(color(text)?),
         _ => return None,
     })
 }
@@ -138,7 +140,7 @@ fn source(entries: &[Entry], source: &mut Source) -> Result<(), (Range<usize>, S
             *files(source) = paths;
         } else if let Some((_, _, set)) = TEXTS.iter().find(|text| text.0 == *key) {
             let DeValue::String(text) = found else {
-                return refuse(format!("source.{key} is {}, but must be a text", show(found)));
+                return refuse(format!("source.{key} is {}, but must be a string", show(found)));
             };
             if let Err(problem) = set(source, text) {
                 return refuse(format!("source.{key}: {problem}"));
@@ -180,12 +182,12 @@ fn paths(found: &DeValue) -> Option<Vec<PathBuf>> {
     }
 }
 
-/// The name that `key` was most likely meant to be.
+/// Returns the known name closest to `key`.
 fn nearest<'a>(key: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     names.min_by_key(|name| strsim::damerau_levenshtein(key, name))
 }
 
-/// A value as the file has it, shortened.
+/// Formats a value from the file, shortened.
 fn show(found: &DeValue) -> String {
     let text = match found {
         DeValue::String(text) => format!("\"{text}\""),

@@ -1,4 +1,4 @@
-//! The table `[source]` of a preset: its keys, and names of files relative to the preset.
+//! The `[source]` table of a preset: its keys, and file names relative to the preset.
 
 use crate::source::{COMPANIONS, Source};
 use std::path::{Component, Path, PathBuf};
@@ -8,11 +8,11 @@ use tresses::groom::{
     styles::Style,
 };
 
-/// A text of a source by its key.
+/// Key, getter and setter of a text value.
 pub(super) type Text =
     (&'static str, fn(&Source) -> Option<String>, fn(&mut Source, &str) -> Result<(), String>);
 
-/// A list of files by its key.
+/// Key and accessor of a list of files.
 pub(super) type Files = (&'static str, fn(&mut Source) -> &mut Vec<PathBuf>);
 
 pub(super) const FILES: &[Files] = &[("groom", |s| &mut s.grooms), ("head", |s| &mut s.heads)];
@@ -44,7 +44,7 @@ macro_rules! orientation {
     };
 }
 
-/// Everything that is a text, in the order in which it is written.
+/// All text keys, in the order in which presets list them.
 pub(super) const TEXTS: &[Text] = &[
     (
         "style",
@@ -74,11 +74,11 @@ pub(super) const TEXTS: &[Text] = &[
     file!(environment),
 ];
 
-/// The only toggle.
+/// The only Boolean key.
 pub(super) const MIRROR: &str = "mirror";
 
 impl Source {
-    /// Whether nothing is said.
+    /// Returns whether every field has its default.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
@@ -88,12 +88,12 @@ impl Source {
         FILES.iter().map(|file| file.0).chain(TEXTS.iter().map(|text| text.0)).chain([MIRROR])
     }
 
-    /// The same with the names of files, which are relative to `folder`, relative to where the program runs.
+    /// Returns a copy whose file names, relative to `folder`, are made relative to the current directory.
     pub fn inside(&self, folder: &Path) -> Self {
         self.renamed(|path| Ok(folder.join(path))).unwrap_or_else(|_: std::io::Error| self.clone())
     }
 
-    /// The same with the names of files, which are relative to where the program runs, relative to `folder`.
+    /// Returns a copy whose file names, relative to the current directory, are made relative to `folder`.
     pub(super) fn seen_from(&self, folder: &Path) -> std::io::Result<Self> {
         let from = std::path::absolute(if folder.as_os_str().is_empty() { Path::new(".") } else { folder })?;
         self.renamed(|path| Ok(relative(&std::path::absolute(path)?, &from)))
@@ -117,12 +117,12 @@ impl Source {
     }
 }
 
-/// As it is written on every system.
+/// Returns the path with forward slashes, which every platform reads.
 pub(super) fn slashes(path: &Path) -> String {
     path.to_string_lossy().replace('\\', "/")
 }
 
-/// The way from the folder `from` to `to`; both absolute. `to` itself where there is none.
+/// Returns the path from the folder `from` to `to`, both absolute. Returns `to` if they share only the root.
 fn relative(to: &Path, from: &Path) -> PathBuf {
     let clean = |path: &Path| -> Vec<PathBuf> {
         let mut parts: Vec<PathBuf> = Vec::new();
@@ -139,7 +139,7 @@ fn relative(to: &Path, from: &Path) -> PathBuf {
     };
     let (target, start) = (clean(to), clean(from));
     let common = target.iter().zip(&start).take_while(|(a, b)| a == b).count();
-    // Nothing but the root in common: the way there would say no more than the name.
+    // With only the root in common, a relative path would be longer than the absolute one.
     if common <= 1 {
         return to.to_owned();
     }
@@ -152,7 +152,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_follow_the_preset() {
+    fn file_names_convert_to_and_from_the_preset_folder() {
         let source = Source {
             grooms: vec!["hair/a.tfx".into()],
             density_map: Some("maps/d.png:r".into()),

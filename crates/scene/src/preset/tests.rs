@@ -1,24 +1,24 @@
 use super::*;
-use crate::knobs::{self, Change, Kind, Knob, Value};
+use crate::knobs::{self, Change, Knob, Value, ValueKind};
 use proptest::prelude::*;
 
-/// Any allowed value of `knob`, from three random numbers.
+/// Returns an allowed value of `knob`, chosen by three random numbers.
 fn any_value(knob: &Knob, (share, bits, pick): (f64, u32, u8)) -> Value {
     if knob.automatic && pick < 64 {
         return Value::Auto;
     }
     match knob.kind {
-        Kind::Number { least, most, .. } => {
-            // Any float between the ends, not only round ones.
+        ValueKind::Number { least, most, .. } => {
+            // Any float in the range, not only round ones.
             Value::Number(knob.inner(least + (most - least) * share))
         }
-        Kind::Integer { least, most, step, .. } => {
+        ValueKind::Integer { least, most, step, .. } => {
             let count = (most - least) / step + 1;
             Value::Integer(least + bits % count * step)
         }
-        Kind::Toggle => Value::Toggle(bits % 2 == 1),
-        Kind::Choice(choices) => Value::Choice(choices[bits as usize % choices.len()].name),
-        Kind::Color => Value::Color([bits as u8, (bits >> 8) as u8, (bits >> 16) as u8]),
+        ValueKind::Toggle => Value::Toggle(bits % 2 == 1),
+        ValueKind::Choice(choices) => Value::Choice(choices[bits as usize % choices.len()].name),
+        ValueKind::Color => Value::Color([bits as u8, (bits >> 8) as u8, (bits >> 16) as u8]),
     }
 }
 
@@ -32,7 +32,7 @@ fn any_settings() -> impl Strategy<Value = Settings> {
                     knob.set(&mut settings, any_value(knob, (share, bits, pick))).unwrap();
                 }
             }
-            // Values that each make sense may contradict each other.
+            // Each value is valid, but the combination may not be.
             if settings.sampling(16).is_err() {
                 settings.set("edges.coverage", Value::Auto).unwrap();
             }
@@ -45,23 +45,23 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn what_is_written_is_read_back(settings in any_settings(), all in any::<bool>()) {
+    fn presets_round_trip(settings in any_settings(), all in any::<bool>()) {
         let preset = Preset { settings, ..Preset::default() };
         let text = preset.write(if all { Extent::All } else { Extent::Changed });
         let back = Preset::read(&text, "random.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
-        // One bit of difference would show.
+        // The comparison is exact.
         prop_assert_eq!(&back, &preset);
         prop_assert!(!back.settings.changes(&preset.settings).any());
     }
 
     #[test]
-    fn no_text_panics(text in "(version = 1\n)?(\\[(style|source|edges)\\]\n)?[a-z_]{0,9}( = )?[-0-9a-z.\"\\[\\]]{0,9}") {
+    fn arbitrary_text_does_not_panic(text in "(version = 1\n)?(\\[(style|source|edges)\\]\n)?[a-z_]{0,9}( = )?[-0-9a-z.\"\\[\\]]{0,9}") {
         let _ = Preset::read(&text, "random.toml");
     }
 }
 
 #[test]
-fn a_difference_would_be_seen() {
+fn smallest_change_survives_round_trip() {
     let preset = Preset::default();
     let mut other = preset.clone();
     other.settings.simulation.drag = other.settings.simulation.drag.next_up();
@@ -72,7 +72,7 @@ fn a_difference_would_be_seen() {
 }
 
 #[test]
-fn a_preset_reads_well() {
+fn written_preset_matches_expected_text() {
     let mut preset = Preset { name: Some("storm \"1\"".into()), ..Preset::default() };
     preset.source = Source {
         grooms: vec!["a.tfx".into(), "b.tfx".into()],
@@ -125,7 +125,7 @@ fn refuses(text: &str, line: Option<usize>, clause: &str) {
 }
 
 #[test]
-fn nonsense_is_refused_in_one_sentence() {
+fn invalid_presets_report_line_and_key() {
     let with = |text: &str| format!("version = 1\n\n{text}");
     refuses("", Some(1), "version = 1");
     refuses("version = 2", Some(1), "the version is 2, but this program reads version 1");
@@ -139,7 +139,7 @@ fn nonsense_is_refused_in_one_sentence() {
     );
     refuses(&with("[simulation]\nfrizz = 5"), Some(4), "the nearest is style.frizz, from 0 to 20 mm");
     refuses(&with("[simulaton]\ndrag = 5"), Some(3), "the nearest is [simulation]");
-    refuses(&with("drag = 5"), Some(3), "drag stands outside its table [simulation]");
+    refuses(&with("drag = 5"), Some(3), "drag must be in its table [simulation]");
     refuses(&with("nmae = 5"), Some(3), "the nearest is name");
     refuses(&with("wind = 5"), Some(3), "wind must be a table, [wind]");
     refuses(&with("[wind]\nspeed = 500 # m/s"), Some(4), "wind.speed is 500, but must be from 0 to 100 m/s");
@@ -150,7 +150,7 @@ fn nonsense_is_refused_in_one_sentence() {
     refuses(&with("[wind]\ncells = 33"), Some(4), "a multiple of 8");
     refuses(&with("[wind]\nseed = -1"), Some(4), "a whole number from 0 to 9999");
     refuses(&with("[shading]\ncolor = \"green\""), Some(4), "one of file, blond, brown");
-    refuses(&with("[shading]\nsrgb = \"#12345\""), Some(4), "a colour such as #5a3b28");
+    refuses(&with("[shading]\nsrgb = \"#12345\""), Some(4), "a color such as #5a3b28");
     refuses(&with("[edges]\nsamples = 3"), Some(4), "one of auto, 1, 4, 8, 16");
     refuses(&with("[edges]\nsamples = 4\ncoverage = \"peel\""), None, "peel");
     refuses(&with("[edges]\nsamples = [4]"), Some(4), "edges.samples is a list");
@@ -167,7 +167,7 @@ fn nonsense_is_refused_in_one_sentence() {
 }
 
 #[test]
-fn files_are_found_beside_the_preset() {
+fn file_names_are_relative_to_the_preset() {
     let folder = std::env::temp_dir().join(format!("tresses-preset-{}", std::process::id()));
     let path = folder.join("deep/storm.toml");
     let preset = Preset {
@@ -187,7 +187,7 @@ fn files_are_found_beside_the_preset() {
 }
 
 #[test]
-fn shipped_presets_are_read() {
+fn shipped_presets_parse() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../presets");
     let mut count = 0;
     for file in std::fs::read_dir(folder).unwrap() {
@@ -202,7 +202,7 @@ fn shipped_presets_are_read() {
 }
 
 #[test]
-fn costs_are_told_apart() {
+fn changes_report_their_cost() {
     let before = Settings::default();
     let turned = |path: &str, value| {
         let mut settings = before.clone();

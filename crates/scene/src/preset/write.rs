@@ -1,27 +1,27 @@
-//! From a preset to its text.
+//! Formats presets as text.
 
 use super::{
     Preset, VERSION,
     source::{FILES, MIRROR, TEXTS, slashes},
 };
 use crate::{
-    knobs::{Kind, Knob, SECTIONS, Value},
+    knobs::{Knob, SECTIONS, Value, ValueKind},
     settings::Settings,
     source::Source,
 };
 
-/// How much of the settings is written.
+/// Which parameters a preset lists.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Extent {
-    /// What differs from the defaults.
+    /// Only parameters that differ from their defaults.
     #[default]
     Changed,
-    /// Everything, with what it does and what is allowed.
+    /// All parameters, each with its hint and its allowed range.
     All,
 }
 
 impl Preset {
-    /// As a file.
+    /// Returns the text of the preset file.
     pub fn write(&self, extent: Extent) -> String {
         let mut text = match extent {
             Extent::Changed => String::from(
@@ -88,7 +88,7 @@ fn line(knob: &Knob, settings: &Settings, extent: Extent) -> String {
         value @ Value::Color(_) => quoted(&knob.text(value)),
     };
     let unit = match knob.kind {
-        Kind::Number { unit, .. } | Kind::Integer { unit, .. } => unit.symbol,
+        ValueKind::Number { unit, .. } | ValueKind::Integer { unit, .. } => unit.symbol,
         _ => "",
     };
     let unit = if unit.is_empty() { String::new() } else { format!(" # {unit}") };

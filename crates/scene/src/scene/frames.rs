@@ -1,33 +1,33 @@
-//! Frames of a scene: the character moves, then it is drawn.
+//! Frames of a scene: advance the character, then draw it.
 
-use super::{Asked, Scene};
+use super::{OutputRequest, Scene};
 use crate::camera::{self, Viewpoint};
 use anyhow::{Context as _, Result};
 use tresses::{
     character::{Drawing, Gesture},
-    frame::Shows,
+    frame::ViewContent,
     glam::Vec3,
     gpu::Timings,
 };
 
 impl Scene {
-    /// Puts the hair to rest on a character that makes a `gesture`.
+    /// Puts the hair at rest on a character posed by `gesture`.
     pub fn reset(&mut self, gesture: &Gesture) -> Result<()> {
         self.character.reset();
         self.advance(gesture, 0.0)
     }
 
-    /// Moves the character into a `gesture` in `seconds`, and the hair with it.
+    /// Advances time by `seconds` and moves the character to `gesture`, together with its hair.
     pub fn advance(&mut self, gesture: &Gesture, seconds: f32) -> Result<()> {
         let mut encoder = self.gpu.context.device().create_command_encoder(&Default::default());
         self.record_advance(&mut encoder, None, gesture, seconds)?;
         self.submit(encoder)
     }
 
-    /// Places a ball of `radius` metres in the world, metres, from the next frame on; `None` removes it.
+    /// Places a ball of `radius` (meters) at `at` in the world from the next frame on; `None` removes it.
     ///
     /// # Errors
-    /// When there are too many colliders already.
+    /// Fails if there are too many colliders already.
     pub fn set_ball(&mut self, at: Option<Vec3>, radius: f32) -> Result<()> {
         if self.colliders.set_ball(at, radius) {
             self.make_obstacles();
@@ -35,7 +35,7 @@ impl Scene {
         Ok(self.character.set_obstacles(self.colliders.ball().as_slice())?)
     }
 
-    /// Moves the mesh of the obstacles to where they are drawn: between a frame's motion and its picture.
+    /// Moves the collider mesh to the poses that are drawn. Call it after advancing a frame and before drawing it.
     pub fn place_colliders(&mut self) {
         if let Some(obstacles) = self.character.props.first() {
             let poses = self.character.drawn_obstacles();
@@ -45,13 +45,14 @@ impl Scene {
         }
     }
 
-    /// `camera` as the library has it.
+    /// Returns the library's camera for `camera`.
     pub(crate) fn eye(&self, camera: &Viewpoint) -> tresses::Camera {
         let size = self.targets().size;
         tresses::Camera::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, size)
     }
 
-    /// Camera and lights: these go with it, as a photographer's do, unless there are others.
+    /// Sets camera and lights. Key and rim light follow the camera unless the settings fix them or an environment map
+    /// lights the scene.
     pub(crate) fn look_from(&mut self, camera: &Viewpoint) {
         self.picture.camera = self.eye(camera);
         let back = camera.eye - camera.target;
@@ -59,10 +60,10 @@ impl Scene {
         self.picture.lights = self.lighting.lights(back.x.atan2(back.z), surroundings);
     }
 
-    /// Records the motion of the character into a `gesture` in `seconds`, and of the hair with it.
+    /// Records the motion of character and hair to `gesture` over `seconds`.
     ///
     /// # Errors
-    /// When a parameter is out of its range.
+    /// Fails if a parameter is out of range.
     pub fn record_advance(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -78,10 +79,10 @@ impl Scene {
         Ok(frame.advance(&mut [&mut self.character], seconds)?)
     }
 
-    /// Records the picture that `camera` sees.
+    /// Records the frame as seen from `camera`.
     ///
     /// # Errors
-    /// When the adapter cannot hold what a view needs.
+    /// Fails if the adapter cannot allocate what the view needs.
     pub fn record_draw(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -89,43 +90,43 @@ impl Scene {
         camera: &Viewpoint,
     ) -> Result<()> {
         self.look_from(camera);
-        self.record_picture(encoder, timings, false, Asked::default())
+        self.record_picture(encoder, timings, false, OutputRequest::default())
     }
 
-    /// Whether the picture that has been submitted holds all of the hair, or is to be drawn again
+    /// Returns whether the submitted frame contains all of the hair. If not, draw it again
     /// ([`tresses::View::is_complete`]).
     ///
     /// # Errors
-    /// When the GPU is lost.
+    /// Fails if the GPU is lost.
     pub async fn is_complete(&self) -> Result<bool> {
         Ok(self.view.is_complete().await?)
     }
 
-    /// Records the picture of the last [`record_draw`](Self::record_draw) once more, after the targets have become
-    /// others: hair, camera, and what is shown are the same, and it is hair as it looks.
+    /// Records the frame of the last [`record_draw`](Self::record_draw) again after the targets were replaced. Hair,
+    /// camera and lighting must be unchanged. It always draws the hair itself, never a debug view.
     ///
     /// # Errors
-    /// As there.
+    /// As [`record_draw`](Self::record_draw).
     pub fn record_redraw(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
     ) -> Result<()> {
-        self.record_picture(encoder, timings, true, Asked::default())
+        self.record_picture(encoder, timings, true, OutputRequest::default())
     }
 
-    /// The picture, `again` as it is lit already.
+    /// Records the frame. `again` skips the lighting, which is still valid.
     pub(super) fn record_picture(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
         again: bool,
-        asked: Asked,
+        asked: OutputRequest,
     ) -> Result<()> {
         let shows = match (&self.shown, &mut self.views) {
-            _ if again => Shows::Again,
-            (Some(shown), Some(views)) => Shows::Inside(views, shown),
-            _ => Shows::Hair,
+            _ if again => ViewContent::Again,
+            (Some(shown), Some(views)) => ViewContent::Inside(views, shown),
+            _ => ViewContent::Hair,
         };
         let drawing = Drawing { shows, asks: asked.hair, bare: asked.bare, ..Drawing::new(&self.picture) };
         let mut frame = self.gpu.context.frame(encoder).timed(timings);

@@ -1,5 +1,5 @@
-//! What a scene tells besides moving pictures: its strands and guides as they are now, and of a picture linear radiance,
-//! where hair is, and which strands it shows.
+//! Data read back from a scene: strands and guides in their current state, linear radiance, hair geometry and strand
+//! labels.
 
 use super::Scene;
 use crate::camera::Viewpoint;
@@ -14,34 +14,35 @@ use tresses::{
     strands::{GuideBuffers, Strand, StrandBuffers, StrandVertex, vertex::unpack_tangent},
 };
 
-/// What is asked of a picture besides its colours.
+/// Outputs of a capture besides color.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Asked {
-    /// Radiance.
+pub struct OutputRequest {
+    /// Linear radiance.
     pub linear: bool,
-    /// Where hair is and which strands it shows; only hair by tiles knows.
+    /// Hair geometry and strand labels. Requires tiled hair ([`Coverage::Tiles`](tresses::draw::Coverage::Tiles)).
     pub hair: bool,
-    /// That it shows hair alone, without bodies and their shadows.
+    /// Draws only the hair, without bodies and their shadows.
     pub bare: bool,
 }
 
-/// A picture and what it was asked for. All rows are from the top.
+/// A captured frame. Rows run from the top.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Captured {
-    /// sRGB and alpha, a byte each, of each pixel.
+pub struct Capture {
+    /// sRGB and alpha, one byte per channel.
     pub color: Vec<u8>,
-    /// Linear radiance before exposure and tone mapping, premultiplied by alpha; empty if nobody asked.
+    /// Linear radiance before exposure and tone mapping, premultiplied by alpha. Empty unless requested.
     pub linear: Vec<[f32; 4]>,
-    /// [`Targets::geometry`](tresses::draw::Targets::geometry), zeros without hair; empty if nobody asked.
+    /// [`Targets::geometry`](tresses::draw::Targets::geometry), zero without hair. Empty unless requested.
     pub geometry: Vec<[f32; 4]>,
-    /// Whether that has the motion of hair.
+    /// Whether `geometry` contains hair motion.
     pub knows_motion: bool,
-    /// [`Targets::labels`](tresses::draw::Targets::labels), likewise.
+    /// [`Targets::labels`](tresses::draw::Targets::labels). Empty unless requested.
     pub labels: Vec<Option<Label>>,
 }
 
-impl Captured {
-    /// What is seen of the hair in each pixel, metres along the view; infinite without hair. `projection` is the camera's.
+impl Capture {
+    /// Returns the view-space depth of the visible hair per pixel, meters; infinite without hair. `projection` is the
+    /// camera's projection matrix.
     pub fn depths(&self, projection: &Mat4) -> Vec<f32> {
         let back = projection.inverse();
         let depth = |texel: &[f32; 4]| match *texel {
@@ -51,29 +52,28 @@ impl Captured {
         self.geometry.iter().map(depth).collect()
     }
 
-    /// How far the hair of each pixel has moved since the picture before, pixels to the right and down; no numbers where
-    /// that is not known.
+    /// Returns the hair motion per pixel since the previous frame, pixels to the right and down; NaN if unknown.
     pub fn motions(&self) -> Vec<[f32; 2]> {
         let moved = |[x, y, ..]: &[f32; 4]| if self.knows_motion { [*x, *y] } else { [f32::NAN; 2] };
         self.geometry.iter().map(moved).collect()
     }
 
-    /// How opaque the hair of each pixel is.
+    /// Returns the hair opacity per pixel.
     pub fn coverages(&self) -> Vec<f32> {
         self.geometry.iter().map(|texel| texel[3]).collect()
     }
 }
 
-/// A tone that leaves radiance as it is but for this factor: what half floats can hold is not bright enough to be bent.
+/// Exposure at which the tone curve is linear: even the largest half float stays below the shoulder.
 const DIM: f32 = 1.0 / 131_072.0;
 
 impl Scene {
-    /// Draws what `camera` sees, all of it, and reads it back.
+    /// Draws the complete frame from `camera` and reads it back.
     ///
     /// # Errors
-    /// When the adapter cannot hold what a view needs or is lost, and where hair that is not drawn by tiles is asked
-    /// where it is.
-    pub async fn capture(&mut self, camera: &Viewpoint, asked: Asked) -> Result<Captured> {
+    /// Fails if the adapter cannot allocate what the view needs, if the GPU is lost, or if [`OutputRequest::hair`] is set and
+    /// the hair is not tiled.
+    pub async fn capture(&mut self, camera: &Viewpoint, asked: OutputRequest) -> Result<Capture> {
         self.place_colliders();
         self.look_from(camera);
         loop {
@@ -85,7 +85,7 @@ impl Scene {
             }
         }
         let targets = self.targets();
-        let mut captured = Captured { color: targets.read().await?, ..Default::default() };
+        let mut captured = Capture { color: targets.read().await?, ..Default::default() };
         if asked.linear {
             captured.linear = self.linear().await?;
         }
@@ -99,7 +99,7 @@ impl Scene {
         Ok(captured)
     }
 
-    /// The radiance of the last picture.
+    /// Reads back the radiance of the last frame.
     async fn linear(&self) -> Result<Vec<[f32; 4]>> {
         let (device, queue) = (self.gpu.context.device(), self.gpu.context.queue());
         let [width, height] = self.targets().size;
@@ -127,10 +127,10 @@ impl Scene {
         Ok(texels)
     }
 
-    /// The strands of `all` as they are drawn now, with their widths; metres.
+    /// Reads back the render strands of `all` in their current state, with radii; meters.
     ///
     /// # Errors
-    /// When the GPU is lost.
+    /// Fails if the GPU is lost.
     pub async fn drawn<'a>(&self, all: impl IntoIterator<Item = &'a StrandBuffers>) -> Result<Strands> {
         let mut drawn = Strands::default();
         for buffers in all {
@@ -145,10 +145,10 @@ impl Scene {
         Ok(drawn)
     }
 
-    /// The vertices of the hair's guides after the last fixed step, guide after guide, root first; metres.
+    /// Reads back the guide vertices after the last fixed step, in meters: guide by guide, root first.
     ///
     /// # Errors
-    /// When the GPU is lost.
+    /// Fails if the GPU is lost.
     pub async fn guides(&self) -> Result<Vec<Vec3>> {
         let hair = self.character.hair();
         let GuideBuffers { count, vertex_count, current, .. } = &hair.guides;

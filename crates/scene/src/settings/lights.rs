@@ -1,18 +1,18 @@
-//! Where light comes from.
+//! Light settings.
 
 use tresses::{
     glam::Vec3,
     light::{Directional, Lights},
 };
 
-/// Another light from afar, which stays where it is.
+/// An additional directional light, fixed in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lamp {
-    /// Where it comes from, radians: from the front (0) over the head's left to the back (π).
+    /// Direction it comes from, radians: front (0), the head's left (π/2), back (π).
     pub azimuth: f32,
-    /// Above the horizon, radians.
+    /// Elevation above the horizon, radians.
     pub elevation: f32,
-    /// Irradiance on a plane that faces it, where the key light has about 5; 0 is off.
+    /// Irradiance on a plane that faces the light; 0 is off. The key light has about 5.
     pub irradiance: f32,
 }
 
@@ -23,7 +23,7 @@ impl Default for Lamp {
 }
 
 impl Lamp {
-    /// As the library has it.
+    /// Returns the library's light.
     pub fn directional(&self) -> Directional {
         let (sin, cos) = self.azimuth.sin_cos();
         let (up, level) = self.elevation.sin_cos();
@@ -32,26 +32,26 @@ impl Lamp {
     }
 }
 
-/// All light.
+/// Settings of all lights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSettings {
-    /// Factor of the main light, which comes from the camera's upper left.
+    /// Strength factor of the key light, which comes from the camera's upper left.
     pub key: f32,
-    /// Factor of the light from behind.
+    /// Strength factor of the rim light, which comes from behind.
     pub rim: f32,
-    /// Factor of the light from everywhere else.
+    /// Strength factor of the sky light, which comes from all other directions.
     pub sky: f32,
-    /// By how much key and rim are turned about the head, radians, towards the head's left.
+    /// Rotation of key and rim light about the head, radians, toward the head's left.
     pub turn: f32,
-    /// Whether key and rim go with the camera; else they stay as for a camera before the face.
+    /// Whether key and rim light follow the camera. Otherwise they stay in place, as for a camera in front of the face.
     pub follow: bool,
-    /// Two more.
+    /// Additional lights.
     pub lamps: [Lamp; 2],
-    /// By how much a picture of the surroundings is turned, radians, towards the head's left.
+    /// Rotation of the environment map about the head, radians, toward the head's left.
     pub environment_turn: f32,
-    /// What the light of such a picture is multiplied by.
+    /// Strength factor of the environment map.
     pub environment_strength: f32,
-    /// Factor of all light before the picture is tone mapped.
+    /// Exposure factor, applied to all light before tone mapping.
     pub exposure: f32,
 }
 
@@ -72,10 +72,9 @@ impl Default for LightSettings {
 }
 
 impl LightSettings {
-    /// The lights for a camera that has turned by `azimuth` about the head (radians, as for
-    /// [`Lights::around`]). The light of `surroundings`, read with [`environment_turn`](Self::environment_turn)
-    /// and multiplied by [`environment_strength`](Self::environment_strength), takes the place of key,
-    /// rim and sky.
+    /// Returns the lights for a camera at `azimuth` around the head, radians, as for [`Lights::around`]. The light of
+    /// an environment map, `surroundings`, replaces key, rim and sky light. The caller has already applied
+    /// [`environment_turn`](Self::environment_turn) and [`environment_strength`](Self::environment_strength) to it.
     pub fn lights(&self, azimuth: f32, surroundings: Option<&Lights>) -> Lights {
         let mut lights = match surroundings {
             Some(lights) => *lights,
@@ -92,7 +91,8 @@ impl LightSettings {
             }
         };
         for (place, lamp) in lights.directional[2..].iter_mut().zip(&self.lamps) {
-            // The surroundings may have lit it already.
+            // Lights extracted from an environment map may occupy this slot, so an additional light that is off leaves
+            // it unchanged.
             if lamp.irradiance > 0.0 {
                 *place = lamp.directional();
             }
@@ -106,7 +106,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn defaults_are_a_photographers_lights() {
+    fn default_lights_match_the_library() {
         let settings = LightSettings::default();
         assert_eq!(settings.lights(0.7, None), Lights::around(0.7));
         let still = LightSettings { follow: false, turn: 0.3, ..settings };
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn lamps_stand_where_they_say() {
+    fn lamp_azimuth_sets_direction() {
         let left = Lamp { azimuth: 90f32.to_radians(), elevation: 0.0, irradiance: 2.0 };
         let lights = LightSettings { lamps: [left, Lamp::default()], ..Default::default() };
         let lights = lights.lights(1.0, Some(&Lights::around(0.0)));

@@ -1,20 +1,21 @@
-//! Everything that a person can change while hair is shown, as one plain value.
+//! All parameters that users can change while hair is shown, as one plain value.
 //!
 //! ```text
-//! Settings ─┬─ style ─────────────────────► Growth, Restyle        strands are grown again
-//!           ├─ simulation, wind_direction ► SimulationParams       the next frame
-//!           ├─ avoidance ─────────────────► AvoidOptions           the next frame
-//!           ├─ shading, lights, shadows ──► Picture, HairMaterial  the next frame
-//!           ├─ view, peeled_layers, ssaa ─► ViewOptions            the view is made again
-//!           └─ lod, lod_fraction ─────────► LodOptions             the next frame
+//! Settings ─┬─ style ─────────────────────► Growth, Restyle        rebuilds the strands
+//!           ├─ simulation, wind_direction ► SimulationParams       next frame
+//!           ├─ avoidance ─────────────────► AvoidOptions           next frame
+//!           ├─ shading, lights, shadows ──► Picture, HairMaterial  next frame
+//!           ├─ view, peeled_layers, ssaa ─► ViewOptions            recreates the view
+//!           └─ lod, lod_fraction ─────────► LodOptions             next frame
 //! ```
-//! Fields are the library's option structs, so that a parameter and its default stand there once. The other fields are a
-//! person's way to set an option (the direction of the wind, a color by name). Paths, units, ranges and hints are rows of
-//! one table, [`knobs`](crate::knobs); the library's options follow from settings in [`options`](crate::options).
+//! Most fields are the library's option structs, so each parameter and its default are defined once. The other fields
+//! offer simpler controls, such as the wind's direction or a color name. Paths, units, ranges and hints are rows of the
+//! table [`knobs`](crate::knobs). [`options`](crate::options) derives the library's options from settings.
 //!
-//! What depends on the hairstyle or on the color is *automatic* until it is given: settings remember which automatic
-//! parameters are [given](Settings::gives), and the fields of the others do not count. [`Settings::set`] alone writes
-//! fields of automatic parameters. [`Settings::resolved`] returns the values of automatic parameters.
+//! Parameters that depend on the hairstyle or the color are *automatic* until they are set. Settings store which
+//! automatic parameters are [set explicitly](Settings::gives) and ignore the fields of the others. Only
+//! [`Settings::set`] writes fields of automatic parameters. [`Settings::resolved`] returns the values of automatic
+//! parameters.
 
 mod lights;
 mod shading;
@@ -36,34 +37,36 @@ use tresses::{
     view::ViewOptions,
 };
 
-/// Everything that a person can change.
+/// All parameters that users can change.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// How strands are grown or restyled.
+    /// Growth and restyling of strands.
     pub style: StyleSettings,
-    /// The physics, in wind from the front, along -Z: [`wind_direction`](Self::wind_direction) turns it.
+    /// Physics, with wind from the front along -Z. [`wind_direction`](Self::wind_direction) rotates it.
     pub simulation: SimulationParams,
-    /// Where the wind comes from, radians: from the front (0) over the head's left to the back (π).
+    /// Direction the wind comes from, radians: front (0), the head's left (π/2), back (π).
     pub wind_direction: f32,
-    /// What drawn strands do where they would enter the head.
+    /// Collision of render strands with head and colliders.
     pub avoidance: AvoidOptions,
-    /// Color of the hair and how light on it is computed.
+    /// Hair color and shading.
     pub shading: ShadingSettings,
-    /// Where light comes from.
+    /// Lights.
     pub lights: LightSettings,
-    /// How shadows are made.
+    /// Shadows.
     pub shadows: Shadows,
-    /// How a view is made. Samples and coverage are automatic: they count where [`gives`](Self::gives) says so.
+    /// View options. Sample count and coverage are automatic and apply only if [`gives`](Self::gives) returns true for
+    /// them.
     pub view: ViewOptions,
-    /// Layers that are peeled, whatever number [`view`](Self::view) has; hair behind them is blended by its depth.
+    /// Number of peeled layers. Overrides the number in [`view`](Self::view); hair behind the last layer is blended by
+    /// its depth.
     pub peeled_layers: u32,
-    /// Pixels drawn per pixel shown, along each axis: 1 or 2.
+    /// Supersampling factor along each axis, 1 or 2.
     pub ssaa: u32,
-    /// How much of the hair is drawn; the share of [`LodMode::Fixed`] is [`lod_fraction`](Self::lod_fraction).
+    /// Level of detail. The share of [`LodMode::Fixed`] is [`lod_fraction`](Self::lod_fraction).
     pub lod: LodOptions,
-    /// The share of the strands that are drawn where the mode is a share.
+    /// Share of strands drawn in [`LodMode::Fixed`].
     pub lod_fraction: f32,
-    /// The automatic parameters that have a value of their own, by their paths.
+    /// Paths of the automatic parameters that are set explicitly.
     pub(crate) given: BTreeSet<&'static str>,
 }
 
@@ -91,23 +94,23 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Whether the automatic parameter at `path` has a value of its own.
+    /// Returns whether the automatic parameter at `path` is set explicitly.
     pub fn gives(&self, path: &str) -> bool {
         self.given.contains(path)
     }
 
-    /// Mean speed of the wind far from the head, m/s; 0 is calm.
+    /// Returns the mean wind speed far from the head, m/s; 0 is calm.
     pub fn wind_speed(&self) -> f32 {
-        // Of no wind 0, not -0.
+        // Subtract from 0 to avoid returning -0.
         0.0 - self.simulation.wind.velocity.z
     }
 
-    /// Gives the wind another speed, m/s.
+    /// Sets the wind speed, m/s.
     pub fn set_wind_speed(&mut self, speed: f32) {
         self.simulation.wind.velocity = Vec3::new(0.0, 0.0, -speed);
     }
 
-    /// The physics, in wind from where it comes.
+    /// Returns the physics with the wind rotated to its direction.
     pub fn physics(&self) -> SimulationParams {
         let (sin, cos) = self.wind_direction.sin_cos();
         let mut physics = self.simulation;
@@ -116,7 +119,7 @@ impl Settings {
         physics
     }
 
-    /// How much of the hair is drawn, with the share of the strands.
+    /// Returns the level of detail options, including the share of strands.
     pub fn lod(&self) -> LodOptions {
         let mode = match self.lod.mode {
             LodMode::Fixed(_) => LodMode::Fixed(self.lod_fraction),
@@ -125,7 +128,7 @@ impl Settings {
         LodOptions { mode, ..self.lod }
     }
 
-    /// Where hair is shaded: shadows that are looked up for every pixel take shading for every pixel.
+    /// Returns the shading rate. Per-pixel shadows require per-pixel shading.
     pub fn shading_rate(&self) -> ShadingRate {
         if self.shadows.per_pixel { ShadingRate::PerPixel } else { self.shading.rate }
     }

@@ -1,11 +1,11 @@
-//! The colour of hair and how light on it is computed.
+//! Hair color and shading settings.
 
 use tresses::light::{FiberMaterial, HairMaterial, ShadingRate, fiber::bsdf::melanin, material::srgb};
 
-/// Where hair has its colour from.
+/// Source of the hair color.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum HairColor {
-    /// The file's colours where it has some, else what it has the hair look like, else brown.
+    /// The file's strand colors if present, otherwise the file's material, otherwise brown.
     #[default]
     File,
     /// Light blond.
@@ -16,34 +16,34 @@ pub enum HairColor {
     Red,
     /// Black.
     Black,
-    /// [`ShadingSettings::srgb`].
+    /// The sRGB color [`ShadingSettings::srgb`].
     Srgb,
-    /// [`ShadingSettings::eumelanin`] and [`ShadingSettings::pheomelanin`].
+    /// Pigments [`ShadingSettings::eumelanin`] and [`ShadingSettings::pheomelanin`].
     Melanin,
 }
 
-/// The look of hair.
+/// Settings of hair shading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadingSettings {
-    /// Where the colour is from.
+    /// Source of the color.
     pub color: HairColor,
-    /// The colour of [`HairColor::Srgb`].
+    /// Color of [`HairColor::Srgb`].
     pub srgb: [u8; 3],
     /// Brown to black pigment of [`HairColor::Melanin`].
     pub eumelanin: f32,
     /// Yellow to red pigment of [`HairColor::Melanin`].
     pub pheomelanin: f32,
-    /// Pigment at the root against the mean.
+    /// Pigment at the root relative to the mean.
     pub root_pigment: f32,
-    /// Pigment at the tip against the mean.
+    /// Pigment at the tip relative to the mean.
     pub tip_pigment: f32,
-    /// Where hair is shaded.
+    /// Shading rate.
     pub rate: ShadingRate,
-    /// The material as it is given: what is automatic of it follows from the colour.
+    /// Explicitly set material parameters. Automatic ones follow from the color.
     pub(crate) material: HairMaterial,
 }
 
-/// What [`FiberMaterial::natural`] multiplies the pigment by at root and tip.
+/// Factors by which [`FiberMaterial::natural`] scales the pigment at root and tip.
 pub(crate) const NATURAL: (f32, f32) = (1.05, 0.9);
 
 impl Default for ShadingSettings {
@@ -62,7 +62,7 @@ impl Default for ShadingSettings {
 }
 
 impl ShadingSettings {
-    /// The material of the colour alone.
+    /// Returns the material that the color alone defines.
     pub(crate) fn of_color(&self) -> HairMaterial {
         let [r, g, b] = self.srgb;
         let material = match self.color {

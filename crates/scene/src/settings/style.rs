@@ -1,4 +1,4 @@
-//! How strands are grown on a built-in style, or restyled on a groom from files.
+//! Settings for growing strands on a built-in style, and for restyling a groom from files.
 
 use tresses::{
     character::FaceHair,
@@ -9,7 +9,7 @@ use tresses::{
     },
 };
 
-/// The curls that others are varied from.
+/// Curl preset that other parameters modify.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Curl {
     /// Straight.
@@ -34,26 +34,28 @@ impl Curl {
     }
 }
 
-/// Strands. Most parameters are automatic: their fields count where [`Settings::gives`] them.
+/// Strand settings. Most parameters are automatic: their fields apply only if
+/// [`Settings::gives`](super::Settings::gives) returns true for them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StyleSettings {
-    /// Growth as it is given.
+    /// Explicitly set growth parameters.
     pub(crate) growth: Growth,
-    /// How many strands a file's are filled up to; 0 for none but its own.
+    /// Number of strands to which a groom from a file is filled; 0 keeps only its own strands.
     pub(crate) grow: u32,
-    /// The angle between strands of a file from which on hair between them goes with one, radians.
+    /// Angle between strands of a file, radians, beyond which the hair between them follows one strand instead of a
+    /// mix.
     pub grow_parting: f32,
-    /// How many are simulated, the others following them.
+    /// Number of guides.
     pub(crate) guides: u32,
-    /// Whether every strand is simulated, whatever `guides` says.
+    /// Whether every strand is simulated. Overrides `guides`.
     pub all_guides: bool,
-    /// The curls that those of `growth` vary.
+    /// Curl preset that `growth` modifies.
     pub(crate) curl: Curl,
     /// Whether a drawn curl is stretched over the whole strand instead of repeated.
     pub curl_stretch: bool,
-    /// The share of their length that strands are cut to.
+    /// Share of their length to which strands are cut.
     pub length: f32,
-    /// What grows on the face of the built-in character.
+    /// Hair on the face of the built-in character.
     pub face: FaceHair,
 }
 

@@ -1,8 +1,8 @@
-//! Avoidance: drawn strands that enter an obstacle are moved out of it, without further simulation.
+//! Strand collision (avoidance): drawn strands that enter an obstacle are moved out of it, without further simulation.
 //!
-//! No guide is inside an obstacle, but what is interpolated between guides on two sides of one may be. Each
-//! strand finds its first penetrating vertex; from before it to the tip the strand changes over from the
-//! blend of its guides (multi-strand interpolation) to the clump around the nearest one (single-strand
+//! Guides stay outside obstacles, but strands interpolated between guides on two sides of an obstacle may not. Each
+//! strand finds its first penetrating vertex. From there to the tip, and over a zone before it, the strand changes over
+//! from the blend of its guides (multi-strand interpolation) to the clump around the nearest one (single-strand
 //! interpolation).
 //!
 //! ```text
@@ -10,34 +10,32 @@
 //! @group(1), obstacles ─┘                     amount, at ◄─┘ samples, bindings, @group(1)
 //! ```
 //!
-//! **The first hit** is an atomic minimum of vertex indices, one integer per strand. A vertex penetrates
-//! when it is nearer to an obstacle than the clearance, or than its rest distance where that is smaller, by
-//! more than a tolerance: hair that rests in the skin stays there. The difference from the rest distance is
-//! a constant of the vertex, eight bits of [`PackedRest`], so that the search reads one distance per
-//! vertex. A thread has [`HIT_RUN`](crate::constants::HIT_RUN) vertices in a row: it asks an obstacle for distances only
-//! where the box around what is solid in it is near the sphere around them all, and reads where obstacles are once for
-//! all of them. Strands of a workgroup have the same place along the hair, so that lanes that run in step want the same
-//! obstacle.
+//! **First hit.** An atomic minimum of vertex indices, one integer per strand. A vertex penetrates if it is closer to
+//! an obstacle than its allowed distance by more than a tolerance. The allowed distance is the clearance, or the rest
+//! distance if that is smaller, so hair that rests in the skin stays there. The difference from the rest distance is a
+//! constant of the vertex, eight bits of [`PackedRest`], so the search evaluates one distance per vertex. A thread
+//! processes [`HIT_RUN`](crate::constants::HIT_RUN) consecutive vertices. It evaluates only obstacles whose solid box
+//! is near the sphere around these vertices, and reads each obstacle's pose once for all of them. Strands of a
+//! workgroup have the same position along the hair, so lanes that run in step tend to need the same obstacle.
 //!
-//! **The change-over.** Beyond the hit the target of a vertex is where its first guide alone (the one with
-//! the largest weight) carries it, with its offset from the guide shortened by the tightness, so that a
-//! clump wider than its guide's distance from the obstacle draws together. Over a zone before the hit the
-//! blend becomes the clump; the zone is a length of hair in metres, ends at the hit and starts no earlier
-//! than the root. The strand is then walked again: the directions of the edges of that curve, with the rest
-//! lengths; the sideways drift of the walk is corrected over a third of the zone. A vertex that still
-//! penetrates slides along the obstacle: it is moved out along the normal and its edge is restored to its
-//! length. Lengths are exact, and a strand without a hit is unchanged bit for bit.
+//! **Change-over.** Beyond the hit, a vertex's target is its position on its first guide alone (the one with the
+//! largest weight). The tightness shortens its offset from the guide, so that a clump contracts if it is wider than its
+//! guide's distance from the obstacle. Over a zone before the hit the blend becomes the clump. The zone is a length of
+//! hair in meters, ends at the hit and starts no earlier than the root. The strand is then walked again along the edge
+//! directions of that curve, with the rest lengths; the sideways drift of the walk is corrected over a third of the
+//! zone. A vertex that still penetrates slides along the obstacle: it is moved out along the normal and its edge is
+//! restored to its length. Lengths are exact, and a strand without a hit is bit-identical.
 //!
-//! **Nothing pops.** The first hit jumps from frame to frame, so each strand stores an amount and a place.
-//! The amount rises from 0 to 1 while there are hits and falls when there are none; the place follows the
-//! first hit at a bounded speed. Vertices that penetrate in the meantime slide: the slide starts at depth
-//! zero and therefore needs no smoothing. Rates of two frames are averaged, since a hit starts somewhere
-//! between them: 30 and 60 frames per second differ by less than 2 mm in the middle of a turn. When the
-//! head jumps or the hair is reset this state is cleared, and strands that hit have changed over at once.
+//! **Temporal smoothing.** The first hit jumps from frame to frame, so each strand stores an amount and a position. The
+//! amount rises from 0 to 1 while there are hits and falls when there are none; the position follows the first hit at a
+//! bounded speed. Vertices that penetrate in the meantime slide; the slide starts at depth zero and needs no smoothing.
+//! Rates of two frames are averaged, since a hit starts somewhere between them: 30 and 60 frames per second differ by
+//! less than 2 mm in the middle of a turn. When the head jumps or the hair is reset, this state is cleared, and strands
+//! with a hit change over at once.
 //!
-//! **Measured** (`tests/gpu/avoid_grooms.rs`): vertices deeper in the head than 0.5 mm (or than 0.5 mm below
-//! where they rest, if they rest in it) in the worst frame of a turn and of a shake, in percent: without
-//! avoidance, with penetrating vertices moved, with the method:
+//! **Measured** (`tests/gpu/avoid_grooms.rs`): percentage of vertices deeper in the head than 0.5 mm (or than 0.5 mm
+//! below their rest position, if that is in the head), in the worst frame of a turn and of a shake. The three numbers
+//! are: without avoidance, with penetrating vertices moved, and with this method.
 //!
 //! | groom | turn | shake |
 //! |---|---|---|
@@ -49,23 +47,21 @@
 //! | Sintel, one guide in 16 | 0.05, 0.01, 0.00 | 0.18, 0.02, 0.01 |
 //! | Sintel, one guide in 64 | 0.11, 0.01, 0.01 | 0.28, 0.02, 0.01 |
 //!
-//! In a turn a third as fast, on a coarse groom, avoidance moves no vertex by more than 1.6 mm per frame
-//! relative to the head; without smoothing, by up to 15 mm (`tests/gpu/avoid.rs`). The stage costs about as
-//! much as [`crate::interpolate`] for the turning long style with 20,000 strands on a CPU driver.
+//! In a turn a third as fast, on a coarse groom, avoidance moves no vertex by more than 1.6 mm per frame relative to
+//! the head; without smoothing, by up to 15 mm (`tests/gpu/avoid.rs`). For the turning long style with 20,000 strands
+//! on a CPU driver, the stage costs about as much as [`crate::interpolate`].
 //!
-//! **Why not only move the vertices out?** That also puts them outside ([`AvoidMode::PenetratingOnly`] does
-//! it), but edges stretch and the rest of the strand stays where it was: tips lie flat on the skin or dip
-//! in and out of it. **Why not as in the first publication** (Tariq and Bavoil, SIGGRAPH 2008; Tariq, GDC
-//! 2010)? It blends over 60 vertices before the hit, nearly the whole hair, in a single frame; and it
-//! shared a hit among ten strands by mistake. **Why not slide every strand while it is interpolated?** An
-//! earlier version did. It keeps strands out too, but samples the field inside the longest walk, and hair
-//! beyond a contact keeps the direction that led into the obstacle.
+//! **Why not only move the vertices out?** [`AvoidMode::PenetratingOnly`] does so. The vertices are then outside, but
+//! edges stretch and the rest of the strand stays in place: tips lie flat on the skin or dip in and out of it. **Why
+//! not as in the first publication** (Tariq and Bavoil, SIGGRAPH 2008; Tariq, GDC 2010)? It blends over 60 vertices
+//! before the hit, nearly the whole hair, in a single frame, and it shared a hit among ten strands by mistake. **Why
+//! not slide every strand during interpolation?** An earlier version did. It also keeps strands out, but samples the
+//! field inside the longest walk, and hair beyond a contact keeps the direction that led into the obstacle.
 //!
-//! **Known limits.** A strand with one guide has no other to change over to: it draws together and slides; one that
-//! is its own guide only slides.
-//! Nothing is tested between two vertices. From deep inside a thin part, such as an ear, the distance
-//! field's normal does not lead out. A strand's own rest distance counts for every collider, not only for
-//! the head that it grows from.
+//! **Known limits.** A strand with one guide has no other to change over to: it contracts towards its guide and slides.
+//! A strand that is its own guide only slides. Nothing is tested between two vertices. From deep inside a thin part,
+//! such as an ear, the distance field's normal does not lead out. A strand's own rest distance applies to every
+//! collider, not only to the head that it grows from.
 //!
 //! **Untried.** A tightness that depends on the guide's distance from the obstacle.
 
@@ -85,11 +81,11 @@ use crate::{
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
-/// The uniform of the kernels.
+/// Uniform of the kernels.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct AvoidParams {
-    /// How far strands keep from obstacles, metres.
+    /// Distance that strands keep from obstacles, meters.
     pub clearance: f32,
     /// [`AvoidOptions::tolerance`].
     pub tolerance: f32,
@@ -103,15 +99,15 @@ pub struct AvoidParams {
     pub vertex_count: u32,
     /// Samples per guide, at least 2.
     pub sample_count: u32,
-    /// The first strand that was not drawn in the frame before: what is remembered of it is out of date.
+    /// First strand that was not drawn in the previous frame; the state from it on is out of date.
     pub fresh: u32,
-    /// 0 to forget what was, else 1.
+    /// Factor of the previous state: 0 to discard it, else 1.
     pub keep: f32,
-    /// By how much a change-over that is needed grows, 0..=2, where 2 is at once.
+    /// Rise of the amount per frame, 0..=2, where 2 is immediate.
     pub rise: f32,
-    /// By how much one that is not needed shrinks, likewise.
+    /// Fall of the amount per frame, 0..=2, where 2 is immediate.
     pub fall: f32,
-    /// How far it moves along the strand at most, metres.
+    /// Largest motion of the change-over along the strand per frame, meters.
     pub shift: f32,
     /// Vertices of a strand's rest curve, at least 2.
     pub rest_count: u32,
@@ -121,28 +117,28 @@ pub struct AvoidParams {
     pub _pad: [u32; 2],
 }
 
-/// What is remembered of one strand.
+/// State of one strand between frames.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct StrandState {
-    /// The first vertex that penetrates; [`NO_HIT`] between frames and where none does.
+    /// First vertex that penetrates; [`NO_HIT`] between frames and for a strand that does not penetrate.
     pub hit: crate::gpu::Atomic,
-    /// How far the strand has changed over, 0..=1.
+    /// Amount of the change-over, 0..=1.
     pub amount: f32,
-    /// From where on it is the clump's, metres from its root.
+    /// Arc length from the root beyond which the strand follows the clump, meters.
     pub at: f32,
-    /// Whether it hit in the last frame.
+    /// 1 if the strand had a hit in the last frame, else 0.
     pub hit_before: u32,
 }
 
-/// [`StrandState::hit`] of a strand that penetrates nothing.
+/// [`StrandState::hit`] of a strand that does not penetrate.
 pub const NO_HIT: u32 = u32::MAX;
 
-/// One groom's share of the stage.
+/// Strand collision of one groom.
 #[derive(Debug)]
 pub struct Avoidance {
     pipelines: Arc<Pipelines>,
-    /// How strands avoid obstacles. [`AvoidOptions::check`] says what is allowed.
+    /// Options; [`AvoidOptions::check`] has the valid ranges.
     pub options: AvoidOptions,
     clearance: f32,
     params: wgpu::Buffer,
@@ -151,10 +147,10 @@ pub struct Avoidance {
 }
 
 impl Avoidance {
-    /// For strands that keep `clearance` metres from obstacles.
+    /// Creates the stage for strands that keep `clearance` meters from obstacles.
     ///
     /// # Errors
-    /// What [`AvoidOptions::check`] says, and [`crate::Error::Limit`].
+    /// The errors of [`AvoidOptions::check`], and [`crate::Error::Limit`].
     pub fn new(
         context: &Context,
         options: AvoidOptions,
@@ -171,7 +167,7 @@ impl Avoidance {
         Ok(Self { pipelines, options, clearance, params, states, groups })
     }
 
-    /// Of another head with the same groom, which nothing has touched yet.
+    /// Creates the stage for another head with the same groom, with an initial state.
     ///
     /// # Errors
     /// [`crate::Error::Limit`].
@@ -185,8 +181,7 @@ impl Avoidance {
         Self::new(context, options, clearance, guides, strands)
     }
 
-    /// From here on its strands are in `strands`, with other room: those that there is room for in both go on as they
-    /// are.
+    /// Rebinds to `strands`, which have another capacity. Strands that fit into both keep their state.
     ///
     /// # Errors
     /// [`crate::Error::Limit`].
@@ -206,7 +201,8 @@ impl Avoidance {
         Ok(())
     }
 
-    /// Writes the uniform of a frame of `dt` seconds; `forget` starts anew, as strands from `fresh` on do.
+    /// Writes the uniform of a frame of `dt` seconds. `forget` discards the state of all strands; strands from `fresh`
+    /// on always start anew.
     pub(crate) fn prepare(
         &self,
         context: &Context,
@@ -249,7 +245,7 @@ impl Avoidance {
         }
     }
 
-    /// Records only the search: [`StrandState::hit`] is then the first hit of each strand.
+    /// Records only the search, after which [`StrandState::hit`] is the first hit of each strand.
     pub fn record_search(
         &self,
         pass: &mut crate::gpu::ComputePass<'_>,
@@ -259,7 +255,7 @@ impl Avoidance {
         self.pipelines.record_first_hit(pass, &self.groups, colliders, strands);
     }
 
-    /// [`StrandState`], one per strand.
+    /// Returns the buffer of [`StrandState`], one per strand.
     pub fn states(&self) -> &wgpu::Buffer {
         &self.states
     }
@@ -270,7 +266,7 @@ impl Avoidance {
     }
 }
 
-/// Of strands that nothing has touched yet, as many as there is room for.
+/// Creates the initial states, as many as the strand buffers can hold.
 fn states(context: &Context, strands: &StrandBuffers) -> Result<wgpu::Buffer> {
     let Context { device, queue, .. } = context;
     let states = storage::<StrandState>(device, "avoidance", strands.room.strands.into())?;
@@ -279,7 +275,8 @@ fn states(context: &Context, strands: &StrandBuffers) -> Result<wgpu::Buffer> {
     Ok(states)
 }
 
-/// The rest vertices of `strands`, each with what it rests nearer to the surface of a `field` than `clearance`.
+/// Returns the rest vertices of `strands`, each with the difference by which it rests closer to the surface of a
+/// `field` than `clearance`.
 pub fn sunk(strands: &BoundStrands, field: &SdfGrid, clearance: f32) -> Vec<PackedRest> {
     let n = strands.vertex_count.max(1) as usize;
     let vertex = |(i, rest): (usize, &PackedRest)| {

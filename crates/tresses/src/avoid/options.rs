@@ -1,38 +1,36 @@
-//! User parameters.
+//! User parameters of strand collision.
 
 use crate::{Result, groom::range, range::Range};
 
-/// What is done about drawn strands that enter an obstacle.
+/// Handling of drawn strands that enter an obstacle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AvoidMode {
-    /// Nothing.
+    /// Strands may penetrate.
     Off,
-    /// Each penetrating vertex is moved out alone: the strand breaks off at the obstacle and goes
-    /// on behind it as if it were not there. To compare with.
+    /// Each penetrating vertex is moved out separately: the strand has a kink at the obstacle and continues behind it
+    /// as if it were not there. For comparison.
     PenetratingOnly,
     /// The strand changes over to the clump around its nearest guide.
     #[default]
     ChangeOver,
 }
 
-/// How drawn strands avoid obstacles.
+/// Options of strand collision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AvoidOptions {
-    /// What is done.
+    /// Handling of penetrating strands.
     pub mode: AvoidMode,
-    /// How much nearer to an obstacle than its clearance a vertex may come before it counts as
-    /// penetrating, metres.
+    /// Depth below its clearance from which a vertex counts as penetrating, meters.
     pub tolerance: f32,
-    /// Length of hair before the first hit over which a strand changes over, metres; at most half
-    /// of the strand.
+    /// Length of hair before the first hit over which a strand changes over, meters; at most half of the strand.
     pub zone: f32,
-    /// How much a clump is drawn together: 0 not at all, 1 onto its guide.
+    /// Contraction of a clump: 0 for none, 1 onto its guide.
     pub tightness: f32,
-    /// Time in which a strand changes over, s; 0 for at once.
+    /// Time in which a strand changes over, s; 0 for immediately.
     pub fade_in: f32,
-    /// Time in which it changes back when nothing is hit any more, s.
+    /// Time in which a strand changes back after its last hit, s.
     pub fade_out: f32,
-    /// How fast the place of the change-over follows the first hit along the strand, m/s.
+    /// Speed at which the change-over follows the first hit along the strand, m/s.
     pub speed: f32,
 }
 
@@ -52,18 +50,18 @@ impl Default for AvoidOptions {
 
 impl AvoidOptions {
     /// The range of [`tolerance`](Self::tolerance).
-    pub const TOLERANCE: Range = range!("tolerance of avoidance", 0.0 to 0.1, "m"; usually 0.0 to 0.01);
+    pub const TOLERANCE: Range = range!("strand collision tolerance", 0.0 to 0.1, "m"; usually 0.0 to 0.01);
     /// The range of [`zone`](Self::zone).
-    pub const ZONE: Range = range!("zone of avoidance", 0.0 to 10.0, "m"; usually 0.0 to 0.5);
+    pub const ZONE: Range = range!("strand collision blend length", 0.0 to 10.0, "m"; usually 0.0 to 0.5);
     /// The range of [`tightness`](Self::tightness).
-    pub const TIGHTNESS: Range = range!("tightness of avoidance", 0.0 to 1.0);
+    pub const TIGHTNESS: Range = range!("strand collision tightness", 0.0 to 1.0);
     /// The range of [`fade_in`](Self::fade_in) and [`fade_out`](Self::fade_out).
-    pub const FADE: Range = range!("fading time of avoidance", 0.0 to 100.0, "s"; usually 0.0 to 5.0);
+    pub const FADE: Range = range!("strand collision fade time", 0.0 to 100.0, "s"; usually 0.0 to 5.0);
     /// The range of [`speed`](Self::speed).
     pub const SPEED: Range =
-        Range::new("speed of avoidance", 0.0, f64::INFINITY, "0 m/s or more").usually(0.0, 10.0);
+        Range::new("strand collision speed", 0.0, f64::INFINITY, "0 m/s or more").usually(0.0, 10.0);
 
-    /// Whether every value is in its range.
+    /// Checks that every value is in its range.
     ///
     /// # Errors
     /// [`Error::Parameter`](crate::Error::Parameter).
@@ -76,8 +74,8 @@ impl AvoidOptions {
         Ok(Self::SPEED.check(self.speed)?)
     }
 
-    /// Amounts per frame of `dt` seconds: how much a change-over rises and falls (the mean of two
-    /// frames counts, so 2 is all at once), and how far it moves along the strand, metres.
+    /// Returns the changes per frame of `dt` seconds: rise and fall of the amount (the mean of two frames counts, so 2
+    /// is immediate), and motion along the strand, meters.
     pub(super) fn per_frame(&self, dt: f32) -> [f32; 3] {
         let dt = if dt.is_finite() { dt.max(0.0) } else { 0.0 };
         let fade = |time: f32| if time > 0.0 { (dt / time).min(2.0) } else { 2.0 };
@@ -91,7 +89,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_out_of_range_are_refused() {
+    fn invalid_values_return_errors() {
         assert!(AvoidOptions::default().check().is_ok());
         assert!(AvoidOptions { speed: f32::INFINITY, ..Default::default() }.check().is_ok());
         for wrong in [
@@ -100,12 +98,12 @@ mod tests {
             AvoidOptions { tolerance: f32::NAN, ..Default::default() },
             AvoidOptions { speed: f32::NAN, ..Default::default() },
         ] {
-            assert!(wrong.check().unwrap_err().to_string().contains("of avoidance"));
+            assert!(wrong.check().unwrap_err().to_string().contains("strand collision"));
         }
     }
 
     #[test]
-    fn a_frame_moves_by_its_time_and_nothing_else() {
+    fn change_per_frame_is_proportional_to_time() {
         let options = AvoidOptions { fade_in: 0.1, fade_out: 0.0, speed: 0.5, ..Default::default() };
         let [rise, fall, shift] = options.per_frame(0.02);
         assert!((rise - 0.2).abs() < 1e-6 && fall == 2.0 && (shift - 0.01).abs() < 1e-6);

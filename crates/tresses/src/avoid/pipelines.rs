@@ -9,7 +9,7 @@ use crate::{
     strands::{GuideBuffers, StrandBuffers},
 };
 
-/// The pipelines of the stage.
+/// The stage's pipelines.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     first_hit: Kernel,
@@ -47,7 +47,7 @@ impl PipelineSet for Pipelines {
 }
 
 impl Pipelines {
-    /// Binds the stage to one groom, a uniform buffer of [`super::AvoidParams`] and a
+    /// Binds the stage to one groom. `params` is a uniform buffer of [`super::AvoidParams`], `states` has a
     /// [`super::StrandState`] per strand.
     pub fn bind(
         &self,
@@ -68,7 +68,7 @@ impl Pipelines {
         }
     }
 
-    /// Records the search: one thread per run of a strand's vertices.
+    /// Records the search, with one thread per run of a strand's vertices.
     pub fn record_first_hit(
         &self,
         pass: &mut crate::gpu::ComputePass<'_>,
@@ -82,7 +82,7 @@ impl Pipelines {
         self.first_hit.record(pass, &groups.first_hit, &[], workgroups);
     }
 
-    /// Records the search and the correction, one thread per strand; with [`AvoidMode::Off`] nothing.
+    /// Records the search and the correction, with one thread per strand. Does nothing with [`AvoidMode::Off`].
     pub fn record(
         &self,
         pass: &mut crate::gpu::ComputePass<'_>,

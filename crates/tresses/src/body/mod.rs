@@ -1,10 +1,10 @@
-//! The head and what belongs to it, shaded plainly: a mesh on the GPU that light falls on and that throws some back.
+//! Meshes on the GPU, such as the head: simply shaded surfaces that receive light and reflect some of it onto hair.
 
 pub(crate) mod paint;
 mod skin;
 mod surface;
 
-pub(crate) use paint::Painted;
+pub(crate) use paint::BodyTextures;
 pub use skin::{Skin, Words};
 pub use surface::Surface;
 pub(crate) use surface::points_for;
@@ -20,21 +20,21 @@ use crate::{
     groom::{TriMesh, mesh::Level},
 };
 
-/// The look of the body: matt with a soft gloss.
+/// Material of a body: matte with soft gloss.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyMaterial {
-    /// Albedo (linear) where the mesh has no vertex colours.
+    /// Albedo (linear) where the mesh has no vertex colors.
     pub color: Vec3,
-    /// Strength of the gloss; 0 is chalk, 1 skin or plastic.
+    /// Strength of the gloss: 0 for chalk, 1 for skin or plastic.
     pub gloss: f32,
-    /// Sharpness of the gloss (the exponent).
+    /// Exponent of the gloss.
     pub gloss_exponent: f32,
-    /// How far light wraps around the edge of the shadow: 0 as on stone, 0.3 as on skin.
+    /// How far light wraps around the edge of the shadow: 0 for stone, 0.3 for skin.
     pub wrap: f32,
 }
 
 impl Default for BodyMaterial {
-    /// A matt mannequin of a greyish beige, quieter than any hair.
+    /// A matte grayish beige for mannequins, more muted than any hair.
     fn default() -> Self {
         Self { color: Vec3::new(0.31, 0.27, 0.24), gloss: 0.25, gloss_exponent: 14.0, wrap: 0.2 }
     }
@@ -44,25 +44,25 @@ impl Default for BodyMaterial {
 #[derive(Debug)]
 pub struct Body {
     context: Context,
-    /// How it looks.
+    /// Material.
     pub material: BodyMaterial,
-    /// Where it is.
+    /// Pose in the world.
     pub pose: Pose,
     vertices: wgpu::Buffer,
     triangles: wgpu::Buffer,
-    /// Where the triangles of each level are, the mesh's own first, and how far they stray, metres.
+    /// Simplification error (meters) and index range of each level of detail, the full mesh first.
     levels: Vec<(f32, Range<u32>)>,
-    /// Two corners of a box around the mesh, metres: as it was made, or as it was said since.
+    /// Two corners of the bounding box of the mesh, meters; see [`set_bounds`](Self::set_bounds).
     bounds: [Vec3; 2],
     uniform: wgpu::Buffer,
     group: wgpu::BindGroup,
     pub(crate) surface: Surface,
     pub(crate) surface_group: wgpu::BindGroup,
-    /// The pictures of its materials, where it [is painted](Self::paint).
-    painted: Option<Painted>,
+    /// Material textures, if the body [is painted](Self::paint).
+    painted: Option<BodyTextures>,
 }
 
-/// What the shaders know of a body.
+/// Uniform of a body.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct BodyUniform {
@@ -98,16 +98,17 @@ impl Body {
         attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Unorm8x4],
     };
 
-    /// Uploads `mesh`, at the origin, and its [`levels`](TriMesh::levels): it is drawn with as few triangles as no pixel
-    /// shows. They take a quarter of a second for 100,000 triangles; who makes a body of the same mesh again keeps them
-    /// for [`with_levels`](Self::with_levels).
+    /// Uploads `mesh`, at the origin, and computes its [`levels`](TriMesh::levels) of detail. The body is drawn with
+    /// the coarsest level whose error is invisible. Computing levels takes a quarter of a second for 100,000 triangles.
+    /// To create several bodies from the same mesh, compute them once and use [`with_levels`](Self::with_levels).
     pub fn new(context: &Context, mesh: &TriMesh) -> Self {
         Self::with_levels(context, mesh, &mesh.levels(), u32::MAX)
     }
 
-    /// [`new`](Self::new) with such levels as there are, ever coarser, for views whose grids of light have at most `cells`
-    /// along each edge ([`ViewOptions::ambient_cells`](crate::view::ViewOptions::ambient_cells)): coarse ones ask fewer
-    /// points of it.
+    /// As [`new`](Self::new), with given levels of detail, finest first. `cells` is the largest number of cells per
+    /// edge of the views' grids of ambient light
+    /// ([`ViewOptions::ambient_cells`](crate::view::ViewOptions::ambient_cells)): coarse grids need fewer points on the
+    /// surface.
     pub fn with_levels(context: &Context, mesh: &TriMesh, levels: &[Level], cells: u32) -> Self {
         let Context { device, .. } = context;
         let vertices = vertices(mesh);
@@ -154,7 +155,7 @@ impl Body {
         }
     }
 
-    /// Another body of the same mesh, which both share on the GPU: who bends one bends both.
+    /// Another body that shares this one's buffers. Deforming one deforms both.
     pub fn another(&self) -> Self {
         self.with_vertices(self.vertices.clone())
     }
@@ -177,7 +178,7 @@ impl Body {
         }
     }
 
-    /// Another body of the same mesh with vertices of its own, as they are now: it may be deformed alone.
+    /// Another body of the same mesh with its own copy of the vertices, which can be deformed separately.
     pub fn unshared(&self) -> Self {
         let Context { device, queue, .. } = &self.context;
         let vertices = device.create_buffer(&wgpu::BufferDescriptor {
@@ -192,29 +193,29 @@ impl Body {
         self.with_vertices(vertices)
     }
 
-    /// Words of a vertex in [`vertices`](Self::vertices): its position, its normal, its colour.
+    /// Words of a vertex in [`vertices`](Self::vertices): position, normal, color.
     pub const WORDS: u32 = (size_of::<BodyVertex>() / 4) as u32;
 
-    /// Its vertices, [`WORDS`](Self::WORDS) words each: three floats of position (metres), three of normal, four bytes of
-    /// colour. Who bends the body writes them.
+    /// Vertex buffer with [`WORDS`](Self::WORDS) words per vertex: three floats of position (meters), three of normal,
+    /// four bytes of color. Code that deforms the body writes to it.
     pub fn vertices(&self) -> &wgpu::Buffer {
         &self.vertices
     }
 
-    /// From here on its vertices lie within a box with these corners, in its own space, metres.
+    /// Sets the bounding box of the vertices, in the body's own space, meters.
     pub fn set_bounds(&mut self, corners: [Vec3; 2]) {
         self.bounds = corners;
     }
 
-    /// Writes where it is and how it looks, for the frame that is recorded.
+    /// Uploads pose and material for the frame being recorded.
     pub(crate) fn prepare(&self) {
         let uniform = self.material.uniform(&self.pose, self.surface.outward);
         self.context.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
     }
 
-    /// Gives its vertices the places, normals and colours of `mesh`'s, for the frames that are submitted from here on;
-    /// its triangles are not read. What would lie beyond the last one is left out. How far a level strays is that of the
-    /// mesh that the body was made of: one that changes its shape or leaves its place is made without levels.
+    /// Replaces positions, normals and colors of the vertices from `mesh`, for frames submitted from now on. The
+    /// triangles of `mesh` are ignored, and so are its vertices beyond the body's last one. Levels of detail keep the
+    /// errors of the original mesh. For a mesh that changes its shape or moves away, create the body without levels.
     pub fn move_to(&self, mesh: &TriMesh) {
         let vertices = vertices(mesh);
         let bytes: &[u8] = bytemuck::cast_slice(&vertices);
@@ -222,17 +223,17 @@ impl Body {
         self.context.queue.write_buffer(&self.vertices, 0, &bytes[..room]);
     }
 
-    /// The least clip coordinate `w` of its points for `camera`: for a perspective one, how far the nearest of them is,
-    /// metres.
+    /// Smallest clip coordinate `w` of the body's points for `camera`: for a perspective camera, the distance of the
+    /// nearest point, meters.
     pub(crate) fn nearest(&self, camera: &Camera) -> f32 {
         let w = (camera.projection * camera.view * self.pose.matrix()).row(3);
-        // A box has no point nearer than the one of its corners that faces the camera.
+        // The nearest point of a box is the corner that faces the camera.
         let [lo, hi] = self.bounds;
         let corner = Vec3::select(w.truncate().cmplt(Vec3::ZERO), hi, lo);
         w.dot(corner.extend(1.0)).max(0.0)
     }
 
-    /// The corners of a box around it, world space.
+    /// Corners of the bounding box, world space.
     pub(crate) fn corners(&self) -> impl Iterator<Item = Vec3> {
         let [lo, hi] = self.bounds;
         (0..8).map(move |i| {
@@ -241,12 +242,12 @@ impl Body {
         })
     }
 
-    /// Whether it is drawn with its paint.
+    /// Whether the body is drawn with textures.
     pub(crate) fn is_painted(&self) -> bool {
         self.painted.is_some()
     }
 
-    /// [`record`](Self::record) with its paint, where there is some.
+    /// As [`record`](Self::record), with textures. Does nothing without them.
     pub(crate) fn record_painted(&self, pass: &mut crate::gpu::RenderPass<'_>, stray: f32) {
         if let Some(painted) = &self.painted {
             painted.bind(pass);
@@ -254,7 +255,7 @@ impl Body {
         }
     }
 
-    /// Draws it with as few triangles as there are that stray by `stray` metres at most.
+    /// Draws the coarsest level with an error of at most `stray` meters.
     pub(crate) fn record(&self, pass: &mut crate::gpu::RenderPass<'_>, stray: f32) {
         pass.set_bind_group(1, &self.group, &[]);
         pass.set_vertex_buffer(0, self.vertices.slice(..));
@@ -262,7 +263,8 @@ impl Body {
         pass.draw_indexed(self.level(stray), 0, 0..1);
     }
 
-    /// Where the triangles of that level are: the mesh's own if nothing may stray so little, such as less than nothing.
+    /// Index range of the coarsest level with an error of at most `stray`; the full mesh if there is none, as for
+    /// negative `stray` or NaN.
     fn level(&self, stray: f32) -> Range<u32> {
         let level = self.levels.iter().rev().find(|(strays, _)| *strays <= stray);
         level.unwrap_or(&self.levels[0]).1.clone()
@@ -273,25 +275,25 @@ impl Body {
         self.uniform.size() + self.shared_bytes()
     }
 
-    /// Bytes of it that [others](Self::another) of the same mesh share.
+    /// Bytes of GPU memory that [other bodies](Self::another) of the same mesh share.
     pub fn shared_bytes(&self) -> u64 {
-        let painted = self.painted.as_ref().map_or(0, Painted::bytes);
+        let painted = self.painted.as_ref().map_or(0, BodyTextures::bytes);
         self.vertices.size() + self.triangles.size() + self.surface.buffer.size() + painted
     }
 }
 
-/// The layout of a body's group, `@group(1)` wherever one is drawn.
+/// Layout of a body's bind group, `@group(1)` where bodies are drawn.
 pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     bindings::layout(device, "body", wgpu::ShaderStages::VERTEX_FRAGMENT, &[Binding::Uniform])
 }
 
-/// The layout of the group of its surface, `@group(1)` of the kernels that ask its points.
+/// Layout of the bind group of a body's surface, `@group(1)` of kernels that evaluate its points.
 pub(crate) fn surface_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let entries = [Binding::Uniform, Binding::Storage, Binding::Storage];
     bindings::layout(device, "surface", wgpu::ShaderStages::COMPUTE, &entries)
 }
 
-/// As the shaders read them.
+/// Converts the vertices of a mesh to the layout of the GPU.
 fn vertices(mesh: &TriMesh) -> Vec<BodyVertex> {
     let vertex = |(i, position): (usize, &Vec3)| BodyVertex {
         position: *position,
@@ -321,7 +323,7 @@ mod tests {
     use glam::Quat;
 
     #[test]
-    fn a_body_is_drawn_however_little_it_may_stray() {
+    fn level_is_the_coarsest_within_the_error() {
         let context = &crate::gpu::noop();
         let mesh = TriMesh { triangles: vec![[0, 1, 2], [2, 1, 3]], ..Default::default() };
         let levels = [Level { stray: 1e-3, triangles: vec![[0, 1, 3]] }];
@@ -331,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn nearest_is_the_nearest_corner_of_a_box() {
+    fn nearest_is_the_depth_of_the_nearest_corner() {
         let context = &crate::gpu::noop();
         let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
         let positions: Vec<_> = (0..8).map(|i| Vec3::new(0.3, 0.1, -0.2) + 0.5 * corner(i)).collect();

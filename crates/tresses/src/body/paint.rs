@@ -1,4 +1,4 @@
-//! The pictures of a body's materials on the GPU: two textures of a layer for each, and where each vertex is in them.
+//! Material textures of a body on the GPU: two texture arrays with a layer per material, and texture coordinates.
 
 use super::Body;
 use crate::{
@@ -12,31 +12,31 @@ use crate::{
 use bytemuck::NoUninit;
 use wgpu::util::DeviceExt;
 
-/// What a vertex has of its paint.
+/// Vertex attributes of textured bodies.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, NoUninit)]
 struct PaintVertex {
     place: [f32; 2],
-    /// The layer, and from the ninth bit on [`Coat::cutout`](crate::groom::mesh::paint::Coat::cutout) in 255ths.
+    /// Bits 0 to 7: texture layer. Bits from 8: [`Coat::cutout`](crate::groom::mesh::paint::Coat::cutout) in 255ths.
     coat: u32,
 }
 
-/// The paint of a body. A clone names the same textures.
+/// Textures of a body. A clone refers to the same textures.
 #[derive(Clone, Debug)]
-pub(crate) struct Painted {
+pub(crate) struct BodyTextures {
     vertices: wgpu::Buffer,
     group: wgpu::BindGroup,
     bytes: u64,
 }
 
-impl Painted {
+impl BodyTextures {
     pub(crate) const LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferLayout {
         array_stride: size_of::<PaintVertex>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,
         attributes: &wgpu::vertex_attr_array![3 => Float32x2, 4 => Uint32],
     };
 
-    /// Binds it for [`Body::record`], as `@group(3)` and the second of the vertex buffers.
+    /// Binds the textures for [`Body::record`]: as `@group(3)` and the second vertex buffer.
     pub(super) fn bind(&self, pass: &mut crate::gpu::RenderPass<'_>) {
         pass.set_bind_group(3, &self.group, &[]);
         pass.set_vertex_buffer(1, self.vertices.slice(..));
@@ -48,16 +48,16 @@ impl Painted {
 }
 
 impl Body {
-    /// Paints it with the pictures of the materials of the mesh that it was made of, which all have one
-    /// [size](Paint::level). They take 4 bytes per texel, those of the smaller ones for what is far away a third more.
+    /// Applies the material textures of the mesh that the body was created from. All must have the same
+    /// [size](Paint::level). They take 4 bytes per texel, and a third more for mip levels.
     ///
     /// # Errors
-    /// [`crate::groom::Error::Unusable`] for the paint of another mesh and for pictures of several sizes;
-    /// [`Error::Limit`] for more or larger ones than the adapter holds.
+    /// [`crate::groom::Error::Unusable`] for the paint of another mesh and for textures of different sizes;
+    /// [`Error::Limit`] if they are more or larger than the adapter supports.
     pub fn paint(&mut self, paint: &Paint) -> Result<()> {
         let count = (self.vertices.size() / (4 * u64::from(Self::WORDS))) as usize;
         if !paint.is_whole(count) || paint.coats.is_empty() {
-            return Err(Error::unusable("the paint is not that of the body's mesh"));
+            return Err(Error::unusable("the textures do not match the body's mesh"));
         }
         let cutout = |coat: u8| {
             let cutout = paint.coats.get(usize::from(coat)).and_then(|coat| coat.cutout);
@@ -102,7 +102,7 @@ impl Body {
             4 * one * u64::from(texture.depth_or_array_layers()) * 4 / 3
         };
         let bytes = vertices.size() + texels(&bases) + texels(&reliefs);
-        self.painted = Some(Painted {
+        self.painted = Some(BodyTextures {
             vertices,
             group: self.context.device.group("paint", &layout(&self.context.device), &resources),
             bytes,
@@ -111,23 +111,23 @@ impl Body {
     }
 }
 
-/// The layout of `@group(3)` where a painted body is drawn.
+/// Layout of `@group(3)` where textured bodies are drawn.
 pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     let entries = [Binding::Texture2dArray, Binding::Texture2dArray, Binding::Sampler];
     bindings::layout(device, "paint", wgpu::ShaderStages::FRAGMENT, &entries)
 }
 
-/// Pictures of one size as the layers of a texture, with all of their smaller ones.
+/// Creates a texture array from images of one size, with all mip levels.
 fn layers(context: &Context, pictures: &[&Texture], format: wgpu::TextureFormat) -> Result<wgpu::Texture> {
     let Context { device, queue, .. } = context;
     let [width, height] = pictures.first().map_or([1; 2], |first| [first.width, first.height]);
     if pictures.iter().any(|picture| [picture.width, picture.height] != [width, height]) {
-        return Err(Error::unusable("the pictures of a body's paint have several sizes"));
+        return Err(Error::unusable("the textures of a body must have the same size"));
     }
     let limits = device.limits();
     for (what, need, have) in [
-        ("texels along an edge of a picture", width.max(height), limits.max_texture_dimension_2d),
-        ("pictures of a body", pictures.len() as u32, limits.max_texture_array_layers),
+        ("texels along an edge of a texture", width.max(height), limits.max_texture_dimension_2d),
+        ("textures of a body", pictures.len() as u32, limits.max_texture_array_layers),
     ] {
         if need > have {
             return Err(Error::Limit { what, need: need.into(), have: have.into() });
@@ -166,14 +166,14 @@ fn layers(context: &Context, pictures: &[&Texture], format: wgpu::TextureFormat)
     Ok(texture)
 }
 
-/// A picture of half as many texels along each edge: means of four, of light where bytes follow sRGB's curve.
+/// Halves an image along both axes. Averages 2×2 texels, in linear light if `is_srgb`.
 fn half(picture: &Texture, is_srgb: bool) -> Texture {
     let [width, height] = [picture.width, picture.height].map(|n| (n / 2).max(1));
     let table: [f32; 256] = std::array::from_fn(|byte| match is_srgb {
         true => linear(byte as f32 / 255.0),
         false => byte as f32 / 255.0,
     });
-    // The nearest byte: the curve rises.
+    // Finds the nearest byte; the table increases.
     let encoded = |light: f32| match is_srgb {
         true => {
             let above = table.partition_point(|of| *of < light).min(255);
@@ -204,12 +204,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn smaller_pictures_have_the_mean_light() {
+    fn mip_levels_average_linear_light() {
         let [black, white] = [[0, 0, 0, 255], [255, 255, 255, 0]];
         let picture = Texture { width: 4, height: 2, rgba: [black, white].concat().repeat(4) };
         let half_lit = half(&picture, true);
         assert_eq!((half_lit.width, half_lit.height), (2, 1));
-        // sRGB has 188 for half of the light.
+        // Half of the light is 188 in sRGB.
         assert!(half_lit.rgba.chunks(4).all(|t| (187..=189).contains(&t[0]) && t[3] == 128), "{half_lit:?}");
         assert!(half(&picture, false).rgba.chunks(4).all(|t| t[0] == 128));
         assert_eq!(half(&half(&picture, true), true).rgba.len(), 4);

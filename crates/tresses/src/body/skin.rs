@@ -1,26 +1,26 @@
-//! The vertices of a body that something deforms, as other stages read them.
+//! Vertices of a deformed body, as other stages read them.
 
 use super::Body;
 use crate::{Error, Result, groom::TriMesh};
 
-/// Where a surface's vertices are in a buffer of floats: words from its beginning, and from one vertex to the next.
+/// Layout of vertices in a buffer of floats, in words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Words {
-    /// Of the first vertex.
+    /// Offset of the first vertex.
     pub first: u32,
-    /// From one vertex to the next, at least 3.
+    /// Distance between vertices, at least 3.
     pub stride: u32,
 }
 
 impl Words {
     /// # Errors
-    /// [`crate::groom::Error::Unusable`] where `buffer` does not hold the vertices of `mesh` so.
+    /// [`crate::groom::Error::Unusable`] if `buffer` is too small for the vertices of `mesh` in this layout.
     pub(crate) fn hold(&self, buffer: &wgpu::Buffer, mesh: &TriMesh) -> Result<()> {
         let last = (mesh.positions.len() as u64).saturating_sub(1);
         let need = 4 * (u64::from(self.first) + last * u64::from(self.stride) + 3);
         if self.stride < 3 || buffer.size() < need {
             return Err(Error::unusable(format!(
-                "a buffer of {} bytes is too small for the skin's {} vertices",
+                "a buffer of {} bytes is too small for the {} vertices of the mesh",
                 buffer.size(),
                 mesh.positions.len()
             )));
@@ -29,12 +29,12 @@ impl Words {
     }
 }
 
-/// The vertices of a body that bends, in buffers that may be bound as storage. The same buffer may be both.
+/// Vertices of a deformed body, in buffers with storage usage. Both can be the same buffer.
 #[derive(Clone, Copy, Debug)]
 pub struct Skin<'a> {
-    /// Three floats for each vertex, metres.
+    /// Positions: three floats per vertex, meters.
     pub positions: (&'a wgpu::Buffer, Words),
-    /// Three floats for each vertex, of any length.
+    /// Normals: three floats per vertex, of any length.
     pub normals: (&'a wgpu::Buffer, Words),
 }
 

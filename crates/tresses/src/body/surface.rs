@@ -1,30 +1,31 @@
-//! Sample points over a body's surface, each of which represents the same area.
+//! Sample points on a body's surface. Each represents the same area.
 
 use crate::groom::TriMesh;
 use glam::Vec3;
 use wgpu::util::DeviceExt;
 
-/// The most points, taken from so many cells along each edge of the grid on: ten or so to a cell of the surface.
+/// Largest number of points, and the number of grid cells per edge from which it is used: about ten points per surface
+/// cell.
 const POINTS: usize = 8192;
 const FINE: usize = 24;
 
-/// Points on the triangles of a mesh. They name vertices, so that they follow those that move.
+/// Points on the triangles of a mesh. They refer to vertices, so that they follow deformation.
 #[derive(Clone, Debug)]
 pub struct Surface {
     pub(crate) buffer: wgpu::Buffer,
-    /// How many there are.
+    /// Number of points.
     pub points: u32,
-    /// Whether triangles are seen counter-clockwise from outside (1) or clockwise (-1).
+    /// 1 if triangles are counter-clockwise seen from outside, -1 if clockwise.
     pub outward: f32,
 }
 
 impl Surface {
-    /// Of `mesh`, for a grid of `cells` along each edge: coarse cells hold more of the surface, and need as many
-    /// points for it.
+    /// Creates points on `mesh` for a grid with `cells` per edge. A coarse cell contains more of the surface but needs
+    /// no more points.
     pub(crate) fn new(device: &wgpu::Device, mesh: &TriMesh, cells: u32) -> Self {
         let mut points = points(mesh, count(cells));
         let count = points.len() as u32;
-        // An empty buffer cannot be bound; a point without an area is none.
+        // An empty buffer cannot be bound. A point without area has no effect.
         points.resize(points.len().max(1), [0; 4]);
         let buffer = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("surface"),
@@ -35,7 +36,7 @@ impl Surface {
     }
 }
 
-/// How many points a grid of `cells` along each edge needs.
+/// Number of points for a grid with `cells` per edge.
 pub(crate) fn points_for(cells: u32) -> u32 {
     count(cells) as u32
 }
@@ -44,7 +45,7 @@ fn count(cells: u32) -> usize {
     POINTS * (cells as usize).min(FINE).pow(2) / FINE.pow(2)
 }
 
-/// The corners of each triangle that lie in the mesh.
+/// Indices and corners of each triangle whose vertices all exist.
 fn triangles(mesh: &TriMesh) -> impl Iterator<Item = ([u32; 3], [Vec3; 3])> {
     mesh.triangles.iter().filter_map(|triangle| {
         let [a, b, c] = triangle.map(|i| mesh.positions.get(i as usize).copied());
@@ -56,8 +57,8 @@ fn area([a, b, c]: [Vec3; 3]) -> f64 {
     0.5 * f64::from((b - a).cross(c - a).length())
 }
 
-/// Vertices and area (the bits of a float, square metres) of `count` points at even distances along the sum of
-/// the triangles' areas.
+/// Vertices and area (float bits, square meters) of `count` points at even distances along the cumulative area of the
+/// triangles.
 fn points(mesh: &TriMesh, count: usize) -> Vec<[u32; 4]> {
     let whole: f64 = triangles(mesh).map(|(_, corners)| area(corners)).filter(|a| a.is_finite()).sum();
     if whole <= 0.0 {
@@ -77,7 +78,7 @@ fn points(mesh: &TriMesh, count: usize) -> Vec<[u32; 4]> {
     points
 }
 
-/// By the volume that the triangles enclose, seen from their middle.
+/// Finds the winding from the sign of the enclosed volume, seen from the mean vertex.
 fn outward(mesh: &TriMesh) -> f32 {
     let middle = mesh.positions.iter().sum::<Vec3>() / mesh.positions.len().max(1) as f32;
     let volume: f32 = triangles(mesh)
@@ -91,7 +92,7 @@ fn outward(mesh: &TriMesh) -> f32 {
 mod tests {
     use super::*;
 
-    /// Two triangles, one three times as large as the other.
+    /// Two triangles; one has three times the area of the other.
     fn mesh() -> TriMesh {
         TriMesh {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(0.0, 0.0, 1.0), Vec3::new(0.0, 3.0, 1.0)],
@@ -101,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn points_stand_for_all_of_the_surface() {
+    fn points_sample_the_surface_by_area() {
         let mesh = mesh();
         let points = points(&mesh, POINTS);
         assert_eq!(points.len(), POINTS);
@@ -114,14 +115,14 @@ mod tests {
     }
 
     #[test]
-    fn coarse_cells_take_as_many_points_each() {
+    fn coarse_grids_use_fewer_points() {
         assert_eq!([12, 24, 64].map(count), [POINTS / 4, POINTS, POINTS]);
         let points = points(&mesh(), count(12));
         assert_eq!(points.len(), POINTS / 4);
     }
 
     #[test]
-    fn outside_is_where_the_volume_is_not() {
+    fn outward_follows_the_winding() {
         let mut mesh = TriMesh {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z],
             triangles: vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]],

@@ -1,31 +1,31 @@
-//! Work that goes on beside other work, where there are threads.
+//! Background computation, where the platform has threads.
 
 #[cfg(not(target_arch = "wasm32"))]
 use std::{panic::resume_unwind, thread};
 
-/// A value on its way.
+/// A value that a thread computes.
 #[cfg(not(target_arch = "wasm32"))]
-pub struct Aside<T>(thread::JoinHandle<T>);
+pub struct BackgroundTask<T>(thread::JoinHandle<T>);
 
 /// A value.
 #[cfg(target_arch = "wasm32")]
-pub struct Aside<T>(T);
+pub struct BackgroundTask<T>(T);
 
 #[cfg(not(target_arch = "wasm32"))]
-impl<T: Send + 'static> Aside<T> {
-    /// Begins `work`.
+impl<T: Send + 'static> BackgroundTask<T> {
+    /// Starts `work`.
     pub fn start(work: impl FnOnce() -> T + Send + 'static) -> Self {
         Self(thread::spawn(work))
     }
 
-    /// What it gives. Blocks until it is done.
+    /// Returns the result. Blocks until it is ready.
     pub fn get(self) -> T {
         self.0.join().unwrap_or_else(|panic| resume_unwind(panic))
     }
 }
 
 #[cfg(target_arch = "wasm32")]
-impl<T> Aside<T> {
+impl<T> BackgroundTask<T> {
     pub fn start(work: impl FnOnce() -> T) -> Self {
         Self(work())
     }

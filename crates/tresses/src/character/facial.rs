@@ -1,6 +1,6 @@
-//! Grooms that a character wears besides its hair: brows, lashes, a beard.
+//! Face grooms: brows, lashes and a beard besides the hair.
 //!
-//! Each is simulated on its own, with roots on the same skin, so that it follows jaw and brows. Its color is the hair's, a
+//! Each is a groom of its own with roots on the same skin, so it follows jaw and brows. Its color is the hair's, a
 //! shade darker.
 
 use crate::{
@@ -15,7 +15,7 @@ use crate::{
     wind::Wind,
 };
 
-/// Pigment of brows and beard over that of the hair.
+/// Pigment of brows and beard relative to the hair.
 const DARKER: f32 = 1.5;
 
 /// The built-in character's brows, lashes and beard.
@@ -35,12 +35,13 @@ impl Default for FaceHair {
     }
 }
 
-/// A groom beside the hair.
+/// A groom on the face.
 #[derive(Clone, Debug)]
 pub struct FaceGroom {
     /// Guides and strands.
     pub groom: Groom,
-    /// Whether it is long enough to collide and to feel the wind, as a full beard is. Others move with the skin alone.
+    /// Whether it is long enough to collide and to move in the wind, like a full beard. Other face grooms move only
+    /// with the skin.
     pub hangs: bool,
 }
 
@@ -75,7 +76,7 @@ impl FaceHair {
     }
 }
 
-/// The material of a face groom beside hair of `material`.
+/// Returns the material of a face groom for hair of `material`.
 pub(super) fn darker(material: &HairMaterial) -> HairMaterial {
     let mut own = *material;
     own.fiber.root_absorption *= DARKER;
@@ -85,7 +86,7 @@ pub(super) fn darker(material: &HairMaterial) -> HairMaterial {
     own
 }
 
-/// The physics of a face groom: too thin for a grid of density; wind moves only what hangs.
+/// Returns the physics of a face groom. It is too thin for a density grid; wind moves it only if it hangs.
 pub(super) fn physics(hair: &SimulationParams, hangs: bool) -> SimulationParams {
     let wind = if hangs { hair.wind } else { Wind::default() };
     SimulationParams { hair_hair: HairHair::OFF, wind, ..*hair }

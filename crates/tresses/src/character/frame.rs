@@ -1,23 +1,22 @@
-//! A frame of characters: all of them move, then they are drawn into views.
+//! A frame of characters: all of them advance, then they are drawn into views.
 
 use super::{Character, light::Lighting};
 use crate::{
-    Camera, Context, Hair, Pose, Result,
+    Camera, Context, Hair, Result,
     body::Body,
-    budget::{Budget, Chosen, Costs, Held},
-    draw::{Embed, Surroundings},
-    frame::{Recorder, Shows, Sight},
+    budget::{Budget, Costs, CrowdDetail, ViewBytes},
+    draw::{Compositor, Surroundings},
+    frame::{Recorder, ViewContent, ViewPass},
     gpu::Timings,
     light::{SceneShadow, Zone},
-    lod::LodMode,
     skinning::Skinning,
     view::{Picture, View},
 };
 
-/// Records the frame of a slice of characters: [`advance`](Self::advance), then [`draw`](Self::draw) or
-/// [`composite`](Self::composite) for each view. Made by [`Context::frame`].
+/// Records a frame of characters: [`advance`](Self::advance), then [`draw`](Self::draw) or
+/// [`composite`](Self::composite) for each view. [`Context::frame`] creates it.
 ///
-/// After an error the encoder's commands are not to be submitted.
+/// After an error the encoder must not be submitted.
 #[derive(Debug)]
 pub struct Frame<'a> {
     recorder: Recorder<'a>,
@@ -25,56 +24,56 @@ pub struct Frame<'a> {
     budget: Option<&'a mut CrowdBudget>,
 }
 
-/// The budget of a crowd, and the levels of detail that it has led to.
+/// The budget of a crowd, and the levels of detail that it has chosen.
 #[derive(Clone, Debug, Default)]
 pub struct CrowdBudget {
-    /// The most that all characters of a frame may cost.
+    /// Limits for all characters of a frame.
     pub budget: Budget,
-    /// The cost of work, fitted to frames that were timed ([`Costs::fit`]).
+    /// Cost of work, fitted to timed frames ([`Costs::fit`]).
     pub costs: Costs,
-    /// The levels of the last frame: of each character's hair, then of its face grooms as far as they are drawn.
-    pub chosen: Chosen,
+    /// Levels of the last frame: the hair of each character, followed by its face grooms if they are drawn.
+    pub chosen: CrowdDetail,
 }
 
 /// How characters are drawn into a view.
 #[derive(Debug)]
 pub struct Drawing<'a> {
-    /// Camera, lights, background, tone mapping. Its focus is derived from the characters.
+    /// Camera, lights, background, tone mapping. The focus is derived from the characters.
     pub picture: &'a Picture,
-    /// The target, of the view's size and the format of its options; `None` for
+    /// Target, with the view's size and the format of its options; `None` for
     /// [`Targets::picture`](crate::draw::Targets::picture).
     pub output: Option<&'a wgpu::TextureView>,
-    /// What is drawn.
-    pub shows: Shows<'a>,
-    /// Whether the view's targets also receive motion, depth, opacity and labels of the hair ([`Sight::asks`]).
+    /// Content of the image.
+    pub shows: ViewContent<'a>,
+    /// Whether the view also writes motion, depth, opacity and labels of the hair ([`ViewPass::asks`]).
     pub asks: bool,
     /// Whether the hair is drawn alone, without bodies and their shadows.
     pub bare: bool,
 }
 
 impl<'a> Drawing<'a> {
-    /// Bodies and hair into the view's own target.
+    /// Draws bodies and hair into the view's own target.
     pub fn new(picture: &'a Picture) -> Self {
-        Self { picture, output: None, shows: Shows::Hair, asks: false, bare: false }
+        Self { picture, output: None, shows: ViewContent::Hair, asks: false, bare: false }
     }
 }
 
 impl Context {
-    /// Begins a frame, whose commands go into `encoder`.
+    /// Begins a frame whose commands are recorded into `encoder`.
     pub fn frame<'a>(&'a self, encoder: &'a mut wgpu::CommandEncoder) -> Frame<'a> {
         Frame { recorder: self.recorder(encoder), cameras: &[], budget: None }
     }
 }
 
 impl<'a> Frame<'a> {
-    /// Chooses the level of detail of each character for the camera that sees it largest. Without cameras the levels stay
-    /// as they are.
+    /// Chooses the level of detail of each character for the camera in which it is largest. Without cameras the levels
+    /// do not change.
     pub fn seen_by(mut self, cameras: &'a [Camera]) -> Self {
         self.cameras = cameras;
         self
     }
 
-    /// Chooses the levels of all characters together, for the first camera, so that they keep a budget.
+    /// Chooses the levels of all characters together, for the first camera, so that they stay within a budget.
     pub fn within(mut self, budget: &'a mut CrowdBudget) -> Self {
         self.budget = Some(budget);
         self
@@ -85,12 +84,12 @@ impl<'a> Frame<'a> {
         Self { recorder: self.recorder.with_timings(timings), ..self }
     }
 
-    /// Records the motion of `dt` seconds: skins are posed, fields deform, roots move, levels of detail are chosen, hair is
-    /// stepped and its strands follow.
+    /// Records the motion of `dt` seconds: poses skins, deforms fields, moves roots, chooses levels of detail, steps
+    /// the guides and updates the strands.
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] for physics out of range, [`crate::Error::Limit`] when the adapter cannot hold what a
-    /// level needs, [`crate::Error::Gpu`] when a pipeline cannot be compiled.
+    /// [`crate::Error::Parameter`] for physics out of range, [`crate::Error::Limit`] when the adapter cannot hold the
+    /// buffers of a level, [`crate::Error::Gpu`] when a pipeline cannot be compiled.
     pub fn advance(&mut self, characters: &mut [&mut Character], dt: f32) -> Result<()> {
         for character in &mut *characters {
             character.find_pose(dt)?;
@@ -121,8 +120,8 @@ impl<'a> Frame<'a> {
     /// Draws characters into `output`, a target of the view's size and the format of its options.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] when the device cannot hold what the view needs, [`crate::Error::Groom`] when the characters
-    /// are drawn in several spaces, [`crate::Error::Gpu`] when a pipeline cannot be compiled.
+    /// [`crate::Error::Limit`] when the device cannot hold the buffers of the view, [`crate::Error::Groom`] when the
+    /// characters are drawn in several spaces, [`crate::Error::Gpu`] when a pipeline cannot be compiled.
     pub fn draw(
         &mut self,
         view: &mut View,
@@ -133,8 +132,8 @@ impl<'a> Frame<'a> {
         self.draw_as(view, characters, Drawing { output: Some(output), ..Drawing::new(picture) })
     }
 
-    /// Draws hair over a scene that the host has drawn, hidden by what is before it ([`crate::draw::embed`]). Bodies are
-    /// not drawn, but shade the hair.
+    /// Composites hair into a scene that the host has drawn and that hides hair behind it ([`crate::draw::embed`]).
+    /// Bodies are not drawn, but shade the hair.
     ///
     /// # Errors
     /// As [`draw`](Self::draw).
@@ -143,14 +142,14 @@ impl<'a> Frame<'a> {
         view: &mut View,
         characters: &[&Character],
         picture: &Picture,
-        embed: &Embed,
+        embed: &Compositor,
         into: Surroundings<'_>,
     ) -> Result<()> {
-        let shows = Shows::Over(embed, into);
+        let shows = ViewContent::Over(embed, into);
         self.draw_as(view, characters, Drawing { shows, ..Drawing::new(picture) })
     }
 
-    /// Records the light of a picture alone, for a host whose shaders ask the hair for its shadow before hair is
+    /// Records only the lighting of an image, for a host whose shaders sample the shadow of the hair before it is
     /// composited with [`Surroundings::lit`]. `scene` are the host's shadow maps.
     ///
     /// # Errors
@@ -162,13 +161,14 @@ impl<'a> Frame<'a> {
         picture: &Picture,
         scene: &[SceneShadow<'_>],
     ) -> Result<()> {
-        let picture = self.set_light(view, characters, picture);
+        let (bodies, numbers) = bodies(characters);
+        let lighting = Lighting::new(characters, &numbers, &picture.camera);
+        let picture = lighting.set(view, characters, bodies.len(), picture);
         let sets: Vec<_> = characters.iter().flat_map(|it| it.grooms()).map(|hair| &hair.set).collect();
-        let (bodies, _) = bodies(characters);
         self.recorder.light(&sets, &bodies, view, &picture, scene)
     }
 
-    /// Draws characters as `drawing` says.
+    /// Draws characters as specified by `drawing`.
     ///
     /// # Errors
     /// As [`draw`](Self::draw).
@@ -179,40 +179,23 @@ impl<'a> Frame<'a> {
         drawing: Drawing<'_>,
     ) -> Result<()> {
         let Drawing { picture, output, shows, asks, bare } = drawing;
-        let is_lit = matches!(shows, Shows::Again | Shows::Over(_, Surroundings { lit: true, .. }));
-        let picture = match is_lit {
-            true => Picture { focus: lighting(characters, picture).focus, ..*picture },
-            false => self.set_light(view, characters, picture),
+        let (bodies, numbers) = match bare {
+            true => (Vec::new(), vec![Vec::new(); characters.len()]),
+            false => bodies(characters),
+        };
+        let lighting = Lighting::new(characters, &numbers, &picture.camera);
+        let picture = match shows.is_lit() {
+            true => Picture { focus: lighting.focus, ..*picture },
+            false => lighting.set(view, characters, bodies.len(), picture),
         };
         let hair: Vec<&Hair> = characters.iter().flat_map(|character| character.grooms()).collect();
-        let (bodies, _) = if bare { Default::default() } else { bodies(characters) };
-        let sight = Sight { output, shows, asks, ..Sight::new(view, &picture) };
+        let sight = ViewPass { output, shows, asks, ..ViewPass::new(view, &picture) };
         self.recorder.draw(&hair, &bodies, sight)
     }
-
-    /// Gives the view the zones of a picture of these characters. Returns the picture with its focus.
-    fn set_light(&mut self, view: &mut View, characters: &[&Character], picture: &Picture) -> Picture {
-        let Lighting { focus, zones } = lighting(characters, picture);
-        let picture = Picture { focus, ..*picture };
-        let lod = characters.first().map(|character| (&character.hair.lod.options, character.bias));
-        match lod {
-            Some((options, bias)) if zones.is_empty() && options.mode == LodMode::Auto => {
-                let counts =
-                    [characters.iter().flat_map(|it| it.grooms()).count(), bodies(characters).0.len()];
-                view.fit_light((&picture, options.bias + bias), counts);
-            }
-            _ => view.set_zones(&zones),
-        }
-        picture
-    }
 }
 
-fn lighting(characters: &[&Character], picture: &Picture) -> Lighting {
-    Lighting::new(characters, &bodies(characters).1, &picture.camera)
-}
-
-/// The bodies of a picture, and the numbers of those of each character. A mesh that several characters are on, such as
-/// hair and brows that a host keeps apart, counts once.
+/// Returns the bodies of an image, and for each character the indices of its own. A mesh shared by several characters,
+/// for example when a host keeps hair and brows apart, is listed once.
 fn bodies<'a>(characters: &[&'a Character]) -> (Vec<&'a Body>, Vec<Vec<usize>>) {
     let (mut all, mut ids): (Vec<&Body>, Vec<Option<u64>>) = (Vec::new(), Vec::new());
     let numbers = characters.iter().map(|character| {
@@ -236,13 +219,13 @@ fn bodies<'a>(characters: &[&'a Character]) -> (Vec<&'a Body>, Vec<Vec<usize>>) 
     (all, numbers)
 }
 
-/// Brows, lashes and beard of heads that are fewer pixels across are left out of a crowd.
+/// Size of a head, in pixels, below which a crowd omits brows, lashes and beard.
 const FACE: f32 = 24.0;
 
 impl CrowdBudget {
-    /// Chooses the next frame's levels without regard to those of the last.
+    /// Makes the next choice ignore the levels of the last frame.
     pub fn choose_anew(&mut self) {
-        self.chosen = Chosen::default();
+        self.chosen = CrowdDetail::default();
     }
 
     fn choose(&mut self, camera: &Camera, characters: &mut [&mut Character]) {
@@ -264,29 +247,15 @@ impl CrowdBudget {
                 }
             }
         }
-        // The light of a zone is held once for each character.
+        // The lighting of a zone is counted once per character.
         let light = |groom: usize, bias: f32| {
             owners[groom].map_or(0, |i| Zone::seen(foci[i], camera, bias, Vec::new(), Vec::new()).bytes())
         };
-        let held = Held { vertex: Held::BY_TILES, head: &light };
+        let held = ViewBytes { vertex: ViewBytes::BY_TILES, head: &light };
         let before = (!self.chosen.heads.is_empty()).then_some(self.chosen.bias);
         self.chosen = self.budget.look_from(&self.costs, camera, &mut all, before, &held);
         for character in characters {
             character.bias = self.chosen.bias;
         }
-    }
-}
-
-impl Character {
-    /// The head's pose in the space that it is drawn in.
-    pub(super) fn head_drawn(&self) -> Pose {
-        self.drawn(&self.head)
-    }
-
-    /// [`focus`](Character::focus) in the space that the character is drawn in.
-    pub(super) fn focus_drawn(&self) -> crate::light::Sphere {
-        let focus = self.focus();
-        let center = Pose { translation: focus.center, ..Pose::IDENTITY };
-        crate::light::Sphere { center: self.drawn(&center).translation, ..focus }
     }
 }

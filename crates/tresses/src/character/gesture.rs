@@ -1,33 +1,33 @@
-//! What a character does at one time, besides its animation.
+//! The pose that a host sets for a character, in addition to its animation.
 
 use crate::Pose;
 use std::sync::Arc;
 
-/// A pose by hand: where the body is, how the head is turned, which blend shapes act.
+/// A pose set by the host: pose of the body, turn of the head, blend shape weights.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Gesture {
-    /// The body, from groom space to the world.
+    /// Pose of the body, from groom space to the world.
     pub body: Pose,
-    /// The turn of the head on the neck, relative to the body.
+    /// Turn of the head on the neck, relative to the body.
     pub head: Pose,
     /// Weights of blend shapes by name.
     pub shapes: Vec<(Arc<str>, f32)>,
 }
 
 impl From<Pose> for Gesture {
-    /// A body at that place with the head straight.
+    /// A body at that pose with the head straight.
     fn from(body: Pose) -> Self {
         Self { body, ..Self::default() }
     }
 }
 
 impl Gesture {
-    /// The pose of a rigid body, which turns as its head does.
+    /// Returns the pose of a rigid body, which turns with its head.
     pub fn rigid(&self) -> Pose {
         self.body.after(&self.head)
     }
 
-    /// From this (`t` = 0) to the `other` (`t` = 1).
+    /// Interpolates from this gesture (`t` = 0) to `other` (`t` = 1).
     pub fn lerp(&self, other: &Self, t: f32) -> Self {
         let names = self.shapes.iter().chain(&other.shapes).map(|(name, _)| name);
         let mut shapes: Vec<(Arc<str>, f32)> = Vec::new();
@@ -40,7 +40,7 @@ impl Gesture {
         Self { body: self.body.lerp(&other.body, t), head: self.head.lerp(&other.head, t), shapes }
     }
 
-    /// The weight of a blend shape.
+    /// Returns the weight of a blend shape.
     pub fn shape(&self, name: &str) -> f32 {
         self.shapes.iter().find(|(other, _)| **other == *name).map_or(0.0, |(_, weight)| *weight)
     }

@@ -1,30 +1,33 @@
-//! What the light of a picture covers: one sphere around a head, or a zone for each of several heads.
+//! Lighting of the characters in an image: one focus sphere for a single head, or a zone per head.
 
 use super::Character;
 use crate::{
     Camera,
     light::{Sphere, Zone},
+    lod::LodMode,
+    view::{Picture, View},
 };
 
 /// Characters so close together that they are lit as one head: a beard as a character of its own, an embrace.
 #[derive(Debug)]
 struct Group {
     focus: Sphere,
-    /// Their places in the list.
+    /// Indices of the characters.
     members: Vec<usize>,
 }
 
-/// The spheres around the heads of a picture, for a host that chooses lights and shadow maps by them.
+/// The spheres around the heads of an image, for hosts that fit lights and shadow maps to them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Foci {
-    /// The head nearest to the camera, which the view's own shadow maps cover.
+    /// The head nearest to the camera. The view's own shadow maps cover it.
     pub nearest: Sphere,
-    /// Each head in view. Hair, brows and a beard on one head have one sphere.
+    /// Each head in view. Hair, brows and a beard on one head share a sphere.
     pub all: Vec<Sphere>,
 }
 
 impl Character {
-    /// The spheres that the light of a picture of `characters` before `camera` covers, as the last frame has placed them.
+    /// Returns the spheres that lighting covers in an image of `characters` seen by `camera`, as placed by the last
+    /// frame.
     pub fn foci(characters: &[&Self], camera: &Camera) -> Foci {
         let bodies = vec![Vec::new(); characters.len()];
         let Lighting { focus: nearest, zones } = Lighting::new(characters, &bodies, camera);
@@ -33,17 +36,18 @@ impl Character {
     }
 }
 
-/// The light of a picture.
+/// The lighting of an image.
 #[derive(Debug)]
 pub(super) struct Lighting {
-    /// What the view's own shadow maps cover.
+    /// The sphere that the view's own shadow maps cover.
     pub focus: Sphere,
-    /// A zone for each head; none for a single one.
+    /// A zone per head; empty for a single head.
     pub zones: Vec<Zone>,
 }
 
 impl Lighting {
-    /// Of `characters` before `camera`, whose bodies have the numbers `bodies` in the picture.
+    /// Computes the lighting of `characters` seen by `camera`. `bodies` are the indices of each one's bodies in the
+    /// image.
     pub fn new(characters: &[&Character], bodies: &[Vec<usize>], camera: &Camera) -> Self {
         let spheres: Vec<_> = characters.iter().map(|character| character.focus_drawn()).collect();
         let groups = groups(&spheres);
@@ -74,9 +78,30 @@ impl Lighting {
         };
         Self { focus, zones: groups.iter().filter(seen).map(zone).collect() }
     }
+
+    /// Sets the zones of `view` for an image of `characters` and `bodies`. Returns `picture` with its focus.
+    pub fn set(
+        &self,
+        view: &mut View,
+        characters: &[&Character],
+        bodies: usize,
+        picture: &Picture,
+    ) -> Picture {
+        let picture = Picture { focus: self.focus, ..*picture };
+        match characters.first() {
+            Some(Character { hair, bias, .. })
+                if self.zones.is_empty() && hair.lod.options.mode == LodMode::Auto =>
+            {
+                let grooms = characters.iter().flat_map(|it| it.grooms()).count();
+                view.fit_light((&picture, hair.lod.options.bias + bias), [grooms, bodies]);
+            }
+            _ => view.set_zones(&self.zones),
+        }
+        picture
+    }
 }
 
-/// Sorts spheres into heads: one whose center is well inside another belongs to it.
+/// Groups spheres into heads: a sphere whose center is well inside a larger one belongs to it.
 fn groups(spheres: &[Sphere]) -> Vec<Group> {
     let mut order: Vec<_> = (0..spheres.len()).collect();
     order.sort_by(|a, b| spheres[*b].radius.total_cmp(&spheres[*a].radius));
@@ -106,7 +131,7 @@ mod tests {
     use glam::Vec3;
 
     #[test]
-    fn a_beard_is_on_the_head_that_has_the_hair() {
+    fn overlapping_grooms_form_one_head() {
         let at = |x: f32, y: f32, radius| Sphere { center: Vec3::new(x, y, 0.0), radius };
         // A beard, hair, a second head with hair and brows.
         let spheres = [at(0.0, -0.1, 0.08), at(0.0, 0.0, 0.25), at(0.6, 0.0, 0.2), at(0.6, 0.05, 0.03)];

@@ -1,4 +1,4 @@
-//! What the hair of a character collides with besides its head: obstacles of the host, and the parts of its own body.
+//! Colliders of a character besides its head: the host's obstacles, and the parts of its own body.
 
 use crate::{
     Pose,
@@ -9,36 +9,36 @@ use crate::{
 /// An obstacle that comes and goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Obstacle {
-    /// The host's name for it. An obstacle that keeps its place in the list and its id moves; another one appears.
+    /// The host's id. An obstacle that keeps its index and its id moves continuously; a different one appears.
     pub id: u64,
     /// Its shape.
     pub collider: Collider,
-    /// Where it is, in the space of the collider's anchor.
+    /// Pose in the space of the collider's anchor.
     pub pose: Pose,
 }
 
-/// The part of a body among the colliders.
+/// A body part among the colliders.
 #[derive(Clone, Copy, Debug)]
 enum Part {
-    /// A distance field, which rests where the body does.
+    /// A distance field, whose rest pose is the body's.
     Field(FieldId),
-    /// A capsule, and its frame while the body rests.
+    /// A capsule with its frame while the body is at rest.
     Capsule(Pose),
 }
 
-/// The colliders of one character besides the head's field, in this order: those it was made with, the parts of its body,
-/// those that come and go.
+/// The colliders of one character besides the head's field, in this order: those from creation, body parts, those that
+/// come and go.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Obstacles {
     pub list: Vec<Collider>,
-    /// Where the first of them are.
+    /// Poses of the colliders from creation, which are first in the list.
     pub fixed: Vec<Pose>,
     parts: Vec<Part>,
-    free: Vec<Obstacle>,
+    pub free: Vec<Obstacle>,
 }
 
 impl Obstacles {
-    /// With the parts of a body that `anatomy` has, whose fields are numbered from `first_field` on.
+    /// Creates the list with the body parts of `anatomy`, whose fields are numbered from `first_field` on.
     pub fn new(fixed: &[Collider], anatomy: Option<&Anatomy>, first_field: usize) -> Self {
         let mut all =
             Self { list: fixed.to_vec(), fixed: vec![Pose::IDENTITY; fixed.len()], ..Self::default() };
@@ -60,7 +60,7 @@ impl Obstacles {
         all
     }
 
-    /// The field of each part of the body; `None` for a capsule.
+    /// Returns the field of each body part; `None` for a capsule.
     pub fn part_fields(&self) -> Vec<Option<FieldId>> {
         let field = |part: &Part| match part {
             Part::Field(field) => Some(*field),
@@ -69,13 +69,13 @@ impl Obstacles {
         self.parts.iter().map(field).collect()
     }
 
-    /// How many come before those that come and go.
+    /// Returns the number of colliders before those that come and go.
     fn own(&self) -> usize {
         self.fixed.len() + self.parts.len()
     }
 
-    /// Takes `free` in place of the obstacles that came and went so far. Returns the number of colliders that go on from
-    /// where they are, when the list of colliders has changed.
+    /// Replaces the obstacles that come and go. If the list of colliders has changed, returns the number of colliders
+    /// that continue from their last poses.
     pub fn set_free(&mut self, free: &[Obstacle]) -> Option<usize> {
         let is_same = |(a, b): &(&Obstacle, &Obstacle)| a.id == b.id;
         let kept = self.own() + free.iter().zip(&self.free).take_while(is_same).count();
@@ -89,7 +89,7 @@ impl Obstacles {
         changed.then_some(kept)
     }
 
-    /// Where all of them are while the nodes of the body's parts are at `nodes`.
+    /// Returns the poses of all colliders while the joints of the body parts have the poses `nodes`.
     pub fn poses(&self, nodes: &[Pose]) -> ColliderPoses {
         let parts = self.parts.iter().zip(nodes).map(|(part, node)| match part {
             Part::Field(_) => *node,
@@ -99,7 +99,7 @@ impl Obstacles {
         ColliderPoses { head: None, colliders: self.fixed.iter().copied().chain(parts).chain(free).collect() }
     }
 
-    /// Of `places`, one for each collider, those that are no part of the body.
+    /// Returns the entries of `places` (one per collider) that are not body parts.
     pub fn visible<'a>(&self, places: &'a [Pose]) -> impl Iterator<Item = Pose> + 'a {
         let (fixed, own) = (self.fixed.len(), self.own());
         places.iter().enumerate().filter(move |(i, _)| *i < fixed || *i >= own).map(|(_, pose)| *pose)
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn obstacles_keep_their_motion_while_they_keep_their_place() {
+    fn obstacles_with_same_index_and_id_keep_moving() {
         let obstacle = |id, radius| Obstacle {
             id,
             collider: Collider::new(Shape::sphere(radius)),

@@ -1,4 +1,4 @@
-//! A character before the GPU.
+//! A character on the CPU.
 
 use super::facial::FaceGroom;
 use crate::{
@@ -16,32 +16,32 @@ use crate::{
 };
 use glam::Vec3;
 
-/// How far the joint that a head nods and turns about lies below and behind the crown, metres.
+/// Offset from the crown to the joint that a head nods and turns about, meters.
 const NECK_BELOW_CROWN: Vec3 = Vec3::new(0.0, -0.165, -0.012);
 
-/// From that joint to the middle of the braincase, metres.
+/// Offset from that joint to the center of the braincase, meters.
 pub(super) const SKULL_ABOVE_NECK: Vec3 = Vec3::new(0.0, 0.075, 0.012);
 
-/// A character on the CPU, in groom space: metres, Y up, face towards +Z. All lengths are metres.
+/// A character on the CPU, in groom space: meters, Y up, face towards +Z.
 ///
 /// [`Character::new`](super::Character::new) uploads it. A host that must survive a lost device keeps it.
 #[derive(Clone, Debug)]
 pub struct CharacterParts {
     /// Guides and strands of the hair.
     pub groom: Groom,
-    /// Brows, lashes, beard: further grooms on the same skin. They need [`head`](Self::head).
+    /// Brows, lashes, beard: further grooms on the same skin. They require [`head`](Self::head).
     pub face: Vec<FaceGroom>,
     /// The mesh of the head or the whole body, drawn with the hair.
     pub head: Option<TriMesh>,
-    /// The mesh's coarser levels; `None` to compute them.
+    /// Precomputed coarser levels of the mesh; `None` to compute them.
     pub levels_of_head: Option<Vec<Level>>,
     /// The distance field of the rigid part that the hair grows on.
     pub field: Option<SdfGrid>,
-    /// The distance field that the hair lies on at rest, where that is more than [`field`](Self::field).
+    /// Distance field that the hair rests on, where it covers more than [`field`](Self::field).
     pub rest: Option<SdfGrid>,
     /// The joint that the head turns about.
     pub neck: Vec3,
-    /// The rig of a skinned body and the collider of each of its parts; `None` for a rigid body.
+    /// The rig of a skinned body with the collider of each body part; `None` for a rigid body.
     pub anatomy: Option<Anatomy>,
     /// Painted levels of detail.
     pub levels: Vec<LodLevel>,
@@ -49,15 +49,16 @@ pub struct CharacterParts {
     pub ties: Vec<Tie>,
     /// The fiber that the groom's file describes.
     pub look: Option<Look>,
-    /// Warnings for the user, a sentence each.
+    /// Warnings for the user, one sentence each.
     pub notes: Vec<String>,
 }
 
 impl CharacterParts {
-    /// Hair on `head`: a rigid one, or one that `rig` deforms. Builds the distance field that the hair collides with.
+    /// Creates a character with hair on `head`: rigid, or deformed by `rig`. Builds the distance field that the hair
+    /// collides with.
     ///
     /// # Errors
-    /// [`crate::groom::Error::Unusable`] when no root lies on the rig's mesh, or when the mesh encloses nothing.
+    /// [`crate::groom::Error::Unusable`] when no root lies on the rig's mesh, or when the mesh encloses no volume.
     pub fn new(groom: Groom, head: Option<TriMesh>, rig: Option<Rig>) -> Result<Self> {
         let guides = (0..groom.guides.len()).map(|i| groom.guides.guide(i));
         let anatomy =
@@ -71,7 +72,7 @@ impl CharacterParts {
         Ok(Self { head, field, neck, anatomy, ..Self::bare(groom) })
     }
 
-    /// Hair without a body.
+    /// Creates a character of hair without a body.
     pub fn bare(groom: Groom) -> Self {
         Self {
             groom,
@@ -89,24 +90,24 @@ impl CharacterParts {
         }
     }
 
-    /// The distance field of the body as one rigid piece.
+    /// Returns the distance field of the whole body as one rigid piece.
     pub fn whole(&self) -> Option<&SdfGrid> {
         self.rest.as_ref().or(self.field.as_ref())
     }
 
-    /// Vertices of each guide, for every groom.
+    /// Returns the number of vertices per guide, for every groom.
     pub fn guide_vertices(&self) -> Vec<u32> {
         let face = self.face.iter().map(|face| face.groom.guides.vertex_count);
         std::iter::once(self.groom.guides.vertex_count).chain(face).collect()
     }
 
-    /// The middle of the braincase.
+    /// Returns the center of the braincase.
     pub fn skull(&self) -> Vec3 {
         self.neck + SKULL_ABOVE_NECK
     }
 }
 
-/// The rigid part of `head` that hair grows on: all of it without a rig.
+/// Returns the rigid part of `head` that hair grows on: all of it without a rig.
 pub(super) fn rigid<'a>(anatomy: Option<&'a Anatomy>, head: Option<&'a TriMesh>) -> Option<&'a TriMesh> {
     match anatomy.map(|anatomy| &anatomy.head.field) {
         Some(Field::Mesh(mesh, _)) => Some(mesh),
@@ -114,7 +115,7 @@ pub(super) fn rigid<'a>(anatomy: Option<&'a Anatomy>, head: Option<&'a TriMesh>)
     }
 }
 
-/// Where the head turns: below the highest root, between the sides of the head.
+/// Estimates the joint that the head turns about: below the highest root, centered between the sides of the head.
 pub(super) fn neck(roots: impl Iterator<Item = Vec3>, head: Option<&TriMesh>) -> Vec3 {
     let Some((lo, hi)) = roots.map(|p| (p, p)).reduce(|(lo, hi), (p, _)| (lo.min(p), hi.max(p))) else {
         return Vec3::ZERO;
@@ -124,13 +125,14 @@ pub(super) fn neck(roots: impl Iterator<Item = Vec3>, head: Option<&TriMesh>) ->
     Vec3::new(x, hi.y, middle.z) + NECK_BELOW_CROWN
 }
 
-/// A box, smallest and largest corner, metres.
+/// A box: smallest and largest corner, meters.
 pub type Bounds = (Vec3, Vec3);
 
-/// The height that a portrait shows below the top of the hair or head, metres: a head with its chin.
+/// Height that a portrait shows below the top of the hair or head, meters: a head with its chin.
 const HEAD_HEIGHT: f32 = 0.27;
 
-/// The part of the hair's and the head's boxes that a portrait shows: all hair and the head to its chin, not the shoulders.
+/// Returns the box that a portrait shows, given the boxes of hair and head: all hair, and the head down to its chin
+/// without the shoulders.
 pub fn subject(hair: Bounds, head: Option<Bounds>) -> Bounds {
     let top = head.map_or(hair.1.y, |head| head.1.y.max(hair.1.y));
     let mut lo = hair.0;
@@ -138,7 +140,7 @@ pub fn subject(hair: Bounds, head: Option<Bounds>) -> Bounds {
     hi.y = top;
     if let Some(head) = head {
         lo.y = lo.y.min((top - HEAD_HEIGHT).max(head.0.y));
-        // A bust's shoulders are wider than the picture needs to be; its face is not.
+        // A bust's shoulders are wider than the view needs to be; its face is not.
         lo.z = lo.z.min(head.0.z.max(hair.0.z - 0.05));
         hi.z = hi.z.max(head.1.z.min(hair.1.z + 0.05));
     }
@@ -150,7 +152,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn short_hair_shows_the_chin_and_no_shoulders() {
+    fn subject_of_short_hair_includes_chin_not_shoulders() {
         let hair = (Vec3::new(-0.09, 1.60, -0.10), Vec3::new(0.09, 1.70, 0.08));
         let bust = (Vec3::new(-0.25, 1.20, -0.15), Vec3::new(0.25, 1.69, 0.12));
         let (lo, hi) = subject(hair, Some(bust));

@@ -1,4 +1,4 @@
-//! The body of a character that a rig deforms.
+//! A body that a rig deforms.
 
 use super::Gesture;
 use crate::{
@@ -18,48 +18,48 @@ use crate::{
 use glam::Quat;
 use std::sync::{Arc, OnceLock};
 
-/// A skinned body: its rig, its animation and the weights of its blend shapes.
+/// A skinned body: its rig, its animation and its blend shape weights.
 #[derive(Debug)]
 pub struct RiggedBody {
     anatomy: Arc<Anatomy>,
     skinning: Skinning,
-    /// The mesh at rest, until the deforming skin is known.
+    /// The mesh at rest; dropped once the deforming skin is computed.
     mesh: Option<Arc<TriMesh>>,
-    /// Whether this instance has bent: its fields deform from then on.
+    /// Whether this instance has bent. Its fields deform from then on.
     has_bent: bool,
     rest: Arc<RigPose>,
-    /// How fields deform with the skin, once an instance of the body has bent.
+    /// How fields deform with the skin; computed when the first instance bends.
     skin: Arc<OnceLock<DeformingSkin>>,
     animation: Option<usize>,
-    /// Weights that override animations and gestures.
+    /// Weights by blend shape that override animations and gestures.
     shapes: Vec<(usize, f32)>,
-    /// The pose that the host has set in place of animation and gesture.
+    /// A pose set by the host, which replaces animation and gesture.
     host: Option<BodyPose>,
     /// Whether the body has not moved since the last frame.
     pub(super) is_still: bool,
 }
 
-/// How the fields of a body deform with its skin.
+/// How the distance fields of a body deform with its skin.
 #[derive(Debug)]
 struct DeformingSkin {
     places: Option<DeformPlaces>,
-    /// Whether the head's field does, and those of the other solids.
+    /// Whether the field of each solid deforms; the head is first.
     deforms: Vec<bool>,
 }
 
-/// The joints of a skinned body at one time.
+/// The pose of a skinned body's joints.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BodyPose {
-    /// The palette and the blend shape weights.
+    /// Joint palette and blend shape weights.
     pub rig: RigPose,
-    /// The motion of the head's joint from where it rests, relative to the body.
+    /// Motion of the head's joint from its rest pose, relative to the body.
     pub head: Pose,
-    /// The same for the joints of the other parts that hair collides with, in the order of [`Anatomy::solids`].
+    /// Motion of the joints of the other solids, in the order of [`Anatomy::solids`].
     pub parts: Vec<Pose>,
 }
 
 impl RiggedBody {
-    /// Deforms `body`, which was made of the anatomy's mesh.
+    /// Deforms `body`, which was created from the anatomy's mesh.
     ///
     /// # Errors
     /// As [`Skinning::new`].
@@ -86,7 +86,7 @@ impl RiggedBody {
         })
     }
 
-    /// The same rig for another `body` of the same mesh, with the same animation and shapes.
+    /// Creates the same rig for another `body` of the same mesh, with the same animation and shapes.
     pub(super) fn instance(&self, body: &Body) -> Self {
         Self {
             anatomy: self.anatomy.clone(),
@@ -102,25 +102,25 @@ impl RiggedBody {
         }
     }
 
-    /// The rig and the parts of the body.
+    /// Returns the rig and the parts of the body.
     pub fn anatomy(&self) -> &Anatomy {
         &self.anatomy
     }
 
-    /// The names of its animations.
+    /// Returns the names of the animations.
     pub fn animations(&self) -> impl Iterator<Item = &str> {
         self.anatomy.rig.animations.iter().map(|animation| animation.name.as_str())
     }
 
-    /// The names of its blend shapes.
+    /// Returns the names of the blend shapes.
     pub fn shapes(&self) -> impl Iterator<Item = &str> {
         self.anatomy.rig.targets.iter().map(|target| target.name.as_str())
     }
 
-    /// Plays the animation of this name from the next frame on; `None` stops.
+    /// Plays the animation of this name from the next frame on; `None` stops it.
     ///
     /// # Errors
-    /// [`crate::groom::Error::Unusable`] with the names that there are.
+    /// [`crate::groom::Error::Unusable`] with a list of the available names.
     pub fn set_animation(&mut self, name: Option<&str>) -> Result<()> {
         let rig = &self.anatomy.rig;
         let Some(name) = name else {
@@ -135,13 +135,13 @@ impl RiggedBody {
         Ok(())
     }
 
-    /// Sets the weight of a blend shape, whatever animation and gesture say.
+    /// Sets the weight of a blend shape, overriding animation and gesture.
     ///
     /// # Errors
-    /// [`crate::groom::Error::Unusable`] with the names that there are, or when `weight` is not finite.
+    /// [`crate::groom::Error::Unusable`] with a list of the available names, or when `weight` is not finite.
     pub fn set_shape(&mut self, name: &str, weight: f32) -> Result<()> {
         if !weight.is_finite() {
-            return Err(Error::unusable(format!("the weight of the shape {name:?} is no number")));
+            return Err(Error::unusable(format!("the weight of the blend shape {name:?} is not finite")));
         }
         let shape = self.find_shape(name)?;
         self.shapes.retain(|(other, _)| *other != shape);
@@ -149,44 +149,44 @@ impl RiggedBody {
         Ok(())
     }
 
-    /// The number of the blend shape of this name.
+    /// Returns the index of the blend shape of this name.
     ///
     /// # Errors
-    /// [`crate::groom::Error::Unusable`] with the names that there are.
+    /// [`crate::groom::Error::Unusable`] with a list of the available names.
     pub fn find_shape(&self, name: &str) -> Result<usize> {
         let missing = || {
             let there = listed(self.shapes());
-            Error::unusable(format!("the body has no shape {name:?}; it has {there}"))
+            Error::unusable(format!("the body has no blend shape {name:?}; it has {there}"))
         };
         self.anatomy.rig.target(name).ok_or_else(missing)
     }
 
-    /// The name of its animation; `None` without one.
+    /// Returns the name of the current animation; `None` without one.
     pub fn animation(&self) -> Option<&str> {
         self.animation.map(|i| self.anatomy.rig.animations[i].name.as_str())
     }
 
-    /// The weight that was [set](Self::set_shape) for a blend shape, by its number.
+    /// Returns the weight that [`set_shape`](Self::set_shape) set for a blend shape, by its index.
     pub fn shape(&self, number: usize) -> Option<f32> {
         self.shapes.iter().find(|(shape, _)| *shape == number).map(|(_, weight)| *weight)
     }
 
-    /// Leaves the weight of a blend shape, by its number, to animation and gesture.
+    /// Stops overriding the weight of a blend shape, by its index.
     pub fn free_shape(&mut self, number: usize) {
         self.shapes.retain(|(shape, _)| *shape != number);
     }
 
-    /// The length of its animation, s; `None` without one.
+    /// Returns the length of the current animation, s; `None` without one.
     pub fn duration(&self) -> Option<f32> {
         self.animation.map(|i| self.anatomy.rig.animations[i].length)
     }
 
-    /// The pose of an engine's own joints, in place of animation and gesture; `None` for these again.
+    /// Sets the pose from an engine's own joints, in place of animation and gesture; `None` returns to these.
     pub fn set_pose(&mut self, pose: Option<BodyPose>) {
         self.host = pose;
     }
 
-    /// Takes over what `other` plays: animation and shapes that this body has as well.
+    /// Takes over the animation and shapes of `other`, as far as this body has them.
     pub(super) fn continue_from(&mut self, other: &Self) {
         self.animation = None;
         if let Some(name) = other.animation() {
@@ -198,8 +198,7 @@ impl RiggedBody {
         }
     }
 
-    /// Poses `body` as the rig is at `time`, s, with a `gesture` on top. Shapes of the gesture that the body lacks are
-    /// skipped.
+    /// Poses `body` by the rig at `time` (s) with `gesture` on top. Skips shapes of the gesture that the body lacks.
     ///
     /// # Errors
     /// As [`Skinning::pose`].
@@ -215,7 +214,7 @@ impl RiggedBody {
     fn pose_at(&self, time: f64, gesture: &Gesture) -> BodyPose {
         let rig = &self.anatomy.rig;
         let animation = self.animation.map(|i| &rig.animations[i]);
-        // A long time has few digits left for what is within a loop.
+        // Take the remainder in double precision: a long time has few digits left within a loop.
         let animation = animation.map(|it| (it, time.rem_euclid(f64::from(it.length.max(1e-3))) as f32));
         let turn = gesture.head.rotation;
         let is_turned = turn != Quat::IDENTITY;
@@ -232,12 +231,12 @@ impl RiggedBody {
         BodyPose { head: node(self.anatomy.head.node), parts, rig: pose }
     }
 
-    /// Whether fields have to deform in `pose` that did not so far.
+    /// Whether `pose` bends the body for the first time, so that fields must deform from now on.
     pub(super) fn bends(&self, pose: &BodyPose) -> bool {
         !self.has_bent && (self.host.is_some() || pose.rig != *self.rest)
     }
 
-    /// Makes the fields of `hair`'s colliders deform with the skin of `body`; `fields` are those of the solids.
+    /// Makes the fields of `hair`'s colliders deform with the skin of `body`. `fields` are the fields of the solids.
     pub(super) fn deform<'a>(
         &mut self,
         body: &Body,
@@ -245,6 +244,9 @@ impl RiggedBody {
         fields: &[Option<FieldId>],
         hair: impl Iterator<Item = &'a mut Hair>,
     ) -> Result<()> {
+        if self.has_bent {
+            return Ok(());
+        }
         for hair in hair {
             let known = match self.skin.get() {
                 Some(known) => known,
@@ -262,8 +264,7 @@ impl RiggedBody {
         Ok(())
     }
 
-    /// The poses of the fields that [deform](crate::collide::deform): of the head's and those of the other parts, relative
-    /// to the body.
+    /// Returns the poses of the fields that [deform](crate::collide::deform), the head's first, relative to the body.
     pub(super) fn deforming<'a>(&'a self, pose: &'a BodyPose) -> impl Iterator<Item = Pose> + 'a {
         let all = std::iter::once(&pose.head).chain(&pose.parts);
         let deforms = self.skin.get().map_or(&[][..], |skin| &skin.deforms);
@@ -275,7 +276,7 @@ impl RiggedBody {
     }
 }
 
-/// Names for a message.
+/// Joins names for a message.
 fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let names: Vec<_> = names.collect();
     if names.is_empty() { "none".into() } else { names.join(", ") }

@@ -1,4 +1,4 @@
-//! What a character is made of, before its strands are styled: the groom and the body of files, or a built-in style.
+//! Sources of characters before styling: the groom and the body from files, or a built-in style.
 //!
 //! ```text
 //! files ──────► CharacterSource ── dress(Styling) ──► CharacterParts
@@ -22,8 +22,8 @@ use crate::{
     drape,
     groom::{
         BindOptions, Groom, GuideCount, Restyle, Rig, SdfGrid, Strands, TriMesh, bind, bind_filled, curve,
-        grow::{self, Curls, Growth, Paint},
-        import::{self, Given, ImportOptions, ImportReport},
+        grow::{self, Curls, Growth, ScalpPaint},
+        import::{self, FileBytes, ImportOptions, ImportReport},
         lint, mannequin,
         mesh::{
             Level,
@@ -40,64 +40,63 @@ use crate::{
 use glam::Vec3;
 use std::{borrow::Cow, path::PathBuf};
 
-/// Vertices per turn below which curls are seen to be made of straight pieces.
+/// Vertices per turn below which curls look angular.
 const SMOOTH: f32 = 6.0;
 
-/// How strands become what is drawn, on a [`CharacterSource`].
+/// How the strands of a [`CharacterSource`] are grown, filled, bound and restyled.
 #[derive(Clone, Debug, Default)]
 pub struct Styling {
-    /// How strands grow on a built-in style; `None` for as the style says. CharacterFiles have their strands.
+    /// Growth of strands on a built-in style; `None` for the style's own. Ignored for files, which have strands.
     pub growth: Option<Growth>,
-    /// How many strands of a file are drawn, at most; `None` for all.
+    /// Maximum number of strands drawn from a file; `None` for all.
     pub strands: Option<u32>,
-    /// How hair grows between the strands of a file.
+    /// Filling between the strands of a file.
     pub fill: FillOptions,
-    /// How many strands are simulated; `None` for what is usual.
+    /// Number of simulated guides; `None` for the default.
     pub guides: Option<GuideCount>,
-    /// The maps that act on a file's strands before they are bound.
-    pub paint: Paint,
-    /// What changes on a file's strands after they are bound.
+    /// Maps applied to a file's strands before they are bound.
+    pub paint: ScalpPaint,
+    /// Changes to a file's strands after they are bound.
     pub restyle: Option<Restyle>,
-    /// Factors of the stiffness over the scalp.
+    /// Factors on stiffness over the scalp.
     pub stiffness: Option<ScalpMap>,
     /// Painted levels of detail.
     pub levels: Vec<LodLevel>,
-    /// What holds the hair.
+    /// Bands, braids and pins.
     pub ties: Vec<Tie>,
-    /// What grows on a built-in character's face.
+    /// Face grooms of a built-in character.
     pub face: FaceHair,
 }
 
 impl Styling {
-    /// Whether a file's strands are bound as they are, by [`BindOptions::default`], where none
-    /// grow between them.
+    /// Whether a file's strands are bound unchanged by [`BindOptions::default`], apart from filling.
     fn leaves_files_alone(&self) -> bool {
         self.strands.is_none()
             && self.guides.is_none()
             && self.restyle.is_none()
-            && self.paint == Paint::default()
+            && self.paint == ScalpPaint::default()
     }
 }
 
-/// Where the files of a groom and its head are.
+/// Locations of the files of a groom and its head.
 #[derive(Clone, Debug)]
 pub enum CharacterFiles<'a> {
-    /// On the disk.
+    /// Files on disk.
     Disk {
-        /// Joined into one groom.
+        /// Files joined into one groom.
         grooms: &'a [PathBuf],
-        /// Joined into one head; there may be none.
+        /// Files joined into one head; may be empty.
         heads: &'a [PathBuf],
     },
-    /// Their bytes, sorted by what they are: [`import::read_given`].
-    Given(&'a [Given<'a>]),
+    /// Files in memory, sorted by content: [`import::read_given`].
+    Given(&'a [FileBytes<'a>]),
 }
 
 impl CharacterFiles<'_> {
     fn head_name(&self) -> String {
         match self {
             Self::Disk { heads, .. } => heads.first().map(|name| name.display().to_string()),
-            Self::Given(files) => first(files, |kind| kind == import::Kind::Mesh),
+            Self::Given(files) => first(files, |kind| kind == import::FileKind::Mesh),
         }
         .unwrap_or_default()
     }
@@ -105,19 +104,19 @@ impl CharacterFiles<'_> {
     fn groom_name(&self) -> String {
         match self {
             Self::Disk { grooms, .. } => grooms.first().map(|name| name.display().to_string()),
-            Self::Given(files) => first(files, |kind| kind != import::Kind::Mesh),
+            Self::Given(files) => first(files, |kind| kind != import::FileKind::Mesh),
         }
         .unwrap_or_default()
     }
 }
 
-/// The name of the first of `files` that is of a kind.
-fn first(files: &[Given<'_>], is: impl Fn(import::Kind) -> bool) -> Option<String> {
+/// Returns the name of the first of `files` of a kind.
+fn first(files: &[FileBytes<'_>], is: impl Fn(import::FileKind) -> bool) -> Option<String> {
     let found = files.iter().find(|(name, bytes)| import::kind(name, bytes).is_some_and(&is));
     found.map(|(name, _)| name.display().to_string())
 }
 
-/// Everything of a character that does not depend on how its strands are styled.
+/// Everything about a character that does not depend on the styling of its strands.
 #[derive(Debug)]
 pub struct CharacterSource {
     head: Option<TriMesh>,
@@ -125,32 +124,32 @@ pub struct CharacterSource {
     anatomy: Option<Anatomy>,
     hair: Hair,
     notes: Vec<String>,
-    /// What was read and how it was oriented, for files.
+    /// Report on the files and their orientation; `None` for built-in styles.
     pub report: Option<ImportReport>,
 }
 
 #[derive(Debug)]
-#[allow(clippy::large_enum_variant)] // There is one.
+#[allow(clippy::large_enum_variant)] // One instance per source.
 enum Hair {
     /// Draped guides.
     BuiltIn { style: Style, styled: StyledGuides, scalp: GridScalp },
     /// The strands of files.
-    Imported { strands: Strands, field: Option<SdfGrid>, known: Option<Known> },
+    Imported { strands: Strands, field: Option<SdfGrid>, known: Option<CookedParts> },
 }
 
-/// What a cooked file stores besides strands and head.
+/// Precomputed data of a cooked file besides strands and head.
 #[derive(Debug)]
-struct Known {
+struct CookedParts {
     /// The strands bound by [`BindOptions::default`].
     groom: Groom,
     levels_of_head: Vec<Level>,
 }
 
 impl CharacterSource {
-    /// The mannequin with the guides of `style`, draped on the GPU.
+    /// Creates the mannequin with the guides of `style`, draped on the GPU.
     ///
     /// # Errors
-    /// When the device is lost.
+    /// [`Error::Gpu`] when the device is lost.
     pub async fn built_in(context: &Context, style: &Style, progress: &impl Progress) -> Result<Self> {
         let head = mannequin::mesh_with(mannequin::RESOLUTION, progress).await;
         let (styled, scalp) = drape::settled(context, style, progress).await?;
@@ -165,10 +164,10 @@ impl CharacterSource {
         })
     }
 
-    /// The groom of `files`, on their head if they have one.
+    /// Reads the groom of `files`, on their head if they have one.
     ///
     /// # Errors
-    /// One sentence that names the file, when one cannot be read or makes no sense.
+    /// An error that names the file when one cannot be read or is invalid.
     pub async fn imported(
         files: &CharacterFiles<'_>,
         options: &ImportOptions,
@@ -188,9 +187,9 @@ impl CharacterSource {
         Ok(base)
     }
 
-    /// Keeps what was read, and what is in doubt of it.
+    /// Keeps the import report and collects notes on uncertain guesses.
     fn tell(&mut self, report: ImportReport, groom: &str, head: &str) {
-        // The same may be in doubt of both.
+        // Groom and head may have the same doubts.
         let doubts = |what: String, placement: &Placement| -> Vec<String> {
             placement.doubts.iter().map(|doubt| format!("{what}: {doubt}")).collect()
         };
@@ -201,10 +200,10 @@ impl CharacterSource {
         self.report = Some(report);
     }
 
-    /// The groom of `strands`, in metres, Y up, face towards +Z, on their head if they have one; they are repaired.
+    /// Creates a source from `strands` in meters, Y up, face towards +Z, on `head` if given. Repairs the strands first.
     ///
     /// # Errors
-    /// One sentence, when they make no sense.
+    /// [`Error::Groom`] when the strands or the head are invalid.
     pub async fn given(
         mut strands: Strands,
         head: Option<TriMesh>,
@@ -212,13 +211,13 @@ impl CharacterSource {
     ) -> Result<Self> {
         lint::repair(&mut strands);
         if strands.is_empty() {
-            let why = "every strand has zero length or a single vertex, so nothing is left to use";
+            let why = "no strand is usable: each has zero length or a single vertex";
             return Err(Error::unusable(why));
         }
         Self::of(strands, head, None, "the head", progress).await
     }
 
-    /// Of strands that are fit for use; `name` is the head's.
+    /// Creates a source from valid strands. `name` names the head in errors.
     async fn of(
         strands: Strands,
         head: Option<TriMesh>,
@@ -230,8 +229,7 @@ impl CharacterSource {
         let field = match rigid(anatomy.as_ref(), head.as_ref()) {
             Some(head) => {
                 let built = sdf::build_with(head, &SdfOptions::default(), progress).await;
-                let named =
-                    |error| Error::unusable(format!("{name}, {} high as it is read: {error}", high(head)));
+                let named = |error| Error::unusable(format!("{name} ({} high as read): {error}", high(head)));
                 Some(built.map_err(named)?)
             }
             None => None,
@@ -247,12 +245,12 @@ impl CharacterSource {
         })
     }
 
-    /// What is in doubt of what was read, a sentence each.
+    /// Returns notes on uncertain guesses of the import, one sentence each.
     pub fn notes(&self) -> impl Iterator<Item = &str> {
         self.notes.iter().map(String::as_str)
     }
 
-    /// The built-in style, if it is one.
+    /// Returns the built-in style, if the source is one.
     pub fn style(&self) -> Option<&Style> {
         match &self.hair {
             Hair::BuiltIn { style, .. } => Some(style),
@@ -260,10 +258,10 @@ impl CharacterSource {
         }
     }
 
-    /// The character with strands as `styling` says.
+    /// Creates the character with strands styled by `styling`.
     ///
     /// # Errors
-    /// One sentence, when that makes no sense.
+    /// An error when the styling is invalid.
     pub async fn dress(&self, styling: &Styling, progress: &impl Progress) -> Result<CharacterParts> {
         let skull = self.neck + SKULL_ABOVE_NECK;
         let mut notes = self.notes.clone();
@@ -290,12 +288,12 @@ impl CharacterSource {
                     strands = Cow::Owned(thinned(&strands, count as usize));
                 }
                 let filled = self.filled(&strands, styling, progress).await?;
-                if filled.is_none() && styling.paint != Paint::default() {
+                if filled.is_none() && styling.paint != ScalpPaint::default() {
                     strands = Cow::Owned(styling.paint.apply(&strands, skull, 1)?);
                 }
                 let guides = styling.guides.unwrap_or(BindOptions::default().guides);
                 let restyle = styling.restyle.as_ref();
-                // Curls need as many vertices as there may be.
+                // Curls need the maximum number of vertices.
                 let strand_vertices = restyle.and_then(|r| r.curls.any().then_some(MAX_STRAND_VERTICES));
                 let options = BindOptions { guides, strand_vertices, ..Default::default() };
                 let known = known.as_ref().filter(|_| styling.leaves_files_alone());
@@ -348,13 +346,13 @@ impl CharacterSource {
     }
 }
 
-/// What bends `head`, if something does.
+/// Returns the anatomy of a rigged head, if there is a rig.
 fn anatomy(rig: Option<Rig>, head: Option<&TriMesh>, strands: &Strands) -> Result<Option<Anatomy>> {
     let Some((rig, head)) = rig.zip(head) else { return Ok(None) };
     Ok(Some(Anatomy::new(rig, head, strands.iter())?))
 }
 
-/// How high a mesh is, in a unit that makes a handy number: a wrong unit is seen at once.
+/// Formats the height of a mesh in a readable unit, so that a wrong unit stands out.
 fn high(mesh: &TriMesh) -> String {
     let (low, high) = mesh
         .positions
@@ -367,7 +365,7 @@ fn high(mesh: &TriMesh) -> String {
     }
 }
 
-/// What the user should know of curls on `groom`.
+/// Returns a warning when curls on `groom` have too few vertices.
 fn note(curls: &Curls, groom: &Groom) -> Option<String> {
     let mut lengths: Vec<f32> =
         (0..groom.guides.len()).map(|i| curve::length(groom.guides.guide(i))).collect();
@@ -383,7 +381,7 @@ fn note(curls: &Curls, groom: &Groom) -> Option<String> {
     })
 }
 
-/// The same strands on other guides, chosen among the strands.
+/// Binds the same strands to other guides, chosen among the strands.
 fn rebound(groom: &Groom, guides: GuideCount) -> Result<Groom> {
     let mut strands = Strands::default();
     for i in 0..groom.strands.len() {
@@ -397,18 +395,18 @@ fn rebound(groom: &Groom, guides: GuideCount) -> Result<Groom> {
         ..Default::default()
     };
     let mut rebound = bind(&strands, &options)?;
-    // They look as before: width, and the seeds of what differs from strand to strand.
+    // Keep the appearance: widths, and the seeds of per-strand variation.
     rebound.strands.strands.clone_from(&groom.strands.strands);
     Ok(rebound)
 }
 
-/// How many strands of the default style make about `triangles` triangles.
+/// Returns the number of strands of the default style that make about `triangles` triangles.
 pub fn strands_for(triangles: u64) -> u32 {
     let segments = u64::from(Growth::default().vertices.max(2) - 1);
     u32::try_from(triangles / (2 * segments)).unwrap_or(u32::MAX)
 }
 
-/// About `count` strands, evenly picked.
+/// Returns about `count` evenly picked strands.
 fn thinned(strands: &Strands, count: usize) -> Strands {
     let all = strands.len();
     if count >= all {
@@ -420,7 +418,7 @@ fn thinned(strands: &Strands, count: usize) -> Strands {
         let range = strands.range(i);
         few.positions.extend_from_slice(&strands.positions[range.clone()]);
         few.offsets.push(few.positions.len() as u32);
-        // Attributes are there for all or for none.
+        // Attributes exist for all strands or for none.
         few.radii.extend(strands.radii.get(range.clone()).into_iter().flatten());
         few.colors.extend(strands.colors.get(range).into_iter().flatten());
         few.root_uvs.extend(strands.root_uvs.get(i));
@@ -435,9 +433,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_in_doubt_names_its_file() {
+    fn notes_name_the_uncertain_file() {
         use std::fmt::Write;
-        // A head of no usual unit with hair on it.
+        // A head in an unusual unit with hair on it.
         let at = |j: u32, i: u32| {
             let (t, p) = (j as f32 / 12.0, std::f32::consts::TAU * i as f32 / 16.0);
             let t = std::f32::consts::PI * t;

@@ -1,10 +1,11 @@
-//! All distance fields as tiles of one 3-D texture.
+//! Atlas of all distance fields: tiles of one 3-D texture.
 
 use super::{FieldVolume, ShapeData};
 use crate::{Context, Error, Result};
 use glam::{UVec3, Vec3};
 
-/// Where the tiles of `sizes` lie, and the size of the whole: stacked along whichever axis wastes least.
+/// Returns the positions of tiles of `sizes`, and the size of the texture; tiles are stacked along the axes that waste
+/// least.
 pub(super) fn pack(sizes: &[UVec3]) -> (Vec<UVec3>, UVec3) {
     const TURNS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
     let turned = |[x, y, z]: [usize; 3]| {
@@ -21,7 +22,7 @@ pub(super) fn pack(sizes: &[UVec3]) -> (Vec<UVec3>, UVec3) {
     ways.min_by_key(|(_, whole)| whole.as_u64vec3().element_product()).unwrap_or_default()
 }
 
-/// The same in rows along x, layers of rows along y, stacked along z, about as wide as high.
+/// Packs tiles in rows along x, layers of rows along y, stacked along z; a layer is about as wide as high.
 fn stack(sizes: &[UVec3]) -> (Vec<UVec3>, UVec3) {
     let volume: f64 = sizes.iter().map(|s| s.as_dvec3().element_product()).sum();
     let most = |axis: usize| sizes.iter().map(|s| s[axis]).max().unwrap_or(1);
@@ -49,7 +50,7 @@ fn stack(sizes: &[UVec3]) -> (Vec<UVec3>, UVec3) {
     (places.collect(), whole)
 }
 
-/// The texture.
+/// The texture of all fields.
 #[derive(Clone, Debug)]
 pub(super) struct Atlas {
     pub texture: wgpu::Texture,
@@ -57,15 +58,15 @@ pub(super) struct Atlas {
 }
 
 impl Atlas {
-    /// An empty texture of `size`.
+    /// Creates an empty texture of `size`.
     ///
     /// # Errors
-    /// [`Error::Colliders`] when the adapter has no texture of that size.
+    /// [`Error::Colliders`] if the adapter does not support a texture of that size.
     pub fn new(device: &wgpu::Device, size: UVec3) -> Result<Self> {
         let most = device.limits().max_texture_dimension_3d;
         if size.max_element() > most {
             return Err(Error::Colliders(format!(
-                "their distance fields need a 3-D texture of {} x {} x {} texels, but this adapter allows {most} along an axis: use fewer or coarser fields",
+                "their distance fields need a 3-D texture of {} x {} x {} texels, but this adapter allows {most} along an axis; use fewer or coarser fields",
                 size.x, size.y, size.z
             )));
         }
@@ -98,8 +99,8 @@ impl Atlas {
         queue.write_texture(copy, bytemuck::cast_slice(&volume.texels), layout, extent(volume.size));
     }
 
-    /// Tells `shape` where in the texture its field is: a tile of `size` at `at`, whose own texture
-    /// coordinates are `p * scale + bias`.
+    /// Writes the texture coordinates of a field into `shape`. The field is a tile of `size` at `at` with tile
+    /// coordinates `p * scale + bias`.
     pub fn place(&self, shape: &mut ShapeData, at: UVec3, size: UVec3, bias: Vec3, scale: Vec3) {
         let whole = self.size.as_vec3();
         let (at, size) = (at.as_vec3(), size.as_vec3());
@@ -124,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tiles_do_not_overlap_and_waste_little() {
+    fn tiles_are_disjoint_and_compact() {
         let mut sizes = vec![UVec3::splat(64); 20];
         sizes.push(UVec3::new(71, 96, 80));
         sizes.extend(vec![UVec3::new(16, 20, 12); 30]);
@@ -139,7 +140,7 @@ mod tests {
         let used: u64 = sizes.iter().map(|s| s.as_u64vec3().element_product()).sum();
         assert!(whole.as_u64vec3().element_product() < 3 * used, "{whole}");
         assert_eq!(pack(&[]).1, UVec3::ONE);
-        // The built-in character's.
+        // The parts of the built-in character.
         let parts = [UVec3::new(50, 59, 47), UVec3::new(82, 32, 46), UVec3::new(86, 46, 41)];
         assert!(pack(&parts).1.element_product() * 10 < stack(&parts).1.element_product() * 9);
         assert_eq!(pack(&[UVec3::new(71, 96, 80)]), (vec![UVec3::ZERO], UVec3::new(71, 96, 80)));

@@ -1,7 +1,6 @@
-//! Colliders: capsules, ellipsoids and signed distance fields, up to
-//! [`MAX_COLLIDERS`](crate::constants::MAX_COLLIDERS) in total, each with its own pose and rigid, but for what
-//! [skin](deform) does to a field. This is a service, not a stage: every kernel that needs obstacles binds the same
-//! group as `@group(1)` and calls `nearest.wesl`.
+//! Colliders: capsules, ellipsoids and signed distance fields, up to [`MAX_COLLIDERS`](crate::constants::MAX_COLLIDERS)
+//! in total. Each is rigid and has its own pose; a field may also [deform](deform) with skin. This is a service, not a
+//! stage: every kernel with obstacles binds the same group as `@group(1)` and calls `nearest.wesl`.
 //!
 //! ```text
 //! SdfGrid, mesh ─► tiles of one 3-D texture ─┐
@@ -9,44 +8,40 @@
 //! poses of a frame ─► places [moment][collider] ┘
 //! ```
 //!
-//! **Moments.** The simulation sees a collider at the start of the frame's first step (moment 0) and at the
-//! end of every substep `k` of the frame (moment `k`), the last argument of `nearest(x, moment)`; the host
-//! writes one [`Place`] per moment and collider, so that no kernel interpolates poses per vertex. The
-//! velocity of a point of an obstacle is its rigid motion, rotation included, in the substep that ends at
-//! the moment. Between frames a collider moves from its pose at the end of the last step towards its
-//! current pose, just as the head does ([`crate::clock`]).
+//! **Moments.** The simulation evaluates a collider at the start of the frame's first step (moment 0) and at the end of
+//! every substep `k` of the frame (moment `k`); the moment is the last argument of `nearest(x, moment)`. The host
+//! writes one [`Place`] per moment and collider, so no kernel interpolates poses per vertex. The velocity of a point of
+//! an obstacle is its rigid motion, rotation included, in the substep that ends at the moment. Between frames a
+//! collider moves from its pose at the end of the last step towards its current pose, like the head ([`crate::clock`]).
 //!
-//! **Now.** What is drawn is interpolated between the last two states *in the head's frame* and carried to
-//! the head's current pose: hair is drawn as it was up to one step ago relative to the head. The moment
-//! `NOW` gives the colliders in the same way, and [`ColliderSet::drawn`] returns that pose: draw a hand
-//! there, and the hair that it pushes lies on it. Colliders attached to the head need no correction.
+//! **Now.** The drawn hair is interpolated between the last two states *in the head's frame* and carried to the head's
+//! current pose, so relative to the head it is up to one step old. The moment `NOW` has the colliders' poses delayed in
+//! the same way, and [`ColliderSet::drawn`] returns them. Draw a hand at that pose, and the hair that it pushes lies on
+//! it. Colliders attached to the head need no correction.
 //!
-//! **Fields.** All distance fields are tiles of one rgba16float texture: the unit gradient and the
-//! distance. Bind groups hold a fixed number of textures, an atlas any number of fields; samples stay half
-//! a texel inside their tile, so neighbours do not bleed. Several colliders may share one field. Outside
-//! its box a field is never solid: the distance is that of the nearest point of the box plus the distance
-//! to that point.
+//! **Fields.** All distance fields are tiles of one rgba16float texture with the unit gradient and the distance. A bind
+//! group holds a fixed number of textures, an atlas any number of fields. Samples stay half a texel inside their tile,
+//! so neighbors do not bleed. Several colliders may share one field. Outside its box a field is never solid: the
+//! distance is that at the nearest point of the box plus the distance to that point.
 //!
 //! **Ellipsoids.** The distance from a point to an ellipsoid has no closed form. With `k1 = |p / r|` and
-//! `k2 = |p / r²|` (componentwise), `k1 (k1 - 1) / k2` is zero on the surface and has a unit gradient
-//! there, the normal `(p / r²) / k2`: exact to first order where hair touches, too small far away and never
-//! of the wrong sign.
+//! `k2 = |p / r²|` (componentwise), `k1 (k1 - 1) / k2` is zero on the surface and has a unit gradient there, the normal
+//! `(p / r²) / k2`. It is exact to first order at the surface, too small far away, and its sign is always correct.
 //!
-//! **Culling.** Every collider has a world-space bounding sphere in the list of places, a field also a box around what
-//! is solid in it ([`Bounds`]). `nearest` skips those farther than the best so far, or than what the caller wants to know
-//! of (`nearest_within`); `simulate` keeps, for every four predicted vertices of a strand, a
-//! bit per collider whose sphere touches their box, rebuilt in each substep, and tests vertices against
-//! those alone. The masks are exact: contacts are made at predicted positions. Without them, 64 capsules in
-//! the hair cost eight times as much as one; a tree over the colliders would be worth its memory traffic
-//! from about a thousand on.
+//! **Culling.** Every collider has a world-space bounding sphere in the list of places; a field also has a box around
+//! its solid part ([`Bounds`]). `nearest` skips colliders farther than the best so far, or than the caller's limit
+//! (`nearest_within`). In each substep, `simulate` selects the colliders whose spheres touch the box of a strand's
+//! predicted vertices, and for each the vertices inside its sphere. The selection is exact, because contacts are
+//! computed at predicted positions. Without it, 64 capsules in the hair cost eight times as much as one. A tree over
+//! the colliders would be worth its memory traffic from about a thousand on.
 //!
-//! **Why not one union field?** Re-voxelising all obstacles once per step would make any number as cheap as
-//! one, but at 4 mm per cell a finger is two cells wide, friction and velocity per collider are lost, and a
-//! hand that passes at 3 m/s moves three cells per substep.
+//! **Why not one union field?** Voxelizing all obstacles once per step would make any number as cheap as one. But at 4
+//! mm per cell a finger is two cells wide, friction and velocity per collider are lost, and a hand that passes at 3 m/s
+//! moves three cells per substep.
 //!
-//! **Skin.** A field that goes with a joint may deform with the skin around it ([`deform`]): it is asked where matter was at
-//! rest. Measuring it anew in each frame would be as exact, at some hundred times the cost on a software driver, and
-//! would not tell the velocity of the skin.
+//! **Skin.** The field of a joint may deform with the skin around it ([`deform`]): it is sampled at the rest position
+//! of the matter. Rebuilding the field in each frame would be as exact, but cost some hundred times as much on a
+//! software driver and provide no velocity of the skin.
 
 mod atlas;
 pub mod build;
@@ -71,17 +66,17 @@ pub use places::{Moments, Place, PlacesHead};
 pub use set::ColliderSet;
 pub(crate) use set::layout;
 pub use shape::{ShapeData, ShapeTable};
-pub use volume::{Bounds, FieldVolume};
+pub use volume::{FieldVolume, SolidBounds};
 
-/// A distance field of a [`ColliderDescriptor`], by its place in the list.
+/// Index of a distance field in a [`ColliderDescriptor`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FieldId(pub u32);
 
-/// The form of a collider, in its own frame, metres.
+/// Shape of a collider in its own frame, meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
-    /// All points within `radius` of the segment from `(0, -half_length, 0)` to `(0, half_length, 0)`; a
-    /// sphere if that is zero.
+    /// All points within `radius` of the segment from `(0, -half_length, 0)` to `(0, half_length, 0)`; a sphere if
+    /// `half_length` is zero.
     Capsule {
         /// Half the length of the axis.
         half_length: f32,
@@ -98,12 +93,12 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// A sphere.
+    /// Returns a sphere.
     pub const fn sphere(radius: f32) -> Self {
         Self::Capsule { half_length: 0.0, radius }
     }
 
-    /// The capsule with its axis from `a` to `b`, and the pose that puts it there.
+    /// Returns the capsule with its axis from `a` to `b`, and its pose.
     pub fn capsule(a: Vec3, b: Vec3, radius: f32) -> (Self, Pose) {
         let axis = b - a;
         let rotation = match axis.try_normalize() {
@@ -115,68 +110,68 @@ impl Shape {
     }
 }
 
-/// Whose motion a collider's poses are relative to.
+/// Frame of reference of a collider's poses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Anchor {
-    /// Poses are in the frame's space, by default the world: a hand, a chair, shoulders with a motion of their own.
+    /// Poses are in the frame's space, by default the world: a hand, a chair, shoulders that move on their own.
     #[default]
     World,
     /// Poses are relative to the head: glasses, horns, a hat.
     Head,
 }
 
-/// One obstacle.
+/// An obstacle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Collider {
-    /// Its form.
+    /// Shape of the collider.
     pub shape: Shape,
-    /// What its poses are relative to.
+    /// Frame of reference of its poses.
     pub anchor: Anchor,
-    /// Multiplies Coulomb's coefficient [`crate::simulate::SimulationParams::friction`].
+    /// Factor of the Coulomb friction coefficient [`crate::simulate::SimulationParams::friction`].
     pub friction: f32,
 }
 
 impl Collider {
-    /// A collider in the world with the friction that the parameters say.
+    /// Returns a collider in world space with friction factor 1.
     pub const fn new(shape: Shape) -> Self {
         Self { shape, anchor: Anchor::World, friction: 1.0 }
     }
 }
 
-/// Where a distance field comes from.
+/// Source of a distance field.
 #[derive(Clone, Copy, Debug)]
 pub enum FieldSource<'a> {
-    /// From the CPU.
+    /// A field on the CPU.
     Grid(&'a SdfGrid),
-    /// From a mesh, made on the GPU, where it stays.
+    /// A mesh; the field is built on the GPU and stays there.
     Mesh {
-        /// Makes it.
+        /// Builds the field.
         builder: &'a FieldBuilder,
-        /// The mesh, in the collider's frame, metres.
+        /// The mesh, in the collider's frame, meters.
         mesh: &'a TriMesh,
-        /// How fine.
+        /// Resolution of the field.
         options: &'a SdfOptions,
     },
 }
 
-/// What a [`ColliderSet`] is made of.
+/// Contents of a [`ColliderSet`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ColliderDescriptor<'a> {
-    /// The head's distance field, groom space: the first collider, which follows the head.
+    /// The head's distance field, in groom space: the first collider, which follows the head.
     pub head: Option<&'a SdfGrid>,
-    /// The distance field of all that the groom lies on while it rests, groom space: hair that rests nearer to it than it
-    /// would keep away is left there. `None` where that is the head's.
+    /// Distance field of everything that the groom touches at rest, in groom space. Hair that rests closer to it than
+    /// its clearance keeps that smaller distance. `None` to use the head's field.
     pub rest: Option<&'a SdfGrid>,
-    /// Fields that colliders refer to by [`FieldId`].
+    /// Fields to which colliders refer by [`FieldId`].
     pub fields: &'a [FieldSource<'a>],
     /// All other colliders.
     pub colliders: &'a [Collider],
 }
 
-/// Where the colliders are in a frame.
+/// Poses of the colliders at the end of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ColliderPoses {
-    /// Pose of the head's field relative to the head; `None` when its frame is the head's.
+    /// Pose of the head's field relative to the head; `None` for the head's own frame.
     pub head: Option<Pose>,
     /// One pose per collider of [`ColliderDescriptor::colliders`], in the same order, relative to its
     /// [`Anchor`].

@@ -1,4 +1,4 @@
-//! The poses of the colliders at every moment of a frame.
+//! Poses of the colliders at every moment of a frame.
 
 use super::{Anchor, ColliderPoses};
 use crate::{
@@ -11,109 +11,110 @@ use crate::{
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 
-/// Where a collider is, as the GPU reads it.
+/// Pose and bounding sphere of a collider, in GPU layout.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Place {
     /// Unit quaternion.
     pub rotation: Quat,
-    /// Metres.
+    /// Translation, meters.
     pub translation: Vec3,
-    /// Radius of its bounding sphere, metres.
+    /// Radius of the bounding sphere, meters.
     pub bound: f32,
-    /// Centre of its bounding sphere, world, metres.
+    /// Center of the bounding sphere, world space, meters.
     pub center: Vec3,
     /// Unused.
     pub _pad: f32,
 }
 
 impl Place {
-    /// A collider whose bounding sphere has its `center` and radius in the collider's frame, at `pose`.
+    /// Returns the place of a collider at `pose`, whose bounding sphere has this `center` and radius in the collider's
+    /// frame.
     pub fn new(pose: &Pose, center: Vec3, bound: f32) -> Self {
         let Pose { rotation, translation } = *pose;
         Self { rotation, translation, bound, center: pose.point(center), _pad: 0.0 }
     }
 }
 
-/// The header of the buffer of places; after it come those at drawing, then those of the moments.
+/// Header of the buffer of places. The places at drawing time follow, then the places at each moment.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct PlacesHead {
     /// Time between moments, s.
     pub interval: f32,
-    /// The number of the last moment.
+    /// Index of the last moment.
     pub moments: u32,
-    /// The number of colliders. Not with the shapes, which are a uniform: Mesa's software driver puts uniforms that decide
-    /// loops into the program, and where that unrolls a loop of several turns it compiles the program anew, and keeps the
-    /// old one, for every dispatch.
+    /// Number of colliders. It is here and not with the shapes, which are a uniform: Mesa's software driver compiles
+    /// uniforms that decide loops into the program. Where it unrolls such a loop, it compiles a new program for every
+    /// dispatch and keeps the old ones.
     pub count: u32,
-    /// Which half of each tile of the [deformations](super::deform) is that of this frame: 0 or 1.
+    /// Half of each tile of the [deformations](super::deform) that belongs to this frame: 0 or 1.
     pub side: u32,
 }
 
-/// What the places of a frame depend on.
+/// Parameters of a frame's collider motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Moments<'a> {
     /// The frame's fixed steps.
     pub steps: &'a [Step],
-    /// Substeps of each.
+    /// Substeps per step.
     pub substeps: u32,
     /// Length of a step, s.
     pub step: f32,
-    /// Where the head is now, as it is drawn.
+    /// Current pose of the head, as it is drawn.
     pub head: Pose,
-    /// How far what is drawn lies from the state before the last step to the one after it.
+    /// Interpolation factor of the drawn state between the states before and after the last step.
     pub alpha: f32,
 }
 
-/// A collider that moves farther in one fixed step, metres, has jumped: it pushes nothing on its way.
+/// Motion per fixed step, meters, above which a collider teleports and pushes nothing on its way.
 pub(super) const JUMP: f32 = 0.3;
-/// The same for a turn, radians.
+/// Rotation per fixed step, radians, above which a collider teleports.
 pub(super) const JUMP_ANGLE: f32 = 1.0;
 
-/// How what is given in a frame's space gets to where hair is simulated.
+/// Transforms from a frame's space to the space of the simulation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Journey {
-    /// Where the head is now, as it is given.
+    /// Current pose of the head, in the frame's space.
     pub head: Pose,
-    /// From the space of poses to that of the steps.
+    /// From the space of the poses to the space of the steps.
     pub passage: Passage,
 }
 
-/// The motion of a set of colliders from frame to frame.
+/// Motion of a set of colliders from frame to frame.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Track {
     anchors: Vec<Anchor>,
-    /// Poses relative to their anchors at the end of the last step; none before the first.
+    /// Poses relative to their anchors at the end of the last step; `None` before the first.
     state: Option<Vec<Pose>>,
     /// Poses relative to the head before and after the last step.
     before: Vec<Pose>,
     after: Vec<Pose>,
-    /// Poses at drawing.
+    /// Poses at drawing time.
     pub now: Vec<Pose>,
     /// Poses of all moments, collider fastest.
     pub moments: Vec<Pose>,
 }
 
 impl Track {
-    /// Other colliders from here on, but those whose places are in both lists go on from where they
-    /// are. The first anchor is the head's where the set has its field.
+    /// Replaces the colliders. Those at the same index in both lists continue from their current poses. If the set has
+    /// the head's field, the first anchor is that field's.
     pub fn replace(&mut self, anchors: Vec<Anchor>) {
         let count = anchors.len();
         for poses in [&mut self.before, &mut self.after, &mut self.now] {
             poses.resize(count, Pose::IDENTITY);
         }
-        // Those of the last frame are of other colliders.
+        // The last frame's moments belong to other colliders.
         self.moments = vec![Pose::IDENTITY; count];
         if let Some(state) = &mut self.state {
-            // An anchor that is another one makes another collider of it.
+            // A collider with another anchor counts as new.
             let same = self.anchors.iter().zip(&anchors).take_while(|(a, b)| a == b).count();
             state.truncate(same);
         }
         self.anchors = anchors;
     }
 
-    /// Poses are given in another space from here on, to which `map` leads.
+    /// Converts the state to another space, in which poses are given from here on.
     pub fn enter(&mut self, map: &Map) {
         for (pose, anchor) in self.state.iter_mut().flatten().zip(&self.anchors) {
             if *anchor == Anchor::World {
@@ -122,10 +123,10 @@ impl Track {
         }
     }
 
-    /// Moves to where `poses` says the colliders are at the end of the frame.
+    /// Moves the colliders by one frame, to `poses` at its end.
     ///
     /// # Errors
-    /// [`Error::Colliders`] when there are not as many poses as colliders, or one is not finite.
+    /// [`Error::Colliders`] if the number of poses does not match the colliders, or a pose is not finite.
     pub fn advance(
         &mut self,
         has_head: bool,
@@ -141,17 +142,17 @@ impl Track {
         if own.len() != self.anchors.len() {
             let need = self.anchors.len() - usize::from(has_head);
             return Err(Error::Colliders(format!(
-                "{} poses do not place {need} colliders",
+                "{} poses were given for {need} colliders",
                 poses.colliders.len()
             )));
         }
         if let Some(i) = own.iter().position(|p| !(p.translation.is_finite() && p.rotation.is_normalized())) {
             return Err(Error::Colliders(format!(
-                "the pose of collider {i} is no finite position and rotation"
+                "the pose of collider {i} is not a finite position and a unit rotation"
             )));
         }
         if let Some(state) = &mut self.state {
-            // What is new has been where it is now.
+            // A new collider starts at its current pose.
             for (i, pose) in own.iter().enumerate().skip(state.len()) {
                 state.push(*pose);
                 let relative = match self.anchors[i] {
@@ -227,18 +228,18 @@ impl Track {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::clock::Clock;
+    use crate::clock::StepClock;
 
     impl Track {
-        /// Moves on in a space that is the world.
+        /// Advances in a space that is the world.
         fn go(&mut self, has_head: bool, poses: &ColliderPoses, frame: &Moments<'_>) -> Result<()> {
             self.advance(has_head, poses, frame, &Journey { head: frame.head, passage: Passage::default() })
         }
     }
 
-    /// Drives a track with a clock at `fps`; calls `see` after each frame.
+    /// Drives a track with a clock at `fps` and calls `see` after each frame.
     fn drive(fps: f32, seconds: f32, mut see: impl FnMut(&Track, &[Step], f32, Pose)) {
-        let mut clock = Clock::default();
+        let mut clock = StepClock::default();
         let mut track = Track::default();
         track.replace(vec![Anchor::Head, Anchor::World]);
         let pose = |t: f32| Pose { rotation: Quat::from_rotation_y(t), translation: Vec3::X * 0.3 * t };
@@ -255,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn moments_follow_each_other_without_gaps_at_any_frame_rate() {
+    fn moments_are_continuous_at_any_frame_rate() {
         for fps in [24.0, 60.0, 90.0, 144.0] {
             let mut end: Option<Pose> = None;
             drive(fps, 1.0, |track, steps, t, head| {
@@ -271,7 +272,7 @@ mod tests {
                     }
                     end = hands.last().map(|p| **p);
                 }
-                // What follows the head is drawn at the head, what does not one step behind it.
+                // Colliders on the head are drawn at the head, others one step behind it.
                 assert!(track.now[0].translation.distance(head.translation) < 1e-6);
                 if t > 0.2 {
                     let then = t - 1.0 / 60.0;
@@ -281,7 +282,7 @@ mod tests {
                     let expected = head.after(&relative.inverse().after(&hand));
                     let off = track.now[1].translation.distance(expected.translation);
                     assert!(off < 2e-4, "{fps} fps, {t} s: {off}");
-                    // A hand drawn where it is now would be seen.
+                    // The test would detect a hand drawn at its current pose.
                     assert!(Vec3::Z.distance(Vec3::ZERO) * (t - then) > 0.01);
                 }
             });
@@ -289,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn jumps_have_no_speed_and_wrong_counts_are_refused() {
+    fn jumps_have_no_velocity_and_wrong_counts_return_errors() {
         let mut track = Track::default();
         track.replace(vec![Anchor::World]);
         let still = Pose::IDENTITY;
@@ -305,12 +306,12 @@ mod tests {
         track.go(false, &at(5.0), &frame).unwrap();
         assert!(track.moments.iter().all(|p| p.translation.x == 5.0));
         let error = track.go(false, &ColliderPoses::default(), &frame).unwrap_err().to_string();
-        assert!(error.contains("0 poses do not place 1"), "{error}");
+        assert!(error.contains("0 poses were given for 1"), "{error}");
         assert!(track.go(false, &at(f32::NAN), &frame).is_err());
     }
 
     #[test]
-    fn colliders_come_and_go() {
+    fn colliders_can_be_added_and_removed() {
         let mut track = Track::default();
         track.replace(vec![Anchor::World]);
         let still = Pose::IDENTITY;
@@ -322,7 +323,7 @@ mod tests {
         };
         track.go(false, &at(&[0.0]), &frame(&steps)).unwrap();
         track.replace(vec![Anchor::World; 2]);
-        // In a frame without steps it is drawn where it is.
+        // In a frame without steps, a new collider is drawn at its given pose.
         track.go(false, &at(&[0.1, 7.0]), &frame(&[])).unwrap();
         assert_eq!(track.now[1].translation.x, 7.0);
         track.go(false, &at(&[0.1, 7.1]), &frame(&steps)).unwrap();

@@ -1,11 +1,11 @@
 //! The colliders of one groom on the GPU.
 
 use super::{
-    Anchor, Bounds, Collider, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource,
-    FieldVolume, Moments, Place, PlacesHead, Shape, ShapeData, ShapeTable,
+    Anchor, Collider, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource, FieldVolume,
+    Moments, Place, PlacesHead, Shape, ShapeData, ShapeTable, SolidBounds,
     atlas::{Atlas, pack},
     build::Plan,
-    deform::{self, DeformPlaces, Deformation, DeformingField, Which},
+    deform::{self, DeformPlaces, DeformTarget, Deformation, DeformingField},
     places::{Journey, Track},
 };
 use crate::{
@@ -22,25 +22,25 @@ use crate::{
 use bytemuck::Zeroable;
 use glam::{UVec3, Vec3};
 
-/// What `nearest.wesl` binds, in order.
+/// Bindings of `nearest.wesl`, in order.
 const BINDINGS: [Binding; 5] =
     [Binding::Uniform, Binding::Storage, Binding::Texture3d, Binding::Sampler, Binding::Texture3d];
 
-/// The layout of `@group(1)` of every kernel that asks for obstacles.
+/// Returns the layout of `@group(1)` of every kernel with obstacles.
 pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     bindings::layout(device, "colliders", wgpu::ShaderStages::COMPUTE, &BINDINGS)
 }
 
-/// A field before it is in the atlas.
+/// A field before it is written to the atlas.
 struct Field<'a> {
     size: UVec3,
     bias: Vec3,
     scale: Vec3,
-    bounds: Bounds,
+    bounds: SolidBounds,
     texels: Texels<'a>,
 }
 
-/// Its texels: from the CPU, or to be made where they belong.
+/// Texels of a field, either from the CPU or to be built in the atlas.
 enum Texels<'a> {
     Ready(FieldVolume),
     Planned(&'a FieldBuilder, Plan),
@@ -69,33 +69,33 @@ impl<'a> Field<'a> {
     }
 }
 
-/// A field in the atlas.
+/// Tile of a field in the atlas.
 #[derive(Clone, Copy, Debug)]
 struct Tile {
     at: UVec3,
     size: UVec3,
     bias: Vec3,
     scale: Vec3,
-    bounds: Bounds,
-    /// Its number among those that deform.
+    bounds: SolidBounds,
+    /// Index among the deforming fields.
     deforms: Option<usize>,
 }
 
-/// The colliders of one groom, and their state of motion.
+/// The colliders of one groom and their state of motion.
 #[derive(Debug)]
 pub struct ColliderSet {
     context: Context,
-    /// How fields deform with skin, where [some do](Self::deform).
+    /// Deformation of fields with skin, after [`deform`](Self::deform).
     pub deformation: Option<Deformation>,
     track: Track,
-    /// What they are, besides the head's field.
+    /// The colliders without the head's field.
     list: Vec<Collider>,
     /// Bounding spheres in the colliders' frames.
     spheres: Vec<(Vec3, f32)>,
     has_head: bool,
     count: u32,
     atlas: Atlas,
-    /// Of all fields, the head's first.
+    /// Tiles of all fields, the head's first.
     tiles: Vec<Tile>,
     table: wgpu::Buffer,
     places: wgpu::Buffer,
@@ -103,15 +103,15 @@ pub struct ColliderSet {
 }
 
 impl ColliderSet {
-    /// Brings the colliders to the GPU.
+    /// Uploads the colliders.
     ///
     /// # Errors
-    /// [`Error::Colliders`] for more than [`MAX_COLLIDERS`], a field that is not there, or fields that
-    /// are too large for a texture of the adapter; [`Error::Parameter`] for a size that is none.
+    /// [`Error::Colliders`] for more than [`MAX_COLLIDERS`], a missing field, or fields that are too large for a
+    /// texture of the adapter; [`Error::Parameter`] for an invalid size.
     pub fn new(context: &Context, what: &ColliderDescriptor<'_>) -> Result<Self> {
         let Context { device, .. } = context;
         let has_head = what.head.is_some();
-        // What is wrong with the list is said before fields are made.
+        // Check the list before fields are built.
         total(has_head, what.colliders)?;
         let sources = what.head.map(FieldSource::Grid).into_iter().chain(what.fields.iter().copied());
         let fields = sources.map(Field::new).collect::<Result<Vec<_>>>()?;
@@ -152,10 +152,10 @@ impl ColliderSet {
         Ok(set)
     }
 
-    /// Those of another head, `colliders` besides the head's own field: all fields are shared.
+    /// Creates the colliders of another head, with `colliders` besides the head's own field. All fields are shared.
     ///
     /// # Errors
-    /// As [`replace`](Self::replace).
+    /// The errors of [`replace`](Self::replace).
     pub(crate) fn another(&self, colliders: &[Collider]) -> Result<Self> {
         let table = bindings::uniform(&self.context.device, "collider shapes", size_of::<ShapeTable>());
         let places = storage::<Place>(&self.context.device, "collider places", most_places(1))?;
@@ -188,13 +188,13 @@ impl ColliderSet {
         self.atlas.bytes()
     }
 
-    /// From the next frame on these are the colliders, besides the head's field: they may be more or
-    /// fewer, of other shapes, and show the fields that there are. Each is known by its place in the list: one that
-    /// keeps it goes on from where it is, a new one is where its first pose says, without a speed. The frame's
-    /// [`ColliderPoses`] must place as many.
+    /// Replaces all colliders except the head's field, from the next frame on. The new list may have any length and
+    /// other shapes, and may use the existing fields. A collider is identified by its index in the list: an existing
+    /// one continues its motion, and a new one starts at its first pose without velocity. The frame's [`ColliderPoses`]
+    /// must have the same length.
     ///
     /// # Errors
-    /// As [`new`](Self::new); the colliders are then those from before.
+    /// The errors of [`new`](Self::new); the previous colliders then remain.
     pub fn replace(&mut self, colliders: &[Collider]) -> Result<()> {
         let has_head = self.has_head;
         let count = total(has_head, colliders)?;
@@ -209,12 +209,15 @@ impl ColliderSet {
             *data = ShapeData::new(collider)?;
             anchors.push(collider.anchor);
             if let Shape::Field(FieldId(id)) = collider.shape {
-                // The head's field comes before those that are counted.
+                // The head's field precedes the indexed ones.
                 let at = if slot < first { 0 } else { id as usize + first };
                 let tile = self.tiles.get(at).ok_or_else(|| {
-                    Error::Colliders(format!("there is no field {id}, only {}", self.tiles.len() - first))
+                    Error::Colliders(format!(
+                        "field {id} does not exist; the number of fields is {}",
+                        self.tiles.len() - first
+                    ))
                 })?;
-                let Bounds { center, half, radius } = tile.bounds;
+                let SolidBounds { center, half, radius } = tile.bounds;
                 (data.center, data.size, data.bound) = (center, half, radius);
                 self.atlas.place(data, tile.at, tile.size, tile.bias, tile.scale);
                 if let Some(part) = tile.deforms {
@@ -231,7 +234,7 @@ impl ColliderSet {
         self.context.queue.write_buffer(&self.table, 0, bytemuck::bytes_of(&*table));
         let count_at = std::mem::offset_of!(PlacesHead, count) as u64;
         let side = self.deformation.as_ref().map_or(0, Deformation::side);
-        // The count, and what stands behind it.
+        // The count and `side`, which follows it.
         self.context.queue.write_buffer(&self.places, count_at, bytemuck::bytes_of(&[count as u32, side]));
         self.track.replace(anchors);
         self.list = colliders.to_vec();
@@ -245,21 +248,21 @@ impl ColliderSet {
         self.group = bind(&self.context.device, &self.table, &self.places, &self.atlas, &deformed);
     }
 
-    /// From the next frame on these `fields` deform with a skin: `mesh` as it is at rest, which is the frame of all of
-    /// them (groom space), `skin` as it is in each frame, where [`Deformation::poses`] say the parts are. None deform if
-    /// there are none. See [`deform`].
+    /// Lets `fields` deform with a skin from the next frame on; an empty slice stops all deformation. `mesh` is the
+    /// skin at rest, in groom space, the frame of all these fields. `skin` has its vertices in each frame, and
+    /// [`Deformation::poses`] the poses of the parts. See [`deform`].
     ///
     /// # Errors
-    /// [`Error::Colliders`] for a field that is not there, and for more than a texture holds;
-    /// [`crate::groom::Error::Unusable`] for triangles that `mesh` does not have and a skin that it does not fit;
-    /// [`Error::Limit`].
+    /// [`Error::Colliders`] for a missing field, and for more fields than a texture holds;
+    /// [`crate::groom::Error::Unusable`] for triangles that `mesh` does not have, and for a skin that does not match
+    /// it; [`Error::Limit`].
     pub fn deform(&mut self, mesh: &TriMesh, skin: &Skin<'_>, fields: &[DeformingField<'_>]) -> Result<()> {
         skin.positions.1.hold(skin.positions.0, mesh)?;
         let places = self.deform_places(mesh, fields)?;
         self.deform_with(places.as_ref(), skin)
     }
 
-    /// Where on `mesh`, as it is at rest, these fields deform; `None` without fields.
+    /// Finds the points of `mesh`, at rest, with which the fields deform; `None` without fields.
     pub(crate) fn deform_places(
         &self,
         mesh: &TriMesh,
@@ -269,13 +272,12 @@ impl ColliderSet {
         let (mut numbers, mut grids) = (Vec::new(), Vec::with_capacity(fields.len()));
         for field in fields {
             let at = match field.which {
-                Which::Head => self.has_head.then_some(0),
-                Which::Field(FieldId(id)) => Some(id as usize + first),
+                DeformTarget::Head => self.has_head.then_some(0),
+                DeformTarget::Field(FieldId(id)) => Some(id as usize + first),
             };
             let found = at.and_then(|at| Some((at, self.tiles.get(at)?)));
-            let (at, tile) = found.ok_or_else(|| {
-                Error::Colliders(format!("there is no field {:?} that could deform", field.which))
-            })?;
+            let (at, tile) = found
+                .ok_or_else(|| Error::Colliders(format!("there is no field {:?} to deform", field.which)))?;
             numbers.push(at);
             let half = 0.5 / tile.size.as_vec3();
             let box_ = [half, 1.0 - half].map(|c| (c - tile.bias) / tile.scale);
@@ -287,7 +289,7 @@ impl ColliderSet {
         DeformPlaces::new(&self.context, mesh, &grids, numbers).map(Some)
     }
 
-    /// Lets fields deform at known `places` with `skin`; none without places.
+    /// Lets fields deform at precomputed `places` with `skin`; `None` stops all deformation.
     pub(crate) fn deform_with(&mut self, places: Option<&DeformPlaces>, skin: &Skin<'_>) -> Result<()> {
         let deformation = places.map(|places| Deformation::new(&self.context, places, skin)).transpose()?;
         self.deformation = deformation;
@@ -298,15 +300,16 @@ impl ColliderSet {
         self.replace(&self.list.clone())
     }
 
-    /// Moves the colliders by a frame, to where `poses` says they are at its end. Before the frame's kernels.
+    /// Moves the colliders by one frame, to `poses` at its end. The caller does this before it records the frame's
+    /// kernels.
     ///
     /// # Errors
-    /// [`Error::Colliders`] when there are not as many poses as colliders, or one is not finite.
+    /// [`Error::Colliders`] if the number of poses does not match the colliders, or a pose is not finite.
     pub fn advance(&mut self, poses: &ColliderPoses, frame: &Moments<'_>) -> Result<()> {
         self.journey(poses, frame, &Journey { head: frame.head, passage: Passage::default() })
     }
 
-    /// [`advance`](Self::advance) where poses are not given in the space of the steps.
+    /// Like [`advance`](Self::advance), with poses in another space than the steps.
     pub(crate) fn journey(
         &mut self,
         poses: &ColliderPoses,
@@ -344,55 +347,59 @@ impl ColliderSet {
         Ok(())
     }
 
-    /// Poses are given in another space from here on, to which `map` leads.
+    /// Converts the state of motion to another space, in which poses are given from here on.
     pub(crate) fn enter(&mut self, map: &Map) {
         self.track.enter(map);
     }
 
-    /// The group to bind as `@group(1)`.
+    /// Returns the bind group for `@group(1)`.
     pub fn group(&self) -> &wgpu::BindGroup {
         &self.group
     }
 
-    /// Number of colliders, the head's field included.
+    /// Returns the number of colliders, including the head's field.
     pub fn len(&self) -> usize {
         self.count as usize
     }
 
-    /// Whether there is none.
+    /// Returns whether there are no colliders.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// Where to draw the colliders, in the space that hair is drawn in: first the head's field if there is one, then
-    /// those of the descriptor. Hair is drawn one step behind (see the chapter), and so are these.
+    /// Returns the poses for drawing the colliders, in the space in which hair is drawn: the head's field first if
+    /// there is one, then the descriptor's colliders. Like the hair, they are one step behind (see the module
+    /// documentation).
     pub fn drawn(&self) -> &[Pose] {
         &self.track.now
     }
 
-    /// The poses of all moments of the last frame that had steps, collider fastest, where hair is simulated
+    /// Returns the poses at all moments of the last frame with steps, collider fastest, in the space of the simulation
     /// ([`crate::space`]).
     pub fn moments(&self) -> &[Pose] {
         &self.track.moments
     }
 
-    /// Bytes of GPU memory; the distance fields have 8 per texel of their atlas.
+    /// Bytes of GPU memory; distance fields take 8 per texel of their atlas.
     pub fn bytes(&self) -> u64 {
         let deformation = self.deformation.as_ref().map_or(0, Deformation::bytes);
         self.atlas.bytes() + self.table.size() + self.places.size() + deformation
     }
 }
 
-/// How many colliders there are with the head's field.
+/// Returns the number of colliders, including the head's field.
 fn total(has_head: bool, colliders: &[Collider]) -> Result<usize> {
     let count = colliders.len() + usize::from(has_head);
     if count > MAX_COLLIDERS as usize {
-        return Err(Error::Colliders(format!("{count} are more than {MAX_COLLIDERS}, the head's included")));
+        return Err(Error::Colliders(format!(
+            "{count} exceed the maximum of {MAX_COLLIDERS}, including the head"
+        )));
     }
     Ok(count)
 }
 
-/// Places of so many colliders at all moments of a frame and at drawing, and their header.
+/// Returns the size of the places buffer for `count` colliders, in places: all moments of a frame, drawing time, and
+/// the header.
 fn most_places(count: usize) -> u64 {
     u64::from(MAX_STEPS * MAX_SUBSTEPS + 2) * count.max(1) as u64 + 1
 }

@@ -1,4 +1,4 @@
-//! Twins of `shape.wesl`: the table of shapes and the distances in a shape's own frame.
+//! Table of shapes, and distances in a shape's own frame: the CPU versions of `shape.wesl`.
 
 use super::{Collider, FieldVolume, Shape};
 use crate::{Error, Result, constants::MAX_COLLIDERS};
@@ -12,50 +12,50 @@ pub const ELLIPSOID: u32 = 1;
 /// [`ShapeData::kind`] of a distance field.
 pub const FIELD: u32 = 2;
 
-/// A shape as the GPU reads it.
+/// A shape in GPU layout.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct ShapeData {
-    /// Centre of the bounding sphere, own frame, metres.
+    /// Center of the bounding sphere in the shape's frame, meters.
     pub center: Vec3,
-    /// Radius of the bounding sphere, metres.
+    /// Radius of the bounding sphere, meters.
     pub bound: f32,
-    /// Capsule: radius, half length, 0. Ellipsoid: half axes. Field: half edges of a box, around `center`, beyond which
-    /// nothing is solid. Metres.
+    /// Size, meters. Capsule: radius, half length, 0. Ellipsoid: half axes. Field: half edges of the box around
+    /// `center` that contains everything solid.
     pub size: Vec3,
     /// [`CAPSULE`], [`ELLIPSOID`] or [`FIELD`].
     pub kind: u32,
     /// Field: texture coordinate of the origin of its frame.
     pub bias: Vec3,
-    /// Multiplier of the friction coefficient.
+    /// Factor of the friction coefficient.
     pub friction: f32,
-    /// Field: texture coordinates per metre.
+    /// Field: texture coordinates per meter.
     pub scale: Vec3,
-    /// Field: one more than its number among those that [deform](super::deform); 0 for a rigid one.
+    /// Field: its index among the [deforming](super::deform) fields plus one; 0 for a rigid field.
     pub deforms: u32,
-    /// Field: the smallest texture coordinate that belongs to it alone.
+    /// Field: smallest texture coordinate that samples only its own tile.
     pub low: Vec3,
     /// Unused.
     pub _pad_b: f32,
-    /// Field: the largest.
+    /// Field: largest texture coordinate that samples only its own tile.
     pub high: Vec3,
     /// Unused.
     pub _pad_c: f32,
 }
 
-/// The uniform of all shapes.
+/// Uniform with all shapes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ShapeTable {
-    /// The shapes; how many there are stands in [`PlacesHead`](super::PlacesHead).
+    /// The shapes; [`PlacesHead`](super::PlacesHead) has their number.
     pub list: [ShapeData; MAX_COLLIDERS as usize],
 }
 
 impl ShapeData {
-    /// A shape without its field's place in the atlas.
+    /// Converts a collider. The atlas coordinates of a field remain unset.
     ///
     /// # Errors
-    /// [`Error::Parameter`] when a size is not positive or a coefficient is negative.
+    /// [`Error::Parameter`] if a size is not positive or a coefficient is negative.
     pub fn new(collider: &Collider) -> Result<Self> {
         let positive = |name, v: f32| match v > 0.0 && v < 1e3 {
             true => Ok(()),
@@ -88,7 +88,7 @@ impl ShapeData {
     }
 }
 
-/// Unit normal (xyz) and distance (w, metres) of a capsule at `p` of its frame.
+/// Returns unit normal (xyz) and distance (w, meters) of a capsule at `p` in its frame.
 pub fn capsule(p: Vec3, radius: f32, half_length: f32) -> Vec4 {
     let way = p - Vec3::Y * p.y.clamp(-half_length, half_length);
     let far = way.length();
@@ -96,7 +96,7 @@ pub fn capsule(p: Vec3, radius: f32, half_length: f32) -> Vec4 {
     n.extend(far - radius)
 }
 
-/// Unit normal (xyz) and distance (w, metres, to first order) of an ellipsoid at `p` of its frame.
+/// Returns unit normal (xyz) and distance (w, meters, to first order) of an ellipsoid at `p` in its frame.
 pub fn ellipsoid(p: Vec3, radii: Vec3) -> Vec4 {
     let a = p / radii;
     let b = a / radii;
@@ -107,7 +107,7 @@ pub fn ellipsoid(p: Vec3, radii: Vec3) -> Vec4 {
     (b / k2).extend(k1 * (k1 - 1.0) / k2)
 }
 
-/// Unit normal (xyz) and distance (w, metres) of a field at `p` of its frame; twin of `field`.
+/// Returns unit normal (xyz) and distance (w, meters) of a field at `p` in its frame; CPU version of `rest_field`.
 pub fn field(p: Vec3, volume: &FieldVolume) -> Vec4 {
     let size = volume.size.as_vec3();
     let c = p * volume.scale + volume.bias;
@@ -123,7 +123,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_ellipsoid_is_exact_to_first_order_at_its_surface() {
+    fn ellipsoid_is_exact_to_first_order_at_surface() {
         let radii = Vec3::new(0.05, 0.08, 0.12);
         for i in 0..200 {
             let a = i as f32 * 2.399_963;
@@ -135,7 +135,7 @@ mod tests {
             let off = |d: f32| (ellipsoid(on + at.truncate() * d, radii).w - d).abs();
             // The error falls with the square of the distance.
             assert!(off(1e-3) < 2e-5 && off(1e-4) < 1e-6, "{} {}", off(1e-3), off(1e-4));
-            // A wrong normal is seen.
+            // The test would detect a wrong normal.
             let radial = on.normalize();
             let wrong = (ellipsoid(on + radial * 5e-3, radii).w - 5e-3).abs();
             assert!(at.truncate().dot(radial) > 0.99 || wrong > 4e-5, "{wrong}");
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn a_capsule_is_a_capsule() {
+    fn capsule_matches_closed_form() {
         let at = capsule(Vec3::new(0.0, 0.3, 0.1), 0.04, 0.2);
         assert!((at.w - (0.02f32.sqrt() - 0.04)).abs() < 1e-6);
         assert!((at.truncate() - Vec3::new(0.0, 0.1, 0.1).normalize()).length() < 1e-6);
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_refused() {
+    fn invalid_shapes_return_errors() {
         let bad = |shape, friction| ShapeData::new(&Collider { friction, ..Collider::new(shape) }).is_err();
         assert!(bad(Shape::sphere(0.0), 1.0));
         assert!(bad(Shape::sphere(f32::NAN), 1.0));

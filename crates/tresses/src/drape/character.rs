@@ -11,34 +11,34 @@ use crate::{
         scalp::GridScalp,
         styles::{self, GUIDE_VERTICES, Hold, Recipe, Style, StyledGuides},
     },
-    simulate::{Along, GuideTraits, SimulationParams},
+    simulate::{GuideTraits, RootToTip, SimulationParams},
 };
 use glam::Vec3;
 
-/// Distance that settled guides keep from the skin at least, metres.
+/// Minimum distance of settled guides from the skin, meters.
 const CLEARANCE: f32 = 1e-3;
 
-/// A groom on a head, in metres, not yet on the GPU.
+/// A groom on a head, on the CPU, in meters.
 #[derive(Clone, Debug)]
-pub struct Character {
+pub struct DrapedCharacter {
     /// Guides and strands.
     pub groom: Groom,
-    /// What is drawn with the hair.
+    /// Mesh that is drawn with the hair.
     pub mesh: TriMesh,
-    /// What the hair collides with.
+    /// Distance field that the hair collides with.
     pub field: SdfGrid,
-    /// The joint about which the head turns, metres.
+    /// Joint that the head turns about, meters.
     pub neck: Vec3,
 }
 
-/// Dresses the mannequin: traces the guides of `style`, lets them fall under gravity on the head
-/// (on the device, with the step that later moves them), and grows the strands from what settled.
-/// `strands` is the exact number of strands, `None` for the style's own.
+/// Creates the mannequin with hair. Traces the guides of `style`, lets them fall onto the head under gravity (on the
+/// GPU, by the same step that later simulates them), and grows the strands from the settled guides. `strands` is the
+/// exact number of strands; `None` for the style's own.
 ///
 /// # Errors
-/// [`Error::Parameter`](crate::Error::Parameter) for a style or a number of strands that cannot be
-/// grown, [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
-pub async fn character(context: &Context, style: &Style, strands: Option<u32>) -> Result<Character> {
+/// [`Error::Parameter`](crate::Error::Parameter) for an invalid style or number of strands,
+/// [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
+pub async fn character(context: &Context, style: &Style, strands: Option<u32>) -> Result<DrapedCharacter> {
     let growth = Growth::for_style(style);
     let growth = match strands {
         Some(count) => growth.with_strands(count),
@@ -47,21 +47,21 @@ pub async fn character(context: &Context, style: &Style, strands: Option<u32>) -
     character_with(context, style, &growth, &()).await
 }
 
-/// The same with strands that grow as `growth` says, telling `progress`.
+/// [`character()`] with the given growth of strands. Reports to `progress`.
 ///
 /// # Errors
-/// [`Error::Parameter`](crate::Error::Parameter) and [`Error::Groom`](crate::Error::Groom) for a style or a
-/// growth that cannot be, [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
+/// [`Error::Parameter`](crate::Error::Parameter) and [`Error::Groom`](crate::Error::Groom) for an invalid style or
+/// growth, [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
 pub async fn character_with(
     context: &Context,
     style: &Style,
     growth: &Growth,
     progress: &impl Progress,
-) -> Result<Character> {
+) -> Result<DrapedCharacter> {
     growth.check()?;
     let (styled, scalp) = settled(context, style, progress).await?;
     let grown = grow::grow_with(&styled, growth, &scalp, progress).await?;
-    Ok(Character {
+    Ok(DrapedCharacter {
         groom: grown.bind(&styled),
         mesh: mannequin::mesh_with(mannequin::RESOLUTION, progress).await,
         field: scalp.field,
@@ -69,9 +69,9 @@ pub async fn character_with(
     })
 }
 
-/// The draped guides of `style` on the mannequin, and its scalp: what strands are then grown from and on, with
-/// [`grow::grow_with`] and [`GrownStrands::bind`](grow::GrownStrands::bind). Those of a default style are stored
-/// ([`styles::settled`]) and need no GPU.
+/// Returns the draped guides of `style` on the mannequin, and its scalp: the inputs of [`grow::grow_with`] and
+/// [`GrownStrands::bind`](grow::GrownStrands::bind). The guides of default styles are stored ([`styles::settled`]) and
+/// need no GPU.
 ///
 /// # Errors
 /// [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
@@ -89,8 +89,7 @@ pub async fn settled(
     Ok((styled, scalp))
 }
 
-/// The guides of `recipe` on `scalp`, traced and draped: the result of [`settled`] for a style that is not
-/// stored.
+/// Traces and drapes the guides of `recipe` on `scalp`: the slow path of [`settled`], for styles that are not stored.
 ///
 /// # Errors
 /// [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
@@ -101,16 +100,15 @@ pub async fn fallen(
     progress: &impl Progress,
 ) -> Result<StyledGuides> {
     let mut styled = styles::guides_with(recipe, scalp, progress).await;
-    progress.step("letting the hair fall", 0.0).await;
+    progress.step("draping the hair", 0.0).await;
     settle(context, &mut styled, &scalp.field).await?;
     Ok(styled)
 }
 
-/// Lets `styled` fall into place on a head with the distance field `field`, as far as its recipe's
-/// [`Hold`] lets it.
+/// Drapes `styled` on a head with the distance field `field`, as far as its recipe's [`Hold`] allows.
 ///
 /// # Errors
-/// What [`drape()`] says.
+/// As [`drape()`].
 pub async fn settle(context: &Context, styled: &mut StyledGuides, field: &SdfGrid) -> Result<()> {
     let traits: Vec<_> = styled
         .stiffness
@@ -127,8 +125,8 @@ pub async fn settle(context: &Context, styled: &mut StyledGuides, field: &SdfGri
         &DrapeOptions::default(),
     )
     .await?;
-    // Contacts give way by a millimetre where hair is pressed to the head, and edges are stretched
-    // a little: vertices leave the skin and steps are made equal again.
+    // Contacts yield by about a millimeter where hair is pressed to the head, and edges are stretched slightly. Move
+    // vertices out of the skin and make the steps along guides equal again.
     let lines = settled.as_chunks::<GUIDE_VERTICES>().0;
     for (guide, line) in styled.guides.positions.as_chunks_mut::<GUIDE_VERTICES>().0.iter_mut().zip(lines) {
         guide.copy_from_slice(&resample_chords(line, GUIDE_VERTICES));
@@ -140,13 +138,13 @@ pub async fn settle(context: &Context, styled: &mut StyledGuides, field: &SdfGri
     Ok(())
 }
 
-/// The physics of hair with something in it that holds.
+/// Returns the physics of hair with styling hold.
 fn draping(hold: &Hold) -> SimulationParams {
     let base = SimulationParams::default();
-    let bending = Along {
+    let bending = RootToTip {
         root: base.bending.root * hold.bending,
         tip: base.bending.tip * hold.bending,
         ..base.bending
     };
-    SimulationParams { bending, goal: Along { root: hold.root, tip: hold.tip, falloff: 0.2 }, ..base }
+    SimulationParams { bending, goal: RootToTip { root: hold.root, tip: hold.tip, falloff: 0.2 }, ..base }
 }

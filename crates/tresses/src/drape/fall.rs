@@ -1,4 +1,4 @@
-//! Settling: simulation steps with the head at rest.
+//! Settling: simulation steps with a resting head.
 
 use crate::simulate::{
     RestOptions, RestShape, Simulation, SimulationParams,
@@ -14,14 +14,14 @@ use crate::{
 };
 use glam::Vec3;
 
-/// How a groom is draped.
+/// Options for draping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrapeOptions {
     /// Simulated time, s.
     pub seconds: f32,
-    /// Drag while it falls, 1/s: high, so that it comes to rest in that time.
+    /// Drag during the fall, 1/s: high, so that the hair comes to rest within `seconds`.
     pub drag: f32,
-    /// Distance to keep from the head, metres.
+    /// Distance to keep from the head, meters.
     pub clearance: f32,
 }
 
@@ -31,11 +31,12 @@ impl Default for DrapeOptions {
     }
 }
 
-/// The positions to which `positions` (guide-major, `n` per guide, groom space, metres: the shape
-/// without gravity) settle under `params`, in the same order.
+/// Simulates guides until they settle and returns their positions. `positions` is the shape without gravity:
+/// guide-major, `n` per guide, groom space, meters. The result is in the same order.
 ///
 /// # Errors
-/// What [`rest::guides`] and the buffers say, and [`crate::Error::Gpu`] when the device is lost.
+/// As [`rest::guides`], [`crate::Error::Limit`] for buffers that are too large, and [`crate::Error::Gpu`] when the
+/// device is lost.
 pub async fn drape(
     context: &Context,
     positions: &[Vec3],
@@ -58,7 +59,7 @@ pub async fn drape(
     let obstacles = ColliderDescriptor { head: field, ..Default::default() };
     let mut colliders = ColliderSet::new(context, &obstacles)?;
     let mut simulation = Simulation::new(context, &guides);
-    // Where a hair first touches it would stay.
+    // With static friction, hair would stick where it first touches.
     simulation.slide();
     let still = Pose::IDENTITY;
     let step = Step { mode: Mode::Step, begin: still, end: still, from: 0.0, to: 1.0 };

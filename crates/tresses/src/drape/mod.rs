@@ -1,9 +1,9 @@
-//! Draping: built-in styles that have settled on the head.
+//! Draping: lets the guides of built-in styles settle on the head.
 //!
-//! The guides that [`styles`](crate::groom::styles) traces are close to their equilibrium under gravity and
-//! contact; the simulation finishes them, with as much hold as the style needs to keep its volume and its
-//! wave ([`Hold`](crate::groom::styles::Hold)). This is done once, before the hair is used, and is the only
-//! use of the GPU before a groom is drawn, which is why it is here and not in `groom`.
+//! The guides traced by [`styles`](crate::groom::styles) are close to equilibrium under gravity and contact. The
+//! simulation finishes them, with enough hold for the style to keep its volume and its waves
+//! ([`Hold`](crate::groom::styles::Hold)). This runs once, before the hair is used. It is the only step before drawing
+//! that needs the GPU, and so it is here and not in `groom`.
 //!
 //! ```text
 //! Style ─┬─ default: stored guides ─────────────────────────────────────────┬─► grow (CPU) ─► Character
@@ -13,5 +13,5 @@
 mod character;
 mod fall;
 
-pub use character::{Character, character, character_with, fallen, settle, settled};
+pub use character::{DrapedCharacter, character, character_with, fallen, settle, settled};
 pub use fall::{DrapeOptions, drape};

@@ -1,4 +1,4 @@
-//! The pipelines of the stage, each made when it is first needed.
+//! Pipelines of the draw stage, each compiled at first use.
 
 use super::{
     Coverage, soft,
@@ -8,21 +8,21 @@ use super::{
 };
 use crate::{
     Context, Result,
-    body::{self, Body, Painted},
+    body::{self, Body, BodyTextures},
     gpu::{
         Device, PipelineSet,
         kernel::Job,
-        pipeline::{Made, Recipe},
+        pipeline::{PipelineCache, Recipe},
     },
     light::{self, ShadingRate},
 };
 
-/// The pipelines of the stage.
+/// Pipelines of the draw stage.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     device: Device,
     frame: wgpu::BindGroupLayout,
-    body: Made<(u32, bool), wgpu::RenderPipeline>,
+    body: PipelineCache<(u32, bool), wgpu::RenderPipeline>,
     pub(super) soft: soft::Pipelines,
     pub(crate) strips: strips::Pipelines,
     pub(crate) tiles: tiles::Pipelines,
@@ -35,7 +35,7 @@ impl PipelineSet for Pipelines {
         Self {
             device: device.clone(),
             frame: light.frame.clone(),
-            body: Made::default(),
+            body: PipelineCache::default(),
             soft: soft::Pipelines::new(context, light),
             strips: strips::Pipelines::new(context, light),
             tiles: tiles::Pipelines::new(context),
@@ -44,7 +44,7 @@ impl PipelineSet for Pipelines {
 }
 
 impl Pipelines {
-    /// Draws bodies into targets of so many samples per pixel, plain or painted ones.
+    /// Returns the pipeline that draws bodies into targets with `samples` per pixel. `painted` selects textured bodies.
     pub(super) fn body(&self, samples: u32, painted: bool) -> Result<wgpu::RenderPipeline> {
         self.body.get((samples, painted), || {
             let device = &self.device;
@@ -67,19 +67,19 @@ impl Pipelines {
                 vertex: ("draw::painted", "painted_vertex"),
                 fragment: Some(("draw::painted", "painted_fragment")),
                 layouts: &[frame, body, points, &body::paint::layout(device)],
-                buffers: &[Some(Body::LAYOUT), Some(Painted::LAYOUT)],
+                buffers: &[Some(Body::LAYOUT), Some(BodyTextures::LAYOUT)],
                 ..plain
             }
             .build(device)
         })
     }
 
-    /// What draws hair with `coverage` into targets of so many samples per pixel.
+    /// Returns the pipelines that draw hair as strips.
     pub(super) fn strips(&self, coverage: Coverage, samples: u32, rate: ShadingRate) -> Result<Strips> {
         self.strips.get(coverage, samples, rate)
     }
 
-    /// What makes all that such a picture needs.
+    /// Returns jobs that compile the pipelines of a view with these options.
     pub(crate) fn jobs(&self, coverage: Coverage, samples: u32, rate: ShadingRate) -> Vec<Job<'_>> {
         let mut jobs: Vec<Job<'_>> = vec![Box::new(move || self.body(samples, false).map(|_| ()))];
         match coverage {

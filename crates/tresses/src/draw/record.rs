@@ -1,46 +1,47 @@
-//! The passes that put bodies and hair into the targets of a view.
+//! Records the passes that draw bodies and hair into the targets of a view.
 
 use super::{Coverage, Pipelines, Targets, strips};
 use crate::{
     Camera, Result,
     body::Body,
     gpu::commands::{Commands, colored, deep},
-    light::{self, Part, Seen, ShadingRate, Sphere},
+    light::{self, HairView, Part, ShadingRate, Sphere},
     space::Space,
     stage::Stage,
 };
 
-/// What the passes of a picture are recorded with.
+/// Inputs of the draw passes of one view.
 pub(crate) struct Canvas<'a, 'c> {
     pub commands: &'a mut Commands<'c>,
     pub targets: &'a Targets,
-    /// The view's `@group(0)`.
+    /// Bind group 0 of the view.
     pub frame: &'a wgpu::BindGroup,
-    /// The camera's uniform that it has.
+    /// Camera uniform of the view.
     pub eye: &'a wgpu::Buffer,
-    /// The light that it has.
-    pub light: &'a light::State,
-    /// What is lit by which maps: one part without zones.
+    /// Light state of the view.
+    pub light: &'a light::LightState,
+    /// Grooms and bodies of each light zone; a single part without zones.
     pub parts: &'a [Part<'a>],
     pub camera: &'a Camera,
-    /// The lights of the picture.
+    /// Lights of the frame.
     pub lights: &'a light::Lights,
-    /// Where pixels are small enough for what is smooth.
+    /// Focus of the view. Sets the spacing of the shading points on bodies (`draw::soft`).
     pub focus: &'a Sphere,
     pub coverage: Coverage,
     pub rate: ShadingRate,
-    /// Where a scene asks where hair is: the map of depths to its own, see [`super::tiles::geometry::GeometryUniform`].
+    /// Coefficients of the map from the view's depth to the scene's, if hair geometry is requested. See
+    /// [`super::tiles::geometry::GeometryUniform`].
     pub geometry: Option<[f32; 4]>,
-    /// Whether somebody asks which strand each pixel shows.
+    /// Whether per-pixel strand labels are requested.
     pub labels: bool,
-    /// The space that everything is drawn in.
+    /// Space of all drawn positions.
     pub space: Space,
 }
 
 impl Canvas<'_, '_> {
-    /// How far the triangles of `body` may stray, metres: not so far that it is seen. From half a pixel to a third,
-    /// 60 to 160 pixels of a portrait at the edges of lips and outlines change by more than 24 of 255, and triangles of
-    /// fewer pixels take a software driver, which shades blocks of four by four, a quarter more time.
+    /// Largest acceptable simplification error of `body`, meters: half a pixel at its nearest point. With a third of a
+    /// pixel, 60 to 160 pixels of a portrait, at lips and outlines, change by more than 24 of 255. A software driver
+    /// then takes a quarter more time, since it shades blocks of 4×4 pixels and the triangles are smaller.
     pub fn stray(&self, body: &Body) -> f32 {
         const PIXELS: f32 = 0.5;
         PIXELS * body.nearest(self.camera) * self.camera.pixel() / self.targets.ssaa as f32
@@ -48,32 +49,33 @@ impl Canvas<'_, '_> {
 }
 
 impl Pipelines {
-    /// Whether bodies are to be drawn before the hair.
+    /// Whether bodies are drawn before the hair.
     pub(crate) fn body_first(&self, coverage: Coverage) -> bool {
         coverage.is_tiled() || strips::body_first(coverage)
     }
 
-    /// Records what is to be known of the hair before it is shaded: nothing but where it is drawn by tiles.
-    pub(crate) fn record_seen(&self, canvas: &mut Canvas<'_, '_>, hair: &[Seen<'_>]) -> Result<()> {
+    /// Records the passes that find visible hair before shading. Only tiles have such passes.
+    pub(crate) fn record_seen(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<()> {
         if !canvas.coverage.is_tiled() {
             return Ok(());
         }
         self.tiles.record_bins(canvas, hair)
     }
 
-    /// Records the shading of what is seen, if that is known; else all is to be shaded.
-    pub(crate) fn shade_seen(&self, canvas: &mut Canvas<'_, '_>, hair: &[Seen<'_>]) -> Result<bool> {
+    /// Shades only the visible hair, where the coverage mode knows it. Returns false if the caller must shade all hair.
+    pub(crate) fn shade_seen(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<bool> {
         if canvas.coverage.is_tiled() {
             self.tiles.record_shade(canvas, hair)?;
         }
         Ok(canvas.coverage.is_tiled())
     }
 
-    /// Records hair; clears the targets unless bodies [come first](Self::body_first) or something is to stay.
+    /// Records the hair. `clear` clears the targets first. Tiles and depth peeling draw over bodies and never clear
+    /// them.
     pub(crate) fn record_hair(
         &self,
         canvas: &mut Canvas<'_, '_>,
-        hair: &[Seen<'_>],
+        hair: &[HairView<'_>],
         clear: bool,
     ) -> Result<()> {
         if canvas.coverage.is_tiled() {
@@ -83,7 +85,7 @@ impl Pipelines {
         strips::record(&strips, canvas, hair, clear)
     }
 
-    /// Records bodies; clears the targets when they [come first](Self::body_first).
+    /// Records bodies. Clears the targets if bodies [come first](Self::body_first).
     pub(crate) fn record_bodies(&self, canvas: &mut Canvas<'_, '_>, bodies: &[&Body]) -> Result<()> {
         let first = self.body_first(canvas.coverage);
         if bodies.is_empty() && !first {
@@ -106,7 +108,7 @@ impl Pipelines {
         for (pipeline, is_painted) in [(plain, false), (painted, true)] {
             let Some(pipeline) = pipeline else { continue };
             pass.set_pipeline(&pipeline);
-            // Parts of the picture have changed it.
+            // The other pipeline may have left another zone's light bound.
             if let Some(part) = parts.first() {
                 pass.set_bind_group(0, &part.light.frame, &[]);
             }
@@ -121,7 +123,7 @@ impl Pipelines {
     }
 }
 
-/// Records all bodies, each with the light of its part bound.
+/// Calls `record` for each body index, with the light of the body's zone bound as group 0.
 pub(super) fn canvas_parts(
     pass: &mut crate::gpu::RenderPass<'_>,
     parts: &[Part<'_>],
@@ -135,7 +137,7 @@ pub(super) fn canvas_parts(
     }
 }
 
-/// A pass into the HDR target with the view's group bound.
+/// Begins a pass into the HDR target with the view's bind group set.
 pub(crate) fn pass<'e>(
     canvas: &'e mut Canvas<'_, '_>,
     name: &'static str,

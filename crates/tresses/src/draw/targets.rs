@@ -1,55 +1,55 @@
-//! The textures that a picture is drawn into.
+//! Render targets of a view.
 
 use super::{
     Coverage,
-    soft::Soft,
+    soft::SoftTargets,
     strips::Layers,
     tiles::{Label, Tiles},
 };
 use crate::{Context, Error, Result, gpu::readback};
 use std::sync::OnceLock;
 
-/// Label, format and usage of a texture of the linear target's size.
+/// Label, format and usage of a texture of the HDR target's size.
 pub(crate) type TextureKind = (&'static str, wgpu::TextureFormat, wgpu::TextureUsages);
 
-/// The linear target.
+/// Format of the linear HDR target.
 pub const HDR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
-/// Its depth.
+/// Format of its depth buffer.
 pub use crate::gpu::pipeline::DEPTH_FORMAT;
-/// The finished picture of [`Targets`].
+/// Format of the finished image of [`Targets`].
 pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
-/// The textures of one picture size.
+/// Render targets of one image size.
 #[derive(Debug)]
 pub struct Targets {
     context: Context,
-    /// Width and height of the picture, pixels.
+    /// Width and height of the image, pixels.
     pub size: [u32; 2],
-    /// Samples per pixel of the linear target.
+    /// Samples per pixel of the HDR target.
     pub samples: u32,
-    /// Pixels of the linear target per pixel of the picture, along each axis.
+    /// Pixels of the HDR target per pixel of the image, along each axis.
     pub ssaa: u32,
     pub(crate) hdr: wgpu::TextureView,
     pub(crate) depth: wgpu::TextureView,
     pub(crate) depth_texture: wgpu::Texture,
-    /// Of a stage that peels.
+    /// Present for depth peeling.
     pub(crate) layers: Option<Layers>,
-    /// Of one that draws by tiles.
+    /// Present for tiles.
     pub(crate) tiles: Option<Tiles>,
-    /// Once a body has been drawn.
-    soft: OnceLock<Soft>,
+    /// Created when a body is first drawn.
+    soft: OnceLock<SoftTargets>,
     picture: wgpu::Texture,
     pub(crate) picture_view: wgpu::TextureView,
     bytes: u64,
 }
 
 impl Targets {
-    /// Textures for a picture of `size` (width and height, pixels) with `samples` (1, 4, 8 or 16), covered by
-    /// `coverage`, and supersampling by `ssaa` (1, 2 or 4) along each axis.
+    /// Creates targets for an image of `size` (width and height, pixels) with `samples` per pixel (1, 4, 8 or 16), hair
+    /// drawn by `coverage`, and `ssaa` (1, 2 or 4) times supersampling along each axis.
     ///
     /// # Errors
-    /// [`Error::Parameter`] when the size is 0 or more than the device allows, or when coverage and samples do not
-    /// go together.
+    /// [`Error::Parameter`] when the size is 0 or more than the device allows, or when `coverage` does not support
+    /// `samples`.
     pub fn new(
         context: &Context,
         [width, height]: [u32; 2],
@@ -108,7 +108,7 @@ impl Targets {
         })
     }
 
-    /// What makes a texture of one sample per pixel of the linear target.
+    /// Returns a function that creates textures of the HDR target's size with one sample per pixel.
     pub(crate) fn texture(&self) -> impl Fn(TextureKind) -> wgpu::Texture {
         let size = self.depth_texture.size();
         move |(label, format, usage)| {
@@ -133,25 +133,25 @@ impl Targets {
         self
     }
 
-    /// Adds what tiles need.
+    /// Adds the buffers and textures of tiles.
     fn with_tiles(mut self) -> Result<Self> {
         let size = self.depth_texture.size();
         self.tiles = Some(Tiles::new(&self.context.device, [size.width, size.height], self.texture())?);
         Ok(self)
     }
 
-    /// What light is asked for at, where bodies are drawn.
-    pub(crate) fn soft(&self) -> &Soft {
+    /// Returns the shading points of bodies, created at first use.
+    pub(crate) fn soft(&self) -> &SoftTargets {
         let size = self.depth_texture.size();
-        self.soft.get_or_init(|| Soft::new(&self.context.device, [size.width, size.height]))
+        self.soft.get_or_init(|| SoftTargets::new(&self.context.device, [size.width, size.height]))
     }
 
-    /// The finished picture as a view to present into.
+    /// Returns the finished image as a view to present into.
     pub fn picture(&self) -> &wgpu::TextureView {
         &self.picture_view
     }
 
-    /// The finished picture: sRGB, RGBA, rows from the top.
+    /// Reads back the finished image: sRGB, RGBA, rows from the top.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the device is lost.
@@ -159,9 +159,11 @@ impl Targets {
         readback::texture(&self.context, &self.picture).await
     }
 
-    /// Where hair is in the last picture, if that was [asked](crate::frame::Sight::asks) and had hair: of each texel
-    /// how far what is seen of hair there has moved since the view's last picture (x to the right and y down, texels),
-    /// its depth as the camera's projection has it, and how opaque it is; see
+    /// Reads back the geometry of the hair in the last frame. `None` unless it was
+    /// [requested](crate::frame::ViewPass::asks) and the frame has hair.
+    ///
+    /// Each texel holds the motion of the visible hair since the view's previous frame (x to the right and y down,
+    /// texels), its depth in the camera's projection, and its opacity; see
     /// [`Surroundings::geometry`](super::Surroundings::geometry). There are [`ssaa`](Self::ssaa)² texels per pixel.
     ///
     /// # Errors
@@ -172,17 +174,18 @@ impl Targets {
         Ok(Some(bytemuck::pod_collect_to_vec(&bytes)))
     }
 
-    /// Whether [`geometry`](Self::geometry) tells how hair moved: the picture before had the same strands, and was asked
-    /// too. Otherwise hair counts as standing still before the camera that moved.
+    /// Whether [`geometry`](Self::geometry) includes the motion of the hair itself. This requires that the previous
+    /// frame drew the same strands and also requested geometry. Otherwise hair counts as static, and only the camera's
+    /// motion is included.
     pub fn knows_motion(&self) -> bool {
         self.tiles.as_ref().is_some_and(Tiles::knows_motion)
     }
 
-    /// Which strand each texel shows most of, where that is known as [`geometry`](Self::geometry) is; of equals the one
-    /// in front.
+    /// Reads back the strand that covers most of each texel; if two cover the same share, the one in front. `None`
+    /// unless the last frame requested it and has hair, as for [`geometry`](Self::geometry).
     ///
     /// # Errors
-    /// As there.
+    /// As [`geometry`](Self::geometry).
     pub async fn labels(&self) -> Result<Option<Vec<Option<Label>>>> {
         let Some(labels) = self.tiles.as_ref().and_then(Tiles::labels) else { return Ok(None) };
         let bytes = readback::texture(&self.context, labels.texture.texture()).await?;
@@ -193,12 +196,13 @@ impl Targets {
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
         let size = self.depth_texture.size();
-        let soft = self.soft.get().map_or(0, |_| Soft::BYTES);
+        let soft = self.soft.get().map_or(0, |_| SoftTargets::BYTES);
         let tiles = self.tiles.as_ref().map_or(0, Tiles::bytes);
         self.bytes + tiles + soft * u64::from(size.width) * u64::from(size.height)
     }
 
-    /// Bytes of it that are there for the hair of the last picture: of tiles, its points and lists.
+    /// Bytes of GPU memory, out of [`bytes`](Self::bytes), that depend on the hair of the last frame: points and lists
+    /// of tiles.
     pub fn hair_bytes(&self) -> u64 {
         self.tiles.as_ref().map_or(0, Tiles::hair_bytes)
     }

@@ -1,23 +1,24 @@
 //! Bind group layouts by position: the nth entry is `@binding(n)`.
 //!
-//! **A trap.** Mesa's lavapipe (seen in 22.3.6: `lvp_inline_uniforms.c`) puts the values of uniforms that decide loops and
-//! branches into a copy of the shader, anew for every bind, and keeps all copies for as long as the pipeline lives: 1 to
-//! 4 MB and some milliseconds per draw, without end. It drops the idea only for shaders that hardly change by it. A shader
-//! that falls to it binds those values as [`Binding::Storage`], which the driver leaves alone; `apps/cli/tests/memory.rs` tells.
+//! **Uniforms and lavapipe.** Mesa's lavapipe (seen in 22.3.6: `lvp_inline_uniforms.c`) inlines uniforms that alone
+//! decide loops and branches: it compiles a copy of the shader for each bind, and keeps all copies as long as the
+//! pipeline lives. That costs 1 to 4 MB and some milliseconds per draw, without limit. The driver does not do so if
+//! inlining hardly changes the shader. Affected shaders bind such values as [`Binding::Storage`] instead, which the
+//! driver does not inline. `apps/cli/tests/memory.rs` tests this.
 
 use super::handle::Device;
 use wgpu::{BindingType, BufferBindingType, SamplerBindingType, TextureSampleType, TextureViewDimension};
 
-/// What a shader sees at one binding.
+/// Type of the resource at one binding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Binding {
     /// `var<uniform>`.
     Uniform,
-    /// `var<uniform>` whose offset is given when the group is set.
+    /// `var<uniform>` with a dynamic offset.
     UniformDynamic,
     /// `var<storage, read>`.
     Storage,
-    /// `var<storage, read>` whose offset is given when the group is set.
+    /// `var<storage, read>` with a dynamic offset.
     StorageDynamic,
     /// `var<storage, read_write>`.
     StorageMut,
@@ -57,7 +58,7 @@ pub enum Binding {
     WriteWords3d,
     /// `texture_depth_2d_array`.
     DepthArray,
-    /// `sampler` that filters.
+    /// Filtering `sampler`.
     Sampler,
     /// `sampler_comparison`.
     Comparison,
@@ -133,7 +134,7 @@ impl Binding {
     }
 }
 
-/// A layout whose nth entry is `entries[n]`, visible to `stages`.
+/// Creates a layout whose nth entry is `entries[n]`, visible to `stages`.
 pub fn layout(
     device: &wgpu::Device,
     label: &str,
@@ -154,7 +155,7 @@ pub fn layout(
         .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
 
-/// A group whose nth resource is `resources[n]`.
+/// Creates a bind group whose nth resource is `resources[n]`.
 pub fn group(
     device: &wgpu::Device,
     label: &str,
@@ -173,7 +174,7 @@ pub fn group(
 }
 
 impl Device {
-    /// [`group`], which the probe is told of.
+    /// As [`group`], and notifies the probe.
     pub fn group(
         &self,
         label: &str,
@@ -194,8 +195,8 @@ impl Device {
     }
 }
 
-/// A buffer of `size` bytes for values that are the same for a whole dispatch or draw, written through the queue: a
-/// `var<uniform>`, or a `var<storage, read>` where they decide how often loops run and which way branches go.
+/// Creates a buffer of `size` bytes that is written through the queue, for values that are constant for a dispatch or
+/// draw. Shaders bind it as `var<uniform>`, or as `var<storage, read>` if the values alone decide loops or branches.
 pub fn uniform(device: &wgpu::Device, label: &str, size: usize) -> wgpu::Buffer {
     device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
@@ -205,7 +206,7 @@ pub fn uniform(device: &wgpu::Device, label: &str, size: usize) -> wgpu::Buffer 
     })
 }
 
-/// A sampler that filters linearly and clamps: how every grid is read.
+/// Creates a sampler with linear filtering and clamping, as all grids use.
 pub fn linear(device: &wgpu::Device) -> wgpu::Sampler {
     device.create_sampler(&wgpu::SamplerDescriptor {
         label: Some("linear"),

@@ -1,9 +1,10 @@
-//! Commands of a frame: an encoder, the times of its passes, and counts of what is recorded. Each pass, dispatch, draw,
-//! change of pipeline and bound group costs on every driver, whatever it does.
+//! Commands of a frame: an encoder, the timings of its passes, and counts of recorded commands.
 //!
-//! A pass carries the first error of the kernels recorded in it, and returns it when it [ends](ComputePass::end).
+//! Passes, dispatches, draws, pipeline changes and bind groups have a cost on every driver, whatever they do, so they
+//! are counted. That takes a few additions per pass. [`Timings::counts`](super::Timings::counts) assigns the counts to
+//! the rows of the frame.
 //!
-//! Counting is a few additions per pass. [`Timings::counts`](super::Timings::counts) ascribes them to the rows of the frame.
+//! A compute pass stores the first error of the kernels recorded in it and returns it when it [ends](ComputePass::end).
 
 use super::{
     Context, Timings,
@@ -13,19 +14,19 @@ use super::{
 use crate::{Error, Result, stage::Stage};
 use std::ops::Range;
 
-/// Records commands into an encoder of the caller, see [`Context::commands`].
+/// Records commands into the caller's encoder, see [`Context::commands`].
 #[derive(Debug)]
 pub struct Commands<'a> {
     context: Context,
     encoder: &'a mut wgpu::CommandEncoder,
     timings: Option<&'a mut Timings>,
-    /// What was recorded since the last lap.
+    /// Commands recorded since the last lap.
     counts: Counts,
-    /// The first error that no pass has returned yet.
+    /// First error that no pass has returned yet.
     error: Option<Error>,
 }
 
-/// A compute pass that counts.
+/// A compute pass that counts its commands.
 #[derive(Debug)]
 #[must_use = "`end` returns the errors of a pass"]
 pub struct ComputePass<'a> {
@@ -35,7 +36,7 @@ pub struct ComputePass<'a> {
     groups: Groups,
 }
 
-/// A render pass that counts.
+/// A render pass that counts its commands.
 #[derive(Debug)]
 pub struct RenderPass<'a> {
     pass: wgpu::RenderPass<'a>,
@@ -51,12 +52,12 @@ impl Context {
 }
 
 impl<'a> Commands<'a> {
-    /// Measures passes with `timings`.
+    /// Measures the passes with `timings`.
     pub fn with_timings(self, timings: impl Into<Option<&'a mut Timings>>) -> Self {
         Self { timings: timings.into(), ..self }
     }
 
-    /// The context that records.
+    /// The context of these commands.
     pub fn context(&self) -> &Context {
         &self.context
     }
@@ -66,7 +67,7 @@ impl<'a> Commands<'a> {
         self.encoder
     }
 
-    /// Begins a compute pass, measured under its name.
+    /// Begins a compute pass, timed as `name`.
     pub fn compute(&mut self, name: &'static str) -> ComputePass<'_> {
         let timings = self.timings.as_deref_mut();
         let timestamp_writes = timings.and_then(|timings| timings.compute(name));
@@ -80,7 +81,7 @@ impl<'a> Commands<'a> {
         }
     }
 
-    /// Begins a render pass, measured under its name.
+    /// Begins a render pass, timed as `name`.
     pub fn render(
         &mut self,
         name: &'static str,
@@ -103,14 +104,14 @@ impl<'a> Commands<'a> {
         }
     }
 
-    /// Fills `size` bytes of a buffer with zeros, or all of it.
+    /// Fills the first `size` bytes of a buffer with zeros, or all of it.
     pub(crate) fn clear(&mut self, buffer: &wgpu::Buffer, size: Option<u64>) {
         self.encoder.clear_buffer(buffer, 0, size);
         let bytes = size.unwrap_or(buffer.size());
         self.counts += Counts { transfers: 1, bytes, ..Counts::default() };
     }
 
-    /// Fills a texture with zeros, in a pass that is not measured.
+    /// Fills a texture with zeros, in a pass without timing.
     pub(crate) fn clear_texture(&mut self, label: &str, view: &wgpu::TextureView) {
         let descriptor = wgpu::RenderPassDescriptor {
             label: Some(label),
@@ -121,13 +122,13 @@ impl<'a> Commands<'a> {
         self.encoder.begin_render_pass(&descriptor);
     }
 
-    /// Copies all of a texture to another of the same size.
+    /// Copies a whole texture to another one of the same size.
     pub(crate) fn copy_texture(&mut self, from: &wgpu::Texture, to: &wgpu::Texture) {
         self.encoder.copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), to.size());
         self.copied(bytes(to));
     }
 
-    /// Copies rows from a buffer to the top of a texture of two dimensions.
+    /// Copies rows from a buffer to the top of a two-dimensional texture.
     pub(crate) fn copy_rows(&mut self, from: &wgpu::Buffer, to: &wgpu::Texture, rows: u32) {
         let height = rows.min(to.height());
         let row = to.width() * to.format().block_copy_size(None).unwrap_or(4);
@@ -141,12 +142,12 @@ impl<'a> Commands<'a> {
         self.copied(u64::from(height) * u64::from(row));
     }
 
-    /// Counts a copy of so many bytes, which are read and written.
+    /// Counts a copy of `bytes` bytes, which are read and written.
     fn copied(&mut self, bytes: u64) {
         self.counts += Counts { transfers: 1, bytes: 2 * bytes, ..Counts::default() };
     }
 
-    /// A part of a stage begins here. What was recorded before belongs to no row of the times.
+    /// Begins a part of a stage. Commands recorded before belong to no row of the timings.
     pub(crate) fn start(&mut self) {
         self.counts = Counts::default();
         if let Some(timings) = &mut self.timings {
@@ -154,7 +155,7 @@ impl<'a> Commands<'a> {
         }
     }
 
-    /// A part of a stage ends here and the next begins ([`Timings::lap`]).
+    /// Ends a part of a stage and begins the next ([`Timings::lap`]).
     pub(crate) fn lap(&mut self, stage: Stage) {
         let name = stage.name();
         if let Some(probe) = &self.context.device.probe {
@@ -166,18 +167,18 @@ impl<'a> Commands<'a> {
         }
     }
 
-    /// Whether frames are taken apart, and are to be in parts that are not too long.
+    /// Whether the frame is submitted in parts, which should be short.
     pub(crate) fn takes_apart(&self) -> bool {
         self.timings.as_ref().is_some_and(|timings| timings.takes_apart())
     }
 }
 
-/// A texture that a pass begins with nothing in it.
+/// A color attachment that is cleared to zero.
 pub(crate) fn cleared(view: &wgpu::TextureView) -> Option<wgpu::RenderPassColorAttachment<'_>> {
     colored(view, wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT))
 }
 
-/// A texture that a pass draws into.
+/// A color attachment.
 pub(crate) fn colored(
     view: &wgpu::TextureView,
     load: wgpu::LoadOp<wgpu::Color>,
@@ -186,7 +187,7 @@ pub(crate) fn colored(
     Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
 }
 
-/// The depth that a pass tests, and writes if there are operations on it.
+/// A depth attachment, read-only without `depth_ops`.
 pub(crate) fn deep(
     view: &wgpu::TextureView,
     depth_ops: Option<wgpu::Operations<f32>>,
@@ -194,19 +195,19 @@ pub(crate) fn deep(
     Some(wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None })
 }
 
-/// Bytes that the attachments of a pass are read with when it begins and written with when it ends or clears.
+/// Bytes that the attachments of a pass read when it begins and write when it ends.
 fn attached(descriptor: &wgpu::RenderPassDescriptor<'_>) -> u64 {
     fn moved<V>(ops: &wgpu::Operations<V>) -> u64 {
         u64::from(matches!(ops.load, wgpu::LoadOp::Load)) + u64::from(ops.store == wgpu::StoreOp::Store)
     }
     let color = descriptor.color_attachments.iter().flatten().map(|to| (to.view, moved(&to.ops)));
     let depth = descriptor.depth_stencil_attachment.iter();
-    // Depth that is read only is read.
+    // Read-only depth is read once.
     let depth = depth.map(|to| (to.view, to.depth_ops.as_ref().map_or(1, moved)));
     color.chain(depth).map(|(view, times)| times * bytes(view.texture())).sum()
 }
 
-/// Bytes of one layer of a texture at its finest.
+/// Bytes of the first mip level of one layer of a texture.
 pub(crate) fn bytes(texture: &wgpu::Texture) -> u64 {
     let texel = texture.format().block_copy_size(None).unwrap_or(4);
     [texture.width(), texture.height(), texture.sample_count(), texel].map(u64::from).iter().product()
@@ -219,34 +220,34 @@ impl ComputePass<'_> {
         }
     }
 
-    /// As of wgpu's pass.
+    /// See [`wgpu::ComputePass::set_pipeline`].
     pub fn set_pipeline(&mut self, pipeline: &wgpu::ComputePipeline) {
         self.counts.pipelines += 1;
         self.pass.set_pipeline(pipeline);
     }
 
-    /// As of wgpu's pass.
+    /// See [`wgpu::ComputePass::set_bind_group`].
     pub fn set_bind_group(&mut self, index: u32, group: &wgpu::BindGroup, offsets: &[u32]) {
         self.counts.groups += 1;
         self.groups.set(index, group);
         self.pass.set_bind_group(index, group, offsets);
     }
 
-    /// As of wgpu's pass.
+    /// See [`wgpu::ComputePass::dispatch_workgroups`].
     pub fn dispatch_workgroups(&mut self, x: u32, y: u32, z: u32) {
         self.probe();
         self.counts.dispatches += 1;
         self.pass.dispatch_workgroups(x, y, z);
     }
 
-    /// As of wgpu's pass.
+    /// See [`wgpu::ComputePass::dispatch_workgroups_indirect`].
     pub fn dispatch_workgroups_indirect(&mut self, workgroups: &wgpu::Buffer, from: u64) {
         self.probe();
         self.counts.dispatches += 1;
         self.pass.dispatch_workgroups_indirect(workgroups, from);
     }
 
-    /// A kernel cannot be recorded.
+    /// Stores the error of a kernel that could not be recorded.
     pub(super) fn fail(&mut self, error: Error) {
         self.error.get_or_insert(error);
     }
@@ -254,7 +255,7 @@ impl ComputePass<'_> {
     /// Ends the pass.
     ///
     /// # Errors
-    /// [`Error::Gpu`] for the first kernel recorded in it that cannot be compiled.
+    /// [`Error::Gpu`] for the first kernel recorded in the pass that failed to compile.
     pub fn end(self) -> Result<()> {
         self.error.take().map_or(Ok(()), Err)
     }
@@ -267,42 +268,42 @@ impl RenderPass<'_> {
         }
     }
 
-    /// As of wgpu's pass.
+    /// See [`wgpu::RenderPass::set_pipeline`].
     pub fn set_pipeline(&mut self, pipeline: &wgpu::RenderPipeline) {
         self.counts.pipelines += 1;
         self.pass.set_pipeline(pipeline);
     }
 
-    /// As of wgpu's pass.
+    /// See [`wgpu::RenderPass::set_bind_group`].
     pub fn set_bind_group(&mut self, index: u32, group: &wgpu::BindGroup, offsets: &[u32]) {
         self.counts.groups += 1;
         self.groups.set(index, group);
         self.pass.set_bind_group(index, group, offsets);
     }
 
-    /// As of wgpu's pass.
+    /// See [`wgpu::RenderPass::set_vertex_buffer`].
     pub fn set_vertex_buffer(&mut self, slot: u32, vertices: wgpu::BufferSlice<'_>) {
         self.pass.set_vertex_buffer(slot, vertices);
     }
 
-    /// As of wgpu's pass.
+    /// See [`wgpu::RenderPass::set_index_buffer`].
     pub fn set_index_buffer(&mut self, indices: wgpu::BufferSlice<'_>, format: wgpu::IndexFormat) {
         self.pass.set_index_buffer(indices, format);
     }
 
-    /// A viewport of depths from 0 to 1, from its upper left corner on.
+    /// Sets the viewport, given by its upper left corner and its size, with depths from 0 to 1.
     pub fn set_viewport(&mut self, [x, y]: [f32; 2], [width, height]: [f32; 2]) {
         self.pass.set_viewport(x, y, width, height, 0.0, 1.0);
     }
 
-    /// As of wgpu's pass.
+    /// See [`wgpu::RenderPass::draw`].
     pub fn draw(&mut self, vertices: Range<u32>, instances: Range<u32>) {
         self.probe();
         self.counts.draws += 1;
         self.pass.draw(vertices, instances);
     }
 
-    /// As of wgpu's pass.
+    /// See [`wgpu::RenderPass::draw_indexed`].
     pub fn draw_indexed(&mut self, indices: Range<u32>, base: i32, instances: Range<u32>) {
         self.probe();
         self.counts.draws += 1;

@@ -1,14 +1,14 @@
 //! A device, its queue and the pipelines that are compiled for it.
 
-use super::{handle::Device, probe::Probe, tier::Tier};
+use super::{handle::Device, tier::Tier};
 use std::{
     any::{Any, TypeId},
     collections::HashMap,
     sync::{Arc, Mutex, OnceLock},
 };
 
-/// A device, its queue and the pipelines compiled for it. Everything that needs the GPU is made with one; make one per
-/// device. A clone is cheap and shares the pipelines.
+/// A device, its queue and the pipelines compiled for it. Every object on the GPU is created with one. Make one context
+/// per device; a clone is cheap and shares the pipelines.
 ///
 /// Creating a context compiles nothing. A pipeline is compiled when a frame first records it, or in advance by
 /// [`prepare`](Self::prepare).
@@ -20,17 +20,17 @@ pub struct Context {
     pub(super) sets: Arc<Mutex<HashMap<TypeId, Slot>>>,
 }
 
-/// A pipeline set, once it is made: an [`Arc`] of it.
-pub(super) type Slot = Arc<OnceLock<Box<Erased>>>;
+/// A pipeline set: an [`Arc`] of it once it is created.
+pub(super) type Slot = Arc<OnceLock<Box<AnyPipelines>>>;
 #[cfg(not(target_arch = "wasm32"))]
-type Erased = dyn Any + Send + Sync;
+type AnyPipelines = dyn Any + Send + Sync;
 /// Browser objects belong to one thread.
 #[cfg(target_arch = "wasm32")]
-type Erased = dyn Any;
+type AnyPipelines = dyn Any;
 
 impl Context {
-    /// A context for the caller's device and its queue. The tier is what the device itself tells; [`Tier::of`] and
-    /// [`with_tier`](Self::with_tier) find out more from the adapter.
+    /// Creates a context for the caller's device and queue. Its tier is what the device itself reports; [`Tier::of`]
+    /// and [`with_tier`](Self::with_tier) add what only the adapter knows.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         Self {
             tier: Tier::of_device(device),
@@ -45,12 +45,13 @@ impl Context {
         Self { tier, ..self }
     }
 
-    /// A context of the same device whose shaders are those of `probe`.
-    pub fn with_probe(self, probe: Arc<dyn Probe>) -> Self {
+    /// The same device with shaders that `probe` replaces.
+    #[cfg(feature = "probe")]
+    pub fn with_probe(self, probe: Arc<dyn super::probe::Probe>) -> Self {
         Self { device: Device { probe: Some(probe), ..self.device }, sets: Arc::default(), ..self }
     }
 
-    /// A context of the same device in which the shader `module` is invalid; for tests of errors.
+    /// The same device with an invalid shader `module`, for tests of errors.
     #[doc(hidden)]
     pub fn with_broken(self, module: &'static str) -> Self {
         Self { device: Device { broken: Some(module), ..self.device }, sets: Arc::default(), ..self }
@@ -77,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn contexts_and_what_they_make_move_between_threads() {
+    fn contexts_and_their_objects_are_send_and_sync() {
         fn check<T: Send + Sync>() {}
         check::<Context>();
         check::<crate::Hair>();

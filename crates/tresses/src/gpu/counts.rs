@@ -1,23 +1,23 @@
-//! Counts of what is recorded.
+//! Counts of recorded commands.
 
 use std::ops::AddAssign;
 
-/// How much was recorded.
+/// Numbers of recorded commands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Compute and render passes.
     pub passes: u32,
-    /// Dispatches, those included whose workgroups the GPU counts.
+    /// Dispatches, including indirect ones.
     pub dispatches: u32,
-    /// Draws.
+    /// Draw calls.
     pub draws: u32,
-    /// Pipelines that were set.
+    /// Pipeline changes.
     pub pipelines: u32,
-    /// Bind groups that were set.
+    /// Bind group changes.
     pub groups: u32,
-    /// Copies and fills outside of passes.
+    /// Copies and fills outside passes.
     pub transfers: u32,
-    /// Bytes that attachments and transfers read and write by what they are, whatever shaders do.
+    /// Bytes that attachments and transfers move by their sizes. Shader accesses are not counted.
     pub bytes: u64,
 }
 

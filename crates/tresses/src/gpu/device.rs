@@ -3,35 +3,35 @@
 use super::{Context, Tier};
 use crate::{Error, Result};
 
-/// What to do where there is no adapter.
+/// Advice if there is no adapter.
 const REMEDY: &str = if cfg!(target_arch = "wasm32") {
-    "this browser has no WebGPU, or keeps it from this page"
+    "this browser does not support WebGPU, or blocks it on this page"
 } else {
     "on Linux without a GPU, scripts/setup installs Mesa's software Vulkan driver"
 };
 
-/// An adapter and a context for its device, for programs that have none yet. A clone names the same ones.
+/// An adapter and a context for its device, for programs that have no device yet. A clone refers to the same ones.
 #[derive(Clone, Debug)]
 pub struct Gpu {
-    /// The adapter that it is of.
+    /// The adapter of the device.
     pub adapter: wgpu::Adapter,
-    /// Name, driver and kind of the adapter.
+    /// Name, driver and type of the adapter.
     pub info: wgpu::AdapterInfo,
     /// The device, its queue and the adapter's tier.
     pub context: Context,
 }
 
 impl Gpu {
-    /// Opens the best adapter, hardware before software. The environment variables of wgpu
-    /// (`WGPU_BACKEND`, `WGPU_ADAPTER_NAME`) are honoured.
+    /// Opens the best adapter, hardware before software. Respects the environment variables of wgpu (`WGPU_BACKEND`,
+    /// `WGPU_ADAPTER_NAME`).
     ///
     /// # Errors
-    /// [`Error::Adapter`] when there is none, with what to do about it.
+    /// [`Error::Adapter`] if there is no adapter; the message says what to do.
     pub async fn open() -> Result<Self> {
         Self::showing(&Self::instance(), None).await
     }
 
-    /// An instance of wgpu as [`open`](Self::open) uses it, to make a surface with.
+    /// Creates a wgpu instance with the options of [`open`](Self::open), for creating a surface.
     pub fn instance() -> wgpu::Instance {
         let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
         // OpenGL lacks what the compute stages need, and probing it is slow and noisy.
@@ -39,7 +39,7 @@ impl Gpu {
         wgpu::Instance::new(descriptor)
     }
 
-    /// [`open`](Self::open) for an adapter of `instance` that can show pictures on `surface`.
+    /// As [`open`](Self::open), for an adapter of `instance` that can present to `surface`.
     ///
     /// # Errors
     /// As [`open`](Self::open).
@@ -65,7 +65,7 @@ impl Gpu {
             .request_device(&wgpu::DeviceDescriptor {
                 label: Some("tresses"),
                 required_features: Tier::features(&adapter),
-                // What the adapter has: large grooms need buffers beyond the baseline 128 MiB.
+                // The adapter's own limits: large grooms need buffers beyond the baseline 128 MiB.
                 required_limits: adapter.limits(),
                 ..Default::default()
             })

@@ -1,6 +1,6 @@
-//! Textures of cells: grids in space that kernels write and read.
+//! Three-dimensional textures for grids that kernels write and read.
 
-/// `size` cells of a `format` that may be stored to; what is in them can be copied out.
+/// Creates a texture of `size` cells, in a `format` that allows storage writes. Its contents can be copied out.
 pub(crate) fn grid_texture(
     device: &wgpu::Device,
     label: &str,

@@ -1,15 +1,15 @@
-//! A device as kernels and pipelines see it.
+//! The device handle that kernels and pipelines use.
 
 use super::probe::Probe;
 use std::{ops::Deref, sync::Arc};
 
-/// A device, and what else decides how things are made for it.
+/// A device, and the test hooks that change its shaders.
 #[derive(Clone, Debug)]
 pub(crate) struct Device {
     pub device: wgpu::Device,
-    /// Measures shaders.
+    /// Instruments shaders.
     pub probe: Option<Arc<dyn Probe>>,
-    /// A module whose shader is invalid.
+    /// Module whose shader is made invalid.
     pub broken: Option<&'static str>,
 }
 

@@ -1,5 +1,4 @@
-//! A compute kernel: one linked shader, one pipeline, a bind group layout of its own and those that it
-//! shares with other kernels.
+//! A compute kernel: one linked shader, one pipeline, its own bind group layout and those it shares with other kernels.
 
 use super::{
     bindings::{self, Binding},
@@ -10,7 +9,7 @@ use crate::{Error, Result, shaders};
 use std::sync::OnceLock;
 
 /// A compute pipeline and the layout of its own bind group, `@group(0)`. The pipeline is compiled when it is first
-/// recorded, or [asked for](Self::compile).
+/// recorded, or by [`compile`](Self::compile).
 #[derive(Debug)]
 pub struct Kernel {
     device: Device,
@@ -20,27 +19,27 @@ pub struct Kernel {
     pipeline: OnceLock<Result<wgpu::ComputePipeline, String>>,
 }
 
-/// Something that can be compiled beside others.
+/// A compilation that can run in parallel with others.
 #[cfg(not(target_arch = "wasm32"))]
 pub(crate) type Job<'a> = Box<dyn Fn() -> Result<()> + Send + Sync + 'a>;
-/// Something that is compiled in its turn: what a browser gives out belongs to one thread.
+/// A compilation. In a browser they run in sequence, since browser objects belong to one thread.
 #[cfg(target_arch = "wasm32")]
 pub(crate) type Job<'a> = Box<dyn Fn() -> Result<()> + 'a>;
 
-/// What compiles `kernels`.
+/// Returns jobs that compile `kernels`.
 pub(crate) fn jobs<'a>(kernels: impl IntoIterator<Item = &'a Kernel>) -> Vec<Job<'a>> {
     kernels.into_iter().map(|kernel| Box::new(|| kernel.compile()) as Job<'a>).collect()
 }
 
 impl Kernel {
-    /// The kernel of the shader `module` (for example `simulate::step`), whose entry point
-    /// has the name of the module's last part and whose nth binding is `entries[n]`.
+    /// Creates the kernel of the shader `module` (for example `simulate::step`). Its entry point is named after the
+    /// last part of the module, and its nth binding is `entries[n]`.
     pub(crate) fn new(device: &Device, module: &'static str, entries: &[Binding]) -> Self {
         Self::beside(device, module, entries, &[])
     }
 
-    /// [`new`](Self::new) for a shader that also binds groups of the layouts `shared`, `@group(1)` first:
-    /// set them on the pass before [`record`](Self::record).
+    /// As [`new`](Self::new), for a shader that also binds groups of the layouts `shared`, `@group(1)` first. The
+    /// caller sets them on the pass before [`record`](Self::record).
     pub(crate) fn beside(
         device: &Device,
         module: &'static str,
@@ -56,10 +55,10 @@ impl Kernel {
         }
     }
 
-    /// Compiles it, unless it is.
+    /// Compiles the kernel unless it is compiled already.
     ///
     /// # Errors
-    /// [`Error::Gpu`] with what wgpu said.
+    /// [`Error::Gpu`] with wgpu's message.
     pub fn compile(&self) -> Result<()> {
         self.pipeline().map(|_| ())
     }
@@ -82,13 +81,13 @@ impl Kernel {
         made.as_ref().map_err(|problem| Error::Gpu { stage: self.module, problem: problem.clone() })
     }
 
-    /// A bind group for [`record`](Self::record).
+    /// Creates a bind group for [`record`](Self::record).
     pub fn bind(&self, resources: &[wgpu::BindingResource<'_>]) -> wgpu::BindGroup {
         self.device.group(self.module, &self.layout, resources)
     }
 
-    /// Records one dispatch of `workgroups` workgroups. More than 65,535 spread over two
-    /// dimensions: the kernel takes its workgroup's index as `id.x + id.y * count.x` and checks it.
+    /// Records a dispatch of `workgroups` workgroups. More than 65,535 are spread over two dimensions: the kernel
+    /// computes its workgroup's index as `id.x + id.y * count.x` and checks it against the range.
     pub fn record(
         &self,
         pass: &mut crate::gpu::ComputePass<'_>,
@@ -103,8 +102,8 @@ impl Kernel {
         self.record_grid(pass, group, offsets, [workgroups.min(WIDTH), workgroups.div_ceil(WIDTH), 1]);
     }
 
-    /// Records one dispatch of a grid of workgroups. A kernel that cannot be compiled records
-    /// nothing, and the pass returns the error when it [ends](crate::gpu::ComputePass::end).
+    /// Records a dispatch of a grid of workgroups. If the kernel fails to compile, nothing is recorded, and the pass
+    /// returns the error when it [ends](crate::gpu::ComputePass::end).
     pub fn record_grid(
         &self,
         pass: &mut crate::gpu::ComputePass<'_>,
@@ -117,7 +116,8 @@ impl Kernel {
         }
     }
 
-    /// Records one dispatch of as many workgroups as stand in a buffer, from a byte of it on: x, y and z.
+    /// Records an indirect dispatch. `workgroups` is a buffer with the x, y and z counts, and the byte offset of the
+    /// first.
     pub fn record_indirect(
         &self,
         pass: &mut crate::gpu::ComputePass<'_>,
@@ -130,7 +130,7 @@ impl Kernel {
         }
     }
 
-    /// Sets pipeline and group, unless the kernel cannot be compiled.
+    /// Sets pipeline and bind group. Returns false if the kernel fails to compile.
     fn set(&self, pass: &mut crate::gpu::ComputePass<'_>, group: &wgpu::BindGroup, offsets: &[u32]) -> bool {
         match self.pipeline() {
             Ok(pipeline) => {

@@ -1,6 +1,5 @@
-//! Thin helpers over wgpu: opening a device, bind group layouts by position, compute kernels,
-//! read-back for tests and headless use, timings. No framework: everything here is optional for
-//! a caller that owns its device.
+//! Thin helpers over wgpu: opening a device, bind group layouts by position, compute kernels, read-back for tests and
+//! headless use, timings. None is required of a caller that owns its device.
 
 pub mod bindings;
 pub mod commands;
@@ -11,7 +10,10 @@ pub(crate) mod grid;
 mod handle;
 pub mod kernel;
 pub(crate) mod pipeline;
+#[cfg(feature = "probe")]
 pub mod probe;
+#[cfg(not(feature = "probe"))]
+mod probe;
 pub mod readback;
 mod sets;
 mod tier;
@@ -31,7 +33,7 @@ pub use timings::{Clock, Timings, wall};
 /// A `u32` that shaders change atomically.
 pub type Atomic = u32;
 
-/// Records `record` in a compute pass and submits it.
+/// Runs the commands of `record` in a compute pass and submits it.
 #[cfg(test)]
 pub(crate) fn compute(context: &Context, record: impl FnOnce(&mut commands::ComputePass<'_>)) {
     let mut encoder = context.device().create_command_encoder(&Default::default());
@@ -42,25 +44,22 @@ pub(crate) fn compute(context: &Context, record: impl FnOnce(&mut commands::Comp
     context.queue().submit([encoder.finish()]);
 }
 
-/// A context of a device that does nothing.
+/// A context of a no-op device.
 #[cfg(test)]
 pub(crate) fn noop() -> Context {
     let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
     Context::new(&device, &queue)
 }
 
-/// The context of all unit tests, opened once, or `None` where the machine has no adapter and need not have one.
+/// Returns the context of this test's thread, or `None` without an adapter if `TRESSES_SKIP` lists `gpu`.
 #[cfg(test)]
 pub(crate) fn for_tests() -> Option<&'static Context> {
-    static CONTEXT: std::sync::OnceLock<Option<Context>> = std::sync::OnceLock::new();
-    CONTEXT
-        .get_or_init(|| match pollster::block_on(Gpu::open()) {
-            Ok(gpu) => Some(gpu.context),
-            Err(error) => {
-                assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none_or(|v| v != "1"), "{error}");
-                println!("skipped: {error}");
-                None
-            }
-        })
-        .as_ref()
+    static CONTEXTS: tresses_testing::Pool<Context> = tresses_testing::Pool::new();
+    CONTEXTS.get(|| match pollster::block_on(Gpu::open()) {
+        Ok(gpu) => Some(gpu.context),
+        Err(error) => {
+            tresses_testing::skip("gpu", error);
+            None
+        }
+    })
 }

@@ -1,8 +1,8 @@
-//! Every pipeline of the library is built here: in an error scope, so that what a driver refuses is an
-//! [`Error`], and when it is first needed, once for each key.
+//! Creates all pipelines of the library, at first use and once per key. Error scopes turn a driver's rejection into an
+//! [`Error`].
 //!
-//! No [`wgpu::PipelineCache`]: wgpu 30 makes one only by an `unsafe` call, since it believes the bytes that it is
-//! given, and this library forbids unsafe code. Drivers keep what they have compiled on their own.
+//! No [`wgpu::PipelineCache`] is used: wgpu 30 creates one only by an `unsafe` call, since it trusts the cached bytes,
+//! and this library forbids unsafe code. Drivers cache compiled shaders themselves.
 
 use super::{handle::Device, probe};
 use crate::{Error, Result, shaders};
@@ -12,32 +12,32 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
-/// Format of all depth targets; depth is reversed, 1 being near, but in shadow maps.
+/// Format of all depth targets. Depth is reversed (1 is near), except in shadow maps.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// Module path of a shader, and an entry point in it.
+/// Module path of a shader, and the name of an entry point in it.
 pub(crate) type Entry<'a> = (&'static str, &'a str);
 
-/// What a render pipeline is made of.
+/// Description of a render pipeline.
 #[derive(Clone, Copy)]
 pub(crate) struct Recipe<'a> {
     pub vertex: Entry<'a>,
-    /// None for depth alone.
+    /// `None` for depth-only pipelines.
     pub fragment: Option<Entry<'a>>,
     pub layouts: &'a [&'a wgpu::BindGroupLayout],
     pub buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     pub targets: &'a [Option<wgpu::ColorTargetState>],
     pub topology: wgpu::PrimitiveTopology,
-    /// Whether depth is written and what it must be to what is there. None without a depth target.
+    /// Whether depth is written, and the depth test. `None` without a depth target.
     pub depth: Option<(bool, wgpu::CompareFunction)>,
     pub samples: u32,
     pub alpha_to_coverage: bool,
-    /// What the fragment shader's constants are (`override`), by their numbers.
+    /// Values of the fragment shader's `override` constants, by number.
     pub constants: &'a [(&'a str, f64)],
 }
 
 impl Recipe<'_> {
-    /// Triangles without vertex buffers, depth or several samples.
+    /// Triangles without vertex buffers, depth or multisampling.
     pub const PLAIN: Self = Self {
         vertex: ("", ""),
         fragment: None,
@@ -51,10 +51,10 @@ impl Recipe<'_> {
         constants: &[],
     };
 
-    /// The pipeline.
+    /// Creates the pipeline.
     ///
     /// # Errors
-    /// [`Error::Gpu`] with what wgpu said.
+    /// [`Error::Gpu`] with wgpu's message.
     pub fn build(&self, device: &Device) -> Result<wgpu::RenderPipeline> {
         let label = self.fragment.map_or(self.vertex.0, |fragment| fragment.0);
         scoped(device, label, || {
@@ -70,7 +70,7 @@ impl Recipe<'_> {
                     compilation_options: Default::default(),
                     buffers: self.buffers,
                 },
-                // Meshes in the wild are open and turned either way; strips face the camera.
+                // No culling: meshes are often open or wound inconsistently, and strips face the camera.
                 primitive: wgpu::PrimitiveState { topology: self.topology, ..Default::default() },
                 depth_stencil: self.depth.map(|(write, compare)| wgpu::DepthStencilState {
                     format: DEPTH_FORMAT,
@@ -100,7 +100,7 @@ impl Recipe<'_> {
     }
 }
 
-/// The pipeline of a kernel: the entry point of the name `entry` in the WGSL `source`.
+/// Creates a compute pipeline for the entry point `entry` of the WGSL `source`.
 ///
 /// # Errors
 /// As [`Recipe::build`].
@@ -151,7 +151,7 @@ fn pipeline_layout(device: &Device, label: &str, groups: &[&wgpu::BindGroupLayou
     })
 }
 
-/// Error scopes of every kind; of the thread that opens them, where there are threads.
+/// Error scopes of all kinds. They belong to the thread that opens them.
 pub(crate) struct Scopes([wgpu::ErrorScopeGuard; 3]);
 
 impl Scopes {
@@ -160,10 +160,10 @@ impl Scopes {
         Self([OutOfMemory, Internal, Validation].map(|filter| device.push_error_scope(filter)))
     }
 
-    /// What went wrong in them.
+    /// Returns the first error in the scopes.
     pub async fn close(self, stage: &'static str) -> Result<()> {
         let Self([memory, internal, validation]) = self;
-        // The last one opened comes first; popping is done before anything is waited for.
+        // Scopes close in reverse order. All are popped before the first await.
         let (validation, internal, memory) = (validation.pop(), internal.pop(), memory.pop());
         let found = [validation.await, internal.await, memory.await];
         match found.into_iter().flatten().next() {
@@ -173,8 +173,8 @@ impl Scopes {
     }
 }
 
-/// What `make` makes, unless wgpu objects. In a browser, where the answer comes later, whoever wants to know asks
-/// [`Context::prepare`](crate::Context::prepare).
+/// Runs `make` in error scopes. In a browser errors arrive later, so there this returns no error;
+/// [`Context::prepare`](crate::Context::prepare) reports them.
 pub(crate) fn scoped<T>(device: &wgpu::Device, stage: &'static str, make: impl FnOnce() -> T) -> Result<T> {
     #[cfg(not(target_arch = "wasm32"))]
     {
@@ -190,24 +190,23 @@ pub(crate) fn scoped<T>(device: &wgpu::Device, stage: &'static str, make: impl F
     }
 }
 
-/// Things that are made when they are first asked for, one for each key. Threads that ask for different ones do not
-/// wait for each other.
+/// A cache of values, created at first use, one per key. Threads that need different keys do not wait for each other.
 #[derive(Debug)]
-pub(crate) struct Made<K, V>(Mutex<HashMap<K, Slot<V>>>);
+pub(crate) struct PipelineCache<K, V>(Mutex<HashMap<K, Slot<V>>>);
 
 type Slot<V> = Arc<Mutex<Option<V>>>;
 
-impl<K, V> Default for Made<K, V> {
+impl<K, V> Default for PipelineCache<K, V> {
     fn default() -> Self {
         Self(Mutex::default())
     }
 }
 
-impl<K: Eq + Hash, V: Clone> Made<K, V> {
-    /// The one of `key`.
+impl<K: Eq + Hash, V: Clone> PipelineCache<K, V> {
+    /// Returns the value of `key`, created by `make` if it does not exist.
     ///
     /// # Errors
-    /// What `make` says; it is asked again the next time.
+    /// The error of `make`, which the next call runs again.
     pub fn get(&self, key: K, make: impl FnOnce() -> Result<V>) -> Result<V> {
         let slot = lock(&self.0).entry(key).or_default().clone();
         let mut slot = lock(&slot);
@@ -219,11 +218,11 @@ impl<K: Eq + Hash, V: Clone> Made<K, V> {
 }
 
 pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // What a panic leaves behind is whole: a thing is there or it is not.
+    // A panic cannot leave a half-written value.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A target that is blended with `src` and `dst` factors, colour and alpha alike.
+/// A color target blended with the same factors for color and alpha.
 pub(crate) fn blended(
     format: wgpu::TextureFormat,
     src_factor: wgpu::BlendFactor,
@@ -242,9 +241,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_wgpu_refuses_is_an_error_and_nothing_worse() {
+    fn pipelines_that_wgpu_rejects_are_errors_and_can_be_retried() {
         let device = &crate::gpu::noop().device;
-        let made = Made::<u8, wgpu::ComputePipeline>::default();
+        let made = PipelineCache::<u8, wgpu::ComputePipeline>::default();
         let entries = [crate::gpu::Binding::Uniform];
         let layout = crate::gpu::bindings::layout(device, "test", wgpu::ShaderStages::COMPUTE, &entries);
         let wgsl = "@group(0) @binding(0) var<uniform> x: u32;

@@ -1,10 +1,9 @@
-//! Copies from the GPU back to the CPU, for pictures, measurements and tests; never awaited in a
-//! frame.
+//! Copies from the GPU to the CPU, for images, measurements and tests. A frame never waits for one.
 //!
-//! [`buffer`] and [`texture`] wait: in a browser by giving the event loop its turn, elsewhere by polling
-//! the device, so that they are mostly ready when first polled. Where another thread polls the same device, the
-//! result may arrive on that thread, a little later. [`blocking`] needs no executor. [`Pending`] does not wait: a program that polls its device anyway, as each
-//! `submit` does, asks now and then whether the copy has arrived.
+//! [`buffer`] and [`texture`] wait: in a browser for the event loop, elsewhere by polling the device, so that they are
+//! usually ready when first polled. If another thread polls the same device, the result may arrive on that thread, a
+//! little later. [`blocking`] needs no executor. [`Pending`] does not wait: a program that polls its device anyway, as
+//! each `submit` does, checks from time to time whether the copy has arrived.
 
 use super::Context;
 use crate::{Error, Result};
@@ -14,7 +13,7 @@ use std::{
     task::{Poll, Waker},
 };
 
-/// The contents of `buffer` from byte 0, which must have `COPY_SRC`.
+/// Reads back `buffer` from byte 0. It must have `COPY_SRC`.
 ///
 /// # Errors
 /// [`Error::Gpu`] when the device is lost.
@@ -23,7 +22,7 @@ pub async fn buffer<T: bytemuck::Pod>(context: &Context, buffer: &wgpu::Buffer) 
     Ok(bytemuck::pod_collect_to_vec(&bytes[..bytes.len() / size_of::<T>() * size_of::<T>()]))
 }
 
-/// The first mip level of a texture with `COPY_SRC`, all its layers or slices, rows without padding.
+/// Reads back the first mip level of a texture with `COPY_SRC`: all layers or slices, rows without padding.
 ///
 /// # Errors
 /// [`Error::Gpu`] when the device is lost, or for a format without a single size per texel.
@@ -31,13 +30,14 @@ pub async fn texture(context: &Context, texture: &wgpu::Texture) -> Result<Vec<u
     Pending::texture(context, texture)?.wait().await
 }
 
-/// The same for programs without an executor, such as tests. Not in a browser, where nothing can block.
+/// Blocking versions for programs without an executor, such as tests. Not available in a browser, where nothing can
+/// block.
 #[cfg(not(target_arch = "wasm32"))]
 pub mod blocking {
     use crate::{Context, Result};
     use pollster::block_on;
 
-    /// What [`buffer`](super::buffer) gives.
+    /// As [`buffer`](super::buffer).
     ///
     /// # Errors
     /// [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
@@ -45,27 +45,27 @@ pub mod blocking {
         block_on(super::buffer(context, buffer))
     }
 
-    /// What [`texture`](super::texture) gives.
+    /// As [`texture`](super::texture).
     ///
     /// # Errors
-    /// As there.
+    /// As [`texture`](super::texture).
     pub fn texture(context: &Context, texture: &wgpu::Texture) -> Result<Vec<u8>> {
         block_on(super::texture(context, texture))
     }
 }
 
-/// A copy on its way to the CPU.
+/// A copy to the CPU that is in progress.
 #[derive(Debug)]
 pub struct Pending {
     device: wgpu::Device,
     target: wgpu::Buffer,
     size: u64,
-    /// Bytes per row in the copy and without padding.
+    /// Bytes per row with padding and without.
     rows: Option<[usize; 2]>,
     mapping: Arc<Mutex<Mapping>>,
 }
 
-/// What the mapping's callback tells.
+/// Result of the mapping's callback.
 #[derive(Debug, Default)]
 struct Mapping {
     result: Option<Result<(), wgpu::BufferAsyncError>>,
@@ -73,23 +73,21 @@ struct Mapping {
 }
 
 impl Pending {
-    /// Begins to copy `buffer` from byte 0, which must have `COPY_SRC`, after all work submitted so
-    /// far.
+    /// Begins to copy `buffer` from byte 0, after all work submitted so far. It must have `COPY_SRC`.
     pub fn buffer(context: &Context, buffer: &wgpu::Buffer) -> Self {
         Self::new(context, buffer.size(), None, |encoder, target| {
             encoder.copy_buffer_to_buffer(buffer, 0, target, 0, buffer.size());
         })
     }
 
-    /// The same for the first mip level of a texture with `COPY_SRC`, all its layers or slices; rows
-    /// come without padding.
+    /// Begins to copy the first mip level of a texture with `COPY_SRC`: all layers or slices, rows without padding.
     ///
     /// # Errors
     /// [`Error::Gpu`] for a format without a single size per texel.
     pub fn texture(context: &Context, texture: &wgpu::Texture) -> Result<Self> {
         let texel = texture.format().block_copy_size(None).ok_or_else(|| Error::Gpu {
             stage: "read-back",
-            problem: format!("{:?} has no single size per texel", texture.format()),
+            problem: format!("the format {:?} has no fixed size per texel", texture.format()),
         })?;
         let (width, height, depth) = (texture.width(), texture.height(), texture.depth_or_array_layers());
         let row = width * texel;
@@ -144,7 +142,7 @@ impl Pending {
         Self { device: context.device().clone(), target, size, rows, mapping }
     }
 
-    /// The bytes, once, if they have arrived by now.
+    /// Returns the bytes, once, if they have arrived.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the device is lost.
@@ -153,12 +151,12 @@ impl Pending {
         Some(result.map_err(|error| lost(error.to_string())).and_then(|()| self.bytes()))
     }
 
-    /// The bytes when they have arrived.
+    /// Waits for the bytes.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the device is lost.
     pub async fn wait(mut self) -> Result<Vec<u8>> {
-        // In a browser this returns at once and the callback comes from the event loop.
+        // In a browser `poll` returns immediately, and the event loop runs the callback.
         self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| lost(error.to_string()))?;
         poll_fn(|context| {
             if let Some(result) = self.take() {
@@ -166,7 +164,7 @@ impl Pending {
             }
             let mut mapping = lock(&self.mapping);
             mapping.waker = Some(context.waker().clone());
-            // The callback may have come in between.
+            // The callback may have run in the meantime.
             if mapping.result.is_some() {
                 context.waker().wake_by_ref();
             }
@@ -190,6 +188,6 @@ fn lost(problem: String) -> Error {
 }
 
 fn lock(mapping: &Mutex<Mapping>) -> MutexGuard<'_, Mapping> {
-    // A panic elsewhere leaves no half-written mapping.
+    // A panic cannot leave a half-written mapping.
     mapping.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,29 +1,29 @@
-//! Pipelines of a context, made once per device at first use.
+//! Pipeline sets of a context.
 
 use super::{Context, Kernel, kernel::Job, pipeline::lock};
 use std::{any::TypeId, sync::Arc};
 
-/// The pipelines of one stage, made once per device at first use.
+/// Pipelines of one stage, created once per device at first use.
 pub(crate) trait PipelineSet: wgpu::WasmNotSendSync + Sized + 'static {
-    /// The set for the device of `context`, nothing compiled yet.
+    /// Creates the set for the device of `context` without compiling anything.
     fn new(context: &Context) -> Self;
 
-    /// The kernels that [`Context::prepare`] compiles for a request of the stage.
+    /// Kernels that [`Context::prepare`] compiles if the stage is requested.
     fn kernels(&self) -> Vec<&Kernel> {
         Vec::new()
     }
 }
 
 impl Context {
-    /// The pipelines `T`, which all clones of this context share.
+    /// Returns the pipeline set `T`, which all clones of this context share.
     pub(crate) fn pipelines<T: PipelineSet>(&self) -> Arc<T> {
         let slot = lock(&self.sets).entry(TypeId::of::<T>()).or_default().clone();
-        // The map is not locked meanwhile: a set may ask for others.
+        // The map is unlocked here, because a set may request others.
         let set = slot.get_or_init(|| Box::new(Arc::new(T::new(self))));
         set.downcast_ref::<Arc<T>>().expect("the slot of a type holds that type").clone()
     }
 
-    /// Jobs that compile the kernels of `T`.
+    /// Returns jobs that compile the kernels of `T`.
     pub(crate) fn jobs<T: PipelineSet>(&self) -> Vec<Job<'static>> {
         let set = self.pipelines::<T>();
         let job = |i: usize| {
@@ -56,7 +56,7 @@ mod tests {
     }
 
     #[test]
-    fn clones_share_pipelines_and_devices_do_not() {
+    fn pipelines_are_shared_by_clones_only() {
         let first = crate::gpu::noop();
         let outer = first.clone().pipelines::<Outer>();
         assert!(Arc::ptr_eq(&outer, &first.pipelines()));

@@ -1,24 +1,24 @@
 //! An adapter's capabilities beyond baseline WebGPU.
 
-/// What the adapter offers beyond baseline WebGPU; chosen once.
+/// Capabilities of an adapter beyond baseline WebGPU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tier {
-    /// GPU timestamps between passes.
+    /// Whether GPU timestamps between passes are available.
     pub timestamps: bool,
-    /// The most samples per pixel of the HDR target: 1, 4, 8 or 16.
+    /// Largest number of samples per pixel of the HDR target: 1, 4, 8 or 16.
     pub max_samples: u32,
     /// Whether the adapter is a software driver that runs on the CPU.
     pub software: bool,
 }
 
 impl Tier {
-    /// The features to request from `adapter`.
+    /// Features to request from `adapter`.
     pub fn features(adapter: &wgpu::Adapter) -> wgpu::Features {
         adapter.features()
             & (wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES)
     }
 
-    /// What can be known from a device alone: at most 4 samples per pixel.
+    /// The tier as far as a device alone reports it: at most 4 samples per pixel.
     pub(crate) fn of_device(device: &wgpu::Device) -> Self {
         Self {
             timestamps: device.features().contains(wgpu::Features::TIMESTAMP_QUERY),
@@ -27,7 +27,7 @@ impl Tier {
         }
     }
 
-    /// What `adapter` offers when [`features`](Self::features) were requested.
+    /// The tier of `adapter`, whose device was requested with [`features`](Self::features).
     pub fn of(adapter: &wgpu::Adapter) -> Self {
         let features = Self::features(adapter);
         let specific = features.contains(wgpu::Features::TEXTURE_ADAPTER_SPECIFIC_FORMAT_FEATURES);

@@ -1,24 +1,24 @@
-//! GPU time per stage: from timestamps at the beginning and end of each pass, or by wall clock. What knows where stages
-//! end also takes frames apart.
+//! GPU time per stage, from timestamps at the beginning and end of each pass or from a CPU clock. Also splits a frame
+//! into parts at the ends of its stages.
 
 use super::{Context, Counts, readback::Pending};
 use crate::{Error, Result};
 use std::{sync::OnceLock, time::Duration};
 use web_time::Instant;
 
-/// The time since some moment that stays the same.
+/// Returns the time since a fixed moment.
 pub type Clock = fn() -> Duration;
 
-/// The clock on the wall.
+/// Wall-clock time since the first call.
 pub fn wall() -> Duration {
     static START: OnceLock<Instant> = OnceLock::new();
     START.get_or_init(Instant::now).elapsed()
 }
 
-/// The most passes of one frame.
+/// Largest number of timed passes in a frame.
 const MAX_PASSES: u32 = 64;
 
-/// Collects the times of the passes of one frame.
+/// Timings of the passes of one frame.
 #[derive(Debug)]
 pub struct Timings {
     source: Source,
@@ -27,7 +27,7 @@ pub struct Timings {
 
 #[derive(Debug)]
 enum Source {
-    /// A begin and an end timestamp for every pass.
+    /// Two timestamps per pass, at its beginning and its end.
     Timestamps {
         queries: wgpu::QuerySet,
         resolved: wgpu::Buffer,
@@ -35,14 +35,14 @@ enum Source {
         /// Nanoseconds per tick.
         period: f32,
     },
-    /// Every stage is submitted and waited for alone.
+    /// Each stage is submitted on its own, and the CPU waits for it.
     Clock { clock: Clock, since: Duration, rows: Vec<(&'static str, f64)>, lost: Option<Error> },
-    /// Every stage is a part of its own.
+    /// Each stage becomes a command buffer of its own.
     Parts(Vec<wgpu::CommandBuffer>),
 }
 
 impl Timings {
-    /// From timestamps; needs [`wgpu::Features::TIMESTAMP_QUERY`] on the device.
+    /// Measures by timestamps. The device needs [`wgpu::Features::TIMESTAMP_QUERY`].
     pub fn new(context: &Context) -> Self {
         let Context { device, queue, .. } = context;
         let count = 2 * MAX_PASSES;
@@ -64,23 +64,25 @@ impl Timings {
         Self { source, counts: Vec::new() }
     }
 
-    /// By a clock, [`wall`] or one of the processor's time: a [`crate::frame::Recorder`] submits the parts of its stages one by
-    /// one and waits for each. For tools on a software driver, whose timestamps of compute passes
-    /// are those of the call, and those of drawing when pixels are filled; a part's time holds the call and
-    /// the waiting. In a browser, where nothing can be waited for, the times are those of the calls alone.
+    /// Measures by a clock: [`wall`] or one that returns processor time. A [`crate::frame::Recorder`] then submits each
+    /// part of a stage on its own and waits for it; the time of a part includes the submission and the wait.
+    ///
+    /// This is for tools on software drivers, where the timestamps of a compute pass are taken at the call, and the
+    /// timestamps of a render pass when pixels are filled. A browser cannot wait, so there the times cover only the
+    /// calls.
     pub fn by(clock: Clock) -> Self {
         let source = Source::Clock { clock, since: clock(), rows: Vec::new(), lost: None };
         Self { source, counts: Vec::new() }
     }
 
-    /// Of nothing: the [`parts`](Self::parts) of a frame that is recorded with it are to be submitted one by one, what
-    /// its encoder still holds last. For frames so long that others want the queue meanwhile; a frame of which parts are
-    /// left out is no picture, and the next one is lit anew.
+    /// Measures nothing, but splits a frame into [`parts`](Self::parts). The caller submits them in order, then what
+    /// the encoder still holds. This lets other work use the queue during a very long frame. If parts are left out, the
+    /// frame has no valid image, and the next frame renders its light again.
     pub fn of_parts() -> Self {
         Self { source: Source::Parts(Vec::new()), counts: Vec::new() }
     }
 
-    /// The parts of a frame, and starts over; without [`of_parts`](Self::of_parts) there are none.
+    /// Takes the recorded parts of the frame. There are none without [`of_parts`](Self::of_parts).
     pub fn parts(&mut self) -> Vec<wgpu::CommandBuffer> {
         match &mut self.source {
             Source::Parts(parts) => std::mem::take(parts),
@@ -88,7 +90,7 @@ impl Timings {
         }
     }
 
-    /// Whether frames are taken apart, and are to be in parts that are not too long.
+    /// Whether the frame is split into parts, which should be short.
     pub(crate) fn takes_apart(&self) -> bool {
         matches!(self.source, Source::Parts(_))
     }
@@ -102,7 +104,7 @@ impl Timings {
         })
     }
 
-    /// The timestamps of a compute pass called `name`; passes of one name are added up.
+    /// Timestamps for a compute pass. Passes with the same `name` are summed.
     pub fn compute(&mut self, name: &'static str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
         let (query_set, index) = self.next(name)?;
         Some(wgpu::ComputePassTimestampWrites {
@@ -112,7 +114,7 @@ impl Timings {
         })
     }
 
-    /// The timestamps of a render pass called `name`; passes of one name are added up.
+    /// Timestamps for a render pass. Passes with the same `name` are summed.
     pub fn render(&mut self, name: &'static str) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
         let (query_set, index) = self.next(name)?;
         Some(wgpu::RenderPassTimestampWrites {
@@ -122,15 +124,15 @@ impl Timings {
         })
     }
 
-    /// By the clock, a part of a stage begins here. What was recorded before belongs to no row.
+    /// Begins a part of a stage. With a clock, commands recorded before count for no row.
     pub(crate) fn start(&mut self) {
         if let Source::Clock { clock, since, .. } = &mut self.source {
             *since = clock();
         }
     }
 
-    /// A part called `name` ends here and the next begins. By the clock, what `encoder` holds is submitted and
-    /// waited for; [of parts](Self::of_parts), it is kept.
+    /// Ends a part called `name` and begins the next. With a clock, submits the contents of `encoder` and waits; with
+    /// [`of_parts`](Self::of_parts), stores them.
     pub(crate) fn lap(
         &mut self,
         context: &Context,
@@ -161,20 +163,20 @@ impl Timings {
         *since = now;
     }
 
-    /// What was recorded for each row of the frame, in order of first use; before its times are read.
+    /// Commands recorded for each row of the frame, in order of first use. Reading the times clears them.
     pub fn counts(&self) -> &[(&'static str, Counts)] {
         &self.counts
     }
 
-    /// Records the resolve; once per frame, after the last pass.
+    /// Resolves the timestamps; call it once per frame, after the last pass.
     pub fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
         if let Source::Timestamps { queries, resolved, names, .. } = &self.source {
             encoder.resolve_query_set(queries, 0..2 * names.len() as u32, resolved, 0);
         }
     }
 
-    /// Milliseconds per name, in order of first use, and starts over. Waits for the frame: a program that
-    /// must not takes [`later`](Self::later).
+    /// Waits for the frame and returns milliseconds per name, in order of first use. Then starts over. Programs that
+    /// must not wait use [`later`](Self::later).
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
@@ -186,8 +188,8 @@ impl Timings {
         }
     }
 
-    /// Begins to read what [`read`](Self::read) gives, after the submission of the frame, and starts over:
-    /// the next frame may be recorded at once.
+    /// Begins to read the times, after the frame is submitted, and starts over. The next frame can be recorded
+    /// immediately.
     pub fn later(&mut self, context: &Context) -> Rows {
         self.counts.clear();
         let source = match &mut self.source {
@@ -206,7 +208,7 @@ impl Timings {
     }
 }
 
-/// The times of one frame, on their way to the CPU.
+/// Times of one frame that are still being read back.
 #[derive(Debug)]
 pub struct Rows {
     source: RowSource,
@@ -219,8 +221,8 @@ enum RowSource {
 }
 
 impl Rows {
-    /// The milliseconds per name, once, if they have arrived by now: after the GPU is done with the
-    /// frame and the device has been polled, as a submission does.
+    /// Returns milliseconds per name, once, if they have arrived. This requires that the GPU has finished the frame and
+    /// that the device was polled, as a submission does.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
@@ -235,7 +237,7 @@ impl Rows {
     }
 }
 
-/// The rows of passes with `names` from their ticks of `period` nanoseconds.
+/// Sums ticks of `period` nanoseconds per name.
 fn rows(ticks: &[u8], names: &[&'static str], period: f32) -> Vec<(&'static str, f64)> {
     let ticks: Vec<u64> = bytemuck::pod_collect_to_vec(ticks);
     let mut rows = Vec::new();
@@ -245,7 +247,7 @@ fn rows(ticks: &[u8], names: &[&'static str], period: f32) -> Vec<(&'static str,
     rows
 }
 
-/// Adds to the row of that name.
+/// Adds a time to the row `name`.
 fn add(rows: &mut Vec<(&'static str, f64)>, name: &'static str, ms: f64) {
     match rows.iter_mut().find(|(known, _)| *known == name) {
         Some((_, sum)) => *sum += ms,

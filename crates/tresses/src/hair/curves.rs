@@ -1,4 +1,4 @@
-//! From guides to drawn strands.
+//! The stages from guides to drawn strands.
 
 use crate::{
     Context,
@@ -8,7 +8,8 @@ use crate::{
     tessellate::Tessellation,
 };
 
-/// Declares [`Curves`] from one row per stage: its field, its folder and state, and how the state is made.
+/// Declares [`Curves`] from one row per stage: its field, its folder and state type, and the expression that creates
+/// the state.
 macro_rules! curves {
     (|$context:ident, $guides:ident, $strands:ident| $($field:ident: $folder:ident::$state:ident = $new:expr;)*) => {
         /// The stages between the simulation and the drawn strands.
@@ -16,13 +17,13 @@ macro_rules! curves {
         pub(crate) struct Curves { $(pub $field: crate::$folder::$state,)* }
 
         impl Curves {
-            /// For `strands` that follow `guides`.
+            /// Creates the stages for `strands` that follow `guides`.
             pub fn new($context: &Context, $guides: &GuideBuffers, $strands: &StrandBuffers) -> Self {
                 $(let $field = $new;)*
                 Self { $($field),* }
             }
 
-            /// Jobs that compile the kernels of these stages.
+            /// Returns jobs that compile the kernels of these stages.
             pub fn jobs(context: &Context) -> Vec<Job<'static>> {
                 [$(context.jobs::<crate::$folder::Pipelines>()),*].into_iter().flatten().collect()
             }
@@ -35,7 +36,7 @@ curves! { |context, guides, strands|
     interpolation: interpolate::Interpolation = interpolation(context, guides, strands, &tessellation);
 }
 
-/// For strands that follow samples of the guides, or each its own guide where those have no samples.
+/// Creates the stage for strands that follow guide samples. Without samples, each strand follows its own guide.
 fn interpolation(
     context: &Context,
     guides: &GuideBuffers,

@@ -1,4 +1,4 @@
-//! What acts on the guides besides their own physics.
+//! Forces on the guides besides their own physics.
 
 use crate::{
     Context,
@@ -7,7 +7,7 @@ use crate::{
     volume::Volume,
 };
 
-/// Forces of grids, links and a hand.
+/// Forces of grids, links and grabs.
 #[derive(Debug)]
 pub(super) struct Effects {
     /// Forces of self-collision and wind.
@@ -15,14 +15,14 @@ pub(super) struct Effects {
     /// Springs between neighboring guides, where hair is cohesive.
     pub links: Option<Links>,
     pub grab: Grab,
-    /// Whether the wind blows in this frame.
+    /// Whether there is wind in this frame.
     pub windy: bool,
     /// Whether the grids act on the guides in this frame.
     pub forced: bool,
 }
 
 impl Effects {
-    /// Without wind and a hand.
+    /// Creates the effects without wind and without a grab.
     pub fn new(context: &Context, guides: &GuideBuffers, volume: &Volume, links: Option<Links>) -> Self {
         let forces = Forces::new(context, guides, volume, None);
         Self { forces, links, grab: Grab::default(), windy: false, forced: false }

@@ -3,27 +3,27 @@
 use crate::{Pose, collide::ColliderPoses, math::map::Map, simulate::SimulationParams, space::Space};
 use std::sync::LazyLock;
 
-/// What the motion of a groom depends on besides the hair itself.
+/// Inputs that move a groom in one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct HairFrame<'a> {
     /// Time since the last frame, seconds.
     pub dt: f32,
-    /// Where the head is now. Roots follow it rigidly.
+    /// Pose of the head. Roots follow it rigidly.
     pub head: Pose,
-    /// Where the colliders are now.
+    /// Poses of the colliders.
     pub colliders: &'a ColliderPoses,
-    /// The physics. Gravity and wind have the axes of the world.
+    /// Physics. Gravity and wind are in the axes of the world.
     pub simulation: &'a SimulationParams,
-    /// Where in the world the space is in which `head`, `colliders` and [roots](crate::roots::Roots::pose) are given, and
-    /// how it moves ([`crate::space`]).
+    /// Space of `head`, `colliders` and [roots](crate::roots::Roots::pose), with its place and motion in the world
+    /// ([`crate::space`]).
     pub space: Space,
-    /// The space in which hair is drawn, that of cameras, lights and bodies; `None` for `space`. All hair of one view is
-    /// drawn in the same.
+    /// Space of cameras, lights and bodies, in which the hair is drawn; `None` for `space`. All hair of one view must
+    /// be drawn in the same space.
     pub drawn_in: Option<Space>,
 }
 
 impl Default for HairFrame<'_> {
-    /// A head at rest at the world's origin, without obstacles but its own, with the usual physics; no time passes.
+    /// A head at rest at the world's origin, with default physics, no time step and no colliders besides its own field.
     fn default() -> Self {
         static COLLIDERS: ColliderPoses = ColliderPoses { head: None, colliders: Vec::new() };
         static PHYSICS: LazyLock<SimulationParams> = LazyLock::new(SimulationParams::default);
@@ -39,12 +39,12 @@ impl Default for HairFrame<'_> {
 }
 
 impl HairFrame<'_> {
-    /// The space in which it is drawn.
+    /// Returns the space in which the hair is drawn.
     pub(crate) fn seen(&self) -> Space {
         self.drawn_in.unwrap_or(self.space).normalized()
     }
 
-    /// From the space of its poses to the one in which it is drawn.
+    /// Returns the map from the space of the poses to the space in which the hair is drawn.
     pub(crate) fn way_to_view(&self) -> Map {
         self.seen().from(&self.space.normalized())
     }

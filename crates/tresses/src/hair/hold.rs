@@ -1,4 +1,4 @@
-//! What holds hair besides its roots: ties, and a hand.
+//! Constraints on hair besides its roots: ties and grabs.
 
 use super::Hair;
 use crate::{
@@ -9,46 +9,47 @@ use crate::{
 };
 
 impl Hair {
-    /// From the next frame on `ties` hold the hair, in place of those that did: bands, braids and pins, where they are in
-    /// `groom`, the one that the hair was made from, at rest. See [`crate::simulate::ties`].
+    /// Replaces the ties that hold the hair from the next frame on: bands, braids and pins. Their positions refer to
+    /// the resting `groom`, which must be the one that the hair was made from. See [`crate::simulate::ties`].
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a tie that makes no sense, [`crate::groom::Error::Unusable`] for one that holds nothing,
-    /// for more than [`crate::simulate::ties::MAX_RINGS`] and for another groom; [`Error::Limit`].
+    /// [`Error::Parameter`] for an invalid tie, [`crate::groom::Error::Unusable`] for a tie that holds nothing, for
+    /// more than [`crate::simulate::ties::MAX_RINGS`] rings and for another groom; [`Error::Limit`].
     pub fn tie(&mut self, groom: &Groom, ties: &[Tie]) -> Result<TieReport> {
         if groom.guides.len() != self.guides.count as usize {
-            return Err(Error::unusable("ties are those of the groom that the hair was made from"));
+            return Err(Error::unusable("ties need the groom that the hair was created from"));
         }
         self.sleep.wake();
         self.simulation.tie(&self.context, &self.guides, &groom.guides, ties)
     }
 
-    /// Grabs the lock that `ray` (from the eye through the cursor, in the camera's space: [`crate::Camera::ray`]) meets
-    /// first: all of the hair that follows guide vertices within `radius` metres of there, or the nearest one. It
-    /// holds it until [`release`](Self::release), until the head jumps or until the hair is
-    /// [reset](Self::reset); a ray that meets no hair, or the head before it, holds nothing. See
+    /// Grabs the lock that `ray` hits first. The ray starts at the eye, passes through the cursor and is in the
+    /// camera's space ([`crate::Camera::ray`]). Grabs all hair that follows guide vertices within `radius` meters of
+    /// the hit, or the nearest vertex. The grab lasts until [`release`](Self::release), until the head jumps or until
+    /// [`reset`](Self::reset). A ray that hits no hair, or the head first, grabs nothing. See
     /// [`crate::simulate::grab`].
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a ray without a direction, and a radius that is not from 1 mm to 1 m.
+    /// [`Error::Parameter`] for a ray without a direction, and for a radius outside 1 mm to 1 m.
     pub fn grab(&mut self, ray: &Ray, radius: f32) -> Result<()> {
         self.effects.grab.begin(ray, radius)
     }
 
-    /// Where what is grabbed is to be at the next frame, in the space that it is drawn in. Nothing when nothing is.
+    /// Sets the target of the grabbed lock for the next frame, in the space in which the hair is drawn. Does nothing
+    /// without a grab.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for what is not finite.
+    /// [`Error::Parameter`] for a target that is not finite.
     pub fn drag_to(&mut self, target: &Target) -> Result<()> {
         self.effects.grab.drag(target)
     }
 
-    /// Lets go of what is grabbed.
+    /// Releases the grabbed lock.
     pub fn release(&mut self) {
         self.effects.grab.end();
     }
 
-    /// The hand: whether it holds, and what the GPU knows of it.
+    /// Returns the grab: whether it is active, and its GPU state.
     pub fn grabbed(&self) -> &Grab {
         &self.effects.grab
     }

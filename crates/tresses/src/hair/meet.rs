@@ -1,29 +1,28 @@
-//! Hair of several characters that touch.
+//! Collision between the hair of several characters.
 
 use super::Hair;
-use crate::volume::Other;
+use crate::volume::OtherGroom;
 
-/// How much larger than the hair at rest the spheres are that must touch.
+/// Factor on the bounding spheres in the test whether two grooms are near each other.
 const ROOM: f32 = 1.3;
 
 impl Hair {
-    /// In the next frame, the hair of `others` is in the grid of this one as well: where all of them together are denser
-    /// than hair may be, it is pushed out, and it rubs against theirs as against its own ([`crate::volume`]). Let them
-    /// meet this hair too: what one feels the other does not know. To be said before each frame in which they may touch;
-    /// of the last one nothing is left.
+    /// Adds the hair of `others` to this hair's density grid in the next frame. Where the combined density exceeds the
+    /// limit, this hair is pushed out, and it rubs against theirs as against itself ([`crate::volume`]). The effect is
+    /// one-sided: let the others meet this hair as well. It lasts one frame, so call it before each frame in which they
+    /// may touch.
     ///
-    /// How they lie to each other is what it was when both were drawn last. Those that have not been, that were drawn in
-    /// another space or are out of view are left out, and with
-    /// [`HairHairMode::Off`](crate::volume::HairHairMode::Off) nothing is met. Hair that meets others does not fall
-    /// asleep.
+    /// The relative position is the one at which both were last drawn. Skips hair that has not been drawn yet, that was
+    /// drawn in another space or that is out of view. With [`HairHairMode::Off`](crate::volume::HairHairMode::Off)
+    /// nothing happens. Hair that meets others does not fall asleep.
     pub fn meet(&mut self, others: &[&Hair]) {
         let moved = |hair: &Hair| hair.motion.clock.state().is_some() && !hair.sleep.unseen;
         let beside = |other: &Hair| moved(other) && other.motion.drawn_in.is_where(&self.motion.drawn_in);
         let there = others.iter().filter(|other| moved(self) && beside(other));
-        // Both as they were drawn last: frames that carry hair go on as they did.
+        // Both as they were last drawn: carriers keep moving as they did.
         let back = self.motion.to_drawn.inverse();
         let others: Vec<_> = there
-            .map(|other| Other {
+            .map(|other| OtherGroom {
                 guides: &other.guides,
                 volume: &other.volume,
                 way: back.after(&other.motion.to_drawn),
@@ -33,8 +32,8 @@ impl Hair {
         self.volume.meet(&self.context, others.into_iter());
     }
 
-    /// Each of `hair` [meets](Self::meet) those of the others that are near it: before the frame in which they move. Grooms on
-    /// one head, which lie in each other at rest, are not to be among the same.
+    /// Makes each of `hair` [meet](Self::meet) the others that are near it. Call it before the frame in which they
+    /// advance. Do not include several grooms of one head, which overlap at rest.
     pub fn meet_each_other(hair: &mut [&mut Self]) {
         for i in 0..hair.len() {
             let (before, rest) = hair.split_at_mut(i);
@@ -45,7 +44,7 @@ impl Hair {
         }
     }
 
-    /// Whether hair may touch that of `other`, by spheres around both.
+    /// Whether this hair may touch the hair of `other`, by bounding spheres.
     fn is_near(&self, other: &Self) -> bool {
         let [own, theirs] = [self, other].map(|hair| {
             let (middle, radius) = hair.lod.sphere;

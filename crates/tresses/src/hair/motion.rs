@@ -1,44 +1,44 @@
-//! The motion of one groom: its clock, and the frames that it is simulated and drawn in.
+//! The motion state of one groom on the CPU: its clock, and the spaces in which it is simulated and drawn.
 
 use crate::{
     Pose,
-    clock::Clock,
+    clock::StepClock,
     simulate::Shifting,
     space::{Carrier, Passage, Space},
 };
 
-/// The state of motion that the CPU keeps.
+/// Motion state kept on the CPU.
 #[derive(Debug)]
 pub(crate) struct Motion {
-    pub clock: Clock,
-    /// The frame that goes along with the space of the poses.
+    pub clock: StepClock,
+    /// The frame of reference in which the hair is simulated.
     pub carrier: Carrier,
-    /// From that space to the carrier, in this frame.
+    /// Transform from the space of the poses to the carrier during this frame.
     pub passage: Passage,
-    /// Moves the state to another origin, once the hair has strayed, and whether this frame does.
+    /// Moves the GPU state to another origin once the hair is far from the carrier's; then whether this frame does so.
     pub shifting: Option<Shifting>,
     pub shifts: bool,
-    /// The space that it is drawn in, and the way there from where it is simulated.
+    /// The space in which the hair is drawn, and the transform there from simulation space.
     pub drawn_in: Space,
     pub to_drawn: Pose,
     /// Poses of the head before and after the last step, and the blend between them.
     pub states: (Pose, Pose, f32),
     /// Length of the last step, s.
     pub span: f32,
-    /// The head as it is drawn in the frame that is recorded.
+    /// Pose of the head as drawn in the current frame.
     pub head: Pose,
-    /// Whether the last frame put the hair somewhere else.
+    /// Whether the last frame carried or reset the hair.
     pub moved_away: bool,
-    /// Whether the next frame carries it along, wherever the head goes.
+    /// Whether the next frame carries the hair rigidly, whatever the distance.
     pub teleports: bool,
-    /// Whether the skin that it is on is as in the last frame.
+    /// Whether the skin below the hair has not changed since the last frame.
     pub skin_is_still: bool,
 }
 
 impl Default for Motion {
     fn default() -> Self {
         Self {
-            clock: Clock::default(),
+            clock: StepClock::default(),
             carrier: Carrier::default(),
             passage: Passage::default(),
             shifting: None,

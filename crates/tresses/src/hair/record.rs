@@ -1,5 +1,5 @@
-//! A frame's work on one groom: [`begin`](Hair::begin) and [`prepare`](Hair::prepare) write what its
-//! stages read, the rest records them, in the order of [`crate::frame`].
+//! The work of a frame on one groom. [`begin`](Hair::begin) and [`prepare`](Hair::prepare) write the inputs of its
+//! stages; the other methods record them, in the order of [`crate::frame`].
 
 use super::{Hair, HairFrame, sleep::Back};
 use crate::{
@@ -7,15 +7,15 @@ use crate::{
     clock::{Mode, Steps},
     collide::{Journey, Moments},
     lod::Detail,
-    simulate::{Forces, Shifting, SimulationParams, grab::Sights},
-    space::{Carried, Field, Shift},
+    simulate::{Forces, Shifting, SimulationParams, grab::RayTransforms},
+    space::{CarrierFrame, Field, Shift},
     tessellate::TessellateParams,
     volume::HairHairMode,
     wind::{Air, HairGrid, Wind},
 };
 
 impl Hair {
-    /// Begins a frame: writes what its fixed steps read and returns how many are due.
+    /// Begins a frame: writes the inputs of its fixed steps. Returns the number of steps.
     pub(crate) fn begin(&mut self, frame: &HairFrame<'_>) -> Result<u32> {
         self.volume.begin();
         frame.simulation.check()?;
@@ -23,6 +23,7 @@ impl Hair {
         frame.drawn_in.map_or(Ok(()), |space| space.check())?;
         self.substeps = frame.simulation.substeps;
         let back = self.sleep.carried(frame);
+        let teleports = std::mem::take(&mut self.motion.teleports);
         if self.dozes(frame) {
             if let Some(deformation) = &mut self.colliders.deformation {
                 deformation.forget();
@@ -34,18 +35,16 @@ impl Hair {
         self.lead()?;
         let usual = self.motion.clock.teleport_distance;
         match back {
-            Back::Here if std::mem::take(&mut self.motion.teleports) => {
-                self.motion.clock.teleport_distance = -1.0
-            }
+            Back::Here if teleports => self.motion.clock.teleport_distance = -1.0,
             Back::Here => {}
-            // Any motion of a head that nobody saw is a jump.
+            // Treat any motion of a head that was out of view as a jump.
             Back::Moved => self.motion.clock.teleport_distance = -1.0,
             Back::Elsewhere => self.motion.clock.reset(),
         }
         let carried = self.tick(frame, physics);
         self.motion.clock.teleport_distance = usual;
-        let Carried { steps, fields, passage, shift } = carried?;
-        // Whoever moves through the air has wind.
+        let CarrierFrame { steps, fields, passage, shift } = carried?;
+        // Motion through the air is felt as wind.
         let felt = fields.last().map(|field| Wind { velocity: field.wind, ..physics.wind });
         self.effects.windy = felt.map_or(self.effects.windy, |wind| wind.blows());
         if self.effects.windy {
@@ -74,12 +73,12 @@ impl Hair {
             self.effects.forces.prepare(&self.context, physics, air, steps.len());
         }
         if let Some(air) = self.air.as_mut().filter(|_| !self.effects.windy) {
-            // When the wind comes back it finds no traces of the last one.
+            // The next wind starts with still air.
             air.reset();
         }
         let buffers = (&self.guides, &self.strands);
         let seen = frame.way_to_view();
-        let sights = Sights {
+        let sights = RayTransforms {
             to_carrier: passage.at(1.0).after(&seen.inverse()),
             to_last: self.motion.drawn_in.from(&frame.seen()),
             shift: way,
@@ -100,7 +99,7 @@ impl Hair {
         self.simulation.prepare_in(&self.context, physics, &steps, &fields, self.effects.forced || held)
     }
 
-    /// Prepares that the frame begins from another origin, if it does.
+    /// Prepares the shift to another origin, if the frame starts with one.
     fn shift(&mut self, shift: Option<Shift>) {
         self.motion.shifts = shift.is_some();
         let Some(shift) = shift else { return };
@@ -111,21 +110,21 @@ impl Hair {
         }
     }
 
-    /// Whether the frame begins from another origin.
+    /// Whether the frame starts with a shift to another origin.
     pub(crate) fn is_shifted(&self) -> bool {
         self.motion.shifts
     }
 
-    /// The state from that origin: before the first step.
+    /// Records that shift: before the first step.
     pub(crate) fn record_shift(&self, pass: &mut crate::gpu::ComputePass<'_>) {
         if let Some(shifting) = &self.motion.shifting {
             shifting.record(pass);
         }
     }
 
-    /// Whether hair is to be left as it is in this frame: nobody sees it, or it has come to rest.
+    /// Whether the frame skips the hair because it is out of view or at rest.
     fn dozes(&mut self, frame: &HairFrame<'_>) -> bool {
-        // The frame describes neither grabs nor wind nor skinning.
+        // Grabs, wind, other hair and skinning move the hair while the inputs of the frame stay equal.
         let may = self.lod.options.sleep
             && (!self.is_on_skin() || self.motion.skin_is_still)
             && !self.effects.grab.is_active()
@@ -137,14 +136,14 @@ impl Hair {
         self.sleep.unseen || (may && self.sleep.rests(frame, self.lod.current().pixel))
     }
 
-    /// Whether strands are drawn already as they are to be in this frame.
+    /// Whether the drawn strands are already up to date for this frame.
     pub(crate) fn is_drawn(&mut self) -> bool {
         let drawn = self.sleep.drawn && self.lod.is_set();
         self.sleep.drawn = self.sleep.asleep;
         self.sleep.unseen || drawn
     }
 
-    /// The physics at the level of detail.
+    /// Returns the physics at the current level of detail.
     fn coarse(&self, physics: &SimulationParams) -> SimulationParams {
         let Detail { step, substeps, together, .. } = *self.lod.current();
         let mut hair_hair = physics.hair_hair;
@@ -164,10 +163,10 @@ impl Hair {
         }
     }
 
-    /// How many guides are to be simulated at `detail`, and with how many substeps.
+    /// Returns the number of guides to simulate at `detail`, and the number of substeps.
     pub(crate) fn motion_at(&self, detail: &Detail) -> [u32; 2] {
         let guides = match detail.reach {
-            // Roots on skin, and what a hand holds, are each guide's own.
+            // Roots on skin and grabbed guides are individual: none of them can follow another guide.
             reach if reach > 0.0 && self.roots.is_none() && !self.effects.grab.is_active() => {
                 self.order.enough(reach)
             }
@@ -177,7 +176,7 @@ impl Hair {
         [guides, (substeps.round() as u32).max(1)]
     }
 
-    /// Chooses the guides that are simulated.
+    /// Chooses the guides to simulate.
     fn lead(&mut self) -> Result<()> {
         let [enough, _] = self.motion_at(self.lod.current());
         if enough < self.guides.count {
@@ -189,7 +188,7 @@ impl Hair {
         Ok(())
     }
 
-    /// Makes the air for `wind` unless it is there.
+    /// Creates the air for `wind` unless it exists.
     fn make_air(&mut self, wind: &Wind) -> Result<()> {
         let (middle, side) = self.extent;
         let size = side * wind.room;
@@ -202,24 +201,24 @@ impl Hair {
         Ok(())
     }
 
-    /// Whether the wind blows in this frame.
+    /// Whether there is wind in this frame.
     pub(crate) fn uses_wind(&self) -> bool {
         self.effects.windy
     }
 
-    /// Step `i` of the air.
+    /// Records step `i` of the air.
     pub(crate) fn record_wind(&self, pass: &mut crate::gpu::ComputePass<'_>, i: u32) {
         if let Some(air) = &self.air {
             air.record(pass, &self.colliders, i);
         }
     }
 
-    /// Whether its roots go with skin that bends, or what it collides with does.
+    /// Whether the roots or the colliders follow a deforming skin.
     pub(crate) fn is_on_skin(&self) -> bool {
         self.roots.is_some() || self.colliders.deformation.is_some()
     }
 
-    /// Where skin carries roots, and how it deforms fields.
+    /// Records the motion of roots on the skin and the deformation of fields.
     pub(crate) fn record_roots(&self, pass: &mut crate::gpu::ComputePass<'_>) {
         if let Some(roots) = &self.roots {
             roots.record(pass, [self.guides.count, self.strands.drawn.count]);
@@ -229,16 +228,16 @@ impl Hair {
         }
     }
 
-    /// Whether this frame needs the grid of the hair.
+    /// Whether this frame needs the density grid.
     pub(crate) fn uses_volume(&self) -> bool {
         self.effects.forced
     }
 
-    /// What is due in `frame`, where hair is simulated; the colliders are moved.
+    /// Returns the steps of `frame` in simulation space, and advances the colliders.
     ///
     /// # Errors
-    /// What [`ColliderSet::advance`](crate::collide::ColliderSet::advance) says.
-    fn tick(&mut self, frame: &HairFrame<'_>, params: &SimulationParams) -> Result<Carried> {
+    /// As [`ColliderSet::advance`](crate::collide::ColliderSet::advance).
+    fn tick(&mut self, frame: &HairFrame<'_>, params: &SimulationParams) -> Result<CarrierFrame> {
         let (space, head) = (frame.space.normalized(), &frame.head);
         let dt = if frame.dt.is_finite() { f64::from(frame.dt.max(0.0)) } else { 0.0 };
         let times = (dt, f64::from(params.step));
@@ -273,7 +272,7 @@ impl Hair {
         Ok(carried)
     }
 
-    /// Writes the uniforms of the stages that follow the guides.
+    /// Writes the uniforms of the stages after the guides.
     pub(crate) fn prepare(&mut self, frame: &HairFrame<'_>) {
         let seen = frame.way_to_view();
         self.motion.head = seen.pose(&frame.head);
@@ -294,7 +293,7 @@ impl Hair {
         self.avoidance.prepare(&self.context, counts, frame.dt, self.motion.moved_away, fresh);
     }
 
-    /// Step `i` of the guides: what the grids do to them, then the step itself.
+    /// Records step `i` of the guides: forces, links and grab, then the step itself.
     pub(crate) fn record_simulate(&self, pass: &mut crate::gpu::ComputePass<'_>, i: u32) {
         if self.effects.forced {
             self.effects.forces.record(pass, i);
@@ -306,7 +305,7 @@ impl Hair {
         self.simulation.record(pass, &self.colliders, i);
     }
 
-    /// Step `i` of the grid of the hair.
+    /// Records step `i` of the density grid.
     pub(crate) fn record_volume(&mut self, pass: &mut crate::gpu::ComputePass<'_>, i: u32) {
         self.volume.record(pass, &self.colliders, i);
     }

@@ -1,15 +1,15 @@
-//! Many heads with the same groom: what never changes is on the GPU once.
+//! Instances: heads with the same groom share the data that never changes.
 //!
-//! | shared | a head's own |
+//! | shared | per head |
 //! |---|---|
-//! | where guides rest; bindings and rest curves of strands; tables of levels, measured once | where guides are; their samples |
+//! | rest state of guides; bindings and rest curves of strands; measured tables of levels | state of guides; their samples |
 //! | the fields of the collider atlas | poses of colliders |
-//! | the grids in which hair meets hair, forces on guides and knots of shading, of which nothing is left for later | where obstacles are in them, density at rest |
-//! | index lists; tables of fibres, while their fibres are alike | material, level of detail, drawn vertices |
+//! | scratch memory: self-collision grids, forces on guides, shading samples | obstacles in the grids, density at rest |
+//! | index lists; fiber tables, while the fibers are the same | material, level of detail, drawn vertices |
 //!
-//! A head that shares has room for the strands that its level draws, not for all: drawn vertices, their colours and the
-//! lists of tiles are most of a groom's memory. Before a frame needs more it moves into larger buffers, by half an octave
-//! at a time; nothing is read back.
+//! An instance allocates strand buffers only for the strands that its level of detail draws: drawn vertices, their
+//! colors and the lists of tiles are most of a groom's memory. Before a frame that needs more, it moves into larger
+//! buffers, half an octave at a time. Nothing is read back.
 
 use super::{Hair, curves::Curves, effects::Effects, motion::Motion, sleep::Sleep};
 use crate::{
@@ -24,17 +24,26 @@ use crate::{
 };
 
 impl Hair {
-    /// Another head with the same groom, at rest, among `colliders` besides the head's field. It has a material, a level
-    /// of detail and options of its own, which begin as they are here. What it draws is, to the bit, what hair would that
-    /// was uploaded for it; skin that bends is [attached](Self::attach) anew.
+    /// Creates another head with the same groom, at rest, among `colliders` besides the head's field. Its material,
+    /// level of detail and options are its own and start as copies of this one's. It draws bit-identically to hair
+    /// uploaded separately. A deforming skin must be [attached](Self::attach) again.
     ///
     /// # Errors
     /// As [`with_colliders`](Self::with_colliders).
     pub fn another(&self, colliders: &[Collider]) -> Result<Self> {
-        let guides = self.guides.another(&self.context)?;
-        // Room is made in the first frame, when it is known for what.
+        self.another_on(colliders, None)
+    }
+
+    /// [`another`](Self::another) with roots on `skin`, an instance of the mesh that this hair's roots follow.
+    pub(crate) fn another_on(&self, colliders: &[Collider], skin: Option<&Skin<'_>>) -> Result<Self> {
+        let mut guides = self.guides.another(&self.context)?;
+        // The first frame allocates the buffers, when their size is known.
         let mut strands = self.strands.another(&self.context, Room { strands: 1, vertices: 1 })?;
         strands.drawn.count = 0;
+        let roots = self.roots.as_ref().zip(skin);
+        let instance =
+            |(roots, skin): (&Roots, _)| roots.instance(&self.context, (&mut guides, &mut strands), skin);
+        let roots = roots.map(instance).transpose()?;
         let volume = self.volume.another(&self.context, &guides)?;
         let link = |links: &Links| links.another(&self.context, &guides);
         let links = self.effects.links.as_ref().map(link).transpose()?;
@@ -52,7 +61,7 @@ impl Hair {
             motion: Motion::default(),
             sleep: Sleep::default(),
             air: None,
-            roots: None,
+            roots,
             fits: true,
             guides,
             strands,
@@ -69,19 +78,8 @@ impl Hair {
         Ok(other)
     }
 
-    /// [`another`](Self::another) whose roots follow `skin`, another body of the mesh that these roots follow.
-    pub(crate) fn another_on(&self, colliders: &[Collider], skin: Option<&Skin<'_>>) -> Result<Self> {
-        let mut other = self.another(colliders)?;
-        if let (Some(roots), Some(skin)) = (&self.roots, skin) {
-            let buffers = (&mut other.guides, &mut other.strands);
-            other.roots = Some(roots.instance(&self.context, buffers, skin)?);
-            other.follow_roots()?;
-        }
-        Ok(other)
-    }
-
-    /// Makes room for what the level of detail draws, where hair has no more than that. Before anything of a frame is
-    /// recorded that knows of strands.
+    /// Enlarges the strand buffers of an instance to what its level of detail draws. Must run before a frame records
+    /// anything that reads strands.
     pub(crate) fn make_room(&mut self) -> Result<()> {
         let drawn = self.strands.drawn;
         if self.sleep.unseen {
@@ -109,23 +107,24 @@ impl Hair {
         Ok(())
     }
 
-    /// Whether it has room for what its level of detail draws alone.
+    /// Whether the strand buffers hold only the strands that the level of detail draws.
     pub(crate) fn shares_room(&self) -> bool {
         self.fits
     }
 
-    /// Bytes of GPU memory of this head alone.
+    /// Returns the GPU memory of this head alone, bytes.
     pub fn own_bytes(&self) -> u64 {
         self.bytes() - self.shared_bytes()
     }
 
-    /// Bytes of those that go with its room: strands, their widening, what is remembered of them, their vertices.
+    /// Returns the GPU memory that depends on `room`, bytes: strands, their widening, their collision state and their
+    /// vertices.
     pub(crate) fn strand_bytes(&self, room: Room) -> u64 {
         (size_of::<Strand>() + 4 + size_of::<StrandState>()) as u64 * u64::from(room.strands)
             + size_of::<StrandVertex>() as u64 * u64::from(room.vertices)
     }
 
-    /// Bytes of its GPU memory that all heads with this groom share: those of `n` heads take this once, and the rest of
+    /// Returns the GPU memory that all heads with this groom share, bytes. `n` heads take it once, and the rest of
     /// [`bytes`](Self::bytes) each.
     pub fn shared_bytes(&self) -> u64 {
         self.guides.shared_bytes()
@@ -139,7 +138,7 @@ impl Hair {
             + self.order.bytes()
     }
 
-    /// Bytes of GPU memory, those that it [shares](Self::shared_bytes) included, without what each view has of it
+    /// Returns the GPU memory including the [shared](Self::shared_bytes) part, bytes. Excludes the buffers of each view
     /// ([`View::shaded_bytes`](crate::view::View::shaded_bytes)).
     pub fn bytes(&self) -> u64 {
         self.guides.bytes()

@@ -1,44 +1,46 @@
-//! Hair that nobody needs to simulate: it has come to rest, or is out of view.
+//! Skips simulation for hair that has come to rest or is out of view.
 //!
-//! **At rest.** Where the head, what it collides with and the physics stay as they are, and no wind blows, a swing dies out
-//! at half the rate of the drag. Once one of 5 cm would be smaller than a tenth of a pixel, hair is left as it is: no
-//! dispatch, not even of drawn strands, until anything changes. The time is counted, the hair is not asked: reading it
-//! back would let two runs sleep in different frames. Hair without drag never sleeps, nor in a space that moves.
+//! **At rest.** While head, colliders and physics do not change and there is no wind, a swing decays at half the rate
+//! of the drag. Once a swing of initially 5 cm would be smaller than a tenth of a pixel, the hair sleeps: nothing is
+//! dispatched, not even for drawn strands, until an input changes. The decision counts time and reads nothing back,
+//! since read-back would let two runs fall asleep in different frames. Hair without drag never sleeps, nor does hair in
+//! a moving space.
 //!
-//! **Out of view.** Hair whose sphere, a third larger, is out of view is neither simulated nor drawn. When it comes back it
-//! has gone with the head, and goes on from there at the speed that it had; where the [space](crate::space) of its poses has
-//! moved meanwhile, it is at rest.
+//! **Out of view.** Hair whose bounding sphere, enlarged by 30 %, is out of view is neither simulated nor drawn. When
+//! it comes back it has been carried with the head and continues at its last velocity. If the [space](crate::space) of
+//! its poses has moved meanwhile, it starts at rest.
 
 use super::HairFrame;
 use crate::{Camera, Pose, collide::ColliderPoses, simulate::SimulationParams, space::Space};
 use glam::Vec3;
 
-/// A swing that is supposed of hair when everything else comes to rest, metres.
+/// Amplitude of the swing assumed when all inputs come to rest, meters.
 const SWING: f32 = 0.05;
-/// What is left of it when hair falls asleep, pixels.
+/// Amplitude at which hair falls asleep, pixels.
 const LEFT: f32 = 0.1;
-/// How much larger than the hair at rest the sphere is that must be out of view.
+/// Factor on the bounding sphere that must be out of view.
 const ROOM: f32 = 1.3;
 
-/// What is known of a head's rest.
+/// Sleep state of one groom.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sleep {
-    /// What the frame before was made for.
+    /// Inputs of the last frame.
     last: Option<(Pose, ColliderPoses, SimulationParams, [Space; 2])>,
-    /// For how long that has not changed, s.
+    /// Time since the inputs last changed, s.
     still: f32,
-    /// Whether hair is at rest and left so.
+    /// Whether the hair is asleep.
     pub asleep: bool,
-    /// Whether it is out of view.
+    /// Whether the hair is out of view.
     pub unseen: bool,
-    /// Where the head was when it was seen last, while it is out of view.
+    /// Pose of the head and its space when the hair left the view; `None` while it is in view.
     left_at: Option<(Pose, Space)>,
-    /// Whether strands were drawn as they are now.
+    /// Whether the drawn strands are up to date.
     pub drawn: bool,
 }
 
 impl Sleep {
-    /// Takes note of a frame of hair that is seen where a pixel is so large, metres: whether it is to be left as it is.
+    /// Updates the state from a frame and returns whether the hair sleeps. `pixel` is the height of a pixel at the
+    /// hair, meters.
     pub fn rests(&mut self, frame: &HairFrame<'_>, pixel: f32) -> bool {
         let spaces = [frame.space, frame.seen()];
         let same = self.last.as_ref().is_some_and(|(head, colliders, physics, before)| {
@@ -56,12 +58,12 @@ impl Sleep {
         self.asleep
     }
 
-    /// Hair is awake.
+    /// Wakes the hair.
     pub fn wake(&mut self) {
         *self = Self { unseen: self.unseen, left_at: self.left_at, ..Self::default() };
     }
 
-    /// Takes note of where an unseen head is, and tells how hair that is seen again comes back.
+    /// Records the head's pose while the hair is out of view. Returns how the hair comes back.
     pub fn carried(&mut self, frame: &HairFrame<'_>) -> Back {
         if self.unseen {
             self.left_at.get_or_insert((frame.head, frame.space));
@@ -78,21 +80,21 @@ impl Sleep {
 /// How hair that was out of view comes back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Back {
-    /// Where it was, or it was not away.
+    /// Continues in place, or was never out of view.
     Here,
-    /// With its head, which has moved.
+    /// Carried with its head, which has moved.
     Moved,
-    /// In a space that has moved: at rest.
+    /// At rest, because its space has moved.
     Elsewhere,
 }
 
-/// After how long nothing of a swing is seen, s.
+/// Returns the time after which a swing is invisible, s.
 fn settled(drag: f32, pixel: f32) -> f32 {
     let least = LEFT * pixel.max(1e-4);
     if drag < 0.05 { f32::INFINITY } else { 2.0 / drag * (SWING / least).max(3.0).ln() }
 }
 
-/// Whether `camera` sees anything of a sphere around hair, metres.
+/// Whether any part of a sphere (center and radius, meters), enlarged by [`ROOM`], is in view of `camera`.
 pub(super) fn sees(camera: &Camera, (middle, radius): (Vec3, f32)) -> bool {
     let clip = camera.projection * camera.view;
     let (x, y, w) = (clip.row(0), clip.row(1), clip.row(3));
@@ -106,10 +108,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sphere_is_seen_from_where_it_is() {
+    fn sphere_visibility_matches_frustum() {
         let camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, std::f32::consts::FRAC_PI_6, [160, 90]);
         let seen = |at: Vec3| sees(&camera, (at, 0.2));
-        // At 10 m half the picture is 2.68 m high and 4.76 m wide.
+        // At 10 m half the image is 2.68 m high and 4.76 m wide.
         for (at, there) in [
             (Vec3::new(0.0, 0.0, -10.0), true),
             (Vec3::new(4.9, 0.0, -10.0), true),
@@ -124,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn hair_sleeps_once_a_swing_cannot_be_seen() {
+    fn hair_sleeps_once_swing_is_invisible() {
         let colliders = ColliderPoses::default();
         let physics = SimulationParams::default();
         let frame = |x: f32| HairFrame {

@@ -18,7 +18,7 @@ pub struct InterpolateParams {
     pub strand_count: u32,
     /// Vertices of a drawn strand, at least 2.
     pub vertex_count: u32,
-    /// Samples per guide, at least 2; 0 where strands follow guides of their own.
+    /// Samples per guide, at least 2; 0 if each strand follows its own guide.
     pub sample_count: u32,
     /// Vertices of a strand's rest curve, at least 2.
     pub rest_count: u32,
@@ -29,7 +29,7 @@ pub struct InterpolateParams {
 }
 
 impl InterpolateParams {
-    /// For what is drawn of `strands`.
+    /// Creates the parameters for the drawn part of `strands`.
     pub fn new(guides: &GuideBuffers, strands: &StrandBuffers) -> Self {
         Self {
             strand_count: strands.drawn.count,
@@ -42,7 +42,7 @@ impl InterpolateParams {
     }
 }
 
-/// The pipeline of the stage.
+/// The pipelines of the stage.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     blend: Kernel,
@@ -69,7 +69,7 @@ impl PipelineSet for Pipelines {
     }
 }
 
-/// One groom's share of the stage.
+/// The stage's state for one groom.
 #[derive(Debug)]
 pub struct Interpolation {
     pipelines: Arc<Pipelines>,
@@ -79,7 +79,7 @@ pub struct Interpolation {
 }
 
 impl Interpolation {
-    /// The `strands` between `guides`, which have samples.
+    /// Creates the stage for `strands` that are blended between `guides` with samples.
     pub fn new(context: &Context, guides: &GuideBuffers, strands: &StrandBuffers) -> Self {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
@@ -90,7 +90,8 @@ impl Interpolation {
         Self { pipelines, params, group, follows: false }
     }
 
-    /// The `strands`, each with one of the `guides` alone, where `guides` are as `tessellation` has them in a frame.
+    /// Creates the stage for `strands` that each follow one of `guides`, in the state that `tessellation` computes per
+    /// frame.
     pub fn following(
         context: &Context,
         guides: &GuideBuffers,
@@ -106,7 +107,7 @@ impl Interpolation {
         Self { group: pipelines.follow.bind(&buffers), pipelines, params, follows: true }
     }
 
-    /// Writes the uniform of a frame: what is drawn of `strands`.
+    /// Writes the uniform of a frame for the drawn part of `strands`.
     pub fn prepare(&self, context: &Context, guides: &GuideBuffers, strands: &StrandBuffers) {
         let Context { queue, .. } = context;
         let params = InterpolateParams::new(guides, strands);

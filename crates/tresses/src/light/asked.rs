@@ -1,4 +1,4 @@
-//! A kernel evaluated at points, and its results.
+//! Evaluates a kernel at a set of points and reads the results back.
 
 use crate::{
     Context, Result,
@@ -9,9 +9,9 @@ use crate::{
 use bytemuck::Pod;
 use glam::Vec4;
 
-/// Points on the GPU, the kernel evaluated at them, and room for a result `A` of each.
+/// Points on the GPU, the kernel to evaluate at them, and a buffer for one result `A` per point.
 #[derive(Debug)]
-pub(super) struct Asked<A> {
+pub(super) struct PointQuery<A> {
     context: Context,
     kernel: Kernel,
     group: wgpu::BindGroup,
@@ -20,12 +20,12 @@ pub(super) struct Asked<A> {
     answer: std::marker::PhantomData<A>,
 }
 
-impl<A: Pod> Asked<A> {
-    /// Takes `words`, which tell of so many `points`, to the GPU. The kernel in `module` binds them, what it needs of the
-    /// `frame` (with its layouts), and its answers.
+impl<A: Pod> PointQuery<A> {
+    /// Uploads `words`, which describe `points` points. The kernel in `module` binds them, then the `frame` resources
+    /// (with their layouts), then the results.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] when the adapter cannot hold them.
+    /// [`crate::Error::Limit`] when the adapter cannot hold the buffers.
     pub(super) fn new<'a>(
         context: &Context,
         module: &'static str,
@@ -55,7 +55,7 @@ impl<A: Pod> Asked<A> {
         })
     }
 
-    /// Asks; after the passes that make what it asks for.
+    /// Records the evaluation. Call it after the passes that write its inputs.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the kernel cannot be compiled.
@@ -66,7 +66,7 @@ impl<A: Pod> Asked<A> {
         pass.end()
     }
 
-    /// The answers, in the order of the points.
+    /// Reads the results back, in the order of the points.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.

@@ -1,6 +1,6 @@
-//! Which strand vertices of a groom are shaded: those that a picture shows.
+//! Shading of the visible strand vertices of a groom only.
 
-use super::{HairSet, Pipelines, Shaded, State, hair::shade_resources};
+use super::{HairSet, HairShading, LightState, Pipelines, hair::shade_resources};
 use crate::{
     Context, Result,
     constants::STRAND_WORKGROUP,
@@ -8,12 +8,13 @@ use crate::{
     strands::buffers::storage,
 };
 
-/// The knots and spans that what is seen of a groom needs, found on the GPU each frame: no thread is spent on others.
+/// The knots and spans that the visible segments of a groom need. The GPU selects them each frame, and spends no
+/// threads on the others.
 #[derive(Debug)]
-pub struct Chosen {
-    /// Of the kernels over knots and over spans, each x, y, z and an unused word.
+pub struct ShadingSubset {
+    /// Indirect dispatch sizes of the kernels over knots and over spans: x, y, z and an unused word each.
     workgroups: wgpu::Buffer,
-    /// Knots, spans: how many, then which.
+    /// Knots and spans, each as a count followed by indices.
     lists: [wgpu::Buffer; 2],
     choose: wgpu::BindGroup,
     groups: [wgpu::BindGroup; 2],
@@ -21,22 +22,22 @@ pub struct Chosen {
     strand_maps: bool,
 }
 
-impl Chosen {
-    /// For `hair` as `shaded` in the light of `state`, seen by `camera`. `seen` has a bit for each strand vertex: whether
-    /// the picture shows the segment that begins there.
+impl ShadingSubset {
+    /// Creates the lists for `hair`, shaded as `shaded` in the light of `state` and seen by `camera`. `seen` has one
+    /// bit per strand vertex: whether the segment that begins there is visible.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`].
+    /// [`crate::Error::Limit`] when the adapter cannot hold the lists.
     pub(crate) fn new(
         context: &Context,
-        (state, camera): (&State, &wgpu::Buffer),
+        (state, camera): (&LightState, &wgpu::Buffer),
         hair: &HairSet,
-        shaded: &Shaded,
+        shaded: &HairShading,
         seen: wgpu::BindingResource<'_>,
     ) -> Result<Self> {
         let Context { device, .. } = context;
         let pipelines = context.pipelines::<Pipelines>();
-        // As many knots as there are room for.
+        // Room for all knots.
         let most = 1 + shaded.most_knots;
         let lists =
             [storage::<u32>(device, "chosen knots", most)?, storage::<u32>(device, "chosen spans", most)?];
@@ -59,13 +60,13 @@ impl Chosen {
         Ok(Self { workgroups, lists, choose, groups, strand_maps })
     }
 
-    /// Empties the lists; before [`record`](Self::record), outside of passes.
+    /// Clears the lists. Call it before [`record`](Self::record), outside of passes.
     pub(super) fn clear(&self, commands: &mut Commands<'_>) {
         commands.clear(&self.workgroups, None);
         self.lists.iter().for_each(|list| commands.clear(list, Some(4)));
     }
 
-    /// Chooses and shades.
+    /// Records the selection, then the shading of the selected knots and spans.
     pub(super) fn record(
         &self,
         pipelines: &Pipelines,

@@ -1,8 +1,9 @@
 //! Light probes: the light of a cube map, measured on the GPU.
 //!
-//! Engines keep light probes and skies as cube maps, and often on the GPU alone. Hair wants their smooth part, nine numbers
-//! for each colour: the kernel asks 6,144 directions of a map and sums them up, and the sums come back some frames later.
-//! A map that is brighter in a few texels than such a grid can see has to have mip levels.
+//! Engines store light probes and skies as cube maps, often on the GPU only. Hair needs their smooth part: nine
+//! spherical harmonics for each color channel. The kernel sums samples in 6,144 directions, and the caller reads the
+//! sums back some frames later. A map with bright features of a few texels needs mip levels, because the sample grid
+//! would miss them.
 
 use super::environment::{BANDS, Environment};
 use crate::{
@@ -12,13 +13,13 @@ use crate::{
 };
 use glam::{Mat3, Vec3, Vec4};
 
-/// What the texels of a cube map are.
+/// Quantity that the texels of a cube map store.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CubeMap {
-    /// The radiance that comes from their direction: a sky, a reflection probe.
+    /// Radiance from the direction of the texel, as in a sky or a reflection probe.
     Radiance,
-    /// The mean radiance over the hemisphere around their direction, weighted by the cosine (irradiance over π): what
-    /// engines filter for diffuse light.
+    /// Cosine-weighted mean radiance over the hemisphere around the direction of the texel (irradiance over π), as
+    /// engines filter it for diffuse light.
     Irradiance,
 }
 
@@ -30,7 +31,7 @@ pub struct CubeProbe {
     sampler: wgpu::Sampler,
 }
 
-/// A measurement under way.
+/// A measurement in progress.
 #[derive(Debug)]
 pub struct CubeLight {
     sums: Pending,
@@ -38,7 +39,7 @@ pub struct CubeLight {
 }
 
 impl CubeProbe {
-    /// Compiled when it is first used.
+    /// Creates a probe, which compiles its kernel on first use.
     pub fn new(context: &Context) -> Self {
         let Context { device, .. } = context;
         let entries = [Binding::Storage, Binding::Cube, Binding::Sampler, Binding::StorageMut];
@@ -55,9 +56,9 @@ impl CubeProbe {
         }
     }
 
-    /// Begins to measure `map`, a view of six faces of a filterable format, as it is after all that was submitted so far.
-    /// `to_map` brings directions of the world to those by which the map is asked: a rotation, and for engines whose cube
-    /// maps are left-handed a mirror.
+    /// Starts to measure `map`, a view of six faces in a filterable format, after all work submitted so far. `to_map`
+    /// transforms world directions to lookup directions of the map: a rotation, and for engines with left-handed cube
+    /// maps also a reflection.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the kernel does not compile.
@@ -87,7 +88,7 @@ impl CubeProbe {
 }
 
 impl CubeLight {
-    /// What was measured, once, if it has come by now; submissions bring it along.
+    /// Returns the result once it has arrived, and only once. The readback progresses as work is submitted.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
@@ -95,10 +96,10 @@ impl CubeLight {
         Some(self.sums.take()?.map(|bytes| read(&bytes, self.of)))
     }
 
-    /// The same when it has come.
+    /// Waits for the result.
     ///
     /// # Errors
-    /// As there.
+    /// As [`take`](Self::take).
     pub async fn wait(self) -> Result<Environment> {
         Ok(read(&self.sums.wait().await?, self.of))
     }
@@ -108,10 +109,10 @@ fn read(bytes: &[u8], of: CubeMap) -> Environment {
     let sums: Vec<Vec4> = bytemuck::pod_collect_to_vec(&bytes[..9 * size_of::<Vec4>()]);
     let mut coefficients: [Vec3; 9] = std::array::from_fn(|i| sums[i].truncate());
     if of == CubeMap::Irradiance {
-        // What the cosine has taken from each band.
+        // Undo the cosine weight of each band.
         coefficients.iter_mut().zip(BANDS).for_each(|(sum, band)| *sum /= band);
     }
-    // A map that holds what is no number is as good as none.
+    // Treat maps with values that are not finite as black.
     if !coefficients.iter().all(|sum| sum.is_finite()) {
         coefficients = [Vec3::ZERO; 9];
     }

@@ -1,18 +1,18 @@
-//! Image-based light from a picture of the environment: the smooth part as spherical harmonics, small bright
-//! regions as directional lights, which cast shadows.
+//! Image-based lighting from an environment map. Spherical harmonics hold the smooth part; small bright regions become
+//! directional lights, which cast shadows.
 
 use super::{Directional, lights::MAX_LIGHTS};
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// Radiance from all directions, as real spherical harmonics up to the second band.
+/// Radiance from all directions, as real spherical harmonics up to band 2.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Environment {
-    /// The coefficients of 1, y, z, x, xy, yz, 3z² - 1, xz, x² - y², linear radiance.
+    /// Coefficients of 1, y, z, x, xy, yz, 3z² - 1, xz, x² - y², linear radiance.
     pub coefficients: [Vec3; 9],
 }
 
-/// The harmonics in a unit direction.
+/// Evaluates the harmonics in a unit direction.
 fn basis(d: Vec3) -> [f32; 9] {
     [
         0.282_095,
@@ -27,37 +27,37 @@ fn basis(d: Vec3) -> [f32; 9] {
     ]
 }
 
-/// What is left of each harmonic in the mean over a hemisphere, weighted by the cosine (Ramamoorthi and Hanrahan 2001).
+/// Factor of each harmonic in the cosine-weighted mean over a hemisphere (Ramamoorthi and Hanrahan 2001).
 pub(super) const BANDS: [f32; 9] = [1.0, 2.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0, 0.25, 0.25, 0.25, 0.25, 0.25];
 
-/// The cosine of the angle around the brightest pixel within which a directional light is collected: 8 degrees.
+/// Cosine of 8 degrees: radius around the brightest pixel that a directional light collects.
 const CONE: f32 = 0.990_268;
 
-/// And how far what is around it: 16 degrees.
+/// Cosine of 16 degrees: outer radius of the ring that gives the background of a light.
 const RING: f32 = 0.961_262;
 
-/// A directional light has at least this share of all light.
+/// Minimum fraction of all light in a directional light.
 const STRONG: f32 = 0.08;
 
 impl Environment {
-    /// The same radiance from everywhere.
+    /// Creates an environment with the same radiance from everywhere.
     pub fn uniform(radiance: Vec3) -> Self {
         let mut coefficients = [Vec3::ZERO; 9];
         coefficients[0] = radiance / 0.282_095;
         Self { coefficients }
     }
 
-    /// Mean radiance over the hemisphere around `normal` (unit), weighted by the cosine: twin of
+    /// Returns the cosine-weighted mean radiance over the hemisphere around `normal` (unit vector). CPU reference of
     /// `environment::surroundings`, without the sky (Ramamoorthi and Hanrahan 2001).
     pub fn around(&self, normal: Vec3) -> Vec3 {
         let each = basis(normal).into_iter().zip(BANDS).zip(self.coefficients);
         each.map(|((y, band), sum)| sum * y * band).sum::<Vec3>().max(Vec3::ZERO)
     }
 
-    /// The same surroundings, turned.
+    /// Returns the environment after a rotation.
     pub fn turned(&self, rotation: Quat) -> Self {
         let [constant, y, z, x, xy, yz, zz, xz, squares] = self.coefficients;
-        // The first band is a vector for each colour, the second a symmetric matrix without trace.
+        // Band 1 is a vector per color channel, band 2 a symmetric traceless matrix.
         let turn = Mat3::from_quat(rotation);
         let mut coefficients = [Vec3::ZERO; 9];
         coefficients[0] = constant;
@@ -86,19 +86,19 @@ impl Environment {
         Self { coefficients }
     }
 
-    /// Both together, each times its share.
+    /// Returns the weighted sum of two environments.
     pub fn blended(&self, share: f32, other: &Self, of_other: f32) -> Self {
         let both = |i: usize| share * self.coefficients[i] + of_other * other.coefficients[i];
         Self { coefficients: std::array::from_fn(both) }
     }
 
-    /// Reads an equirectangular picture of `width` × `height` pixels of linear radiance, from the top
-    /// left, row by row: up is at the top, its middle lies towards +Z, its right edge and its left edge
-    /// towards -Z, and +X is left of the middle (seen looking along +Z).
-    /// `turn` rotates the environment about the vertical, radians, from +Z towards +X.
+    /// Converts an equirectangular image of `width` × `height` pixels of linear radiance, in rows from the top left. Up
+    /// is at the top, the center lies towards +Z, the left and right edges towards -Z, and +X is left of the center
+    /// (looking along +Z). `turn` rotates the environment about the vertical, in radians from +Z towards +X.
     ///
-    /// At most [`MAX_LIGHTS`] small bright regions become directional lights; no energy is lost or counted twice.
-    /// Pixels that are not finite count as black. `None` when the sizes do not fit or are 0.
+    /// At most [`MAX_LIGHTS`] small bright regions become directional lights; their light leaves the harmonics, so the
+    /// total is conserved. Pixels that are not finite count as black. Returns `None` when the sizes do not match or are
+    /// 0.
     pub fn from_equirectangular(
         width: usize,
         height: usize,
@@ -130,17 +130,17 @@ impl Environment {
         while lights.len() < MAX_LIGHTS {
             let brightest =
                 (0..left.len()).max_by(|a, b| left[*a].element_sum().total_cmp(&left[*b].element_sum()))?;
-            // Its brightest pixel may lie on a light's edge.
+            // The brightest pixel may lie at the edge of a light.
             let near = (0..left.len()).filter(|i| direction(*i).dot(direction(brightest)) > CONE);
             let middle = near.map(|i| direction(i) * (left[i].element_sum() * area(i))).sum::<Vec3>();
             let middle = middle.normalize_or(direction(brightest));
             let towards = |i: usize| direction(i).dot(middle);
             let cone: Vec<usize> = (0..left.len()).filter(|i| towards(*i) > CONE).collect();
-            // What is around the light goes on behind it.
+            // The background continues behind the light.
             let around = (0..left.len()).filter(|i| (RING..=CONE).contains(&towards(*i)));
             let mut ring: Vec<f32> = around.map(|i| left[i].element_sum()).collect();
             ring.sort_by(f32::total_cmp);
-            // In too coarse a picture no light stands out from its neighbourhood.
+            // The ring is empty in very coarse images, where no light stands out.
             let Some(common) = ring.get(ring.len() / 2).copied() else { break };
             let (mut sum, mut to) = (Vec3::ZERO, Vec3::ZERO);
             let mut rest = left.clone();
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn a_uniform_picture_is_uniform() {
+    fn uniform_map_gives_uniform_environment() {
         let (made, lights) = Environment::from_equirectangular(128, 64, &picture(|_, _| 0.25), 0.4).unwrap();
         assert!(lights.is_empty());
         for normal in [Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, 0.0, -0.8)] {
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_turned_is_seen_where_it_has_come_to() {
+    fn rotation_moves_radiance_with_direction() {
         let coefficients = std::array::from_fn(|i| Vec3::new(2.0 - i as f32, (i as f32).sin(), 0.3));
         let environment = Environment { coefficients };
         let raw = |of: &Environment, d: Vec3| -> Vec3 {
@@ -211,24 +211,24 @@ mod tests {
     }
 
     #[test]
-    fn halves_are_where_they_should_be() {
-        // White above; then white left of the middle, which is +X.
+    fn map_orientation_follows_the_axes() {
+        // White above; then white left of the center, towards +X.
         let (above, _) =
             Environment::from_equirectangular(128, 64, &picture(|_, y| f32::from(y < 32.0)), 0.0).unwrap();
         assert!(above.around(Vec3::Y).x > 0.9 && above.around(Vec3::NEG_Y).x < 0.1);
-        // A plane that stands upright sees half of it.
+        // A vertical plane sees half of it.
         assert!((above.around(Vec3::Z).x - 0.5).abs() < 0.01);
         let left = picture(|x, _| f32::from(x < 64.0));
         let (left, _) = Environment::from_equirectangular(128, 64, &left, 0.0).unwrap();
         assert!(left.around(Vec3::X).x > 0.9 && left.around(Vec3::NEG_X).x < 0.1);
-        // Turned by a quarter from +Z to +X, what was at +X is at -Z.
+        // A quarter turn from +Z towards +X moves +X to -Z.
         let left = picture(|x, _| f32::from(x < 64.0));
         let (turned, _) = Environment::from_equirectangular(128, 64, &left, 0.5 * PI).unwrap();
         assert!(turned.around(Vec3::NEG_Z).x > 0.9);
     }
 
     #[test]
-    fn a_sun_is_a_light_and_no_light_is_lost() {
+    fn sun_becomes_a_light_and_energy_is_conserved() {
         let sun = |x: f32, y: f32| if (x - 40.0).abs() < 2.0 && (y - 20.0).abs() < 2.0 { 500.0 } else { 0.3 };
         let (rest, lights) = Environment::from_equirectangular(128, 64, &picture(sun), 0.0).unwrap();
         assert_eq!(lights.len(), 1);
@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_none() {
+    fn invalid_maps_are_rejected() {
         assert!(Environment::from_equirectangular(0, 4, &[], 0.0).is_none());
         assert!(Environment::from_equirectangular(4, 4, &[[0.0; 3]; 15], 0.0).is_none());
         let (black, lights) = Environment::from_equirectangular(2, 2, &[[f32::NAN; 3]; 4], 0.0).unwrap();

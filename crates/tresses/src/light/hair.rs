@@ -1,14 +1,14 @@
-//! Strands that are lit and drawn: what all views share of a groom, and what each view has of it.
+//! Grooms for lighting and drawing: data that all views share, and data per view.
 
 use super::{
-    Pipelines, State,
+    LightState, Pipelines,
     fiber::FiberTables,
     material::{HairMaterial, HairUniform, ShadingModel, ShadingRate},
 };
 use crate::{
     Context, Error, Result,
     gpu::bindings,
-    strands::{Drawn, Room, StrandBuffers, buffers::storage, indices::Chunks},
+    strands::{DrawCount, Room, StrandBuffers, buffers::storage, indices::Chunks},
 };
 use glam::Vec3;
 use std::{
@@ -17,38 +17,38 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 
-/// A groom as light and draw need it, whoever looks at it: its strands, their look, its index lists.
+/// A groom as the light and draw stages need it, shared by all views: strands, material and index lists.
 #[derive(Debug)]
 pub struct HairSet {
     context: Context,
-    /// What the hair looks like.
+    /// Appearance of the hair.
     pub material: HairMaterial,
-    /// The area of all strands, width times length, m²: what a groom weighs in values that the grooms of a picture
-    /// share: those of the lights' uniform, which bodies and the grid of ambient light read.
+    /// Area of all strands, width times length, m². It weights the groom in values that all grooms of a frame share:
+    /// those in the uniform of the lights, which mesh shading and the ambient light grid read.
     pub area: f32,
-    /// What of the strands is drawn.
-    pub drawn: Drawn,
+    /// Strands and vertices that are drawn.
+    pub drawn: DrawCount,
     pub(crate) strands: StrandBuffers,
-    /// By their number of vertices, made when a level of detail first asks for it.
+    /// Index lists by number of vertices, created when a level of detail first needs them.
     strips: Arc<Mutex<BTreeMap<u32, Arc<Chunks>>>>,
     /// Stride and number of the segments in the shadow maps.
     pub(crate) splat: [u32; 2],
-    /// Vertices between the knots that shading has along a strand, and number of the spans between them.
+    /// Vertices between the shading samples (knots) of a strand, and number of the spans between the samples.
     pub(crate) spans: [u32; 2],
-    /// Those of other heads too, as long as their fibres are alike.
+    /// Shared with other heads whose fibers are alike.
     fiber: Mutex<Arc<FiberTables>>,
-    /// Memory in which the knots of every view may lie, since nobody needs them once a groom is shaded.
+    /// Memory for the shading samples of every view. They are not needed once a groom is shaded.
     scratch: Option<wgpu::Buffer>,
 }
 
-/// What is supposed of a strand whose size nobody has said: 80 µm by 20 cm.
+/// Area of a strand if the host has not set one, m²: 80 µm by 20 cm.
 const STRAND_AREA: f32 = 8e-5 * 0.2;
 
 impl HairSet {
-    /// Prepares `strands` to be lit and drawn.
+    /// Prepares `strands` for lighting and drawing.
     ///
     /// # Errors
-    /// [`Error::Limit`].
+    /// [`Error::Limit`] when there are too many strand vertices.
     pub fn new(context: &Context, strands: &StrandBuffers) -> Result<Self> {
         let vertices = u64::from(strands.count) * u64::from(strands.vertex_count);
         if vertices * 2 > i32::MAX as u64 {
@@ -74,13 +74,13 @@ impl HairSet {
         Ok(set)
     }
 
-    /// The same, whose knots lie in `scratch` while it is shaded, where there is room for them.
+    /// Puts the shading samples into `scratch` if they fit there.
     pub(crate) fn within(self, scratch: &wgpu::Buffer) -> Self {
         Self { scratch: Some(scratch.clone()), ..self }
     }
 
-    /// Of another head with the same groom, whose own strands are `strands`: what depends on the groom and on its fibres
-    /// alone is shared.
+    /// Creates the set of another head with the same groom, which has its own `strands`. Data that depends only on the
+    /// groom and its fibers is shared.
     pub(crate) fn another(&self, strands: &StrandBuffers) -> Self {
         let mut set = Self {
             strands: strands.clone(),
@@ -94,14 +94,14 @@ impl HairSet {
         set
     }
 
-    /// From here on its strands are in `strands`: others of the same groom, or with other room.
+    /// Replaces the strand buffers by others of the same groom, or of another capacity.
     pub(crate) fn move_into(&mut self, strands: &StrandBuffers) {
         self.strands = strands.clone();
         self.show(&strands.drawn);
     }
 
-    /// From here on its fibres' tables are those of `other`, as long as both have fibres of one shape, whatever their
-    /// pigments: they are computed once, and kept once.
+    /// Shares the fiber tables of `other` if the fibers of both have the same shape, whatever their pigments. The
+    /// tables are then computed and stored once.
     pub fn share_fibers(&self, other: &Self) {
         let key = |set: &Self| (set.material.fiber.shape, set.material.fiber.density_back);
         if key(self) == key(other) {
@@ -110,9 +110,9 @@ impl HairSet {
         }
     }
 
-    /// The tables of its fibres.
+    /// Locks the fiber tables.
     pub(crate) fn fiber(&self) -> MutexGuard<'_, Arc<FiberTables>> {
-        // What a panic leaves behind is whole.
+        // The tables are valid even if another thread has panicked.
         self.fiber.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -120,10 +120,10 @@ impl HairSet {
         self.strips.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// From here on only what `drawn` says of the strands it was made for is shaded, splatted and drawn.
-    pub(crate) fn show(&mut self, drawn: &Drawn) {
+    /// Limits shading, shadow maps and drawing to `drawn`.
+    pub(crate) fn show(&mut self, drawn: &DrawCount) {
         self.drawn = *drawn;
-        // The maps' texels are coarse: about eight segments per strand are enough.
+        // The texels of the maps are coarse: about eight segments per strand are enough.
         let last = drawn.vertex_count.saturating_sub(1).max(1);
         let stride = (last / 8).max(1);
         self.splat = [stride, last.div_ceil(stride)];
@@ -134,8 +134,8 @@ impl HairSet {
             .or_insert_with(|| Arc::new(Chunks::of(&self.context.device, count, drawn.vertex_count)));
     }
 
-    /// Fills the tables of its fibres, and says which share of the light that meets one it passes on, and which
-    /// share of that meets other hair.
+    /// Fills the fiber tables. Returns the fraction of light that a fiber passes on, and the fraction of that light
+    /// which hits other hair.
     pub(crate) fn passes(&self) -> (Vec3, f32) {
         if self.material.model == ShadingModel::Fiber {
             let fiber = &self.material.fiber;
@@ -151,12 +151,12 @@ impl HairSet {
         }
     }
 
-    /// Bytes of GPU memory, without the strands' own buffers.
+    /// Bytes of GPU memory, without the strand buffers.
     pub fn bytes(&self) -> u64 {
         self.fiber().bytes() + self.strips().values().map(|strips| strips.bytes()).sum::<u64>()
     }
 
-    /// Bytes of GPU memory that it shares with other heads.
+    /// Bytes of GPU memory shared with other heads.
     pub(crate) fn shared_bytes(&self) -> u64 {
         let fiber = self.fiber();
         let fiber = if Arc::strong_count(&fiber) > 1 { fiber.bytes() } else { 0 };
@@ -169,29 +169,29 @@ impl HairSet {
     }
 }
 
-/// How many strands one of those that are drawn stands for.
+/// Returns the number of strands that each drawn strand represents.
 fn stands_for(all: u32, drawn: u32) -> u32 {
     all / drawn.max(1)
 }
 
-/// How the knots are spread over a strand of so many vertices that stands for so many: from one to the next, and how
-/// many spans that makes, at most [`SPANS`].
+/// Returns the number of vertices between shading samples, and the number of spans, at most [`SPANS`], for strands of
+/// `vertex_count` vertices of which each represents `stands_for`.
 fn spans(vertex_count: u32, stands_for: u32) -> [u32; 2] {
-    // What arrives of the light changes over an eighth of a strand, or a few vertices of a fine one. Few strands that
-    // stand for many are to be as bright as those: knots as dense as the room for the knots of all of them allows.
+    // Incoming light changes over an eighth of a strand, or over a few vertices of a fine one. A few strands that
+    // represent many must be as bright as those: their samples are as dense as the room for all samples allows.
     let last = vertex_count.saturating_sub(1).max(1);
     let stride = last.div_ceil(8).min(STRIDE) / stands_for.clamp(1, STRIDE);
     let stride = stride.max(last.div_ceil(SPANS)).max(1);
     [stride, last.div_ceil(stride)]
 }
 
-/// The most vertices from a knot to the next.
+/// Maximum number of vertices from one shading sample to the next.
 const STRIDE: u32 = 3;
 
-/// The most spans of a strand: `choose` keeps a bit for each and for the knot behind the last.
+/// Maximum number of spans of a strand. `choose` keeps one bit for each, and one for the sample after the last.
 const SPANS: u32 = 31;
 
-/// Words that shading leaves at a vertex.
+/// Returns the words that shading stores per vertex.
 fn words_for(rate: ShadingRate) -> u64 {
     match rate {
         ShadingRate::PerVertex => 1,
@@ -199,10 +199,11 @@ fn words_for(rate: ShadingRate) -> u64 {
     }
 }
 
-/// Bytes of a knot.
+/// Bytes of a shading sample.
 const KNOT: u64 = 8;
 
-/// The most knots of `count` strands of so many vertices, at any level of detail that there is `room` for.
+/// Returns the maximum number of shading samples of `count` strands with `vertex_count` vertices, over all levels of
+/// detail that `room` allows.
 fn most_knots([count, vertex_count]: [u32; 2], room: &Room) -> u64 {
     let most = (1..=vertex_count).flat_map(|vertices| {
         (1..=STRIDE).map(move |of| {
@@ -213,21 +214,21 @@ fn most_knots([count, vertex_count]: [u32; 2], room: &Room) -> u64 {
     most.max().unwrap_or(2).max(2)
 }
 
-/// Bytes of the knots of `count` strands of so many vertices.
+/// Returns the bytes of the shading samples of `count` strands with `vertex_count` vertices.
 pub(crate) fn knot_bytes([count, vertex_count]: [u32; 2]) -> u64 {
     let room = Room { strands: count, vertices: count.saturating_mul(vertex_count) };
     most_knots([count, vertex_count], &room) * KNOT
 }
 
-/// A groom as one view sees it: its shaded colours, which depend on eye and lights.
+/// Data of a groom per view: its shaded colors, which depend on camera and lights.
 #[derive(Debug)]
-pub struct Shaded {
+pub struct HairShading {
     pub(crate) uniform: wgpu::Buffer,
     pub(crate) colors: wgpu::Buffer,
     pub(super) knots: wgpu::Buffer,
-    /// For how many knots there is room.
+    /// Capacity of `knots`.
     pub(super) most_knots: u64,
-    /// Whether they lie in memory of the groom.
+    /// Whether `knots` is scratch memory of the groom.
     lent: bool,
     pub(crate) group: wgpu::BindGroup,
     pub(super) shade: wgpu::BindGroup,
@@ -235,14 +236,14 @@ pub struct Shaded {
     pub(super) lay: wgpu::BindGroup,
 }
 
-impl Shaded {
-    /// Of `hair` in the light of `state`, seen by `camera`.
+impl HairShading {
+    /// Creates the data for `hair` in the light of `state`, seen by `camera`.
     ///
     /// # Errors
-    /// [`Error::Limit`].
+    /// [`Error::Limit`] when the adapter cannot hold the buffers.
     pub(crate) fn new(
         context: &Context,
-        state: &State,
+        state: &LightState,
         camera: &wgpu::Buffer,
         hair: &HairSet,
         rate: ShadingRate,
@@ -275,8 +276,8 @@ impl Shaded {
         })
     }
 
-    /// Writes what the shaders know of `hair`, for the frame that is recorded; the grooms before it have `first`
-    /// strands.
+    /// Uploads the uniform of `hair` for the current frame. The earlier grooms of the frame have `first` strands in
+    /// total.
     pub(crate) fn prepare(&self, context: &Context, hair: &HairSet, first: u32) {
         let Context { queue, .. } = context;
         let uniform =
@@ -284,18 +285,18 @@ impl Shaded {
         queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
     }
 
-    /// Whether it has room for what is left of strands at `rate`.
+    /// Whether the buffers have room for shading the strands at `rate`.
     pub(crate) fn holds(&self, hair: &HairSet, rate: ShadingRate) -> bool {
         self.colors.size() >= 4 * words_for(rate) * u64::from(hair.strands.room.vertices)
     }
 
-    /// Bytes of GPU memory, without what is the groom's.
+    /// Bytes of GPU memory, without memory of the groom.
     pub fn bytes(&self) -> u64 {
         self.uniform.size() + self.colors.size() + if self.lent { 0 } else { self.knots.size() }
     }
 }
 
-/// In the order of `shade_bindings`: of the frame, of the groom, its knots, and which of them are asked for.
+/// Returns the bindings in the order of `shade_bindings`: frame, groom, shading samples, indices of selected samples.
 pub(super) fn shade_resources<'a>(
     frame: [wgpu::BindingResource<'a>; 8],
     own: &[wgpu::BindingResource<'a>],
@@ -306,24 +307,24 @@ pub(super) fn shade_resources<'a>(
     frame.into_iter().chain(own.iter().cloned()).chain(last).collect()
 }
 
-/// A groom as light, draw and the views inside read it: in the eyes of one view.
+/// A groom in one view, as the light, draw and debug stages read it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Seen<'a> {
+pub(crate) struct HairView<'a> {
     pub hair: &'a HairSet,
-    pub shaded: &'a Shaded,
-    /// The light that it is in: of the view, or of a zone.
-    pub light: &'a State,
-    /// Whether that is a zone's.
+    pub shaded: &'a HairShading,
+    /// Light of the view, or of the zone that the groom is in.
+    pub light: &'a LightState,
+    /// Whether `light` belongs to a zone.
     pub zoned: bool,
 }
 
-impl Seen<'_> {
-    /// Records its strips; the pipeline is set, and the frame's group is bound.
+impl HairView<'_> {
+    /// Records all strips. The caller has set the pipeline and bound the group of the frame.
     pub fn record_strips(&self, pass: &mut crate::gpu::RenderPass<'_>) {
         self.record_strips_of(pass, 0..self.hair.drawn.count);
     }
 
-    /// Records those of some of its strands.
+    /// Records the strips of a range of strands.
     pub fn record_strips_of(&self, pass: &mut crate::gpu::RenderPass<'_>, strands: Range<u32>) {
         if self.zoned {
             pass.set_bind_group(0, &self.light.frame, &[]);

@@ -1,4 +1,4 @@
-//! The lights: up to four directional lights and a sky, in linear units.
+//! Lights: up to four directional lights and a sky, in linear units.
 
 use super::{
     environment::Environment,
@@ -8,7 +8,7 @@ use crate::Camera;
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3, Vec4};
 
-/// A light so far away that its rays are parallel.
+/// A light at infinity, with parallel rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Directional {
     /// Unit vector towards the light.
@@ -21,28 +21,29 @@ impl Directional {
     /// No light.
     pub const OFF: Self = Self { direction: Vec3::Y, irradiance: Vec3::ZERO };
 
-    /// Of a lamp at `at`, metres, as it arrives at `place`, where hair is: its `intensity` (radiance times square metres)
-    /// falls with the square of the distance, below a centimetre no more.
+    /// Creates the light that a point light at `at` (meters) gives at `place`, the position of the hair. `intensity`
+    /// (radiance times square meters) falls off with the squared distance, which is at least 1 cm².
     pub fn from_point(at: Vec3, intensity: Vec3, place: Vec3) -> Self {
         const LEAST: f32 = 1e-4;
         let way = at - place;
         Self { direction: way.normalize_or(Vec3::Y), irradiance: intensity / way.length_squared().max(LEAST) }
     }
 
-    /// Of a flat lamp, a polygon with these `corners` (metres) in their order, each point of whose front sends `radiance`
-    /// to all sides, as it arrives at `place`: its direction is the mean of all of it, its irradiance what a surface that
-    /// faces there receives of a polygon that is wholly before it (Lambert's formula, 1760). From where its corners go
-    /// round clockwise there is no light: that is its back.
+    /// Creates the light that a polygonal area light gives at `place`. `corners` (meters) are in order,
+    /// counter-clockwise as seen from the front, and the front emits `radiance` in all directions. The direction is the
+    /// mean over the polygon. The irradiance is for a surface that faces this direction, with all of the polygon in
+    /// front of it (Lambert's formula, 1760). The back emits nothing.
     pub fn from_polygon(corners: &[Vec3], radiance: Vec3, place: Vec3) -> Self {
         let edge = |i: usize| {
             let [a, b] = [i, (i + 1) % corners.len()].map(|i| corners[i] - place);
             let across = a.cross(b);
-            // The angle by its tangent, which is exact also where it is small.
+            // The tangent is accurate for small angles too.
             0.5 * across.length().atan2(a.dot(b)) * across.normalize_or_zero()
         };
         let arrives: Vec3 = (0..corners.len()).map(edge).sum();
         let middle = corners.iter().sum::<Vec3>() / corners.len().max(1) as f32 - place;
-        // Seen counter-clockwise, the edges turn to the place. A place in the plane sees none of it, or is no number.
+        // The edges of a counter-clockwise polygon add up to a vector towards `place`. A place in the plane of the
+        // polygon gets no light, or NaN.
         let share = -arrives.length() * arrives.dot(middle).signum();
         if !(share > 1e-6 && share.is_finite()) {
             return Self::OFF;
@@ -50,53 +51,53 @@ impl Directional {
         Self { direction: -arrives.normalize_or(Vec3::Y), irradiance: share * radiance }
     }
 
-    /// Whether any light comes of it.
+    /// Whether the light emits anything.
     pub fn is_on(&self) -> bool {
         self.irradiance.max_element() > 0.0
     }
 }
 
-/// The radiance that comes from everywhere else: three colours, blended by elevation. Black by default.
+/// Radiance from the rest of the surroundings: three colors, blended by elevation. Black by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sky {
-    /// From straight above, linear radiance.
+    /// Radiance from straight above, linear.
     pub zenith: Vec3,
-    /// From the horizon.
+    /// Radiance from the horizon, linear.
     pub horizon: Vec3,
-    /// From straight below.
+    /// Radiance from straight below, linear.
     pub ground: Vec3,
 }
 
-/// The most directional lights of a scene.
+/// Maximum number of directional lights in a scene.
 pub const MAX_LIGHTS: usize = crate::constants::MAX_LIGHTS as usize;
 
-/// All light in a scene.
+/// All lights of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lights {
     /// Directional lights, each with a shadow. One without irradiance is off and costs nothing.
     pub directional: [Directional; MAX_LIGHTS],
-    /// The rest.
+    /// Light of the sky.
     pub sky: Sky,
-    /// Light from everywhere beside the sky's: a picture of the surroundings.
+    /// Light of an environment map, in addition to the sky.
     pub environment: Environment,
 }
 
 impl Default for Lights {
-    /// For a camera in front of the face: [`Lights::around`] 0.
+    /// Lights for a camera in front of the face: [`Lights::around`] 0.
     fn default() -> Self {
         Self::around(0.0)
     }
 }
 
 impl Lights {
-    /// The main light of [`around`](Self::around), from the upper side.
+    /// Index of the key light of [`around`](Self::around).
     pub const KEY: usize = 0;
-    /// The light of [`around`](Self::around) from behind, which traces the outline.
+    /// Index of the rim light of [`around`](Self::around), which outlines the hair from behind.
     pub const RIM: usize = 1;
 
-    /// A photographer's lights, which move with the camera: a warm key light from its upper left,
-    /// a cooler rim light from behind on its right, a quiet sky; the others are off. `azimuth` is the
-    /// camera's turn about the head, radians, from before the face (+Z) towards the head's left (+X).
+    /// Creates a photographer's lights, which move with the camera: a warm key light from the camera's upper left, a
+    /// cooler rim light from behind on its right, and a dim sky. The other lights are off. `azimuth` is the angle of
+    /// the camera around the head, radians, from in front of the face (+Z) towards the head's left (+X).
     pub fn around(azimuth: f32) -> Self {
         let turn = glam::Quat::from_rotation_y(azimuth);
         let mut directional = [Directional::OFF; MAX_LIGHTS];
@@ -125,13 +126,13 @@ impl Lights {
     }
 }
 
-/// A sphere, metres: what the shadow maps cover.
+/// A sphere, meters: the region that shadow maps cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
-    /// World space.
+    /// Center in world space.
     pub center: Vec3,
-    /// Of everything that casts or receives a shadow on hair. Keep it constant while things
-    /// move, so that the shadows' texels do not change their size.
+    /// Radius that encloses everything that casts or receives shadows on hair. Keep it constant while things move, so
+    /// that the texels of the shadow maps keep their size.
     pub radius: f32,
 }
 
@@ -142,12 +143,12 @@ impl Default for Sphere {
 }
 
 impl Sphere {
-    /// The sphere around a box.
+    /// Returns the sphere around a box.
     pub fn around(lo: Vec3, hi: Vec3) -> Self {
         Self { center: 0.5 * (lo + hi), radius: 0.5 * lo.distance(hi) }
     }
 
-    /// How many pixels of `camera` it is across, by those at its near side.
+    /// Returns the diameter in pixels of `camera`, measured at the near side of the sphere.
     pub(crate) fn pixels(&self, camera: &Camera) -> f32 {
         let clip = camera.projection * camera.view;
         let away = (clip * self.center.extend(1.0)).w;
@@ -160,11 +161,11 @@ impl Sphere {
 /// See [`crate::constants::SHADOW_MAPS`].
 pub const SHADOW_MAPS: usize = crate::constants::SHADOW_MAPS as usize;
 
-/// What the shaders know of a light that is on.
+/// Shader data of a light that is on.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct LightUniform {
-    /// Towards the light.
+    /// Unit vector towards the light.
     pub direction: Vec3,
     /// Unused.
     pub _pad_a: u32,
@@ -174,30 +175,30 @@ pub struct LightUniform {
     pub _pad_b: u32,
 }
 
-/// What the shaders know of [`Lights`] and [`Shadows`]. Shaders never pass it by value: a copy of its arrays is memory
-/// that a driver may not get rid of.
+/// Shader data of [`Lights`] and [`Shadows`]. Shaders never pass it by value, because a driver may not optimize away
+/// the copy of its arrays.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct LightsUniform {
-    /// World to the clip space of each shadow map, the sky's behind those of the lights; depth 0 is nearest the light.
+    /// World to clip space of each shadow map: one per light, then the sky. Depth 0 is nearest the light.
     pub shadow: [Mat4; SHADOW_MAPS],
-    /// The lights that are on; light `i` has the map `i`.
+    /// Lights that are on. Light `i` has map `i`.
     pub directional: [LightUniform; MAX_LIGHTS],
     /// [`Sky::zenith`].
     pub zenith: Vec3,
-    /// How many lights are on.
+    /// Number of lights that are on.
     pub count: u32,
     /// [`Sky::horizon`].
     pub horizon: Vec3,
-    /// Texels along each edge of a map.
+    /// Texels along each edge of a depth map.
     pub resolution: u32,
     /// [`Sky::ground`].
     pub ground: Vec3,
-    /// Texels of a map along the edge of a texel of the hair's.
+    /// Edge of a texel of the hair maps, in texels of the depth maps.
     pub hair_texels: u32,
-    /// Depth of the shadow maps, metres.
+    /// Depth of the shadow maps, meters.
     pub range: f32,
-    /// Twice [`Sphere::radius`], the width of a shadow map, metres.
+    /// Width of a shadow map, meters: twice [`Sphere::radius`], plus a margin.
     pub width: f32,
     /// [`Shadows::hair_radius`].
     pub hair_radius: f32,
@@ -209,40 +210,40 @@ pub struct LightsUniform {
     pub density: f32,
     /// [`Shadows::body_opacity`].
     pub body_opacity: f32,
-    /// [`ShadowMethod`] by its place.
+    /// [`ShadowMethod`] as a number.
     pub method: u32,
     /// [`Shadows::per_pixel`].
     pub per_pixel: u32,
-    /// Cells along an edge of [`super::Ambient`]; 0 where the sky's openness is guessed.
+    /// Cells along an edge of [`super::Ambient`]; 0 where sky visibility is estimated.
     pub ambient: u32,
-    /// How many shadow maps are drawn: one per light, and one for the sky where its openness is guessed.
+    /// Number of shadow maps: one per light, and one for the sky where its visibility is estimated.
     pub maps: u32,
     /// [`Shadows::strand_by_strand`].
     pub strand_by_strand: f32,
     /// [`Environment::coefficients`].
     pub environment: [Vec4; 9],
-    /// The corner of the cells at the least coordinates, metres.
+    /// Corner of the ambient light grid with the smallest coordinates, meters.
     pub ambient_origin: Vec3,
-    /// One over the length of an edge of all cells, 1/m.
+    /// One over the edge of the ambient light grid, 1/m.
     pub ambient_scale: f32,
-    /// The share of what meets a fibre that it passes on, the mean over its inclinations and its length.
+    /// Fraction of the light that a fiber passes on, averaged over inclinations and over the strand's length.
     pub passes: Vec3,
-    /// The share of what is passed on that meets other hair or skin.
+    /// Fraction of the passed-on light that hits other hair or skin.
     pub forward: f32,
-    /// The number of the [zone](super::Zone) whose light it is, from 1; 0 where a view has no zones.
+    /// Number of the [zone](super::Zone) that this light belongs to, from 1; 0 if the view has no zones.
     pub zone: u32,
-    /// Every so many points of a body's surface stand for all of them.
+    /// Stride through the sample points of mesh surfaces.
     pub every: u32,
-    /// Texels along each edge of a map that knows the strand nearest each light; 0 for none.
+    /// Texels along each edge of a strand map; 0 for none.
     pub strand_map: u32,
     /// Unused.
     pub _pad: u32,
 }
 
 impl Lights {
-    /// With maps of `resolution`² texels that cover `focus`.
+    /// Returns the shader data for maps of `resolution`² texels that cover `focus`.
     pub(crate) fn uniform(&self, shadows: &Shadows, focus: &Sphere, resolution: u32) -> LightsUniform {
-        // Maps move in steps; a step's room keeps the focus inside.
+        // Maps move in steps. The margin of one step keeps the focus inside.
         let step = shadows.hair_texels(2.0 * focus.radius.max(1e-6) / resolution as f32);
         let radius =
             focus.radius.max(1e-6) * resolution as f32 / resolution.saturating_sub(step).max(1) as f32;
@@ -273,7 +274,8 @@ impl Lights {
             bias: shadows.bias,
             density: shadows.density.max(0.0),
             body_opacity: shadows.body_opacity.max(0.0),
-            // Maps with nothing in them let all light through; deep ones find that out soonest.
+            // Without shadows the maps are empty and let all light through. Empty deep opacity maps are the cheapest to
+            // read.
             method: match shadows.method {
                 ShadowMethod::Off => ShadowMethod::DeepOpacity as u32,
                 method => method as u32,
@@ -299,8 +301,8 @@ impl Lights {
     }
 }
 
-/// World to clip space of a shadow map that looks against `direction` at `focus`. The map moves
-/// with the focus in steps of `step` metres, so that shadows do not crawl.
+/// Returns the world to clip space transform of the shadow map of a light in `direction`, around `focus`. The map moves
+/// with the focus in steps of `step` meters, so that shadows do not crawl.
 fn fit(direction: Vec3, focus: &Sphere, step: f32) -> Mat4 {
     let z = direction.normalize_or(Vec3::Y);
     let x = (if z.y.abs() > 0.99 { Vec3::Z } else { Vec3::Y }).cross(z).normalize();
@@ -308,7 +310,7 @@ fn fit(direction: Vec3, focus: &Sphere, step: f32) -> Mat4 {
     let radius = focus.radius.max(1e-6);
     let snap = |v: f32| (v / step).round() * step;
     let at = Vec3::new(snap(focus.center.dot(x)), snap(focus.center.dot(y)), focus.center.dot(z));
-    // Rows of the transform: the axes scaled to -1..1; depth 0 at the light's end of the sphere.
+    // Rows of the transform: the axes scaled to -1..1, and depth 0 at the sphere's end towards the light.
     let row = |axis: Vec3, scale: f32, offset: f32| (axis * scale).extend(offset);
     Mat4::from_cols(
         row(x, 1.0 / radius, -at.x / radius),
@@ -324,7 +326,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_focus_fills_the_map() {
+    fn shadow_map_fits_the_focus() {
         let focus = Sphere { center: Vec3::new(0.3, 1.5, -0.2), radius: 0.25 };
         for direction in [Vec3::Y, Vec3::new(0.3, 0.5, 0.8), Vec3::NEG_Y] {
             let matrix = fit(direction, &focus, 0.5 / 1024.0);
@@ -337,23 +339,23 @@ mod tests {
     }
 
     #[test]
-    fn lamps_arrive_as_parallel_light() {
+    fn point_and_area_lights_match_closed_forms() {
         let point = Directional::from_point(Vec3::Y * 3.0, Vec3::splat(18.0), Vec3::Y);
         assert_eq!((point.direction, point.irradiance), (Vec3::Y, Vec3::splat(4.5)));
-        // A square above the place, its front below: from there its corners go round counter-clockwise.
+        // A square above the place that faces down: seen from there its corners are counter-clockwise.
         let square = |half: f32, y: f32| {
             [[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]]
                 .map(|[x, z]| Vec3::new(half * x, y, half * z))
         };
         let of = |corners: &[Vec3], place| Directional::from_polygon(corners, Vec3::ONE, place);
         let near = |found: f32, expected: f32| (found / expected - 1.0).abs() < 2e-3;
-        // Small, it is a point of its area, by the cosine; of a plane without end as much arrives as of a sky.
+        // A small square is a point light of its area times the cosine; an infinite plane gives as much light as a sky.
         let below = of(&square(0.01, 2.0), Vec3::ZERO);
         assert!(below.direction.dot(Vec3::Y) > 0.999 && near(below.irradiance.x, 4e-4 / 4.0), "{below:?}");
         let aside = of(&square(0.01, 2.0), Vec3::X * 2.0);
         assert!(near(aside.irradiance.x, 4e-4 / 8.0 * 0.5_f32.sqrt()), "{aside:?}");
         assert!(near(of(&square(1e4, 2.0), Vec3::ZERO).irradiance.x, std::f32::consts::PI));
-        // A disc of many corners over its middle: pi r² / (r² + d²).
+        // A disk, as a polygon of many corners, above the place: pi r² / (r² + d²).
         let disc: Vec<_> = (0..256)
             .map(|i| (std::f32::consts::TAU * i as f32 / 256.0).sin_cos())
             .map(|(s, c)| Vec3::new(1.5 * s, 2.0, 1.5 * c))
@@ -361,7 +363,7 @@ mod tests {
             .collect();
         let expected = std::f32::consts::PI * 2.25 / 6.25;
         assert!(near(of(&disc, Vec3::ZERO).irradiance.x, expected), "{:?} {expected}", of(&disc, Vec3::ZERO));
-        // Behind it, in its plane, of too few corners, and where something is no number there is no light.
+        // No light behind the polygon, in its plane, from too few corners, or with NaN.
         let off = [
             of(&square(1.0, 2.0), Vec3::Y * 3.0),
             of(&square(1.0, 2.0), Vec3::new(5.0, 2.0, 0.0)),
@@ -373,7 +375,7 @@ mod tests {
     }
 
     #[test]
-    fn lights_stay_where_the_camera_sees_them() {
+    fn lights_move_with_the_camera() {
         let front = Lights::default();
         for azimuth in [0.6_f32, 1.5, 3.0] {
             let (right, back) =
@@ -389,8 +391,8 @@ mod tests {
     }
 
     #[test]
-    fn the_map_moves_in_whole_texels() {
-        // Along z the map may move freely: depth is not made of texels.
+    fn shadow_map_moves_in_whole_texels() {
+        // Along z the map may move freely, since depth has no texels.
         let at = |x: f32| {
             let focus = Sphere { center: Vec3::new(x, 1.5, 0.0), radius: 0.25 };
             fit(Vec3::new(0.2, 0.6, 0.7), &focus, 0.5 / 1024.0).project_point3(Vec3::ZERO).truncate() * 512.0

@@ -1,58 +1,56 @@
-//! What hair looks like: colours, highlights, how much light gets through.
+//! Hair material: colors, highlights, opacity.
 
 use super::fiber::{
     FiberShape,
     bsdf::{absorption_of, color_fit, melanin},
 };
-use crate::strands::Drawn;
+use crate::strands::DrawCount;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3, Vec4};
 
-/// Where hair is shaded.
+/// Rate at which hair is shaded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ShadingRate {
-    /// For each pixel: noise finer than the strands' vertices.
+    /// Per pixel, with noise finer than the strand vertices.
     PerPixel,
-    /// For each strand vertex, in a compute kernel: the price does not depend on the picture's
-    /// size or its samples.
+    /// Per strand vertex, in a compute kernel. The cost does not depend on image size or samples per pixel.
     #[default]
     PerVertex,
 }
 
-/// How light on hair is computed.
+/// Shading model of hair.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ShadingModel {
-    /// Kajiya and Kay's fibre with two highlights, set by eye: colours are albedos.
+    /// Kajiya and Kay's fiber with two highlights, set by eye. Colors are albedos.
     KajiyaKay,
-    /// Light refracted, absorbed and mirrored in fibres, and scattered among them: colours follow from
+    /// Physical model: fibers refract, absorb and reflect light, and scatter it among each other. Colors follow from
     /// melanin ([`fiber`](super::fiber)).
     #[default]
     Fiber,
 }
 
-/// Hair as [`ShadingModel::Fiber`] sees it.
+/// Material of [`ShadingModel::Fiber`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FiberMaterial {
-    /// Absorption per fibre radius at the root, of red, green and blue light:
-    /// [`melanin`] or [`absorption_of`].
+    /// Absorption per fiber radius at the root, of red, green and blue light: [`melanin`] or [`absorption_of`].
     pub root_absorption: Vec3,
-    /// Absorption at the tip.
+    /// Absorption per fiber radius at the tip.
     pub tip_absorption: Vec3,
-    /// Roughness, scales and refraction.
+    /// Roughness, cuticle angle and index of refraction.
     pub shape: FiberShape,
-    /// Spread of the melanin over the strands: 0.3 is ±30 %, half of it from lock to lock.
+    /// Spread of the melanin over strands: 0.3 is ±30 %, half of it from lock to lock.
     pub melanin_spread: f32,
-    /// Spread of the tilt of the scales over strands and locks, radians: breaks highlights up.
+    /// Spread of the cuticle angle over strands and locks, radians. It breaks up highlights.
     pub tilt_spread: f32,
-    /// The share of the light that one fibre scatters on that meets other hair or the eye, where hair is seen; behind n of
-    /// them (1 + n (1/d² - 1))^-½ is left. Zinke's d_f is that of any number.
+    /// Fraction of the light scattered forward by one visible fiber that hits other hair or the eye. Behind n fibers,
+    /// (1 + n (1/d² - 1))^-½ remains. Zinke's d_f does not depend on the number of fibers.
     pub density_forward: f32,
-    /// Zinke's d_b: the share of the light scattered back that does.
+    /// Zinke's d_b: the same fraction for light scattered back.
     pub density_back: f32,
 }
 
 impl FiberMaterial {
-    /// Hair of one absorption per radius, each strand like the others.
+    /// Hair with one absorption per radius, without variation.
     pub fn uniform(absorption: Vec3) -> Self {
         Self {
             root_absorption: absorption,
@@ -65,8 +63,8 @@ impl FiberMaterial {
         }
     }
 
-    /// Hair of one absorption per radius, varied as hair is: bleached towards the tips, no two strands
-    /// alike.
+    /// Hair with one absorption per radius, varied as in natural hair: bleached towards the tips, and different from
+    /// strand to strand.
     pub fn natural(absorption: Vec3) -> Self {
         Self {
             root_absorption: absorption * 1.05,
@@ -78,72 +76,72 @@ impl FiberMaterial {
     }
 }
 
-/// The look of hair.
+/// Material of hair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HairMaterial {
     /// Albedo at the root, linear.
     pub root_color: Vec3,
     /// Albedo at the tip, linear.
     pub tip_color: Vec3,
-    /// Use the strands' own colours, where they have them, instead of the two above.
+    /// Whether strands use their own colors, if they have any, instead of the two above.
     pub file_colors: bool,
-    /// Spread of the lightness over the strands: 0.3 is ±30 %.
+    /// Spread of the lightness over strands: 0.3 is ±30 %.
     pub lightness_spread: f32,
-    /// Spread of the warmth over the strands: 0.1 is ±10 % red against blue.
+    /// Spread of the warmth over strands: 0.1 is ±10 % red against blue.
     pub warmth_spread: f32,
-    /// Factor of all light at the very root, where hair stands densest; 1 for none.
+    /// Factor on all light at the root, where hair is densest; 1 for none.
     pub root_darkness: f32,
-    /// Strength of the diffuse light; 1 is that of a matt fibre of the albedo.
+    /// Strength of the diffuse light; 1 for a matte fiber of the albedo.
     pub diffuse: f32,
-    /// Strength of the first, uncoloured highlight.
+    /// Strength of the first highlight, which is not colored.
     pub primary: f32,
-    /// Sharpness of the first highlight (the exponent).
+    /// Exponent of the first highlight.
     pub primary_exponent: f32,
     /// Shift of the first highlight towards the tip, as the tangent of an angle.
     pub primary_shift: f32,
-    /// Strength of the second, coloured highlight.
+    /// Strength of the second, colored highlight.
     pub secondary: f32,
-    /// Sharpness of the second highlight (the exponent).
+    /// Exponent of the second highlight.
     pub secondary_exponent: f32,
-    /// Shift of the second highlight, towards the root when negative.
+    /// Shift of the second highlight, as the tangent of an angle; negative is towards the root.
     pub secondary_shift: f32,
-    /// Colour of the second highlight and of the light that shines through, linear.
+    /// Color of the second highlight and of transmitted light, linear.
     pub secondary_color: Vec3,
-    /// Strength of the light that shines through from behind.
+    /// Strength of light transmitted from behind.
     pub transmission: f32,
-    /// Sharpness of the light that shines through (the exponent).
+    /// Exponent of transmitted light.
     pub transmission_exponent: f32,
-    /// Spread of both shifts over the strands.
+    /// Spread of both shifts over strands.
     pub shift_spread: f32,
     /// Noise of the shifts along a strand and per pixel.
     pub shift_noise: f32,
-    /// The share of the light that each fibre on its way takes: hair in shadow gets `exp(-opacity n)`
-    /// behind `n` fibres. Less than what one fibre takes in truth, since most of that is passed on.
+    /// Fraction of the light that each fiber on the way removes: `exp(-opacity n)` arrives behind `n` fibers. It is
+    /// lower than for a real fiber, because most of the light that a fiber hits is passed on.
     pub opacity: f32,
-    /// How much more the colours that the hair itself has less of are lost on that way.
+    /// Additional loss on that way of the channels in which the hair is darker.
     pub saturation: f32,
-    /// The least width that is drawn, pixels; thinner hair is drawn this wide and as much sparser.
+    /// Minimum width drawn, pixels. Thinner hair is drawn with this width and proportionally less coverage.
     pub min_width: f32,
-    /// Which model shades it. `file_colors`, `warmth_spread` and `min_width` mean the same for both, the
-    /// rest above is [`ShadingModel::KajiyaKay`]'s.
+    /// Shading model. Both use `file_colors`, `warmth_spread` and `min_width`; the other fields above apply to
+    /// [`ShadingModel::KajiyaKay`].
     pub model: ShadingModel,
-    /// The look under [`ShadingModel::Fiber`].
+    /// Material of [`ShadingModel::Fiber`].
     pub fiber: FiberMaterial,
 }
 
 pub use crate::groom::srgb::linear;
 
-/// An sRGB colour from the usual six hexadecimal digits, made linear.
+/// Returns a linear color from six hexadecimal digits of sRGB.
 pub fn srgb(rgb: u32) -> Vec3 {
     let channel = |shift: u32| linear((rgb >> shift & 0xff) as f32 / 255.0);
     Vec3::new(channel(16), channel(8), channel(0))
 }
 
 impl HairMaterial {
-    /// The names [`named`](Self::named) knows.
+    /// Names that [`named`](Self::named) accepts.
     pub const NAMES: [&str; 4] = ["blond", "brown", "red", "black"];
 
-    /// A preset by name.
+    /// Returns a preset by name.
     pub fn named(name: &str) -> Option<Self> {
         match name {
             "blond" => Some(Self::blond()),
@@ -202,7 +200,7 @@ impl HairMaterial {
         }
     }
 
-    /// Hair of any albedo (linear): the rest follows from how light the colour is.
+    /// Hair of any albedo (linear). The other parameters follow from the lightness of the color.
     pub fn colored(albedo: Vec3) -> Self {
         let peak = albedo.max_element().max(1e-4);
         let lightness = peak.sqrt().min(1.0);
@@ -235,7 +233,7 @@ impl HairMaterial {
 
     pub(crate) fn uniform(
         &self,
-        drawn: &Drawn,
+        drawn: &DrawCount,
         rest_count: u32,
         [splat, spans]: [[u32; 2]; 2],
         first: u32,
@@ -303,7 +301,7 @@ impl Default for HairMaterial {
     }
 }
 
-/// What the shaders know of a [`HairMaterial`] and of the groom it is on.
+/// Shader data of a [`HairMaterial`] and its groom.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[allow(missing_docs)] // The fields of `HairMaterial` under the same names.
@@ -331,9 +329,9 @@ pub struct HairUniform {
     pub file_colors: u32,
     /// Number of drawn strands.
     pub count: u32,
-    /// Vertices of each.
+    /// Vertices of each drawn strand.
     pub vertex_count: u32,
-    /// Vertices from one knot of a strand to the next (`light::knot`).
+    /// Vertices from one shading sample (knot) of a strand to the next (`light::knot`).
     pub knot_stride: u32,
     /// Vertex stride of the strands in the shadow maps.
     pub splat_stride: u32,
@@ -343,19 +341,19 @@ pub struct HairUniform {
     pub variances: Vec4,
     /// Sines of [`FiberShape::turns`].
     pub turn_sin: Vec4,
-    /// Their cosines.
+    /// Cosines of [`FiberShape::turns`].
     pub turn_cos: Vec4,
     pub root_absorption: Vec3,
-    /// [`ShadingModel`]: 0 Kajiya and Kay, 1 fibre.
+    /// [`ShadingModel`]: 0 Kajiya and Kay, 1 fiber.
     pub model: u32,
     pub tip_absorption: Vec3,
     pub melanin_spread: f32,
     pub tilt_spread: f32,
     pub density_forward: f32,
     pub density_back: f32,
-    /// The square of a colour's logarithm times this is its absorption.
+    /// Factor from the squared logarithm of a color to its absorption.
     pub color_fit: f32,
-    /// Vertices of a strand's rest curve: how finely noise along strands is cut, at any level of detail.
+    /// Vertices of a strand's rest curve. They set the cells of noise along strands at any level of detail.
     pub rest_count: u32,
     /// See [`crate::strands::Drawn::stride`].
     pub stride: f32,
@@ -363,9 +361,10 @@ pub struct HairUniform {
     pub deeper: Vec2,
     /// See [`crate::strands::Drawn::area`].
     pub area: f32,
-    /// How many strands the grooms before it have in the picture: strands round their coverage by their number.
+    /// Number of strands in the earlier grooms of the frame. Added to a strand's index, it seeds the rounding of the
+    /// strand's coverage.
     pub first: u32,
-    /// Spans between the knots of a strand.
+    /// Spans between the shading samples of a strand.
     pub spans: u32,
     /// See [`crate::strands::Drawn::single`].
     pub single: f32,

@@ -1,4 +1,4 @@
-//! The kernels and the pipeline of the stage, and the layouts of what it offers to those that draw.
+//! Kernels and pipelines of the light stage, and the bind group layouts that draw stages share with it.
 
 use super::{ambient, fiber::FiberTables, scene};
 use crate::{
@@ -8,12 +8,12 @@ use crate::{
         Binding, Device, Kernel, PipelineSet,
         bindings::layout,
         kernel::{self, Job},
-        pipeline::{Made, Recipe},
+        pipeline::{PipelineCache, Recipe},
     },
 };
 
-/// What everything that is drawn in light binds as `@group(0)`: camera, lights, the body's maps and how they are
-/// compared, the hair's maps, their blocks, light from all sides and how it is read.
+/// Layout of `@group(0)` for everything that is drawn in light: camera, lights, depth maps of meshes, their comparison
+/// sampler, hair maps, blocks of the hair maps, ambient light, its sampler.
 pub(crate) const FRAME: [Binding; 8] = [
     Binding::Uniform,
     Binding::Uniform,
@@ -25,49 +25,50 @@ pub(crate) const FRAME: [Binding; 8] = [
     Binding::Sampler,
 ];
 
-/// A groom's share of `@group(1)`: its uniform, vertices, strands and shaded colours.
+/// Layout of a groom's `@group(1)`: uniform, vertices, strands and shaded colors.
 const HAIR: [Binding; 4] = [Binding::Uniform, Binding::Storage, Binding::Storage, Binding::Storage];
 
-/// What the kernels that shade bind, as in `light::knot`.
+/// Returns the layout of the shading kernels, as in `light::knot`.
 pub(super) fn shade_bindings() -> Vec<Binding> {
     use Binding::{Storage, StorageMut};
     let last = HAIR.len() - 1;
     [&FRAME[..], &HAIR[..last], &[StorageMut, StorageMut, Storage]].concat()
 }
 
-/// The pipelines of the stage.
+/// Pipelines of the light stage.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     device: Device,
-    /// Of a view's `@group(0)`.
+    /// Layout of a view's `@group(0)`.
     pub(crate) frame: wgpu::BindGroupLayout,
-    /// Of a groom's `@group(1)`.
+    /// Layout of a groom's `@group(1)`.
     pub(crate) hair: wgpu::BindGroupLayout,
-    /// Of the tables of its fibres, `@group(2)`.
+    /// Layout of the fiber tables, `@group(2)`.
     pub(crate) fiber: wgpu::BindGroupLayout,
     pub(super) layer: wgpu::BindGroupLayout,
-    shadow_body: Made<(), wgpu::RenderPipeline>,
-    /// Shadow maps of a scene.
+    shadow_body: PipelineCache<(), wgpu::RenderPipeline>,
+    /// Imports the shadow maps of a scene.
     pub(super) scene: scene::Pipelines,
-    /// The hair nearest the light.
+    /// Stores the hair nearest the light.
     pub(super) splat: Kernel,
-    /// Which strand is nearest the light.
+    /// Stores which strand is nearest the light.
     pub(super) strand_map: Kernel,
-    /// The hair nearest the light in blocks of texels.
+    /// Sums the hair nearest the light over blocks of texels.
     pub(super) summary: Kernel,
-    /// Deep opacity maps: where the hair's front is, hair into the layers, sums over the layers.
+    /// Deep opacity maps: computes the first depth layer, adds hair to the layers, accumulates the layers.
     pub(super) deep: [Kernel; 3],
     pub(super) ambient: ambient::Pipelines,
-    /// What varies slowly along strands, radiance by it, and for shading per pixel what arrives.
+    /// Shading samples.
     pub(super) knots: Kernel,
-    /// Without strand maps, and with them.
+    /// Radiance of vertices, without and with strand maps.
     shade: [Kernel; 2],
+    /// Incoming light of vertices, for shading per pixel.
     pub(super) arrive: Kernel,
-    /// Which knots and spans are seen.
+    /// Selects the visible knots and spans.
     pub(super) choose: Kernel,
-    /// The list that asks for all of them.
+    /// A list that selects all knots and spans.
     pub(super) all: wgpu::Buffer,
-    /// Nothing: the fibres' tables are `@group(2)`, as in the pipelines that draw.
+    /// An empty group, because the fiber tables are `@group(2)` as in the draw pipelines.
     pub(super) gap: wgpu::BindGroup,
 }
 
@@ -79,7 +80,7 @@ impl PipelineSet for Pipelines {
         let both = Stages::VERTEX_FRAGMENT;
         let fiber = FiberTables::layout(device);
         let nothing = layout(device, "nothing", Stages::COMPUTE, &[]);
-        // One group for all kernels of the maps: those that need less of it leave the rest alone.
+        // All kernels of the maps share one layout. Some ignore a part of it.
         let maps = |module| {
             let entries = [Uniform, Uniform, Storage, Storage, StorageMut, StorageMut, Storage];
             Kernel::new(&context.device, module, &entries)
@@ -91,7 +92,7 @@ impl PipelineSet for Pipelines {
             frame: layout(device, "frame", both | Stages::COMPUTE, &FRAME),
             hair: layout(device, "hair", both, &HAIR),
             layer: layout(device, "shadow layer", Stages::VERTEX, &[UniformDynamic]),
-            shadow_body: Made::default(),
+            shadow_body: PipelineCache::default(),
             scene: scene::Pipelines::new(context),
             splat: maps("light::splat"),
             strand_map: maps("light::strand_map"),
@@ -119,12 +120,12 @@ impl PipelineSet for Pipelines {
 }
 
 impl Pipelines {
-    /// The radiance of vertices, with strand maps or without.
+    /// Returns the kernel for the radiance of vertices, with or without strand maps.
     pub(super) fn shade(&self, strand_maps: bool) -> &Kernel {
         &self.shade[usize::from(strand_maps)]
     }
 
-    /// Draws a body into a shadow map.
+    /// Returns the pipeline that draws a mesh into a shadow map.
     pub(super) fn shadow_body(&self) -> Result<wgpu::RenderPipeline> {
         self.shadow_body.get((), || {
             Recipe {
@@ -138,8 +139,8 @@ impl Pipelines {
         })
     }
 
-    /// What compiles all that a picture with shadows by default needs; of one that shades only what is seen if
-    /// `chosen`, and of one that asks `strand_maps`.
+    /// Returns the jobs that compile all pipelines for a frame with default shadows. `chosen`: the frame shades only
+    /// visible hair. `strand_maps`: it uses strand maps.
     pub(crate) fn jobs(&self, chosen: bool, strand_maps: bool) -> Vec<Job<'_>> {
         let [front, cover, stack] = &self.deep;
         let mut kernels = vec![&self.splat, front, cover, stack, &self.knots, self.shade(strand_maps)];

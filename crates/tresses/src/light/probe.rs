@@ -1,39 +1,40 @@
-//! Evaluates the shadow maps at arbitrary points: used for measurements by tests and tools.
+//! Evaluates the shadow maps at arbitrary points, for tests and measurements.
 
-use super::{MAX_LIGHTS, State, asked::Asked};
+use super::{LightState, MAX_LIGHTS, asked::PointQuery};
 use crate::{Context, Result, gpu::Binding};
 use glam::{Vec3, Vec4};
 
-/// What is between a point and a light.
+/// Occluders between a point and a light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shadow {
-    /// The mean number of fibres: -ln of the share of the light that meets none.
+    /// Mean number of fibers: -ln of the fraction of the light that hits none.
     pub fibers: f32,
-    /// The share of the light that no body keeps away.
+    /// Fraction of the light that no mesh blocks.
     pub solid: f32,
 }
 
-/// A set of points that the shadow maps are asked about.
+/// A set of points at which the shadow maps are evaluated.
 #[derive(Debug)]
-pub struct ShadowProbe(Asked<[[f32; 2]; MAX_LIGHTS]>);
+pub struct ShadowProbe(PointQuery<[[f32; 2]; MAX_LIGHTS]>);
 
 impl ShadowProbe {
-    /// Takes `points` (metres, at most four million) to the GPU, to be asked about in the maps of a view's `light`: as
-    /// points visible from a distant eye in the direction `eye` (unit), or, without it, as arbitrary points of the hair.
+    /// Uploads `points` (meters, at most four million), for evaluation in the maps of `light`. With `eye`, the unit
+    /// vector towards a distant eye, the points count as visible from there. Without it they are arbitrary points of
+    /// the hair.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] when the adapter cannot hold them.
-    pub fn new(context: &Context, light: &State, points: &[Vec3], eye: Option<Vec3>) -> Result<Self> {
+    /// [`crate::Error::Limit`] when the adapter cannot hold the points.
+    pub fn new(context: &Context, light: &LightState, points: &[Vec3], eye: Option<Vec3>) -> Result<Self> {
         use Binding::{Comparison, DepthArray, Storage, Uniform};
         let entries = [Uniform, DepthArray, Comparison, Storage, Storage];
         let frame = entries.into_iter().zip(light.resources());
         let eye = eye.map_or(Vec4::ZERO, |eye| eye.extend(1.0));
         let words: Vec<_> =
             std::iter::once(eye).chain(points.iter().map(|point| point.extend(0.0))).collect();
-        Ok(Self(Asked::new(context, "light::probe", (&words, points.len()), frame)?))
+        Ok(Self(PointQuery::new(context, "light::probe", (&words, points.len()), frame)?))
     }
 
-    /// Asks, after [`Recorder::light`](crate::frame::Recorder::light) has been recorded.
+    /// Records the evaluation. Call it after [`Recorder::light`](crate::frame::Recorder::light).
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the kernel cannot be compiled.
@@ -41,7 +42,7 @@ impl ShadowProbe {
         self.0.record(encoder)
     }
 
-    /// The answers, for each point those of the lights that are on, in their order.
+    /// Reads the results back: for each point one per light that is on, in order.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.

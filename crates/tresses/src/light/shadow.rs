@@ -1,14 +1,14 @@
-//! The shadow maps of a view and the passes that draw them: the body as triangles into depth textures, the
-//! hair by kernels into a buffer.
+//! Shadow maps of a view, and the passes that draw them: meshes as triangles into depth textures, hair by compute
+//! kernels into a buffer.
 //!
-//! Hair is thinner than a texel, so that a line walk with an atomic is all the rasterisation it
-//! needs. It reads each vertex once for all maps, has no triangles to set up (a software driver does
-//! that on one thread), and keeps hair and body apart: hair lets light through, the body does not.
+//! Hair is thinner than a texel, so its rasterization is a walk along lines with atomic operations. This reads each
+//! vertex once for all maps, and has no triangle setup (which a software driver does on one thread). It also separates
+//! hair, which transmits light, from meshes, which do not.
 
 use glam::Mat4;
 
 use super::{
-    Brought, Lit, Pipelines, Seen,
+    FrameLight, HairView, ImportedShadows, Pipelines,
     lights::{LightsUniform, MAX_LIGHTS, SHADOW_MAPS},
     shadows::{DEEP_FINEST, ShadowMethod},
 };
@@ -17,41 +17,43 @@ use crate::{
     body::Body,
     constants::{COVER_STRANDS, COVER_STRIDE, DEEP_LAYERS, SHADOW_BLOCK as BLOCK, STRAND_WORKGROUP},
     gpu::{Commands, Kernel, commands::deep, pipeline::DEPTH_FORMAT},
-    strands::Drawn,
+    strands::DrawCount,
 };
 
-/// The most texels along an edge: the maps stay within the 128 MiB that any device binds.
+/// Maximum texels along an edge: the maps stay within the 128 MiB that every device can bind.
 const MOST: u32 = 2048;
-/// The fewest texels along an edge of a strand map: in larger ones than that leaves, hair is not strands any more.
+/// Minimum texels along an edge of a strand map. Coarser maps do not resolve strands.
 const LEAST_STRANDS: u32 = 256;
-/// Words of a texel of a deep opacity map, as in `light::deep`.
+/// Words per texel of a deep opacity map, as in `light::deep`.
 const DEEP_WORDS: u32 = DEEP_LAYERS + 2;
-/// How far a body that casts shadows may stray from the one that is drawn: a texel, and this share of the bias.
+/// Limit, in units of the bias, on the deviation of a shadow-casting mesh from the drawn one. A texel is the other
+/// limit.
 pub(super) const STRAY: f32 = 0.3;
-/// Distance between the matrices of two layers: the largest offset alignment WebGPU asks for.
+/// Distance between the matrices of two layers, bytes: the largest offset alignment that WebGPU may require.
 const STEP: u64 = 256;
 
-/// One depth map per light, what the hair leaves in them, and where they look.
+/// A depth map and a hair map for each light.
 #[derive(Debug)]
 pub struct ShadowMaps {
     /// Texels along each edge.
     pub resolution: u32,
-    /// Depth of the body, all layers.
+    /// Depth of meshes, all layers.
     view: wgpu::TextureView,
     layers: Vec<wgpu::TextureView>,
     matrices: wgpu::Buffer,
     layer_group: wgpu::BindGroup,
-    /// Per map, heights of the hair nearest the light or a deep opacity map.
+    /// Per map: heights of the hair nearest the light, or a deep opacity map.
     hair: wgpu::Buffer,
-    /// Texels along each edge of a map of the nearest strands; 0 for none.
+    /// Texels along each edge of a strand map; 0 for none.
     pub(super) strand_map: u32,
-    /// Per map, how much hair and how high in blocks of texels, or its strand map.
+    /// Per map: amount and height of hair in blocks of texels, or a strand map.
     blocks: wgpu::Buffer,
     comparison: wgpu::Sampler,
 }
 
 impl ShadowMaps {
-    /// Maps of `resolution`² texels; of a light also one of `strand_map`² texels, unless that is 0.
+    /// Creates maps of `resolution`² texels and, unless `strand_map` is 0, a strand map of `strand_map`² texels per
+    /// light.
     pub(super) fn new(context: &Context, pipelines: &Pipelines, [resolution, strand_map]: [u32; 2]) -> Self {
         let Context { device, .. } = context;
         let resolution = Self::within(resolution);
@@ -119,12 +121,12 @@ impl ShadowMaps {
         Self { resolution, strand_map, view, layers, matrices, layer_group, hair, blocks, comparison }
     }
 
-    /// Texels along each edge of a map that is asked for with so many.
+    /// Clamps a resolution to the supported range.
     pub(super) fn within(resolution: u32) -> u32 {
         resolution.clamp(BLOCK, MOST)
     }
 
-    /// What shaders need to ask for light: body maps, their sampler, the hair's maps, its blocks.
+    /// Bindings of shaders that read light: depth maps of meshes, their sampler, hair maps, blocks of the hair maps.
     pub(crate) fn resources(&self) -> [wgpu::BindingResource<'_>; 4] {
         [
             wgpu::BindingResource::TextureView(&self.view),
@@ -140,7 +142,7 @@ impl ShadowMaps {
         depth + self.hair.size() + self.blocks.size() + self.matrices.size()
     }
 
-    /// The same of maps of `resolution`² texels that are not made yet.
+    /// Returns the bytes of GPU memory of maps of `resolution`² texels.
     pub(super) fn bytes_of(resolution: u32) -> u64 {
         let resolution = Self::within(resolution);
         let words =
@@ -148,7 +150,7 @@ impl ShadowMaps {
         SHADOW_MAPS as u64 * (4 * words + STEP) + 4 * block_words(resolution)
     }
 
-    /// What the hair leaves in the maps, and the same in blocks of texels.
+    /// Buffers of the hair maps, and of their blocks of texels.
     pub(super) fn hair_buffers(&self) -> [&wgpu::Buffer; 2] {
         [&self.hair, &self.blocks]
     }
@@ -160,16 +162,16 @@ impl ShadowMaps {
         }
     }
 
-    /// Records the maps that `lit` has.
+    /// Records the maps described by `lit`.
     pub(super) fn record(
         &self,
         pipelines: &Pipelines,
         commands: &mut Commands<'_>,
-        lit: &Lit,
-        hair: &[Seen<'_>],
-        (bodies, scene): (&[&Body], &Brought),
+        lit: &FrameLight,
+        hair: &[HairView<'_>],
+        (bodies, scene): (&[&Body], &ImportedShadows),
     ) -> Result<()> {
-        let Lit { method, maps, across, stray, strands, .. } = *lit;
+        let FrameLight { method, maps, across, stray, strands, .. } = *lit;
         let casts = method != ShadowMethod::Off;
         let (hair, bodies) = if casts { (hair, bodies) } else { (&[][..], &[][..]) };
         if maps == 0 {
@@ -198,21 +200,21 @@ impl ShadowMaps {
             commands.clear(&self.blocks, Some(4 * strand_words(strands, self.strand_map)));
         }
         let mut pass = commands.compute("shadow");
-        let mut run = |kernel: &Kernel, of: &Seen<'_>, threads: u64| {
+        let mut run = |kernel: &Kernel, of: &HairView<'_>, threads: u64| {
             let workgroups = threads.div_ceil(u64::from(STRAND_WORKGROUP)) as u32;
             kernel.record(&mut pass, &of.shaded.splat, &[], workgroups);
         };
         for seen in hair {
             run(&pipelines.splat, seen, u64::from(seen.hair.drawn.count) * u64::from(seen.hair.splat[1]));
         }
-        // What works on texels is the same whichever groom it is bound with.
+        // Kernels over texels do the same with the bindings of any groom.
         match method {
             ShadowMethod::DeepOpacity | ShadowMethod::Off => {
                 let texels = words / u64::from(DEEP_WORDS);
                 let [front, cover, stack] = &pipelines.deep;
                 run(front, first, texels);
                 for seen in hair {
-                    let Drawn { count, vertex_count, .. } = seen.hair.drawn;
+                    let DrawCount { count, vertex_count, .. } = seen.hair.drawn;
                     let strands = count.div_ceil(count.div_ceil(COVER_STRANDS).max(1));
                     let stride = seen.hair.splat[0].min(COVER_STRIDE);
                     let steps = vertex_count.saturating_sub(1).div_ceil(stride);
@@ -220,7 +222,7 @@ impl ShadowMaps {
                 }
                 run(stack, first, texels);
                 for seen in hair.iter().filter(|_| strands > 0) {
-                    let Drawn { count, vertex_count, .. } = seen.hair.drawn;
+                    let DrawCount { count, vertex_count, .. } = seen.hair.drawn;
                     let segments = u64::from(vertex_count.saturating_sub(1));
                     run(&pipelines.strand_map, seen, u64::from(count) * segments);
                 }
@@ -234,17 +236,18 @@ impl ShadowMaps {
     }
 }
 
-/// Words of the blocks of all maps.
+/// Returns the words of the blocks of all maps.
 fn block_words(resolution: u32) -> u64 {
     SHADOW_MAPS as u64 * u64::from(resolution.div_ceil(BLOCK)).pow(2)
 }
 
-/// Words of the strand maps of so many lights.
+/// Returns the words of the strand maps of `lights` lights.
 fn strand_words(lights: usize, texels: u32) -> u64 {
     lights as u64 * u64::from(texels).pow(2)
 }
 
-/// Words that the hair takes in one map of `resolution`², whose own texels are `across` of the map's wide.
+/// Returns the words of the hair in one map of `resolution`² texels. A texel of the hair is `across` texels of the map
+/// wide.
 fn map_words(method: ShadowMethod, resolution: u32, across: u32) -> u64 {
     let words = match method {
         ShadowMethod::Opaque | ShadowMethod::Absorption => 1,

@@ -1,51 +1,47 @@
-//! How shadows are made: the method, how soft, how dense.
+//! Shadow settings: method, softness, density.
 
-/// How hair before other hair is counted. Every method answers with the mean number of fibres
-/// between a light and a point.
+/// Method that counts the hair between a light and a point. The result of every method is a mean number of fibers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u32)]
 pub enum ShadowMethod {
-    /// As if hair were solid: the share of 81 taps that see no hair before the point
-    /// (percentage-closer filtering). Hair in the second row is black.
+    /// Hair counts as solid: the fraction of 81 taps without hair in front of the point (percentage-closer filtering).
+    /// Hair behind other hair is black.
     Opaque,
-    /// Each tap counts the fibres on the way behind the hair nearest the light, as if all hair were
-    /// equally dense (Halen's absorption-weighted filter): [`Shadows::density`].
+    /// Each tap counts fibers on the way behind the hair nearest the light, for hair of a uniform density
+    /// ([`Shadows::density`]; Halen's absorption-weighted filter).
     Absorption,
-    /// Deep opacity maps (Yuksel and Keyser 2008): fibres are counted where they are, in layers that
-    /// follow the hair's front.
+    /// Deep opacity maps (Yuksel and Keyser 2008): layers that start at the first depth layer of the hair count the
+    /// fibers where they are.
     #[default]
     DeepOpacity,
-    /// None: every light reaches every point. To compare with, and for pictures that need no shadows.
+    /// No shadows: every light reaches every point. For comparisons, and for images that need no shadows.
     Off,
 }
 
-/// How shadows are made.
+/// Shadow settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shadows {
-    /// How hair is counted.
+    /// Method that counts hair.
     pub method: ShadowMethod,
-    /// Radius of the disk over which the shadow on hair is averaged, metres. The hair's maps are as
-    /// fine as that takes; a texel of a deep opacity map is no smaller than three of a depth map.
+    /// Radius of the disk over which shadows on hair are averaged, meters. It sets the resolution of the hair maps. A
+    /// texel of a deep opacity map is at least three texels of a depth map wide.
     pub hair_radius: f32,
-    /// Radius over which the shadow of the body on itself is averaged, metres.
+    /// Radius over which the shadows of meshes on themselves are averaged, meters.
     pub body_radius: f32,
-    /// Fibres that light meets per metre of its way through hair, 1/m: what
-    /// [`ShadowMethod::Absorption`] supposes.
+    /// Fibers that light hits per meter of its way through hair, 1/m. [`ShadowMethod::Absorption`] uses it.
     pub density: f32,
-    /// The weight of the hair before the body: at 1, a fibre takes as much from the body behind it as from
-    /// other hair.
+    /// Weight of the shadow of hair on meshes. At 1, a fiber removes as much light from a mesh as from other hair.
     pub body_opacity: f32,
-    /// How far a surface is lifted towards the light before it is compared, metres.
+    /// Distance by which a surface is moved towards the light before the comparison, meters.
     pub bias: f32,
-    /// How much strands are in light or in shade one by one, of which the maps know the mean alone: 0 not at all, 1
-    /// as hair is. [`super::ShadingModel::Fiber`] has it.
+    /// Variation of light and shadow from strand to strand, where maps have only a mean: 0 for none, 1 as in real hair.
+    /// Only for [`super::ShadingModel::Fiber`].
     pub strand_by_strand: f32,
-    /// Whether the maps are asked for every pixel of the hair, not for every strand vertex; only where
-    /// hair is shaded per pixel ([`super::ShadingRate::PerPixel`]).
+    /// Whether each pixel of the hair reads the maps, instead of each strand vertex. Only for hair that is shaded per
+    /// pixel ([`super::ShadingRate::PerPixel`]).
     pub per_pixel: bool,
-    /// Whether light from the sky and from the body is followed through the hair
-    /// ([`super::ambient`]). Otherwise the sky's openness is guessed from the zenith and the lights that
-    /// are on, and bodies throw no light.
+    /// Whether light from the sky and from meshes is propagated through the hair ([`super::ambient`]). Otherwise sky
+    /// visibility is estimated from the zenith and the lights that are on, and meshes reflect no light.
     pub ambient: bool,
 }
 
@@ -66,21 +62,21 @@ impl Default for Shadows {
 }
 
 impl Shadows {
-    /// Whether ambient light is computed: where nothing casts shadows all of the sky arrives.
+    /// Whether ambient light is computed. Without shadows there is no need: all of the sky arrives.
     pub(crate) fn follows_ambient(&self) -> bool {
         self.ambient && self.method != ShadowMethod::Off
     }
 
-    /// How many maps `lights` that are on take. The sky's is the last: only a guess of its openness asks for it.
+    /// Returns the number of maps for `lights` lights that are on. The last map is the sky's. It exists only where sky
+    /// visibility is estimated.
     pub(crate) fn maps(&self, lights: usize) -> usize {
         lights + usize::from(!self.follows_ambient())
     }
 
-    /// Texels of a depth map along the edge of a texel of the hair's, where a depth map's is `texel`
-    /// metres: the hair's maps are only as fine as its shadow is soft, and a filter that meets all of
-    /// their texels leaves nothing to flicker. Deep opacity maps are read through a spline over three by
-    /// three texels: 0.866 radii make that as wide as the disk. The depths of the nearest hair are read
-    /// through one over nine by nine.
+    /// Returns the edge of a texel of the hair maps in texels of a depth map, which are `texel` meters wide. Hair maps
+    /// are only as fine as their shadows are sharp, and a filter that reads all of their texels does not flicker. A
+    /// spline over 3×3 texels reads deep opacity maps: texels of 0.866 radii make it as wide as the disk. A spline over
+    /// 9×9 texels reads the depths of the nearest hair.
     pub(crate) fn hair_texels(&self, texel: f32) -> u32 {
         let texels = |share: f32| (share * self.hair_radius / texel).round() as u32;
         match self.method {
@@ -90,5 +86,5 @@ impl Shadows {
     }
 }
 
-/// The fewest texels of a depth map along the edge of a deep opacity map's texel.
+/// Minimum edge of a deep opacity map's texel, in texels of a depth map.
 pub(crate) const DEEP_FINEST: u32 = 3;

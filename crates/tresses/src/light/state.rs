@@ -1,8 +1,8 @@
-//! The light of one view: its shadow maps, its light from all sides, and the uniform that both are made by.
+//! Light of one view: its shadow maps, its ambient light, and the uniform of both.
 
 use super::{
-    Ambient, Brought, Chosen, HairSet, Lights, Pipelines, SceneShadow, Seen, ShadingRate, ShadowMaps,
-    ShadowMethod, Shadows, Sphere,
+    Ambient, HairSet, HairView, ImportedShadows, Lights, Pipelines, SceneShadow, ShadingRate, ShadingSubset,
+    ShadowMaps, ShadowMethod, Shadows, Sphere,
     lights::{LightsUniform, SHADOW_MAPS},
 };
 use crate::{
@@ -14,9 +14,9 @@ use crate::{
 use glam::Mat4;
 use std::sync::Arc;
 
-/// The light of a view on the GPU.
+/// Light of a view on the GPU.
 #[derive(Debug)]
-pub struct State {
+pub struct LightState {
     pipelines: Arc<Pipelines>,
     pub(super) maps: ShadowMaps,
     pub(super) ambient: Ambient,
@@ -25,32 +25,33 @@ pub struct State {
     pub(crate) frame: wgpu::BindGroup,
 }
 
-/// What of it a frame records.
+/// Parameters of the light passes of a frame.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Lit {
+pub(crate) struct FrameLight {
     pub method: ShadowMethod,
-    /// How many shadow maps.
+    /// Number of shadow maps.
     pub maps: usize,
-    /// Texels of a map along the edge of a texel of the hair's.
+    /// Edge of a texel of the hair maps, in texels of a depth map.
     pub across: u32,
-    /// How many lights have a strand map.
+    /// Number of lights with a strand map.
     pub strands: usize,
-    /// How far bodies that cast shadows may stray from those that are drawn, metres.
+    /// Limit on the deviation of shadow-casting meshes from the drawn ones, meters.
     pub stray: f32,
-    /// Whether light from all sides is followed, and made anew.
+    /// Whether the frame computes ambient light.
     pub ambient: bool,
-    /// Every so many points of a body's surface stand for all of them.
+    /// Stride through the sample points of mesh surfaces.
     pub every: u32,
-    /// From the world to the clip space of each map, and the depth of all of them, metres.
+    /// World to clip space of each map.
     pub matrices: [Mat4; SHADOW_MAPS],
+    /// Depth of the maps, meters.
     pub range: f32,
-    /// What they cover.
+    /// Region that the maps cover.
     pub focus: Sphere,
 }
 
-impl State {
-    /// Maps of `resolution`² texels, and as many cells along each edge of the grid, for what `camera` (a uniform
-    /// buffer) sees; strand maps of `strand_map`² texels, unless that is 0.
+impl LightState {
+    /// Creates maps of `resolution`² texels, a grid of `cells` cells per edge and, unless `strand_map` is 0, strand
+    /// maps of `strand_map`² texels. `camera` is the uniform buffer of the camera.
     pub fn new(
         context: &Context,
         [resolution, cells]: [u32; 2],
@@ -66,23 +67,23 @@ impl State {
         Self { frame: device.group("frame", &pipelines.frame, &frame), pipelines, maps, ambient, lights }
     }
 
-    /// Whether it has maps and cells of these sizes.
+    /// Whether maps and grid have these sizes.
     pub(super) fn fits(&self, [resolution, cells]: [u32; 2]) -> bool {
         self.maps.resolution == ShadowMaps::within(resolution)
             && self.ambient.cells() == Ambient::within(cells)
     }
 
-    /// Writes the uniforms of a frame. Two of them, the share of light that a fibre passes on and the share of that
-    /// which meets other hair, belong to a material: of several grooms they are the means, weighed by the area of
-    /// their strands ([`HairSet::area`](super::HairSet::area)). They colour what hair lets through to bodies, and
-    /// what it takes of a body's light in the grid; on hair itself each groom's own material tells.
+    /// Uploads the uniforms of a frame. Two values belong to a material: the fraction of light that a fiber passes on,
+    /// and the fraction of that light which hits other hair. For several grooms these are means, weighted by the area
+    /// of the strands ([`HairSet::area`](super::HairSet::area)). They color the light that hair transmits to meshes,
+    /// and attenuate the light of meshes in the grid. Shading of hair uses the groom's own material.
     pub(crate) fn prepare(
         &self,
         context: &Context,
         (lights, shadows, focus): (&Lights, &Shadows, &Sphere),
-        hair: &[Seen<'_>],
+        hair: &[HairView<'_>],
         zone: u32,
-    ) -> Lit {
+    ) -> FrameLight {
         let Context { queue, .. } = context;
         let resolution = self.maps.resolution;
         let mut uniform = lights.uniform(shadows, focus, resolution);
@@ -92,7 +93,7 @@ impl State {
         if shadows.method == ShadowMethod::DeepOpacity && shadows.strand_by_strand > 0.0 {
             uniform.strand_map = self.maps.strand_map;
         }
-        // Bodies have as many points as fine cells ask for; a zone may have coarser ones.
+        // Meshes have enough sample points for fine cells. A zone may have coarser ones.
         (uniform.zone, uniform.every) = (zone, if zone > 0 { self.ambient.every() } else { 1 });
         let whole: f32 = hair.iter().map(|seen| seen.hair.area).sum();
         for seen in hair {
@@ -104,7 +105,7 @@ impl State {
         queue.write_buffer(&self.lights, 0, bytemuck::bytes_of(&uniform));
         self.maps.prepare(context, &uniform);
         let texel = 2.0 * focus.radius.max(1e-6) / resolution as f32;
-        Lit {
+        FrameLight {
             method: shadows.method,
             maps: shadows.maps(lights.active().count()),
             strands: if uniform.strand_map > 0 { uniform.count as usize } else { 0 },
@@ -118,46 +119,57 @@ impl State {
         }
     }
 
-    /// What its maps take of those of a scene, in the light of `lit`.
+    /// Selects the scene shadows that the maps of `lit` import.
     ///
     /// # Errors
-    /// As [`Brought::new`].
-    pub(crate) fn bring(&self, lights: &Lights, lit: &Lit, shadows: &[SceneShadow<'_>]) -> Result<Brought> {
-        Brought::new(&self.pipelines, &self.maps, lights, (&lit.matrices, lit.range, &lit.focus), shadows)
+    /// As [`ImportedShadows::new`].
+    pub(crate) fn bring(
+        &self,
+        lights: &Lights,
+        lit: &FrameLight,
+        shadows: &[SceneShadow<'_>],
+    ) -> Result<ImportedShadows> {
+        ImportedShadows::new(
+            &self.pipelines,
+            &self.maps,
+            lights,
+            (&lit.matrices, lit.range, &lit.focus),
+            shadows,
+        )
     }
 
-    /// Records the shadow maps, with what was brought of a scene: of the lights that are on, and of the sky where its
-    /// openness is guessed.
+    /// Records the shadow maps of the lights that are on, and of the sky if its visibility is estimated. They include
+    /// the imported scene shadows.
     pub(crate) fn record_shadows(
         &self,
         commands: &mut Commands<'_>,
-        lit: &Lit,
-        hair: &[Seen<'_>],
-        bodies: (&[&Body], &Brought),
+        lit: &FrameLight,
+        hair: &[HairView<'_>],
+        bodies: (&[&Body], &ImportedShadows),
     ) -> Result<()> {
         self.maps.record(&self.pipelines, commands, lit, hair, bodies)
     }
 
-    /// Records light from all sides, where it is followed; after the shadow maps.
+    /// Records ambient light, if it is computed. Call it after the shadow maps.
     pub(crate) fn record_ambient(
         &self,
         commands: &mut Commands<'_>,
-        hair: &[Seen<'_>],
+        hair: &[HairView<'_>],
         bodies: (&[&Body], u32),
     ) -> Result<()> {
         self.ambient.record(&self.pipelines.ambient, commands, hair, bodies)
     }
 
-    /// Records the shading of the strand vertices of `hair`, for pictures that shade it at `rate`.
+    /// Records the shading of the strand vertices of `hair`, for images that shade it at `rate`.
     pub(crate) fn shade(
         &self,
         commands: &mut Commands<'_>,
-        hair: &[Seen<'_>],
+        hair: &[HairView<'_>],
         rate: ShadingRate,
     ) -> Result<()> {
         let mut pass = commands.compute("shade");
         pass.set_bind_group(1, &self.pipelines.gap, &[]);
-        for Seen { hair, shaded, .. } in hair {
+        for HairView { hair, shaded, .. } in hair {
             let [count, spans] = [hair.drawn.count, hair.spans[1]];
             pass.set_bind_group(2, &hair.fiber().group, &[]);
             let mut run = |kernel: &Kernel, each: u32| {
@@ -174,8 +186,12 @@ impl State {
         pass.end()
     }
 
-    /// Records the shading per vertex of nothing but what is chosen.
-    pub fn shade_chosen(&self, commands: &mut Commands<'_>, hair: &[(&HairSet, &Chosen)]) -> Result<()> {
+    /// Records the shading of the selected vertices only.
+    pub fn shade_chosen(
+        &self,
+        commands: &mut Commands<'_>,
+        hair: &[(&HairSet, &ShadingSubset)],
+    ) -> Result<()> {
         hair.iter().for_each(|(_, chosen)| chosen.clear(commands));
         let mut pass = commands.compute("shade");
         for (hair, chosen) in hair {
@@ -184,20 +200,20 @@ impl State {
         pass.end()
     }
 
-    /// What it offers to those that ask for light: lights, the body's maps, how they are compared, the hair's maps,
-    /// their blocks, light from all sides, how it is read.
+    /// Bindings of shaders that read light: lights, depth maps of meshes, their comparison sampler, hair maps, blocks
+    /// of the hair maps, ambient light, its sampler.
     pub(super) fn resources(&self) -> [wgpu::BindingResource<'_>; 7] {
         let [maps, comparison, hair, blocks] = self.maps.resources();
         let [grid, linear] = self.ambient.resources();
         [self.lights.as_entire_binding(), maps, comparison, hair, blocks, grid, linear]
     }
 
-    /// The same behind a camera.
+    /// The camera, followed by [`resources`](Self::resources).
     pub(crate) fn frame_resources<'a>(&'a self, camera: &'a wgpu::Buffer) -> [wgpu::BindingResource<'a>; 8] {
         frame_resources(camera, &self.lights, &self.maps, &self.ambient)
     }
 
-    /// Bytes of GPU memory of maps and cells of these sizes.
+    /// Returns the bytes of GPU memory of maps and cells of these sizes.
     pub(super) fn bytes_of([resolution, cells]: [u32; 2]) -> u64 {
         ShadowMaps::bytes_of(resolution) + Ambient::bytes_of(cells)
     }

@@ -1,7 +1,7 @@
-//! The kernel that shades strand vertices with one term of the shading alone. It stands beside
-//! `light::shade`, so that pictures with all terms neither change nor pay for it.
+//! Kernel that shades strand vertices with a single term of the shading, for debug views. It is separate from
+//! `light::shade`, so that images with all terms neither change nor cost more.
 
-use super::{Seen, fiber::FiberTables};
+use super::{HairView, fiber::FiberTables};
 use crate::{
     Context, Result,
     constants::STRAND_WORKGROUP,
@@ -9,30 +9,29 @@ use crate::{
 };
 use wgpu::util::DeviceExt;
 
-/// One part of the light on hair. Those from [`Reflection`](Self::Reflection) to
-/// [`Multiple`](Self::Multiple) add up to [`Direct`](Self::Direct), and this with [`Sky`](Self::Sky) to
-/// the whole.
+/// One part of the light on hair. The terms from [`Reflection`](Self::Reflection) to [`Multiple`](Self::Multiple) add
+/// up to [`Direct`](Self::Direct). `Direct` and [`Sky`](Self::Sky) add up to all light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Term {
-    /// Mirrored by the surface: R; Kajiya and Kay's first highlight.
+    /// Reflection by the surface (R); Kajiya and Kay: first highlight.
     Reflection = 0,
-    /// Straight through the fibre: TT; of Kajiya and Kay's model what shines through from behind.
+    /// Transmission through the fiber (TT); Kajiya and Kay: light from behind.
     Transmission = 1,
-    /// Reflected inside: TRT, and what is reflected more often; Kajiya and Kay's second highlight.
+    /// Internal reflections (TRT and further ones); Kajiya and Kay: second highlight.
     Inner = 2,
-    /// By other fibres, before or after: dual scattering; Kajiya and Kay's matt light.
+    /// Scattering by other fibers, before or after (dual scattering); Kajiya and Kay: diffuse light.
     Multiple = 3,
-    /// From the surroundings.
+    /// Light from the surroundings: sky, environment and meshes.
     Sky = 4,
-    /// From the lights.
+    /// Light from the directional lights.
     Direct = 5,
-    /// The share of the direct light that arrives, 0 to 1, as a colour of [`crate::views::ramp`];
-    /// without lights the zenith's.
+    /// Fraction of the direct light that arrives, 0 to 1, as a color of [`crate::views::ramp`]. Without lights, the
+    /// fraction of the sky.
     Shadow = 6,
 }
 
 impl Term {
-    /// All of them.
+    /// All terms.
     pub const ALL: [Self; 7] = [
         Self::Reflection,
         Self::Transmission,
@@ -48,12 +47,12 @@ impl Term {
 #[derive(Debug)]
 pub struct Terms {
     kernel: Kernel,
-    /// One per term.
+    /// One group per term.
     groups: Vec<wgpu::BindGroup>,
 }
 
 impl Terms {
-    /// The kernel.
+    /// Creates the kernel.
     pub(crate) fn new(context: &Context) -> Self {
         let Context { device, .. } = context;
         let which = layout(device, "term", wgpu::ShaderStages::COMPUTE, &[Binding::Uniform]);
@@ -74,11 +73,16 @@ impl Terms {
         Self { kernel, groups: groups.into() }
     }
 
-    /// Records the kernel for all vertices of `hair`, in the place of [`super::State::shade`].
-    pub(crate) fn record(&self, commands: &mut Commands<'_>, hair: &[Seen<'_>], term: Term) -> Result<()> {
+    /// Records the kernel for all vertices of `hair`, in place of [`super::State::shade`].
+    pub(crate) fn record(
+        &self,
+        commands: &mut Commands<'_>,
+        hair: &[HairView<'_>],
+        term: Term,
+    ) -> Result<()> {
         let mut pass = commands.compute("shade");
         pass.set_bind_group(1, &self.groups[term as usize], &[]);
-        for Seen { hair, shaded, .. } in hair {
+        for HairView { hair, shaded, .. } in hair {
             let workgroups = (hair.drawn.count * hair.drawn.vertex_count).div_ceil(STRAND_WORKGROUP);
             pass.set_bind_group(2, &hair.fiber().group, &[]);
             self.kernel.record(&mut pass, &shaded.shade, &[], workgroups);

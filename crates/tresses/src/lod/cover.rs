@@ -1,67 +1,66 @@
-//! Coverage and brightness of wider strands. Few wide strands cover more than many thin ones of the same
-//! area, because they cover gaps and reach beyond outlines; a coarse pixel covers more as well, because
-//! strands within it are treated as overlapping at random. The eye then sees less or more deeply into the
-//! hair, where less light arrives. Factors that correct both are measured on the CPU
-//! ([`seen`](super::seen)).
+//! Coverage and brightness of wider strands. A few wide strands cover more than many thin ones of the same area,
+//! because they cover gaps and extend beyond outlines. A coarse pixel covers more as well, because strands within it
+//! are treated as randomly overlapping. The eye then sees less or more deeply into the hair, where less light arrives.
+//! Factors that correct both are measured on the CPU ([`seen`](super::seen)).
 
 use super::{
     curve::CurveTable,
-    lit::{Lit, fibers},
-    seen::{EYES, Pictures, Seen, Strip},
+    lit::{LightDepths, fibers},
+    seen::{EYES, Pictures, Strip, Visibility},
 };
 #[cfg(not(target_arch = "wasm32"))]
 use crate::progress::at_once;
 use crate::{Progress, groom::BoundStrands, strands::Strand};
 use glam::Vec3;
 
-/// At most so many strands stand for all of them.
+/// Maximum number of strands that represent all of them.
 const MOST: usize = 6000;
-/// And at most so many find where light meets the hair first.
+/// Maximum number of strands for the front where light first meets the hair.
 const MOST_FRONTS: usize = 60_000;
-/// The smallest share of strands that is looked at.
+/// Smallest share of strands that is measured.
 const LEAST: f32 = 0.004;
-/// The narrowest that strands are made.
+/// Minimum factor on widths.
 const NARROWEST: f32 = 0.3;
-/// The widest.
+/// Maximum factor on widths.
 const WIDEST: f32 = 1.5;
 
-/// On widths; on the fibres before what is seen, towards a light on the eye's side, and one behind; and how much
-/// deeper that is seen, metres.
+/// Factor on widths; factors on fiber counts in front of visible hair, for light from the eye's side and from behind;
+/// and how much deeper visible hair lies, meters.
 type Factors = [f32; 4];
-/// Of full detail.
+/// Factors of full detail.
 pub(super) const NONE: Factors = [1.0, 1.0, 1.0, 0.0];
 
-/// The factors of a groom on the widths of fewer strands, and on what light meets of them.
+/// Correction factors of a groom for the widths of fewer strands, and for the light that reaches them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoverTable {
-    /// Share of the strands and the factors that belong to it, shares falling from 1: in a picture as fine
-    /// as can be, and with the pixel of [`CoverLevel`].
+    /// Shares of the strands, descending from 1, with their factors: in the finest image, and with the pixel of
+    /// [`CoverLevel`].
     points: [Vec<(f32, Factors)>; 2],
 }
 
-/// A level of detail whose coverage is measured.
+/// A level of detail to be measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoverLevel {
     /// Share of the strands.
     pub fraction: f32,
-    /// The share that is there at least, those that are narrower for it included.
+    /// Share of the strands that is drawn, including those that are fading in.
     pub drawn: f32,
-    /// The factor on their widths that keeps their area.
+    /// Factor on widths that keeps the total area.
     pub widening: f32,
-    /// Their segments.
+    /// Number of segments.
     pub segments: f32,
-    /// The pixel at which that level is chosen, metres.
+    /// Pixel size at which this level is chosen, meters.
     pub pixel: f32,
 }
 
 impl CoverTable {
-    /// Nothing known: as wide as their area wants.
+    /// Creates a table without corrections: widths keep the area.
     pub fn none() -> Self {
         Self { points: [vec![(1.0, NONE)], vec![(1.0, NONE)]] }
     }
 
-    /// For `strands` in the order of [`arrange`](super::arrange) with the radii of `infos`, inside `sphere`
-    /// (its middle and radius, metres), at `levels` with falling shares.
+    /// Measures `strands`, in the order of [`arrange`](super::arrange) with the radii of `infos`, inside `sphere`
+    /// (center and radius, meters), at `levels` with descending shares.
     pub async fn new(
         strands: &BoundStrands,
         infos: &[Strand],
@@ -69,15 +68,15 @@ impl CoverTable {
         levels: &[CoverLevel],
         progress: &impl Progress,
     ) -> Self {
-        const TASK: &str = "measuring levels of detail";
+        const TASK: &str = "computing levels of detail";
         let mut table = Self::none();
         let base = infos.len().min(MOST);
         if base == 0 || sphere.1 <= 0.0 || strands.vertex_count < 2 {
             return table;
         }
-        // Where the base is not all strands it stands for them, a little wider.
+        // The base represents all strands, widened to keep the area.
         let share = base as f32 / infos.len() as f32;
-        // But not where light meets the hair first.
+        // The front where light first meets the hair needs more strands.
         let fronts: Vec<_> =
             (0..infos.len().min(MOST_FRONTS)).map(|i| Strip::new(strands, infos, i, None)).collect();
         let all = &fronts[..base];
@@ -89,11 +88,11 @@ impl CoverTable {
         let seen = pictures.seen(share.recip(), fine);
         progress.step(TASK, 0.3).await;
         let wide = infos.len() as f32 / fronts.len() as f32;
-        let lit = Lit::new(&seen, &fibers(all, &fronts, sphere, wide), share.recip());
+        let lit = LightDepths::new(&seen, &fibers(all, &fronts, sphere, wide), share.recip());
         let height = height(all, &seen);
         drop((pictures, seen, fronts));
-        let whole = Whole { strands, infos, sphere, fine, full, lit, height };
-        // Where the base is no more than a level there is nothing to hold it to, nor for hair a few pixels large.
+        let whole = FullDetail { strands, infos, sphere, fine, full, lit, height };
+        // Skip levels with at least as many strands as the base, and levels at which hair is only a few pixels large.
         let count = |level: &CoverLevel| (level.drawn * infos.len() as f32).ceil() as usize;
         let levels: Vec<_> =
             levels.iter().filter(|level| count(level) < base && level.pixel <= 0.5 * sphere.1).collect();
@@ -105,13 +104,13 @@ impl CoverTable {
         table
     }
 
-    /// The factors and the depth where the share `fraction` of the strands is drawn, and the pixel is that at which the
-    /// share `automatic` would be: on their widths; on the fibres before what is seen where light comes from the
-    /// eye's side; where it comes from behind the hair; and how much deeper the eye sees, metres.
+    /// Returns the correction factors when the share `fraction` of the strands is drawn. The pixel is the one at which
+    /// the share `automatic` would be chosen. In order: the factor on widths; the factor on fiber counts in front of
+    /// visible hair for light from the eye's side; the same for light from behind; and how much deeper the eye sees,
+    /// meters.
     ///
-    /// The factors on fibres are such that what the eye sees of the hair is on average as light as what it sees of it at
-    /// full detail: narrower strands let it see deeper, wide ones close gaps that it would have looked into,
-    /// and few segments cut corners.
+    /// The factors on fiber counts keep the mean brightness of visible hair as at full detail: narrower strands let the
+    /// eye see deeper, wide ones close gaps, and few segments cut corners.
     pub fn factors(&self, fraction: f32, automatic: f32) -> Factors {
         let [fine, coarse] = &self.points;
         let (own, beside, there) = (at(fine, fraction), at(coarse, automatic), at(fine, automatic));
@@ -120,8 +119,9 @@ impl CoverTable {
     }
 }
 
-/// How near the eyes is on average what they have `seen` of `strips`, metres.
-fn height(strips: &[Strip], seen: &[Seen]) -> f32 {
+/// Returns the mean position of the visible parts of `strips` along the directions to the eyes, meters. `seen` are the
+/// visible fractions.
+fn height(strips: &[Strip], seen: &[Visibility]) -> f32 {
     let points = strips.iter().flat_map(|strip| &strip.points);
     let eyes = EYES.map(Vec3::normalize);
     let mut sums = EYES.map(|_| [0.0f64; 2]);
@@ -134,23 +134,23 @@ fn height(strips: &[Strip], seen: &[Seen]) -> f32 {
     sums.map(|[sum, all]| (sum / all.max(1e-12)) as f32).iter().sum::<f32>() / EYES.len() as f32
 }
 
-/// Full detail, to which levels are held.
-struct Whole<'a> {
+/// Full detail, the reference for all levels.
+struct FullDetail<'a> {
     strands: &'a BoundStrands,
     infos: &'a [Strand],
     sphere: (Vec3, f32),
-    /// The finest cells, metres.
+    /// Edge of the finest cells, meters.
     fine: f32,
-    /// The area that it covers, m².
+    /// Covered area, m².
     full: f32,
-    lit: Lit,
-    /// How near the eyes what they see is, metres.
+    lit: LightDepths,
+    /// Mean position of visible parts along the directions to the eyes, meters.
     height: f32,
 }
 
-impl Whole<'_> {
-    /// The points of `levels`: at once on two threads where there are threads, since each level has half the strands
-    /// of the one before, so that the first takes as long as all others.
+impl FullDetail<'_> {
+    /// Measures `levels`, on two threads where the platform has threads. Each level has half the strands of the one
+    /// before, so the first takes as long as all others together.
     async fn levels(
         &self,
         levels: &[&CoverLevel],
@@ -180,7 +180,8 @@ impl Whole<'_> {
         }
     }
 
-    /// The points of one level, in a picture as fine as can be and with its own pixel; `pause` lets others work.
+    /// Measures one level, in the finest image and with its own pixel. Calls `pause` between iterations to let other
+    /// tasks run.
     async fn level(&self, level: &CoverLevel, pause: impl AsyncFn()) -> [(f32, Factors); 2] {
         let count = (level.drawn * self.infos.len() as f32).ceil() as usize;
         let strips: Vec<_> = (0..count.max(1))
@@ -190,7 +191,7 @@ impl Whole<'_> {
         let fibers = fibers(&strips, &strips, self.sphere, level.widening);
         let mut points = [(level.fraction, NONE); 2];
         for (point, cell) in points.iter_mut().zip([self.fine, level.pixel.max(self.fine)]) {
-            // The secant method: coverage grows smoothly, and ever slower, with the width.
+            // Secant method: coverage grows smoothly with the width, at a falling rate.
             let (mut a, mut b) = (1.0, 0.85);
             let mut cover = |factor: f32| pictures.area(level.widening * factor, cell);
             let (mut at_a, mut at_b) = (cover(a), cover(b));
@@ -208,15 +209,15 @@ impl Whole<'_> {
                 at_b = cover(b);
             }
             let seen = pictures.seen(level.widening * b, cell);
-            // Shadow maps hold the area of full detail.
-            let [before, behind] = self.lit.matching(&Lit::new(&seen, &fibers, level.widening));
+            // Shadow maps contain the area of full detail.
+            let [before, behind] = self.lit.matching(&LightDepths::new(&seen, &fibers, level.widening));
             point.1 = [b, before, behind, self.height - height(&strips, &seen)];
         }
         points
     }
 }
 
-/// Between `points` by the logarithm of the share, constant beyond them.
+/// Interpolates `points` by the logarithm of the share; constant beyond them.
 fn at(points: &[(f32, Factors)], fraction: f32) -> Factors {
     let Some(k) = points.iter().position(|(at, _)| *at <= fraction) else {
         return points.last().map_or(NONE, |(_, factors)| *factors);
@@ -229,8 +230,9 @@ fn at(points: &[(f32, Factors)], fraction: f32) -> Factors {
     [0, 1, 2, 3].map(|i| a[i] + (b[i] - a[i]) * t)
 }
 
-/// The levels that [`CoverTable::new`] looks at: octaves. The share `first` is always drawn. At full detail the pixel
-/// is `limit`; the functions tell the widening of a share, and the segments at a pixel.
+/// Returns the levels that [`CoverTable::new`] measures: octaves of the share. The share `first` is always drawn, and
+/// `limit` is the pixel at full detail. `widening` maps a share to the factor on widths, `segments` a pixel to a number
+/// of segments.
 pub fn levels(
     first: f32,
     limit: f32,
@@ -257,7 +259,7 @@ mod tests {
     use crate::groom::Influence;
     use crate::progress::at_once;
 
-    /// `count` strands of a millimetre that fall side by side, a metre long, over 20 cm.
+    /// `count` strands of 1 mm width, 1 m long, side by side over 20 cm.
     fn curtain(count: u32) -> (BoundStrands, Vec<Strand>) {
         let mut strands = BoundStrands::new(2);
         for i in 0..count {
@@ -272,8 +274,8 @@ mod tests {
     }
 
     #[test]
-    fn wide_strands_reach_over_the_edges() {
-        // So dense that all is covered but what lies beyond the edges.
+    fn wide_strands_cover_beyond_edges() {
+        // So dense that everything except the surroundings of the edges is covered.
         let (strands, infos) = curtain(1024);
         let level = |fraction: f32, pixel| CoverLevel {
             fraction,
@@ -287,7 +289,7 @@ mod tests {
         let width = |fraction, automatic| table.factors(fraction, automatic)[0];
         assert_eq!(table.factors(1.0, 1.0), NONE);
         assert!(width(0.0625, 1.0) < 1.0, "{}", width(0.0625, 1.0));
-        // A coarse pixel more so.
+        // A coarse pixel has a larger effect.
         assert!(width(0.0625, 0.0625) < width(0.0625, 1.0) - 0.01);
         assert!(width(0.1, 1.0) > width(0.0625, 1.0));
         assert_eq!(CoverTable::none().factors(0.1, 0.01), NONE);

@@ -1,23 +1,23 @@
-//! The error of fewer segments: how far a strand deviates, and by how much it gets shorter.
+//! Error of drawing strands with fewer segments: how far they deviate, and by what factor they become shorter.
 
 use crate::groom::BoundStrands;
 use glam::Vec3;
 
-/// Strands that are looked at.
+/// Maximum number of strands that are measured, approximately.
 const SAMPLES: usize = 256;
 
-/// For a groom: the error of drawing its strands with fewer segments.
+/// Error of drawing a groom's strands with fewer segments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CurveTable {
-    /// `error[s - 1]`: how far 90 of 100 strands stray at most with `s` segments, metres; falls with `s`,
-    /// and is 0 with all of them.
+    /// `error[s - 1]`: 90th percentile of the strands' maximum deviation with `s` segments, meters. Falls with `s`; 0
+    /// with all segments.
     error: Vec<f32>,
-    /// `length[s - 1]`: what is left of the strands' lengths.
+    /// `length[s - 1]`: remaining share of the strands' length.
     length: Vec<f32>,
 }
 
 impl CurveTable {
-    /// Measured on strands evenly picked from `strands`, at rest.
+    /// Measures evenly picked `strands` at rest.
     pub fn new(strands: &BoundStrands) -> Self {
         let segments = strands.vertex_count.saturating_sub(1).max(1) as usize;
         let step = (strands.len() / SAMPLES).max(1);
@@ -41,8 +41,8 @@ impl CurveTable {
         table
     }
 
-    /// The number of segments, between two whole numbers where need be, with which strands stray at
-    /// most `error` metres: falls continuously as the error grows.
+    /// Returns the number of segments, possibly fractional, with which strands deviate by at most `error` meters. Falls
+    /// continuously as the error grows.
     pub fn segments(&self, error: f32) -> f32 {
         let Some(enough) = self.error.iter().position(|e| *e <= error) else { return 1.0 };
         if enough == 0 {
@@ -52,7 +52,7 @@ impl CurveTable {
         enough as f32 + (above - error.max(0.0)) / (above - below)
     }
 
-    /// What is left of the strands' lengths with so many segments.
+    /// Returns the remaining share of the strands' length with `segments` segments.
     pub fn length(&self, segments: f32) -> f32 {
         let at = (segments - 1.0).clamp(0.0, (self.length.len() - 1) as f32);
         let i = (at as usize).min(self.length.len().saturating_sub(2));
@@ -61,13 +61,12 @@ impl CurveTable {
     }
 }
 
-/// A polyline's length.
+/// Returns the length of a polyline.
 fn length(line: &[Vec3]) -> f32 {
     line.windows(2).map(|w| w[0].distance(w[1])).sum()
 }
 
-/// `line` as it is drawn with `segments` segments: vertices at equal steps of its parameter, the last
-/// one at its end.
+/// Resamples `line` to `segments` segments as drawn: vertices at equal steps of its parameter, the last one at its end.
 pub fn resample(line: &[Vec3], segments: f32) -> Vec<Vec3> {
     let last = line.len() - 1;
     let step = last as f32 / segments;
@@ -80,7 +79,7 @@ pub fn resample(line: &[Vec3], segments: f32) -> Vec<Vec3> {
         .collect()
 }
 
-/// The largest distance of a vertex of `line` from `coarse`.
+/// Returns the largest distance of a vertex of `line` from `coarse`.
 fn stray(line: &[Vec3], coarse: &[Vec3]) -> f32 {
     let nearest = |p: &Vec3| {
         coarse
@@ -100,7 +99,7 @@ mod tests {
     use super::*;
     use crate::{groom::Influence, strands::Strand};
 
-    /// Strands along a quarter of a circle of 10 cm, or a helix of 5 mm around it.
+    /// A strand along a quarter of a circle with a radius of 10 cm, or a helix of radius `curl` around it.
     fn bent(curl: f32) -> BoundStrands {
         let mut strands = BoundStrands::new(33);
         let line: Vec<_> = (0..33)
@@ -116,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn an_arc_strays_as_chords_do() {
+    fn arc_error_equals_sagitta() {
         let table = CurveTable::new(&bent(0.0));
         for s in [2u32, 4, 8] {
             // The sagitta of a chord of the circle.
@@ -136,10 +135,10 @@ mod tests {
     }
 
     #[test]
-    fn curls_keep_their_segments_longer() {
+    fn curls_need_more_segments_than_arcs() {
         let (arc, curls) = (CurveTable::new(&bent(0.0)), CurveTable::new(&bent(0.005)));
         assert!(arc.segments(1e-3) < 8.0 && curls.segments(1e-3) > 16.0);
-        // Two chords: of the arc, and from the helix' outside to its inside and back.
+        // Two chords: of the arc, and of the helix from its outside to its inside and back.
         let chord = |a: f32, b: f32| (a * a + b * b - 2.0 * a * b * std::f32::consts::FRAC_PI_4.cos()).sqrt();
         let left = |curl: f32| {
             let full = length(&bent(curl).rest_positions(0).collect::<Vec<_>>());

@@ -1,13 +1,13 @@
-//! The order of guides: those that are simulated at a level of detail, and whom the others follow.
+//! The order of guides for levels of detail: the first ones are simulated, the others follow them.
 //!
-//! Each guide is as far as it can be from those before it (farthest-point sampling; Gonzalez, "Clustering to minimize the
-//! maximum intercluster distance", 1985): the first `k` then leave no guide farther from one of them than any `k` could by
-//! half. How far two guides are apart is measured where they rest, at root, middle and tip. A guide that is not simulated
-//! goes with the nearest among the first of half its place or more in that order: as guides are left out, the one that it
-//! goes with stays the same until that is left out itself. How it goes is `simulate::lead`.
+//! Each guide is as far as possible from all earlier ones (farthest-point sampling; Gonzalez, "Clustering to minimize
+//! the maximum intercluster distance", 1985). The largest distance of any guide from the first `k` is then at most
+//! twice the optimum for `k` guides. The distance of two guides is measured at rest, at root, middle and tip. Guide
+//! number `k` follows the nearest of the first `2^⌊log₂ k⌋` guides, so the guide that it follows stays the same until
+//! that guide is dropped as well. `simulate::lead` moves the followers.
 //!
-//! Where strands are guides themselves the order is that of the strands ([`super::arrange`]), of which every prefix is an
-//! even sample; so it is for more guides than can be compared with each other.
+//! If strands are their own guides, the order is the strands' ([`super::arrange`]), of which every prefix is an even
+//! sample. The same holds if there are too many guides to compare in pairs.
 
 use crate::{
     Context, Result,
@@ -18,37 +18,37 @@ use crate::{
 use glam::Vec3;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// Farthest points are sought among so many guides at most: the search compares each with each.
+/// Maximum number of guides for farthest-point sampling, which compares all pairs.
 const COMPARED: usize = 2048;
-/// Among so many earlier guides the nearest is sought.
+/// Maximum number of earlier guides among which the nearest is searched.
 const NEAREST_OF: usize = 1024;
-/// The fewest guides that are simulated: with fewer, locks on both sides of a head would swing as one.
+/// Minimum number of simulated guides. With fewer, locks on both sides of a head would swing as one.
 pub const LEAST_GUIDES: u32 = 12;
 
-/// Guides in the order in which levels of detail leave them out, made when one first does.
+/// Guides in the order in which levels of detail drop them, computed when first needed.
 #[derive(Debug)]
 pub(crate) struct GuideOrder {
-    /// Of each guide at rest: root, middle, tip, metres.
+    /// Rest positions of each guide's root, middle and tip, meters.
     places: Vec<[Vec3; 3]>,
-    /// What the GPU knows of each.
+    /// GPU data of each guide.
     infos: Vec<Guide>,
     /// The order given by the strands, for guides that are not ordered by distance.
     strands: Vec<u32>,
-    made: OnceLock<Made>,
+    made: OnceLock<GuidePrefixes>,
     tree: Mutex<Option<Tree>>,
 }
 
-/// The order, and what is known of each of its prefixes.
+/// The order, and the distances for each prefix.
 #[derive(Debug)]
-pub(crate) struct Made {
-    /// For each place the guide that has it, and the place of the one that it goes with.
+pub(crate) struct GuidePrefixes {
+    /// For each place: the guide, and the place of the guide that it follows.
     pub tree: Vec<[u32; 2]>,
-    /// `reach[k - 1]`: how far a guide is at most from the nearest that is simulated where `k` are, metres.
+    /// `reach[k - 1]`: largest distance of a guide from the one that it follows, if `k` guides are simulated, meters.
     pub reach: Vec<f32>,
 }
 
 impl GuideOrder {
-    /// Of the guides of `groom`; its strands are in the order in which they are drawn.
+    /// Creates the order of `guides`. `firsts` are the first guides of the strands in drawing order.
     pub fn new(guides: &Guides, infos: Vec<Guide>, firsts: impl Iterator<Item = u32>) -> Self {
         let n = guides.vertex_count as usize;
         let place = |i: usize| [0, (n - 1) / 2, n - 1].map(|j| guides.positions[i * n + j]);
@@ -61,20 +61,20 @@ impl GuideOrder {
         Self { places, infos, strands, made: OnceLock::new(), tree: Mutex::default() }
     }
 
-    /// The order.
-    pub fn get(&self) -> &Made {
+    /// Returns the order.
+    pub fn get(&self) -> &GuidePrefixes {
         self.made.get_or_init(|| {
             if self.places.len() <= COMPARED { self.by_distance() } else { self.by_strands() }
         })
     }
 
-    /// The order on the GPU, and in `info`, which has what is known of each guide: for all heads with this groom.
+    /// Uploads the order, and writes it into `info`, the GPU data of the guides. All heads with this groom share it.
     ///
     /// # Errors
     /// [`crate::Error::Limit`].
     pub fn tree(&self, context: &Context, info: &wgpu::Buffer) -> Result<Tree> {
         let Context { queue, .. } = context;
-        // What a panic leaves behind is whole.
+        // The value stays consistent if a holder panics.
         let mut tree = self.tree.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(tree) = &*tree {
             return Ok(tree.clone());
@@ -90,7 +90,7 @@ impl GuideOrder {
         Ok(new)
     }
 
-    /// Bytes of GPU memory.
+    /// Returns the GPU memory, bytes.
     pub fn bytes(&self) -> u64 {
         self.tree.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map_or(0, Tree::bytes)
     }
@@ -100,7 +100,7 @@ impl GuideOrder {
         (0..3).map(|i| a[i].distance_squared(b[i])).fold(0.0, f32::max)
     }
 
-    fn by_distance(&self) -> Made {
+    fn by_distance(&self) -> GuidePrefixes {
         let count = self.places.len();
         let mut order = Vec::with_capacity(count);
         let mut left = vec![f32::INFINITY; count];
@@ -120,38 +120,33 @@ impl GuideOrder {
         self.with(order, Some(reach))
     }
 
-    fn by_strands(&self) -> Made {
+    fn by_strands(&self) -> GuidePrefixes {
         self.with(self.strands.clone(), None)
     }
 
-    /// Finds whom each goes with in that order.
-    fn with(&self, order: Vec<u32>, reach: Option<Vec<f32>>) -> Made {
+    /// Finds the guide that each one follows in that order.
+    fn with(&self, order: Vec<u32>, reach: Option<Vec<f32>>) -> GuidePrefixes {
         let nearest = |k: usize| {
-            // The first of an octave that ends at or before it.
+            // The guides before the octave that contains `k`.
             let among = if k == 0 { 0 } else { 1usize << k.ilog2() };
             let apart = |q: &usize| self.apart(order[k], order[*q]);
             (0..among.min(NEAREST_OF)).min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or(0)
         };
         let tree: Vec<_> = (0..order.len()).map(|k| [order[k], nearest(k) as u32]).collect();
         let reach = reach.unwrap_or_else(|| {
-            // Of each octave, and between them as a power of the number.
-            let mut worst = vec![0f32; order.len()];
+            // With `k` guides, those at places `k` and beyond follow.
+            let mut reach = vec![0f32; order.len()];
             for k in (1..order.len()).rev() {
                 let own = self.apart(order[k], order[tree[k][1] as usize]).sqrt();
-                let octave = (1usize << k.ilog2()) - 1;
-                worst[octave] = worst[octave].max(own);
+                reach[k - 1] = reach[k].max(own);
             }
-            let mut so_far = 0.0;
-            for worst in worst.iter_mut().rev() {
-                so_far = worst.max(so_far);
-                *worst = so_far;
-            }
-            worst
+            reach
         });
-        Made { tree, reach }
+        GuidePrefixes { tree, reach }
     }
 
-    /// How many are to be simulated for the others to be no farther from whom they go with than `reach` metres.
+    /// Returns the number of guides to simulate so that the others are at most `reach` meters from the ones that they
+    /// follow.
     pub fn enough(&self, reach: f32) -> u32 {
         let count = self.places.len() as u32;
         if reach <= 0.0 {
@@ -163,7 +158,7 @@ impl GuideOrder {
     }
 }
 
-/// The order of the guides of `groom`, whose strands are `arranged`.
+/// Returns the order of the guides of `groom`, whose strands are `arranged`.
 pub(crate) fn order(groom: &Groom, infos: Vec<Guide>, arranged: &BoundStrands) -> GuideOrder {
     GuideOrder::new(&groom.guides, infos, arranged.bindings.iter().map(|binding| binding.guides[0]))
 }
@@ -173,7 +168,7 @@ mod tests {
     use super::*;
     use crate::math::hash::pcg;
 
-    /// Guides that hang from a square, at random.
+    /// Guides that hang from a square at random positions.
     fn guides(count: u32) -> GuideOrder {
         let at = |i: u32, k: u32| pcg(3 * i + k) as f32 / u32::MAX as f32;
         let mut guides = Guides { vertex_count: 3, ..Default::default() };
@@ -189,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn every_guide_goes_with_one_before_it_that_is_near() {
+    fn every_guide_follows_a_near_earlier_one() {
         for count in [1, 2, 300, 2500] {
             let order = guides(count);
             let made = order.get();
@@ -199,12 +194,21 @@ mod tests {
             for (k, [_, with]) in made.tree.iter().enumerate().skip(1) {
                 assert!((*with as usize) < k, "{count}: {k} {with}");
             }
+            // With more guides than are compared, the reach is that of the guides that are followed.
+            if count as usize > COMPARED {
+                for simulated in [1, 100, 1500, 2047, 2400] {
+                    let followers = made.tree.iter().skip(simulated);
+                    let apart = |[guide, with]: &[u32; 2]| order.apart(*guide, made.tree[*with as usize][0]);
+                    let farthest = followers.map(apart).fold(0.0, f32::max).sqrt();
+                    assert_eq!(made.reach[simulated - 1], farthest, "{simulated}");
+                }
+            }
             assert!(made.reach.windows(2).all(|w| w[0] >= w[1]), "{count}: more are never worse");
         }
-        // An even sample of a unit square by 64: no farther than its diagonal over 8 or so; at random twice that.
+        // An even sample of a unit square by 64 points: at most about its diagonal over 8; at random twice that.
         let order = guides(300);
         assert!(order.get().reach[63] < 0.14, "{}", order.get().reach[63]);
-        // As few as reach that far.
+        // The smallest number of guides with that reach.
         let enough = order.enough(0.14) as usize;
         let reach = &order.get().reach;
         assert!(reach[enough - 1] <= 0.14 && reach[enough - 2] > 0.14, "{enough}");

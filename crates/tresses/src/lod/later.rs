@@ -1,4 +1,4 @@
-//! What is measured while its owner goes on: on a thread of its own, where there are threads.
+//! Values computed in the background, on a thread where the platform has threads.
 
 use std::{
     future::pending,
@@ -14,20 +14,20 @@ use std::{
 
 use crate::Progress;
 
-/// A value that may still be on its way. Who asks first waits for it.
+/// A value that may still be being computed. [`get`](Self::get) waits for it.
 #[derive(Debug)]
-pub(super) struct Later<T> {
+pub(super) struct Promise<T> {
     value: OnceLock<T>,
-    /// Gives nothing once nobody wants it any more.
+    /// Returns `None` if the work was abandoned.
     thread: Mutex<Option<JoinHandle<Option<T>>>>,
-    wanted: Wanted,
+    wanted: CancelToken,
 }
 
-/// The listener of the work: holds it up for good when nobody wants its result.
+/// The work's progress listener. Suspends the work forever once its result is no longer wanted.
 #[derive(Clone, Debug)]
-pub(super) struct Wanted(Arc<AtomicBool>);
+pub(super) struct CancelToken(Arc<AtomicBool>);
 
-impl Progress for Wanted {
+impl Progress for CancelToken {
     async fn step(&self, _task: &'static str, _fraction: f32) {
         if !self.0.load(Relaxed) {
             pending().await
@@ -35,19 +35,19 @@ impl Progress for Wanted {
     }
 }
 
-impl<T> Later<T> {
-    /// A value that is there.
+impl<T> Promise<T> {
+    /// Creates a value that is already computed.
     pub fn known(value: T) -> Self {
-        Self { value: value.into(), thread: Mutex::new(None), wanted: Wanted(Arc::new(true.into())) }
+        Self { value: value.into(), thread: Mutex::new(None), wanted: CancelToken(Arc::new(true.into())) }
     }
 
-    /// What `work` gives, which waits for nothing but the listener that it gets.
-    #[cfg_attr(target_arch = "wasm32", allow(dead_code))] // There are no threads.
-    pub fn start<W: AsyncFnOnce(&Wanted) -> T + Send + 'static>(work: W) -> Self
+    /// Starts `work` on a thread. `work` may await nothing but the listener that it receives.
+    #[cfg_attr(target_arch = "wasm32", allow(dead_code))] // wasm32 has no threads.
+    pub fn start<W: AsyncFnOnce(&CancelToken) -> T + Send + 'static>(work: W) -> Self
     where
         T: Send + 'static,
     {
-        let wanted = Wanted(Arc::new(true.into()));
+        let wanted = CancelToken(Arc::new(true.into()));
         let listener = wanted.clone();
         let measure = move || {
             let done = pin!(work(&listener)).poll(&mut Context::from_waker(Waker::noop()));
@@ -56,17 +56,19 @@ impl<T> Later<T> {
         Self { value: OnceLock::new(), thread: Mutex::new(Some(thread::spawn(measure))), wanted }
     }
 
-    /// The value. Blocks until it is there.
+    /// Returns the value. Blocks until it is computed.
     pub fn get(&self) -> &T {
         self.value.get_or_init(|| {
             let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
-            let value = thread.expect("either the value is known or its thread").join();
-            value.unwrap_or_else(|panic| resume_unwind(panic)).expect("whoever asks wants it")
+            let value = thread.expect("the value or its thread is set").join();
+            value
+                .unwrap_or_else(|panic| resume_unwind(panic))
+                .expect("the work is not canceled while a caller waits")
         })
     }
 }
 
-impl<T> Drop for Later<T> {
+impl<T> Drop for Promise<T> {
     fn drop(&mut self) {
         self.wanted.0.store(false, Relaxed);
     }
@@ -78,20 +80,20 @@ mod tests {
     use std::sync::mpsc::channel;
 
     #[test]
-    fn whoever_asks_waits() {
+    fn get_blocks_until_value_is_ready() {
         let (go, gone) = channel();
-        let later = Later::start(async move |_| gone.recv().unwrap_or(0));
+        let later = Promise::start(async move |_| gone.recv().unwrap_or(0));
         assert!(later.value.get().is_none());
         go.send(7).unwrap();
         assert_eq!((later.get(), later.get()), (&7, &7));
-        assert_eq!(Later::known(3).get(), &3);
+        assert_eq!(Promise::known(3).get(), &3);
     }
 
     #[test]
-    fn work_that_nobody_wants_ends() {
+    fn dropping_later_stops_its_work() {
         let (go, gone) = channel::<()>();
         let (tell, told) = channel();
-        let later = Later::start(async move |wanted: &Wanted| {
+        let later = Promise::start(async move |wanted: &CancelToken| {
             let _ = gone.recv();
             wanted.step("", 0.0).await;
             tell.send(()).unwrap();

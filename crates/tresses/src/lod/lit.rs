@@ -1,21 +1,20 @@
-//! How much light reaches the visible parts of strands, on the CPU: fibre counts towards lights.
+//! Light on the visible parts of strands, on the CPU: fiber counts towards lights.
 
-use super::seen::{EYES, Seen, Strip, axes};
+use super::seen::{EYES, Strip, Visibility, axes};
 use glam::{Vec2, Vec3};
 
-/// Fibres are counted in cells as large as texels of shadow maps as they are by default: that long, metres, or as many
-/// along each edge.
+/// Edge of a counting cell, meters: a texel of default shadow maps. Then the maximum number of cells per edge.
 const TEXEL: f32 = 0.0026;
 const FINEST: f32 = 341.0;
-/// How near fibres are not counted, metres: what `NEAR` and, for eyes and lights as far apart as these, `SHARED`
-/// of `light/transmittance.wesl` come to.
+/// Distance within which fibers are not counted, meters: equals `NEAR` plus, for the angles between these eyes and
+/// lights, `SHARED` of `light/transmittance.wesl`.
 const BIAS: f32 = 0.00275;
 
-/// From the upper side before, and from behind: the default lights.
+/// Directions to the default lights: from the front, upper left, and from behind.
 const LIGHTS: [Vec3; 2] = [Vec3::new(-0.42, 0.62, 0.66), Vec3::new(0.85, 0.28, -0.45)];
 
-/// How many fibres lie before each vertex of `strips` towards each light, as deep opacity maps count them:
-/// in layers behind a front that `fronts` leave, strips of which each stands for `wide`.
+/// Counts the fibers in front of each vertex of `strips` towards each light as deep opacity maps do: in layers behind a
+/// front formed by the strips `fronts`, each of which represents `wide` strips.
 pub(super) fn fibers(
     strips: &[Strip],
     fronts: &[Strip],
@@ -32,7 +31,7 @@ pub(super) fn fibers(
     let mut map = DeepMap { grid, ..Default::default() };
     for (i, back) in LIGHTS.into_iter().enumerate() {
         let (right, up, back) = axes(back);
-        // Cells across, metres behind the light's side of the hair.
+        // Cells across, and meters behind the light's side of the hair.
         let place = |p: Vec3| {
             let p = p - middle;
             let across = Vec2::new(p.dot(right), p.dot(up)) / cell + 0.5 * grid as f32;
@@ -46,26 +45,26 @@ pub(super) fn fibers(
     fibers
 }
 
-/// Length of strands over the area of the disc that they lie in, in a sphere of `radius` metres, 1/m.
+/// Returns the length of strands over the cross-section of a sphere with `radius` meters, 1/m.
 pub(super) fn dense(length: f32, radius: f32) -> f32 {
     length / (std::f32::consts::PI * radius * radius).max(1e-12)
 }
 
-/// Of what each eye sees, how many fibres lie before it towards each light.
+/// For the parts visible to each eye: the distribution of fiber counts towards each light.
 #[derive(Clone, Debug)]
-pub(super) struct Lit {
-    /// Sums of what is seen and of its fibres, by the logarithm of these.
+pub(super) struct LightDepths {
+    /// Sums of visibility, and of visibility times fiber count, binned by the logarithm of the count.
     bins: [[Vec<[f32; 2]>; LIGHTS.len()]; EYES.len()],
 }
 
-/// Bins per octave of fibres, the count where the first one ends, and how many there are.
+/// Bins per octave of the fiber count, the count at which the first bin ends, and the number of bins.
 const BINS: f32 = 4.0;
 const FEWEST: f32 = 0.01;
 const MOST_BINS: usize = 80;
 
-impl Lit {
-    /// Of vertices of which so much is `seen`, and before which lie `scale` times so many `fibers`.
-    pub(super) fn new(seen: &[Seen], fibers: &[[f32; LIGHTS.len()]], scale: f32) -> Self {
+impl LightDepths {
+    /// Bins vertices by `scale` times their count in `fibers`, weighted by their visible fraction `seen`.
+    pub(super) fn new(seen: &[Visibility], fibers: &[[f32; LIGHTS.len()]], scale: f32) -> Self {
         let mut bins = EYES.map(|_| LIGHTS.map(|_| vec![[0.0; 2]; MOST_BINS]));
         for (seen, fibers) in seen.iter().zip(fibers) {
             for (light, fibers) in fibers.iter().enumerate() {
@@ -81,14 +80,14 @@ impl Lit {
         Self { bins }
     }
 
-    /// What fibres have to count as in `other` so that as much light arrives at what is seen there as here: where
-    /// a light comes from the eye's side, and where it comes from behind the hair.
+    /// Returns the factors on fiber counts in `other` for which as much light arrives at its visible parts as here: for
+    /// a light on the eye's side, and for a light behind the hair.
     ///
-    /// Through narrower strands the eye sees deeper: further from a light beside it, nearer to one behind. Between
-    /// the two a factor's logarithm is straight over the cosine of the angle between light and eye: as steep as
-    /// comes nearest (in squares) to the factors of all eyes and lights, and as high as gives all of them together
-    /// as much light. Each counts as the light that it adds to a picture; a fibre reflects in proportion to the part of
-    /// its lit half that the eye sees.
+    /// Through narrower strands the eye sees deeper: farther from a light beside the eye, nearer to one behind the
+    /// hair. The factor's logarithm is taken as linear in the cosine of the angle between light and eye. Its slope is a
+    /// least-squares fit to the factors of all pairs of eye and light; its offset makes the total light equal. Each
+    /// pair is weighted by the light that it adds to an image, since a fiber reflects in proportion to the visible part
+    /// of its lit half.
     pub(super) fn matching(&self, other: &Self) -> [f32; 2] {
         let pairs: Vec<_> = (0..EYES.len() * LIGHTS.len())
             .map(|pair| {
@@ -97,7 +96,7 @@ impl Lit {
                 (near, light_in(&self.bins[i][k], 1.0), &other.bins[i][k])
             })
             .collect();
-        // Sums of the weights, of what the line is laid through, and of their products.
+        // Sums for the line fit: weights, abscissas, ordinates and their products.
         let (mut n, mut x, mut y, mut xx, mut xy) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for (near, light, level) in &pairs {
             let (weight, logarithm) = (near * light, power(|factor| light_in(level, factor), *light));
@@ -114,10 +113,10 @@ impl Lit {
     }
 }
 
-/// Powers of two: no factor is larger, or smaller than its reciprocal.
+/// Maximum absolute value of a factor's base-2 logarithm.
 const MOST_MATCHED: f32 = 3.0;
 
-/// The mean share of the light that meets no fibre where each counts as `factor`.
+/// Returns the mean share of the light that hits no fiber if each fiber counts as `factor`.
 fn light_in(bins: &[[f32; 2]], factor: f32) -> f32 {
     let (mut sum, mut all) = (0.0, 0.0);
     for [seen, fibers] in bins.iter().filter(|[seen, _]| *seen > 0.0) {
@@ -127,7 +126,7 @@ fn light_in(bins: &[[f32; 2]], factor: f32) -> f32 {
     sum / all.max(1e-20)
 }
 
-/// The logarithm (to base 2) of the factor with which `light`, which falls as it grows, is `wanted`.
+/// Returns the base-2 logarithm of the factor at which `light`, a decreasing function, equals `wanted`.
 fn power(light: impl Fn(f32) -> f32, wanted: f32) -> f32 {
     let (mut low, mut high) = (-MOST_MATCHED, MOST_MATCHED);
     for _ in 0..16 {
@@ -139,25 +138,25 @@ fn power(light: impl Fn(f32) -> f32, wanted: f32) -> f32 {
 
 /// Layers of a deep opacity map.
 const LAYERS: usize = crate::constants::DEEP_LAYERS as usize;
-/// The most cells of the front that a strip lies in side by side: `WIDEST` of `light/splat.wesl`.
+/// Maximum width of a strip in the front, cells: `WIDEST` of `light/splat.wesl`.
 const WIDEST: f32 = 6.0;
-/// So many strips in a cell find its front: `ENOUGH` of `light/splat.wesl`.
+/// Strips in a cell that suffice to find its front: `ENOUGH` of `light/splat.wesl`.
 const ENOUGH: f32 = 12.0;
-/// Multiples of it are spread evenly over the fractions.
+/// Golden ratio: the fractional parts of its multiples are evenly distributed.
 const GOLDEN: f32 = 0.618_034;
 
-/// A deep opacity map (`light/deep.wesl`), cells for texels.
+/// A deep opacity map (`light/deep.wesl`) with cells instead of texels.
 #[derive(Default)]
 struct DeepMap {
     /// Cells along each edge.
     grid: usize,
-    /// Metres, of each cell; infinite where there is no hair.
+    /// Depth of the front in each cell, meters; infinite where there is no hair.
     fronts: Vec<f32>,
-    /// Fibres before the far end of each layer.
+    /// Fibers in front of the far end of each layer.
     layers: Vec<[f32; LAYERS]>,
 }
 
-/// Twin of `layer_of` in `light/deep.wesl`.
+/// Same as `layer_of` in `light/deep.wesl`.
 fn layer_of(way: f32) -> f32 {
     if way < 0.0 {
         return (way / 0.012).max(-1.0);
@@ -166,7 +165,7 @@ fn layer_of(way: f32) -> f32 {
 }
 
 impl DeepMap {
-    /// Of `strips`, with cells of `cell` metres; `place` tells where they are.
+    /// Builds the map from `strips` with cells of `cell` meters. `place` maps positions to cells and depth.
     fn lay(
         &mut self,
         strips: &[Strip],
@@ -178,7 +177,7 @@ impl DeepMap {
         let grid = self.grid;
         let mut nearest = vec![f32::INFINITY; grid * grid];
         walk(fronts, &place, |strip, at, aside, _| {
-            // As many whole cells as give that width on average.
+            // A whole number of cells per strip that has the width `wide` on average.
             let lanes = (wide + (strip as f32 * GOLDEN).fract()).floor();
             for lane in 0..lanes as u32 {
                 let off = aside * (lane as f32 - 0.5 * (lanes - 1.0));
@@ -204,7 +203,7 @@ impl DeepMap {
         self.layers.resize(grid * grid, [0.0; LAYERS]);
         walk(strips, &place, |_, at, _, area| {
             for (column, weight) in columns(grid, at) {
-                // The layers follow the front: what is far before it is in none.
+                // Layers follow the front; strips far in front of it are in no layer.
                 let layer = layer_of(at.z - self.fronts[column]).floor() + 1.0;
                 self.layers[column][(layer as usize).min(LAYERS - 1)] += weight * area / cell;
             }
@@ -218,7 +217,7 @@ impl DeepMap {
         }
     }
 
-    /// The fibres before a place, those too near to it left out.
+    /// Returns the number of fibers in front of a position, except those too close to it.
     fn before(&self, at: Vec3) -> f32 {
         let of = |(column, weight): (usize, f32)| {
             let (layer, layers) = (layer_of(at.z - BIAS - self.fronts[column]), &self.layers[column]);
@@ -232,8 +231,8 @@ impl DeepMap {
     }
 }
 
-/// Tells of each step of `strips` from cell to cell of which it is, where it is, which way lies aside, and the area over the
-/// edge of a cell (metres) that a step covers.
+/// Walks along `strips` from cell to cell. For each step, calls `see` with the strip's index, the position, the axis
+/// perpendicular to the strip, and the covered area divided by the edge of a cell (meters).
 fn walk(strips: &[Strip], place: impl Fn(Vec3) -> Vec3, mut see: impl FnMut(usize, Vec3, Vec2, f32)) {
     for (k, strip) in strips.iter().enumerate() {
         for (points, radii) in strip.points.windows(2).zip(strip.radii.windows(2)) {
@@ -250,7 +249,7 @@ fn walk(strips: &[Strip], place: impl Fn(Vec3) -> Vec3, mut see: impl FnMut(usiz
     }
 }
 
-/// The four columns about a place and their weights.
+/// Returns the four columns around a position and their bilinear weights.
 fn columns(grid: usize, at: Vec3) -> [(usize, f32); 4] {
     let at = (at.truncate() - 0.5).clamp(Vec2::ZERO, Vec2::splat(grid as f32 - 1.001));
     let (x, y) = (at.x as usize, at.y as usize);
@@ -273,43 +272,44 @@ mod tests {
     fn fibers_are_counted_towards_the_light() {
         let strips = curtains(3, 0.4);
         let fibers = fibers(&strips, &strips, (Vec3::ZERO, 0.8), 1.0);
-        // The light meets 0.4 per curtain, the more the more aslant it comes; at its own curtain half of that.
+        // Each curtain adds 0.4 fibers at normal incidence, more at grazing angles. A strand's own curtain counts half.
         let light = LIGHTS[0].normalize();
         let across = Vec2::new(light.x, light.z).normalize().y;
         for layer in 0..3 {
-            // In the middle of the curtain.
+            // A strand in the middle of the curtain.
             let strip = 100 * 3 + layer;
             let count = fibers[3 * strip + 1][0];
             let expected = 0.4 / across * (layer as f32 + 0.5);
-            // A layer so far behind the front is thicker than a curtain: of that anything may be counted.
+            // Layers that far behind the front are thicker than a curtain, so the count is coarse.
             assert!((count - expected).abs() < 0.01 + 0.2 / across, "{layer}: {count} {expected}");
         }
     }
 
     #[test]
-    fn light_is_matched() {
+    fn matching_recovers_fiber_scale() {
         let seen = [[1.0; 3]; 3];
-        let lit = |scale| Lit::new(&seen, &[[0.5, 0.2], [2.0, 1.0], [4.0, 3.0]], scale);
+        let lit = |scale| LightDepths::new(&seen, &[[0.5, 0.2], [2.0, 1.0], [4.0, 3.0]], scale);
         for (scale, factor) in [(0.8, 1.25), (1.0, 1.0)] {
             for matched in lit(1.0).matching(&lit(scale)) {
                 assert!((matched - factor).abs() < 1e-2, "{scale}: {matched}");
             }
         }
-        let one = Lit::new(&seen[..1], &[[2.0; 2]], 1.0);
+        let one = LightDepths::new(&seen[..1], &[[2.0; 2]], 1.0);
         assert!((light_in(&one.bins[0][0], 0.5) - (-1f32).exp()).abs() < 1e-3);
     }
 
     #[test]
-    fn what_is_seen_deeper_is_lit_less_from_before_and_more_from_behind() {
-        // Two layers, towards each light: of the first the more is seen by eyes on its side.
-        let seen = |through: f32| -> Vec<Seen> {
+    fn seeing_deeper_lowers_front_factor_and_raises_back_factor() {
+        // Two layers towards each light. Eyes on the side that a layer faces see all of it, the others the share
+        // `through`.
+        let seen = |through: f32| -> Vec<Visibility> {
             let of = |eye: Vec3, light: Vec3| if eye.dot(light) > 0.0 { 1.0 } else { through };
             let layer = |light: Vec3| EYES.map(|eye| of(eye, light));
             LIGHTS.into_iter().flat_map(|light| [layer(light), layer(-light)]).collect()
         };
         let fibers: Vec<[f32; 2]> = vec![[0.1, 9.0], [3.0, 9.0], [9.0, 0.1], [9.0, 3.0]];
-        let full = Lit::new(&seen(0.1), &fibers, 1.0);
-        let [before, behind] = full.matching(&Lit::new(&seen(0.5), &fibers, 1.0));
+        let full = LightDepths::new(&seen(0.1), &fibers, 1.0);
+        let [before, behind] = full.matching(&LightDepths::new(&seen(0.5), &fibers, 1.0));
         assert!(before < 1.0 && behind > 1.0, "{before} {behind}");
     }
 }

@@ -1,4 +1,4 @@
-//! Levels of detail painted by a designer.
+//! Painted levels of detail.
 
 use crate::{
     Error, Result,
@@ -9,40 +9,40 @@ use crate::{
 };
 use glam::Vec3;
 
-/// The most painted levels.
+/// Maximum number of painted levels.
 pub const MAX_LEVELS: usize = 4;
 
-/// The thickest that a map can make a strand, about 4 times: a factor is a byte, of which 63 is 1.
+/// Maximum factor on strand width in a map, about 4: a factor is stored in a byte, of which 63 is 1.
 pub const MAX_THICKNESS: f32 = 255.0 / 63.0;
 
-/// What a designer wants hair of one projected size to be. Between two levels the factors are blended by
-/// the logarithm of the size; above the largest and below the smallest they stay.
+/// A painted level of detail for one projected size of the hair. Factors between two levels are interpolated by the
+/// logarithm of the size; beyond the largest and smallest size they are constant.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LodLevel {
-    /// Diameter of the hair's bounding sphere in the picture, pixels.
+    /// Diameter of the hair's bounding sphere in the image, pixels.
     pub size: f32,
-    /// Share of the strands that are drawn, 0 to 1; `None` for all of them. They are the first in a
-    /// stable order; one on the verge is narrower.
+    /// Share of the strands that is drawn, 0 to 1; `None` for all. Strands are dropped in a fixed order, and one that
+    /// is being dropped becomes narrower.
     pub density: Option<ScalpMap>,
-    /// Factor on the width of strands, 0 to [`MAX_THICKNESS`]; `None` for 1.
+    /// Factor on strand widths, 0 to [`MAX_THICKNESS`]; `None` for 1.
     pub thickness: Option<ScalpMap>,
 }
 
-/// Painted factors of all strands, baked.
+/// Baked factors of all strands.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Painted {
-    /// Sizes, falling.
+pub(super) struct PaintedFactors {
+    /// Sizes of the levels, descending.
     pub sizes: Vec<f32>,
-    /// Per strand, a byte per level: 255 is 1.
+    /// One byte per level for each strand: 255 is 1.
     pub density: Vec<u32>,
-    /// Per strand, a byte per level: 63 is 1.
+    /// One byte per level for each strand: 63 is 1.
     pub thickness: Vec<u32>,
-    /// The largest density of each level.
+    /// Maximum density of each level.
     pub most: [f32; MAX_LEVELS],
 }
 
-impl Painted {
-    /// Nothing painted, for `count` strands.
+impl PaintedFactors {
+    /// Returns factors of 1 for `count` strands.
     pub fn none(count: usize) -> Self {
         Self {
             sizes: Vec::new(),
@@ -52,7 +52,7 @@ impl Painted {
         }
     }
 
-    /// The factors of `levels` at the roots of `strands`, seen from the middle `skull` of the braincase.
+    /// Samples the maps of `levels` at the roots of `strands`. `skull` is the center of the braincase.
     pub fn bake(strands: &BoundStrands, levels: &[LodLevel], skull: Vec3) -> Result<Self> {
         let sizes: Vec<f32> = levels.iter().map(|level| level.size).collect();
         let falls = sizes.windows(2).all(|w| w[0] > w[1]);
@@ -61,7 +61,7 @@ impl Painted {
             return Err(Error::Parameter {
                 name: "painted levels of detail",
                 value: format!("sizes {sizes:?}"),
-                range: "at most four, with sizes above 0 pixels that fall from level to level",
+                range: "at most four, with positive sizes in descending order",
             });
         }
         let mut painted = Self { sizes, ..Self::none(strands.len()) };
@@ -88,14 +88,14 @@ impl Painted {
         Ok(painted)
     }
 
-    /// How much each level counts for hair that is `size` pixels large.
+    /// Returns the blend weights of the levels for hair of `size` pixels.
     pub fn weights(&self, size: f32) -> [f32; MAX_LEVELS] {
         let mut weights = [0.0; MAX_LEVELS];
         let Some(last) = self.sizes.len().checked_sub(1) else {
             weights[0] = 1.0;
             return weights;
         };
-        // The first level that is smaller than the hair is.
+        // The first level whose size is at most the hair's.
         match self.sizes.iter().position(|s| *s <= size) {
             None => weights[last] = 1.0,
             Some(0) => weights[0] = 1.0,
@@ -108,7 +108,7 @@ impl Painted {
         weights
     }
 
-    /// An upper bound of the density at `weights`.
+    /// Returns an upper bound of the density at `weights`.
     pub fn most(&self, weights: &[f32; MAX_LEVELS]) -> f32 {
         weights.iter().zip(&self.most).map(|(w, d)| w * d).sum::<f32>().min(1.0)
     }
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn maps_are_baked_where_strands_grow() {
+    fn maps_are_sampled_at_strand_roots() {
         let side = |left: f32, right: f32| {
             Some(ScalpMap::from_fn(32, move |uv| if uv.x > 0.5 { left } else { right }))
         };
@@ -138,7 +138,7 @@ mod tests {
             LodLevel { size: 400.0, ..Default::default() },
             LodLevel { size: 100.0, density: side(0.5, 0.25), thickness: side(2.0, 1.0) },
         ];
-        let painted = Painted::bake(&roots(), &levels, Vec3::ZERO).unwrap();
+        let painted = PaintedFactors::bake(&roots(), &levels, Vec3::ZERO).unwrap();
         assert_eq!(painted.density.iter().map(|d| d & 0xffff).collect::<Vec<_>>(), [0x40ff, 0x80ff]);
         assert_eq!(painted.thickness.iter().map(|t| t & 0xffff).collect::<Vec<_>>(), [0x3f3f, 0x7e3f]);
         assert_eq!(painted.weights(1000.0)[0], 1.0);
@@ -147,7 +147,7 @@ mod tests {
         assert!((half[0] - 0.5).abs() < 1e-5 && (half[1] - 0.5).abs() < 1e-5);
         assert!((painted.most(&half) - 0.751).abs() < 2e-3, "{}", painted.most(&half));
         let wrong = [levels[1].clone(), levels[0].clone()];
-        assert!(Painted::bake(&roots(), &wrong, Vec3::ZERO).is_err());
-        assert!(Painted::bake(&roots(), &vec![levels[0].clone(); 5], Vec3::ZERO).is_err());
+        assert!(PaintedFactors::bake(&roots(), &wrong, Vec3::ZERO).is_err());
+        assert!(PaintedFactors::bake(&roots(), &vec![levels[0].clone(); 5], Vec3::ZERO).is_err());
     }
 }

@@ -1,8 +1,8 @@
-//! Level of detail: the cost of hair follows the pixels it covers, not the strands in its file.
+//! Level of detail: the cost of hair depends on the pixels that it covers, not on the strands in its file.
 //!
-//! Once per frame the CPU decides from the size of a pixel at the hair's distance how many strands are
-//! drawn, with how many segments, how much wider, and how fast the physics steps. All stages after the
-//! guides then process only that many strands and vertices. Nothing is read back.
+//! Once per frame the CPU chooses how many strands are drawn, with how many segments, how much wider, and how long the
+//! physics steps are. The choice depends on the size of a pixel at the hair's distance. All stages after the guides
+//! then process only that many strands and vertices. Nothing is read back.
 //!
 //! ```text
 //! view, bounding sphere ─► Lod::detail ─► Detail ─┬─► StrandBuffers::drawn ─► interpolate, avoid, light, draw
@@ -10,45 +10,43 @@
 //! painted levels ───────────────┘                 └─► length of a fixed step
 //! ```
 //!
-//! **Fewer strands** (Cook et al., "Stochastic simplification of aggregate detail", SIGGRAPH 2007). When
-//! hair is uploaded to the GPU its strands are put in an order in which every prefix is an even sample
-//! ([`arrange`]). The fraction drawn is such that the strands, once widened, are about
-//! [`LodOptions::strand_width`] pixels wide. Strands are added in buckets of a quarter of an octave; the
-//! last bucket fades in by width, as a whole, so that nothing pops at any fraction.
+//! **Fewer strands** (Cook et al., "Stochastic simplification of aggregate detail", SIGGRAPH 2007). At upload, strands
+//! are put into an order in which every prefix is an even sample ([`arrange`]). The fraction drawn is such that the
+//! widened strands are about [`LodOptions::strand_width`] pixels wide. Strands are added in buckets of a quarter of an
+//! octave. The last bucket fades in as a whole, by width, so nothing pops at any fraction.
 //!
-//! **Wider strands.** Drawn strands are widened by the area of all strands over the area of those drawn, so
-//! that the total area is the same at any level, times a little less than 1: wide strands cover gaps and
-//! reach beyond outlines, which [`CoverTable`] measures. The kernel `widths` writes the radius of
-//! every drawn strand; shading, strips and shadows read that radius. Shadow maps and the grid of ambient
-//! light hold the area of full detail. Between those narrower strands the eye sees deeper; so that visible
-//! hair is on average as bright as at full detail, the fibres in front of it are counted with a factor,
-//! also measured, that differs between lights beside the eye and lights behind the hair
-//! ([`CoverTable::factors`]), and light from all sides is asked for where full detail would be seen
-//! ([`Detail::sunk`]). Where there are threads all of this is measured while the caller goes on; the first frame with
-//! fewer strands waits for it, if it comes so soon.
+//! **Wider strands.** Drawn strands are widened by the area of all strands over the area of the drawn ones, which keeps
+//! the total area constant. The width is then reduced slightly, because wide strands cover gaps and extend beyond
+//! outlines; [`CoverTable`] measures by how much. The kernel `widths` writes the radius of every drawn strand; shading,
+//! strips and shadows read that radius. Shadow maps and the grid of ambient light contain the area of full detail. The
+//! eye sees deeper between the narrowed strands. To keep the mean brightness of visible hair, fiber counts in front of
+//! it are scaled by measured factors, which differ between lights beside the eye and lights behind the hair
+//! ([`CoverTable::factors`]), and ambient light is sampled where the surface at full detail would be
+//! ([`Detail::sunk`]). The measurements run on a background thread where the platform has threads; the first frame with
+//! fewer strands waits for them.
 //!
-//! **Fewer segments.** At load [`CurveTable`] measures how far strands deviate when they are drawn with
-//! fewer segments, and how much shorter they get (which widens them in turn). A frame uses the number for
-//! which they deviate by a fraction of a pixel. The number may be fractional: vertices lie at equal steps
-//! of the strand's parameter, and the last step is the remainder. As the number changes all vertices slide
-//! along the strand; a new one grows out of the tip.
+//! **Fewer segments.** At load [`CurveTable`] measures how far strands deviate when they are drawn with fewer segments,
+//! and how much shorter they become (which widens them in turn). A frame uses the number of segments for which the
+//! deviation is a fraction of a pixel. The number may be fractional: vertices lie at equal steps of the strand's
+//! parameter, and the last step is the remainder. As the number changes, all vertices slide along the strand, and new
+//! ones grow out of the tip.
 //!
-//! **Slower physics.** Far away the fixed step grows continuously up to twice its length, and that of the
-//! grids with it; what is drawn is always interpolated between two steps.
+//! **Slower physics.** Far away the fixed step grows continuously to up to twice its length, for guides and grids.
+//! Drawn strands are always interpolated between two steps.
 //!
-//! **Painted levels** ([`LodLevel`]). Factors on density and width at every root for up to four projected
-//! sizes, eight bytes per strand; the kernel blends between them.
+//! **Painted levels** ([`LodLevel`]). Factors on density and width at every root for up to four projected sizes, eight
+//! bytes per strand. The kernel blends between them.
 //!
-//! **Why not levels in the file?** They pop, or are drawn twice while they blend. **Why not decide on the
-//! GPU, strand by strand?** Every dispatch would have to be indirect; a head is small compared with its
-//! distance. **Why not a random order by hash alone?** The number of strands in each lock would vary as
-//! random numbers do; van der Corput's order keeps it even.
+//! **Why not levels in the file?** They pop, or are drawn twice while they blend. **Why not decide per strand on the
+//! GPU?** Every dispatch would have to be indirect, and a head is small compared with its distance. **Why not a random
+//! order by hash alone?** The number of strands per lock would vary like random numbers; the van der Corput order keeps
+//! it even.
 //!
-//! **Fewer guides**, where [`LodOptions::CROWD`] or its like asks for it: those are simulated that no other is farther from
-//! than a few pixels, and lead the others ([`crate::simulate`]). Substeps are halved, hair feels less of other hair and
-//! then none, hair that rests or is out of view sleeps.
+//! **Fewer guides** with options such as [`LodOptions::CROWD`]. The simulated guides are chosen so that no other guide
+//! is farther than a few pixels from one of them; the others follow ([`crate::simulate`]). Substeps are halved,
+//! self-collision fades out, and hair at rest or out of view sleeps.
 //!
-//! **Known limits.** All guides are tessellated at any level. The table of curves is measured on the rest shape.
+//! **Known limits.** All guides are tessellated at any level. [`CurveTable`] is measured on the rest shape.
 //!
 //! **Untried.** Strands with an aggregated BSDF per width.
 
@@ -75,108 +73,111 @@ pub use widths::{StrandLod, WidthParams};
 use crate::{
     Camera, Context, Error, Pose, Progress, Result,
     groom::BoundStrands,
-    strands::{Drawn, Strand, StrandBuffers},
+    strands::{DrawCount, Strand, StrandBuffers},
 };
 use glam::Vec3;
 use std::sync::Arc;
 
-use later::Later;
 #[cfg(not(target_arch = "wasm32"))]
-use later::Wanted;
-use maps::Painted;
+use later::CancelToken;
+use later::Promise;
+use maps::PaintedFactors;
 use widths::WidthBuffers;
 
 /// The level of detail of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detail {
-    /// The height of a pixel at the near side of the hair, metres.
+    /// Height of a pixel at the near side of the hair, meters.
     pub pixel: f32,
     /// Diameter of the hair's bounding sphere, pixels.
     pub size: f32,
-    /// The share of the strands that are drawn.
+    /// Share of the strands that is drawn.
     pub fraction: f32,
-    /// How many strands that are at most, those that just appear included.
+    /// Maximum number of drawn strands, including those that are fading in.
     pub strands: u32,
-    /// The factor on their widths.
+    /// Factor on strand widths.
     pub width: f32,
-    /// What light meets of those widths, as a factor: the area of all strands at full detail.
+    /// Factor on strand widths in shadow maps and ambient light, so that they contain the area of full detail.
     pub area: f32,
-    /// The factors on the fibres before what is seen: towards a light on the eye's side, and towards one behind
-    /// the hair, see [`CoverTable::factors`].
+    /// Factors on fiber counts in front of visible hair: for lights on the eye's side, and for lights behind the hair.
+    /// See [`CoverTable::factors`].
     pub deeper: [f32; 2],
-    /// How much deeper in the hair that is seen than in full detail, metres: its light from all sides is that so much
-    /// nearer to the eye.
+    /// How much deeper visible hair lies than at full detail, meters. Ambient light is sampled that much nearer to the
+    /// eye.
     pub sunk: f32,
-    /// The number of segments per strand, not always whole.
+    /// Number of segments per strand; may be fractional.
     pub segments: f32,
-    /// The factor on the length of a fixed step.
+    /// Factor on the length of a fixed step.
     pub step: f32,
-    /// How far a guide that is not simulated may be from one that is, metres; 0 simulates all.
+    /// Maximum distance of a guide that is not simulated from a simulated one, meters; 0 simulates all guides.
     pub reach: f32,
-    /// The factor on the number of substeps.
+    /// Factor on the number of substeps.
     pub substeps: f32,
-    /// The factor on what hair does to other hair.
+    /// Factor on the strength of self-collision.
     pub together: f32,
-    /// How much each painted level counts.
+    /// Blend weights of the painted levels.
     pub levels: [f32; MAX_LEVELS],
 }
 
-/// The most strands of the first bucket: fewer than it has are never drawn. With a few hundred, the
-/// chance brightness of single strands would show.
+/// Maximum size of the first bucket, which is always drawn. With only a few hundred strands, the random brightness of
+/// single strands would be visible.
 const LEAST: u32 = 1000;
 
-/// Fewer segments are never drawn: with one or two, light along a strand would be that at its ends.
+/// Minimum number of segments. With one or two, light along a strand would be the light at its ends.
 const LEAST_SEGMENTS: f32 = 3.0;
 
-/// A last segment shorter than this share of the others is left out: rounding would turn it about.
+/// Minimum length of the last segment, relative to the others. Rounding would change the direction of a shorter one, so
+/// it is dropped.
 const LEAST_REST: f32 = 0.02;
 
-/// Where so many fibres lie before each other on average, cells of ambient light that are larger than usual begin to make
-/// hair darker, and where it is half a cell of their own that makes up for it; beyond that it may be twice as much.
+/// Mean numbers of overlapping fibers. At the first, ambient-light cells that are larger than default begin to darken
+/// hair. At the second, sampling the light half a cell further ahead compensates for it. [`MOST_PACKED`] limits this
+/// offset, in half cells.
 const PACKED: [f32; 2] = [3.0, 5.0];
 const MOST_PACKED: f32 = 2.0;
 
-/// What level of detail knows of one groom.
+/// Level of detail of one groom: measured tables and the current choice.
 #[derive(Debug)]
 pub struct Lod {
-    /// How it is chosen; [`LodOptions::check`] says what is allowed. What fewer strands cost is measured for those that the
-    /// hair was made with ([`HairOptions::lod`](crate::HairOptions::lod)).
+    /// Options; [`LodOptions::check`] describes the valid ranges. The cost of fewer strands is measured for the options
+    /// that the hair was created with ([`HairOptions::lod`](crate::HairOptions::lod)).
     pub options: LodOptions,
-    /// What fewer segments cost.
+    /// Error of fewer segments.
     pub curve: Arc<CurveTable>,
-    /// What wider strands cost.
-    cover: Arc<Later<CoverTable>>,
-    /// Around the hair at rest: middle (groom space) and radius, metres.
+    /// Coverage of wider strands.
+    cover: Arc<Promise<CoverTable>>,
+    /// Bounding sphere of the hair at rest: center (groom space) and radius, meters.
     pub sphere: (Vec3, f32),
-    /// Mean diameter of the strands, metres.
+    /// Mean diameter of the strands, meters.
     pub diameter: f32,
     /// See [`Drawn::dense`].
     dense: f32,
     /// See [`Drawn::packed`].
     packed: f32,
-    /// The pixel at which strands are left out first where `cover` was measured, metres.
+    /// Largest pixel with full detail when `cover` was measured, meters.
     measured: f32,
-    /// How many strands each bucket ends with.
+    /// Number of strands up to the end of each bucket.
     ends: Arc<[u32]>,
-    /// The area of the strands up to there, m².
+    /// Area of the strands up to the end of each bucket, m².
     areas: Arc<[f64]>,
     strands: Arc<[Strand]>,
-    painted: Arc<Painted>,
+    painted: Arc<PaintedFactors>,
     segments: u32,
     buffers: WidthBuffers,
     detail: Detail,
-    /// Strands that were drawn in the frame before.
+    /// Number of strands drawn in the last frame.
     before: u32,
-    /// Whether widths have to be set anew, and whether this frame does it.
+    /// Whether widths must be rewritten, and whether this frame does so.
     stale: bool,
     sets: bool,
 }
 
 impl Lod {
-    /// For `strands`, which [`arrange`] has put in order and of which `infos` are those on the GPU.
+    /// Creates the level of detail of `strands`, which must be in the order of [`arrange`]. `infos` are the strands as
+    /// on the GPU.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`]; [`crate::Error::Parameter`] when the options make no sense.
+    /// [`crate::Error::Limit`]; [`crate::Error::Parameter`] for invalid options.
     pub(crate) async fn new(
         context: &Context,
         strands: BoundStrands,
@@ -207,14 +208,14 @@ impl Lod {
         let mut lod = Self {
             options: *options,
             curve: CurveTable::new(&strands).into(),
-            cover: Later::known(CoverTable::none()).into(),
+            cover: Promise::known(CoverTable::none()).into(),
             sphere: (0.5 * (lo + hi), radius),
             diameter: (area / length.max(1e-12)).max(1e-9) as f32,
             dense: lit::dense(length as f32 / infos.len().max(1) as f32, radius),
             packed: ((lit::dense(area as f32, radius) - PACKED[0]) / (PACKED[1] - PACKED[0]))
                 .clamp(0.0, MOST_PACKED),
             measured: f32::INFINITY,
-            painted: Painted::none(infos.len()).into(),
+            painted: PaintedFactors::none(infos.len()).into(),
             segments: strands.vertex_count.saturating_sub(1).max(1),
             buffers: WidthBuffers::new(context, buffers)?,
             detail: Detail {
@@ -247,21 +248,22 @@ impl Lod {
         #[cfg(not(target_arch = "wasm32"))]
         {
             let _ = progress;
-            lod.cover = Arc::new(Later::start(async move |wanted: &Wanted| {
+            lod.cover = Arc::new(Promise::start(async move |wanted: &CancelToken| {
                 CoverTable::new(&strands, &infos, sphere, &levels, wanted).await
             }));
         }
         #[cfg(target_arch = "wasm32")]
         {
             let table = CoverTable::new(&strands, &infos, sphere, &levels, progress).await;
-            lod.cover = Arc::new(Later::known(table));
+            lod.cover = Arc::new(Promise::known(table));
         }
         lod.buffers.upload(context, &lod.strands, &lod.ends, &lod.painted);
         lod.buffers.prepare(context, &lod.detail);
         Ok(lod)
     }
 
-    /// Of another head with the same groom, whose strands are in `buffers`: all that was measured is shared.
+    /// Creates the level of detail of another head with the same groom, whose strands are in `buffers`. Shares all
+    /// measurements.
     pub(crate) fn another(&self, context: &Context, buffers: &StrandBuffers) -> Self {
         Self {
             curve: self.curve.clone(),
@@ -278,7 +280,7 @@ impl Lod {
         }
     }
 
-    /// From here on strands are in `buffers`, with other room.
+    /// Switches to `buffers` of another capacity.
     pub(crate) fn move_into(&mut self, context: &Context, buffers: &StrandBuffers) {
         let Context { queue, .. } = context;
         let infos = &self.strands[..self.strands.len().min(buffers.room.strands as usize)];
@@ -288,32 +290,32 @@ impl Lod {
         self.stale = true;
     }
 
-    /// The area of all strands, width times length, m².
+    /// Returns the area of all strands, width times length, m².
     pub(crate) fn area(&self) -> f32 {
         self.areas.last().map_or(0.0, |area| *area as f32)
     }
 
-    /// What wider strands cost. Soon after the hair was made it may still be measured, and this waits.
+    /// Returns the coverage of wider strands. Blocks while it is being measured, soon after the hair is created.
     pub fn cover(&self) -> &CoverTable {
         self.cover.get()
     }
 
-    /// The level of detail of the frame that is being recorded.
+    /// Returns the level of detail of the frame that is being recorded.
     pub fn current(&self) -> &Detail {
         &self.detail
     }
 
-    /// The level of detail of hair that `camera` sees on a head at `head`.
+    /// Returns the level of detail for hair that `camera` sees on a head at `head`.
     pub fn seen(&self, camera: &Camera, head: &Pose) -> Detail {
         self.seen_coarser(camera, head, 0.0)
     }
 
-    /// The same with `bias` octaves more of [`LodOptions::bias`].
+    /// [`seen`](Self::seen) with [`LodOptions::bias`] raised by `bias` octaves.
     pub(crate) fn seen_coarser(&self, camera: &Camera, head: &Pose, bias: f32) -> Detail {
         let (middle, radius) = self.sphere;
         let clip = camera.projection * camera.view;
         let w = (clip * head.point(middle).extend(1.0)).w;
-        // A perspective camera's w is the distance, an orthographic one's is 1.
+        // For a perspective camera w is the distance, for an orthographic one it is 1.
         let per_metre = camera.projection.z_axis.w.abs();
         let nearest = if per_metre > 0.0 { (w - radius * per_metre).max(0.01) } else { w };
         let pixel = camera.pixel();
@@ -321,7 +323,7 @@ impl Lod {
         self.with(&self.options.coarser(bias), pixel * nearest, size)
     }
 
-    /// The level of detail where a pixel is `pixel` metres high and the hair `size` pixels large.
+    /// Returns the level of detail where a pixel is `pixel` meters high and the hair has a diameter of `size` pixels.
     pub fn detail(&self, pixel: f32, size: f32) -> Detail {
         self.with(&self.options, pixel, size)
     }
@@ -355,9 +357,9 @@ impl Lod {
             from if auto && from > 0.0 => (2.0 - coarse / from).clamp(0.0, 1.0),
             _ => 1.0,
         };
-        // The share that belongs to this pixel in the table, whatever width strands have now.
+        // The share that the table associates with this pixel, whatever width strands have now.
         let automatic = (self.measured / pixel.max(1e-12)).min(1.0);
-        // In full detail nothing is asked that may not be known yet.
+        // Full detail must not wait for the measurements.
         let [cover, before, behind, sunk] = match options.mode {
             LodMode::Auto | LodMode::Fixed(_) if fraction < 1.0 || automatic < 1.0 => {
                 self.cover().factors(fraction, automatic)
@@ -385,30 +387,30 @@ impl Lod {
         }
     }
 
-    /// The pixel at which strands begin to be left out, metres.
+    /// Returns the largest pixel with full detail, meters: strands are dropped above it.
     fn limit(&self) -> f32 {
         self.diameter / self.options.strand_width.max(1e-6)
     }
 
-    /// The number of segments where a pixel is `pixel` metres high.
+    /// Returns the number of segments where a pixel is `pixel` meters high.
     fn segments(&self, pixel: f32) -> f32 {
         self.whole(self.curve.segments(self.options.curve_error * (pixel - self.limit()).max(0.0)))
     }
 
-    /// `segments` without a last one that is too short to point anywhere.
+    /// Clamps `segments` and drops a last segment that is too short to have a reliable direction.
     fn whole(&self, segments: f32) -> f32 {
         let least = LEAST_SEGMENTS.min(self.segments as f32);
         let segments = segments.clamp(least, self.segments as f32);
         if segments.fract() < LEAST_REST { segments.floor() } else { segments }
     }
 
-    /// The bucket in which a share of the strands ends.
+    /// Returns the bucket that contains the end of a share of the strands.
     fn bucket(&self, fraction: f32) -> usize {
         let last = self.ends.len() - 1;
         (0..last).find(|b| span(&self.ends, *b)[1] >= fraction).unwrap_or(last)
     }
 
-    /// The area of all strands over that of the share `fraction`.
+    /// Returns the ratio of the area of all strands to the area of the share `fraction`.
     fn widening(&self, fraction: f32) -> f32 {
         if fraction >= 1.0 {
             return 1.0;
@@ -422,7 +424,7 @@ impl Lod {
         if area > 0.0 { (all / area) as f32 } else { 1.0 }
     }
 
-    /// From here on strands are as `detail` has them: what `buffers` is to draw.
+    /// Sets the level of detail and updates what `buffers` draws.
     pub(crate) fn set(&mut self, context: &Context, buffers: &mut StrandBuffers, detail: Detail) {
         self.stale |= self.detail != detail;
         self.detail = detail;
@@ -430,11 +432,11 @@ impl Lod {
         buffers.drawn = self.drawn();
     }
 
-    /// What is drawn at the level of detail that was set last.
-    pub(crate) fn drawn(&self) -> Drawn {
+    /// Returns the drawn part of the strands at the current level of detail.
+    pub(crate) fn drawn(&self) -> DrawCount {
         let detail = &self.detail;
-        let drawn = Drawn::new(detail.strands, self.segments + 1, detail.segments);
-        Drawn {
+        let drawn = DrawCount::new(detail.strands, self.segments + 1, detail.segments);
+        DrawCount {
             area: detail.area,
             deeper: detail.deeper,
             sunk: detail.sunk,
@@ -445,18 +447,18 @@ impl Lod {
         }
     }
 
-    /// Whether widths are those of the level of detail.
+    /// Whether the widths on the GPU match the level of detail.
     pub(crate) fn is_set(&self) -> bool {
         !self.stale
     }
 
-    /// Begins a frame: how many strands the last one drew.
+    /// Begins a frame. Returns the number of strands drawn in the last one.
     pub(crate) fn begin(&mut self) -> u32 {
         self.sets = std::mem::take(&mut self.stale);
         std::mem::replace(&mut self.before, self.detail.strands)
     }
 
-    /// Paints `levels`, at most [`MAX_LEVELS`] with falling sizes; none takes them away.
+    /// Sets painted levels: at most [`MAX_LEVELS`] with descending sizes; an empty slice removes them.
     pub(crate) fn paint(
         &mut self,
         context: &Context,
@@ -465,9 +467,9 @@ impl Lod {
         skull: Vec3,
     ) -> Result<()> {
         if Arc::strong_count(&self.strands) > 1 {
-            return Err(Error::unusable("levels of detail are to be painted before heads share the hair"));
+            return Err(Error::unusable("levels of detail must be painted before instances share the hair"));
         }
-        self.painted = Painted::bake(strands, levels, skull)?.into();
+        self.painted = PaintedFactors::bake(strands, levels, skull)?.into();
         self.buffers.upload(context, &self.strands, &self.ends, &self.painted);
         self.stale = true;
         Ok(())
@@ -479,18 +481,18 @@ impl Lod {
         }
     }
 
-    /// Bytes of GPU memory.
+    /// Returns the GPU memory, bytes.
     pub fn bytes(&self) -> u64 {
         self.buffers.bytes()
     }
 
-    /// Bytes of it that heads share.
+    /// Returns the GPU memory that heads share, bytes.
     pub(crate) fn shared_bytes(&self) -> u64 {
         self.buffers.shared_bytes()
     }
 }
 
-/// The shares of the strands before and with a bucket.
+/// Returns the shares of the strands before and including a bucket.
 fn span(ends: &[u32], bucket: usize) -> [f32; 2] {
     let all = ends[ends.len() - 1].max(1) as f32;
     let from = if bucket == 0 { 0.0 } else { ends[bucket - 1] as f32 / all };

@@ -1,4 +1,4 @@
-//! What a user sets of the level of detail.
+//! User options of the level of detail.
 
 use crate::{Result, groom::range, range::Range};
 
@@ -7,35 +7,35 @@ use crate::{Result, groom::range, range::Range};
 pub enum LodMode {
     /// Full detail at any distance.
     Off,
-    /// By the size of a pixel at the hair.
+    /// Chosen by the size of a pixel at the hair.
     #[default]
     Auto,
-    /// This share of the strands at any distance, above 0 and at most 1, and segments to suit.
+    /// A fixed share of the strands at any distance, above 0 and at most 1, with a matching number of segments.
     Fixed(f32),
 }
 
-/// Level of detail, as a user sets it.
+/// Options of the level of detail.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LodOptions {
-    /// How it is chosen.
+    /// How the level is chosen.
     pub mode: LodMode,
-    /// 1 draws as if the hair were twice as far away, -1 half as far; -8 to 8.
+    /// Bias in octaves: 1 draws as if the hair were twice as far away, -1 half as far. From -8 to 8.
     pub bias: f32,
-    /// Strands are left out until the others are this wide, pixels.
+    /// Width to which the remaining strands are widened as others are dropped, pixels.
     pub strand_width: f32,
-    /// How far strands may stray from their full shape, pixels.
+    /// Maximum deviation of strands from their full shape, pixels.
     pub curve_error: f32,
-    /// The largest factor on the length of a fixed step, 1 to 4; 1 keeps the rate at any distance.
+    /// Maximum factor on the length of a fixed step, 1 to 4; 1 keeps the rate at any distance.
     pub slowest: f32,
-    /// The size of a pixel from which on steps grow, metres; at twice that they are twice as long.
+    /// Pixel size above which steps grow, meters; at twice that size they are twice as long.
     pub slow_pixel: f32,
-    /// Guides are left out until those that are simulated are so far from others, pixels; these are led. 0 simulates all.
+    /// Maximum distance of a dropped guide from the simulated guide that it follows, pixels; 0 simulates all guides.
     pub guides: f32,
-    /// The size of a pixel at which half the substeps do, metres; at twice that a quarter. 0 keeps them.
+    /// Pixel size at which substeps are halved, meters; at twice that size they are quartered. 0 keeps them.
     pub substep_pixel: f32,
-    /// The size of a pixel from which on hair feels less of other hair, metres; from twice that on nothing. 0 for never.
+    /// Pixel size at which self-collision begins to fade, meters; it is off at twice that size. 0 keeps it.
     pub alone_pixel: f32,
-    /// Whether hair that has come to rest, or that is out of view, is left as it is.
+    /// Whether hair at rest or out of view sleeps.
     pub sleep: bool,
 }
 
@@ -57,8 +57,7 @@ impl Default for LodOptions {
 }
 
 impl LodOptions {
-    /// For one head of many: strands are half as wide again and stray twice as far, and the motion has levels of detail
-    /// as well.
+    /// For crowds: strands are 1.5 times as wide, deviate twice as far, and the motion has levels of detail as well.
     pub const CROWD: Self = Self {
         mode: LodMode::Auto,
         bias: 0.0,
@@ -72,29 +71,32 @@ impl LodOptions {
         sleep: true,
     };
     /// The range of the share of [`LodMode::Fixed`].
-    pub const FRACTION: Range = range!("share of the strands", 0.0001 to 1.0);
+    pub const FRACTION: Range = range!("fraction of the strands", 0.0001 to 1.0);
     /// The range of [`bias`](Self::bias).
     pub const BIAS: Range = range!("bias of the level of detail", -8.0 to 8.0);
     /// The range of [`strand_width`](Self::strand_width).
-    pub const STRAND_WIDTH: Range = range!("least strand width", 0.001 to 10.0, "pixels");
+    pub const STRAND_WIDTH: Range = range!("minimum strand width", 0.001 to 10.0, "pixels");
     /// The range of [`curve_error`](Self::curve_error).
     pub const CURVE_ERROR: Range = range!("curve error", 0.0 to 100.0, "pixels");
     /// The range of [`slowest`](Self::slowest).
-    pub const SLOWEST: Range = range!("slowest step", 1.0 to 4.0);
+    pub const SLOWEST: Range = range!("maximum step factor", 1.0 to 4.0);
     /// The range of [`slow_pixel`](Self::slow_pixel).
-    pub const SLOW_PIXEL: Range = range!("pixel of slower steps", 1e-6 to 10.0, "m"; usually 1e-6 to 1.0);
+    pub const SLOW_PIXEL: Range =
+        range!("pixel size for longer steps", 1e-6 to 10.0, "m"; usually 1e-6 to 1.0);
 
     /// The range of [`guides`](Self::guides).
-    pub const GUIDES: Range = range!("reach of guides", 0.0 to 100.0, "pixels");
+    pub const GUIDES: Range = range!("guide distance", 0.0 to 100.0, "pixels");
     /// The range of [`substep_pixel`](Self::substep_pixel).
-    pub const SUBSTEP_PIXEL: Range = range!("pixel of fewer substeps", 0.0 to 10.0, "m"; usually 0.0 to 1.0);
+    pub const SUBSTEP_PIXEL: Range =
+        range!("pixel size for fewer substeps", 0.0 to 10.0, "m"; usually 0.0 to 1.0);
     /// The range of [`alone_pixel`](Self::alone_pixel).
-    pub const ALONE_PIXEL: Range = range!("pixel of hair alone", 0.0 to 10.0, "m"; usually 0.0 to 1.0);
+    pub const ALONE_PIXEL: Range =
+        range!("pixel size without self-collision", 0.0 to 10.0, "m"; usually 0.0 to 1.0);
 
     /// Checks that every value is in its range.
     ///
     /// # Errors
-    /// [`Error::Parameter`](crate::Error::Parameter) names the first that is not.
+    /// [`Error::Parameter`](crate::Error::Parameter) with the first value that is out of range.
     pub fn check(&self) -> Result<()> {
         if let LodMode::Fixed(fraction) = self.mode {
             Self::FRACTION.check(fraction)?;

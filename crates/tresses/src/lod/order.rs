@@ -1,12 +1,12 @@
-//! The order of strands: every prefix of it is an even sample of all.
+//! The order of strands: every prefix is an even sample of all strands.
 
 use crate::{groom::BoundStrands, math::hash::pcg};
 
-/// By how much the number of strands grows from one bucket to the next: a bucket fades in as a whole.
+/// Ratio of the strand counts of successive buckets. A bucket fades in as a whole.
 pub const BUCKET_RATIO: f64 = 1.189_207_115; // 2^(1/4)
 
-/// The numbers of strands at which buckets end, ascending, the last one `count`. The first bucket has at
-/// most `least` strands, and always is drawn.
+/// Returns the strand counts at which buckets end, ascending; the last is `count`. The first bucket has at most `least`
+/// strands and is always drawn.
 pub fn buckets(count: u32, least: u32) -> Vec<u32> {
     let mut ends = vec![count];
     let mut end = f64::from(count);
@@ -21,12 +21,11 @@ pub fn buckets(count: u32, least: u32) -> Vec<u32> {
     ends
 }
 
-/// Brings `strands` into the order in which level of detail drops them from the end: sorted by guide and,
-/// among those of a guide, by hash, every strand has a place; the places are taken as van der Corput's
-/// sequence takes them, so that the first `k` are spread evenly over all guides for any `k`. Within a
-/// bucket (see [`buckets`]), which appears as a whole, strands stay sorted by guide: neighbours in memory
-/// read the same guide samples. The order depends on nothing but the strands; to order what is in order
-/// changes nothing.
+/// Reorders `strands` so that level of detail can drop them from the end. Strands are first sorted by guide, and by
+/// hash within a guide. The sorted places are then taken in van der Corput order, so that for any `k` the first `k`
+/// strands are spread evenly over all guides. Within a bucket (see [`buckets`]), which appears as a whole, strands stay
+/// sorted by guide, so that neighbors in memory read the same guide samples. The order depends only on the strands and
+/// is idempotent.
 pub fn arrange(strands: &mut BoundStrands) {
     let order = order(strands);
     let n = strands.vertex_count as usize;
@@ -36,13 +35,13 @@ pub fn arrange(strands: &mut BoundStrands) {
     strands.rest = order.iter().flat_map(vertices).copied().collect();
 }
 
-/// For each place in the order of [`arrange`] the index of the strand that takes it.
+/// Returns for each place in the order of [`arrange`] the index of its strand.
 pub fn order(strands: &BoundStrands) -> Vec<u32> {
     let count = strands.len() as u32;
     let key = |i: &u32| {
         let binding = &strands.bindings[*i as usize];
         let origin = binding.origin.to_array().iter().fold(0, |hash, x| pcg(hash ^ x.to_bits()));
-        // Twins stay as they are: the sort is stable.
+        // Equal strands keep their order: the sort is stable.
         (binding.guides[0], pcg(origin ^ strands.strands[*i as usize].seed), origin)
     };
     let mut sorted: Vec<u32> = (0..count).collect();
@@ -76,8 +75,7 @@ mod tests {
         strands
     }
 
-    /// The largest difference between the shares of the first `k` strands and of all of them that hang on
-    /// the first so many guides.
+    /// Largest difference between the cumulative distributions over guides of the first `k` strands and of all strands.
     fn unevenness(strands: &BoundStrands, k: usize) -> f32 {
         let share = |k: usize, g: u32| {
             strands.bindings[..k].iter().filter(|b| b.guides[0] < g).count() as f32 / k as f32
@@ -86,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_are_an_even_sample() {
+    fn every_prefix_is_an_even_sample() {
         let mut arranged = strands();
         assert!(unevenness(&arranged, 500) > 0.2, "as it comes it is none");
         arrange(&mut arranged);

@@ -1,30 +1,30 @@
-//! The visible parts of strands, on the CPU: small depth-ordered pictures of strips.
+//! Visible parts of strands, on the CPU: small depth-ordered images of strips.
 
 use super::curve::resample;
 use crate::{groom::BoundStrands, strands::Strand};
 use glam::{Vec2, Vec3};
 
-/// Cells along each edge of a fine picture.
+/// Cells along each edge of the finest image.
 const FINE: f32 = 256.0;
-/// Longer parts of a strand than this share of the hair's radius have no one depth.
+/// Maximum length of a piece of strand with a single depth, relative to the hair's radius.
 const PIECE: f32 = 0.04;
-/// From this many fine cells on a picture is made of several, half a cell apart: where its cells happen to
-/// lie would show.
+/// Cell size, in fine cells, above which results are averaged over several images offset by half a cell. Otherwise the
+/// alignment of coarse cells would affect the result.
 const COARSE: f32 = 3.0;
-/// From before, from a side, and between them from above.
+/// Directions to the eyes: front, side, and from behind above the other side.
 pub(super) const EYES: [Vec3; 3] = [Vec3::Z, Vec3::X, Vec3::new(-1.0, 0.6, -1.0)];
-/// How much of a vertex each eye sees.
-pub(super) type Seen = [f32; EYES.len()];
+/// Visible fraction of a vertex for each eye.
+pub(super) type Visibility = [f32; EYES.len()];
 
-/// A strand as it is drawn.
+/// A strand as drawn at a level of detail.
 pub(super) struct Strip {
     pub(super) points: Vec<Vec3>,
-    /// At each point, metres.
+    /// Radius at each point, meters.
     pub(super) radii: Vec<f32>,
 }
 
 impl Strip {
-    /// The strand `i`, with so many segments if not all.
+    /// Creates the strip of strand `i`, resampled to `segments` segments if given.
     pub(super) fn new(strands: &BoundStrands, infos: &[Strand], i: usize, segments: Option<f32>) -> Self {
         let n = strands.vertex_count as usize;
         let rest = strands.rest[i * n..(i + 1) * n].iter();
@@ -39,56 +39,59 @@ impl Strip {
         Self { points: resample(&points, segments), radii }
     }
 
-    /// Metres.
+    /// Returns the length, meters.
     pub(super) fn length(&self) -> f32 {
         self.points.windows(2).map(|w| w[0].distance(w[1])).sum()
     }
 }
 
-/// Two axes across a direction.
+/// Returns the right, up and back axes for a view along `-back`.
 pub(super) fn axes(back: Vec3) -> (Vec3, Vec3, Vec3) {
     let back = back.normalize();
     let right = Vec3::Y.cross(back).normalize();
     (right, back.cross(right), back)
 }
 
-/// Part of a strip that has one depth.
+/// A part of a strip with a single depth.
 struct Piece {
-    /// Towards the eye, metres.
+    /// Position towards the eye, meters.
     depth: f32,
     a: Vec2,
     b: Vec2,
     width: f32,
-    /// The vertex before it, among those of all strips, and how far from there to the next it begins and ends.
+    /// Preceding vertex among all strips, and the fractions of the way to the next vertex at which the piece begins and
+    /// ends.
     vertex: u32,
     span: [f32; 2],
-    /// Which segment it is a part of.
+    /// Index of its segment.
     segment: u32,
 }
 
-/// A segment as it is drawn by tiles, `draw/tiles/row.wesl`.
+/// A segment as tiles draw it (`draw/tiles/row.wesl`).
 struct Segment {
     a: Vec2,
     b: Vec2,
-    /// Across the strip at both ends, unit.
+    /// Unit vectors across the strip at both ends.
     sides: [Vec2; 2],
     width: f32,
 }
 
-/// Segments whose directions agree less do not share the line that they meet in. (`row::meeting` asks for 0.5 of a
-/// direction that is 0.7 to 1 long.)
+/// Minimum agreement of the directions of two segments that share an end line. (`row::meeting` requires 0.5 of a
+/// direction whose length is 0.7 to 1.)
 const ALIKE: f32 = 0.6;
 
 impl Segment {
-    /// The length over which it covers its width in cells of `cell` metres, `widening` times as wide as it is.
+    /// Returns the length over which the segment covers its full width, for cells of `cell` meters and with the width
+    /// scaled by `widening`.
     ///
-    /// A pixel belongs to the segment on whose side of the lines across its ends the pixel's centre lies. Where a strand
-    /// turns within a pixel those lines cross beside it, and behind the crossing there is no less of it than nothing.
+    /// A pixel belongs to the segment on whose side of the lines across its ends the pixel's center lies. Where a
+    /// strand turns within a pixel, these lines cross beside it, and the covered width is zero beyond the crossing, not
+    /// negative.
     fn drawn(&self, widening: f32, cell: f32) -> f32 {
         let way = self.b - self.a;
         let length = way.length();
         let along = way.normalize_or_zero();
-        // As `draw/tiles/row.wesl` has it.
+        // Same as in `draw/tiles/row.wesl`.
         let slope = |side: Vec2| {
             let ahead = side.perp_dot(along).abs();
             if ahead > ALIKE { side.dot(along) / side.perp_dot(along) } else { 0.0 }
@@ -99,45 +102,45 @@ impl Segment {
     }
 }
 
-/// Strips as each eye sees them.
+/// Strips as seen by each eye.
 pub(super) struct Pictures {
-    /// Of each eye.
+    /// Pieces and segments for each eye.
     pieces: Vec<(Vec<Piece>, Vec<Segment>)>,
     radius: f32,
     vertices: usize,
     passes: Vec<f32>,
-    /// What [`Segment::drawn`] says of each.
+    /// [`Segment::drawn`] of each segment.
     drawn: Vec<f32>,
 }
 
 impl Pictures {
-    /// Of `strips` in the sphere of `radius` metres around `middle`.
+    /// Projects `strips`, which lie in the sphere of `radius` meters around `middle`.
     pub(super) fn new(strips: &[Strip], (middle, radius): (Vec3, f32)) -> Self {
         let vertices = strips.iter().map(|strip| strip.points.len()).sum();
         let pieces = EYES.map(|back| pieces(strips, middle, back, PIECE * radius)).into();
         Self { pieces, radius, vertices, passes: Vec::new(), drawn: Vec::new() }
     }
 
-    /// The finest cells that are resolved, metres.
+    /// Returns the edge of the finest cells, meters.
     pub(super) fn finest(&self) -> f32 {
         2.1 * self.radius / FINE
     }
 
-    /// Puts pieces in the order in which the eyes meet them.
+    /// Sorts pieces from near to far for each eye.
     pub(super) fn sort(&mut self) {
         for (pieces, _) in &mut self.pieces {
             pieces.sort_unstable_by(|a, b| b.depth.total_cmp(&a.depth));
         }
     }
 
-    /// The mean area that the strips cover in pictures with cells of `cell` metres, m², each strip `widening` times as
-    /// wide as it is. Not generic, so that it is compiled, and optimised, with this library.
+    /// Returns the mean area that the strips cover in images with cells of `cell` meters, m². Widths are scaled by
+    /// `widening`. Not generic, so that it is compiled and optimized with this library.
     pub(super) fn area(&mut self, widening: f32, cell: f32) -> f32 {
         self.covered(widening, cell, |_, _, _| ())
     }
 
-    /// [`area`](Self::area); `see` receives the visible fraction of each vertex, which
-    /// holds once the pieces are sorted.
+    /// [`area`](Self::area) with a callback: `see` receives visible fractions of vertices, which are valid once the
+    /// pieces are sorted.
     pub(super) fn covered(&mut self, widening: f32, cell: f32, mut see: impl FnMut(usize, u32, f32)) -> f32 {
         let phases: &[[f32; 2]] = if cell > COARSE * self.finest() {
             &[[0.0, 0.0], [0.5, 0.0], [0.0, 0.5], [0.5, 0.5]]
@@ -166,10 +169,10 @@ impl Pictures {
         sum * cell * cell / (self.pieces.len() * phases.len()) as f32
     }
 
-    /// The visible fraction of each vertex; a point between two counts more towards the nearer one.
-    pub(super) fn seen(&mut self, widening: f32, cell: f32) -> Vec<Seen> {
+    /// Returns the visible fraction of each vertex. A point between two vertices contributes to both by proximity.
+    pub(super) fn seen(&mut self, widening: f32, cell: f32) -> Vec<Visibility> {
         self.sort();
-        let mut weights = vec![Seen::default(); self.vertices];
+        let mut weights = vec![Visibility::default(); self.vertices];
         self.covered(widening, cell, |eye, vertex, amount| weights[vertex as usize][eye] += amount);
         weights
     }
@@ -184,7 +187,7 @@ fn pieces(strips: &[Strip], middle: Vec3, back: Vec3, longest: f32) -> (Vec<Piec
         let mut side = None;
         let edges = strip.points.windows(2).zip(strip.radii.windows(2));
         for (i, (points, radii)) in edges.enumerate() {
-            // As `interpolate` and `draw::alpha` have it: a tangent is the mean of the two edges' directions.
+            // As in `interpolate` and `draw::alpha`: a tangent is the mean of the directions of the two edges.
             let edge = |i: usize| (strip.points[i + 1] - strip.points[i]).normalize_or_zero();
             let across = |tangent: Vec3| flat(tangent.cross(back).normalize_or_zero());
             let before = side.unwrap_or_else(|| across(edge(i)));
@@ -216,7 +219,7 @@ fn pieces(strips: &[Strip], middle: Vec3, back: Vec3, longest: f32) -> (Vec<Piec
     (pieces, segments)
 }
 
-/// `drawn`: the length over which its segment covers its width, metres.
+/// Draws a piece into an image. `drawn` is the length over which its segment covers its width, meters.
 fn splat(
     piece: &Piece,
     [drawn, width]: [f32; 2],
@@ -236,7 +239,7 @@ fn splat(
     let across = way.perp() / length;
     let width = width * scale;
     let lanes = width.ceil().max(1.0);
-    // The share of a cell that a patch of the strip covers.
+    // Share of a cell that a patch of the strip covers.
     let drawn = drawn * scale * (piece.span[1] - piece.span[0]);
     let share = (drawn / steps * (width / lanes)).min(1.0);
     for i in 0..steps as u32 {
@@ -262,8 +265,8 @@ fn splat(
 pub(super) mod tests {
     use super::*;
 
-    /// `layers` curtains of strands side by side, a metre large each, 10 cm behind each other from the
-    /// front (+Z) on, that each cover `share` of what is behind them.
+    /// `layers` curtains of strands side by side, 1 m × 1 m each, 10 cm apart from the front (+Z) on. Each hides the
+    /// fraction `share` of the background.
     pub(in super::super) fn curtains(layers: u32, share: f32) -> Vec<Strip> {
         let line = |i: u32| {
             let x = ((i / layers) as f32 + 0.5) / 200.0 - 0.5;
@@ -275,7 +278,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn the_nearest_is_seen_and_the_rest_through_it() {
+    fn visibility_falls_by_coverage_per_layer() {
         let strips = curtains(3, 0.4);
         let mut pictures = Pictures::new(&strips, (Vec3::ZERO, 0.8));
         let cell = 0.02;
@@ -286,22 +289,22 @@ pub(super) mod tests {
         };
         for layer in 1..3 {
             let ratio = of(layer) / of(layer - 1);
-            // Four strands in no order, each a tenth of the cell.
+            // Four strands per cell in random order, each covering a tenth of it.
             assert!((ratio - 0.9f32.powi(4)).abs() < 0.02, "{layer}: {ratio}");
         }
     }
 
     #[test]
-    fn strips_that_turn_within_a_cell_cover_more() {
+    fn strips_turning_within_a_cell_cover_more() {
         let segment = |sides| Segment { a: Vec2::ZERO, b: Vec2::new(0.3, 0.0), sides, width: 0.1 };
         let straight = segment([Vec2::Y; 2]);
         assert!((straight.drawn(1.0, 1.0) - 0.3).abs() < 1e-6);
-        // An eighth of a turn: what lies beside the line that both ends' normals meet in has no area to lose.
+        // A turn of 45°: the area beyond the crossing of the end lines counts as zero.
         let turned = segment([Vec2::Y, Vec2::ONE.normalize()]);
         assert!((turned.drawn(1.0, 1.0) - 0.25 * 0.85f32.powi(2) / 0.55).abs() < 1e-6);
-        // Half a turn on the spot: either ends for itself.
+        // A half turn in place: the ends do not share a line.
         assert!((segment([Vec2::Y, -Vec2::Y]).drawn(1.0, 1.0) - 0.3).abs() < 1e-6);
-        // Between fine cells it does not show.
+        // Fine cells do not show it.
         assert!((segment([Vec2::Y, Vec2::new(0.1, 1.0).normalize()]).drawn(0.1, 1e-3) - 0.3).abs() < 1e-3);
     }
 }

@@ -1,6 +1,6 @@
 //! Host side of `widths.wesl`.
 
-use super::{Detail, maps::Painted};
+use super::{Detail, maps::PaintedFactors};
 use crate::{
     Context, Result,
     constants::STRAND_WORKGROUP,
@@ -12,17 +12,17 @@ use glam::Vec4;
 use half::f16;
 use std::sync::Arc;
 
-/// What level of detail knows of one strand.
+/// Level-of-detail data of one strand.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct StrandLod {
-    /// At full detail, metres.
+    /// Radius at full detail, meters.
     pub radius: f32,
-    /// Two half floats: the shares of strands drawn at which it begins to appear and is all there.
+    /// Two half floats: the drawn shares at which the strand begins to appear and at which it has its full width.
     pub span: u32,
-    /// A byte per painted level: the factor on the share of strands drawn, 255 is 1.
+    /// One byte per painted level: factor on the drawn share, 255 is 1.
     pub density: u32,
-    /// A byte per painted level: the factor on the width, 63 is 1.
+    /// One byte per painted level: factor on the width, 63 is 1.
     pub thickness: u32,
 }
 
@@ -30,19 +30,19 @@ pub struct StrandLod {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct WidthParams {
-    /// How much each painted level counts.
+    /// Blend weights of the painted levels.
     pub weights: Vec4,
-    /// The share of strands that are drawn.
+    /// Share of the strands that is drawn.
     pub fraction: f32,
-    /// The factor on their widths.
+    /// Factor on strand widths.
     pub width: f32,
-    /// How many are drawn.
+    /// Number of drawn strands.
     pub count: u32,
     /// Unused.
     pub _pad: u32,
 }
 
-/// The pipeline that sets strands' widths.
+/// The pipeline that writes strand widths.
 #[derive(Debug)]
 pub(crate) struct Widths(Kernel);
 
@@ -57,7 +57,7 @@ impl PipelineSet for Widths {
     }
 }
 
-/// One groom's share.
+/// The buffers of one groom.
 #[derive(Debug)]
 pub(super) struct WidthBuffers {
     pipeline: Arc<Widths>,
@@ -77,7 +77,7 @@ impl WidthBuffers {
         Ok(Self { pipeline, params, lods, group })
     }
 
-    /// For another head's `buffers`: what is constant is shared.
+    /// Creates the buffers for another head, whose strands are in `buffers`. Shares constant data.
     pub fn another(&self, context: &Context, buffers: &StrandBuffers) -> Self {
         let Context { device, .. } = context;
         let pipeline: Arc<Widths> = context.pipelines();
@@ -87,13 +87,13 @@ impl WidthBuffers {
         Self { pipeline, params, lods: self.lods.clone(), group }
     }
 
-    /// Bytes of GPU memory that heads share.
+    /// Returns the GPU memory that heads share, bytes.
     pub fn shared_bytes(&self) -> u64 {
         self.lods.size()
     }
 
-    /// Writes what is constant while levels change.
-    pub fn upload(&self, context: &Context, strands: &[Strand], ends: &[u32], painted: &Painted) {
+    /// Writes the data that does not depend on the current level.
+    pub fn upload(&self, context: &Context, strands: &[Strand], ends: &[u32], painted: &PaintedFactors) {
         let Context { queue, .. } = context;
         let mut bucket = 0;
         let lods: Vec<_> = strands
@@ -133,7 +133,7 @@ impl WidthBuffers {
     }
 }
 
-/// Of the strands of a bucket, packed.
+/// Returns the share range of a bucket's strands, packed.
 fn span(ends: &[u32], bucket: usize) -> u32 {
     let [from, to] = super::span(ends, bucket);
     u32::from(f16::from_f32(from).to_bits()) | u32::from(f16::from_f32(to).to_bits()) << 16

@@ -1,12 +1,12 @@
-//! Symmetric, positive definite 3×3 matrices as factors L D Lᵀ; twin of `ldl.wesl`.
+//! LDLᵀ factorization of symmetric positive definite 3×3 and 4×4 matrices. `ldl.wesl` is the GPU version.
 //!
-//! Not an inverse by cofactors: where a matrix is κ times stiffer in one direction than in another, such an
-//! inverse has κ times the rounding error, and κ² times once it multiplies an equally stiff matrix. The
-//! factors are exact to the rounding of the matrix.
+//! An inverse by cofactors is not accurate enough: if a matrix is κ times stiffer in one direction than in another, its
+//! rounding error grows with κ, and with κ² once it multiplies an equally stiff matrix. The factors are exact to the
+//! rounding of the matrix.
 
 use glam::{Mat3, Mat4, Vec3, Vec4, Vec4Swizzles};
 
-/// The reciprocals of D, and L below its diagonal (21, 31, 32).
+/// Factors of a 3×3 matrix: the reciprocals of D, and L below its diagonal (21, 31, 32).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Factors {
     d: Vec3,
@@ -14,7 +14,7 @@ pub struct Factors {
 }
 
 impl Factors {
-    /// The factors of `m`, of which only the lower triangle is read.
+    /// Factors `m`. Reads only its lower triangle.
     pub fn new(m: Mat3) -> Self {
         let d1 = 1.0 / m.x_axis.x;
         let l21 = m.x_axis.y * d1;
@@ -26,7 +26,7 @@ impl Factors {
         Self { d: Vec3::new(d1, d2, d3), l: Vec3::new(l21, l31, l32) }
     }
 
-    /// The `x` with `m x = b`.
+    /// Solves `m x = b` for `x`.
     pub fn solve(&self, b: Vec3) -> Vec3 {
         let y2 = b.y - self.l.x * b.x;
         let y3 = b.z - self.l.y * b.x - self.l.z * y2;
@@ -35,14 +35,14 @@ impl Factors {
         Vec3::new(b.x * self.d.x - self.l.x * x2 - self.l.y * x3, x2, x3)
     }
 
-    /// The same for three right sides.
+    /// Solves for three right-hand sides.
     pub fn solve_columns(&self, b: Mat3) -> Mat3 {
         Mat3::from_cols(self.solve(b.x_axis), self.solve(b.y_axis), self.solve(b.z_axis))
     }
 }
 
-/// The same of 4×4: the reciprocals of D, and L below its diagonal (21, 31, 41; 32, 42, 43).
-#[cfg_attr(not(test), allow(dead_code))] // Only the twin reads it.
+/// Factors of a 4×4 matrix: the reciprocals of D, and L below its diagonal (21, 31, 41; 32, 42, 43).
+#[cfg_attr(not(test), allow(dead_code))] // Used only by tests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Factors4 {
     d: Vec4,
@@ -51,7 +51,7 @@ pub struct Factors4 {
 
 #[cfg_attr(not(test), allow(dead_code))]
 impl Factors4 {
-    /// The factors of `m`, of which only the lower triangle is read.
+    /// Factors `m`. Reads only its lower triangle.
     pub fn new(m: Mat4) -> Self {
         let d1 = 1.0 / m.x_axis.x;
         let l1 = m.x_axis.yzw() * d1;
@@ -66,7 +66,7 @@ impl Factors4 {
         Self { d: Vec4::new(d1, d2, d3, d4), l: [l1, Vec3::new(l32, l42, l43)] }
     }
 
-    /// The `x` with `m x = b`.
+    /// Solves `m x = b` for `x`.
     pub fn solve(&self, b: Vec4) -> Vec4 {
         let [l1, l2] = self.l;
         let y2 = b.y - l1.x * b.x;
@@ -78,7 +78,7 @@ impl Factors4 {
         Vec4::new(b.x * self.d.x - l1.x * x2 - l1.y * x3 - l1.z * x4, x2, x3, x4)
     }
 
-    /// The same for four right sides.
+    /// Solves for four right-hand sides.
     pub fn solve_columns(&self, b: Mat4) -> Mat4 {
         Mat4::from_cols(
             self.solve(b.x_axis),
@@ -94,7 +94,7 @@ mod tests {
     use super::*;
     use glam::Quat;
 
-    /// 1 across and `stiff` along an oblique direction.
+    /// Returns a matrix with eigenvalue `stiff` along an oblique direction and 1 across it.
     fn needle(stiff: f32) -> Mat3 {
         let turn = Mat3::from_quat(Quat::from_xyzw(0.3, -0.5, 0.2, 0.8).normalize());
         let m = turn * Mat3::from_diagonal(Vec3::new(1.0, stiff, 1.0)) * turn.transpose();
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn solves() {
+    fn solves_three_rows() {
         let m = needle(7.0);
         let x = Vec3::new(0.3, -1.2, 0.7);
         assert!(Factors::new(m).solve(m * x).distance(x) < 1e-5);
@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn four_rows_are_solved() {
+    fn solves_four_rows() {
         let turn = |i: f32| Mat4::from_quat(Quat::from_xyzw(0.3, i, 0.2, 0.8).normalize());
         let skew = Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::Z, Vec4::new(0.4, -0.2, 0.7, 1.0));
         let m = skew.transpose() * turn(0.1) * Mat4::from_diagonal(Vec4::new(1.0, 30.0, 3.0, 9.0));
@@ -123,8 +123,8 @@ mod tests {
 
     #[test]
     fn stiff_coupling_stays_accurate() {
-        // The Schur complement K − K M⁻¹ K of two vertices joined by a stiff edge: what is left
-        // along the edge is small, and an inverse by cofactors loses it.
+        // The Schur complement K − K M⁻¹ K of two vertices joined by a stiff edge. Its remainder along the edge is
+        // small, and an inverse by cofactors loses it.
         let k = needle(1e5) - Mat3::IDENTITY;
         let m = k + Mat3::IDENTITY;
         let exact = {

@@ -1,14 +1,14 @@
-//! From one space to another, in double precision.
+//! Rigid transforms between spaces, in double precision.
 
 use super::{Ray, pose::Pose};
 use glam::{DMat4, DQuat, DVec3, Vec3};
 
-/// A rotation and a translation.
+/// A rotation followed by a translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Map {
-    /// Unit quaternion; exactly the identity where nothing turns.
+    /// Unit quaternion; exactly the identity if there is no rotation.
     pub rotation: DQuat,
-    /// Metres.
+    /// Translation, meters.
     pub translation: DVec3,
 }
 
@@ -25,7 +25,7 @@ impl Map {
         self.rotation * p + self.translation
     }
 
-    /// First `other`, then this.
+    /// Returns the map that applies `other` first, then this one.
     pub fn after(&self, other: &Self) -> Self {
         let turns = self.rotation != DQuat::IDENTITY && other.rotation != DQuat::IDENTITY;
         let product = self.rotation * other.rotation;
@@ -40,7 +40,7 @@ impl Map {
         Self { rotation, translation: -(rotation * self.translation) }
     }
 
-    /// A pose there; to the bit the same where nothing turns and the sum can be represented.
+    /// Transforms a pose. Bit-identical without rotation, if the sum can be represented.
     pub fn pose(&self, pose: &Pose) -> Pose {
         let translation = self.point(pose.translation.as_dvec3()).as_vec3();
         if self.rotation == DQuat::IDENTITY {
@@ -49,27 +49,27 @@ impl Map {
         Pose { rotation: (self.rotation * pose.rotation.as_dquat()).normalize().as_quat(), translation }
     }
 
-    /// A ray there.
+    /// Transforms a ray.
     pub fn ray(&self, ray: &Ray) -> Ray {
         Ray { origin: self.at(ray.origin), direction: self.turned(ray.direction) }
     }
 
-    /// A place there.
+    /// Transforms a point.
     pub fn at(&self, p: Vec3) -> Vec3 {
         self.point(p.as_dvec3()).as_vec3()
     }
 
-    /// A direction there.
+    /// Transforms a direction.
     pub fn turned(&self, v: Vec3) -> Vec3 {
         if self.rotation == DQuat::IDENTITY { v } else { (self.rotation * v.as_dvec3()).as_vec3() }
     }
 
-    /// As a matrix.
+    /// Returns the map as a matrix.
     pub fn matrix(&self) -> DMat4 {
         DMat4::from_rotation_translation(self.rotation, self.translation)
     }
 
-    /// As a pose.
+    /// Returns the map as a pose in single precision.
     pub fn as_pose(&self) -> Pose {
         self.pose(&Pose::IDENTITY)
     }

@@ -1,4 +1,4 @@
-//! Mathematics shared by several stages.
+//! Math shared by several stages.
 
 pub mod ldl;
 pub(crate) mod map;

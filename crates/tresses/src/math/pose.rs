@@ -1,13 +1,13 @@
-//! A rigid pose of a head or a collider.
+//! Rigid poses of heads and colliders.
 
 use glam::{Mat4, Quat, Vec3};
 
-/// A rotation and a translation from groom space to the world, in metres.
+/// A rotation followed by a translation, from groom space to the world, in meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
     /// Unit quaternion.
     pub rotation: Quat,
-    /// Metres.
+    /// Translation, meters.
     pub translation: Vec3,
 }
 
@@ -18,20 +18,20 @@ impl Default for Pose {
 }
 
 impl Pose {
-    /// No rotation, no translation.
+    /// No rotation and no translation.
     pub const IDENTITY: Self = Self { rotation: Quat::IDENTITY, translation: Vec3::ZERO };
 
-    /// A rotation about a fixed point (metres), for example a neck joint.
+    /// Returns a rotation about a fixed point (meters), for example a neck joint.
     pub fn about(pivot: Vec3, rotation: Quat) -> Self {
         Self { rotation, translation: pivot - rotation * pivot }
     }
 
-    /// A point of groom space in the world.
+    /// Transforms a point from groom space to the world.
     pub fn point(&self, p: Vec3) -> Vec3 {
         self.rotation * p + self.translation
     }
 
-    /// `self` after `other`: the pose that maps `p` to `self.point(other.point(p))`.
+    /// Returns the pose that applies `other` first, then `self`: it maps `p` to `self.point(other.point(p))`.
     pub fn after(&self, other: &Self) -> Self {
         Self {
             rotation: (self.rotation * other.rotation).normalize(),
@@ -39,13 +39,13 @@ impl Pose {
         }
     }
 
-    /// The pose that undoes this one.
+    /// Returns the inverse.
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.conjugate();
         Self { rotation, translation: -(rotation * self.translation) }
     }
 
-    /// Between two poses: spherical for the rotation, linear for the translation.
+    /// Interpolates between two poses: spherically for the rotation, linearly for the translation.
     pub fn lerp(&self, other: &Self, t: f32) -> Self {
         Self {
             rotation: self.rotation.slerp(other.rotation, t),
@@ -53,8 +53,8 @@ impl Pose {
         }
     }
 
-    /// The rigid part of how a coordinate system has moved: where `now` has what `rest` had. Scales are left out; its own
-    /// origin is where the motion has it, whatever they are. What is flattened has no turn.
+    /// Returns the rigid motion of a coordinate system from `rest` to `now`. Ignores scale. The motion is exact at the
+    /// system's origin. A degenerate matrix yields no rotation.
     pub fn between(rest: &Mat4, now: &Mat4) -> Self {
         let (_, rotation, _) = (*now * rest.inverse()).to_scale_rotation_translation();
         let rotation = if rotation.is_finite() { rotation.normalize() } else { Quat::IDENTITY };
@@ -62,7 +62,7 @@ impl Pose {
         Self { rotation, translation: to - rotation * from }
     }
 
-    /// As a column-major matrix.
+    /// Returns the pose as a column-major matrix.
     pub fn matrix(&self) -> Mat4 {
         Mat4::from_rotation_translation(self.rotation, self.translation)
     }
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn what_moves_and_stretches_has_a_rigid_part_about_its_origin() {
+    fn between_extracts_rigid_motion_of_scaled_matrices() {
         let own = Quat::from_rotation_x(0.3);
         let rest = Mat4::from_scale_rotation_translation(Vec3::splat(2.0), own, Vec3::Y);
         let turn = Quat::from_rotation_z(0.7);
@@ -89,7 +89,7 @@ mod tests {
         let pose = Pose::between(&rest, &now);
         assert!(pose.point(Vec3::Y).distance(Vec3::X) < 1e-6);
         assert!(pose.rotation.dot(turn).abs() > 0.999_999);
-        // What is stretched is no pose; its origin is where it should be all the same.
+        // A stretched matrix is not rigid, but its origin still maps exactly.
         let stretched = now * Mat4::from_scale(Vec3::new(3.0, 1.0, 1.0));
         let pose = Pose::between(&rest, &stretched);
         assert!(pose.point(Vec3::Y).distance(Vec3::X) < 1e-6 && pose.rotation.is_normalized());

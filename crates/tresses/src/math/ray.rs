@@ -2,11 +2,11 @@
 
 use glam::Vec3;
 
-/// A half line.
+/// A half-line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Its beginning, metres.
+    /// Starting point, meters.
     pub origin: Vec3,
-    /// Its direction, of any length but zero.
+    /// Direction, of any nonzero length.
     pub direction: Vec3,
 }

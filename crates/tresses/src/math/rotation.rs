@@ -1,9 +1,9 @@
-//! Twins of `rotation.wesl` on glam's quaternions.
+//! The functions of `rotation.wesl` for glam's quaternions.
 
 use glam::{Quat, Vec3};
 
-/// The smallest rotation that turns the direction of `a` into that of `b`; the identity when
-/// either is zero, a half turn about any normal axis when they are opposite.
+/// Returns the smallest rotation from the direction of `a` to the direction of `b`. Returns the identity if either is
+/// zero, and a half turn about any perpendicular axis if they are opposite.
 pub fn minimal_rotation(a: Vec3, b: Vec3) -> Quat {
     let scale = (a.length_squared() * b.length_squared()).sqrt();
     let w = scale + a.dot(b);
@@ -16,7 +16,7 @@ pub fn minimal_rotation(a: Vec3, b: Vec3) -> Quat {
     if length > 1e-30 { Quat::from_vec4(q / length) } else { Quat::IDENTITY }
 }
 
-/// Normalised linear interpolation, the short way round.
+/// Normalized linear interpolation along the shorter arc.
 pub fn nlerp(a: Quat, b: Quat, t: f32) -> Quat {
     let b = if a.dot(b) >= 0.0 { b } else { -b };
     (a * (1.0 - t) + b * t).normalize()
@@ -27,7 +27,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn turns_one_direction_into_the_other() {
+    fn minimal_rotation_turns_one_direction_into_the_other() {
         let pairs = [
             (Vec3::X, Vec3::Y),
             (Vec3::new(0.1, -0.2, 0.3), Vec3::new(-2.0, 0.5, 0.1)),

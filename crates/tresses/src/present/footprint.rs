@@ -1,37 +1,37 @@
-//! Which samples around a pixel make it, where strands are masks of samples.
+//! The footprint of a pixel: samples that are averaged, for strands drawn as sample masks.
 //!
-//! A sample of a mask shows one strand whole, so a pixel is a mean over as many strands as it has samples, and when
-//! strands move, each sample changes at once from one to the next. Four samples of the pixel's own square are too few
-//! for that to be quiet. So all samples in a disc around the pixel's middle count, weighted by `1 - d²/r²`: of all
-//! kernels that blur as much, the one with the least noise (Epanechnikov 1969). Of `n` samples per pixel three quarters
-//! of the `n π r²` in the disc count as a whole one each; a radius of `2.5 / √n` pixels makes them about 15 for any `n`.
-//! With 16 samples per pixel the disc is about as large as the pixel.
+//! A sample of a mask shows one strand at full opacity. A pixel with few samples therefore averages few strands, and
+//! each sample switches at once from one strand to the next when they move: with four samples the pixel would flicker.
+//! So all samples in a disc around the pixel's center count, weighted by `1 - d²/r²`, the kernel with the least noise
+//! for a given blur (Epanechnikov 1969). With `n` samples per pixel, the disc is equivalent to three quarters of its
+//! `n π r²` samples at equal weight. A radius of `2.5 / √n` pixels makes that about 15 for any `n`; with 16 samples per
+//! pixel the disc is about as large as the pixel.
 //!
-//! Tried and left: wider strips with fewer samples each. They change less often, by the root of the width, but blur hair
-//! across itself and leave each picture its noise (`docs/appearance/edges.md`).
+//! Rejected: wider strips with fewer samples each. They change less often, by the square root of the width, but blur
+//! hair across its width and leave the noise in each frame (`docs/appearance/edges.md`).
 
 use bytemuck::{Pod, Zeroable};
 use glam::{IVec2, Vec2, Vec4};
 
 use crate::constants::MAX_FOOTPRINT;
 
-/// Twin of `present::resolve::Footprint`: samples that make a pixel.
+/// Samples that make up a pixel.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Footprint {
-    /// Of each: the pixel it belongs to, counted from the one it counts for (x, y), its number there, and its weight.
+    /// For each sample: the offset of its pixel (x, y), its number in that pixel, and its weight.
     pub samples: [Vec4; MAX_FOOTPRINT as usize],
-    /// How many there are.
+    /// Number of samples.
     pub count: u32,
     /// Unused.
     pub _pad: [u32; 3],
 }
 
-/// Radius of the disc, pixels, times the root of the number of samples.
+/// Radius of the disc, pixels, times the square root of the number of samples.
 const REACH: f32 = 2.5;
 
-/// Where the samples of a pixel lie in it, sixteenths of a pixel: the standard pattern of D3D 11 and Vulkan, which WebGPU
-/// asks for with four. Should an adapter place 8 or 16 elsewhere, its pixels are a little noisier, and nothing worse.
+/// Positions of a pixel's samples, sixteenths of a pixel: the standard pattern of D3D 11 and Vulkan, which WebGPU
+/// requires for four samples. If an adapter places 8 or 16 samples elsewhere, pixels are only a little noisier.
 fn pattern(samples: u32) -> &'static [[u8; 2]] {
     match samples {
         4 => &[[6, 2], [14, 6], [2, 10], [10, 14]],
@@ -59,7 +59,7 @@ fn pattern(samples: u32) -> &'static [[u8; 2]] {
 }
 
 impl Footprint {
-    /// What is quiet enough for masks of `samples` (4, 8 or 16) per pixel.
+    /// Disc of samples for masks of `samples` (4, 8 or 16) per pixel.
     pub fn disc(samples: u32) -> Self {
         let radius = REACH / (samples as f32).sqrt();
         let cells = (-2..=2).flat_map(|y| (-2..=2).map(move |x| IVec2::new(x, y)));
@@ -73,7 +73,7 @@ impl Footprint {
         Self::of(near)
     }
 
-    /// The pixel's own samples, each as much as the others.
+    /// The pixel's own samples with equal weights.
     pub fn square(samples: u32) -> Self {
         Self::of((0..samples).map(|number| Vec4::new(0.0, 0.0, number as f32, 1.0)))
     }
@@ -98,14 +98,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_disc_counts_as_fifteen_samples_and_stays_in_its_place() {
+    fn disc_is_centered_and_equals_fifteen_samples() {
         for n in [4, 8, 16] {
             let disc = Footprint::disc(n);
             let used = &disc.samples[..disc.count as usize];
             assert!(disc.count < MAX_FOOTPRINT, "{n}: none was left out");
             let sum: f32 = used.iter().map(|s| s.w).sum();
             assert!((sum - 1.0).abs() < 1e-5);
-            // As many equal samples have as little noise.
+            // Number of equally weighted samples with the same noise.
             let whole = 1.0 / used.iter().map(|s| s.w * s.w).sum::<f32>();
             assert!((13.5..16.0).contains(&whole), "{n}: {whole}");
             let place = |s: &Vec4| {

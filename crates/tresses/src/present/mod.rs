@@ -1,18 +1,19 @@
-//! From linear radiance to the picture: background, tone mapping, resolve, sRGB.
+//! From linear radiance to the image: resolve, background, tone mapping, sRGB.
 //!
-//! All that a pixel shows is averaged in linear light, premultiplied, and the mean is composed with the background and
-//! tone mapped once, as a camera does it. Samples that are tone mapped first make bright strands dull: the brightest
-//! tenth of blond hair had 0.88 to 0.91 of the path tracer's light in the finished picture, now 0.99 to 1.00 (Sintel,
-//! TressFX's). There is no bound on bright samples: pictures change as little from frame to frame as before, a
-//! bound at three times white changes next to nothing, and one at half of that takes 7 to 13 % of blond hair's light.
+//! All samples of a pixel are averaged in linear light, premultiplied. The mean is composited over the background and
+//! tone mapped once, as a camera does. Tone mapping each sample would dull bright strands: the brightest tenth of blond
+//! hair would have 0.88 to 0.91 of the path tracer's light instead of 0.99 to 1.00 (Sintel's groom, TressFX's). Bright
+//! samples are not clamped: images change no more from frame to frame without a clamp. A clamp at three times white
+//! changes almost nothing, and one at 1.5 times white removes 7 to 13 % of blond hair's light.
 //!
-//! With twofold supersampling the mean is over the
-//! texels that the original's five bilinear samples read (`taps.wesl`), a little wider than the
-//! pixel; with more, over the pixel's square. Masks of several samples are averaged over a disc that is
-//! wider than the pixel when they are few (`footprint.rs`). A single sample per pixel is blended with its
-//! neighbours along the strand or edge that it belongs to, which the structure tensor of its
-//! neighbourhood finds. Peeled hair lies over the rest (`layers.wesl`), hair of tiles over each of the two surfaces
-//! that a pixel can show (`tiled.wesl`).
+//! How a pixel is averaged depends on the targets:
+//! - Twofold supersampling uses a filter of twelve texels, a little wider than the pixel (`taps.wesl`); more
+//!   supersampling uses the pixel's square.
+//! - Sample masks are averaged over a disc that is wider than the pixel if it has few samples (`footprint.rs`).
+//! - A single sample per pixel is blended with its neighbors along the strand or edge that the structure tensor of its
+//!   neighborhood finds (`smooth.wesl`).
+//! - Peeled hair is composited over the rest (`layers.wesl`), hair of tiles over each of the two surfaces of a pixel
+//!   (`tiled.wesl`).
 
 mod background;
 mod footprint;
@@ -32,18 +33,18 @@ use crate::{
         Binding, Commands, Device, PipelineSet,
         bindings::layout,
         commands::cleared,
-        pipeline::{Made, Recipe},
+        pipeline::{PipelineCache, Recipe},
     },
 };
 use std::sync::Arc;
 
-/// What the shaders know of the presentation.
+/// Uniform of the present pass.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct PresentUniform {
-    /// What is behind everything.
+    /// The background.
     pub background: Background,
-    /// Width and height of the picture, pixels.
+    /// Width and height of the image, pixels.
     pub size: Vec2,
     /// [`ToneMap::exposure`].
     pub exposure: f32,
@@ -55,15 +56,15 @@ pub struct PresentUniform {
     pub _pad: [u32; 3],
 }
 
-/// The pipelines of the stage, each made when it is first needed.
+/// Pipelines of the present stage, each compiled at first use.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     device: Device,
-    /// By shader, whether targets are larger than the picture, and format of the output.
-    made: Made<(&'static str, bool, wgpu::TextureFormat), wgpu::RenderPipeline>,
+    /// Keyed by shader, whether targets are supersampled, and output format.
+    made: PipelineCache<(&'static str, bool, wgpu::TextureFormat), wgpu::RenderPipeline>,
 }
 
-/// The shader for targets of so many samples with hair in them by `coverage`, and what it binds.
+/// Returns the shader for targets with `samples` per pixel and hair drawn by `coverage`, and its bindings.
 fn shader(coverage: Coverage, samples: u32) -> (&'static str, &'static [Binding]) {
     use Binding::{Depth, DepthMultisampled, Storage, Texture2d, TextureMultisampled, Uniform};
     match (coverage, samples) {
@@ -79,7 +80,7 @@ fn shader(coverage: Coverage, samples: u32) -> (&'static str, &'static [Binding]
     }
 }
 
-/// Into how many steps `format` parts what lies between black and white; 0 for floats.
+/// Returns the number of steps of `format` between black and white; 0 for floating-point formats.
 fn steps(format: wgpu::TextureFormat) -> f64 {
     use wgpu::TextureFormat::{
         Bgra8Unorm, Bgra8UnormSrgb, Rgb10a2Unorm, Rgba8Unorm, Rgba8UnormSrgb, Rgba16Unorm,
@@ -95,13 +96,12 @@ fn steps(format: wgpu::TextureFormat) -> f64 {
 impl PipelineSet for Pipelines {
     fn new(context: &Context) -> Self {
         let Context { device, .. } = context;
-        Self { device: device.clone(), made: Made::default() }
+        Self { device: device.clone(), made: PipelineCache::default() }
     }
 }
 
 impl Pipelines {
-    /// From targets of so many samples, `ssaa` times as large as the picture, with hair in them by `coverage` into an
-    /// output of `format`.
+    /// Returns the pipeline from targets with `samples` per pixel, supersampled by `ssaa`, to an output of `format`.
     pub(crate) fn get(
         &self,
         coverage: Coverage,
@@ -111,7 +111,7 @@ impl Pipelines {
         let (module, bindings) = shader(coverage, samples);
         self.made.get((module, ssaa > 1, format), || {
             let name = module.rsplit("::").next().unwrap_or(module);
-            // Two entries: a software driver runs both sides of a branch.
+            // Two entry points, since a software driver executes both sides of a branch.
             let entry = if ssaa > 1 { "supersampled" } else { "fragment" };
             Recipe {
                 vertex: (module, &format!("{name}_vertex")),
@@ -126,9 +126,9 @@ impl Pipelines {
     }
 }
 
-/// What the stage has of one view: it is bound to its targets.
+/// State of the present stage for one view, bound to its targets.
 #[derive(Debug)]
-pub struct State {
+pub struct PresentState {
     pipelines: Arc<Pipelines>,
     uniform: wgpu::Buffer,
     group: wgpu::BindGroup,
@@ -136,8 +136,8 @@ pub struct State {
     format: wgpu::TextureFormat,
 }
 
-impl State {
-    /// For `targets` with hair in them by `coverage`, and an output of `format`.
+impl PresentState {
+    /// Creates the state for `targets` with hair drawn by `coverage`, and an output of `format`.
     pub fn new(
         context: &Context,
         targets: &Targets,
@@ -168,9 +168,9 @@ impl State {
             if targets.samples > 1 {
                 resources.push(TextureView(&targets.depth));
             }
-            resources.push(TextureView(&tiles.hair));
+            resources.push(TextureView(&tiles.buffers.hair));
             if targets.samples > 1 {
-                resources.push(tiles.surfaces.as_entire_binding());
+                resources.push(tiles.buffers.surfaces.as_entire_binding());
             }
         }
         let (module, bindings) = shader(coverage, targets.samples);
@@ -204,10 +204,10 @@ impl State {
         queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
     }
 
-    /// Records the finished picture of `targets`, those it was made for, into `output`.
+    /// Presents `targets`, which must be those that the state was created for, into `output`.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`] when the pipeline cannot be made.
+    /// [`crate::Error::Gpu`] when the pipeline cannot be compiled.
     pub(crate) fn record(
         &self,
         commands: &mut Commands<'_>,

@@ -1,4 +1,4 @@
-//! Which place of the skin each root belongs to.
+//! Binding of each root to a point on the skin.
 
 use crate::{
     Error, Result,
@@ -7,49 +7,49 @@ use crate::{
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Quat, Vec3};
 
-/// The place of a guide's root, and how the skin is there at rest.
+/// Skin point of a guide's root, with its position and rotation at rest.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GuideRoot {
     /// Vertices of the triangle.
     pub triangle: [u32; 3],
-    /// Share of its second corner.
+    /// Barycentric coordinate of the second corner.
     pub b: f32,
-    /// Where the place is at rest, groom space, metres.
+    /// Position of the skin point at rest, groom space, meters.
     pub rest_at: Vec3,
-    /// Share of its third corner.
+    /// Barycentric coordinate of the third corner.
     pub c: f32,
-    /// The rotation back from how the place is turned at rest.
+    /// Inverse of the skin point's rotation at rest.
     pub rest_back: Quat,
 }
 
-/// The place of a strand's root.
+/// Skin point of a strand's root.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct StrandRoot {
     /// Vertices of the triangle.
     pub triangle: [u32; 3],
-    /// Share of its second corner.
+    /// Barycentric coordinate of the second corner.
     pub b: f32,
-    /// From the place to the root, as the place is turned, metres.
+    /// Offset from the skin point to the root, in the skin point's frame, meters.
     pub offset: Vec3,
-    /// Share of its third corner.
+    /// Barycentric coordinate of the third corner.
     pub c: f32,
 }
 
-/// How well roots lie on a surface.
+/// Distances of roots from a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RootReport {
-    /// How many guides and strands there are.
+    /// Number of guides and strands.
     pub roots: u32,
-    /// How far the farthest of them is from the surface, metres.
+    /// Largest distance of a root from the surface, meters.
     pub farthest: f32,
-    /// The mean, metres.
+    /// Mean distance, meters.
     pub mean: f32,
 }
 
-/// A place on the mesh at rest: its triangle, the shares of its second and third corner, where it is and how it is
-/// turned. Twin of `roots::surface::skin`.
+/// A point of the mesh at rest: its triangle, the barycentric coordinates of the second and third corner, position and
+/// rotation. Computed like `roots::surface::skin`.
 struct Place {
     triangle: [u32; 3],
     b: f32,
@@ -71,8 +71,8 @@ fn skin(mesh: &TriMesh, triangle: [u32; 3], b: f32, c: f32) -> Place {
     Place { triangle, b, c, at: corner + b * edge + c * other, rotation }
 }
 
-/// The places of the roots of `groom`'s guides and of its strands as they are `arranged`, each the nearest on `mesh`,
-/// at most `reach` metres away.
+/// Binds the roots of `groom`'s guides and of its strands, in the order of `arranged`, to the nearest point on `mesh`,
+/// at most `reach` meters away.
 pub(super) fn bind(
     groom: &Groom,
     arranged: &BoundStrands,
@@ -80,10 +80,10 @@ pub(super) fn bind(
     reach: f32,
 ) -> Result<(Vec<GuideRoot>, Vec<StrandRoot>, RootReport)> {
     if mesh.triangles.iter().flatten().any(|i| *i as usize >= mesh.positions.len()) {
-        return Err(Error::unusable("a triangle of the skin names a vertex that it does not have"));
+        return Err(Error::unusable("a triangle of the mesh refers to a missing vertex"));
     }
     if mesh.triangles.is_empty() {
-        return Err(Error::unusable("the skin has no triangles for roots to lie on"));
+        return Err(Error::unusable("the mesh has no triangles to attach roots to"));
     }
     let near = near(mesh, roots(groom, arranged), reach);
     let bvh = Bvh::new(&near);
@@ -91,11 +91,11 @@ pub(super) fn bind(
     let mut sum = 0.0f64;
     let mut find = |root: Vec3| -> Result<Place> {
         let Some(closest) = bvh.closest_point(root).filter(|closest| closest.distance <= reach) else {
-            // How far it is, all of the skin knows.
+            // Search all of the skin for the distance in the error message.
             let closest = Bvh::new(mesh).closest_point(root);
-            let closest = closest.ok_or_else(|| Error::unusable("a root is at no finite place"))?;
+            let closest = closest.ok_or_else(|| Error::unusable("the position of a root is not finite"))?;
             return Err(Error::unusable(format!(
-                "a root is {:.1} mm from the skin, more than the {:.1} mm allowed",
+                "a root is {:.1} mm from the mesh, more than the {:.1} mm allowed",
                 1e3 * closest.distance,
                 1e3 * reach
             )));
@@ -123,13 +123,14 @@ pub(super) fn bind(
     Ok((guides, strands, report))
 }
 
-/// Where guides and strands begin.
+/// Iterates over the first vertices of guides and strands.
 fn roots<'a>(groom: &'a Groom, arranged: &'a BoundStrands) -> impl Iterator<Item = Vec3> + 'a {
     let guides = (0..groom.guides.len()).map(|i| groom.guides.guide(i)[0]);
     guides.chain((0..arranged.len()).map(|i| arranged.rest_positions(i).next().unwrap_or_default()))
 }
 
-/// The triangles of `mesh` that may be within `reach` of any of the roots: brows need no tree over a body.
+/// Returns the triangles of `mesh` that may be within `reach` of any root, so that binding brows does not build a
+/// search tree over a whole body.
 fn near(mesh: &TriMesh, roots: impl Iterator<Item = Vec3>, reach: f32) -> TriMesh {
     let (low, high) = roots.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
     let (low, high) = (low - reach, high + reach);
@@ -148,7 +149,7 @@ mod tests {
     use crate::groom::mesh::shapes;
 
     #[test]
-    fn what_is_near_the_roots_is_all_that_they_need() {
+    fn near_triangles_contain_closest_points() {
         let mesh = shapes::sphere(0.1, 32);
         let root =
             |i: usize| 0.103 * Vec3::new(0.2 + 0.01 * i as f32, 0.9, 0.1 * (i as f32).sin()).normalize();
@@ -158,7 +159,7 @@ mod tests {
         for i in 0..40 {
             assert_eq!(far(&mesh, root(i)), far(&some, root(i)));
         }
-        // What is near others is not.
+        // Triangles near other roots do not contain the closest points.
         let others = near(&mesh, (0..40).map(|i| -root(i)), 0.01);
         assert!(far(&others, root(0)) > far(&mesh, root(0)));
     }

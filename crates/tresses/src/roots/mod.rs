@@ -1,31 +1,31 @@
-//! Roots on a living surface: hair goes with skin that bends.
+//! Roots on deforming skin.
 //!
-//! A root belongs to a place on a triangle of a body. Where the body's vertices are, somebody else says: a [skinned
-//! body](crate::skinning), or a buffer that an engine fills ([`Skin`]). Nothing is read back.
+//! A root is bound to a point on a triangle of a body. The body's current vertices come from a [skinned
+//! body](crate::skinning), or from a buffer that an engine fills ([`Skin`]). Nothing is read back.
 //!
 //! ```text
 //! vertices of the body ─┬─► guides  ─► RootMotion of each guide ─► simulate, tessellate (or interpolate::follow)
 //! poses of body, head  ─┴─► strands ─► where each strand begins ─► interpolate::blend
 //! ```
 //!
-//! **The head remains.** [`HairFrame::head`](crate::hair::HairFrame::head) is the pose of the rigid part that hair mostly goes
-//! with, such as the joint of a head; colliders, grids and the clock know it alone. A root's motion is what the skin adds
-//! to that: the identity where skin goes with the joint. Without a surface nothing of this is computed, and hair moves to
-//! the bit as it did.
+//! **Rigid head.** [`HairFrame::head`](crate::hair::HairFrame::head) is the pose of the rigid part that most hair
+//! follows, such as the head joint. Colliders, grids and the clock use only this pose. A root's motion is relative to
+//! it: the identity where skin moves with the joint. Without a surface this stage does not run, and the motion of hair
+//! is bit-identical.
 //!
-//! **Turns.** A place is turned as the smooth normal there and its triangle's first edge are. The triangle's own normal
-//! would turn neighbouring roots by the angle between two triangles.
+//! **Rotation.** The frame of a skin point follows the smooth normal there and the triangle's first edge. The
+//! triangle's own normal would rotate neighboring roots by the angle between two triangles.
 //!
-//! **Between frames.** Skin is known once per frame. Steps that end in between have its motion in parts, from where the
-//! step before ended to where it is now, as the head's is (`clock`).
+//! **Between frames.** The skin is known once per frame. Steps that end in between use a fraction of its motion, from
+//! the end of the previous step to the current state, as for the head (`clock`).
 //!
-//! **Between guides.** A strand that follows up to three guides begins where its own root is, not between where theirs
-//! are, and goes on in the direction that they give it: brows stay on a forehead that moves between guides. Strands that
-//! are their own guides need no more than those.
+//! **Between guides.** A strand that follows up to three guides begins at its own root, not between theirs, and
+//! continues in the direction that the guides determine. Brows thus stay on a forehead that moves between guides.
+//! Strands that are their own guides need only the guides' roots.
 //!
-//! **Fields.** The distance field of a head is that of the rigid part, unless it deforms with the same skin
-//! ([`crate::collide::deform`]). Roots that the skin carries into it are in it (contacts keep no vertex farther away than
-//! it rests).
+//! **Fields.** The distance field of a head belongs to the rigid part, unless it deforms with the same skin
+//! ([`crate::collide::deform`]). Roots that the skin carries into the field stay inside it: contacts push no vertex
+//! farther out than its rest distance.
 
 mod bind;
 
@@ -67,19 +67,19 @@ impl PipelineSet for Pipelines {
     }
 }
 
-/// What the kernels know of a frame.
+/// Uniforms of a frame.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct RootsUniform {
-    /// From the surface's space to where hair is drawn.
+    /// Rotation from the surface's space to the space in which hair is drawn.
     pub to_world_rotation: Quat,
-    /// From the surface's space to the head's.
+    /// Rotation from the surface's space to the head's.
     pub to_head_rotation: Quat,
-    /// See `to_world_rotation`, metres.
+    /// Translation from the surface's space to the space in which hair is drawn, meters.
     pub to_world: Vec3,
     /// [`Words::first`] of the positions.
     pub position_first: u32,
-    /// See `to_head_rotation`, metres.
+    /// Translation from the surface's space to the head's, meters.
     pub to_head: Vec3,
     /// [`Words::stride`] of the positions.
     pub position_stride: u32,
@@ -89,37 +89,38 @@ pub struct RootsUniform {
     pub normal_stride: u32,
     /// Number of guides.
     pub guide_count: u32,
-    /// Number of strands whose roots are asked for.
+    /// Number of strands with bound roots.
     pub strand_count: u32,
-    /// 1 where nothing is known of the frame before.
+    /// 1 if the state of the previous frame is unknown.
     pub fresh: u32,
     /// Unused.
     pub _pad: [u32; 3],
 }
 
-/// One groom's share of the stage.
+/// Roots of one groom on a surface.
 #[derive(Debug)]
 pub struct Roots {
     pipelines: Arc<Pipelines>,
-    /// Where the surface is: from the space of its vertices to that of the frame's poses, by default the world. Set it
-    /// before each frame.
+    /// Pose of the surface: from the space of its vertices to the space of the frame's poses, by default the world. The
+    /// caller sets it before each frame.
     pub pose: Pose,
     uniform: wgpu::Buffer,
     guides: wgpu::BindGroup,
     strands: Option<wgpu::BindGroup>,
-    /// The places of guides and strands on the mesh, which instances share.
+    /// Skin points of guides and strands, shared by instances.
     bound: (wgpu::Buffer, Option<wgpu::Buffer>),
     words: [Words; 2],
     fresh: bool,
 }
 
 impl Roots {
-    /// The roots of `groom`, whose strands are `arranged` as they are drawn, on `mesh` as it is at rest (groom space)
-    /// and as `skin` has it in each frame. None may be farther from it than `reach` metres.
+    /// Binds the roots of `groom` to `mesh`, the surface at rest (groom space); `skin` has its vertices in each frame.
+    /// `arranged` are the groom's strands in drawing order. No root may be farther from the surface than `reach`
+    /// meters.
     ///
     /// # Errors
-    /// [`crate::groom::Error::Unusable`] for a root that is farther away, for a mesh without triangles and for buffers
-    /// that are too short for it; [`crate::Error::Limit`].
+    /// [`crate::groom::Error::Unusable`] for a root that is farther away, for a mesh without triangles, and for buffers
+    /// that are too short for the mesh; [`crate::Error::Limit`].
     pub(crate) fn new(
         context: &Context,
         (groom, arranged): (&Groom, &BoundStrands),
@@ -133,14 +134,14 @@ impl Roots {
         }
         let (bound_guides, bound_strands, report) = bind::bind(groom, arranged, mesh, reach)?;
         let of_guides = filled(context, "bound guides", bytemuck::cast_slice(&bound_guides))?;
-        // Strands that are guides themselves begin where those do.
+        // Strands that are their own guides use the guides' roots.
         let of_strands = (guides.sample_count > 0)
             .then(|| filled(context, "bound strands", bytemuck::cast_slice(&bound_strands)))
             .transpose()?;
         Ok((Self::bound(context, (of_guides, of_strands), (guides, strands), skin)?, report))
     }
 
-    /// The same roots on another body of the same mesh, for other guides and strands of the same groom.
+    /// Creates the same roots on another body with the same mesh, for other guides and strands of the same groom.
     pub(crate) fn instance(
         &self,
         context: &Context,
@@ -150,7 +151,7 @@ impl Roots {
         Self::bound(context, self.bound.clone(), buffers, skin)
     }
 
-    /// Roots with these places on a mesh.
+    /// Creates the roots for skin points on a mesh.
     fn bound(
         context: &Context,
         bound: (wgpu::Buffer, Option<wgpu::Buffer>),
@@ -159,7 +160,7 @@ impl Roots {
     ) -> Result<Self> {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
-        // More than one to each: that tells kernels that they are to be read.
+        // One element more than there are guides: kernels read the buffer only if it is longer than their number.
         guides.roots = storage::<RootMotion>(device, "guide roots", u64::from(guides.count) + 1)?;
         let uniform = bindings::uniform(device, "roots", size_of::<RootsUniform>());
         let group = |kernel: &Kernel, bound: &wgpu::Buffer, out: &wgpu::Buffer| {
@@ -185,8 +186,8 @@ impl Roots {
         })
     }
 
-    /// Writes what a frame's kernels read: the head is at `head`, and hair is drawn where `seen` leads. With `fresh`, or
-    /// the first time, hair is where the skin is now, whatever was before.
+    /// Writes the uniforms of a frame with the head at `head`; `seen` maps to the space in which hair is drawn. With
+    /// `fresh`, and in the first frame, hair starts at the current skin without any previous motion.
     pub(crate) fn prepare(
         &mut self,
         context: &Context,
@@ -224,7 +225,7 @@ impl Roots {
         }
     }
 
-    /// Bytes of GPU memory, without what guides and strands have of it.
+    /// Bytes of GPU memory, without the buffers of guides and strands.
     pub fn bytes(&self) -> u64 {
         let (guides, strands) = &self.bound;
         self.uniform.size() + guides.size() + strands.as_ref().map_or(0, wgpu::Buffer::size)

@@ -1,4 +1,4 @@
-//! The kernel that gathers the forces of the grids on the guides.
+//! Forces of the hair and air grids on the guides: the kernel that samples both.
 
 use super::SimulationParams;
 use crate::{
@@ -14,7 +14,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// The pipeline.
+/// The kernel and its sampler.
 #[derive(Debug)]
 pub(crate) struct ForcesKernel {
     pub(super) kernel: Kernel,
@@ -43,7 +43,7 @@ impl ForcesKernel {
     }
 }
 
-/// Writes [`GuideBuffers::forces`] of one groom from its grids.
+/// Writes [`GuideBuffers::forces`] of one groom from its hair and air grids.
 #[derive(Debug)]
 pub struct Forces {
     pipelines: Arc<super::Pipelines>,
@@ -52,34 +52,34 @@ pub struct Forces {
     threads: u32,
 }
 
-/// What the kernel reads of the air in one step.
+/// Air parameters of one step.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct AirUniforms {
-    /// Corner of the air's grid, metres.
+    /// Corner of the air grid, meters.
     pub corner: Vec3,
-    /// Texture coordinates per metre.
+    /// Texture coordinates per meter.
     pub scale: f32,
-    /// Rate of the slow drag of calm air, 1/s: [`SimulationParams::drag`].
+    /// Rate of the slow drag of calm air, 1/s ([`SimulationParams::drag`]).
     pub drag: f32,
-    /// Reynolds number of a hair per m/s.
+    /// Reynolds number of a hair per m/s of relative speed.
     pub reynolds: f32,
     /// [`drag::drag_weight`], 1/m.
     pub weight: f32,
-    /// 1 when there is wind.
+    /// 1 if there is wind.
     pub blows: u32,
 }
 
-/// Bytes from one step's air to the next's: a multiple of every adapter's alignment.
+/// Stride between the air uniforms of consecutive steps, bytes: a multiple of every adapter's alignment.
 const AIR_STRIDE: u32 = 256;
 
 impl Forces {
-    /// The forces of `volume` and, where there is one, of the air on `guides`.
+    /// Binds the grids of `volume` and, if present, of `air` to `guides`.
     pub fn new(context: &Context, guides: &GuideBuffers, volume: &Volume, air: Option<&Air>) -> Self {
         let Context { device, .. } = context;
         let pipelines: Arc<super::Pipelines> = context.pipelines();
         let uniforms = bindings::uniform(device, "forces of the air", (AIR_STRIDE * MAX_STEPS) as usize);
-        // In calm air nothing is sampled: any texture will do.
+        // Calm air samples nothing, so any texture will do.
         let [texture, among] = air.map_or([&volume.hair; 2], |air| [&air.view, &air.among]);
         let group = pipelines.forces.kernel.bind(&[
             volume.uniforms(),
@@ -100,7 +100,7 @@ impl Forces {
         Self { pipelines, group, air: uniforms, threads: guides.count * guides.vertex_count }
     }
 
-    /// Writes what a frame of `count` steps reads of the air, if it blows.
+    /// Writes the air uniforms of a frame of `count` steps.
     pub(crate) fn prepare(
         &self,
         context: &Context,
@@ -132,7 +132,7 @@ impl Forces {
         self.air.size()
     }
 
-    /// Records the dispatch for step `i` of those that [`Volume::prepare`] wrote.
+    /// Records the dispatch for step `i` of those written by [`Volume::prepare`].
     pub fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, i: u32) {
         let workgroups = self.threads.div_ceil(VOLUME_WORKGROUP);
         self.pipelines.forces.kernel.record(

@@ -1,4 +1,4 @@
-//! The kernel against its twin.
+//! Compares the kernels with the CPU reference.
 
 use super::{
     GuideTraits, RestOptions, RestShape, Simulation, SimulationParams,
@@ -25,10 +25,10 @@ fn random(seed: &mut u32) -> f32 {
     ((word >> 22) ^ word) as f32 / u32::MAX as f32
 }
 
-/// The guide of [`groom`] that has a segment of no length.
+/// The guide of [`groom`] that has a segment of zero length.
 const DEGENERATE: usize = 4;
 
-/// Hair on a sphere of 9 cm, some of it wavy, plus a few inputs that deserve a name.
+/// Hair on a sphere of 9 cm, some of it wavy, plus a few special cases.
 fn groom(count: usize, n: usize) -> (Vec<Vec3>, Vec<GuideTraits>) {
     let mut seed = 7;
     let mut positions = Vec::new();
@@ -51,7 +51,7 @@ fn groom(count: usize, n: usize) -> (Vec<Vec3>, Vec<GuideTraits>) {
     }
     traits[0].tip_pinned = true;
     traits[1].stiffness = 0.0;
-    // A hair that stands straight up, one of 2 mm, one with a segment of no length.
+    // An upright hair, one of 2 mm, one with a segment of zero length.
     for i in 0..n {
         positions[2 * n + i] = Vec3::Y * (0.09 + 0.15 * i as f32 / (n - 1) as f32);
         positions[3 * n + i] = Vec3::Y * (0.09 + 0.002 * i as f32 / (n - 1) as f32);
@@ -71,7 +71,7 @@ fn pose(t: f32) -> Pose {
     }
 }
 
-/// A capsule below the head, an ellipsoid and a box that turn before it, a box on its side.
+/// A capsule below the head, an ellipsoid and a box that rotate in front of it, and a box at its side.
 fn shapes() -> [Collider; 4] {
     [
         Collider { friction: 0.7, ..Collider::new(Shape::Capsule { half_length: 0.2, radius: 0.06 }) },
@@ -81,7 +81,7 @@ fn shapes() -> [Collider; 4] {
     ]
 }
 
-/// Where they are.
+/// The poses of [`shapes`] at time `t`.
 fn hands(t: f32) -> ColliderPoses {
     let still = pose(0.0).translation;
     let at = |rotation, x, y, z| Pose { rotation, translation: still + Vec3::new(x, y, z) };
@@ -96,7 +96,7 @@ fn hands(t: f32) -> ColliderPoses {
     }
 }
 
-/// A box of 6 cm, its edges rounded.
+/// A box of 6 cm with rounded edges.
 fn dice() -> SdfGrid {
     SdfGrid::from_fn(Vec3::splat(-0.05), Vec3::splat(0.05), 24, |p| {
         let q = p.abs() - 0.025;
@@ -165,8 +165,8 @@ fn carry_to_start() -> Step {
     Step { mode: Mode::Reset, begin: pose(0.0), end: pose(0.0), from: 0.0, to: 1.0 }
 }
 
-/// A wind for every guide, some along the strand only, some with a rate that no explicit step would
-/// survive; vertex-major.
+/// Returns forces for every guide, some along the strand only, some with a rate that no explicit step would survive;
+/// vertex-major.
 fn outer_forces(n: usize, count: usize) -> Vec<GuideForce> {
     (0..n * count)
         .map(|at| {
@@ -185,8 +185,9 @@ fn outer_forces(n: usize, count: usize) -> Vec<GuideForce> {
         .collect()
 }
 
-/// The largest distance between the kernel and the twin after `frames` steps, and the bits.
-/// The twin feels a side wind `disturb`, m/s², and has the collider `shifted` a millimetre aside.
+/// Returns the largest distance between kernel and reference after `frames` steps, and the kernel's positions. The
+/// reference has an additional side acceleration `disturb`, m/s², and the collider `shifted` displaced by a millimeter
+/// along each axis.
 fn compare(
     context: &Context,
     n: usize,
@@ -210,14 +211,14 @@ fn compare_by(
     let options = RestOptions { shape: RestShape::SagFree, ..Default::default() };
     let rest = rest::guides(&positions, n as u32, &traits, params, &options, Some(&grid)).unwrap();
     let dice = dice();
-    // A field that nobody uses must not matter: it only shifts the tiles.
+    // An unused field must not matter: it only shifts the tiles.
     let sphere = sphere();
     let fields = [&sphere, &dice].map(FieldSource::Grid);
     let list = shapes();
     let what =
         ColliderDescriptor { head: Some(&grid), fields: &fields, colliders: &list, ..Default::default() };
     let mut scene = Setup::among(context, &rest, &what);
-    // The twin counts the head's field among the others.
+    // The reference counts the head's field among the others.
     let volumes = [FieldVolume::new(&grid), FieldVolume::new(&dice)];
     let mut colliders = vec![Collider::new(Shape::Field(FieldId(0)))];
     colliders.extend(list);
@@ -265,14 +266,14 @@ fn compare_by(
         if off > 1e-5 {
             println!("guide {g}: {off} m");
         }
-        // The direction of an edge of no length is rounding: that strand need only stay finite.
+        // The direction of an edge of zero length is rounding error: that strand need only stay finite.
         worst = if g == DEGENERATE { worst } else { worst.max(off) };
     }
     (worst, found)
 }
 
 #[test]
-fn kernel_and_twin_agree() {
+fn kernel_matches_reference() {
     let Some(context) = context() else { return };
     for (n, tolerance) in [(5, 2e-6), (12, 5e-5), (16, 5e-5), (24, 1e-4), (32, 3e-4), (64, 4e-3)] {
         let (worst, _) = compare(context, n, 4, 0.0, None);
@@ -289,7 +290,7 @@ fn kernel_and_twin_agree() {
 }
 
 #[test]
-fn kernel_and_twin_agree_on_twist() {
+fn twist_kernel_matches_reference() {
     let Some(context) = context() else { return };
     let params = SimulationParams { twist: 0.5, ..Default::default() };
     for (n, tolerance) in [(2, 1e-6), (3, 1e-6), (5, 2e-6), (12, 5e-5), (16, 5e-5), (32, 3e-4), (64, 4e-3)] {
@@ -304,7 +305,7 @@ fn kernel_and_twin_agree_on_twist() {
 }
 
 #[test]
-fn same_bits_twice() {
+fn runs_are_bit_identical() {
     let Some(context) = context() else { return };
     assert_eq!(compare(context, 16, 20, 0.0, None).1, compare(context, 16, 20, 0.0, None).1);
 }
@@ -330,7 +331,7 @@ fn draped_hair_lies_on_the_sphere() {
     .unwrap();
     println!("draped in {:?}", start.elapsed());
     assert_eq!(settled.len(), positions.len());
-    // The roots start in the skin; what lies two vertices further does not.
+    // The roots start in the skin; vertices from the fifth on must be outside.
     let deepest =
         settled.chunks(n).flat_map(|strand| &strand[4..]).map(|p| p.length() - 0.09).fold(f32::MAX, f32::min);
     println!("deepest {deepest} m");
@@ -340,7 +341,7 @@ fn draped_hair_lies_on_the_sphere() {
     assert!(drop > 0.01, "{drop}");
 }
 
-/// The largest strain of an edge of a guide, after rest, over a motion of `frames` steps.
+/// Returns the largest strain of an edge over a motion of `frames` steps that starts at rest.
 fn worst_strain(context: &Context, n: usize, frames: usize, motion: impl Fn(f32) -> Pose) -> f32 {
     let params = SimulationParams::default();
     let (positions, traits) = groom(24, n);
@@ -361,13 +362,14 @@ fn worst_strain(context: &Context, n: usize, frames: usize, motion: impl Fn(f32)
             continue;
         }
         let found = scene.positions(context);
-        // A pinned tip pulls, and a segment of no length has no strain.
+        // Skip the guide with the pinned tip, which pulls, and the one with a segment of zero length, which has no
+        // strain.
         for g in (1..count).filter(|g| *g != DEGENERATE) {
             for i in 0..n - 1 {
                 let point = |i: usize| Vec3::from_slice(&found[i * count + g]);
                 let length = positions[g * n + i].distance(positions[g * n + i + 1]);
                 let off = (point(i).distance(point(i + 1)) - length).abs();
-                // Two micrometres are no stretch: the shortest edges here have 65.
+                // Ignore two micrometers: the shortest edges here have 65.
                 let strain = (off - 2e-6).max(0.0) / length;
                 assert!(off.is_finite());
                 worst = worst.max(strain);
@@ -378,7 +380,7 @@ fn worst_strain(context: &Context, n: usize, frames: usize, motion: impl Fn(f32)
 }
 
 #[test]
-fn lengths_are_kept_in_a_shake_and_a_turn() {
+fn edges_keep_length_in_shake_and_turn() {
     let Some(context) = context() else { return };
     let shake = worst_strain(context, 32, 90, |t| Pose {
         translation: Vec3::X * 0.1 * (std::f32::consts::TAU * 2.0 * t).sin(),
@@ -412,8 +414,8 @@ fn hair_returns_to_its_shape() {
     let mean = |scene: &Setup| {
         let found = scene.positions(context);
         let count = rest.info.len();
-        // Guide 1 has no stiffness, so no shape. This groom stands out from the head by up to 29 cm:
-        // `rest::support` makes the long ones stiff enough to return, all but one.
+        // Guide 1 has no stiffness, so no shape. This groom stands out from the head by up to 29 cm; `rest::support`
+        // makes all but one of the long guides stiff enough to return.
         let off = |g: usize| {
             let i = (n - 1) * count + g;
             Vec3::from_slice(&found[i]).distance(rest.rest[i].position)

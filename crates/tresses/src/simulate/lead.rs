@@ -1,15 +1,15 @@
-//! Guides that are not simulated: others lead them.
+//! Motion of guides that are not simulated: they follow simulated guides.
 //!
-//! At a level of detail fewer guides are simulated ([`crate::lod`]), the first of an order in which any prefix is spread
-//! evenly. Each of the others goes with a near one: where it is relative to that guide, in the frame that is carried
-//! along it from edge to edge, it stays from step to step, with edges as long as they are at rest, and by and by returns to where it rests relative to it, within
-//! a quarter of a second. So nothing jumps when a guide is no longer simulated, whatever its own motion had been; and
-//! when it is simulated again, it goes on from where it is, at the speed that it has. Everything downstream reads all
-//! guides as before.
+//! A level of detail simulates only a prefix of the guides, in an order in which any prefix is evenly spread
+//! ([`crate::lod`]). Each other guide follows a nearby simulated guide, its leader. It keeps its offset from the leader
+//! from step to step, in the frame carried along the leader from edge to edge, with edges of their rest length. Within
+//! a quarter of a second the offset returns to the one at rest. So nothing jumps when a guide stops being simulated,
+//! whatever its own motion was; when it is simulated again, it continues with its current position and velocity. Later
+//! stages read all guides as before.
 //!
-//! **Why are not strands bound to fewer guides?** Bindings of each level would have to be made, kept and blended: twice
-//! the samples per vertex of every strand, to save a sixtieth of a solve. **Known limits.** A guide that is led knows of
-//! no obstacles; strands that enter one are moved out of it all the same ([`crate::avoid`]).
+//! **Why not bind strands to fewer guides?** The bindings of each level would have to be built, stored and blended:
+//! twice the samples per vertex of every strand, to save a sixtieth of a solve. **Known limits.** A following guide
+//! ignores obstacles; strands that enter one are still moved out of it ([`crate::avoid`]).
 
 use crate::{
     Context,
@@ -28,18 +28,18 @@ const BINDINGS: [Binding; 6] = [
     Binding::Storage,
 ];
 
-/// The kernel.
+/// Creates the kernel.
 pub(super) fn kernel(context: &Context) -> Kernel {
     Kernel::new(&context.device, "simulate::lead", &BINDINGS)
 }
 
-/// The order of guides on the GPU; heads with the same groom share it.
+/// The order of guides on the GPU, shared by heads with the same groom.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree(wgpu::Buffer);
 
 impl Tree {
-    /// For each place in the order the guide, and the place of the one that it goes with; and in the flags of each guide
-    /// which one has its place.
+    /// Uploads `tree`: for each rank in the order, the guide and the rank of its leader. The flags of guide `i` hold
+    /// the guide of rank `i`.
     ///
     /// # Errors
     /// [`crate::Error::Limit`].
@@ -56,7 +56,7 @@ impl Tree {
     }
 }
 
-/// What leads the guides of one head.
+/// Bind group of one head.
 #[derive(Debug)]
 pub(super) struct Lead(wgpu::BindGroup);
 
@@ -68,7 +68,7 @@ impl Lead {
         Self(kernel.bind(&all))
     }
 
-    /// Records those from `simulated` on of `count`.
+    /// Records the guides with ranks from `simulated` to `count`.
     pub fn record(
         &self,
         kernel: &Kernel,

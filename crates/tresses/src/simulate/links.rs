@@ -1,30 +1,32 @@
-//! Hair holds hair: springs between neighbouring guides.
+//! Hair–hair cohesion: springs between neighboring guides.
 //!
-//! Hair that stands out, an afro or a teased bun, is not held up by the stiffness of its hairs but by its neighbours:
-//! hairs that lean together cannot slide along each other before friction between them gives way. Bent together, two
-//! hairs at a distance must slide along each other by that distance times the angle; what resists that carries the lock
-//! like a beam. Guides are therefore linked, when hair is made, to what is near them at rest, by springs along the line
-//! between two vertices. They keep distances, so that hair that is turned as a whole feels nothing, at rest no link pulls,
-//! and, as each pulls equally at both its ends, they neither move nor turn hair as a whole.
+//! Hair that stands out, as in an afro or a teased bun, is supported by its neighbors rather than by its own stiffness.
+//! Hairs that lean together cannot slide along each other before the friction between them yields. When two parallel
+//! hairs bend together, they must slide along each other by their distance times the angle; the resistance to that
+//! carries the lock like a beam. When hair is created, guides are therefore linked to nearby guides by springs along
+//! the line between two vertices. Links preserve distances, so rotating hair as a whole has no effect, and no link
+//! pulls at rest. Each link pulls equally at both ends, so links neither move nor turn hair as a whole.
 //!
-//! **Friction.** A link pulls at most [`cohesion_limit`](crate::volume::HairHair::cohesion_limit): beyond that, hair slides
-//! along hair, as Coulomb's law has it for locks that are pressed together by what they have at rest (curls that hook into
-//! each other, grease). The pull does not remember where hair was held: where the cause ends, hair goes back to where it
-//! was authored. Beyond twice the reach it fades away: hands go through.
+//! **Friction.** A link pulls with at most [`cohesion_limit`](crate::volume::HairHair::cohesion_limit). Beyond that
+//! hair slides along hair, as in Coulomb's law for locks with a constant contact pressure (curls that hook into each
+//! other, grease). Links have no memory of sliding: without the load, hair returns to its authored position. Beyond
+//! twice the reach the pull fades out, so hands pass through.
 //!
-//! **Which.** Each vertex looks for one vertex of another guide obliquely ahead and one obliquely behind, at 45° to the
-//! strand and `cohesion_reach` away, in a direction around it that changes from vertex to vertex by the golden angle. Links
-//! at right angles to the strands would resist no sliding. A vertex is found by two others at most, so that it has no more
-//! than [`LINKS`] links; each is stored at both ends, and no sum depends on the order of threads.
+//! **Selection.** Each vertex looks for one vertex of another guide obliquely ahead and one obliquely behind, at 45° to
+//! the strand and `cohesion_reach` away. The direction around the strand advances by the golden angle from vertex to
+//! vertex. Links at right angles to the strands would not resist sliding. At most two other vertices may choose a
+//! vertex, so it has at most [`LINKS`] links. Each link is stored at both ends, and no sum depends on the order of
+//! threads.
 //!
-//! **Implicit.** A spring of rate `k` is taken at the end of the step of length `Δt`: `k (x + Δt w)`, with `w` the velocity
-//! by which the ends move apart along the link. Each vertex solves for its own velocity, the others taken to give way as
-//! it does: `(1 + 2 Δt² Σ k n nᵀ) a = Σ n k (x + Δt w)`. No matrix of the whole can be softer than that (a graph's
-//! Laplacian is at most twice its diagonal), so the step is stable whatever the stiffness, which acts up to `1 / 2Δt²` in
-//! all. What moves or turns as a whole has no `w`: links do not make it heavier. Damping comes from it too: `k Δt`. The
-//! strand's own solve then has the result as an acceleration ([`GuideBuffers::forces`]); it needs not know of links.
+//! **Implicit.** A spring of rate `k` is evaluated at the end of the step of length `Δt`: `k (x + Δt w)`, where `w` is
+//! the velocity at which the ends separate along the link. Each vertex solves for its own velocity and assumes that the
+//! others yield as it does: `(1 + 2 Δt² Σ k n nᵀ) a = Σ n k (x + Δt w)`. This matrix bounds the matrix of the whole
+//! system (a graph's Laplacian is at most twice its diagonal), so the step is stable at any stiffness. The effective
+//! stiffness per vertex is at most `1 / 2Δt²` in total. A rigid motion has `w = 0`, so links add no inertia to it. The
+//! damping `k Δt` follows from the same term. The strand's solve receives the result as an acceleration
+//! ([`GuideBuffers::forces`]) and needs no knowledge of links.
 //!
-//! **Untried:** links that are found anew in motion, with anchors that slip.
+//! **Untried:** finding links again during motion, with anchors that slip.
 
 use super::Pipelines;
 #[cfg(test)]
@@ -47,33 +49,33 @@ use std::sync::Arc;
 pub(super) const BINDINGS: [Binding; 5] =
     [Binding::Storage, Binding::Storage, Binding::Storage, Binding::Storage, Binding::StorageMut];
 
-/// How much farther apart than the reach vertices may be that are linked where hair is sparse.
+/// Largest distance of linked vertices where hair is sparse, as a multiple of the reach.
 const SPARSE: f32 = 2.0;
 
 /// The golden angle, radians.
 const GOLDEN: f32 = 2.399_963;
 
-/// A link of a guide vertex.
+/// A link of a guide vertex to another.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Link {
-    /// The vertex it leads to, by its place in the buffers; the vertex itself for none.
+    /// Index of the other vertex in the guide buffers; the vertex's own index for no link.
     pub other: u32,
-    /// The distance at rest, metres.
+    /// Distance at rest, meters.
     pub length: f32,
 }
 
-/// What the kernel reads.
+/// Uniforms of the kernel.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct LinkUniforms {
     /// Number of guide vertices.
     pub vertices: u32,
-    /// 1/s².
+    /// Stiffness of a link, 1/s².
     pub stiffness: f32,
-    /// m/s².
+    /// Largest pull of a link, m/s².
     pub limit: f32,
-    /// By how much longer a link is when it begins to fade, metres.
+    /// Elongation at which a link begins to fade, meters.
     pub reach: f32,
     /// Length of the step, s.
     pub span: f32,
@@ -82,7 +84,7 @@ pub struct LinkUniforms {
 }
 
 impl LinkUniforms {
-    /// Of `vertices` guide vertices in steps of `span` seconds.
+    /// Returns the uniforms for `vertices` guide vertices and steps of `span` seconds.
     pub fn new(vertices: u32, params: &HairHair, span: f32) -> Self {
         Self {
             vertices,
@@ -95,19 +97,19 @@ impl LinkUniforms {
     }
 }
 
-/// The links of one head.
+/// The links of one head on the GPU.
 #[derive(Debug)]
 pub struct Links {
     pipelines: Arc<Pipelines>,
     uniforms: wgpu::Buffer,
-    /// [`Link`], shared by heads with one groom.
+    /// [`Link`]s, shared by heads with the same groom.
     links: wgpu::Buffer,
     group: wgpu::BindGroup,
     vertices: u32,
 }
 
 impl Links {
-    /// Links `guides` that rest as `rest` says.
+    /// Links `guides`, which have the rest state `rest`.
     ///
     /// # Errors
     /// [`Error::Limit`](crate::Error::Limit).
@@ -124,7 +126,7 @@ impl Links {
         Self::of(context, guides, links)
     }
 
-    /// Of another head with the same groom.
+    /// Creates the same links for another head with the same groom.
     ///
     /// # Errors
     /// [`Error::Limit`](crate::Error::Limit).
@@ -141,14 +143,14 @@ impl Links {
         Ok(Self { pipelines, uniforms, links, group, vertices: guides.count * guides.vertex_count })
     }
 
-    /// Writes what a frame's steps of `span` seconds read.
+    /// Writes the uniforms of a frame with steps of `span` seconds.
     pub fn prepare(&self, context: &Context, params: &HairHair, span: f32) {
         let Context { queue, .. } = context;
         let uniforms = LinkUniforms::new(self.vertices, params, span);
         queue.write_buffer(&self.uniforms, 0, bytemuck::bytes_of(&uniforms));
     }
 
-    /// Records a step, after [`Forces`](super::Forces) have written theirs.
+    /// Records one step, after [`Forces`](super::Forces) has written its forces.
     pub fn record(&self, pass: &mut crate::gpu::ComputePass<'_>) {
         self.pipelines.links.record(pass, &self.group, &[], self.vertices.div_ceil(VOLUME_WORKGROUP));
     }
@@ -164,8 +166,8 @@ impl Links {
     }
 }
 
-/// Twin of the kernel: the acceleration, m/s², of a vertex at `x` with velocity `v`, by links of which each has its length
-/// at rest, and place and velocity of its other end.
+/// CPU reference of the kernel: the acceleration, m/s², of a vertex at `x` with velocity `v`. Each link is its length
+/// at rest, and position and velocity of its other end.
 #[cfg(test)]
 fn pull(u: &LinkUniforms, x: Vec3, v: Vec3, links: &[(f32, Vec3, Vec3)]) -> Vec3 {
     let (mut pull, mut m) = (Vec3::ZERO, Mat3::IDENTITY);
@@ -182,14 +184,14 @@ fn pull(u: &LinkUniforms, x: Vec3, v: Vec3, links: &[(f32, Vec3, Vec3)]) -> Vec3
     Factors::new(m).solve(pull)
 }
 
-/// The links of all vertices, the `k`th of vertex `at` at `k * vertices + at`.
+/// Returns the links of all vertices; the `k`th link of vertex `at` is at `k * vertices + at`.
 pub(crate) fn find(rest: &RestGuides, reach: f32) -> Vec<Link> {
     let (count, all) = (rest.info.len(), rest.rest.len());
     let place = |at: usize| rest.rest[at].position;
     let none = |at: usize| Link { other: at as u32, length: 0.0 };
     let mut links: Vec<_> = (0..LINKS as usize * all).map(|slot| none(slot % all)).collect();
-    let near = Near::new(rest, reach);
-    // The first half of a vertex's links are those it has looked for, the others those by which it was found.
+    let near = CellIndex::new(rest, reach);
+    // The first half of a vertex's links are those that it chose; the others were chosen by other vertices.
     let own = LINKS as usize / 2;
     let mut found = vec![0u8; all];
     for at in 2 * count..all {
@@ -198,7 +200,7 @@ pub(crate) fn find(rest: &RestGuides, reach: f32) -> Vec<Link> {
         let after = if at + count < all { place(at + count) } else { place(at) };
         let Some(t) = (after - before).try_normalize() else { continue };
         let side = t.any_orthonormal_vector();
-        // Where hair is sparse, farther away.
+        // Search farther where hair is sparse.
         let foreign = |other: usize| other % count != guide;
         let Some(closest) = near.nearest(place(at), SPARSE * reach, foreign) else { continue };
         let reach = reach.max(1.5 * place(at).distance(place(closest)));
@@ -216,7 +218,7 @@ pub(crate) fn find(rest: &RestGuides, reach: f32) -> Vec<Link> {
             let Some(other) = target else { continue };
             let length = place(at).distance(place(other));
             links[k * all + at] = Link { other: other as u32, length };
-            // Roots follow the head, whoever pulls at them.
+            // Roots need no link back: they follow the head.
             if other >= 2 * count {
                 let slot = own + usize::from(found[other]);
                 links[slot * all + other] = Link { other: at as u32, length };
@@ -227,15 +229,15 @@ pub(crate) fn find(rest: &RestGuides, reach: f32) -> Vec<Link> {
     links
 }
 
-/// Guide vertices by the cells they are in.
-struct Near<'a> {
+/// Guide vertices sorted by grid cell.
+struct CellIndex<'a> {
     rest: &'a RestGuides,
     cell: f32,
     sorted: Vec<(IVec3, u32)>,
 }
 
-impl<'a> Near<'a> {
-    /// In cells of a few vertices each, but no smaller than an eighth of `reach`.
+impl<'a> CellIndex<'a> {
+    /// Sorts the vertices of `rest` into cells of a few vertices each, but no smaller than an eighth of `reach`.
     fn new(rest: &'a RestGuides, reach: f32) -> Self {
         let mut corners = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for r in &rest.rest {
@@ -250,11 +252,11 @@ impl<'a> Near<'a> {
         Self { rest, cell, sorted }
     }
 
-    /// The vertex nearest to `x` that is `free`, no farther than `most`.
+    /// Returns the `free` vertex nearest to `x`, no farther than `most`.
     fn nearest(&self, x: Vec3, most: f32, free: impl Fn(usize) -> bool) -> Option<usize> {
         let middle = (x / self.cell).floor().as_ivec3();
         let mut best = (most * most, None);
-        // Shell by shell of cells, until none can be nearer.
+        // Shell by shell of cells, until no farther shell can be nearer.
         for shell in 0..=(most / self.cell).ceil() as i32 {
             let within = (shell - 1).max(0) as f32 * self.cell;
             if within * within > best.0 {
@@ -282,7 +284,7 @@ impl<'a> Near<'a> {
         best.1
     }
 
-    /// The vertices of the cells along z from `low` to that at `last`, which are neighbours in the order.
+    /// Calls `each` for the vertices of the cells along z from `low` to `last`, which are contiguous in the order.
     fn row(&self, low: IVec3, last: i32, mut each: impl FnMut(usize)) {
         let high = IVec3 { z: last, ..low }.to_array();
         let begin = self.sorted.partition_point(|(cell, _)| cell.to_array() < low.to_array());
@@ -303,7 +305,7 @@ mod tests {
         },
     };
 
-    /// Upright hairs 1 cm apart, side by side in a square.
+    /// Upright hairs 1 cm apart, six by six.
     fn lawn(n: usize) -> RestGuides {
         let at = |g: usize, i: usize| Vec3::new((g % 6) as f32, i as f32, (g / 6) as f32) * 0.01;
         let positions: Vec<_> = (0..36).flat_map(|g| (0..n).map(move |i| at(g, i))).collect();
@@ -312,13 +314,13 @@ mod tests {
         rest::guides(&positions, n as u32, &traits, &params, &RestOptions::default(), None).unwrap()
     }
 
-    /// A number between -1 and 1.
+    /// Returns a pseudorandom number between -1 and 1.
     fn some(i: usize, k: usize) -> f32 {
         ((i * 3 + k) as f32 * 0.618_034).fract() * 2.0 - 1.0
     }
 
-    /// How much kernel and twin differ at most, m/s², where hair is out of place by centimetres; the twin's limit is
-    /// `false_limit` times the kernel's.
+    /// Returns the largest difference of kernel and reference, m/s², for hair displaced by centimeters. The limit of
+    /// the reference is `false_limit` times the kernel's.
     fn compare(context: &Context, false_limit: f32) -> f32 {
         let Context { queue, .. } = context;
         let rest = lawn(12);
@@ -358,7 +360,7 @@ mod tests {
     }
 
     #[test]
-    fn kernel_and_twin_agree() {
+    fn kernel_matches_reference() {
         let Some(context) = context() else { return };
         let (right, wrong) = (compare(context, 1.0), compare(context, 1.1));
         println!("differ by {right} m/s², with a wrong limit by {wrong}");
@@ -366,7 +368,7 @@ mod tests {
     }
 
     #[test]
-    fn links_come_in_pairs_and_go_obliquely() {
+    fn links_are_mutual_and_oblique() {
         let rest = lawn(12);
         let (count, all) = (rest.info.len(), rest.rest.len());
         let links = find(&rest, 0.02);
@@ -390,14 +392,14 @@ mod tests {
     }
 
     #[test]
-    fn what_moves_as_a_whole_feels_nothing_and_no_step_is_too_long() {
+    fn links_ignore_rigid_motion_and_do_not_overshoot() {
         let u =
             LinkUniforms { stiffness: 1e6, limit: 1e9, reach: 0.02, span: 1.0 / 60.0, ..Zeroable::zeroed() };
         let to = |way: Vec3, v: Vec3| (0.01, way, v);
         let ways = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::ONE.normalize()].map(|way| way * 0.01);
         let together = ways.map(|way| to(way, Vec3::ONE));
         assert!(pull(&u, Vec3::ZERO, Vec3::ONE, &together).length() < 1.0);
-        // Two hairs that approach each other at 1 m/s: neither turns around within the step.
+        // Two hairs that approach each other at 1 m/s: neither reverses within the step.
         let a = pull(&u, Vec3::ZERO, Vec3::X * 0.5, &[to(Vec3::X * 0.01, Vec3::X * -0.5)]);
         assert!(a.x < 0.0 && a.x * u.span > -0.51, "{a}");
     }

@@ -1,9 +1,9 @@
-//! The motion of the guides: one fixed step is one dispatch, one thread simulates one guide.
+//! Guide simulation. One fixed step is one dispatch; one thread simulates one guide.
 //!
-//! A guide is a chain of point masses with springs along its edges, bending springs towards its rest shape,
-//! a weak pull to its rest pose, drag, gravity and contacts. Each substep predicts `y = x + h v`,
-//! linearises all forces there and solves the implicit Euler equations of the whole strand at once: a
-//! symmetric system of 3×3 blocks with two off-diagonals, eliminated from root to tip and substituted back.
+//! A guide is a chain of point masses with springs along its edges, bending springs towards its rest shape, a weak
+//! spring to its rest pose, drag, gravity and contacts. Each substep predicts `y = x + h v`, linearizes all forces
+//! there and solves the implicit Euler equations of the whole strand at once. The system is symmetric, of 3×3 blocks
+//! with two off-diagonals. It is eliminated from root to tip and substituted back.
 //!
 //! ```text
 //! info, rest        ─► ┌ root to tip: predict, carry the frames     ┐
@@ -13,64 +13,67 @@
 //!                      └ tip to root: substitute                    ┘
 //! ```
 //!
-//! **Bending.** The target of the edge after vertex `j` is `t = R c`, where `R` is the rotation from rest
-//! to the current state of the edge before it (the head's at the root, then minimal rotations from edge to
-//! edge) and `c` the rest edge plus its compensation of gravity. The force is the exact derivative of
-//! `½ k |e − t|²`, including how `t` follows all edges above it: a bend twists the hair above, and without
-//! that torque curls gain energy spontaneously. The torque has no cheap stiffness matrix; instead there is
-//! damping proportional to the curl, which slows tight stiff curls a little and vanishes in equilibrium.
+//! **Bending.** The target of the edge after vertex `j` is `t = R c`. `R` rotates the edge before it from rest to the
+//! current state: the head's rotation at the root, then minimal rotations from edge to edge. `c` is the rest edge plus
+//! its gravity compensation. The force is the exact derivative of `½ k |e − t|²`, including the dependence of `t` on
+//! all edges above it: a bend twists the hair above, and without that torque curls gain energy spontaneously. The
+//! torque has no cheap stiffness matrix. Instead the solve adds damping proportional to the curl. It slows tight stiff
+//! curls a little and vanishes in equilibrium.
 //!
-//! **Twist.** By default frames do not turn about their edges, as if hair were endlessly stiff against it. With
-//! [`SimulationParams::twist`] hair is an elastic rod (`twist.wesl`): each bend has an angle by which the frame after it is
-//! turned against a minimal rotation of the frame before, and `½ c φ²` for it. Angles and positions are unknowns of one solve,
-//! blocks of 4×4: how a frame turns when positions are given is a sum over the whole strand, but the turn of a frame against
-//! itself in the step before is not, and with these turns as unknowns, instead of the angles, a bend knows its own vertices
-//! and the turn of one edge, a twist its own vertices and two turns (as time-parallel frames do in Bergou and others,
-//! "Discrete viscous threads", 2010). All of it is implicit, hence no limit for tight curls and no damping in place of a
-//! torque. Bends are taken about the edge after a vertex, which for bending alone makes no difference; where twist is
-//! stiffer or softer, what differs lies about the tangent at the vertex, or springs of eight vertices a turn would err by a
-//! tenth. The twist that the rest pose has because its bends carry weight is computed from that pose. Angles updated after
-//! each solve of positions, which would leave that as it is, were tried: soft springs then creep, stiff ones gain energy.
+//! **Twist.** By default frames do not turn about their edges, as if torsional stiffness were infinite. With
+//! [`SimulationParams::twist`] hair is an elastic rod (`twist.wesl`). Each bend has an angle `φ`, by which the frame
+//! after it is turned against a minimal rotation of the frame before it, and the energy `½ c φ²`. One solve with 4×4
+//! blocks has positions and edge turns as unknowns. A frame's turn as a function of positions is a sum over the whole
+//! strand, but its turn relative to the previous step is not. With these turns as unknowns, a bend depends on its own
+//! vertices and the turn of one edge, and a twist on its own vertices and two turns (time-parallel frames, Bergou and
+//! others, "Discrete viscous threads", 2010). Everything is implicit, so tight curls need no stiffness limit and no
+//! damping in place of a torque. Bends are measured about the edge after a vertex, which makes no difference for
+//! bending alone. Where twist is stiffer or softer than bending, the difference acts about the tangent at the vertex;
+//! otherwise helical springs of eight vertices per turn would be wrong by a tenth. Bends that carry weight twist the
+//! rest pose; that twist is computed from the pose. Updating the angles after each solve of positions, which would keep
+//! 3×3 blocks, was tried: soft springs then creep, and stiff ones gain energy.
 //!
-//! **Why not a workgroup per guide with iterated constraints?** Iterations preserve neither lengths nor
-//! stiffness: with 20 of them a strand of 16 vertices is a rubber band, and its stiffness depends on their
-//! number. A direct solve preserves both (cantilever within 1 %, strain below 1 % in a 2 Hz shake;
-//! `docs/physics.md` has the table) with fewer operations, and elimination is serial along the strand, so
-//! 63 of 64 threads would wait at barriers. A thousand guides fill a GPU as well as a thousand groups.
+//! **Why not a workgroup per guide with iterated constraints?** Iterations preserve neither lengths nor stiffness:
+//! after 20 of them a strand of 16 vertices is a rubber band, and its stiffness depends on their number. A direct solve
+//! preserves both (cantilever within 1 %, strain below 1 % in a 2 Hz shake; `docs/physics.md` has the table) with fewer
+//! operations. Elimination is serial along the strand, so 63 of 64 threads would wait at barriers. A thousand guides
+//! fill a GPU as well as a thousand groups.
 //!
-//! **Lengths.** The springs along the edges leave less than 1 % of strain in a shake. In a shock of 20 g a
-//! slack chain folds within a substep and single edges are compressed by up to 82 %, so every edge outside
-//! ±0.8 % is brought back to that limit, root to tip, before the next solve.
+//! **Lengths.** The edge springs leave less than 1 % of strain in a shake. In a shock of 20 g a slack chain folds
+//! within a substep and single edges are compressed by up to 82 %. Therefore every edge outside ±0.8 % is brought back
+//! to that limit, root to tip, before the next solve.
 //!
-//! **Contacts** are springs across a surface, a hundred times as stiff as a vertex's inertia in a substep. Friction along it
-//! is as stiff as Coulomb's force allows at the way that the vertex slipped in the last substep, at most a thousand times
-//! as stiff as the contact: what is pulled by less than that force sticks but for micrometres per second, what slips is
-//! braked by just that force, and no sum over iterations decides which. The slip is taken from velocities, as that of
-//! hair at rest is less than the rounding of positions. A vertex that was in contact and is hardly out stays in it for a
-//! substep, else hair at rest would touch in every second substep and slide in the others. In exchange slip begins
-//! slowly: 1 % above the critical slope it takes seconds until it shows.
+//! **Contacts** are springs normal to a surface, a hundred times as stiff as a vertex's inertia in a substep. Friction
+//! is a tangential spring. Its stiffness is Coulomb's limit divided by the slip of the last substep, at most a thousand
+//! times the contact stiffness. A vertex pulled with less than the limit sticks, but for a creep of micrometers per
+//! second; a vertex that slips is braked by exactly the limit. No iteration decides between the two. The slip comes
+//! from velocities, because hair at rest slips by less than the rounding of positions. A vertex that was in contact and
+//! has barely left stays in contact for one more substep. Otherwise hair at rest would touch in every second substep
+//! and slide in the others. The cost is a slow onset of slip: 1 % above the critical slope it takes seconds to become
+//! visible.
 //!
-//! **Rounding.** A strand is thousands of times stiffer along an edge than across it. The blocks are
-//! therefore factored (see [`crate::math::ldl`]), not inverted. Kernel and scalar twin differ by 0.01 mm
-//! (16 vertices) to 0.1 mm (32) and 2 mm (64) in four steps of a turning head. Only a strand with a segment
-//! of zero length differs by millimetres: the direction of that segment is rounding error.
+//! **Rounding.** A strand is thousands of times stiffer along an edge than across it. Blocks are therefore factored
+//! (see [`crate::math::ldl`]), not inverted. In four steps of a turning head, the kernel and the CPU reference differ
+//! by 0.01 mm (16 vertices), 0.1 mm (32) and 2 mm (64). A strand with a segment of zero length differs by millimeters,
+//! because the direction of that segment is rounding error.
 //!
-//! **State.** 40 bytes per vertex, 8 more where it can twist: what rests in 16 (`PackedGuide`: the position as 16-bit fractions of the guide's
-//! cube, contact, and how bends and edges differ from the rest pose), the position in 12, the velocity in 8 (19-bit
-//! fractions with one exponent), and in 4 how far the position before the step was from where position and velocity
-//! say. The rest shape is computed from the rounded pose, so rounding moves the pose by micrometres (`extent / 131070`)
-//! and bends nothing. Velocities err by 2⁻¹⁹, which in a step is less than the rounding of positions.
+//! **State.** 40 bytes per vertex, 48 with twist. The rest state takes 16 (`PackedGuide`: position as 16-bit fractions
+//! of the guide's cube, contact, and the deviation of bends and edges from the rest pose). The position takes 12 and
+//! the velocity 8 (19-bit fractions with one exponent). Another 4 hold the difference between the previous position and
+//! the one that position and velocity predict. The rest shape is computed from the rounded pose, so rounding moves the
+//! pose by micrometers (`extent / 131070`) and bends nothing. Velocities have a relative error of at most 2⁻¹⁸, which
+//! over a step is less than the rounding of positions.
 //!
 //! **Speed.** On a CPU driver (Mesa's lavapipe, two cores) a step of 11,400 guides with 16 vertices takes 105 ms of
-//! processor time: a fifth of it contacts and another tenth their distance field, a third the traffic of private
-//! arrays, which such a driver reads and writes lane by lane, a tenth waiting for memory. Its loops run their body
-//! until no lane is left, so that one that tests first runs it once too often; with the contacts of a vertex in
-//! three nested loops, each of them such, a step took 160 ms. Contacts are therefore a pass of their own, collider by
-//! collider: the place and shape of one are read once per strand instead of once per vertex. Unrolled by the driver a
-//! step took no less time and seconds more to compile, hence [`params::StepUniforms::one`].
+//! processor time. A fifth of it is contacts and another tenth their distance field. A third is traffic of private
+//! arrays, which such a driver reads and writes lane by lane, and a tenth is waiting for memory. The driver runs a
+//! loop's body until no lane is left, so a loop that tests first runs its body once too often. With the contacts of a
+//! vertex in three nested loops of that kind, a step took 160 ms. Contacts are therefore a separate pass, collider by
+//! collider: a collider's pose and shape are read once per strand instead of once per vertex. When the driver unrolled
+//! the loops, a step was no faster and took seconds longer to compile, hence [`params::StepUniforms::one`].
 //!
-//! **Known limits.** Elimination from tip to root would save a pass, but its rounding error is far larger.
-//! Positions are single precision from an origin near the hair, which goes along with the space of the frame's poses
+//! **Known limits.** Elimination from tip to root would save a pass, but its rounding error is far larger. Positions
+//! are single precision, relative to an origin near the hair that moves with the space of the frame's poses
 //! ([`crate::space`]).
 
 mod forces;
@@ -109,20 +112,20 @@ pub use forces::{AirUniforms, Forces};
 pub use grab::{Grab, Target};
 pub(crate) use lead::Tree;
 pub use links::Links;
-pub use params::{Along, SimulationParams};
+pub use params::{RootToTip, SimulationParams};
 pub use rest::{GuideTraits, RestOptions, RestShape};
 pub(crate) use shift::Shifting;
-pub use ties::{Held, Tie, TieReport, Ties};
+pub use ties::{Tie, TieReport, TieTarget, Ties};
 
-/// Bytes from one step's uniforms to the next's: a multiple of every adapter's alignment.
+/// Stride between the uniforms of consecutive steps, bytes: a multiple of every adapter's alignment.
 const STRIDE: u64 = 512;
 
-/// The pipelines of the stage.
+/// The stage's pipelines.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
-    /// One per size class of guides.
+    /// One kernel per size class of guides.
     steps: [Kernel; GUIDE_CAPACITIES.len()],
-    /// The same for hair that twists.
+    /// One kernel per size class, for hair with twist.
     twists: [Kernel; GUIDE_CAPACITIES.len()],
     shift: Kernel,
     pub(crate) forces: forces::ForcesKernel,
@@ -157,18 +160,18 @@ impl PipelineSet for Pipelines {
 }
 
 impl Pipelines {
-    /// The step for guides of `vertex_count` vertices.
+    /// Returns the step kernel for guides of `vertex_count` vertices.
     pub(crate) fn step(&self, vertex_count: u32) -> &Kernel {
         &self.steps[step::capacity(vertex_count)]
     }
 
-    /// The same for hair that twists.
+    /// Returns the step kernel for guides of `vertex_count` vertices with twist.
     pub(crate) fn twist(&self, vertex_count: u32) -> &Kernel {
         &self.twists[step::capacity(vertex_count)]
     }
 }
 
-/// What one groom's simulation keeps on the GPU besides its guides.
+/// One groom's simulation state on the GPU, besides its guides.
 #[derive(Debug)]
 pub struct Simulation {
     pipelines: Arc<Pipelines>,
@@ -176,19 +179,19 @@ pub struct Simulation {
     group: wgpu::BindGroup,
     guide_count: u32,
     vertex_count: u32,
-    /// What leads guides that are not simulated, once some are not.
+    /// Motion of unsimulated guides; `None` until some guides are not simulated.
     lead: Option<lead::Lead>,
-    /// What holds guides together or to the head.
+    /// Bands, braids and pins.
     ties: Option<Ties>,
-    /// How many are simulated from the next frame on, and in each step of this one.
+    /// Number of simulated guides: from the next frame on, and in each step of this frame.
     simulated: (u32, Vec<u32>),
     slip: f32,
-    /// Whether there is room for twist, and whether hair twists in this frame.
+    /// Whether the buffers have room for twist, and whether this frame simulates twist.
     twists: (bool, bool),
 }
 
 impl Simulation {
-    /// The simulation of `guides`.
+    /// Creates the simulation of `guides`.
     pub fn new(context: &Context, guides: &GuideBuffers) -> Self {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
@@ -222,18 +225,20 @@ impl Simulation {
         }
     }
 
-    /// From the next frame on only the first `count` guides in the order of `tree` are simulated, which others follow.
+    /// Limits simulation to the first `count` guides in the order of `tree`, from the next frame on. The others follow
+    /// them.
     pub(crate) fn simulate_first(&mut self, guides: &GuideBuffers, tree: &Tree, count: u32) {
         self.lead
             .get_or_insert_with(|| lead::Lead::new(&self.pipelines.lead, slot(&self.uniforms), guides, tree));
         self.simulated.0 = count.clamp(1, self.guide_count.max(1));
     }
 
-    /// From the next frame on `ties` hold the guides, which rest as `rest` says, instead of those that did; without any, none.
+    /// Replaces all ties by `ties`, from the next frame on. `rest` are the guides' rest poses. An empty slice removes
+    /// all ties.
     ///
     /// # Errors
-    /// [`crate::Error::Parameter`] for a tie that makes no sense, [`crate::groom::Error::Unusable`] for one that holds
-    /// nothing and for more than [`ties::MAX_RINGS`]; [`crate::Error::Limit`].
+    /// [`crate::Error::Parameter`] for a tie with invalid values, [`crate::groom::Error::Unusable`] for a tie that
+    /// holds nothing and for more than [`ties::MAX_RINGS`] rings; [`crate::Error::Limit`].
     pub fn tie(
         &mut self,
         context: &Context,
@@ -247,7 +252,7 @@ impl Simulation {
         Ok(self.ties.as_ref().map(Ties::report).unwrap_or_default())
     }
 
-    /// From the next frame on what holds the guides of `other`, of the same groom, holds these.
+    /// Gives these guides the ties of `other`, which has the same groom, from the next frame on.
     ///
     /// # Errors
     /// [`crate::Error::Limit`].
@@ -257,22 +262,23 @@ impl Simulation {
         Ok(())
     }
 
-    /// What holds guides together or to the head.
+    /// Returns the bands, braids and pins, if there are any.
     pub fn ties(&self) -> Option<&Ties> {
         self.ties.as_ref()
     }
 
-    /// From the next frame on friction brakes, but does not hold: what is pulled slides on, as hair does that is combed.
+    /// Disables static friction from the next frame on: friction still brakes hair but no longer holds it, as while
+    /// combing.
     pub(crate) fn slide(&mut self) {
         self.slip = 1e-6;
     }
 
-    /// From the next frame on all guides are simulated.
+    /// Simulates all guides from the next frame on.
     pub(crate) fn simulate_all(&mut self) {
         self.simulated.0 = self.guide_count;
     }
 
-    /// How many guides are.
+    /// Returns the number of simulated guides.
     pub fn simulated(&self) -> u32 {
         self.simulated.0
     }
@@ -282,11 +288,11 @@ impl Simulation {
         self.uniforms.size() + self.ties.as_ref().map_or(0, Ties::bytes)
     }
 
-    /// Records the `steps` of a frame into `pass`, at most [`MAX_STEPS`]; with none, nothing.
-    /// `colliders` have been [advanced](ColliderSet::advance) by the same steps.
+    /// Records a frame's `steps` into `pass`, at most the last [`MAX_STEPS`]. The caller has
+    /// [advanced](ColliderSet::advance) `colliders` by the same steps.
     ///
     /// # Errors
-    /// What [`SimulationParams::check`] says.
+    /// The errors of [`SimulationParams::check`].
     pub fn run(
         &mut self,
         context: &Context,
@@ -302,17 +308,16 @@ impl Simulation {
         Ok(())
     }
 
-    /// Whether hair twists, since the last step.
+    /// Returns whether the last prepared frame simulates twist.
     pub(crate) fn twists(&self) -> bool {
         self.twists.1
     }
 
-    /// Writes the uniforms of a frame's `steps`, at most [`MAX_STEPS`], and returns how many there
-    /// are. With `forced`, [`GuideBuffers::forces`] act in
-    /// them: [`Forces::record`] belongs before each.
+    /// Writes the uniforms of a frame's `steps`, at most the last [`MAX_STEPS`], and returns their number. With
+    /// `forced`, the steps read [`GuideBuffers::forces`]; the caller records [`Forces::record`] before each.
     ///
     /// # Errors
-    /// As [`run`](Self::run).
+    /// The errors of [`run`](Self::run).
     pub fn prepare(
         &mut self,
         context: &Context,
@@ -323,7 +328,8 @@ impl Simulation {
         self.prepare_in(context, params, steps, &[], forced)
     }
 
-    /// The same where hair is simulated elsewhere than in the world: `fields` say what acts in each step.
+    /// Like [`prepare`](Self::prepare), for hair simulated in a carrier frame: `fields` holds gravity and air for each
+    /// step.
     pub(crate) fn prepare_in(
         &mut self,
         context: &Context,
@@ -339,7 +345,7 @@ impl Simulation {
         if steps.is_empty() || self.guide_count == 0 {
             return Ok(0);
         }
-        // What puts guides elsewhere knows all of them.
+        // `Carry` and `Reset` steps move every guide.
         let (some, all) = (self.simulated.0, self.guide_count);
         self.simulated.1 =
             steps.iter().map(|step| if step.mode == Mode::Step { some } else { all }).collect();
@@ -355,7 +361,7 @@ impl Simulation {
             };
             if let Some(field) = fields.get(i) {
                 let uniform = !Wind { velocity: field.wind, ..params.wind }.blows();
-                // Where the air is a fluid, that turns or does not.
+                // Simulated air handles its own wind and rotation.
                 let [wind, spin] = [field.wind, field.spin].map(|v| if uniform { v } else { Vec3::ZERO });
                 uniforms = StepUniforms { gravity: field.gravity, wind, spin, ..uniforms };
             }
@@ -365,7 +371,7 @@ impl Simulation {
         Ok(steps.len() as u32)
     }
 
-    /// Records step `i` of those that [`prepare`](Self::prepare) wrote.
+    /// Records step `i` of those written by [`prepare`](Self::prepare).
     pub fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, colliders: &ColliderSet, i: u32) {
         pass.set_bind_group(1, colliders.group(), &[]);
         let simulated = self.simulated.1[i as usize];
@@ -386,7 +392,7 @@ impl Simulation {
         }
     }
 
-    /// The uniforms of the frame's `i`th step.
+    /// Returns the uniforms of the frame's `i`th step.
     fn uniforms(&self, params: &SimulationParams, step: &Step, i: u32) -> StepUniforms {
         let (count, n) = (self.guide_count, self.vertex_count);
         let uniforms = StepUniforms::new(params, count, n, step.mode, &step.begin, &step.end);
@@ -394,7 +400,7 @@ impl Simulation {
     }
 }
 
-/// One step's uniforms.
+/// Binding of one step's uniforms.
 fn slot(uniforms: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
     wgpu::BindingResource::Buffer(wgpu::BufferBinding {
         buffer: uniforms,

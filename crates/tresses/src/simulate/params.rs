@@ -11,65 +11,63 @@ use crate::{
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-/// A quantity that changes from root to tip: `root` at the root, `tip` from `falloff` metres of
-/// hair on, linear between.
+/// A quantity that varies linearly along the hair: `root` at the root, `tip` beyond `falloff` meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Along {
+pub struct RootToTip {
     /// Value at the root.
     pub root: f32,
-    /// Value from `falloff` on.
+    /// Value at arc length `falloff` and beyond.
     pub tip: f32,
-    /// Arc length over which the one becomes the other, metres.
+    /// Arc length over which the value changes, meters.
     pub falloff: f32,
 }
 
-impl Along {
+impl RootToTip {
     /// The range of [`falloff`](Self::falloff).
     pub const FALLOFF: Range = range!("falloff", 0.0 to 1000.0, "m"; usually 0.0 to 1.0);
 
-    /// The value at arc length `s` (metres).
+    /// Returns the value at arc length `s` (meters).
     pub fn at(&self, s: f32) -> f32 {
         self.root + (self.tip - self.root) * (s / self.falloff.max(1e-6)).clamp(0.0, 1.0)
     }
 }
 
-/// The physics of a groom. The defaults are those of real hair, except that a guide stands for a
-/// lock of hairs, which is somewhat stiffer per mass than its hairs.
+/// Physical parameters of a groom. The defaults describe real hair, but somewhat stiffer per mass, because a guide
+/// represents a lock of hairs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimulationParams {
-    /// Acceleration of free fall, axes of the world, m/s².
+    /// Gravitational acceleration in world axes, m/s².
     pub gravity: Vec3,
     /// Mass of a hair per length, kg/m.
     pub line_density: f32,
-    /// Bending stiffness EI, N·m²; a hair of 80 µm has 8e-9. Multiplied by [`crate::strands::Guide::stiffness`].
-    pub bending: Along,
-    /// Pull towards the rest pose as the head carries it: acceleration per distance, 1/s².
+    /// Bending stiffness EI, N·m²; 8e-9 for a hair of 80 µm. Multiplied by [`crate::strands::Guide::stiffness`].
+    pub bending: RootToTip,
+    /// Shape stiffness: pull towards the rest pose that moves with the head, as acceleration per distance, 1/s².
     /// Multiplied by [`crate::strands::Guide::stiffness`].
-    pub goal: Along,
-    /// How stiff hair is against twist, as a multiple of its bending stiffness: GJ / EI, for a round fibre of keratin
-    /// about 0.5: curls give way and spring back by it. 0 for hair that does not twist, which takes two thirds of the time. Hair that
-    /// was made with 0 does not twist afterwards either.
+    pub goal: RootToTip,
+    /// Torsional stiffness as a multiple of bending stiffness, GJ / EI: about 0.5 for a round keratin fiber. Curls
+    /// yield and spring back by it. 0 disables twist; a step then takes two thirds of the time. Hair created with 0
+    /// cannot twist later.
     pub twist: f32,
-    /// Viscosity of bending: the time in which a bend alone would relax, s. 0 for none.
+    /// Bending viscosity: relaxation time of a bend on its own, s. 0 for none.
     pub bending_damping: f32,
-    /// Rate at which a hair takes on the velocity of the air, 1/s. A swing dies out at half this
-    /// rate: of 3, a tenth is left after 1.5 s. A single hair in open air has more, a hair inside a
-    /// lock less.
+    /// Rate at which hair approaches the velocity of the air, 1/s. A swing decays at half this rate: with 3, a tenth
+    /// remains after 1.5 s. A single hair in open air has more, a hair inside a lock less.
     pub drag: f32,
-    /// Diameter of a hair, metres: what the air pushes against.
+    /// Hair diameter that the air acts on, meters.
     pub diameter: f32,
-    /// What the air does.
+    /// Wind and air.
     pub wind: Wind,
-    /// Coulomb's coefficient between hair and colliders.
+    /// Coulomb friction coefficient between hair and colliders.
     pub friction: f32,
-    /// How much a strand that hangs by its root is stretched by gravity: the elasticity along the
-    /// hair follows from it. Real hair has about 1e-6, which single precision cannot hold.
+    /// Strain under gravity of a strand that hangs from its root; it determines the stiffness along the hair. Real hair
+    /// has about 1e-6, which single precision cannot represent.
     pub stretch: f32,
-    /// How much stiffer than it must be in order not to topple a guide is made that does not hang
-    /// ([`rest::support`](super::rest::support)), when hair is made. Hairs that lean on each other bend as one beam: so
-    /// many of them are so many times as stiff as each by itself.
+    /// Safety margin of the stiffening of guides that do not hang ([`rest::support`](super::rest::support)), as a
+    /// multiple of the stiffness at which they just stay upright. Applied when the hair is created. Hairs that lean on
+    /// each other bend as one beam: together they are as many times stiffer as there are hairs.
     pub support: f32,
-    /// What hairs do to each other.
+    /// Hair–hair interaction.
     pub hair_hair: HairHair,
     /// Length of one fixed step, s.
     pub step: f32,
@@ -82,8 +80,8 @@ impl Default for SimulationParams {
         Self {
             gravity: Vec3::new(0.0, -9.81, 0.0),
             line_density: 6.6e-6,
-            bending: Along { root: 3.2e-8, tip: 8e-9, falloff: 0.1 },
-            goal: Along { root: 120.0, tip: 0.0, falloff: 0.12 },
+            bending: RootToTip { root: 3.2e-8, tip: 8e-9, falloff: 0.1 },
+            goal: RootToTip { root: 120.0, tip: 0.0, falloff: 0.12 },
             twist: 0.0,
             bending_damping: 0.002,
             drag: 3.0,
@@ -99,15 +97,15 @@ impl Default for SimulationParams {
     }
 }
 
-/// Bending is not made stiffer than this (1/s², per vertex): such hair is rigid, and single
-/// precision would turn the rounding of its positions into noise.
+/// Largest bending rate, 1/s² per vertex. Stiffer hair is rigid, and in single precision the rounding of its positions
+/// would become noise.
 pub const MAX_BENDING_RATE: f32 = 1e9;
-/// The largest bending rate times the square of the substep and of the sine of the rest angle:
-/// beyond, the twist that a bend puts on the hair above it is too stiff to be treated as a force.
+/// Largest product of bending rate, squared substep and squared sine of the rest angle. Beyond it, the twist that a
+/// bend exerts on the hair above is too stiff for an explicit force.
 pub(crate) const MAX_CURL: f32 = 20.0;
-/// What a solve adds to the stiffness of an edge, per bending rate and squared sine of the angle
-/// of the bend, in place of the stiffness of that twist. It is no force: it vanishes at rest.
-#[cfg_attr(not(test), allow(dead_code))] // Only the twin reads it; the kernel has its own.
+/// Artificial stiffness of an edge in the solve, per bending rate and squared sine of the bend, in place of the
+/// stiffness of that twist. It exerts no force and vanishes at rest.
+#[cfg_attr(not(test), allow(dead_code))] // Only the CPU reference reads it; the kernel has its own.
 pub(crate) const BRAKE: f32 = 4.0;
 impl SimulationParams {
     /// The range of [`line_density`](Self::line_density).
@@ -136,7 +134,7 @@ impl SimulationParams {
     /// Checks that every value is finite and in its range.
     ///
     /// # Errors
-    /// [`Error::Parameter`] names the first that is not.
+    /// [`Error::Parameter`] names the first invalid value.
     pub fn check(&self) -> Result<()> {
         let acceleration = self.gravity.abs().max_element() + self.gravity.length();
         Error::unless_within("gravity", acceleration, 0.0, 1e4, "finite and below 5,000 m/s²")?;
@@ -146,7 +144,7 @@ impl SimulationParams {
         for (along, range) in [(self.bending, Self::BENDING), (self.goal, Self::GOAL)] {
             range.check(along.root)?;
             range.check(along.tip)?;
-            Along::FALLOFF.check(along.falloff)?;
+            RootToTip::FALLOFF.check(along.falloff)?;
         }
         Self::TWIST.check(self.twist)?;
         Self::BENDING_DAMPING.check(self.bending_damping)?;
@@ -159,9 +157,9 @@ impl SimulationParams {
         Error::unless_within("substeps", self.substeps as f32, 1.0, MAX_SUBSTEPS as f32, "from 1 to 32")
     }
 
-    /// Bending rate (1/s², per unit of vertex weight) at vertex `j` of a guide with stiffness factor
-    /// `factor` and mean edge length `edge`, between the rest edges `before` and `next` (metres): the
-    /// bend's energy per line density and edge is half of it times the square of its deviation.
+    /// Returns the bending rate (1/s², per unit of vertex weight) at vertex `j` of a guide with stiffness factor
+    /// `factor` and mean edge length `edge`, between the rest edges `before` and `next` (meters). The bend's energy per
+    /// line density and edge is half the rate times the square of its deviation.
     pub fn bending_rate(&self, j: usize, factor: f32, edge: f32, before: Vec3, next: Vec3) -> f32 {
         let square = edge * edge;
         let bare = factor * self.bending.at(j as f32 * edge) / (self.line_density * square * square);
@@ -169,16 +167,15 @@ impl SimulationParams {
         bending_rate(bare, j, before, next, h)
     }
 
-    /// Stretching rate (1/s², per unit of vertex weight) of a guide `length` long (metres).
+    /// Returns the stretching rate (1/s², per unit of vertex weight) of a guide of `length` meters.
     pub fn stretch_rate(&self, length: f32, edge: f32) -> f32 {
         stretch_rate(self.gravity, self.stretch, length, edge)
     }
 }
 
-/// The bending rate at vertex `j` between rest edges `before` and `next`, from that of the
-/// continuum: twice at the root, where half of the bend lies in the skin; limited by
-/// [`MAX_BENDING_RATE`] and, where the hair curls tightly, by [`MAX_CURL`], for substeps of `h`; 0 where the solve knows
-/// of twist.
+/// Returns the bending rate at vertex `j` between rest edges `before` and `next`, from the continuum's rate `bare`. It
+/// is doubled at the root, where half of the bend lies in the skin, and limited by [`MAX_BENDING_RATE`]. Tight curls
+/// are limited by [`MAX_CURL`] for substeps of `h`; `h` is 0 where the solve includes twist.
 pub(crate) fn bending_rate(bare: f32, j: usize, before: Vec3, next: Vec3, h: f32) -> f32 {
     let sine =
         before.cross(next).length_squared() / (before.length_squared() * next.length_squared()).max(1e-30);
@@ -198,35 +195,35 @@ pub struct StepUniforms {
     pub head_begin: [f32; 4],
     /// Rotation of the head at the end of the step.
     pub head_end: [f32; 4],
-    /// Translation of the head at the start, metres.
+    /// Translation of the head at the start, meters.
     pub head_begin_at: Vec3,
     /// Length of a substep, s.
     pub h: f32,
-    /// Translation of the head at the end, metres.
+    /// Translation of the head at the end, meters.
     pub head_end_at: Vec3,
     /// Solves per step.
     pub substeps: u32,
-    /// m/s².
+    /// Gravitational acceleration, m/s².
     pub gravity: Vec3,
-    /// 1/s.
+    /// Drag rate, 1/s.
     pub drag: f32,
-    /// Velocity of the air, m/s, where it is the same everywhere.
+    /// Velocity of uniform air, m/s.
     pub wind: Vec3,
-    /// Coulomb's coefficient.
+    /// Coulomb friction coefficient.
     pub friction: f32,
     /// EI per line density at the root, m⁴/s².
     pub bending_root: f32,
-    /// The same from the falloff on.
+    /// EI per line density from the falloff on, m⁴/s².
     pub bending_tip: f32,
-    /// 1/m.
+    /// Reciprocal of the bending falloff, 1/m.
     pub bending_falloff: f32,
-    /// s.
+    /// Bending viscosity, s.
     pub bending_damping: f32,
-    /// 1/s².
+    /// Shape stiffness at the root, 1/s².
     pub goal_root: f32,
-    /// 1/s².
+    /// Shape stiffness from the falloff on, 1/s².
     pub goal_tip: f32,
-    /// 1/m.
+    /// Reciprocal of the shape stiffness falloff, 1/m.
     pub goal_falloff: f32,
     /// Square of the speed of sound along a hair of 1 m, m²/s² per m.
     pub stretch: f32,
@@ -234,32 +231,32 @@ pub struct StepUniforms {
     pub guide_count: u32,
     /// Vertices per guide.
     pub vertex_count: u32,
-    /// [`Mode`].
+    /// [`Mode`] of the step.
     pub mode: u32,
-    /// Always one. Loops that count by it are not unrolled: unrolled, the kernel runs at less than half the
-    /// speed on a CPU and takes the driver minutes to compile.
+    /// Always 1. Loops that increment by it are not unrolled; unrolled, the kernel runs at less than half the speed on
+    /// a CPU and takes the driver minutes to compile.
     pub one: u32,
-    /// The moment of the colliders (see [`crate::collide`]) at which the step begins.
+    /// Collider moment (see [`crate::collide`]) at the start of the step.
     pub moment: u32,
-    /// 1 when [`crate::strands::GuideBuffers::forces`] act.
+    /// 1 if [`crate::strands::GuideBuffers::forces`] act.
     pub forced: u32,
-    /// Where in the frame's motion the step ends ([`crate::clock::Step::to`]).
+    /// End of the step as a fraction of the frame's motion ([`crate::clock::Step::to`]).
     pub to: f32,
-    /// How many guides are simulated, the first in the order of [`crate::lod`]; others are led.
+    /// Number of simulated guides, the first in the order of [`crate::lod`]; the others follow them.
     pub simulated: u32,
-    /// How the air turns about the origin, radians per second.
+    /// Angular velocity of the air about the origin, rad/s.
     pub spin: Vec3,
-    /// Slip in a substep below which friction is proportional to it, metres: 0 for friction that holds.
+    /// Slip per substep below which friction is proportional to it, meters; 0 for static friction.
     pub slip: f32,
-    /// Twisting stiffness as a multiple of bending stiffness; 0 for hair that does not twist.
+    /// Torsional stiffness as a multiple of bending stiffness; 0 without twist.
     pub twist: f32,
     /// Unused.
     pub _pad: [u32; 3],
 }
 
 impl StepUniforms {
-    /// The uniforms of a step of `guide_count` guides with `vertex_count` vertices during which the
-    /// head moves from `begin` to `end`; the frame's first.
+    /// Returns the uniforms of the frame's first step, for `guide_count` guides of `vertex_count` vertices. The head
+    /// moves from `begin` to `end` during the step.
     pub fn new(
         params: &SimulationParams,
         guide_count: u32,

@@ -1,8 +1,8 @@
-//! Invariants on the twin, where thousands of steps are cheap. The closed forms are measured on the GPU:
-//! `tests/gpu/physics`.
+//! Invariants of the CPU reference, where thousands of steps are cheap. `tests/gpu/physics` measures closed forms on
+//! the GPU.
 
 use super::{
-    params::{Along, SimulationParams, StepUniforms},
+    params::{RootToTip, SimulationParams, StepUniforms},
     reference::{Obstacles, Strand},
     rest::{RestShape, shape},
 };
@@ -15,9 +15,9 @@ use crate::{
 };
 use glam::{Quat, Vec3};
 
-/// Without goal, drag and friction, with constant bending stiffness.
+/// Parameters with constant bending stiffness and without goal, drag and friction.
 pub(crate) fn bare(bending: f32) -> SimulationParams {
-    let along = |v| Along { root: v, tip: v, falloff: 1.0 };
+    let along = |v| RootToTip { root: v, tip: v, falloff: 1.0 };
     SimulationParams {
         bending: along(bending),
         goal: along(0.0),
@@ -40,7 +40,7 @@ pub(crate) fn strand(p: &[Vec3], params: &SimulationParams, mode: RestShape) -> 
     Strand::at_rest(guide, rest, shape(p, &guide, params, mode))
 }
 
-/// A straight strand whose free part (from vertex 1 on) has `length`.
+/// A straight strand; its free part, from vertex 1 on, has length `length`.
 fn straight(n: usize, length: f32, dir: Vec3) -> Vec<Vec3> {
     let edge = length / (n - 2) as f32;
     (0..n).map(|i| dir * edge * (i as f32 - 1.0)).collect()
@@ -147,8 +147,8 @@ fn stiff_curls_stay_calm() {
 }
 
 #[test]
-fn capsule_with_friction() {
-    // A strand across a horizontal cylinder: it lies on it, and with friction it stays.
+fn friction_holds_strand_on_capsule() {
+    // With friction, a strand across a horizontal cylinder stays on it.
     let ends = [-1.0, 1.0].map(|z| Vec3::new(0.1, -0.05, z));
     let (shape, pose) = Shape::capsule(ends[0], ends[1], 0.04);
     let params = SimulationParams::default();

@@ -1,5 +1,5 @@
-//! The scalar twin of `step.wesl`: the same operations on one strand, in the same order but for
-//! the contacts of a vertex, which the kernel adds up before the rest. With twist, of `twist.wesl`.
+//! CPU reference of `step.wesl` and, with twist, of `twist.wesl`: the same operations on one strand. Only the order
+//! differs: the kernel sums the contacts of a vertex first.
 
 mod twisting;
 
@@ -19,19 +19,19 @@ use crate::{
 };
 use glam::{Mat3, Quat, Vec3};
 
-/// Contact stiffness: a vertex gives way by 1/100 of what would pass through in a substep.
+/// Contact stiffness: a vertex yields by 1/100 of the distance it would penetrate in a substep.
 const CONTACT: f32 = 100.0;
-/// The fastest that a vertex is pushed out of an obstacle it is in, m/s.
+/// Largest speed at which a penetrating vertex is pushed out, m/s.
 const PUSH_OUT: f32 = 0.5;
-/// What was inside is kept from leaving slower than this many accelerations of free fall would bring it back.
+/// Distance outside an obstacle up to which a contact persists, as a multiple of gravity times the squared substep.
 const AHEAD: f32 = 2.0;
-/// How much stiffer a contact that sticks is along the surface than across it.
+/// Largest ratio of tangential to normal stiffness of a sticking contact.
 const STICK: f32 = 1e3;
-/// No edge is longer than this times its rest length after a step, nor shorter by as much.
+/// Largest ratio of an edge's length to its rest length after a step. Compression has the same limit.
 const MAX_STRAIN: f32 = 1.008;
-/// Edges shorter than this part of the mean edge are not divided by.
+/// Smallest edge length to divide by, as a fraction of the mean edge.
 const LEAST_EDGE: f32 = 0.05;
-/// A strand of which a vertex is faster than this, m/s, is put back to rest.
+/// Speed of a vertex, m/s, above which its strand is reset to rest.
 const MAX_SPEED: f32 = 300.0;
 
 /// One simulated strand.
@@ -43,23 +43,23 @@ pub(crate) struct Strand {
     pub previous: Vec<Vec3>,
     pub current: Vec<Vec3>,
     pub velocity: Vec<Vec3>,
-    /// By how much the frame of the edge after each vertex is twisted against that of the edge before it.
+    /// Twist of the frame of the edge after each vertex relative to the frame of the edge before it, radians.
     pub twisted: Vec<f32>,
     pub forces: Vec<GuideForce>,
 }
 
-/// What strands collide with.
+/// Colliders of strands.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Obstacles<'a> {
-    /// The head's field first where there is one.
+    /// The colliders; the head's field first, if there is one.
     pub colliders: &'a [Collider],
-    /// What colliders refer to by `FieldId`.
+    /// The fields that colliders refer to by `FieldId`.
     pub volumes: &'a [FieldVolume],
-    /// The poses of all moments, collider fastest, as `ColliderSet::moments` has them.
+    /// The poses at all moments, collider fastest, in the order of `ColliderSet::moments`.
     pub places: &'a [Pose],
 }
 
-/// A velocity as it is remembered from step to step.
+/// Rounds a velocity to its packed precision.
 fn remembered(v: Vec3) -> Vec3 {
     unpack_velocity(pack_velocity(v))
 }
@@ -68,7 +68,7 @@ fn nlerp(a: [f32; 4], b: [f32; 4], t: f32) -> Quat {
     rotation::nlerp(Quat::from_array(a), Quat::from_array(b), t)
 }
 
-/// How far `v` moves when it is turned by `q`.
+/// Returns the displacement of `v` by the rotation `q`.
 fn turned_by(q: Quat, v: Vec3) -> Vec3 {
     let axis = q.xyz();
     let t = 2.0 * axis.cross(v);
@@ -79,8 +79,8 @@ fn outer(a: Vec3, b: Vec3) -> Mat3 {
     Mat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
-/// Adds the contact of a vertex at a depth of `depth` in an obstacle with normal `n`; `slip` is the
-/// way of the vertex relative to the obstacle in this substep.
+/// Adds the contact of a vertex at depth `depth` in an obstacle with normal `n`. `slip` is the vertex's displacement
+/// relative to the obstacle in this substep.
 fn contact(u: &StepUniforms, depth: f32, n: Vec3, slip: Vec3, friction: f32, m: &mut Mat3, f: &mut Vec3) {
     let h = u.h;
     let k = CONTACT / (h * h);
@@ -92,8 +92,8 @@ fn contact(u: &StepUniforms, depth: f32, n: Vec3, slip: Vec3, friction: f32, m: 
     *f += n * (k * push) - tangential * kt;
 }
 
-/// How far the bend at vertex `j` is from its target `t`, damping included, and how the target
-/// follows the edge before, which counts as no shorter than the root of `least`.
+/// Returns the deviation of the bend at vertex `j` from its target `t`, damping included, and the target's derivative
+/// with respect to the edge before. The square of that edge's length counts as at least `least`.
 fn bend(p: &[Vec3], v: &[Vec3], j: usize, t: Vec3, least: f32, damping: f32) -> (Vec3, Mat3) {
     let e = p[j] - p[j - 1];
     let inverse = 1.0 / e.length_squared().max(least);
@@ -101,13 +101,13 @@ fn bend(p: &[Vec3], v: &[Vec3], j: usize, t: Vec3, least: f32, damping: f32) -> 
     (p[j + 1] - p[j] - t + (v[j + 1] - v[j] - a * (v[j] - v[j - 1])) * damping, a)
 }
 
-/// Also true of a NaN.
+/// Compares bits, so that NaN counts as too fast.
 fn too_fast(v: Vec3) -> bool {
     v.length_squared().to_bits() & 0x7fff_ffff > (MAX_SPEED * MAX_SPEED).to_bits()
 }
 
 impl Strand {
-    /// At rest in the pose of `guide`'s rest vertices, head upright.
+    /// Returns a strand at rest in the pose of its rest vertices, head upright.
     pub fn at_rest(guide: Guide, rest: Vec<GuideRest>, shape: Vec<GuideShape>) -> Self {
         let current: Vec<_> = rest.iter().map(|r| r.position).collect();
         Self {
@@ -122,7 +122,7 @@ impl Strand {
         }
     }
 
-    /// One fixed step.
+    /// Simulates one fixed step.
     pub fn step(&mut self, u: &StepUniforms, obstacles: &Obstacles) {
         let n = self.rest.len();
         self.previous.copy_from_slice(&self.current);
@@ -226,7 +226,7 @@ impl Strand {
                 let i = j + 1;
                 let tip = i == n - 1;
                 let y = p[i];
-                // What acts on the vertex alone, per unit of weight.
+                // The load on the vertex alone, per unit of weight.
                 let (m, f) = load(i, y, v[i]);
                 let weight = if tip { 0.5 } else { 1.0 };
                 // The edge as a spring.
@@ -316,7 +316,7 @@ impl Strand {
         }
     }
 
-    /// What acts on vertex `i` alone, per unit of weight: stiffness and force.
+    /// Returns the load of vertex `i` alone, per unit of weight: stiffness and force.
     #[allow(clippy::too_many_arguments)]
     fn load(
         &self,
@@ -347,7 +347,7 @@ impl Strand {
         (m, f)
     }
 
-    /// The edge from vertex `j`, made shorter or longer when it is too far from its rest length.
+    /// Clamps the length of edge `e` from vertex `j` to its allowed range around the rest length.
     fn guard(&self, j: usize, e: Vec3) -> Vec3 {
         let l0 = self.shape[j].length;
         let length = e.length();

@@ -1,21 +1,19 @@
-//! From guide polylines to the step's inputs: rest positions, contact clearances and the rest shape, with
-//! or without compensation of gravity.
+//! Converts guide polylines to the step's inputs: rest positions, contact clearances and the rest shape, optionally
+//! compensated for gravity.
 //!
-//! A groom is authored as it should look under gravity. Taken as the shape without gravity, it sags in the
-//! first second. [`RestShape::SagFree`] walks from tip to root: the edge below a vertex must carry the
-//! weight of everything below it. The component along the edge goes into the edge's rest length, the
-//! component across it into the bend at its upper end, whose rest value is moved until the bending spring
-//! gives exactly that force. The pose is then an equilibrium of the discrete equations that the step
-//! solves, not only of the continuous ones.
+//! A groom is authored as it should look under gravity. If that pose were used as the shape without gravity, hair would
+//! sag in the first second. [`RestShape::SagFree`] therefore walks from tip to root: the edge below a vertex must carry
+//! the weight of everything below it. The component along the edge changes the edge's rest length. The component across
+//! it changes the bend at its upper end, until the bending spring gives exactly that force. The pose is then an
+//! equilibrium of the discrete equations that the step solves, not only of the continuous ones.
 //!
-//! An equilibrium need not be stable. A floppy strand that is authored to stick out needs a rest shape
-//! wound up like a watch spring, and collapses at the first touch. Real hair that stands out is stiff or
-//! leans on other hair; [`support`] therefore raises the stiffness of those guides, and of no others, until
-//! their poses are stable. The compensation of one bend is still limited to [`MOST_COMPENSATION`] of the
-//! edge; the remainder shows as sag, less what the goal spring holds. Contact forces at rest are not
-//! compensated: a pose that was supported by the head hovers over it. Untried: the second variation with
-//! the torques of bends, which couple the two directions across the strand, and a factor for each vertex
-//! instead of one for the guide.
+//! An equilibrium need not be stable. A floppy strand that is authored to stick out needs a rest shape wound up like a
+//! watch spring, and collapses at the first touch. Real hair that stands out is stiff or leans on other hair.
+//! [`support`] therefore raises the stiffness of such guides, and only of these, until their poses are stable. The
+//! compensation of one bend is still limited to [`MOST_COMPENSATION`] of the edge; the remainder shows as sag, reduced
+//! by the goal spring. Contact forces at rest are not compensated: hair that rested on the head in its authored pose
+//! hovers over it. Untried: the second variation including the torques of bends, which couple the two directions across
+//! the strand, and a factor per vertex instead of per guide.
 
 use super::params::SimulationParams;
 use crate::{
@@ -28,36 +26,36 @@ use crate::{
 };
 use glam::Vec3;
 
-/// The largest compensation of one bend, as a fraction of the edge.
+/// Largest compensation of one bend, as a fraction of the edge.
 pub const MOST_COMPENSATION: f32 = MOST_GIVE;
 
-/// The compensation up to which a bend comes back by itself when hair is shaken.
+/// Largest compensation from which a shaken bend recovers its shape by itself, as a fraction of the edge.
 pub const EASY_COMPENSATION: f32 = 0.35;
 
-/// The margin of [`SimulationParams::support`] for which bends come back by themselves up to [`EASY_COMPENSATION`].
+/// Value of [`SimulationParams::support`] at which bends recover up to [`EASY_COMPENSATION`].
 pub const USUAL_SUPPORT: f32 = 2.0;
 
-/// By how much the stiffness of a guide is raised at most, times [`SimulationParams::support`], see [`support`].
+/// Largest factor of a guide's stiffness, per unit of [`SimulationParams::support`]; see [`support`].
 pub const MOST_SUPPORT: f32 = 10.0;
 
-/// What the authored pose means.
+/// Interpretation of the authored pose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RestShape {
-    /// The shape of the hair without gravity: it will sag. For draping.
+    /// The shape without gravity: the hair will sag. For draping.
     Natural,
-    /// The shape of the hair under gravity with the head upright: it stays.
+    /// The shape under gravity with the head upright: the hair keeps it.
     #[default]
     SagFree,
 }
 
-/// What is known of one guide besides its vertices.
+/// Per-guide properties besides the vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GuideTraits {
     /// Multiplier of the stiffness parameters.
     pub stiffness: f32,
-    /// How many drawn strands it stands for.
+    /// Number of drawn strands that the guide represents.
     pub strands: f32,
-    /// Whether the tip follows the head as the root does.
+    /// Whether the tip follows the head, like the root.
     pub tip_pinned: bool,
 }
 
@@ -67,12 +65,12 @@ impl Default for GuideTraits {
     }
 }
 
-/// How guides rest.
+/// Options for the rest state of guides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestOptions {
-    /// What the authored pose means.
+    /// Interpretation of the authored pose.
     pub shape: RestShape,
-    /// Distance that hair keeps from the colliders, metres, where it has it at rest.
+    /// Distance that hair keeps from colliders, meters. A vertex that rests closer keeps that smaller distance.
     pub clearance: f32,
 }
 
@@ -82,13 +80,12 @@ impl Default for RestOptions {
     }
 }
 
-/// Guides from `positions` (groom space, metres; guide `g` has `g * n..(g + 1) * n`, root first,
-/// equal arc lengths, see [`crate::groom::curve::resample`]). `traits` has one entry per guide, or none
-/// for the default. `field` gives the clearance that each vertex has at rest.
+/// Builds guides from `positions` (groom space, meters). Guide `g` has the vertices `g * n..(g + 1) * n`, root first,
+/// at equal arc lengths (see [`crate::groom::curve::resample`]). `traits` has one entry per guide, or none for the
+/// default. `field` gives the clearance of each vertex at rest.
 ///
 /// # Errors
-/// [`Error::Groom`] when counts do not fit or a position is not finite, and what
-/// [`SimulationParams::check`] says.
+/// [`Error::Groom`] if counts do not match or a position is not finite, and the errors of [`SimulationParams::check`].
 pub fn guides(
     positions: &[Vec3],
     n: u32,
@@ -109,14 +106,14 @@ pub fn guides(
     let count = positions.len() / n;
     if count * n != positions.len() || !(traits.is_empty() || traits.len() == count) {
         return Err(Error::unusable(format!(
-            "{} positions and {} traits do not make guides of {n} vertices",
+            "{} positions and {} traits do not match guides of {n} vertices",
             positions.len(),
             traits.len()
         )));
     }
     if let Some(at) = positions.iter().position(|p| !(p.is_finite() && p.abs().max_element() < 1e3)) {
         return Err(Error::unusable(format!(
-            "vertex {} of guide {} is at {}, which is not within a kilometre of the head",
+            "vertex {} of guide {} is at {}, which is not within a kilometer of the head",
             at % n,
             at / n,
             positions[at]
@@ -133,9 +130,10 @@ pub fn guides(
         let (low, high) =
             guide.iter().fold((guide[0], guide[0]), |(low, high), p| (low.min(*p), high.max(*p)));
         let mut info = Guide { origin: low, extent: (high - low).max_element(), ..Guide::default() };
-        // All that follows is computed from the pose as the GPU has it: micrometres from the authored one, and at rest.
+        // The rest is computed from the pose as the GPU rounds it, micrometers from the authored one, so that this pose
+        // is at rest.
         let rounded = |(i, p): (usize, &Vec3)| {
-            // Rounding to half floats and to texels must not make a contact of the rest pose.
+            // Rounding to half floats and texels must not create contacts in the rest pose.
             let has = field.map_or(f32::MAX, |field| field.sample(*p) - 2e-4);
             let rest = GuideRest { position: *p, contact: options.clearance.min(has) };
             let rest = PackedGuide::pack(&rest, Vec3::ZERO, 0.0, 1.0, &info).rest(&info);
@@ -161,7 +159,7 @@ pub fn guides(
     Ok(out)
 }
 
-/// The rest shape of one guide.
+/// Returns the rest shape of one guide.
 pub(crate) fn shape(p: &[Vec3], info: &Guide, params: &SimulationParams, mode: RestShape) -> Vec<GuideShape> {
     let n = p.len();
     let edge_of = |i: usize| p[i + 1] - p[i];
@@ -184,8 +182,8 @@ pub(crate) fn shape(p: &[Vec3], info: &Guide, params: &SimulationParams, mode: R
     out
 }
 
-/// Walks from tip to root and calls `each` with what the bend and the edge at a vertex must give way
-/// to carry all that hangs from it, metres.
+/// Walks from tip to root and calls `each` with the deflections, in meters, of the bend and of the edge at a vertex
+/// that carry the load below it.
 fn compensate(p: &[Vec3], info: &Guide, params: &SimulationParams, mut each: impl FnMut(usize, Vec3, f32)) {
     let n = p.len();
     if n < 3 {
@@ -203,12 +201,12 @@ fn compensate(p: &[Vec3], info: &Guide, params: &SimulationParams, mut each: imp
         let whole = (force - dir * tension) / rate.max(1e-9);
         each(i, whole, tension / stretch);
         let s = whole.clamp_length_max(MOST_COMPENSATION * e.length());
-        // What a bend and the twist from below give to the edge before, as in the step.
+        // Torque that a bend and the twist from below exert on the edge before, as in the step.
         torque = dir * dir.dot(torque) - rate * (e - s).cross(s);
     }
 }
 
-/// The edges from the last to that after vertex 1, by the vertex before them, and the weight that each
+/// Iterates over the edges from the last to the one after vertex 1, each as its first vertex and the weight that it
 /// carries, m/s² per unit of vertex weight.
 fn loads(n: usize, info: &Guide, params: &SimulationParams) -> impl Iterator<Item = (usize, Vec3)> {
     // A pinned tip takes half the weight: of the many equilibria, the symmetric one.
@@ -223,15 +221,15 @@ fn loads(n: usize, info: &Guide, params: &SimulationParams) -> impl Iterator<Ite
     })
 }
 
-/// By how much the stiffness of a guide must be raised for its authored pose to be an equilibrium
-/// that stays: 1 where the parameters do, [`MOST_SUPPORT`] times [`SimulationParams::support`] at most.
+/// Returns the factor by which a guide's stiffness must be raised to make its authored pose a stable equilibrium: 1 if
+/// it is stable already, at most [`MOST_SUPPORT`] times [`SimulationParams::support`].
 ///
-/// Hair that stands out or up is stiff, or rests on other hair; a guide alone has neither. Two things
-/// are asked of the pose. No bend needs more compensation than [`EASY_COMPENSATION`], or less than that by as much as the
-/// margin is above [`USUAL_SUPPORT`] (that it is feasible, or the stiffness must be raised, is the condition of sag-free
-/// rods, Hsu and others, 2022 and 2023).
-/// And the second variation of the energy, `∫ EI φ'² + (F·t) φ²` with the weight `F` below and the tangent
-/// `t`, is positive with [`SimulationParams::support`] as a margin: for an upright hair, Greenhill's condition on its height.
+/// Hair that stands out or up is stiff, or rests on other hair; a single guide has neither. The pose must meet two
+/// conditions. First, no bend needs more compensation than [`EASY_COMPENSATION`], scaled by [`USUAL_SUPPORT`] over the
+/// margin [`SimulationParams::support`]. Raising the stiffness until the compensation is feasible is the condition of
+/// sag-free rods (Hsu and others, 2022 and 2023). Second, the second variation of the energy, `∫ EI φ'² + (F·t) φ²`
+/// with the weight `F` below and the tangent `t`, is positive with that margin; for an upright hair this is Greenhill's
+/// condition on its height.
 pub fn support(p: &[Vec3], info: &Guide, params: &SimulationParams) -> f32 {
     let n = p.len();
     if n < 3 || info.stiffness <= 0.0 || info.flags & TIP_PINNED != 0 {
@@ -246,7 +244,7 @@ pub fn support(p: &[Vec3], info: &Guide, params: &SimulationParams) -> f32 {
         let mut need = 0f32;
         compensate(p, &raised, params, |i, s, _| {
             let e = p[i].distance(p[i + 1]);
-            // The direction of an edge of almost no length means nothing.
+            // The direction of an edge of almost no length is meaningless.
             if e > 0.05 * edge {
                 need = need.max(s.length() / (easy * e));
             }
@@ -262,11 +260,11 @@ pub fn support(p: &[Vec3], info: &Guide, params: &SimulationParams) -> f32 {
     factor
 }
 
-/// Whether the second variation is positive for the guide made `factor` times as stiff.
+/// Returns whether the second variation is positive for the guide made `factor` times as stiff.
 fn stands(p: &[Vec3], info: &Guide, params: &SimulationParams, factor: f32) -> bool {
     let n = p.len();
     let edge = (info.length / (n - 1) as f32).max(1e-6);
-    // A symmetric tridiagonal matrix over the directions of the edges, eliminated from the tip.
+    // A symmetric tridiagonal matrix over the edge directions, eliminated from the tip.
     let mut below = 0f32;
     for (i, load) in loads(n, info, params) {
         let (before, e) = (p[i] - p[i - 1], p[i + 1] - p[i]);
@@ -276,7 +274,7 @@ fn stands(p: &[Vec3], info: &Guide, params: &SimulationParams, factor: f32) -> b
         if pivot <= 0.0 {
             return false;
         }
-        // What remains of this bend for the edge above.
+        // The part of this bend that remains for the edge above.
         below = bend - bend * bend / pivot;
     }
     true
@@ -287,7 +285,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn wrong_input_is_refused_in_a_sentence() {
+    fn invalid_input_returns_errors() {
         let params = SimulationParams::default();
         let go = |positions: &[Vec3], n| {
             guides(positions, n, &[], &params, &RestOptions::default(), None).map_err(|e| e.to_string())
@@ -299,9 +297,9 @@ mod tests {
     }
 
     #[test]
-    fn upright_hair_is_made_as_stiff_as_greenhill_says() {
+    fn support_of_upright_hair_matches_greenhill() {
         let n = 32;
-        let along = |v| super::super::Along { root: v, tip: v, falloff: 1.0 };
+        let along = |v| super::super::RootToTip { root: v, tip: v, falloff: 1.0 };
         let params = SimulationParams { bending: along(8e-9), goal: along(0.0), ..Default::default() };
         let need = |length: f32, direction: Vec3| {
             let edge = length / (n - 2) as f32;
@@ -322,13 +320,13 @@ mod tests {
     }
 
     #[test]
-    fn a_vertex_in_the_skin_keeps_what_it_has() {
+    fn vertex_in_skin_keeps_its_depth() {
         let grid = SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 33, |p| p.length() - 0.1);
         let positions = [Vec3::Y * 0.095, Vec3::Y * 0.15];
         let options = RestOptions::default();
         let out = guides(&positions, 2, &[], &SimulationParams::default(), &options, Some(&grid)).unwrap();
         assert!((out.rest[0].contact + 0.0052).abs() < 5e-4);
-        // A half float, rounded down.
+        // Rounded down to a half float.
         let kept = out.rest[1].contact / options.clearance;
         assert!(kept <= 1.0 && kept > 0.999, "{kept}");
     }

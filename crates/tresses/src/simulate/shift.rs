@@ -1,5 +1,4 @@
-//! The guides' state from another origin: the kernel, recorded before a step where the carrier's origin has moved
-//! ([`crate::space`]).
+//! Moves guide state to another origin, before a step in which the carrier's origin has moved ([`crate::space`]).
 
 use super::Pipelines;
 use crate::{
@@ -13,27 +12,27 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// What the kernel reads.
+/// Offsets for the kernel.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct ShiftUniform {
-    /// Added to positions, metres.
+    /// Added to positions, meters.
     pub way: Vec3,
     /// Number of guide vertices.
     pub count: u32,
     /// Added to velocities, m/s.
     pub velocity: Vec3,
-    /// 1 when that is not zero: velocities are rounded when they are packed.
+    /// 1 if `velocity` is not zero. Otherwise velocities stay untouched, because packing rounds them.
     pub faster: u32,
 }
 
-/// The kernel, compiled when hair first strays.
+/// Creates the kernel, when hair first moves far from its origin.
 pub(super) fn kernel(context: &Context) -> Kernel {
     use Binding::{Storage, StorageMut};
     Kernel::new(&context.device, "simulate::shift", &[Storage, StorageMut, StorageMut])
 }
 
-/// What one groom needs for it, made when it first strays.
+/// Buffers of one groom, created when it first moves far from its origin.
 #[derive(Debug)]
 pub(crate) struct Shifting {
     pipelines: Arc<Pipelines>,
@@ -57,7 +56,7 @@ impl Shifting {
         Self { pipelines, uniform, group, count: guides.count * guides.vertex_count }
     }
 
-    /// Writes what the kernel reads.
+    /// Writes the uniform for `shift`.
     pub fn prepare(&self, context: &Context, shift: &Shift) {
         let Context { queue, .. } = context;
         let uniform = ShiftUniform {

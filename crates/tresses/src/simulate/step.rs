@@ -13,12 +13,12 @@ pub(crate) const BINDINGS: [Binding; 7] = [
     Binding::StorageMut,
 ];
 
-/// The smallest of [`GUIDE_CAPACITIES`] that holds `vertex_count`, by its place among them.
+/// Returns the index of the smallest of [`GUIDE_CAPACITIES`] that holds `vertex_count`.
 pub(crate) fn capacity(vertex_count: u32) -> usize {
     GUIDE_CAPACITIES.iter().position(|c| *c >= vertex_count).unwrap_or(GUIDE_CAPACITIES.len() - 1)
 }
 
-/// The shaders, each with room for so many vertices as [`GUIDE_CAPACITIES`] has at its place.
+/// The shaders, one per entry of [`GUIDE_CAPACITIES`].
 pub(crate) const MODULES: [&str; GUIDE_CAPACITIES.len()] = [
     "simulate::step::8",
     "simulate::step::16",
@@ -28,7 +28,7 @@ pub(crate) const MODULES: [&str; GUIDE_CAPACITIES.len()] = [
     "simulate::step::64",
 ];
 
-/// The shaders for hair that twists.
+/// The shaders for hair with twist.
 pub(crate) const TWIST_MODULES: [&str; GUIDE_CAPACITIES.len()] = [
     "simulate::twist::8",
     "simulate::twist::16",
@@ -43,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_capacity_has_a_shader_of_its_own() {
+    fn each_capacity_has_its_own_shader() {
         assert_eq!(GUIDE_CAPACITIES.map(|capacity| format!("simulate::step::{capacity}")), MODULES);
         assert_eq!(GUIDE_CAPACITIES.map(|capacity| format!("simulate::twist::{capacity}")), TWIST_MODULES);
         let sources = MODULES.map(crate::shaders::source);

@@ -1,40 +1,42 @@
 //! Ties: bands, braids and pins.
 //!
-//! A [`Tie`] is a place in the groom at rest; the guides that pass through it are held there from then on, together or to
-//! the head.
+//! A [`Tie`] is a region of the groom at rest. It holds the guides that pass through it, either together or to the
+//! head.
 //!
-//! **Together** (a band, a ring of a braid): what passes through stays as it lies there at rest, as one rigid piece that
-//! goes wherever hair goes. Before each step the rigid motion is found that has the mass, momentum and angular momentum of
-//! its vertices, in the pose that is nearest to theirs (shape matching: Müller et al. 2005, "Meshless deformations based
-//! on shape matching", eq. 1 and 4; the rotation by Müller et al. 2016, "A robust method to extract the rotational part of
-//! deformations", eq. 7, begun at that of the step before, so that a piece whose rotation about its own axis nothing
-//! determines keeps it). Each vertex gets the acceleration that brings it into its place and to the piece's velocity within
-//! the step, were it free. Nothing is pushed or turned as a whole, and a band adds no mass: hair between scalp and band
-//! carries the tail. What hangs on strands gives way less than what is free, so that no step is too long.
+//! **Together** (a band, a ring of a braid): the vertices inside keep their rest arrangement as one rigid piece that
+//! moves freely. Before each step, the kernel finds the rigid motion with the mass, momentum and angular momentum of
+//! the vertices and the pose nearest to theirs (shape matching: Müller et al. 2005, "Meshless deformations based on
+//! shape matching", eq. 1 and 4; rotation: Müller et al. 2016, "A robust method to extract the rotational part of
+//! deformations", eq. 7). The rotation starts from the previous step's, so that a piece keeps its rotation about an
+//! axis that its vertices do not determine. Each vertex gets the acceleration that would bring it, if it were free, to
+//! its place and to the piece's velocity within the step. The net force and torque are zero and a band adds no mass:
+//! the hair between scalp and band carries the tail. A vertex on a strand yields less than a free one, so no step
+//! overshoots.
 //!
-//! **To the head** (a pin, a clip, a hair slide): before each step what is held gets a force towards where it rests on the
-//! head, linear in its velocity and so stiff that it is there at the step's end. The solve of the strand knows of it, so
-//! that a pin carries whatever hangs on it.
+//! **To the head** (a pin, a clip, a hair slide): before each step a held vertex gets a force towards its rest position
+//! on the head, linear in its velocity and so stiff that it arrives by the end of the step. The strand's solve includes
+//! this force, so a pin carries whatever hangs from it.
 //!
-//! **Why not rigid to the bit?** Vertices that are replaced by the rigid motion after each step were tried: hairs that reach a
-//! band from all sides cannot all keep their lengths while it goes where their mean goes, what restores the one undoes the
-//! other, and a ponytail that is shaken bursts. A force with a rate that the solve knows, as a pin has, pulls towards a
-//! velocity that must be given, that of the whole band; given from the step before it makes the band as heavy as it is
-//! firm. The price is that a band gives way: by `s² a` where hairs in it are pulled apart with an acceleration `a`, 3 mm for
-//! their own weight at a step of 1/60 s, a fifth of a millimetre at 1/240 s.
+//! **Why not exactly rigid?** Replacing the vertices by the rigid motion after each step was tried. Hairs that reach a
+//! band from all sides cannot all keep their lengths while the band follows their mean; restoring lengths and restoring
+//! rigidity undo each other, and a shaken ponytail bursts. A force with a rate in the solve, as for pins, pulls towards
+//! the velocity of the whole band, which must be known in advance; taken from the previous step, it makes the band as
+//! heavy as it is firm. The cost of the present method is that a band stretches: hairs that are pulled apart with
+//! acceleration `a` separate by `s² a` in steps of length `s`. Under their own weight that is 3 mm at a step of 1/60 s
+//! and a fifth of a millimeter at 1/240 s.
 //!
-//! **Gathered.** Where a tie draws hair together (`gather`) it is what it holds that rests nearer to its middle. It comes there
-//! by half a metre per second, from where the groom has it: so loose hair is tied up.
+//! **Gathered.** `gather` below 1 moves the rest positions of the held vertices towards the tie's center. The hair
+//! moves there from its pose in the groom at half a meter per second. This ties up loose hair.
 //!
-//! A long tie is divided into rings no longer than they are wide: between them hair bends.
+//! A long tie is divided into rings no longer than they are wide; hair bends between them.
 //!
 //! ```text
 //! rings, members ─► ties (a workgroup per ring), pins ─► forces ─► step
 //! current, velocity ─┘
 //! ```
 //!
-//! **Known limits.** The skin under a pin may bend: it goes with the head alone. Guides that are not simulated at a level of
-//! detail are not held: they go with those that lead them.
+//! **Known limits.** A pin follows the rigid head, even where the skin under it deforms. Guides that a level of detail
+//! does not simulate are not held; they follow their leaders.
 
 use super::Pipelines;
 use crate::{
@@ -49,7 +51,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// Bindings of the kernel that holds hair together, in order.
+/// Bindings of the `ties` kernel, in order.
 pub(super) const BINDINGS: [Binding; 7] = [
     Binding::StorageDynamic,
     Binding::Storage,
@@ -60,66 +62,67 @@ pub(super) const BINDINGS: [Binding; 7] = [
     Binding::StorageMut,
 ];
 
-/// Bindings of the kernel that holds hair to the head, in order.
+/// Bindings of the `pins` kernel, in order.
 pub(super) const PIN_BINDINGS: [Binding; 4] =
     [Binding::StorageDynamic, Binding::Storage, Binding::Storage, Binding::StorageMut];
 
-/// The most rings of one head.
+/// Maximum number of rings per head.
 pub const MAX_RINGS: usize = 4096;
 
-/// What a [`Tie`] holds hair to.
+/// Whether a [`Tie`] holds hair together or to the head.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Held {
-    /// What passes through it is held together and goes where hair goes: a band, a braid.
+pub enum TieTarget {
+    /// The held vertices form one rigid piece that moves with the hair: a band, a braid.
     #[default]
     Together,
-    /// What passes through it is held where it rests on the head: a pin, a clip.
+    /// The held vertices stay at their rest positions on the head: a pin, a clip.
     ToHead,
 }
 
-/// A place at which hair is held: all guides that pass within `radius` of the line between two points, groom space at rest.
+/// Holds all guides that pass within `radius` of the line between two points, in groom space at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tie {
-    /// An end of the line, metres.
+    /// Start of the line, meters.
     pub from: Vec3,
-    /// The other end; the same for a ball.
+    /// End of the line, meters; equal to `from` for a ball.
     pub to: Vec3,
-    /// Metres.
+    /// Radius around the line, meters.
     pub radius: f32,
-    /// To what.
-    pub held: Held,
-    /// How far what is held is drawn together, as a fraction of how far it lies from its middle at rest: 1 leaves it.
+    /// Whether the hair is held together or to the head.
+    pub held: TieTarget,
+    /// Factor of the held vertices' distance from their center at rest: 1 keeps it, smaller values draw hair together.
     pub gather: f32,
-    /// The group of the file that it holds alone ([`Guides::groups`]); all hair where there is none.
+    /// Group whose guides are held ([`Guides::groups`]); `None` for all guides.
     pub group: Option<i32>,
 }
 
 impl Tie {
     /// The range of [`gather`](Self::gather).
-    pub const GATHER: Range = range!("gather of a tie", 0.02 to 1.0);
+    pub const GATHER: Range = range!("tie gather", 0.02 to 1.0);
     /// The range of [`radius`](Self::radius).
-    pub const RADIUS: Range = range!("radius of a tie", 0.0005 to 1.0, "m"; usually 0.002 to 0.05);
+    pub const RADIUS: Range = range!("tie radius", 0.0005 to 1.0, "m"; usually 0.002 to 0.05);
 
-    /// Checks that it is finite and of a size that makes sense.
+    /// Checks that all values are finite and in range.
     ///
     /// # Errors
-    /// [`Error::Parameter`].
+    /// [`Error::Parameter`] names the first invalid value.
     pub fn check(&self) -> Result<()> {
         let far = self.from.abs().max(self.to.abs()).max_element() + (self.from + self.to).length();
-        Error::unless_within("the place of a tie", far, 0.0, 1e3, "finite and within 1 km")?;
+        Error::unless_within("tie position", far, 0.0, 1e3, "finite and within 1 km")?;
         Self::RADIUS.check(self.radius)?;
         Ok(Self::GATHER.check(self.gather)?)
     }
 
-    /// How far along the line, from 0 to 1, `x` is nearest, and how far from it.
+    /// Returns the parameter, from 0 to 1, of the point of the line nearest to `x`, and the distance to it.
     fn nearest(&self, x: Vec3) -> (f32, f32) {
         let line = self.to - self.from;
         let along = ((x - self.from).dot(line) / line.length_squared().max(1e-12)).clamp(0.0, 1.0);
         (along, x.distance(self.from + line * along))
     }
 
-    /// Of a strand at rest, the vertices that it holds, with how far along the line they are. The two of the root go with
-    /// the head anyway. Where a strand passes through between two vertices, the nearer one.
+    /// Returns the vertices of a strand at rest that the tie holds, with their parameters along the line. The two root
+    /// vertices are never held, because they follow the head. If the strand passes through between two vertices, the
+    /// nearer one is held.
     fn holds(&self, strand: &[Vec3]) -> Vec<(usize, f32)> {
         let at = |i: usize| self.nearest(strand[i]);
         let inside = (2..strand.len()).filter(|&i| at(i).1 <= self.radius);
@@ -136,60 +139,62 @@ impl Tie {
         vec![(nearer, at(nearer).0)]
     }
 
-    /// In how many rings it is divided.
+    /// Returns the number of rings.
     fn rings(&self) -> usize {
         match self.held {
-            Held::Together => ((self.from.distance(self.to) / (2.0 * self.radius)).round() as usize).max(1),
-            Held::ToHead => 1,
+            TieTarget::Together => {
+                ((self.from.distance(self.to) / (2.0 * self.radius)).round() as usize).max(1)
+            }
+            TieTarget::ToHead => 1,
         }
     }
 }
 
-/// What ties hold.
+/// Number of rings and vertices that ties hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TieReport {
-    /// Rigid pieces, of all ties that hold together.
+    /// Number of rigid pieces, of all ties that hold hair together.
     pub rings: usize,
-    /// Guide vertices that these hold.
+    /// Number of guide vertices in rings.
     pub together: usize,
-    /// Guide vertices that are held to the head.
+    /// Number of guide vertices held to the head.
     pub to_head: usize,
 }
 
-/// A ring as the kernel reads it.
+/// A ring in the layout of the kernel.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct Ring {
-    /// Its first member.
+    /// Index of the first member.
     pub first: u32,
-    /// How many members it has.
+    /// Number of members.
     pub count: u32,
 }
 
-/// A guide vertex that is held.
+/// A held guide vertex.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Member {
-    /// Where it rests: from the ring's centre of mass where it is held together, groom space where to the head, metres.
+    /// Rest position, meters: relative to the ring's center of mass, or in groom space for a pin.
     pub rests: Vec3,
-    /// Its share of the ring's mass.
+    /// Fraction of the ring's mass.
     pub mass: f32,
-    /// Its place in the buffers of guides.
+    /// Index in the guide buffers.
     pub vertex: u32,
     /// Unused.
     pub _pad: [u32; 3],
 }
 
-/// What ties hold of a groom, before the GPU.
+/// Rings and pins of a groom on the CPU.
 #[derive(Clone, Debug, Default)]
-struct Found {
+struct TieVertices {
     rings: Vec<Ring>,
     members: Vec<Member>,
     pins: Vec<Member>,
 }
 
-impl Found {
-    /// A vertex that several ties would hold is held by the first.
+impl TieVertices {
+    /// Finds the vertices that `ties` hold. Where ties overlap, the first one holds the vertex.
     fn of(rest: &Guides, ties: &[Tie]) -> Result<Self> {
         let (count, n) = (rest.len(), rest.vertex_count as usize);
         let mut found = Self::default();
@@ -213,7 +218,7 @@ impl Found {
                     rings[ring].push(Member { rests, mass, vertex, ..Member::zeroed() });
                 }
             }
-            let alone = tie.held == Held::ToHead;
+            let alone = tie.held == TieTarget::ToHead;
             let several = |members: &Vec<Member>| {
                 members.iter().any(|m| m.vertex as usize % count != members[0].vertex as usize % count)
             };
@@ -222,7 +227,7 @@ impl Found {
                 let what = if alone { "no guide passes" } else { "fewer than two guides pass" };
                 let of = tie.group.map_or(String::new(), |group| format!(" of group {group}"));
                 let sentence = format!(
-                    "tie {} holds nothing: {what}{of} within {} mm of {} (groom space, metres)",
+                    "tie {} holds nothing: {what}{of} within {} mm of {} (groom space, meters)",
                     number + 1,
                     tie.radius * 1e3,
                     tie.from
@@ -234,19 +239,20 @@ impl Found {
             }
         }
         if found.rings.len() > MAX_RINGS {
-            let sentence = format!("{} rings of ties are more than {MAX_RINGS}", found.rings.len());
+            let sentence =
+                format!("the ties have {} rings, more than the maximum of {MAX_RINGS}", found.rings.len());
             return Err(Error::unusable(sentence));
         }
         Ok(found)
     }
 
-    /// These members as a ring, or pinned.
+    /// Adds the members as a ring, or as pins.
     fn add(&mut self, mut members: Vec<Member>, tie: &Tie) {
         let whole: f32 = members.iter().map(|m| m.mass).sum();
         members.iter_mut().for_each(|m| m.mass /= whole);
         let center: Vec3 = members.iter().map(|m| m.rests * m.mass).sum();
         members.iter_mut().for_each(|m| m.rests = (m.rests - center) * tie.gather);
-        if tie.held == Held::ToHead {
+        if tie.held == TieTarget::ToHead {
             members.iter_mut().for_each(|m| m.rests += center);
             self.pins.extend(members);
             return;
@@ -260,15 +266,15 @@ impl Found {
     }
 }
 
-/// The ties of one head.
+/// The ties of one head on the GPU.
 #[derive(Debug)]
 pub struct Ties {
     pipelines: Arc<Pipelines>,
-    /// [`Ring`] and [`Member`]: heads with the same groom share them.
+    /// [`Ring`]s and [`Member`]s, shared by heads with the same groom.
     rings: wgpu::Buffer,
     members: wgpu::Buffer,
     pins: wgpu::Buffer,
-    /// How each ring is turned relative to the head, quaternions.
+    /// Rotation of each ring relative to the head, quaternions.
     turns: wgpu::Buffer,
     together: wgpu::BindGroup,
     to_head: wgpu::BindGroup,
@@ -276,11 +282,11 @@ pub struct Ties {
 }
 
 impl Ties {
-    /// Of guides that rest as `rest` says; `step` are the uniforms of a step of its simulation.
+    /// Creates the ties of guides with the rest poses `rest`. `step` are the uniforms of a step of their simulation.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a tie that makes no sense, [`crate::groom::Error::Unusable`] for one that holds nothing,
-    /// and for more than [`MAX_RINGS`]; [`Error::Limit`].
+    /// [`Error::Parameter`] for a tie with invalid values, [`crate::groom::Error::Unusable`] for a tie that holds
+    /// nothing and for more than [`MAX_RINGS`] rings; [`Error::Limit`].
     pub(crate) fn new(
         context: &Context,
         step: &wgpu::BindingResource<'_>,
@@ -289,7 +295,7 @@ impl Ties {
         ties: &[Tie],
     ) -> Result<Self> {
         let Context { device, queue, .. } = context;
-        let found = Found::of(rest, ties)?;
+        let found = TieVertices::of(rest, ties)?;
         let rings = storage::<Ring>(device, "rings of ties", found.rings.len().max(1) as u64)?;
         let members =
             storage::<Member>(device, "what ties hold together", found.members.len().max(1) as u64)?;
@@ -300,7 +306,7 @@ impl Ties {
         Self::of(context, step, guides, [rings, members, pins], found.report())
     }
 
-    /// The same ties of another head with the same groom.
+    /// Creates the same ties for another head with the same groom.
     ///
     /// # Errors
     /// [`Error::Limit`].
@@ -342,12 +348,12 @@ impl Ties {
         Ok(Self { pipelines, rings, members, pins, turns, together, to_head, report })
     }
 
-    /// What they hold.
+    /// Returns the number of rings and held vertices.
     pub fn report(&self) -> TieReport {
         self.report
     }
 
-    /// Records what acts in the step whose uniforms are at `offset`, after all other forces.
+    /// Records the forces for the step whose uniforms are at `offset`, after all other forces.
     pub(crate) fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, offset: u32) {
         let TieReport { rings, to_head, .. } = self.report;
         if rings > 0 {
@@ -374,7 +380,7 @@ impl Ties {
     }
 }
 
-// Sums are halved.
+// The kernel halves its range of partial sums.
 const _: () = assert!(TIE_WORKGROUP.is_power_of_two());
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use crate::{
 };
 use glam::{Mat3, Quat};
 
-/// Vertices of a hair of the tests.
+/// Vertices per hair.
 const N: usize = 12;
 
 /// Upright hairs 1 cm apart, six by six, 11 cm long.
@@ -27,11 +27,11 @@ fn lawn() -> Guides {
     guides
 }
 
-fn tie(from: Vec3, to: Vec3, radius: f32, held: Held) -> Tie {
+fn tie(from: Vec3, to: Vec3, radius: f32, held: TieTarget) -> Tie {
     Tie { from, to, radius, held, gather: 1.0, group: None }
 }
 
-/// A number between -1 and 1.
+/// Returns a pseudorandom number between -1 and 1.
 fn some(i: usize, k: usize) -> f32 {
     ((i * 3 + k) as f32 * 0.618_034).fract() * 2.0 - 1.0
 }
@@ -40,8 +40,8 @@ fn vector(i: usize) -> Vec3 {
     Vec3::new(some(i, 0), some(i, 1), some(i, 2))
 }
 
-/// Twin of the kernel: the accelerations, m/s², that make members (where they rest, mass, place, velocity) one rigid piece
-/// within `span` seconds.
+/// CPU reference of the kernel: the accelerations, m/s², that make the members (rest position, mass, position,
+/// velocity) one rigid piece within `span` seconds.
 fn hold(members: &[(Vec3, f32, Vec3, Vec3)], span: f32) -> Vec<Vec3> {
     let center: Vec3 = members.iter().map(|(_, m, x, _)| *x * *m).sum();
     let drift: Vec3 = members.iter().map(|(_, m, _, v)| *v * *m).sum();
@@ -54,7 +54,7 @@ fn hold(members: &[(Vec3, f32, Vec3, Vec3)], span: f32) -> Vec<Vec3> {
         momentum += way.cross(*v - drift) * *m;
     }
     let spin = inertia.inverse() * momentum;
-    // By Newton's iteration for the polar decomposition, not as the kernel does.
+    // Newton's iteration for the polar decomposition, a different method from the kernel's.
     let mut r = a;
     for _ in 0..60 {
         r = (r + r.inverse().transpose()) * 0.5;
@@ -68,9 +68,9 @@ fn hold(members: &[(Vec3, f32, Vec3, Vec3)], span: f32) -> Vec<Vec3> {
         .collect()
 }
 
-/// What the kernel does to a lawn that is turned, thrown and shaken up: how far it is from the twin, and what is left of
-/// force and torque on the whole (all m/s², torque at its radius of gyration, of the twin's mean). The twin's masses are
-/// `false_mass` times the kernel's at every second member.
+/// Runs the kernel on a lawn that is rotated, thrown and shaken. Returns its largest difference from the reference, and
+/// the net force and torque that remain, as fractions of the reference's mean acceleration; the torque is divided by
+/// the radius of gyration. The reference multiplies the mass of every second member by `false_mass`.
 fn kernel(context: &Context, false_mass: f32) -> [f32; 3] {
     let queue = context.queue();
     let hairs = lawn();
@@ -93,7 +93,7 @@ fn kernel(context: &Context, false_mass: f32) -> [f32; 3] {
     queue.write_buffer(&guides.forces, 0, bytemuck::cast_slice(&vec![GuideForce::pack(&before); count * N]));
     let mut simulation = Simulation::new(context, &guides);
     let middle = Vec3::new(0.025, 0.05, 0.025);
-    let band = tie(middle, middle, 0.03, Held::Together);
+    let band = tie(middle, middle, 0.03, TieTarget::Together);
     let report = simulation.tie(context, &guides, &hairs, &[band]).unwrap();
     assert_eq!(report.rings, 1);
     let head = Pose { rotation: Quat::from_rotation_y(0.1), ..Pose::IDENTITY };
@@ -101,7 +101,7 @@ fn kernel(context: &Context, false_mass: f32) -> [f32; 3] {
     simulation.prepare(context, &params, &[step], true).unwrap();
     crate::gpu::compute(context, |pass| simulation.ties().unwrap().record(pass, 0));
     let forces: Vec<GuideForce> = readback::buffer(context, &guides.forces).unwrap();
-    let found = Found::of(&hairs, &[band]).unwrap();
+    let found = TieVertices::of(&hairs, &[band]).unwrap();
     let at = |m: &Member| m.vertex as usize;
     let weigh = |i: usize, m: &Member| if i.is_multiple_of(2) { m.mass } else { m.mass * false_mass };
     let all: f32 = found.members.iter().enumerate().map(|(i, m)| weigh(i, m)).sum();
@@ -132,7 +132,7 @@ fn kernel(context: &Context, false_mass: f32) -> [f32; 3] {
 }
 
 #[test]
-fn kernel_and_twin_agree_and_nothing_is_pushed_as_a_whole() {
+fn kernel_matches_reference_and_conserves_momentum() {
     let Some(context) = context() else { return };
     let (right, wrong) = (kernel(context, 1.0), kernel(context, 1.3));
     println!("differ by {right:?}, with wrong masses by {wrong:?} of the mean");
@@ -142,52 +142,52 @@ fn kernel_and_twin_agree_and_nothing_is_pushed_as_a_whole() {
 }
 
 #[test]
-fn what_passes_through_is_held() {
+fn tie_holds_guides_that_pass_through() {
     let hairs = lawn();
     let middle = Vec3::new(0.025, 0.05, 0.025);
-    // A ball of 1.6 cm between four hairs: of each of these three vertices are within.
-    let found = Found::of(&hairs, &[tie(middle, middle, 0.0125, Held::Together)]).unwrap();
+    // A ball of 1.25 cm radius between four hairs, with three vertices of each inside.
+    let found = TieVertices::of(&hairs, &[tie(middle, middle, 0.0125, TieTarget::Together)]).unwrap();
     assert_eq!(found.report(), TieReport { rings: 1, together: 12, to_head: 0 });
     let mass: f32 = found.members.iter().map(|m| m.mass).sum();
     let center: Vec3 = found.members.iter().map(|m| m.rests * m.mass).sum();
     assert!((mass - 1.0).abs() < 1e-5 && center.length() < 1e-6, "{mass} {center}");
-    // A band around all hairs, 6 cm long, in three rings; the second tie finds nothing that is free.
-    let long = tie(Vec3::new(0.025, 0.04, 0.025), Vec3::new(0.025, 0.1, 0.025), 0.01, Held::Together);
-    let found = Found::of(&hairs, &[long]).unwrap();
+    // A band around all hairs, 6 cm long, in three rings. The second tie finds no free vertices.
+    let long = tie(Vec3::new(0.025, 0.04, 0.025), Vec3::new(0.025, 0.1, 0.025), 0.01, TieTarget::Together);
+    let found = TieVertices::of(&hairs, &[long]).unwrap();
     assert_eq!(found.rings.len(), 3);
     assert!(found.rings.iter().all(|ring| ring.count >= 4), "{:?}", found.rings);
-    assert!(Found::of(&hairs, &[long, long]).is_err());
-    // A hair that passes between two of its vertices.
+    assert!(TieVertices::of(&hairs, &[long, long]).is_err());
+    // A hair that passes through between two of its vertices.
     let beside = Vec3::new(0.0, 0.055, 0.0);
-    let found = Found::of(&hairs, &[tie(beside, beside, 0.002, Held::ToHead)]).unwrap();
+    let found = TieVertices::of(&hairs, &[tie(beside, beside, 0.002, TieTarget::ToHead)]).unwrap();
     assert_eq!(found.report().to_head, 1);
     assert_eq!(found.pins[0].rests.x, 0.0);
 }
 
 #[test]
-fn a_tie_may_hold_one_group_alone() {
+fn tie_can_hold_a_single_group() {
     let middle = Vec3::new(0.025, 0.05, 0.025);
     // Every second column of hairs.
     let hairs = Guides { groups: (0..36).map(|g| g % 2).collect(), ..lawn() };
-    let of = |group| Tie { group: Some(group), ..tie(middle, middle, 0.0125, Held::Together) };
-    let found = Found::of(&hairs, &[of(1)]).unwrap();
+    let of = |group| Tie { group: Some(group), ..tie(middle, middle, 0.0125, TieTarget::Together) };
+    let found = TieVertices::of(&hairs, &[of(1)]).unwrap();
     assert_eq!(found.report(), TieReport { rings: 1, together: 6, to_head: 0 });
     assert!(found.members.iter().all(|member| (member.vertex % 36) % 2 == 1));
     for (hairs, group) in [(&hairs, 7), (&lawn(), 0)] {
-        let sentence = Found::of(hairs, &[of(group)]).unwrap_err().to_string();
+        let sentence = TieVertices::of(hairs, &[of(group)]).unwrap_err().to_string();
         assert!(sentence.contains(&format!("of group {group}")), "{sentence}");
     }
 }
 
 #[test]
-fn ties_that_make_no_sense_are_refused() {
+fn invalid_ties_return_errors() {
     let hairs = lawn();
-    let sentence = |tie: Tie| Found::of(&hairs, &[tie]).unwrap_err().to_string();
+    let sentence = |tie: Tie| TieVertices::of(&hairs, &[tie]).unwrap_err().to_string();
     let far = Vec3::splat(3.0);
-    assert!(sentence(tie(far, far, 0.01, Held::ToHead)).contains("tie 1 holds nothing: no guide"));
+    assert!(sentence(tie(far, far, 0.01, TieTarget::ToHead)).contains("tie 1 holds nothing: no guide"));
     let one = Vec3::new(0.0, 0.05, 0.0);
-    assert!(sentence(tie(one, one, 0.004, Held::Together)).contains("fewer than two guides"));
-    assert!(sentence(tie(one, one, 0.0, Held::Together)).contains("radius of a tie"));
-    assert!(sentence(tie(one, one, f32::NAN, Held::Together)).contains("radius of a tie"));
-    assert!(sentence(tie(one, Vec3::NAN, 0.01, Held::Together)).contains("place of a tie"));
+    assert!(sentence(tie(one, one, 0.004, TieTarget::Together)).contains("fewer than two guides"));
+    assert!(sentence(tie(one, one, 0.0, TieTarget::Together)).contains("tie radius"));
+    assert!(sentence(tie(one, one, f32::NAN, TieTarget::Together)).contains("tie radius"));
+    assert!(sentence(tie(one, Vec3::NAN, 0.01, TieTarget::Together)).contains("tie position"));
 }

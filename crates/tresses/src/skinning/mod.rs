@@ -1,21 +1,21 @@
-//! Bodies that bend: shapes are blended, joints carry what they hold.
+//! Skinned meshes: blend shapes and linear blend skinning.
 //!
-//! A body's vertices are computed once per frame from a [`Rig`]: to each its shapes' deltas are added, each times as much as
-//! there is of the shape, and the sum is carried by up to eight joints (linear blend skinning). The CPU finds the joints'
-//! matrices ([`Rig::pose`]), a few dozen of them; nothing is read back. Hair follows by its [roots](crate::roots).
+//! The stage computes a body's vertices from a [`Rig`] once per frame. It adds the weighted deltas of all blend shapes
+//! to a vertex, then transforms the sum by up to eight joints. The CPU computes the joint matrices ([`Rig::pose`]), a
+//! few dozen; nothing is read back. Hair follows by its [roots](crate::roots).
 //!
 //! ```text
 //! bound vertices, deltas (once) ─┐
 //! palette, shapes (each frame)  ─┴─► skin ─► the body's vertices ─► roots, light, draw
 //! ```
 //!
-//! 64 bytes per vertex, and 32 for each vertex that a shape moves. Weights are 16-bit fractions that sum to one to within
-//! 8e-6: a vertex of a body 2 m tall is within 15 µm of the twin (`tests/gpu/skinning`).
+//! Memory: 64 bytes per vertex, and 32 per vertex that a blend shape moves. Weights are 16-bit fractions that sum to
+//! one within 8e-6, so a vertex of a body 2 m tall is within 15 µm of the CPU reference (`tests/gpu/skinning`).
 //!
-//! **Why not in the vertex shader?** Shadow maps, light, roots and the picture all read the vertices; and who has skinned
-//! them already writes the body's buffer instead ([`Body::vertices`]), or gives its own to [`crate::body::Skin`].
+//! **Why not in the vertex shader?** Shadow maps, light, roots and drawing all read the vertices. A host that already
+//! skins them can write the body's buffer instead ([`Body::vertices`]), or pass its own to [`crate::body::Skin`].
 //!
-//! **What is not there.** Dual quaternions: twisted wrists get thinner, as in every engine's default.
+//! **Limits.** No dual quaternions: twisted wrists get thinner, as with the default skinning of every engine.
 
 use crate::{
     Context, Error, Result,
@@ -30,33 +30,33 @@ use glam::{Mat4, Vec3};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A vertex and what it is bound to.
+/// A vertex with its joints and weights.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct SkinVertex {
-    /// In the space of the file's mesh.
+    /// Position in the space of the file's mesh.
     pub position: Vec3,
-    /// The first of its deltas.
+    /// Index of the first of its deltas.
     pub first: u32,
-    /// Unit.
+    /// Unit normal.
     pub normal: Vec3,
-    /// How many deltas it has.
+    /// Number of its deltas.
     pub count: u32,
-    /// Eight places in the palette, 16 bits each.
+    /// Eight palette indices, 16 bits each.
     pub joints: [u32; 4],
-    /// As many weights, 16-bit fractions.
+    /// Eight weights, as 16-bit fractions.
     pub weights: [u32; 4],
 }
 
-/// What a shape adds to a vertex.
+/// Delta of a blend shape for one vertex.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct SkinDelta {
-    /// To its position.
+    /// Added to the position.
     pub position: Vec3,
-    /// Which shape.
+    /// Index of the blend shape.
     pub shape: u32,
-    /// To its normal.
+    /// Added to the normal.
     pub normal: Vec3,
     /// Unused.
     pub _pad: u32,
@@ -80,44 +80,44 @@ impl PipelineSet for Pipelines {
     }
 }
 
-/// One body's share of the stage.
+/// Skins one body.
 #[derive(Debug)]
 pub struct Skinning {
     context: Context,
     pipelines: Arc<Pipelines>,
-    /// What the rig has, which instances share: counts, vertices, deltas.
+    /// Buffers of the rig, shared by instances: counts, vertices, deltas.
     rig: [wgpu::Buffer; 3],
     palette: wgpu::Buffer,
     shapes: wgpu::Buffer,
     group: wgpu::BindGroup,
     vertices: u32,
-    /// Around what each joint holds, in the space of the file's mesh; empty boxes hold nothing.
+    /// Bounding box of each joint's vertices, in the space of the file's mesh; inverted for joints without vertices.
     boxes: Vec<[Vec3; 2]>,
-    /// The longest way that each shape moves a vertex.
+    /// Largest displacement by each blend shape.
     reaches: Vec<f32>,
-    /// The pose that the body is given.
+    /// Current pose.
     pose: RigPose,
-    /// Whether it is still to be recorded: a body that stands still is not bent again.
+    /// Whether the pose has changed since the last recording.
     due: AtomicBool,
 }
 
 impl Skinning {
-    /// Bends `body`, which was made of the mesh that `rig` belongs to.
+    /// Skins `body`, which must have been created from the mesh of `rig`.
     ///
     /// # Errors
-    /// [`crate::groom::Error::Unusable`] for another mesh's rig and for one that names joints that it does not have;
-    /// [`Error::Limit`].
+    /// [`crate::groom::Error::Unusable`] for the rig of another mesh, and for a rig with vertices that refer to missing
+    /// joints; [`Error::Limit`] if a buffer exceeds the device's limits.
     pub fn new(context: &Context, rig: &Rig, body: &Body) -> Result<Self> {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
         let count = rig.vertices.len() as u64;
         if count * u64::from(Body::WORDS) * 4 != body.vertices().size() || count == 0 {
-            return Err(Error::unusable(format!("a rig of {count} vertices is not that of the body")));
+            return Err(Error::unusable(format!("the rig has {count} vertices and does not match the body")));
         }
         let joints = rig.joints.len();
         let lost = |v: &crate::groom::rig::Bind| v.joints.iter().any(|joint| usize::from(*joint) >= joints);
         if rig.vertices.iter().any(lost) {
-            return Err(Error::unusable("a vertex follows a joint that its rig does not have"));
+            return Err(Error::unusable("a vertex of the rig refers to a missing joint"));
         }
         let (vertices, deltas) = packed(rig)?;
         let upload = |what, bytes: &[u8]| filled(context, what, bytes);
@@ -147,7 +147,7 @@ impl Skinning {
         })
     }
 
-    /// Deforms another `body` of the same mesh, which has vertices of its own ([`Body::unshared`]) and rests.
+    /// Skins another `body` of the same mesh, which has its own vertices ([`Body::unshared`]) and is at rest.
     pub(crate) fn instance(&self, body: &Body) -> Self {
         let own = |buffer: &wgpu::Buffer, label| {
             self.context.device.create_buffer(&wgpu::BufferDescriptor {
@@ -176,14 +176,14 @@ impl Skinning {
         }
     }
 
-    /// From the next frame on `body` is in `pose`, which is one of its rig. What is recorded for it is to be submitted: the
-    /// same pose is not recorded twice. Returns whether it is another pose.
+    /// Sets the pose of `body` from the next frame on. Returns whether it differs from the current one. A pose is
+    /// recorded only once, so the caller must submit the frame that records it.
     ///
     /// # Errors
-    /// [`crate::groom::Error::Unusable`] for another rig's pose.
+    /// [`crate::groom::Error::Unusable`] for the pose of another rig.
     pub fn pose(&mut self, pose: &RigPose, body: &mut Body) -> Result<bool> {
         if pose.palette.len() != self.boxes.len() || pose.weights.len() != self.reaches.len() {
-            return Err(Error::unusable("a pose is not one of the body's rig"));
+            return Err(Error::unusable("the pose does not match the body's rig"));
         }
         if (&pose.palette, &pose.weights) == (&self.pose.palette, &self.pose.weights) {
             return Ok(false);
@@ -196,7 +196,8 @@ impl Skinning {
         Ok(true)
     }
 
-    /// A box around the body in `pose`, groom space, metres: a vertex lies between where its joints would have it.
+    /// Bounding box of the body in `pose`, groom space, meters. A vertex is a weighted mean of its positions under each
+    /// joint.
     fn bounds(&self, pose: &RigPose) -> [Vec3; 2] {
         let further: f32 = pose.weights.iter().zip(&self.reaches).map(|(w, reach)| w.abs() * reach).sum();
         let mut out = [Vec3::INFINITY, Vec3::NEG_INFINITY];
@@ -214,7 +215,7 @@ impl Skinning {
         out
     }
 
-    /// Records the stage, if the body has been given another pose since it was recorded last.
+    /// Records the skinning if the pose has changed since the last recording.
     pub(crate) fn record(&self, pass: &mut crate::gpu::ComputePass<'_>) {
         if !self.due.swap(false, Ordering::Relaxed) {
             return;
@@ -222,18 +223,18 @@ impl Skinning {
         self.pipelines.skin.record(pass, &self.group, &[], self.vertices.div_ceil(STRAND_WORKGROUP));
     }
 
-    /// Bytes of GPU memory, without the body.
+    /// Bytes of GPU memory, excluding the body.
     pub fn bytes(&self) -> u64 {
         self.rig.iter().chain([&self.palette, &self.shapes]).map(wgpu::Buffer::size).sum()
     }
 }
 
-/// Vertices and their deltas as the GPU has them.
+/// Converts vertices and deltas to the layout of the GPU.
 fn packed(rig: &Rig) -> Result<(Vec<SkinVertex>, Vec<SkinDelta>)> {
     let mut counts = vec![0u32; rig.vertices.len()];
     for delta in rig.targets.iter().flat_map(|target| &target.deltas) {
         let count = counts.get_mut(delta.vertex as usize);
-        *count.ok_or_else(|| Error::unusable("a shape moves a vertex that its rig does not have"))? += 1;
+        *count.ok_or_else(|| Error::unusable("a blend shape of the rig refers to a missing vertex"))? += 1;
     }
     let mut next = 0u32;
     let mut firsts = Vec::with_capacity(counts.len());
@@ -256,7 +257,7 @@ fn packed(rig: &Rig) -> Result<(Vec<SkinVertex>, Vec<SkinDelta>)> {
         let pair = |values: [u16; 8]| {
             std::array::from_fn(|i| u32::from(values[2 * i]) | u32::from(values[2 * i + 1]) << 16)
         };
-        // What has no weight may name any joint: it is not asked.
+        // A joint with zero weight is not read, so its index does not matter.
         SkinVertex {
             position: bind.position,
             first,
@@ -269,8 +270,8 @@ fn packed(rig: &Rig) -> Result<(Vec<SkinVertex>, Vec<SkinDelta>)> {
     Ok((vertices.collect(), deltas))
 }
 
-/// Weights as 16-bit fractions whose sum is as near to one as that of the weights: what rounding leaves goes to the
-/// largest.
+/// Converts weights to 16-bit fractions whose sum is as close as possible to the weights' sum. The rounding error goes
+/// to the largest weight.
 fn fractions(weights: [f32; 8]) -> [u16; 8] {
     let whole = f64::from(weights.iter().sum::<f32>()).clamp(0.0, 1.0) * 65_535.0;
     let mut out = weights.map(|w| (w.clamp(0.0, 1.0) * 65_535.0).round() as u16);

@@ -1,19 +1,20 @@
-//! The frame in which hair is simulated: its origin goes with a point of the space, its axes do not turn.
+//! The frame of reference in which hair is simulated: its origin moves with a point of the space, its axes do not
+//! rotate.
 //!
-//! With the origin at `O(t)` a vertex at `x` obeys `x'' = F/m + g - O''`: the acceleration of the origin is all that
-//! there is to add, and it is the same for all hair. A point that goes with the space is at `R(t) (p - o)`, `R` being
-//! the space's rotation and `o` the origin's place in it; the space's own place drops out of everything but `O''`
-//! and the gusts of the world's wind.
+//! With the origin at `O(t)`, a vertex at `x` obeys `x'' = F/m + g - O''`. The only extra term is the acceleration of
+//! the origin, which is the same for all hair. A point `p` that is fixed in the space is at `R(t) (p - o)` in the
+//! carrier, where `R` is the space's rotation and `o` the origin's position in it. The space's own place affects only
+//! `O''` and the gusts of the world's wind.
 
 use super::{FAR, FASTEST, JOLT, Space};
 use crate::{
     Pose,
-    clock::{Clock, MAX_STEPS, Mode, Step, Ticks},
+    clock::{MAX_STEPS, Mode, Step, StepClock, Ticks},
     math::map::Map,
 };
 use glam::{DQuat, DVec3, Vec3};
 
-/// The way from a space into the carrier during a frame.
+/// The transform from a space to the carrier during a frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Passage {
     from: DQuat,
@@ -23,89 +24,91 @@ pub(crate) struct Passage {
 }
 
 impl Passage {
-    /// At the fraction `f` of the frame's motion.
+    /// Returns the transform at the fraction `f` of the frame's motion.
     pub fn at(&self, f: f32) -> Map {
         let rotation = relative(self.axes, self.turned(f));
         Map { rotation, translation: -(rotation * self.fixed) }
     }
 
-    /// How the space is turned in the world then.
+    /// Returns the space's rotation in the world at `f`.
     fn turned(&self, f: f32) -> DQuat {
         if self.from == self.to || f >= 1.0 { self.to } else { self.from.slerp(self.to, f.into()) }
     }
 }
 
-/// What acts in a step, in the axes of the carrier.
+/// Gravity and air in one step, in the axes of the carrier.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Field {
-    /// The acceleration of what falls freely, as the carrier has it, m/s².
+    /// Acceleration in free fall relative to the carrier, m/s².
     pub gravity: Vec3,
     /// Velocity of the undisturbed air at the origin, m/s.
     pub wind: Vec3,
-    /// How it turns about the origin, radians per second.
+    /// Angular velocity of the air about the origin, rad/s.
     pub spin: Vec3,
-    /// By how much the velocity of all air changes with the step, because that of the carrier does, m/s.
+    /// Change of all air's velocity in this step because the carrier's velocity changes, m/s.
     pub kick: Vec3,
-    /// The mean velocity of the air over its own ground, m/s.
+    /// Mean velocity of the air relative to its ground (the world or the cabin), m/s.
     pub own: Vec3,
-    /// Where the origin is over that ground, metres.
+    /// Position of the origin relative to that ground, meters.
     pub at: DVec3,
 }
 
 impl Field {
-    /// Where nothing moves but the air.
+    /// Creates the field for a carrier at rest.
     pub fn of(gravity: Vec3, wind: Vec3) -> Self {
         Self { gravity, wind, spin: Vec3::ZERO, kick: Vec3::ZERO, own: wind, at: DVec3::ZERO }
     }
 }
 
-/// What the state on the GPU becomes because the carrier's origin is another one.
+/// Change of the GPU state when the carrier's origin moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shift {
-    /// What is added to positions, whole metres.
+    /// Offset added to positions, whole meters.
     pub way: Vec3,
-    /// What is added to velocities, m/s.
+    /// Offset added to velocities, m/s.
     pub velocity: Vec3,
 }
 
-/// A frame as the carrier has it.
+/// A frame relative to the carrier.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Carried {
-    /// Its steps.
+pub(crate) struct CarrierFrame {
+    /// The steps of the frame.
     pub steps: Vec<Step>,
-    /// What acts in each.
+    /// Gravity and air in each step.
     pub fields: Vec<Field>,
-    /// From the space to the carrier.
+    /// Transform from the space to the carrier.
     pub passage: Passage,
-    /// What comes before the first step.
+    /// Shift to apply before the first step.
     pub shift: Option<Shift>,
 }
 
-/// The frame that carries one groom.
+/// The carrier of one groom.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Carrier {
-    /// The space of the frame before; none before the first.
+    /// Space of the last frame; `None` before the first.
     before: Option<Space>,
-    /// Where in the space the origin is, metres.
+    /// Position of the origin in the space, meters.
     fixed: DVec3,
-    /// The axes in the world.
+    /// Orientation of the carrier's axes in the world.
     axes: DQuat,
-    /// When the last step ended: how the space was turned, where the origin was in the world, and its velocity, m/s.
+    /// State at the end of the last step: rotation of the space, position of the origin in the world, and its velocity,
+    /// m/s.
     rotation: DQuat,
     origin: DVec3,
     velocity: Option<DVec3>,
-    /// The velocity of the frame before, where that would have been a jump.
+    /// Velocity measured in the last frame, if it was rejected as a jump.
     candidate: Option<DVec3>,
 }
 
 impl Carrier {
-    /// Before the clock's tick of a frame of `dt` seconds. Where the head stays in the world but is given in another
-    /// space than before: what takes poses of the old one into the new.
+    /// Detects a change of coordinates: the head stays in the world but is given in another space than before. Returns
+    /// the map from the old space to the new one in that case. Call it before the clock's tick of a frame of `dt`
+    /// seconds.
     pub fn enter(
         &mut self,
         space: &Space,
         head: &Pose,
-        clock: &Clock,
+        clock: &StepClock,
         (dt, step): (f64, f64),
     ) -> Option<Map> {
         let before = self.before.filter(|before| !before.is_where(space))?;
@@ -115,7 +118,8 @@ impl Carrier {
         let there = Space { at: before.at + way, ..before };
         let map = space.from(&there);
         let stays = map.pose(state);
-        // No carrier feels a motion of its origin like this one: nothing is lost where it was none.
+        // Such an unexpected displacement of the origin is a jump and exerts no force, so reinterpreting it loses no
+        // motion.
         let came = space.at - there.at + space.rotation * self.fixed - before.rotation * self.fixed;
         let leaps = came.length() > JOLT * dt && clock.way(&stays, head) < clock.way(state, head);
         if !(leaps || clock.jumps(state, head, steps)) || clock.jumps(&stays, head, steps) {
@@ -130,26 +134,26 @@ impl Carrier {
         Some(map)
     }
 
-    /// The frame that `ticks` says, `dt` seconds after the last, as the carrier has it. `middle` is that of the hair
-    /// at rest, groom space; `world` has gravity and wind in the axes of the world.
+    /// Converts the frame described by `ticks`, `dt` seconds after the last one, to the carrier. `middle` is the center
+    /// of the hair at rest, groom space. `world` contains gravity and wind in the axes of the world.
     pub fn carry(
         &mut self,
         space: &Space,
-        (clock, ticks): (&Clock, &Ticks),
+        (clock, ticks): (&StepClock, &Ticks),
         (dt, step): (f64, f64),
         middle: Vec3,
         world: &Field,
-    ) -> Carried {
+    ) -> CarrierFrame {
         let first = ticks.steps.first();
         let mode = first.map(|step| step.mode);
-        // Of the first frame nothing is known that it could be compared with.
+        // The first frame has no predecessor to measure a velocity from.
         let since = if self.before.is_some() { dt } else { 0.0 };
         let before = self.before.unwrap_or(*space);
         if mode == Some(Mode::Reset) {
             *self = Self { axes: space.rotation, rotation: space.rotation, ..Self::default() };
         }
         self.before = Some(*space);
-        // A space that is suddenly turned takes the carrier's axes along.
+        // A space that turns abruptly turns the carrier's axes with it.
         let turn = clock.teleport_angle * (dt / step).clamp(1.0, MAX_STEPS.into()) as f32;
         if self.rotation.angle_between(space.rotation) > f64::from(turn) {
             let still = self.axes == self.rotation;
@@ -169,7 +173,7 @@ impl Carrier {
         let start = self.passage(space);
         let mut shift = None;
         if let Some(first) = first {
-            // Where hair is that the step moves, or where it has been put.
+            // The pose from which the step moves the hair, or at which it is placed.
             let pose = match first.mode {
                 Mode::Step => start.at(0.0).pose(&first.begin),
                 Mode::Carry | Mode::Reset => start.at(1.0).pose(&first.end),
@@ -188,7 +192,7 @@ impl Carrier {
         let felt = if dt > 0.0 { (dt - f64::from(ticks.skipped)).max(0.0) / dt } else { 0.0 };
         let change = if mode == Some(Mode::Step) { change * felt } else { DVec3::ZERO };
         let passage = self.passage(space);
-        let mut carried = Carried { passage, ..Carried::default() };
+        let mut carried = CarrierFrame { passage, ..CarrierFrame::default() };
         let mut last: Option<Pose> = None;
         for tick in &ticks.steps {
             let (begin, to, part) = match tick.mode {
@@ -196,7 +200,7 @@ impl Carrier {
                     let begin = last.unwrap_or_else(|| passage.at(tick.from).pose(&tick.begin));
                     (begin, tick.to, f64::from(tick.to) - f64::from(tick.from))
                 }
-                // What is carried was where the origin had been.
+                // Carried hair was where the origin had been.
                 Mode::Carry => (start.at(0.0).pose(&tick.begin), 1.0, 0.0),
                 Mode::Reset => (passage.at(1.0).pose(&tick.begin), 1.0, 0.0),
             };
@@ -229,7 +233,7 @@ impl Carrier {
         carried
     }
 
-    /// By how much faster this goes than another's, where both are known, m/s in its own axes.
+    /// Returns the velocity relative to another carrier, in this one's axes, m/s; zero where either is unknown.
     pub fn faster_than(&self, other: &Self) -> Vec3 {
         match (self.velocity, other.velocity) {
             (Some(own), Some(other)) => (self.axes.inverse() * (own - other)).as_vec3(),
@@ -237,12 +241,13 @@ impl Carrier {
         }
     }
 
-    /// From the space to the carrier as that is now.
+    /// Returns the transform from `space` to the carrier in its current state.
     fn passage(&self, space: &Space) -> Passage {
         Passage { from: self.rotation, to: space.rotation, axes: self.axes, fixed: self.fixed }
     }
 
-    /// Takes the origin `way` metres away, in its axes, in a space that is `turned` and turns by `angular`.
+    /// Moves the origin by `way` meters in the carrier's axes. The space has the rotation `turned` and the angular
+    /// velocity `angular`.
     fn move_origin(&mut self, way: Vec3, turned: DQuat, angular: DVec3) -> Shift {
         let there = relative(self.axes, turned).inverse() * way.as_dvec3();
         let faster = angular.cross(turned * there);
@@ -252,7 +257,7 @@ impl Carrier {
         Shift { way: -way, velocity: -(self.axes.inverse() * faster).as_vec3() }
     }
 
-    /// The origin's velocity when the last step ended, and by how much it has changed in the frame, m/s.
+    /// Returns the origin's velocity at the end of the last step, and its change in this frame, m/s.
     fn moves(&mut self, space: &Space, before: &Space, dt: f64, angular: DVec3) -> (DVec3, DVec3) {
         let known = self.velocity.unwrap_or_default();
         let tolerance = 4.0 * f64::EPSILON * space.at.abs().max(before.at.abs()) / dt;
@@ -261,7 +266,7 @@ impl Carrier {
             None if dt > 0.0 => {
                 let arm = space.rotation * self.fixed - before.rotation * self.fixed;
                 let v = (space.at - before.at + arm) / dt;
-                // What is left of rounding is no motion.
+                // Values below the rounding error are not motion.
                 DVec3::select(v.abs().cmple(tolerance), DVec3::ZERO, v)
             }
             None => return (known, DVec3::ZERO),
@@ -284,8 +289,8 @@ impl Carrier {
         (self.velocity.unwrap_or_default(), DVec3::ZERO)
     }
 
-    /// What acts where the carrier has the velocity `v`, which has changed by `change` in the step, and is `at` a
-    /// place of the world.
+    /// Returns gravity and air for a step in which the carrier's velocity has changed by `change` to `v`, with the
+    /// origin `at` a position in the world.
     fn field(
         &self,
         space: &Space,
@@ -308,13 +313,13 @@ impl Carrier {
             return still;
         }
         let felt = (own.as_dvec3() - to_axes.point(v)).as_vec3();
-        // Slower air than a millimetre per second is calm.
+        // Below a millimeter per second the air counts as calm.
         let felt = if felt.length() < 1e-3 { Vec3::ZERO } else { felt };
         Field { wind: felt, kick: -to_axes.point(change).as_vec3(), ..still }
     }
 }
 
-/// The rotation from what is turned by `b` to what is turned by `a`; exactly the identity where they are the same.
+/// Returns `a⁻¹ b`: the rotation from axes turned by `b` to axes turned by `a`. Exactly the identity if they are equal.
 fn relative(a: DQuat, b: DQuat) -> DQuat {
     if a == b {
         DQuat::IDENTITY

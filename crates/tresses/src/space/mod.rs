@@ -1,78 +1,78 @@
-//! Large worlds: where the space of a frame lies, and how hair goes along with it.
+//! Large worlds: where a frame's coordinate system lies in the world, and how hair moves with it.
 //!
-//! A frame's poses are single precision, and so is the hair. Ten kilometres from an origin single precision has steps of
-//! a millimetre, and a strand's weight stretches it by less. A [`Space`] is therefore given in double precision: the
-//! place in the world of the space in which head and colliders are given. It may be the cell of a grid, the deck of a
-//! ship, the character itself. Without one it is the world, and everything is to the bit as if there were no spaces.
+//! A frame's poses are in single precision, and so is the hair. Ten kilometers from an origin, single precision
+//! resolves only a millimeter, while a strand's own weight stretches it by less. A [`Space`] therefore gives the place
+//! in the world of the coordinate system of head and colliders in double precision. It may be the cell of a grid, the
+//! deck of a ship, or the character itself. Without one it is the world, and results are bit-identical to a simulation
+//! without spaces.
 //!
 //! ```text
 //! world (f64) ── Space ──► space of the poses ──► carrier ──► simulate, volume, wind        state of the hair
 //!                    └──► space of the camera (HairFrame::drawn_in) ──► tessellate ─► … ─► draw
 //! ```
 //!
-//! **The carrier** is the frame in which hair is simulated. Its origin goes with a point of the space near the hair, its
-//! axes keep their direction in the world: a frame that does not turn but is accelerated. What is left of the space's
-//! motion is then one acceleration that is the same everywhere, which goes into the uniform of gravity
-//! (`carrier`). The space's turning remains a motion of the head, as any other, so that centrifugal, Coriolis' and
-//! Euler's forces need no terms of their own. No kernel knows of spaces, but for the air: that of a cabin which turns has
-//! another velocity at each place.
+//! **The carrier** is the frame of reference in which hair is simulated. Its origin moves with a point of the space
+//! near the hair. Its axes keep their direction in the world, so it accelerates but does not rotate. The space's
+//! translation then reduces to one uniform acceleration, which is added to gravity (`carrier`). The space's rotation
+//! appears as a motion of the head, so centrifugal, Coriolis and Euler forces need no extra terms. Kernels know nothing
+//! of spaces, with one exception: the air of a rotating cabin has a different velocity at each place.
 //!
-//! **What moves is decided by what stays.** A head that stays in its space while the space moves is carried by it, be it
-//! a metre or a kilometre per frame. A head that stays in the world, or nearly, while its place in its space jumps or the
-//! space leaps as nothing moves that has mass, has been given in another space: coordinates are exchanged, and
-//! nothing moves. A head that jumps in both is teleported ([`crate::clock`]).
+//! **Change of coordinates or motion?** The quantity that stays constant decides. A head that stays in its space while
+//! the space moves is carried by the space, by a meter or a kilometer per frame. If the head stays in the world
+//! (nearly), while its pose in the space jumps or the space moves faster than anything with mass can, then only the
+//! coordinates have changed, and nothing moves. A head that jumps in both is teleported ([`crate::clock`]).
 //!
-//! **Motion.** Where nobody gives the space's velocity, it is how far the carrier's origin came in the frame over its
-//! time, half a frame late. Between frames it changes linearly with time, as poses do. A change by more than [`JOLT`]
-//! from one frame to the next is a jump: no force, and if the frame after goes on like that, that is its velocity from
-//! there on.
+//! **Velocity.** Unless the caller gives the space's velocity, it is measured as the displacement of the carrier's
+//! origin over the frame's time, which lags by half a frame. Between frames it is interpolated linearly, like poses. A
+//! change of more than [`JOLT`] from one frame to the next counts as a jump and exerts no force. If the next frame
+//! confirms the new velocity, it is used from then on.
 //!
-//! **Far from the carrier.** When hair has strayed [`FAR`] metres, the carrier's origin moves by whole metres, and so do the
-//! positions on the GPU (`shift.wesl`), to the bit.
+//! **Far from the carrier.** When hair is [`FAR`] meters from the carrier's origin, the origin moves by whole meters.
+//! The positions on the GPU are shifted by the same amount (`shift.wesl`), without rounding error.
 //!
-//! **Why not Coriolis' force in the step?** In axes that turn with the space, hair that rests in it would rest exactly. But
-//! the step would pay for it at every vertex of all hair, and a space that turns by a large angle in a step, as a character's
-//! own does, would need it implicit. **Why not offsets in double precision on the GPU?** WGSL has none, and what
-//! a pair of floats would cost in every kernel is saved by one origin.
+//! **Why not a Coriolis force in the step?** In axes that rotate with the space, hair at rest in it would stay exactly
+//! at rest. But every vertex of all hair would pay for it, and a space that turns by a large angle per step, such as a
+//! character's own, would need an implicit treatment. **Why not double-precision offsets on the GPU?** WGSL has no
+//! doubles, and one moving origin avoids the cost of float pairs in every kernel.
 //!
-//! **Known limits.** The fluid of a cabin that turns has the same wind at all its sides; uniform air is exact. Single
-//! precision of a place counts where a caller computes it so: ten kilometres out, noise of 1 mm per frame is as strong as
-//! gravity. Give [`Space::velocity`] then.
+//! **Known limits.** The fluid of a rotating cabin has the same wind on all its sides; uniform air is exact. If the
+//! caller computes a space's place in single precision, its rounding is felt: ten kilometers out, 1 mm of noise per
+//! frame is as strong as gravity. Set [`Space::velocity`] in that case.
 
 mod carrier;
 
-pub(crate) use carrier::{Carried, Carrier, Field, Passage, Shift};
+pub(crate) use carrier::{Carrier, CarrierFrame, Field, Passage, Shift};
 
 use crate::{Error, Pose, Result, math::map::Map};
 use glam::{DQuat, DVec3};
 
-/// A change of a space's velocity from one frame to the next by more than this, m/s, is a jump and not felt.
+/// Maximum change of a space's velocity from one frame to the next, m/s. A larger change is a jump and exerts no force.
 pub const JOLT: f64 = 20.0;
-/// Hair is this far from where the carrier's origin was chosen for it, metres, before that moves.
+/// Offset of the hair from its rest position in the carrier, per axis, above which the carrier's origin moves, meters.
 pub const FAR: f32 = 2.0;
-/// A space that moves faster than this, m/s, takes its air along, whatever it says: the fastest wind that there is.
+/// Speed above which a space always carries its air along, m/s: the fastest wind.
 pub const FASTEST: f64 = 500.0;
 
-/// A space: where in the world that lies in which poses are given, metres.
+/// A coordinate system in the world in which poses are given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Space {
-    /// Where its origin is in the world, metres.
+    /// Position of its origin in the world, meters.
     pub at: DVec3,
-    /// How it is turned, a unit quaternion.
+    /// Orientation in the world, a unit quaternion.
     pub rotation: DQuat,
-    /// How it moves, where that is known; else it is measured from frame to frame.
+    /// Velocity, if known; otherwise it is measured from frame to frame.
     pub velocity: Option<Velocity>,
-    /// Whether the air goes with it, as in a cabin: then the wind is relative to it and in its axes. Else it is the
-    /// world's, and who moves through it feels that.
+    /// Whether the air moves with the space, as in a cabin. If so, the wind is relative to the space and in its axes.
+    /// Otherwise the air is the world's, and motion through it is felt as wind.
     pub carries_air: bool,
 }
 
 /// The motion of a rigid space, in the axes of the world.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Velocity {
-    /// Of its origin, m/s.
+    /// Velocity of the origin, m/s.
     pub linear: DVec3,
-    /// About it, radians per second.
+    /// Angular velocity, rad/s.
     pub angular: DVec3,
 }
 
@@ -83,22 +83,22 @@ impl Default for Space {
 }
 
 impl Space {
-    /// The world itself.
+    /// The world.
     pub const WORLD: Self =
         Self { at: DVec3::ZERO, rotation: DQuat::IDENTITY, velocity: None, carries_air: false };
 
-    /// A space with the world's axes around `at`, metres.
+    /// Creates a space at `at` (meters) with the world's axes.
     pub const fn at(at: DVec3) -> Self {
         Self { at, ..Self::WORLD }
     }
 
-    /// A pose that is given in `other`, as it is in this space: what lights, bodies and hair need that are
-    /// seen together. The difference of the places is taken in double precision.
+    /// Converts a pose from `other` to this space, for lights, bodies and hair that are seen together. Places are
+    /// subtracted in double precision.
     pub fn pose_from(&self, other: &Self, pose: &Pose) -> Pose {
         self.from(other).pose(pose)
     }
 
-    /// From `other` to this space.
+    /// Returns the map from `other` to this space.
     pub(crate) fn from(&self, other: &Self) -> Map {
         if self.is_where(other) {
             return Map::IDENTITY;
@@ -110,15 +110,15 @@ impl Space {
         }
     }
 
-    /// Whether it lies where `other` does.
+    /// Whether both spaces have the same place and orientation.
     pub(crate) fn is_where(&self, other: &Self) -> bool {
         self.at == other.at && self.rotation == other.rotation
     }
 
-    /// Checks that it is somewhere.
+    /// Checks that all values are valid.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for places and motions that are not finite, and rotations that are none.
+    /// [`Error::Parameter`] for values that are not finite, and for a rotation that is not a unit quaternion.
     pub fn check(&self) -> Result<()> {
         let moves = self.velocity.is_none_or(|v| v.linear.is_finite() && v.angular.is_finite());
         if self.at.is_finite() && moves && (self.rotation.length_squared() - 1.0).abs() < 1e-4 {
@@ -131,7 +131,7 @@ impl Space {
         })
     }
 
-    /// The same with a rotation of length 1.
+    /// Returns this space with an exactly normalized rotation.
     pub(crate) fn normalized(&self) -> Self {
         let exact = (self.rotation.length_squared() - 1.0).abs() < 4.0 * f64::EPSILON;
         Self { rotation: if exact { self.rotation } else { self.rotation.normalize() }, ..*self }
@@ -144,15 +144,15 @@ mod tests {
     use glam::{Quat, Vec3};
 
     #[test]
-    fn a_pose_is_seen_from_elsewhere() {
+    fn pose_from_is_exact_far_from_origin() {
         let pose = Pose { rotation: Quat::from_rotation_z(0.3), translation: Vec3::new(0.1, 1.5, -0.2) };
         let far = DVec3::new(1e7 + 0.25, -3.0, 1e6);
         let (here, eye) = (Space::at(far), Space::at(far - DVec3::new(2.0, 0.5, -1.0)));
-        // To the bit, where places are: the sum of floats is what they are in single precision.
+        // Bit-identical, since the difference of the places can be represented in single precision.
         let seen = eye.pose_from(&here, &pose);
         assert_eq!(seen, Pose { translation: pose.translation + Vec3::new(2.0, 0.5, -1.0), ..pose });
         assert_eq!(here.pose_from(&here, &pose), pose);
-        // Folded into single precision it is somewhere else.
+        // With places folded into single precision, the result is off.
         let folded = pose.translation + far.as_vec3() - eye.at.as_vec3();
         assert!(folded.distance(seen.translation) > 0.1);
         let turned = Space { rotation: DQuat::from_rotation_y(1.0), ..here };
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_nowhere_is_refused() {
+    fn invalid_spaces_are_rejected() {
         Space::WORLD.check().unwrap();
         let velocity = Some(Velocity { linear: DVec3::NAN, ..Default::default() });
         for wrong in [

@@ -1,4 +1,4 @@
-//! The carrier on the CPU: what steps and fields are, against closed forms.
+//! Tests of the carrier on the CPU: steps and fields against closed forms.
 
 use super::super::Velocity;
 use super::*;
@@ -7,24 +7,24 @@ use glam::Quat;
 const STEP: f64 = 1.0 / 60.0;
 const G: f64 = 9.81;
 
-/// A world without wind.
+/// Gravity without wind.
 fn still() -> Field {
     Field::of(Vec3::NEG_Y * G as f32, Vec3::ZERO)
 }
 
-/// A clock and a carrier, as hair has them.
+/// A clock and a carrier, as in a groom.
 #[derive(Default)]
 struct Ride {
-    clock: Clock,
+    clock: StepClock,
     carrier: Carrier,
 }
 
 impl Ride {
-    fn frame(&mut self, space: &Space, head: &Pose, dt: f64) -> Carried {
+    fn frame(&mut self, space: &Space, head: &Pose, dt: f64) -> CarrierFrame {
         self.with(space, head, dt, &still())
     }
 
-    fn with(&mut self, space: &Space, head: &Pose, dt: f64, world: &Field) -> Carried {
+    fn with(&mut self, space: &Space, head: &Pose, dt: f64, world: &Field) -> CarrierFrame {
         if let Some(map) = self.carrier.enter(space, head, &self.clock, (dt, STEP)) {
             self.clock.enter(&map);
         }
@@ -41,8 +41,13 @@ fn nod(t: f64) -> Pose {
     }
 }
 
-/// The frames of a space that moves, at `fps`, and those of the world beside each.
-fn beside(fps: f64, seconds: f64, space: impl Fn(f64) -> Space, mut see: impl FnMut(f64, Carried, Carried)) {
+/// Runs frames at `fps` in a moving space and, beside each, the same frame in the world.
+fn beside(
+    fps: f64,
+    seconds: f64,
+    space: impl Fn(f64) -> Space,
+    mut see: impl FnMut(f64, CarrierFrame, CarrierFrame),
+) {
     let (mut there, mut here) = (Ride::default(), Ride::default());
     for i in 0..=(seconds * fps) as u32 {
         let t = f64::from(i) / fps;
@@ -52,7 +57,7 @@ fn beside(fps: f64, seconds: f64, space: impl Fn(f64) -> Space, mut see: impl Fn
 }
 
 #[test]
-fn what_moves_evenly_stands_still_to_the_bit() {
+fn uniform_motion_is_bit_identical_to_rest() {
     let far = DVec3::new(1e4, -37.5, 1e5 + 0.1);
     let mut wind = Vec3::ZERO;
     for way in [DVec3::ZERO, DVec3::new(100.0, 0.0, -30.0), DVec3::X * 6e4] {
@@ -67,7 +72,7 @@ fn what_moves_evenly_stands_still_to_the_bit() {
                     wind = there.wind;
                 }
                 assert!(there.shift.is_none());
-                // Faster than any wind it takes its air along.
+                // Above the fastest wind the space takes its air along.
                 if t > 0.1 {
                     let felt = if way.length() > FASTEST { Vec3::ZERO } else { -way.as_vec3() };
                     assert!((wind - felt).length() < 1e-3, "{way}: {wind}");
@@ -75,7 +80,7 @@ fn what_moves_evenly_stands_still_to_the_bit() {
             },
         );
     }
-    // Folded into single precision, ten kilometres out, it does not.
+    // With poses in single precision, ten kilometers out, it is not.
     let folded = |t: f64| Pose { translation: nod(t).translation + far.as_vec3(), ..nod(t) };
     let (mut there, mut here) = (Ride::default(), Ride::default());
     let mut off = 0.0f32;
@@ -89,7 +94,7 @@ fn what_moves_evenly_stands_still_to_the_bit() {
 }
 
 #[test]
-fn a_lift_changes_gravity_at_any_frame_rate() {
+fn lift_changes_gravity_at_any_frame_rate() {
     for fps in [24.0, 30.0, 60.0, 90.0, 144.0] {
         for (a, given) in [(2.0, false), (-3.0, false), (-G, false), (2.0, true), (-G, true)] {
             let lift = |t: f64| Space {
@@ -98,8 +103,8 @@ fn a_lift_changes_gravity_at_any_frame_rate() {
             };
             let (mut sum, mut steps) = (0.0f64, 0u32);
             beside(fps, 1.0, lift, |t, there, _| {
-                // A velocity that is measured is known after two frames, and how it changes after some steps where
-                // those end between frames.
+                // A measured velocity is known after two frames, and its change after some steps, where steps end
+                // between frames.
                 for field in there.fields.iter().filter(|_| t > 2.5 / fps + 10.0 * STEP) {
                     let off = f64::from(field.gravity.y) + G + a;
                     assert!(off.abs() < 1e-4, "{fps} {a} {given}: {off}");
@@ -113,9 +118,9 @@ fn a_lift_changes_gravity_at_any_frame_rate() {
 }
 
 #[test]
-fn a_change_of_velocity_is_felt_in_full_whenever_it_comes() {
+fn velocity_change_acts_in_full_at_any_frame_rate() {
     for fps in [30.0, 60.0, 144.0] {
-        // From 12 m/s to 0 within a frame; half a frame's way is left.
+        // Brakes from 12 m/s to 0 within a frame.
         let stop = |t: f64| Space::at(DVec3::X * 12.0 * t.min(0.5));
         let mut felt = Vec3::ZERO;
         beside(fps, 1.0, stop, |_, there, here| {
@@ -128,14 +133,14 @@ fn a_change_of_velocity_is_felt_in_full_whenever_it_comes() {
 }
 
 #[test]
-fn jumps_of_a_space_are_not_felt() {
+fn space_jumps_exert_no_force() {
     // There and back, once; and to another place in each frame.
     let once = |t: f64| Space::at(DVec3::Z * if t > 0.25 { 1e3 } else { 0.0 });
     let wild = |t: f64| {
         let i = (t / STEP).round();
         Space::at(DVec3::new((i * 7.0) % 5.0, i % 2.0, (i * 3.0) % 4.0) * 1e3)
     };
-    // A start that no engine has: nobody knows of it before the frame after.
+    // An instant start, which is recognized one frame later.
     let start = |t: f64| Space::at(DVec3::X * 100.0 * (t - 0.25).max(0.0));
     for (space, last) in [(&once as &dyn Fn(f64) -> Space, 0.0), (&wild, f32::NAN), (&start, -100.0)] {
         let mut wind = Vec3::ZERO;
@@ -151,11 +156,11 @@ fn jumps_of_a_space_are_not_felt() {
 }
 
 #[test]
-fn a_carousel_pulls_outwards_and_turns_the_head() {
+fn carousel_pulls_outward_and_turns_head() {
     let (r, omega) = (3.0, 1.5);
     for given in [false, true] {
         for (at, head) in [(DVec3::ZERO, DVec3::X * r), (DVec3::X * r, DVec3::ZERO)] {
-            // The head stands on the platform, or the platform is the head's.
+            // The head is off-center on the platform, or the space is attached to the head.
             let space = |t: f64| {
                 let rotation = DQuat::from_rotation_y(omega * t);
                 let place = rotation * at;
@@ -175,7 +180,7 @@ fn a_carousel_pulls_outwards_and_turns_the_head() {
                 let out = DQuat::from_rotation_y(omega * t) * DVec3::X;
                 let pull = field.gravity.as_dvec3() + DVec3::Y * G;
                 assert!((pull.length() / (omega * omega * r) - 1.0).abs() < 1e-3, "{}", pull.length());
-                // Known from frame to frame, it comes half a frame late; measured, a whole one.
+                // Lags by half a frame with a given velocity, by a whole one with a measured velocity.
                 assert!(pull.normalize().dot(out) > (omega * STEP * 1.1).cos());
                 let turned = step.end.rotation.angle_between(Quat::from_rotation_y((omega * t) as f32));
                 assert!(turned < 1e-3, "{turned}");
@@ -186,9 +191,9 @@ fn a_carousel_pulls_outwards_and_turns_the_head() {
 }
 
 #[test]
-fn other_coordinates_move_nothing() {
-    // The world's origin is put near the head every few frames: a floating origin, or the cells of a grid; once with
-    // other axes too.
+fn changing_coordinates_moves_nothing() {
+    // The world's origin moves near the head every few frames, like a floating origin or grid cells; later with other
+    // axes as well.
     let (mut there, mut here) = (Ride::default(), Ride::default());
     let start = DVec3::new(2e4, 0.0, -7e3);
     let turned = DQuat::from_rotation_y(0.7);
@@ -207,14 +212,14 @@ fn other_coordinates_move_nothing() {
         assert!((a.fields[0].gravity - b.fields[0].gravity).length() < 1e-6);
         assert_eq!(a.shift, b.shift);
     }
-    // A head that is at another place in both is teleported.
+    // A head that jumps in both spaces is teleported.
     let far = Pose { translation: Vec3::Z * 40.0, ..Pose::IDENTITY };
     let space = Space::at(start + DVec3::Y * 500.0);
     assert_eq!(there.frame(&space, &far, STEP).steps[0].mode, Mode::Carry);
 }
 
 #[test]
-fn hair_that_strays_is_followed_by_whole_metres() {
+fn origin_follows_hair_in_whole_meters() {
     let mut ride = Ride::default();
     let (mut way, mut before) = (Vec3::ZERO, None::<Pose>);
     for i in 0..600 {
@@ -233,11 +238,11 @@ fn hair_that_strays_is_followed_by_whole_metres() {
         assert_eq!(carried.fields[0].gravity, still().gravity);
     }
     assert!(way.length() > 15.0);
-    // One that is put to rest far away begins there.
+    // Hair that is reset far away starts there.
     let far = Pose { translation: Vec3::new(70.0, 0.0, 3.25), ..Pose::IDENTITY };
     let step = Ride::default().frame(&Space::WORLD, &far, STEP).steps[0];
     assert_eq!((step.mode, step.end.translation), (Mode::Reset, Vec3::Z * 0.25));
-    // And one that is teleported is carried there: from the old origin to the new one.
+    // Teleported hair is carried there: from the old origin to the new one.
     let step = ride.frame(&Space::WORLD, &far, STEP).steps[0];
     assert_eq!(step.mode, Mode::Carry);
     assert_eq!(step.begin, before.unwrap());
@@ -245,7 +250,7 @@ fn hair_that_strays_is_followed_by_whole_metres() {
 }
 
 #[test]
-fn air_is_the_worlds_or_the_cabins() {
+fn air_belongs_to_world_or_cabin() {
     let wind = Vec3::new(4.0, 0.0, 1.0);
     let world = Field { wind, ..still() };
     let rotation = DQuat::from_rotation_y(0.4);
@@ -261,7 +266,7 @@ fn air_is_the_worlds_or_the_cabins() {
         }
         field.unwrap()
     };
-    // The carrier's axes are those of the space when it began.
+    // The carrier's axes are the space's initial axes.
     let (field, turned) = ride(false);
     let felt = rotation.inverse() * (wind.as_dvec3() - DVec3::X * 30.0);
     assert!((field.wind.as_dvec3() - felt).length() < 1e-3, "{}", field.wind);

@@ -1,4 +1,4 @@
-//! The buffers themselves: sizes checked against the adapter's limits before anything is made.
+//! Buffers of guides and strands. Sizes are checked against the adapter's limits before allocation.
 
 use super::{
     Guide, GuideForce, GuideSample, PackedGuide, PackedRest, RootMotion, Strand, StrandBinding, StrandVertex,
@@ -6,38 +6,38 @@ use super::{
 use crate::{Context, Error, Result};
 use wgpu::BufferUsages;
 
-/// The buffers of the guides, indexed `vertex * count + guide` unless said otherwise.
+/// Buffers of the guides, indexed `vertex * count + guide` unless stated otherwise.
 #[derive(Debug)]
 pub struct GuideBuffers {
     /// Number of guides.
     pub count: u32,
     /// Vertices per guide.
     pub vertex_count: u32,
-    /// Samples per tessellated guide; 0 where strands [follow](crate::interpolate) guides of their own.
+    /// Samples per tessellated guide; 0 if every strand [follows](crate::interpolate) its own guide.
     pub sample_count: u32,
     /// [`Guide`], one per guide.
     pub info: wgpu::Buffer,
-    /// [`PackedGuide`].
+    /// [`PackedGuide`], one per vertex.
     pub rest: wgpu::Buffer,
-    /// Three floats, the position after the last step from where hair is simulated ([`crate::Hair::place`]), and a word:
-    /// how far the position before it was from where this one and the velocity say, by
-    /// [`pack_lag`](super::guide::pack_lag).
+    /// Three floats: the position after the last step, relative to the origin of the simulation
+    /// ([`crate::Hair::place`]). Then a word by [`pack_lag`](super::guide::pack_lag): the difference between the
+    /// previous position and the one that position and velocity predict.
     pub current: wgpu::Buffer,
-    /// Velocity after the last step, metres per second, by [`pack_velocity`](super::guide::pack_velocity); behind those of
-    /// all vertices, where hair [can twist](Self::can_twist), by how much each bend is twisted (radians) after the last
-    /// step and before it.
+    /// Velocity after the last step, m/s, by [`pack_velocity`](super::guide::pack_velocity). If hair [can
+    /// twist](Self::can_twist), the twist of each bend (radians) after and before the last step follows the velocities
+    /// of all vertices.
     pub velocity: wgpu::Buffer,
-    /// [`GuideForce`]: what acts from outside in the next step. Nobody needs it between steps: a groom's
-    /// [scratch](crate::Hair) may lie in the same memory, and be larger.
+    /// [`GuideForce`]: external forces in the next step. Contents are valid only within a step; the memory may be a
+    /// groom's [scratch](crate::Hair) buffer, which may be larger.
     pub forces: wgpu::Buffer,
     /// [`GuideSample`], indexed `guide * sample_count + sample`.
     pub samples: wgpu::Buffer,
-    /// [`RootMotion`], one per guide and one more where roots are on a [living surface](crate::roots), else one that
-    /// nobody reads.
+    /// [`RootMotion`]: one per guide and one more if roots are on a [deforming surface](crate::roots), else a single
+    /// unused one.
     pub roots: wgpu::Buffer,
 }
 
-/// The buffers of the drawn strands. A clone names the same buffers.
+/// Buffers of the drawn strands. A clone shares the buffers.
 #[derive(Clone, Debug)]
 pub struct StrandBuffers {
     /// Number of strands.
@@ -52,31 +52,31 @@ pub struct StrandBuffers {
     pub rest: wgpu::Buffer,
     /// [`StrandVertex`], indexed `strand * drawn.vertex_count + vertex`.
     pub vertices: wgpu::Buffer,
-    /// By how much each strand is wider than at full detail, as a fraction: 0 for unchanged, -1 for one that is
-    /// not drawn.
+    /// Widening of each strand relative to full detail, as a fraction: 0 for unchanged, -1 for a strand that is not
+    /// drawn.
     pub widening: wgpu::Buffer,
-    /// Where each strand begins (three floats, world space, metres, and one unused), where that is on a
-    /// [living surface](crate::roots) between guides; else one that nobody reads.
+    /// Root position of each strand (three floats, world space, meters, and one unused) if it is on a [deforming
+    /// surface](crate::roots) between guides; else a single unused one.
     pub roots: wgpu::Buffer,
-    /// What of it is drawn: less than all where level of detail says so.
-    pub drawn: Drawn,
-    /// How much `strands`, `vertices` and `widening` have room for: all of it, but for a head that
-    /// [shares its groom](crate::Hair::another).
+    /// Strands and vertices to draw; fewer than all at a lower level of detail.
+    pub drawn: DrawCount,
+    /// Capacity of `strands`, `vertices` and `widening`: the whole groom, except for a head that [shares its
+    /// groom](crate::Hair::another).
     pub room: Room,
 }
 
-/// How many strands, and vertices of them in all, the buffers of one head hold.
+/// Capacity of one head's buffers: strands, and vertices in total.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Room {
-    /// Strands.
+    /// Number of strands.
     pub strands: u32,
-    /// Their vertices, all together.
+    /// Total number of vertices.
     pub vertices: u32,
 }
 
 impl Room {
-    /// Room for at least so many strands and vertices of theirs, at most for `all`: in steps of half an octave, so that
-    /// a head that comes nearer seldom moves into other buffers.
+    /// Returns a capacity for at least these strands and vertices, and at most for `all`. It grows in steps of half an
+    /// octave, so that an approaching head seldom reallocates.
     pub fn of([strands, vertices]: [u32; 2], all: Self) -> Self {
         let step = |least: u32, need: u32, most: u32| {
             let mut room = f64::from(least);
@@ -88,7 +88,7 @@ impl Room {
         Self { strands: step(512, strands, all.strands), vertices: step(4096, vertices, all.vertices) }
     }
 
-    /// The room to move into for so much, where this one is too small or more than three times too large.
+    /// Returns the new capacity if this one is smaller than `need` or more than three times too large.
     pub fn another(&self, need: [u32; 2], all: Self) -> Option<Self> {
         let fits = self.strands >= need[0] && self.vertices >= need[1];
         let room = Self::of(need, all);
@@ -97,35 +97,35 @@ impl Room {
     }
 }
 
-/// The strands and vertices that the stages after the guides work on.
+/// Strands and vertices that the stages after the guides process.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drawn {
-    /// The first so many strands.
+pub struct DrawCount {
+    /// Number of strands, the first of the order.
     pub count: u32,
-    /// Vertices of each of them.
+    /// Vertices per strand.
     pub vertex_count: u32,
-    /// Segments of the rest curve that a drawn segment spans; the last one may be shorter.
+    /// Segments of the rest curve per drawn segment; the last drawn segment may be shorter.
     pub stride: f32,
-    /// What light meets of a strand, as a factor on its width ([`crate::lod::Detail::area`]).
+    /// Factor of a strand's width for the area that light meets ([`crate::lod::Detail::area`]).
     pub area: f32,
-    /// Factors on the fibres before what is seen ([`crate::lod::Detail::deeper`]).
+    /// Factors of the number of fibers in front of visible hair ([`crate::lod::Detail::deeper`]).
     pub deeper: [f32; 2],
-    /// See [`crate::lod::Detail::sunk`], metres.
+    /// See [`crate::lod::Detail::sunk`], meters.
     pub sunk: f32,
-    /// How much of the chance by which single strands are in light or shade is left where each drawn one stands for
-    /// several: the root of the share that is drawn.
+    /// Strength of the stochastic light and shadow on single strands, where each drawn strand represents several: the
+    /// square root of the fraction that is drawn.
     pub single: f32,
-    /// The mean length of a strand over the area in which strands lie beside each other, 1/m; 0 where nobody knows. Times the
-    /// strands and the edge of a texel it is how many lie in a texel of a shadow map.
+    /// Mean length of a strand over the area across which strands are spread, 1/m; 0 if unknown. Times the number of
+    /// strands and the edge of a texel, it is the number of strands in a texel of a shadow map.
     pub dense: f32,
-    /// How far hair lies so thick that cells of ambient light which are larger than usual make it darker: 0 where they do
-    /// not, 1 where light from half a cell of their own ahead makes up for it, at most 2.
+    /// Compensation for large ambient cells, which darken dense hair: 0 where they do not, 1 where sampling half a cell
+    /// ahead compensates, at most 2.
     pub packed: f32,
 }
 
-impl Drawn {
-    /// The first `count` strands, of `vertex_count` rest vertices each, drawn with `segments` segments,
-    /// which need not be a whole number.
+impl DrawCount {
+    /// Returns the settings for the first `count` strands, of `vertex_count` rest vertices each, drawn with `segments`
+    /// segments. `segments` need not be an integer.
     pub fn new(count: u32, vertex_count: u32, segments: f32) -> Self {
         let last = vertex_count.saturating_sub(1).max(1);
         if segments >= last as f32 {
@@ -157,10 +157,10 @@ impl Drawn {
     }
 }
 
-/// Makes a storage buffer for `count` values of `T`, or says that the adapter cannot hold it.
+/// Creates a storage buffer for `count` values of `T`.
 ///
 /// # Errors
-/// [`Error::Limit`].
+/// [`Error::Limit`] if the adapter cannot hold it.
 pub fn storage<T>(device: &wgpu::Device, what: &'static str, count: u64) -> Result<wgpu::Buffer> {
     let need = count.saturating_mul(size_of::<T>() as u64).max(16);
     let limits = device.limits();
@@ -176,10 +176,10 @@ pub fn storage<T>(device: &wgpu::Device, what: &'static str, count: u64) -> Resu
     }))
 }
 
-/// A storage buffer that holds `bytes`, or says that the adapter cannot hold it.
+/// Creates a storage buffer with the contents `bytes`.
 ///
 /// # Errors
-/// [`Error::Limit`].
+/// [`Error::Limit`] if the adapter cannot hold it.
 pub(crate) fn filled(context: &Context, what: &'static str, bytes: &[u8]) -> Result<wgpu::Buffer> {
     let Context { device, queue, .. } = context;
     let buffer = storage::<u8>(device, what, bytes.len() as u64)?;
@@ -188,7 +188,7 @@ pub(crate) fn filled(context: &Context, what: &'static str, bytes: &[u8]) -> Res
 }
 
 impl GuideBuffers {
-    /// Empty buffers.
+    /// Creates empty buffers.
     ///
     /// # Errors
     /// [`Error::Limit`].
@@ -210,7 +210,7 @@ impl GuideBuffers {
         })
     }
 
-    /// With room for how hair is twisted ([`SimulationParams::twist`](crate::simulate::SimulationParams::twist)).
+    /// Adds room for twist ([`SimulationParams::twist`](crate::simulate::SimulationParams::twist)).
     ///
     /// # Errors
     /// [`Error::Limit`].
@@ -220,14 +220,14 @@ impl GuideBuffers {
         Ok(Self { velocity: storage::<[u32; 2]>(device, "guide velocity", entries)?, ..self })
     }
 
-    /// Whether it has that room.
+    /// Returns whether the buffers have room for twist.
     pub fn can_twist(&self) -> bool {
         self.velocity.size()
             > u64::from(self.count) * u64::from(self.vertex_count) * size_of::<[u32; 2]>() as u64
     }
 
-    /// Of another head with the same groom: where guides rest is shared, and what nobody needs between steps; where they are
-    /// is its own.
+    /// Creates the buffers of another head with the same groom. Rest states and the force buffer are shared; the
+    /// current state is not.
     ///
     /// # Errors
     /// [`Error::Limit`].
@@ -235,7 +235,7 @@ impl GuideBuffers {
         let Context { device, queue, .. } = context;
         let like = |what, buffer: &wgpu::Buffer| storage::<u8>(device, what, buffer.size());
         let samples = like("guide samples", &self.samples)?;
-        // Where samples rest stands among what changes.
+        // Samples also hold their rest positions: copy them.
         let mut encoder = device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(&self.samples, 0, &samples, 0, samples.size());
         queue.submit([encoder.finish()]);
@@ -256,7 +256,7 @@ impl GuideBuffers {
         self.info.size() + self.rest.size() + self.forces.size()
     }
 
-    /// Points of a line that shows a guide: its samples, or else its vertices.
+    /// Returns the number of points of a line along a guide: its samples, or else its vertices.
     pub(crate) fn line_count(&self) -> u32 {
         if self.sample_count == 0 { self.vertex_count } else { self.sample_count }
     }
@@ -271,7 +271,7 @@ impl GuideBuffers {
 }
 
 impl StrandBuffers {
-    /// Empty buffers.
+    /// Creates empty buffers.
     ///
     /// # Errors
     /// [`Error::Limit`].
@@ -287,17 +287,18 @@ impl StrandBuffers {
             vertices: storage::<StrandVertex>(device, "strand vertices", vertices)?,
             widening: storage::<f32>(device, "strand widening", count.into())?,
             roots: storage::<[f32; 4]>(device, "strand roots", 1)?,
-            drawn: Drawn::new(count, vertex_count, f32::INFINITY),
+            drawn: DrawCount::new(count, vertex_count, f32::INFINITY),
             room: Room { strands: count, vertices: count.saturating_mul(vertex_count) },
         })
     }
 
-    /// The room for all of it.
+    /// Returns the capacity for the whole groom.
     pub fn whole(&self) -> Room {
         Room { strands: self.count, vertices: self.count.saturating_mul(self.vertex_count) }
     }
 
-    /// Of another head with the same groom: what never changes is shared, the rest has `room`.
+    /// Creates the buffers of another head with the same groom. Constant data is shared; the rest has the capacity
+    /// `room`.
     ///
     /// # Errors
     /// [`Error::Limit`].

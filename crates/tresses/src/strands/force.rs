@@ -1,14 +1,13 @@
-//! What acts on a guide vertex from outside: written by `simulate::forces`, read by
-//! `simulate::step`.
+//! External forces on guide vertices: written by `simulate::forces`, read by `simulate::step`.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use half::f16;
 
-/// The largest acceleration (m/s²) and rate (1/s) that a [`GuideForce`] holds.
+/// Largest acceleration (m/s²) and rate (1/s) that a [`GuideForce`] can hold.
 pub const MAX_FORCE: f32 = 6e4;
 
-/// A force on a guide vertex that is linear in its velocity, packed: see [`Force`].
+/// A packed [`Force`], linear in the vertex's velocity.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub struct GuideForce {
@@ -24,22 +23,22 @@ pub struct GuideForce {
 
 /// The acceleration `acceleration − rate v − along t (t · v)` of a vertex with velocity `v`.
 ///
-/// The step treats it implicitly in `v`, so that no rate is too large for it. What is not linear in
-/// the velocity, such as drag that grows with its square, is linearised by whoever writes it.
+/// The step treats it implicitly in `v`, so it is stable for any rate. The writer linearizes other terms, such as drag
+/// that grows with the square of the velocity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Force {
-    /// m/s², world axes.
+    /// Acceleration, m/s², world axes.
     pub acceleration: Vec3,
-    /// 1/s, the same in all directions; not negative.
+    /// Isotropic rate, 1/s; not negative.
     pub rate: f32,
     /// The unit vector `t`.
     pub tangent: Vec3,
-    /// 1/s, besides `rate`, of the velocity along the tangent; no less than `-rate`.
+    /// Additional rate along the tangent, 1/s; at least `-rate`.
     pub along: f32,
 }
 
 impl GuideForce {
-    /// Packs a force; what is beyond [`MAX_FORCE`] is cut there.
+    /// Packs a force, clamped to [`MAX_FORCE`].
     pub fn pack(force: &Force) -> Self {
         let half = |v: f32| u32::from(f16::from_f32(v.clamp(-MAX_FORCE, MAX_FORCE)).to_bits());
         let t = force.tangent;
@@ -59,7 +58,7 @@ impl GuideForce {
         }
     }
 
-    /// The force.
+    /// Unpacks the force.
     pub fn unpack(&self) -> Force {
         let half = |v: u32| f16::from_bits(v as u16).to_f32();
         let axis = |v: u32| (f32::from(v as u16 as i16) / 32_767.0).max(-1.0);

@@ -1,13 +1,13 @@
-//! Index lists of strips.
+//! Index buffers of strips.
 
 use std::ops::Range;
 
-/// The most vertices that a 16-bit index reaches.
+/// Number of vertices that a 16-bit index can address.
 const REACH: u32 = 1 << 16;
 
-/// A list of indices for as many strands as 16 bits reach, drawn again and again with another
-/// base vertex. One list costs nothing to keep in a cache; indices for a whole groom would be
-/// twice the memory of its vertices, and instances of one strand leave GPUs idle.
+/// Index buffer for as many strands as 16 bits can address, drawn repeatedly with different base vertices. One list
+/// stays in the cache. Indices for a whole groom would take twice the memory of its vertices, and instances of one
+/// strand leave GPUs idle.
 #[derive(Debug)]
 pub(crate) struct Chunks {
     indices: wgpu::Buffer,
@@ -23,7 +23,7 @@ impl Chunks {
             .flat_map(|i| strand.iter().map(move |index| (i * vertices_per_strand) as u16 + index))
             .collect();
         use wgpu::util::DeviceExt;
-        // Copies into buffers come in fours of bytes.
+        // Copies into buffers are multiples of four bytes.
         let mut bytes = bytemuck::cast_slice::<_, u8>(&list).to_vec();
         bytes.resize(bytes.len().next_multiple_of(4).max(4), 0);
         let indices = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
@@ -34,7 +34,7 @@ impl Chunks {
         Self { indices, strands_per_chunk, indices_per_strand: strand.len() as u32, vertices_per_strand }
     }
 
-    /// For strips of strands with `vertex_count` vertices, strip after strip.
+    /// Creates the indices for strips of strands with `vertex_count` vertices, one strip after the other.
     pub fn of(device: &wgpu::Device, count: u32, vertex_count: u32) -> Self {
         let strip: Vec<u16> = (0..vertex_count.saturating_sub(1) as u16)
             .flat_map(|i| [0, 1, 2, 2, 1, 3].map(|corner| 2 * i + corner))

@@ -1,5 +1,4 @@
-//! The GPU data that stages share. One file pair per buffer: the Rust struct, and WESL that
-//! packs and unpacks it.
+//! GPU data shared by stages. Each buffer has a pair of files: the Rust struct, and WESL that packs and unpacks it.
 //!
 //! ```text
 //! guides     rest, info                   written once           read by simulate, tessellate
@@ -13,9 +12,9 @@
 //!            vertices                     written by interpolate read by light, draw
 //! ```
 //!
-//! Guide vertices are stored vertex-major (`index = vertex * guide_count + guide`), so that
-//! neighbouring threads, one per guide, read neighbouring addresses. Samples and strand vertices
-//! are stored strand-major (`index = strand * vertex_count + vertex`).
+//! Guide vertices are stored vertex-major (`index = vertex * guide_count + guide`), so that neighboring threads, one
+//! per guide, read neighboring addresses. Samples and strand vertices are stored strand-major
+//! (`index = strand * vertex_count + vertex`).
 
 pub mod buffers;
 pub mod force;
@@ -29,14 +28,14 @@ pub use crate::groom::bound::{
     binding::{self, PackedRest, StrandBinding},
     strand::{self, Strand},
 };
-pub use buffers::{Drawn, GuideBuffers, Room, StrandBuffers};
+pub use buffers::{DrawCount, GuideBuffers, Room, StrandBuffers};
 pub use force::{Force, GuideForce};
 pub use guide::{Guide, GuideRest, GuideSample, GuideShape, PackedGuide};
 pub use rest::RestGuides;
 pub use root::RootMotion;
 pub use vertex::StrandVertex;
 
-// What the CPU side allows is what the shaders have room for.
+// Limits on the CPU side equal the array sizes of the shaders.
 const _: () = assert!(
     crate::constants::MAX_GUIDE_VERTICES == crate::groom::MAX_GUIDE_VERTICES
         && crate::constants::MAX_STRAND_VERTICES == crate::groom::MAX_STRAND_VERTICES

@@ -1,34 +1,34 @@
-//! Guides at rest, on their way to the GPU.
+//! Guides at rest on the CPU.
 
 use super::{Guide, GuideBuffers, GuideRest, GuideShape, PackedGuide};
 
 use crate::{Context, Error, Result};
 use glam::Vec3;
 
-/// Guides at rest, ready for [`GuideBuffers`]; vertex-major where per vertex.
+/// Guides at rest, for upload to [`GuideBuffers`]; per-vertex data is vertex-major.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RestGuides {
     /// Vertices per guide.
     pub vertex_count: u32,
-    /// One per guide.
+    /// Properties, one per guide.
     pub info: Vec<Guide>,
-    /// `vertex * info.len() + guide`.
+    /// Rest positions and clearances, indexed `vertex * info.len() + guide`.
     pub rest: Vec<GuideRest>,
-    /// The same index.
+    /// Rest shapes, with the same index.
     pub shape: Vec<GuideShape>,
 }
 
 impl RestGuides {
-    /// Writes the buffers: rest, shape, info, and the rest pose as the present state.
+    /// Writes the buffers: rest, shape, info, and the rest pose as the current state.
     ///
     /// # Errors
-    /// [`Error::Groom`] when `buffers` were made for other counts.
+    /// [`Error::Groom`] if `buffers` have other counts.
     pub fn upload(&self, context: &Context, buffers: &GuideBuffers) -> Result<()> {
         let Context { queue, .. } = context;
         let counts = (buffers.count as usize, buffers.vertex_count);
         if counts != (self.info.len(), self.vertex_count) {
             return Err(Error::unusable(format!(
-                "buffers for {} guides with {} vertices cannot take {} guides with {}",
+                "buffers for {} guides of {} vertices cannot hold {} guides of {}",
                 counts.0,
                 counts.1,
                 self.info.len(),
@@ -44,7 +44,7 @@ impl RestGuides {
         Ok(())
     }
 
-    /// Vertex `at` as the GPU has it.
+    /// Returns vertex `at` in GPU layout.
     fn packed(&self, at: usize) -> PackedGuide {
         let count = self.info.len();
         let place = |at: usize| self.rest[at].position;

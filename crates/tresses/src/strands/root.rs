@@ -1,36 +1,35 @@
-//! Where the skin carries the root of a guide: written by `roots::guides` and `simulate::step`, read by those that
-//! follow guides. There is one per guide where roots are on a [living surface](crate::roots), else one that nobody
-//! reads.
+//! Motion of a guide's root with the skin: written by `roots::guides` and `simulate::step`, read by the stages that
+//! follow guides. There is one per guide if roots are on a [deforming surface](crate::roots), else a single unused one.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 
-/// How the skin has carried a root beside what the head did, at four moments: from groom space to groom space, the
-/// identity where the skin goes with the head. Rotations are unit quaternions, places metres.
+/// Motion of a root with the skin relative to the head, at four moments. Each is a transform from groom space to groom
+/// space, the identity where the skin moves with the head. Rotations are unit quaternions, translations in meters.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct RootMotion {
-    /// When the last step began.
+    /// Rotation at the start of the last step.
     pub begin_rotation: Quat,
-    /// When the last step ended, which is when the next begins.
+    /// Rotation at the end of the last step, where the next begins.
     pub end_rotation: Quat,
-    /// When the last step of the frames before ended.
+    /// Rotation at the end of the last step of the previous frames.
     pub before_rotation: Quat,
-    /// In this frame.
+    /// Rotation in this frame.
     pub now_rotation: Quat,
-    /// See `begin_rotation`.
+    /// Translation at the start of the last step.
     pub begin_at: Vec3,
     /// Unused.
     pub _pad_a: u32,
-    /// See `end_rotation`.
+    /// Translation at the end of the last step.
     pub end_at: Vec3,
     /// Unused.
     pub _pad_b: u32,
-    /// See `before_rotation`.
+    /// Translation at the end of the last step of the previous frames.
     pub before_at: Vec3,
     /// Unused.
     pub _pad_c: u32,
-    /// See `now_rotation`.
+    /// Translation in this frame.
     pub now_at: Vec3,
     /// Unused.
     pub _pad_d: u32,

@@ -1,5 +1,4 @@
-//! The vertices of the drawn strands: 16 bytes each, written once per frame by `interpolate` and
-//! read by every later pass.
+//! Vertices of the drawn strands: 16 bytes each, written once per frame by `interpolate` and read by every later pass.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
@@ -8,14 +7,14 @@ use glam::{Vec2, Vec3};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct StrandVertex {
-    /// World space, metres.
+    /// Position in world space, meters.
     pub position: Vec3,
-    /// See [`pack_tangent`].
+    /// Tangent and radius, see [`pack_tangent`].
     pub tangent: u32,
 }
 
-/// Packs a unit tangent (octahedral, 12 bits per axis: an error below 0.06 degrees) and the
-/// radius as a fraction of [`super::Strand::radius`] (8 bits).
+/// Packs a unit tangent (octahedral, 12 bits per axis, error below 0.06 degrees) and the radius as a fraction of
+/// [`super::Strand::radius`] (8 bits).
 pub fn pack_tangent(tangent: Vec3, radius: f32) -> u32 {
     let n = tangent / (tangent.x.abs() + tangent.y.abs() + tangent.z.abs()).max(1e-20);
     let folded = if n.z >= 0.0 {
@@ -27,7 +26,7 @@ pub fn pack_tangent(tangent: Vec3, radius: f32) -> u32 {
     axis(folded.x) | axis(folded.y) << 12 | ((radius.clamp(0.0, 1.0) * 255.0 + 0.5) as u32) << 24
 }
 
-/// The unit tangent and the radius fraction packed by [`pack_tangent`].
+/// Unpacks the unit tangent and the radius fraction packed by [`pack_tangent`].
 pub fn unpack_tangent(packed: u32) -> (Vec3, f32) {
     let axis = |v: u32| (v & 4095) as f32 / 4095.0 * 2.0 - 1.0;
     let f = Vec2::new(axis(packed), axis(packed >> 12));

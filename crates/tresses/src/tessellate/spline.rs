@@ -1,4 +1,4 @@
-//! Host side of `spline.wesl`, and of `walk.wesl`, which it shares with `interpolate::follow`.
+//! Host side of `spline.wesl`, and of `walk.wesl`, which `interpolate::follow` also uses.
 
 use crate::{
     Context, Pose,
@@ -10,41 +10,41 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 use std::sync::Arc;
 
-/// The uniform of the kernel; made by [`TessellateParams::new`].
+/// Uniform of the kernel, created by [`TessellateParams::new`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct TessellateParams {
-    /// Carries the state before the last step to the head's pose now.
+    /// Rotation from the state before the last step to the head's current pose.
     pub previous_rotation: Quat,
-    /// Carries the state after the last step to the head's pose now.
+    /// Rotation from the state after the last step to the head's current pose.
     pub current_rotation: Quat,
-    /// The head's rotation now.
+    /// Current rotation of the head.
     pub head_rotation: Quat,
-    /// See `previous_rotation`, metres.
+    /// Translation from the state before the last step to the head's current pose, meters.
     pub previous_translation: Vec3,
-    /// 0 draws the previous state, 1 the current one.
+    /// Interpolation factor: 0 draws the previous state, 1 the current one.
     pub blend: f32,
-    /// See `current_rotation`, metres.
+    /// Translation from the state after the last step to the head's current pose, meters.
     pub current_translation: Vec3,
     /// Number of guides.
     pub guide_count: u32,
     /// Vertices per guide, at least 2.
     pub vertex_count: u32,
-    /// Samples per guide, at least 2 where there are any.
+    /// Samples per guide, at least 2 if there are any.
     pub sample_count: u32,
     /// Length of the last step, s.
     pub span: f32,
-    /// 1 where guides twist, 0 where they do not.
+    /// 1 if guides twist, else 0.
     pub twists: f32,
-    /// Where the head is now, metres.
+    /// Current position of the head, meters.
     pub head_translation: Vec3,
     /// Unused.
     pub _pad: u32,
 }
 
 impl TessellateParams {
-    /// For a head that was at `previous` and `current` after the last two steps, `span` seconds apart, and is at `now`;
-    /// `blend` as there, and whether guides twist.
+    /// Returns the uniform for a head that was at `previous` and `current` after the last two steps, `span` seconds
+    /// apart, and is now at `now`. `blend` is the interpolation factor; `twists` tells whether guides twist.
     pub fn new(
         guides: &GuideBuffers,
         (previous, current, span): (&Pose, &Pose, f32),
@@ -70,7 +70,7 @@ impl TessellateParams {
     }
 }
 
-/// The pipeline of the stage.
+/// The stage's pipeline.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     kernel: Kernel,
@@ -88,7 +88,7 @@ impl PipelineSet for Pipelines {
     }
 }
 
-/// One groom's share of the stage.
+/// Tessellation of one groom.
 #[derive(Debug)]
 pub struct Tessellation {
     pipelines: Arc<Pipelines>,
@@ -97,7 +97,7 @@ pub struct Tessellation {
 }
 
 impl Tessellation {
-    /// The curves of `guides`.
+    /// Creates the tessellation of `guides`.
     pub fn new(context: &Context, guides: &GuideBuffers) -> Self {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
@@ -107,7 +107,7 @@ impl Tessellation {
         Self { group: pipelines.kernel.bind(&buffers), pipelines, params }
     }
 
-    /// What a kernel binds first that walks along guides of this frame, as `walk.wesl` says.
+    /// Returns the first buffers of a kernel that walks along this frame's guides, in the order of `walk.wesl`.
     pub(crate) fn walk<'a>(&'a self, guides: &'a GuideBuffers) -> [&'a wgpu::Buffer; 6] {
         walk_buffers(&self.params, guides)
     }
@@ -118,7 +118,7 @@ impl Tessellation {
         queue.write_buffer(&self.params, 0, bytemuck::bytes_of(params));
     }
 
-    /// Records the stage: one thread per guide; nothing where guides have no samples.
+    /// Records the stage, with one thread per guide. Does nothing if guides have no samples.
     pub fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, guides: &GuideBuffers) {
         if guides.sample_count > 0 {
             self.pipelines.kernel.record(pass, &self.group, &[], guides.count.div_ceil(GUIDE_WORKGROUP));
@@ -130,8 +130,8 @@ fn walk_buffers<'a>(params: &'a wgpu::Buffer, guides: &'a GuideBuffers) -> [&'a 
     [params, &guides.current, &guides.velocity, &guides.rest, &guides.info, &guides.roots]
 }
 
-/// The samples of a guide at rest: the same spline over `vertices` (at least two), without the
-/// rotations. Twin of the kernel's positions.
+/// Returns the samples of a guide at rest: the same spline over `vertices` (at least two), without rotations. Positions
+/// equal the kernel's.
 pub fn rest_samples(vertices: &[Vec3], sample_count: u32) -> Vec<Vec3> {
     let last = vertices.len() - 1;
     let at = |i: isize| match i {
@@ -161,7 +161,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_spline_starts_at_the_root_and_ends_at_the_tip() {
+    fn spline_starts_at_root_and_ends_at_tip() {
         let vertices: Vec<_> =
             (0..9).map(|i| Vec3::new((i as f32).sin(), -0.1 * i as f32, (i as f32).cos())).collect();
         let samples = rest_samples(&vertices, 33);
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn a_straight_guide_stays_straight_and_evenly_spaced() {
+    fn straight_guide_stays_straight_and_even() {
         let vertices: Vec<_> = (0..5).map(|i| Vec3::Y * i as f32).collect();
         for (i, sample) in rest_samples(&vertices, 17).into_iter().enumerate() {
             assert!(sample.distance(Vec3::Y * i as f32 * 0.25) < 1e-5);

@@ -1,6 +1,6 @@
 //! Host side of `arrows.wesl`.
 
-use super::{Canvas, Grid, LinePoint, constant, scratch::Scratch};
+use super::{Canvas, GridView, LinePoint, constant, scratch::Scratch};
 use crate::{
     Context, Result,
     constants::STRAND_WORKGROUP,
@@ -9,28 +9,28 @@ use crate::{
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec3, Vec3};
 
-/// A lattice of arrows in a grid; their middles are on its points.
+/// A lattice of arrows in a grid, centered on the points of the lattice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrows {
-    /// Texture coordinate of the lattice's first point.
+    /// Texture coordinate of the first lattice point.
     pub first: Vec3,
     /// Texture coordinates from one point to the next.
     pub step: Vec3,
     /// Points along each axis.
     pub count: UVec3,
-    /// An arrow is as long as the distance travelled in this time, seconds (of accelerations: s²).
+    /// Travel time that gives the length of an arrow, seconds (s² if the vectors are accelerations).
     pub seconds: f32,
-    /// But no longer than this, metres.
+    /// Maximum length of an arrow, meters.
     pub longest: f32,
-    /// Vectors shorter than this are left out.
+    /// Minimum length of a vector that is drawn.
     pub least: f32,
 }
 
 impl Arrows {
-    /// A lattice over the plane across `axis` (0 to 2) at texture coordinate `at`, or, without an
-    /// axis, over the whole box: `count` points along each edge, arrows that are as long as their
-    /// distance where the value is `high`.
-    pub fn over(grid: &Grid<'_>, axis: Option<(usize, f32)>, count: u32, high: f32) -> Self {
+    /// Returns a lattice over the plane across `axis` (0 to 2) at texture coordinate `at` or, without an axis, over the
+    /// whole box. It has `count` points along each edge. Where the value is `high`, an arrow is about as long as the
+    /// distance between two points.
+    pub fn over(grid: &GridView<'_>, axis: Option<(usize, f32)>, count: u32, high: f32) -> Self {
         let count = count.max(1);
         let step = Vec3::splat(1.0 / count as f32);
         let (mut first, mut counts) = (0.5 * step, UVec3::splat(count));
@@ -43,7 +43,7 @@ impl Arrows {
     }
 }
 
-/// What the kernel knows of [`Arrows`].
+/// Shader data of [`Arrows`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ArrowsUniform {
@@ -61,7 +61,7 @@ pub struct ArrowsUniform {
     pub least: f32,
 }
 
-/// The pipeline.
+/// Kernel that turns vectors into arrows.
 #[derive(Debug)]
 pub(super) struct ArrowsKernel(Kernel, Scratch);
 
@@ -72,11 +72,11 @@ impl ArrowsKernel {
         Self(Kernel::new(&context.device, "views::arrows", &entries), Scratch::default())
     }
 
-    /// Four points per arrow.
+    /// Records the kernel and returns its output, four points per arrow.
     pub(super) fn record(
         &self,
         canvas: &mut Canvas<'_, '_>,
-        grid: &Grid<'_>,
+        grid: &GridView<'_>,
         arrows: &Arrows,
     ) -> Result<wgpu::Buffer> {
         let count = arrows.count.max(UVec3::ONE);

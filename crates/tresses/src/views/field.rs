@@ -1,6 +1,6 @@
-//! Host side of `field.wesl`: the distance to obstacles, as a grid that slices can show.
+//! Host side of `field.wesl`: the distance to obstacles, as a grid for slices.
 
-use super::{Canvas, Grid};
+use super::{Canvas, GridView};
 use crate::{
     Context, Result,
     collide::{self, ColliderSet},
@@ -40,11 +40,11 @@ impl FieldKernel {
         }
     }
 
-    /// Fills it with the distances in the box of `grid`, metres.
+    /// Fills the grid with the distances in the box of `grid`, meters.
     pub(super) fn record(
         &self,
         canvas: &mut Canvas<'_, '_>,
-        grid: &Grid<'_>,
+        grid: &GridView<'_>,
         colliders: &ColliderSet,
     ) -> Result<()> {
         let place = canvas.grid(grid);

@@ -1,10 +1,10 @@
-//! A 3-D texture with a place in the world: what density, push and air have in common.
+//! A 3-D texture placed in the world, for density, push and air.
 
 use crate::Pose;
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 
-/// Which number of a texel is shown.
+/// Value of a texel that a view shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// A channel, 0 to 3.
@@ -13,30 +13,30 @@ pub enum Quantity {
     Length,
 }
 
-/// A 3-D texture in the world, in a filterable format.
+/// A 3-D texture placed in the world, in a filterable format.
 #[derive(Clone, Copy, Debug)]
-pub struct Grid<'a> {
+pub struct GridView<'a> {
     /// The texture.
     pub texture: &'a wgpu::TextureView,
-    /// The frame of the grid; a point `x` of it has the texture coordinate `x * scale + bias`.
+    /// Frame of the grid. A point `x` in it has the texture coordinate `x * scale + bias`.
     pub pose: Pose,
-    /// Texture coordinates per metre.
+    /// Texture coordinates per meter.
     pub scale: Vec3,
     /// Texture coordinate of the frame's origin.
     pub bias: Vec3,
-    /// What is shown of a texel.
+    /// Value of a texel that is shown.
     pub quantity: Quantity,
-    /// Whether vectors are along the grid's axes, to be turned with its pose, or the world's.
+    /// Whether vectors are in the grid's frame and turn with its pose. Otherwise they are in world axes.
     pub turns: bool,
 }
 
-impl Grid<'_> {
-    /// A texture coordinate in the world.
+impl GridView<'_> {
+    /// Returns the world position of a texture coordinate, meters.
     pub fn world(&self, coordinate: Vec3) -> Vec3 {
         self.pose.point((coordinate - self.bias) / self.scale)
     }
 
-    /// The lengths of the box's edges, metres.
+    /// Lengths of the box's edges, meters.
     pub fn extent(&self) -> Vec3 {
         1.0 / self.scale
     }
@@ -57,21 +57,21 @@ impl Grid<'_> {
     }
 }
 
-/// What the shaders know of a [`Grid`].
+/// Shader data of a [`GridView`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct GridUniform {
-    /// Unit quaternion: the grid's frame to the world.
+    /// Rotation from the grid's frame to the world, a unit quaternion.
     pub rotation: Quat,
-    /// Metres.
+    /// Translation from the grid's frame to the world, meters.
     pub translation: Vec3,
-    /// A channel, or 4 for the length of the first three.
+    /// Channel, or 4 for the length of the first three.
     pub quantity: u32,
-    /// [`Grid::scale`].
+    /// [`GridView::scale`].
     pub scale: Vec3,
-    /// [`Grid::turns`].
+    /// [`GridView::turns`].
     pub turns: u32,
-    /// [`Grid::bias`].
+    /// [`GridView::bias`].
     pub bias: Vec3,
     /// Unused.
     pub _pad: u32,

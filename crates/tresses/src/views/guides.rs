@@ -10,14 +10,14 @@ use crate::{
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 
-/// What the colour of a guide stands for.
+/// Quantity that colors a guide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GuideQuantity {
-    /// m/s, after the last step.
+    /// Speed after the last step, m/s.
     Speed = 0,
-    /// How much longer or shorter an edge is than at rest, as a share of its rest length.
+    /// Difference of an edge's length from its rest length, as a fraction of the rest length.
     Strain = 1,
-    /// The guide itself, a colour for each.
+    /// Index of the guide, a color for each.
     Guide = 2,
 }
 
@@ -33,15 +33,15 @@ pub struct GuidesUniform {
     pub sample_count: u32,
     /// [`GuideQuantity`].
     pub quantity: u32,
-    /// From where guides are simulated to where hair is drawn.
+    /// Rotation from simulation space to the space in which hair is drawn.
     pub rotation: Quat,
-    /// See `rotation`, metres.
+    /// Translation between those spaces, meters.
     pub translation: Vec3,
     /// Unused.
     pub _pad: u32,
 }
 
-/// The pipeline.
+/// Kernel that turns guides into lines.
 #[derive(Debug)]
 pub(super) struct GuidesKernel(Kernel, Scratch);
 
@@ -52,8 +52,8 @@ impl GuidesKernel {
         Self(Kernel::new(&context.device, "views::guides", &entries), Scratch::default())
     }
 
-    /// A point per guide sample, or per vertex after the last step where guides have no samples: those are simulated
-    /// where `place` leads from.
+    /// Records the kernel and returns its output: a point per guide sample. Guides without samples have a point per
+    /// vertex after the last step, transformed by `place` from simulation space to the world.
     pub(super) fn record(
         &self,
         canvas: &mut Canvas<'_, '_>,

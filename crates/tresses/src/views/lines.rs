@@ -1,5 +1,4 @@
-//! Host side of `lines.wesl`: lines of a width in pixels, the common end of arrows, streams,
-//! guides and outlines.
+//! Host side of `lines.wesl`: lines with a width in pixels, the output of arrows, streamlines, guides and outlines.
 
 use super::{Canvas, Paint, constant, overlay};
 use crate::{
@@ -10,22 +9,22 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use wgpu::util::DeviceExt;
 
-/// The width of the dark rim on both sides of a line, pixels.
+/// Width of the dark rim on both sides of a line, pixels.
 const RIM: f32 = 1.0;
 
 /// A point of a line.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct LinePoint {
-    /// World space, metres.
+    /// World position, meters.
     pub position: Vec3,
-    /// What its colour stands for.
+    /// Value that sets the color.
     pub value: f32,
-    /// Pixels.
+    /// Width, pixels.
     pub width: f32,
-    /// How opaque it is; below 0 no line comes here.
+    /// Opacity. If it is negative, the line is interrupted here.
     pub alpha: f32,
-    /// 0 for the colour of its value, else the number of a thing, from 1 on, that has its own colour.
+    /// 0 for the color of `value`; otherwise the number, from 1, of an item with its own color.
     pub tint: u32,
     /// Unused.
     pub _pad: u32,
@@ -37,13 +36,13 @@ pub struct LinePoint {
 pub struct LinesUniform {
     /// Points of each line, at least 2.
     pub points: u32,
-    /// The dark rim, pixels.
+    /// Width of the dark rim, pixels.
     pub rim: f32,
     /// Unused.
     pub _pad: [u32; 2],
 }
 
-/// The pipeline.
+/// Pipeline that draws lines.
 #[derive(Debug)]
 pub(super) struct Lines {
     pipeline: wgpu::RenderPipeline,
@@ -63,7 +62,7 @@ impl Lines {
         Ok(Self { pipeline, layout })
     }
 
-    /// Lines of `per_line` points each.
+    /// Records lines of `per_line` points each.
     pub(super) fn record(
         &self,
         canvas: &mut Canvas<'_, '_>,
@@ -85,7 +84,7 @@ impl Lines {
         pass.draw(0..6, 0..lines * (per_line - 1));
     }
 
-    /// One line through `points`.
+    /// Records one line through `points`.
     pub(super) fn record_from_host(&self, canvas: &mut Canvas<'_, '_>, points: &[LinePoint], paint: &Paint) {
         if points.len() < 2 {
             return;

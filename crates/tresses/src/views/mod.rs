@@ -1,37 +1,35 @@
-//! Debug views: what the simulation's grids and guides hold, drawn over the finished picture.
+//! Debug views: the grids and guides of the simulation, drawn over the finished frame.
 //!
 //! ```text
-//! body ─► depth ───────────────────────────────┐
-//! grid (3-D texture) ─► volume, slices ────────┼─► over the picture, after `present`
+//! mesh ─► depth ───────────────────────────────┐
+//! grid (3-D texture) ─► volume, slices ────────┼─► over the frame, after `present`
 //!                    ─► arrows, streams ─► lines ┘
 //! guides ───────────► guides ───────────► lines
 //! outlines (CPU) ───────────────────────► lines
 //! ```
 //!
-//! A [`Layer`] is one such view; any number of them go over one picture, in order. They come after
-//! `present`: a colour that stands for a number must not be tone mapped, and no number of samples
-//! per pixel has to fit. Colours are a ramp of even lightness (`ramp.rs`), so that a legend and a
-//! printed page can be read.
+//! A [`Layer`] is one such view. Any number of them are drawn over a frame, in order. They follow `present`, because a
+//! color that encodes a number must not be tone mapped, and layers need not match the samples per pixel. Colors are a
+//! ramp of even lightness (`ramp.rs`), readable in legends and in print.
 //!
-//! - **Volume**: a ray per pixel through the grid's box, emission and absorption in proportion to
-//!   the value, from the near side to the body.
-//! - **Slices**: the grid's three mid planes (or others), in the scene or as panels beside it.
-//! - **Arrows**: the vectors at the points of a lattice; their lengths are distances travelled in a given time.
-//! - **Streams**: lines along the field at this moment, from given seeds.
-//! - **Guides**: the tessellated guides, coloured by a quantity of the simulation.
-//! - **Lines**: anything else, for example the outlines of boxes and colliders, and the contours of
-//!   distance fields (`outline.rs`).
+//! - **Volume**: a ray per pixel through the box of the grid, with emission and absorption in proportion to the value,
+//!   from the near side to the mesh.
+//! - **Slices**: the three mid planes of the grid (or others), in the scene or as panels beside it.
+//! - **Arrows**: vectors at the points of a lattice. Their lengths are distances traveled in a given time.
+//! - **Streams**: lines along the current field, from given seeds.
+//! - **Guides**: tessellated guides, colored by a quantity of the simulation.
+//! - **Lines**: other outlines, for example of boxes and colliders, and the contours of distance fields (`outline.rs`).
 //!
-//! Everything that is a line ends in one buffer of [`LinePoint`]s and one pipeline, `lines`:
-//! camera-facing strips of a width in pixels, with soft edges and a dark rim. An arrow is a line
-//! whose width changes. Kernels fill the buffer, one thread per arrow, streamline or guide sample.
+//! All line layers share one format, a buffer of [`LinePoint`]s, and one pipeline, `lines`: camera-facing strips with a
+//! width in pixels, soft edges and a dark rim. An arrow is a line of varying width. Kernels fill the buffer, one thread
+//! per arrow, streamline or guide sample.
 //!
-//! Hidden by: the body alone, which is drawn once more into a depth texture of the picture's size.
-//! Hair hides nothing; leave it out of the picture when it is in the way.
+//! Only meshes occlude layers. They are drawn once more into a depth texture of the frame's size. Hair occludes
+//! nothing; leave it out of the frame if it is in the way.
 //!
-//! This is for debugging, not for production: buffers, groups and the depth texture are created again for
-//! every picture. Rejected: drawing into the HDR target, which tone maps the colours and ties the
-//! layers to its samples. Untried: level sets, lighting the volume by its gradient.
+//! The views are for debugging, not for production: buffers, bind groups and the depth texture are created again for
+//! every frame. Rejected: drawing into the HDR target, which tone maps the colors and ties the layers to its samples.
+//! Untried: level sets; lighting of the volume by its gradient.
 
 mod arrows;
 mod field;
@@ -54,13 +52,13 @@ mod view;
 mod volume;
 
 pub use arrows::{Arrows, ArrowsUniform};
-pub use grid::{Grid, GridUniform, Quantity};
+pub use grid::{GridUniform, GridView, Quantity};
 pub use guides::{GuideQuantity, GuidesUniform};
 pub use lines::{LinePoint, LinesUniform};
 pub use paint::{Paint, PaintUniform};
 pub use peak::Peak;
 pub use ramp::ramp;
-pub use record::{DebugViews, Shown, panels};
+pub use record::{DebugDisplay, DebugViews, panels};
 pub use slices::{SliceUniform, Slices};
 pub use strands::{StrandQuantity, StrandsUniform};
 pub use streams::{Streams, StreamsUniform};
@@ -77,31 +75,31 @@ use crate::{
         commands::{colored, deep},
         pipeline::{DEPTH_FORMAT, Recipe},
     },
-    light::Seen,
+    light::HairView,
     strands::GuideBuffers,
 };
 use wgpu::util::DeviceExt;
 
-/// One layer over a picture.
+/// A layer over a frame.
 #[derive(Clone, Copy, Debug)]
 pub enum Layer<'a> {
-    /// A grid as a luminous volume.
-    Volume(Grid<'a>, Paint),
+    /// A grid as an emissive volume.
+    Volume(GridView<'a>, Paint),
     /// Planes through a grid.
-    Slices(Grid<'a>, Paint, Slices),
-    /// A grid's vectors on a lattice, coloured by their length.
-    Arrows(Grid<'a>, Paint, Arrows),
-    /// Lines along a grid's vectors, coloured by their length.
-    Streams(Grid<'a>, Paint, Streams<'a>),
-    /// The guides as they are drawn, after [`crate::frame::Recorder::follow`].
+    Slices(GridView<'a>, Paint, Slices),
+    /// Vectors of a grid on a lattice, colored by their length.
+    Arrows(GridView<'a>, Paint, Arrows),
+    /// Lines along the vectors of a grid, colored by their length.
+    Streams(GridView<'a>, Paint, Streams<'a>),
+    /// Guides in their drawn pose, after [`crate::frame::Recorder::follow`].
     Guides(&'a GuideBuffers, Pose, Paint, GuideQuantity),
-    /// The distance to the obstacles in the box of a grid, whose texture is not looked at, as slices.
-    Distance(&'a ColliderSet, Grid<'a>, [(Paint, Slices); 2]),
-    /// One line; a point with an alpha below 0 interrupts it.
+    /// Distance to the obstacles in the box of a grid, as slices. The grid's texture is not read.
+    Distance(&'a ColliderSet, GridView<'a>, [(Paint, Slices); 2]),
+    /// One line. A point with a negative alpha interrupts it.
     Lines(&'a [LinePoint], Paint),
 }
 
-/// The pipelines of the debug views.
+/// Pipelines of the debug views.
 #[derive(Debug)]
 pub struct DebugStage {
     context: Context,
@@ -114,22 +112,22 @@ pub struct DebugStage {
     streams: streams::StreamsKernel,
     guides: guides::GuidesKernel,
     overdraw: overdraw::Overdraw,
-    /// Made when it is first asked for: it is large.
+    /// Created on first use, because it is large.
     field: Option<field::FieldKernel>,
     sampler: wgpu::Sampler,
-    /// Depth of the body, of the size of the last picture.
+    /// Depth of meshes, with the size of the last frame.
     depth: Option<([u32; 2], wgpu::TextureView)>,
     encode: bool,
 }
 
-/// What a layer is recorded with.
+/// Resources to record a layer with.
 struct Canvas<'a, 'c> {
     device: &'a Device,
     commands: &'a mut Commands<'c>,
     output: &'a wgpu::TextureView,
     depth: &'a wgpu::TextureView,
     camera: &'a Camera,
-    /// A group of the camera's uniform alone.
+    /// Bind group with only the camera's uniform.
     view: &'a wgpu::BindGroup,
     sampler: &'a wgpu::Sampler,
     encode: bool,
@@ -139,7 +137,7 @@ impl DebugStage {
     /// Builds the pipelines, for an output of `format`.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`] when wgpu refuses one.
+    /// [`crate::Error::Gpu`] when wgpu rejects a pipeline.
     pub fn new(context: &Context, format: wgpu::TextureFormat) -> Result<Self> {
         let device = &context.device;
         let view_layout =
@@ -167,8 +165,8 @@ impl DebugStage {
         })
     }
 
-    /// Records `layers` over the picture of `camera` in `output`, after `present`. Of `bodies`, as they were
-    /// drawn last, only the depth counts.
+    /// Records `layers` over the frame of `camera` in `output`, after `present`. `bodies`, in the pose that was drawn
+    /// last, only contribute their depth.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] when the device cannot hold as many lines.
@@ -211,7 +209,7 @@ impl DebugStage {
                 Layer::Distance(colliders, grid, slices) => {
                     let field = self.field.get_or_insert_with(|| field::FieldKernel::new(&self.context));
                     field.record(&mut canvas, grid, colliders)?;
-                    let grid = Grid {
+                    let grid = GridView {
                         texture: &field.texture,
                         quantity: Quantity::Channel(0),
                         turns: false,
@@ -227,7 +225,7 @@ impl DebugStage {
         Ok(())
     }
 
-    /// The camera's group, and the depth of `bodies` in it, of the size of `output`, which is recorded.
+    /// Records the depth of `bodies` at the size of `output`. Returns the camera's bind group and the depth texture.
     fn begin(
         &mut self,
         commands: &mut Commands<'_>,
@@ -244,15 +242,15 @@ impl DebugStage {
         (view, depth)
     }
 
-    /// Records how many strips of `hair`, drawn so, lie over each pixel at its middle: those of one pass, before
-    /// the bodies, whatever else is before them. `frame` is the view's group, for which they have been shaded.
+    /// Records the number of strips of `hair` that cover each pixel's center in one pass with `coverage`, in front of
+    /// `bodies` and regardless of other hair. `frame` is the bind group of the view that has shaded the strips.
     fn record_overdraw(
         &mut self,
         commands: &mut Commands<'_>,
         camera: &Camera,
         bodies: &[&Body],
         output: &wgpu::TextureView,
-        (frame, coverage, hair): (&wgpu::BindGroup, Coverage, &[Seen<'_>]),
+        (frame, coverage, hair): (&wgpu::BindGroup, Coverage, &[HairView<'_>]),
         paint: &Paint,
     ) -> Result<()> {
         let (view, depth) = self.begin(commands, camera, bodies, output);
@@ -269,7 +267,7 @@ impl DebugStage {
         self.overdraw.record(&mut canvas, (frame, coverage), hair, paint)
     }
 
-    /// A depth texture of `size`: that of the last picture, where it fits.
+    /// Returns a depth texture of `size`, the last one if it has this size.
     fn depth(&mut self, size: [u32; 2]) -> wgpu::TextureView {
         if let Some((_, view)) = self.depth.as_ref().filter(|(of, _)| *of == size) {
             return view.clone();
@@ -309,7 +307,7 @@ impl DebugStage {
 }
 
 impl Canvas<'_, '_> {
-    /// A pass over the picture; `hidden` tests against the body's depth.
+    /// Begins a render pass over the frame. `hidden` enables the test against the depth of meshes.
     fn pass(&mut self, hidden: bool) -> crate::gpu::RenderPass<'_> {
         let color = colored(self.output, wgpu::LoadOp::Load);
         let depth = hidden.then(|| deep(self.depth, None)).flatten();
@@ -320,12 +318,12 @@ impl Canvas<'_, '_> {
         constant(self.device, "paint", &PaintUniform::new(paint, self.camera, self.encode))
     }
 
-    fn grid(&self, grid: &Grid<'_>) -> wgpu::Buffer {
+    fn grid(&self, grid: &GridView<'_>) -> wgpu::Buffer {
         constant(self.device, "grid", &grid.uniform())
     }
 }
 
-/// A uniform that never changes.
+/// Creates a uniform buffer that never changes.
 fn constant<T: bytemuck::Pod>(device: &wgpu::Device, label: &str, value: &T) -> wgpu::Buffer {
     device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
         label: Some(label),
@@ -334,7 +332,7 @@ fn constant<T: bytemuck::Pod>(device: &wgpu::Device, label: &str, value: &T) -> 
     })
 }
 
-/// Bodies into depth alone.
+/// Creates the pipeline that draws meshes into depth only.
 fn body_pipeline(device: &Device, view: &wgpu::BindGroupLayout) -> Result<wgpu::RenderPipeline> {
     Recipe {
         vertex: ("draw::body", "body_vertex"),
@@ -346,7 +344,7 @@ fn body_pipeline(device: &Device, view: &wgpu::BindGroupLayout) -> Result<wgpu::
     .build(device)
 }
 
-/// A pipeline over the picture: premultiplied colours, entry points `{name}_vertex` and
+/// Creates a pipeline that blends premultiplied colors over the frame, with entry points `{name}_vertex` and
 /// `{name}_fragment` of `views::{name}`.
 fn overlay(
     device: &Device,

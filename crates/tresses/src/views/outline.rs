@@ -1,23 +1,23 @@
-//! Outlines as lines: boxes of grids, colliders, the surfaces of distance fields.
+//! Outlines as lines: boxes of grids, colliders, surfaces of distance fields.
 
-use super::{Grid, LinePoint};
+use super::{GridView, LinePoint};
 use crate::{Pose, collide::Shape, groom::SdfGrid};
 use glam::{UVec3, Vec3};
 
 /// Points of a full circle.
 const CIRCLE: u32 = 48;
 
-/// How outlines are drawn.
+/// Style of outlines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pen {
-    /// What its colour stands for.
+    /// Value that sets the color.
     pub value: f32,
-    /// Pixels.
+    /// Width of lines, pixels.
     pub width: f32,
 }
 
 impl Pen {
-    /// Adds a line through `points` (world space, metres) to `out`, apart from what `out` holds.
+    /// Adds a line through `points` (world space, meters) to `out`, not connected to earlier lines.
     pub fn line(self, out: &mut Vec<LinePoint>, points: impl IntoIterator<Item = Vec3>) {
         if let Some(last) = out.last() {
             out.push(LinePoint { alpha: -1.0, ..*last });
@@ -31,8 +31,8 @@ impl Pen {
         }));
     }
 
-    /// The twelve edges of the box of `grid`.
-    pub fn cuboid(self, out: &mut Vec<LinePoint>, grid: &Grid<'_>) {
+    /// Adds the twelve edges of the box of `grid`.
+    pub fn cuboid(self, out: &mut Vec<LinePoint>, grid: &GridView<'_>) {
         let corner = |i: usize| Vec3::from_array(std::array::from_fn(|axis| ((i >> axis) & 1) as f32));
         for i in 0..8 {
             for axis in (0..3).filter(|axis| i >> axis & 1 == 0) {
@@ -41,8 +41,8 @@ impl Pen {
         }
     }
 
-    /// A capsule: a circle around each end, two outlines along it. An ellipsoid: its three
-    /// ellipses. Nothing for a field: see [`contours`](Self::contours).
+    /// Adds the outline of a collider. Capsule: a circle around each end and two outlines along it. Ellipsoid: its
+    /// three ellipses. Distance field: nothing, see [`contours`](Self::contours).
     pub fn collider(self, out: &mut Vec<LinePoint>, shape: &Shape, pose: &Pose) {
         let arc = |from: u32, to: u32, form: &dyn Fn(f32, f32) -> Vec3| -> Vec<Vec3> {
             let angle = |i: u32| i as f32 / CIRCLE as f32 * std::f32::consts::TAU;
@@ -73,9 +73,9 @@ impl Pen {
         }
     }
 
-    /// Where `field`, which is at `pose`, has the distance `level` (metres) in planes across `axis`
-    /// (0 to 2) that lie `every` nodes apart: what the hair collides with, not what the mesh looks
-    /// like. A level just above 0 keeps the lines off the mesh.
+    /// Adds lines where `field`, placed at `pose`, has the distance `level` (meters), in planes across `axis` (0 to 2)
+    /// that lie `every` nodes apart. They show the surface that hair collides with, not the mesh. A level just above 0
+    /// keeps the lines off the mesh.
     pub fn contours(
         self,
         out: &mut Vec<LinePoint>,
@@ -97,7 +97,7 @@ impl Pen {
         for plane in (0..n[axis]).step_by(every.max(1) as usize) {
             for i in 0..u.1.saturating_sub(1) {
                 for j in 0..v.1.saturating_sub(1) {
-                    // Around a square of nodes: where the sign changes on an edge.
+                    // Walk around a square of nodes and find edges on which the sign changes.
                     let base = normal * plane + u.0 * i + v.0 * j;
                     let corners = [base, base + u.0, base + u.0 + v.0, base + v.0]
                         .map(|node| (field.node(index(node)), field.distances[index(node) as usize] - level));
@@ -128,13 +128,13 @@ mod tests {
         Pose { rotation: Quat::from_rotation_z(0.7), translation: Vec3::new(0.1, 0.2, 0.3) }
     }
 
-    /// The largest distance of the shown points from a surface, in the frame of [`pose`].
+    /// Returns the largest distance of the visible points from a surface, in the frame of [`pose`].
     fn off(points: &[LinePoint], distance: impl Fn(Vec3) -> f32) -> f32 {
         let shown = points.iter().filter(|p| p.alpha >= 0.0);
         shown.map(|p| distance(pose().inverse().point(p.position)).abs()).fold(0.0, f32::max)
     }
 
-    /// The longest piece that is drawn.
+    /// Returns the length of the longest visible segment.
     fn longest(points: &[LinePoint]) -> f32 {
         let shown = points.windows(2).filter(|w| w[0].alpha >= 0.0 && w[1].alpha >= 0.0);
         shown.map(|w| w[0].position.distance(w[1].position)).fold(0.0, f32::max)
@@ -148,7 +148,7 @@ mod tests {
             assert!(points.len() > 4 * CIRCLE as usize);
             assert!(off(&points, |p| shape::capsule(p, 0.04, half_length).w) < 1e-6);
             assert!(off(&points, |p| shape::capsule(p, 0.05, half_length).w) > 5e-3);
-            // No piece leads from one line to the next.
+            // No segment connects two lines.
             assert!(longest(&points) < 2.0 * half_length + 0.01);
         }
         let radii = Vec3::new(0.05, 0.08, 0.12);
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn contours_are_where_the_field_is_zero() {
+    fn contours_follow_the_level() {
         let field = SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), 41, |p| p.length() - 0.09);
         for axis in 0..3 {
             let mut points = Vec::new();

@@ -1,5 +1,4 @@
-//! Host side of `overdraw.wesl`: strips are drawn into a target that counts them, and the counts become
-//! colours.
+//! Host side of `overdraw.wesl`: draws strips into a target that counts them, then shows the counts as colors.
 
 use super::{Canvas, Paint, overlay};
 use crate::{
@@ -9,21 +8,21 @@ use crate::{
         Binding, Device,
         bindings::layout,
         commands::{cleared, deep},
-        pipeline::{Made, Recipe, blended},
+        pipeline::{PipelineCache, Recipe, blended},
     },
-    light::{self, Seen},
+    light::{self, HairView},
 };
 use std::sync::Arc;
 
-/// Counts exactly up to 2048, and every adapter blends it.
+/// A format that counts exactly up to 2048, and that every adapter can blend.
 const COUNTS: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
 
-/// The two pipelines, counting and showing what was counted, made when they are first asked for.
+/// The pipelines that count and that show the counts, created on first use.
 #[derive(Debug)]
 pub(super) struct Overdraw {
     device: Device,
     light: Arc<light::Pipelines>,
-    made: Made<&'static str, wgpu::RenderPipeline>,
+    made: PipelineCache<&'static str, wgpu::RenderPipeline>,
     layout: wgpu::BindGroupLayout,
     format: wgpu::TextureFormat,
 }
@@ -35,13 +34,13 @@ impl Overdraw {
         Self {
             device: context.device.clone(),
             light: context.pipelines(),
-            made: Made::default(),
+            made: PipelineCache::default(),
             layout,
             format,
         }
     }
 
-    /// Counts the strips of each way to cover pixels, which are as wide as it needs them.
+    /// Returns the counting pipeline for a coverage method, which sets the width of the strips.
     fn count(&self, coverage: Coverage) -> Result<wgpu::RenderPipeline> {
         let vertex = match coverage {
             Coverage::SampleMask => ("draw::hair", "hair_shaded"),
@@ -63,12 +62,12 @@ impl Overdraw {
         })
     }
 
-    /// The strips of `hair` before the body, in colours of their number.
+    /// Records the number of strips of `hair` in front of meshes, as colors.
     pub(super) fn record(
         &self,
         canvas: &mut Canvas<'_, '_>,
         (frame, coverage): (&wgpu::BindGroup, Coverage),
-        hair: &[Seen<'_>],
+        hair: &[HairView<'_>],
         paint: &Paint,
     ) -> Result<()> {
         let count = self.count(coverage)?;
@@ -76,7 +75,7 @@ impl Overdraw {
             let topology = wgpu::PrimitiveTopology::TriangleList;
             overlay(canvas.device, "views::overdraw", &[&self.layout], self.format, topology, false)
         })?;
-        // As large as the picture.
+        // The size of the frame.
         let size = canvas.depth.texture().size();
         let counts = canvas
             .device

@@ -1,26 +1,25 @@
-//! Compositing of values as colours over the finished picture.
+//! Colors for values that are composited over the finished frame.
 
 use crate::Camera;
 use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
 
-/// Which numbers have which colours, and how much of the picture shows through.
+/// Range of values for colors, and opacity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paint {
-    /// The number that is drawn darkest, in the unit of what is shown.
+    /// Value drawn darkest, in the unit of the quantity.
     pub low: f32,
-    /// The number that is drawn brightest.
+    /// Value drawn brightest.
     pub high: f32,
-    /// How opaque it is: of slices and lines 0..1; of a volume the optical depth of one metre of
-    /// `high`, 1/m.
+    /// Opacity. For slices and lines 0..1; for a volume the optical depth of one meter with the value `high`, 1/m.
     pub opacity: f32,
 }
 
-/// What the shaders of the debug views know of [`Paint`] and of the picture.
+/// Shader data of [`Paint`], and of the camera.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct PaintUniform {
-    /// Clip space to the world.
+    /// Clip space to world space.
     pub inverse: Mat4,
     /// [`Paint::low`].
     pub low: f32,
@@ -28,7 +27,7 @@ pub struct PaintUniform {
     pub high: f32,
     /// [`Paint::opacity`].
     pub opacity: f32,
-    /// 1 when the shader applies the sRGB curve, 0 when the output's format does.
+    /// 1 if the shader applies the sRGB curve, 0 if the format of the output does.
     pub encode: u32,
 }
 

@@ -1,13 +1,13 @@
-//! Host side of `peak.wesl`: the largest value of a grid, to choose a range of colours by.
+//! Host side of `peak.wesl`: the largest value of a grid, for the choice of a color range.
 
-use super::{Grid, constant};
+use super::{GridView, constant};
 use crate::{
     Context, Result,
     gpu::{Binding, Kernel, readback},
     strands::buffers::storage,
 };
 
-/// The pipeline.
+/// Kernel that finds the largest value of a grid.
 #[derive(Debug)]
 pub struct Peak {
     context: Context,
@@ -15,7 +15,7 @@ pub struct Peak {
 }
 
 impl Peak {
-    /// Builds it.
+    /// Creates the kernel.
     pub fn new(context: &Context) -> Self {
         Self {
             context: context.clone(),
@@ -27,11 +27,11 @@ impl Peak {
         }
     }
 
-    /// The largest value in `grid` as it is now, at least 0. Waits: not for the frame.
+    /// Returns the current largest value of `grid`, at least 0. It waits for the GPU, so do not use it in every frame.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
-    pub async fn measure(&self, grid: &Grid<'_>) -> Result<f32> {
+    pub async fn measure(&self, grid: &GridView<'_>) -> Result<f32> {
         let result = storage::<f32>(&self.context.device, "peak", 1)?;
         let place = constant(&self.context.device, "peak", &grid.uniform());
         let group = self.kernel.bind(&[

@@ -1,7 +1,7 @@
-//! Whole pictures with a view in them: what [`super::DebugView`] asks for, recorded in the frame.
+//! Records frames that show a [`super::DebugView`].
 
 use super::{
-    Arrows, DebugStage, DebugView, Grid, GuideQuantity, Layer, LinePoint, Paint, Scale, Slices, Streams,
+    Arrows, DebugStage, DebugView, GridView, GuideQuantity, Layer, LinePoint, Paint, Scale, Slices, Streams,
     outline::Pen, strands::StrandsKernel, view::grid,
 };
 use crate::{
@@ -10,39 +10,39 @@ use crate::{
     camera::ToneMap,
     gpu::Commands,
     groom::SdfGrid,
-    light::{Seen, ShadingRate, terms::Terms},
+    light::{HairView, ShadingRate, terms::Terms},
     view::{Picture, View},
     wind::Air,
 };
 use glam::{Vec3, Vec4};
 
-/// About how far contour lines are apart, metres.
+/// Approximate distance between contour planes, meters.
 const CONTOURS: f32 = 0.01;
-/// Distance from the surface at which hair touches it and contour lines lie, metres.
+/// Distance from the surface at which hair touches it, and at which contours are drawn, meters.
 const CONTACT: f32 = 1.5e-3;
-/// The height of a panel of the column of slices, clip space: see [`Slices::panels`]. Three fill it.
+/// Height of a panel in the column of slices, clip space, see [`Slices::panels`]. Three panels fill the column.
 const PANEL: f32 = 0.6;
-/// Streamlines along each edge of the face where the wind comes in.
+/// Streamlines along each edge of the face where the wind enters.
 const STREAMS: u32 = 24;
 /// Steps of a streamline across the grid.
 const STEPS: u16 = 96;
 
-/// What a picture shows.
+/// The active debug view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shown {
-    /// The view.
+pub struct DebugDisplay {
+    /// Debug view.
     pub view: DebugView,
-    /// The number drawn brightest; `None` for that of [`DebugView::scale`].
+    /// Value drawn brightest; `None` for the default of [`DebugView::scale`].
     pub high: Option<f32>,
 }
 
-impl Shown {
-    /// A view with default settings.
+impl DebugDisplay {
+    /// Shows a view with default settings.
     pub fn new(view: DebugView) -> Self {
         Self { view, high: None }
     }
 
-    /// What the colours stand for, with the number that is drawn brightest.
+    /// Returns the color scale, with `high` applied.
     pub fn scale(&self) -> Option<Scale> {
         self.view.scale().map(|scale| match self.high {
             Some(high) => Scale { high, low: if scale.low < 0.0 { -high } else { 0.0 }, ..scale },
@@ -50,38 +50,38 @@ impl Shown {
         })
     }
 
-    /// The picture as the frame is to draw it.
+    /// Returns the settings of a frame with this view.
     pub(crate) fn picture(&self, picture: &Picture) -> Picture {
         let mut picture = Picture { shading: ShadingRate::PerVertex, ..*picture };
         if self.view.strands().is_some() || self.view == DebugView::Shadow {
-            // A colour that encodes a value is not tone mapped.
+            // A color that encodes a value is not tone mapped.
             picture.tone = ToneMap { exposure: 1.0, shoulder: 0.99, desaturation: 0.0 };
         }
         picture
     }
 
-    /// The number drawn brightest.
+    /// Value drawn brightest.
     fn high(&self) -> f32 {
         self.scale().map_or(1.0, |scale| scale.high)
     }
 }
 
-/// The pipelines of all views, and what is kept from picture to picture. Created when first used, so
-/// it costs nothing otherwise.
+/// Pipelines of all debug views, and data kept from frame to frame. The caller creates this on first use, so it costs
+/// nothing otherwise.
 #[derive(Debug)]
 pub struct DebugViews {
     stage: DebugStage,
     strands: StrandsKernel,
     terms: Terms,
-    /// The head's contours, groom space.
+    /// Contours of the head, groom space.
     contours: Vec<LinePoint>,
 }
 
 impl DebugViews {
-    /// Builds them for pictures in an output of `format`.
+    /// Creates the pipelines for an output of `format`.
     ///
     /// # Errors
-    /// [`crate::Error::Gpu`] when wgpu refuses one.
+    /// [`crate::Error::Gpu`] when wgpu rejects a pipeline.
     pub fn new(context: &Context, format: wgpu::TextureFormat) -> Result<Self> {
         Ok(Self {
             stage: DebugStage::new(context, format)?,
@@ -91,7 +91,7 @@ impl DebugViews {
         })
     }
 
-    /// The head's distance field, which [`DebugView::Colliders`] draws; `None` for none.
+    /// Sets the distance field of the head that [`DebugView::Colliders`] draws; `None` removes it.
     pub fn set_head(&mut self, field: Option<&SdfGrid>) {
         self.contours.clear();
         let Some(field) = field else { return };
@@ -102,14 +102,15 @@ impl DebugViews {
         }
     }
 
-    /// Records what stands in the place of the shading of strands; whether something does, or nothing has to.
+    /// Records the kernels that replace the shading of strands, if the view has any. Returns whether normal shading is
+    /// not needed.
     pub(crate) fn shade(
         &self,
         commands: &mut Commands<'_>,
-        shown: &Shown,
+        shown: &DebugDisplay,
         picture: &Picture,
         hair: &[&Hair],
-        seen: &[Seen<'_>],
+        seen: &[HairView<'_>],
     ) -> Result<bool> {
         Ok(match (shown.view.strands(), shown.view.term()) {
             (Some(quantity), _) => {
@@ -123,22 +124,22 @@ impl DebugViews {
                 self.terms.record(commands, seen, term)?;
                 true
             }
-            // Counting strips needs their width.
+            // Overdraw draws the shaded strips.
             (None, None) => shown.view.hides_hair() && shown.view != DebugView::Overdraw,
         })
     }
 
-    /// Records what lies over the finished picture in `output`.
+    /// Records the layers over the finished frame in `output`.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] when the device cannot hold as many lines.
     pub(crate) fn over(
         &mut self,
         commands: &mut Commands<'_>,
-        shown: &Shown,
+        shown: &DebugDisplay,
         picture: &Picture,
         (view, output): (&View, &wgpu::TextureView),
-        (hair, seen): (&[&Hair], &[Seen<'_>]),
+        (hair, seen): (&[&Hair], &[HairView<'_>]),
         bodies: &[&Body],
     ) -> Result<()> {
         let (what, camera, high) = (shown.view, &picture.camera, shown.high());
@@ -168,15 +169,15 @@ impl DebugViews {
         Ok(())
     }
 
-    /// The box of a grid, or the head's contours.
-    fn lines(&self, view: DebugView, hair: &Hair, grid: Option<&Grid<'_>>, high: f32) -> Vec<LinePoint> {
+    /// Returns the edges of the grid's box, or the contours of the head.
+    fn lines(&self, view: DebugView, hair: &Hair, grid: Option<&GridView<'_>>, high: f32) -> Vec<LinePoint> {
         let mut lines = Vec::new();
         match (view, grid) {
             (DebugView::Density | DebugView::Push | DebugView::Wind, Some(grid)) => {
                 Pen { value: 0.3 * high, width: 1.0 }.cuboid(&mut lines, grid);
             }
             (DebugView::Colliders, _) => {
-                // The head's field comes first; it follows the head.
+                // The first collider is the head's field, which follows the head.
                 let pose = hair.colliders.drawn().first().copied().unwrap_or(hair.motion.head);
                 let place = |p: &LinePoint| LinePoint { position: pose.point(p.position), ..*p };
                 lines.extend(self.contours.iter().map(place));
@@ -187,11 +188,11 @@ impl DebugViews {
     }
 }
 
-/// What goes over the picture.
+/// Returns the layers of a view.
 fn layers<'a>(
     view: DebugView,
     hair: &'a Hair,
-    grid: Option<Grid<'a>>,
+    grid: Option<GridView<'a>>,
     lines: &'a [LinePoint],
     seeds: &'a [Vec3],
     paint: impl Fn(f32) -> Paint,
@@ -225,7 +226,7 @@ fn layers<'a>(
             ]
         }
         (DebugView::Distance, Some(grid)) => {
-            // The plane that the camera looks at.
+            // The plane that faces the camera.
             let eye =
                 (grid.pose.inverse().point(camera.eye()) - (Vec3::splat(0.5) - grid.bias) / grid.scale).abs();
             let axis = if eye.x > eye.y.max(eye.z) { 0 } else { 1 + u32::from(eye.z >= eye.y) };
@@ -241,7 +242,7 @@ fn layers<'a>(
     }
 }
 
-/// Where the mid planes stand as a column at the right of a picture of that size: [`Slices::panels`].
+/// Returns the column of panels at the right of a frame of this size, see [`Slices::panels`].
 pub fn panels([width, height]: [u32; 2]) -> Vec4 {
     let aspect = height as f32 / width.max(1) as f32;
     let gap = (2.0 - 3.0 * PANEL) / 4.0;

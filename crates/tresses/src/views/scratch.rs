@@ -1,17 +1,17 @@
-//! Buffers that views fill anew for every picture.
+//! Buffers that debug views fill again in every frame.
 
 use crate::{Result, strands::buffers::storage};
 use std::sync::{Mutex, PoisonError};
 
-/// A buffer that is kept from picture to picture for as long as its size stays.
+/// A buffer that is kept from frame to frame while its size stays the same.
 #[derive(Debug, Default)]
 pub(super) struct Scratch(Mutex<Option<wgpu::Buffer>>);
 
 impl Scratch {
-    /// A buffer for exactly `count` values of `T`.
+    /// Returns a buffer for exactly `count` values of `T`.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`].
+    /// [`crate::Error::Limit`] when the adapter cannot hold the buffer.
     pub(super) fn get<T>(
         &self,
         device: &wgpu::Device,

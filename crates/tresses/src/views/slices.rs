@@ -1,6 +1,6 @@
 //! Host side of `slices.wesl`.
 
-use super::{Canvas, Grid, Paint, constant, overlay};
+use super::{Canvas, GridView, Paint, constant, overlay};
 use crate::{
     Result,
     gpu::{Binding, Device, bindings::layout},
@@ -8,19 +8,18 @@ use crate::{
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 
-/// Which planes of a grid, and where they are shown.
+/// Planes through a grid, and their placement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slices {
     /// Texture coordinates of the planes across x, y and z.
     pub at: Vec3,
-    /// As a column of square panels on the picture instead of in the scene: the lower left corner
-    /// of the first in clip space (xy, -1..1), the panels' height (z) and the way from one down
-    /// to the next (w), both in clip space.
+    /// Places the planes as a column of square panels on the frame, instead of in the scene. All values are in clip
+    /// space: lower left corner of the first panel (xy, -1..1), height of the panels (z), step down from one panel to
+    /// the next (w).
     pub panels: Option<Vec4>,
-    /// Only the plane across this axis, over everything.
+    /// Draws only the plane across this axis, over everything.
     pub facing: Option<u32>,
-    /// From one line of equal value to the next, in the unit of what is shown; that of 0 is broad. 0
-    /// for no lines.
+    /// Interval between contour lines, in the unit of the quantity; 0 for no lines. The line at 0 is wide.
     pub contours: f32,
 }
 
@@ -31,7 +30,7 @@ impl Default for Slices {
     }
 }
 
-/// What the shader knows of [`Slices`].
+/// Shader data of [`Slices`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct SliceUniform {
@@ -47,7 +46,7 @@ pub struct SliceUniform {
     pub _pad: [u32; 3],
 }
 
-/// The pipelines: in the scene the body hides what is behind it, panels lie over everything.
+/// Pipelines. Meshes occlude planes in the scene; panels are over everything.
 #[derive(Debug)]
 pub(super) struct SlicesPipeline {
     scene: wgpu::RenderPipeline,
@@ -74,7 +73,7 @@ impl SlicesPipeline {
     pub(super) fn record(
         &self,
         canvas: &mut Canvas<'_, '_>,
-        grid: &Grid<'_>,
+        grid: &GridView<'_>,
         paint: &Paint,
         slices: &Slices,
     ) {

@@ -1,28 +1,27 @@
-//! Host side of `strands.wesl`: strands in colours that stand for something, through the pipelines
-//! that draw hair.
+//! Host side of `strands.wesl`: colors strands by a quantity. The normal pipelines of hair draw them.
 
 use super::constant;
 use crate::{
     Context, Hair, Result,
     constants::STRAND_WORKGROUP,
     gpu::{Binding, Commands, Kernel},
-    light::Seen,
+    light::HairView,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-/// What the colour of a drawn strand stands for.
+/// Quantity that colors a drawn strand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StrandQuantity {
-    /// The guide with the largest weight.
+    /// Guide with the largest weight.
     Lock = 0,
-    /// The strand itself.
+    /// Strand, a color for each.
     Strand = 1,
-    /// The direction, world axes, as in a normal map.
+    /// Direction in world axes, as in a normal map.
     Tangent = 2,
-    /// Where the strand has changed over because of an obstacle, metres from its root.
+    /// Distance from the root at which an obstacle changes the strand, meters.
     FirstHit = 3,
-    /// By how much it is wider than it would be at full detail, in doublings; its segments show.
+    /// Factor on the width relative to full detail, in doublings. Segments are visible.
     Detail = 4,
 }
 
@@ -30,17 +29,17 @@ pub enum StrandQuantity {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct StrandsUniform {
-    /// Where the camera is, metres.
+    /// Position of the camera, meters.
     pub eye: Vec3,
     /// [`StrandQuantity`].
     pub quantity: u32,
-    /// The number that is drawn brightest.
+    /// Value drawn brightest.
     pub high: f32,
     /// Unused.
     pub _pad: [u32; 3],
 }
 
-/// The pipeline.
+/// Kernel that colors strands.
 #[derive(Debug)]
 pub(super) struct StrandsKernel(Kernel);
 
@@ -51,12 +50,13 @@ impl StrandsKernel {
         Self(Kernel::new(&context.device, "views::strands", &entries))
     }
 
-    /// Colours instead of radiance, for every vertex that is drawn: a quantity as `eye` sees it, `high` the brightest.
+    /// Records the kernel, which writes a color instead of radiance for every drawn vertex: `quantity` seen from `eye`,
+    /// with `high` drawn brightest.
     pub(super) fn record(
         &self,
         commands: &mut Commands<'_>,
         hair: &Hair,
-        seen: &Seen<'_>,
+        seen: &HairView<'_>,
         (eye, quantity, high): (Vec3, StrandQuantity, f32),
     ) -> Result<()> {
         let uniform = StrandsUniform { eye, quantity: quantity as u32, high: high.max(1e-9), _pad: [0; 3] };

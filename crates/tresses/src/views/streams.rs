@@ -1,6 +1,6 @@
 //! Host side of `streams.wesl`.
 
-use super::{Canvas, Grid, LinePoint, constant, scratch::Scratch};
+use super::{Canvas, GridView, LinePoint, constant, scratch::Scratch};
 use crate::{
     Context, Result,
     constants::STRAND_WORKGROUP,
@@ -10,26 +10,25 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use wgpu::util::DeviceExt;
 
-/// Streamlines: where they begin and how far they go.
+/// Streamlines: start points and length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Streams<'a> {
-    /// World space, metres.
+    /// Start points in world space, meters.
     pub seeds: &'a [Vec3],
     /// Points of each line, at least 2.
     pub points: u32,
-    /// From point to point, metres.
+    /// Distance from point to point, meters.
     pub step: f32,
-    /// A line ends where the field is slower than this.
+    /// Minimum speed. A line ends where the field is slower.
     pub least: f32,
 }
 
 impl Streams<'_> {
-    /// Seeds for a wind along `wind` through the box of `grid`: a square lattice of `count` ×
-    /// `count` points before the box's middle, as wide as the box's shortest edge, where the wind
-    /// comes in.
-    pub fn upwind(grid: &Grid<'_>, wind: Vec3, count: u32) -> Vec<Vec3> {
+    /// Returns seeds for a wind along `wind` through the box of `grid`: a square lattice of `count` × `count` points,
+    /// as wide as the shortest edge of the box, on the side where the wind enters.
+    pub fn upwind(grid: &GridView<'_>, wind: Vec3, count: u32) -> Vec<Vec3> {
         let along = grid.pose.rotation.conjugate() * wind.normalize_or(Vec3::Z);
-        // From the middle against the wind to the box's face, and a little back into the box.
+        // From the middle against the wind to the face of the box, and a little back into the box.
         let half = 0.5 * grid.extent();
         let reach = 0.98 * (half / along.abs().max(Vec3::splat(1e-6))).min_element();
         let (right, up) = along.any_orthonormal_pair();
@@ -42,11 +41,11 @@ impl Streams<'_> {
     }
 }
 
-/// What the kernel knows of [`Streams`].
+/// Shader data of [`Streams`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct StreamsUniform {
-    /// How many lines.
+    /// Number of lines.
     pub seeds: u32,
     /// [`Streams::points`].
     pub points: u32,
@@ -56,7 +55,7 @@ pub struct StreamsUniform {
     pub least: f32,
 }
 
-/// The pipeline.
+/// Kernel that traces streamlines.
 #[derive(Debug)]
 pub(super) struct StreamsKernel(Kernel, Scratch);
 
@@ -67,11 +66,11 @@ impl StreamsKernel {
         Self(Kernel::new(&context.device, "views::streams", &entries), Scratch::default())
     }
 
-    /// `streams.points` points per seed; nothing without seeds.
+    /// Records the kernel and returns its output, `streams.points` points per seed, or `None` without seeds.
     pub(super) fn record(
         &self,
         canvas: &mut Canvas<'_, '_>,
-        grid: &Grid<'_>,
+        grid: &GridView<'_>,
         streams: &Streams<'_>,
     ) -> Result<Option<wgpu::Buffer>> {
         if streams.seeds.is_empty() {

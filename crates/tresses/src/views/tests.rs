@@ -1,11 +1,11 @@
-//! The views against what they must show: synthetic grids with known integrals, directions, places.
+//! Compares the views with synthetic grids of known integrals, directions and positions.
 
 use super::{arrows::ArrowsKernel, guides::GuidesKernel, streams::StreamsKernel, *};
 use crate::{
     Context, Pose,
     camera::Camera,
     draw::{Coverage, targets::PICTURE_FORMAT},
-    frame::{Shows, Sight},
+    frame::{ViewContent, ViewPass},
     gpu::{for_tests as context, readback::blocking as readback},
     groom::TriMesh,
     light::HairSet,
@@ -18,7 +18,7 @@ use half::f16;
 
 const SIZE: u32 = 128;
 
-/// A texture of `n`³ texels whose value at texture coordinate `c` is `f(c)`.
+/// Creates a texture of `n`³ texels whose value at texture coordinate `c` is `f(c)`.
 fn texture(context: &Context, n: u32, f: impl Fn(Vec3) -> Vec4) -> wgpu::TextureView {
     let texels: Vec<[f16; 4]> = (0..n * n * n)
         .map(|i| {
@@ -45,11 +45,11 @@ fn texture(context: &Context, n: u32, f: impl Fn(Vec3) -> Vec4) -> wgpu::Texture
 }
 
 /// A box of 20 cm around the origin of `pose`.
-fn grid(texture: &wgpu::TextureView, pose: Pose, quantity: Quantity) -> Grid<'_> {
-    Grid { texture, pose, scale: Vec3::splat(5.0), bias: Vec3::splat(0.5), quantity, turns: true }
+fn grid(texture: &wgpu::TextureView, pose: Pose, quantity: Quantity) -> GridView<'_> {
+    GridView { texture, pose, scale: Vec3::splat(5.0), bias: Vec3::splat(0.5), quantity, turns: true }
 }
 
-/// Orthographic, along -Z, 30 cm wide and high, nearest at z = 1 m and farthest at z = -1 m.
+/// An orthographic camera along -Z, 30 cm wide and high. The near plane is at z = 1 m, the far plane at z = -1 m.
 fn view() -> Camera {
     let half = 0.15;
     Camera {
@@ -64,7 +64,7 @@ fn view() -> Camera {
     }
 }
 
-/// `layers` over nothing but what hides them: RGBA, rows from the top.
+/// Renders `layers` over an empty frame with an optional mesh. Returns RGBA, rows from the top.
 fn picture(context: &Context, layers: &[Layer<'_>], body: Option<&TriMesh>) -> Vec<[u8; 4]> {
     let (device, queue) = (context.device(), context.queue());
     let mut debug = DebugStage::new(context, PICTURE_FORMAT).unwrap();
@@ -72,7 +72,7 @@ fn picture(context: &Context, layers: &[Layer<'_>], body: Option<&TriMesh>) -> V
     let body = body.map(|mesh| Body::new(context, mesh));
     let picture = nothing();
     let mut encoder = device.create_command_encoder(&Default::default());
-    context.recorder(&mut encoder).draw_strands(&[], &[], Sight::new(&view, &picture)).unwrap();
+    context.recorder(&mut encoder).draw_strands(&[], &[], ViewPass::new(&view, &picture)).unwrap();
     body.iter().for_each(|body| body.prepare());
     let bodies: Vec<_> = body.iter().collect();
     let output = view.targets().picture();
@@ -81,7 +81,7 @@ fn picture(context: &Context, layers: &[Layer<'_>], body: Option<&TriMesh>) -> V
     pollster::block_on(view.targets().read()).unwrap().as_chunks().0.to_vec()
 }
 
-/// A view of one sample per pixel, without shadows to speak of.
+/// A view of one sample per pixel, with the smallest shadow maps.
 fn empty(context: &Context) -> View {
     let options = ViewOptions {
         samples: 1,
@@ -93,12 +93,12 @@ fn empty(context: &Context) -> View {
     View::new(context, &options, [SIZE, SIZE], 1).unwrap()
 }
 
-/// What [`view`] sees before nothing.
+/// An empty frame, seen by [`view`].
 fn nothing() -> Picture {
     Picture { camera: view(), background: Background::transparent(), ..Default::default() }
 }
 
-/// What `record` leaves in its buffer.
+/// Returns the buffer that `record` has filled.
 fn points(context: &Context, record: impl FnOnce(&mut Canvas<'_, '_>) -> wgpu::Buffer) -> Vec<LinePoint> {
     let (device, queue) = (context.device(), context.queue());
     let debug = DebugStage::new(context, PICTURE_FORMAT).unwrap();
@@ -120,12 +120,12 @@ fn points(context: &Context, record: impl FnOnce(&mut Canvas<'_, '_>) -> wgpu::B
     readback::buffer(context, &buffer).unwrap()
 }
 
-/// The optical depth of a pixel, from its coverage.
+/// Returns the optical depth of a pixel, from its coverage.
 fn thickness(pixel: &[u8; 4]) -> f64 {
     -(1.0 - f64::from(pixel[3]) / 255.0).ln()
 }
 
-/// The integral of the optical depth over the picture, m², and its centre, pixels.
+/// Returns the integral of the optical depth over the image, m², and its centroid, pixels.
 fn integral(picture: &[[u8; 4]]) -> (f64, [f64; 2]) {
     let mut sums = [0.0; 3];
     for (i, pixel) in picture.iter().enumerate() {
@@ -143,25 +143,25 @@ fn turned() -> Pose {
     Pose { rotation: Quat::from_euler(glam::EulerRot::YXZ, 0.6, 0.4, -0.3), translation: PLACE }
 }
 
-/// A ball of 7 cm and density 3 in a box that is turned and moved.
+/// A ball of radius 7 cm and density 3, for a rotated and translated box.
 fn ball(context: &Context) -> wgpu::TextureView {
     texture(context, 64, |c| Vec4::W * if (c - 0.5).length() < 0.35 { 3.0 } else { 0.0 })
 }
 
 #[test]
-fn a_ball_emits_its_volume() {
+fn volume_emission_matches_a_ball() {
     let Some(context) = context() else { return };
     let texture = ball(context);
     let paint = Paint { low: 0.0, high: 6.0, opacity: 20.0 };
     let layer = Layer::Volume(grid(&texture, turned(), Quantity::Channel(3)), paint);
     let seen = picture(context, &[layer], None);
-    // Half of the range: an optical depth of 10 per metre.
+    // Half of the range: an optical depth of 10 per meter.
     let volume = |radius: f64| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
     let (sum, center) = integral(&seen);
     let error = |radius| (sum / (10.0 * volume(radius)) - 1.0).abs();
     println!("integrated emission of a ball: {:+.2} %", 100.0 * (sum / (10.0 * volume(0.07)) - 1.0));
     assert!(error(0.07) < 0.02 && error(0.072) > 0.05, "{}", error(0.07));
-    // The thickest place is a diameter, in the middle of the picture of the ball.
+    // The largest thickness is a diameter, at the center of the ball's image.
     let pixel = |x: f32| f64::from((x / 0.3 + 0.5) * SIZE as f32);
     let expected = [pixel(PLACE.x), pixel(-PLACE.y)];
     assert!((center[0] - expected[0]).abs() < 0.3 && (center[1] - expected[1]).abs() < 0.3, "{center:?}");
@@ -170,7 +170,7 @@ fn a_ball_emits_its_volume() {
 }
 
 #[test]
-fn the_body_hides_what_is_behind_it() {
+fn mesh_occludes_volume() {
     let Some(context) = context() else { return };
     let texture = ball(context);
     let paint = Paint { low: 0.0, high: 6.0, opacity: 20.0 };
@@ -189,7 +189,7 @@ fn the_body_hides_what_is_behind_it() {
     assert!((sum(Some(&wall(PLACE.z - 0.08))) / whole - 1.0).abs() < 1e-3);
 }
 
-/// sRGB bytes of a number on the ramp.
+/// Returns the color of a value on the ramp, sRGB bytes.
 fn byte_color(t: f32) -> [u8; 3] {
     ramp(t).clamp(Vec3::ZERO, Vec3::ONE).to_array().map(|c| {
         let curve = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
@@ -197,35 +197,35 @@ fn byte_color(t: f32) -> [u8; 3] {
     })
 }
 
-/// How far a pixel is from the colour of a number.
+/// Returns the largest difference of a channel between a pixel and the color of a value.
 fn off(pixel: [u8; 4], t: f32) -> u8 {
     byte_color(t).iter().zip(pixel).map(|(a, b)| a.abs_diff(b)).max().unwrap_or(0)
 }
 
 #[test]
-fn slices_show_the_right_place() {
+fn slices_show_values_at_their_position() {
     let Some(context) = context() else { return };
-    // Every axis has its channel, so that a swapped axis is seen.
+    // Each axis has its own channel, so that the test finds swapped axes.
     let texture = texture(context, 32, |c| c.extend(1.0));
     let paint = Paint { low: 0.0, high: 1.0, opacity: 1.0 };
     let at = Vec3::new(0.3, 0.6, 0.8);
     let pixel = |picture: &[[u8; 4]], x: f32, y: f32| {
-        // Metres from the middle, y up.
+        // Meters from the middle, y up.
         let (x, y) = ((x / 0.3 + 0.5) * SIZE as f32, (0.5 - y / 0.3) * SIZE as f32);
         picture[y as usize * SIZE as usize + x as usize]
     };
     for channel in 0..3 {
         let grid = grid(&texture, Pose::IDENTITY, Quantity::Channel(channel));
-        // Seen along z the other two planes are lines.
+        // Seen along z, the other two planes are lines.
         let seen = picture(context, &[Layer::Slices(grid, paint, Slices { at, ..Default::default() })], None);
-        // The middle of a pixel of the panels, which are 32 pixels wide.
+        // The center of a pixel of the panels, which are 32 pixels wide.
         let (u, v) = (22.5 / 32.0, 6.5 / 32.0);
         let found = pixel(&seen, (u - 0.5) * 0.2, (v - 0.5) * 0.2);
         let value = [u, v, at.z][channel as usize];
         assert!(off(found, value) < 4, "channel {channel}: {found:?} for {value}");
         assert!(off(found, value + 0.1) > 6);
         assert_eq!(pixel(&seen, 0.12, 0.0)[3], 0, "outside of the box");
-        // Panels: left and top of the picture, 0.5 high in clip space, 0.625 apart.
+        // Panels: at the left and top of the image, 0.5 high in clip space, 0.625 apart.
         let panel = Vec4::new(-0.9375, 0.375, 0.5, 0.625);
         let slices = Slices { at, panels: Some(panel), ..Default::default() };
         let seen = picture(context, &[Layer::Slices(grid, paint, slices)], None);
@@ -240,7 +240,7 @@ fn slices_show_the_right_place() {
 }
 
 #[test]
-fn panels_name_the_plane() {
+fn panels_cover_their_area() {
     let Some(context) = context() else { return };
     let texture = texture(context, 8, |_| Vec4::ONE);
     let paint = Paint { low: 0.0, high: 1.0, opacity: 0.5 };
@@ -248,18 +248,18 @@ fn panels_name_the_plane() {
     let layer = Layer::Slices(grid(&texture, Pose::IDENTITY, Quantity::Length), paint, slices);
     let seen = picture(context, &[layer], None);
     let covered: f64 = seen.iter().map(|p| f64::from(p[3]) / 255.0).sum::<f64>() / f64::from(SIZE * SIZE);
-    // Three squares of a quarter of the picture's height, half opaque.
+    // Three squares of a quarter of the image's height, half opaque.
     assert!((covered / (3.0 * 0.0625 * 0.5) - 1.0).abs() < 0.02, "{covered}");
 }
 
 #[test]
-fn strips_are_counted() {
+fn overdraw_counts_strips() {
     let Some(context) = context() else { return };
     use crate::strands::{StrandBuffers, StrandVertex, vertex::pack_tangent};
     let (device, queue) = (context.device(), context.queue());
     let view = empty(context);
-    // Strands from left to right behind each other, 10 mm wide; all cross the right half, the first also
-    // the left one.
+    // Strands from left to right behind each other, 10 mm wide. All cross the right half of the image, and the first
+    // one also crosses the left half.
     let count = 7;
     let strands = StrandBuffers::new(context, count, 2).unwrap();
     let vertices: Vec<_> = (0..count)
@@ -275,9 +275,9 @@ fn strips_are_counted() {
     queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&infos));
     let set = HairSet::new(context, &strands).unwrap();
     let mut views = DebugViews::new(context, PICTURE_FORMAT).unwrap();
-    let shown = Shown { high: Some(10.0), ..Shown::new(DebugView::Overdraw) };
+    let shown = DebugDisplay { high: Some(10.0), ..DebugDisplay::new(DebugView::Overdraw) };
     let picture = nothing();
-    let sight = Sight { shows: Shows::Inside(&mut views, &shown), ..Sight::new(&view, &picture) };
+    let sight = ViewPass { shows: ViewContent::Inside(&mut views, &shown), ..ViewPass::new(&view, &picture) };
     let mut encoder = device.create_command_encoder(&Default::default());
     context.recorder(&mut encoder).draw_strands(&[&set], &[], sight).unwrap();
     queue.submit([encoder.finish()]);
@@ -295,7 +295,7 @@ fn strips_are_counted() {
 
 const SPIN: f32 = 12.0;
 
-/// A field that turns about the box's y axis, 12 rad/s, in m/s.
+/// A field that rotates about the y axis of the box at 12 rad/s, in m/s.
 fn spinning(context: &Context) -> wgpu::TextureView {
     texture(context, 32, |c| ((c - 0.5) / 5.0).cross(Vec3::NEG_Y * SPIN).extend(0.0))
 }
@@ -306,7 +306,7 @@ fn arrows_point_along_the_field() {
     let texture = spinning(context);
     for turns in [true, false] {
         let pose = turned();
-        let grid = Grid { turns, ..grid(&texture, pose, Quantity::Length) };
+        let grid = GridView { turns, ..grid(&texture, pose, Quantity::Length) };
         let arrows = Arrows::over(&grid, Some((1, 0.25)), 8, 1.0);
         let kernel = ArrowsKernel::new(context);
         let points = points(context, |canvas| kernel.record(canvas, &grid, &arrows).unwrap());
@@ -353,7 +353,7 @@ fn streamlines_follow_circles() {
                 worst = worst.max((p.x.hypot(p.z) / radius - 1.0).abs());
                 assert!((point.value - SPIN * radius).abs() < 0.02 * SPIN * radius || step > 0.01);
                 if k == 10 {
-                    // The way it went, and in which sense: about +Y.
+                    // Distance traveled and sense of rotation: about +Y.
                     assert!(
                         ((-p.z).atan2(p.x) - k as f32 * step / radius).abs() < 0.02 || step > 0.01,
                         "{p}"
@@ -367,9 +367,9 @@ fn streamlines_follow_circles() {
     let (worst, shown) = drift(0.004, 0.0);
     println!("streamlines drift by {:.2} %", 100.0 * worst);
     assert!(worst < 0.01 && shown == [64; 3], "{worst} {shown:?}");
-    // Coarse steps leave the circles: the measure sees it.
+    // Coarse steps leave the circles, which shows that the test is sensitive.
     assert!(drift(0.05, 0.0).0 > 0.05);
-    // Where the field is slower than asked for there are no lines.
+    // There are no lines where the field is slower than the minimum.
     assert_eq!(drift(0.004, 0.5).1, [0, 64, 64]);
 }
 
@@ -390,7 +390,7 @@ fn seeds_lie_upwind_inside_the_box() {
 }
 
 #[test]
-fn guides_carry_their_quantities() {
+fn guides_show_speed_strain_and_index() {
     let Some(context) = context() else { return };
     let (count, vertices, samples) = (3, 4, 7);
     let guides = GuideBuffers::new(context, count, vertices, samples).unwrap();
@@ -400,7 +400,7 @@ fn guides_carry_their_quantities() {
     let velocity: Vec<_> = (0..n).map(|i| pack_velocity(Vec3::new(0.0, at(i).0 + at(i).1, 0.0))).collect();
     let current: Vec<_> =
         (0..n).map(|i| [at(i).0, -0.01 * at(i).1 * (1.0 + 0.1 * at(i).0), 0.0, 0.0]).collect();
-    // At rest 1 cm below each other.
+    // At rest, 1 cm apart, downwards.
     let info = vec![Guide { extent: 0.03, ..Guide::default() }; count as usize];
     let place = |i| GuideRest { position: Vec3::new(0.0, 0.03 - 0.01 * at(i).1, 0.0), contact: 0.0 };
     let rest: Vec<_> =
@@ -432,7 +432,7 @@ fn guides_carry_their_quantities() {
 }
 
 #[test]
-fn lines_are_as_wide_as_asked() {
+fn lines_have_requested_width() {
     let Some(context) = context() else { return };
     let paint = Paint { low: 0.0, high: 1.0, opacity: 1.0 };
     let line = |width: f32, hole: f32| -> f64 {
@@ -445,7 +445,7 @@ fn lines_are_as_wide_as_asked() {
         };
         let points = [point(-0.1, 1.0), point(0.0, 1.0), point(0.01, hole), point(0.1, 1.0)];
         let seen = picture(context, &[Layer::Lines(&points, paint)], None);
-        // The ramp's end is bright, the rim black.
+        // The end of the ramp is bright, the rim is black.
         seen.iter().map(|p| f64::from(p[1]) / f64::from(byte_color(1.0)[1])).sum()
     };
     let length = 0.2 * (1.0f64 + 0.09).sqrt() / 0.3 * f64::from(SIZE);
@@ -458,7 +458,7 @@ fn lines_are_as_wide_as_asked() {
 }
 
 #[test]
-fn the_peak_is_found() {
+fn peak_finds_the_largest_value() {
     let Some(context) = context() else { return };
     let texture = texture(context, 20, |c| {
         let here = (c - Vec3::new(0.975, 0.525, 0.925)).length() < 1e-3;

@@ -1,64 +1,64 @@
-//! The debug views: one list for every program that offers them.
+//! The list of debug views, shared by all programs that offer them.
 
-use super::{Grid, Quantity, StrandQuantity};
+use super::{GridView, Quantity, StrandQuantity};
 use crate::{Hair, Pose, light::Term, simulate::SimulationParams, volume::HairHairMode};
 use glam::Vec3;
 
-/// What a picture shows instead of hair as it looks.
+/// A debug view: the quantity that a frame shows instead of shaded hair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DebugView {
-    /// The simulated strands, a colour each.
+    /// Guides (the simulated strands), a color each.
     Guides,
-    /// The simulated strands by speed.
+    /// Guides by speed.
     Speed,
-    /// The simulated strands by strain.
+    /// Guides by strain.
     Strain,
-    /// Strands by their first guide.
+    /// Strands by the guide with the largest weight.
     Locks,
-    /// Strands by number.
+    /// Strands by index.
     Strands,
     /// Strands by direction.
     Tangents,
-    /// Strands that obstacles have changed.
+    /// Strands changed by obstacles.
     FirstHit,
     /// Strands by level of detail.
     Detail,
-    /// Fragments per pixel.
+    /// Overdraw: strips per pixel.
     Overdraw,
-    /// The grid of the hair's density.
+    /// Grid of the hair's density.
     Density,
-    /// The grid of the push out of dense hair.
+    /// Grid of the push out of dense hair.
     Push,
-    /// The flow of the air.
+    /// Flow of the air.
     Wind,
-    /// The obstacles' surface as contour lines.
+    /// Surface of the obstacles, as contour lines.
     Colliders,
-    /// The distance to the obstacles.
+    /// Distance to the obstacles.
     Distance,
-    /// Light mirrored by the fibres' surface.
+    /// Light reflected by the surface of fibers (R).
     Reflection,
-    /// Light straight through fibres.
+    /// Light transmitted straight through fibers (TT).
     Transmission,
-    /// Light reflected inside fibres.
+    /// Light reflected inside fibers (TRT).
     Inner,
-    /// Light that several fibres have scattered.
+    /// Light scattered by several fibers.
     Multiple,
-    /// Light of the sky.
+    /// Light from the sky.
     Sky,
-    /// Light of the lights.
+    /// Light from the directional lights.
     Direct,
-    /// The share of the light that arrives.
+    /// Fraction of the direct light that arrives.
     Shadow,
 }
 
-/// What the colours of a view stand for: [`super::ramp`] from `low` to `high`.
+/// Color scale of a view: [`super::ramp`] from `low` to `high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
-    /// What it is, with its unit.
+    /// Quantity, with its unit.
     pub title: &'static str,
-    /// The number drawn darkest.
+    /// Value drawn darkest.
     pub low: f32,
-    /// The value drawn brightest by default.
+    /// Value drawn brightest by default.
     pub high: f32,
 }
 
@@ -88,41 +88,35 @@ impl DebugView {
         Self::Shadow,
     ];
 
-    /// The word for command lines and files, its label in a menu, and a hint of one line.
+    /// Name for command lines and files, label for a menu, and a hint of one line.
     fn words(self) -> [&'static str; 3] {
         match self {
-            Self::Guides => ["guides", "Guides", "The simulated strands alone, each in its own colour"],
-            Self::Speed => ["speed", "Speed of the guides", "The simulated strands, coloured by their speed"],
-            Self::Strain => {
-                ["strain", "Strain of the guides", "How far the edges of guides are from their rest length"]
-            }
+            Self::Guides => ["guides", "Guides", "Simulated strands only, one color per strand"],
+            Self::Speed => ["speed", "Guide speed", "Simulated strands, colored by speed"],
+            Self::Strain => ["strain", "Guide strain", "Deviation of guide edges from their rest length"],
             Self::Locks => {
-                ["locks", "Locks", "Each strand in the colour of the guide with the largest weight"]
+                ["locks", "Locks", "Each strand in the color of the guide with the largest weight"]
             }
-            Self::Strands => ["strands", "Strand ids", "Each strand in a colour of its own"],
+            Self::Strands => ["strands", "Strand ids", "One color per strand"],
             Self::Tangents => {
                 ["tangents", "Tangents", "Directions: red to the character's left, green up, blue forward"]
             }
             Self::FirstHit => [
                 "first-hit",
                 "First hit",
-                "Strands changed by an obstacle, by how far from the root; others grey",
+                "Strands changed by an obstacle, by distance from the root; others gray",
             ],
-            Self::Detail => [
-                "lod",
-                "Level of detail",
-                "How much wider strands are, for those left out; segments as bands",
-            ],
-            Self::Overdraw => {
-                ["overdraw", "Overdraw", "How many strips are drawn over each pixel, without depth test"]
+            Self::Detail => {
+                ["lod", "Level of detail", "Widening that makes up for dropped strands; segments as bands"]
             }
+            Self::Overdraw => ["overdraw", "Overdraw", "Strips drawn over each pixel, without depth test"],
             Self::Density => {
-                ["density", "Density", "How dense the hair is: a volume, and slices through its middle"]
+                ["density", "Density", "Density of the hair: a volume, and slices through its middle"]
             }
-            Self::Push => ["push", "Push", "How hair that is denser than at rest is pushed"],
-            Self::Wind => ["wind", "Wind", "How the air flows: streamlines, and slices of its speed"],
+            Self::Push => ["push", "Push", "Push on hair that is denser than at rest"],
+            Self::Wind => ["wind", "Wind", "Flow of the air: streamlines, and slices of its speed"],
             Self::Colliders => {
-                ["colliders", "Colliders", "The surface that hair collides with, as contour lines 1 cm apart"]
+                ["colliders", "Colliders", "Surface that hair collides with, as contour lines 1 cm apart"]
             }
             Self::Distance => [
                 "sdf",
@@ -135,7 +129,7 @@ impl DebugView {
                 "Light reflected at the surface; Kajiya–Kay: first highlight",
             ],
             Self::Transmission => {
-                ["transmission", "Transmission (TT)", "Light transmitted straight through fibres"]
+                ["transmission", "Transmission (TT)", "Light transmitted straight through fibers"]
             }
             Self::Inner => [
                 "inner",
@@ -145,75 +139,75 @@ impl DebugView {
             Self::Multiple => [
                 "multiple",
                 "Multiple scattering",
-                "Light scattered by other fibres; Kajiya–Kay: diffuse light",
+                "Light scattered by other fibers; Kajiya–Kay: diffuse light",
             ],
-            Self::Sky => ["sky", "Sky light", "The environment alone"],
-            Self::Direct => ["direct", "Direct light", "The directional lights alone"],
-            Self::Shadow => ["shadow", "Shadow", "The fraction of the direct light that arrives"],
+            Self::Sky => ["sky", "Sky light", "Light from the environment only"],
+            Self::Direct => ["direct", "Direct light", "Light from the directional lights only"],
+            Self::Shadow => ["shadow", "Shadow", "Fraction of the direct light that arrives"],
         }
     }
 
-    /// A word in lower case, for command lines and files.
+    /// Name in lower case, for command lines and files.
     pub fn name(self) -> &'static str {
         self.words()[0]
     }
 
-    /// What a menu calls it.
+    /// Label for a menu.
     pub fn label(self) -> &'static str {
         self.words()[1]
     }
 
-    /// What it shows, in one line.
+    /// Description in one line.
     pub fn hint(self) -> &'static str {
         self.words()[2]
     }
 
-    /// The view of a [`name`](Self::name).
+    /// Returns the view with a [`name`](Self::name).
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|view| view.name() == name)
     }
 
-    /// What its colours stand for, where that is a number.
+    /// Color scale, if the colors encode a number.
     pub fn scale(self) -> Option<Scale> {
         let scale = |title, high| Some(Scale { title, low: 0.0, high });
         match self {
             Self::Speed => scale("speed, m/s", 1.0),
             Self::Strain => scale("strain", 0.01),
-            Self::FirstHit => scale("from the root, m", 0.25),
-            Self::Detail => scale("doublings of the width", 4.0),
+            Self::FirstHit => scale("root distance, m", 0.25),
+            Self::Detail => scale("width doublings", 4.0),
             Self::Overdraw => scale("strips per pixel", 100.0),
             Self::Density => scale("density, km/m³", 2000.0),
             Self::Push => scale("push, m/s²", 5.0),
-            Self::Wind => scale("speed of the air, m/s", 10.0),
+            Self::Wind => scale("air speed, m/s", 10.0),
             Self::Distance => Some(Scale { title: "distance, m", low: -0.1, high: 0.1 }),
-            Self::Shadow => scale("share of the light", 1.0),
+            Self::Shadow => scale("fraction of the light", 1.0),
             _ => None,
         }
     }
 
-    /// Why there would be nothing to see with these physics.
+    /// Returns the reason if the view would be empty with these physics.
     pub fn missing(self, physics: &SimulationParams) -> Option<&'static str> {
         match self {
             Self::Density | Self::Push if physics.hair_hair.mode == HairHairMode::Off => {
-                Some("hair–hair interaction is off: there is no grid")
+                Some("self-collision is off, so there is no grid")
             }
             Self::Wind if !physics.wind.blows() => Some("there is no wind"),
             _ => None,
         }
     }
 
-    /// Whether hair is left out of the picture, which would hide what is to be seen.
+    /// Whether the frame leaves out hair, which would occlude the view.
     pub fn hides_hair(self) -> bool {
         use DebugView::*;
         matches!(self, Guides | Speed | Strain | Overdraw | Density | Push | Distance)
     }
 
-    /// The grid whose values it shows, where it shows one and there is one: what [`super::Peak`] measures.
-    pub fn grid(self, hair: &Hair) -> Option<Grid<'_>> {
+    /// Returns the grid whose values the view shows, if it has one. [`super::Peak`] measures it.
+    pub fn grid(self, hair: &Hair) -> Option<GridView<'_>> {
         grid(self, hair).filter(|_| self != Self::Distance)
     }
 
-    /// The quantity that drawn strands have the colour of.
+    /// Quantity that colors the drawn strands.
     pub(super) fn strands(self) -> Option<StrandQuantity> {
         match self {
             Self::Locks => Some(StrandQuantity::Lock),
@@ -225,7 +219,7 @@ impl DebugView {
         }
     }
 
-    /// The term of the shading that is shown alone.
+    /// Term of the shading that is shown alone.
     pub fn term(self) -> Option<Term> {
         match self {
             Self::Reflection => Some(Term::Reflection),
@@ -240,18 +234,18 @@ impl DebugView {
     }
 }
 
-/// The grid that a view shows, or the box in which it looks.
-pub(super) fn grid(view: DebugView, hair: &Hair) -> Option<Grid<'_>> {
+/// Returns the grid that a view shows, or the box in which it evaluates its values.
+pub(super) fn grid(view: DebugView, hair: &Hair) -> Option<GridView<'_>> {
     let volume = &hair.volume;
     let (texture, quantity, turns) = match view {
         DebugView::Density => (&volume.hair, Quantity::Channel(3), false),
         DebugView::Push => (&volume.push, Quantity::Length, true),
-        // The box alone.
+        // Only the box matters.
         DebugView::Distance => (&volume.hair, Quantity::Channel(0), false),
         DebugView::Wind => {
             let air = hair.air.as_ref()?;
             let place = air.now();
-            return Some(Grid {
+            return Some(GridView {
                 texture: &air.view,
                 pose: hair.motion.to_drawn.after(&Pose { translation: place.corner, ..Pose::IDENTITY }),
                 scale: Vec3::splat(place.scale),
@@ -263,7 +257,7 @@ pub(super) fn grid(view: DebugView, hair: &Hair) -> Option<Grid<'_>> {
         _ => return None,
     };
     let (scale, bias) = (Vec3::splat(volume.grid.scale), volume.grid.bias);
-    Some(Grid { texture, pose: hair.motion.head, scale, bias, quantity, turns })
+    Some(GridView { texture, pose: hair.motion.head, scale, bias, quantity, turns })
 }
 
 #[cfg(test)]
@@ -271,7 +265,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_view_has_words_of_its_own() {
+    fn views_have_unique_names_and_labels() {
         for (i, view) in DebugView::ALL.into_iter().enumerate() {
             assert_eq!(DebugView::named(view.name()), Some(view));
             assert!(view.hint().len() <= 80 && !view.hint().ends_with('.'), "{}", view.hint());

@@ -1,12 +1,12 @@
 //! Host side of `volume.wesl`.
 
-use super::{Canvas, Grid, Paint, overlay};
+use super::{Canvas, GridView, Paint, overlay};
 use crate::{
     Result,
     gpu::{Binding, Device, bindings::layout},
 };
 
-/// The pipeline of the ray march.
+/// Pipeline of the ray march.
 #[derive(Debug)]
 pub(super) struct Volume {
     pipeline: wgpu::RenderPipeline,
@@ -23,7 +23,7 @@ impl Volume {
         Ok(Self { pipeline, layout })
     }
 
-    pub(super) fn record(&self, canvas: &mut Canvas<'_, '_>, grid: &Grid<'_>, paint: &Paint) {
+    pub(super) fn record(&self, canvas: &mut Canvas<'_, '_>, grid: &GridView<'_>, paint: &Paint) {
         let (paint, place) = (canvas.paint(paint), canvas.grid(grid));
         let resources = [
             paint.as_entire_binding(),

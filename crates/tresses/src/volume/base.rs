@@ -1,7 +1,7 @@
-//! A groom's constants in the uniforms: how much hair a sample, an integer unit and a cell represent.
+//! Constants of a groom in the uniforms: hair per sample, per integer unit and per cell.
 
 use super::{
-    grid::{Grid, mean_density},
+    grid::{VolumeGrid, mean_density},
     params::VolumeUniforms,
 };
 use crate::{
@@ -11,21 +11,26 @@ use crate::{
 };
 use glam::{Quat, Vec3};
 
-/// What all hair together weighs in the integers of the splat.
+/// Sum of all hair in the integer units of the splat.
 pub(super) const TOTAL_UNITS: f64 = (1u64 << 30) as f64;
 
-/// The most vertices of a guide that become one sample.
+/// Maximum number of vertices of a guide in one sample.
 const MOST_TOGETHER: u32 = 4;
 
 impl VolumeUniforms {
-    /// What depends on the groom and its grid alone.
-    pub(super) fn of(grid: &Grid, guides: &GuideBuffers, rest: &RestGuides, most_splatted: u32) -> Self {
-        // The blur sees no gaps between samples that are up to one and a half cells apart.
+    /// Returns the uniforms that depend only on the groom and its grid.
+    pub(super) fn of(
+        grid: &VolumeGrid,
+        guides: &GuideBuffers,
+        rest: &RestGuides,
+        most_splatted: u32,
+    ) -> Self {
+        // The blur hides gaps of up to one and a half cells between samples.
         let edges = guides.vertex_count.saturating_sub(1).max(1) as f32;
         let lengths = rest.info.iter().map(|guide| (guide.strands * guide.length, guide.strands));
         let (metres_of, strands_of) = lengths.fold((0f32, 0f32), |sum, x| (sum.0 + x.0, sum.1 + x.1));
         let edge = metres_of / strands_of / edges;
-        // Also where there is no hair or no number.
+        // Clamped also without hair, where the ratio is NaN.
         let vertices_per_sample = ((1.5 * grid.cell / edge) as u32).clamp(1, MOST_TOGETHER);
         let samples = guides.vertex_count.div_ceil(vertices_per_sample);
         let stride = guides.count.saturating_mul(samples).div_ceil(most_splatted).max(1);
@@ -58,12 +63,12 @@ impl VolumeUniforms {
         }
     }
 
-    /// How many workgroups splat the hair.
+    /// Returns the number of workgroups of the splat.
     pub(super) fn splat_workgroups(&self) -> u32 {
         (self.splat_count * self.samples).div_ceil(VOLUME_WORKGROUP)
     }
 
-    /// These with the head at `pose`, moving at `drift` (m/s).
+    /// Returns the uniforms with the head at `pose`, moving at `drift` (m/s).
     pub(super) fn placed(&self, pose: &Pose, drift: Vec3) -> Self {
         Self { head: pose.rotation.into(), head_at: pose.translation, drift, ..*self }
     }

@@ -1,30 +1,30 @@
-//! The position of the grid, and the density of a groom.
+//! Position of the grid, and mean density of a groom.
 
 use crate::strands::RestGuides;
 use glam::{IVec3, Vec3};
 
-/// The grid is this much larger than the rest hair, so that swinging hair stays in it.
+/// Size of the grid relative to the rest hair; the margin is for swinging hair.
 const ROOM: f32 = 1.3;
-/// Edge of the cells in which the mean density of a groom is measured, metres.
+/// Edge of the cells in which the mean density of a groom is measured, meters.
 const MEASURE: f32 = 0.03;
 
 /// A cube of cells in groom space, the head's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Grid {
-    /// Its lowest corner, metres.
+pub struct VolumeGrid {
+    /// Lowest corner, meters.
     pub origin: Vec3,
-    /// Edge of a cell, metres.
+    /// Edge of a cell, meters.
     pub cell: f32,
     /// Cells along each axis.
     pub resolution: u32,
     /// Texture coordinate of the head's origin.
     pub bias: Vec3,
-    /// Texture coordinates per metre.
+    /// Texture coordinates per meter.
     pub scale: f32,
 }
 
-impl Grid {
-    /// The grid of hair that rests at `positions` (groom space, metres).
+impl VolumeGrid {
+    /// Returns the grid around hair that rests at `positions` (groom space, meters).
     pub fn around(positions: impl Iterator<Item = Vec3>, resolution: u32) -> Self {
         let (lo, hi) = positions
             .map(|p| (p, p))
@@ -36,7 +36,7 @@ impl Grid {
     }
 }
 
-/// The mean density at rest, weighted by hair, km/m³; independent of the grid.
+/// Returns the mean density at rest, weighted by hair, km/m³; independent of the grid.
 pub(super) fn mean_density(rest: &RestGuides) -> f32 {
     let n = rest.vertex_count.max(2) as usize;
     let mut masses: Vec<(IVec3, f64)> = rest
@@ -68,9 +68,9 @@ mod tests {
     use crate::strands::{Guide, GuideRest};
 
     #[test]
-    fn the_grid_holds_the_hair_and_room_to_swing() {
+    fn grid_encloses_hair_with_margin() {
         let points = [Vec3::new(-0.1, 1.2, 0.0), Vec3::new(0.1, 1.7, 0.05)];
-        let grid = Grid::around(points.into_iter(), 32);
+        let grid = VolumeGrid::around(points.into_iter(), 32);
         assert!((grid.cell * 32.0 - 0.65).abs() < 1e-6);
         for p in points {
             let c = p * grid.scale + grid.bias;
@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn evenly_spread_hair_has_its_mean_density() {
+    fn mean_density_of_uniform_hair_is_exact() {
         // 1,000 guides of 3 cm in a cube of 30 cm, 10 strands each: 300 m in 0.027 m³.
         let (count, n) = (1000, 4);
         let info = vec![Guide { length: 0.03, stiffness: 1.0, strands: 10.0, ..Guide::default() }; count];

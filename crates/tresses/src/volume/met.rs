@@ -1,4 +1,4 @@
-//! Another groom in the grid of one.
+//! Another groom in a groom's grid.
 
 use super::{
     Pipelines,
@@ -7,9 +7,9 @@ use super::{
 use crate::Pose;
 use glam::Vec3;
 
-/// A groom that is met in this frame.
+/// Another groom that meets this one in this frame.
 #[derive(Debug)]
-pub(super) struct Met {
+pub(super) struct Neighbor {
     pub guides: wgpu::Buffer,
     pub uniforms: wgpu::Buffer,
     pub splat: wgpu::BindGroup,
@@ -18,8 +18,8 @@ pub(super) struct Met {
     pub closing: Vec3,
 }
 
-impl Met {
-    /// Records it into the grid in step `i`.
+impl Neighbor {
+    /// Records the splat of its hair in step `i`.
     pub fn record(&self, pipelines: &Pipelines, pass: &mut crate::gpu::ComputePass<'_>, i: u32) {
         pipelines.splat.record(pass, &self.splat, &[offset(i)], self.base.splat_workgroups());
     }

@@ -1,13 +1,13 @@
-//! Hair of other grooms in the grid of one: where two characters touch, each has the other's hair in its own grid as well,
-//! which pushes and rubs as its own does.
+//! Hair of other grooms in one groom's grid: where two characters touch, each has the other's hair in its own grid,
+//! where it pushes and rubs like its own.
 //!
-//! The kernel is the one that splats the groom's own hair, with uniforms that take the other's guides from the frame in
-//! which they are simulated into the grid. Sums of integers do not depend on their order, so that it does not matter in
-//! which order others come. They are where their last step left them: two grooms that meet see each other by turns.
+//! The splat kernel runs again for each other groom. Its uniforms transform the other's guides from their simulation
+//! frame into this grid. Sums of integers are independent of order, so the order of the other grooms does not matter.
+//! Their guides are in the state after their last step: two grooms that meet are simulated in turn.
 
 use super::{
     HairHair, Volume,
-    met::Met,
+    met::Neighbor,
     params::{STRIDE, VolumeUniforms},
     state::{Slots, slot},
 };
@@ -19,26 +19,26 @@ use crate::{
 };
 use glam::Vec3;
 
-/// Another groom, and how it lies to this one.
+/// Another groom and its relation to this one.
 #[derive(Debug)]
-pub(crate) struct Other<'a> {
+pub(crate) struct OtherGroom<'a> {
     pub guides: &'a GuideBuffers,
     pub volume: &'a Volume,
-    /// From the frame in which it is simulated to that of this hair.
+    /// Transform from the other's simulation frame to this hair's.
     pub way: Pose,
-    /// By how much faster this hair's frame goes than the other's, m/s in the axes of this one's.
+    /// Velocity of this hair's frame relative to the other's, m/s, in this frame's axes.
     pub closing: Vec3,
 }
 
 impl Volume {
-    /// In the next frame `others` are in its grid as well.
-    pub(crate) fn meet<'a>(&mut self, context: &Context, others: impl Iterator<Item = Other<'a>>) {
+    /// Adds `others` to the grid in the next frame.
+    pub(crate) fn meet<'a>(&mut self, context: &Context, others: impl Iterator<Item = OtherGroom<'a>>) {
         let Context { device, .. } = context;
         let mut before = std::mem::take(&mut self.others);
-        let mut met = |Other { guides, volume, way, closing }: Other<'_>| {
+        let mut met = |OtherGroom { guides, volume, way, closing }: OtherGroom<'_>| {
             let known = before.iter().position(|met| met.guides == guides.current);
             if let Some(known) = known {
-                return Met { way, closing, ..before.swap_remove(known) };
+                return Neighbor { way, closing, ..before.swap_remove(known) };
             }
             let uniforms = bindings::uniform(device, "volume steps", (STRIDE * MAX_STEPS) as usize);
             let buffers =
@@ -46,33 +46,34 @@ impl Volume {
             let bound = buffers.map(wgpu::Buffer::as_entire_binding);
             let entries: Vec<_> = std::iter::once(slot(&uniforms)).chain(bound).collect();
             let splat = self.pipelines.splat.bind(&entries);
-            Met { guides: guides.current.clone(), uniforms, splat, base: volume.base, way, closing }
+            Neighbor { guides: guides.current.clone(), uniforms, splat, base: volume.base, way, closing }
         };
         self.others = others.filter(|other| other.volume.base.metres() > 0.0).map(&mut met).collect();
         self.meets_next = true;
     }
 
-    /// Whether any others are in its grid in this frame.
+    /// Returns whether the grid holds other grooms in this frame.
     pub(crate) fn meets(&self) -> bool {
         !self.others.is_empty()
     }
 
-    /// A frame begins: those of the last one, whom it does not meet again, are forgotten.
+    /// Begins a frame: removes the other grooms if [`meet`](Self::meet) was not called since the last frame.
     pub(crate) fn begin(&mut self) {
         if !std::mem::take(&mut self.meets_next) {
             self.others.clear();
         }
     }
 
-    /// By how much the integers of all hair are smaller, so that their sum is no larger.
+    /// Returns the factor that reduces the integer units of all hair, so that their sum is no larger than without other
+    /// grooms.
     pub(super) fn shared_units(&self) -> f64 {
         let own = self.base.metres();
         let others: f64 = self.others.iter().map(|met| met.base.metres()).sum();
         if own > 0.0 { own / (own + others) } else { 1.0 }
     }
 
-    /// Writes the uniforms of others for the steps of `frame`, before which this hair's frame was shifted, so that `shift`
-    /// was added to positions, metres.
+    /// Writes the uniforms of the other grooms for the steps of `frame`. `shift`, meters, was added to all positions of
+    /// this hair before these steps.
     pub(crate) fn prepare_others(
         &self,
         context: &Context,
@@ -98,7 +99,7 @@ impl Volume {
             };
             let mut slots = Slots::new(MAX_STEPS);
             for (i, step) in frame.last().iter().enumerate() {
-                // The head as the other's carrier has it.
+                // The head's pose in the other's carrier frame.
                 let head = way.inverse().after(&step.begin);
                 let drift = way.rotation.conjugate() * (step.drift(frame.length) + met.closing);
                 slots.put(i as u32, &base.placed(&head, drift));
@@ -109,12 +110,12 @@ impl Volume {
 }
 
 impl VolumeUniforms {
-    /// The length of all hair, metres.
+    /// Returns the total length of hair, meters.
     fn metres(&self) -> f64 {
         f64::from(self.density) * super::base::TOTAL_UNITS * 1e3 * f64::from(self.cell).powi(3)
     }
 
-    /// For how much hair each metre that is splatted stands.
+    /// Returns the length of hair that one splatted meter represents, meters.
     fn strands_each(&self) -> f32 {
         self.density * 1e3 * self.cell.powi(3) * self.units
     }

@@ -4,47 +4,44 @@ use crate::{Result, constants::MAX_TAPS, groom::range, range::Range};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-/// How dense hair defends its volume.
+/// Repulsion of dense hair.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum HairHairMode {
-    /// Hairs pass through each other; costs nothing.
+    /// No repulsion and no friction; costs nothing.
     Off = 0,
-    /// Along the negative gradient of the blurred density, as strongly as the density exceeds what
-    /// it is at rest, and friction between hairs.
+    /// Push along the negative gradient of the blurred excess over the rest density, and friction between hairs.
     #[default]
     Gradient = 1,
-    /// For comparison: a push of fixed magnitude out of each cell that is too dense, towards its
-    /// least dense neighbour, without blur and without friction, after Bertails, Ménier and Cani
-    /// 2005.
+    /// For comparison: a push of fixed magnitude out of each cell that is too dense, towards its least dense neighbor,
+    /// without blur or friction (Bertails, Ménier and Cani 2005).
     Fixed = 2,
 }
 
-/// What hairs do to each other.
+/// Parameters of hair–hair interaction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HairHair {
-    /// How dense hair defends its volume.
+    /// Repulsion of dense hair.
     pub mode: HairHairMode,
-    /// Speed of sound of hair that is pressed together, m/s: the pressure is its square times the
-    /// excess of density. What a step cannot follow (a wave farther than `blur` in a step) is cut.
+    /// Speed of sound in compressed hair, m/s: the pressure is its square times the excess density. Limited to `blur`
+    /// per step, the fastest wave that a step can follow.
     pub speed: f32,
-    /// By how much hair may be denser than at rest before it pushes, as a fraction.
+    /// Excess over the rest density, as a fraction, up to which hair does not push.
     pub tolerance: f32,
-    /// Standard deviation of the density's blur, metres. What the grid itself blurs is counted.
+    /// Standard deviation of the density's blur, meters, including the blur of the grid itself.
     pub blur: f32,
-    /// Rate at which a hair takes on the mean velocity of the hair around it, where that is as
-    /// dense as the groom is on average, 1/s.
+    /// Rate at which a hair approaches the mean velocity of the surrounding hair, 1/s, at the groom's mean density.
     pub friction: f32,
-    /// The largest acceleration of the push, m/s².
+    /// Largest acceleration of the push, m/s².
     pub limit: f32,
-    /// The magnitude of the push of [`HairHairMode::Fixed`], m/s².
+    /// Magnitude of the push of [`HairHairMode::Fixed`], m/s².
     pub fixed: f32,
-    /// Stiffness of the [links](crate::simulate::links) between neighbouring guides, by which hair holds hair: acceleration
-    /// per distance, 1/s²; 0 for none. Only hair that was [made](crate::HairOptions::simulation) with links has them.
+    /// Stiffness of the [links](crate::simulate::links) between neighboring guides, as acceleration per distance, 1/s²;
+    /// 0 for none. Only hair [created](crate::HairOptions::simulation) with links has them.
     pub cohesion: f32,
-    /// The largest acceleration by one link, m/s²: beyond, hair slides along hair.
+    /// Largest acceleration by one link, m/s². Beyond it, hair slides along hair.
     pub cohesion_limit: f32,
-    /// How far apart the guide vertices are that are linked, metres.
+    /// Distance of linked guide vertices, meters.
     pub cohesion_reach: f32,
 }
 
@@ -81,30 +78,30 @@ impl HairHair {
     };
 
     /// The range of [`speed`](Self::speed).
-    pub const SPEED: Range = range!("hair-hair speed", 0.0 to 10.0, "m/s");
+    pub const SPEED: Range = range!("self-collision speed", 0.0 to 10.0, "m/s");
     /// The range of [`tolerance`](Self::tolerance).
-    pub const TOLERANCE: Range = range!("hair-hair tolerance", 0.0 to 100.0; usually 0.0 to 10.0);
+    pub const TOLERANCE: Range = range!("self-collision tolerance", 0.0 to 100.0; usually 0.0 to 10.0);
     /// The range of [`blur`](Self::blur).
-    pub const BLUR: Range = range!("hair-hair blur", 0.0 to 1.0, "m"; usually 0.0 to 0.1);
+    pub const BLUR: Range = range!("self-collision blur", 0.0 to 1.0, "m"; usually 0.0 to 0.1);
     /// The range of [`friction`](Self::friction).
-    pub const FRICTION: Range = range!("hair-hair friction", 0.0 to 1e4, "1/s"; usually 0.0 to 200.0);
+    pub const FRICTION: Range = range!("self-collision friction", 0.0 to 1e4, "1/s"; usually 0.0 to 200.0);
     /// The range of [`limit`](Self::limit).
-    pub const LIMIT: Range = range!("hair-hair limit", 0.0 to 1e4, "m/s²"; usually 0.0 to 1000.0);
+    pub const LIMIT: Range = range!("self-collision limit", 0.0 to 1e4, "m/s²"; usually 0.0 to 1000.0);
     /// The range of [`fixed`](Self::fixed).
-    pub const FIXED: Range = range!("hair-hair fixed push", 0.0 to 1e4, "m/s²"; usually 0.0 to 1000.0);
+    pub const FIXED: Range = range!("self-collision fixed push", 0.0 to 1e4, "m/s²"; usually 0.0 to 1000.0);
     /// The range of [`cohesion`](Self::cohesion).
-    pub const COHESION: Range = range!("hair-hair cohesion", 0.0 to 1e6, "1/s²"; usually 0.0 to 2000.0);
+    pub const COHESION: Range = range!("self-collision cohesion", 0.0 to 1e6, "1/s²"; usually 0.0 to 2000.0);
     /// The range of [`cohesion_limit`](Self::cohesion_limit).
     pub const COHESION_LIMIT: Range =
-        range!("hair-hair cohesion limit", 0.0 to 1e4, "m/s²"; usually 0.0 to 1000.0);
+        range!("self-collision cohesion limit", 0.0 to 1e4, "m/s²"; usually 0.0 to 1000.0);
     /// The range of [`cohesion_reach`](Self::cohesion_reach).
     pub const COHESION_REACH: Range =
-        range!("hair-hair cohesion reach", 0.001 to 1.0, "m"; usually 0.005 to 0.1);
+        range!("self-collision cohesion reach", 0.001 to 1.0, "m"; usually 0.005 to 0.1);
 
     /// Checks that every value is finite and in its range.
     ///
     /// # Errors
-    /// [`Error::Parameter`](crate::Error::Parameter) names the first that is not.
+    /// [`Error::Parameter`](crate::Error::Parameter) names the first invalid value.
     pub fn check(&self) -> Result<()> {
         Self::SPEED.check(self.speed)?;
         Self::TOLERANCE.check(self.tolerance)?;
@@ -124,33 +121,33 @@ impl HairHair {
 pub struct VolumeUniforms {
     /// Rotation of the head at the start of the step, quaternion.
     pub head: [f32; 4],
-    /// Translation of the head at the start of the step, metres.
+    /// Translation of the head at the start of the step, meters.
     pub head_at: Vec3,
     /// Cells along an axis.
     pub resolution: u32,
     /// Texture coordinate of the head's origin.
     pub bias: Vec3,
-    /// Texture coordinates per metre.
+    /// Texture coordinates per meter.
     pub scale: f32,
     /// Velocity of the head's origin, m/s: splatted velocities are relative to it.
     pub drift: Vec3,
-    /// Edge of a cell, metres.
+    /// Edge of a cell, meters.
     pub cell: f32,
-    /// 1, unknown to drivers: loops by it are not unrolled.
+    /// Always 1, but unknown to drivers: loops that increment by it are not unrolled.
     pub one: u32,
-    /// [`HairHairMode`].
+    /// The [`HairHairMode`].
     pub mode: u32,
-    /// 1 when the rest pose is splatted, to compare with.
+    /// 1 to splat the rest pose, for the rest density.
     pub resting: u32,
     /// Number of guides.
     pub guide_count: u32,
     /// Vertices per guide.
     pub vertex_count: u32,
-    /// Every how many guides one is splatted.
+    /// Stride between splatted guides.
     pub stride: u32,
-    /// How many guides are splatted.
+    /// Number of splatted guides.
     pub splat_count: u32,
-    /// Integer units per metre of hair.
+    /// Integer units per meter of hair.
     pub units: f32,
     /// Density per integer unit in a cell, km/m³.
     pub density: f32,
@@ -158,50 +155,50 @@ pub struct VolumeUniforms {
     pub reference: f32,
     /// Square of the speed of sound, m²/s².
     pub speed_squared: f32,
-    /// As a fraction.
+    /// Tolerated excess density, as a fraction.
     pub tolerance: f32,
-    /// 1/s.
+    /// Friction rate, 1/s.
     pub friction: f32,
-    /// m/s².
+    /// Largest acceleration of the push, m/s².
     pub limit: f32,
-    /// m/s².
+    /// Magnitude of the push in fixed mode, m/s².
     pub fixed_push: f32,
-    /// The moment of the colliders (see [`crate::collide`]) at which the step begins.
+    /// Collider moment (see [`crate::collide`]) at the start of the step.
     pub moment: u32,
-    /// So many vertices of a guide are splatted as one sample.
+    /// Vertices of a guide per sample.
     pub vertices_per_sample: u32,
-    /// Samples of a guide.
+    /// Samples per guide.
     pub samples: u32,
     /// Unused.
     pub _pad: [u32; 2],
-    /// From the axes of velocities to those of the grid's momentum, quaternion: those of another groom's may differ.
+    /// Rotation from the axes of velocities to the axes of the grid's momentum, quaternion; they may differ for another
+    /// groom.
     pub turn: [f32; 4],
 }
 
-/// The blur along one axis, for four cells in a row.
+/// Weights of the blur along one axis, for four cells in a row.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Blur {
-    /// The farthest cell on either side that counts.
+    /// Radius of the blur, cells.
     pub radius: i32,
-    /// How many cells are read for four, from `radius` below the first on.
+    /// Number of cells read for four, starting `radius` below the first.
     pub taps: i32,
     /// Unused.
     pub _pad: [u32; 2],
-    /// Of each cell that is read, its weight in each of the four.
+    /// Weights of each cell read, in each of the four.
     pub weights: [[f32; 4]; MAX_TAPS as usize],
 }
 
 impl Blur {
-    /// The blur with the variance `variance` (in cells²): the discrete Gaussian `e⁻ᵗ Iₙ(t)` (Lindeberg 1990),
-    /// which has the variance `t` however narrow it is, cut at three and a half standard deviations and
-    /// at 46 cells.
+    /// Returns the blur with variance `variance` (cells²): the discrete Gaussian `e⁻ᵗ Iₙ(t)` (Lindeberg 1990), which
+    /// has variance `t` at any width, truncated at three and a half standard deviations and at 46 cells.
     pub fn new(variance: f32) -> Self {
         let t = f64::from(variance);
         let sigma = t.max(0.0).sqrt();
         let most = (MAX_TAPS as usize - 4) / 2;
         let radius = if t > 1e-3 { ((3.5 * sigma + 0.5).ceil() as usize).min(most) } else { 0 };
-        // Bessel functions by their recurrence downwards (Miller), whatever their scale.
+        // Bessel functions by Miller's downward recurrence, up to a factor.
         let mut half = vec![0f64; radius + 1];
         let (mut above, mut here) = (0.0, 1e-200);
         for n in (0..=radius + 20 + (6.0 * sigma) as usize).rev() {
@@ -221,10 +218,10 @@ impl Blur {
     }
 }
 
-/// Bytes from one step's uniforms to the next's: a multiple of every adapter's alignment.
+/// Stride between the uniforms of consecutive steps, bytes: a multiple of every adapter's alignment.
 pub(super) const STRIDE: u32 = 512;
 
-/// The dynamic offset of the uniforms of step `i`.
+/// Returns the dynamic offset of the uniforms of step `i`.
 pub(crate) fn offset(i: u32) -> u32 {
     i * STRIDE
 }
@@ -234,7 +231,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_blur_has_the_variance_that_was_asked_for() {
+    fn blur_has_requested_variance() {
         for variance in [0.0, 0.002, 0.2, 0.5, 1.0, 2.4, 6.1, 25.0, 100.0] {
             let blur = Blur::new(variance);
             for c in 0..4 {
@@ -257,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_values_are_refused_by_name() {
+    fn invalid_values_return_errors_with_names() {
         HairHair::default().check().unwrap();
         HairHair::OFF.check().unwrap();
         for (params, name) in [

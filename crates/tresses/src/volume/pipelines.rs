@@ -1,4 +1,4 @@
-//! The kernels.
+//! Pipelines of the stage.
 
 use crate::{
     Context, collide,

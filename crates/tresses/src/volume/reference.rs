@@ -1,26 +1,26 @@
-//! The scalar twin of `splat.wesl`: the same operations on one thread.
+//! CPU reference of `splat.wesl`: the same operations in one thread.
 
 use super::params::VolumeUniforms;
 use crate::strands::Guide;
 use glam::{IVec3, Quat, Vec3};
 
-/// As in the shaders.
+/// Same value as in the shaders, m/s.
 pub(super) const MAX_SPEED: f32 = 32.0;
-/// As in the shaders.
+/// Same value as in the shaders.
 pub(super) const MAX_DENSITY: f32 = 16.0;
-/// As in the shaders.
+/// Same value as in the shaders.
 pub(super) const CHANNELS: usize = 8;
 
-/// Guides as the kernel reads them, vertex-major.
-pub(super) struct Splatted<'a> {
+/// Guides in the kernel's order, vertex-major.
+pub(super) struct SplatInput<'a> {
     pub info: &'a [Guide],
     pub current: &'a [Vec3],
     pub velocity: &'a [Vec3],
     pub rested: &'a [f32],
 }
 
-/// The integers of all cells.
-pub(super) fn splat(g: &VolumeUniforms, hair: &Splatted<'_>) -> Vec<i32> {
+/// Returns the integers of all cells.
+pub(super) fn splat(g: &VolumeUniforms, hair: &SplatInput<'_>) -> Vec<i32> {
     let n = g.resolution as usize;
     let mut cells = vec![0; n * n * n * CHANNELS];
     let back = Quat::from_array(g.head).conjugate();

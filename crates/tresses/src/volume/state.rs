@@ -1,8 +1,8 @@
-//! The grid of one groom: its buffers, and the passes recorded for it in a step.
+//! Grid of one groom: its buffers, and the passes recorded for it in a step.
 
 use super::{
-    Grid, HairHair, HairHairMode, Pipelines,
-    met::Met,
+    HairHair, HairHairMode, Pipelines, VolumeGrid,
+    met::Neighbor,
     params::{Blur, STRIDE, VolumeUniforms, offset},
 };
 use crate::{
@@ -16,17 +16,17 @@ use crate::{
 use glam::Vec3;
 use std::sync::Arc;
 
-/// The slot of the uniforms of the rest pose, after those of a frame's steps.
+/// Slot of the uniforms of the rest pose, after those of a frame's steps.
 const RESTING: u32 = MAX_STEPS;
-/// Integers per cell, as in the shaders.
+/// Integers per cell; the same as in the shaders.
 const CHANNELS: u64 = 8;
-/// The size of a groom's grid.
+/// Size of a groom's grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VolumeOptions {
     /// Cells along each axis, 8 to 96.
     pub resolution: u32,
-    /// The most samples that are splatted in a step: vertices of guides, or a few together where they lie within
-    /// a cell or so. Of more, every second guide counts twice, and so on.
+    /// Maximum number of samples splatted per step. A sample is a guide vertex, or a few within about a cell. For
+    /// larger grooms, every second guide counts twice, and so on.
     pub most_splatted: u32,
 }
 
@@ -37,7 +37,7 @@ impl Default for VolumeOptions {
 }
 
 impl VolumeOptions {
-    /// How many cells there are.
+    /// Returns the number of cells.
     fn cells(&self) -> Result<u32> {
         if !(8..=96).contains(&self.resolution) {
             return Err(Error::Parameter {
@@ -49,7 +49,7 @@ impl VolumeOptions {
         Ok(self.resolution.pow(3))
     }
 
-    /// Bytes that the hair of a step is splatted into.
+    /// Returns the size of the buffer for a step's splatted hair, bytes.
     pub(crate) fn cell_bytes(&self) -> Result<u64> {
         Ok(u64::from(self.cells()?) * CHANNELS * size_of::<i32>() as u64)
     }
@@ -59,44 +59,44 @@ impl VolumeOptions {
 #[derive(Debug)]
 pub struct Volume {
     pub(super) pipelines: Arc<Pipelines>,
-    /// Where it is.
-    pub grid: Grid,
+    /// Position and size of the grid.
+    pub grid: VolumeGrid,
     /// The texture behind [`hair`](Self::hair).
     pub hair_texture: wgpu::Texture,
     /// Mean velocity of hair (xyz, m/s, world axes) and its length per volume (w, km/m³), 3-D, rgba16float.
     pub hair: wgpu::TextureView,
     /// The texture behind [`push`](Self::push).
     pub push_texture: wgpu::Texture,
-    /// What the excess of density does to hair: acceleration (xyz, m/s², axes of the head), 3-D, rgba16float.
+    /// Acceleration by the excess density (xyz, m/s², axes of the head), 3-D, rgba16float.
     pub push: wgpu::TextureView,
     uniforms: wgpu::Buffer,
     pub(super) cells: wgpu::Buffer,
-    /// Whether the cells lie in memory that others use between steps.
+    /// Whether the cells are in memory that others use between steps.
     lent: bool,
     obstacles: wgpu::Buffer,
     rest: wgpu::Buffer,
     blur: wgpu::Buffer,
     pub(super) rested: wgpu::Buffer,
-    /// Hair of other grooms that is in the grid as well, and whether that was said since the last frame began.
-    pub(super) others: Vec<Met>,
+    /// Other grooms in this grid, and whether they have been set since the last frame began.
+    pub(super) others: Vec<Neighbor>,
     pub(super) meets_next: bool,
-    /// The rest of the textures: sums, twice; the second also holds densities.
+    /// Textures of sums, used in turn; the second also holds densities.
     scratch: [wgpu::TextureView; 2],
     pub(super) groups: Groups,
-    /// What does not change from step to step.
+    /// Uniforms that stay constant between steps.
     pub(super) base: VolumeUniforms,
     modes: Vec<Mode>,
-    /// Whether the obstacles have moved when a step begins, and where relative to the head they were when
-    /// they were last put into the grid.
+    /// Whether the obstacles have moved at the start of each step, and their poses relative to the head when they were
+    /// last written to the grid.
     obstacles_moved: Vec<bool>,
     obstacles_at: Option<Vec<Pose>>,
-    /// The variance (cells², as bits) of the blur for which the rest density was computed, if it was, of the one
-    /// asked for, and of the one whose weights the GPU has.
+    /// Variances of the blur (cells², as bits): of the one for which the rest density was computed, if it was; of the
+    /// current one; and of the one whose weights are on the GPU.
     rest_blur: (Option<u32>, u32),
     written_blur: Option<u32>,
 }
 
-/// What heads share of a grid: their buffers and textures.
+/// Buffers and textures of a grid for binding.
 type Scratch<'a> = ([&'a wgpu::Buffer; 4], [&'a wgpu::TextureView; 4]);
 
 #[derive(Debug)]
@@ -111,11 +111,10 @@ pub(super) struct Groups {
 }
 
 impl Volume {
-    /// The grid of `guides`, which rest as `rest` says.
+    /// Creates the grid of `guides` with the rest state `rest`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a resolution out of its range, [`Error::Limit`] when the adapter
-    /// cannot hold the grid.
+    /// [`Error::Parameter`] for a resolution out of range, [`Error::Limit`] if the adapter cannot hold the grid.
     pub fn new(
         context: &Context,
         guides: &GuideBuffers,
@@ -127,7 +126,8 @@ impl Volume {
         Ok(Self { lent: false, ..Self::within(context, guides, rest, options, cells)? })
     }
 
-    /// The same in cells that others use between steps: [`clear`](Self::clear) belongs before each.
+    /// Creates the grid in `cells` that others use between steps; the caller calls [`clear`](Self::clear) before each
+    /// step.
     pub(crate) fn within(
         context: &Context,
         guides: &GuideBuffers,
@@ -138,7 +138,7 @@ impl Volume {
         let Context { device, .. } = context;
         let VolumeOptions { resolution, most_splatted } = *options;
         let n = u64::from(options.cells()?);
-        let grid = Grid::around(rest.rest.iter().map(|r| r.position), resolution);
+        let grid = VolumeGrid::around(rest.rest.iter().map(|r| r.position), resolution);
         let vertices = u64::from(guides.count) * u64::from(guides.vertex_count);
         let texture = |label, format| grid_texture(device, label, format, [resolution; 3]);
         use wgpu::TextureFormat::{Rgba16Float, Rgba32Uint};
@@ -181,15 +181,15 @@ impl Volume {
         })
     }
 
-    /// Of another head with the same groom: its `guides` are put into the same cells, which hold a head's hair from a step
-    /// of its to the end of that step. The steps of two heads must therefore not be mixed, which
-    /// [`Recorder`](crate::frame::Recorder) sees to.
+    /// Creates the grid of another head with the same groom. Its `guides` share the cells, which hold a head's hair
+    /// during one of its steps. Steps of two heads must therefore not interleave; [`Recorder`](crate::frame::Recorder)
+    /// ensures this.
     ///
     /// # Errors
     /// [`Error::Limit`].
     pub(crate) fn another(&self, context: &Context, guides: &GuideBuffers) -> Result<Self> {
         let Context { device, .. } = context;
-        // Computed once, by the head's own pose and to its last bit: what stays in cells is each head's own.
+        // Each head computes its rest density and obstacles once, at its own pose, so it has its own buffers.
         let like = |what, buffer: &wgpu::Buffer| storage::<u8>(device, what, buffer.size());
         let obstacles = like("volume obstacles", &self.obstacles)?;
         let rest = like("volume rest", &self.rest)?;
@@ -231,16 +231,16 @@ impl Volume {
         self.bytes() - own.iter().map(|buffer| buffer.size()).sum::<u64>()
     }
 
-    /// Bytes of GPU memory, without cells that are lent.
+    /// Bytes of GPU memory, without lent cells.
     pub fn bytes(&self) -> u64 {
         let buffers = [&self.uniforms, &self.obstacles, &self.rest, &self.blur, &self.rested];
-        // Hair and push, twice the sums.
+        // Hair and push, and two textures of sums.
         let texels = (2 * 8 + 2 * 16) * u64::from(self.grid.resolution).pow(3);
         let cells = if self.lent { 0 } else { self.cells.size() };
         buffers.iter().map(|buffer| buffer.size()).sum::<u64>() + cells + texels
     }
 
-    /// Empties cells that others have used since the last step; before a step, outside of passes.
+    /// Clears cells that others have used since the last step. The caller calls this before a step, outside of passes.
     pub(crate) fn clear(&self, commands: &mut Commands<'_>) {
         if self.lent {
             let bytes = u64::from(self.grid.resolution).pow(3) * CHANNELS * size_of::<i32>() as u64;
@@ -253,8 +253,8 @@ impl Volume {
         self.base.reference
     }
 
-    /// Writes the uniforms of the steps of `frame`, at most [`MAX_STEPS`]. `colliders` have been advanced to
-    /// the frame.
+    /// Writes the uniforms of the steps of `frame`, at most the last [`MAX_STEPS`]. The caller has advanced `colliders`
+    /// to the frame.
     pub fn prepare(
         &mut self,
         context: &Context,
@@ -270,7 +270,7 @@ impl Volume {
             .collect();
         let base = self.with(params, h);
         let share = self.shared_units() as f32;
-        // The rest density holds for one blur.
+        // The rest density is valid for one blur.
         let variance = self.variance(params);
         self.rest_blur.1 = variance.to_bits();
         if self.written_blur != Some(self.rest_blur.1) {
@@ -289,7 +289,7 @@ impl Volume {
         queue.write_buffer(&self.uniforms, 0, &slots.0);
     }
 
-    /// Records step `i` of those that [`prepare`](Self::prepare) wrote.
+    /// Records step `i` of those written by [`prepare`](Self::prepare).
     pub fn record(&mut self, pass: &mut crate::gpu::ComputePass<'_>, colliders: &ColliderSet, i: u32) {
         let mode = self.modes[i as usize];
         if self.obstacles_moved[i as usize] {
@@ -310,8 +310,8 @@ impl Volume {
         }
     }
 
-    /// Whether any of `colliders` is elsewhere relative to the head (at `head`) at `moment` than when
-    /// they were last put into the grid; then they are taken to be put there.
+    /// Returns whether any of `colliders` has moved relative to the head (at `head`) at `moment`, since they were last
+    /// written to the grid. Remembers the new poses.
     fn obstacles_move(&mut self, head: &Pose, colliders: &ColliderSet, moment: usize) -> bool {
         let count = colliders.len();
         let poses = colliders.moments().get(moment * count..(moment + 1) * count).unwrap_or_default();
@@ -331,7 +331,7 @@ impl Volume {
         !same
     }
 
-    /// Hair into the grid, its own and in a step that of others.
+    /// Records the splat and the blur: this groom's hair and, in a step, hair of other grooms.
     pub(super) fn grids(&self, pass: &mut crate::gpu::ComputePass<'_>, slot: u32) {
         let offset = [offset(slot)];
         self.pipelines.splat.record(pass, &self.groups.splat, &offset, self.base.splat_workgroups());
@@ -345,24 +345,24 @@ impl Volume {
         self.pipelines.density.record_grid(pass, &self.groups.density, &offset, self.tiles([1, 1, 4]));
     }
 
-    /// Workgroups for threads of so many cells each along each axis.
+    /// Returns the workgroups for threads that process `cells` cells along each axis.
     pub(super) fn tiles(&self, cells: [u32; 3]) -> [u32; 3] {
         let n = self.grid.resolution;
         [(0, 8), (1, 4), (2, 2)].map(|(axis, threads)| n.div_ceil(cells[axis]).div_ceil(threads))
     }
 
-    /// The variance of the blur, cells². The splat itself blurs, by a sixth of a cell's square.
+    /// Returns the variance of the blur, cells². The splat itself adds a sixth of a cell squared.
     fn variance(&self, params: &HairHair) -> f32 {
         let smooth = params.mode != HairHairMode::Fixed;
         if smooth { ((params.blur / self.base.cell).powi(2) - 1.0 / 6.0).max(0.0) } else { 0.0 }
     }
 
-    /// The uniforms of one step, bound with a dynamic offset.
+    /// Returns the uniforms of one step, for binding with a dynamic offset.
     pub(crate) fn uniforms(&self) -> wgpu::BindingResource<'_> {
         slot(&self.uniforms)
     }
 
-    /// The uniforms with what the user sets.
+    /// Returns the uniforms with the user's parameters.
     pub(super) fn with(&self, params: &HairHair, h: f32) -> VolumeUniforms {
         let smooth = params.mode != HairHairMode::Fixed;
         let cell = self.base.cell;
@@ -427,23 +427,23 @@ fn groups(
     }
 }
 
-/// The uniforms of steps as they lie in memory.
+/// Uniforms of several steps in the layout of the buffer.
 pub(super) struct Slots(pub Vec<u8>);
 
 impl Slots {
-    /// Room for so many.
+    /// Returns `count` empty slots.
     pub fn new(count: u32) -> Self {
         Self(vec![0; (STRIDE * count) as usize])
     }
 
-    /// Those of step `i`.
+    /// Writes the uniforms of step `i`.
     pub fn put(&mut self, i: u32, uniforms: &VolumeUniforms) {
         let at = (i * STRIDE) as usize;
         self.0[at..at + size_of::<VolumeUniforms>()].copy_from_slice(bytemuck::bytes_of(uniforms));
     }
 }
 
-/// One step's uniforms.
+/// Binding of one step's uniforms.
 pub(super) fn slot(uniforms: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
     wgpu::BindingResource::Buffer(wgpu::BufferBinding {
         buffer: uniforms,

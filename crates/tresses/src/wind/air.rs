@@ -3,7 +3,7 @@
 use super::{
     drag,
     gusts::Gusts,
-    params::{Half, Wind, WindUniforms},
+    params::{HalfSweep, Wind, WindUniforms},
     pipelines::Pipelines,
 };
 use crate::{
@@ -17,26 +17,26 @@ use bytemuck::Zeroable;
 use glam::{DVec3, I64Vec3, IVec3, Vec3};
 use std::sync::Arc;
 
-/// Bytes from one step's uniforms to the next's: a multiple of every adapter's alignment.
+/// Stride between the uniforms of consecutive steps, bytes: a multiple of every adapter's alignment.
 const STRIDE: u64 = 1280;
-/// Hairs in a cell lie in all directions: the mean of the cubed sine of their angle to the air.
+/// Hairs in a cell have all directions: the mean of the cubed sine of their angle to the flow.
 const ACROSS: f32 = 3.0 * std::f32::consts::PI / 16.0;
 
-/// Where in the world a step's air lies: texture coordinate `(x - corner) * scale`.
+/// Position of a step's air grid. The texture coordinate of `x` is `(x - corner) * scale`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AirPlace {
-    /// The grid's corner, from where hair is simulated (by default the world's origin), metres.
+    /// Corner of the grid, meters, relative to the origin of the simulation (by default the world's origin).
     pub corner: Vec3,
-    /// Texture coordinates per metre.
+    /// Texture coordinates per meter.
     pub scale: f32,
 }
 
-/// The hair's grid as the fluid reads it.
+/// Position of the hair's grid, for the fluid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HairGrid {
     /// Texture coordinate of the head's origin.
     pub bias: Vec3,
-    /// Texture coordinates per metre, in the head's axes.
+    /// Texture coordinates per meter, in the head's axes.
     pub scale: f32,
 }
 
@@ -46,9 +46,9 @@ pub(super) struct Groups {
     pub predict: wgpu::BindGroup,
     pub correct: wgpu::BindGroup,
     pub gather: wgpu::BindGroup,
-    /// By [`Sweep`] and the half.
+    /// Indexed by [`Sweep`] and half.
     pub relax: [[wgpu::BindGroup; 2]; Sweep::ALL.len()],
-    /// By the half.
+    /// Indexed by half.
     pub project: [wgpu::BindGroup; 2],
 }
 
@@ -58,42 +58,42 @@ pub struct Air {
     pipelines: Arc<Pipelines>,
     /// Cells along an axis.
     pub cells: u32,
-    /// Edge of a cell, metres.
+    /// Edge of a cell, meters.
     pub cell: f32,
-    /// Velocity of the air in m/s at the centres of cells (xyz), rgba16float.
+    /// Velocity of the air at the centers of cells, m/s (xyz), rgba16float.
     pub texture: wgpu::Texture,
-    /// All of it.
+    /// View of the whole `texture`.
     pub view: wgpu::TextureView,
-    /// The velocity times a share that grows with the hair in the cell (xyz), and that share, 0 to 1 (w).
+    /// Velocity times a weight that grows with the hair in the cell (xyz), and that weight, 0 to 1 (w).
     pub among: wgpu::TextureView,
-    /// Velocity on the three lower faces of each cell, m/s (xyz), rgba16float. The last cells along
-    /// an axis have no upper face and count as outside.
+    /// Velocity on the three lower faces of each cell, m/s (xyz), rgba16float. The last cells along an axis have no
+    /// upper face and count as outside.
     pub faces: wgpu::Texture,
-    /// How much a pressure difference acts on each of these faces, 0 to 1 (xyz), rgba16float.
+    /// Response of each of these faces to a pressure difference, 0 to 1 (xyz), rgba16float.
     pub give: wgpu::Texture,
-    /// Carries the air without MacCormack's correction, for comparison.
+    /// Advects the air without MacCormack's correction, for comparison.
     pub plain: bool,
     pub(super) groups: Groups,
     center: Vec3,
     uniforms: wgpu::Buffer,
     bytes: u64,
-    /// The wind that `gusts` was made for.
+    /// The wind for which `gusts` was created.
     wind: Option<Wind>,
     gusts: Gusts,
-    /// The corner of the grid in whole cells, and from where they are counted, metres.
+    /// Corner of the grid in whole cells, and the origin from which they are counted, meters.
     corner: I64Vec3,
     zero: DVec3,
-    /// How far the wind has blown, metres.
+    /// Distance that the wind has traveled, meters.
     way: DVec3,
     started: bool,
-    /// What each step of the frame does.
+    /// Settings of each step of the frame.
     runs: Vec<Run>,
 }
 
 impl Air {
-    /// Air at rest in a cube of edge `size` (metres) with `cells` cells along each axis around
-    /// `center`, a point of the head (groom space). `hair` has
-    /// the hair's length per volume (w, km/m³) and mean velocity (xyz, m/s).
+    /// Creates air at rest in a cube of edge `size` (meters) with `cells` cells along each axis around `center`, a
+    /// point of the head (groom space). `hair` has the hair's mean velocity (xyz, m/s) and length per volume (w,
+    /// km/m³).
     ///
     /// # Errors
     /// [`crate::Error::Limit`].
@@ -131,12 +131,12 @@ impl Air {
         let gives = ["air give x", "air give y", "air give z"].map(|label| view(label, Rgba16Float, rimmed));
         let among = view("air among hair", Rgba16Float, all);
         let source = view("air source", Rgba32Float, blocks);
-        // By sweep (even, odd), then by half.
+        // Indexed by sweep (even, odd), then by half.
         let pressures =
             [(); 2].map(|()| ["air pressure a", "air pressure b"].map(|l| view(l, Rgba32Float, half)));
         let uniforms = uniform(device, "air steps", STRIDE as usize * (MAX_STEPS * MAX_SPLIT) as usize);
-        let half_of = |half: Half| {
-            let buffer = uniform(device, "air half", size_of::<Half>());
+        let half_of = |half: HalfSweep| {
+            let buffer = uniform(device, "air half", size_of::<HalfSweep>());
             queue.write_buffer(&buffer, 0, bytemuck::bytes_of(&half));
             buffer
         };
@@ -152,8 +152,8 @@ impl Air {
         let relax = |sweep: Sweep, color: usize| {
             let odd = sweep.odd();
             let half = half_of(sweep.half(color));
-            // The first half reads the other one as the last sweep left it, the second as the first
-            // half's threads see it: just made.
+            // The first half reads the other half's pressures from the last sweep, the second half those that the first
+            // has just written.
             let other = if color == 0 { &pressures[odd][1] } else { &pressures[1 - odd][0] };
             pipelines.relax.bind(&[
                 step(),
@@ -168,7 +168,7 @@ impl Air {
             ])
         };
         let project = |color: usize| {
-            let half = half_of(Half { color: color as u32, ..Zeroable::zeroed() });
+            let half = half_of(HalfSweep { color: color as u32, ..Zeroable::zeroed() });
             pipelines.project.bind(&[
                 step(),
                 half.as_entire_binding(),
@@ -239,18 +239,19 @@ impl Air {
         self.bytes
     }
 
-    /// Mean velocity of the wind that the last steps were prepared for, world axes, m/s.
+    /// Returns the mean velocity of the wind for which the last steps were prepared, world axes, m/s.
     pub(crate) fn mean(&self) -> Vec3 {
         self.wind.map_or(Vec3::ZERO, |wind| wind.velocity)
     }
 
-    /// The air starts anew at the next step.
+    /// Restarts the air undisturbed at the next step.
     pub fn reset(&mut self) {
         self.started = false;
     }
 
-    /// Writes the uniforms of the steps of `frame`, at most [`MAX_STEPS`], in `wind`, where poses are the world's.
-    /// `diameter` is that of a hair, metres, and `hair` the hair's grid, without which no hair is in the way.
+    /// Writes the uniforms of the steps of `frame`, at most the last [`MAX_STEPS`], for `wind`; poses are in world
+    /// space. `diameter` is a hair's diameter, meters. `hair` is the hair's grid; without it the fluid contains no
+    /// hair.
     pub fn prepare(
         &mut self,
         context: &Context,
@@ -262,7 +263,8 @@ impl Air {
         self.prepare_in(context, wind, diameter, frame, &[], hair);
     }
 
-    /// The same where hair is simulated elsewhere: `fields` say what the air is there in each step.
+    /// Like [`prepare`](Self::prepare), for hair simulated in a carrier frame: `fields` holds the air's velocity there
+    /// for each step.
     pub(crate) fn prepare_in(
         &mut self,
         context: &Context,
@@ -301,18 +303,18 @@ impl Air {
         queue.write_buffer(&self.uniforms, 0, &bytes);
     }
 
-    /// Where the air lies after step `index` of the last frame that had steps.
+    /// Returns the position of the grid after step `index` of the last frame with steps.
     pub fn place(&self, index: u32) -> AirPlace {
         self.runs.get(index as usize).map(|run| run.place).unwrap_or_default()
     }
 
-    /// Where the air lies after the last step there was.
+    /// Returns the position of the grid after the most recent step.
     pub fn now(&self) -> AirPlace {
         self.at()
     }
 
-    /// Records step `index` of those that [`prepare`](Self::prepare) wrote, among `colliders`, which have been
-    /// [advanced](ColliderSet::advance) by the same steps.
+    /// Records step `index` of those written by [`prepare`](Self::prepare). The caller has
+    /// [advanced](ColliderSet::advance) `colliders` by the same steps.
     pub fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, colliders: &ColliderSet, index: u32) {
         let (run, groups, n) = (self.runs[index as usize], &self.groups, self.cells);
         let cells = [n / 8, n / 4, n / 2];
@@ -338,8 +340,8 @@ impl Air {
         }
     }
 
-    /// The sweeps of the pressure, an even number: what a sweep writes the next one reads. Information
-    /// must come across the grid.
+    /// Returns the sweeps of the pressure, an even number, because each reads the texture that the previous one wrote.
+    /// Larger grids need more, for information to cross the grid.
     fn sweeps(&self, fresh: bool) -> impl Iterator<Item = Sweep> + use<> {
         let sweeps = 2 * (self.cells as usize * SWEEPS).div_ceil(64).max(2);
         let sweeps = if fresh { 4 * sweeps } else { sweeps };
@@ -357,17 +359,17 @@ impl Air {
         AirPlace { corner, scale: 1.0 / (self.cells as f32 * self.cell) }
     }
 
-    /// The grid's corner, metres.
+    /// Returns the grid's corner, meters.
     fn edge(&self) -> DVec3 {
         self.corner.as_dvec3() * f64::from(self.cell) + self.zero
     }
 
-    /// What was at a place is `way` metres from it, from here on: the grid with it.
+    /// Moves the grid by `way` meters, when the origin of the simulation moves.
     pub(crate) fn shift(&mut self, way: Vec3) {
         self.zero += way.as_dvec3();
     }
 
-    /// In how many parts a step is computed: air that goes farther than a head at once would leap over it.
+    /// Returns the number of parts into which a step is split, so that air does not jump over a head.
     fn parts(&self, wind: &Wind, mean: Vec3, step: f32) -> u32 {
         let way = mean.length() * (1.0 + wind.gusts) * step;
         let cells = way / self.cell;
@@ -375,28 +377,28 @@ impl Air {
         (parts.ceil() as u32).clamp(1, MAX_SPLIT)
     }
 
-    /// The wind blows on for `dt` seconds.
+    /// Advances the wind by `dt` seconds, and writes reach and gusts to the uniforms.
     fn blow(&mut self, wind: &Wind, field: &Field, u: &mut WindUniforms, dt: f32) {
         if u.reset == 0 {
             self.way += field.own.as_dvec3() * f64::from(dt);
         }
         u.reach = dt / self.cell;
-        // Gusts belong to the air's own ground, over which the grid may move.
+        // Gusts are fixed to the air's own ground, over which the grid may move.
         let deviation = f64::from(wind.gusts * field.own.length());
         let gusts = self.gusts.at(self.edge() + field.at, self.way, deviation, self.cell);
         u.gust_count = gusts.len() as u32;
         u.gusts[..gusts.len()].copy_from_slice(&gusts);
     }
 
-    /// The uniforms of one step; the grid moves to where the head is at its end.
+    /// Returns the uniforms of one step, and moves the grid to the head's position at its end.
     fn step(&mut self, field: &Field, step: &Step, hair: Option<HairGrid>) -> WindUniforms {
         let cell = f64::from(self.cell);
-        // By whole cells, so that nothing is interpolated because the head moves.
+        // Move by whole cells, so that a moving head causes no interpolation.
         let middle =
             (step.end.point(self.center).as_dvec3() - self.zero) / cell - 0.5 * f64::from(self.cells);
         let corner = middle.round().as_i64vec3();
         let reset = !self.started || step.mode == Mode::Reset;
-        // Teleported hair takes its air along.
+        // Teleported hair keeps its air.
         let moved = if reset || step.mode == Mode::Carry { I64Vec3::ZERO } else { corner - self.corner };
         self.started = true;
         self.corner = corner;
@@ -427,19 +429,19 @@ impl Air {
     }
 }
 
-/// Sweeps of a step with 32 cells along an axis.
+/// Sweeps per step with 32 cells along an axis.
 const SWEEPS: usize = 8;
 
-/// A sweep of the pressure: what it knows, which textures it reads, and how far it goes beyond what
-/// is right for the pressures around. First far, which spreads what is smooth over the grid but leaves it rough;
-/// then less, which smooths it.
+/// A sweep of the pressure relaxation; it determines textures, known pressures and over-relaxation. Strong
+/// over-relaxation comes first: it spreads the smooth part of the error over the grid but leaves it rough. Weaker
+/// over-relaxation then smooths it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Sweep {
-    /// The first when the air starts anew: the pressures are unknown.
+    /// First sweep after a restart: the pressures are unknown.
     First,
     Even,
     Odd,
-    /// The last but one.
+    /// Last sweep but one.
     Slowing,
     Last,
 }
@@ -447,53 +449,53 @@ pub(super) enum Sweep {
 impl Sweep {
     pub const ALL: [Self; 5] = [Self::First, Self::Even, Self::Odd, Self::Slowing, Self::Last];
 
-    /// 1 when it reads what an even sweep has written.
+    /// Returns 1 if the sweep reads the output of an even sweep, else 0.
     fn odd(self) -> usize {
         usize::from(matches!(self, Self::Odd | Self::Last))
     }
 
-    /// What it reads when it works on half `color`.
-    fn half(self, color: usize) -> Half {
+    /// Returns the uniforms for half `color`.
+    fn half(self, color: usize) -> HalfSweep {
         let (first, second) = (self == Self::First, color == 1);
         let relaxation = match self {
             Self::First | Self::Even | Self::Odd => 1.7,
             Self::Slowing => 1.3,
             Self::Last => 1.0,
         };
-        Half {
+        HalfSweep {
             color: color as u32,
             keep_own: if first { 0.0 } else { 1.0 },
-            // The second half reads what the first has just written.
+            // The second half reads the output of the first.
             keep_other: if first && !second { 0.0 } else { 1.0 },
             relaxation,
         }
     }
 }
 
-/// How far the air may go at once, metres: about a head.
+/// Largest distance that the air travels at once, meters: about a head's width.
 const MAX_WAY: f32 = 0.21;
-/// Cells that it may pass at once even if that is farther: coarse grids do not show a head.
+/// Number of cells that the air may always travel at once: coarse grids do not resolve a head.
 const COARSE_REACH: f32 = 6.0;
-/// Cells that it may pass at once even if that is less far: the pressure must follow.
+/// Largest number of cells that the air travels at once, so that the pressure can follow.
 const MAX_REACH: f32 = 8.0;
-/// In how many parts a step is computed at most.
+/// Maximum number of parts of a step.
 const MAX_SPLIT: u32 = 4;
 
-/// What one step of a frame does.
+/// Settings of one step of a frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
-    /// The slot of its first uniforms.
+    /// Slot of its first uniforms.
     pub first: u32,
-    /// In how many parts it is computed, each with its uniforms.
+    /// Number of parts, each with its own uniforms.
     pub parts: u32,
     /// Whether the air starts anew.
     pub fresh: bool,
-    /// Where the air is.
+    /// Position of the grid.
     place: AirPlace,
 }
 
-/// The sides through which wind of mean velocity `mean` enters: those that it meets at more than
-/// 6 degrees; the others are open.
+/// Returns the sides through which wind of mean velocity `mean` enters: those that it meets at more than 6 degrees. The
+/// others are open.
 fn inflow(mean: Vec3) -> u32 {
     let least = 0.1 * mean.length();
     (0..3)

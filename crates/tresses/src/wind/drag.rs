@@ -1,10 +1,9 @@
 //! Air drag on a hair: quadratic, different across the hair and along it.
 //!
-//! Per length, `½ ρ C_n d |u_n| u_n` across and `½ ρ C_t π d |u_t| u_t` along the hair, where `u` is the
-//! air's velocity relative to the hair. A hair is so thin that the coefficients depend on the Reynolds
-//! number (about 27 in 5 m/s): across the hair after Sucker and Brauer (1975), along it after Matsui
-//! (1976), who measured filaments being spun. The terminal speed of a hair falling broadside is 0.7 m/s,
-//! and it flies in any breeze.
+//! Per length, the drag is `½ ρ C_n d |u_n| u_n` across and `½ ρ C_t π d |u_t| u_t` along the hair, where `u` is the
+//! air's velocity relative to the hair. A hair is so thin that the coefficients depend on the Reynolds number (about 27
+//! in 5 m/s). Across the hair they follow Sucker and Brauer (1975), along it Matsui (1976), who measured filaments
+//! being spun. The terminal speed of a horizontal hair is 0.7 m/s, so it flies in any breeze.
 
 use glam::{Vec2, Vec3};
 
@@ -13,29 +12,29 @@ pub const AIR_DENSITY: f32 = 1.2;
 /// Kinematic viscosity of air, m²/s.
 pub const AIR_VISCOSITY: f32 = 1.5e-5;
 
-/// Drag coefficient of a long cylinder across the flow, at most a Reynolds number of 1e3.
+/// Returns the drag coefficient of a long cylinder across the flow, for Reynolds numbers up to 1e3.
 pub fn normal_coefficient(reynolds: f32) -> f32 {
     let re = reynolds.max(1e-2);
     1.18 + 6.8 * re.powf(-0.89) + 1.96 / re.sqrt()
 }
 
-/// Friction coefficient of a long cylinder along the flow, relative to its whole surface.
+/// Returns the friction coefficient of a long cylinder along the flow, relative to its whole surface.
 pub fn tangential_coefficient(reynolds: f32) -> f32 {
     0.37 * reynolds.max(1e-2).powf(-0.61)
 }
 
-/// Half of air density times diameter over line density, 1/m: what [`drag_rates`] weighs with.
+/// Returns half of air density times diameter over line density, 1/m: the `weight` of [`drag_rates`].
 pub fn drag_weight(diameter: f32, line_density: f32) -> f32 {
     0.5 * AIR_DENSITY * diameter / line_density
 }
 
-/// The rates (1/s) at which a hair takes on the velocity of the air across itself (x) and along
-/// itself (y). `relative` is the air's velocity as the hair sees it, m/s; `tangent` a unit vector;
-/// `reynolds` diameter over kinematic viscosity, s/m; `weight` from [`drag_weight`].
+/// Returns the rates (1/s) at which a hair approaches the velocity of the air across itself (x) and along itself (y).
+/// `relative` is the air's velocity relative to the hair, m/s; `tangent` is a unit vector; `reynolds` is diameter over
+/// kinematic viscosity, s/m; `weight` comes from [`drag_weight`].
 pub fn drag_rates(relative: Vec3, tangent: Vec3, reynolds: f32, weight: f32) -> Vec2 {
     let way = relative.dot(tangent);
     let along = way.abs();
-    // Not by Pythagoras: rounding would leave a storm along the hair a breeze across it.
+    // Not by Pythagoras: for a storm along the hair, its rounding would add a breeze across it.
     let across = (relative - way * tangent).length();
     weight
         * Vec2::new(
@@ -56,7 +55,7 @@ mod tests {
     }
 
     #[test]
-    fn coefficients_are_those_of_cylinders() {
+    fn coefficients_match_measured_cylinders() {
         // Measured drag of cylinders (Wieselsberger 1921): 10 at Re 1, 2.8 at 10, 1.45 at 100.
         for (re, measured) in [(1.0, 10.0), (10.0, 2.8), (100.0, 1.45)] {
             assert!(
@@ -69,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hair_is_dragged_far_more_across_than_along() {
+    fn drag_is_far_larger_across_than_along() {
         let across = rates(Vec3::X * 5.0, Vec3::Y);
         let along = rates(Vec3::Y * 5.0, Vec3::Y);
         assert!(across.y == 0.0 && along.x == 0.0);
@@ -78,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn a_level_hair_falls_with_its_terminal_velocity() {
+    fn horizontal_hair_reaches_terminal_velocity() {
         // Weight and drag balance where speed times rate is gravity.
         let mut speed = 0.0f32;
         for _ in 0..10_000 {

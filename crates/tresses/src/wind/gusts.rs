@@ -1,10 +1,10 @@
-//! Wind gusts: a frozen field of gusts that the mean wind carries past the head.
+//! Wind gusts: a frozen velocity field that the mean wind carries past the head.
 //!
-//! A sum of plane waves with random directions and phases. Each wave's amplitude is perpendicular to its
-//! direction, so the sum is divergence-free (Kraichnan 1970). The waves share the energy by von Kármán's
-//! spectrum, which falls with k^-5/3 for wave numbers above one over the length scale. Waves longer than
-//! the grid appear as slow changes of the wind's strength and direction. That the field passes without
-//! changing is Taylor's hypothesis of frozen turbulence.
+//! The field is a sum of plane waves with random directions and phases. Each wave's amplitude is perpendicular to its
+//! direction, so the sum is divergence-free (Kraichnan 1970). The waves share the energy by von Kármán's spectrum,
+//! which falls with k^-5/3 for wave numbers above one over the length scale. Waves longer than the grid appear as slow
+//! changes of the wind's strength and direction. The field passes without changing: Taylor's hypothesis of frozen
+//! turbulence.
 
 use super::params::{GustMode, MAX_GUSTS, Wind};
 use crate::math::hash::pcg;
@@ -14,12 +14,12 @@ use std::f64::consts::{PI, TAU};
 /// The waves of one wind.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Gusts {
-    /// Wave vector (radians per metre), phase (radians) and amplitude (1: of standard deviation 1).
+    /// Wave vector (radians per meter), phase (radians) and amplitude, scaled to a total standard deviation of 1.
     modes: Vec<(DVec3, f64, DVec3)>,
 }
 
 impl Gusts {
-    /// The gusts of `wind`, down to waves that a grid of cells with edge `cell` (metres) can carry.
+    /// Creates the gusts of `wind`, down to waves that a grid with cells of edge `cell` (meters) can resolve.
     pub fn new(wind: &Wind, cell: f32) -> Self {
         if wind.gusts == 0.0 {
             return Self::default();
@@ -29,13 +29,13 @@ impl Gusts {
             state = pcg(state);
             f64::from(state) / f64::from(u32::MAX)
         };
-        // Von Kármán: the energy's peak lies near one over this length.
+        // Von Kármán: the energy's peak is near one over this length.
         let length = 1.339 * f64::from(wind.gust_length);
         let (least, most) = (0.1 / length, (0.5 * PI / f64::from(cell)).max(1.0 / length));
         let energy = |k: f64| (k * length).powi(4) / (1.0 + (k * length).powi(2)).powf(17.0 / 6.0);
         let mut modes: Vec<_> = (0..MAX_GUSTS)
             .map(|i| {
-                // Equal steps of log k, where the energy of a step is k E(k); directions spread evenly.
+                // Equal steps of log k, in which the energy is k E(k), and evenly distributed directions.
                 let k = least * (most / least).powf((i as f64 + random()) / MAX_GUSTS as f64);
                 let height = 2.0 * ((i * 11 % MAX_GUSTS) as f64 + random()) / MAX_GUSTS as f64 - 1.0;
                 let turn = TAU * random();
@@ -47,7 +47,7 @@ impl Gusts {
                 (direction * k, TAU * random(), amplitude)
             })
             .collect();
-        // A cosine has half its square on average; three components.
+        // The mean square of a cosine is one half; there are three components.
         let sum: f64 = modes.iter().map(|(_, _, a)| 0.5 * a.length_squared()).sum();
         for (_, _, amplitude) in &mut modes {
             *amplitude *= (3.0 / sum).sqrt();
@@ -55,8 +55,8 @@ impl Gusts {
         Self { modes }
     }
 
-    /// The waves around the grid's corner (metres) when the air has come `way` (metres) in all;
-    /// `deviation` is the standard deviation of a component, m/s, `cell` metres.
+    /// Returns the waves relative to the grid's corner (meters), when the air has traveled `way` (meters) in total.
+    /// `deviation` is the standard deviation of a velocity component, m/s; `cell` is in meters.
     pub fn at(&self, corner: DVec3, way: DVec3, deviation: f64, cell: f32) -> Vec<GustMode> {
         let mode = |(wave, phase, amplitude): &(DVec3, f64, DVec3)| GustMode {
             wave: (*wave * f64::from(cell)).as_vec3(),
@@ -73,13 +73,13 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    /// The gusts at `x` (metres).
+    /// Returns the gust velocity at `x` (meters).
     fn sum(gusts: &Gusts, x: DVec3) -> DVec3 {
         gusts.modes.iter().map(|(k, phase, a)| *a * (k.dot(x) + phase).cos()).sum()
     }
 
     #[test]
-    fn they_are_as_strong_as_asked_for_and_free_of_divergence() {
+    fn gusts_have_requested_intensity_and_no_divergence() {
         let wind = Wind { gusts: 0.3, gust_length: 0.5, ..Wind::new(Vec3::X * 5.0) };
         let gusts = Gusts::new(&wind, 0.04);
         let points = || {
@@ -96,10 +96,10 @@ mod tests {
     }
 
     #[test]
-    fn energy_falls_as_kolmogorov_says() {
+    fn energy_follows_kolmogorov_spectrum() {
         let wind = Wind { gusts: 0.3, gust_length: 2.0, ..Wind::new(Vec3::X) };
         let gusts = Gusts::new(&wind, 0.01);
-        // In equal steps of log k the energy of a wave is k E(k), so that a² falls with k^(-2/3).
+        // In equal steps of log k the energy of a wave is k E(k), so a² falls with k^(-2/3).
         let fine: Vec<_> = gusts.modes.iter().filter(|(k, ..)| k.length() > 8.0 / 2.678).collect();
         assert!(fine.len() > 6);
         let (first, last) = (fine[0], fine[fine.len() - 1]);
@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn the_wind_carries_them() {
+    fn mean_wind_carries_gusts() {
         let gusts = Gusts::new(&Wind::new(Vec3::X * 5.0), 0.04);
         let at = |x: DVec3, corner: DVec3, way: DVec3| -> Vec3 {
             let local = ((x - corner) / 0.04).as_vec3();

@@ -4,40 +4,39 @@ use crate::{Error, Result, groom::range, range::Range};
 use bytemuck::{Pod, Zeroable};
 use glam::{IVec3, Vec3};
 
-/// One wave as a step sees it: `amplitude cos(wave · x + phase)`, `x` in cells from the grid's corner.
+/// One wave of the gusts in a step: `amplitude cos(wave · x + phase)`, `x` in cells from the grid's corner.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GustMode {
     /// Wave vector, radians per cell.
     pub wave: Vec3,
-    /// Radians.
+    /// Phase, radians.
     pub phase: f32,
-    /// m/s.
+    /// Amplitude, m/s.
     pub amplitude: Vec3,
     /// Unused.
     pub _pad: f32,
 }
 
-/// The wind: what the air does far from the head, and how finely the air around it is computed.
+/// Wind parameters: the air far from the head, and the grid of the air around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wind {
-    /// Mean velocity of the air far from the head, world axes, m/s; in a space that
-    /// [carries its air](crate::space::Space::carries_air) that of its air, its axes. Where nothing moves through
-    /// it, zero is calm: nothing is computed, and hair is only slowed by
-    /// [`crate::simulate::SimulationParams::drag`].
+    /// Mean velocity of the air far from the head, m/s, in world axes. In a space that [carries its
+    /// air](crate::space::Space::carries_air), relative to the space and in its axes. Zero is calm air unless the space
+    /// moves through it: no fluid is computed, and only [`crate::simulate::SimulationParams::drag`] slows hair.
     pub velocity: Vec3,
-    /// Intensity of the gusts: standard deviation of each component of the velocity over the
-    /// mean speed. About 0.1 over open water, 0.2 over open land, 0.4 between houses.
+    /// Intensity of the gusts: standard deviation of each velocity component over the mean speed. About 0.1 over open
+    /// water, 0.2 over open land, 0.4 between houses.
     pub gusts: f32,
-    /// Integral length scale of the gusts, metres: a gust passes in about this over the speed.
+    /// Integral length scale of the gusts, meters. A gust takes about this length over the speed to pass.
     pub gust_length: f32,
-    /// Chooses the gusts; the same seed gives the same ones.
+    /// Random seed; the same seed gives the same gusts.
     pub seed: u32,
-    /// Cells of the fluid's grid along each axis, a multiple of 8 up to 96; 0 for air that is the same everywhere.
-    /// Without the fluid nothing shields a hair from the wind, so that only
-    /// [`crate::simulate::SimulationParams::drag`] acts, not the quadratic drag of single hairs.
+    /// Cells of the fluid's grid along each axis, a multiple of 8 up to 96; 0 for uniform air. Without the fluid
+    /// nothing shields hair from the wind, so only [`crate::simulate::SimulationParams::drag`] acts, not the quadratic
+    /// drag of single hairs.
     pub cells: u32,
-    /// Edge of the fluid's grid over the longest side of the box around the hair at rest.
+    /// Edge of the fluid's grid, relative to the longest side of the box around the hair at rest.
     pub room: f32,
 }
 
@@ -47,40 +46,40 @@ impl Default for Wind {
     }
 }
 
-/// The fewest cells along an axis.
+/// Minimum number of cells along an axis.
 pub const MIN_CELLS: u32 = 8;
-/// The most cells along an axis.
+/// Maximum number of cells along an axis.
 pub const MAX_CELLS: u32 = 96;
 
 impl Wind {
-    /// Wind of mean `velocity` (m/s), the rest as by default.
+    /// Returns wind of mean `velocity` (m/s), with default values otherwise.
     pub fn new(velocity: Vec3) -> Self {
         Self { velocity, ..Self::default() }
     }
 
-    /// Air that moves with `velocity` (m/s) everywhere, whatever stands in its way.
+    /// Returns air of uniform `velocity` (m/s), without obstacles.
     pub fn uniform(velocity: Vec3) -> Self {
         Self { velocity, gusts: 0.0, cells: 0, ..Self::default() }
     }
 
-    /// Whether there is a fluid to compute.
+    /// Returns whether there is a fluid to simulate.
     pub fn blows(&self) -> bool {
         self.cells > 0 && self.velocity != Vec3::ZERO
     }
 
     /// The range of the speed of [`velocity`](Self::velocity).
-    pub const SPEED: Range = range!("speed of the wind", 0.0 to 500.0, "m/s"; usually 0.0 to 100.0);
+    pub const SPEED: Range = range!("wind speed", 0.0 to 500.0, "m/s"; usually 0.0 to 100.0);
     /// The range of [`gusts`](Self::gusts).
     pub const GUSTS: Range = range!("gusts", 0.0 to 1.0);
     /// The range of [`gust_length`](Self::gust_length).
     pub const GUST_LENGTH: Range = range!("gust length", 0.01 to 1000.0, "m"; usually 0.05 to 100.0);
     /// The range of [`room`](Self::room).
-    pub const ROOM: Range = range!("room around the hair", 1.2 to 20.0);
+    pub const ROOM: Range = range!("air grid size", 1.2 to 20.0);
 
     /// Checks that every value is finite and in its range.
     ///
     /// # Errors
-    /// [`Error::Parameter`] names the first that is not.
+    /// [`Error::Parameter`] names the first invalid value.
     pub fn check(&self) -> Result<()> {
         Self::SPEED.check(self.velocity.length())?;
         Self::GUSTS.check(self.gusts)?;
@@ -90,7 +89,7 @@ impl Wind {
             && (!(MIN_CELLS..=MAX_CELLS).contains(&self.cells) || !self.cells.is_multiple_of(8))
         {
             return Err(Error::Parameter {
-                name: "cells of the air",
+                name: "air grid cells",
                 value: self.cells.to_string(),
                 range: "0 or a multiple of 8 up to 96",
             });
@@ -110,42 +109,42 @@ pub struct WindUniforms {
     pub mean: Vec3,
     /// Cells along an axis.
     pub cells: u32,
-    /// By how many cells the grid has moved since the last step.
+    /// Displacement of the grid since the last step, cells.
     pub shift: IVec3,
-    /// Length of the step over the edge of a cell, s/m: cells passed in the step per m/s.
+    /// Length of the step over the edge of a cell, s/m: cells traveled in the step per m/s.
     pub reach: f32,
-    /// Rotation of the head at the start of the step, quaternion: the hair's grid turns with it.
+    /// Rotation of the head at the start of the step, quaternion; the hair's grid turns with the head.
     pub head: [f32; 4],
-    /// The head's origin at the start of the step, metres.
+    /// Position of the head's origin at the start of the step, meters.
     pub head_at: Vec3,
-    /// Edge of a cell, metres.
+    /// Edge of a cell, meters.
     pub cell: f32,
-    /// The grid's corner, from where hair is simulated, metres.
+    /// Corner of the grid in the space of the simulation, meters.
     pub corner: Vec3,
-    /// The moment of the colliders (see [`crate::collide`]).
+    /// Collider moment (see [`crate::collide`]) of the step.
     pub moment: u32,
     /// Texture coordinate of the head's origin in the hair's grid.
     pub hair_bias: Vec3,
-    /// Texture coordinates of the hair's grid per metre.
+    /// Texture coordinates of the hair's grid per meter.
     pub hair_scale: f32,
-    /// 1 when the air starts anew, undisturbed.
+    /// 1 if the air starts anew, undisturbed.
     pub reset: u32,
-    /// Bit `2 axis` (`+ 1`): the air enters through the lower (upper) side of that axis.
+    /// Inflow sides: bit `2 axis` (or `2 axis + 1`) is set if air enters through the lower (upper) side of that axis.
     pub inflow: u32,
-    /// How many of `gusts` there are.
+    /// Number of `gusts`.
     pub gust_count: u32,
-    /// Drag of the hair in a cell: step times half a hair's diameter times the share of hairs that
-    /// lie across; per m/s, per km/m³ and per drag coefficient.
+    /// Drag of the hair in a cell: step times half a hair's diameter times the effective fraction of hairs across the
+    /// flow; per m/s, per km/m³ and per drag coefficient.
     pub drag: f32,
     /// Reynolds number of a hair per m/s.
     pub reynolds: f32,
-    /// Always one. Loops that count by it are not unrolled.
+    /// Always 1. Loops that increment by it are not unrolled.
     pub one: u32,
     /// 1 for plain semi-Lagrangian advection, for comparison.
     pub plain: u32,
     /// Unused.
     pub _pad: u32,
-    /// By how much all air is faster than it was, because the grid is slower, m/s.
+    /// Velocity added to all air, m/s, because the grid has slowed down by as much.
     pub kick: Vec3,
     /// Unused.
     pub _pad_kick: u32,
@@ -153,17 +152,17 @@ pub struct WindUniforms {
     pub gusts: [GustMode; MAX_GUSTS],
 }
 
-/// Uniforms of one half of a sweep.
+/// Uniforms of half a sweep.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Half {
-    /// Which half of the blocks.
+pub struct HalfSweep {
+    /// Index of the half of the blocks, 0 or 1.
     pub color: u32,
-    /// 1 when the pressures of this half are known, 0 when they start from 0.
+    /// 1 if the pressures of this half are known, 0 if they start from 0.
     pub keep_own: f32,
-    /// The same of the other half.
+    /// 1 if the pressures of the other half are known, else 0.
     pub keep_other: f32,
-    /// Over-relaxation: how far towards what is right for the pressures around.
+    /// Over-relaxation factor.
     pub relaxation: f32,
 }
 
@@ -172,7 +171,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn wrong_values_are_refused_by_name() {
+    fn invalid_values_return_errors_with_names() {
         Wind::default().check().unwrap();
         Wind::uniform(Vec3::X).check().unwrap();
         for (wind, name) in [
@@ -180,7 +179,7 @@ mod tests {
             (Wind::new(Vec3::X * 1e4), "wind"),
             (Wind { gusts: -0.1, ..Default::default() }, "gusts"),
             (Wind { gust_length: 0.0, ..Default::default() }, "gust length"),
-            (Wind { room: f32::INFINITY, ..Default::default() }, "room"),
+            (Wind { room: f32::INFINITY, ..Default::default() }, "grid size"),
             (Wind { cells: 12, ..Default::default() }, "cells"),
             (Wind { cells: 104, ..Default::default() }, "cells"),
         ] {

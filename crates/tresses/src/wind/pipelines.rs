@@ -1,11 +1,11 @@
-//! The kernels.
+//! Pipelines of the stage.
 
 use crate::{
     Context, collide,
     gpu::{Binding, Kernel, PipelineSet, bindings},
 };
 
-/// The pipelines; made once per device.
+/// The pipelines, created once per device.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     pub(super) obstacles: Kernel,

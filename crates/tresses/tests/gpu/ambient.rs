@@ -10,17 +10,17 @@ use tresses::{
     groom::TriMesh,
     light::{
         Directional, HairSet, Lights, MAX_LIGHTS, Sky, Sphere,
-        ambient::{AmbientProbe, Around},
+        ambient::{AmbientProbe, IncidentLight},
     },
     math::hash::pcg,
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
     view::{Picture, ViewOptions},
 };
 
-/// Half the edge of all cells, metres.
+/// Half the edge length of the ambient grid, meters.
 const HALF: f32 = 0.24;
 const WHITE: f32 = 0.8;
-/// Length of the mean vector of a hemisphere, weighted by the cosine.
+/// Length of the mean direction of a hemisphere, weighted by the cosine.
 const COSINES: f32 = 2.0 / 3.0;
 
 fn random(i: u32, k: u32) -> f32 {
@@ -64,7 +64,7 @@ impl<'a> Bench<'a> {
         self
     }
 
-    /// Straight pieces of hair, each from one point to another.
+    /// Sets the hair: straight segments, each given by its two ends.
     fn hair(mut self, pieces: &[[Vec3; 2]], radius: f32) -> Self {
         let context = self.context;
         let queue = context.queue();
@@ -86,7 +86,7 @@ impl<'a> Bench<'a> {
         self
     }
 
-    fn ask(&self, points: &[(Vec3, Vec3)]) -> Vec<Around> {
+    fn ask(&self, points: &[(Vec3, Vec3)]) -> Vec<IncidentLight> {
         let context = self.context;
         let (device, queue) = (context.device(), context.queue());
         let probe = AmbientProbe::new(context, &self.view.light, points).expect("fits");
@@ -99,7 +99,7 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// A square of twice `half` across z at `z`, seen from greater z.
+/// Returns a square with edges of 2·`half` in the plane z = `z`. Its front faces +z.
 fn wall(half: f32, z: f32) -> TriMesh {
     let corner = |x: f32, y: f32| Vec3::new(x, y, z);
     TriMesh {
@@ -110,11 +110,11 @@ fn wall(half: f32, z: f32) -> TriMesh {
     }
 }
 
-/// Pieces of hair, turned any way, in a layer across y, `thick` metres about `middle`, of which a ray
-/// down meets `fibers` on average.
+/// Returns randomly oriented hair segments in a horizontal layer, `thick` meters thick and centered at y = `middle`. A
+/// vertical ray hits `fibers` of them on average.
 fn layer(middle: f32, thick: f32, fibers: f32, radius: f32) -> Vec<[Vec3; 2]> {
     let length = 0.01;
-    // Of a piece of any direction a ray sees π/4 of its length on average.
+    // The mean projected length of a randomly oriented segment is π/4 of its length.
     let each = 0.25 * std::f32::consts::PI * 2.0 * radius * length;
     let count = (fibers * (2.0 * HALF).powi(2) / each) as u32;
     (0..count)
@@ -142,32 +142,32 @@ fn empty_space_sees_the_whole_sky() {
             (Vec3::new(at(1), at(2), at(3)), Vec3::new(at(4), at(5), at(6)).normalize_or_zero() * 0.6)
         })
         .collect();
-    let open = |found: &Around| (found.open - 1.0).abs().max_element() < 2e-3;
-    let dark = |found: &Around| found.glow == Vec3::ZERO;
+    let open = |found: &IncidentLight| (found.open - 1.0).abs().max_element() < 2e-3;
+    let dark = |found: &IncidentLight| found.glow == Vec3::ZERO;
     for found in Bench::new(context).light(Vec3::Y).ask(&points) {
         assert!(open(&found) && dark(&found), "{found:?}");
     }
-    // A few hairs are seen, and a lit wall of a few centimetres.
+    // A few hairs are detected, and so is a lit wall a few centimeters wide.
     let hairs = Bench::new(context).hair(&layer(0.0, 0.06, 0.02, 1e-3), 1e-3).ask(&points);
     assert!(!hairs.iter().all(open));
     let lit = Bench::new(context).body(&wall(0.03, 0.0)).light(Vec3::Z).ask(&points);
     assert!(!lit.iter().all(open) && !lit.iter().all(dark));
 }
 
-/// What is left behind a layer of n fibres of the light of a hemisphere, as a mean over its directions: the
-/// exponential integral E₂.
+/// Returns the transmittance of a layer of n fibers, averaged over the directions of a hemisphere: the exponential
+/// integral E₂(n).
 fn mean_behind(n: f64) -> f64 {
     let steps = 4000;
     (0..steps).map(|i| (-n / ((f64::from(i) + 0.5) / f64::from(steps))).exp() / f64::from(steps)).sum()
 }
 
-/// The same as a mean over the directions that are followed.
+/// Returns the same average over the directions that the ambient grid traces.
 fn mean_followed(n: f64) -> f64 {
     (4.0 * (-n / 0.868_890_3).exp() + 8.0 * (-n / 0.350_021_2).exp()) / 12.0
 }
 
 #[test]
-fn hair_takes_what_it_should() {
+fn hair_layers_attenuate_the_sky() {
     let Some(context) = common::context() else { return };
     for fibers in [0.25_f32, 0.5, 1.0, 2.0] {
         let bench = Bench::new(context).hair(&layer(0.06, 0.06, fibers, 1e-3), 1e-3);
@@ -177,7 +177,7 @@ fn hair_takes_what_it_should() {
             })
             .collect();
         let found = bench.ask(&below);
-        // Fibres that take all, half and an eighth: the lower half of all directions is free.
+        // Opacities 1, 1/2 and 1/8 per fiber. The lower half of all directions is free.
         for (share, k) in [(1.0, 3), (0.5, 2), (0.125, 1)] {
             let mean = found.iter().map(|around| f64::from(around.open[k])).sum::<f64>() / 40.0;
             let n = share * f64::from(fibers);
@@ -191,28 +191,29 @@ fn hair_takes_what_it_should() {
     }
 }
 
-/// What the eye of a point `height` above the middle of a wall of twice `half` sees of it: its solid angle over
-/// that of the sphere.
+/// Returns the share of all directions that a square wall with edges of 2·`half` covers, seen from `height` above its
+/// center: solid angle over 4π.
 fn form_factor(half: f32, height: f32) -> f64 {
     let (side, h) = (f64::from(half).powi(2), f64::from(height).powi(2));
     (side / (side + h)).asin() / std::f64::consts::PI
 }
 
-/// The share of all sides that a lit wall fills, 6 cm below the origin, from points `heights` above its middle,
-/// and what it leaves of the sky: means over turns of everything against the cells and the directions that
-/// light is followed along, of which there are 24, so that one view is a twenty-fourth off at its edges.
+/// Returns, for each of `heights` above the center of a lit wall 6 cm below the origin, the light that the wall
+/// reflects and the sky that it occludes, both as shares of all directions. Averages over rotations of the scene,
+/// because the grid has cells and traces only 24 directions: in a single orientation the share is off by up to 1/24 at
+/// the wall's edges.
 fn seen_of_wall(context: &Context, half: f32, heights: &[f32]) -> Vec<[f64; 2]> {
     let turns = 12;
     let mut sums = vec![[0.0; 2]; heights.len()];
     for i in 0..turns {
         let axis = Vec3::new(random(i, 1) - 0.5, random(i, 2) - 0.5, random(i, 3) - 0.5).normalize();
         let turn = Quat::from_axis_angle(axis, std::f32::consts::TAU * random(i, 4));
-        // Closed, so that it is known where its inside is.
+        // A closed box, so that its inside is defined.
         let mut mesh = common::cube(1.0);
         mesh.positions.iter_mut().for_each(|p| *p = *p * Vec3::new(half, half, 0.02) - Vec3::Z * 0.08);
         mesh.positions.iter_mut().for_each(|p| *p = turn * *p);
         let points: Vec<_> = heights.iter().map(|h| (turn * (Vec3::Z * (h - 0.06)), Vec3::ZERO)).collect();
-        // A unit of irradiance times pi makes its radiance the albedo.
+        // With an irradiance of π, the wall's radiance is its albedo.
         let found = Bench::new(context).body(&mesh).light(turn * Vec3::Z).ask(&points);
         for (sum, found) in sums.iter_mut().zip(found) {
             sum[0] += f64::from(found.glow.x / WHITE) / f64::from(turns);
@@ -223,7 +224,7 @@ fn seen_of_wall(context: &Context, half: f32, heights: &[f32]) -> Vec<[f64; 2]> 
 }
 
 #[test]
-fn a_wall_throws_its_form_factor() {
+fn wall_reflects_and_occludes_by_its_form_factor() {
     let Some(context) = common::context() else { return };
     let heights = [0.04_f32, 0.08, 0.12, 0.2];
     let off = |half: f32| -> Vec<[f64; 2]> {
@@ -236,25 +237,25 @@ fn a_wall_throws_its_form_factor() {
         let exact = form_factor(0.12, *height);
         println!("{height} m: {exact:.4} of all sides, thrown {thrown:+.3}, hidden {hidden:+.3} of that");
     }
-    // A fifth of a stop, where the finest step that cameras and lamps are set by is a third. Cells of 2 cm make a
-    // wall's edge that soft.
+    // A fifth of a stop; cameras and lights are set in steps of a third or more. The cells of 2 cm blur the wall's edge
+    // by as much.
     let good = |errors: &[[f64; 2]]| errors.iter().flatten().all(|error| (1.0 + error).log2().abs() < 0.2);
     assert!(good(&errors), "{errors:?}");
-    // It would see a wall that is a centimetre wider all around.
+    // A wall that is 1 cm wider on every side fails.
     assert!(!good(&off(0.13)));
     let bench = Bench::new(context).body(&wall(HALF, -0.1)).light(Vec3::Z);
     let close = Vec3::new(0.0, 0.0, -0.08);
     let found = bench.ask(&[(close, Vec3::NEG_Z * COSINES), (close, Vec3::Z * COSINES)]);
     assert!((found[0].glow.x / WHITE - 1.0).abs() < 0.12 && found[0].open.x < 0.12, "{found:?}");
     assert!(found[1].glow.x < 0.05 && (found[1].open.x - 1.0).abs() < 0.12, "{found:?}");
-    // In its shade, or without light, it throws none.
+    // A wall lit from behind reflects nothing.
     let dark = Bench::new(context).body(&wall(HALF, -0.1)).light(Vec3::NEG_Z).ask(&[(close, Vec3::ZERO)])[0];
     assert!(dark.glow.x < 1e-3, "{dark:?}");
 }
 
-/// Coarse cells take fewer points of a body for the same surface.
+/// Coarse grids represent the same surface with fewer points of the body.
 #[test]
-fn coarse_cells_hold_the_same_body() {
+fn coarse_grids_represent_the_same_body() {
     let Some(context) = common::context() else { return };
     let at = Vec3::new(0.01, 0.02, 0.02);
     let seen = |cells, z| {
@@ -262,7 +263,7 @@ fn coarse_cells_hold_the_same_body() {
         bench.ask(&[(at, Vec3::ZERO), (at, Vec3::NEG_Z * COSINES)])
     };
     let fine = seen(24, -0.1);
-    let same = |coarse: &[Around]| {
+    let same = |coarse: &[IncidentLight]| {
         coarse.iter().zip(&fine).all(|(coarse, fine)| {
             (coarse.open - fine.open).abs().max_element() < 0.04
                 && (coarse.glow - fine.glow).abs().max_element() < 0.04 * WHITE
@@ -272,12 +273,12 @@ fn coarse_cells_hold_the_same_body() {
         let coarse = seen(cells, -0.1);
         println!("{cells} cells: {coarse:?}, 24: {fine:?}");
         assert!(same(&coarse), "{coarse:?} {fine:?}");
-        // The comparison sees a wall that is somewhere else by the edge of a cell.
+        // A wall that is displaced by one cell fails.
         assert!(!same(&seen(cells, -0.1 - 2.0 * HALF / cells as f32)));
     }
 }
 
-/// A ball about the origin.
+/// Returns a sphere centered at the origin.
 fn ball(radius: f32) -> TriMesh {
     let (rings, steps) = (48, 96);
     let mut mesh = TriMesh::default();
@@ -296,9 +297,9 @@ fn ball(radius: f32) -> TriMesh {
     mesh
 }
 
-/// How much of the sky a ball hides above its surface, and how much of it the surface sees itself.
+/// A sphere occludes the sky by its solid angle, and its surface does not occlude the hemisphere above itself.
 #[test]
-fn a_ball_hides_what_it_fills() {
+fn sphere_occludes_its_solid_angle() {
     let Some(context) = common::context() else { return };
     let radius = 0.1;
     let mesh = ball(radius);
@@ -324,7 +325,7 @@ fn a_ball_hides_what_it_fills() {
             let sin = radius / (radius + height);
             0.5 + 0.5 * (1.0 - sin * sin).sqrt()
         };
-        // It hides as much as one that is larger by less than a cell.
+        // The sky visibility lies between the exact value and that for a sphere whose radius is one cell larger.
         let larger = exact(radius + cell, (height - cell).max(0.0));
         let mean = of(0).sum::<f32>() / sides.len() as f32;
         let (exact, least) = (exact(radius, height), of(1).fold(f32::MAX, f32::min));
@@ -337,14 +338,14 @@ fn a_ball_hides_what_it_fills() {
         let (hides, upwards) = seen(height);
         assert!(hides && upwards > 0.99, "{height}");
     }
-    // In its surface the sky is not whole, and that is told apart.
+    // In the surface itself, the hemisphere above is partly occluded, which the test detects.
     assert!(seen(0.0).1 < 0.9);
 }
 
 #[test]
-fn nothing_gets_through_a_head() {
+fn light_does_not_leak_through_closed_meshes() {
     let Some(context) = common::context() else { return };
-    // A closed cube, turned so that none of its faces lies along the cells, lit from above.
+    // A closed cube, lit from above and rotated so that no face is parallel to the cells.
     let mut cube = common::cube(0.1);
     let turn = Quat::from_rotation_x(0.4) * Quat::from_rotation_y(0.6);
     cube.positions.iter_mut().for_each(|p| *p = turn * *p);
@@ -358,9 +359,9 @@ fn nothing_gets_through_a_head() {
     assert!(found[1].glow.x < 0.1 * found[2].glow.x, "below {:?}, above {:?}", found[1], found[2]);
 }
 
-/// Still scenes are the same to the bit; a slow turn of light or head is answered by slow changes.
+/// Still scenes are bit-identical. Slow rotations of light and head change the light slowly.
 #[test]
-fn slow_motion_changes_slowly() {
+fn slow_motion_changes_ambient_light_slowly() {
     let Some(context) = common::context() else { return };
     let mut cube = common::cube(0.08);
     let turn = Quat::from_rotation_x(0.4);
@@ -374,7 +375,7 @@ fn slow_motion_changes_slowly() {
         })
         .collect();
     assert!(bench.ask(&points) == bench.ask(&points), "a still scene is the same to the bit");
-    let frames: Vec<Vec<Around>> = (0..6)
+    let frames: Vec<Vec<IncidentLight>> = (0..6)
         .map(|i| {
             let angle = 0.25_f32.to_radians() * i as f32;
             bench.body.as_mut().unwrap().pose.rotation = Quat::from_rotation_y(angle);

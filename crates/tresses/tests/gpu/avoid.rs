@@ -1,5 +1,5 @@
-//! Drawn strands that leave obstacles: the first hit is the first, what hits nothing keeps its
-//! bits, lengths are kept, nothing pops, jumps are forgotten.
+//! Strand collision: the first hit is the first penetrating vertex along a strand, strands without a hit stay
+//! bit-identical, lengths are kept, nothing pops, and teleports complete all transitions.
 
 use crate::{common, moving};
 
@@ -15,7 +15,7 @@ use tresses::{
 const HEAD: f32 = 0.09;
 const CLEARANCE: f32 = 1.5e-3;
 
-/// One device for all tests: a software driver takes long to build pipelines.
+/// Groom and device of all tests. A software driver takes long to build pipelines.
 struct Setup {
     context: &'static Context,
     character: Character,
@@ -23,15 +23,15 @@ struct Setup {
 
 impl Setup {
     fn open() -> Option<&'static Self> {
-        static SETUP: std::sync::OnceLock<Option<Setup>> = std::sync::OnceLock::new();
-        SETUP.get_or_init(Self::new).as_ref()
+        static SETUP: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
+        SETUP.get(Self::new)
     }
 
-    /// A sphere with so few guides that what lies between them enters it.
+    /// Creates a ball with so few guides that strands between them enter it.
     fn new() -> Option<Self> {
         let context = common::context()?;
         let mut groom = bind(&common::hanging(600, 16, 0.16), &BindOptions::default()).unwrap();
-        // As the hair has them.
+        // `Hair` stores the strands in this order.
         tresses::lod::arrange(&mut groom.strands);
         Some(Self {
             character: Character { groom, field: common::ball(HEAD, 64), neck: Vec3::new(0.0, 0.0, -0.02) },
@@ -43,7 +43,7 @@ impl Setup {
         self.character.hair(self.context, avoid)
     }
 
-    /// Hair shaken until strands are in the head, and where the head is then.
+    /// Returns hair shaken until strands are in the head, and the head's pose at that time.
     fn shaken(&self, avoid: AvoidOptions) -> (Hair, Pose) {
         let mut hair = self.hair(avoid);
         for i in 0..36 {
@@ -57,7 +57,8 @@ impl Setup {
         drawn(self.context, hair, head, mode)
     }
 
-    /// The first vertex of each strand that is nearer to the head than it may be, less `margin`.
+    /// Returns for each strand the first vertex that is closer to the head than allowed by `tolerance` plus `margin`,
+    /// meters.
     fn first_hits(&self, vertices: &[StrandVertex], head: Pose, tolerance: f32, margin: f32) -> Vec<u32> {
         let back = head.inverse();
         let distance = |v: &StrandVertex| self.character.field.sample(back.point(v.position));
@@ -77,14 +78,14 @@ impl Setup {
 }
 
 #[test]
-fn the_first_hit_is_that_of_a_search_one_by_one() {
+fn first_hit_matches_sequential_search() {
     let Some(stage) = Setup::open() else { return };
     let options = AvoidOptions { mode: AvoidMode::Off, ..Default::default() };
     let (mut hair, head) = stage.shaken(options);
     let vertices = stage.drawn(&mut hair, head, AvoidMode::Off);
     let found: Vec<u32> = search(stage.context, &hair).iter().map(|state| state.hit).collect();
-    // Texture filters and packed allowances are coarser than the search here: by an eighth of a
-    // millimetre and a bit.
+    // Texture filtering and quantized distances make the kernel up to an eighth of a millimeter less precise than this
+    // search.
     let early = stage.first_hits(&vertices, head, options.tolerance, -0.02e-3);
     let late = stage.first_hits(&vertices, head, options.tolerance, 0.16e-3);
     let wrong = |found: &[u32]| {
@@ -102,7 +103,7 @@ fn the_first_hit_is_that_of_a_search_one_by_one() {
 }
 
 #[test]
-fn strands_that_hit_nothing_keep_their_bits_and_all_keep_their_lengths() {
+fn strands_without_hit_are_unchanged_and_lengths_are_kept() {
     let Some(stage) = Setup::open() else { return };
     let (mut hair, head) = stage.shaken(AvoidOptions::default());
     let after = stage.drawn(&mut hair, head, AvoidMode::ChangeOver);
@@ -128,7 +129,7 @@ fn strands_that_hit_nothing_keep_their_bits_and_all_keep_their_lengths() {
         }
     }
     assert!(kept > 50 && changed > 20, "{kept} kept, {changed} changed");
-    // Moving single vertices, on the other hand, tears at lengths.
+    // For comparison: moving single vertices stretches their edges.
     let alone = stage.drawn(&mut hair, head, AvoidMode::PenetratingOnly);
     let longest = alone
         .chunks(n)
@@ -144,14 +145,14 @@ fn strands_that_hit_nothing_keep_their_bits_and_all_keep_their_lengths() {
     assert!(longest > 1.01, "{longest}");
 }
 
-/// How far one frame moves a vertex at most relative to the head because of avoidance alone: the
-/// largest change from frame to frame of its way from where it would be without. Metres.
+/// Returns the largest displacement per frame that strand collision alone adds to a vertex, relative to the head,
+/// meters: the change from frame to frame of the offset from its position without strand collision.
 fn largest_pop(stage: &Setup, options: AvoidOptions) -> f32 {
     let mut hair = stage.hair(options);
     let mut last: Option<Vec<Vec3>> = None;
     let mut largest = 0.0f32;
     for i in 0..90 {
-        // Three times slower than the command's turn.
+        // A third of the speed of the command's `turn`.
         let head = stage.character.head(angle(TURN, i as f32 / 180.0));
         advance(stage.context, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
         let with = stage.drawn(&mut hair, head, AvoidMode::ChangeOver);
@@ -168,19 +169,19 @@ fn largest_pop(stage: &Setup, options: AvoidOptions) -> f32 {
 }
 
 #[test]
-fn nothing_pops() {
+fn strand_collision_does_not_pop() {
     let Some(stage) = Setup::open() else { return };
     let smooth = largest_pop(stage, AvoidOptions::default());
     let sudden = AvoidOptions { fade_in: 0.0, fade_out: 0.0, speed: f32::INFINITY, ..Default::default() };
     let sudden = largest_pop(stage, sudden);
     println!("largest change per frame: {smooth} m, without smoothing {sudden} m");
-    // 15 cm per second; hair that swings is several times faster.
+    // The bound is 15 cm/s; swinging hair is several times faster.
     assert!(smooth < 0.15 / 60.0, "{smooth}");
     assert!(sudden > 3.0 * 0.15 / 60.0, "the bound can be missed: {sudden}");
 }
 
 #[test]
-fn jumps_and_resets_are_forgotten() {
+fn jumps_and_resets_end_transitions() {
     let Some(stage) = Setup::open() else { return };
     let (mut hair, head) = stage.shaken(AvoidOptions::default());
     let midway =

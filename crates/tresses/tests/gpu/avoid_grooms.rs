@@ -1,5 +1,5 @@
-//! How many drawn vertices are in the head while the built-in styles and a real groom move: with no
-//! avoidance, with only the penetrating vertices moved, and with strands that change over.
+//! Share of strand vertices in the head while the built-in styles and a real groom move, in all modes of strand
+//! collision: off, moving only the penetrating vertices, and changing over to the clump.
 
 use crate::{common, moving};
 
@@ -16,12 +16,12 @@ use tresses::{
 const MODES: [AvoidMode; 3] = [AvoidMode::Off, AvoidMode::PenetratingOnly, AvoidMode::ChangeOver];
 const FPS: f32 = 24.0;
 
-/// Deeper than this below the skin a vertex penetrates; one that rests in the skin, deeper than this
-/// below where it rests. Metres.
+/// Depth below the skin from which a vertex counts as penetrating, meters. For a vertex that rests in the skin, depth
+/// below its rest position.
 const DEPTH: f32 = 5e-4;
 
-/// The fraction of `vertices`, in the frame of the head, that penetrates by more than `depth`. With
-/// 0: of those that rest outside, the ones that are inside.
+/// Returns the fraction of `vertices`, in head space, that penetrate by more than `depth`. A `depth` of 0 counts
+/// vertices that rest outside and are now inside.
 fn penetrating(character: &Character, rest: &[f32], vertices: impl Iterator<Item = Vec3>, depth: f32) -> f32 {
     let inside = |(p, rest): &(Vec3, &f32)| match depth {
         0.0 => **rest >= 0.0 && character.field.sample(*p) < 0.0,
@@ -30,8 +30,8 @@ fn penetrating(character: &Character, rest: &[f32], vertices: impl Iterator<Item
     vertices.zip(rest).filter(inside).count() as f32 / rest.len() as f32
 }
 
-/// The largest fraction over the frames of a motion for each of [`MODES`], of the same frames:
-/// deeper than [`DEPTH`], and below the surface at all.
+/// Returns for each of [`MODES`] the largest fraction in any frame of a motion: deeper than [`DEPTH`], and below the
+/// surface at all. All modes see the same frames.
 fn worst(context: &Context, character: &Character, keys: Keys) -> [[f32; 3]; 2] {
     let rest = character.rest_distances();
     let mut hair = character.hair(context, AvoidOptions::default());
@@ -43,7 +43,7 @@ fn worst(context: &Context, character: &Character, keys: Keys) -> [[f32; 3]; 2] 
             continue;
         }
         let back = head.inverse();
-        // The present state is that of the change-over: it is read first.
+        // The buffers hold the result of `ChangeOver`, so read that mode first.
         for m in [2, 0, 1] {
             let vertices = drawn(context, &mut hair, head, MODES[m]);
             assert!(vertices.iter().all(|v| v.position.is_finite()));
@@ -58,8 +58,8 @@ fn worst(context: &Context, character: &Character, keys: Keys) -> [[f32; 3]; 2] 
 
 const MOTIONS: [(&str, Keys); 2] = [("turn", TURN), ("shake", SHAKE)];
 
-/// Prints and checks one groom. `least` is what the worst frames must have without avoidance for the
-/// test to mean something.
+/// Prints and checks one groom. `least` is the fraction that the worst frame must reach without strand collision;
+/// otherwise the test shows nothing.
 fn check(name: &str, context: &Context, character: &Character, motions: &[(&str, Keys)], least: f32) {
     for (motion, keys) in motions {
         let [deep, any] = worst(context, character, keys);
@@ -79,15 +79,15 @@ fn style(name: &str) -> Character {
 }
 
 #[test]
-fn at_most_a_thousandth_of_the_vertices_is_in_the_head() {
+fn penetrating_vertices_stay_below_a_thousandth() {
     let Some(context) = common::context() else { return };
     check("long", context, &style("long"), &[("shake", SHAKE)], 0.005);
 }
 
-/// The table of docs/physics.md.
+/// Prints the table of docs/physics.md.
 #[test]
 #[ignore = "proof"]
-fn at_most_a_thousandth_of_the_vertices_of_any_style_is_in_the_head() {
+fn penetrating_vertices_stay_below_a_thousandth_in_all_styles() {
     let Some(context) = common::context() else { return };
     for (name, least) in [("long", 0.005), ("bob", 0.002), ("curly", 0.005), ("short", 0.0)] {
         check(name, context, &style(name), &MOTIONS, least);
@@ -95,7 +95,7 @@ fn at_most_a_thousandth_of_the_vertices_of_any_style_is_in_the_head() {
 }
 
 #[test]
-fn the_counter_sees_a_strand_in_the_head() {
+fn counter_detects_a_strand_in_the_head() {
     if common::context().is_none() {
         return;
     }
@@ -110,16 +110,16 @@ fn the_counter_sees_a_strand_in_the_head() {
     assert!(penetrating(&character, &rest, points.iter().copied(), DEPTH) > 0.0003);
 }
 
-/// The last rows of that table.
+/// Prints the last rows of that table.
 #[test]
 #[ignore = "proof"]
-fn a_real_groom_is_served_too() {
+fn penetrating_vertices_stay_below_a_thousandth_in_a_real_groom() {
     let Some(context) = common::context() else { return };
     let Some((strands, _, field)) = common::sintel() else { return };
     let crown = strands.iter().map(|strand| strand[0]).reduce(|a, b| if a.y > b.y { a } else { b }).unwrap();
-    // The built-in head's joint is as far below its crown.
+    // As far below the crown as in the built-in head.
     let neck = Vec3::new(0.0, crown.y - 0.165, -0.012);
-    // One guide to each strand, then fewer and fewer; of what is drawn every fourth strand will do.
+    // First one guide per strand, then fewer. A fourth of the strands is enough.
     let mut few = Strands::default();
     (0..strands.len()).step_by(16).for_each(|i| few.push(strands.strand(i)));
     let mut own = bind(&few, &BindOptions { guides: GuideCount::All, ..Default::default() }).unwrap();

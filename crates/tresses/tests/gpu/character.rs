@@ -18,7 +18,7 @@ use tresses::{
     strands::GuideBuffers,
 };
 
-/// Guides before and after they fell.
+/// Returns the guides before and after draping.
 fn settled(context: &Context, style: &Style, scalp: &GridScalp) -> (StyledGuides, StyledGuides) {
     let before = styles::guides(style, scalp);
     let mut after = before.clone();
@@ -26,12 +26,12 @@ fn settled(context: &Context, style: &Style, scalp: &GridScalp) -> (StyledGuides
     (before, after)
 }
 
-/// How deep the deepest of `points` lies in the head, metres.
+/// Returns the depth of the deepest of `points` in the head, meters.
 fn deepest(points: &[Vec3], field: &SdfGrid) -> f32 {
     points.iter().map(|p| -field.sample(*p)).fold(f32::NEG_INFINITY, f32::max)
 }
 
-/// The largest relative difference between the lengths of two lists of strands.
+/// Returns the largest relative difference in length between corresponding guides.
 fn length_change(a: &[Vec3], b: &[Vec3]) -> f32 {
     let length = |line: &[Vec3]| line.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>();
     a.chunks(GUIDE_VERTICES)
@@ -40,7 +40,7 @@ fn length_change(a: &[Vec3], b: &[Vec3]) -> f32 {
         .fold(0.0, f32::max)
 }
 
-/// How far apart the vertices of two lists are: 99 in 100 at most, and any at most, metres.
+/// Returns the 99th percentile and the maximum of the distances between corresponding vertices, meters.
 fn apart(a: &[Vec3], b: &[Vec3]) -> (f32, f32) {
     assert_eq!(a.len(), b.len());
     let mut off: Vec<f32> = a.iter().zip(b).map(|(a, b)| a.distance(*b)).collect();
@@ -49,7 +49,7 @@ fn apart(a: &[Vec3], b: &[Vec3]) -> (f32, f32) {
 }
 
 #[test]
-fn hair_falls_outside_of_the_head_and_keeps_its_length() {
+fn draped_hair_stays_outside_the_head_and_keeps_its_length() {
     let Some(context) = common::context() else { return };
     let scalp = common::scalp(96);
     for style in Style::NAMES.map(|name| name.parse::<Style>().unwrap()) {
@@ -58,7 +58,7 @@ fn hair_falls_outside_of_the_head_and_keeps_its_length() {
         let (a, b) = (&before.guides.positions, &after.guides.positions);
         assert!(deepest(b, &scalp.field) < 1e-3, "{name}: {}", deepest(b, &scalp.field));
         assert!(length_change(a, b) < 0.02, "{name}: {}", length_change(a, b));
-        // It did fall, and did not collapse.
+        // The tips fell, but not far.
         let moved = |i: usize| a[i].distance(b[i]);
         let tips = before.guides.len() as f32;
         let mean = (1..=before.guides.len()).map(|g| moved(g * GUIDE_VERTICES - 1)).sum::<f32>() / tips;
@@ -66,7 +66,8 @@ fn hair_falls_outside_of_the_head_and_keeps_its_length() {
         if name == "long" {
             assert_eq!(after.guides.len(), 166);
         }
-        // The guides that come cooked are these; those that have not fallen, or fell from elsewhere, are not.
+        // The precomputed ("cooked") guides match the draped ones. Guides that are not draped do not match, and other
+        // seeds have no cooked guides.
         let cooked = styles::settled(&style.recipe(), &*scalp).expect("a style as it is by default");
         let off = apart(&cooked.guides.positions, b);
         println!("{name}: cooked guides are off by {:.1e} m, one in a hundred by {:.1e} m", off.1, off.0);
@@ -76,7 +77,7 @@ fn hair_falls_outside_of_the_head_and_keeps_its_length() {
         let off = cooked.stiffness.iter().zip(&after.stiffness).map(|(a, b)| (a - b).abs());
         assert!(off.fold(0.0, f32::max) < 1e-3);
         assert!(styles::settled(&style.with_seed(2).recipe(), &*scalp).is_none());
-        // The comparers see a vertex in the head, and a strand that is too long.
+        // The comparers detect a vertex in the head and a strand that is too long.
         let mut wrong = b.clone();
         wrong[5] = scalp.landmarks.skull;
         assert!(deepest(&wrong, &scalp.field) > 0.05);
@@ -85,9 +86,9 @@ fn hair_falls_outside_of_the_head_and_keeps_its_length() {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_bits() {
+fn equal_seeds_give_identical_grooms() {
     let Some(context) = common::context() else { return };
-    // None that comes cooked.
+    // A seed without cooked guides.
     let style = Style::default().with_seed(2);
     let make = |style| pollster::block_on(drape::character(context, style, Some(500))).unwrap();
     let (once, twice) = (make(&style), make(&style));
@@ -96,8 +97,8 @@ fn the_same_seed_gives_the_same_bits() {
     assert_ne!(once.groom.guides.positions, make(&style.with_seed(3)).groom.guides.positions);
 }
 
-/// The distances that vertices move away from `positions` in three seconds with the head still,
-/// smallest first.
+/// Returns the distances by which vertices leave `positions` within three seconds while the head is still, in ascending
+/// order, meters.
 fn drift(
     context: &Context,
     positions: &[Vec3],
@@ -139,13 +140,13 @@ fn drift(
 }
 
 #[test]
-fn what_has_fallen_stays() {
+fn draped_hair_stays_at_rest() {
     let Some(context) = common::context() else { return };
     let scalp = common::scalp(96);
     for style in Style::NAMES.map(|name| name.parse::<Style>().unwrap()) {
         let (_, after) = settled(context, &style, &scalp);
         let drift = |shape| drift(context, &after.guides.positions, &scalp.field, &after.stiffness, shape);
-        // Of a hundred vertices one may find a better place, and none may fall.
+        // One vertex in a hundred may shift, and none may fall.
         let stays = |moved: &[f32]| moved[moved.len() * 99 / 100] < 2e-3 && moved[moved.len() - 1] < 0.012;
         let moved = drift(RestShape::SagFree);
         assert!(stays(&moved), "{}: {:?}", style.name(), &moved[moved.len() * 99 / 100..]);

@@ -1,4 +1,4 @@
-//! Characters: what hosts hold.
+//! The high-level `Character`, as hosts use it.
 
 use crate::common;
 use tresses::{
@@ -14,7 +14,7 @@ use tresses::{
     view::{Picture, ViewOptions},
 };
 
-/// The built-in character with few strands, brows, lashes and a beard that hangs.
+/// Creates the built-in character with few strands, brows, lashes and a hanging beard.
 fn bearded(context: &Context) -> Character {
     let style = Style::default();
     let source = pollster::block_on(CharacterSource::built_in(context, &style, &())).unwrap();
@@ -36,7 +36,7 @@ fn advance(context: &Context, characters: &mut [&mut Character], dt: f32) {
     context.queue().submit([encoder.finish()]);
 }
 
-/// What a camera before a character at the origin sees of `characters`.
+/// Renders `characters` with a camera in front of the origin.
 fn seen(context: &Context, characters: &[&Character]) -> Vec<u8> {
     let size = [96, 96];
     let mut view = View::new(context, &ViewOptions::default(), size, 1).unwrap();
@@ -49,7 +49,7 @@ fn seen(context: &Context, characters: &[&Character]) -> Vec<u8> {
     pollster::block_on(view.targets().read()).unwrap()
 }
 
-/// The vertices of every groom as they are drawn.
+/// Reads the drawn vertices of every groom.
 fn vertices(character: &Character) -> Vec<Vec<u32>> {
     let context = common::context().unwrap();
     character.grooms().map(|hair| readback::buffer(context, &hair.strands.vertices).unwrap()).collect()
@@ -61,12 +61,12 @@ fn nod(degrees: f32) -> Gesture {
 }
 
 #[test]
-fn an_instance_moves_and_looks_like_a_character_of_its_own() {
+fn instance_moves_and_looks_like_a_separate_character() {
     let Some(context) = common::context() else { return };
     let (mut first, mut moved) = (bearded(context), bearded(context));
     moved.gesture = nod(20.0);
     advance(context, &mut [&mut moved], 0.5);
-    // Of a body that rests, and of one that has bent.
+    // Instances of a character at rest and of one that is already posed.
     let (mut second, mut third) = (first.instance().unwrap(), moved.instance().unwrap());
     third.reset();
     for i in 0..3 {
@@ -83,7 +83,7 @@ fn an_instance_moves_and_looks_like_a_character_of_its_own() {
 }
 
 #[test]
-fn instances_bend_and_go_on_their_own() {
+fn instances_deform_and_move_independently() {
     let Some(context) = common::context() else { return };
     let mut first = bearded(context);
     let mut second = first.instance().unwrap();
@@ -102,7 +102,7 @@ fn instances_bend_and_go_on_their_own() {
 }
 
 #[test]
-fn a_crowd_keeps_its_budget_and_each_head_has_light_of_its_own() {
+fn crowd_keeps_its_budget_and_has_a_zone_per_head() {
     let Some(context) = common::context() else { return };
     let mut first = bearded(context);
     first.set_lod(LodOptions { mode: LodMode::Auto, ..LodOptions::CROWD });
@@ -146,7 +146,7 @@ fn a_crowd_keeps_its_budget_and_each_head_has_light_of_its_own() {
 }
 
 #[test]
-fn obstacles_push_hair_and_come_and_go() {
+fn obstacles_push_hair_and_can_be_removed() {
     let Some(context) = common::context() else { return };
     let mut first = bearded(context);
     let mut second = first.instance().unwrap();
@@ -207,7 +207,7 @@ fn teleported_hair_keeps_its_shape() {
 }
 
 #[test]
-fn another_groom_goes_on_where_the_first_was() {
+fn replaced_groom_keeps_time_material_and_gesture() {
     let Some(context) = common::context() else { return };
     let mut character = bearded(context);
     character.gesture = nod(15.0);

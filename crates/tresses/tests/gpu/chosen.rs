@@ -1,4 +1,4 @@
-//! Shading only what is seen gives the bits of shading everything.
+//! Shading only the visible vertices is bit-identical to shading all vertices.
 
 use crate::{common, golden};
 use tresses::{
@@ -6,7 +6,7 @@ use tresses::{
 };
 
 #[test]
-fn what_is_seen_is_shaded_as_if_all_were() {
+fn visible_vertices_are_shaded_as_in_full_shading() {
     let Some(context) = common::context() else { return };
     let options =
         ViewOptions { shadow_resolution: 256, coverage: Coverage::SampleMask, ..Default::default() };
@@ -18,7 +18,7 @@ fn what_is_seen_is_shaded_as_if_all_were() {
     let colors = view.shaded(&hair).expect("it is drawn");
     let all: Vec<u32> = readback::buffer(context, &colors).expect("read back");
 
-    // The last segments of one strand in three, and one somewhere.
+    // The last segment of every third strand, and one segment elsewhere.
     let n = strands.vertex_count as usize;
     let segments: Vec<bool> =
         (0..all.len()).map(|i| (i / n).is_multiple_of(3) && i % n == n - 2 || i == n + 5).collect();
@@ -34,7 +34,7 @@ fn what_is_seen_is_shaded_as_if_all_were() {
     context.queue().write_buffer(&buffer, 0, bytemuck::cast_slice(&bits));
     context.queue().write_buffer(&colors, 0, &vec![0; 4 * all.len()]);
     let chosen = view.chosen(&hair, &buffer).expect("fits");
-    // Twice: the lists start anew.
+    // Twice, because each run must clear the lists.
     for _ in 0..2 {
         let mut encoder = context.device().create_command_encoder(&Default::default());
         view.light.shade_chosen(&mut context.commands(&mut encoder), &[(&hair, &chosen)]).unwrap();

@@ -1,4 +1,4 @@
-//! Hair among moving obstacles: nothing stays inside of anything, whatever moves how.
+//! Hair among moving obstacles: no vertex stays inside an obstacle, however it moves.
 
 use crate::common;
 
@@ -14,9 +14,9 @@ use tresses::{
     volume::HairHair,
 };
 
-/// Deeper than this, metres, is inside.
+/// Depth from which a vertex counts as inside, meters.
 const DEEP: f32 = 5e-4;
-/// For so many steps in a row a vertex may be.
+/// Steps in a row that a vertex may be inside.
 const STEPS: u32 = 2;
 
 struct Character {
@@ -37,7 +37,7 @@ fn sintel() -> Option<Character> {
     Some(Character { groom, field: field.clone(), neck: Vec3::new(0.0, crown - 0.165, -0.012) })
 }
 
-/// The head at `t` of the motion `shake`: yaw between these keys, still at each.
+/// Returns the head's pose at time `t` of the motion `shake`, which eases between yaw keys.
 fn shake(t: f32, neck: Vec3) -> Pose {
     const KEYS: [(f32, f32); 7] =
         [(0.0, 0.0), (0.2, 30.0), (0.5, -30.0), (0.8, 30.0), (1.1, -30.0), (1.3, 0.0), (2.5, 0.0)];
@@ -49,24 +49,24 @@ fn shake(t: f32, neck: Vec3) -> Pose {
     Pose::about(neck, Quat::from_rotation_y(yaw.to_radians()))
 }
 
-/// What a run has shown.
+/// Measurements of a run.
 #[derive(Debug, Default)]
-struct Seen {
-    /// Vertices watched, those that follow the head left out.
+struct RunStatistics {
+    /// Number of watched vertices: all but those that follow the head rigidly.
     vertices: usize,
-    /// Those that rest inside, and may be as deep as they are there.
+    /// Number of watched vertices that rest inside. They may be as deep as at rest.
     rest_inside: usize,
-    /// Metres below what a vertex may have.
+    /// Largest depth beyond the allowed depth, meters.
     deepest: f32,
-    /// The most steps in a row that any vertex was too deep.
+    /// Largest number of steps in a row that a vertex was too deep.
     longest: u32,
-    /// Vertices and steps that were too deep.
+    /// Sum over all steps of the vertices that were too deep.
     deep: usize,
-    /// Vertices that went through an obstacle from one step to the next.
+    /// Number of times that a vertex passed through an obstacle within one step.
     tunnelled: usize,
 }
 
-impl Seen {
+impl RunStatistics {
     fn holds(&self) -> bool {
         self.longest <= STEPS && self.tunnelled == 0
     }
@@ -79,9 +79,9 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Watches `seconds`: the head at `head(t)`, the colliders at `poses(t)`, `distance(x, t)` of a vertex
-    /// at `x`, `through(before, after, t)` whether a vertex went through something in the step that ends at
-    /// `t`.
+    /// Simulates and measures `seconds`. `head(t)` and `poses(t)` give the poses of head and colliders, and
+    /// `distance(x, t)` the signed distance of a point. `through(before, after, t)` is whether a vertex passed through
+    /// an obstacle in the step that ends at `t`.
     fn watch(
         &mut self,
         seconds: f32,
@@ -89,16 +89,16 @@ impl Run<'_> {
         poses: &dyn Fn(f32) -> ColliderPoses,
         distance: &dyn Fn(Vec3, f32) -> f32,
         through: &dyn Fn(Vec3, Vec3, f32) -> bool,
-    ) -> Seen {
+    ) -> RunStatistics {
         let context = self.context;
         let packed: Vec<PackedGuide> = readback::buffer(context, &self.hair.guides.rest).unwrap();
         let rest: Vec<_> = packed.iter().map(|packed| packed.rest(&Guide::default())).collect();
         let count = self.hair.guides.count as usize;
         let watched = 2 * count..rest.len();
-        let mut seen = Seen {
+        let mut seen = RunStatistics {
             vertices: watched.len(),
             rest_inside: rest[watched.clone()].iter().filter(|r| r.contact < 0.0).count(),
-            ..Seen::default()
+            ..RunStatistics::default()
         };
         let mut runs = vec![0; rest.len()];
         let mut before: Vec<[f32; 4]> = Vec::new();
@@ -137,8 +137,8 @@ fn run<'a>(context: &'a Context, character: &Character, colliders: &[Collider]) 
     Run { context, hair, params: options.simulation }
 }
 
-/// A shake of `seconds`.
-fn shaken(context: &Context, name: &str, character: &Character, seconds: f32) -> Seen {
+/// Shakes the head for `seconds`.
+fn shaken(context: &Context, name: &str, character: &Character, seconds: f32) -> RunStatistics {
     let Character { field, neck, .. } = character;
     let head = |t| shake(t, *neck);
     let seen = run(context, character, &[]).watch(
@@ -149,7 +149,7 @@ fn shaken(context: &Context, name: &str, character: &Character, seconds: f32) ->
         &|_, _, _| false,
     );
     println!("{name}, {seconds} s of shake: {seen:?}");
-    // What rests inside is exempt, and must be the exception.
+    // Vertices that rest inside are exempt, so they must be few.
     assert!(seen.rest_inside < seen.vertices / 20);
     seen
 }
@@ -159,7 +159,7 @@ fn no_vertex_stays_in_the_head_during_a_shake() {
     let Some(context) = common::context() else { return };
     let character = built_in("long");
     assert!(shaken(context, "long", &character, 1.5).holds());
-    // Held against a head twice a strand's clearance larger, it does not.
+    // The test fails for a head that is larger by twice the clearance.
     let SdfGrid { distances, .. } = &character.field;
     let distances = distances.iter().map(|d| d - 3e-3).collect();
     let field = SdfGrid { distances, ..character.field.clone() };
@@ -169,7 +169,7 @@ fn no_vertex_stays_in_the_head_during_a_shake() {
     assert!(!run.watch(0.3, &head, &|_| ColliderPoses::default(), &inside, &|_, _, _| false).holds());
 }
 
-/// The table of docs/physics.md.
+/// Prints the table of docs/physics.md.
 #[test]
 #[ignore = "proof"]
 fn no_vertex_of_any_groom_stays_in_the_head_during_a_shake() {
@@ -184,11 +184,11 @@ fn no_vertex_of_any_groom_stays_in_the_head_during_a_shake() {
     assert!(all);
 }
 
-/// A hand's radius, metres.
+/// Radius of the forearm, meters.
 const HAND: f32 = 0.035;
 
-/// A forearm of 30 cm that crosses the hair below the head from behind to the front, at `speed`.
-fn sweep(context: &Context, character: &Character, speed: f32) -> Seen {
+/// Moves a forearm of 30 cm through the hair below the head, from back to front, at `speed` m/s.
+fn sweep(context: &Context, character: &Character, speed: f32) -> RunStatistics {
     let shape = Shape::Capsule { half_length: 0.15, radius: HAND };
     let neck = character.neck;
     let way = 0.6;
@@ -197,7 +197,7 @@ fn sweep(context: &Context, character: &Character, speed: f32) -> Seen {
         translation: neck + Vec3::new(0.25, -0.02, -0.5 * way + (speed * (t - 0.1).max(0.0)).min(way)),
     };
     let poses = |t| ColliderPoses { head: None, colliders: vec![hand(t)] };
-    // Beside the neck the forearm sinks into the head by up to 2 cm: between the two there is no room for hair.
+    // Beside the neck, the forearm sinks up to 2 cm into the head, which leaves no room for hair between them.
     let room = |x: Vec3, t: f32| {
         let along = hand(t).inverse().point(x).y.clamp(-0.15, 0.15);
         character.field.sample(hand(t).point(Vec3::Y * along)) - HAND
@@ -206,13 +206,13 @@ fn sweep(context: &Context, character: &Character, speed: f32) -> Seen {
         room if room < 2.0 * HairOptions::default().clearance => 1.0,
         _ => shape::capsule(hand(t).inverse().point(x), HAND, 0.15).w,
     };
-    // As the hand sees it, the vertex has passed its axis nearer than half its radius.
+    // In the forearm's frame: the vertex passed within half a radius of its axis.
     let through = |before: Vec3, after: Vec3, t: f32| {
         let (a, b) = (hand(t - 1.0 / 60.0).inverse().point(before), hand(t).inverse().point(after));
         (0..=8).any(|i| shape::capsule(a.lerp(b, i as f32 / 8.0), 0.5 * HAND, 0.15).w < 0.0)
     };
     let mut run = run(context, character, &[Collider::new(shape)]);
-    // It begins in the open air.
+    // The forearm starts away from the hair.
     let seen = run.watch(0.1 + way / speed + 0.2, &|_| Pose::IDENTITY, &poses, &distance, &through);
     println!("a hand at {speed} m/s: {seen:?}");
     seen
@@ -225,7 +225,7 @@ fn a_hand_pushes_hair_aside() {
     assert!(seen.holds(), "{seen:?}");
 }
 
-/// The table of docs/physics.md. Above 3 m/s it is only told.
+/// Prints the table of docs/physics.md. Speeds above 3 m/s are printed only.
 #[test]
 #[ignore = "proof"]
 fn a_hand_of_any_speed_pushes_hair_aside() {
@@ -237,8 +237,8 @@ fn a_hand_of_any_speed_pushes_hair_aside() {
     }
 }
 
-/// How far each of 64 straight strands has moved, at most, after a second in which a small capsule stands in the way of
-/// each but number `spared`.
+/// Returns for each of 64 straight strands the largest displacement of a vertex after one second, meters. A small
+/// capsule blocks every strand but `spared`.
 fn moved_by_capsules(context: &Context, spared: Option<usize>) -> Vec<f32> {
     let root = |i: usize| 0.04 * Vec3::new((i % 8) as f32, 0.0, (i / 8) as f32);
     let mut strands = Strands::default();
@@ -257,7 +257,7 @@ fn moved_by_capsules(context: &Context, spared: Option<usize>) -> Vec<f32> {
     };
     let colliders = ColliderPoses { head: None, colliders: (0..64).map(pose).collect() };
     let mut hair = Hair::with_colliders(context, &groom, &HairOptions::default(), &what).unwrap();
-    // Strands shall know nothing of each other.
+    // No self-collision, so that strands are independent.
     let physics = SimulationParams { hair_hair: HairHair::OFF, ..Default::default() };
     let mut read = |dt: f32| {
         let frame = HairFrame {
@@ -275,7 +275,7 @@ fn moved_by_capsules(context: &Context, spared: Option<usize>) -> Vec<f32> {
     let after = (0..15).map(|_| read(4.0 / 60.0)).last().unwrap();
     let mut moved = vec![0f32; 64];
     for (at, (a, b)) in before.iter().zip(&after).enumerate() {
-        // Guides need not be in the order of the strands.
+        // Guides are not in the order of the strands.
         let place = before[at % 64] / 0.04;
         let strand = place.x.round() as usize + 8 * place.z.round() as usize;
         moved[strand] = moved[strand].max(a.distance(*b));
@@ -284,13 +284,13 @@ fn moved_by_capsules(context: &Context, spared: Option<usize>) -> Vec<f32> {
 }
 
 #[test]
-fn each_of_sixty_four_capsules_acts() {
+fn all_64_capsules_collide() {
     let Some(context) = common::context() else { return };
     let least = |moved: &[f32]| moved.iter().copied().fold(f32::MAX, f32::min);
     let all = moved_by_capsules(context, None);
     println!("strands are moved by {} mm or more", 1e3 * least(&all));
     assert!(least(&all) > 0.01, "{all:?}");
-    // A strand without a capsule is seen, whichever word of the masks its capsule is in.
+    // A strand without a capsule is detected, whichever word of the collision masks holds the capsule's bit.
     for spared in [0, 31, 32, 63] {
         let moved = moved_by_capsules(context, Some(spared));
         assert!(moved[spared] < 1e-3, "{spared}: {}", moved[spared]);

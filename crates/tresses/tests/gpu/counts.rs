@@ -1,11 +1,11 @@
-//! What a frame records is counted where it is recorded. No GPU needed.
+//! Commands are counted where a frame records them. Needs no GPU.
 
 use crate::common;
 use tresses::{
     View,
     body::Body,
     draw::Coverage,
-    frame::Sight,
+    frame::ViewPass,
     gpu::{Counts, Timings, wall},
     groom::TriMesh,
     light::HairSet,
@@ -15,7 +15,7 @@ use tresses::{
 
 const SIZE: [u32; 2] = [64, 40];
 
-/// What a picture of so many grooms and bodies records, by the rows of its times.
+/// Returns the counts of a frame with this many grooms and bodies, by row of the timings.
 fn recorded(coverage: Coverage, grooms: usize, bodies: usize) -> Vec<(&'static str, Counts)> {
     let context = &common::noop();
     let options = ViewOptions { samples: 1, coverage, ..Default::default() };
@@ -31,7 +31,7 @@ fn recorded(coverage: Coverage, grooms: usize, bodies: usize) -> Vec<(&'static s
         .draw_strands(
             &hair.iter().collect::<Vec<_>>(),
             &vec![&body; bodies],
-            Sight::new(&view, &Picture::default()),
+            ViewPass::new(&view, &Picture::default()),
         )
         .expect("every pipeline is made");
     timings.counts().to_vec()
@@ -42,39 +42,40 @@ fn row(rows: &[(&str, Counts)], name: &str) -> Counts {
 }
 
 #[test]
-fn a_known_frame_records_what_is_known() {
+fn frame_records_the_expected_counts() {
     let rows = recorded(Coverage::SampleMask, 2, 1);
     let [width, height] = SIZE.map(u64::from);
-    // A triangle over the picture, 4 bytes per pixel.
+    // One triangle over the image, 4 bytes per pixel.
     let one = Counts { passes: 1, draws: 1, pipelines: 1, groups: 1, ..Counts::default() };
     assert_eq!(row(&rows, "present"), Counts { bytes: 4 * width * height, ..one });
-    // One pass over both grooms, three chunks of strips each that 16 bits reach; the view's group and two per groom;
-    // colours of 8 and depths of 4 bytes, both cleared and written.
+    // One pass over both grooms. Each groom takes three draws, since indices have 16 bits. One bind group for the view
+    // and two per groom. 8 bytes of color and 4 of depth per pixel, both cleared and stored.
     let strips = Counts { draws: 2 * 3, groups: 1 + 2 * 2, bytes: 12 * width * height, ..one };
     assert_eq!(row(&rows, "hair"), strips);
-    // Knots and vertices of both grooms: a pipeline and a group for each, and two shared groups.
+    // Shading samples and vertices of both grooms. Per groom: two kernels with a pipeline and a bind group each, and
+    // the group of its fiber. One empty group for all.
     let two = Counts { passes: 1, dispatches: 4, pipelines: 4, groups: 1 + 2 * 3, ..Counts::default() };
     assert_eq!(row(&rows, "shade"), two);
 }
 
 #[test]
-fn a_change_of_the_frame_changes_its_counts() {
+fn counts_follow_grooms_bodies_and_layers() {
     let [one, two] = [1, 2].map(|grooms| recorded(Coverage::Tiles, grooms, 1));
     for name in ["shadow", "ambient", "bins", "shade", "hair"] {
         let (one, two) = (row(&one, name), row(&two, name));
         assert!(two.dispatches > one.dispatches && two.groups > one.groups, "{name}: {one:?} {two:?}");
         assert_eq!(two.passes, one.passes, "{name}: no groom has passes of its own");
     }
-    // A second body: a draw into the grid of soft light and one into the picture.
+    // A second body: one draw for its shading points and one into the image.
     let more = row(&recorded(Coverage::Tiles, 1, 2), "body");
     let less = row(&one, "body");
     assert_eq!((more.draws, more.passes), (less.draws + 2, less.passes));
-    // Four buffers begin with nothing in them, and what tiles know of their depths is copied into a texture twice.
+    // Four buffers are cleared, and the depth bounds of the tiles are copied to a texture twice.
     assert_eq!(row(&one, "bins").transfers, 4 + 2);
-    // A layer more is two passes and a copy of the depth.
+    // Another layer adds two passes and a copy of the depth.
     let [four, five] = [4, 5].map(|layers| row(&recorded(Coverage::DepthPeeling { layers }, 1, 1), "hair"));
     let [width, height] = SIZE.map(u64::from);
     assert_eq!((five.passes, five.transfers), (four.passes + 2, four.transfers + 1));
-    // Depth copied, read and written, the layer's colours written, both sides of the blend read and the sum written.
+    // The depth is copied, loaded and stored. The layer's color is stored. The accumulated color is loaded and stored.
     assert_eq!(five.bytes - four.bytes, width * height * (4 * 2 + 4 * 2 + 8 + 8 * 2));
 }

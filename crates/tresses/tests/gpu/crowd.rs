@@ -1,4 +1,4 @@
-//! Many heads with one groom: what they share, the room they take, their motion's levels of detail, their zones of light.
+//! Many heads with one groom: shared memory, memory per head, levels of detail of the motion, and lighting zones.
 
 use crate::{
     common::{self, frame, submit},
@@ -7,9 +7,9 @@ use crate::{
 use tresses::{
     Camera, Context, Hair, HairOptions, Pose, View,
     body::Body,
-    budget::{Budget, Costs, Held},
+    budget::{Budget, Costs, ViewBytes},
     draw::Coverage,
-    frame::Sight,
+    frame::ViewPass,
     glam::{Quat, Vec3},
     gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, bind},
@@ -36,7 +36,7 @@ fn hair(context: &Context, groom: &Groom) -> Hair {
     Hair::new(context, groom, &HairOptions::default(), Some(&field)).unwrap()
 }
 
-/// What it draws.
+/// Reads the drawn vertices.
 fn vertices(context: &Context, hair: &Hair) -> Vec<StrandVertex> {
     let mut all: Vec<StrandVertex> = readback::buffer(context, &hair.strands.vertices).unwrap();
     let drawn = hair.strands.drawn;
@@ -44,7 +44,7 @@ fn vertices(context: &Context, hair: &Hair) -> Vec<StrandVertex> {
     all
 }
 
-/// A head that turns, `ahead` frames ahead of another.
+/// Returns the pose of a turning head, `ahead` frames ahead of another.
 fn turning(i: u32, ahead: u32) -> Pose {
     let t = (i + ahead) as f32 / 60.0;
     Pose { rotation: Quat::from_rotation_y((5.0 * t).sin()), translation: Vec3::X * 0.05 * (3.0 * t).sin() }
@@ -56,13 +56,13 @@ fn mean_distance(a: &[StrandVertex], b: &[StrandVertex]) -> f32 {
 }
 
 #[test]
-fn heads_that_share_are_to_the_bit_heads_of_their_own() {
+fn sharing_heads_are_bit_identical_to_separate_heads() {
     let Some(context) = common::context() else { return };
     let groom = groom();
     let mut first = hair(context, &groom);
     let mut sharing = first.another(&[]).unwrap();
     let [mut first_alone, mut alone] = [(); 2].map(|()| hair(context, &groom));
-    // Two heads in turn, each with its own pose, at levels that come and go.
+    // Advance two heads in turn, each with its own pose, while the levels change.
     for i in 0..24u32 {
         let dt = if i == 0 { 0.0 } else { 1.0 / 60.0 };
         let pixel = [0.0, 6e-3, 2e-3, 0.0][i as usize / 6];
@@ -80,13 +80,13 @@ fn heads_that_share_are_to_the_bit_heads_of_their_own() {
         assert!(vertices(context, &sharing) == vertices(context, &alone), "the second, frame {i}");
     }
     assert!(vertices(context, &first) != vertices(context, &sharing), "they move on their own");
-    // What is shared is the half of it, and only once.
+    // At least half of the memory is shared, and it exists once.
     assert_eq!(first.bytes() - first.own_bytes(), first.shared_bytes());
     assert!(sharing.own_bytes() * 2 < sharing.bytes(), "{} {}", sharing.own_bytes(), sharing.bytes());
 }
 
 #[test]
-fn a_far_head_holds_little() {
+fn distant_heads_use_little_memory() {
     let Some(context) = common::context() else { return };
     let first = hair(context, &grown(5760));
     let mut far = first.another(&[]).unwrap();
@@ -103,14 +103,14 @@ fn a_far_head_holds_little() {
     assert_eq!(own(0.0), near, "room comes back");
 }
 
-/// A view of one head, and a body in it.
+/// Renders `hair` and `bodies`.
 fn picture(view: &View, hair: &[&Hair], bodies: &[&Body], scene: &Picture) -> Vec<u8> {
-    submit(|recorder| recorder.draw(hair, bodies, Sight::new(view, scene)));
+    submit(|recorder| recorder.draw(hair, bodies, ViewPass::new(view, scene)));
     pollster::block_on(view.targets().read()).unwrap()
 }
 
 #[test]
-fn a_zone_is_the_light_of_a_view() {
+fn zone_light_equals_view_light() {
     let Some(context) = common::context() else { return };
     let mut first = hair(context, &groom());
     first.set.material = HairMaterial::blond();
@@ -145,17 +145,18 @@ fn a_zone_is_the_light_of_a_view() {
         view.set_zones(&[zone(focus, 0)]);
         let zoned = picture(&view, &[&first], &[&body], &scene);
         assert!(alone == zoned, "{coverage:?}: {:?}", difference(&alone, &zoned));
-        // The other head, out of the picture, is in another zone, and shades nothing; without zones it is in the same grid.
+        // The other head, outside the image, is in another zone and casts no shadow here. Without zones it would be in
+        // the same grid.
         let there = Sphere { center: aside.translation, ..focus };
         view.set_zones(&[zone(there, 1), zone(focus, 0)]);
         let both = picture(&view, &[&first, &second], &[&body, &other], &scene);
         let (mean, high) = difference(&alone, &both);
         assert!(mean < 0.05 && high <= 1, "{coverage:?}: {mean} {high}");
-        // One that is lit around another place is not the same.
+        // A zone around another place gives different light.
         view.set_zones(&[zone(there, 0)]);
         let wrong = picture(&view, &[&first], &[&body], &scene);
         assert!(difference(&alone, &wrong).0 > 0.5, "{coverage:?}");
-        // Who is in no zone is in the view's light.
+        // Grooms and bodies in no zone are lit by the view's own maps.
         view.set_zones(&[zone(there, 1)]);
         let rest = picture(&view, &[&first, &second], &[&body, &other], &scene);
         let (mean, high) = difference(&alone, &rest);
@@ -166,7 +167,7 @@ fn a_zone_is_the_light_of_a_view() {
 }
 
 #[test]
-fn guides_that_are_left_out_go_with_the_others() {
+fn unsimulated_guides_follow_the_others() {
     let Some(context) = common::context() else { return };
     let groom = groom();
     let run = |reach: &dyn Fn(u32) -> f32| -> (Vec<Vec<StrandVertex>>, Vec<u32>) {
@@ -174,7 +175,7 @@ fn guides_that_are_left_out_go_with_the_others() {
         let full = *hair.lod.current();
         let frames = (0..60u32).map(|i| {
             hair.set_detail(Detail { reach: reach(i), ..full });
-            // A turn and back, and rest.
+            // A turn to the side and back, then rest.
             let s = (std::f32::consts::PI * (i as f32 / 36.0).min(1.0)).sin();
             let pose = Pose { rotation: Quat::from_rotation_y(0.8 * s * s), ..Pose::IDENTITY };
             submit(|recorder| recorder.advance(&mut hair, &frame(pose, 1.0 / 60.0)));
@@ -186,7 +187,7 @@ fn guides_that_are_left_out_go_with_the_others() {
     assert!(counts.iter().all(|count| *count == 96));
     let (few, counts) = run(&|_| 0.06);
     assert!(counts.iter().all(|count| (12..=48).contains(count)), "{counts:?}");
-    // In the middle of the swing guides are left out, and come back one by one.
+    // In the middle of the swing guides are left out. Afterwards they return gradually.
     let (change, counts) = run(&|i| match i {
         0..15 => 0.0,
         15..25 => 0.06,
@@ -210,10 +211,10 @@ fn guides_that_are_left_out_go_with_the_others() {
         1e3 * ways(&change),
         1e3 * ways(&all),
     );
-    // Within the reach, and farther than rounding; no frame goes farther than with all guides.
+    // The difference is below the reach and above rounding. No frame moves farther than with all guides.
     assert!(worst(&all, &few) < 0.012 && worst(&all, &few) > 1e-4 && travel > 0.02);
     assert!(ways(&change) < 1.15 * ways(&all));
-    // Hair that would jump to where it is with few guides is seen.
+    // For comparison, printed only: hair that jumps to its position with few guides.
     let jumps: Vec<_> = (0..60).map(|i| if i < 15 { all[i].clone() } else { few[i].clone() }).collect();
     let own = |frames: &[Vec<StrandVertex>]| {
         let acceleration =
@@ -244,7 +245,7 @@ fn hair_at_rest_sleeps_and_wakes() {
         context.queue().submit([encoder.finish()]);
         timings.counts().iter().map(|(_, counts)| counts.dispatches).sum::<u32>()
     };
-    // A turn, then stillness: 2 / 3 ln(5000) = 5.7 s at a tenth of a millimetre per pixel.
+    // A turn, then rest. At 0.1 mm per pixel, hair falls asleep 2/3 ln(5000) = 5.7 s later.
     let pose = |i: u32| if i < 10 { turning(3 * i, 0) } else { turning(30, 0) };
     let (mut worked, mut slept) = (0, None);
     for i in 0..140u32 {
@@ -260,7 +261,7 @@ fn hair_at_rest_sleeps_and_wakes() {
     assert!(dispatches(&mut waking, pose(140)) > 0 && worked > 0);
     let off = mean_distance(&vertices(context, &sleeper), &vertices(context, &waking));
     assert!(off < 1e-5, "{off}");
-    // It wakes with the head, and goes where it would have gone.
+    // Hair wakes with the head, and moves like hair that was awake.
     let nudge = |i: u32| turning(30 + i, 0);
     let mut worst = 0f32;
     for i in 1..20 {
@@ -274,7 +275,7 @@ fn hair_at_rest_sleeps_and_wakes() {
 
 #[test]
 #[ignore = "proof"]
-fn unseen_hair_is_left_and_comes_back_with_its_head() {
+fn unseen_hair_pauses_and_resumes_with_its_head() {
     let Some(context) = common::context() else { return };
     let first = hair(context, &groom());
     let mut hair = first.another(&[]).unwrap();
@@ -304,7 +305,7 @@ fn unseen_hair_is_left_and_comes_back_with_its_head() {
     assert!(hair.is_seen() && hair.set.drawn.count > 0);
     let after = relative(&hair, &pose);
     let came = mean_distance(&before, &after);
-    // It goes on: no frame goes farther than those of hair that was seen all the time.
+    // Hair resumes: no frame moves farther than for hair that was always in view.
     let mut last = after;
     let mut most = 0f32;
     for i in 61..90 {
@@ -324,12 +325,12 @@ fn unseen_hair_is_left_and_comes_back_with_its_head() {
         last = now;
     }
     println!("{came} {most} {usual}");
-    // It is where it was relative to its head, but for the step by which what is drawn is behind.
+    // Hair keeps its position relative to the head, up to the step by which drawn strands lag behind.
     assert!(came < 1.3 * usual && most < 1.3 * usual, "{came} {most} {usual}");
 }
 
 #[test]
-fn a_budget_is_kept_by_levels() {
+fn levels_of_detail_keep_the_budget() {
     let Some(context) = common::context() else { return };
     let first = hair(context, &groom());
     let mut heads: Vec<_> = (0..4).map(|_| first.another(&[]).unwrap()).collect();
@@ -339,8 +340,8 @@ fn a_budget_is_kept_by_levels() {
     let costs = Costs::default();
     let focus = |i: usize| Sphere { center: place(i).translation, radius: 0.35 };
     let zone = |i: usize, bias: f32| Zone::seen(focus(i), &camera, bias, vec![i], Vec::new());
-    let held = Held { vertex: Held::BY_TILES, head: &|i, bias| zone(i, bias).bytes() };
-    // What a zone is said to hold is what it holds.
+    let held = ViewBytes { vertex: ViewBytes::BY_TILES, head: &|i, bias| zone(i, bias).bytes() };
+    // `Zone::bytes` predicts what the view allocates.
     let options = ViewOptions {
         shadow_resolution: 64,
         ambient_cells: 8,
@@ -374,7 +375,7 @@ fn a_budget_is_kept_by_levels() {
     let chosen = choose(&half, 60);
     assert!(chosen.fits && chosen.bias > 0.1, "{chosen:?}");
     assert!(chosen.milliseconds > 0.6 * free.milliseconds, "no coarser than need be: {chosen:?}");
-    let drawn = |chosen: &tresses::budget::Chosen| chosen.heads[0].strands * chosen.heads[0].vertices;
+    let drawn = |chosen: &tresses::budget::CrowdDetail| chosen.heads[0].strands * chosen.heads[0].vertices;
     assert!(drawn(&chosen) < drawn(&free), "{chosen:?}");
     let less = Budget { bytes: free.bytes - (free.bytes - first.shared_bytes()) / 4, ..Budget::default() };
     let chosen = choose(&less, 60);
@@ -386,11 +387,11 @@ fn a_budget_is_kept_by_levels() {
     assert_eq!(free.bias, 0.0, "what is allowed is used again");
 }
 
-/// Mean luminance and coverage of a head in the light of a zone of so many texels and cells, against maps and cells of a
-/// portrait: the figures of docs/appearance/lod.md, and that what `Zone::seen` takes is enough.
+/// Mean luminance of a head in zones with this many texels and cells, relative to the maps and cells of a portrait.
+/// Prints the figures of docs/appearance/lod.md and checks that the sizes that `Zone::seen` chooses suffice.
 #[test]
 #[ignore = "proof"]
-fn a_zone_is_as_bright_as_finer_maps() {
+fn zones_are_as_bright_as_finer_maps() {
     let Some(context) = common::context() else { return };
     let made = common::character("long", 5000).expect("there is a GPU");
     let options = HairOptions::default();
@@ -404,7 +405,7 @@ fn a_zone_is_as_bright_as_finer_maps() {
     for away in [2.0f32, 4.0, 8.0, 16.0, 40.0] {
         let mut sums = [[0f64; 3]; 7];
         for azimuth in [0.3f32, 1.9, 3.5, 5.1] {
-            // A picture 720 pixels high of 30 degrees, cut to the head.
+            // An image 720 pixels high with a field of view of 30 degrees, cropped to the head.
             let height = (2.0 * focus.radius / (away * 0.000_744_3)).ceil().max(8.0) as u32;
             let eye =
                 focus.center + Quat::from_rotation_y(azimuth) * Vec3::new(0.0, 0.1, 1.0).normalize() * away;
@@ -444,11 +445,11 @@ fn a_zone_is_as_bright_as_finer_maps() {
     }
 }
 
-/// Far heads that turn, each with the levels and the zone that a crowd has, against light that is made in each picture: how
-/// bright each is from frame to frame. The figures of docs/appearance/lod.md.
+/// Brightness from frame to frame of distant heads that turn, each with the levels and the zone of a crowd, compared
+/// with light that is recomputed in every frame. Prints the figures of docs/appearance/lod.md.
 #[test]
 #[ignore = "proof"]
-fn far_heads_do_not_flicker() {
+fn distant_heads_do_not_flicker() {
     let Some(context) = common::context() else { return };
     let made = common::character("long", 10_000).expect("there is a GPU");
     let options = HairOptions { lod: LodOptions::CROWD, ..Default::default() };
@@ -458,7 +459,7 @@ fn far_heads_do_not_flicker() {
     let focus = Sphere { center: 0.5 * (lo + hi), radius: 0.62 * lo.distance(hi) };
     let linear = |byte: u8| f64::from(tresses::light::material::linear(f32::from(byte) / 255.0));
     let turn = |i: u32| {
-        // 60 degrees to either side in a second.
+        // 60 degrees to either side, once per second.
         let angle = 1.05 * (std::f32::consts::TAU * i as f32 / 60.0).sin();
         Pose::about(focus.center, Quat::from_rotation_y(angle))
     };
@@ -484,7 +485,7 @@ fn far_heads_do_not_flicker() {
             submit(|recorder| recorder.advance(&mut hair, &frame(turn(i), dt)));
             body.pose = turn(i);
             let mut zone = Zone::seen(focus, &camera, 0.0, vec![0], vec![0]);
-            // Light that is left as it is, is left wherever the head goes.
+            // With a fixed interval the zone's pose stays the same, so that turning the head does not trigger updates.
             match every {
                 Some(every) => zone.every = every,
                 None => zone.pose = turn(i),
@@ -498,7 +499,8 @@ fn far_heads_do_not_flicker() {
         });
         frames.collect()
     };
-    // What one frame differs by from the middle of its neighbours is no motion of the head: that is even over three frames.
+    // Deviation of a frame from the mean of its neighbors. The motion of the head does not contribute, because it is
+    // smooth over three frames.
     let jerk = |frames: &[f64]| -> f64 {
         let of = |w: &[f64]| (w[1] / (0.5 * (w[0] + w[2])) - 1.0).abs();
         frames.windows(3).map(of).fold(0.0, f64::max)
@@ -526,5 +528,5 @@ fn far_heads_do_not_flicker() {
     }
 }
 
-/// The largest step of brightness from frame to frame that light in turn may add.
+/// Largest step in brightness from frame to frame that updating light in turn may add.
 const STEP: f64 = 0.01;

@@ -1,4 +1,4 @@
-//! Light probes: what the kernel makes of a cube map is the environment that it was drawn from.
+//! Light probes: measuring a cube map recovers the environment that it was made from.
 
 use crate::common;
 use half::f16;
@@ -9,7 +9,8 @@ use tresses::{
     wgpu,
 };
 
-/// The direction of a texel, as WebGPU has the faces; `x` and `y` from 0 to 1, from the left above.
+/// Returns the direction of a texel in WebGPU's layout of faces. `x` and `y` go from 0 to 1, from the upper left
+/// corner.
 fn direction(face: usize, x: f32, y: f32) -> Vec3 {
     let (u, v) = (2.0 * x - 1.0, 2.0 * y - 1.0);
     let along = match face {
@@ -23,7 +24,7 @@ fn direction(face: usize, x: f32, y: f32) -> Vec3 {
     along.normalize()
 }
 
-/// A cube map with texels of `light`, and with levels where `levels` says so.
+/// Creates a cube map with texels of `light`, with mip levels if `levels`.
 fn map(context: &Context, size: u32, levels: bool, light: impl Fn(Vec3) -> Vec3) -> wgpu::TextureView {
     let count = if levels { size.ilog2() + 1 } else { 1 };
     let texture = context.device().create_texture(&wgpu::TextureDescriptor {
@@ -73,7 +74,7 @@ fn map(context: &Context, size: u32, levels: bool, light: impl Fn(Vec3) -> Vec3)
     texture.create_view(&wgpu::TextureViewDescriptor { dimension, ..Default::default() })
 }
 
-/// Surroundings that are brighter than black everywhere.
+/// Returns an environment with positive radiance in all directions.
 fn surroundings() -> Environment {
     let mut coefficients = [Vec3::ZERO; 9];
     coefficients[0] = Vec3::new(3.0, 2.5, 2.0);
@@ -89,7 +90,7 @@ fn off(a: &Environment, b: &Environment) -> f32 {
 }
 
 #[test]
-fn a_cube_map_is_measured() {
+fn cube_probe_recovers_the_environment() {
     let Some(context) = common::context() else { return };
     let probe = CubeProbe::new(context);
     let measure = |map: &wgpu::TextureView, of, to_map| {
@@ -103,7 +104,7 @@ fn a_cube_map_is_measured() {
     let as_radiance = measure(&diffuse, CubeMap::Radiance, Mat3::IDENTITY);
     assert!(off(&as_radiance, &truth) > 0.04, "the comparer sees no difference");
 
-    // Turned and mirrored: a left-handed map of surroundings that are turned.
+    // Rotated and mirrored: a left-handed map of a rotated environment.
     let turn = Quat::from_euler(tresses::glam::EulerRot::XYZ, 0.4, 1.2, -0.8);
     let mirror = Mat3::from_diagonal(Vec3::new(1.0, 1.0, -1.0));
     let to_map = mirror * Mat3::from_quat(turn.inverse());
@@ -112,7 +113,7 @@ fn a_cube_map_is_measured() {
     assert!(off(&found, &truth.turned(turn)) < 0.01, "{}", off(&found, &truth.turned(turn)));
     assert!(off(&found, &truth) > 0.04, "a turn is seen");
 
-    // A small sun in a fine map is not missed where the map has levels: against a picture of it.
+    // A small sun in a fine map is not missed if the map has mip levels. The expected value is the integral of the sky.
     let sun = Vec3::new(0.3, 0.8, -0.5).normalize();
     let sky = |d: Vec3| Vec3::splat(if d.dot(sun) > 0.9995 { 800.0 } else { 0.2 });
     let found = measure(&map(context, 512, true, sky), CubeMap::Radiance, Mat3::IDENTITY);
@@ -121,7 +122,7 @@ fn a_cube_map_is_measured() {
     let share = found.coefficients[0].x / straight;
     assert!((share - 1.0).abs() < 0.03, "{share}");
     assert!(found.around(sun).x > 2.0 * found.around(-sun).x);
-    // Nonsense is black.
+    // Infinite texels count as black.
     let broken = map(context, 8, false, |_| Vec3::splat(f32::INFINITY));
     let found = measure(&broken, CubeMap::Radiance, Mat3::IDENTITY);
     assert_eq!(found, Environment::default());

@@ -1,4 +1,4 @@
-//! Curls in motion: what is baked into rest curves must neither collapse nor unwind while the head turns.
+//! Curls in motion: the curls of the rest shape must neither collapse nor unwind while the head turns.
 
 use crate::{common, moving};
 
@@ -15,15 +15,15 @@ use tresses::{
 
 const STRANDS: u32 = 400;
 
-/// The mean distance of a strand's vertices from the mean of the turn around them, and the angle that its
-/// edges turn by in all.
+/// Returns a strand's curl radius (mean distance of its vertices from the mean of the surrounding turn), meters, and
+/// the total angle between its successive edges, radians.
 fn curl(line: &[Vec3], turn: usize) -> [f32; 2] {
     let half = turn / 2;
     let inner = half..line.len() - half;
     let n = inner.len() as f32;
     let radius = inner.map(|k| {
         let around = &line[k - half..=k + half];
-        // The two ends of the window are the same place in the turn and count half.
+        // The two ends of the window are at the same phase of the turn and count half.
         let sum = around.iter().sum::<Vec3>() - 0.5 * (around[0] + around[2 * half]);
         line[k].distance(sum / (2 * half) as f32)
     });
@@ -31,7 +31,7 @@ fn curl(line: &[Vec3], turn: usize) -> [f32; 2] {
     [radius.sum::<f32>() / n, edges.windows(2).map(|w| w[0].angle_between(w[1])).sum()]
 }
 
-/// The 5th, 50th and 95th percentile over the strands of how much radius and turning are of what they were.
+/// Returns the 5th, 50th and 95th percentiles over the strands of current over rest value, for radius and total angle.
 fn ratios(rest: &[[f32; 2]], now: &[[f32; 2]]) -> [[f32; 3]; 2] {
     [0, 1].map(|what| {
         let mut all: Vec<f32> = rest.iter().zip(now).map(|(rest, now)| now[what] / rest[what]).collect();
@@ -40,7 +40,7 @@ fn ratios(rest: &[[f32; 2]], now: &[[f32; 2]]) -> [[f32; 3]; 2] {
     })
 }
 
-/// Whether curls are what they were: to 5 % in the middle, to 25 % for nine in ten.
+/// Whether curls keep their shape: within 5 % in the median and within 25 % for nine in ten strands.
 fn kept(ratios: [[f32; 3]; 2]) -> bool {
     ratios.iter().all(|[low, middle, high]| *low > 0.75 && (middle - 1.0).abs() < 0.05 && *high < 1.25)
 }
@@ -55,7 +55,7 @@ fn curls_keep_their_shape_while_the_head_turns() {
     let character = Character { groom: built.groom, field: built.field, neck: built.neck };
     let mut hair = character.hair(context, AvoidOptions::default());
     let n = character.groom.strands.vertex_count as usize;
-    // Vertices of one turn of a strand of usual length.
+    // Vertices per turn of a strand of usual length.
     let turn = (0.045 / 0.28 * (n - 1) as f32) as usize;
     let mut measured: Option<Vec<[f32; 2]>> = None;
     let mut worst = [[1.0f32; 3]; 2];
@@ -83,7 +83,7 @@ fn curls_keep_their_shape_while_the_head_turns() {
                 worst[2].max(found[2]),
             ];
         }
-        // Curls that have lost a tenth of their radius would be seen.
+        // Curls that have lost a tenth of their radius are detected.
         let limp: Vec<[f32; 2]> = now.iter().map(|[radius, turned]| [0.9 * radius, *turned]).collect();
         assert!(!kept(ratios(rest, &limp)));
     }

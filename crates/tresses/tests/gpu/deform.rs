@@ -1,4 +1,4 @@
-//! Fields that deform with skin: hair is kept out of where the skin is, and skin that moves takes it along.
+//! Distance fields that deform with a skinned mesh: hair stays outside the skin, and moving skin drags hair along.
 
 use crate::common;
 use tresses::{
@@ -6,7 +6,7 @@ use tresses::{
     body::{Body, Skin},
     collide::{
         Collider, ColliderDescriptor, ColliderPoses, FieldId, FieldSource, Shape,
-        deform::{DeformingField, Which},
+        deform::{DeformTarget, DeformingField},
     },
     glam::{Quat, Vec3},
     gpu::readback::blocking as readback,
@@ -17,12 +17,12 @@ use tresses::{
     volume::HairHairMode,
 };
 
-/// Radius of the ball that strands hang on, metres.
+/// Radius of the ball on which the strands lie, meters.
 const RADIUS: f32 = 0.09;
 const DT: f32 = 1.0 / 60.0;
-const BALL: Which = Which::Field(FieldId(0));
+const BALL: DeformTarget = DeformTarget::Field(FieldId(0));
 
-/// Strands that begin around the top of the ball and lie on it, 15 cm down to its lower half.
+/// Returns strands that start around the top of the ball and lie on it, 15 cm down to its lower half.
 fn groom() -> Groom {
     let mut strands = Strands::default();
     for i in 0..150 {
@@ -45,7 +45,7 @@ struct Stage<'a> {
     body: Body,
     rest: TriMesh,
     physics: SimulationParams,
-    /// Where the ball is on the head.
+    /// Pose of the ball relative to the head.
     ball: Pose,
 }
 
@@ -73,7 +73,7 @@ impl<'a> Stage<'a> {
         Self { context, hair, body, rest, physics, ball: Pose::IDENTITY }
     }
 
-    /// On by a frame in which the skin comes to lie as `place` says and the head, with the ball's field, at `head`.
+    /// Advances by a frame. `place` moves the skin's rest positions; the head and the ball's field move to `head`.
     fn advance(&mut self, head: Pose, place: impl Fn(Vec3) -> Vec3) {
         let mut moved = self.rest.clone();
         moved.positions.iter_mut().for_each(|p| *p = place(*p));
@@ -104,25 +104,25 @@ fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
     a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
 }
 
-/// By how much the ball is larger towards `out` (unit): a bump on one side, 2 cm high.
+/// Returns the height of a bump on one side of the ball in the direction `out` (unit vector), up to 2 cm, in meters.
 fn bump(out: Vec3) -> f32 {
     0.02 * (1.0 - ((out - Vec3::new(0.8, 0.0, 0.6)).length() / 0.9).min(1.0).powi(2)).powi(2)
 }
 
 #[test]
-fn hair_is_kept_out_of_skin_that_swells() {
+fn hair_stays_outside_swelling_skin() {
     let Some(context) = common::context() else { return };
     let deepest = |deforms: bool| {
         let mut stage = Stage::new(context, deforms, 0.2);
         let mut worst = 0.0f32;
         for i in 0..90 {
-            // Within half a second, then it stays.
+            // The bump grows for half a second, then stays.
             let much = (i as f32 / 30.0).min(1.0);
             stage.advance(Pose::IDENTITY, |p| p + much * bump(p.normalize()) * p.normalize());
             if i % 10 == 9 {
                 let n = stage.hair.strands.vertex_count as usize;
                 let vertices = stage.vertices();
-                // Strands whose roots are in the bump begin under it.
+                // Skip strands that are rooted in the bump, because they start below it.
                 let free = vertices.chunks(n).filter(|strand| bump(strand[0].normalize()) == 0.0);
                 for p in free.flat_map(|strand| &strand[2..]) {
                     worst = worst.max(RADIUS + much * bump(p.normalize()) - p.length());
@@ -137,10 +137,10 @@ fn hair_is_kept_out_of_skin_that_swells() {
 }
 
 #[test]
-fn skin_that_turns_is_a_collider_that_turns() {
+fn rotating_skin_drags_hair_like_a_rotating_collider() {
     let Some(context) = common::context() else { return };
-    // Under hair that is heavier than it was made for, and lies on it: a ball that turns, and one whose skin does. What
-    // touches them must be taken along alike, and is not where the skin stands still.
+    // Hair lies on the ball, pressed down by four times the gravity. Either the ball rotates, or only its skin does.
+    // Both must drag the hair along equally, compared with a ball at rest.
     let turn = |i: usize| Quat::from_rotation_y(0.35 * (i.saturating_sub(60) as f32 / 30.0).min(1.0));
     let moved = |ball: bool, skin: bool| {
         let mut stage = Stage::new(context, true, 0.8);
@@ -185,7 +185,7 @@ fn still_skin_changes_nothing() {
 }
 
 #[test]
-fn what_cannot_deform_is_said() {
+fn invalid_deforming_fields_are_errors() {
     let Some(context) = common::context() else { return };
     let mut stage = Stage::new(context, true, 0.2);
     let skin = Skin::from(&stage.body);
@@ -195,20 +195,20 @@ fn what_cannot_deform_is_said() {
         done.map_err(|error: Error| error.to_string())
     };
     let (rest, all) = (stage.rest.clone(), stage.rest.triangles.clone());
-    assert!(deform(Which::Field(FieldId(3)), &all, &rest).unwrap_err().contains("no field"));
-    assert!(deform(Which::Head, &all, &rest).unwrap_err().contains("no field"));
+    assert!(deform(DeformTarget::Field(FieldId(3)), &all, &rest).unwrap_err().contains("no field"));
+    assert!(deform(DeformTarget::Head, &all, &rest).unwrap_err().contains("no field"));
     assert!(deform(BALL, &[], &rest).unwrap_err().contains("triangles"));
     assert!(deform(BALL, &[[0, 1, 1 << 30]], &rest).unwrap_err().contains("triangles"));
     let large = shapes::sphere(RADIUS, 96);
     assert!(deform(BALL, &large.triangles, &large).unwrap_err().contains("too small"));
-    // What was refused has changed nothing; none at all is none.
+    // A failed call changes nothing. An empty list removes the deformation.
     assert!(stage.hair.colliders.deformation.is_some());
     stage.hair.colliders.deform(&rest, &skin, &[]).unwrap();
     assert!(stage.hair.colliders.deformation.is_none());
     assert!(deform_is_refused(&mut stage));
 }
 
-/// Whether a frame with another number of poses than parts is refused.
+/// Whether a frame is rejected if it has another number of poses than of fields.
 fn deform_is_refused(stage: &mut Stage<'_>) -> bool {
     let context = stage.context;
     let device = context.device();

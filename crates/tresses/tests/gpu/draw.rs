@@ -1,4 +1,4 @@
-//! What is drawn covers what it should, and its light is sane.
+//! Drawn strands cover their area, and their light is finite and bounded.
 
 use crate::common;
 
@@ -30,7 +30,7 @@ fn upload(context: &Context, radius: f32, strands: &[[Vec3; 2]]) -> StrandBuffer
     buffers
 }
 
-/// A view of `size`² pixels of so many samples and texels along each axis.
+/// Creates a view of `size`² pixels with this many samples and, along each axis, `ssaa` texels per pixel.
 fn view(context: &Context, size: u32, samples: u32, ssaa: u32) -> View {
     let options = ViewOptions { samples, coverage: Coverage::SampleMask, ..Default::default() };
     View::new(context, &options, [size, size], ssaa).expect("fits")
@@ -44,10 +44,10 @@ const SIZE: u32 = 512;
 const CELL: u32 = 16;
 const LENGTH: f32 = 9.0;
 
-/// Strands of `LENGTH` pixels in all directions, one in each cell of a grid, so that none hides
-/// another: the share of the picture's area that they should cover and that they do.
+/// Draws strands of `LENGTH` pixels in all directions, one per cell of a grid so that none hides another. Returns the
+/// expected and the drawn coverage, pixels.
 fn coverage(context: &Context, width: f32, samples: u32, ssaa: u32) -> (f64, f64) {
-    // One metre is one pixel.
+    // One meter is one pixel.
     let cells = SIZE / CELL;
     let strands: Vec<_> = (0..cells * cells)
         .map(|i| {
@@ -79,13 +79,13 @@ fn coverage(context: &Context, width: f32, samples: u32, ssaa: u32) -> (f64, f64
 #[test]
 fn strips_cover_their_area() {
     let Some(context) = context() else { return };
-    // (width in pixels, tolerance): below a pixel each strand rounds to whole samples by its own
-    // hash, so that the sum over 1024 strands has a statistical error.
+    // (width in pixels, tolerance). Below a pixel each strand rounds to whole samples by its own hash, so that the sum
+    // over 1024 strands has a statistical error.
     for (samples, ssaa) in [(4, 1), (1, 1), (4, 2)] {
         for (width, tolerance) in
             [(0.1, 0.2), (0.3, 0.09), (0.7, 0.06), (1.0, 0.03), (2.5, 0.02), (5.0, 0.02)]
         {
-            // A single sample is smoothed along strands, and their ends fray into what is beside them.
+            // A single sample is smoothed along strands, and their ends blur into their surroundings.
             let tolerance = tolerance + if samples * ssaa == 1 { 0.02 } else { 0.0 };
             let (expected, drawn) = coverage(context, width, samples, ssaa);
             let error = drawn / expected - 1.0;
@@ -102,7 +102,7 @@ fn strips_cover_their_area() {
 fn light_is_finite_and_bounded() {
     let Some(context) = context() else { return };
     let view = view(context, 16, 1, 1);
-    // A ball of directions, well apart so that no strand shades another.
+    // All directions of a sphere, far enough apart that no strand shades another.
     let strands: Vec<_> = (0..600)
         .map(|i| {
             let z = 1.0 - (i as f32 + 0.5) / 300.0;
@@ -126,12 +126,12 @@ fn light_is_finite_and_bounded() {
                 shading: ShadingRate::PerVertex,
                 ..Default::default()
             };
-            // Also where light, tangent and eye are on one line.
+            // Includes strands that are collinear with light and eye.
             scene.lights.directional[0].direction = eye.normalize();
             render(context, &view, &scene, &hair);
             let shaded: Vec<u32> = readback::buffer(context, &view.shaded(&hair).unwrap()).expect("values");
             for word in shaded {
-                // A word cannot say what is no number: that becomes nothing, or the brightest that there is.
+                // Packed radiance has no NaN: it becomes black or the maximum.
                 let most = unpack_radiance(word).max_element();
                 assert!(most > 0.0, "{name} is black");
                 brightest = brightest.max(most);
@@ -142,13 +142,13 @@ fn light_is_finite_and_bounded() {
     }
 }
 
-/// Hair before other hair: less light behind it, and the two shading rates agree.
+/// Hair in front of other hair: less light arrives behind it, and both shading rates agree.
 #[test]
-fn hair_shades_hair() {
+fn hair_shadows_hair() {
     let Some(context) = context() else { return };
     let view = view(context, 64, 1, 1);
-    // Two curtains without gaps, the second a centimetre behind the first, as the key light sees
-    // it, and shorter, so that it does not see past the other's ends.
+    // Two curtains without gaps. The second is 1 cm behind the first as seen from the key light, and shorter, so that
+    // no light reaches it past the ends of the first.
     let curtain = |z: f32, tall: f32| {
         (0..800).map(move |i| {
             let x = i as f32 * 1.25e-4 - 0.05;
@@ -164,11 +164,11 @@ fn hair_shades_hair() {
         ..Default::default()
     };
     scene.lights.directional[0].direction = Vec3::Z;
-    // With two vertices per strand, what bends or jumps along a strand cannot agree.
+    // With two vertices per strand, terms that are nonlinear along a strand cannot agree.
     hair.material.root_darkness = 1.0;
     hair.material.shift_noise = 0.0;
     scene.shadows.ambient = false;
-    // How many fibres each method counts before the second curtain, whose hairs stand 1.6 deep.
+    // Fibers that each method counts in front of the second curtain. The first one is 1.6 fibers deep.
     let behind = scene.shadows.density * (0.01 - scene.shadows.bias);
     for (method, expected, tolerance) in [
         (ShadowMethod::Opaque, 20.0, 0.6),
@@ -180,13 +180,13 @@ fn hair_shades_hair() {
         let shaded: Vec<u8> = readback::buffer(context, &view.shaded(&hair).unwrap()).expect("values");
         let mean = |strands: std::ops::Range<usize>| {
             let count = strands.len() as f32;
-            // The key light's byte of the first of two vertices of eight bytes.
+            // The byte of the key light, in the first of two vertices of eight bytes each.
             strands.map(|i| (f32::from(shaded[i * 16]) / 255.0).powi(2) * 64.0).sum::<f32>() / count
         };
-        // The edges of the curtain see past it.
+        // Skip the edges of the curtains, which light passes.
         let (front, back) = (mean(100..700), mean(900..1500));
         println!("{method:?}: {front} fibres before the first, {back} before the second");
-        // Deep opacity maps count a part of what is in the same layer, before or behind.
+        // Deep opacity maps count a part of the fibers in the same layer, in front of the point or behind it.
         assert!(front < if method == ShadowMethod::DeepOpacity { 0.8 } else { 0.01 }, "{method:?}: {front}");
         assert!((back - expected).abs() < tolerance, "{method:?}: {back}, not {expected}");
     }

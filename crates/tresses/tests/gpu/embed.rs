@@ -1,13 +1,13 @@
-//! Hair in a host application's scene: what is in front of it hides it, what is not covered keeps its bits, and
-//! the scene's way of writing depth does not matter.
+//! Hair in a host application's scene: scene geometry hides hair, uncovered pixels stay bit-identical, and the scene's
+//! depth convention does not matter.
 
 use crate::common;
 
 use half::f16;
 use tresses::{
     Camera, Context, Error, Hair, Pose, Result, View,
-    draw::{Coverage, Embed, Surroundings},
-    frame::{Shows, Sight},
+    draw::{Compositor, Coverage, Surroundings},
+    frame::{ViewContent, ViewPass},
     glam::{
         Mat4, Vec3, Vec4,
         camera::rh::proj::directx::{orthographic, perspective},
@@ -19,22 +19,22 @@ use tresses::{
 };
 
 const SIZE: [u32; 2] = [96, 80];
-/// Metres from the eye to the middle of the hair.
+/// Distance from the eye to the center of the hair, meters.
 const DISTANCE: f32 = 0.8;
 const FOV: f32 = 0.5;
 
-/// A scene of one colour and one depth, and the hair that is drawn into it.
+/// A scene of one color and one depth, and the hair that is drawn into it.
 struct Setup<'a> {
     context: &'a Context,
-    embed: Embed,
+    embed: Compositor,
     hair: Hair,
     view: View,
     scene: Picture,
-    /// The scene has hair in it.
+    /// Whether the scene has hair.
     grown: bool,
-    /// Where the picture begins in the scene, which ends as far to the right of it and below.
+    /// Position of the image in the scene. The scene has the same margin on the right and below.
     origin: [u32; 2],
-    /// Samples of the scene's depth in each pixel, and those that are infinitely far whatever else is there.
+    /// Samples per pixel of the scene's depth, and a mask of those that are always far away.
     samples: (u32, u64),
 }
 
@@ -48,7 +48,7 @@ impl<'a> Setup<'a> {
             ..Default::default()
         };
         Self {
-            embed: Embed::new(context, (options.samples, options.coverage), TextureFormat::Rgba16Float)
+            embed: Compositor::new(context, (options.samples, options.coverage), TextureFormat::Rgba16Float)
                 .unwrap(),
             view: View::new(context, options, SIZE, ssaa).unwrap(),
             hair,
@@ -60,12 +60,12 @@ impl<'a> Setup<'a> {
         }
     }
 
-    /// The hair over `color`, where the scene's `projection` has written `depth` everywhere.
+    /// Draws the hair over `color`, in a scene with constant `depth` in `projection`.
     fn over(&self, color: Vec4, projection: Mat4, depth: f32) -> Vec<Vec4> {
         self.drawn(color, projection, depth, false).expect("it fits")[0].clone()
     }
 
-    /// The same, and where the hair is if `asked`.
+    /// Does the same and, if `asked`, returns the hair's motion, depth and opacity.
     fn drawn(&self, color: Vec4, projection: Mat4, depth: f32, asked: bool) -> Result<[Vec<Vec4>; 2]> {
         let context = self.context;
         let (device, queue) = (context.device(), context.queue());
@@ -73,8 +73,9 @@ impl<'a> Setup<'a> {
         let whole = [width + 2 * left, height + 2 * top];
         let mut encoder = device.create_command_encoder(&Default::default());
         let behind = (self.samples.1 != 0).then(|| far_away(device, self.samples, projection));
-        let scene = Drawn::new(self.context, &mut encoder, (whole, self.samples.0), (color, depth), behind);
-        let known = target(device, Embed::GEOMETRY, TextureUsages::COPY_SRC, (SIZE, 1));
+        let scene =
+            HostScene::new(self.context, &mut encoder, (whole, self.samples.0), (color, depth), behind);
+        let known = target(device, Compositor::GEOMETRY, TextureUsages::COPY_SRC, (SIZE, 1));
         let known_view = known.create_view(&Default::default());
         let geometry = asked.then_some(&known_view);
         let into = Surroundings {
@@ -82,7 +83,10 @@ impl<'a> Setup<'a> {
             geometry,
             ..Surroundings::new(&scene.color, &scene.depth, projection)
         };
-        let sight = Sight { shows: Shows::Over(&self.embed, into), ..Sight::new(&self.view, &self.scene) };
+        let sight = ViewPass {
+            shows: ViewContent::Over(&self.embed, into),
+            ..ViewPass::new(&self.view, &self.scene)
+        };
         context.recorder(&mut encoder).draw(&[&self.hair][..usize::from(self.grown)], &[], sight)?;
         queue.submit([encoder.finish()]);
         let texels = scene.read(self.context)?;
@@ -90,7 +94,7 @@ impl<'a> Setup<'a> {
         Ok([texels, known])
     }
 
-    /// Where hair is before a wall behind it.
+    /// Returns the hair's motion, depth and opacity in front of a distant wall.
     fn known(&self, projection: Mat4) -> Vec<Vec4> {
         let far = projection.project_point3(Vec3::NEG_Z * 20.0).z;
         let [over, known] = self.drawn(Vec4::ZERO, projection, far, true).expect("it fits");
@@ -98,13 +102,13 @@ impl<'a> Setup<'a> {
         known
     }
 
-    /// The same, the scene being a wall that stands `distance` metres from the eye.
+    /// Draws the hair into a scene with a wall at `distance` meters from the eye.
     fn wall(&self, color: Vec4, projection: Mat4, distance: f32) -> Vec<Vec4> {
         self.over(color, projection, projection.project_point3(Vec3::NEG_Z * distance).z)
     }
 }
 
-/// A texture that is drawn into: its size, and how many samples its pixels have.
+/// Creates a render target with a size and a number of samples per pixel.
 pub fn target(
     device: &wgpu::Device,
     format: TextureFormat,
@@ -123,15 +127,15 @@ pub fn target(
     })
 }
 
-/// A scene of one colour and one depth.
-pub struct Drawn {
+/// The targets of a scene of one color and one depth.
+pub struct HostScene {
     picture: wgpu::Texture,
     pub color: wgpu::TextureView,
     pub depth: wgpu::TextureView,
 }
 
-impl Drawn {
-    /// Of so many pixels and samples of depth, some of which a pipeline puts elsewhere.
+impl HostScene {
+    /// Creates targets with a size and a number of depth samples per pixel. `behind` overwrites some of the samples.
     pub fn new(
         context: &Context,
         encoder: &mut wgpu::CommandEncoder,
@@ -178,7 +182,7 @@ impl Drawn {
         Self { picture, color: picture_view, depth: depths }
     }
 
-    /// What is in its colour.
+    /// Reads the color.
     pub fn read(&self, context: &Context) -> Result<Vec<Vec4>> {
         let bytes = pollster::block_on(readback::texture(context, &self.picture))?;
         let texels: Vec<[f16; 4]> = bytemuck::pod_collect_to_vec(&bytes);
@@ -186,7 +190,7 @@ impl Drawn {
     }
 }
 
-/// Puts `samples.1` of `samples.0` of each pixel at the far end of `projection`.
+/// Returns a pipeline that sets the samples in the mask `samples.1`, of `samples.0` per pixel, to a depth of 20 m.
 fn far_away(device: &wgpu::Device, samples: (u32, u64), projection: Mat4) -> wgpu::RenderPipeline {
     let far = projection.project_point3(Vec3::NEG_Z * 20.0).z;
     let code = format!(
@@ -222,18 +226,18 @@ fn far_away(device: &wgpu::Device, samples: (u32, u64), projection: Mat4) -> wgp
     })
 }
 
-/// How many pixels are not `color`.
+/// Returns the number of pixels that differ from `color`.
 fn covered(picture: &[Vec4], color: Vec4) -> usize {
     picture.iter().filter(|texel| **texel != color).count()
 }
 
-/// The largest difference of a channel.
+/// Returns the largest difference in a channel.
 pub fn difference(a: &[Vec4], b: &[Vec4]) -> f32 {
     a.iter().zip(b).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max)
 }
 
 #[test]
-fn hair_is_hidden_by_what_is_in_front_of_it() {
+fn scene_geometry_hides_hair() {
     let Some(context) = common::context() else { return };
     let blue = Vec4::new(0.125, 0.25, 0.5, 1.0);
     let usual = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.05, 50.0);
@@ -254,19 +258,19 @@ fn hair_is_hidden_by_what_is_in_front_of_it() {
             assert!(texel.is_finite() && texel.cmpge(Vec4::ZERO).all(), "{texel}");
         }
 
-        // Whichever way its depth runs, and however far it reaches, the wall hides the same hair.
+        // The wall hides the same hair for either direction and any range of the depth.
         let aspect = SIZE[0] as f32 / SIZE[1] as f32;
         let reversed = Camera::perspective(FOV, aspect, 0.02);
         let short = perspective(FOV, aspect, 0.2, 4.0);
         for other in [reversed, short] {
             let picture = stage.wall(blue, other, DISTANCE);
-            // What of it can be seen: tiles blend slivers of strands that samples leave out.
+            // Count visible differences only: tiles blend slivers of strands that samples miss.
             let seen = |(a, b): &(&Vec4, &Vec4)| (**a - **b).abs().max_element() > 0.01;
             let moved = picture.iter().zip(&halved).filter(seen).count();
             // A strand that touches the wall may fall on either side of it.
             assert!(moved <= some / 50, "{moved} of {some} pixels changed with the projection");
         }
-        // The comparison fails for a projection that is not the scene's.
+        // The test fails for a projection other than the scene's.
         let z = usual.project_point3(Vec3::NEG_Z * DISTANCE).z;
         let wrong = stage.over(blue, orthographic(-1.0, 1.0, -1.0, 1.0, 0.05, 50.0), z);
         assert!(wrong.iter().zip(&halved).filter(|(a, b)| a != b).count() > some / 20);
@@ -274,7 +278,7 @@ fn hair_is_hidden_by_what_is_in_front_of_it() {
 }
 
 #[test]
-fn a_picture_may_be_a_part_of_the_scene() {
+fn image_may_be_a_part_of_the_scene() {
     let Some(context) = common::context() else { return };
     let blue = Vec4::new(0.125, 0.25, 0.5, 1.0);
     let usual = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.05, 50.0);
@@ -299,7 +303,7 @@ fn a_picture_may_be_a_part_of_the_scene() {
 }
 
 #[test]
-fn of_several_depths_in_a_pixel_those_behind_hair_count() {
+fn scene_depth_may_be_multisampled() {
     let Some(context) = common::context() else { return };
     let blue = Vec4::new(0.125, 0.25, 0.5, 1.0);
     let aspect = SIZE[0] as f32 / SIZE[1] as f32;
@@ -314,7 +318,7 @@ fn of_several_depths_in_a_pixel_those_behind_hair_count() {
             for mask in [0b0001u64, 0b1010] {
                 stage.samples = (4, mask);
                 let part = stage.wall(blue, projection, 0.3);
-                // Tiles know that the other samples are in front of hair.
+                // Tiles weight hair by the samples behind it. Masks draw it fully if any sample is behind it.
                 let share = if coverage == Coverage::Tiles { mask.count_ones() as f32 / 4.0 } else { 1.0 };
                 let expected: Vec<Vec4> = free.iter().map(|texel| blue.lerp(*texel, share)).collect();
                 let error = difference(&part, &expected);
@@ -338,39 +342,38 @@ fn hair_is_blended_over_the_scene() {
         let stage = Setup::new(context, &options, 1);
         let [black, grey, white] =
             [0.0, 0.5, 1.0].map(|c| stage.wall(Vec4::new(c, c, c, 1.0), projection, 20.0));
-        // What shows through is linear in the scene's colour ...
+        // The result is linear in the scene's color ...
         let mean: Vec<Vec4> = black.iter().zip(&white).map(|(a, b)| 0.5 * (*a + *b)).collect();
         let error = difference(&mean, &grey);
         assert!(error < 2e-3, "{coverage:?}: {error} from linear");
         assert!(difference(&black, &grey) > 0.1, "the comparer sees no difference");
-        // ... and a share of it that four samples can have.
+        // ... with a weight that is a multiple of a quarter, as there are four samples.
         let mut partial = 0;
         for (black, white) in black.iter().zip(&white) {
             let share = 4.0 * (white.x - black.x);
-            // Half floats of bright hair are coarse.
-            // Tiles have any share.
+            // The tolerance is for half floats of bright hair. Tiles may have any weight.
             let whole = (share - share.round()).abs() < 0.02 || coverage == Coverage::Tiles;
             assert!(whole, "{coverage:?}: {share} of four samples");
             partial += usize::from(share.round() > 0.0 && share.round() < 4.0);
         }
         assert!(partial > 100, "{coverage:?}: {partial} pixels are partly covered");
     }
-    assert!(Embed::new(context, (1, Coverage::PEELING), TextureFormat::Rgba16Float).is_err());
+    assert!(Compositor::new(context, (1, Coverage::PEELING), TextureFormat::Rgba16Float).is_err());
 }
 
-/// The distance from the eye along the view that a depth of `projection` tells.
+/// Returns the distance along the view direction of a depth value in `projection`, meters.
 fn distance(projection: Mat4, depth: f32) -> f32 {
     let seen = projection.inverse().project_point3(Vec3::new(0.0, 0.0, depth));
     -seen.z
 }
 
-/// Pixels that a millimetre across the view has at a distance.
+/// Returns the number of pixels per millimeter at a distance.
 fn per_millimetre(distance: f32) -> f32 {
     1e-3 * SIZE[1] as f32 / (2.0 * distance * (0.5 * FOV).tan())
 }
 
 #[test]
-fn a_scene_is_told_where_hair_is() {
+fn geometry_output_has_motion_depth_and_opacity() {
     let Some(context) = common::context() else { return };
     let aspect = SIZE[0] as f32 / SIZE[1] as f32;
     let [usual, reversed] = [perspective(FOV, aspect, 0.05, 50.0), Camera::perspective(FOV, aspect, 0.02)];
@@ -386,7 +389,7 @@ fn a_scene_is_told_where_hair_is() {
         };
         assert!(most(&still) < 1e-3, "nothing was before: {}", most(&still));
 
-        // As opaque as the scene is hidden, as far away as it is, whichever way depth runs.
+        // The opacity is the hidden share of the scene. The distance is the same for either direction of the depth.
         let [black, white] = [0.0, 1.0].map(|c| stage.wall(Vec4::splat(c), usual, 20.0));
         for (texel, (black, white)) in still.iter().zip(black.iter().zip(&white)) {
             let hidden = 1.0 - (white.x - black.x);
@@ -397,7 +400,7 @@ fn a_scene_is_told_where_hair_is() {
             assert!((a - b).abs() < 1e-3 && (a - DISTANCE).abs() < 0.2, "{a} {b}");
         }
 
-        // The head moves to the right by 5 mm and takes its hair along.
+        // The head moves to the right by 5 mm with its hair.
         stage.known(usual);
         common::advance(
             &mut stage.hair,
@@ -408,7 +411,7 @@ fn a_scene_is_told_where_hair_is() {
             let expected = 5.0 * per_millimetre(distance(usual, texel.z));
             assert!((texel.x - expected).abs() < 0.02 && texel.y.abs() < 0.02, "{texel}, not {expected}");
         }
-        // Then it stands still, and the camera moves to the right and down.
+        // Then it rests, and the camera moves to the right and down.
         assert!(most(&stage.known(usual)) < 1e-3);
         let by = Vec3::new(3e-3, -4e-3, 0.0);
         stage.scene.camera = Camera::look_at(Vec3::Z * DISTANCE + by, by, FOV, SIZE);
@@ -418,12 +421,12 @@ fn a_scene_is_told_where_hair_is() {
             let off = (texel.x + 3.0 * expected).abs().max((texel.y + 4.0 * expected).abs());
             assert!(off < 0.02, "{texel} of {expected}");
         }
-        // With other vertices nothing is known of the picture before but its camera.
+        // After the vertices change, only the camera's motion is known.
         let detail = stage.hair.lod.detail(1e-2, 20.0);
         stage.hair.set_detail(detail);
         common::advance(&mut stage.hair, &common::frame(Pose::IDENTITY, 0.0));
         assert!(most(&stage.known(usual)) < 1e-3);
-        // Without hair nothing is told of it, whatever the picture before had.
+        // Without hair, the output is cleared.
         stage.grown = false;
         let [_, known] = stage.drawn(Vec4::ZERO, usual, 1.0, true).unwrap();
         let far = |texel: &Vec4| *texel == Vec4::ZERO;

@@ -1,15 +1,15 @@
-//! Shadows between hair and a host's scene: the scene's shadow maps keep light from hair, and hair's shadow falls on
-//! the scene, by a pass over its colour and by a function for its shaders.
+//! Shadows between hair and a host's scene: the scene's shadow maps keep light from hair, and hair casts shadows on the
+//! scene, by a pass over its color or by a function for its shaders.
 
 use crate::{
     common,
-    embed::{Drawn, difference},
+    embed::{HostScene, difference},
 };
 
 use tresses::{
     Camera, Context, Error, Hair, Result, View,
-    draw::{Coverage, Embed, Shade, Surroundings, embed::shade},
-    frame::{Shows, Sight},
+    draw::{Compositor, Coverage, Shade, Surroundings, embed::shade},
+    frame::{ViewContent, ViewPass},
     glam::{
         Mat4, Vec3, Vec4,
         camera::rh::{
@@ -25,24 +25,24 @@ use tresses::{
 
 const SIZE: [u32; 2] = [96, 80];
 const FOV: f32 = 0.5;
-/// Metres from the eye to the middle of the hair.
+/// Distance from the eye to the center of the hair, meters.
 const DISTANCE: f32 = 0.8;
-/// Texels along each edge of the scene's shadow maps.
+/// Width and height of the scene's shadow maps, texels.
 const EDGE: u32 = 64;
 const WALL: Vec4 = Vec4::new(0.5, 0.5, 0.5, 1.0);
 
-/// Hair that hangs from a ball, before a wall that faces the eye.
+/// Hair that hangs from a ball, in front of a wall that faces the eye.
 struct Setup<'a> {
     context: &'a Context,
-    embed: Embed,
+    embed: Compositor,
     hair: Hair,
     view: View,
     picture: Picture,
-    /// Metres from the eye to the wall.
+    /// Distance from the eye to the wall, meters.
     wall: f32,
     samples: u32,
     shade: Shade,
-    /// The scene's projection, if not the usual one.
+    /// The scene's projection; `None` for the default.
     projection: Option<Mat4>,
 }
 
@@ -54,7 +54,7 @@ impl<'a> Setup<'a> {
             sky: Sky::default(),
             environment: Default::default(),
         };
-        // The second: the first is off, so that its map is the first.
+        // The second light. The first one is off, so the second one has the first map.
         lights.directional[1] = Directional { direction, irradiance: Vec3::splat(3.0) };
         let options = ViewOptions {
             samples: 1,
@@ -63,7 +63,7 @@ impl<'a> Setup<'a> {
             ..Default::default()
         };
         Self {
-            embed: Embed::new(context, (1, Coverage::Tiles), TextureFormat::Rgba16Float).unwrap(),
+            embed: Compositor::new(context, (1, Coverage::Tiles), TextureFormat::Rgba16Float).unwrap(),
             view: View::new(context, &options, SIZE, 1).unwrap(),
             hair,
             picture: Picture {
@@ -80,29 +80,32 @@ impl<'a> Setup<'a> {
         }
     }
 
-    /// The picture with the scene's `shadows`, and with so much of hair's own `shade`.
+    /// Draws the hair with the scene's `shadows`. `shade` is the strength of the hair's own shadow on the scene.
     fn drawn(&self, shadows: &[SceneShadow<'_>], shade: f32) -> Result<Vec<Vec4>> {
         let context = self.context;
         let (device, queue) = (context.device(), context.queue());
         let aspect = SIZE[0] as f32 / SIZE[1] as f32;
         let projection = self.projection.unwrap_or(perspective(FOV, aspect, 0.05, 50.0));
-        // What is infinitely far is where nothing is.
+        // A wall at infinity means no geometry.
         let depth = |z: f32| projection.project_point3(Vec3::NEG_Z * z).z;
         let nothing = if depth(2.0) > depth(1.0) { 1.0 } else { 0.0 };
         let far = if self.wall.is_finite() { depth(self.wall) } else { nothing };
         let mut encoder = device.create_command_encoder(&Default::default());
-        let scene = Drawn::new(self.context, &mut encoder, (SIZE, self.samples), (WALL, far), None);
+        let scene = HostScene::new(self.context, &mut encoder, (SIZE, self.samples), (WALL, far), None);
         let shade = (shade != 0.0).then_some(Shade { strength: shade, ..self.shade });
         let into =
             Surroundings { shadows, shade, ..Surroundings::new(&scene.color, &scene.depth, projection) };
-        let sight = Sight { shows: Shows::Over(&self.embed, into), ..Sight::new(&self.view, &self.picture) };
+        let sight = ViewPass {
+            shows: ViewContent::Over(&self.embed, into),
+            ..ViewPass::new(&self.view, &self.picture)
+        };
         context.recorder(&mut encoder).draw(&[&self.hair], &[], sight)?;
         queue.submit([encoder.finish()]);
         scene.read(self.context)
     }
 
-    /// A shadow map of the scene of so many columns and rows, whose texel at x and y has what is `metres(x, y)` metres
-    /// from the eye of `projection`; nothing where that is no number.
+    /// Creates a shadow map of the scene with these numbers of columns and rows. Geometry in the texel at x and y is
+    /// `metres(x, y)` meters from the eye of `projection`; NaN means none.
     fn map(
         &self,
         projection: Mat4,
@@ -145,33 +148,33 @@ impl<'a> Setup<'a> {
     }
 }
 
-/// A projection of the scene's shadow maps from `at`, an eye in the direction of the light, on the middle.
+/// Returns the matrix of a shadow map whose eye is at `at`, in the direction of the light, and looks at the origin.
 fn from(at: Vec3, projection: Mat4) -> Mat4 {
     projection * look_at_mat4(at, Vec3::ZERO, Vec3::Y)
 }
 
-/// As `orthographic`, with depth from 1 (near) to 0.
+/// Reverses the depth of an orthographic projection: from 1 (near) to 0.
 fn reversed(projection: Mat4) -> Mat4 {
     Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::new(0.0, 0.0, -1.0, 0.0), Vec4::new(0.0, 0.0, 1.0, 1.0))
         * projection
 }
 
-/// Columns of the picture and whether hair there is as in another.
+/// Whether two images are equal in some columns.
 fn same(a: &[Vec4], b: &[Vec4], columns: std::ops::Range<usize>) -> bool {
     let width = SIZE[0] as usize;
     a.chunks(width).zip(b.chunks(width)).all(|(a, b)| a[columns.clone()] == b[columns.clone()])
 }
 
-/// The light of the hair alone in some columns: there is no sky, and the wall is as it was.
+/// Returns the light of the hair in some columns. There is no sky, and the wall keeps its color.
 fn light(picture: &[Vec4], columns: std::ops::Range<usize>) -> f32 {
     let bright = |texel: &Vec4| (texel.truncate().element_sum() - 1.5).max(0.0);
     picture.chunks(SIZE[0] as usize).flat_map(|row| &row[columns.clone()]).map(bright).sum()
 }
 
 #[test]
-fn a_scenes_shadow_maps_keep_light_from_hair() {
+fn scene_shadow_maps_keep_light_from_hair() {
     let Some(context) = common::context() else { return };
-    // From the eye: what is left in the picture is left in the maps.
+    // The light is at the eye: left in the image is left in the maps.
     let mut setup = Setup::new(context, Vec3::Z);
     setup.picture.lights.directional[1].irradiance = Vec3::splat(40.0);
     let free = setup.drawn(&[], 0.0).unwrap();
@@ -187,32 +190,32 @@ fn a_scenes_shadow_maps_keep_light_from_hair() {
     ];
     for (name, projection, own) in kinds {
         let shadow = |depth| SceneShadow { light: 1, depth, part: None, projection, bias: 0.0 };
-        // The left half is covered, 1 m before the hair.
+        // The left half is covered, 1 m in front of the hair.
         let half = setup.map(own, [EDGE; 2], |x, _| if x < EDGE / 2 { 2.0 } else { f32::NAN });
         let dark = setup.drawn(&[shadow(&half)], 0.0).unwrap();
         assert!(same(&dark, &free, 52..96), "{name}: where the map has nothing hair is as without it");
         let left = light(&dark, 0..44) / light(&free, 0..44);
         assert!(left < 1e-3, "{name}: {left} of the light behind what keeps it");
-        // All of it, behind the hair: nothing is between.
+        // Geometry behind all of the hair casts no shadow on it.
         let behind = setup.map(own, [EDGE; 2], |_, _| 3.3);
         assert!(setup.drawn(&[shadow(&behind)], 0.0).unwrap() == free, "{name}: what is behind hair");
-        // Before the hair, and only as far as a bias leaves it there.
+        // Geometry in front of the hair, and a bias that moves it behind.
         let before = setup.map(own, [EDGE; 2], |_, _| 2.7);
         let biased = SceneShadow { bias: 0.6, ..shadow(&before) };
         assert_eq!(light(&setup.drawn(&[shadow(&before)], 0.0).unwrap(), all.clone()), 0.0, "{name}");
         assert!(setup.drawn(&[biased], 0.0).unwrap() == free, "{name}: a bias takes it behind");
-        // What is farther from the hair than its map reaches keeps all light, whatever its bias.
+        // Geometry farther from the hair than its map reaches keeps all light away, whatever its bias.
         let far = setup.map(own, [EDGE; 2], |_, _| 1.0);
         let far = SceneShadow { bias: 0.9, ..shadow(&far) };
         assert_eq!(light(&setup.drawn(&[far], 0.0).unwrap(), all.clone()), 0.0, "{name}: a far one");
-        // Of another light, which is off, and of none.
+        // Shadows of other lights, which are off or do not exist.
         for light in [0, 3, 17] {
             let other = SceneShadow { light, ..shadow(&before) };
             assert!(setup.drawn(&[other], 0.0).unwrap() == free, "{name}: light {light}");
         }
     }
 
-    // Two maps of one light, parts of one texture, each of which covers half of it.
+    // Two maps of one light as parts of one texture, each for one half of the image.
     let atlas = setup.map(flat, [2 * EDGE, EDGE], |x, _| if x < EDGE { 2.0 } else { f32::NAN });
     let left = from(Vec3::Z * 3.0, orthographic(-0.4, 0.0, -0.4, 0.4, 0.1, 4.0));
     let right = from(Vec3::Z * 3.0, orthographic(0.0, 0.4, -0.4, 0.4, 0.1, 4.0));
@@ -228,7 +231,7 @@ fn a_scenes_shadow_maps_keep_light_from_hair() {
     let turned = setup.drawn(&[part(EDGE, left), part(0, right)], 0.0).unwrap();
     assert!(same(&turned, &free, 0..44) && light(&turned, 52..96) < 1e-3 * light(&free, 52..96));
 
-    // What cannot be taken is an error.
+    // Invalid shadows are errors.
     let refused = |shadows: &[SceneShadow<'_>]| {
         let error = setup.drawn(shadows, 0.0).expect_err("it is refused");
         assert!(matches!(error, Error::Parameter { .. }), "{error}");
@@ -242,12 +245,12 @@ fn a_scenes_shadow_maps_keep_light_from_hair() {
 }
 
 #[test]
-fn an_edge_of_a_coarse_map_is_a_line() {
+fn edge_of_a_coarse_shadow_map_is_straight() {
     let Some(context) = common::context() else { return };
     let mut setup = Setup::new(context, Vec3::Z);
     setup.picture.lights.directional[1].irradiance = Vec3::splat(40.0);
     let free = setup.drawn(&[], 0.0).unwrap();
-    // Eight texels of 0.1 m to an edge, of which those above the diagonal are covered: a staircase.
+    // Eight texels of 0.1 m along each edge. Those above the diagonal are covered: a staircase.
     let flat = orthographic(-0.4, 0.4, -0.4, 0.4, 0.1, 4.0);
     let map = setup.map(flat, [8; 2], |x, y| if x + y < 8 { 2.0 } else { f32::NAN });
     let projection = from(Vec3::Z * 3.0, flat);
@@ -256,14 +259,14 @@ fn an_edge_of_a_coarse_map_is_a_line() {
     let focal = 0.5 * SIZE[1] as f32 / (0.5 * FOV).tan();
     let (mut shaded, mut lit) = ([0; 2], [0; 2]);
     for (i, (dark, free)) in dark.iter().zip(&free).enumerate() {
-        // Brighter than the wall behind it.
+        // Hair is brighter than the wall behind it.
         if free.x < 0.7 {
             continue;
         }
         let [x, y] = [i % SIZE[0] as usize, i / SIZE[0] as usize].map(|n| n as f32 + 0.5);
         let at = DISTANCE / focal * Vec3::new(x - 48.0, 40.0 - y, 0.0);
-        // From the line between the middles of texels on either side of the edge, metres; hair is up to 0.1 m nearer
-        // the eye than the middle. Corners of texels are 0.07 m off.
+        // Distance from the line between the centers of the texels on either side of the edge, meters. Hair is up to
+        // 0.1 m nearer to the eye than the origin. Corners of texels are 0.07 m off the line.
         let beyond = (at.x - at.y - 0.05) / 2.0_f32.sqrt();
         if beyond < -0.045 {
             shaded[usize::from(dark.x > 0.5 + 0.1 * (free.x - 0.5))] += 1;
@@ -277,13 +280,13 @@ fn an_edge_of_a_coarse_map_is_a_line() {
 }
 
 #[test]
-fn hair_casts_its_shadow_on_the_scene() {
+fn hair_casts_shadows_on_the_scene() {
     let Some(context) = common::context() else { return };
     let direction = Vec3::new(0.6, 0.0, 0.8);
     let mut setup = Setup::new(context, direction);
     setup.picture.lights.sky =
         Sky { zenith: Vec3::splat(0.2), horizon: Vec3::splat(0.2), ground: Vec3::splat(0.2) };
-    // Of a matt surface that faces the eye.
+    // Light of a matte surface that faces the eye.
     let (lamp, sky) = (3.0 * 0.8 / std::f32::consts::PI, 0.2);
     for (wall, samples) in [(1.0, 1), (1.3, 1), (1.3, 4)] {
         (setup.wall, setup.samples) = (wall, samples);
@@ -303,7 +306,7 @@ fn hair_casts_its_shadow_on_the_scene() {
             let expected = 0.5 * (1.0 + kept(&shaded, *i));
             assert!((kept(&half, *i) - expected).abs() < 2e-3, "half of the shadow");
         }
-        // It lies where the light goes: to the left.
+        // The shadow falls to the left, away from the light.
         let dark = |columns: std::ops::Range<usize>| {
             let there = walls.iter().filter(|i| columns.contains(&(**i % SIZE[0] as usize)));
             there.map(|i| 1.0 - kept(&shaded, *i)).sum::<f32>()
@@ -314,7 +317,7 @@ fn hair_casts_its_shadow_on_the_scene() {
         let free = walls.iter().filter(|i| kept(&shaded, **i) == 1.0).count();
         assert!(free > walls.len() / 3, "{free} of {} pixels keep their bits", walls.len());
     }
-    // Where the scene keeps the light away hair keeps nothing, whether there is a sky or not.
+    // Where the scene blocks the light, hair adds no shadow, with or without a sky.
     let flat = orthographic(-0.4, 0.4, -0.4, 0.4, 0.1, 4.0);
     let plate = setup.map(flat, [EDGE; 2], |_, _| 2.0);
     let projection = from(3.0 * direction, flat);
@@ -326,7 +329,7 @@ fn hair_casts_its_shadow_on_the_scene() {
         assert!(difference(&plain, &shaded) < 1e-3, "{}", difference(&plain, &shaded));
     }
     setup.picture.lights.sky = sky;
-    // Nothing where there is nothing: at the far end, and for strength that is none.
+    // Negative and NaN strengths cast no shadow.
     setup.samples = 1;
     setup.wall = 1.0;
     let plain = setup.drawn(&[], 0.0).unwrap();
@@ -334,7 +337,7 @@ fn hair_casts_its_shadow_on_the_scene() {
         assert!(setup.drawn(&[], none).unwrap() == plain);
     }
     assert!(setup.drawn(&[], 1.0).unwrap() != plain, "the comparer sees no difference");
-    // Where the scene has nothing there is no shadow, whichever way its depth runs and wherever it ends.
+    // Where the scene has no geometry there is no shadow, whichever way its depth runs and wherever it ends.
     setup.wall = f32::INFINITY;
     let aspect = SIZE[0] as f32 / SIZE[1] as f32;
     let half = DISTANCE * (0.5 * FOV).tan();
@@ -345,7 +348,7 @@ fn hair_casts_its_shadow_on_the_scene() {
         let [plain, shaded] = [0.0, 1.0].map(|shade| setup.drawn(&[], shade).unwrap());
         assert!(plain == shaded, "what is infinitely far is in no shadow");
     }
-    // It ends as far behind the map as it is to reach, and falls only of the lights that are to cast it.
+    // The shadow ends at `reach` behind the map, and only the selected lights cast it.
     setup.projection = None;
     setup.wall = 2.0;
     setup.picture.lights.directional[1].direction = Vec3::new(0.25, 0.0, 1.0).normalize();
@@ -359,7 +362,7 @@ fn hair_casts_its_shadow_on_the_scene() {
     }
 }
 
-/// What the scene's shaders are told of light 0 at some points of surfaces that face `normal`.
+/// Evaluates the shadow function for scene shaders, for light 0, at points of surfaces that face `normal`.
 fn told(setup: &Setup<'_>, points: &[Vec3], normal: Vec3) -> Vec<Vec4> {
     let context = setup.context;
     let (device, queue) = (context.device(), context.queue());
@@ -422,11 +425,11 @@ fn told(setup: &Setup<'_>, points: &[Vec3], normal: Vec3) -> Vec<Vec4> {
 }
 
 #[test]
-fn a_scenes_own_shaders_can_ask_hair_for_its_shadow() {
+fn scene_shaders_can_evaluate_hair_shadows() {
     let Some(context) = common::context() else { return };
     let mut setup = Setup::new(context, Vec3::new(0.6, 0.0, 0.8));
     setup.wall = 1.2;
-    // Without a sky the pass leaves of the colour what the function says.
+    // Without a sky, the pass multiplies the color by the result of the function.
     let [plain, shaded] = [0.0, 1.0].map(|shade| setup.drawn(&[], shade).unwrap());
     let focal = 0.5 * SIZE[1] as f32 / (0.5 * FOV).tan();
     let place = |i: usize| {
@@ -444,12 +447,12 @@ fn a_scenes_own_shaders_can_ask_hair_for_its_shadow() {
         assert!((found - *told).truncate().abs().max_element() < 4e-3, "{found} {told} at {}", place(*i));
     }
     assert!(darkest < 0.2, "{darkest}: there is a shadow");
-    // Groups are counted as the scene says.
+    // The scene chooses the index of the bind group.
     assert!(shade::wgsl(3).contains("@group(3)") && !shade::wgsl(3).contains("@group(0)"));
 }
 
 #[test]
-fn a_map_knows_what_it_sees() {
+fn shadow_map_reports_what_it_covers() {
     let Some(context) = common::context() else { return };
     let setup = Setup::new(context, Vec3::Z);
     let flat = orthographic(-1.0, 1.0, -1.0, 1.0, 1.0, 9.0);
@@ -473,7 +476,7 @@ fn a_map_knows_what_it_sees() {
             assert_eq!(sees(projection, at), seen, "{at:?}");
         }
     }
-    // The sides of a lamp's map go out at half a right angle: 0.2 m from them is 0.28 m aside.
+    // The sides of a spot light's map are at 45°, so 0.2 m from them is 0.28 m sideways.
     let places =
         [([4.7, -5.0], Some(true)), ([5.25, -5.0], Some(false)), ([5.3, -5.0], None), ([0.0, 5.0], None)];
     for (at, seen) in places {

@@ -1,4 +1,4 @@
-//! A kernel that cannot be compiled is an error where it is recorded, and nowhere else. No GPU needed.
+//! A kernel that fails to compile is an error where it is recorded, and nowhere else. Needs no GPU.
 
 use crate::common;
 use tresses::{
@@ -6,11 +6,11 @@ use tresses::{
     body::{Body, Skin},
     collide::{
         ColliderDescriptor, ColliderPoses, ColliderSet, FieldBuilder, FieldId, FieldSource,
-        deform::{DeformingField, Which},
+        deform::{DeformTarget, DeformingField},
     },
     drape::{DrapeOptions, drape},
     draw::Coverage,
-    frame::{Shows, Sight},
+    frame::{ViewContent, ViewPass},
     glam::{Mat3, Mat4, Vec3},
     groom::{
         TriMesh, bind,
@@ -24,14 +24,14 @@ use tresses::{
     skinning::Skinning,
     strands::StrandBuffers,
     view::{Picture, ViewOptions},
-    views::{DebugView, DebugViews, Grid, Peak, Quantity, Shown},
+    views::{DebugDisplay, DebugView, DebugViews, GridView, Peak, Quantity},
     wgpu,
     wind::Wind,
 };
 
 type Operation = fn(&Context) -> Result<()>;
 
-/// A module of each folder that records kernels, what records it, and a frame that does without it.
+/// One module of each folder that records kernels, an operation that records it, and one that does not.
 const CASES: [(&str, Operation, Operation); 23] = [
     ("skinning::skin", bend, draw),
     ("roots::strands", advance, draw),
@@ -59,7 +59,7 @@ const CASES: [(&str, Operation, Operation); 23] = [
 ];
 
 #[test]
-fn an_invalid_kernel_fails_where_it_is_recorded() {
+fn invalid_kernel_fails_where_it_is_recorded() {
     for (module, operation, unrelated) in CASES {
         let context = common::noop().with_broken(module);
         match operation(&context) {
@@ -86,14 +86,14 @@ fn encoder(context: &Context) -> wgpu::CommandEncoder {
     context.device().create_command_encoder(&Default::default())
 }
 
-/// A ball with its normals.
+/// Returns a ball with normals.
 fn ball() -> TriMesh {
     let mut mesh = shapes::sphere(0.085, 12);
     mesh.compute_normals();
     mesh
 }
 
-/// Moves hair that grows on skin, in wind, held by a hand.
+/// Advances hair on skin, in wind, held by a grab.
 fn advance(context: &Context) -> Result<()> {
     let groom = bind(&common::hanging(50, 16, 0.12), &Default::default())?;
     let (field, mesh) = (common::ball(0.085, 16), ball());
@@ -107,7 +107,7 @@ fn advance(context: &Context) -> Result<()> {
     let body = Body::with_levels(context, &mesh, &[], 4);
     let skin = Skin::from(&body);
     hair.attach(&groom, &mesh, &skin, 0.1)?;
-    let deforming = DeformingField { which: Which::Field(FieldId(0)), triangles: &mesh.triangles };
+    let deforming = DeformingField { which: DeformTarget::Field(FieldId(0)), triangles: &mesh.triangles };
     hair.colliders.deform(&mesh, &skin, &[deforming])?;
     hair.set_detail(Detail { strands: 20, ..*hair.lod.current() });
     let physics = SimulationParams { wind: Wind::new(Vec3::X), ..Default::default() };
@@ -123,7 +123,7 @@ fn advance(context: &Context) -> Result<()> {
     Ok(())
 }
 
-/// Strands that nothing moves, and a view by tiles.
+/// Creates strands that are not simulated, and a view with tiles.
 fn still(context: &Context) -> Result<(HairSet, View)> {
     let options = ViewOptions { samples: 1, coverage: Coverage::Tiles, ..Default::default() };
     let strands = StrandBuffers::new(context, 50, 16)?;
@@ -135,7 +135,7 @@ fn draw(context: &Context) -> Result<()> {
     let body = Body::with_levels(context, &ball(), &[], 4);
     let mut encoder = encoder(context);
     let picture = Picture::default();
-    context.recorder(&mut encoder).draw_strands(&[&hair], &[&body], Sight::new(&view, &picture))?;
+    context.recorder(&mut encoder).draw_strands(&[&hair], &[&body], ViewPass::new(&view, &picture))?;
     context.queue().submit([encoder.finish()]);
     Ok(())
 }
@@ -183,7 +183,7 @@ fn ask_ambient(context: &Context) -> Result<()> {
     AmbientProbe::new(context, &view.light, &[(Vec3::ZERO, Vec3::ZERO)])?.record(&mut encoder(context))
 }
 
-/// A texture of one texel, or six.
+/// Creates a texture with one texel per layer.
 fn texture(context: &Context, dimension: wgpu::TextureDimension, layers: u32) -> wgpu::Texture {
     context.device().create_texture(&wgpu::TextureDescriptor {
         label: None,
@@ -210,14 +210,14 @@ fn debug_view(context: &Context) -> Result<()> {
     let hair = Hair::new(context, &groom, &HairOptions::default(), None)?;
     let (_, view) = still(context)?;
     let mut views = DebugViews::new(context, tresses::draw::targets::PICTURE_FORMAT)?;
-    let (shown, picture) = (Shown::new(DebugView::Locks), Picture::default());
-    let sight = Sight { shows: Shows::Inside(&mut views, &shown), ..Sight::new(&view, &picture) };
+    let (shown, picture) = (DebugDisplay::new(DebugView::Locks), Picture::default());
+    let sight = ViewPass { shows: ViewContent::Inside(&mut views, &shown), ..ViewPass::new(&view, &picture) };
     context.recorder(&mut encoder(context)).draw(&[&hair], &[], sight)
 }
 
 fn measure_peak(context: &Context) -> Result<()> {
     let texture = texture(context, wgpu::TextureDimension::D3, 1).create_view(&Default::default());
-    let grid = Grid {
+    let grid = GridView {
         texture: &texture,
         pose: Pose::IDENTITY,
         scale: Vec3::ONE,

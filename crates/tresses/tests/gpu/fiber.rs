@@ -1,4 +1,4 @@
-//! The physical shading model against path-traced values, and on the GPU against its Rust twin.
+//! The fiber shading model compared with path-traced values, and its GPU code compared with the reference on the CPU.
 
 use crate::common;
 
@@ -18,13 +18,13 @@ use tresses::{
     view::{Picture, ViewOptions},
 };
 
-/// A file of the references, where there are some.
+/// Returns the content of a reference file, if it exists.
 fn reference(name: &str) -> Option<String> {
     let path = common::asset(Path::new("../reference").join(name))?;
     Some(std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display())))
 }
 
-/// The numbers of all `[x, y, z]` between `"name": [` and the end of that list.
+/// Returns all `[x, y, z]` of the list `"name"`.
 fn triples(json: &str, name: &str) -> Vec<DVec3> {
     let key = format!("\"{name}\": [[");
     let start = json.find(&key).unwrap_or_else(|| panic!("no {name}")) + key.len();
@@ -37,8 +37,8 @@ fn triples(json: &str, name: &str) -> Vec<DVec3> {
         .collect()
 }
 
-/// The plugin's distribution along the fibre: it sums the first terms of I₀ below 12 and has a coarse
-/// form above, both up to 0.5 % low. Compared without that, nothing else could hide.
+/// Longitudinal scattering as Mitsuba's plugin computes it: I₀ from the first terms of its series below 12 and from a
+/// coarse formula above, both up to 0.5 % too low. Comparing with the same approximation reveals smaller errors.
 fn plugin_along(v: f64, sin_eye: f64, cos_eye: f64, sin_light: f64, cos_light: f64) -> f64 {
     let a = cos_eye * cos_light / v;
     let series = if a > 12.0 {
@@ -50,9 +50,9 @@ fn plugin_along(v: f64, sin_eye: f64, cos_eye: f64, sin_light: f64, cos_light: f
     bsdf::along(v, sin_eye, cos_eye, sin_light, cos_light) * series / bsdf::scaled_bessel(a)
 }
 
-/// The largest and the mean difference between the near field and Mitsuba's table, relative to the
-/// value plus 0.001.
-fn table_error(json: &str, shape: &FiberShape, along: bsdf::Along) -> [f64; 2] {
+/// Returns the largest and the mean difference between the near field and Mitsuba's table, relative to the value plus
+/// 0.001.
+fn table_error(json: &str, shape: &FiberShape, along: bsdf::Longitudinal) -> [f64; 2] {
     let (eyes, lights) = (triples(json, "wi"), triples(json, "wo"));
     let (mut worst, mut sum, mut count) = (0.0_f64, 0.0, 0);
     for (name, eumelanin, pheomelanin) in
@@ -77,7 +77,7 @@ fn table_error(json: &str, shape: &FiberShape, along: bsdf::Along) -> [f64; 2] {
 }
 
 #[test]
-fn mitsuba_agrees() {
+fn near_field_matches_mitsuba() {
     let Some(json) = reference("bsdf_table.json") else { return };
     let shape = FiberShape::default();
     let [worst, mean] = table_error(&json, &shape, plugin_along);
@@ -86,7 +86,7 @@ fn mitsuba_agrees() {
     let [worst, mean] = table_error(&json, &shape, bsdf::along);
     println!("with the function itself: worst {worst:.2e}, mean {mean:.2e}");
     assert!(worst < 6e-3 && mean < 5e-4);
-    // What is wrong is seen.
+    // Wrong parameters are detected.
     for wrong in [
         FiberShape { tilt: -shape.tilt, ..shape },
         FiberShape { eta: 1.53, ..shape },
@@ -98,7 +98,7 @@ fn mitsuba_agrees() {
     }
 }
 
-/// A fibre's inclination to the eye, and where its light comes from, in the frame of the fibre.
+/// Directions from a fiber to the eye and to the lights, in the frame of the fiber.
 struct View1 {
     eye: Vec3,
     lights: Vec<Vec3>,
@@ -115,12 +115,12 @@ impl View1 {
     }
 }
 
-/// What `light::shade` makes of one fibre per light, all lit with an irradiance of 1.
+/// Shades one fiber per light with `light::shade`, all with an irradiance of 1.
 fn on_gpu(context: &Context, view: &View1, material: FiberMaterial) -> Vec<Vec3> {
     let queue = context.queue();
     let to_light = Vec3::new(0.3, 0.8, 0.5).normalize();
     let count = view.lights.len() as u32;
-    // Each fibre is turned so that its light comes from there.
+    // Rotate each fiber so that its light comes from `to_light`.
     let vertices: Vec<_> = view
         .lights
         .iter()
@@ -155,7 +155,7 @@ fn on_gpu(context: &Context, view: &View1, material: FiberMaterial) -> Vec<Vec3>
         environment: Environment::default(),
     };
     lights.directional[0] = Directional { direction: to_light, irradiance: Vec3::ONE };
-    // Each fibre is alone: none is before another.
+    // Fibers do not shadow each other.
     let shadows = Shadows { method: ShadowMethod::Off, ..Default::default() };
     let picture = Picture {
         camera: Camera::look_at(Vec3::ZERO, Vec3::Z, 1.0, [16, 16]),
@@ -169,13 +169,13 @@ fn on_gpu(context: &Context, view: &View1, material: FiberMaterial) -> Vec<Vec3>
     shaded.into_iter().step_by(2).map(unpack_radiance).collect()
 }
 
-/// Only the fibre itself, without what hair around it would throw back.
+/// Returns a material without light that surrounding hair reflects.
 fn alone(sigma_a: Vec3, shape: FiberShape) -> FiberMaterial {
     FiberMaterial { shape, density_back: 0.0, ..FiberMaterial::uniform(sigma_a) }
 }
 
 #[test]
-fn gpu_and_twin_agree() {
+fn gpu_matches_the_cpu_reference() {
     let Some(context) = common::context() else { return };
     for (shape, sigma, theta) in [
         (FiberShape::default(), bsdf::melanin(1.3, 0.2), 0.2_f32),
@@ -188,7 +188,7 @@ fn gpu_and_twin_agree() {
     ] {
         let view = View1::new(theta, 700);
         let far = FarField::new(&shape);
-        // Of what the twin says of `shape` and `sigma`, relative to the brightest.
+        // Largest difference from the CPU reference for `shape` and `sigma`, relative to the brightest value.
         let error = |given: FiberMaterial| {
             let shaded = on_gpu(context, &view, given);
             let (mut worst, mut brightest) = (0.0_f32, 0.0_f32);
@@ -199,10 +199,11 @@ fn gpu_and_twin_agree() {
             }
             worst / brightest
         };
-        // The tables are half floats, tangents of 12 bits an axis.
+        // The tables are half floats, and tangents have 12 bits per axis.
         let most = 0.01;
         let right = error(alone(sigma, shape));
-        // Less pigment shows in any hair; more does not in black hair, of which light leaves at the surface alone.
+        // Less pigment changes any hair. More pigment would not change black hair, which reflects light at its surface
+        // only.
         let lighter = error(alone(sigma * 0.5, shape));
         let smoother = FiberShape { longitudinal: 0.9 * shape.longitudinal, ..shape };
         let smoother = error(alone(sigma, smoother));
@@ -228,12 +229,12 @@ fn white_furnace_on_the_gpu() {
     }
 }
 
-/// The radiances of both ends of upright strands at these places, lit from where the eye is.
+/// Returns the radiances at both ends of upright strands at these places, lit from the eye.
 fn upright(context: &Context, places: &[Vec3], density_back: f32, strand_by_strand: f32) -> Vec<f32> {
     upright_in(context, places, density_back, strand_by_strand, 0)
 }
 
-/// The same with strand maps of so many texels along each edge, 0 for none.
+/// Does the same with strand maps of `strand_map` texels along each edge, 0 for none.
 fn upright_in(
     context: &Context,
     places: &[Vec3],
@@ -279,8 +280,8 @@ fn upright_in(
     shaded.into_iter().map(|word| unpack_radiance(word).y).collect()
 }
 
-/// So many strands before each other over a width of 10 cm and a depth of 6 that a ray meets `fibers` of them; the
-/// first at the front.
+/// Returns the places of strands in a block 10 cm wide and 6 cm deep, so that a ray hits `fibers` of them. The first
+/// strand is at the front.
 fn block(fibers: f32) -> Vec<Vec3> {
     let count = (fibers * 0.1 / 2e-4) as u32;
     let place = |i: u32| {
@@ -291,9 +292,9 @@ fn block(fibers: f32) -> Vec<Vec3> {
 }
 
 #[test]
-fn hair_throws_back_as_much_as_there_is_of_it() {
+fn reflected_light_grows_with_the_amount_of_hair() {
     let Some(context) = common::context() else { return };
-    // What others throw back over that without, for the first.
+    // Radiance of the first strand with and without light that other strands reflect: the ratio.
     let found = [0.0, 0.5, 2.0, 16.0].map(|fibers| {
         let places = block(fibers);
         let [with, without] = [0.7, 0.0].map(|density_back| upright(context, &places, density_back, 0.0)[0]);
@@ -306,10 +307,11 @@ fn hair_throws_back_as_much_as_there_is_of_it() {
 }
 
 #[test]
-fn strands_are_in_light_or_shade_as_often_as_the_mean_says() {
+fn per_strand_shadows_keep_the_mean() {
     let Some(context) = common::context() else { return };
     let places = block(6.0);
-    // What every strand would have in the mean, and what it has; by depth, where the mean goes from 1 to e^-6.
+    // Radiance with the mean light for every strand, and with light or shade for each; by depth, where the mean
+    // transmittance falls from 1 to e^-6.
     let [smooth, single] = [0.0, 1.0].map(|strength| upright(context, &places, 0.7, strength));
     let spread = |values: &[f32]| {
         let mean = values.iter().sum::<f32>() / values.len() as f32;
@@ -326,22 +328,22 @@ fn strands_are_in_light_or_shade_as_often_as_the_mean_says() {
         assert!((chance / mean - 1.0).abs() < 0.06, "the mean stays");
         assert!(much > 1.3 * little, "strands differ");
     }
-    // Where hardly anything is in the way hardly anything is by chance.
+    // Where almost nothing is in the way, almost nothing is stochastic.
     let alone = [0.0, 1.0].map(|strength| upright(context, &block(0.0), 0.7, strength)[0]);
     assert!((alone[1] / alone[0] - 1.0).abs() < 0.02, "{alone:?}");
 }
 
-/// Strand maps find out which strands are in light.
+/// Strand maps determine which strands are lit.
 #[test]
-fn strands_are_in_the_shade_of_those_before_them() {
+fn strand_maps_shade_hidden_strands() {
     let Some(context) = common::context() else { return };
-    // Among strands of 0.2 mm, seen from where the light is: one alone, one that it hides, and one beside both.
+    // Strands of 0.2 mm, as seen from the light: one in front, one hidden by it, and one beside both.
     let row = [Vec3::ZERO, Vec3::new(0.0, 0.0, -0.01), Vec3::new(0.005, 0.0, -0.01)];
     let found = upright_in(context, &row, 0.0, 1.0, 2048);
     let [alone, hidden, beside] = [0, 1, 2].map(|i| found[2 * i]);
     println!("alone {alone:.4}, hidden {hidden:.4}, beside {beside:.4}");
     assert!(hidden < 0.4 * alone && (beside / alone - 1.0).abs() < 0.05);
-    // By chance nobody can say that.
+    // The stochastic estimate cannot determine that.
     let chance = upright(context, &row, 0.0, 1.0);
     assert!(
         chance[2] > 2.0 * hidden,
@@ -349,7 +351,7 @@ fn strands_are_in_the_shade_of_those_before_them() {
         chance[2]
     );
 
-    // In a block of hair: what is lit is what no strand nearer to the light covers, counted one by one.
+    // In a block of hair, a strand is lit if no strand nearer to the light covers it, by counting all of them.
     let places = block(6.0);
     let found = upright_in(context, &places, 0.0, 1.0, 2048);
     let light = upright_in(context, &places[..1], 0.0, 1.0, 2048)[0];
@@ -360,7 +362,7 @@ fn strands_are_in_the_shade_of_those_before_them() {
             let hides = |other: &&Vec3| other.z > place.z + 0.0006 && (other.x - place.x).abs() < near;
             places.iter().any(|other| hides(&other))
         };
-        // Those that are half covered, or by what lies close by, are neither.
+        // Skip strands that are half covered or covered by a strand close by.
         let is_lit = !covered(4e-4);
         if is_lit || covered(5e-5) {
             all += 1;

@@ -1,5 +1,5 @@
-//! The whole motion path on the GPU: the same bits twice, the same motion at any frame rate, lengths
-//! kept, nothing in the head, teleports survived.
+//! The whole motion path on the GPU: bit-identical runs, the same motion at any frame rate, constant lengths, no hair
+//! in the head, and teleports.
 
 use crate::common;
 
@@ -20,16 +20,16 @@ struct Setup {
 }
 
 impl Setup {
-    /// One device for all tests: a software driver takes long to build pipelines.
+    /// One device for all tests. A software driver takes long to build pipelines.
     fn open() -> Option<&'static Self> {
-        static SETUP: std::sync::OnceLock<Option<Setup>> = std::sync::OnceLock::new();
-        SETUP.get_or_init(Self::new).as_ref()
+        static SETUP: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
+        SETUP.get(Self::new)
     }
 
     fn new() -> Option<Self> {
         let context = common::context()?;
         let mut groom = bind(&common::hanging(300, 16, 0.12), &BindOptions::default()).unwrap();
-        // As the hair has them.
+        // `Hair` stores the strands in this order.
         tresses::lod::arrange(&mut groom.strands);
         Some(Self { groom, field: common::ball(HEAD, 64), context })
     }
@@ -48,7 +48,7 @@ impl Setup {
         readback::buffer(self.context, &hair.strands.vertices).unwrap()
     }
 
-    /// After `seconds` of turning at a constant rate, at `fps`.
+    /// Returns the vertices and the head's pose after `seconds` of turning at a constant rate, at `fps`.
     fn turned(&self, seconds: f32, fps: f32) -> (Vec<StrandVertex>, Pose) {
         let mut hair = self.hair();
         let pose = |t: f32| Pose::about(Vec3::ZERO, Quat::from_rotation_y(1.5 * t));
@@ -58,7 +58,7 @@ impl Setup {
         (self.vertices(&hair), pose(seconds))
     }
 
-    /// How far strands deviate from their rest lengths at most, as a fraction.
+    /// Returns the largest relative deviation of a strand's length from its rest length.
     fn strain(&self, vertices: &[StrandVertex]) -> f32 {
         let length = |points: &[Vec3]| points.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>();
         vertices
@@ -78,24 +78,24 @@ fn largest_difference(a: &[StrandVertex], b: &[StrandVertex]) -> f32 {
 }
 
 #[test]
-fn two_runs_agree_bit_by_bit() {
+fn runs_are_bit_identical() {
     let Some(stage) = Setup::open() else { return };
     let (first, _) = stage.turned(0.5, 60.0);
     let (second, _) = stage.turned(0.5, 60.0);
     assert_eq!(bytemuck::cast_slice::<_, u8>(&first), bytemuck::cast_slice::<_, u8>(&second));
-    // And the hair did move, so that the test can tell something.
+    // The hair moved; otherwise equality would show nothing.
     let mut still = stage.hair();
     stage.advance(&mut still, Pose::IDENTITY, 0.0);
     assert!(largest_difference(&first, &stage.vertices(&still)) > 0.01);
 }
 
 #[test]
-fn the_motion_is_the_same_at_any_frame_rate() {
+fn motion_is_the_same_at_any_frame_rate() {
     let Some(stage) = Setup::open() else { return };
     let (at_60, head) = stage.turned(0.5, 60.0);
     for fps in [30.0, 120.0, 144.0] {
         let (other, _) = stage.turned(0.5, fps);
-        // 144 is no multiple of the steps: its picture lies between two of them.
+        // At 144 frames per second, the last frame lies between two steps.
         let off = largest_difference(&at_60, &other);
         assert!(off < 2e-3, "{fps} fps: {off} m");
     }
@@ -117,8 +117,8 @@ fn moving_strands_keep_their_lengths_and_stay_out_of_the_head() {
         assert!(vertices.iter().all(|v| v.position.is_finite()));
         let strain = stage.strain(&vertices);
         assert!(strain < 0.02, "frame {i}: {strain}");
-        // Some strands of this groom rest in the head, a few of them centimetres deep, where a distance to
-        // the skin holds nothing any more: they swing. The others may not be deeper than they rest.
+        // Some strands of this groom rest in the head. A few of them are centimeters deep, where the distance to the
+        // skin no longer holds them, so they swing. The others must not be deeper than at rest.
         let rests = (0..stage.groom.strands.len()).flat_map(|i| stage.groom.strands.rest_positions(i));
         let (mut worst, mut worst_buried) = (0.0f32, 0.0f32);
         for (vertex, rest) in vertices.iter().zip(rests) {
@@ -132,7 +132,7 @@ fn moving_strands_keep_their_lengths_and_stay_out_of_the_head() {
 }
 
 #[test]
-fn a_teleport_and_a_long_pause_leave_the_style_in_place() {
+fn teleports_and_long_pauses_keep_the_style() {
     let Some(stage) = Setup::open() else { return };
     let mut hair = stage.hair();
     stage.advance(&mut hair, Pose::IDENTITY, 0.0);

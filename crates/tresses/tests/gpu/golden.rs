@@ -1,5 +1,5 @@
-//! A small picture of hair on a ball, compared with the one that was judged good.
-//! `TRESSES_WRITE_GOLDEN=1` writes it anew: look at it before committing it.
+//! Small images of hair on a ball, compared with golden images. `TRESSES_WRITE_GOLDEN=1` writes new golden images: look
+//! at them before you commit them.
 
 use crate::common;
 
@@ -18,10 +18,11 @@ use tresses::{
 pub const SIZE: [u32; 2] = [120, 96];
 const VERTICES: u32 = 12;
 
-/// How many strands there are on the ball.
+/// Number of strands on the ball.
 pub const COUNT: u32 = 3000;
 
-/// Wavy strands that leave the upper half of a ball of 8 cm and fall: those of [`COUNT`] with these numbers.
+/// Creates wavy strands that leave the upper half of a ball of radius 8 cm and fall. `numbers` selects some of the
+/// [`COUNT`] strands.
 pub fn strands(context: &Context, numbers: impl IntoIterator<Item = u32>) -> StrandBuffers {
     let count = COUNT as i32;
     let mut vertices = Vec::new();
@@ -87,7 +88,7 @@ pub fn picture(context: &Context, hair_material: HairMaterial) -> Vec<u8> {
     common::picture(context, &view, &scene(), &[&hair], &[&body])
 }
 
-/// From before the ball.
+/// Returns the scene, with a camera in front of the ball.
 pub fn scene() -> Picture {
     Picture {
         camera: Camera::look_at(Vec3::new(0.2, 0.12, 0.5), Vec3::new(0.0, -0.01, 0.0), 0.38, SIZE),
@@ -96,7 +97,7 @@ pub fn scene() -> Picture {
     }
 }
 
-/// Mean and 99th percentile of the differences of all channels, in steps of 1/255.
+/// Returns the mean and the 99th percentile of the differences of all channels, in steps of 1/255.
 pub fn difference(a: &[u8], b: &[u8]) -> (f64, u8) {
     assert_eq!(a.len(), b.len());
     let mut steps: Vec<u8> = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).collect();
@@ -111,10 +112,10 @@ fn agree(a: &[u8], b: &[u8]) -> bool {
 }
 
 #[test]
-fn hair_on_a_ball_looks_as_it_did() {
+fn hair_on_a_ball_matches_the_golden_images() {
     let Some(context) = common::context() else { return };
     if !context.tier().software {
-        // Others place samples and round differently; this is about changes of our own.
+        // Other drivers place samples and round differently. This test detects changes of the library.
         return println!("skipped: the picture was made by the software driver");
     }
     let brown = HairMaterial { model: ShadingModel::KajiyaKay, ..HairMaterial::brown() };
@@ -131,7 +132,7 @@ fn hair_on_a_ball_looks_as_it_did() {
     compare(context, "ball-fiber.png", brown, &[lighter, fiber(smooth), alone]);
 }
 
-/// Holds `material` against the picture `name`, and makes sure that the others do not look like it.
+/// Compares `material` with the image `name`, and checks that the other materials look different.
 fn compare(context: &Context, name: &str, material: HairMaterial, others: &[HairMaterial]) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
     let now = picture(context, material);
@@ -147,10 +148,10 @@ fn compare(context: &Context, name: &str, material: HairMaterial, others: &[Hair
     reader.next_frame(&mut golden).expect("a PNG");
     assert!(agree(&now, &golden), "{name} has changed");
 
-    // The comparison sees a slightly different hair colour, and what is missing.
+    // Slightly different hair colors and missing terms are detected.
     for other in others {
         assert!(!agree(&picture(context, *other), &golden), "{other:?}");
     }
-    // The same bits twice.
+    // Rendering is deterministic.
     assert_eq!(difference(&now, &picture(context, material)), (0.0, 0));
 }

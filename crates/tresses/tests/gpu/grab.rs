@@ -1,4 +1,4 @@
-//! A hand in the hair: what it holds follows, what it does not hold stays, nothing tears or jumps.
+//! Grabbing hair: held hair follows, other hair stays, nothing stretches or jumps.
 
 use crate::common;
 
@@ -15,7 +15,7 @@ use tresses::{
 };
 
 const HEAD: f32 = 0.09;
-/// Hair hangs this far before the head, about as deep as its lower edge.
+/// A ray from the front to the hair that hangs in front of the head.
 const FRONT: Ray = Ray { origin: Vec3::new(0.02, -0.03, 1.0), direction: Vec3::NEG_Z };
 const RADIUS: f32 = 0.015;
 
@@ -27,15 +27,15 @@ struct Setup {
 }
 
 impl Setup {
-    /// One device for all tests: a software driver takes long to build pipelines.
+    /// One device for all tests. A software driver takes long to build pipelines.
     fn open() -> Option<&'static Self> {
-        static SETUP: std::sync::OnceLock<Option<Setup>> = std::sync::OnceLock::new();
-        SETUP.get_or_init(Self::new).as_ref()
+        static SETUP: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
+        SETUP.get(Self::new)
     }
 
     fn new() -> Option<Self> {
         let context = common::context()?;
-        // Hair that touches other hair passes the pull on: here it is told apart.
+        // No self-collision, because hair that touches the held hair would be pulled along.
         let mut physics = SimulationParams::default();
         physics.hair_hair.mode = HairHairMode::Off;
         Some(Self {
@@ -50,7 +50,7 @@ impl Setup {
         })
     }
 
-    /// Hair that has settled for half a second.
+    /// Creates hair that has settled for half a second.
     fn hair(&self) -> Hair {
         let context = self.context;
         let options = HairOptions { simulation: self.physics, ..Default::default() };
@@ -83,7 +83,7 @@ impl Setup {
         }
     }
 
-    /// Positions of the guides' vertices, vertex by vertex.
+    /// Returns the positions of the guides in vertex-major order.
     fn guides(&self, hair: &Hair) -> Vec<Vec3> {
         let list: Vec<[f32; 4]> =
             pollster::block_on(readback::buffer(self.context, &hair.guides.current)).unwrap();
@@ -95,7 +95,7 @@ impl Setup {
         pollster::block_on(readback::buffer(self.context, buffer)).unwrap()[0]
     }
 
-    /// Grabs, and lets a frame pass, so that it is known what was hit.
+    /// Grabs along `ray` and advances one frame, so that the hit is known. Also returns the guides before the grab.
     fn grabbed(&self, ray: &Ray) -> (Hair, Vec<Vec3>, GrabState) {
         let mut hair = self.hair();
         let before = self.guides(&hair);
@@ -105,7 +105,7 @@ impl Setup {
         (hair, before, state)
     }
 
-    /// Drags what is held along `way` in half a second, and waits as long.
+    /// Drags the held hair by `way` within half a second, then waits for as long.
     fn drag(&self, hair: &mut Hair, from: Vec3, way: Vec3) {
         for i in 1..=30 {
             hair.drag_to(&Target::Point(from + way * (i as f32 / 30.0))).unwrap();
@@ -114,7 +114,7 @@ impl Setup {
         self.still(hair, 30);
     }
 
-    /// The largest strain of any edge.
+    /// Returns the largest strain of any edge.
     fn strain(&self, guides: &[Vec3]) -> f32 {
         let (count, n) = (self.groom.guides.len(), self.groom.guides.vertex_count as usize);
         let mut worst = 0.0f32;
@@ -128,7 +128,7 @@ impl Setup {
         worst
     }
 
-    /// By how much the deepest vertex is in the head, metres, or deeper than it rests there.
+    /// Returns the largest depth of a vertex in the head, or below its rest position in the head, meters.
     fn depth(&self, guides: &[Vec3]) -> f32 {
         let rest = common::vertex_major(&self.groom);
         let rest = rest.iter().map(|p| Vec3::new(p[0], p[1], p[2]).length().min(HEAD));
@@ -136,13 +136,13 @@ impl Setup {
     }
 }
 
-/// The largest distance of two lists.
+/// Returns the largest distance between corresponding points.
 fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
     a.iter().zip(b).fold(0.0, |most, (a, b)| most.max(a.distance(*b)))
 }
 
 #[test]
-fn what_is_held_follows_and_the_rest_stays() {
+fn grabbed_hair_follows_and_the_rest_stays() {
     let Some(stage) = Setup::open() else { return };
     let (mut hair, before, state) = stage.grabbed(&FRONT);
     assert_eq!(state.held, 1);
@@ -153,7 +153,7 @@ fn what_is_held_follows_and_the_rest_stays() {
     stage.drag(&mut hair, state.hit, way);
     let after = stage.guides(&hair);
     let count = stage.groom.guides.len();
-    // Guides are farther apart than the radius: then the nearest is held.
+    // Guides are farther apart than the radius, so the nearest one is held.
     let moving = || 2 * count..before.len();
     let least = moving().fold(f32::MAX, |least, i| least.min(before[i].distance(state.hit)));
     let firm = 0.59 * RADIUS.max(2.0 * least);
@@ -162,7 +162,7 @@ fn what_is_held_follows_and_the_rest_stays() {
     let worst = held.iter().fold(0.0f32, |worst, i| worst.max(after[*i].distance(before[*i] + way)));
     println!("{} held, off by {:.2} mm at most", held.len(), 1e3 * worst);
     assert!(worst < 2e-3, "{worst}");
-    // Guides without a vertex near the hand.
+    // Guides without a vertex near the grab do not move.
     let mut control = stage.hair();
     stage.still(&mut control, 61);
     let control = stage.guides(&control);
@@ -178,7 +178,7 @@ fn what_is_held_follows_and_the_rest_stays() {
 }
 
 #[test]
-fn it_pulls_among_wind_and_other_hair() {
+fn grab_pulls_in_wind_and_among_other_hair() {
     let Some(stage) = Setup::open() else { return };
     let mut hair = stage.hair();
     let before = stage.guides(&hair);
@@ -204,7 +204,7 @@ fn it_pulls_among_wind_and_other_hair() {
         .unwrap();
     let off = after[nearest].distance(before[nearest] + way);
     println!("in a wind of 5 m/s the nearest is off by {:.2} mm", 1e3 * off);
-    // Nothing else brings it there.
+    // No other force brings it there.
     assert!(off < 3e-3 && off < 0.1 * way.length(), "{off}");
     let mut control = stage.hair();
     frames(&mut control, 61);
@@ -212,10 +212,10 @@ fn it_pulls_among_wind_and_other_hair() {
 }
 
 #[test]
-fn what_is_pulled_too_far_is_taut_and_falls_when_let_go() {
+fn grab_stops_at_full_length_and_releases() {
     let Some(stage) = Setup::open() else { return };
     let (mut hair, _, state) = stage.grabbed(&FRONT);
-    // Out of reach, and then through the head.
+    // First out of reach, then through the head.
     for way in [Vec3::new(0.1, 0.1, 0.5), Vec3::new(0.0, 0.1, -0.4)] {
         stage.drag(&mut hair, state.hit, way);
         let now = stage.guides(&hair);
@@ -240,19 +240,19 @@ fn what_is_pulled_too_far_is_taut_and_falls_when_let_go() {
         last = now;
     }
     println!("{first:.2} m/s after a step, at most {fastest:.2} m/s");
-    // Gravity alone makes 0.16 m/s in a step and 3.6 m/s on a fall as long as the hair's way.
+    // Gravity alone gives 0.16 m/s in a step, and 3.6 m/s over the distance that the hair falls.
     assert!(first < 1.0 && fastest < 4.0, "{first} {fastest}");
 }
 
 #[test]
-fn a_ray_that_meets_nothing_changes_nothing() {
+fn grab_without_a_hit_changes_nothing() {
     let Some(stage) = Setup::open() else { return };
     let mut control = stage.hair();
     stage.still(&mut control, 10);
     let control = stage.guides(&control);
     let beside = Ray { origin: Vec3::new(0.5, 0.0, 1.0), direction: Vec3::NEG_Z };
     let away = Ray { direction: Vec3::Z, ..FRONT };
-    // Up through the head, to the hair on its top.
+    // From below, through the head, towards the hair on its top.
     let hidden = Ray { origin: Vec3::NEG_Y, direction: Vec3::Y };
     for ray in [beside, away, hidden] {
         let (mut hair, _, state) = stage.grabbed(&ray);
@@ -261,7 +261,7 @@ fn a_ray_that_meets_nothing_changes_nothing() {
         stage.still(&mut hair, 9);
         assert!(stage.guides(&hair) == control, "{ray:?}");
     }
-    // From above it is not hidden.
+    // From above, that hair is not hidden.
     let (_, _, state) = stage.grabbed(&Ray { origin: Vec3::new(0.01, 1.0, 0.01), direction: Vec3::NEG_Y });
     assert!(state.held == 1 && state.hit.y > HEAD - 5e-3, "{state:?}");
     let mut hair = stage.hair();
@@ -271,9 +271,9 @@ fn a_ray_that_meets_nothing_changes_nothing() {
 }
 
 #[test]
-fn the_same_bits_twice_and_the_same_motion_at_any_frame_rate() {
+fn grab_is_deterministic_at_any_frame_rate() {
     let Some(stage) = Setup::open() else { return };
-    // The hand moves at a constant speed; frames end with steps.
+    // The hand moves at a constant speed, and frames end with a step.
     let pulled = |fps: f32, speed: f32| {
         let mut hair = stage.hair();
         hair.grab(&FRONT, RADIUS).unwrap();
@@ -295,7 +295,7 @@ fn the_same_bits_twice_and_the_same_motion_at_any_frame_rate() {
 }
 
 #[test]
-fn jumps_and_resets_let_go() {
+fn jumps_and_resets_release_the_grab() {
     let Some(stage) = Setup::open() else { return };
     for jumps in [true, false] {
         let (mut hair, _, state) = stage.grabbed(&FRONT);
@@ -313,7 +313,7 @@ fn jumps_and_resets_let_go() {
 }
 
 #[test]
-fn a_ball_comes_pushes_hair_and_goes() {
+fn added_ball_pushes_hair_until_it_is_removed() {
     let Some(stage) = Setup::open() else { return };
     let context = stage.context;
     let device = context.device();
@@ -338,7 +338,7 @@ fn a_ball_comes_pushes_hair_and_goes() {
     stage.still(&mut hair, 120);
     let left = apart(&stage.guides(&hair), &free);
     assert!(left < 0.5 * pushed, "hair comes back: {left} of {pushed}");
-    // Poses must fit the list.
+    // The number of poses must be the number of colliders.
     let poses = ColliderPoses { head: None, colliders: vec![Pose::IDENTITY] };
     let frame = HairFrame {
         dt: 0.0,

@@ -8,7 +8,7 @@ use tresses::{
     Camera, Context, Hair, HairOptions, Pose, View,
     body::Body,
     draw::Coverage,
-    frame::Sight,
+    frame::ViewPass,
     glam::{Quat, Vec3},
     gpu::readback::blocking as readback,
     groom::{BindOptions, bind},
@@ -19,7 +19,7 @@ use tresses::{
     view::{Picture, ViewOptions},
 };
 
-/// How strands cover pixels, with how many samples.
+/// Coverage modes with sample counts.
 const MODES: [(u32, Coverage); 7] = [
     (4, Coverage::SampleMask),
     (1, Coverage::SampleMask),
@@ -35,10 +35,10 @@ fn view(context: &Context, (samples, coverage): (u32, Coverage), size: [u32; 2])
     View::new(context, &options, size, 1).expect("fits")
 }
 
-/// The groom of the golden picture split at random is the picture of the whole: what lies before what, who shades
-/// whom and how thick hair is do not know of grooms. Strands are numbered through, groom after groom.
+/// Splitting the groom of the golden image in two at random does not change the image: occlusion, shadows and thickness
+/// do not depend on which groom a strand belongs to. Strands are numbered consecutively over both grooms.
 #[test]
-fn a_groom_in_two_parts_is_the_whole() {
+fn splitting_a_groom_does_not_change_the_image() {
     let Some(context) = common::context() else { return };
     let set = |numbers: &[u32]| {
         HairSet::new(context, &golden::strands(context, numbers.iter().copied())).expect("fits")
@@ -55,11 +55,11 @@ fn a_groom_in_two_parts_is_the_whole() {
         println!("{mode:?}: mean {mean:.4} of 255, 99th percentile {high}");
         assert!(mean < 0.01 && high == 0, "{mode:?}: {mean} {high}");
         if matches!(mode.1, Coverage::DepthPeeling { .. } | Coverage::Tiles) {
-            // Their order means nothing. Masks round each strand by its number, which is another one then.
+            // The order of the grooms has no effect. Masks are left out, because they round by the number of a strand.
             let (mean, high) = difference(&exact, &picture(&[&other, &one]));
             assert!(mean < 0.01 && high == 0, "{mode:?}, the other way round: {mean} {high}");
         }
-        // A part alone is seen, and so is a part that does not shade the other.
+        // A missing part is detected, and each part shadows the other.
         let (mean, _) = difference(&exact, &picture(&[&other]));
         assert!(mean > 1.0, "{mode:?}: {mean}");
         let shaded =
@@ -70,7 +70,7 @@ fn a_groom_in_two_parts_is_the_whole() {
     }
 }
 
-/// A hanging groom, at rest.
+/// Creates a hanging groom.
 fn hair(context: &Context) -> Hair {
     let groom = bind(&common::hanging(300, 16, 0.15), &BindOptions::default()).unwrap();
     let field = common::ball(0.085, 32);
@@ -89,7 +89,7 @@ fn eye(azimuth: f32) -> Picture {
 }
 
 #[test]
-fn two_views_in_one_submission_are_those_of_two() {
+fn views_in_one_submission_match_separate_submissions() {
     let Some(context) = common::context() else { return };
     let mut hair = hair(context);
     submit(|recorder| recorder.advance(&mut hair, &frame(Pose::IDENTITY, 0.0)));
@@ -99,11 +99,11 @@ fn two_views_in_one_submission_are_those_of_two() {
     let views = || modes.map(|mode| view(context, mode, [96, 80]));
     let apart = views();
     for (view, picture) in apart.iter().zip(&pictures) {
-        submit(|recorder| recorder.draw(&[&hair], &[], Sight::new(view, picture)));
+        submit(|recorder| recorder.draw(&[&hair], &[], ViewPass::new(view, picture)));
     }
     let together = views();
     submit(|recorder| {
-        let sights = together.iter().zip(&pictures).map(|(view, picture)| Sight::new(view, picture));
+        let sights = together.iter().zip(&pictures).map(|(view, picture)| ViewPass::new(view, picture));
         recorder.record(&mut [(&mut hair, frame(Pose::IDENTITY, 0.0))], &[], sights.collect())
     });
     for (apart, together) in apart.iter().zip(&together) {
@@ -113,7 +113,7 @@ fn two_views_in_one_submission_are_those_of_two() {
 }
 
 #[test]
-fn one_groom_at_two_places_has_two_poses() {
+fn grooms_in_one_submission_match_separate_submissions() {
     let Some(context) = common::context() else { return };
     let place =
         |side: f32, turn: f32| Pose { rotation: Quat::from_rotation_y(turn), translation: Vec3::X * side };
@@ -139,14 +139,14 @@ fn one_groom_at_two_places_has_two_poses() {
         submit(|recorder| {
             let [left, right] = &mut together;
             let [a, b] = poses(i).map(|pose| frame(pose, dt));
-            recorder.record(&mut [(left, a), (right, b)], &[], vec![Sight::new(&both, &scene)])
+            recorder.record(&mut [(left, a), (right, b)], &[], vec![ViewPass::new(&both, &scene)])
         });
     }
     for (apart, together) in apart.iter().zip(&together) {
         assert!(vertices(apart) == vertices(together), "what is recorded beside it does not matter");
     }
     assert!(vertices(&apart[0]) != vertices(&apart[1]));
-    // Each is where it is, in its own colour.
+    // Each groom is at its place and has its own color.
     let seen = pollster::block_on(both.targets().read()).unwrap();
     let half = |left: bool| -> f64 {
         let pixels = seen.as_chunks::<4>().0.iter().enumerate();
@@ -154,7 +154,7 @@ fn one_groom_at_two_places_has_two_poses() {
         own.map(|(_, [r, ..])| f64::from(*r)).sum()
     };
     assert!(half(false) > 1.2 * half(true), "blond hair is lighter: {} {}", half(true), half(false));
-    let sight = || Sight::new(&both, &scene);
+    let sight = || ViewPass::new(&both, &scene);
     submit(|recorder| recorder.draw(&[&together[0]], &[], sight()));
     let one = pollster::block_on(both.targets().read()).unwrap();
     assert!(difference(&seen, &one).0 > 1.0);

@@ -1,4 +1,4 @@
-//! Guides to drawn strands on the GPU: rest reproduced, rigid motion exact, lengths kept.
+//! Drawn strands from guides on the GPU: the rest shape is reproduced, rigid motion is exact, lengths are kept.
 
 use crate::common;
 
@@ -16,7 +16,7 @@ use tresses::{
     wgpu,
 };
 
-/// The drawn vertices when the guides are at `previous` and `current` (world, guide-major).
+/// Returns the drawn vertices for guides at `previous` and `current` (world space, guide-major).
 fn draw(
     context: &Context,
     groom: &Groom,
@@ -28,7 +28,7 @@ fn draw(
     draw_twisted(context, groom, previous, current, (blend, [0.0; 2]), now)
 }
 
-/// The same where guides are twisted, from end to end by so much after the last step and before it.
+/// Does the same for twisted guides. `twist` is the angle from end to end after the last step and before it, radians.
 fn draw_twisted(
     context: &Context,
     groom: &Groom,
@@ -60,7 +60,7 @@ fn draw_twisted(
     });
     write(&guides.current, bytemuck::cast_slice(&state.collect::<Vec<_>>()));
     if twist != [0.0; 2] {
-        // A share for each bend between two edges.
+        // An equal share for each bend between two edges.
         let bends = n - 2;
         let twists = vec![twist.map(|whole| whole / bends as f32); bends * count];
         context.queue().write_buffer(
@@ -97,14 +97,14 @@ fn draw_twisted(
     readback::buffer(context, &strands.vertices).unwrap()
 }
 
-/// The largest distance between drawn vertices and rest positions moved by `pose`.
+/// Returns the largest distance between drawn vertices and rest positions moved by `pose`.
 fn error(groom: &Groom, drawn: &[StrandVertex], pose: Pose) -> f32 {
     let rest = (0..groom.strands.len()).flat_map(|i| groom.strands.rest_positions(i));
     drawn.iter().zip(rest).map(|(v, p)| v.position.distance(pose.point(p))).fold(0.0, f32::max)
 }
 
 #[test]
-fn strands_at_rest_come_back_within_a_tenth_of_a_millimetre() {
+fn rest_shape_is_reproduced_within_a_tenth_of_a_millimeter() {
     let Some(context) = common::context() else { return };
     for guides in [GuideCount::OneIn(16), GuideCount::All] {
         let groom =
@@ -113,7 +113,7 @@ fn strands_at_rest_come_back_within_a_tenth_of_a_millimetre() {
         let drawn = draw(context, &groom, &rest, &rest, 0.3, Pose::IDENTITY);
         let off = error(&groom, &drawn, Pose::IDENTITY);
         assert!(off < 1e-4, "{off}");
-        // The comparer notices a guide that is not at rest.
+        // A guide that is not at rest is detected.
         let mut bent = rest.clone();
         bent[40] += Vec3::X * 0.01;
         assert!(
@@ -123,7 +123,7 @@ fn strands_at_rest_come_back_within_a_tenth_of_a_millimetre() {
 }
 
 #[test]
-fn a_rigid_motion_of_the_guides_is_a_rigid_motion_of_the_strands() {
+fn rigid_motion_of_guides_moves_strands_rigidly() {
     let Some(context) = common::context() else { return };
     for guides in [GuideCount::OneIn(16), GuideCount::All] {
         let options = BindOptions { guides, ..Default::default() };
@@ -142,7 +142,7 @@ fn a_rigid_motion_of_the_guides_is_a_rigid_motion_of_the_strands() {
 fn strands_turn_with_the_twist_of_their_guides() {
     let Some(context) = common::context() else { return };
     let options = BindOptions { guides: GuideCount::OneIn(16), ..Default::default() };
-    // Strands that hang straight down from a disc.
+    // Strands that hang straight down from a disk.
     let mut strands = Strands::default();
     for i in 0..400 {
         let (far, angle) = (0.02 * (i as f32 / 400.0).sqrt(), i as f32 * 2.399_963);
@@ -151,7 +151,7 @@ fn strands_turn_with_the_twist_of_their_guides() {
     }
     let groom = bind(&strands, &options).unwrap();
     let rest = groom.guides.positions.clone();
-    // Half way between no twist and an eighth of a turn: 22.5° about each guide.
+    // Halfway between no twist and an eighth of a turn: 22.5° about each guide.
     let eighth = std::f32::consts::FRAC_PI_4;
     let twisted = draw_twisted(context, &groom, &rest, &rest, (0.5, [eighth, 0.0]), Pose::IDENTITY);
     let straight = draw(context, &groom, &rest, &rest, 0.5, Pose::IDENTITY);
@@ -165,7 +165,7 @@ fn strands_turn_with_the_twist_of_their_guides() {
                 let guide = groom.guides.guide(binding.guides[k] as usize);
                 let (edges, along) = ((guide.len() - 1) as f32, binding.scale[k].min(1.0));
                 let there = guide[0].lerp(guide[guide.len() - 1], along);
-                // The middle of the first edge has not turned, that of the last one has the whole.
+                // The middle of the first edge has no twist, and the middle of the last edge has all of it.
                 let turn = whole * ((along * edges - 0.5) / (edges - 1.0)).clamp(0.0, 1.0);
                 weights[k] * (there + Quat::from_axis_angle(Vec3::NEG_Y, turn) * (tip - there))
             };
@@ -182,7 +182,7 @@ fn strands_turn_with_the_twist_of_their_guides() {
         "off by {found:.3} of their way; {without:.3} without twist, {other:.3} if it turned the other way"
     );
     assert!(found < 0.05 && without > 0.9 && other > 1.0);
-    // A strand that is its own straight guide has nothing that could turn.
+    // Twist does not move a strand that is its own straight guide.
     let own = bind(&strands, &BindOptions { guides: GuideCount::All, ..Default::default() }).unwrap();
     let rest = own.guides.positions.clone();
     let drawn = draw_twisted(context, &own, &rest, &rest, (1.0, [eighth; 2]), Pose::IDENTITY);
@@ -190,11 +190,11 @@ fn strands_turn_with_the_twist_of_their_guides() {
 }
 
 #[test]
-fn strands_that_follow_guides_of_their_own_are_where_samples_would_have_them() {
+fn strands_that_are_their_own_guides_match_samples() {
     let Some(context) = common::context() else { return };
     let options = BindOptions { guides: GuideCount::All, ..Default::default() };
     let own = bind(&common::hanging(100, 16, 0.2), &options).unwrap();
-    // With a guide that nobody follows there are samples.
+    // A guide without followers makes the groom use samples.
     let mut sampled = own.clone();
     let last = own.guides.guide(99).to_vec();
     sampled.guides.positions.extend(last);
@@ -227,7 +227,7 @@ fn lengths_are_kept_and_tangents_follow_when_guides_bend_apart() {
     let Some(context) = common::context() else { return };
     let groom = bind(&common::hanging(400, 16, 0.25), &BindOptions::default()).unwrap();
     let n = groom.guides.vertex_count as usize;
-    // Every guide swings by its own angle about its root.
+    // Every guide swings about its root by its own angle.
     let swung: Vec<_> = (0..groom.guides.len())
         .flat_map(|g| {
             let turn =

@@ -1,4 +1,5 @@
-//! Where hair is in a whole picture, which strand each pixel shows, and the same picture in another output.
+//! Geometry and labels of an image (where hair is, and which strand each pixel shows), and the same image in another
+//! output.
 
 use crate::common;
 
@@ -7,7 +8,7 @@ use tresses::{
     Camera, Context, Error, Hair, Result, View,
     camera::ToneMap,
     draw::Coverage,
-    frame::Sight,
+    frame::ViewPass,
     glam::{Vec2, Vec3},
     gpu::readback::blocking as readback,
     light::{Lights, Sphere},
@@ -39,12 +40,12 @@ impl<'a> Setup<'a> {
         Self { view: View::new(context, &options, SIZE, 1).unwrap(), context, hair, scene }
     }
 
-    /// The picture, asked for more or not.
+    /// Renders the image, with geometry and labels if `asks`.
     fn drawn(&self, asks: bool) -> Result<Vec<u8>> {
         let context = self.context;
         let (device, queue) = (context.device(), context.queue());
         let mut encoder = device.create_command_encoder(&Default::default());
-        let sight = Sight { asks, ..Sight::new(&self.view, &self.scene) };
+        let sight = ViewPass { asks, ..ViewPass::new(&self.view, &self.scene) };
         context.recorder(&mut encoder).draw(&[&self.hair], &[], sight)?;
         queue.submit([encoder.finish()]);
         pollster::block_on(self.view.targets().read())
@@ -52,7 +53,7 @@ impl<'a> Setup<'a> {
 }
 
 #[test]
-fn labels_are_of_the_strand_that_is_there() {
+fn labels_name_the_visible_strand() {
     let Some(context) = common::context() else { return };
     for samples in [1, 4] {
         let stage = Setup::new(context, samples, Coverage::Tiles);
@@ -93,9 +94,9 @@ fn labels_are_of_the_strand_that_is_there() {
             let pixel = Vec2::new((i as u32 % SIZE[0]) as f32, (i as u32 / SIZE[0]) as f32) + 0.5;
             let (at, z) = place(label.strand, label.vertex, label.along);
             assert!((at - pixel).abs().max_element() < 1.0, "{label:?} is at {at}, not {pixel}");
-            // What most of the pixel is of is about as deep as its mean.
+            // A strand that covers most of a pixel is about as deep as the mean of the pixel.
             assert!(label.share < 0.6 || (z / depth - 1.0).abs() < 0.1, "{z} {depth}");
-            // Another strand is elsewhere.
+            // The next strand is elsewhere, which shows that labels matter.
             let (other, _) = place((label.strand + 1) % 300, label.vertex, label.along);
             wrong += usize::from((other - pixel).abs().max_element() > 1.0);
             count += 1;
@@ -107,7 +108,7 @@ fn labels_are_of_the_strand_that_is_there() {
 }
 
 #[test]
-fn a_picture_is_the_same_in_another_output() {
+fn image_is_the_same_in_another_output() {
     let Some(context) = common::context() else { return };
     let (device, queue) = (context.device(), context.queue());
     for (samples, coverage) in [(1, Coverage::Tiles), (4, Coverage::Tiles), (4, Coverage::SampleMask)] {
@@ -137,7 +138,7 @@ fn a_picture_is_the_same_in_another_output() {
             let pairs = other.as_flattened().iter().zip(&plain);
             pairs.map(|(a, b)| (255.0 * a - f32::from(*b)).abs()).fold(0.0, f32::max)
         };
-        // Half a step of rounding, half a step of dither, and the coarseness of half floats.
+        // Half a step of rounding, half a step of dither, and the precision of half floats.
         let same = off(&into(&stage.scene.tone));
         assert!(same < 1.2, "{coverage:?}: {same} of 255");
         let brighter = ToneMap { exposure: 1.2 * stage.scene.tone.exposure, ..stage.scene.tone };

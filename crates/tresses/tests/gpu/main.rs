@@ -1,7 +1,7 @@
-//! What crosses stages, on a GPU: one device and its pipelines serve all tests of this binary.
+//! Tests across stages, on a GPU. One device and its pipelines serve all tests of this binary.
 //!
-//! `cargo test -p tresses --test context shadows` runs those of one file. Tests that are ignored are proof: they
-//! take minutes, print the tables of `docs/`, and `make proof` runs them.
+//! `cargo test -p tresses --test gpu shadows` runs the tests of one file. Ignored tests take minutes and print the
+//! tables of `docs/`; `make proof` runs them.
 
 mod ambient;
 mod avoid;

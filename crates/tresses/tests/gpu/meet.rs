@@ -1,4 +1,4 @@
-//! Hair of two characters that touch.
+//! Collisions between the hair of two characters.
 
 use crate::common::{self, submit};
 use tresses::{
@@ -12,15 +12,15 @@ use tresses::{
     strands::StrandVertex,
 };
 
-/// How far the heads are from each other in the end, metres.
+/// Final distance between the heads, meters.
 const BESIDE: f32 = 0.05;
-/// Half the width of the hair of each.
+/// Half the width of the hair of each head, meters.
 const HALF: f32 = 0.04;
-/// Frames of the way there, and all.
+/// Number of frames of the approach, and of the whole run.
 const COMES: u32 = 60;
 const FRAMES: u32 = 90;
 
-/// Hair that hangs from a level square.
+/// Returns hair that hangs from a horizontal square.
 fn block() -> Strands {
     let mut strands = Strands::default();
     for i in 0..20 * 20 {
@@ -48,8 +48,8 @@ impl Pair {
         Some(Self { context, hair: [first, second] })
     }
 
-    /// Two heads that come to `apart` metres from each other, as `spaces` have them, while `meet` is asked to let them
-    /// meet: where the hair of both is in the end, in the space that the first is given in.
+    /// Moves two heads to `apart` meters from each other, with poses in `spaces`. `meet` is called before each frame to
+    /// set which hair collides. Returns the final vertices of both grooms, in the first space.
     fn come(&mut self, apart: f32, spaces: [Space; 2], meet: impl Fn(&mut [Hair; 2])) -> [Vec<Vec3>; 2] {
         let physics = SimulationParams::default();
         self.hair.iter_mut().for_each(Hair::reset);
@@ -85,7 +85,7 @@ fn both([first, second]: &mut [Hair; 2]) {
 
 fn alone(_: &mut [Hair; 2]) {}
 
-/// Where the lower half of the hair of each is on average, metres from the middle.
+/// Returns the mean position along x of the lower half of each groom, meters from the middle.
 fn tips(hair: &[Vec<Vec3>; 2]) -> [f32; 2] {
     hair.each_ref().map(|all| {
         let low: Vec<_> = all.iter().filter(|p| p.y < -0.1).map(|p| p.x).collect();
@@ -99,7 +99,7 @@ fn farthest(a: &[Vec<Vec3>; 2], b: &[Vec<Vec3>; 2]) -> f32 {
 }
 
 #[test]
-fn hair_of_two_heads_gives_way() {
+fn hair_of_two_heads_collides() {
     let Some(mut pair) = Pair::new() else { return };
     let here = [Space::WORLD; 2];
     let through = pair.come(BESIDE, here, alone);
@@ -108,16 +108,16 @@ fn hair_of_two_heads_gives_way() {
     println!("tips at {was:?} m where they pass through each other, {is:?} where they meet");
     let way = [was[0] - is[0], is[1] - was[1]];
     assert!(way[0] > 1.5e-3 && way[1] > 1.5e-3, "{way:?}");
-    // Neither is the stronger one.
+    // Both give way equally.
     assert!((way[0] / way[1] - 1.0).abs() < 0.1, "{way:?}");
 
-    // One that knows nothing of the other does not give way.
+    // Hair that does not know of the other hair does not give way.
     let one = pair.come(BESIDE, here, |[first, second]| {
         second.meet(&[first]);
     });
     assert!(one[0] == through[0] && tips(&one)[1] > was[1] + 1.5e-3, "{one:?}");
 
-    // Where one of them is given in a space with other axes the same happens.
+    // If one head is in a space with other axes, the result is the same.
     let turned =
         Space { at: DVec3::new(0.5, 0.0, 0.25), rotation: DQuat::from_rotation_y(1.0), ..Space::WORLD };
     let there = pair.come(BESIDE, [Space::WORLD, turned], both);
@@ -127,7 +127,7 @@ fn hair_of_two_heads_gives_way() {
 }
 
 #[test]
-fn far_heads_do_not_meet() {
+fn hair_of_distant_heads_does_not_collide() {
     let Some(mut pair) = Pair::new() else { return };
     let here = [Space::WORLD; 2];
     assert!(pair.come(1.2, here, both) == pair.come(1.2, here, alone));

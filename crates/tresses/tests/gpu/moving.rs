@@ -1,4 +1,4 @@
-//! Hair on a head that moves, and its vertices with and without avoidance.
+//! Hair on a moving head, and its vertices with and without strand collision.
 #![allow(dead_code)]
 
 use crate::common;
@@ -13,7 +13,7 @@ use tresses::{
     strands::StrandVertex,
 };
 
-/// Times in seconds and yaw in degrees, as the command's motions have them.
+/// Times in seconds and yaw in degrees, as in the command's motions.
 pub type Keys = &'static [(f32, f32)];
 /// To one side, to the other, and back.
 pub const TURN: Keys =
@@ -22,7 +22,7 @@ pub const TURN: Keys =
 pub const SHAKE: Keys =
     &[(0.0, 0.0), (0.20, 30.0), (0.50, -30.0), (0.80, 30.0), (1.10, -30.0), (1.30, 0.0), (2.0, 0.0)];
 
-/// The angle at time `t`, radians.
+/// Returns the yaw at time `t`, radians.
 pub fn angle(keys: Keys, t: f32) -> f32 {
     let k = keys.partition_point(|key| key.0 <= t).clamp(1, keys.len() - 1);
     let (a, b) = (keys[k - 1], keys[k]);
@@ -30,11 +30,11 @@ pub fn angle(keys: Keys, t: f32) -> f32 {
     (a.1 + (b.1 - a.1) * s * s * s * (10.0 + s * (6.0 * s - 15.0))).to_radians()
 }
 
-/// A groom, its head, and what draws them.
+/// A groom and its head.
 pub struct Character {
     pub groom: Groom,
     pub field: SdfGrid,
-    /// What the head turns about.
+    /// Joint about which the head turns.
     pub neck: Vec3,
 }
 
@@ -44,12 +44,12 @@ impl Character {
         Hair::new(context, &self.groom, &options, Some(&self.field)).unwrap()
     }
 
-    /// The head turned by `angle` radians.
+    /// Returns the pose of the head turned by `angle` radians.
     pub fn head(&self, angle: f32) -> Pose {
         Pose::about(self.neck, Quat::from_rotation_y(angle))
     }
 
-    /// Distances of all strand vertices from the head at rest, metres.
+    /// Returns the distances of all strand vertices from the head at rest, meters.
     pub fn rest_distances(&self) -> Vec<f32> {
         let strands = &self.groom.strands;
         let rest = (0..strands.len()).flat_map(|i| strands.rest_positions(i));
@@ -57,13 +57,13 @@ impl Character {
     }
 }
 
-/// Moves the hair on by `dt` seconds.
+/// Advances the hair by `dt` seconds.
 pub fn advance(context: &Context, hair: &mut Hair, head: Pose, dt: f32) {
     record(context, head, dt, |recorder, frame| recorder.advance(hair, frame).unwrap());
 }
 
-/// The strands of the present guides as `mode` has them. With [`AvoidMode::ChangeOver`] only what
-/// the last [`advance`] left; nothing that is remembered changes otherwise.
+/// Returns the strands of the current guides in `mode`. With [`AvoidMode::ChangeOver`], returns the result of the last
+/// [`advance`]. The state of strand collision does not change.
 pub fn drawn(context: &Context, hair: &mut Hair, head: Pose, mode: AvoidMode) -> Vec<StrandVertex> {
     if mode != AvoidMode::ChangeOver {
         let before = std::mem::replace(&mut hair.avoidance.options.mode, mode);

@@ -1,4 +1,4 @@
-//! Bodies painted with the pictures of their materials.
+//! Meshes with the textures of their materials.
 
 use crate::common;
 use tresses::{
@@ -18,10 +18,11 @@ use tresses::{
 };
 
 const SIZE: [u32; 2] = [64, 64];
-/// Flat, of middle roughness.
+/// A flat normal and medium roughness.
 const EVEN: [u8; 4] = [128, 128, 180, 255];
 
-/// A square that fills the picture, seen from +Z; its places go from the upper left corner of pictures to the lower right.
+/// Returns a square that fills the image, seen from +Z. Texture coordinates go from the upper left to the lower right
+/// corner.
 fn wall() -> TriMesh {
     let corner = |x: f32, y: f32| Vec3::new(x, y, 0.0);
     TriMesh {
@@ -40,7 +41,7 @@ fn paint(base: Texture, relief: [u8; 4], cutout: Option<f32>) -> Paint {
     }
 }
 
-/// The middles of the picture's quarters: upper left, upper right, lower left, lower right.
+/// Returns the colors at the centers of the image's quarters: upper left, upper right, lower left, lower right.
 fn quarters(context: &Context, body: &Body, light: Vec3) -> [[f32; 3]; 4] {
     let mut lights = Lights { directional: [Directional::OFF; MAX_LIGHTS], ..common::dark().lights };
     lights.directional[0] = Directional { direction: light.normalize(), irradiance: Vec3::splat(1.5) };
@@ -56,7 +57,7 @@ fn quarters(context: &Context, body: &Body, light: Vec3) -> [[f32; 3]; 4] {
 }
 
 #[test]
-fn pictures_lie_the_right_way_round() {
+fn textures_have_the_right_orientation_and_cutout() {
     let Some(context) = common::context() else { return };
     let [red, green, blue, none] =
         [[220, 20, 20, 255], [20, 220, 20, 255], [20, 20, 220, 255], [200, 200, 200, 40]];
@@ -69,7 +70,7 @@ fn pictures_lie_the_right_way_round() {
     let first = |i: usize, k: usize| (0..3).all(|other| other == k || seen[i][k] > 2.0 * seen[i][other]);
     assert!(first(0, 0) && first(1, 1) && first(2, 2));
     assert!(seen[3][0] > 100.0 && plain.iter().all(|rgb| (rgb[0] - plain[0][0]).abs() < 3.0));
-    // What is not there shows the background.
+    // Cut-out texels show the background.
     body.paint(&paint(base, EVEN, Some(0.5))).unwrap();
     let cut = quarters(context, &body, Vec3::Z);
     assert_eq!(cut[..3], seen[..3]);
@@ -77,7 +78,7 @@ fn pictures_lie_the_right_way_round() {
 }
 
 #[test]
-fn normals_and_roughness_are_seen() {
+fn normals_and_roughness_affect_shading() {
     let Some(context) = common::context() else { return };
     let mut body = Body::new(context, &wall());
     body.material.wrap = 0.0;
@@ -85,7 +86,7 @@ fn normals_and_roughness_are_seen() {
         body.paint(&paint(Texture::even([180, 180, 180, 255]), relief, None)).unwrap();
         quarters(context, &body, light)[0][1]
     };
-    // Half as far to the right, and up, as out.
+    // Normals that lean to the right, or up, by half as much as they point outwards.
     let [right, up] = [[185, 128, 180, 255], [128, 185, 180, 255]];
     for (relief, towards) in [(right, Vec3::X), (up, Vec3::Y)] {
         let there = bright(relief, Vec3::Z + towards);
@@ -93,12 +94,12 @@ fn normals_and_roughness_are_seen() {
         println!("{towards}: {away} {even} {there}");
         assert!(there > even + 10.0 && away < even - 10.0);
     }
-    // As rough as can be, lit from behind and at the edge: no light, and numbers all the same.
+    // Highest roughness, lit from behind and from the side: dark, and no NaN.
     for light in [Vec3::NEG_Z, Vec3::X, Vec3::new(1.0, 0.0, -1e-3)] {
         let dark = bright([128, 128, 255, 255], light);
         assert!(dark < 100.0, "{light}: {dark}");
     }
-    // A mirror throws light back where it comes from, where the eye is.
+    // A smooth surface reflects the light back to where it comes from, where the eye is.
     let [smooth, rough] =
         [60, 250].map(|blue| bright([128, 128, blue, 255], Vec3::Z + Vec3::new(-0.15, 0.15, 0.0)));
     println!("smooth {smooth}, rough {rough}");
@@ -106,7 +107,7 @@ fn normals_and_roughness_are_seen() {
 }
 
 #[test]
-fn another_mesh_has_other_paint() {
+fn paint_for_another_mesh_is_an_error() {
     let Some(context) = common::context() else { return };
     let mut body = Body::new(context, &wall());
     let whole = paint(Texture::even([255; 4]), EVEN, None);
@@ -121,5 +122,5 @@ fn another_mesh_has_other_paint() {
         paint.coats.push(paint.coats[0].clone());
         paint.coats[1].base = Texture { width: 2, height: 1, rgba: vec![9; 8] };
     };
-    assert!(refused(two).contains("several sizes"));
+    assert!(refused(two).contains("same size"));
 }

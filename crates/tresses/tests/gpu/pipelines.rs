@@ -1,11 +1,11 @@
-//! Every pipeline is built on wgpu's noop backend: shaders and bindings are valid. No GPU needed.
+//! Every pipeline can be built on wgpu's noop backend: shaders and bindings are valid. Needs no GPU.
 
 use crate::common;
 
 use tresses::{PipelineRequest, glam};
 
 #[test]
-fn simulate() {
+fn simulation_pipelines_are_valid() {
     let context = &common::noop();
     let steps = [2, 8, 16, 24, 32, 48, 64].map(PipelineRequest::Step);
     pollster::block_on(context.prepare(&steps, &())).unwrap();
@@ -13,28 +13,28 @@ fn simulate() {
     tresses::simulate::Simulation::new(context, &guides);
 }
 
-/// The whole library within the default limits of WebGPU and without any optional feature.
+/// Records all of the library within the default limits of WebGPU and without any optional feature.
 #[test]
-fn a_frame_is_recorded_on_baseline_webgpu() {
+fn frame_records_on_baseline_webgpu() {
     use tresses::{
         Hair, HairOptions, Pose, View,
         body::Body,
         collide::{
             Anchor, Collider, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource, Shape,
         },
-        frame::{Shows, Sight},
+        frame::{ViewContent, ViewPass},
         groom::{BindOptions, TriMesh, bind},
         hair::HairFrame,
         simulate::SimulationParams,
         view::Picture,
-        views::{DebugView, DebugViews, Shown},
+        views::{DebugDisplay, DebugView, DebugViews},
     };
     let context = &common::noop();
     assert_eq!(context.device().limits().max_storage_buffers_per_shader_stage, 8);
     let groom = bind(&common::hanging(50, 16, 0.1), &BindOptions::default()).unwrap();
     let field = common::ball(0.09, 16);
     let options = HairOptions::default();
-    // As many colliders as there may be.
+    // The maximum number of colliders.
     let shapes = [
         Shape::sphere(0.1),
         Shape::Ellipsoid { radii: glam::Vec3::new(0.1, 0.2, 0.3) },
@@ -55,8 +55,13 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
     let error = |colliders: &ColliderDescriptor<'_>| {
         Hair::with_colliders(context, &groom, &options, colliders).unwrap_err().to_string()
     };
-    assert!(error(&ColliderDescriptor { colliders: &more, ..colliders }).contains("129 are more than 128"));
-    assert!(error(&ColliderDescriptor { fields: &fields[..1], ..colliders }).contains("no field 1, only 1"));
+    assert!(
+        error(&ColliderDescriptor { colliders: &more, ..colliders })
+            .contains("129 exceed the maximum of 128")
+    );
+    assert!(
+        error(&ColliderDescriptor { fields: &fields[..1], ..colliders }).contains("field 1 does not exist")
+    );
     let triangle = TriMesh {
         positions: vec![glam::Vec3::ZERO, glam::Vec3::X, glam::Vec3::Y],
         normals: vec![glam::Vec3::Z; 3],
@@ -76,8 +81,8 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
     let mut recorder = context.recorder(&mut encoder);
     recorder.advance(&mut hair, &input).unwrap();
     let picture = Picture::default();
-    recorder.draw(&[&hair], &[&body], Sight::new(&view, &picture)).unwrap();
-    // A hand in it, and every view of it.
+    recorder.draw(&[&hair], &[&body], ViewPass::new(&view, &picture)).unwrap();
+    // A grab, and every debug view.
     hair.grab(&picture.camera.ray(20.0, 30.0), 0.02).unwrap();
     recorder.advance(&mut hair, &input).unwrap();
     hair.drag_to(&tresses::simulate::Target::Ray(picture.camera.ray(30.0, 30.0))).unwrap();
@@ -86,8 +91,9 @@ fn a_frame_is_recorded_on_baseline_webgpu() {
     let mut views = DebugViews::new(context, tresses::draw::targets::PICTURE_FORMAT).unwrap();
     views.set_head(Some(&field));
     for what in DebugView::ALL {
-        let shown = Shown::new(what);
-        let sight = Sight { shows: Shows::Inside(&mut views, &shown), ..Sight::new(&view, &picture) };
+        let shown = DebugDisplay::new(what);
+        let sight =
+            ViewPass { shows: ViewContent::Inside(&mut views, &shown), ..ViewPass::new(&view, &picture) };
         recorder.draw(&[&hair], &[&body], sight).unwrap();
     }
     context.queue().submit([encoder.finish()]);

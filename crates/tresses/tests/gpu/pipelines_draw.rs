@@ -1,11 +1,11 @@
-//! Every pipeline of light, draw and present is valid within baseline limits. No GPU needed.
+//! Every pipeline of light, draw and present is valid within baseline limits. Needs no GPU.
 
 use crate::common;
 use tresses::{
     Camera, View,
     body::Body,
-    draw::{Coverage, Embed, Surroundings, Targets},
-    frame::{Shows, Sight},
+    draw::{Compositor, Coverage, Surroundings, Targets},
+    frame::{ViewContent, ViewPass},
     glam::Mat4,
     groom::TriMesh,
     light::{HairSet, SceneShadow, ShadingRate},
@@ -13,7 +13,7 @@ use tresses::{
     view::{Picture, ViewOptions},
 };
 
-/// Builds and records a whole frame with `samples` per pixel; what wgpu objects to.
+/// Builds and records a whole frame with `samples` per pixel. Returns the validation error of wgpu, if any.
 fn frame(samples: u32, coverage: Coverage) -> Option<wgpu::Error> {
     let context = &common::noop();
     let scope = context.device().push_error_scope(wgpu::ErrorFilter::Validation);
@@ -27,7 +27,7 @@ fn frame(samples: u32, coverage: Coverage) -> Option<wgpu::Error> {
         let mut encoder = context.device().create_command_encoder(&Default::default());
         context
             .recorder(&mut encoder)
-            .draw_strands(&hair.each_ref(), &[&body, &body], Sight::new(&view, &picture))
+            .draw_strands(&hair.each_ref(), &[&body, &body], ViewPass::new(&view, &picture))
             .expect("every pipeline is made");
         context.queue().submit([encoder.finish()]);
     }
@@ -35,7 +35,7 @@ fn frame(samples: u32, coverage: Coverage) -> Option<wgpu::Error> {
 }
 
 #[test]
-fn a_frame_is_valid() {
+fn frame_is_valid_in_every_coverage_mode() {
     for (samples, coverage) in [
         (1, Coverage::SampleMask),
         (4, Coverage::SampleMask),
@@ -51,12 +51,12 @@ fn a_frame_is_valid() {
 }
 
 #[test]
-fn samples_and_coverage_that_do_not_fit_are_refused() {
+fn mismatched_samples_and_coverage_are_errors() {
     let context = &common::noop();
     let options = ViewOptions { samples: 4, coverage: Coverage::PEELING, ..Default::default() };
     let error = View::new(context, &options, [64, 40], 1).unwrap_err().to_string();
     assert!(error.contains("samples"), "{error}");
-    // A view that becomes another keeps what it was where that cannot be.
+    // A view keeps its options if the new ones are invalid.
     let mut view = View::new(context, &ViewOptions::default(), [64, 40], 1).unwrap();
     assert!(view.set_options(&options).is_err());
     assert_eq!(*view.options(), ViewOptions::default());
@@ -65,13 +65,14 @@ fn samples_and_coverage_that_do_not_fit_are_refused() {
     assert_eq!((view.options(), view.targets().samples), (&fits, 1));
 }
 
-/// Hair in a scene of `format`, recorded; what wgpu objects to.
+/// Records hair over a scene: a pipeline for `format`, and a target of the format `color`. Returns the validation error
+/// of wgpu, if any.
 fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureFormat) -> Option<wgpu::Error> {
     let context = &common::noop();
     let scope = context.device().push_error_scope(wgpu::ErrorFilter::Validation);
     let options = ViewOptions { samples, ..Default::default() };
     let view = View::new(context, &options, [64, 40], 2).expect("a fair size");
-    let embed = Embed::new(context, (samples, options.coverage), format).expect("masks");
+    let embed = Compositor::new(context, (samples, options.coverage), format).expect("masks");
     let strands = StrandBuffers::new(context, 5000, 16).expect("small enough");
     let hair = HairSet::new(context, &strands).expect("small enough");
     let texture = |format, usage| {
@@ -88,7 +89,7 @@ fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureForma
         context.device().create_texture(&descriptor).create_view(&Default::default())
     };
     let geometry = (options.coverage == Coverage::Tiles)
-        .then(|| texture(Embed::GEOMETRY, wgpu::TextureUsages::RENDER_ATTACHMENT));
+        .then(|| texture(Compositor::GEOMETRY, wgpu::TextureUsages::RENDER_ATTACHMENT));
     let map = texture(wgpu::TextureFormat::Depth24Plus, wgpu::TextureUsages::TEXTURE_BINDING);
     let into = Surroundings {
         color: &texture(color, wgpu::TextureUsages::RENDER_ATTACHMENT),
@@ -102,14 +103,14 @@ fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureForma
     };
     let mut encoder = context.device().create_command_encoder(&Default::default());
     let picture = Picture::default();
-    let sight = Sight { shows: Shows::Over(&embed, into), ..Sight::new(&view, &picture) };
+    let sight = ViewPass { shows: ViewContent::Over(&embed, into), ..ViewPass::new(&view, &picture) };
     context.recorder(&mut encoder).draw_strands(&[&hair], &[], sight).expect("every pipeline is made");
     context.queue().submit([encoder.finish()]);
     pollster::block_on(scope.pop())
 }
 
 #[test]
-fn hair_in_a_scene_is_valid() {
+fn embedded_hair_is_valid() {
     use wgpu::TextureFormat::{Rgba8UnormSrgb, Rgba16Float};
     for (samples, format) in [(1, Rgba16Float), (4, Rgba16Float), (4, Rgba8UnormSrgb)] {
         let error = embedded(samples, format, format);
@@ -118,13 +119,14 @@ fn hair_in_a_scene_is_valid() {
     assert!(embedded(4, Rgba16Float, Rgba8UnormSrgb).is_some());
 }
 
-/// Every debug view, recorded over a picture of `format`; what wgpu objects to.
+/// Records every debug view: pipelines for `format`, and a target of the format `output`. Returns the validation error
+/// of wgpu, if any.
 fn debug_views(format: wgpu::TextureFormat, output: wgpu::TextureFormat) -> Option<wgpu::Error> {
     use tresses::{
         glam::{Vec3, Vec4},
         strands::GuideBuffers,
         views::{
-            Arrows, DebugStage, Grid, GuideQuantity, Layer, Paint, Peak, Quantity, Slices, Streams,
+            Arrows, DebugStage, GridView, GuideQuantity, Layer, Paint, Peak, Quantity, Slices, Streams,
             outline::Pen,
         },
     };
@@ -153,7 +155,7 @@ fn debug_views(format: wgpu::TextureFormat, output: wgpu::TextureFormat) -> Opti
         8,
         wgpu::TextureUsages::TEXTURE_BINDING,
     );
-    let grid = Grid {
+    let grid = GridView {
         texture: &values,
         pose: Default::default(),
         scale: Vec3::splat(2.0),
@@ -198,7 +200,7 @@ fn debug_views_are_valid() {
 }
 
 #[test]
-fn an_empty_or_huge_picture_is_an_error() {
+fn empty_and_huge_images_are_errors() {
     let context = &common::noop();
     assert!(Targets::new(context, [0, 10], (1, Coverage::SampleMask), 1).is_err());
     assert!(Targets::new(context, [1_000_000, 10], (1, Coverage::SampleMask), 1).is_err());

@@ -1,4 +1,4 @@
-//! A pixel is averaged in linear light, and its mean is tone mapped.
+//! Pixels are averaged in linear light, and the average is tone mapped.
 
 use crate::{common, golden};
 
@@ -7,7 +7,7 @@ use tresses::{
     body::{Body, BodyMaterial},
     camera::ToneMap,
     draw::Coverage,
-    frame::Sight,
+    frame::ViewPass,
     glam::Vec3,
     gpu::readback,
     light::{
@@ -26,15 +26,15 @@ use tresses::{
 const BRIGHT: f32 = 4.0;
 const DIM: f32 = 0.9;
 
-/// What `tonemap.wesl` makes of a grey.
+/// Returns the tone-mapped value of a gray, as in `tonemap.wesl`.
 fn mapped(tone: &ToneMap, radiance: f32) -> f32 {
     let room = 1.0 - tone.shoulder;
     if radiance <= tone.shoulder { radiance } else { 1.0 - room * room / (radiance + room - tone.shoulder) }
 }
 
-/// Black hair and a black ball before a grey: what gets through to it in each pixel is told by a dim one.
+/// Black hair and a black ball in front of gray. An image with a dim background gives the transmittance of each pixel.
 #[test]
-fn a_pixel_is_tone_mapped_once() {
+fn pixels_are_tone_mapped_once() {
     let Some(context) = common::context() else { return };
     let mut hair =
         HairSet::new(context, &golden::strands(context, (0..golden::COUNT).step_by(40))).expect("fits");
@@ -70,7 +70,7 @@ fn a_pixel_is_tone_mapped_once() {
     }
 }
 
-/// A texture of the size of `view`'s picture, to be written and read, which may be looked at in other formats.
+/// Creates a texture of the size of `view`'s image that can be rendered and copied, with additional view formats.
 fn output_of(
     context: &Context,
     view: &View,
@@ -89,9 +89,9 @@ fn output_of(
     })
 }
 
-/// The bytes of a picture are the same, whoever applies the sRGB curve.
+/// The bytes of an image are the same whether the shader or the format of the output applies the sRGB curve.
 #[test]
-fn a_format_that_applies_the_curve_shows_the_same() {
+fn srgb_formats_give_the_same_image() {
     let Some(context) = common::context() else { return };
     let body = Body::new(context, &golden::ball());
     let bytes = |coverage, ssaa, made_for, output: TextureFormat| {
@@ -105,7 +105,7 @@ fn a_format_that_applies_the_curve_shows_the_same() {
         });
         let scene = golden::scene();
         common::submit(|recorder| {
-            let sight = Sight { output: Some(&into), ..Sight::new(&view, &scene) };
+            let sight = ViewPass { output: Some(&into), ..ViewPass::new(&view, &scene) };
             recorder.draw(&[], &[&body], sight)
         });
         pollster::block_on(readback::texture(context, &texture)).expect("it is there")
@@ -116,13 +116,14 @@ fn a_format_that_applies_the_curve_shows_the_same() {
         let curved = bytes(coverage, ssaa, Rgba8UnormSrgb, Rgba8UnormSrgb);
         assert!(plain.iter().max() > Some(&100), "there is a ball");
         assert!(most(&plain, &curved) <= Some(1), "{coverage:?}: {:?}", most(&plain, &curved));
-        // The comparison sees a curve that is applied once too often.
+        // A curve that is applied once too often is detected.
         let swapped = curved.iter().map(|byte| (255.0 * linear(f32::from(*byte) / 255.0)) as u8);
         assert!(most(&plain, &swapped.collect::<Vec<_>>()) > Some(20));
     }
 }
 
-/// Dither is for formats that have steps: what is nearly black is so in floats, and not so in all pixels of eight bits.
+/// Only formats with steps are dithered. An almost black value is equal in all pixels of floats, but differs between
+/// pixels of eight bits.
 #[test]
 fn floats_are_not_dithered() {
     let Some(context) = common::context() else { return };
@@ -136,7 +137,7 @@ fn floats_are_not_dithered() {
             let texture = output_of(context, &view, output, &[]);
             let into = texture.create_view(&Default::default());
             common::submit(|recorder| {
-                recorder.draw(&[], &[], Sight { output: Some(&into), ..Sight::new(&view, &scene) })
+                recorder.draw(&[], &[], ViewPass { output: Some(&into), ..ViewPass::new(&view, &scene) })
             });
             pollster::block_on(readback::texture(context, &texture)).expect("it is there")
         };

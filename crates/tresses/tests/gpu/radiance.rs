@@ -1,4 +1,4 @@
-//! Radiance in a word: what `pack_color` of `light/radiance.wesl` writes is what `unpack_radiance` reads.
+//! Packed radiance: `unpack_radiance` reads the words that `pack_color` of `light/radiance.wesl` writes.
 
 use crate::common;
 use half::f16;
@@ -21,9 +21,9 @@ fn pack(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 ";
 
-/// Every brightness that light can have, in each channel, beside others as bright, half as bright and black.
+/// Tests every brightness of a half float in each channel. The other channels are as bright, half as bright and black.
 #[test]
-fn a_word_keeps_what_half_floats_hold() {
+fn packed_radiance_keeps_half_floats() {
     let Some(context) = common::context() else { return };
     let all = (0..f16::INFINITY.to_bits()).map(|bits| f16::from_bits(bits).to_f32());
     let colors: Vec<Vec4> = all
@@ -65,7 +65,8 @@ fn a_word_keeps_what_half_floats_hold() {
     drop(pass);
     context.queue().submit([encoder.finish()]);
     let words: Vec<u32> = readback::buffer(context, &words).unwrap();
-    // Black below, and not beyond the brightest that nine bits and the exponent reach.
+    // Values below the smallest step become black. Values above the largest one, by nine bits and the exponent, are
+    // clamped.
     let (least, most) = (2f32.powi(-16), 65408.0);
     let off = |color: &Vec4, word: u32| {
         let color = color.truncate().min(Vec3::splat(most));
@@ -73,6 +74,6 @@ fn a_word_keeps_what_half_floats_hold() {
     };
     let worst = colors.iter().zip(&words).map(|(color, word)| off(color, *word)).fold(0.0, f32::max);
     assert!(worst <= 0.002, "{worst}");
-    // The comparer sees one step of a channel.
+    // One step of a channel is detected.
     assert!(off(&colors[3 * 0x3c00], words[3 * 0x3c00] + (1 << 9)) > 0.002);
 }

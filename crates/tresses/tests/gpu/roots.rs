@@ -1,4 +1,4 @@
-//! Roots on skin that bends: a skin that moves as a head does is a head; strands begin where the skin says.
+//! Roots on deforming skin: skin that moves like a head is equivalent to a head, and strands begin on the skin.
 
 use crate::common;
 use tresses::{
@@ -9,17 +9,17 @@ use tresses::{
     gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, TriMesh, bind, mesh::shapes},
     hair::HairFrame,
-    simulate::{Along, SimulationParams},
+    simulate::{RootToTip, SimulationParams},
     strands::StrandVertex,
     volume::HairHairMode,
 };
 
-/// The ball that [`common::hanging`] strands stand on.
+/// Returns the ball on which [`common::hanging`] strands stand.
 fn ball() -> TriMesh {
     shapes::sphere(0.09, 24)
 }
 
-/// Strands that are guides themselves, or that follow some of them.
+/// Returns strands that are their own guides, or that follow some of them.
 fn groom(guides: GuideCount) -> Groom {
     bind(&common::hanging(150, 12, 0.15), &BindOptions { guides, ..Default::default() }).unwrap()
 }
@@ -31,17 +31,17 @@ fn moved(mesh: &TriMesh, place: impl Fn(Vec3) -> Vec3) -> TriMesh {
     moved
 }
 
-/// Without the grid of the hair, which goes with the head, and so stiff that no strand buckles: those that do are
-/// chaotic, and rounding decides where they swing.
+/// Returns parameters without self-collision, whose grid moves with the head, and so stiff that no strand buckles.
+/// Strands that buckle are chaotic: rounding decides where they swing.
 fn stiff() -> SimulationParams {
     let mut params = SimulationParams::default();
     params.hair_hair.mode = HairHairMode::Off;
     let bending =
-        Along { root: 100.0 * params.bending.root, tip: 100.0 * params.bending.tip, ..params.bending };
+        RootToTip { root: 100.0 * params.bending.root, tip: 100.0 * params.bending.tip, ..params.bending };
     SimulationParams { bending, ..params }
 }
 
-/// Hair whose skin is a body's.
+/// Hair attached to the skin of a body.
 struct Stage<'a> {
     context: &'a Context,
     hair: Hair,
@@ -63,7 +63,7 @@ impl<'a> Stage<'a> {
         Self { context, hair, body, rest }
     }
 
-    /// On by a frame in which the skin comes to lie as `place` says and the head at `head`.
+    /// Advances by a frame. `place` moves the skin's rest positions, and the head moves to `head`.
     fn advance(&mut self, head: Pose, dt: f32, place: impl Fn(Vec3) -> Vec3) {
         self.body.move_to(&moved(&self.rest, place));
         let frame = HairFrame {
@@ -83,13 +83,13 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// The largest distance between two lists of points, metres.
+/// Returns the largest distance between corresponding points, meters.
 fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
 }
 
-/// A head that turns, nods and is carried along.
+/// Returns the pose of a head that turns, nods and moves along.
 fn motion(t: f32) -> Pose {
     let rotation =
         Quat::from_euler(tresses::glam::EulerRot::YXZ, 0.5 * (4.0 * t).sin(), 0.15 * (3.0 * t).sin(), 0.0);
@@ -97,17 +97,17 @@ fn motion(t: f32) -> Pose {
 }
 
 #[test]
-fn a_skin_that_moves_as_a_head_is_a_head() {
+fn rigid_skin_motion_equals_head_motion() {
     let Some(context) = common::context() else { return };
     for guides in [GuideCount::All, GuideCount::Count(40)] {
         let groom = groom(guides);
         let mut rigid = Stage::new(context, &groom, false);
-        // One whose skin does all of it, and one that shares it with the head.
+        // In `skinned` the skin does all of the motion; in `shared` skin and head share it.
         let mut skinned = Stage::new(context, &groom, true);
         let mut shared = Stage::new(context, &groom, true);
         let still = rigid.hair.strands.vertex_count as usize;
         let mut most = [0.0f32; 2];
-        // Neither as long as steps nor a multiple of them.
+        // Neither as long as a step nor a multiple of it.
         let dt = 0.0119;
         for i in 0..50 {
             let t = i as f32 * dt;
@@ -124,7 +124,7 @@ fn a_skin_that_moves_as_a_head_is_a_head() {
         }
         println!("{guides:?}: skin alone {:.1e} m, with the head {:.1e} m", most[0], most[1]);
         assert!(most.iter().all(|most| *most < 3e-4), "{most:?}");
-        // What does not move is elsewhere.
+        // Hair on skin that does not move is elsewhere.
         let mut idle = Stage::new(context, &groom, true);
         idle.advance(Pose::IDENTITY, dt, |p| p);
         assert!(apart(&rigid.vertices(), &idle.vertices()) > 0.05);
@@ -133,7 +133,7 @@ fn a_skin_that_moves_as_a_head_is_a_head() {
 }
 
 #[test]
-fn a_still_skin_changes_nothing() {
+fn still_skin_changes_nothing() {
     let Some(context) = common::context() else { return };
     let groom = groom(GuideCount::Count(40));
     let (mut rigid, mut living) = (Stage::new(context, &groom, false), Stage::new(context, &groom, true));
@@ -149,14 +149,15 @@ fn a_still_skin_changes_nothing() {
     assert!(most < 1e-4);
 }
 
-/// Twists with height, and swells.
+/// Returns a position on deformed skin that twists with height and swells.
 fn bent(p: Vec3, t: f32) -> Vec3 {
     let angle = 6.0 * t * p.y;
     Quat::from_rotation_y(angle) * p * (1.0 + 0.5 * t * (1.0 + (30.0 * p.x).sin()))
         + Vec3::new(0.0, 0.1 * t, 0.0)
 }
 
-/// Where `p`, near the ball's surface at rest, is on the skin that `now` is: computed anew, corner by corner.
+/// Returns the place of `p`, near the ball's surface at rest, on the deformed skin `now`. Computed independently, from
+/// the corners of the triangle.
 fn on_skin(rest: &TriMesh, now: &TriMesh, p: Vec3) -> Vec3 {
     let closest = tresses::groom::mesh::Bvh::new(rest).closest_point(p).unwrap();
     let triangle = rest.triangles[closest.triangle as usize].map(|i| i as usize);
@@ -173,7 +174,7 @@ fn on_skin(rest: &TriMesh, now: &TriMesh, p: Vec3) -> Vec3 {
 }
 
 #[test]
-fn strands_begin_where_the_skin_is() {
+fn strands_begin_on_the_deformed_skin() {
     let Some(context) = common::context() else { return };
     for guides in [GuideCount::All, GuideCount::Count(40)] {
         let groom = groom(guides);
@@ -204,16 +205,16 @@ fn strands_begin_where_the_skin_is() {
 }
 
 #[test]
-fn hair_at_rest_takes_the_skin_as_it_is() {
+fn first_frame_and_reset_use_the_current_skin() {
     let Some(context) = common::context() else { return };
     let groom = groom(GuideCount::All);
     let mut stage = Stage::new(context, &groom, true);
-    // Its first frame is on skin that is bent already: nothing swings there from rest.
+    // The first frame is on skin that is already deformed, so nothing swings there from rest.
     stage.advance(Pose::IDENTITY, 1.0 / 60.0, |p| bent(p, 0.4));
     let first = stage.vertices();
     stage.advance(Pose::IDENTITY, 0.0, |p| bent(p, 0.4));
     assert!(apart(&first, &stage.vertices()) < 1e-5);
-    // The same after a reset, from elsewhere.
+    // The same after a reset, starting elsewhere.
     stage.advance(Pose::IDENTITY, 1.0 / 60.0, |p| bent(p, 0.1));
     stage.hair.reset();
     stage.advance(Pose::IDENTITY, 1.0 / 60.0, |p| bent(p, 0.4));
@@ -221,7 +222,7 @@ fn hair_at_rest_takes_the_skin_as_it_is() {
 }
 
 #[test]
-fn what_does_not_fit_is_said() {
+fn mismatched_skins_are_errors() {
     let Some(context) = common::context() else { return };
     let groom = groom(GuideCount::All);
     let mut stage = Stage::new(context, &groom, false);
@@ -232,15 +233,15 @@ fn what_does_not_fit_is_said() {
         attached.map_err(|error: Error| error.to_string())
     };
     let far = attach(&groom, &small, &skin).unwrap_err();
-    assert!(far.contains("40.0 mm from the skin"), "{far}");
+    assert!(far.contains("40.0 mm from the mesh"), "{far}");
     let other = bind(&common::hanging(20, 12, 0.15), &Default::default()).unwrap();
-    assert!(attach(&other, &stage.rest, &skin).unwrap_err().contains("made from"));
+    assert!(attach(&other, &stage.rest, &skin).unwrap_err().contains("created from"));
     let strides = Skin { positions: (skin.positions.0, Words { first: 1 << 20, stride: 7 }), ..skin };
     assert!(attach(&groom, &stage.rest, &strides).unwrap_err().contains("too small"));
     let none = TriMesh { triangles: Vec::new(), ..stage.rest.clone() };
     assert!(attach(&groom, &none, &skin).unwrap_err().contains("no triangles"));
     let mut wrong = stage.rest.clone();
     wrong.triangles[0][1] = 1 << 30;
-    assert!(attach(&groom, &wrong, &skin).unwrap_err().contains("does not have"));
+    assert!(attach(&groom, &wrong, &skin).unwrap_err().contains("missing vertex"));
     assert!(attach(&groom, &stage.rest, &skin).is_ok());
 }

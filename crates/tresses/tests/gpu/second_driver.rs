@@ -1,7 +1,7 @@
-//! A picture and a motion on another software driver: SwiftShader, which Chromium brings along.
+//! An image and a motion on another software driver: SwiftShader, which comes with Chromium.
 //!
-//! A process opens the drivers that it finds when it starts, so this binary runs this one test again with the
-//! other driver named in its environment, and compares what both have made.
+//! A process loads the drivers that it finds when it starts. This test therefore runs its own binary again, with the
+//! other driver in the environment, and compares the results.
 
 use crate::{
     common, golden,
@@ -19,17 +19,17 @@ use tresses::{
     light::{FiberMaterial, HairMaterial, ShadingModel},
 };
 
-/// Where the run on the other driver leaves what it has made.
+/// Environment variable with the folder for the results of the run on the other driver.
 const INTO: &str = "TRESSES_SECOND_DRIVER_INTO";
 
-/// A picture of hair on a ball, and strands while a ball is shaken, every sixth of 36 frames.
+/// An image of hair on a ball, and strands while a ball is shaken, every sixth of 36 frames.
 #[derive(PartialEq)]
-struct Made {
+struct DriverOutput {
     picture: Vec<u8>,
     motion: Vec<Vec<Vec3>>,
 }
 
-fn make(context: &Context) -> Made {
+fn make(context: &Context) -> DriverOutput {
     let picture = golden::picture(context, brown());
     let groom = bind(&common::hanging(200, 16, 0.16), &Default::default()).unwrap();
     let character = Character { groom, field: common::ball(0.09, 48), neck: Vec3::new(0.0, 0.0, -0.02) };
@@ -43,7 +43,7 @@ fn make(context: &Context) -> Made {
             motion.push(vertices.iter().map(|v| v.position).collect());
         }
     }
-    Made { picture, motion }
+    DriverOutput { picture, motion }
 }
 
 fn brown() -> HairMaterial {
@@ -57,22 +57,22 @@ fn darker() -> FiberMaterial {
     FiberMaterial { root_absorption, tip_absorption, ..fiber }
 }
 
-/// What a run writes and the other reads: the adapter's name, then the picture, then the vertices.
-fn write(folder: &Path, context: &Context, made: &Made) {
+/// Writes the results of a run: adapter name, image, vertices.
+fn write(folder: &Path, context: &Context, made: &DriverOutput) {
     std::fs::write(folder.join("adapter"), context.device().adapter_info().name).unwrap();
     std::fs::write(folder.join("picture"), &made.picture).unwrap();
     let vertices: Vec<Vec3> = made.motion.iter().flatten().copied().collect();
     std::fs::write(folder.join("motion"), bytemuck::cast_slice::<Vec3, u8>(&vertices)).unwrap();
 }
 
-fn read(folder: &Path, like: &Made) -> (String, Made) {
+fn read(folder: &Path, like: &DriverOutput) -> (String, DriverOutput) {
     let bytes = |name: &str| std::fs::read(folder.join(name)).unwrap();
     let vertices: Vec<Vec3> = bytemuck::pod_collect_to_vec(&bytes("motion"));
     let motion = vertices.chunks(like.motion[0].len()).map(<[Vec3]>::to_vec).collect();
-    (String::from_utf8(bytes("adapter")).unwrap(), Made { picture: bytes("picture"), motion })
+    (String::from_utf8(bytes("adapter")).unwrap(), DriverOutput { picture: bytes("picture"), motion })
 }
 
-/// The mean distance of vertices in the worst frame, metres.
+/// Returns the mean distance of vertices in the worst frame, meters.
 fn apart(a: &[Vec<Vec3>], b: &[Vec<Vec3>]) -> f32 {
     assert_eq!(a.len(), b.len());
     let mean = |a: &[Vec3], b: &[Vec3]| {
@@ -82,7 +82,7 @@ fn apart(a: &[Vec<Vec3>], b: &[Vec<Vec3>]) -> f32 {
     a.iter().zip(b).map(|(a, b)| mean(a, b)).fold(0.0, f32::max)
 }
 
-/// The description of SwiftShader's driver in one of the folders that browsers are installed in.
+/// Returns SwiftShader's driver description from one of the folders in which browsers are installed.
 fn swiftshader() -> Option<PathBuf> {
     let folders = [
         "/usr/lib/chromium",
@@ -113,7 +113,7 @@ fn swiftshader_draws_and_moves_the_same() {
         return println!("skipped: no Chromium, which brings SwiftShader");
     };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("second-driver");
-    // Of an earlier run; there may be none.
+    // Results of an earlier run; there may be none.
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).unwrap();
     let output = Command::new(std::env::current_exe().unwrap())
@@ -121,7 +121,7 @@ fn swiftshader_draws_and_moves_the_same() {
         .env(INTO, &folder)
         .env("VK_DRIVER_FILES", &driver)
         .env("VK_ICD_FILENAMES", &driver)
-        .env("TRESSES_REQUIRE_GPU", "1")
+        .env_remove("TRESSES_SKIP")
         .env("WGPU_BACKEND", "vulkan")
         .env_remove("WGPU_ADAPTER_NAME")
         .output()
@@ -141,10 +141,11 @@ fn swiftshader_draws_and_moves_the_same() {
         context.device().adapter_info().name,
         1e3 * moved
     );
-    // Drivers may place samples and round as they like: less than a step in the mean, and of motion a hair's width.
+    // Drivers may place samples and round as they like. Images may differ by less than a step on average, and positions
+    // by less than a hair's width.
     let alike = |mean: f64| mean < 0.75;
     assert!(alike(mean) && moved < 1e-4, "{mean} {moved}");
-    // What another picture or another moment is would be seen.
+    // Another image and another moment are detected.
     let darker = HairMaterial { fiber: darker(), ..brown() };
     let (mean, high) = golden::difference(&golden::picture(context, darker), &other.picture);
     println!("a picture of hair with a third more pigment: {mean:.3} / 255, 99 of 100 within {high}");

@@ -1,4 +1,4 @@
-//! Bodies that bend, on the GPU as on the CPU.
+//! Skinned meshes on the GPU match the CPU.
 
 use crate::common;
 use tresses::{
@@ -14,7 +14,7 @@ use tresses::{
     skinning::Skinning,
 };
 
-/// What the GPU makes of a body in a pose: positions and normals.
+/// Skins a mesh on the GPU. Returns positions and normals.
 fn bent(context: &Context, mesh: &TriMesh, rig: &Rig, pose: &RigPose) -> (Vec<Vec3>, Vec<Vec3>) {
     let mut body = Body::with_levels(context, mesh, &[], 4);
     let mut skinning = Skinning::new(context, rig, &body).unwrap();
@@ -26,7 +26,8 @@ fn bent(context: &Context, mesh: &TriMesh, rig: &Rig, pose: &RigPose) -> (Vec<Ve
     (three(0), three(3))
 }
 
-/// How far the GPU is from the CPU: positions (metres), normals (their chord), and positions from those at rest.
+/// Returns the largest differences: positions between GPU and CPU (meters), normals (chord), and positions from rest
+/// (meters).
 fn off(context: &Context, mesh: &TriMesh, rig: &Rig, pose: &RigPose) -> [f32; 3] {
     let (positions, normals) = bent(context, mesh, rig, pose);
     let mut twin = mesh.clone();
@@ -38,7 +39,7 @@ fn off(context: &Context, mesh: &TriMesh, rig: &Rig, pose: &RigPose) -> [f32; 3]
     [most(&positions, &twin.positions), most(&normals, &twin.normals), most(&positions, &mesh.positions)]
 }
 
-/// A ball of 30 cm that follows nine joints, up to eight at a vertex, and has three shapes.
+/// Returns a ball of radius 30 cm with nine joints, up to eight per vertex, and three blend shapes.
 fn knotted() -> (TriMesh, Rig) {
     let mut mesh = shapes::sphere(0.3, 20);
     mesh.compute_normals();
@@ -70,7 +71,7 @@ fn knotted() -> (TriMesh, Rig) {
     (mesh, rig)
 }
 
-/// Turns, shifts, stretches; one joint mirrors.
+/// Returns a pose that rotates, translates and scales. With `mirrors`, the joints also mirror.
 fn pose(mirrors: bool) -> RigPose {
     let matrix = |i: usize| {
         let t = i as f32;
@@ -82,7 +83,7 @@ fn pose(mirrors: bool) -> RigPose {
 }
 
 #[test]
-fn skinning_is_as_on_the_cpu() {
+fn gpu_skinning_matches_the_cpu() {
     let Some(context) = common::context() else { return };
     let (mesh, rig) = knotted();
     for mirrors in [false, true] {
@@ -91,7 +92,7 @@ fn skinning_is_as_on_the_cpu() {
         println!("mirrored {mirrors}: {position:.1e} m, normals {normal:.1e}, moved by {moved:.2} m");
         assert!(position < 2e-5 && normal < 2e-4 && moved > 0.1);
     }
-    // One weight, one shape, one joint: each is seen.
+    // A change of one joint or of one weight of a blend shape is detected.
     let right = pose(false);
     let (seen, _) = bent(context, &mesh, &rig, &right);
     let differs = |rig: &Rig, pose: &RigPose| {
@@ -108,7 +109,7 @@ fn skinning_is_as_on_the_cpu() {
 }
 
 #[test]
-fn characters_of_other_makers_bend_as_on_the_cpu() {
+fn imported_characters_match_the_cpu() {
     let Some(context) = common::context() else { return };
     for name in ["CesiumMan", "RobotExpressive"] {
         let Some(path) = common::asset(format!("characters/{name}.glb")) else { return };
@@ -125,20 +126,20 @@ fn characters_of_other_makers_bend_as_on_the_cpu() {
 }
 
 #[test]
-fn what_does_not_belong_together_is_said() {
+fn mismatched_rigs_are_errors() {
     let Some(context) = common::context() else { return };
     let (mesh, rig) = knotted();
     let mut body = Body::with_levels(context, &mesh, &[], 4);
     let refused = |rig: &Rig| Skinning::new(context, rig, &body).unwrap_err().to_string();
     assert!(
         refused(&Rig { vertices: rig.vertices[1..].to_vec(), ..rig.clone() })
-            .contains("not that of the body")
+            .contains("does not match the body")
     );
-    assert!(refused(&Rig { joints: rig.joints[..5].to_vec(), ..rig.clone() }).contains("does not have"));
+    assert!(refused(&Rig { joints: rig.joints[..5].to_vec(), ..rig.clone() }).contains("missing joint"));
     let mut lost = rig.clone();
     lost.targets[0].deltas[0].vertex = 1 << 20;
-    assert!(refused(&lost).contains("does not have"));
+    assert!(refused(&lost).contains("missing vertex"));
     let mut skinning = Skinning::new(context, &rig, &body).unwrap();
     let few = RigPose { weights: vec![], ..pose(false) };
-    assert!(skinning.pose(&few, &mut body).unwrap_err().to_string().contains("not one of"));
+    assert!(skinning.pose(&few, &mut body).unwrap_err().to_string().contains("does not match"));
 }

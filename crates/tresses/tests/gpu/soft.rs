@@ -1,4 +1,4 @@
-//! Light on bodies is asked for few points, and looks as if it were asked for many.
+//! Light on meshes is evaluated at few shading points, and looks as if it were evaluated at many.
 
 use crate::{
     common,
@@ -14,7 +14,7 @@ use tresses::{
     view::{Picture, ViewOptions},
 };
 
-/// A floor under the golden picture's hair, which shades it: all that is seen.
+/// Returns a floor under the golden image's hair, which shadows it. Nothing else is visible.
 fn floor() -> TriMesh {
     let corner = |x: f32, z: f32| Vec3::new(x, -0.16, z);
     TriMesh {
@@ -25,10 +25,10 @@ fn floor() -> TriMesh {
     }
 }
 
-/// Sixteen times as many pixels have as many more points, a quarter as far apart: their means are the same
-/// picture. The test fails where hair casts no shadow.
+/// With sixteen times the pixels there are sixteen times the shading points, a quarter as far apart. Averaged, both
+/// give the same image. The test fails if hair casts no shadow.
 #[test]
-fn few_points_tell_what_many_do() {
+fn few_shading_points_match_many() {
     let Some(context) = common::context() else { return };
     let hair = HairSet::new(context, &golden::strands(context, 0..golden::COUNT)).expect("fits");
     let body = Body::new(context, &floor());

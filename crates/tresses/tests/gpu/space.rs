@@ -1,5 +1,5 @@
-//! Large worlds: hair that is elsewhere, moves along or is given in other coordinates is the same hair, to the bit where
-//! places can be represented; hair of several places is drawn together.
+//! Large worlds: hair moves the same at another place, on a platform, or in other coordinates, bit-identical where
+//! positions can be represented. Hair at several places is drawn together.
 
 use crate::{
     common::{self, submit},
@@ -9,7 +9,7 @@ use tresses::{
     Camera, Context, Hair, HairOptions, Pose, Space, View,
     collide::{Anchor, Collider, ColliderDescriptor, ColliderPoses, Shape},
     draw::Coverage,
-    frame::Sight,
+    frame::ViewPass,
     glam::{DQuat, DVec3, Quat, Vec3},
     gpu::readback::blocking as readback,
     groom::{BindOptions, GuideCount, bind},
@@ -22,7 +22,7 @@ use tresses::{
     wind::Wind,
 };
 
-/// A hanging groom, a ball that comes by, and glasses, which are as large as they were or `size` times as large.
+/// Creates a hanging groom, a ball that passes by, and glasses. `size` scales the head, the ball and the glasses.
 fn hair(context: &Context, size: f32) -> Hair {
     let options = BindOptions { guides: GuideCount::Count(30), ..Default::default() };
     let groom = bind(&common::hanging(90, 12, 0.15), &options).unwrap();
@@ -40,11 +40,11 @@ fn nod(t: f64) -> Pose {
     Pose { rotation, translation: Vec3::new(0.1 * (5.0 * t).sin(), 0.02 * (9.0 * t).sin(), 0.0) }
 }
 
-/// What is given of a frame.
+/// Inputs of a frame.
 struct Given {
     space: Space,
     head: Pose,
-    /// From the space that the ball is thought in to the one that it is given in.
+    /// Pose from the space in which the ball's motion is defined to the space in which it is given.
     given: Pose,
     drawn_in: Option<Space>,
 }
@@ -55,7 +55,7 @@ impl Given {
     }
 }
 
-/// 0.3 s at 50 frames per second.
+/// Simulates 0.3 s at 50 frames per second.
 fn ride(context: &Context, size: f32, physics: &SimulationParams, given: &dyn Fn(f64) -> Given) -> Hair {
     let mut hair = hair(context, size);
     for i in 0..=15 {
@@ -75,12 +75,12 @@ fn strands(context: &Context, hair: &Hair) -> Vec<StrandVertex> {
     readback::buffer(context, &hair.strands.vertices).unwrap()
 }
 
-/// The strands after that.
+/// Simulates and returns the drawn strands.
 fn run(context: &Context, physics: &SimulationParams, given: &dyn Fn(f64) -> Given) -> Vec<StrandVertex> {
     strands(context, &ride(context, 1.0, physics, given))
 }
 
-/// How far the strands `a`, moved by `way`, are from `b`, metres.
+/// Returns the largest distance between the strands `a`, moved by `way`, and the strands `b`, meters.
 fn apart(a: &[StrandVertex], way: Vec3, b: &[StrandVertex]) -> f32 {
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).map(|(a, b)| (a.position + way).distance(b.position)).fold(0.0, f32::max)
@@ -91,7 +91,7 @@ fn same(a: &[StrandVertex], b: &[StrandVertex]) -> bool {
 }
 
 #[test]
-fn far_away_and_carried_along_hair_is_the_same_to_the_bit() {
+fn distant_and_carried_hair_is_bit_identical() {
     let Some(context) = common::context() else { return };
     let physics = SimulationParams::default();
     let here = run(context, &physics, &|t| Given::at(Space::WORLD, t));
@@ -106,7 +106,7 @@ fn far_away_and_carried_along_hair_is_the_same_to_the_bit() {
         Given::at(Space::at(DVec3::new(i % 2.0, (i * 7.0) % 5.0, 0.0) * 1e3), t)
     };
     assert!(same(&here, &run(context, &physics, &jumps)), "kilometres from where it was in each frame");
-    // Poses that have the place in themselves, in single precision.
+    // Poses that contain the place, in single precision.
     let folded = |t: f64| {
         let given = Pose { translation: far.as_vec3(), ..Pose::IDENTITY };
         Given { head: given.after(&nod(t)), given, ..Given::at(Space::WORLD, t) }
@@ -116,9 +116,10 @@ fn far_away_and_carried_along_hair_is_the_same_to_the_bit() {
 }
 
 #[test]
-fn other_coordinates_move_nothing() {
+fn other_coordinates_do_not_change_the_motion() {
     let Some(context) = common::context() else { return };
-    // Without what is chaotic: strands that buckle or touch something, and the grid of the hair, which rounding enters.
+    // Without chaotic effects: strands that buckle or touch something, and self-collision, whose grid depends on
+    // rounding.
     let mut physics = SimulationParams::default();
     physics.hair_hair.mode = tresses::volume::HairHairMode::Off;
     physics.bending.root *= 100.0;
@@ -127,12 +128,12 @@ fn other_coordinates_move_nothing() {
         let hair = ride(context, 0.01, &physics, given);
         (strands(context, &hair), hair.colliders.drawn()[1].translation)
     };
-    // A run of 2.7 m, ever faster.
+    // An accelerating run of 2.7 m.
     let walk = |t: f64| Pose { translation: nod(t).translation + Vec3::X * 30.0 * (t * t) as f32, ..nod(t) };
     let start = Space::at(DVec3::new(3e4, 0.0, 50.0));
     let (here, ball) = go(&|t| Given { head: walk(t), given: walk(t), ..Given::at(start, t) });
-    // The same, given from elsewhere, from a floating origin, and from one that also turns; drawn where it was. Rounding
-    // alone, from elsewhere, makes 0.15 mm.
+    // The same motion given from elsewhere, from a floating origin, and from an origin that also rotates; drawn in the
+    // first space. From elsewhere, rounding alone causes 0.15 mm.
     let elsewhere = |_: f64| Space::at(start.at + DVec3::new(0.7, 0.1, -0.3));
     let floats = |t: f64| Space::at(start.at + DVec3::X * (t / 0.1).floor());
     let turns = |t: f64| Space { rotation: DQuat::from_rotation_y((t / 0.12).floor() * 0.8), ..floats(t) };
@@ -145,14 +146,14 @@ fn other_coordinates_move_nothing() {
         println!("{off:.1e} m");
         assert!(off < 3e-4 && too.distance(ball) < 2e-6, "{off} {too} {ball}");
     }
-    // A head that is carried by its space, in the same places, has other hair.
+    // A head that its space carries through the same places has other hair.
     let follows = |t: f64| Space::at(start.at + (walk(t).translation - nod(t).translation).as_dvec3());
     let (carried, _) = go(&|t| Given { drawn_in: Some(start), ..Given::at(follows(t), t) });
     assert!(apart(&carried, Vec3::ZERO, &here) > 1e-2);
 }
 
 #[test]
-fn a_platform_through_still_air_stands_in_the_wind() {
+fn moving_platform_in_still_air_feels_wind() {
     let Some(context) = common::context() else { return };
     let wind = |v: f32| SimulationParams {
         wind: Wind { gusts: 0.0, cells: 8, ..Wind::new(Vec3::X * v) },
@@ -165,14 +166,14 @@ fn a_platform_through_still_air_stands_in_the_wind() {
     };
     let moves = run(context, &wind(0.0), &|t| Given::at(space(t, -6.0), t));
     assert!(same(&stands, &moves));
-    // What moves with the wind does not feel it, in the fluid and beside it.
+    // Hair that moves with the wind does not feel it, in the simulated air and beside it.
     let calm = run(context, &wind(0.0), &|t| Given::at(Space::WORLD, t));
     assert!(same(&calm, &run(context, &wind(6.0), &|t| Given::at(space(t, 6.0), t))));
     assert!(apart(&calm, Vec3::ZERO, &stands) > 1e-2);
 }
 
 #[test]
-fn hair_of_several_places_is_drawn_together() {
+fn hair_at_several_places_is_drawn_together() {
     let Some(context) = common::context() else { return };
     let spaces = |far: DVec3| {
         let turned = DQuat::from_rotation_y(0.6);
@@ -203,7 +204,7 @@ fn hair_of_several_places_is_drawn_together() {
         let [one, other] = &pair;
         let mut said = Ok(());
         submit(|recorder| {
-            said = recorder.draw(&[one, other], &[], Sight::new(&view, &scene));
+            said = recorder.draw(&[one, other], &[], ViewPass::new(&view, &scene));
             Ok(())
         });
         said.map(|()| pollster::block_on(view.targets().read()).unwrap())
@@ -214,7 +215,7 @@ fn hair_of_several_places_is_drawn_together() {
         assert!(here == there, "{far}: {:?}", difference(&here, &there));
     }
     assert!(difference(&here, &vec![0; here.len()]).0 > 1.0);
-    // Where nobody says where they are seen from, each would be at the origin.
+    // Without `drawn_in`, each groom would be drawn at the origin.
     let why = see(DVec3::ZERO, false).unwrap_err().to_string();
     assert!(why.contains("drawn_in"), "{why}");
 }

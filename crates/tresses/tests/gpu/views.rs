@@ -1,4 +1,4 @@
-//! Views of a whole frame: they leave other pictures alone, differ, and terms of the shading add up.
+//! Debug views of a whole frame: they do not affect other images, they differ, and the terms of the shading add up.
 
 use crate::common;
 
@@ -7,7 +7,7 @@ use tresses::{
     body::Body,
     collide::ColliderPoses,
     draw::Coverage,
-    frame::{Shows, Sight},
+    frame::{ViewContent, ViewPass},
     glam::Vec3,
     gpu::readback,
     groom::{BindOptions, bind},
@@ -15,11 +15,11 @@ use tresses::{
     light::{Lights, ShadingModel, Sphere, Term, unpack_radiance},
     simulate::SimulationParams,
     view::{Picture, ViewOptions},
-    views::{DebugView, DebugViews, Shown},
+    views::{DebugDisplay, DebugView, DebugViews},
     wind::Wind,
 };
 
-/// A head full of hair in the wind, and all that draws it.
+/// A head of hair in wind, and all that draws it.
 struct Setup {
     context: &'static Context,
     views: DebugViews,
@@ -60,12 +60,13 @@ impl Setup {
         Some(Self { views, hair, body, view, scene, context })
     }
 
-    /// A picture of a view, or without one; of what it draws, the strands' colours.
+    /// Renders a debug view, or hair without one. Returns the image and the colors of the strands.
     fn picture(&mut self, view: Option<DebugView>) -> (Vec<u8>, Vec<Vec3>) {
         let context = self.context;
-        let shown = view.map(Shown::new);
-        let shows = shown.as_ref().map_or(Shows::Hair, |shown| Shows::Inside(&mut self.views, shown));
-        let sight = Sight { shows, ..Sight::new(&self.view, &self.scene) };
+        let shown = view.map(DebugDisplay::new);
+        let shows =
+            shown.as_ref().map_or(ViewContent::Hair, |shown| ViewContent::Inside(&mut self.views, shown));
+        let sight = ViewPass { shows, ..ViewPass::new(&self.view, &self.scene) };
         common::submit(|recorder| recorder.draw(&[&self.hair], &[&self.body], sight));
         let shaded = self.view.shaded(&self.hair.set).unwrap();
         let shaded: Vec<u32> = pollster::block_on(readback::buffer(context, &shaded)).unwrap();
@@ -73,11 +74,12 @@ impl Setup {
         (pollster::block_on(self.view.targets().read()).unwrap(), colors)
     }
 
-    /// What the last picture has lit, with twice the pixels along each axis.
+    /// Draws the last image with twice the pixels along each axis. Lights the hair again if `anew`, or reuses its
+    /// light.
     fn finer(&mut self, anew: bool) -> Vec<u8> {
         self.view.resize([120, 96], 2).unwrap();
-        let shows = if anew { Shows::Hair } else { Shows::Again };
-        let sight = Sight { shows, ..Sight::new(&self.view, &self.scene) };
+        let shows = if anew { ViewContent::Hair } else { ViewContent::Again };
+        let sight = ViewPass { shows, ..ViewPass::new(&self.view, &self.scene) };
         common::submit(|recorder| recorder.draw(&[&self.hair], &[&self.body], sight));
         let picture = pollster::block_on(self.view.targets().read()).unwrap();
         self.view.resize([120, 96], 1).unwrap();
@@ -90,7 +92,7 @@ impl Setup {
     }
 }
 
-/// The largest difference of two lists, as a share of the largest value of the second.
+/// Returns the largest difference between two lists, relative to the largest value of the second.
 fn off(a: &[Vec3], b: &[Vec3]) -> f32 {
     assert_eq!(a.len(), b.len());
     let most = b.iter().fold(0.0f32, |most, c| most.max(c.abs().max_element()));
@@ -104,7 +106,7 @@ fn sum(lists: &[&[Vec3]]) -> Vec<Vec3> {
 }
 
 #[test]
-fn terms_add_up() {
+fn shading_terms_add_up() {
     let Some(mut stage) = Setup::new() else { return };
     for model in [ShadingModel::Fiber, ShadingModel::KajiyaKay] {
         stage.hair.set.material.model = model;
@@ -116,7 +118,7 @@ fn terms_add_up() {
         let parts = off(&sum(&[reflection, transmission, inner, multiple]), direct);
         println!("{model:?}: direct and sky off by {whole:.1e}, lobes by {parts:.1e}");
         assert!(whole < 4e-3 && parts < 4e-3, "{model:?}: {whole} {parts}");
-        // A term that is missing is seen, whichever it is.
+        // A missing term is detected, whichever it is.
         for missing in 0..4 {
             let rest: Vec<_> = (0..4).filter(|i| *i != missing).map(|i| terms[i].as_slice()).collect();
             let error = off(&sum(&rest), direct);
@@ -128,7 +130,7 @@ fn terms_add_up() {
 }
 
 #[test]
-fn every_view_is_a_picture_of_its_own_and_leaves_no_trace() {
+fn debug_views_differ_and_leave_no_trace() {
     let Some(mut stage) = Setup::new() else { return };
     let plain = stage.picture(None).0;
     let mut seen = vec![("nothing", plain.clone())];
@@ -148,13 +150,13 @@ fn every_view_is_a_picture_of_its_own_and_leaves_no_trace() {
 }
 
 #[test]
-fn what_is_lit_is_drawn_again_finer() {
+fn lit_hair_can_be_redrawn_at_a_higher_resolution() {
     let Some(mut stage) = Setup::new() else { return };
     let coarse = stage.picture(None).0;
     let again = stage.finer(false);
     assert!(again != coarse, "more samples are seen");
     assert!(again == stage.finer(true), "it is the picture that is lit anew");
-    // Where something has changed it is not.
+    // After a change of the lights, the reused light differs.
     stage.scene.lights = Lights::around(1.5);
     assert!(stage.finer(false) != stage.finer(true), "the comparer sees hair in another light");
 }

@@ -1,4 +1,4 @@
-//! What hair-hair forces do to a shaken style: the volume that its strands fill.
+//! Self-collision in a shaken style: the volume that its strands fill.
 //!
 //! `make proof` prints the table of `docs/physics.md`.
 
@@ -8,7 +8,7 @@ use std::{collections::HashMap, sync::Arc};
 use tresses::{
     Context, Hair, HairOptions, Pose,
     collide::ColliderPoses,
-    drape::Character,
+    drape::DrapedCharacter,
     glam::{IVec3, Quat, Vec3},
     gpu::readback::blocking as readback,
     groom::styles::Style,
@@ -18,16 +18,16 @@ use tresses::{
     volume::{HairHair, HairHairMode},
 };
 
-/// Edge of the voxels in which strands are counted, metres.
+/// Edge of the voxels in which strands are counted, meters.
 const VOXEL: f32 = 0.01;
 
-/// Seconds that the head shakes.
+/// Duration of the shake, seconds.
 const SHAKE: f32 = 3.0;
 
-/// The head's pose in a shake of 30 degrees to both sides, as in `tresses render --motion shake` but
-/// without its rests.
+/// Returns the head's pose in a shake of 30 degrees to both sides, as in `tresses render --motion shake` but without
+/// its rests.
 fn shaken(t: f32, neck: Vec3) -> Pose {
-    // Extremes 0.3 s apart, the first and the last way half as far.
+    // Extremes are 0.3 s apart. The first and the last swing are half as far.
     let t = (t * 3.1 / SHAKE).min(3.1);
     let smooth = |s: f32| s * s * s * (10.0 + s * (6.0 * s - 15.0));
     let yaw = if t < 0.2 {
@@ -44,7 +44,7 @@ fn shaken(t: f32, neck: Vec3) -> Pose {
 
 struct Setup {
     context: &'static Context,
-    character: Arc<Character>,
+    character: Arc<DrapedCharacter>,
 }
 
 impl Setup {
@@ -56,7 +56,7 @@ impl Setup {
 
     fn hair(&self, options: &HairOptions) -> Hair {
         let context = self.context;
-        let Character { groom, field, .. } = &*self.character;
+        let DrapedCharacter { groom, field, .. } = &*self.character;
         Hair::new(context, groom, options, Some(field)).unwrap()
     }
 
@@ -67,7 +67,7 @@ impl Setup {
         );
     }
 
-    /// Metres of drawn hair in every voxel, in the head's axes.
+    /// Returns the meters of drawn hair in every voxel, in head space.
     fn voxels(&self, hair: &Hair, head: &Pose) -> HashMap<IVec3, f32> {
         let vertices: Vec<StrandVertex> = readback::buffer(self.context, &hair.strands.vertices).unwrap();
         let back = head.inverse();
@@ -87,13 +87,13 @@ impl Setup {
     }
 }
 
-/// How many voxels hold hair: at least a twentieth of what those of the rest pose have on average.
+/// Returns the number of voxels that hold hair: at least a twentieth of the mean over the voxels of the rest pose.
 fn occupied(voxels: &HashMap<IVec3, f32>, mean: f32) -> f32 {
     voxels.values().filter(|metres| **metres > 0.05 * mean).count() as f32
 }
 
-/// The occupied volume relative to that at rest: mean over the last second of the shake and over the
-/// second that follows.
+/// Returns the occupied volume relative to rest: the mean over the last second of the shake, and over the second that
+/// follows.
 fn volumes(stage: &Setup, hair_hair: HairHair) -> (f32, f32) {
     let simulation = SimulationParams { hair_hair, ..Default::default() };
     let mut hair = stage.hair(&HairOptions::default());
@@ -102,7 +102,7 @@ fn volumes(stage: &Setup, hair_hair: HairHair) -> (f32, f32) {
     let rest = stage.voxels(&hair, &pose(0.0));
     let mean = rest.values().sum::<f32>() / rest.len() as f32;
     let full = occupied(&rest, mean);
-    // The measure sees a style that lacks every tenth voxel.
+    // A style that lacks every tenth voxel is detected.
     let most = rest.iter().filter(|(c, _)| (c.x + 7 * c.y + 3 * c.z).rem_euclid(10) != 0);
     let thinner = occupied(&most.map(|(c, m)| (*c, *m)).collect(), mean) / full;
     assert!((0.85..0.95).contains(&thinner), "{thinner}");
@@ -121,7 +121,7 @@ fn volumes(stage: &Setup, hair_hair: HairHair) -> (f32, f32) {
 }
 
 #[test]
-fn a_shaken_style_keeps_its_volume() {
+fn shaken_style_keeps_its_volume() {
     let Some(stage) = Setup::new("long", 800) else { return };
     let [off, gradient] = [HairHair::OFF, HairHair::default()].map(|mode| volumes(&stage, mode).1);
     println!("volume after a shake, of that at rest: {off:.3} without forces, {gradient:.3} with");
@@ -130,7 +130,7 @@ fn a_shaken_style_keeps_its_volume() {
 
 #[test]
 #[ignore = "proof"]
-fn a_shaken_style_keeps_its_volume_as_the_docs_say() {
+fn shaken_style_keeps_its_volume_as_documented() {
     let Some(stage) = Setup::new("long", 3000) else { return };
     let gradient = HairHair::default();
     let fixed = HairHair { mode: HairHairMode::Fixed, ..gradient };
@@ -149,8 +149,8 @@ fn a_shaken_style_keeps_its_volume_as_the_docs_say() {
     assert!((gradient.1 - 1.0).abs() < 0.7 * (fixed.1 - 1.0).abs());
 }
 
-/// Mean and largest speed of guide vertices, and the largest distance from rest, after two seconds at
-/// rest.
+/// Returns the mean and the largest speed of guide vertices, m/s, and the largest distance from rest, meters, after two
+/// seconds at rest.
 fn unrest(stage: &Setup, hair_hair: HairHair) -> (f32, f32, f32) {
     let simulation = SimulationParams { hair_hair, ..Default::default() };
     let mut hair = stage.hair(&HairOptions::default());
@@ -170,19 +170,19 @@ fn unrest(stage: &Setup, hair_hair: HairHair) -> (f32, f32, f32) {
 }
 
 #[test]
-fn a_style_at_rest_is_still_and_not_inflated() {
+fn resting_style_is_still_and_not_inflated() {
     at_rest(&["short"]);
 }
 
 #[test]
 #[ignore = "proof"]
-fn all_styles_at_rest_are_still_and_not_inflated() {
+fn resting_styles_are_still_and_not_inflated() {
     at_rest(&Style::NAMES);
 }
 
 fn at_rest(styles: &[&str]) {
     for style in styles {
-        // Strands follow; guides are what is judged.
+        // Few strands suffice, because only guides are measured.
         let Some(stage) = Setup::new(style, 200) else { return };
         let (off, on) = (unrest(&stage, HairHair::OFF), unrest(&stage, HairHair::default()));
         println!(
@@ -194,7 +194,7 @@ fn at_rest(styles: &[&str]) {
             off.1,
             off.2 * 1e3
         );
-        // No more motion than without: what is left is the settling of the style itself.
+        // No more motion than without self-collision, where the style itself settles.
         assert!(on.0 < off.0 + 2e-4 && on.1 < off.1 + 2e-3, "{style}");
         assert!(on.2 < off.2 + 1e-3, "{style}");
     }

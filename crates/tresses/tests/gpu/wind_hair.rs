@@ -1,4 +1,4 @@
-//! Hair in the wind: it holds in a storm, its lee side is calmer, and calm costs nothing.
+//! Hair in wind: it withstands a storm, its lee side is calmer, and calm air costs nothing.
 
 use crate::common;
 
@@ -9,7 +9,7 @@ use tresses::{
     gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind},
     hair::HairFrame,
-    simulate::{Along, SimulationParams},
+    simulate::{RootToTip, SimulationParams},
     strands::GuideForce,
     volume::{HairHair, VolumeOptions},
     wind::{Wind, drag},
@@ -20,17 +20,17 @@ struct Setup {
 }
 
 impl Setup {
-    /// One device for all tests: a software driver takes long to build pipelines.
+    /// One device for all tests. A software driver takes long to build pipelines.
     fn open() -> Option<&'static Self> {
-        static SETUP: std::sync::OnceLock<Option<Setup>> = std::sync::OnceLock::new();
+        static SETUP: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
         let new = || {
             let context = common::context()?;
             Some(Self { context })
         };
-        SETUP.get_or_init(new).as_ref()
+        SETUP.get(new)
     }
 
-    /// `cells` of the hair's own grid along an axis.
+    /// Creates hair whose own grid has `cells` cells along an axis.
     fn hair(&self, groom: &Groom, field: &SdfGrid, cells: u32) -> Hair {
         let context = self.context;
         let volume = VolumeOptions { resolution: cells, ..Default::default() };
@@ -38,7 +38,7 @@ impl Setup {
         Hair::new(context, groom, &options, Some(field)).unwrap()
     }
 
-    /// The guides alone, `seconds` on.
+    /// Simulates the guides alone for `seconds`.
     fn simulate(&self, hair: &mut Hair, physics: &SimulationParams, seconds: f32) {
         let colliders = ColliderPoses::default();
         let mut steps = (seconds * 60.0).round() as u32;
@@ -60,7 +60,7 @@ impl Setup {
         }
     }
 
-    /// The guides, one after the other.
+    /// Returns the vertices by guide.
     fn guides(&self, hair: &Hair) -> Vec<Vec<Vec3>> {
         let points: Vec<[f32; 4]> = readback::buffer(self.context, &hair.guides.current).unwrap();
         let n = hair.guides.count as usize;
@@ -73,7 +73,7 @@ fn length(line: &[Vec3]) -> f32 {
     line.windows(2).map(|w| w[0].distance(w[1])).sum()
 }
 
-/// The largest change of a strand's length, as a fraction; NaN is infinite.
+/// Returns the largest relative change of a strand's length; infinite for NaN.
 fn strain(now: &[Vec<Vec3>], rest: &[f32]) -> f32 {
     let change = |(line, rest): (&Vec<Vec3>, &f32)| {
         let change = (length(line) / rest - 1.0).abs();
@@ -83,13 +83,13 @@ fn strain(now: &[Vec<Vec3>], rest: &[f32]) -> f32 {
 }
 
 #[test]
-fn a_storm_breaks_nothing() {
+fn storm_does_not_stretch_hair() {
     storm(12);
 }
 
 #[test]
 #[ignore = "proof"]
-fn a_storm_of_a_minute_breaks_nothing() {
+fn one_minute_storm_does_not_stretch_hair() {
     storm(60);
 }
 
@@ -115,7 +115,7 @@ fn storm(seconds: u32) {
     println!("{seconds} s of 30 m/s: lengths within {worst}, tips {swept} m down the wind");
     assert!(worst < 0.01, "{worst}");
     assert!(swept > 0.1, "the storm is felt: {swept}");
-    // The comparer sees a strand that is 2 % too long, and one that is lost.
+    // A strand that is too long is detected, and so is one that is lost.
     let mut now = stage.guides(&hair);
     let last = now[3].len() - 1;
     now[3][last] = now[3][last] + 0.05 * rest[3] * (now[3][last] - now[3][last - 1]).normalize();
@@ -127,7 +127,7 @@ fn storm(seconds: u32) {
 /// The built-in style `long` with all its guides; the hair's grid and the air have 16 cells along an axis.
 #[test]
 #[ignore = "proof"]
-fn a_whole_style_in_a_storm_of_a_minute() {
+fn one_minute_storm_does_not_stretch_a_whole_style() {
     let Some(stage) = Setup::open() else { return };
     let Some(built) = common::character("long", 500) else { return };
     let mut hair = stage.hair(&built.groom, &built.field, 16);
@@ -148,8 +148,8 @@ fn a_whole_style_in_a_storm_of_a_minute() {
     assert!(worst < 0.01, "{worst}");
 }
 
-/// Straight strands of 10 cm along `ways` from roots 2 cm apart, in wind of `velocity` without gusts, obstacles or forces
-/// of other hair.
+/// Creates straight strands of 10 cm along `ways`, with roots 2 cm apart, in wind of `velocity` without gusts,
+/// obstacles or self-collision.
 fn in_plain_air(
     stage: &Setup,
     ways: &[Vec3],
@@ -173,14 +173,14 @@ fn in_plain_air(
     (hair, physics)
 }
 
-/// The scalar formula's rates (1/s) across and along for a hair along `tangent`.
+/// Returns the drag rates (1/s) across and along a hair along `tangent`, by the scalar formula.
 fn rates(physics: &SimulationParams, relative: Vec3, tangent: Vec3) -> Vec2 {
     let weight = drag::drag_weight(physics.diameter, physics.line_density);
     drag::drag_rates(relative, tangent, physics.diameter / drag::AIR_VISCOSITY, weight)
 }
 
 #[test]
-fn the_drag_on_guides_is_that_of_the_formula() {
+fn drag_on_guides_matches_the_formula() {
     let Some(stage) = Setup::open() else { return };
     let ways = [Vec3::X, Vec3::Y, Vec3::NEG_Z, Vec3::new(1.0, -1.0, 0.0), Vec3::new(1.0, 2.0, -3.0)];
     let ways = ways.map(Vec3::normalize);
@@ -189,11 +189,11 @@ fn the_drag_on_guides_is_that_of_the_formula() {
         [Vec3::X * 0.05, Vec3::new(1.0, 0.5, -0.3), Vec3::new(5.0, 0.0, 3.0), Vec3::X * 12.0, Vec3::X * 25.0]
     {
         let (mut hair, physics) = in_plain_air(stage, &ways, velocity, SimulationParams::default());
-        // The forces of the first step act on hair that still rests.
+        // The forces of the first step act on hair that is still at rest.
         let lines = stage.guides(&hair);
         stage.simulate(&mut hair, &physics, 1.0 / 60.0);
         let packed: Vec<GuideForce> = readback::buffer(stage.context, &hair.guides.forces).unwrap();
-        // The buffer is the groom's scratch, and longer.
+        // The buffer is scratch memory of the groom and longer.
         let vertices = (hair.guides.count * hair.guides.vertex_count) as usize;
         let worst = |wrong: f32| {
             let mut worst = 0.0f32;
@@ -202,8 +202,8 @@ fn the_drag_on_guides_is_that_of_the_formula() {
                 let t = (line[1] - line[0]).normalize();
                 let exact = rates(&physics, velocity * wrong, t);
                 let pull = velocity * (exact.x + physics.drag) + t * ((exact.y - exact.x) * t.dot(velocity));
-                // Along the wind nothing flows across, and a rate of nothing acts on nothing; but it is not
-                // small, as the coefficient grows without bound towards a Reynolds number of 0.
+                // Wind along the hair has no part across it, so the rate across acts on nothing. But that rate is not
+                // small: the coefficient grows without bound towards a Reynolds number of 0.
                 let aside = velocity.reject_from_normalized(t).length() > 0.01 * velocity.length();
                 let across = if aside { (force.rate - exact.x).abs() } else { 0.0 };
                 let rate = across.max((force.rate + force.along - exact.y).abs());
@@ -214,31 +214,31 @@ fn the_drag_on_guides_is_that_of_the_formula() {
         };
         println!("{velocity} m/s: off by {:.5} of the larger rate at most", worst(1.0));
         assert!(worst(1.0) < 0.01, "{}", worst(1.0));
-        // The comparer sees air that is a tenth faster.
+        // Air that is a tenth faster is detected.
         assert!(worst(1.1) > 0.01, "{}", worst(1.1));
     }
 }
 
 #[test]
-fn a_floppy_hair_hangs_aslant_in_the_wind_as_its_drag_says() {
+fn floppy_hair_tilts_by_its_drag() {
     hangs_aslant(&[0.8]);
 }
 
 #[test]
 #[ignore = "proof"]
-fn a_floppy_hair_hangs_aslant_in_winds_of_any_speed() {
+fn floppy_hair_tilts_by_its_drag_at_any_speed() {
     hangs_aslant(&[0.3, 0.8]);
 }
 
 fn hangs_aslant(speeds: &[f32]) {
     let Some(stage) = Setup::open() else { return };
     let floppy = SimulationParams {
-        bending: Along { root: 0.0, tip: 0.0, falloff: 1.0 },
-        goal: Along { root: 0.0, tip: 0.0, falloff: 1.0 },
+        bending: RootToTip { root: 0.0, tip: 0.0, falloff: 1.0 },
+        goal: RootToTip { root: 0.0, tip: 0.0, falloff: 1.0 },
         drag: 0.0,
         ..Default::default()
     };
-    // In more it flutters: it has no stiffness at all.
+    // In faster wind, hair without stiffness flutters.
     for &speed in speeds {
         let (mut hair, physics) = in_plain_air(stage, &[Vec3::NEG_Y], Vec3::X * speed, floppy);
         stage.simulate(&mut hair, &physics, 3.0);
@@ -249,7 +249,7 @@ fn hangs_aslant(speeds: &[f32]) {
             let way = line[line.len() - 1] - line[1];
             found += way.x.atan2(-way.y) / 30.0;
         }
-        // Every part is in balance across itself: g sin θ = rate · u cos θ.
+        // The forces across each part balance: g sin θ = rate · u cos θ.
         let pull = |angle: f32| {
             let t = Vec3::new(angle.sin(), -angle.cos(), 0.0);
             rates(&physics, Vec3::X * speed, t).x * speed * angle.cos() - 9.81 * angle.sin()
@@ -261,13 +261,13 @@ fn hangs_aslant(speeds: &[f32]) {
         }
         println!("{speed} m/s: {:.3}°, by the formula {:.3}°", found.to_degrees(), low.to_degrees());
         assert!((found - low).abs().to_degrees() < 0.5);
-        // Across a fifth of the angle the formula would have to be far off.
+        // The formula excludes angles that are a fifth off.
         assert!(pull(0.8 * low) > 0.0 && pull((1.2 * low).min(1.57)) < 0.0);
     }
 }
 
 #[test]
-fn the_lee_side_of_the_long_style_moves_less() {
+fn lee_side_of_the_long_style_moves_less() {
     let Some(stage) = Setup::open() else { return };
     let Some(built) = common::character("long", 500) else { return };
     let mut hair = stage.hair(&built.groom, &built.field, 32);
@@ -280,7 +280,7 @@ fn the_lee_side_of_the_long_style_moves_less() {
     for _ in 0..40 {
         stage.simulate(&mut hair, &physics, 0.05);
         let now = stage.guides(&hair);
-        // How far from rest vertices are, and how fast, by the side that they rest on.
+        // Mean distance from rest, and mean speed, of the vertices that rest on a side.
         let mean = |side: &dyn Fn(Vec3) -> bool| {
             let moves: Vec<_> = rest
                 .iter()
@@ -298,8 +298,8 @@ fn the_lee_side_of_the_long_style_moves_less() {
         }
         last = now;
     }
-    // The wind holds the windward hair on the head, far from rest but quiet; in the wake hair stays
-    // nearer to its place and flutters.
+    // The wind holds the windward hair on the head, far from rest but quiet. In the wake, hair stays nearer to its
+    // place and flutters.
     println!(
         "windward: {} m from rest at {} m/s; lee: {} m at {} m/s",
         windward[0], windward[1], lee[0], lee[1]
@@ -308,7 +308,7 @@ fn the_lee_side_of_the_long_style_moves_less() {
 }
 
 #[test]
-fn calm_makes_no_air_and_changes_nothing() {
+fn calm_air_allocates_and_changes_nothing() {
     let Some(stage) = Setup::open() else { return };
     let groom = bind(&common::hanging(60, 12, 0.12), &BindOptions::default()).unwrap();
     let field = common::ball(0.09, 40);

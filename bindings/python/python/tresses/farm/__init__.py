@@ -1,8 +1,10 @@
-"""Sweeps of grooms, looks, motions and cameras as data sets, by many workers: processes of this machine, or a Ray cluster.
+"""Data sets of hair: sweeps of grooms, looks, motions and cameras, rendered by many workers.
+
+Workers are processes on this machine or actors on a Ray cluster.
 
     python -m tresses.farm plan.toml --out shots --workers 2
 
-The guide is docs/farm.md of the project.
+The guide is docs/farm.md in the repository.
 """
 
 from __future__ import annotations
@@ -27,27 +29,32 @@ def run(
     gpus: float = 0.0,
     tell: Callable[[str], Any] = print,
 ) -> Path:
-    """Draws a plan into a folder; what is there already is kept. Raises `FolderError` where that cannot be, also when shots
-    were refused and left out.
+    """Render a plan into a folder. Shards that are there already are kept.
 
     Parameters
     ----------
     plan : Plan
+        Plan to render.
     out : path
-        A folder of this plan, an empty one, or one that does not exist.
+        Folder of this plan, an empty folder, or a path that does not exist.
     workers : int, optional
-        How many; 1 without Ray, as many as the cluster has cores with it.
+        Number of workers. The default is 1, or on Ray one per core of the cluster.
     ray : str, optional
-        Where Ray is: an address, ``"auto"``, or ``"local"`` for one that is started for this run.
+        Address of a Ray cluster, ``"auto"``, or ``"local"`` to start Ray for this run.
     gpus : float
-        What a worker takes of Ray's GPUs.
+        Share of a GPU that each worker reserves on Ray.
     tell : callable
-        Is called with each line of what goes on.
+        Called with each line of progress.
 
     Returns
     -------
     Path
         The manifest.
+
+    Raises
+    ------
+    FolderError
+        If the folder cannot be used, or if shots failed and were left out.
     """
     from .drive import Driver
 
@@ -59,7 +66,7 @@ def run(
     folder.open()
     if len(folder.records()) == len(plan.shards):
         folder.finish(folder.records())
-        tell(f"all {len(plan.shards)} shards are there")
+        tell(f"all {len(plan.shards)} shards are done already")
         return folder.path / "manifest.json"
     if ray is None:
         from .local import Local
@@ -72,6 +79,6 @@ def run(
     driver = Driver(folder, engine, workers, tell)
     driver.run()
     if driver.refused:
-        raise FolderError(f"{len(driver.refused)} of {len(plan.shots)} shots were left out; there is no manifest")
+        raise FolderError(f"{len(driver.refused)} of {len(plan.shots)} shots failed; no manifest was written")
     driver.close()
     return folder.path / "manifest.json"

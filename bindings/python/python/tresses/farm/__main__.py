@@ -16,26 +16,26 @@ from .drive import duration
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="python -m tresses.farm",
-        description="Draws the shots of a plan into a data set of WebDataset shards, by many workers. What is there already "
-        "is kept: the same command goes on after whatever ended it.",
-        epilog="Exit codes: 0 done, 1 something failed while it ran, 2 the plan or a word is wrong, 130 Ctrl-C. "
+        description="Render the shots of a plan into a data set of WebDataset shards, with many workers. Finished "
+        "shards are kept: run the same command again to resume.",
+        epilog="Exit codes: 0 success, 1 the run failed, 2 the plan or an argument is invalid, 130 Ctrl-C. "
         "Guide: docs/farm.md.",
     )
-    parser.add_argument("plan", help="what is to be drawn, TOML")
-    parser.add_argument("--out", metavar="FOLDER", help="where it goes; out/NAME for NAME.toml")
-    parser.add_argument("--workers", type=_count, metavar="N", help="1 here, as many as there are cores on Ray")
-    parser.add_argument("--ray", metavar="ADDRESS", help="on Ray: an address, auto, or local for one of its own")
-    parser.add_argument("--gpus", type=_share, default=0.0, metavar="SHARE", help="of a GPU of Ray's, for each worker")
-    parser.add_argument("--dry-run", action="store_true", help="say what would be drawn, and draw nothing")
-    parser.add_argument("--simulate", type=_counts, metavar="N,N,…", help="how long it would take so many workers")
-    parser.add_argument("--costs", metavar="FILE", help="of which run, for --simulate and --dry-run: its costs.json")
+    parser.add_argument("plan", help="plan file (TOML)")
+    parser.add_argument("--out", metavar="FOLDER", help="output folder; default: out/NAME for NAME.toml")
+    parser.add_argument("--workers", type=_count, metavar="N", help="number of workers; default: 1, or on Ray one per core")
+    parser.add_argument("--ray", metavar="ADDRESS", help="run on Ray: an address, auto, or local to start Ray for this run")
+    parser.add_argument("--gpus", type=_share, default=0.0, metavar="SHARE", help="share of a GPU per worker, on Ray")
+    parser.add_argument("--dry-run", action="store_true", help="print the shots and render nothing")
+    parser.add_argument("--simulate", type=_counts, metavar="N,N,…", help="estimate the time for N workers")
+    parser.add_argument("--costs", metavar="FILE", help="costs.json of an earlier run, for --simulate and --dry-run")
     parser.add_argument("--verify", action="store_true", help="compare all shards with the manifest")
     return parser
 
 
 def _count(text: str) -> int:
     if not text.isdigit() or not 1 <= int(text) <= 10_000:
-        raise argparse.ArgumentTypeError(f"{text} is no whole number from 1 to 10000")
+        raise argparse.ArgumentTypeError(f"{text} is not a whole number from 1 to 10000")
     return int(text)
 
 
@@ -49,7 +49,7 @@ def _share(text: str) -> float:
     except ValueError:
         share = -1.0
     if not 0 <= share <= 16:
-        raise argparse.ArgumentTypeError(f"{text} is no number from 0 to 16")
+        raise argparse.ArgumentTypeError(f"{text} is not a number from 0 to 16")
     return share
 
 
@@ -57,7 +57,7 @@ def _described(plan: Plan, costs: forecast.Costs | None) -> str:
     shots, cameras, shards = len(plan.shots), len(plan.cameras), len(plan.shards)
     total = shots * plan.frames * cameras
     lines = [
-        f"{shots} shots of {plan.frames} frames by {cameras} cameras: {total} pictures of {plan.size[0]} x {plan.size[1]}, "
+        f"{shots} shots of {plan.frames} frames by {cameras} cameras: {total} images of {plan.size[0]} x {plan.size[1]}, "
         f"{shards} shards, seed {plan.seed}",
         f"outputs: {', '.join(plan.outputs)}; cameras: {', '.join(camera.name for camera in plan.cameras)}",
     ]
@@ -71,7 +71,7 @@ def _described(plan: Plan, costs: forecast.Costs | None) -> str:
         lines.append(f"  and {shots - 20} more")
     if costs:
         one = forecast.forecast(plan, costs, 1)
-        lines.append(f"one worker takes {duration(one.seconds)}, by {costs.told}")
+        lines.append(f"one worker takes {duration(one.seconds)}, estimated from {costs.told}")
     return "\n".join(lines)
 
 
@@ -105,7 +105,7 @@ def main() -> int:
         tell(f"error: {error}")
         return 1
     except KeyboardInterrupt:
-        tell(f"ended; the same command goes on from the shards in {out}")
+        tell(f"interrupted; run the same command again to resume from the shards in {out}")
         return 130
 
 

@@ -1,4 +1,4 @@
-"""Cameras of a plan: a named angle, an eye and a target, or a place around the hair that may be drawn for each shot."""
+"""Cameras of a plan: a named angle, eye and target, or a position around the hair, which may be random per shot."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from .sweep import Range, range_of
 
 ANGLES = ("front", "three-quarter", "side", "back")
 Amount = Union[float, Range]
-# Of `Simulation.render`, vertically.
+# Vertical field of view of `Simulation.render`.
 _FIELD = math.radians(30)
 
 
 @dataclass(frozen=True)
 class Camera:
-    """Where pictures are taken from. Angles are degrees: azimuth from the face (+Z) to the character's left (+X)."""
+    """A camera. Angles are in degrees; azimuth runs from the face (+Z) to the character's left (+X)."""
 
     name: str
     angle: Optional[str] = None
@@ -32,7 +32,7 @@ class Camera:
     distance: Optional[Amount] = None
 
     def placed(self, seed: int, rest: np.ndarray, size: tuple[int, int]) -> dict[str, Any]:
-        """The keywords of `Simulation.render` for a shot with this seed, whose guides at rest are those."""
+        """Return the camera keywords of `Simulation.render` for a shot with this seed and these guides at rest."""
 
         def amount(name: str) -> Any:
             value = getattr(self, name)
@@ -46,7 +46,7 @@ class Camera:
         target = np.array(self.target) if self.target else (points.min(axis=0) + points.max(axis=0)) / 2
         distance = amount("distance")
         if distance is None:
-            # From where all hair at rest is in the picture, and a quarter of room around it for what moves.
+            # Fit all hair at rest into the frame, with a margin of a quarter for motion.
             radius = np.linalg.norm(points - target, axis=1).max()
             half = math.atan(math.tan(_FIELD / 2) * min(1.0, size[0] / size[1]))
             distance = 1.25 * radius / math.sin(half)
@@ -70,8 +70,8 @@ def cameras(plan: Table) -> list[Camera]:
         name = table.text("name")
         if name is None or not re.fullmatch(r"[a-z0-9][a-z0-9_-]{0,39}", name):
             raise PlanError(
-                f"{table.at('name')} is {'missing' if name is None else repr(name)}, but must be of a to z, 0 to 9, - and _: "
-                "it is in the names of files"
+                f"{table.at('name')} is {'missing' if name is None else repr(name)}, but must consist of a to z, 0 to 9, - "
+                "and _, because file names contain it"
             )
         angle, eye, target = table.text("angle"), table.vector("eye"), table.vector("target")
         azimuth, elevation = _amount(table, "azimuth", -360, 360), _amount(table, "elevation", -89, 89)
@@ -81,11 +81,11 @@ def cameras(plan: Table) -> list[Camera]:
         if angle is None and name in ANGLES and eye is None and azimuth is None:
             angle = name
         if angle is not None and angle not in ANGLES:
-            raise PlanError(f"{table.at('angle')} is {angle}; there are {', '.join(ANGLES)}")
+            raise PlanError(f"{table.at('angle')} is {angle}, but must be one of {', '.join(ANGLES)}")
         if sum(way is not None for way in (angle, eye, azimuth)) != 1:
-            raise PlanError(f"{table.path} ({name}) must have one of angle, eye and target, or azimuth")
+            raise PlanError(f"{table.path} ({name}) must have one of: angle, eye and target, azimuth")
         if eye is not None and (target is None or math.dist(eye, target) < 1e-4):
-            raise PlanError(f"{table.path} ({name}) has an eye, and must have a target that is elsewhere")
+            raise PlanError(f"{table.path} ({name}) has an eye, so it must have a target at another point")
         for key, there, fits in [
             ("target", target, angle is None),
             ("zoom", zoom, angle is not None),
@@ -94,7 +94,7 @@ def cameras(plan: Table) -> list[Camera]:
             ("count", count if count > 1 else None, any(isinstance(v, Range) for v in (azimuth, elevation, distance))),
         ]:
             if there is not None and not fits:
-                raise PlanError(f"{table.at(key)} says nothing about a camera such as {name}")
+                raise PlanError(f"{table.at(key)} does not apply to camera {name}")
         for i in range(count):
             each = name if count == 1 else f"{name}-{i}"
             at = Camera(each, angle, zoom or 1.0, eye, target, azimuth, elevation or 0.0, distance)

@@ -1,4 +1,4 @@
-"""Values of a plan, taken one by one: what is missing, of another type, absurd or unknown is said with its path."""
+"""Validation of plans: errors for missing, invalid and unknown values name the path of the value."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import Any, Iterable, Sequence
 
 
 class PlanError(ValueError):
-    """What is wrong with a plan, in one sentence that begins with the place in it."""
+    """Error in a plan. The message is one sentence that begins with the path of the value."""
 
 
 class Table:
-    """A table of a plan at a path, ``camera[2]`` for the third of ``[[camera]]``."""
+    """A table of a plan and its path, such as ``camera[2]`` for the third ``[[camera]]``."""
 
     def __init__(self, values: Any, path: str = "") -> None:
         if not isinstance(values, dict):
@@ -48,7 +48,7 @@ class Table:
     def text(self, key: str, default: str | None = None) -> str | None:
         value = self.any(key, default)
         if value is not None and (not isinstance(value, str) or not value):
-            raise PlanError(f"{self.at(key)} is {kind(value)}, but must be a text")
+            raise PlanError(f"{self.at(key)} is {kind(value)}, but must be a string")
         return value
 
     def flag(self, key: str, default: bool = False) -> bool:
@@ -58,11 +58,11 @@ class Table:
         return value
 
     def texts(self, key: str, default: Sequence[str] | None = None) -> list[str]:
-        """A text, or a list of different ones."""
+        """Return a list of distinct strings, from one string or a list."""
         value = self.any(key, default)
         values = [value] if isinstance(value, str) else value
         if not isinstance(values, (list, tuple)) or not values or not all(isinstance(v, str) and v for v in values):
-            raise PlanError(f"{self.at(key)} is {kind(value)}, but must be a text or a list of texts")
+            raise PlanError(f"{self.at(key)} is {kind(value)}, but must be a string or a list of strings")
         unlike(values, self.at(key))
         return list(values)
 
@@ -81,13 +81,13 @@ class Table:
         return [Table(each, f"{self.at(key)}[{i}]") for i, each in enumerate(value)]
 
     def done(self) -> None:
-        """Refuses what nobody asked for."""
+        """Raise an error for keys that have not been read."""
         for key in self._left:
             raise PlanError(f"{self.at(key)} is unknown; {self.path or 'a plan'} has {', '.join(sorted(set(self._known)))}")
 
 
 def kind(value: Any) -> str:
-    """A value in words, short enough for a sentence."""
+    """Describe a value in a few characters for error messages."""
     if value is None:
         return "missing"
     text = repr(value)
@@ -103,10 +103,10 @@ def number(value: Any, path: str, least: float, most: float) -> float:
 
 
 def unlike(values: Iterable[Any], path: str) -> None:
-    """Refuses what is there twice."""
+    """Raise an error for duplicate values."""
     seen: list[Any] = []
     for value in values:
-        # 1, 1.0 and true are one another's equals, but no equal settings.
+        # 1, 1.0 and True compare equal, but are different settings.
         if any(value == other and type(value) is type(other) for other in seen):
             raise PlanError(f"{path} has {kind(value)} twice")
         seen.append(value)

@@ -1,4 +1,4 @@
-"""The driver: gives shards to workers until all are there."""
+"""The driver: assigns shards to workers until all are done."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any, Callable
 from .folder import Folder, FolderError, write
 from .schedule import Schedule
 
-# A shard whose worker is lost so often is the cause of it.
+# Number of workers that may be lost on one shard before the run fails.
 _TRIES = 3
-# How often it is said how far it is, at most; seconds.
+# Minimum interval between progress messages, seconds.
 _PACE = 2.0
 
 
@@ -37,7 +37,7 @@ class Driver:
 
     def run(self) -> None:
         if self.records and self.schedule.left:
-            self.tell(f"{len(self.records)} of {len(self.plan.shards)} shards are there already")
+            self.tell(f"{len(self.records)} of {len(self.plan.shards)} shards are done already")
         try:
             for worker in range(self.workers):
                 self._start(worker)
@@ -78,7 +78,7 @@ class Driver:
         elif kind == "refused":
             shot = self.plan.shots[self.plan.shards[self._given.pop(worker)[0]].shot]
             if shot.index not in self.refused:
-                self.tell(f"shot {shot.index} ({shot.name}) is left out: {value}")
+                self.tell(f"shot {shot.index} ({shot.name}) failed: {value}")
             self.refused[shot.index] = value
             self.schedule.refused(worker, {shard.index for shard in self.plan.shards if shard.shot == shot.index})
             self._next(worker)
@@ -86,13 +86,13 @@ class Driver:
             self._given.pop(worker, None)
             shard = self.schedule.lost(worker)
             what = "no shard" if shard is None else f"shard {shard}"
-            self.tell(f"worker {worker} is lost with {what} ({value}); another takes its place")
-            # Whoever dies before it has a shard counts as well: that would never end.
+            self.tell(f"worker {worker} was lost with {what} ({value}); another worker replaces it")
+            # Also count workers lost before they get a shard; otherwise the run might never end.
             tries = self._tries[-1 if shard is None else shard] = self._tries.get(-1 if shard is None else shard, 0) + 1
             if tries == _TRIES:
-                raise FolderError(f"{_TRIES} workers were lost with {what}, the last one because {value}")
+                raise FolderError(f"{_TRIES} workers were lost with {what}; the last reason: {value}")
             self._start(worker)
-            # There may be no room for another: whoever waits takes what was lost.
+            # The new worker may never start, so let idle workers take the lost shard.
             idle, self._idle = self._idle, set()
             for other in sorted(idle):
                 self._next(other)
@@ -100,7 +100,7 @@ class Driver:
             raise FolderError(f"worker {worker}: {value}")
 
     def _learn(self, cost: dict[str, Any]) -> None:
-        """What steps are of the whole, by the shards so far; a worker's first one is none to learn from."""
+        """Update the share of time that steps take. A worker's first shard is excluded because it includes warm-up."""
         if not cost["first"]:
             self._steps += cost["seconds"]["steps"]
             self._all += sum(cost["seconds"].values())
@@ -116,12 +116,12 @@ class Driver:
         total = len(plan.shots) * plan.frames * len(plan.cameras)
         rate = self._new / passed
         self.tell(
-            f"{len(self.records)} of {len(plan.shards)} shards, {pictures} of {total} pictures, "
-            f"{rate:.2f} a second, {duration((total - pictures) / rate)} left"
+            f"{len(self.records)} of {len(plan.shards)} shards, {pictures} of {total} images, "
+            f"{rate:.2f} per second, {duration((total - pictures) / rate)} left"
         )
 
     def costs(self) -> dict[str, Any]:
-        """What this run cost, beside the costs in the records."""
+        """Return the costs of this run, except those in the shard records."""
         return {
             "engine": self.engine.name,
             "workers": self.workers,
@@ -134,7 +134,7 @@ class Driver:
         }
 
     def close(self) -> None:
-        """What is to be written once all shards are there."""
+        """Write the costs and the manifest once all shards are done."""
         if self._new:
             write(self.folder.path / "costs.json", {"run": self.costs(), "shards": [
                 {"shot": self.plan.shots[self.plan.shards[index].shot].name, **self.records[index]["cost"]}
@@ -142,7 +142,7 @@ class Driver:
             ]})  # fmt: skip
         adapters = self.folder.finish(self.records)
         if len(adapters) > 1:
-            self.tell(f"{len(adapters)} adapters took part, whose bits may differ: {', '.join(adapters)}")
+            self.tell(f"{len(adapters)} adapters took part, so samples may not be bit-identical: {', '.join(adapters)}")
 
 
 def duration(seconds: float) -> str:

@@ -1,8 +1,8 @@
-"""Motion of pixels between two frames, from the strands themselves.
+"""Pixel motion between two frames, computed from the strands.
 
-`Simulation.render` tells motion since its last picture, which with several cameras is another camera's. Here a pixel shows
-a point of a strand (``strand``, ``along``); where that was a frame before, seen by the same camera, is known exactly, from
-whichever frame a worker began.
+`Simulation.render` returns the motion since its last call, which may be for another camera. This module takes the strand
+point that a pixel shows (``strand``, ``along``), finds its position one frame earlier, and projects it with the same
+camera. The result is exact and does not depend on the frame at which a worker started.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ LABELS = ("strand", "groom", "along")
 
 
 class Moment:
-    """All strands at one time, and the matrices of the cameras that look at them, by their names."""
+    """All strands at one time, and the view-projection matrices of the cameras by name."""
 
     def __init__(self, grooms: list, cameras: dict[str, np.ndarray]) -> None:
         self.positions = [strands.positions for strands in grooms]
@@ -21,7 +21,7 @@ class Moment:
         self.cameras = cameras
 
     def points(self, groom: int, strand: np.ndarray, along: np.ndarray) -> np.ndarray:
-        """Points on strands, by the share of their vertices."""
+        """Return points on strands; `along` is the position from 0 (root) to 1 (tip) by vertex index."""
         first, last = self.offsets[groom][strand], self.offsets[groom][strand + 1] - 1
         at = along.astype(float) * (last - first)
         vertex = np.minimum(first + at.astype(np.int64), last - 1)
@@ -35,7 +35,10 @@ class Moment:
 
 
 def motion(seen: dict, now: Moment, before: Moment | None, camera: str) -> np.ndarray:
-    """Pixels to the right and down since the frame before: float32 [h, w, 2], nan without hair and in the first frame."""
+    """Return the motion since the previous frame, pixels to the right and down: float32 [h, w, 2].
+
+    It is nan without hair and in the first frame.
+    """
     height, width = seen["strand"].shape
     out = np.full((height, width, 2), np.nan, np.float32)
     if before is None:

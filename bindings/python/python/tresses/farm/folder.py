@@ -1,6 +1,7 @@
-"""The folder of a run: plan, shards, what is known of each, and when all are there the manifest.
+"""Folder of a run: plan, shards, a record per shard, and the manifest once all shards are done.
 
-A shard counts once its record is there, which is written after it; both come by renaming, so a file is whole or absent.
+A shard counts as done once its record exists, which is written after the shard. Both are renamed into place, so a file
+is either complete or absent.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from .plan import Plan, described
 
 
 class FolderError(Exception):
-    """What is wrong with a folder, in one sentence."""
+    """Error about a folder. The message is one sentence."""
 
 
 def version() -> str:
@@ -31,31 +32,31 @@ class Folder:
         self.path, self.plan = Path(path).absolute(), plan
 
     def open(self) -> None:
-        """Makes it, or sees to it that it is of the same plan and library."""
+        """Create the folder, or check that it belongs to the same plan and version of the library."""
         own = {"fingerprint": self.plan.fingerprint, "tresses": version()}
         file = self.path / "plan.json"
         try:
             if file.exists():
                 there = json.loads(file.read_text())
                 if there["fingerprint"] != own["fingerprint"]:
-                    raise FolderError(f"{self.path} holds another plan, or one whose files have changed: give another folder")
+                    raise FolderError(f"{self.path} contains another plan, or its files have changed: choose another folder")
                 if there["tresses"] != own["tresses"]:
-                    raise FolderError(f"{self.path} was begun by tresses {there['tresses']}, this is {own['tresses']}")
+                    raise FolderError(f"{self.path} was created by tresses {there['tresses']}, but this is {own['tresses']}")
             elif self.path.is_dir() and any(self.path.iterdir()):
-                raise FolderError(f"{self.path} holds something else: give a folder that is empty or does not exist")
+                raise FolderError(f"{self.path} contains other files: choose an empty folder or a new path")
             (self.path / "shards").mkdir(parents=True, exist_ok=True)
             (self.path / "records").mkdir(exist_ok=True)
             write(file, {**own, "plan": described(self.plan)})
         except OSError as error:
             raise FolderError(f"{error.filename or self.path}: {error.strerror}") from None
         except (ValueError, KeyError, TypeError):
-            raise FolderError(f"{file} is no plan that this library wrote") from None
+            raise FolderError(f"{file} is not a plan that this library wrote") from None
 
     def record(self, record: dict[str, Any]) -> None:
         write(self.path / "records" / f"{record['shard']:06}.json", record)
 
     def records(self) -> dict[int, dict[str, Any]]:
-        """Of shards that are there."""
+        """Return the records of finished shards by shard index."""
         found = {}
         for shard in self.plan.shards:
             try:
@@ -67,7 +68,7 @@ class Folder:
         return found
 
     def finish(self, records: dict[int, dict[str, Any]]) -> list[str]:
-        """Writes the manifest; the adapters that took part, which should be one."""
+        """Write the manifest. Return the names of the adapters that took part, normally one."""
         for part in (self.path / "shards").glob(".*.part"):
             part.unlink(missing_ok=True)
         adapters = {json.dumps(record["adapter"], sort_keys=True) for record in records.values()}
@@ -105,12 +106,15 @@ def write(file: Path, what: Any) -> None:
 
 
 def verify(path: str | os.PathLike[str]) -> str:
-    """Reads all shards that the manifest names: each with its hash, each sample there once. What was found."""
+    """Check the shards of a manifest and return a summary.
+
+    Every shard must match its hash, and every sample must occur exactly once.
+    """
     path = Path(path)
     try:
         manifest = json.loads((path / "manifest.json").read_text())
     except (OSError, ValueError):
-        raise FolderError(f"{path} has no manifest: the run is not complete, or is none") from None
+        raise FolderError(f"{path} has no manifest: the run is not complete, or this is not the folder of a run") from None
     plan = manifest["plan"]
     keys: set[str] = set()
     for shard in manifest["shards"]:
@@ -120,7 +124,7 @@ def verify(path: str | os.PathLike[str]) -> str:
         except OSError as error:
             raise FolderError(f"{file}: {error.strerror}") from None
         if digest != shard["sha256"]:
-            raise FolderError(f"{file} is not what the manifest says: its SHA-256 is {digest}")
+            raise FolderError(f"{file} does not match the manifest: its SHA-256 is {digest}")
         first, last = shard["frames"]
         due = {
             f"{shard['shot']:06}-{frame:06}-{camera['name']}"
@@ -132,5 +136,5 @@ def verify(path: str | os.PathLike[str]) -> str:
             raise FolderError(f"{file} has other samples than the plan")
         keys |= due
     if len(keys) != len(plan["shots"]) * plan["frames"] * len(plan["cameras"]):
-        raise FolderError(f"{path} has {len(keys)} samples, but the plan has others")
-    return f"{len(manifest['shards'])} shards with {len(keys)} samples are what the manifest says"
+        raise FolderError(f"{path} has {len(keys)} samples, but the plan has other ones")
+    return f"{len(manifest['shards'])} shards with {len(keys)} samples match the manifest"

@@ -1,7 +1,7 @@
-"""How long a plan takes with any number of workers: its schedule, played with costs that were measured.
+"""Estimates how long a plan takes with a number of workers, by simulating its schedule with measured costs.
 
-Each worker is as fast as those that were measured and has its machine's part for itself; the driver answers one worker after
-another.
+It assumes that all workers are as fast as the measured ones and share no resources. The driver serves one worker at a
+time.
 """
 
 from __future__ import annotations
@@ -20,14 +20,17 @@ from .plan import Plan
 from .schedule import Schedule
 
 
-# What is counted, and what of a worker's seconds it takes.
+# Counted units of work, and the categories of a worker's time that they use.
 _KINDS = {"grooms": ("groom",), "shots": ("shot",), "steps": ("steps",), "pictures": ("pictures", "writing")}
 
 
 @dataclass(frozen=True)
 class Costs:
-    """Seconds: of each kind of work, by shot where that was measured; of a worker's start with what its first shard takes
-    longer; and of the driver for each shard."""
+    """Costs in seconds.
+
+    `each` is the mean per unit of work and `shots` the same per shot, where measured. `start` is a worker's startup,
+    including the extra time of its first shard. `dispatch` is the driver's time per shard.
+    """
 
     each: dict[str, float]
     start: float
@@ -43,14 +46,14 @@ class Costs:
 class Forecast:
     workers: int
     seconds: float
-    # Of the workers' time: drawing and writing; steps that another worker did as well; waiting.
+    # Shares of the workers' time: rendering and writing; repeating steps that another worker also did; idle.
     drawing: float
     again: float
     idle: float
 
 
 def read(file: str | os.PathLike[str]) -> Costs:
-    """Of a run's ``costs.json``."""
+    """Read the costs in a run's ``costs.json``."""
     try:
         found = json.loads(Path(file).read_text())
         run, shards = found["run"], found["shards"]
@@ -69,8 +72,8 @@ def read(file: str | os.PathLike[str]) -> Costs:
         told = f"{len(shards)} shards on {run['engine']} with {run['workers']} workers"
         return Costs(each, start, max(0.0, run["dispatch"]), shots, told)
     except (OSError, ValueError, KeyError, TypeError) as error:
-        reason = getattr(error, "strerror", None) or "no costs of a run are in it"
-        raise PlanError(f"{file}: {reason}; a run that is complete writes costs.json into its folder") from None
+        reason = getattr(error, "strerror", None) or "the file has no costs of a run"
+        raise PlanError(f"{file}: {reason}; a completed run writes costs.json into its folder") from None
 
 
 def _means(shards: Sequence[dict], usual: dict[str, float]) -> dict[str, float]:
@@ -127,7 +130,7 @@ def table(plan: Plan, costs: Costs, counts: Sequence[int]) -> str:
     rows = [forecast(plan, costs, count) for count in counts]
     one = rows[0] if rows[0].workers == 1 else forecast(plan, costs, 1)
     lines = [
-        "| workers | seconds | times faster | of the workers' time drawing | steps done again | waiting |",
+        "| workers | seconds | speedup | rendering | repeated steps | idle |",
         "|---|---|---|---|---|---|",
     ]
     for row in rows:

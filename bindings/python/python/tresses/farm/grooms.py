@@ -1,4 +1,4 @@
-"""Grooms of a plan: a built-in style, files, or a preset."""
+"""Grooms of a plan: built-in styles, files, or presets."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ STYLES = ("long", "bob", "curly", "short")
 
 @dataclass(frozen=True)
 class Groom:
-    """Where hair comes from; paths are absolute."""
+    """Source of a groom. Paths are absolute."""
 
     name: str
     way: str
@@ -56,7 +56,7 @@ def grooms(plan: Table, folder: Path) -> list[Groom]:
     for table in plan.tables("groom") or [Table({"style": "long"}, "groom")]:
         groom = _groom(table, folder)
         if any(groom.name == other.name for other in found):
-            raise PlanError(f"{table.path}: there are two grooms called {groom.name}; give each a name")
+            raise PlanError(f"{table.path}: there are two grooms called {groom.name}; give each its own name")
         found.append(groom)
     return found
 
@@ -68,13 +68,13 @@ def _groom(table: Table, folder: Path) -> Groom:
     way = ways[0]
     names = table.texts(way)
     if way != "file" and len(names) > 1:
-        raise PlanError(f"{table.at(way)} is one name; write a [[groom]] for each")
+        raise PlanError(f"{table.at(way)} must be one name; write a [[groom]] for each")
     usual = names[0] if way == "style" else Path(names[0]).stem
     name = table.text("name") or usual
     own = settings(table)
     if way == "style":
         if names[0] not in STYLES:
-            raise PlanError(f"{table.at('style')} is {names[0]}; there are {', '.join(STYLES)}")
+            raise PlanError(f"{table.at('style')} is {names[0]}, but must be one of {', '.join(STYLES)}")
         return Groom(name, way, names[0], files=_companions(table, folder), settings=own)
     files = tuple(str(folder / each) for each in names)
     if way == "preset":
@@ -90,7 +90,7 @@ def _groom(table: Table, folder: Path) -> Groom:
         words["mirror"] = table.flag("mirror")
     words = {word: value for word, value in words.items() if value is not None}
     beside = _companions(table, folder)
-    # Read here once, so that a file that is broken is heard of now and not an hour later from a worker.
+    # Read the files once, so that errors show now and not an hour later in a worker.
     try:
         tresses.read(list(files), list(head) or None, **words)
     except tresses.TressesError as error:
@@ -105,7 +105,7 @@ def _companions(table: Table, folder: Path) -> dict[str, str]:
         if name is not None:
             path = folder / name
             if not path.exists():
-                raise PlanError(f"{table.at(key)}: there is no {path}")
+                raise PlanError(f"{table.at(key)}: {path} does not exist")
             beside[key] = str(path)
     table.done()
     return beside

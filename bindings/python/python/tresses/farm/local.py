@@ -1,4 +1,4 @@
-"""Workers as processes of this machine."""
+"""Workers as processes on this machine."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ import tresses
 
 from .plan import Plan
 
-# What an engine tells: ("ready", worker, facts), ("done", worker, record), ("refused", worker, sentence),
-# ("broken", worker, sentence) for what is no fault of a shot, ("lost", worker, how).
+# Events of an engine: ("ready", worker, facts), ("done", worker, record), ("refused", worker, message) if a shot is
+# invalid, ("broken", worker, message) for errors that no shot causes, ("lost", worker, reason).
 
 
 def facts(worker: Any) -> dict[str, Any]:
@@ -23,7 +23,7 @@ def facts(worker: Any) -> dict[str, Any]:
 
 
 def tried(call: Any) -> tuple[str, Any]:
-    """What a call gives, or why it cannot."""
+    """Return the result of a call, or the kind and message of its error."""
     try:
         return "done", call()
     except tresses.TressesError as error:
@@ -35,7 +35,7 @@ def tried(call: Any) -> tuple[str, Any]:
 
 
 def _serve(pipe: connection.Connection, plan: Plan, folder: str) -> None:
-    """A worker's process: shards in, records out, until the pipe ends."""
+    """Run a worker process: receive shards and send records until the pipe closes."""
     from .work import Worker
 
     kind, worker = tried(lambda: Worker(plan))
@@ -48,22 +48,22 @@ def _serve(pipe: connection.Connection, plan: Plan, folder: str) -> None:
             shard = pipe.recv()
             pipe.send(tried(lambda: worker.do(shard, folder)))
     except (EOFError, BrokenPipeError, ConnectionResetError):
-        # The driver is no more.
+        # The driver has ended.
         pass
 
 
 class Local:
     name = "processes"
-    # What it took to be there at all.
+    # Startup time of the engine.
     seconds = 0.0
 
     def __init__(self, plan: Plan, folder: str, workers: int) -> None:
         self._plan, self._folder = plan, folder
-        # A process that is forked cannot use a GPU that was opened before.
+        # A forked process cannot use a GPU that its parent has opened.
         self._context = multiprocessing.get_context("spawn")
         self._pipes: dict[int, connection.Connection] = {}
         self._processes: dict[int, Any] = {}
-        # A software driver takes all cores for one picture; workers side by side share them.
+        # A software driver uses all cores for one frame, so divide them among the workers.
         self._threads = str(max(1, (os.cpu_count() or 1) // workers))
 
     def start(self, worker: int) -> None:
@@ -71,7 +71,7 @@ class Local:
         process = self._context.Process(target=_serve, args=(theirs, self._plan, self._folder), daemon=True)
         given = os.environ.get("LP_NUM_THREADS")
         os.environ["LP_NUM_THREADS"] = given or self._threads
-        # Ctrl-C is for the driver, which ends its workers; one that is started now inherits that it ignores it.
+        # Ctrl-C goes to the driver, which stops its workers. A worker started here inherits the ignored signal.
         main = threading.current_thread() is threading.main_thread()
         handler = signal.signal(signal.SIGINT, signal.SIG_IGN) if main else None
         try:
@@ -88,7 +88,7 @@ class Local:
         try:
             self._pipes[worker].send(shard)
         except (BrokenPipeError, ConnectionResetError):
-            # `wait` sees that it is lost.
+            # `wait` reports the lost worker.
             pass
 
     def wait(self, seconds: float) -> Iterator[tuple[str, int, Any]]:
@@ -102,7 +102,7 @@ class Local:
                 process = self._processes.pop(worker)
                 process.join(5)
                 self._pipes.pop(worker).close()
-                yield "lost", worker, f"its process ended with {process.exitcode}"
+                yield "lost", worker, f"its process exited with code {process.exitcode}"
             else:
                 yield kind, worker, value
 

@@ -1,7 +1,7 @@
-"""Workers as actors of Ray, on the machines of a cluster.
+"""Workers as Ray actors on the machines of a cluster.
 
-Ray places and starts them and says when one is lost. Which shard is done next, and that none is lost or doubled, is the
-driver's: Ray would begin a lost task again, but not with what the worker knew.
+Ray places and starts the actors and reports lost ones. The driver, not Ray, assigns shards and retries lost ones: Ray
+would restart a lost task without the state of its worker.
 """
 
 from __future__ import annotations
@@ -18,29 +18,29 @@ from .plan import Plan
 
 
 def installed() -> Any:
-    """The module of Ray."""
-    # Ray counts who uses it unless told otherwise; that is for its users to decide, not for a library.
+    """Return the Ray module."""
+    # Disable Ray's usage statistics unless the user has chosen; a library should not opt its users in.
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
     try:
         import ray
     except ModuleNotFoundError:
-        raise FolderError("--ray takes the package Ray: pip install 'tresses[farm]'") from None
+        raise FolderError("--ray needs the package Ray: pip install 'tresses[farm]'") from None
     return ray
 
 
 def _knock(address: str) -> None:
-    """Fails where nobody answers at a host and a port: Ray would go on asking for minutes."""
+    """Fail fast if nothing listens at a host and port. Ray would retry for minutes."""
     host, colon, port = address.removeprefix("ray://").rpartition(":")
     if not colon:
         return
     try:
         socket.create_connection((host.strip("[]"), int(port)), 5).close()
     except (OSError, ValueError, OverflowError) as error:
-        raise FolderError(f"no Ray at {address}: {getattr(error, 'strerror', None) or error}") from None
+        raise FolderError(f"cannot connect to Ray at {address}: {getattr(error, 'strerror', None) or error}") from None
 
 
 class Actor:
-    """What Ray starts: a worker in a process of its own."""
+    """A worker in a process that Ray starts."""
 
     def __init__(self, plan: Plan, folder: str) -> None:
         from .work import Worker
@@ -67,14 +67,14 @@ class OnRay:
         try:
             ray.init(**words)
         except (ConnectionError, ValueError, RuntimeError) as error:
-            raise FolderError(f"no Ray at {address}: {str(error).splitlines()[0]}") from None
+            raise FolderError(f"cannot connect to Ray at {address}: {str(error).splitlines()[0]}") from None
         self.seconds = time.monotonic() - began
         there = ray.cluster_resources()
         cores = int(there.get("CPU", 1))
         fit = min(cores, int(there.get("GPU", 0) / gpus)) if gpus else cores
         if fit == 0:
             ray.shutdown()
-            raise FolderError(f"Ray at {address} has no GPU for a worker that takes {gpus:g}")
+            raise FolderError(f"Ray at {address} has no GPU for a worker that reserves {gpus:g}")
         self.name, self.workers = f"Ray {ray.__version__}", workers or fit
         self._folder, self._plan = folder, ray.put(plan)
         threads = os.environ.get("LP_NUM_THREADS") or str(max(1, cores // self.workers) if address == "local" else 1)
@@ -83,7 +83,7 @@ class OnRay:
             options["num_gpus"] = gpus
         self._make = ray.remote(Actor).options(**options)
         self._actors: dict[int, Any] = {}
-        # What is asked of actors, and whose it is.
+        # Pending results and their workers.
         self._asked: dict[Any, int] = {}
 
     def start(self, worker: int) -> None:
@@ -97,7 +97,7 @@ class OnRay:
         ray = self._ray
         if not self._asked:
             return
-        # `wait` gives as many as it is asked for at most, and no more than there are.
+        # With `num_returns=1`, `wait` returns only one result; fetch the other finished ones too.
         first, _ = ray.wait(list(self._asked), num_returns=1, timeout=seconds)
         more, _ = ray.wait(list(self._asked), num_returns=len(self._asked), timeout=0) if first else ([], [])
         for answer in more:

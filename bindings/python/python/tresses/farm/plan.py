@@ -1,4 +1,4 @@
-"""Plans: what is to be drawn, read from TOML and spread out into shots and shards."""
+"""Plans: read from TOML and expanded into shots and shards."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from .checks import PlanError, Table, kind, unlike
 from .grooms import Groom, grooms
 
 OUTPUTS = ("color", "linear", "coverage", "depth", "motion", "strand", "groom", "share", "along", "tangent")
-# Of a frame instead of a picture: the hair itself.
+# Outputs per frame instead of per image: the geometry of the hair.
 SHAPES = ("guides", "strands")
 _MOST_SHOTS = 1_000_000
 
 
 @dataclass(frozen=True)
 class Shot:
-    """What is simulated once: hair with a look in a motion."""
+    """A simulation run: hair with a look and a motion."""
 
     index: int
     name: str
@@ -35,7 +35,7 @@ class Shot:
 
 @dataclass(frozen=True)
 class Shard:
-    """Some frames of a shot, by all cameras: what a worker does at a time, and one file."""
+    """Consecutive frames of a shot by all cameras: the unit of work, and one file."""
 
     index: int
     shot: int
@@ -58,24 +58,24 @@ class Plan:
     cameras: tuple[Camera, ...]
     shots: tuple[Shot, ...]
     shards: tuple[Shard, ...]
-    # Where its paths begin.
+    # Base folder of relative paths.
     folder: str
     fingerprint: str = ""
 
     def steps(self, frame: int) -> int:
-        """Steps of simulation before a frame is drawn."""
+        """Return the number of simulation steps before a frame."""
         return self.settle + frame * self.every
 
     def pictures(self, shard: Shard) -> int:
         return (shard.end - shard.first) * len(self.cameras)
 
     def places(self) -> list[tuple[int, int]]:
-        """Of each shard its shot, and how many shards of the shot are before it."""
+        """Return for each shard its shot and its index within the shot."""
         each = len(self.shards) // len(self.shots)
         return [(shard.shot, shard.index % each) for shard in self.shards]
 
     def runs(self, missing: set[int]) -> list[list[int]]:
-        """Shards that are missing, those that follow one another in a shot together."""
+        """Group missing shards into runs of consecutive shards of one shot."""
         found: list[list[int]] = []
         last = None
         for shard in self.shards:
@@ -89,7 +89,7 @@ class Plan:
 
 
 def read(file: str | os.PathLike[str]) -> Plan:
-    """The plan of a file."""
+    """Read a plan from a file."""
     file = Path(file)
     try:
         text = file.read_text(encoding="utf-8")
@@ -99,12 +99,12 @@ def read(file: str | os.PathLike[str]) -> Plan:
 
 
 def parse(text: str, folder: str | os.PathLike[str] = ".") -> Plan:
-    """The plan of a text, whose paths begin in a folder."""
+    """Parse a plan. `folder` is the base of relative paths."""
     toml = _toml()
     try:
         table = Table(toml.loads(text))
     except toml.TOMLDecodeError as error:
-        raise PlanError(f"is no TOML: {error}") from None
+        raise PlanError(f"is not valid TOML: {error}") from None
     return _plan(table, Path(folder).absolute())
 
 
@@ -115,7 +115,7 @@ def _toml() -> Any:
         try:
             import tomli as toml
         except ModuleNotFoundError:
-            raise PlanError("takes Python 3.11 or the package tomli to be read: pip install tomli") from None
+            raise PlanError("needs Python 3.11 or the package tomli: pip install tomli") from None
     return toml
 
 
@@ -130,7 +130,7 @@ def _plan(table: Table, folder: Path) -> Plan:
     outputs = table.texts("outputs", ["color"])
     for name in outputs:
         if name not in OUTPUTS + SHAPES:
-            raise PlanError(f"outputs: there is no output {name}; there are {', '.join(OUTPUTS + SHAPES)}")
+            raise PlanError(f"outputs: there is no output {name}; choose {', '.join(OUTPUTS + SHAPES)}")
     background = _background(table)
     compress = table.flag("compress")
     motions = [_motion(name, folder) for name in table.texts("motions", ["still"])]
@@ -141,13 +141,13 @@ def _plan(table: Table, folder: Path) -> Plan:
     lists, draw = sweep.listed(table), sweep.drawn(table)
     table.done()
     if draws > 1 and not draw and not any(isinstance(v, sweep.Range) for view in views for v in vars(view).values()):
-        raise PlanError("draws is more than 1, but nothing is drawn: [draw] and ranges of cameras are")
+        raise PlanError("draws is more than 1, but nothing is random: add [draw] or a range to a camera")
     _one_source(looks, lists, draw)
     count = len(hair) * len(looks) * len(motions) * draws
     for each in lists.values():
         count *= len(each)
     if count > _MOST_SHOTS or count * frames > 100 * _MOST_SHOTS:
-        raise PlanError(f"has {count} shots of {frames} frames, but may have {_MOST_SHOTS} and {100 * _MOST_SHOTS} frames")
+        raise PlanError(f"has {count} shots of {frames} frames, but the limit is {_MOST_SHOTS} and {100 * _MOST_SHOTS} frames")
 
     shots: list[Shot] = []
     for groom_index, groom in enumerate(hair):
@@ -177,7 +177,7 @@ def _plan(table: Table, folder: Path) -> Plan:
 
 
 def _sealed(plan: Plan, paths: list[str]) -> Plan:
-    """With the hash of all that decides what comes out, bytes of files included."""
+    """Set the fingerprint: a hash of everything that affects the output, including the contents of files."""
     digest = hashlib.sha256(sweep.canonical(described(plan)).encode())
     for path in paths:
         try:
@@ -188,7 +188,7 @@ def _sealed(plan: Plan, paths: list[str]) -> Plan:
 
 
 def described(plan: Plan) -> dict[str, Any]:
-    """A plan as JSON has it, with paths from its folder."""
+    """Return the plan as JSON values, with paths relative to its folder."""
 
     def local(value: Any) -> Any:
         if isinstance(value, str) and os.path.isabs(value):
@@ -221,7 +221,7 @@ def _background(table: Table) -> Any:
 
 
 def _motion(name: str, folder: Path) -> tuple[str, str]:
-    """Its name, and what `tresses.Motion` takes."""
+    """Return the name of the motion and the argument of `tresses.Motion`."""
     path = str(folder / name) if name.endswith(".json") else name
     try:
         tresses.Motion(path)
@@ -245,8 +245,8 @@ def _looks(plan: Table) -> list[tuple[str, dict[str, Any]]]:
 def _one_source(looks: list, lists: dict, draw: dict) -> None:
     for name in draw:
         if name in lists:
-            raise PlanError(f"draw: {name} is in [sweep] too")
+            raise PlanError(f"draw: {name} is also in [sweep]")
     for look, values in looks:
         for name in values:
             if name in lists or name in draw:
-                raise PlanError(f"look {look}: {name} is in [{'sweep' if name in lists else 'draw'}] too")
+                raise PlanError(f"look {look}: {name} is also in [{'sweep' if name in lists else 'draw'}]")

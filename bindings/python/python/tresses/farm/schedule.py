@@ -1,8 +1,9 @@
-"""Which worker does which shard next. The driver and the simulation of a plan ask the same schedule.
+"""Assignment of shards to workers, used by the driver and by the forecast.
 
-A worker stays with its shot, shard after shard, since its simulation stands there already. Who has none takes a shot that
-nobody has begun; when there is none left, the end of what another has still to do of a shot, so much of it that both are
-done at the same time: who takes it must simulate what is before it without drawing. Where that would not be sooner, it waits.
+A worker stays with its shot and takes shard after shard, because its simulation has already reached the start of the
+next one. A worker without a shot takes one that has not been started. If none is left, it takes the tail of another
+worker's shot, cut so that both finish at the same time; it must first simulate the shot up to there without rendering.
+It waits if that would not finish sooner.
 """
 
 from __future__ import annotations
@@ -11,8 +12,11 @@ from typing import Hashable, Optional, Sequence
 
 
 class Schedule:
-    """Of `runs`, shards that follow one another in a shot. `places` has the shot of each shard, and how many of its shards
-    are before it; `again` is what it costs to simulate a shard without drawing it, of what the whole shard costs."""
+    """Schedule of `runs`, lists of consecutive shards of one shot.
+
+    `places` holds for each shard its shot and its index within the shot. `again` is the cost of simulating a shard
+    without rendering it, relative to the cost of the whole shard.
+    """
 
     def __init__(self, runs: list[list[int]], places: Sequence[tuple[int, int]], again: float = 0.2) -> None:
         self.again = again
@@ -23,7 +27,7 @@ class Schedule:
         self._busy: dict[Hashable, int] = {}
 
     def take(self, worker: Hashable) -> Optional[int]:
-        """The next shard of a worker that has done its last one; None when nothing is left to begin."""
+        """Return the next shard for a worker that has finished its last one; None if nothing is left to start."""
         self._busy.pop(worker, None)
         if not self._mine.get(worker):
             self._mine[worker] = self._open.pop(0) if self._open else self._end(worker)
@@ -33,7 +37,7 @@ class Schedule:
         return self._busy[worker]
 
     def lost(self, worker: Hashable) -> Optional[int]:
-        """A worker is no more: what it had is open again. The shard that it was doing."""
+        """Reopen the shards of a lost worker. Return the shard that it was working on."""
         shard, rest = self._busy.pop(worker, None), self._mine.pop(worker, [])
         self._last.pop(worker, None)
         run = ([] if shard is None else [shard]) + rest
@@ -42,7 +46,7 @@ class Schedule:
         return shard
 
     def refused(self, worker: Hashable, shards: set[int]) -> None:
-        """These are not to be done by anybody."""
+        """Remove shards that cannot be rendered."""
         self._open = [run for run in ([s for s in run if s not in shards] for run in self._open) if run]
         for run in self._mine.values():
             run[:] = [shard for shard in run if shard not in shards]
@@ -53,15 +57,15 @@ class Schedule:
 
     @property
     def left(self) -> int:
-        """Shards that are not done."""
+        """Number of unfinished shards."""
         return sum(map(len, self._open)) + sum(map(len, self._mine.values())) + len(self._busy)
 
     def _end(self, worker: Hashable) -> list[int]:
-        """What a worker takes of another's run."""
+        """Return the shards that a worker takes over from another worker's run."""
         best, gain = None, 0.0
         for run in self._mine.values():
             for kept in range(len(run)):
-                # The other one is in the midst of a shard that is not in its run any more.
+                # The other worker is halfway through a shard that is no longer in its run.
                 others = 0.5 + kept
                 own = self.again * self._before(worker, run[kept]) + len(run) - kept
                 sooner = 0.5 + len(run) - max(others, own)
@@ -75,7 +79,7 @@ class Schedule:
         return end
 
     def _before(self, worker: Hashable, shard: int) -> int:
-        """Shards that a worker must simulate to come to one."""
+        """Return the number of shards that a worker must simulate to reach `shard`."""
         shot, before = self._places[shard]
         if worker in self._last:
             other, passed = self._places[self._last[worker]]

@@ -1,6 +1,6 @@
-"""Shards: WebDataset files, tar archives with files of one sample side by side.
+"""Shards in WebDataset format: tar archives with the files of each sample next to each other.
 
-The same samples are the same bytes: no times, no owners, one order.
+Equal samples produce bit-identical archives: no times, no owners, and a fixed order.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import numpy as np
 
 @dataclass
 class Sample:
-    """A picture with what belongs to it; `key` has no dot."""
+    """An image and its metadata. `key` contains no dot."""
 
     key: str
     arrays: dict[str, np.ndarray]
@@ -36,7 +36,7 @@ def name(index: int, compress: bool) -> str:
 
 
 class Writer:
-    """Writes a shard under another name, and gives it its own when it is whole."""
+    """Writes a shard to a temporary file and renames it when it is complete."""
 
     def __init__(self, folder: str, index: int, compress: bool) -> None:
         self.file = name(index, compress)
@@ -64,7 +64,7 @@ class Writer:
         if self._gzip:
             self._gzip.close()
         self._raw.flush()
-        # A machine that loses power must not keep a name without its bytes.
+        # Flush to disk before renaming, so that a power loss cannot leave a name without data.
         os.fsync(self._raw.fileno())
         self._raw.close()
         os.replace(self._part, self._path)
@@ -77,7 +77,7 @@ class Writer:
 
 
 class Hashed:
-    """A file that knows the hash of what was written."""
+    """A writable file that hashes its data."""
 
     def __init__(self, file: Any) -> None:
         self._file, self.digest, self.count = file, hashlib.sha256(), 0
@@ -93,7 +93,7 @@ class Hashed:
 
 
 def encoded(sample: Sample) -> Iterator[tuple[str, bytes]]:
-    """Endings and bytes; every reader of WebDataset knows ``.png``, ``.npy`` and ``.json``."""
+    """Yield extensions and bytes. All WebDataset readers support ``.png``, ``.npy`` and ``.json``."""
     for output, array in sample.arrays.items():
         if output == "color":
             yield "color.png", png(array)
@@ -105,10 +105,10 @@ def encoded(sample: Sample) -> Iterator[tuple[str, bytes]]:
 
 
 def png(picture: np.ndarray) -> bytes:
-    """sRGB bytes [h, w, 3 or 4] as a PNG."""
+    """Encode an sRGB image, bytes [h, w, 3 or 4], as PNG."""
     height, width, channels = picture.shape
     rows = picture.reshape(height, -1)
-    # The filter "up": differences from the row above.
+    # PNG filter "up": differences to the row above.
     lines = np.full((height, 1 + rows.shape[1]), 2, np.uint8)
     lines[0, 1:] = rows[0]
     lines[1:, 1:] = rows[1:] - rows[:-1]
@@ -117,7 +117,7 @@ def png(picture: np.ndarray) -> bytes:
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
     header = struct.pack(">IIBBBBB", width, height, 8, 2 if channels == 3 else 6, 0, 0, 0)
-    # What the values mean: sRGB, perceptual.
+    # The sRGB chunk declares the color space, with perceptual intent.
     return b"".join(
         [
             b"\x89PNG\r\n\x1a\n",
@@ -130,7 +130,7 @@ def png(picture: np.ndarray) -> bytes:
 
 
 def read(path: str | os.PathLike[str]) -> Iterator[tuple[str, dict[str, bytes]]]:
-    """The samples of a shard: key, and bytes by ending."""
+    """Yield the samples of a shard: key, and bytes by extension."""
     key, files = None, {}
     with tarfile.open(path, "r|*") as tar:
         for entry in tar:

@@ -1,7 +1,7 @@
-"""What differs from shot to shot: parameters that are listed, and parameters that are drawn.
+"""Parameters that vary between shots, from lists or drawn at random.
 
-What is drawn depends on the seed and the name alone, by SHA-256: not on a generator's state, so a plan that gets another
-look leaves the shots that it had as they were.
+Random values are SHA-256 hashes of the seed and the parameter's name. They do not depend on the state of a generator, so
+a plan that gains a look keeps the values of its existing shots.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ _ROWS = {row.name: row for row in tresses.parameters()}
 
 
 def chance(seed: int, name: str) -> float:
-    """A number from 0 to below 1."""
+    """Return a uniform random number in [0, 1)."""
     digest = hashlib.sha256(f"{seed}:{name}".encode()).digest()
     return int.from_bytes(digest[:8], "big") / 2**64
 
 
 def seed_of(seed: int, what: Any) -> int:
-    """The seed of something, 32 bits; the same wherever else it stands."""
+    """Return a 32-bit seed for `what`. It does not depend on the rest of the plan."""
     digest = hashlib.sha256(f"{seed}:{canonical(what)}".encode()).digest()
     return int.from_bytes(digest[:4], "big")
 
@@ -38,7 +38,7 @@ def canonical(what: Any) -> str:
 
 @dataclass(frozen=True)
 class Range:
-    """Numbers between two ends, evenly or by factors."""
+    """Random numbers between two ends, with uniform or logarithmic distribution."""
 
     start: float
     end: float
@@ -56,7 +56,7 @@ class Range:
 
 @dataclass(frozen=True)
 class Choice:
-    """One of some values."""
+    """Random choice from a tuple of values."""
 
     of: tuple
 
@@ -73,14 +73,14 @@ def range_of(value: Any, path: str, least: float, most: float, whole: bool = Fal
     if whole and any(end != int(end) for end in ends):
         raise PlanError(f"{path} is {kind(value)}, but must have whole numbers")
     if ends[0] > ends[1]:
-        raise PlanError(f"{path} goes from {ends[0]:g} down to {ends[1]:g}")
+        raise PlanError(f"{path} goes from {ends[0]:g} down to {ends[1]:g}, but must rise")
     if log and (whole or ends[0] <= 0):
-        raise PlanError(f"{path} is drawn by factors (log), but has whole numbers or begins at 0 or below")
+        raise PlanError(f"{path} is logarithmic (log), but has whole numbers or begins at 0 or below")
     return Range(ends[0], ends[1], log, whole)
 
 
 def flat(values: Any, path: str) -> dict[str, Any]:
-    """Parameters by their names, whether a plan says ``"wind.speed" = 4`` or ``wind.speed = 4``."""
+    """Return parameters by full name. A plan may write ``"wind.speed" = 4`` or ``wind.speed = 4``."""
     found: dict[str, Any] = {}
 
     def descend(value: Any, name: str) -> None:
@@ -104,7 +104,7 @@ def flat(values: Any, path: str) -> dict[str, Any]:
 
 
 def checked(values: dict[str, Any], path: str) -> dict[str, Any]:
-    """Parameters of which each has a value that it may have."""
+    """Check that each parameter has an allowed value."""
     for name, value in values.items():
         try:
             tresses.Settings({name: value})
@@ -114,7 +114,7 @@ def checked(values: dict[str, Any], path: str) -> dict[str, Any]:
 
 
 def parted(values: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Those that decide which strands there are, and those that a simulation may have otherwise than its groom."""
+    """Split parameters into those that determine the strands, and those that a simulation can override."""
     grown = {name: value for name, value in values.items() if _ROWS[name].cost == "regrow"}
     return grown, {name: value for name, value in values.items() if name not in grown}
 
@@ -124,7 +124,7 @@ def settings(table: Table, key: str = "settings") -> dict[str, Any]:
 
 
 def listed(table: Table) -> dict[str, list]:
-    """``[sweep]``: each parameter with the values that it takes in turn."""
+    """Read ``[sweep]``: each parameter with the list of its values."""
     lists = flat(table.any("sweep", {}), "sweep")
     for name, values in lists.items():
         if not isinstance(values, list) or not values:
@@ -141,7 +141,7 @@ def combinations(lists: dict[str, list]) -> Iterator[dict[str, Any]]:
 
 
 def drawn(table: Table) -> dict[str, Range | Choice]:
-    """``[draw]``: each parameter with what it is drawn from."""
+    """Read ``[draw]``: each parameter with its random distribution."""
     out: dict[str, Range | Choice] = {}
     for name, of in flat(table.any("draw", {}), "draw").items():
         row, path = _ROWS[name], f"draw: {name}"
@@ -163,4 +163,4 @@ def checked_together(values: dict[str, Any], shot: str) -> None:
     try:
         tresses.Settings(values)
     except tresses.TressesError as error:
-        raise PlanError(f"the shot {shot}: {error}") from None
+        raise PlanError(f"shot {shot}: {error}") from None

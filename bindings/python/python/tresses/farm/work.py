@@ -1,4 +1,4 @@
-"""What a worker does: simulates a shot, and draws the frames of a shard of it by all cameras."""
+"""A worker: simulates a shot and renders the frames of a shard with all cameras."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from .plan import OUTPUTS, Plan, Shard
 
 
 class Clock:
-    """Seconds of each kind of work."""
+    """Time per category of work, seconds."""
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = {}
         self._last = time.perf_counter()
 
     def lap(self, kind: str | None) -> None:
-        """What passed since the last lap was this kind of work, or idleness."""
+        """Add the time since the last lap to `kind`, or discard it if `kind` is None."""
         now = time.perf_counter()
         if kind is not None:
             self.seconds[kind] = self.seconds.get(kind, 0.0) + now - self._last
@@ -27,8 +27,10 @@ class Clock:
 
 
 class Stage:
-    """A shot while it is simulated: nothing but its steps moves it, so that every frame has the same bits whichever
-    frames were drawn before."""
+    """Simulation of a shot.
+
+    Only its steps change its state, so every frame is bit-identical, whichever frames were rendered before.
+    """
 
     def __init__(self, plan: Plan, index: int, groom: tresses.Groom) -> None:
         self.plan, self.shot = plan, plan.shots[index]
@@ -37,11 +39,11 @@ class Stage:
         rest = groom.guides
         self.views = [(view.name, view.placed(self.shot.seed, rest, plan.size)) for view in plan.cameras]
         self.steps = 0
-        # The strands of the last frame of which motion is told, and which frame that was.
+        # Frame number and strands of the last frame with motion output.
         self.before: tuple[int, flow.Moment] | None = None
 
     def go(self, frame: int) -> int:
-        """Steps to a frame; how many that took."""
+        """Step to a frame and return the number of steps."""
         steps = self.plan.steps(frame) - self.steps
         for _ in range(steps):
             self.steps += 1
@@ -61,7 +63,7 @@ class Stage:
         return self.before[1] if self.before and self.before[0] == frame else None
 
     def samples(self, frame: int) -> Iterator[shards.Sample]:
-        """What the cameras see now."""
+        """Yield the samples of the current frame, one per camera."""
         plan = self.plan
         before = self.remembered(frame - 1)
         now = self.remember(frame) if "motion" in plan.outputs else None
@@ -73,7 +75,7 @@ class Stage:
         if "strands" in plan.outputs:
             shapes["strands"] = self.sim.strands().grid()
         for name, where in self.views:
-            # A picture without outputs is none; colours cost nothing more.
+            # `render` needs at least one output; color adds no cost.
             seen = self.sim.render(
                 size=plan.size, outputs=[*outputs, *labels] or ["color"], background=plan.background, **where
             )
@@ -105,7 +107,7 @@ class Stage:
 
 
 class Worker:
-    """Opens the GPU, and keeps the shot that it works on: its next shard goes on where the last one ended."""
+    """Opens the GPU and keeps the current shot, so that its next shard continues where the last one ended."""
 
     def __init__(self, plan: Plan) -> None:
         began = time.perf_counter()
@@ -117,11 +119,11 @@ class Worker:
         self.groom: tuple[Any, tresses.Groom] | None = None
 
     def do(self, index: int, folder: str) -> dict[str, Any]:
-        """Draws a shard and writes it; what is to be known of it."""
+        """Render and write a shard. Return its record."""
         try:
             return self._done(index, folder)
         except BaseException:
-            # Where the shot stands now is not known.
+            # The simulation's state is unknown after an error.
             self.stage = None
             raise
 
@@ -131,7 +133,7 @@ class Worker:
         stage, made = self._stand(shard, clock)
         steps = 0
         with shards.Writer(folder, index, plan.compress) as writer:
-            # Also the frame before the first one, where a picture says what moved since.
+            # Motion also needs the frame before the first one.
             before = "motion" in plan.outputs and shard.first > 0 and stage.remembered(shard.first - 1) is None
             for frame in range(shard.first - 1 if before else shard.first, shard.end):
                 steps += stage.go(frame)
@@ -153,7 +155,7 @@ class Worker:
             "samples": plan.pictures(shard),
             "adapter": self.adapter,
             "cost": {
-                # A worker's first shard also pays for what the driver compiles once.
+                # A worker's first shard includes the driver's one-time compilation.
                 "first": self.done == 1,
                 **made,
                 "steps": steps,
@@ -163,7 +165,7 @@ class Worker:
         }
 
     def _stand(self, shard: Shard, clock: Clock) -> tuple[Stage, dict[str, int]]:
-        """A stage from which the shard can begin, and what was made for that."""
+        """Return a stage that has not passed the shard's start, and the numbers of grooms and shots that it created."""
         stage, made = self.stage, {"grooms": 0, "shots": 0}
         if stage and stage.shot.index == shard.shot and stage.steps <= self.plan.steps(shard.first - 1 if shard.first else 0):
             return stage, made

@@ -1,4 +1,4 @@
-//! `.abc`: Alembic, the exchange format of films and of Unreal, in its present container (Ogawa).
+//! `.abc`: Alembic, the exchange format of film studios and Unreal, in its current container (Ogawa).
 
 mod read;
 mod write;
@@ -8,7 +8,7 @@ pub(super) use write::{cache, encode};
 
 use std::path::Path;
 
-/// Whether a file has curves: the names of schemas are shared texts, so they stand in it as they are.
+/// Returns whether a file has curves. Schema names are stored as plain text.
 pub(super) fn is_groom(_: &Path, bytes: &[u8]) -> bool {
     bytes.windows(14).any(|window| window == b"AbcGeom_Curve_")
 }

@@ -1,30 +1,30 @@
-//! Curves of exchange files as polylines.
+//! Tessellation of curves into polylines.
 //!
-//! A vertex of the polyline is a weighted mean of a few control points, for every basis that files have; so one
-//! table of weights makes positions, widths and colours alike. Cubic segments are cut into equal steps of their
-//! parameter, about [`VERTICES`] for a whole strand.
+//! In every basis, a vertex of the polyline is a weighted mean of a few control points. One table of weights therefore
+//! interpolates positions, widths and colors. Cubic segments are split at equal steps of their parameter, into about
+//! [`VERTICES`] per strand.
 
-/// What a file says about how its points make a curve.
+/// Basis of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Basis<'a> {
-    /// Straight from point to point.
+    /// Straight segments between the points.
     Linear,
-    /// Cubic pieces that share their end points: 3 n + 1 points.
+    /// Cubic Bézier segments that share their end points: 3 n + 1 points.
     Bezier,
-    /// A uniform cubic B-spline. `pinned` ones begin and end at the outermost points.
+    /// A uniform cubic B-spline. If `pinned`, it begins and ends at the outermost points.
     BSpline { pinned: bool },
-    /// A curve through its points. Those that are not `pinned` do not reach the outermost.
+    /// A Catmull-Rom curve, which interpolates its points. Unless `pinned`, it ends before the outermost points.
     CatmullRom { pinned: bool },
-    /// Of any degree below [`MOST`], over its own knots, `points + order` of them.
+    /// A B-spline of degree below [`MOST`] over its own knots, `points + order` of them.
     Knots { order: usize, knots: &'a [f32] },
 }
 
-/// The most points that one vertex is a mean of.
+/// Maximum control points of one vertex.
 pub(crate) const MOST: usize = 8;
-/// About as many vertices as a curved strand gets.
+/// Approximate number of vertices of a curved strand.
 const VERTICES: usize = 32;
 
-/// A vertex: weights of successive points, which sum to 1.
+/// A vertex as weights of successive control points, which sum to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Blend {
     first: usize,
@@ -39,13 +39,13 @@ impl Blend {
         Self { first, weights, count: some.len() }
     }
 
-    /// The weighted mean of a curve's values.
+    /// Returns the weighted mean of a curve's values.
     pub fn of_values<T: Copy + std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>>(
         &self,
         values: &[T],
     ) -> T {
         let at = |k: usize| values[self.first + k];
-        // What is one point is that point, to the bit.
+        // A vertex with a single weight is bit-identical to that point.
         if let Some(k) = (0..self.count).find(|k| self.weights[*k] == 1.0) {
             return at(k);
         }
@@ -54,15 +54,15 @@ impl Blend {
 }
 
 impl Basis<'_> {
-    /// The vertices of a curve of `points` points; an error says why it is none.
+    /// Returns the vertices of a curve of `points` points; an error says why the curve is invalid.
     pub fn vertices(&self, points: usize) -> Result<Vec<Blend>, String> {
         match self {
             Self::Linear => Ok((0..points).map(|i| Blend::of(i, &[1.0])).collect()),
-            // What is too short to be curved is straight, as all readers take it.
+            // A curve that is too short for its basis is straight, as in other readers.
             _ if points < 3 => Self::Linear.vertices(points),
             Self::Bezier => {
                 if !(points - 1).is_multiple_of(3) {
-                    return Err(format!("a Bézier curve of {points} points, but it needs 3 n + 1"));
+                    return Err(format!("a Bézier curve has {points} points, but needs 3 n + 1"));
                 }
                 Ok(cut((points - 1) / 3, |segment, t| Blend::of(3 * segment, &bezier(t))))
             }
@@ -73,7 +73,7 @@ impl Basis<'_> {
                 Ok(cut(points - 1, |segment, t| mirrored(segment, points, catmull_rom(t))))
             }
             Self::BSpline { .. } | Self::CatmullRom { .. } if points < 4 => {
-                Err(format!("a cubic curve of {points} points, but it needs 4"))
+                Err(format!("a cubic curve has {points} points, but needs 4 or more"))
             }
             Self::BSpline { .. } => Ok(cut(points - 3, |segment, t| Blend::of(segment, &b_spline(t)))),
             Self::CatmullRom { .. } => Ok(cut(points - 3, |segment, t| Blend::of(segment, &catmull_rom(t)))),
@@ -82,7 +82,7 @@ impl Basis<'_> {
     }
 }
 
-/// Steps through `segments` segments, both ends among them.
+/// Samples `segments` segments at equal steps, both ends included.
 fn cut(segments: usize, at: impl Fn(usize, f32) -> Blend) -> Vec<Blend> {
     let steps = (VERTICES - 1).div_ceil(segments).clamp(1, 8);
     let mut all: Vec<_> = (0..segments)
@@ -93,8 +93,8 @@ fn cut(segments: usize, at: impl Fn(usize, f32) -> Blend) -> Vec<Blend> {
     all
 }
 
-/// A segment between points `segment` and `segment + 1` of a curve that ends at its outermost points: beyond them
-/// it goes on as if mirrored, 2 p₀ − p₁.
+/// Returns a vertex between points `segment` and `segment + 1` of a pinned curve, which is extended beyond its ends by
+/// mirrored points, 2 p₀ − p₁.
 fn mirrored(segment: usize, points: usize, [a, b, c, d]: [f32; 4]) -> Blend {
     match (segment == 0, segment + 2 == points) {
         (false, false) => Blend::of(segment - 1, &[a, b, c, d]),
@@ -119,21 +119,24 @@ fn catmull_rom(t: f32) -> [f32; 4] {
     [2.0 * t2 - t - t3, 3.0 * t3 - 5.0 * t2 + 2.0, t + 4.0 * t2 - 3.0 * t3, t3 - t2].map(|w| 0.5 * w)
 }
 
-/// The B-spline over its own knots, by de Boor's and Cox's recursion for the basis functions that are not zero
-/// (Piegl and Tiller, *The NURBS Book*, algorithm A2.2).
+/// Tessellates a B-spline over its own knots, by the Cox–de Boor recursion for the nonzero basis functions (Piegl and
+/// Tiller, *The NURBS Book*, algorithm A2.2).
 fn over_knots(points: usize, order: usize, knots: &[f32]) -> Result<Vec<Blend>, String> {
     if !(2..=MOST).contains(&order) {
-        return Err(format!("a curve of order {order}, but 2 to {MOST} are known"));
+        return Err(format!("a curve of order {order} is not supported, only orders 2 to {MOST}"));
     }
     if points < order || knots.len() != points + order {
-        return Err(format!("{} knots for {points} points of order {order}", knots.len()));
+        return Err(format!(
+            "a curve has {} knots for {points} points of order {order}, but needs {points} + {order}",
+            knots.len()
+        ));
     }
     if !knots.windows(2).all(|pair| pair[0] <= pair[1]) {
-        return Err("knots that fall".into());
+        return Err("the knots of a curve decrease".into());
     }
     let spans: Vec<usize> = (order - 1..points).filter(|k| knots[*k] < knots[k + 1]).collect();
     if spans.is_empty() {
-        return Err("knots that are all alike".into());
+        return Err("the knots of a curve are all equal".into());
     }
     Ok(cut(spans.len(), |span, t| {
         let k = spans[span];
@@ -197,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn ends_are_where_each_basis_has_them() {
+    fn curve_ends_match_basis() {
         let ends = |basis| {
             let all = curve(basis);
             (all[0], all[all.len() - 1])
@@ -212,13 +215,13 @@ mod tests {
         let sixth = |a: usize, b: usize, c: usize| (POINTS[a] + 4.0 * POINTS[b] + POINTS[c]) / 6.0;
         let inner = (sixth(0, 1, 2), sixth(4, 5, 6));
         assert!(close(ends(Basis::BSpline { pinned: false }), inner));
-        // The comparer tells these apart.
+        // The comparison detects a different end.
         assert!(!close(inner, outermost));
     }
 
     #[test]
-    fn knots_make_the_other_bases() {
-        // Evenly spaced knots are the uniform B-spline, those of Bézier's segments the Bézier curve.
+    fn knots_reproduce_other_bases() {
+        // Uniform knots give the uniform B-spline, triple knots the Bézier curve.
         let even: Vec<f32> = (0..11).map(|i| i as f32).collect();
         let bezier = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0];
         let line = [0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 6.0];
@@ -235,14 +238,16 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_curve_is_said() {
+    fn invalid_curves_are_reported() {
         let says = |basis: Basis, points| basis.vertices(points).unwrap_err();
         assert!(says(Basis::Bezier, 6).contains("3 n + 1"));
         assert!(says(Basis::CatmullRom { pinned: false }, 3).contains("needs 4"));
         assert!(says(Basis::Knots { order: 9, knots: &[] }, 20).contains("order 9"));
         assert!(says(Basis::Knots { order: 4, knots: &[0.0; 7] }, 4).contains("knots for 4"));
-        assert!(says(Basis::Knots { order: 4, knots: &[0.0; 8] }, 4).contains("alike"));
-        assert!(says(Basis::Knots { order: 2, knots: &[0.0, f32::NAN, 1.0, 2.0, 3.0] }, 3).contains("fall"));
+        assert!(says(Basis::Knots { order: 4, knots: &[0.0; 8] }, 4).contains("equal"));
+        assert!(
+            says(Basis::Knots { order: 2, knots: &[0.0, f32::NAN, 1.0, 2.0, 3.0] }, 3).contains("decrease")
+        );
         assert_eq!(Basis::Bezier.vertices(2).unwrap().len(), 2);
         assert!(Basis::Linear.vertices(0).unwrap().is_empty());
     }

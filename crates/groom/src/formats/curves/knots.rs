@@ -1,9 +1,10 @@
-//! Knots of curves that bring their own.
+//! Knots of B-splines.
 
 #[cfg(feature = "alembic")]
 use super::basis::MOST;
 
-/// Even knots, repeated so that curves begin and end at their outermost points, for files that have orders alone.
+/// Returns uniform knots, repeated at both ends so that curves reach their outermost points, for files with orders but
+/// without knots.
 #[cfg(feature = "alembic")]
 pub(in crate::formats) fn clamped(starts: &[u32], orders: &[f32]) -> Option<Vec<(usize, Vec<f32>)>> {
     let curves = starts.len() - 1;
@@ -19,7 +20,7 @@ pub(in crate::formats) fn clamped(starts: &[u32], orders: &[f32]) -> Option<Vec<
     })
 }
 
-/// The order and the knots of each curve, if there are as many as the curves need.
+/// Returns the order and the knots of each curve, if their number fits the curves.
 pub(in crate::formats) fn split_knots(
     starts: &[u32],
     orders: &[f32],
@@ -32,14 +33,14 @@ pub(in crate::formats) fn split_knots(
     let curves = starts.len() - 1;
     let order = |i: usize| match orders.len() {
         0 => 4,
-        // Of eight bits in sound files.
+        // Valid files store 8-bit orders.
         1 => orders[0] as u8 as usize,
         n if n == curves => orders[i] as u8 as usize,
         _ => 0,
     };
     let needs =
         |i: usize, fewer: usize| ((starts[i + 1] - starts[i]) as usize + order(i)).saturating_sub(fewer);
-    // Maya leaves out the first and the last knot.
+    // Maya omits the first and the last knot.
     let fewer = [0, 2]
         .into_iter()
         .find(|fewer| (0..curves).map(|i| needs(i, *fewer)).sum::<usize>() == knots.len())?;
@@ -68,9 +69,9 @@ mod tests {
     use crate::formats::curves::basis::Basis;
 
     #[test]
-    fn knots_are_dealt_out_to_curves() {
+    fn knots_are_split_among_curves() {
         let starts = [0, 4, 9];
-        // As many as points and order, or, as Maya has them, two fewer.
+        // Points plus order, or two fewer as in Maya.
         let whole: Vec<f32> = (0..8).chain(0..9).map(|k| k as f32).collect();
         let split = split_knots(&starts, &[], &whole, false).unwrap();
         assert_eq!((split[0].0, split[0].1.len(), split[1].1.len()), (4, 8, 9));
@@ -86,7 +87,7 @@ mod tests {
 
     #[test]
     #[cfg(feature = "alembic")]
-    fn curves_with_orders_alone_reach_their_outermost_points() {
+    fn clamped_curves_reach_their_outermost_points() {
         let points: Vec<Vec3> = (0..7).map(|k| Vec3::new((k * k) as f32, 1.0 - k as f32, 0.0)).collect();
         for order in [2.0, 3.0, 4.0, 7.0, 200.0] {
             let (order, knots) = clamped(&[0, 7], &[order]).unwrap().remove(0);

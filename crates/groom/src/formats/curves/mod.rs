@@ -1,18 +1,18 @@
-//! Curves of exchange files as strands: what the readers of Alembic and USD share.
+//! Conversion of curves to strands, shared by the Alembic and USD readers.
 //!
-//! A reader hands over one object of curves after the other, each with its points, how its curves are cut and the
-//! values beside it; here they become strands, with widths, colours, coordinates and marks.
+//! A reader passes one object of curves after another, with its points, tessellation and parameters. [`Groom::add`]
+//! converts them to strands with widths, colors, texture coordinates and marks.
 
 pub(super) mod basis;
 mod habits;
 mod knots;
 mod param;
 
-pub(super) use habits::Habits;
+pub(super) use habits::CurveWarnings;
 #[cfg(feature = "alembic")]
 pub(super) use knots::clamped;
 pub(super) use knots::split_knots;
-pub(super) use param::{Param, Per};
+pub(super) use param::{AttributeScope, Param};
 
 use std::{collections::HashMap, rc::Rc};
 
@@ -21,60 +21,61 @@ use glam::{DMat4, DVec3, Vec2, Vec3};
 use crate::{error::Result, formats::raw::Raw, strands::Mark};
 use basis::{Basis, Blend};
 
-/// Where values of an object are looked for.
+/// Where a parameter is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Place {
-    /// Beside its points, as the format itself has them.
+    /// With the points, under the format's own name.
     Shape,
-    /// Among what exporters add.
+    /// Among the attributes that exporters add.
     Beside,
 }
 
-/// Looks for the values of one name.
+/// Looks up the parameter of a name.
 pub(super) type Values<'v> = dyn Fn(Place, &str) -> Result<Option<Param>> + 'v;
 
 /// One object of curves.
 pub(super) struct Object<'o> {
-    /// Its own name, and its parent's where that only holds it.
+    /// Names of the object and of its parent.
     pub names: [&'o str; 2],
-    /// Its number.
+    /// Index of the object in the file.
     pub index: usize,
-    /// Whether all of it are guides, as far as nothing else is said; `None` where no object is.
+    /// Whether the curves are guides if they have no `groom_guide`; `None` if the file does not distinguish objects of
+    /// guides.
     pub guides: Option<bool>,
-    /// Where its curves begin among the points, and where the last ends.
+    /// Index of the first point of each curve, and the end of the last curve.
     pub starts: &'o [u32],
     pub points: &'o [Vec3],
-    /// How each curve is cut.
+    /// Tessellation of each curve.
     pub cut: &'o [Rc<[Blend]>],
     /// Whether cubic curves end before their outermost points.
     pub inner: bool,
-    /// From its own space to the file's.
+    /// From the object's space to the file's.
     pub matrix: DMat4,
-    /// The names of groups, one for all or one per curve; empty where there are none.
+    /// Group names, one for all curves or one per curve; may be empty.
     pub group_names: &'o [String],
 }
 
-/// What a format calls things.
+/// The format's names of parameters.
 pub(super) struct Names {
-    /// Widths beside the points.
+    /// Widths, stored with the points.
     pub width: &'static str,
-    /// Coordinates beside the points.
+    /// Texture coordinates, stored with the points.
     pub uv: &'static str,
 }
 
-/// A file in the making.
+/// A groom being read.
 pub(super) struct Groom {
     pub raw: Raw,
-    pub habits: Habits,
+    pub habits: CurveWarnings,
     pub names: Names,
 }
 
 impl Groom {
     pub fn new(format: &'static str, names: Names) -> Self {
-        Self { raw: Raw::new(format), habits: Habits::default(), names }
+        Self { raw: Raw::new(format), habits: CurveWarnings::default(), names }
     }
 
-    /// Adds an object.
+    /// Adds the strands of an object.
     pub fn add(&mut self, object: &Object, values: &Values) -> Result<()> {
         let Object { starts, points, matrix, .. } = object;
         let moved = *matrix != DMat4::IDENTITY;
@@ -107,7 +108,8 @@ impl Groom {
         self.marks(object, values)
     }
 
-    /// One value per control point: `own` names of the shape's properties, `others` of those beside it.
+    /// Returns one value per control point, from the first parameter that fits: `own` names are stored with the points,
+    /// `others` among the added attributes.
     fn per_point(
         &mut self,
         object: &Object,
@@ -134,9 +136,9 @@ impl Groom {
             }
             let at = |index: usize| Vec3::from(param.value::<3>(width, index));
             return Ok(Some(match per {
-                Per::All => vec![at(0); points],
-                Per::Point => (0..points).map(at).collect(),
-                Per::Curve => {
+                AttributeScope::All => vec![at(0); points],
+                AttributeScope::Point => (0..points).map(at).collect(),
+                AttributeScope::Curve => {
                     let spread = starts.windows(2).enumerate();
                     spread.flat_map(|(i, w)| std::iter::repeat_n(at(i), (w[1] - w[0]) as usize)).collect()
                 }
@@ -147,11 +149,11 @@ impl Groom {
 
     fn misfit(&mut self, name: &str, param: &Param, curves: usize, points: usize) {
         self.habits.misfits.push(format!(
-            "“{name}” has {param}, which fit neither {curves} curves nor {points} points, and is not used"
+            "“{name}” is ignored: its {param} fit neither {curves} curves nor {points} points"
         ));
     }
 
-    /// Guides, ids, groups, coordinates.
+    /// Adds the guide marks, ids, groups and texture coordinates of an object's strands.
     fn marks(&mut self, object: &Object, values: &Values) -> Result<()> {
         let starts = object.starts;
         let (curves, before) = (starts.len() - 1, self.raw.strands.marks.len());
@@ -198,7 +200,7 @@ impl Groom {
                 mark.group = group[i][0] as i32;
             }
             if let Some((width, closest)) = &closest {
-                // One guide without a weight is followed alone.
+                // Without weights, only the first guide counts.
                 mark.weights[0] = 1.0;
                 let named = (*width).min(3);
                 let names = closest[i].iter().take(named);
@@ -222,49 +224,51 @@ impl Groom {
     }
 }
 
-/// Where curves of so many points each begin, and where the last ends; an error says which does not fit.
+/// Returns the first point of each curve and the end of the last curve; an error says which curve does not fit.
 pub(super) fn starts(counts: &[i64], points: usize) -> Result<Vec<u32>, String> {
     let mut starts = vec![0u32];
     let mut end = 0u64;
     for count in counts {
-        // A curve of nothing would be a strand of nothing.
+        // A curve without points would be an empty strand.
         end =
             u64::try_from(*count).ok().filter(|n| *n > 0).map_or(u64::MAX, |count| end.saturating_add(count));
         if end > points as u64 {
-            return Err(format!("a curve of {count} points does not fit into {points} points"));
+            return Err(format!(
+                "a curve has {count} points, which do not fit into the {points} points of the file"
+            ));
         }
-        // As many as positions that were read, which are fewer.
+        // At most the number of points read, which fits in 32 bits.
         starts.push(end as u32);
     }
     Ok(starts)
 }
 
-/// What curves are cut by.
-pub(super) enum How<'h> {
-    /// One basis for all.
+/// How curves are tessellated.
+pub(super) enum CurveCut<'h> {
+    /// One basis for all curves.
     Basis(Basis<'h>),
-    /// Each by its order and knots.
+    /// An order and knots per curve.
     Knots(&'h [(usize, Vec<f32>)]),
 }
 
-/// How each curve is cut.
-pub(super) fn cut(starts: &[u32], how: &How) -> Result<Vec<Rc<[Blend]>>, String> {
+/// Tessellates each curve.
+pub(super) fn cut(starts: &[u32], how: &CurveCut) -> Result<Vec<Rc<[Blend]>>, String> {
     let mut all: Vec<Rc<[Blend]>> = Vec::with_capacity(starts.len() - 1);
     let mut known: HashMap<usize, Rc<[Blend]>> = HashMap::new();
     for (i, pair) in starts.windows(2).enumerate() {
         let count = (pair[1] - pair[0]) as usize;
-        // Most curves of an object are alike.
+        // Curves of an object mostly share one tessellation.
         let like = match how {
-            How::Basis(_) => known.get(&count),
-            How::Knots(own) => all.last().filter(|_| i > 0 && own[i - 1] == own[i]),
+            CurveCut::Basis(_) => known.get(&count),
+            CurveCut::Knots(own) => all.last().filter(|_| i > 0 && own[i - 1] == own[i]),
         };
         if let Some(like) = like.cloned() {
             all.push(like);
             continue;
         }
         let vertices = match how {
-            How::Basis(basis) => basis.vertices(count),
-            How::Knots(own) => Basis::Knots { order: own[i].0, knots: &own[i].1 }.vertices(count),
+            CurveCut::Basis(basis) => basis.vertices(count),
+            CurveCut::Knots(own) => Basis::Knots { order: own[i].0, knots: &own[i].1 }.vertices(count),
         };
         let vertices: Rc<[Blend]> = vertices?.into();
         known.insert(count, vertices.clone());
@@ -273,12 +277,12 @@ pub(super) fn cut(starts: &[u32], how: &How) -> Result<Vec<Rc<[Blend]>>, String>
     Ok(all)
 }
 
-/// Whether a name says that what it names are guides.
+/// Returns whether a name suggests guides.
 pub(super) fn names_guides(name: &str) -> bool {
     name.to_ascii_lowercase().contains("guide")
 }
 
-/// Whether objects are told apart as guides by something: some say so, and others do not.
+/// Returns whether a criterion distinguishes guides: it holds for some objects, but not for all.
 pub(super) fn told_apart(says: impl Iterator<Item = bool>) -> bool {
     let (mut some, mut others) = (false, false);
     says.for_each(|guides| *(if guides { &mut some } else { &mut others }) = true);

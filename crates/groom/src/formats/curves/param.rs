@@ -1,30 +1,30 @@
-//! Values beside the shape of curves: one for all, one per curve or one per point.
+//! Parameters of curves: values for a whole object, per curve or per point.
 
 use crate::error::At;
 
-/// Values of one name.
+/// The values of one parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::formats) struct Param {
-    /// In one row.
+    /// All numbers, flattened.
     pub flat: Vec<f32>,
-    /// How many make one value, as the file has it.
+    /// Numbers per value, as the file states.
     pub width: usize,
-    /// What they belong to, as the file has it.
-    pub scope: Option<Per>,
-    /// Where they are.
+    /// Scope, as the file states.
+    pub scope: Option<AttributeScope>,
+    /// Position in the file.
     pub at: At,
 }
 
-/// What values belong to.
+/// Scope of a parameter: what one value applies to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::formats) enum Per {
+pub(in crate::formats) enum AttributeScope {
     All,
     Curve,
     Point,
 }
 
 impl Param {
-    /// The values of `extent` numbers each that `indices` name, in their order; an error is the index without one.
+    /// Returns the values at `indices`, `extent` numbers each; an error is the first invalid index.
     pub fn picked(known: &[f32], indices: &[i64], extent: usize) -> Result<Vec<f32>, i64> {
         let mut flat = Vec::with_capacity(indices.len());
         for index in indices {
@@ -34,44 +34,44 @@ impl Param {
         Ok(flat)
     }
 
-    /// What they belong to, if `width` numbers make one value and the curves have so many points.
-    pub fn per(&self, width: usize, curves: usize, points: usize) -> Option<Per> {
+    /// Returns the scope if `width` numbers make a value; `None` if the count fits no scope.
+    pub fn per(&self, width: usize, curves: usize, points: usize) -> Option<AttributeScope> {
         let count = self.flat.len() / width.max(1);
         let fits = |per| match per {
-            Per::All => count == 1,
-            Per::Curve => count == curves,
-            Per::Point => count == points,
+            AttributeScope::All => count == 1,
+            AttributeScope::Curve => count == curves,
+            AttributeScope::Point => count == points,
         };
-        // Scopes are missing or wrong more often than counts.
-        let any = [Per::Point, Per::Curve, Per::All];
+        // The stated scope comes first, but the count must fit: scopes are missing or wrong more often than counts.
+        let any = [AttributeScope::Point, AttributeScope::Curve, AttributeScope::All];
         self.scope
             .into_iter()
             .chain(any)
             .find(|per| self.flat.len().is_multiple_of(width.max(1)) && fits(*per))
     }
 
-    /// The value of `index`, 0 where it has fewer numbers.
+    /// Returns the value at `index`; numbers beyond `width` are 0.
     pub fn value<const N: usize>(&self, width: usize, index: usize) -> [f32; N] {
         std::array::from_fn(|k| {
             if k < width { self.flat.get(index * width + k).copied().unwrap_or(0.0) } else { 0.0 }
         })
     }
 
-    /// One value per curve, of `N` numbers; of points, the first of each curve. `None` where the counts fit
-    /// nothing.
+    /// Returns one value of `N` numbers per curve. Of values per point it takes the first of each curve. `None` if the
+    /// count fits no scope.
     pub fn per_curve<const N: usize>(&self, width: usize, starts: &[u32]) -> Option<Vec<[f32; N]>> {
         let (curves, points) = (starts.len() - 1, starts.last().map_or(0, |end| *end as usize));
         let per = self.per(width, curves, points)?;
         let at = |i: usize| match per {
-            Per::All => 0,
-            Per::Curve => i,
-            Per::Point => starts[i] as usize,
+            AttributeScope::All => 0,
+            AttributeScope::Curve => i,
+            AttributeScope::Point => starts[i] as usize,
         };
         Some((0..curves).map(|i| self.value(width, at(i))).collect())
     }
 
-    /// One number per control point, where the file has one for each end of each piece (`varying`): of Bézier curves,
-    /// or, `inner`, of cubic ones that end before their outermost points.
+    /// Returns one number per control point if the file has one per end of each segment (`varying`), for Bézier curves
+    /// or, with `inner`, for cubic curves that end before their outermost points.
     pub fn at_knots(&self, starts: &[u32], inner: bool) -> Option<Vec<f32>> {
         if inner {
             return self.at_inner(starts);
@@ -93,7 +93,7 @@ impl Param {
         Some(all)
     }
 
-    /// Ends of pieces lie beside all points but the outermost.
+    /// [`Self::at_knots`] of `inner` curves, whose segments end at all points but the outermost.
     fn at_inner(&self, starts: &[u32]) -> Option<Vec<f32>> {
         let inner = |w: &[u32]| ((w[1] - w[0]) as usize).checked_sub(2).filter(|n| *n > 1);
         let ends: Option<usize> = starts.windows(2).map(inner).sum();
@@ -109,7 +109,7 @@ impl Param {
         Some(all)
     }
 
-    /// How many numbers make one value, if there is one per curve; else as the file has it.
+    /// Returns the numbers per value if there is one value per curve, else the width that the file states.
     pub fn width(&self, curves: usize) -> usize {
         match curves {
             0 => self.width,
@@ -131,29 +131,29 @@ impl std::fmt::Display for Param {
 mod tests {
     use super::*;
 
-    fn param(flat: &[f32], scope: Option<Per>) -> Param {
+    fn param(flat: &[f32], scope: Option<AttributeScope>) -> Param {
         Param { flat: flat.to_vec(), width: 1, scope, at: At::File }
     }
 
     #[test]
-    fn values_belong_to_what_they_are_as_many_as() {
+    fn scope_follows_number_of_values() {
         // Two curves of four and seven points.
         let starts = [0, 4, 11];
         let per = |count: usize, scope| param(&vec![1.0; count], scope).per(1, 2, 11);
         assert_eq!(
             [1, 2, 11, 3].map(|n| per(n, None)),
-            [Some(Per::All), Some(Per::Curve), Some(Per::Point), None]
+            [Some(AttributeScope::All), Some(AttributeScope::Curve), Some(AttributeScope::Point), None]
         );
-        // A scope that does not fit counts for nothing.
+        // A scope that does not fit is ignored.
         assert_eq!(
-            (per(11, Some(Per::Curve)), per(2, Some(Per::Curve))),
-            (Some(Per::Point), Some(Per::Curve))
+            (per(11, Some(AttributeScope::Curve)), per(2, Some(AttributeScope::Curve))),
+            (Some(AttributeScope::Point), Some(AttributeScope::Curve))
         );
         let knots = param(&[0.0, 3.0, 6.0, 9.0, 0.0], None).at_knots(&starts, false).unwrap();
         assert_eq!(knots, [0.0, 1.0, 2.0, 3.0, 6.0, 7.0, 8.0, 9.0, 6.0, 3.0, 0.0]);
         assert_eq!(param(&[0.0; 4], None).at_knots(&starts, false), None);
         assert_eq!(param(&[0.0; 5], None).at_knots(&[0, 4, 10], false), None);
-        // Two and five ends of pieces between outermost points.
+        // Two and five segment ends between the outermost points.
         let inner = param(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], None);
         let spread = [1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 5.0, 6.0, 7.0, 7.0];
         assert_eq!(inner.at_knots(&starts, true).unwrap(), spread);

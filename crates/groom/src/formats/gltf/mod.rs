@@ -1,4 +1,4 @@
-//! `.glb`, `.gltf`: glTF 2.0, meshes with skins, shapes and animations, and hair as `EXT_tresses_hair`.
+//! `.glb`, `.gltf`: glTF 2.0 meshes with skins, morph targets and animations, and hair as `EXT_tresses_hair`.
 
 mod read;
 mod write;
@@ -8,21 +8,21 @@ pub(super) use write::{body, character, encode};
 
 use std::path::Path;
 
-/// The extension for hair.
+/// The hair extension.
 const HAIR: &str = "EXT_tresses_hair";
-/// In its `flags`: a strand that others follow.
+/// Bit of the extension's `flags`: the strand is a guide.
 const GUIDE: u32 = 1;
-/// In its `flags`: a strand whose tip is fixed to the body as its root is.
+/// Bit of the extension's `flags`: the tip is pinned to the head, as the root is.
 const TIP_PINNED: u32 = 2;
-/// The extension for compressed views.
+/// The extension for compressed buffer views.
 const PACKED: &str = "EXT_meshopt_compression";
 
-/// Whether a file has hair. The names of extensions and lists stand in it as they are.
+/// Returns whether a file has hair. Extensions and lists are named in plain text.
 pub(super) fn is_groom(_: &Path, bytes: &[u8]) -> bool {
     holds(bytes, HAIR)
 }
 
-/// Whether a file has hair and a body.
+/// Returns whether a file has hair and the mesh that it grows on.
 pub(super) fn holds_body(path: &Path, bytes: &[u8]) -> bool {
     is_groom(path, bytes) && holds(bytes, "\"meshes\"")
 }

@@ -1,6 +1,6 @@
 //! `.hair`: Cem Yuksel's binary format.
 //!
-//! A header of 128 bytes (magic, strands, points, flags, defaults, 88 bytes of text), then the arrays
+//! A header of 128 bytes (magic, numbers of strands and points, flags, defaults, 88 bytes of text) precedes the arrays
 //! whose flags are set, in the order of the flags.
 
 mod read;
@@ -9,7 +9,7 @@ mod write;
 pub(super) use read::read;
 pub(super) use write::encode;
 
-/// Flags of arrays.
+/// Flags of the arrays in a file.
 const SEGMENTS: u32 = 1;
 const POINTS: u32 = 2;
 const THICKNESS: u32 = 4;

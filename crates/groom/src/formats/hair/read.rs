@@ -1,4 +1,4 @@
-//! The reader of `.hair`.
+//! Reads `.hair` files.
 
 use glam::Vec3;
 
@@ -14,7 +14,9 @@ use crate::{
 /// Reads the whole file.
 pub(crate) fn read(source: &Source) -> Result<Raw> {
     if !source.bytes.starts_with(b"HAIR") {
-        return Err(source.problem(At::Byte(0), "a .hair file starts with “HAIR”, this one does not"));
+        return Err(
+            source.problem(At::Byte(0), "the file is not a .hair file: it does not start with “HAIR”")
+        );
     }
     let header = source.array("header bytes", 0, 128, 1)?;
     let field = |at| source.u32("header", at);
@@ -47,11 +49,12 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
     } else {
         let each = u64::from(field(16)?) + 1;
         if each.checked_mul(strands) != Some(points) {
-            let problem =
-                format!("{strands} strands of {each} points are not the {points} points of the header");
+            let problem = format!(
+                "{strands} strands of {each} points do not add up to the {points} points of the header"
+            );
             return Err(source.problem(At::Byte(16), problem));
         }
-        // Before the offsets are made: that the points are there justifies their number.
+        // The points must fit in the file before their offsets are allocated.
         source.array("points", at, points, 12)?;
         out.offsets = (0..=strands).map(|i| (i * each) as u32).collect();
     }
@@ -68,13 +71,13 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
     if flags & TRANSPARENCY != 0 {
         source.array("transparencies", at, points, 4)?;
         at += 4 * points;
-        raw.notes.push("transparency per point is not used".into());
+        raw.notes.push("transparency per point is ignored".into());
     }
     if flags & COLORS != 0 {
-        out.colors = source.vec3s("colours", at, points)?;
+        out.colors = source.vec3s("colors", at, points)?;
     } else {
         let color = Vec3::new(default(28)?, default(32)?, default(36)?);
-        // Writers that have no colour leave black.
+        // Files without colors store a black default.
         if color != Vec3::ZERO {
             out.colors = vec![color; points as usize];
         }

@@ -1,4 +1,4 @@
-//! The writer of `.hair`.
+//! Writes `.hair` files.
 
 use super::{COLORS, POINTS, SEGMENTS, THICKNESS};
 use crate::{
@@ -6,13 +6,13 @@ use crate::{
     error::{Error, Result},
     formats::{
         raw::MARK,
-        writer::{Encoded, put},
+        writer::{EncodedFile, put},
     },
     orient::Unit,
 };
 
 /// Encodes strands of 1 to 65536 vertices.
-pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<Encoded> {
+pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<EncodedFile> {
     let counts: Vec<usize> = strands.iter().map(<[_]>::len).collect();
     if let Some(bad) = counts.iter().position(|n| !(1..=65536).contains(n)) {
         let n = counts[bad];
@@ -29,7 +29,7 @@ pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<Encoded> {
     for v in [strands.len(), strands.positions.len(), flags as usize, default_segments] {
         bytes.extend_from_slice(&(v as u32).to_le_bytes());
     }
-    // No default width, opaque, no default colour.
+    // No default width, opaque, no default color.
     put(&mut bytes, [0.0; 5]);
     bytes.extend_from_slice(unit.map_or("", |_| MARK).as_bytes());
     bytes.resize(128, 0);

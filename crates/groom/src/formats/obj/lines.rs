@@ -1,7 +1,7 @@
-//! OBJ polylines: `v x y z` and `l a b c …`.
+//! Reads OBJ polylines: `v x y z` and `l a b c …`.
 //!
-//! Some programs write a strand as one element, others one element per edge; elements that share an
-//! end are therefore chained, as long as no vertex has more than two neighbours.
+//! Some programs write one element per strand, others one per edge. Elements that share an end are therefore joined,
+//! unless a vertex has more than two neighbors.
 
 use glam::Vec3;
 
@@ -29,7 +29,7 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
                 let element: Vec<usize> =
                     words.map(|w| index(source, line, w, vertices.len())).collect::<Result<_>>()?;
                 if element.is_empty() {
-                    return Err(source.problem(At::Line(line), "a line element without vertices"));
+                    return Err(source.problem(At::Line(line), "a line element has no vertices"));
                 }
                 elements.push((line, element));
             }
@@ -40,9 +40,11 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
     }
     if elements.is_empty() {
         let problem = if faces > 0 {
-            format!("a mesh of {faces} faces without line elements; it can be the head of one")
+            format!(
+                "the file is a mesh of {faces} faces without line elements; use it as the head of a groom"
+            )
         } else {
-            "no line elements, hence no strands".into()
+            "the file has no line elements, so it has no strands".into()
         };
         return Err(source.problem(At::File, problem));
     }
@@ -50,7 +52,7 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
         if let Some(bad) = element.iter().find(|i| **i >= vertices.len()) {
             return Err(source.problem(
                 At::Line(*line),
-                format!("vertex {} does not exist, there are {}", bad + 1, vertices.len()),
+                format!("vertex {} does not exist; there are {}", bad + 1, vertices.len()),
             ));
         }
     }
@@ -60,7 +62,7 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
     Ok(raw)
 }
 
-/// One index of an element, counted from 0: `7`, `7/3`, or `-1` for the vertex before this line.
+/// Parses an index of an element: `7`, `7/3`, or `-1` for the last vertex before this line. The result counts from 0.
 fn index(source: &Source, line: u64, word: &str, so_far: usize) -> Result<usize> {
     let number = word.split('/').next().and_then(|w| w.parse::<i64>().ok());
     let index = match number {
@@ -69,7 +71,7 @@ fn index(source: &Source, line: u64, word: &str, so_far: usize) -> Result<usize>
         _ => None,
     };
     index.ok_or_else(|| {
-        let problem = format!("“{}” is no vertex of this file", excerpt(word));
+        let problem = format!("“{}” is not a vertex of this file", excerpt(word));
         source.problem(At::Line(line), problem)
     })
 }

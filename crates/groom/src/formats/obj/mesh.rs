@@ -1,4 +1,4 @@
-//! OBJ meshes through `tobj`.
+//! Reads OBJ meshes with `tobj`.
 
 use std::{
     cell::Cell,
@@ -15,7 +15,7 @@ use crate::{
     formats::{faces::PLAIN, raw::RawMesh, source::Source},
 };
 
-/// Counts the lines that `tobj` has asked for, since its errors have no place.
+/// Counts the lines that `tobj` reads, because its errors do not state a position.
 struct Lines<'a> {
     rest: &'a [u8],
     line: &'a Cell<u64>,
@@ -41,7 +41,7 @@ impl BufRead for Lines<'_> {
     }
 }
 
-/// Reads the whole file; materials are looked for next to it and may be missing.
+/// Reads the whole file. Materials are read from files beside it, which may be missing.
 pub(crate) fn read(source: &Source) -> Result<RawMesh> {
     let options =
         tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
@@ -52,19 +52,20 @@ pub(crate) fn read(source: &Source) -> Result<RawMesh> {
     };
     let bytes = without_lines(source.bytes);
     let mut lines = Lines { rest: &bytes, line: &line };
-    let (models, materials) = tobj::load_obj_buf(&mut lines, &options, materials)
-        .map_err(|e| source.problem(At::Line(line.get().max(1)), format!("not a readable OBJ mesh ({e})")))?;
+    let (models, materials) = tobj::load_obj_buf(&mut lines, &options, materials).map_err(|e| {
+        source.problem(At::Line(line.get().max(1)), format!("the file is not a valid OBJ mesh ({e})"))
+    })?;
     let materials = materials.unwrap_or_default();
     let color_of = |id: Option<usize>| {
         let material = materials.get(id?)?;
-        // A texture's colour is in the texture, and the factor beside it is usually white.
+        // With a texture, the color is in the texture and the factor is usually white.
         let color = material.diffuse.filter(|_| material.diffuse_texture.is_none())?;
         Some(Vec3::from(color)).filter(|c| c.is_finite())
     };
     let colored = models.iter().any(|m| color_of(m.mesh.material_id).is_some());
     let smooth = models.iter().any(|m| m.mesh.normals.len() != m.mesh.positions.len());
     let mut out = TriMesh::default();
-    // `tobj` splits vertices at texture seams; where nothing that is kept differs they become one again.
+    // `tobj` splits vertices at texture seams. Merge vertices that have equal positions, normals and colors.
     let mut known: HashMap<[u32; 9], u32> = HashMap::new();
     for model in &models {
         let mesh = &model.mesh;
@@ -108,7 +109,7 @@ pub(crate) fn read(source: &Source) -> Result<RawMesh> {
     Ok(RawMesh { mesh: out, ..RawMesh::default() })
 }
 
-/// The file with its line elements commented out: `tobj` takes one of three vertices for a face.
+/// Comments out the line elements of a file: `tobj` reads one of three vertices as a face.
 fn without_lines(bytes: &[u8]) -> Vec<u8> {
     let mut out = bytes.to_vec();
     for line in out.split_mut(|b| *b == b'\n') {

@@ -1,4 +1,4 @@
-//! `.obj`: Wavefront OBJ, line elements as strands or faces as a mesh.
+//! `.obj`: Wavefront OBJ, with line elements as strands or faces as a mesh.
 
 mod lines;
 mod mesh;
@@ -10,7 +10,8 @@ pub(super) use write::{encode, encode_mesh};
 
 use std::path::Path;
 
-/// Whether the first element is a line, or there is none: then the reader of strands says what is missing.
+/// Returns whether the first element is a line. Also `true` for a file without elements, for which the strand reader
+/// returns an error.
 pub(super) fn is_groom(_: &Path, bytes: &[u8]) -> bool {
     let mut elements = bytes.split(|b| *b == b'\n').filter_map(|line| {
         let line = line.trim_ascii_start();

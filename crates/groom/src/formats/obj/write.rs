@@ -1,15 +1,15 @@
-//! The writer of OBJ. Rust prints a float so that it reads back exactly.
+//! Writes OBJ. Rust prints floats so that they read back exactly.
 
 use std::fmt::Write;
 
 use crate::{
     Result, Rig, Strands, TriMesh,
-    formats::{raw::MARK, writer::Encoded},
+    formats::{raw::MARK, writer::EncodedFile},
     orient::Unit,
 };
 
 /// Encodes strands: a `v` per vertex, an `l` per strand.
-pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<Encoded> {
+pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<EncodedFile> {
     let mut text = String::from("# Tresses groom\n");
     if unit.is_some() {
         text += "# ";
@@ -30,7 +30,7 @@ pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<Encoded> {
     Ok(text.into_bytes().into())
 }
 
-/// Encodes a mesh (metres, Y up, face +Z) with its normals; the format holds no rig.
+/// Encodes a mesh (meters, Y up, face +Z) with its normals. The format has no rigs.
 pub(crate) fn encode_mesh(mesh: &TriMesh, _: Option<&Rig>) -> Result<Vec<u8>> {
     let mut text = format!("# {MARK}\n");
     // Writing into a string cannot fail.

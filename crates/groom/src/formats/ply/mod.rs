@@ -1,5 +1,5 @@
-//! `.ply`: sets of lines, as point clouds and reconstructions of hair come in: an element `vertex` with `x`, `y`, `z` and
-//! perhaps `radius`, and an element `edge` with `vertex1` and `vertex2`. As text or binary, of either byte order.
+//! `.ply`: line sets, as point clouds and reconstructions of hair use them. The element `vertex` has `x`, `y`, `z` and
+//! optionally `radius`, the element `edge` has `vertex1` and `vertex2`. A file is text, or binary in either byte order.
 
 mod read;
 mod write;

@@ -1,4 +1,4 @@
-//! The reader of `.ply`.
+//! Reads `.ply` files.
 
 use glam::Vec3;
 
@@ -11,7 +11,7 @@ use crate::{
     },
 };
 
-/// How a file writes its numbers.
+/// Encoding of the numbers in a file.
 #[derive(Clone, Copy, PartialEq)]
 enum Form {
     Text,
@@ -19,7 +19,7 @@ enum Form {
     Big,
 }
 
-/// A type of numbers.
+/// Type of a number.
 #[derive(Clone, Copy)]
 struct Type {
     bytes: usize,
@@ -43,7 +43,7 @@ impl Type {
         Some(Self { bytes, is_float, is_signed })
     }
 
-    /// What `bytes`, as many as it has, say in an order.
+    /// Decodes a number from the first bytes of `bytes`, in the byte order of the file.
     fn value(self, bytes: &[u8], form: Form) -> f64 {
         let mut word = [0; 8];
         for (to, i) in word.iter_mut().zip(0..self.bytes) {
@@ -62,7 +62,7 @@ impl Type {
     }
 }
 
-/// A value of an element, or a list of them with the type of its length.
+/// A scalar of an element, or a list and the type of its length.
 struct Property {
     name: String,
     of: Type,
@@ -76,23 +76,23 @@ struct Element {
 }
 
 impl Element {
-    /// Where a value stands, if it is one and no list.
+    /// Returns the index of a scalar property.
     fn place(&self, name: &str) -> Option<usize> {
         self.properties.iter().position(|property| property.name == name && property.length.is_none())
     }
 }
 
-/// What stands in a file, value by value.
+/// The data after the header, read value by value.
 struct Body<'s, 'a> {
     source: &'s Source<'a>,
     form: Form,
-    /// The next byte, and for a text its line.
+    /// Offset of the next byte and, in text, its line.
     at: usize,
     line: u64,
 }
 
 impl Body<'_, '_> {
-    /// Where the next value stands.
+    /// Returns the position of the next value.
     fn here(&mut self) -> At {
         if self.form != Form::Text {
             return At::Byte(self.at as u64);
@@ -115,18 +115,18 @@ impl Body<'_, '_> {
         let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
         self.at += length;
         let word = String::from_utf8_lossy(&rest[..length]);
-        // Through the type's own rounding, so that what was written comes back.
+        // Parse single-precision floats as such, so that written values read back exactly.
         let number = match of.is_float && of.bytes == 4 {
             true => word.parse::<f32>().map(f64::from),
             false => word.parse::<f64>(),
         };
         number.map_err(|_| {
             let excerpt = excerpt(&word);
-            self.source.problem(here, format!("a number should stand here, not “{excerpt}”"))
+            self.source.problem(here, format!("expected a number, found “{excerpt}”"))
         })
     }
 
-    /// The values of one of an element; lists are passed over.
+    /// Reads the scalars of one item of an element and skips its lists.
     fn row(&mut self, element: &Element, row: &mut [f64]) -> Result<()> {
         for (property, value) in element.properties.iter().zip(row) {
             match property.length {
@@ -163,14 +163,14 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
                 source.check_vertices(0, element.count)?;
                 let (xyz, radius) = (places(&["x", "y", "z"])?, element.place("radius"));
                 if element.place("red").is_some() {
-                    raw.notes.push("colours per vertex are not used".into());
+                    raw.notes.push("colors per vertex are ignored".into());
                 }
                 for _ in 0..element.count {
                     let here = body.here();
                     body.row(element, &mut row)?;
                     let read = xyz.iter().chain(&radius).map(|at| row[*at] as f32).collect::<Vec<_>>();
                     if let Some(bad) = read.iter().find(|v| !v.is_finite() && !source.lenient) {
-                        let what = format!("{bad} among the numbers of vertices, which must be finite");
+                        let what = format!("a value of a vertex is {bad}, but must be finite");
                         return Err(source.problem(here, what));
                     }
                     points.push(Vec3::from_slice(&read));
@@ -184,8 +184,10 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
                     body.row(element, &mut row)?;
                     let edge = [row[ends[0]], row[ends[1]]];
                     if let Some(bad) = edge.iter().find(|i| !(0.0..points.len() as f64).contains(*i)) {
-                        let what =
-                            format!("vertex {bad} does not exist, there are {} before it", points.len());
+                        let what = format!(
+                            "vertex {bad} does not exist; there are {} before this edge",
+                            points.len()
+                        );
                         return Err(source.problem(here, what));
                     }
                     edges.push(edge.map(|i| i as usize).to_vec());
@@ -201,7 +203,10 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
     if edges.is_empty() {
         let faces = elements.iter().any(|element| element.name == "face" && element.count > 0);
         let what = if faces { "a mesh without edges" } else { "points without edges" };
-        return Err(source.problem(At::File, format!("{what}, hence no strands: lines need an element edge")));
+        return Err(source.problem(
+            At::File,
+            format!("the file holds {what}, so it has no strands; strands need the element “edge”"),
+        ));
     }
     for strand in chain(edges, points.len()) {
         raw.strands.push(&strand.iter().map(|i| points[*i]).collect::<Vec<_>>());
@@ -210,7 +215,7 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
     Ok(raw)
 }
 
-/// The elements, and what comes after the header.
+/// Reads the header. Returns the elements and the data that follows.
 fn header<'s, 'a>(source: &'s Source<'a>, raw: &mut Raw) -> Result<(Vec<Element>, Body<'s, 'a>)> {
     let mut elements: Vec<Element> = Vec::new();
     let mut form = None;
@@ -218,7 +223,7 @@ fn header<'s, 'a>(source: &'s Source<'a>, raw: &mut Raw) -> Result<(Vec<Element>
     loop {
         let rest = &source.bytes[at..];
         let Some(length) = rest.iter().position(|b| *b == b'\n') else {
-            return Err(source.problem(At::Byte(at as u64), "the file ends here, before its header does"));
+            return Err(source.problem(At::Byte(at as u64), "the file ends inside its header"));
         };
         line += 1;
         at += length + 1;
@@ -226,41 +231,44 @@ fn header<'s, 'a>(source: &'s Source<'a>, raw: &mut Raw) -> Result<(Vec<Element>
         let text = String::from_utf8_lossy(&rest[..length]);
         let words: Vec<_> = text.split_ascii_whitespace().collect();
         let of = |name: &str| {
-            let unknown = || problem(format!("“{}” is no type of numbers", excerpt(name)));
+            let unknown = || problem(format!("“{}” is not a number type", excerpt(name)));
             Type::named(name).ok_or_else(unknown)
         };
         match words[..] {
             ["ply"] if line == 1 => {}
-            _ if line == 1 => return Err(problem("a .ply file starts with “ply”, this one does not".into())),
+            _ if line == 1 => {
+                return Err(problem("the file is not a .ply file: it does not start with “ply”".into()));
+            }
             ["format", name, _] => {
                 form = Some(match name {
                     "ascii" => Form::Text,
                     "binary_little_endian" => Form::Little,
                     "binary_big_endian" => Form::Big,
-                    _ => return Err(problem(format!("“{}” is no format", excerpt(name)))),
+                    _ => return Err(problem(format!("“{}” is not a supported format", excerpt(name)))),
                 });
             }
             ["element", name, count] => {
-                let count = source.count(line, Some(count), "the number of an element")?;
+                let count = source.count(line, Some(count), "the count of an element")?;
                 elements.push(Element { name: name.into(), count, properties: Vec::new() });
             }
             ["property", ref rest @ ..] => {
                 let (name, of, length) = match rest {
                     ["list", length, kind, name] => (*name, of(kind)?, Some(of(length)?)),
                     [kind, name] => (*name, of(kind)?, None),
-                    _ => return Err(problem("a property should be a type and a name".into())),
+                    _ => return Err(problem("a property needs a type and a name".into())),
                 };
                 let element = elements.last_mut();
-                let element = element.ok_or_else(|| problem("a property before any element".into()))?;
+                let element =
+                    element.ok_or_else(|| problem("a property precedes the first element".into()))?;
                 element.properties.push(Property { name: name.into(), of, length });
             }
             ["comment" | "obj_info", ..] => raw.declared = raw.declared.or(declared(&text)),
             ["end_header"] => break,
-            _ => return Err(problem("no line of a header".into())),
+            _ => return Err(problem("the line is not valid in a header".into())),
         }
     }
-    let form = form.ok_or_else(|| source.problem(At::Line(line), "the header does not say the format"))?;
-    // One without properties takes no bytes, so that no number of them would end.
+    let form = form.ok_or_else(|| source.problem(At::Line(line), "the header does not state the format"))?;
+    // Items without properties take no bytes, so the file's size would not bound their number.
     if let Some(bare) = elements.iter().find(|element| element.properties.is_empty() && element.count > 0) {
         return Err(source.problem(At::Line(line), format!("the element {} has no properties", bare.name)));
     }

@@ -1,4 +1,4 @@
-//! The writer of `.ply`, binary.
+//! Writes binary `.ply` files.
 
 use std::fmt::Write;
 
@@ -6,13 +6,13 @@ use crate::{
     Result, Strands,
     formats::{
         raw::MARK,
-        writer::{Encoded, put},
+        writer::{EncodedFile, put},
     },
     orient::Unit,
 };
 
 /// Encodes strands as vertices and edges.
-pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<Encoded> {
+pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<EncodedFile> {
     let edges = strands.iter().map(|strand| strand.len().saturating_sub(1)).sum::<usize>();
     let mut header = String::from("ply\nformat binary_little_endian 1.0\ncomment Tresses groom\n");
     // Writing into a string cannot fail.
@@ -37,7 +37,7 @@ pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<Encoded> {
     }
     let mut notes = Vec::new();
     if strands.iter().any(|strand| strand.len() < 2) {
-        notes.push("the format has no place for strands of one vertex, so they are left out".into());
+        notes.push("strands of one vertex are not written: the format cannot store them".into());
     }
-    Ok(Encoded { bytes, notes })
+    Ok(EncodedFile { bytes, notes })
 }

@@ -1,10 +1,10 @@
-//! `.tfx` versions 3 and 4: little-endian binary, the same number of vertices in every strand.
+//! `.tfx` versions 3 and 4: little-endian binary, with the same number of vertices in every strand.
 //!
-//! Both start with version (f32), strands, vertices per strand; version 3 continues with followers per
-//! guide (how far around it they are is left to whoever reads it), a flag that pins every tip and, from
-//! byte 144, offsets of positions (3 × f32), thickness, strand texture coordinates, colours; version 4 has,
-//! from byte 12, the offsets of positions (4 × f32, w = 0 for a pinned vertex), strand texture coordinates,
-//! vertex texture coordinates, thickness, colours. An offset of 0 means absent.
+//! Both begin with the version (f32), the number of strands, and the vertices per strand. Version 3 continues with the
+//! child strands per guide (without a radius), a flag that pins every tip and, from byte 144, the offsets of positions
+//! (3 × f32), thickness, strand texture coordinates and colors. Version 4 has, from byte 12, the offsets of positions
+//! (4 × f32, w = 0 for a pinned vertex), strand texture coordinates, vertex texture coordinates, thickness and colors.
+//! An offset of 0 means that the array is absent.
 
 use glam::{Vec2, Vec3, Vec4};
 
@@ -25,7 +25,7 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
         _ => {
             return Err(source.problem(
                 At::Byte(0),
-                "neither “version” nor the number 3 or 4 stands here, so this is no .tfx file",
+                "the file is not a .tfx file: it starts with neither “version” nor the number 3 or 4",
             ));
         }
     };
@@ -39,14 +39,14 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
     if per_strand == 0 {
         return Err(source.problem(At::Byte(8), "the file says its strands have 0 vertices"));
     }
-    // Two u32 cannot overflow a u64.
+    // The product of two `u32` fits in a `u64`.
     let vertices = strands * per_strand;
     source.check_vertices(4, vertices)?;
     let offset = |at: u64| -> Result<Option<u64>> {
         match u64::from(field(at)?) {
             0 => Ok(None),
             o if o < header => {
-                Err(source.problem(At::Byte(at), format!("an offset of {o} points into the header")))
+                Err(source.problem(At::Byte(at), format!("the offset {o} points into the header")))
             }
             o => Ok(Some(o)),
         }
@@ -84,12 +84,12 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
         }
     }
     if let Some(at) = offset(colors_at)? {
-        let colors = source.floats::<4>("vertex colours", at, vertices)?;
+        let colors = source.floats::<4>("vertex colors", at, vertices)?;
         raw.strands.colors = colors.into_iter().map(|c| Vec3::new(c[0], c[1], c[2])).collect();
     }
     raw.declared = declared(&String::from_utf8_lossy(&source.bytes[32..160]));
     if offset(thickness_at)?.is_some() {
-        raw.notes.push("thickness coefficients have no unit and are not used".into());
+        raw.notes.push("thickness coefficients are ignored: they have no unit".into());
     }
     Ok(raw)
 }

@@ -1,4 +1,4 @@
-//! `.tfx`: AMD's TressFX, version 2 as text, 3 and 4 binary.
+//! `.tfx`: AMD's TressFX, version 2 as text, versions 3 and 4 as binary.
 
 mod binary;
 mod text;
@@ -11,7 +11,7 @@ use crate::Result;
 
 /// Reads any version.
 pub(super) fn read(source: &Source) -> Result<Raw> {
-    // A version number as a float always has a byte outside ASCII text.
+    // Text begins with a name or a comment, binary with the version as a float.
     let first = source.bytes.iter().find(|b| !b.is_ascii_whitespace());
     let is_text = first.is_some_and(|b| b.is_ascii_alphabetic() || *b == b'#');
     if is_text { text::read(source) } else { binary::read(source) }

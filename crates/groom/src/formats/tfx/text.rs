@@ -1,8 +1,8 @@
-//! `.tfx` version 2: text.
+//! `.tfx` version 2, text.
 //!
-//! Header lines `name value…`, then for each strand `strand I numVerts N texcoord U V` and `N` lines of
-//! three numbers. `bothEndsImmovable 1` pins every tip of the file, `numFollowHairsPerGuideHair` and
-//! `maxRadiusAroundGuideHair` ask for followers of each strand.
+//! Header lines `name value…` precede the strands. Each strand is a line `strand I numVerts N texcoord U V` and `N`
+//! lines of three numbers. `bothEndsImmovable 1` pins every tip of the file; `numFollowHairsPerGuideHair` and
+//! `maxRadiusAroundGuideHair` request child strands around each strand.
 
 use glam::{EulerRot, Quat, Vec2, Vec3};
 
@@ -46,7 +46,7 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
             "maxRadiusAroundGuideHair" => {
                 let value = source.number(line, words.next(), "maxRadiusAroundGuideHair")?;
                 if value < 0.0 {
-                    let problem = format!("maxRadiusAroundGuideHair is {value}, which no radius can be");
+                    let problem = format!("maxRadiusAroundGuideHair is {value}, but must not be negative");
                     return Err(source.problem(At::Line(line), problem));
                 }
                 radius = Some(value).filter(|value| value.is_finite());
@@ -60,18 +60,18 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
                     "the strand's numVerts",
                 )?;
                 if wanted == 0 {
-                    return Err(source.problem(At::Line(line), "a strand of 0 vertices"));
+                    return Err(source.problem(At::Line(line), "the strand has 0 vertices"));
                 }
                 if let Some(uv) = after("texcoord") {
                     let part = |i: usize| source.number(line, uv.get(i).copied(), "a texture coordinate");
                     strands.root_uvs.push(Vec2::new(part(0)?, part(1)?));
                 }
             }
-            // `version`, numbers for simulation, `is sorted`: nothing of the shape.
+            // `version`, simulation parameters, `is sorted`: not geometry.
             _ if first.starts_with(|c: char| c.is_ascii_alphabetic()) => {}
             _ => {
                 return Err(
-                    source.problem(At::Line(line), "a vertex that belongs to no strand, or a broken line")
+                    source.problem(At::Line(line), "the line is invalid, or is a vertex outside a strand")
                 );
             }
         }

@@ -1,11 +1,11 @@
-//! The writer of `.tfx` version 4.
+//! Writes `.tfx` version 4.
 
 use crate::{
     Strands,
     error::{Error, Result},
     formats::{
         raw::MARK,
-        writer::{Encoded, put},
+        writer::{EncodedFile, put},
     },
     orient::Unit,
 };
@@ -13,7 +13,7 @@ use crate::{
 const HEADER: usize = 160;
 
 /// Encodes strands as version 4.
-pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<Encoded> {
+pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<EncodedFile> {
     let per_strand = strands.iter().map(<[_]>::len).max().unwrap_or(0);
     let vertices = strands.len() as u64 * per_strand as u64;
     let with_uvs = !strands.root_uvs.is_empty();
@@ -22,7 +22,7 @@ pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<Encoded> {
     let end = colors_at + if strands.colors.is_empty() { 0 } else { 16 * vertices };
     if end > u64::from(u32::MAX) {
         return Err(Error::Unusable(format!(
-            "{end} bytes, more than the 4 GiB that a .tfx file can address"
+            "the file would have {end} bytes, more than the 4 GiB that a .tfx file can address"
         )));
     }
     let mut bytes = Vec::with_capacity(end as usize);
@@ -33,7 +33,7 @@ pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<Encoded> {
     header.iter().for_each(|v| bytes.extend_from_slice(&(*v as u32).to_le_bytes()));
     bytes.extend_from_slice(unit.map_or("", |_| MARK).as_bytes());
     bytes.resize(HEADER, 0);
-    // The format knows one number of vertices only; shorter strands repeat their tip.
+    // The format has one number of vertices for all strands; shorter strands repeat their tip.
     let indices = |i: usize| {
         let range = strands.range(i);
         let last = range.end.saturating_sub(1);
@@ -58,8 +58,8 @@ pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<Encoded> {
     let mut notes = Vec::new();
     if strands.iter().any(|s| s.len() < per_strand) {
         notes.push(format!(
-            "the format has one number of vertices per strand, so shorter strands repeat their tip up to {per_strand} (reading merges them again)"
+            "shorter strands repeat their tip up to {per_strand} vertices, because the format stores one vertex count for all strands (reading merges them again)"
         ));
     }
-    Ok(Encoded { bytes, notes })
+    Ok(EncodedFile { bytes, notes })
 }

@@ -10,5 +10,5 @@ pub(super) use read::{holds_body, is_groom, read, read_mesh};
 pub(super) use write::packed;
 pub(super) use write::{body, cache, character, encode};
 
-/// What files of ours say of themselves.
+/// Documentation string of the files that this crate writes.
 const DOC: &str = "Tresses groom";

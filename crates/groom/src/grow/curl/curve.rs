@@ -1,37 +1,37 @@
-//! A curl drawn by an artist.
+//! Curls drawn by an artist.
 
 use crate::error::{At, Error, Result};
 use crate::{curve, formats::source::Files, import};
 use glam::Vec3;
 use std::path::Path;
 
-/// Points of a drawn curve at equal steps of its length.
+/// Points of a drawn curve at equal steps of its arc length.
 const POINTS: usize = 256;
 
-/// One turn (or several) of a curl as an artist drew it, without a size: offsets from its own axis at
-/// equal steps of the way along it, the largest of length 1.
+/// One or more turns of a curl drawn by an artist, without a size: offsets from its axis at equal steps of arc length,
+/// the largest of length 1.
 ///
-/// The axis is parallel to the line from the first vertex to the last and runs through the middle of
-/// the curve. So the offsets at both ends are the same, and repeated curls join without a break.
+/// The axis is parallel to the line from the first vertex to the last and passes through the mean of the curve. The
+/// offsets at both ends are therefore equal, and repeated curls join without a break.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CurlCurve {
-    /// x and y: across the axis; z: how far the curve runs ahead of an even advance along the axis.
+    /// x and y: across the axis. z: advance along the axis relative to a uniform advance.
     offsets: Vec<Vec3>,
-    /// Length along the axis over the largest distance from it.
+    /// Length along the axis divided by the largest distance from it.
     proportion: f32,
     turns: f32,
-    /// Whether it is drawn once over the whole strand instead of being repeated every wavelength.
+    /// Whether the curve spans the whole strand once instead of repeating every wavelength.
     pub stretched: bool,
 }
 
 impl CurlCurve {
-    /// A curl from the polyline `points`, in any unit, from root to tip.
+    /// Creates a curl from the polyline `points`, in any unit, from root to tip.
     ///
     /// # Errors
-    /// [`Error::Unusable`] for fewer than three points, a closed curve, a straight one, and coordinates
-    /// that are not finite.
+    /// [`Error::Unusable`] for fewer than three points, a closed curve, a straight curve, or coordinates that are not
+    /// finite.
     pub fn new(points: &[Vec3]) -> Result<Self> {
-        let refuse = |what: &str| Err(Error::Unusable(format!("the curl's curve {what}")));
+        let refuse = |what: &str| Err(Error::Unusable(format!("the curl curve {what}")));
         if points.len() < 3 {
             return refuse("has fewer than three points");
         }
@@ -42,7 +42,7 @@ impl CurlCurve {
         let way = even[POINTS - 1] - even[0];
         let axis = way.normalize_or_zero();
         if way.length() <= 1e-3 * curve::length(points) {
-            return refuse("ends where it begins, so that it has no axis");
+            return refuse("is closed, so it has no axis");
         }
         let across = |p: Vec3| p - axis * p.dot(axis);
         // The end repeats the beginning and must not count twice.
@@ -66,16 +66,16 @@ impl CurlCurve {
         Ok(Self { offsets, proportion: way.length() / largest, turns, stretched: false })
     }
 
-    /// The only polyline of the groom file at `path` (OBJ lines, or any other that holds strands).
+    /// Reads the groom file at `path`, which must contain exactly one strand (OBJ lines, or any other format for
+    /// strands).
     ///
     /// # Errors
-    /// What reading the file says; [`Error::File`] for a file of several curves and for a curve that
-    /// [`new`](Self::new) refuses.
+    /// Errors of the reader; [`Error::File`] for a file with several curves or a curve that [`new`](Self::new) rejects.
     pub fn read(path: &Path) -> Result<Self> {
         Self::parse(path, &Files::Disk.load(path)?)
     }
 
-    /// [`read`](Self::read) from bytes; `path` decides the format and stands in errors.
+    /// [`read`](Self::read) from bytes. `path` selects the format and appears in errors.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -83,23 +83,23 @@ impl CurlCurve {
         let raw = import::parse(path, bytes, false)?;
         let wrong = |problem| Error::File { path: path.to_path_buf(), at: At::File, problem };
         if raw.strands.len() != 1 {
-            return Err(wrong(format!("{} curves; a curl is one", raw.strands.len())));
+            return Err(wrong(format!("the file has {} curves, but a curl is one curve", raw.strands.len())));
         }
         Self::new(raw.strands.strand(0)).map_err(|error| wrong(error.to_string()))
     }
 
-    /// Length along the axis of the whole curve that is `radius` metres wide to either side, as drawn.
+    /// Returns the length along the axis of the whole curve, as drawn, with a radius of `radius` meters.
     pub fn length_for(&self, radius: f32) -> f32 {
         self.proportion * radius
     }
 
-    /// About how many turns or waves it has.
+    /// Returns the approximate number of turns or waves.
     pub fn turns(&self) -> f32 {
         self.turns
     }
 
-    /// The offset at the fraction `s` of the curve, repeated outside of 0 to 1: x and y across the axis,
-    /// z along it, the largest across of length 1.
+    /// Returns the offset at the fraction `s` of the curve, which repeats outside of 0 to 1: x and y across the axis, z
+    /// along it. The largest offset across has length 1.
     pub fn at(&self, s: f32) -> Vec3 {
         let x = (s - s.floor()) * (POINTS - 1) as f32;
         let i = (x as usize).min(POINTS - 2);
@@ -107,8 +107,8 @@ impl CurlCurve {
     }
 }
 
-/// How often the offsets go around or back and forth: half the number of times that they cross the plane
-/// through the axis that they are furthest from, at least 1.
+/// Counts the turns or waves of the offsets: half the number of crossings of the plane through the axis that is
+/// perpendicular to the largest offset, at least 1.
 fn turns(offsets: &[Vec3]) -> f32 {
     let far = offsets.iter().copied().max_by(|a, b| a.x.hypot(a.y).total_cmp(&b.x.hypot(b.y)));
     let way = far.unwrap_or(Vec3::X).truncate().normalize_or_zero();

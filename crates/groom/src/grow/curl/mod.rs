@@ -1,23 +1,23 @@
 //! Curls: offsets from a strand's path, procedural or taken from a curve that an artist drew.
 //!
-//! A curl is a curve around a straight axis, a function of the length along it: a helix, a flat wave or
-//! anything between them ([`Curls`]), or a drawn curve ([`CurlCurve`]). It is laid along the path of a
-//! strand in directions that are parallel transported along the path, and added to the result of clump or
-//! multi-strand interpolation. It therefore costs nothing per frame, and it rotates with the guides.
+//! A curl is a curve around a straight axis, a function of the length along it: a helix, a flat wave or anything
+//! between them ([`Curls`]), or a drawn curve ([`CurlCurve`]). It is laid along the path of a strand in a
+//! parallel-transported frame and added to the result of clump or multi-strand interpolation. It therefore has no cost
+//! per frame, and it rotates with the guides.
 //!
-//! Hair curls in locks. What distinguishes a lock's curl from a spring is drawn once per lock (a *twist*):
-//! radius, wavelength, handedness, phase, where the handedness changes, and how all of these vary along the
-//! length. The strands of a lock follow it with slightly different phases, which lays them side by side
-//! into a ribbon; a lock shares as much of its phase with the locks around it as [`Curls::neighbours`]
-//! says, which makes the waves of straight hair run continuously, as water waves do.
+//! Hair curls in locks. A *twist* holds the random parameters of one lock, which distinguish its curl from a spring:
+//! radius, wavelength, handedness, phase, the point where the handedness changes, and their variation along the length.
+//! The strands of a lock have slightly different phases, so they form a ribbon. [`Curls::neighbours`] is the share of
+//! its phase that a lock has in common with the locks around it. A high value makes the waves of straight hair run
+//! continuously, like water waves.
 //!
-//! Curled hair is longer than its path: by `√(1 + (2π radius / wavelength)²)` for a helix. Either the
-//! hairstyle keeps its shape and the strands are that much longer, or the strands keep their lengths and
-//! the hairstyle gets shorter, as drying hair does ([`Curls::shrink`]).
+//! Curled hair is longer than its path: by `√(1 + (2π radius / wavelength)²)` for a helix. Either the hairstyle keeps
+//! its shape and the strands get longer, or the strands keep their lengths and the hairstyle gets shorter, as drying
+//! hair does ([`Curls::shrink`]).
 //!
-//! Why not per guide, as in the original? A clump-based strand follows one guide, but a multi-strand is a
-//! mean of three, and the mean of three helices of different phase is meaningless. Locks are smaller than
-//! the hair of one guide, and every strand belongs to one lock, whatever guides it is bound to.
+//! Curls are not per guide, as they are in Tariq and Bavoil 2008. A clump-based strand follows one guide, but a
+//! multi-strand is a mean of three, and the mean of three helices of different phase is meaningless. Locks are smaller
+//! than the hair of one guide, and every strand belongs to one lock, whatever guides it is bound to.
 
 mod curve;
 mod twist;
@@ -27,44 +27,44 @@ pub(crate) use twist::{Strand, Twist};
 
 use crate::{Error, Result, range, range::Range};
 
-/// Curls in all strands of a groom.
+/// Curl parameters of all strands of a groom.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curls {
-    /// Distance from the path, metres: half the diameter of a ringlet; 0 for straight hair.
+    /// Distance from the path, meters: half the diameter of a ringlet; 0 for straight hair.
     pub radius: f32,
-    /// Way along the path for one turn or one wave, metres.
+    /// Length along the path of one turn or one wave, meters.
     pub wavelength: f32,
     /// 0 for a round helix, 1 for a wave in one plane.
     pub flatness: f32,
     /// Fraction of the length at which curls begin.
     pub start: f32,
-    /// Radius at the tip against that at the root, 0 to 3.
+    /// Radius at the tip relative to the radius at the root, 0 to 3.
     pub tip: f32,
-    /// How far radius, wavelength and hand differ from lock to lock and wander along the way, 0 to 1.
+    /// Variation of radius, wavelength and handedness between locks and along the length, 0 to 1.
     pub irregularity: f32,
-    /// How far the strands of a lock turn together: 1 in step, 0 each for itself.
+    /// Phase coherence of the strands of a lock: 1 in phase, 0 independent.
     pub coherence: f32,
-    /// How far a lock turns with the locks around it: 1 as one, 0 each for itself.
+    /// Phase coherence of neighboring locks: 1 in phase, 0 independent.
     pub neighbours: f32,
-    /// How much of the length that curls take is taken from the hairstyle, 0 to 1: with 0 it keeps its
-    /// outline and strands are longer, with 1 strands keep their length.
+    /// Share of the curls' extra length that shortens the hairstyle, 0 to 1: at 0 the outline stays and strands are
+    /// longer, at 1 strands keep their length.
     pub shrink: f32,
-    /// A drawn curve in place of helix and wave.
+    /// Drawn curve that replaces helix and wave.
     pub curve: Option<CurlCurve>,
 }
 
 impl Default for Curls {
-    /// No curls; ringlets as soon as the radius is more than 0.
+    /// No curls; a radius above 0 gives ringlets.
     fn default() -> Self {
         Self { radius: 0.0, ..Self::ringlets() }
     }
 }
 
 impl Curls {
-    /// The names that [`named`](Self::named) knows, from the loosest to the tightest.
+    /// Names of the presets for [`named`](Self::named), from the loosest to the tightest.
     pub const NAMES: [&'static str; 3] = ["waves", "ringlets", "coils"];
 
-    /// A preset by name.
+    /// Returns a preset by name.
     pub fn named(name: &str) -> Option<Self> {
         match name {
             "waves" => Some(Self::waves()),
@@ -74,7 +74,7 @@ impl Curls {
         }
     }
 
-    /// Loose flat waves that run through the hair (type 2A in the hairdresser's scale).
+    /// Loose flat waves that run continuously through the hair (type 2A on the hairdresser's scale).
     pub fn waves() -> Self {
         Self {
             radius: 0.006,
@@ -106,20 +106,20 @@ impl Curls {
         }
     }
 
-    /// Tight coils as wide as a pencil (type 3C to 4A). They take short hair: 64 vertices hold ten turns.
+    /// Tight coils as wide as a pencil (type 3C to 4A). They need short hair: 64 vertices hold ten turns.
     pub fn coils() -> Self {
         Self { radius: 0.0045, wavelength: 0.013, irregularity: 0.6, coherence: 0.8, ..Self::ringlets() }
     }
 
-    /// Whether there are any.
+    /// Returns whether the hair has curls.
     pub fn any(&self) -> bool {
         self.radius > 0.0
     }
 
-    /// How many of `vertices` equally spaced vertices fall on each turn of a strand whose path is
-    /// `length` metres long. From 8 on curls are smooth; below [`Self::LEAST`] they are not curls.
+    /// Returns how many of `vertices` equally spaced vertices fall on each turn of a strand whose path is `length`
+    /// meters long. From 8 on, curls are smooth; below [`Self::LEAST`], the vertices cannot represent them.
     pub fn vertices_per_turn(&self, length: f32, vertices: u32) -> f32 {
-        // A drawn curve that is stretched over the strand has the turns that it was drawn with.
+        // A stretched curve has the turns that it was drawn with.
         let repeats = match &self.curve {
             Some(curve) if curve.stretched => 1.0,
             _ => self.path(length) / self.wavelength.max(1e-6),
@@ -128,41 +128,43 @@ impl Curls {
         vertices.saturating_sub(1) as f32 / (repeats * turns).max(1e-6)
     }
 
-    /// Turns in a wavelength.
+    /// Returns the turns per wavelength.
     fn turns(&self) -> f32 {
         self.curve.as_ref().map_or(1.0, CurlCurve::turns)
     }
 
-    /// What is left of a path of `length` metres when curls shrink it: as much as for a helix, or a wave
-    /// of the same mean slope.
+    /// Returns the length of a path of `length` meters after shrinking, as for a helix or a wave of the same mean
+    /// slope.
     fn path(&self, length: f32) -> f32 {
         let round = (0.5 * (1.0 + (1.0 - self.flatness).powi(2))).sqrt();
         let slope = std::f32::consts::TAU * self.radius * round * self.turns() / self.wavelength.max(1e-6);
         length * (1.0 + self.shrink * (1.0 / (1.0 + slope * slope).sqrt() - 1.0))
     }
 
-    /// The fewest vertices that make a turn.
+    /// Minimum number of vertices per turn.
     pub const LEAST: f32 = 3.0;
 
     /// The range of [`radius`](Self::radius).
-    pub const RADIUS: Range = range!("radius of curls", 0.0 to 0.2, "metres"; usually 0.0 to 0.1);
+    pub const RADIUS: Range = range!("curl radius", 0.0 to 0.2, "m"; usually 0.0 to 0.1);
     /// The range of [`wavelength`](Self::wavelength).
-    pub const WAVELENGTH: Range = range!("wavelength of curls", 0.001 to 1.0, "metres"; usually 0.002 to 1.0);
+    pub const WAVELENGTH: Range = range!("curl wavelength", 0.001 to 1.0, "m"; usually 0.002 to 1.0);
     /// The range of [`flatness`](Self::flatness).
-    pub const FLATNESS: Range = range!("flatness of curls", 0.0 to 1.0);
+    pub const FLATNESS: Range = range!("curl flatness", 0.0 to 1.0);
     /// The range of [`start`](Self::start).
-    pub const START: Range = range!("start of curls", 0.0 to 1.0);
+    pub const START: Range = range!("curl start", 0.0 to 1.0);
     /// The range of [`tip`](Self::tip).
-    pub const TIP: Range = range!("width of curls at the tip", 0.0 to 3.0);
+    pub const TIP: Range = range!("curl width at the tip", 0.0 to 3.0);
     /// The range of [`irregularity`](Self::irregularity).
-    pub const IRREGULARITY: Range = range!("irregularity of curls", 0.0 to 1.0);
+    pub const IRREGULARITY: Range = range!("curl irregularity", 0.0 to 1.0);
     /// The range of [`coherence`](Self::coherence).
-    pub const COHERENCE: Range = range!("coherence of curls", 0.0 to 1.0);
+    pub const COHERENCE: Range = range!("curl coherence", 0.0 to 1.0);
     /// The range of [`neighbours`](Self::neighbours).
-    pub const NEIGHBOURS: Range = range!("likeness of neighbouring curls", 0.0 to 1.0);
+    pub const NEIGHBOURS: Range = range!("similarity of neighboring curls", 0.0 to 1.0);
     /// The range of [`shrink`](Self::shrink).
-    pub const SHRINK: Range = range!("shrinking by curls", 0.0 to 1.0);
+    pub const SHRINK: Range = range!("curl shrinkage", 0.0 to 1.0);
 
+    /// Checks that all values are in range.
+    ///
     /// # Errors
     /// [`Error::Parameter`](crate::Error::Parameter) for a value out of range.
     pub fn check(&self) -> Result<()> {
@@ -177,15 +179,17 @@ impl Curls {
         Self::SHRINK.check(self.shrink)
     }
 
+    /// Checks that `vertices` vertices over `length` meters of path can represent the curls.
+    ///
     /// # Errors
-    /// [`Error::Unusable`] where `vertices` vertices over `length` metres of path hold no such curl.
+    /// [`Error::Unusable`] if they cannot.
     pub(crate) fn fits(&self, length: f32, vertices: u32) -> Result<()> {
         if !self.any() || self.vertices_per_turn(length, vertices) >= Self::LEAST {
             return Ok(());
         }
         let (turns, path) = (self.turns(), self.path(length));
         Err(Error::Unusable(format!(
-            "{vertices} vertices are too few for curls of {:.0} mm on strands of {:.0} cm: from {:.0} mm on they hold",
+            "{vertices} vertices are too few for curls of {:.0} mm on strands of {:.0} cm; use curls of {:.0} mm or more",
             self.wavelength * 1e3,
             length * 1e2,
             (Self::LEAST * turns * path / vertices.saturating_sub(1).max(1) as f32 * 1e3).ceil(),

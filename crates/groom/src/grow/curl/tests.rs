@@ -4,7 +4,7 @@ use glam::Vec3;
 use proptest::prelude::*;
 use std::f32::consts::TAU;
 
-/// The same in every lock and along the way.
+/// Curls that are the same in every lock and constant along the length.
 fn regular() -> Curls {
     Curls { irregularity: 0.0, coherence: 1.0, neighbours: 1.0, ..Curls::ringlets() }
 }
@@ -13,7 +13,7 @@ fn twist(curls: &Curls) -> Twist {
     Twist::new(curls, 7, 3, Vec3::new(0.01, 1.6, 0.05))
 }
 
-/// A curl over a straight path of `length` metres, `steps` points to a millimetre.
+/// Lays a curl over a straight path of `length` meters, `steps` points per millimeter.
 fn laid(curls: &Curls, length: f32, steps: usize) -> Vec<Vec3> {
     let twist = twist(curls);
     let n = (length * 1e3) as usize * steps;
@@ -26,7 +26,7 @@ fn laid(curls: &Curls, length: f32, steps: usize) -> Vec<Vec3> {
         .collect()
 }
 
-/// The mean distance from the path beyond the first 4 cm, and the way for one turn there.
+/// Measures the mean distance from the path and the advance per turn, beyond the first 4 cm.
 fn measured(line: &[Vec3]) -> (f32, f32) {
     let far: Vec<Vec3> = line.iter().copied().filter(|p| p.z > 0.04).collect();
     let radius = far.iter().map(|p| p.x.hypot(p.y)).sum::<f32>() / far.len() as f32;
@@ -49,11 +49,11 @@ fn a_curl_has_its_radius_and_wavelength() {
 }
 
 #[test]
-fn waves_are_flat_and_curls_begin_where_they_should() {
+fn flat_waves_stay_in_plane_and_curls_begin_at_start() {
     let curls = Curls { flatness: 1.0, start: 0.5, ..regular() };
     let line = laid(&curls, 0.2, 4);
     assert!(line.iter().filter(|p| p.z < 0.0999).all(|p| p.x == 0.0 && p.y == 0.0));
-    // In one plane, whatever its direction.
+    // All offsets are in one plane, whatever its direction.
     let way = line[line.len() - 1];
     let across = Vec3::new(-way.y, way.x, 0.0).normalize();
     assert!(line.iter().all(|p| p.dot(across).abs() < 1e-6));
@@ -67,11 +67,11 @@ fn waves_are_flat_and_curls_begin_where_they_should() {
 }
 
 #[test]
-fn shrinking_keeps_the_length_of_the_strand() {
+fn shrinking_keeps_strand_length() {
     let length = 0.25;
     let straight = |curls: &Curls| {
         let f = twist(curls).fraction(curls, 1.0, length);
-        // Laid along the path as far as that goes.
+        // The part of the curl that covers the shortened path.
         let line = laid(curls, length, 8);
         let kept = &line[..=((line.len() - 1) as f32 * f) as usize];
         (f, kept.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>() / length)
@@ -87,7 +87,7 @@ fn shrinking_keeps_the_length_of_the_strand() {
     assert!((kept / helix - 1.0).abs() < 0.05, "{kept} {helix}");
 }
 
-/// A lopsided curl: a tight turn, then a flat one, three times larger than a real one and askew.
+/// A lopsided curl: a tight turn, then a flat one, larger than a real one, rotated and translated.
 fn drawn() -> Vec<Vec3> {
     let turn = glam::Quat::from_rotation_arc(Vec3::Z, Vec3::new(0.3, -0.8, 0.5).normalize());
     (0..=80)
@@ -101,12 +101,12 @@ fn drawn() -> Vec<Vec3> {
 }
 
 #[test]
-fn a_drawn_curl_is_reproduced() {
+fn drawn_curl_keeps_its_shape() {
     let points = drawn();
     let curve = CurlCurve::new(&points).unwrap();
     assert!((1.5..=2.5).contains(&curve.turns()), "{}", curve.turns());
     let axis = (points[80] - points[0]).normalize();
-    // Its size comes from the radius, and then its length as it was drawn.
+    // The radius sets its size and, through the drawn proportion, its length.
     let across = |p: Vec3| p - axis * p.dot(axis);
     let middle = {
         let even = crate::curve::resample_chords(&points, 2001);
@@ -116,7 +116,7 @@ fn a_drawn_curl_is_reproduced() {
     let wavelength = curve.length_for(0.01);
     assert!((wavelength / 0.01 - 0.2 / largest).abs() < 0.02, "{wavelength}");
     let curls = Curls { radius: 0.01, wavelength, curve: Some(curve.clone()), ..regular() };
-    // Phase and plane of the lock apart, distances are what tells one shape from another.
+    // Pairwise distances identify the shape, independent of the phase and plane of the lock.
     let scale = 0.01 / largest;
     let offset = |curls: &Curls, s: f32| {
         let o = curls.curve.as_ref().unwrap().at(s);
@@ -137,7 +137,7 @@ fn a_drawn_curl_is_reproduced() {
     assert!(differs(&even) < 1e-4, "{}", differs(&even));
     let backwards: Vec<Vec3> = even.iter().rev().copied().collect();
     assert!(differs(&backwards) > 1e-3);
-    // Laid along a strand it comes again every wavelength, and joins.
+    // Laid along a strand, the curve repeats every wavelength without a break.
     let line = laid(&curls, 5.0 * wavelength, 8);
     let step = line.windows(2).map(|w| w[0].distance(w[1])).fold(0.0, f32::max);
     assert!(step < 1e-3, "{step}");
@@ -145,7 +145,7 @@ fn a_drawn_curl_is_reproduced() {
     let at = |arc: f32| twist.offset(&curls, &Strand::STRICT, arc, 5.0 * wavelength);
     assert!(at(2.3 * wavelength).distance(at(3.3 * wavelength)) < 1e-4);
     assert!(at(2.3 * wavelength).distance(at(2.55 * wavelength)) > 1e-3);
-    // Stretched, it comes once, whatever the wavelength.
+    // A stretched curve appears once, whatever the wavelength.
     let mut whole = curve;
     whole.stretched = true;
     let once = Curls { curve: Some(whole), wavelength: 0.004, ..curls };
@@ -155,7 +155,7 @@ fn a_drawn_curl_is_reproduced() {
 }
 
 #[test]
-fn curves_that_are_no_curls_are_refused() {
+fn invalid_curl_curves_are_rejected() {
     let line = |n: usize| (0..n).map(|k| Vec3::X * k as f32).collect::<Vec<_>>();
     let ring: Vec<Vec3> = (0..=32)
         .map(|k| Vec3::new((TAU * k as f32 / 32.0).cos(), (TAU * k as f32 / 32.0).sin(), 0.0))
@@ -179,20 +179,20 @@ fn curves_that_are_no_curls_are_refused() {
 }
 
 #[test]
-fn curls_finer_than_the_vertices_are_refused() {
+fn curls_finer_than_vertex_spacing_are_rejected() {
     let coils = Curls::coils();
     assert!(coils.fits(0.1, 64).is_ok());
     let error = coils.fits(0.3, 64).unwrap_err().to_string();
     assert!(error.contains("13 mm") && error.contains("30 cm") && error.contains("15 mm"), "{error}");
     assert!(Curls { wavelength: 0.015, ..coils.clone() }.fits(0.3, 64).is_ok());
-    // Hair that shrinks has a shorter way to go.
+    // Shrinking shortens the path.
     assert!(Curls { shrink: 1.0, ..coils.clone() }.fits(0.3, 64).is_ok());
     assert!(Curls::default().fits(9.0, 2).is_ok());
     assert_eq!(Curls { wavelength: 0.01, ..coils }.vertices_per_turn(0.1, 61), 6.0);
 }
 
 #[test]
-fn nonsense_is_refused() {
+fn out_of_range_curls_are_rejected() {
     let base = Curls::ringlets();
     for bad in [
         Curls { radius: -0.001, ..base.clone() },
@@ -233,11 +233,11 @@ proptest! {
         let twist = Twist::new(&curls, 5, lock, Vec3::new(0.03, 1.6, -0.04));
         let strand = Strand::new(&curls, false, &mut Rng::new(1, lock));
         let most = curls.radius * 1.5 * 1.5 * 1.6 * curls.tip.max(1.0);
-        // The way along a drawn curve may go back by more than the radius.
+        // Along the axis, a drawn curve may go back by more than the radius.
         let most_along = 3.0 * most + curls.wavelength.max(length) * 2.0;
         let offset = |arc: f32| twist.offset(&curls, &strand, arc, length);
         prop_assert!(offset(0.0).length() == 0.0);
-        // A thousandth of the shortest wavelength there may be.
+        // A small fraction of the shortest wavelength that can occur.
         let step = 2e-4 * curls.wavelength.min(length);
         for k in 0..=64 {
             let arc = length * k as f32 / 64.0;

@@ -1,48 +1,48 @@
-//! How one lock curls, and the path of a strand within it.
+//! Curl of one lock, and the offsets of a strand within it.
 
 use super::Curls;
 use crate::random::{Rng, lerp, noise, smoothstep};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// Size of the parts of the scalp whose hair waves together, metres.
+/// Size of the scalp regions whose hair waves together, meters.
 const TOGETHER: f32 = 0.05;
 
-/// The longest way over which a curl reaches its radius, metres.
+/// Maximum length over which a curl grows to its full radius, meters.
 const RAMP: f32 = 0.04;
 
-/// What the strands of a lock share.
+/// Curl parameters that the strands of a lock share.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Twist {
-    /// Metres.
+    /// Radius, meters.
     radius: f32,
-    /// Metres.
+    /// Wavelength, meters.
     wavelength: f32,
-    /// 1 or -1.
+    /// Handedness, 1 or -1.
     hand: f32,
-    /// Radians.
+    /// Phase, radians.
     phase: f32,
-    /// The direction across of a wave, radians from the outward one's side.
+    /// Direction of a wave across the path, radians from the sideways axis of the frame.
     plane: f32,
-    /// Where the hand changes, in turns from the start.
+    /// Position where the handedness changes, in turns from the start.
     back: Option<f32>,
     seed: u32,
 }
 
-/// What a strand has for itself.
+/// Curl variation of one strand.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Strand {
-    /// Radians against the lock.
+    /// Phase relative to the lock, radians.
     phase: f32,
-    /// Factor of the radius.
+    /// Factor on the radius.
     wide: f32,
 }
 
 impl Strand {
-    /// One that turns with its lock.
+    /// A strand in phase with its lock.
     pub(crate) const STRICT: Self = Self { phase: 0.0, wide: 1.0 };
 
-    /// A random one; `loose` ones turn each for itself.
+    /// Creates a random strand; a `loose` one has a phase independent of its lock.
     pub(crate) fn new(curls: &Curls, loose: bool, rng: &mut Rng) -> Self {
         let apart = if loose { 1.0 } else { 1.0 - curls.coherence };
         Self {
@@ -53,12 +53,12 @@ impl Strand {
 }
 
 impl Twist {
-    /// How the lock number `lock` rooted at `root` (metres) curls.
+    /// Chooses the curl of the lock with number `lock`, rooted at `root` (meters).
     pub(crate) fn new(curls: &Curls, seed: u32, lock: u32, root: Vec3) -> Self {
         let mut rng = Rng::new(seed ^ 0xcafe, lock);
         let alone = 1.0 - curls.neighbours;
         let vary = 0.5 * curls.irregularity;
-        // Waves that run through must be of one length, at least almost.
+        // Continuous waves need nearly equal wavelengths.
         let radius = curls.radius * rng.range(1.0 - vary, 1.0 + vary);
         let wavelength = curls.wavelength * (1.0 + vary * alone * rng.range(-0.8, 1.0));
         let hand = if rng.unit() < 0.5 * alone { -1.0 } else { 1.0 };
@@ -74,8 +74,8 @@ impl Twist {
         }
     }
 
-    /// The offset of a strand `arc` metres along a path of `length` metres: across the path along its
-    /// two directions, and along it.
+    /// Returns the offset of a strand at `arc` meters along a path of `length` meters: x and y in the two directions
+    /// across the path, z along it.
     pub(crate) fn offset(&self, curls: &Curls, strand: &Strand, arc: f32, length: f32) -> Vec3 {
         let begin = curls.start * length;
         let way = arc - begin;
@@ -94,7 +94,7 @@ impl Twist {
             * (1.0 + 0.5 * wander(1.7, 0x11));
         let mut turns = way / self.wavelength + 0.3 * wander(2.3, 0x22);
         if let Some(back) = self.back {
-            // Where the hand changes, a curl runs straight for a moment.
+            // Where the handedness changes, the curl is straight for a short distance.
             turns = (turns - back).hypot(0.25);
         }
         let angle = TAU * turns + self.phase + strand.phase;
@@ -112,13 +112,13 @@ impl Twist {
         (Vec2::from_angle(self.plane).rotate(across) * radius).extend(along)
     }
 
-    /// The fraction of a path of `length` metres at which a strand ends that curls along it and is
-    /// `length` long itself, as far as the hairstyle is to shrink.
+    /// Returns the fraction of a path of `length` meters at which a strand of that length ends when it curls along the
+    /// path, scaled by [`Curls::shrink`].
     pub(crate) fn fraction(&self, curls: &Curls, strength: f32, length: f32) -> f32 {
         if curls.shrink <= 0.0 || length <= 0.0 {
             return 1.0;
         }
-        // The length of the curl over a straight path, in steps of a twentieth of a turn.
+        // Arc length of the curl over a straight path, in steps of a twentieth of a turn.
         let steps = ((20.0 * length / self.wavelength) as usize).clamp(64, 4000);
         let at = |k: usize| {
             let arc = length * k as f32 / steps as f32;

@@ -1,4 +1,4 @@
-//! Triangle meshes from files.
+//! Imports triangle meshes from files.
 
 pub use crate::formats::raw::RawMesh;
 
@@ -10,39 +10,39 @@ use crate::{
     formats::{
         self, Format,
         faces::PLAIN,
-        source::{Files, Given, Source},
+        source::{FileBytes, Files, Source},
     },
     mesh::Paint,
     rig::Rig,
 };
 
-/// The most bytes that the pictures of several files may take.
+/// Maximum bytes of the images of all files together.
 #[cfg(feature = "textures")]
 const ROOM: u64 = 1 << 30;
 
-/// Reads one mesh, in the file's own unit and axes; [`crate::orient::head`] orients it. Normals
-/// that the file lacks are computed, angle-weighted; colours are the materials' base colours.
+/// Reads one mesh, in the file's own unit and axes; [`crate::orient::head`] orients it. Missing normals are computed,
+/// weighted by angle. Vertex colors are the materials' base colors.
 pub fn read(path: &Path) -> Result<RawMesh> {
     parse(Files::Disk, path, &Files::Disk.load(path)?)
 }
 
-/// [`read`] from bytes: the mesh called `path` and what it needs are among `files`.
+/// [`read`] for files in memory: the mesh `path` and the files that it refers to are among `files`.
 ///
 /// # Errors
-/// As [`read`], and [`Error::File`] when a file that it needs is not among them.
-pub fn read_given(files: &[Given<'_>], path: &Path) -> Result<RawMesh> {
+/// The errors of [`read`], and [`Error::File`] if a file that the mesh refers to is missing.
+pub fn read_given(files: &[FileBytes<'_>], path: &Path) -> Result<RawMesh> {
     let files = Files::Given(files);
     parse(files, path, &files.load(path)?)
 }
 
-/// Reads several meshes that share one unit and one set of axes into one. If any of them has a rig, all
-/// have one together: meshes without follow a node of their own, and what has one name in several files
-/// (shapes, animations) is one.
+/// Reads several meshes that share one unit and one set of axes, and joins them. If any of them has a rig, the result
+/// has one: meshes without a rig follow a node of their own, and blend shapes and animations of the same name are
+/// merged.
 pub fn read_all<P: AsRef<Path>>(paths: &[P]) -> Result<RawMesh> {
     read_from(Files::Disk, paths)
 }
 
-/// The same from any source of files.
+/// [`read_all`] from any source of files.
 pub(super) fn read_from<P: AsRef<Path>>(files: Files<'_>, paths: &[P]) -> Result<RawMesh> {
     let mut all: Option<RawMesh> = None;
     for path in paths {
@@ -65,14 +65,13 @@ pub(super) fn read_from<P: AsRef<Path>>(files: Files<'_>, paths: &[P]) -> Result
     }
     #[cfg(feature = "textures")]
     if let Some(paint) = all.as_mut().and_then(|all| all.mesh.paint.as_mut()) {
-        // Pictures of several files have one size, too.
+        // The images of several files need one size, too.
         Arc::make_mut(paint).level(ROOM);
     }
     all.ok_or_else(|| Error::Unusable("no head mesh is given".into()))
 }
 
-/// A mesh from its bytes; `path` decides the format and where among `files` materials and buffers are
-/// looked for.
+/// Reads a mesh from its bytes. `path` decides the format, and where among `files` materials and buffers are found.
 fn parse(files: Files<'_>, path: &Path, bytes: &[u8]) -> Result<RawMesh> {
     let source = Source { path, bytes, files, lenient: false };
     if bytes.is_empty() {
@@ -95,7 +94,7 @@ fn parse(files: Files<'_>, path: &Path, bytes: &[u8]) -> Result<RawMesh> {
     Ok(raw)
 }
 
-/// The same error as one of a file.
+/// Converts an error to one of a file.
 fn at_file(path: &Path, error: Error) -> Error {
     Error::File { path: path.to_path_buf(), at: At::File, problem: error.to_string() }
 }

@@ -38,7 +38,7 @@ numOfTriangles 1
 0 0 1 2
 ";
 
-/// A GLB with one triangle under a node that scales by 2, and a red material.
+/// Returns a GLB with one triangle under a node that scales by 2, and a red material.
 #[cfg(feature = "gltf")]
 fn glb() -> Vec<u8> {
     let json = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
@@ -56,7 +56,7 @@ fn glb() -> Vec<u8> {
 }
 
 #[test]
-fn a_cube_is_one_surface_whatever_its_seams() {
+fn cube_with_seams_is_one_surface() {
     let mesh = parse(Files::Disk, Path::new("cube.obj"), CUBE.as_bytes()).unwrap().mesh;
     assert_eq!((mesh.positions.len(), mesh.triangles.len()), (8, 12));
     for (p, n) in mesh.positions.iter().zip(&mesh.normals) {
@@ -72,16 +72,16 @@ fn a_tfxmesh_is_read() {
 
 #[cfg(feature = "gltf")]
 #[test]
-fn a_glb_is_no_shorter_than_its_header() {
+fn glb_shorter_than_its_header_is_rejected() {
     let mut bytes = glb();
     bytes[8..12].copy_from_slice(&11u32.to_le_bytes());
     let error = parse(Files::Disk, Path::new("a.glb"), &bytes).unwrap_err().to_string();
-    assert!(error.contains("does not hold its header"), "{error}");
+    assert!(error.contains("shorter than its header"), "{error}");
 }
 
 #[cfg(feature = "gltf")]
 #[test]
-fn a_glb_has_its_transform_and_colour() {
+fn glb_transform_and_color_are_read() {
     let raw = parse(Files::Disk, Path::new("a.glb"), &glb()).unwrap();
     assert_eq!(raw.declared, crate::orient::Choice::METRES);
     let mesh = raw.mesh;
@@ -151,7 +151,7 @@ proptest! {
             let digits: Vec<usize> = (20..bytes.len()).filter(|i| bytes[*i].is_ascii_digit()).collect();
             let at = digits[at.index(digits.len())];
             bytes[at] = digit;
-            // Numbers grow without the file growing: what follows is overwritten.
+            // Overwrite the spaces that follow with digits: numbers grow, but the file does not.
             for i in (at + 1..(at + more).min(bytes.len())).take_while(|i| *i < digits[digits.len() - 1]) {
                 if bytes[i] == b' ' {
                     bytes[i] = digit;
@@ -163,34 +163,35 @@ proptest! {
 }
 
 #[test]
-fn given_files_find_each_other_and_are_missed_in_a_sentence() {
-    use crate::import::{Given, Kind, kind, read_given, read_given_head};
-    let given = |name: &str, text: &str| -> Given<'static> { (name.into(), text.as_bytes().to_vec().into()) };
+fn given_files_resolve_their_companions() {
+    use crate::import::{FileBytes, FileKind, kind, read_given, read_given_head};
+    let given =
+        |name: &str, text: &str| -> FileBytes<'static> { (name.into(), text.as_bytes().to_vec().into()) };
     let mesh = format!("mtllib head.mtl\nusemtl skin\n{CUBE}");
     let material = given("head.mtl", "newmtl skin\nKd 0.1 0.2 0.3\n");
-    // A cube of head's size, so that nothing is doubted.
+    // A cube of the size of a head, so that the guess of the unit has no doubts.
     let head = given("head.obj", &mesh);
     let groom = given("hair.obj", "v 0 1 0\nv 0 1.1 0\nv 0 1.2 0\nl 1 2 3\n");
     let sorts = [&head, &material, &groom].map(|(name, bytes)| kind(name, bytes));
-    assert_eq!(sorts, [Some(Kind::Mesh), Some(Kind::Companion), Some(Kind::Groom)]);
+    assert_eq!(sorts, [Some(FileKind::Mesh), Some(FileKind::Companion), Some(FileKind::Groom)]);
     let files = [groom.clone(), material, head.clone()];
     let (strands, mesh, report) = read_given(&files, &Default::default()).unwrap();
     assert_eq!((strands.len(), report.files.len()), (1, 1));
     assert_eq!(mesh.unwrap().colors[0], Vec3::new(0.1, 0.2, 0.3));
-    // Without its materials a mesh has no colours, as on disk; without its buffers it is nothing.
+    // Without its materials a mesh has no colors, as on disk; without its buffers it cannot be read.
     assert!(read_given_head(&[head], &Default::default()).unwrap().0.colors.is_empty());
     #[cfg(feature = "gltf")]
     {
         let gltf = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"a%20b.bin","byteLength":36}]}"#;
         let error = read_given_head(&[given("head.gltf", gltf)], &Default::default()).unwrap_err();
-        assert_eq!(error.to_string(), "head.gltf: it needs a b.bin, which has to be given with it");
+        assert_eq!(error.to_string(), "head.gltf: the file needs a b.bin; provide both together");
     }
     let error = read_given(&[groom, given("notes.txt", "")], &Default::default()).unwrap_err();
     assert!(error.to_string().starts_with("notes.txt: a groom is"), "{error}");
 }
 
 #[test]
-fn a_buffer_may_stand_in_the_file_as_text() {
+fn data_uri_buffers_are_read() {
     use base64::{Engine, engine::general_purpose::STANDARD};
     let corners = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let bytes: Vec<u8> = corners.iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
@@ -209,8 +210,8 @@ fn a_buffer_may_stand_in_the_file_as_text() {
     assert_eq!(read(&whole).unwrap().mesh.positions, corners.map(glam::Vec3::from));
     for (uri, said) in [
         ("data:;base64,AAA", "a buffer is missing (Invalid"),
-        ("data:text/plain,abc", "neither a file beside it nor data"),
-        ("https://example.org/a.bin", "neither a file beside it nor data"),
+        ("data:text/plain,abc", "neither a file name nor base64 data"),
+        ("https://example.org/a.bin", "neither a file name nor base64 data"),
         ("data:;base64,AAAA", "has 3 bytes, but should have 36"),
     ] {
         let error = read(uri).unwrap_err().to_string();
@@ -218,7 +219,7 @@ fn a_buffer_may_stand_in_the_file_as_text() {
     }
 }
 
-/// A GLB of a triangle whose material has a picture: red and half there on the left, white on the right.
+/// Returns a GLB with a triangle whose material has an image: red and half transparent on the left, white on the right.
 #[cfg(feature = "textures")]
 fn painted(picture: &[u8], more: &str) -> Vec<u8> {
     let json = format!(
@@ -255,17 +256,17 @@ fn png() -> Vec<u8> {
 
 #[cfg(feature = "textures")]
 #[test]
-fn materials_have_their_pictures() {
+fn material_images_are_read() {
     use crate::mesh::Paint;
     let raw = parse(Files::Disk, Path::new("a.glb"), &painted(&png(), "")).unwrap();
     let paint = raw.mesh.paint.as_ref().unwrap();
     raw.mesh.validate().unwrap();
     assert_eq!(paint.of, [0, 0, 0, Paint::NONE, Paint::NONE, Paint::NONE]);
     let coat = &paint.coats[0];
-    // Half of the light of green is 188 of 255.
+    // A factor of 0.5 in linear green is 188 of 255 in sRGB.
     assert_eq!(coat.base.rgba, [255, 0, 0, 128, 255, 188, 255, 255]);
     assert_eq!((coat.cutout, &coat.relief.rgba[..]), (Some(0.25), &[127, 127, 127, 255][..]));
-    // And vertices the colour of their place, which repeats.
+    // Vertex colors are sampled from the image, which repeats.
     let near = |i: usize, rgb: [f32; 3]| raw.mesh.colors[i].abs_diff_eq(Vec3::from(rgb), 0.01);
     assert!(near(0, [1.0, 0.0, 0.0]) && near(1, [1.0, 0.5, 1.0]) && near(2, [1.0, 0.0, 0.0]));
     assert!(raw.notes.is_empty());
@@ -275,33 +276,36 @@ fn materials_have_their_pictures() {
     assert_eq!(raw.mesh.paint.unwrap().places[1], glam::Vec2::new(2.0, 0.5));
 }
 
-/// A body whose picture cannot be read is of use without, and says so.
+/// A mesh whose image cannot be read is usable without it, and has a note.
 #[cfg(feature = "textures")]
 #[test]
-fn a_picture_that_cannot_be_read_is_told() {
+fn unreadable_images_are_reported() {
     let told = |bytes: Vec<u8>, why: &str| {
         let raw = parse(Files::Disk, Path::new("a.glb"), &bytes).unwrap();
         assert!(raw.mesh.paint.is_none() && raw.mesh.triangles.len() == 2);
         assert!(raw.notes.len() == 1 && raw.notes[0].contains(why), "{why}: {:?}", raw.notes);
     };
     told(painted(b"not a picture", ""), "format");
-    told(painted(&png()[..40], ""), "picture 0");
-    // What the crate would unwrap.
+    told(painted(&png()[..40], ""), "image 0");
+    // Fields that the `gltf` crate would unwrap.
     let edited = |from: &str, to: &str| glb::edited(&painted(&png(), ""), from, to);
-    told(edited(r#"{"bufferView":3,"mimeType":"image/png"}"#, "{}"), "neither in the file nor beside it");
+    told(
+        edited(r#"{"bufferView":3,"mimeType":"image/png"}"#, "{}"),
+        "neither in the file nor in a file of its own",
+    );
     told(edited(r#""bufferView":3,"mimeType":"image/png""#, r#""uri":"nowhere.png""#), "nowhere.png");
-    told(edited(r#""TEXCOORD_0":2"#, r#""TEXCOORD_0":0"#), "wrong kind of numbers");
+    told(edited(r#""TEXCOORD_0":2"#, r#""TEXCOORD_0":0"#), "wrong data type");
     let far = r#","extensions":{"KHR_texture_transform":{"scale":[1e38,1e38],"offset":[3e38,3e38]}}"#;
     told(painted(&png(), far), "not finite");
-    // Without a word of what kind it is, it is what its first bytes say.
+    // Without a MIME type, the first bytes decide the image format.
     let raw = parse(Files::Disk, Path::new("a.glb"), &edited(r#","mimeType":"image/png""#, "")).unwrap();
     assert!(raw.mesh.paint.is_some() && raw.notes.is_empty());
 }
 
-/// Small files may hold large pictures.
+/// Small files may contain large images.
 #[cfg(feature = "textures")]
 #[test]
-fn pictures_take_no_more_than_there_is_room_for() {
+fn large_images_are_reduced() {
     let mut bytes = std::io::Cursor::new(Vec::new());
     let large = image::GrayImage::new(4096, 4096);
     large.write_to(&mut bytes, image::ImageFormat::Png).unwrap();

@@ -8,21 +8,21 @@ use crate::{
 };
 use glam::{Vec3, vec3};
 
-/// A kind of beard.
+/// Length of a beard.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Beard {
-    /// None.
+    /// No beard.
     #[default]
     None,
     /// Some days old: 2 mm.
     Stubble,
-    /// Trimmed: a centimetre.
+    /// Trimmed: 1 cm.
     Short,
     /// Grown for half a year: 4 cm at the chin.
     Full,
 }
 
-/// Hairs per cm² where it is densest, and vertices of each, by kind.
+/// Density in hairs per cm² where it is greatest, vertices per hair, and length.
 impl Beard {
     fn dense(self) -> f32 {
         match self {
@@ -41,7 +41,7 @@ impl Beard {
         }
     }
 
-    /// How long hairs are at the chin, mm.
+    /// Returns the length of hairs at the chin, mm.
     fn long(self) -> f32 {
         match self {
             Self::None => 0.0,
@@ -54,7 +54,8 @@ impl Beard {
 
 const SEED: u32 = 0xbea2d;
 
-/// Adds a beard on `mesh`, a mesh of the bust ([`crate::mannequin::mesh`]), metres; 4, 8 or 16 vertices per strand.
+/// Adds a beard on `mesh`, a mesh of the bust ([`crate::mannequin::mesh`]), meters, with 4, 8 or 16 vertices per
+/// strand.
 pub fn beard(strands: &mut Strands, kind: Beard, mesh: &TriMesh) {
     let mut due = 0.0f32;
     for (t, triangle) in mesh.triangles.iter().enumerate() {
@@ -66,7 +67,7 @@ pub fn beard(strands: &mut Strands, kind: Beard, mesh: &TriMesh) {
         }
         let area = 0.5 * (b - a).cross(c - a).length();
         let rng = &mut Rng::new(SEED, t as u32);
-        // What is left over goes to the next triangle, so that hairs are spread evenly.
+        // Carry the remainder over to the next triangle, so that hairs are spread evenly.
         due += 0.01 * area * kind.dense() * share;
         while due >= 1.0 {
             due -= 1.0;
@@ -79,7 +80,7 @@ pub fn beard(strands: &mut Strands, kind: Beard, mesh: &TriMesh) {
     }
 }
 
-/// How much beard grows at a point of the skin, mm: 0 to 1.
+/// Returns the relative density of the beard at a point of the skin (mm), 0 to 1.
 fn cover(p: Vec3) -> f32 {
     let q = vec3(p.x.abs(), p.y, p.z);
     if q.y < -45.0 || q.y > 112.0 || q.z < -14.0 {
@@ -89,21 +90,21 @@ fn cover(p: Vec3) -> f32 {
     let t = ((q.z - 12.0) / 72.0).clamp(0.0, 1.0);
     let line = 106.0 + (57.0 - 106.0) * t.powf(0.55);
     let cheek = step(line + 4.0, line - 6.0, q.y);
-    // A moustache: up to the nose, and over to the corners of the mouth.
+    // Mustache: up to the nose, and over to the corners of the mouth.
     let above =
         step(31.0, 24.0, q.x) * step(69.0 - 0.25 * q.x, 65.0 - 0.3 * q.x, q.y) * step(66.0, 76.0, q.z);
     let cheek = cheek.max(above);
-    // Not behind the jaw, nor on the ears.
+    // No hair behind the jaw or on the ears.
     let jaw = step(-9.0, 3.0, q.z + 0.22 * (q.y - 40.0).min(0.0));
     let bare = step(1.0, 5.0, ears::ear(q));
-    // The neck: down to the Adam's apple.
+    // Neck: down to the Adam's apple.
     let neck = step(-24.0, -6.0, q.y - 0.22 * q.z);
-    // The lips are bare, and a strip around the lower one but for its middle.
+    // The lips are bare, and so is a strip around the lower lip except for its middle.
     let mouth = vec3(q.x / 26.5, (q.y - 43.5) / 9.2, 0.0).length();
     let lips = if q.z > 60.0 { step(1.0, 1.16, mouth) } else { 1.0 };
     let aside = vec3((q.x - 15.5) / 7.5, (q.y - 31.0) / 5.5, 0.0).length();
     let aside = if q.z > 60.0 { 0.25 + 0.75 * step(0.8, 1.3, aside) } else { 1.0 };
-    // Nothing on the nose, and little in the groove below it.
+    // No hair on the nose, and little in the groove below it.
     let nose = vec3(q.x / 15.5, (q.y - 76.0) / 12.5, 0.0).length();
     let nose = if q.z > 70.0 { step(1.0, 1.12, nose) } else { 1.0 };
     let groove = if q.z > 80.0 && q.y > 48.0 { 0.45 + 0.55 * step(1.5, 4.5, q.x) } else { 1.0 };
@@ -114,7 +115,8 @@ fn hair(strands: &mut Strands, kind: Beard, root: Vec3, share: f32, rng: &mut Rn
     let out = normal(root);
     let q = vec3(root.x.abs(), root.y, root.z);
     let side = if root.x < 0.0 { -1.0 } else { 1.0 };
-    // Down; forward on the cheeks; aside from the middle of the upper lip; on the neck forward, to the chin.
+    // Direction: down; forward on the cheeks; sideways from the middle of the upper lip; forward to the chin on the
+    // neck.
     let lip = step(26.0, 8.0, q.x) * step(46.0, 50.0, q.y) * step(70.0, 80.0, q.z);
     let under = step(6.0, -10.0, q.y);
     let cheek = step(20.0, 50.0, q.x);
@@ -122,7 +124,7 @@ fn hair(strands: &mut Strands, kind: Beard, root: Vec3, share: f32, rng: &mut Rn
     let flow = vec3(side * (1.15 * lip - 0.25 * under - 0.12 * cheek), -1.0, ahead);
     let wild = vec3(noise(root / 9.0, SEED + 1), noise(root / 9.0, SEED + 2), noise(root / 9.0, SEED + 3));
     let way = flow.normalize() + 0.18 * wild + 0.13 * rng.bell3();
-    // Longest at the chin, short on the upper lip and towards the ears.
+    // Longest at the chin, short on the upper lip and toward the ears.
     let chin = step(62.0, 12.0, q.x) * step(45.0, 15.0, q.y);
     let part = match kind {
         Beard::Full => (0.48 + 0.52 * chin) * (1.0 - 0.45 * lip) * (0.55 + 0.45 * step(95.0, 50.0, q.y)),
@@ -130,7 +132,7 @@ fn hair(strands: &mut Strands, kind: Beard, root: Vec3, share: f32, rng: &mut Rn
     };
     let part = part * (0.5 + 0.5 * share.sqrt());
     let long = kind.long() * part * (1.0 + 0.12 * rng.bell()) * if rng.unit() < 0.15 { 0.6 } else { 1.0 };
-    // Waves that no two hairs share, of a wavelength of half their length and more.
+    // Random waves per hair, with a wavelength of 9 to 16 mm.
     let (wave, phase) = (rng.range(0.05, 0.22), rng.range(0.0, std::f32::consts::TAU));
     let turns = long / rng.range(9.0, 16.0);
     let across = way.cross(out).normalize_or(Vec3::X);
@@ -139,7 +141,7 @@ fn hair(strands: &mut Strands, kind: Beard, root: Vec3, share: f32, rng: &mut Rn
         Beard::Short => rng.range(0.45, 0.7),
         _ => rng.range(0.7, 1.25),
     };
-    // A long beard stands off by what lies below it, and hangs at last.
+    // A long beard stands off on the hair below it and hangs down at its end.
     let line = grow(root, long.max(0.8), kind.vertices(), |t, out| {
         let flat = (way - out * way.dot(out)).normalize_or(way);
         let hang = if kind == Beard::Full { t * t * 0.8 } else { 0.0 };

@@ -1,23 +1,23 @@
-//! Brows: short hairs along the ridge above each eye.
+//! Eyebrows: short hairs along the ridge above each eye.
 
 use super::{grow, in_front, push};
 use crate::{Strands, random::Rng};
 use glam::{Vec2, Vec3};
 
-/// Hairs of a brow. People have 250 to 500 of all ages.
+/// Hairs per brow. People have 250 to 500.
 const HAIRS: u32 = 460;
 const VERTICES: usize = 8;
 const SEED: u32 = 0xb20;
 
-/// Adds both brows, metres; 8 vertices per strand.
+/// Adds both brows, meters, with 8 vertices per strand.
 ///
-/// The hairs of a brow stand up at its inner end, lie along it from there, and at its upper edge turn down, at the lower up,
-/// so that they meet in a ridge.
+/// Hairs stand up at the inner end and lie along the brow from there. They turn down at the upper edge and up at the
+/// lower edge, so that they meet in a ridge.
 pub fn brows(strands: &mut Strands) {
     for (side, seed) in [(1.0, SEED), (-1.0, SEED + 1)] {
         for i in 0..HAIRS {
             let rng = &mut Rng::new(seed, i);
-            // Evenly along, by chance across.
+            // Even along the brow, random across it.
             let along = (i as f32 + rng.unit()) / HAIRS as f32;
             // Denser in the middle than at both ends.
             let along = along + 0.045 * (std::f32::consts::TAU * along).sin();
@@ -30,10 +30,10 @@ pub fn brows(strands: &mut Strands) {
     }
 }
 
-/// The middle of a brow, mm, at a part of its length from the nose; and half its width there.
+/// Returns the center of a brow (mm) at a fraction of its length from the nose, and half its width there.
 fn middle(along: f32) -> (Vec2, f32) {
     let x = 11.0 + 43.0 * along;
-    // An arch, highest over the outer third of the eye, on the sculpture's ridge.
+    // An arch on the ridge of the sculpture, highest over the outer third of the eye.
     let y =
         129.4 + 4.2 * (1.0 - ((along - 0.6) / 0.6).powi(2)) - 2.6 * ((along - 0.6).max(0.0) / 0.4).powi(2);
     let half = 4.4 * (1.0 - 0.2 * along) * (1.0 - along.powi(4)) + 0.5;
@@ -46,7 +46,8 @@ fn hair(strands: &mut Strands, side: f32, along: f32, across: f32, rng: &mut Rng
     let ahead = (middle((along + 0.02).min(1.0)).0 - centre).normalize_or(Vec2::X);
     let at = centre + Vec2::new(-ahead.y, ahead.x) * (across * half);
     let root = in_front(side * at.x, at.y);
-    // Straight up by the nose, along the brow from its first quarter on; edges bend towards the middle.
+    // Hairs point up near the nose and lie along the brow from its first quarter on; those at the edges bend toward the
+    // middle.
     let up = 1.25 * (1.0 - along / 0.28).max(0.0).powf(0.8) - 0.42 * across * (0.35 + 0.65 * along) + 0.1;
     let turn = up + 0.12 * rng.bell();
     let flat = Vec2::from_angle(turn).rotate(ahead);

@@ -1,15 +1,15 @@
-//! Lashes: along the line where the closed lids meet.
+//! Eyelashes: along the line where the closed lids meet.
 
 use super::{grow, in_front, push};
 use crate::{Strands, random::Rng};
 use glam::Vec3;
 
-/// Hairs of an upper and of a lower lid. People have 90 to 150 above, half as many below.
+/// Hairs per upper and per lower lid. People have 90 to 150 above, half as many below.
 const HAIRS: [u32; 2] = [130, 70];
 const VERTICES: usize = 8;
 const SEED: u32 = 0x1a5;
 
-/// Adds the lashes of both eyes, which are closed, metres; 8 vertices per strand.
+/// Adds the lashes of both closed eyes, meters, with 8 vertices per strand.
 pub fn lashes(strands: &mut Strands) {
     for (side, eye) in [(1.0, 0), (-1.0, 1)] {
         for (lid, count) in HAIRS.iter().enumerate() {
@@ -25,13 +25,13 @@ pub fn lashes(strands: &mut Strands) {
 
 fn hair(strands: &mut Strands, side: f32, upper: bool, t: f32, rng: &mut Rng) {
     let along = (1.0 - t * t).max(0.0);
-    // As the sculpture has the seam of its lids; lashes leave a lid's edge in two or three rows.
+    // The seam of the lids as in the sculpture. Lashes leave the edge of a lid in two or three rows.
     let seam = 108.2 - 3.2 * along + 0.9 * t;
     let row = rng.range(0.0, 0.7);
     let y = seam + if upper { 0.25 + row } else { -0.9 - row };
     let root = in_front(side * (31.5 + 16.5 * t), y);
-    // They spread like a fan; where lids are closed the upper ones point down and turn up again at their tips. They gather
-    // in little points.
+    // Lashes spread like a fan and gather in little points. On closed lids, the upper ones point down and turn up again
+    // at their tips.
     let lock = ((t * 21.0).round() / 21.0 - t) * if upper { 4.0 } else { 3.0 };
     let fan = 0.2 + 0.75 * t + lock + 0.07 * rng.bell();
     let (from, to, long) = match upper {

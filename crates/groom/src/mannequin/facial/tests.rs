@@ -16,7 +16,7 @@ fn all() -> Vec<(&'static str, Strands)> {
 }
 
 #[test]
-fn it_begins_below_the_skin_and_stays_out_of_it() {
+fn facial_hair_starts_below_skin_and_stays_outside() {
     for (what, strands) in all() {
         assert!(strands.len() > 300, "{what}: {}", strands.len());
         for strand in strands.iter() {
@@ -31,7 +31,7 @@ fn it_begins_below_the_skin_and_stays_out_of_it() {
 }
 
 #[test]
-fn it_grows_where_it_belongs() {
+fn facial_hair_grows_in_its_region() {
     let beyond = |strands: &Strands, is: &dyn Fn(Vec3) -> bool| {
         strands.iter().filter(|strand| !is(strand[0] * 1000.0)).count()
     };
@@ -44,7 +44,7 @@ fn it_grows_where_it_belongs() {
     let lips = |p: Vec3| p.z < 60.0 || p.x.abs() > 20.0 || (p.y - 43.5).abs() > 5.0;
     assert_eq!(beyond(&full, &lips), 0, "lips are bare");
     assert_eq!(beyond(&full, &|p| p.y < 114.0 && p.z > -16.0), 0);
-    // Both sides have as much, and are not each other's mirror images.
+    // Both sides have about the same number of hairs, but do not mirror each other.
     for (what, strands) in all() {
         let left: Vec<_> = strands.iter().filter(|strand| strand[0].x > 0.0).collect();
         let right = strands.len() - left.len();
@@ -58,7 +58,7 @@ fn it_grows_where_it_belongs() {
 }
 
 #[test]
-fn it_binds_and_is_the_same_each_time() {
+fn facial_hair_binds_and_is_deterministic() {
     assert_eq!(made(brows), made(brows));
     for (what, strands) in all() {
         let options = BindOptions { guides: GuideCount::OneIn(20), ..Default::default() };

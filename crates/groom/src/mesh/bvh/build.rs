@@ -1,4 +1,4 @@
-//! Building: splits that minimise the surface area heuristic over a few bins.
+//! Construction: splits that minimize the surface area heuristic over a few bins.
 
 use glam::Vec3;
 
@@ -7,7 +7,7 @@ use super::{DEPTH, Node};
 const LEAF: usize = 4;
 const BINS: usize = 12;
 
-/// The nodes, depth first, and the order of the triangles in their leaves.
+/// Returns the nodes, depth first, and the order of the triangles in their leaves.
 pub fn build(corners: &[[Vec3; 3]]) -> (Vec<Node>, Vec<u32>) {
     let mut order: Vec<u32> = (0..corners.len() as u32).collect();
     let mut nodes = Vec::new();
@@ -40,7 +40,7 @@ impl Bounds {
         0.5 * (self.lo + self.hi)
     }
 
-    /// Half the surface; 0 when empty.
+    /// Returns half the surface area; 0 if empty.
     fn area(&self) -> f32 {
         let d = (self.hi - self.lo).max(Vec3::ZERO);
         d.x * d.y + d.y * d.z + d.z * d.x
@@ -71,7 +71,7 @@ impl Builder<'_> {
         self.nodes[index].count = 0;
     }
 
-    /// Reorders `from..to` into two parts, neither empty, and returns how many are in the first.
+    /// Reorders `from..to` into two nonempty parts and returns the size of the first.
     fn partition(&mut self, from: usize, to: usize, depth: usize) -> usize {
         let Self { boxes, order, .. } = self;
         let items = &mut order[from..to];
@@ -79,7 +79,7 @@ impl Builder<'_> {
             let c = boxes[i as usize].center();
             b.with(Bounds { lo: c, hi: c })
         });
-        // Halving from here on keeps the depth in bounds, whatever the heuristic would like.
+        // Median splits from here on bound the depth.
         let best = if depth < DEPTH / 2 { best_bin(items, boxes, centers) } else { None };
         if let Some((axis, bin)) = best {
             let mut first = 0;
@@ -101,7 +101,7 @@ impl Builder<'_> {
     }
 }
 
-/// The axis and the last bin of the left part of the cheapest split; none where all centres coincide.
+/// Returns the axis and the last bin of the left part of the cheapest split, or `None` if all centers coincide.
 fn best_bin(items: &[u32], boxes: &[Bounds], centers: Bounds) -> Option<(usize, usize)> {
     let mut best = (f32::INFINITY, None);
     for axis in 0..3 {
@@ -114,7 +114,7 @@ fn best_bin(items: &[u32], boxes: &[Bounds], centers: Bounds) -> Option<(usize, 
             let bin = &mut bins[bin_of(bounds.center(), centers, axis)];
             *bin = (bin.0.with(bounds), bin.1 + 1);
         }
-        // Costs of everything right of each bin, from the right; then of the left, from the left.
+        // Sum the costs right of each bin from the right, then the costs left of it from the left.
         let mut right = [0.0; BINS];
         let (mut sum, mut count) = (Bounds::EMPTY, 0);
         for b in (1..BINS).rev() {

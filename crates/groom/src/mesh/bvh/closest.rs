@@ -1,38 +1,37 @@
-//! The nearest point: nearer child first, and pruning of everything farther than the best so far.
+//! Closest-point query: visits the nearer child first and skips boxes farther than the best point so far.
 
 use glam::Vec3;
 
 use super::{Bvh, DEPTH};
 use crate::mesh::triangle;
 
-/// The point of a mesh nearest to a given one.
+/// Point of a mesh closest to a query point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Closest {
-    /// The point, metres.
+    /// Position, meters.
     pub point: Vec3,
-    /// Its distance, metres, never negative.
+    /// Distance from the query point, meters, never negative.
     pub distance: f32,
-    /// The triangle it lies on: an index into the mesh's `triangles`.
+    /// Triangle that the point lies on: an index into the mesh's `triangles`.
     pub triangle: u32,
-    /// Its weights of the triangle's corners: none negative, sum 1.
+    /// Barycentric weights of the triangle's corners: none negative, sum 1.
     pub barycentric: Vec3,
 }
 
 impl Bvh {
-    /// The point of the mesh nearest to `p`; `None` if there is no triangle or `p` is not finite.
+    /// Returns the point of the mesh closest to `p`, or `None` without triangles or for a `p` that is not finite.
     pub fn closest_point(&self, p: Vec3) -> Option<Closest> {
         self.closest_point_within(p, f32::INFINITY)
     }
 
-    /// The point of the mesh nearest to `p` if it is nearer than `radius` metres: the smaller the
-    /// radius, the faster.
+    /// Returns the point of the mesh closest to `p` if it is nearer than `radius` meters. A smaller radius is faster.
     pub fn closest_point_within(&self, p: Vec3, radius: f32) -> Option<Closest> {
         self.nearest(p, radius * radius, None, 0.0).map(|(_, closest)| closest)
     }
 
-    /// Like [`closest_point_within`](Self::closest_point_within) with the squared radius, starting from
-    /// the triangle at `hint` in the order of the leaves, and also returning that place for the result,
-    /// whose distance may be too large by the part `error` of itself.
+    /// [`closest_point_within`](Self::closest_point_within) with the squared radius. The search starts from the
+    /// triangle at `hint` in the order of the leaves. Also returns the place of the result in that order. The distance
+    /// may be too large by the fraction `error`.
     pub(crate) fn nearest(
         &self,
         p: Vec3,
@@ -40,8 +39,13 @@ impl Bvh {
         hint: Option<u32>,
         error: f32,
     ) -> Option<(u32, Closest)> {
-        let mut best =
-            Best { p, squared: radius, bound: radius, shrink: (1.0 - error) * (1.0 - error), found: None };
+        let mut best = ClosestHit {
+            p,
+            squared: radius,
+            bound: radius,
+            shrink: (1.0 - error) * (1.0 - error),
+            found: None,
+        };
         if let Some(slot) = hint {
             best.offer(slot, self.corners[slot as usize]);
         }
@@ -50,7 +54,7 @@ impl Bvh {
         let mut at = 0u32;
         let mut lower = self.nodes.first()?.distance_squared(p);
         loop {
-            // Written so that a `p` that is not a number visits nothing.
+            // This comparison visits nothing if `p` is NaN.
             if lower < best.bound {
                 let node = &self.nodes[at as usize];
                 if node.count == 0 {
@@ -82,16 +86,16 @@ impl Bvh {
     }
 }
 
-struct Best {
+struct ClosestHit {
     p: Vec3,
     squared: f32,
-    /// Boxes at least this far (squared) are not looked into.
+    /// Squared distance from which on boxes are skipped.
     bound: f32,
     shrink: f32,
     found: Option<(u32, Vec3, Vec3)>,
 }
 
-impl Best {
+impl ClosestHit {
     fn offer(&mut self, slot: u32, corners: [Vec3; 3]) {
         let (point, barycentric) = triangle::closest_point(self.p, corners);
         let squared = point.distance_squared(self.p);

@@ -1,34 +1,33 @@
-//! The tree as a list that is traversed without a stack, as on a GPU.
+//! The tree as a flat list that is traversed without a stack, as on a GPU.
 
 use super::Bvh;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-/// A node of the tree, depth first.
+/// A node of the tree, in depth-first order.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct TreeNode {
-    /// Smallest corner of the box, metres.
+    /// Minimum corner of the box, meters.
     pub low: Vec3,
-    /// A leaf's first triangle; else the second child, the first being the next node.
+    /// First triangle of a leaf. For an inner node, the second child; the first child is the next node.
     pub first: u32,
-    /// Largest corner.
+    /// Maximum corner of the box, meters.
     pub high: Vec3,
-    /// Triangles of a leaf; 0 for others.
+    /// Number of triangles of a leaf; 0 for an inner node.
     pub count: u32,
     /// Centroid of the triangles, weighted by area.
     pub center: Vec3,
-    /// Distance from there to the farthest corner of the box.
+    /// Distance from `center` to the farthest corner of the box, meters.
     pub radius: f32,
     /// Sum of the triangles' area vectors, m².
     pub area: Vec3,
-    /// The next node that is not below this one.
+    /// Next node outside of this node's subtree.
     pub skip: u32,
 }
 
 impl Bvh {
-    /// The nodes, depth first, and the corners of the triangles, three each, in the order of the
-    /// leaves.
+    /// Returns the nodes, depth first, and the corners of the triangles, three each, in the order of the leaves.
     pub fn flat(&self) -> (Vec<TreeNode>, Vec<[f32; 4]>) {
         let mut skips = vec![self.nodes.len() as u32; self.nodes.len()];
         for (i, node) in self.nodes.iter().enumerate() {

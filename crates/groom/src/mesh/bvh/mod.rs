@@ -1,8 +1,8 @@
-//! A bounding volume hierarchy over a mesh's triangles that answers two queries for a point: the nearest
-//! point of the mesh, and the winding number of the mesh around it.
+//! Bounding volume hierarchy over the triangles of a mesh, with two queries for a point: the closest point of the mesh,
+//! and the winding number of the mesh around the point.
 //!
-//! One tree serves both: a node has its box for the first query and, for the second, the sum of its
-//! triangles' area vectors, which is all of them that matters from far away.
+//! One tree serves both. A node has its box for the first query and the sum of its triangles' area vectors for the
+//! second; from far away, nothing else matters.
 
 mod build;
 mod closest;
@@ -16,24 +16,24 @@ use glam::Vec3;
 use super::TriMesh;
 pub use closest::Closest;
 pub use flat::TreeNode;
-use winding::Moment;
+use winding::NodeMoment;
 
-/// A bounding volume hierarchy over the triangles of a mesh. It keeps copies of what it needs.
+/// A bounding volume hierarchy over the triangles of a mesh. It copies the data that it needs.
 ///
-/// Triangles with an index out of range or a corner that is not finite are left out; triangles
-/// without area stay, as the segments or points they are.
+/// Triangles with an index out of range or a corner that is not finite are skipped. Triangles without area are kept as
+/// segments or points.
 #[derive(Clone, Debug)]
 pub struct Bvh {
     nodes: Vec<Node>,
-    moments: Vec<Moment>,
+    moments: Vec<NodeMoment>,
     /// Corners of the triangles in the order of the leaves.
     corners: Vec<[Vec3; 3]>,
-    /// Their indices in the mesh.
+    /// Indices of the triangles in the mesh.
     source: Vec<u32>,
 }
 
-/// A box; with `count > 0` a leaf of that many triangles from `first` on, else the parent of the next
-/// node and of node `first`.
+/// A box. With `count > 0`, a leaf of that many triangles from `first` on; else the parent of the next node and of node
+/// `first`.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     lo: Vec3,
@@ -48,11 +48,11 @@ impl Node {
     }
 }
 
-/// The tree is never deeper, so a traversal that keeps one node per level on its stack needs no more.
+/// Maximum depth of the tree, and so the stack size of a traversal that keeps one node per level.
 const DEPTH: usize = 64;
 
 impl Bvh {
-    /// The tree over the triangles of `mesh`.
+    /// Builds the tree over the triangles of `mesh`.
     pub fn new(mesh: &TriMesh) -> Self {
         let corner = |i: u32| mesh.positions.get(i as usize).copied().filter(|p| p.is_finite());
         let mut source = Vec::with_capacity(mesh.triangles.len());
@@ -70,12 +70,12 @@ impl Bvh {
         Self { nodes, moments, corners, source }
     }
 
-    /// Whether there is no triangle in it.
+    /// Returns whether the tree has no triangles.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
 
-    /// The smallest and largest corner, or `None` without triangles.
+    /// Returns the minimum and maximum corner, or `None` without triangles.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         self.nodes.first().map(|root| (root.lo, root.hi))
     }

@@ -15,9 +15,9 @@ fn exact_winding(mesh: &TriMesh, p: Vec3) -> f32 {
     (mesh.triangles.iter().map(angle).sum::<f64>() / (2.0 * std::f64::consts::TAU)) as f32
 }
 
-/// Points in the cube of half side `r`, the same each time.
+/// Deterministic points in the cube of half side `r`.
 fn probes(r: f32, n: u32) -> impl Iterator<Item = Vec3> {
-    // Kronecker's sequence of the plastic number's generalisation: even, without a generator.
+    // Kronecker sequence of the generalized plastic number: evenly spread without a generator.
     let step = glam::DVec3::new(0.819_172_513, 0.671_043_607, 0.549_700_478);
     (1..=n).map(move |i| (((step * f64::from(i)).fract() * 2.0 - 1.0) * f64::from(r)).as_vec3())
 }
@@ -31,7 +31,7 @@ fn an_empty_mesh_has_no_nearest_point() {
 }
 
 #[test]
-fn broken_triangles_are_left_out_and_flat_ones_kept() {
+fn invalid_triangles_are_skipped_and_flat_ones_kept() {
     let mut mesh = shapes::cuboid(Vec3::ONE);
     mesh.positions.push(Vec3::NAN);
     mesh.triangles.extend([[0, 1, 8], [0, 1, 99], [3, 3, 3]]);
@@ -52,7 +52,7 @@ fn the_radius_limits_the_search() {
 }
 
 #[test]
-fn the_boxes_of_a_node_hold_its_triangles_and_the_tree_is_shallow() {
+fn boxes_contain_triangles_and_depth_is_bounded() {
     let bvh = Bvh::new(&shapes::torus(0.3, 0.1, 40));
     let mut stack = vec![(0u32, 0usize)];
     let mut seen = 0;
@@ -71,7 +71,7 @@ fn the_boxes_of_a_node_hold_its_triangles_and_the_tree_is_shallow() {
 }
 
 #[test]
-fn winding_numbers_are_those_of_the_exact_sum() {
+fn winding_numbers_match_exact_sum() {
     let (mut worst, mut rough) = (0.0f32, 0.0f32);
     for mesh in [shapes::sphere(1.0, 24), shapes::torus(0.8, 0.3, 24), shapes::cuboid(Vec3::splat(0.7))] {
         let bvh = Bvh::new(&mesh);
@@ -86,7 +86,7 @@ fn winding_numbers_are_those_of_the_exact_sum() {
 }
 
 #[test]
-fn a_sphere_winds_once_its_inverse_minus_once_and_a_hole_has_a_lid() {
+fn winding_number_of_sphere_inverse_and_hole() {
     let sphere = shapes::sphere(1.0, 32);
     let [outward, inward] = [sphere.clone(), shapes::inverted(sphere.clone())].map(|m| Bvh::new(&m));
     for p in probes(1.4, 1000).filter(|p| (p.length() - 1.0).abs() > 0.02) {
@@ -94,7 +94,7 @@ fn a_sphere_winds_once_its_inverse_minus_once_and_a_hole_has_a_lid() {
         assert!((outward.winding_number(p) - inside).abs() < 0.04, "{p}");
         assert!((inward.winding_number(p) + inside).abs() < 0.04, "{p}");
     }
-    // Cut off below y = -0.5: the lid is the flat disc there.
+    // Cut off below y = -0.5: the flat disc there closes the hole.
     let mut cut = sphere;
     cut.triangles.retain(|t| t.iter().all(|&i| cut.positions[i as usize].y > -0.501));
     let rim = cut.triangles.iter().flatten().map(|&i| cut.positions[i as usize].y).fold(1.0, f32::min);
@@ -109,7 +109,7 @@ fn a_sphere_winds_once_its_inverse_minus_once_and_a_hole_has_a_lid() {
 }
 
 #[test]
-fn a_few_flipped_triangles_and_doubled_parts_do_not_turn_a_solid() {
+fn flipped_and_duplicate_triangles_keep_solid_inside() {
     let mut mesh = shapes::sphere(1.0, 24);
     for i in (0..mesh.triangles.len()).step_by(97) {
         mesh.triangles[i].swap(0, 1);
@@ -138,7 +138,7 @@ fn soup() -> impl Strategy<Value = TriMesh> {
 
 proptest! {
     #[test]
-    fn the_nearest_point_is_that_of_brute_force(mesh in soup(), p in prop::array::uniform3(-2.0f32..2.0)) {
+    fn closest_point_matches_brute_force(mesh in soup(), p in prop::array::uniform3(-2.0f32..2.0)) {
         let p = Vec3::from_array(p);
         let bvh = Bvh::new(&mesh);
         let found = bvh.closest_point(p).unwrap();
@@ -155,7 +155,7 @@ proptest! {
 }
 
 #[test]
-fn a_missing_triangle_is_noticed() {
+fn missing_triangle_changes_closest_point() {
     let mesh = shapes::sphere(1.0, 16);
     let whole = Bvh::new(&mesh);
     let wrong = probes(1.5, 100).filter(|p| {

@@ -1,5 +1,5 @@
-//! The generalised winding number: near triangles exactly, far nodes as dipoles.
-//! Barill, Dickson, Schmidt, Levin, Jacobson: Fast Winding Numbers for Soups and Clouds, 2018.
+//! Generalized winding number: near triangles exactly, far nodes as dipoles.
+//! Source: Barill, Dickson, Schmidt, Levin, Jacobson: Fast Winding Numbers for Soups and Clouds, 2018.
 
 use std::f32::consts::TAU;
 
@@ -8,33 +8,34 @@ use glam::Vec3;
 use super::{Bvh, DEPTH, Node};
 use crate::mesh::triangle::SolidAngle;
 
-/// What is seen of a node's triangles from far away.
+/// Far-field approximation of a node's triangles.
 #[derive(Clone, Copy, Debug)]
-pub struct Moment {
+pub struct NodeMoment {
     /// Centroid, weighted by area.
     pub center: Vec3,
-    /// The square of the distance from the centre to the farthest corner of the box.
+    /// Squared distance from the center to the farthest corner of the box.
     pub radius: f32,
     /// Sum of the triangles' area vectors.
     pub area: Vec3,
 }
 
-/// How many radii away a node must be to be seen as a dipole. At 2.5 the sum over a closed shape is off
-/// by at most 0.04 (see the tests), far from what decides between inside and outside.
+/// Distance, in radii of a node, beyond which the node is a dipole. At 2.5 the error of the sum over a closed shape is
+/// at most 0.04 (see the tests), far from the threshold between inside and outside.
 const FAR: f32 = 2.5;
 
 impl Bvh {
-    /// How often the mesh winds around `p`: the solid angle it covers, over the whole sphere's.
+    /// Returns the winding number of the mesh around `p`: the solid angle of the mesh, divided by that of the whole
+    /// sphere.
     ///
-    /// For a closed mesh whose triangles run counter-clockwise seen from outside it is 1 inside and 0
-    /// outside (-1 inside if inverted); overlapping parts add up. Across a hole it passes smoothly from
-    /// 1 to 0, being 0.5 on the hole's flat lid: `> 0.5` is the solid with its holes filled. A sheet has
-    /// less than 0.5 on either side. 0 without triangles.
+    /// For a closed mesh whose triangles run counterclockwise seen from outside, it is 1 inside and 0 outside (-1
+    /// inside if inverted); overlapping parts add up. Across a hole it changes smoothly from 1 to 0 and is 0.5 on the
+    /// flat disc that closes the hole, so `> 0.5` is the solid with its holes filled. A sheet has less than 0.5 on
+    /// either side. 0 without triangles.
     pub fn winding_number(&self, p: Vec3) -> f32 {
         self.winding_with(p, FAR)
     }
 
-    /// The winding number where nodes `far` radii away are seen as dipoles.
+    /// Returns the winding number, with nodes `far` radii away as dipoles.
     pub(crate) fn winding_with(&self, p: Vec3, far: f32) -> f32 {
         let limit = far * far;
         let (mut dipoles, mut near) = (0.0, SolidAngle::ZERO);
@@ -61,8 +62,8 @@ impl Bvh {
     }
 }
 
-/// The moments of all nodes. Children come after their parents, so the sums are made from the back.
-pub fn moments(nodes: &[Node], corners: &[[Vec3; 3]]) -> Vec<Moment> {
+/// Computes the moments of all nodes. Children come after their parents, so the sums start from the back.
+pub fn moments(nodes: &[Node], corners: &[[Vec3; 3]]) -> Vec<NodeMoment> {
     // Area vector, area times centroid, area.
     let mut sums = vec![(Vec3::ZERO, Vec3::ZERO, 0.0f32); nodes.len()];
     for i in (0..nodes.len()).rev() {
@@ -82,7 +83,7 @@ pub fn moments(nodes: &[Node], corners: &[[Vec3; 3]]) -> Vec<Moment> {
     let moment = |(node, (area, centroid, size)): (&Node, (Vec3, Vec3, f32))| {
         let center = if size > 0.0 { centroid / size } else { 0.5 * (node.lo + node.hi) };
         let radius = (node.hi - center).max(center - node.lo).length();
-        Moment { center, area, radius: radius * radius }
+        NodeMoment { center, area, radius: radius * radius }
     };
     nodes.iter().zip(sums).map(moment).collect()
 }

@@ -1,18 +1,18 @@
-//! Lids: where solid meets air without a triangle between, at openings and over dropped pieces.
+//! Lids: boundaries between solid and air without triangles, at openings and over dropped pieces.
 //!
-//! The lid lies where the winding number is 0.5. The distances next to it follow from where it cuts
-//! the grid's edges, all others from those by the eikonal equation `|grad d| = 1`, solved by sweeps in
-//! the eight diagonal directions (Zhao, A Fast Sweeping Method for Eikonal Equations, 2005).
+//! The lid lies where the winding number is 0.5. The distances next to it follow from its intersections with the grid's
+//! edges. All others follow from those by the eikonal equation `|grad d| = 1`, solved by sweeps in the eight diagonal
+//! directions (Zhao, A Fast Sweeping Method for Eikonal Equations, 2005).
 
 use glam::IVec3;
 
 use super::Winding;
 use crate::SdfGrid;
 
-/// Lowers unsigned `distances` to those to the lids where these are nearer.
+/// Lowers unsigned `distances` to the distances from the lids where these are smaller.
 pub fn close(grid: &SdfGrid, field: &Winding<'_>, solid: &[bool], distances: &mut [f32]) {
     let Some(mut lid) = seeds(grid, field, solid, distances) else { return };
-    // In cells.
+    // Distances in cells.
     for directions in 0..8 {
         sweep(&mut lid, grid.size.as_ivec3(), directions);
     }
@@ -21,10 +21,10 @@ pub fn close(grid: &SdfGrid, field: &Winding<'_>, solid: &[bool], distances: &mu
     }
 }
 
-/// The distances in cells of the nodes that touch a lid, infinite elsewhere; none without lids.
+/// Returns the distances in cells of the nodes that touch a lid, infinite elsewhere, or `None` without lids.
 fn seeds(grid: &SdfGrid, field: &Winding<'_>, solid: &[bool], distances: &[f32]) -> Option<Vec<f32>> {
     let steps = [1, grid.size.x, grid.size.x * grid.size.y];
-    // Sums of 1 / d^2 over the axes, of the nearer cut on each: a plane's distance from its intercepts.
+    // Sums of 1 / d^2 over the axes, of the nearer cut on each: the distance of a plane from its intercepts.
     let mut sums: Vec<f32> = Vec::new();
     for (step, count) in steps.into_iter().zip(grid.size.to_array()) {
         let mut cuts: Vec<(u32, f32)> = Vec::new();
@@ -33,12 +33,12 @@ fn seeds(grid: &SdfGrid, field: &Winding<'_>, solid: &[bool], distances: &[f32])
             if i / step % count == count - 1 || solid[i as usize] == solid[next as usize] {
                 continue;
             }
-            // A triangle that crosses the edge is at most its length away from its ends, together.
+            // If a triangle crosses the edge, the distances of both ends sum to at most the length of the edge.
             if distances[i as usize] + distances[next as usize] <= 1.001 * grid.cell {
                 continue;
             }
             let (a, b) = (field.at(grid.node(i)) - 0.5, field.at(grid.node(next)) - 0.5);
-            // Dropped specks and filled cavities have no crossing; their lid is half way.
+            // Dropped specks and filled cavities have no crossing; their lid is halfway.
             let t = if (a > 0.0) != (b > 0.0) { (a / (a - b)).clamp(0.02, 0.98) } else { 0.5 };
             cuts.extend([(i, t), (next, 1.0 - t)]);
         }
@@ -80,7 +80,8 @@ fn sweep(d: &mut [f32], size: IVec3, directions: i32) {
     }
 }
 
-/// The distance one cell from neighbours at distances `n`: the upwind solution of the eikonal equation.
+/// Returns the distance of a node from its neighbors' distances `n`, one cell away: the upwind solution of the eikonal
+/// equation.
 fn solve(mut n: [f32; 3]) -> f32 {
     n.sort_by(f32::total_cmp);
     let [a, b, c] = n;

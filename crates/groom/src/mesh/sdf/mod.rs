@@ -1,22 +1,21 @@
-//! The signed distance field of any mesh, as artists make them: open at the neck, with eyes, teeth, lashes
-//! and clothes as separate and partly overlapping pieces.
+//! Signed distance fields of meshes as artists make them: open at the neck, with eyes, teeth, lashes and clothes as
+//! separate and partly overlapping pieces.
 //!
-//! What is solid is decided by the winding number (see [`Bvh::winding_number`]), which is 1 inside a closed
-//! outward mesh, 0 outside, and passes 0.5 on the lid that closes a hole. Distances are then those to the
-//! *solid's* boundary, not to every triangle:
+//! The winding number decides what is solid (see [`Bvh::winding_number`]). It is 1 inside a closed outward mesh, 0
+//! outside, and passes 0.5 on the lid that closes a hole. Distances are measured to the boundary of the *solid*, not to
+//! every triangle:
 //!
-//! - An opening, such as the neck's, is closed by the surface where the winding number is 0.5: a flat lid
-//!   for a flat rim. The field passes zero there like everywhere else.
-//! - A sheet in the air (a strip of lashes, a flat collar) has air on both sides and is no obstacle. A
-//!   sheet that encloses more than half of the directions seen from within, a cap or a jacket, is the solid
-//!   under it, closed by a lid.
-//! - Triangles inside the solid (overlapping parts, sockets) do not matter, nor do cavities that no air
-//!   reaches: inside a head the distance is that to the skin.
-//! - Solids that the grid cannot resolve, thinner than about a cell, are left out.
+//! - An opening, such as the neck, is closed by the surface where the winding number is 0.5: a flat lid for a flat rim.
+//!   The field crosses zero there like everywhere else.
+//! - A sheet in the air (a strip of lashes, a flat collar) has air on both sides and is no obstacle. A sheet that
+//!   encloses more than half of the directions seen from within, such as a cap or a jacket, is a solid closed by a lid.
+//! - Triangles inside the solid (overlapping parts, sockets) are ignored, and so are cavities that no air reaches:
+//!   inside a head, distances are measured to the skin.
+//! - Solids that the grid cannot resolve, thinner than about a cell, are dropped.
 //! - A mesh that is inside out as a whole is flipped first.
 //!
-//! Flood filling from outside, the usual way to find signs, leaks through the first hole; the parity of ray
-//! crosses makes speckles behind every one.
+//! Flood filling from outside, the usual way to find signs, leaks through the first hole. The parity of ray crossings
+//! makes speckles behind every hole.
 
 mod lids;
 mod signs;
@@ -33,18 +32,18 @@ use crate::{
     progress::{at_once, threads},
 };
 
-/// How to make a distance field of a mesh.
+/// Options for the distance field of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SdfOptions {
     /// Nodes along the longest axis, 8 to 512.
     pub resolution: u32,
-    /// How far the grid reaches beyond the mesh, metres.
+    /// Margin of the grid around the mesh, meters.
     pub margin: f32,
-    /// Closed pieces whose mean thickness (twice the volume by the surface) is less, metres, are left
-    /// out: tubes of lashes, brows, threads.
+    /// Minimum mean thickness of closed pieces (twice the volume divided by the surface), meters. Thinner ones, such as
+    /// tubes of lashes, brows and threads, are dropped.
     pub thinnest: f32,
-    /// Whether air that does not reach the border of the grid (closed mouths, nostrils behind sealed
-    /// lips) becomes solid. A gap as wide as the grid shows keeps a cavity open.
+    /// Whether air that does not reach the border of the grid (closed mouths, nostrils behind sealed lips) becomes
+    /// solid. A gap that the grid resolves keeps a cavity open.
     pub fill_cavities: bool,
 }
 
@@ -54,13 +53,16 @@ impl Default for SdfOptions {
     }
 }
 
-/// The field of `mesh`, in its space. Fails if the mesh is broken (see [`TriMesh::validate`]), an option
-/// is out of range, or the mesh encloses nothing that the grid could show.
+/// Builds the distance field of `mesh`, in its space.
+///
+/// # Errors
+/// [`Error::Unusable`] for an invalid mesh (see [`TriMesh::validate`]) or one that encloses nothing that the grid
+/// resolves; [`Error::Parameter`] for an option out of range.
 pub fn build(mesh: &TriMesh, options: &SdfOptions) -> Result<SdfGrid> {
     at_once(build_with(mesh, options, &()))
 }
 
-/// The same, telling `progress`.
+/// [`build`] that reports to `progress`.
 ///
 /// # Errors
 /// As [`build`].
@@ -81,14 +83,14 @@ pub async fn build_with(mesh: &TriMesh, options: &SdfOptions, progress: &impl Pr
     Ok(grid)
 }
 
-/// What takes long; the shares of its parts are those of a head.
-const TASK: &str = "measuring the head";
+/// Name of the task for progress reports. The fractions suit a typical head.
+const TASK: &str = "computing the distance field";
 
-/// What is wrong with a mesh whose field is nowhere negative.
-pub const NOTHING: &str = "the mesh encloses nothing that its distance field could show: it is flat or too thin, or its triangles face both ways";
+/// Error for a mesh whose field is nowhere negative.
+pub const NOTHING: &str = "the mesh encloses no volume that the distance field can resolve: it is flat or too thin, or its triangles face both ways";
 
-/// What of `mesh` is to be measured, the grid for it without distances, and whether it is inside out: where
-/// another builder, as the one on the GPU, begins.
+/// Returns the pieces of `mesh` to measure, the grid for them without distances, and whether the mesh is inside out.
+/// Other builders, such as the one on the GPU, start from here.
 ///
 /// # Errors
 /// As [`build`].
@@ -102,7 +104,7 @@ pub fn prepare(mesh: &TriMesh, options: &SdfOptions) -> Result<(TriMesh, SdfGrid
         Some((p.min(lo), p.max(hi)))
     });
     let Some((lo, hi)) = bounds else {
-        return Err(Error::Unusable("the mesh has no triangles to make a distance field of".into()));
+        return Err(Error::Unusable("the mesh has no triangles, so it has no distance field".into()));
     };
     let grid = frame(lo - options.margin, hi + options.margin, options.resolution);
     Ok((mesh, grid, inverted))
@@ -113,9 +115,10 @@ fn check(options: &SdfOptions) -> Result<()> {
     if !(8..=512).contains(&options.resolution) {
         return bad("the distance field's resolution", options.resolution.to_string(), "8 to 512");
     }
-    for (name, value) in
-        [("the distance field's margin", options.margin), ("the thinnest piece", options.thinnest)]
-    {
+    for (name, value) in [
+        ("the distance field's margin", options.margin),
+        ("the minimum thickness of a piece", options.thinnest),
+    ] {
         if !(0.0..=f32::MAX).contains(&value) {
             return bad(name, value.to_string(), "0 or more and finite");
         }
@@ -123,11 +126,11 @@ fn check(options: &SdfOptions) -> Result<()> {
     Ok(())
 }
 
-/// The mesh without the pieces too thin to matter, and whether what is left is inside out.
+/// Returns the mesh without the pieces that are too thin, and whether the rest is inside out.
 fn body(mesh: &TriMesh, thinnest: f32) -> (TriMesh, bool) {
     let mut kept = TriMesh { positions: mesh.positions.clone(), ..Default::default() };
     for (i, part) in mesh.parts().iter().enumerate() {
-        // The largest piece is the body, however thin.
+        // Keep the largest piece, which is the body, however thin.
         if i == 0 || !part.closed || part.thickness() >= thinnest {
             kept.triangles.extend(part.triangles.iter().map(|&t| mesh.triangles[t as usize]));
         }
@@ -142,27 +145,27 @@ fn body(mesh: &TriMesh, thinnest: f32) -> (TriMesh, bool) {
     (kept, inverted)
 }
 
-/// A grid without distances over at least `lo..hi`.
+/// Returns a grid without distances over at least `lo..hi`.
 fn frame(lo: Vec3, hi: Vec3, resolution: u32) -> SdfGrid {
     let cell = ((hi - lo).max_element() / (resolution - 1) as f32).max(f32::MIN_POSITIVE);
-    // A little less before rounding up: the longest axis must not gain a node by rounding errors.
+    // Subtract a little before rounding up: rounding errors must not add a node to the longest axis.
     let size = ((hi - lo) / cell - 1e-3).ceil().as_uvec3() + UVec3::ONE;
     SdfGrid { size: size.max(UVec3::splat(2)), origin: lo, cell, distances: Vec::new() }
 }
 
-/// The winding number of a mesh, turned if the mesh is inside out.
+/// Winding number of a mesh, negated if the mesh is inside out.
 struct Winding<'a> {
     bvh: &'a Bvh,
     sign: f32,
 }
 
-/// How near to a node, in its radii, the first estimate stops looking into it, and how far off that
-/// estimate may be (see the tests of the tree).
+/// Distance, in radii of a node, beyond which the first estimate approximates the node, and the maximum error of that
+/// estimate (see the tests of the tree).
 const ROUGH: f32 = 1.5;
 const ROUGH_ERROR: f32 = 0.1;
 
 impl Winding<'_> {
-    /// The winding number at `p`, within [`ROUGH_ERROR`], and more precise where it decides.
+    /// Returns the winding number at `p` within [`ROUGH_ERROR`], and more precisely near 0.5.
     fn at(&self, p: Vec3) -> f32 {
         let rough = self.sign * self.bvh.winding_with(p, ROUGH);
         let clear = (rough - 0.5).abs() > 1.5 * ROUGH_ERROR;
@@ -174,15 +177,15 @@ impl Winding<'_> {
     }
 }
 
-/// The distance from every node to `skin`, infinite without triangles. Each search starts from the triangle its neighbour
-/// found, which is nearly always within a few of the right one, but for the first of a layer: layers are measured by as
-/// many threads as there are, and are the same to the bit by any number of them.
+/// Returns the distance from every node to `skin`, infinite without triangles. Each search starts from the triangle of
+/// the neighboring node, which is nearly always within a few of the right one, except for the first node of a layer.
+/// Layers are measured in parallel; the result is bit-identical for any number of threads.
 async fn unsigned(grid: &SdfGrid, skin: &Bvh, progress: &impl Progress) -> Vec<f32> {
     let [nx, ny, nz] = grid.size.to_array();
     let mut distances = vec![f32::INFINITY; (nx * ny * nz) as usize];
     let mut layers: Vec<(u32, &mut [f32])> = (0..).zip(distances.chunks_mut((nx * ny) as usize)).collect();
     let threads = threads();
-    // Some layers at a time, so that a listener gets its turn.
+    // Measure some layers at a time, so that a listener gets its turn.
     for batch in layers.chunks_mut(4 * threads) {
         progress.step(TASK, 0.6 + 0.3 * batch[0].0 as f32 / nz as f32).await;
         if threads == 1 {
@@ -198,7 +201,7 @@ async fn unsigned(grid: &SdfGrid, skin: &Bvh, progress: &impl Progress) -> Vec<f
     distances
 }
 
-/// The distances of the nodes of layer `z`.
+/// Measures the distances of the nodes of layer `z`.
 fn measure(grid: &SdfGrid, skin: &Bvh, z: u32, layer: &mut [f32]) {
     let [nx, ny, _] = grid.size.to_array();
     let mut row_hint = None;

@@ -1,20 +1,19 @@
-//! Which nodes of a grid are solid.
+//! Classification of the nodes of a grid as solid or air.
 //!
-//! Away from the triangles the winding number is harmonic, so one value says much about its neighbourhood:
-//! if `u >= 0` is harmonic in a ball of radius `d`, Harnack's inequality bounds it by
-//! `u(0) (1 + t) / (1 - t)^2` in the ball of radius `t d`. As long as that is less than 0.5, the whole
-//! smaller ball is on the same side. A few evaluations thus settle most of the air and of the solid, also
-//! across openings, where connectivity fails.
+//! Away from the triangles the winding number is harmonic, so one value bounds its neighborhood. If `u >= 0` is
+//! harmonic in a ball of radius `d`, Harnack's inequality bounds it by `u(0) (1 + t) / (1 - t)^2` in the ball of radius
+//! `t d`. As long as that is less than 0.5, the whole smaller ball is on the same side. A few evaluations thus classify
+//! most of the air and of the solid, also across openings, where connectivity fails.
 
 use glam::{IVec3, Vec3};
 
 use super::{ROUGH_ERROR, TASK, Winding};
 use crate::{Progress, SdfGrid};
 
-/// Solid pieces of fewer nodes are noise.
+/// Minimum number of nodes of a solid piece; smaller ones are noise.
 const SPECK: usize = 8;
 
-/// For every node whether it is solid.
+/// Returns for every node whether it is solid.
 pub async fn solid(
     grid: &SdfGrid,
     field: &Winding<'_>,
@@ -49,7 +48,7 @@ async fn by_winding(grid: &SdfGrid, field: &Winding<'_>, progress: &impl Progres
             }
             asked += 1;
             if asked.is_multiple_of(256) {
-                // Most of it at the last and finest stride.
+                // Most of the work is at the last and finest stride.
                 let done = if stride > 1 { 0.0 } else { c.z as f32 / size.z as f32 };
                 progress.step(TASK, 0.1 + 0.3 * done).await;
             }
@@ -58,7 +57,7 @@ async fn by_winding(grid: &SdfGrid, field: &Winding<'_>, progress: &impl Progres
             let is_solid = w > 0.5;
             known[index(c)] = Some(is_solid);
             let t = reach(if is_solid { 1.0 - w } else { w });
-            // Balls of less than a cell settle nothing.
+            // Balls of less than a cell classify no other node.
             let Some((slot, nearest)) =
                 (t > 0.0).then(|| field.bvh.nearest(p, f32::INFINITY, hint, 0.05)).flatten()
             else {
@@ -74,8 +73,8 @@ async fn by_winding(grid: &SdfGrid, field: &Winding<'_>, progress: &impl Progres
     known.into_iter().map(|s| s == Some(true)).collect()
 }
 
-/// The part of the distance to the nearest triangle within which the side cannot change, where the
-/// winding number is `u` away from its ideal.
+/// Returns the fraction of the distance to the nearest triangle within which the side cannot change, for a winding
+/// number that is `u` away from its ideal.
 fn reach(u: f32) -> f32 {
     let k = 0.5 / (u.max(0.0) + ROUGH_ERROR);
     if k <= 1.0 { 0.0 } else { (2.0 * k + 1.0 - (8.0 * k + 1.0).sqrt()) / (2.0 * k) }
@@ -103,12 +102,12 @@ fn stamp(known: &mut [Option<bool>], size: IVec3, center: IVec3, radius: f32, is
 
 struct Island {
     solid: bool,
-    /// Whether it reaches the border of the grid.
+    /// Whether the island reaches the border of the grid.
     border: bool,
     nodes: Vec<u32>,
 }
 
-/// The pieces of solid and of air that are connected along the axes.
+/// Returns the pieces of solid and of air that are connected along the axes.
 fn islands(grid: &SdfGrid, solid: &[bool]) -> Vec<Island> {
     let size = grid.size;
     let steps = [1, size.x, size.x * size.y];
@@ -142,7 +141,8 @@ fn islands(grid: &SdfGrid, solid: &[bool]) -> Vec<Island> {
     islands
 }
 
-/// Whether nodes around `p`, the 64 of its cell and the cells next to it, are solid, and are air.
+/// Returns whether any node around `p` is solid, and whether any is air: the 64 nodes of its cell and the cells next to
+/// it.
 pub fn around(grid: &SdfGrid, solid: &[bool], p: Vec3) -> (bool, bool) {
     let size = grid.size.as_ivec3();
     let base = ((p - grid.origin) / grid.cell).floor().as_ivec3();

@@ -1,4 +1,4 @@
-//! Which triangles are the boundary between solid and air.
+//! Selection of the triangles that are the boundary between solid and air.
 
 use glam::Vec3;
 
@@ -8,15 +8,15 @@ use super::{TASK, TriMesh, Winding, signs};
 use crate::mesh::parts;
 use crate::{Progress, SdfGrid};
 
-/// How far in front of and behind a triangle it is asked what is there, in cells: far enough for
-/// rounding errors, near enough not to meet the next sheet.
+/// Distance in front of and behind a triangle at which the winding number is sampled, in cells: far enough for rounding
+/// errors, near enough not to meet the next sheet.
 const OFFSET: f32 = 0.02;
 
-/// Behind a wide sheet in the air the winding number comes up to 0.5; what is to count as solid must
-/// exceed that by more than the number's error.
+/// Behind a wide sheet in the air, the winding number comes up to 0.5. A solid side must exceed 0.5 by this much, which
+/// is more than the error of the winding number.
 const SHEET: f32 = 0.05;
 
-/// The triangles of `mesh` with air on one side and solid on the other, both of which the grid shows.
+/// Returns the triangles of `mesh` with air on one side and solid on the other, both resolved by the grid.
 pub async fn boundary(
     mesh: &TriMesh,
     grid: &SdfGrid,
@@ -38,7 +38,7 @@ pub async fn boundary(
             }
             let ahead = p + normal * (OFFSET * grid.cell);
             let mut front = field.at(ahead);
-            // Through a single triangle the winding number jumps by one.
+            // The winding number jumps by one across a single triangle.
             let mut back = front + field.sign;
             if *coincident || (back - 0.5).abs() < 3.0 * SHEET {
                 front = field.precise(ahead);
@@ -46,7 +46,7 @@ pub async fn boundary(
             }
             front.min(back) <= 0.5 && front.max(back) > 0.5 + SHEET
         };
-        // A triangle of many cells can dive into another part; it stays if it surfaces anywhere.
+        // A triangle of many cells can dive into another part; keep it if it surfaces anywhere.
         let large = [a, b, c].iter().any(|p| p.distance(center) > 2.0 * grid.cell);
         parts(center) || (large && [a, b, c].iter().any(|p| parts(center.lerp(*p, 0.75))))
     };
@@ -62,7 +62,7 @@ pub async fn boundary(
     TriMesh { positions: mesh.positions.clone(), triangles, ..Default::default() }
 }
 
-/// For every triangle whether another has its corners, in any order: a sheet modelled from both sides.
+/// Returns for every triangle whether another one has the same corners, in any order: a sheet modeled from both sides.
 fn coincident(mesh: &TriMesh) -> Vec<bool> {
     let places = parts::places(&mesh.positions);
     let key = |t: &[u32; 3]| {

@@ -7,13 +7,13 @@ fn options(resolution: u32, margin: f32) -> SdfOptions {
     SdfOptions { resolution, margin, ..Default::default() }
 }
 
-/// The largest difference between a field and a closed form at the field's nodes.
+/// Returns the largest difference between a field and a closed form at the field's nodes.
 fn worst(grid: &SdfGrid, exact: impl Fn(Vec3) -> f32) -> f32 {
     let differs = |(i, d): (usize, &f32)| (d - exact(grid.node(i as u32))).abs();
     grid.distances.iter().enumerate().map(differs).fold(0.0, f32::max)
 }
 
-/// Nodes all of whose six neighbours are on the other side, at least `away` from the surface.
+/// Counts the nodes at least `away` from the surface whose six neighbors are all on the other side.
 fn isolated(grid: &SdfGrid, away: f32) -> usize {
     let (size, steps) = (grid.size, [1, grid.size.x, grid.size.x * grid.size.y]);
     let alone = |i: &u32| {
@@ -31,7 +31,7 @@ fn isolated(grid: &SdfGrid, away: f32) -> usize {
     (0..grid.distances.len() as u32).filter(alone).count()
 }
 
-/// The steepest change between neighbours, per cell: at most 1 for a distance.
+/// Returns the steepest change between neighbors, per cell: at most 1 for a distance.
 fn steepest(grid: &SdfGrid) -> f32 {
     let (size, steps) = (grid.size, [1, grid.size.x, grid.size.x * grid.size.y]);
     let mut worst = 0.0f32;
@@ -56,12 +56,12 @@ fn box_distance(p: Vec3) -> f32 {
 }
 
 #[test]
-fn closed_forms_are_met() {
+fn fields_match_closed_forms() {
     let sphere = build(&shapes::sphere(0.1, 96), &options(48, 0.03)).unwrap();
     assert_eq!(sphere.size, UVec3::splat(48));
     let off = worst(&sphere, |p| p.length() - 0.1);
     assert!(off < 1e-4, "{off}");
-    // The comparer can fail.
+    // The comparison can fail.
     assert!(worst(&sphere, |p| p.length() - 0.101) > 5e-4);
     let torus = build(&shapes::torus(0.1, 0.04, 64), &options(64, 0.02)).unwrap();
     let off = worst(&torus, torus_distance);
@@ -75,7 +75,7 @@ fn closed_forms_are_met() {
 }
 
 #[test]
-fn an_inverted_mesh_is_turned_and_doubled_triangles_do_not_matter() {
+fn inverted_and_duplicate_triangles_give_the_same_field() {
     let mesh = shapes::sphere(0.1, 48);
     let plain = build(&mesh, &options(32, 0.03)).unwrap();
     let turned = build(&shapes::inverted(mesh.clone()), &options(32, 0.03)).unwrap();
@@ -84,7 +84,7 @@ fn an_inverted_mesh_is_turned_and_doubled_triangles_do_not_matter() {
     assert!(plain.distances.iter().zip(&doubled.distances).all(|(a, b)| (a - b).abs() < 1e-6));
 }
 
-/// A sphere of radius 0.1 without what is below y = -0.06.
+/// A sphere of radius 0.1 without the part below y = -0.06.
 fn bowl() -> TriMesh {
     let mut mesh = shapes::sphere(0.1, 96);
     mesh.triangles.retain(|t| t.iter().all(|&i| mesh.positions[i as usize].y > -0.06));
@@ -92,11 +92,11 @@ fn bowl() -> TriMesh {
 }
 
 #[test]
-fn an_opening_gets_a_flat_lid() {
+fn opening_gets_a_flat_lid() {
     let mesh = bowl();
     let rim = mesh.triangles.iter().flatten().map(|&i| mesh.positions[i as usize].y).fold(1.0, f32::min);
     let grid = build(&mesh, &options(64, 0.03)).unwrap();
-    // A ball cut by a plane: exact on the lid's axis and in the ball.
+    // A sphere cut by a plane: exact on the axis of the lid and in the sphere.
     for (y, expected) in
         [(rim + 0.02, -0.02), (rim + 0.01, -0.01), (rim - 0.01, 0.01), (0.0, rim), (0.09, -0.01)]
     {
@@ -107,7 +107,7 @@ fn an_opening_gets_a_flat_lid() {
 }
 
 #[test]
-fn sheets_tubes_and_cavities_are_no_obstacles() {
+fn sheets_tubes_and_cavities_are_ignored() {
     let head = shapes::sphere(0.1, 64);
     let alone = build(&head, &options(64, 0.08)).unwrap();
     let moved = |mut mesh: TriMesh, to: Vec3| {
@@ -126,7 +126,7 @@ fn sheets_tubes_and_cavities_are_no_obstacles() {
     let with = build(&TriMesh::merge(&parts), &options(64, 0.08)).unwrap();
     for i in 0..with.distances.len() as u32 {
         let p = with.node(i);
-        // Each grid cuts off the field's tip in the middle differently, and ends elsewhere.
+        // The grids differ in the middle, where each cuts off the tip of the field, and beyond their borders.
         if !(0.02..0.17).contains(&p.length()) {
             continue;
         }
@@ -143,7 +143,7 @@ fn sheets_tubes_and_cavities_are_no_obstacles() {
 }
 
 #[test]
-fn what_cannot_be_a_field_is_an_error() {
+fn invalid_meshes_and_options_are_errors() {
     let says = |mesh: &TriMesh, o: &SdfOptions, word: &str| {
         let message = build(mesh, o).unwrap_err().to_string();
         assert!(message.contains(word), "{message}");
@@ -157,7 +157,7 @@ fn what_cannot_be_a_field_is_an_error() {
     says(&broken, &options(64, 0.1), "triangle 0");
     let mut flat = mesh;
     flat.triangles.truncate(2);
-    says(&flat, &options(64, 0.1), "encloses nothing");
+    says(&flat, &options(64, 0.1), "encloses no volume");
 }
 
 fn load(name: &str, scale: f32) -> Option<TriMesh> {
@@ -180,7 +180,7 @@ fn load(name: &str, scale: f32) -> Option<TriMesh> {
     Some(TriMesh::merge(&meshes))
 }
 
-/// Builds the field, prints what it is, and checks what holds for any.
+/// Builds the field, prints its properties, and checks what holds for any head.
 fn head(name: &str, scale: f32, resolution: u32) -> Option<(TriMesh, SdfGrid)> {
     let mesh = load(name, scale)?;
     let start = std::time::Instant::now();
@@ -204,7 +204,7 @@ fn head(name: &str, scale: f32, resolution: u32) -> Option<(TriMesh, SdfGrid)> {
     Some((mesh, grid))
 }
 
-/// The three middle slices: blue inside, red outside, a line each centimetre.
+/// Writes the three middle slices: blue inside, red outside, one line per centimeter.
 fn slices(grid: &SdfGrid, path: &std::path::Path) {
     let n = grid.size.max_element() * 4;
     let mut pixels = vec![0u8; (3 * n * n * 3) as usize];
@@ -274,8 +274,8 @@ fn real_heads_are_solid() {
     }
 }
 
-/// Differences of our field and the reference of another tool, in metres: the median and the 99th
-/// percentile within 3 cm of the surface.
+/// Returns the differences between our field and the reference of another tool within 3 cm of the surface, meters: the
+/// median and the 99th percentile.
 fn against(reference: &SdfGrid, step: Vec3, ours: &SdfGrid) -> (f32, f32) {
     let mut off: Vec<f32> = (0..reference.distances.len() as u32)
         .filter(|&i| reference.distances[i as usize].abs() < 0.03)
@@ -289,7 +289,7 @@ fn against(reference: &SdfGrid, step: Vec3, ours: &SdfGrid) -> (f32, f32) {
 }
 
 #[test]
-fn the_field_of_a_collider_is_that_of_another_tool() {
+fn collider_field_matches_reference_tool() {
     let Some((_, ours)) = head("sintel/sintel-collider.obj", 1.0, 64) else { return };
     let path = PathBuf::from(std::env::var_os("TRESSES_ASSETS").unwrap()).join("sintel/sintel-sdf.bin");
     let bytes = std::fs::read(path).unwrap();
@@ -300,12 +300,12 @@ fn the_field_of_a_collider_is_that_of_another_tool() {
     let bounds = floats(&head[8..]);
     let (lo, hi) = (Vec3::from_slice(&bounds), Vec3::from_slice(&bounds[3..]));
     let reference = SdfGrid { size: UVec3::splat(64), origin: lo, cell: 0.0, distances: floats(distances) };
-    // Its nodes are the centres of 64 cells.
+    // Its nodes are the centers of 64 cells.
     let step = (hi - lo) / 64.0;
     let (median, tail) = against(&reference, step, &ours);
     println!("against the reference: median {} mm, 99 % {} mm", median * 1e3, tail * 1e3);
     assert!(median < 1e-4 && tail < 1e-3);
-    // The comparer can fail: by a shift, and by another order of the axes.
+    // The comparison can fail: for a shift, and for another order of the axes.
     let shifted = SdfGrid { origin: ours.origin + Vec3::X * 0.005, ..ours.clone() };
     assert!(against(&reference, step, &shifted).0 > 1e-3);
     let at = |i: usize| (i % 64) * 64 + (i / 64 % 64) + i / 4096 * 4096;

@@ -1,37 +1,37 @@
-//! Capsules that parts of a body are taken for: of each the one whose surface is nearest to the part's, by least squares.
+//! Capsules that approximate parts of a body: least-squares fits to the surface of the part.
 //!
-//! The unknowns are the ends `a`, `b` of an axis and a radius `r`. A point `p` of the part is off by `|p − c| − r`, where
-//! `c` is the point of the axis next to it; the sum of squares, each weighed by the area around its point, is made small
-//! by damped Gauss–Newton steps (Levenberg 1944, Marquardt 1963). It has several minima, so three searches begin along
-//! the principal axes of the points and the best is kept. A tube that is open where it was cut gets an axis as long as it
-//! is, a finger one that ends before its tip.
+//! The unknowns are the ends `a`, `b` of an axis and a radius `r`. A point `p` of the part deviates by `|p − c| − r`,
+//! where `c` is the point of the axis closest to it. The sum of squares, each weighted by the area around its point, is
+//! minimized by damped Gauss–Newton steps (Levenberg 1944, Marquardt 1963). It has several minima, so three searches
+//! start along the principal axes of the points, and the best result is kept. A tube that is open where it was cut gets
+//! an axis of its full length, a finger one that ends before its tip.
 
 use crate::TriMesh;
 use glam::Vec3;
 
-/// What stands farther out of a capsule is missed, metres.
+/// Distance outside of a capsule from which on surface counts as missed, meters.
 pub const STANDS_OUT: f32 = 5e-3;
-/// Points that tell as much of a part as all of it.
+/// Maximum number of points for a fit; more do not improve it.
 const ENOUGH: usize = 600;
-/// Steps of a search.
+/// Maximum number of steps of a search.
 const STEPS: usize = 40;
 
-/// A capsule in place of a part of a body, groom space, metres.
+/// A capsule in place of a part of a body, groom space, meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule {
-    /// The ends of its axis.
+    /// Ends of the axis.
     pub ends: [Vec3; 2],
-    /// Its radius.
+    /// Radius.
     pub radius: f32,
 }
 
 impl Capsule {
-    /// The distance of a point from its surface, negative inside.
+    /// Returns the signed distance of a point from the surface, negative inside.
     pub fn distance(&self, p: Vec3) -> f32 {
         p.distance(self.next_to(p).0) - self.radius
     }
 
-    /// The point of the axis next to `p`, and how far along the axis it is, from 0 to 1.
+    /// Returns the point of the axis closest to `p`, and its position along the axis, from 0 to 1.
     fn next_to(&self, p: Vec3) -> (Vec3, f32) {
         let [a, b] = self.ends;
         let axis = b - a;
@@ -41,20 +41,20 @@ impl Capsule {
     }
 }
 
-/// A capsule and how well it stands for a part.
+/// A capsule and the quality of its fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fitted {
-    /// The capsule.
+pub struct CapsuleFit {
+    /// Fitted capsule.
     pub capsule: Capsule,
-    /// The part's surface is off by as much, root mean square over its area, metres.
+    /// Deviation of the part's surface, root mean square over its area, meters.
     pub off: f32,
-    /// The share of the part's surface that stands out of it by more than [`STANDS_OUT`].
+    /// Fraction of the part's surface that stands out of the capsule by more than [`STANDS_OUT`].
     pub missed: f32,
 }
 
-/// The capsule for the part of `mesh` that has these triangles and, of their vertices, those that `is_own`. `None` where
-/// that is too little to tell.
-pub fn fit(mesh: &TriMesh, triangles: &[[u32; 3]], is_own: impl Fn(u32) -> bool) -> Option<Fitted> {
+/// Fits a capsule to the part of `mesh` that has these triangles and, of their vertices, those for which `is_own`
+/// returns true. Returns `None` if these are too few.
+pub fn fit(mesh: &TriMesh, triangles: &[[u32; 3]], is_own: impl Fn(u32) -> bool) -> Option<CapsuleFit> {
     let points = points(mesh, triangles, is_own);
     if points.len() < 4 {
         return None;
@@ -65,10 +65,10 @@ pub fn fit(mesh: &TriMesh, triangles: &[[u32; 3]], is_own: impl Fn(u32) -> bool)
     let (cost, capsule) = found.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let out = points.iter().filter(|(p, _)| capsule.distance(*p) > STANDS_OUT);
     let missed = out.fold(0.0, |sum, (_, weight)| sum + f64::from(*weight)) / whole;
-    Some(Fitted { capsule, off: (cost / whole).sqrt() as f32, missed: missed as f32 })
+    Some(CapsuleFit { capsule, off: (cost / whole).sqrt() as f32, missed: missed as f32 })
 }
 
-/// Vertices with the area around each.
+/// Returns vertices with the area around each.
 fn points(mesh: &TriMesh, triangles: &[[u32; 3]], is_own: impl Fn(u32) -> bool) -> Vec<(Vec3, f32)> {
     let mut areas = std::collections::BTreeMap::<u32, f32>::new();
     for corners in triangles {
@@ -84,7 +84,7 @@ fn points(mesh: &TriMesh, triangles: &[[u32; 3]], is_own: impl Fn(u32) -> bool) 
     all.into_iter().step_by(step).collect()
 }
 
-/// The principal axes of the points, by Jacobi's rotations.
+/// Returns the principal axes of the points, by Jacobi rotations.
 fn axes(points: &[(Vec3, f32)]) -> [Vec3; 3] {
     let whole: f32 = points.iter().map(|(_, weight)| weight).sum();
     let middle = points.iter().map(|(p, weight)| *p * *weight).sum::<Vec3>() / whole;
@@ -117,7 +117,7 @@ fn axes(points: &[(Vec3, f32)]) -> [Vec3; 3] {
     v
 }
 
-/// Along `axis`, as wide as the points are on average, and as long as they are with round ends.
+/// Returns a capsule along `axis` with the mean radius of the points and, round ends included, their length.
 fn begin(points: &[(Vec3, f32)], axis: Vec3) -> Capsule {
     let whole: f32 = points.iter().map(|(_, weight)| weight).sum();
     let middle = points.iter().map(|(p, weight)| *p * *weight).sum::<Vec3>() / whole;
@@ -132,12 +132,12 @@ fn begin(points: &[(Vec3, f32)], axis: Vec3) -> Capsule {
     Capsule { ends: [middle + axis * (lo + inset), middle + axis * (hi - inset)], radius: radius.max(1e-4) }
 }
 
-/// The sum of squares of what a capsule is off, by area.
+/// Returns the sum of squared deviations from a capsule, weighted by area.
 fn cost(points: &[(Vec3, f32)], capsule: &Capsule) -> f64 {
     points.iter().map(|(p, weight)| f64::from(*weight) * f64::from(capsule.distance(*p)).powi(2)).sum()
 }
 
-/// Goes downhill from `capsule`: the sum of squares there, and where that is.
+/// Minimizes the cost from `capsule` on. Returns the lowest cost and its capsule.
 fn search(points: &[(Vec3, f32)], mut capsule: Capsule) -> Option<(f64, Capsule)> {
     let mut best = cost(points, &capsule);
     let mut damping = 1e-3;
@@ -186,7 +186,7 @@ fn search(points: &[(Vec3, f32)], mut capsule: Capsule) -> Option<(f64, Capsule)
     best.is_finite().then_some((best, capsule))
 }
 
-/// Solves a small system by elimination with pivots.
+/// Solves a small linear system by elimination with pivoting.
 fn solve(mut m: [[f64; 7]; 7], mut b: [f64; 7]) -> Option<[f64; 7]> {
     for i in 0..7 {
         let pivot = (i..7).max_by(|x, y| m[*x][i].abs().total_cmp(&m[*y][i].abs()))?;
@@ -215,7 +215,7 @@ mod tests {
     use super::*;
     use glam::Quat;
 
-    /// A tube along the y axis, `profile` (height, radius) from ring to ring.
+    /// A tilted tube; `profile` is (height, radius) from ring to ring.
     fn tube(profile: &[(f32, f32)]) -> TriMesh {
         const SIDES: u32 = 24;
         let turn = Quat::from_rotation_z(0.4) * Quat::from_rotation_x(1.1);
@@ -233,12 +233,12 @@ mod tests {
         mesh
     }
 
-    fn fitted(mesh: &TriMesh) -> Fitted {
+    fn fitted(mesh: &TriMesh) -> CapsuleFit {
         fit(mesh, &mesh.triangles, |_| true).unwrap()
     }
 
     #[test]
-    fn a_capsule_is_found_again() {
+    fn fit_recovers_a_capsule() {
         let round = |t: f32| (0.04 * t.sin(), 0.04 * t.cos());
         let quarter = |i: u32| round(i as f32 / 12.0 * std::f32::consts::FRAC_PI_2);
         let mut profile: Vec<_> = (1..=12).rev().map(|i| (-0.1 - quarter(i).0, quarter(i).1)).collect();
@@ -248,14 +248,14 @@ mod tests {
         let long = found.capsule.ends[0].distance(found.capsule.ends[1]);
         assert!((found.capsule.radius - 0.04).abs() < 1e-4 && (long - 0.2).abs() < 5e-4, "{found:?}");
         assert!(found.off < 1e-4 && found.missed == 0.0, "{found:?}");
-        // What is off is seen: a part that bulges in its middle by 8 mm.
+        // The measures detect a part that bulges in its middle by 12 mm.
         profile[17..24].iter_mut().for_each(|(_, radius)| *radius += 0.012);
         let bulges = fitted(&tube(&profile));
         assert!(bulges.off > 1e-3 && bulges.missed > 0.05, "{bulges:?}");
     }
 
     #[test]
-    fn an_open_tube_is_covered_and_a_cone_met_in_its_middle() {
+    fn fit_covers_open_tube_and_averages_cone() {
         let straight: Vec<_> = (0..=20).map(|i| (i as f32 * 0.015, 0.05)).collect();
         let found = fitted(&tube(&straight));
         assert!((found.capsule.radius - 0.05).abs() < 1e-3 && found.missed == 0.0, "{found:?}");
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn only_own_vertices_count_and_too_few_are_none() {
+    fn fit_uses_own_vertices_and_rejects_too_few() {
         let straight: Vec<_> = (0..=20).map(|i| (i as f32 * 0.015, 0.05)).collect();
         let mesh = tube(&straight);
         let lower = fit(&mesh, &mesh.triangles, |vertex| vertex < 24 * 8).unwrap();

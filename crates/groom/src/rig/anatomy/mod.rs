@@ -1,14 +1,14 @@
-//! What a body that bends is to hair: which of its joints the hair goes with, and what its other parts are.
+//! Anatomy of a skinned body for hair: the joint that carries the hair, and the other parts that hair collides with.
 //!
-//! The joint that carries most of the roots is the *head*: hair is simulated relative to it, and its part of the body is
-//! the distance field that hair collides with most. Every other joint near the hair carries a part of the body, a distance
-//! field of its own; parts overlap by a ring of triangles where they meet. What is far from the hair while the body rests,
-//! arms, hands and legs, is a [capsule] each: a hand comes near when it is raised, and is thin all the same.
+//! The joint that carries most of the roots is the *head*: hair is simulated relative to it, and its part of the body
+//! is the distance field that hair collides with most. Every other joint near the hair carries a part of the body with
+//! a distance field of its own; parts overlap by a ring of triangles where they meet. Parts far from the hair at rest
+//! (arms, hands and legs) are one [capsule] each: a raised hand comes near the hair, and is thin enough for a capsule.
 
 pub mod capsule;
 mod skin;
 
-pub use capsule::{Capsule, Fitted};
+pub use capsule::{Capsule, CapsuleFit};
 pub use skin::Flesh;
 
 use glam::Vec3;
@@ -20,78 +20,79 @@ use crate::{
     mesh::{Bvh, SdfOptions, sdf},
 };
 
-/// The most parts besides the head that are fields, and that are capsules.
+/// Maximum number of parts besides the head that are fields, and that are capsules.
 const MOST_PARTS: usize = 24;
 const MOST_CAPSULES: usize = 48;
-/// Nodes along the longest side of a part's field, and the fewest triangles that are worth one.
+/// Nodes along the longest side of a part's field, and the minimum number of triangles of a part.
 const FINE: u32 = 40;
 const LEAST: usize = 12;
-/// What a neck has of a turn of the head on it.
+/// Share of a neck in a turn of the head on it.
 const NECK_SHARE: f32 = 0.4;
 
-/// What a distance field comes from.
+/// Source of a distance field.
 #[derive(Clone, Debug)]
 pub enum Field {
-    /// A mesh in the collider's frame, metres, whose field is still to be made.
+    /// A mesh in the collider's frame, meters, whose field is not built yet.
     Mesh(TriMesh, SdfOptions),
-    /// It is known.
+    /// A built field.
     Grid(SdfGrid),
 }
 
 /// A part of the body that a node carries.
 #[derive(Clone, Debug)]
-pub struct Part {
-    /// Of the rig.
+pub struct BodyPart {
+    /// Node of the rig.
     pub node: u32,
-    /// Its surface at rest, groom space.
+    /// Surface at rest, groom space.
     pub field: Field,
-    /// What hair collides with.
+    /// Collision shape.
     pub form: PartForm,
-    /// Multiplies the coefficient of friction.
+    /// Factor on the coefficient of friction.
     pub friction: f32,
-    /// How many vertices follow the node most.
+    /// Number of vertices that follow the node most.
     pub vertices: usize,
-    /// The capsule that is most like it, where it is known and there is one.
-    pub fitted: Option<Fitted>,
+    /// Best-fitting capsule, if it is known and exists.
+    pub fitted: Option<CapsuleFit>,
 }
 
-/// What a part of a body is to hair.
+/// Collision shape of a part of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PartForm {
-    /// Its distance field.
+    /// Distance field.
     Field,
-    /// A capsule, groom space at rest.
+    /// Capsule, groom space at rest.
     Capsule(Capsule),
-    /// Hair passes through it.
+    /// No collision: hair passes through the part.
     Nothing,
 }
 
-impl Part {
+impl BodyPart {
     pub(crate) fn new(node: u32, field: Field, form: PartForm) -> Self {
         Self { node, field, form, friction: 1.0, vertices: 0, fitted: None }
     }
 }
 
-/// A body that bends, and how hair sees it.
+/// A skinned body, divided into parts for hair.
 #[derive(Clone, Debug)]
 pub struct Anatomy {
-    /// What moves it.
+    /// Rig of the body.
     pub rig: Rig,
-    /// The node that hair goes with, and its part of the body.
-    pub head: Part,
-    /// The parts that others carry, those near the hair first.
-    pub parts: Vec<Part>,
-    /// The nodes that turn when the head does, a parent before its children, each with its share of the turn.
+    /// Node that carries the hair, and its part of the body.
+    pub head: BodyPart,
+    /// Parts that other nodes carry, those near the hair first.
+    pub parts: Vec<BodyPart>,
+    /// Nodes that turn when the head does, a parent before its children, each with its share of the turn.
     pub turns: Vec<(u32, f32)>,
-    /// Whether all roots are known to lie on skin that goes with the head's joint, whatever the pose.
+    /// Whether all roots are known to lie on skin that follows the head's joint rigidly in every pose.
     pub is_rigid: bool,
 }
 
 impl Anatomy {
-    /// Of the body `mesh` (groom space, metres) that hair grows on: each of `lines` is a strand or a guide from its root.
+    /// Divides the body `mesh` (groom space, meters) that hair grows on. Each of `lines` is a strand or a guide from
+    /// its root.
     ///
     /// # Errors
-    /// [`Error::Unusable`] when no root is near any triangle of the body.
+    /// [`Error::Unusable`] if no root is near any triangle of the body.
     pub fn new<'a>(rig: Rig, mesh: &TriMesh, lines: impl IntoIterator<Item = &'a [Vec3]>) -> Result<Self> {
         let holder: Vec<u32> = rig.vertices.iter().map(|vertex| holder(&rig, vertex)).collect();
         let bvh = Bvh::new(mesh);
@@ -101,9 +102,9 @@ impl Anatomy {
             roots.extend(line.first());
             reach = reach.max(curve::length(line));
         }
-        // Hair is pushed by what it touches, a little before it does.
+        // Contact starts slightly before hair touches a surface.
         reach += 0.05;
-        // Some hundreds tell as much as all.
+        // Some hundreds of roots are enough.
         for root in roots.iter().step_by((roots.len() / 500).max(1)) {
             if let Some(closest) = bvh.closest_point(*root) {
                 let corners = mesh.triangles[closest.triangle as usize];
@@ -111,7 +112,7 @@ impl Anatomy {
             }
         }
         let head = votes.into_iter().max_by_key(|(node, votes)| (*votes, u32::MAX - node));
-        let head = head.ok_or_else(|| Error::Unusable("no root lies on the body".into()))?.0;
+        let head = head.ok_or_else(|| Error::Unusable("no hair root lies on the mesh".into()))?.0;
         let owners = owners(&rig, head);
         let of = |vertex: u32| owners[vertex as usize];
         let triangles = by_node(mesh, of);
@@ -124,7 +125,11 @@ impl Anatomy {
             if node == head {
                 own = part;
             } else {
-                parts.push((far, triangles, Part::new(node, Field::Mesh(part, fine()), PartForm::Nothing)));
+                parts.push((
+                    far,
+                    triangles,
+                    BodyPart::new(node, Field::Mesh(part, fine()), PartForm::Nothing),
+                ));
             }
         }
         parts.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.node.cmp(&b.2.node)));
@@ -144,17 +149,17 @@ impl Anatomy {
         }
         let parts = parts.into_iter().map(|(.., part)| part).collect();
         let turns = turns(&rig, head);
-        let head = Part::new(head, Field::Mesh(own, SdfOptions::default()), PartForm::Field);
+        let head = BodyPart::new(head, Field::Mesh(own, SdfOptions::default()), PartForm::Field);
         Ok(Self { rig, head, parts, turns, is_rigid: false })
     }
 
-    /// What to collide with besides the head.
-    pub fn solids(&self) -> impl Iterator<Item = &Part> {
+    /// Returns the parts besides the head that hair collides with.
+    pub fn solids(&self) -> impl Iterator<Item = &BodyPart> {
         self.parts.iter().filter(|part| part.form != PartForm::Nothing)
     }
 
-    /// Makes the fields of parts that hair collides with. What encloses nothing, as cards of lashes, stays a mesh: it is
-    /// left to the GPU, which asks nothing of one.
+    /// Builds the fields of parts that hair collides with. A part that encloses nothing, such as cards of lashes, stays
+    /// a mesh: it is left to the builder on the GPU, which accepts it.
     pub fn measure(&mut self) {
         for part in self.parts.iter_mut().filter(|part| part.form == PartForm::Field) {
             if let Field::Mesh(mesh, options) = &part.field
@@ -165,7 +170,7 @@ impl Anatomy {
         }
     }
 
-    /// Takes fields that were [measured](Self::measure) before, each with the node that carries its part.
+    /// Sets fields that [`measure`](Self::measure) has built before, each with the node that carries its part.
     pub fn know(&mut self, fields: Vec<(u32, SdfGrid)>) {
         for (node, grid) in fields {
             if let Some(part) = self.parts.iter_mut().find(|part| part.node == node) {
@@ -174,14 +179,14 @@ impl Anatomy {
         }
     }
 
-    /// The capsule that is most like the part of `mesh`, the body's, that `node` carries.
-    pub fn fit(&self, node: u32, mesh: &TriMesh) -> Option<Fitted> {
+    /// Fits a capsule to the part of the body's mesh `mesh` that `node` carries.
+    pub fn fit(&self, node: u32, mesh: &TriMesh) -> Option<CapsuleFit> {
         let of = |vertex: u32| holder(&self.rig, &self.rig.vertices[vertex as usize]);
         let own = by_node(mesh, of).remove(&node).unwrap_or_default();
         capsule::fit(mesh, &own, |vertex| of(vertex) == node)
     }
 
-    /// What a node is called: its name, or `#` and its number.
+    /// Returns the name of a node, or `#` and its number.
     pub fn name(&self, node: u32) -> String {
         match &*self.rig.nodes[node as usize].name {
             "" => format!("#{node}"),
@@ -189,10 +194,10 @@ impl Anatomy {
         }
     }
 
-    /// The nodes of this name, upper and lower case alike if none is exactly so.
+    /// Returns the nodes of this name, ignoring case if none matches exactly.
     ///
     /// # Errors
-    /// [`Error::Unusable`] with the names that there are.
+    /// [`Error::Unusable`] with the existing names.
     pub fn named(&self, name: &str) -> Result<Vec<u32>> {
         let all = || 0..self.rig.nodes.len() as u32;
         let mut found: Vec<u32> = all().filter(|node| self.name(*node) == name).collect();
@@ -203,19 +208,19 @@ impl Anatomy {
         if found.is_empty() {
             let names: Vec<_> = self.parts.iter().map(|part| self.name(part.node)).collect();
             let there = if names.is_empty() { "none".into() } else { names.join(", ") };
-            let problem = format!("the body has no joint {name:?}; parts are carried by {there}");
+            let problem = format!("the body has no joint {name:?}; joints with parts: {there}");
             return Err(Error::Unusable(problem));
         }
         Ok(found)
     }
 }
 
-/// How finely a part's field is made.
+/// Returns the options for a part's field.
 fn fine() -> SdfOptions {
     SdfOptions { resolution: FINE, ..Default::default() }
 }
 
-/// The triangles of each node: all with a corner that is `of` it.
+/// Groups the triangles by node; a triangle belongs to the nodes of all its corners.
 fn by_node(mesh: &TriMesh, of: impl Fn(u32) -> u32) -> HashMap<u32, Vec<[u32; 3]>> {
     let mut triangles: HashMap<u32, Vec<[u32; 3]>> = HashMap::new();
     for triangle in &mesh.triangles {
@@ -230,20 +235,21 @@ fn by_node(mesh: &TriMesh, of: impl Fn(u32) -> u32) -> HashMap<u32, Vec<[u32; 3]
     triangles
 }
 
-/// The node that carries most of a vertex.
+/// Returns the node with the largest weight of a vertex.
 fn holder(rig: &Rig, vertex: &Bind) -> u32 {
     let most = (0..vertex.weights.len()).max_by(|a, b| vertex.weights[*a].total_cmp(&vertex.weights[*b]));
     most.and_then(|i| rig.joints.get(usize::from(vertex.joints[i]))).map_or(0, |joint| joint.node)
 }
 
-/// The node that carries most of each vertex; eyes and jaws go with the head.
+/// Returns the node with the largest weight of each vertex; nodes below the head, such as eyes and jaws, count as the
+/// head.
 fn owners(rig: &Rig, head: u32) -> Vec<u32> {
     let on_head: Vec<bool> = (0..rig.nodes.len() as u32).map(|node| goes_with(rig, node, head)).collect();
     let owner = |node: u32| if on_head[node as usize] { head } else { node };
     rig.vertices.iter().map(|vertex| owner(holder(rig, vertex))).collect()
 }
 
-/// What turns when the head does: its own node, and before that a neck's, if it hangs from one.
+/// Returns the nodes that turn when the head does: its own node, after its parent if that is a neck.
 fn turns(rig: &Rig, head: u32) -> Vec<(u32, f32)> {
     let neck = rig.nodes[head as usize].parent;
     match neck.filter(|node| rig.nodes[*node as usize].name.to_lowercase().contains("neck")) {
@@ -252,7 +258,7 @@ fn turns(rig: &Rig, head: u32) -> Vec<(u32, f32)> {
     }
 }
 
-/// Whether `node` is `head` or below it.
+/// Returns whether `node` is `head` or below it.
 fn goes_with(rig: &Rig, node: u32, head: u32) -> bool {
     let mut at = Some(node);
     while let Some(node) = at {
@@ -264,12 +270,12 @@ fn goes_with(rig: &Rig, node: u32, head: u32) -> bool {
     false
 }
 
-/// The distance between two boxes, metres.
+/// Returns the distance between two boxes, meters.
 fn apart(a: (Vec3, Vec3), b: Option<(Vec3, Vec3)>) -> f32 {
     b.map_or(f32::INFINITY, |b| (a.0 - b.1).max(b.0 - a.1).max(Vec3::ZERO).length())
 }
 
-/// These triangles of a mesh, with only the vertices that they have.
+/// Returns these triangles as a mesh with only the vertices that they use.
 fn cut(mesh: &TriMesh, triangles: &[[u32; 3]]) -> TriMesh {
     let mut places = HashMap::new();
     let mut part = TriMesh::default();
@@ -295,7 +301,7 @@ mod tests {
     };
     use glam::{Mat4, Quat};
 
-    /// A head on a neck on shoulders, each a ball that a node of its own carries, and an eye that goes with the head.
+    /// A head on a neck on shoulders, each a ball with a node of its own, and an eye below the head.
     fn body() -> (Rig, TriMesh) {
         let places = [
             Vec3::new(0.0, 1.0, 0.0),
@@ -334,18 +340,18 @@ mod tests {
     }
 
     #[test]
-    fn hair_goes_with_what_it_grows_on() {
+    fn node_with_most_roots_is_the_head() {
         let (rig, mesh) = body();
         let anatomy = Anatomy::new(rig, &mesh, hair(0.4).iter()).unwrap();
         assert_eq!(anatomy.head.node, 2);
-        // The eye belongs to it.
+        // The eye belongs to the head.
         let Field::Mesh(mesh, _) = &anatomy.head.field else { panic!("a mesh was given") };
         let (lo, hi) = mesh.bounds().unwrap();
         assert!((hi.z - 0.12).abs() < 1e-3 && (lo.y - 1.4).abs() < 1e-3, "{lo} {hi}");
         let nodes: Vec<_> = anatomy.parts.iter().map(|part| part.node).collect();
         assert_eq!(nodes, [1, 0], "the nearest first");
         assert!(anatomy.solids().count() == 2 && anatomy.solids().all(|part| part.form == PartForm::Field));
-        // Short hair reaches the neck, not the shoulders: those are a capsule.
+        // Short hair reaches the neck, not the shoulders, which are a capsule.
         let (rig, mesh) = body();
         let short = Anatomy::new(rig, &mesh, hair(0.2).iter()).unwrap();
         assert_eq!(short.parts.iter().map(|part| part.node).collect::<Vec<_>>(), [1, 0]);
@@ -356,21 +362,21 @@ mod tests {
         assert!((radius - 0.2).abs() < 2e-3 && a.distance(b) < 0.01, "{a} {b} {radius}");
         assert!((0.5 * (a + b)).distance(Vec3::Y) < 2e-3);
         assert_eq!(short.parts[1].vertices, mesh.positions.len() / 4);
-        // It is found again for whom asks.
+        // `fit` finds the same capsule.
         assert_eq!(short.fit(0, &mesh), short.parts[1].fitted);
         let (rig, mesh) = body();
         assert!(Anatomy::new(rig, &mesh, []).is_err(), "there is no hair");
     }
 
     #[test]
-    fn a_neck_turns_with_its_head() {
+    fn neck_takes_its_share_of_a_head_turn() {
         let (mut rig, mesh) = body();
         let anatomy = Anatomy::new(rig.clone(), &mesh, hair(0.4).iter()).unwrap();
         assert_eq!(anatomy.turns, [(2, 1.0)], "no node is called a neck");
         rig.nodes[1].name = "mixamorig:Neck".into();
         let anatomy = Anatomy::new(rig, &mesh, hair(0.4).iter()).unwrap();
         assert_eq!(anatomy.turns, [(1, NECK_SHARE), (2, 1.0 - NECK_SHARE)]);
-        // In all the head turns as it was told, about its own place on the neck; eyes go with it.
+        // In total, the head turns by the whole angle about its place on the neck; the eye follows it.
         let turn = Quat::from_rotation_x(0.5);
         let turns = anatomy.turns.iter().map(|(node, share)| (*node, Quat::IDENTITY.slerp(turn, *share)));
         let pose = anatomy.rig.pose_turned(None, &[], &turns.collect::<Vec<_>>());

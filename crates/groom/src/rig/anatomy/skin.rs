@@ -1,21 +1,23 @@
-//! The skin around the parts of a body that bends: which of their distance fields deform with it, and with what of it.
+//! Skin around the parts of a skinned body, which determines which distance fields deform.
 //!
-//! A part goes with a joint. Its skin leaves it where other joints carry some of it, and where shapes move it: there its
-//! field deforms (`collide::deform` of the crate `tresses`). Fields of neighbours overlap where they meet, so the skin of a part is
-//! taken [`BEYOND`] farther than the part itself, along the surface: an arm that hangs beside a chest is none of its skin.
+//! A part follows a joint. Its skin deviates from it where other joints carry a share of it, and where blend shapes
+//! move it. There, its field deforms (`collide::deform` of the crate `tresses`). Fields of neighboring parts overlap
+//! where they meet, so the skin of a part extends [`BEYOND`] farther than the part itself, along the surface: an arm
+//! that hangs beside a chest is not part of the chest's skin.
 
 use super::{Anatomy, PartForm, by_node, owners};
 use crate::{TriMesh, mesh::places};
 
-/// How far beyond a part skin counts as its, along edges, metres.
+/// Distance beyond a part up to which skin belongs to it, along edges, meters.
 const BEYOND: f32 = 0.04;
 
-/// The triangles around the head's field, then around those of the other solids: none where the skin goes with the part.
+/// Triangles around the head's field, then around those of the other solids. Empty for a part that its skin follows
+/// rigidly.
 #[derive(Clone, Debug, Default)]
 pub struct Flesh(Vec<Vec<[u32; 3]>>);
 
 impl Flesh {
-    /// Of a body whose mesh is `mesh`; `has_head`: whether the head is a field at all.
+    /// Collects the skin of a body with the mesh `mesh`; `has_head` is whether the head is a field at all.
     pub fn new(anatomy: &Anatomy, mesh: &TriMesh, has_head: bool) -> Self {
         let rig = &anatomy.rig;
         let head = anatomy.head.node;
@@ -48,22 +50,22 @@ impl Flesh {
         Self(std::iter::once(head).chain(parts).collect())
     }
 
-    /// The triangles around each of them, the head first.
+    /// Iterates over the triangles around each field, the head first.
     pub fn around(&self) -> impl Iterator<Item = &[[u32; 3]]> {
         self.0.iter().map(Vec::as_slice)
     }
 
-    /// Whether each of them deforms.
+    /// Returns whether each of the fields deforms.
     pub fn deforms(&self) -> Vec<bool> {
         self.0.iter().map(|triangles| !triangles.is_empty()).collect()
     }
 }
 
-/// A mesh as a surface: vertices at one place are one.
+/// A mesh as a surface: vertices at the same position are one.
 struct Surface {
-    /// The vertex that stands for each.
+    /// Vertex that represents each vertex.
     same: Vec<u32>,
-    /// Of those that stand for others.
+    /// Neighbors of each vertex that represents others.
     neighbours: Vec<Vec<u32>>,
 }
 
@@ -81,7 +83,7 @@ impl Surface {
         Self { same, neighbours }
     }
 
-    /// The triangles within [`BEYOND`] of the vertices that are a part's own.
+    /// Returns the triangles within [`BEYOND`] of a part's own vertices.
     fn beyond(&self, mesh: &TriMesh, is_own: impl Fn(u32) -> bool) -> Vec<[u32; 3]> {
         let mut far = vec![f32::INFINITY; self.same.len()];
         let mut edge = Vec::new();
@@ -92,7 +94,7 @@ impl Surface {
                 edge.push(stands);
             }
         }
-        // Ring by ring, as often as a shorter way is found.
+        // Relax ring by ring until no shorter path is found.
         while !edge.is_empty() {
             let mut next = Vec::new();
             for from in edge {
@@ -118,8 +120,8 @@ mod tests {
     use glam::Vec3;
 
     #[test]
-    fn skin_is_followed_along_the_surface() {
-        // Two strips of squares of 1 cm, 1 mm apart; the first has a seam.
+    fn skin_extends_along_the_surface() {
+        // Two strips of squares of 1 cm, 1 mm apart, with a seam at each square.
         let mut mesh = TriMesh::default();
         for z in [0.0, 0.001] {
             for i in 0..20u32 {

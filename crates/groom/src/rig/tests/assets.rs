@@ -1,4 +1,4 @@
-//! Other people's characters. Needs the folder that `TRESSES_ASSETS` names.
+//! Third-party characters. Requires the folder that `TRESSES_ASSETS` names.
 
 use std::path::PathBuf;
 
@@ -27,7 +27,7 @@ fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
     points.iter().fold((Vec3::MAX, Vec3::MIN), |(lo, hi), p| (lo.min(*p), hi.max(*p)))
 }
 
-/// Whether all poses of all animations are finite and within three times the box at rest.
+/// Checks that all poses of all animations are finite and within three times the box at rest.
 fn stays(rig: &Rig, rest: &TriMesh) -> Result<(), String> {
     let (lo, hi) = bounds(&rest.positions);
     let (middle, reach) = (0.5 * (lo + hi), 1.5 * (hi - lo).max_element());
@@ -48,7 +48,7 @@ fn stays(rig: &Rig, rest: &TriMesh) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether all normals at rest, in the mean, look as their triangles do.
+/// Returns the mean cosine between the normals at rest and the normals of their triangles.
 fn outside(mesh: &TriMesh) -> f32 {
     let looks = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
@@ -57,7 +57,7 @@ fn outside(mesh: &TriMesh) -> f32 {
     mesh.triangles.iter().map(looks).sum::<f32>() / mesh.triangles.len() as f32
 }
 
-/// Whether a body stands along Y, on about 0.
+/// Checks that a body is upright along Y and has its feet near 0.
 fn stands(mesh: &TriMesh) -> Result<(), String> {
     let (lo, hi) = bounds(&mesh.positions);
     let size = hi - lo;
@@ -65,14 +65,14 @@ fn stands(mesh: &TriMesh) -> Result<(), String> {
     if upright { Ok(()) } else { Err(format!("from {lo} to {hi}")) }
 }
 
-/// The vertices that a pose moves.
+/// Returns the vertices that a pose moves.
 fn moved(rig: &Rig, rest: &TriMesh, pose: &RigPose) -> Vec<usize> {
     let mesh = posed(rig, pose);
     let far = |i: &usize| mesh.positions[*i].distance(rest.positions[*i]) > 1e-4;
     (0..rest.positions.len()).filter(far).collect()
 }
 
-/// Whether feet stay in a slab of a metre above the ground.
+/// Checks that feet stay in a slab of a meter around the ground.
 fn walks_on_the_ground(rig: &Rig) -> Result<(), String> {
     for i in 0..20 {
         let walk = &rig.animations[0];
@@ -92,7 +92,7 @@ fn walks_on_the_ground(rig: &Rig) -> Result<(), String> {
 }
 
 #[test]
-fn a_man_walks() {
+fn walking_man_stays_on_the_ground() {
     let Some((mesh, rig)) = body("CesiumMan.glb") else { return };
     assert_eq!((rig.joints.len(), rig.animations.len(), rig.targets.len()), (19, 1, 0));
     assert_eq!(stands(&mesh), Ok(()));
@@ -105,7 +105,7 @@ fn a_man_walks() {
     let legs = moved(&rig, &mesh, &rig.pose(walk, 0.3 * walk.length));
     assert!(legs.len() > mesh.positions.len() / 2, "{}", legs.len());
 
-    // What has fallen over, gone astray or flown is seen.
+    // The checks detect bodies that have fallen over, are inside out, lose a joint or are scaled.
     let mut fallen = mesh.clone();
     fallen.positions.iter_mut().for_each(|p| *p = Vec3::new(p.y, p.x, p.z));
     assert!(stands(&fallen).is_err());
@@ -120,7 +120,7 @@ fn a_man_walks() {
     assert!(walks_on_the_ground(&scaled(&rig, 20.0)).is_err());
 }
 
-/// The same rig with its inverse binds stretched.
+/// The same rig with scaled inverse bind matrices.
 fn scaled(rig: &Rig, by: f32) -> Rig {
     let mut rig = rig.clone();
     rig.joints.iter_mut().for_each(|j| j.inverse_bind = Mat4::from_scale(Vec3::splat(by)) * j.inverse_bind);
@@ -128,7 +128,7 @@ fn scaled(rig: &Rig, by: f32) -> Rig {
 }
 
 #[test]
-fn a_robot_has_moods() {
+fn robot_blend_shapes_move_only_its_head() {
     let Some((mesh, rig)) = body("RobotExpressive.glb") else { return };
     let names: Vec<&str> = rig.targets.iter().map(|t| t.name.as_str()).collect();
     assert_eq!(names, ["Angry", "Surprised", "Sad"]);
@@ -138,7 +138,7 @@ fn a_robot_has_moods() {
     assert_eq!(stays(&rig, &mesh), Ok(()));
     assert!(stays(&scaled(&rig, 20.0), &mesh).is_err());
 
-    // What follows the node of the head, as no skin does.
+    // Vertices that follow the node of the head without a skin.
     let head = rig.nodes.iter().rposition(|n| n.name == "Head").unwrap();
     let of_head = |v: &usize| rig.joints[rig.vertices[*v].joints[0] as usize].node as usize == head;
     let all = (0..rig.vertices.len()).filter(of_head).count();
@@ -150,7 +150,7 @@ fn a_robot_has_moods() {
         let mood = moved(&rig, &mesh, &rig.pose_with(None, &[(target, 1.0)]));
         assert!(!mood.is_empty() && mood.iter().all(of_head), "{target}: {}", mood.len());
     }
-    // A shape on another part is seen.
+    // The check detects a shape on another part.
     let mut off = rig.clone();
     off.targets[0].deltas[0].vertex = 0;
     let mood = moved(&off, &mesh, &off.pose_with(None, &[(0, 1.0)]));

@@ -1,11 +1,11 @@
-//! Broken files: a sentence for each, and no harm from any.
+//! Invalid files: each gives a one-sentence error, and none does harm.
 
 use super::*;
 use glb::{Parts, U8, arm};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-/// What reading a changed arm says.
+/// Returns the error for a modified arm.
 fn says(change: impl FnOnce(&mut Glb, &Parts)) -> String {
     let (mut glb, parts) = arm();
     change(&mut glb, &parts);
@@ -21,8 +21,8 @@ fn refuses(with: &str, change: impl FnOnce(&mut Glb, &Parts)) {
 }
 
 #[test]
-fn joints_that_are_wrong() {
-    refuses("joint 7, which does not exist, there are 2", |glb, p| glb.poke(p.joints, 0, &[7, 0]));
+fn invalid_joints_are_rejected() {
+    refuses("joint 7, which does not exist; there are 2", |glb, p| glb.poke(p.joints, 0, &[7, 0]));
     refuses("follows joint 9", |glb, p| glb.poke(p.joints, 16, &[9, 0]));
     refuses("skin 0 has no joints", |glb, _| glb.root["skins"][0]["joints"] = json!([]));
     refuses("skins[0].joints[1]", |glb, _| glb.root["skins"][0]["joints"] = json!([1, 77]));
@@ -32,14 +32,14 @@ fn joints_that_are_wrong() {
     refuses("only one of JOINTS_0", |glb, _| {
         glb.root["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("WEIGHTS_0");
     });
-    // Where no weight is, anything may stand.
+    // Joints with weight 0 may have any index.
     let (mut glb, parts) = arm();
     glb.poke(parts.joints, 2, &[200, 200]);
     assert!(read(glb.bytes()).is_ok());
 }
 
 #[test]
-fn weights_that_are_wrong() {
+fn invalid_weights_are_rejected() {
     for bad in [f32::NAN, f32::INFINITY] {
         refuses("not finite", |glb, p| glb.poke(p.weights, 4, &bad.to_le_bytes()));
     }
@@ -51,16 +51,16 @@ fn weights_that_are_wrong() {
 }
 
 #[test]
-fn nodes_that_are_no_tree() {
+fn invalid_node_trees_are_rejected() {
     refuses("more than once", |glb, _| glb.root["nodes"][2]["children"] = json!([0]));
     refuses("more than once", |glb, _| glb.root["nodes"][4]["children"] = json!([4]));
-    // A net of 40 nodes with a million million paths.
+    // A graph of 40 nodes with 2^40 paths.
     refuses("more than once", |glb, _| {
         let nodes = glb.root["nodes"].as_array_mut().unwrap();
         nodes.extend((5..45).map(|i| json!({"children": [(i + 1).min(44), (i + 1).min(44)]})));
         nodes[4]["children"] = json!([5]);
     });
-    refuses("256 deep", |glb, _| {
+    refuses("256 levels deep", |glb, _| {
         let nodes = glb.root["nodes"].as_array_mut().unwrap();
         nodes.extend((5..500).map(|i| if i < 499 { json!({"children": [i + 1]}) } else { json!({}) }));
         nodes[4]["children"] = json!([5]);
@@ -69,7 +69,7 @@ fn nodes_that_are_no_tree() {
 }
 
 #[test]
-fn accessors_out_of_range() {
+fn accessors_out_of_range_are_rejected() {
     refuses("accessor 99 does not exist", |glb, _| {
         glb.root["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = json!(99);
     });
@@ -83,21 +83,21 @@ fn accessors_out_of_range() {
         refuses("does not fit", |glb, p| glb.root["accessors"][p.bend[0]]["count"] = json!(huge));
         refuses("does not fit", |glb, p| glb.root["accessors"][p.joints]["count"] = json!(huge));
         refuses("sparse items", |glb, p| glb.root["accessors"][p.sparse]["sparse"]["count"] = json!(huge));
-        refuses("moves", |glb, p| glb.root["accessors"][p.sparse]["count"] = json!(huge));
+        refuses("morph target", |glb, p| glb.root["accessors"][p.sparse]["count"] = json!(huge));
     }
     refuses("does not fit", |glb, p| glb.root["accessors"][p.bend[1]]["byteOffset"] = json!(u64::MAX));
     refuses("does not fit", |glb, p| glb.root["bufferViews"][p.inverse]["byteOffset"] = json!(u64::MAX));
-    refuses("wrong kind", |glb, p| glb.root["accessors"][p.inverse]["type"] = json!("VEC4"));
-    refuses("moves 2 vertices", |glb, p| glb.root["accessors"][p.sparse]["count"] = json!(2));
-    refuses("wrong kind", |glb, p| morph(glb, p.joints));
-    // Morphs may leave their data out, nothing else may.
+    refuses("wrong data type", |glb, p| glb.root["accessors"][p.inverse]["type"] = json!("VEC4"));
+    refuses("has 2 vertices", |glb, p| glb.root["accessors"][p.sparse]["count"] = json!(2));
+    refuses("wrong data type", |glb, p| morph(glb, p.joints));
+    // Only morph targets may omit their data.
     refuses("has no data", |glb, p| {
         glb.root["accessors"][p.weights].as_object_mut().unwrap().remove("bufferView");
     });
 }
 
 #[test]
-fn sparse_indices_that_are_wrong() {
+fn invalid_sparse_indices_are_rejected() {
     let index = |glb: &mut Glb, parts: &Parts, indices: &[u8]| {
         let (at, to) = (glb.view(indices), glb.view(&[0; 24]));
         glb.root["accessors"][parts.sparse]["sparse"] = json!({"count": indices.len(),
@@ -113,12 +113,12 @@ fn sparse_indices_that_are_wrong() {
 }
 
 #[test]
-fn animations_that_are_wrong() {
-    refuses("do not rise", |glb, p| glb.poke(p.bend[0], 8, &1.0f32.to_le_bytes()));
-    refuses("do not rise", |glb, p| glb.poke(p.bend[0], 0, &(-1.0f32).to_le_bytes()));
+fn invalid_animations_are_rejected() {
+    refuses("not ascending", |glb, p| glb.poke(p.bend[0], 8, &1.0f32.to_le_bytes()));
+    refuses("not ascending", |glb, p| glb.poke(p.bend[0], 0, &(-1.0f32).to_le_bytes()));
     refuses("not finite", |glb, p| glb.poke(p.bend[0], 4, &f32::NAN.to_le_bytes()));
     refuses("not finite", |glb, p| glb.poke(p.bend[1], 4, &f32::INFINITY.to_le_bytes()));
-    refuses("without direction", |glb, p| glb.poke(p.bend[1], 0, &[0; 16]));
+    refuses("length zero", |glb, p| glb.poke(p.bend[1], 0, &[0; 16]));
     let channel =
         |glb: &mut Glb, key: &str, value: Value| glb.root["animations"][0]["channels"][0][key] = value;
     refuses("node 99, which does not exist", |glb, _| {
@@ -135,7 +135,7 @@ fn animations_that_are_wrong() {
     refuses("need 36", |glb, _| {
         glb.root["animations"][0]["samplers"][0]["interpolation"] = json!("CUBICSPLINE")
     });
-    // A property that an extension animates, and a node that stands in no scene, are left alone.
+    // A property that an extension animates, and a node outside of every scene, are ignored.
     let (mut glb, _) = arm();
     channel(&mut glb, "target", json!({"node": 2, "path": "pointer"}));
     glb.push("nodes", json!({}));
@@ -146,7 +146,7 @@ fn animations_that_are_wrong() {
 }
 
 #[test]
-fn a_small_file_does_not_fill_the_memory() {
+fn small_file_cannot_exhaust_memory() {
     let (mut glb, _) = arm();
     let many = glb.floats("VEC3", 3, &vec![0.5; 3000]);
     glb.root["meshes"][1]["primitives"][0]["attributes"] = json!({"POSITION": many});
@@ -157,10 +157,10 @@ fn a_small_file_does_not_fill_the_memory() {
         glb.root[list] = json!([]);
     }
     let error = read(glb.bytes()).unwrap_err().to_string();
-    assert!(error.contains("would unfold"), "{error}");
+    assert!(error.contains("would expand"), "{error}");
 }
 
-/// Reads and, if that goes, poses.
+/// Reads a file and, if it is valid, poses its rig.
 fn survives(bytes: Vec<u8>) -> Result<(), TestCaseError> {
     let size = bytes.len();
     match read(bytes) {
@@ -187,7 +187,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
     #[test]
-    fn broken_rigs_do_no_harm(
+    fn corrupted_rigs_never_panic(
         share in 0.0f64..1.0,
         flips in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
         digit in (any::<prop::sample::Index>(), b'0'..=b'9'),
@@ -200,7 +200,7 @@ proptest! {
             flipped[at] = *value;
         }
         survives(flipped)?;
-        // Numbers of the text, which name nodes, joints, accessors and sizes.
+        // Change digits in the JSON, which are in nodes, joints, accessors and sizes.
         let digits: Vec<usize> = (20..whole.len()).filter(|i| whole[*i].is_ascii_digit()).collect();
         whole[digits[digit.0.index(digits.len())]] = digit.1;
         survives(whole)?;

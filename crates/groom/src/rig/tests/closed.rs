@@ -1,37 +1,37 @@
-//! Poses that are known by hand.
+//! Poses with results known by hand.
 
 use super::*;
 use serde_json::json;
 
 #[test]
-fn an_arm_bends_at_its_elbow() {
+fn arm_bends_at_its_elbow() {
     let raw = read(glb::arm().0.bytes()).unwrap();
     let rig = raw.rig.unwrap();
     assert_eq!((rig.nodes.len(), rig.joints.len(), rig.vertices.len()), (5, 3, 6));
     assert!(rig.nodes.iter().enumerate().all(|(i, n)| n.parent.is_none_or(|p| (p as usize) < i)));
     assert!(rig.vertices.iter().all(|v| (v.weights.iter().sum::<f32>() - 1.0).abs() < 1e-6));
-    // At rest the mesh is where joints have it, not where its node would.
+    // At rest, the joints place the mesh, not its node.
     let rest = [[0.0, 0.0, 0.0], [1.0, 0.5, 0.0], [2.0, 0.0, 0.0]].map(Vec3::from);
     assert_eq!(agree(&raw.mesh.positions[..3], &rest, 1e-6), Ok(()));
     assert_eq!(posed(&rig, &rig.rest_pose()).positions, raw.mesh.positions);
 
-    // Bent by 90°: the hand is above the elbow; what follows both is half way between (1, 0.5), where
-    // the shoulder has it, and (0.5, 0), where the elbow has it.
+    // Bent by 90°: the hand is above the elbow. The vertex that follows both is halfway between its place under the
+    // shoulder, (1, 0.5), and under the elbow, (0.5, 0).
     let bend = rig.animation("bend").unwrap();
     assert_eq!(bend.length, 2.0);
     let bent = posed(&rig, &rig.pose(bend, 1.5));
     let want = [[0.0, 0.0, 0.0], [0.75, 0.25, 0.0], [1.0, 1.0, 0.0]].map(Vec3::from);
     assert_eq!(agree(&bent.positions[..3], &want, 1e-6), Ok(()));
-    // Half of (0, 1) and half of (-1, 0), and the whole of that.
+    // The second normal is half of (0, 1) and half of (-1, 0), the third is (-1, 0).
     let half = std::f32::consts::FRAC_1_SQRT_2;
     let want = [Vec3::Z, Vec3::new(-half, half, 0.0), -Vec3::X];
     assert_eq!(agree(&bent.normals[..3], &want, 1e-6), Ok(()));
-    // Half of the turn in half of the time, by the short way; and the animation loops.
+    // Half of the turn in half of the time, by the shorter arc; and the animation loops.
     for time in [0.5, 2.5, -1.5] {
         let hand = posed(&rig, &rig.pose(bend, time)).positions[2];
         assert_eq!(agree(&[hand], &[Vec3::new(1.0 + half, half, 0.0)], 1e-6), Ok(()));
     }
-    // A share too much for the elbow is seen.
+    // The check detects a weight that is too large by 0.01.
     let mut off = rig.clone();
     (off.vertices[1].weights[0], off.vertices[1].weights[1]) = (0.49, 0.51);
     let off = posed(&off, &rig.pose(bend, 1.5)).positions[1];
@@ -39,26 +39,26 @@ fn an_arm_bends_at_its_elbow() {
 }
 
 #[test]
-fn what_has_no_skin_follows_its_node_and_parents() {
+fn unskinned_mesh_follows_its_node_and_parents() {
     let rig = read(glb::arm().0.bytes()).unwrap().rig.unwrap();
     let corner = |pose: RigPose| posed(&rig, &pose).positions[4];
     assert_eq!(corner(rig.rest_pose()), Vec3::new(1.0, 3.0, 0.0));
     let step = rig.animation("Step").unwrap();
     assert_eq!(corner(rig.pose(step, 1.9)), Vec3::new(2.0, 3.0, 0.0));
-    // Its parent moves along a spline, which at 2 s is where `curves` has it.
+    // Its parent moves along a spline; `curves` derives the value at 2 s.
     let spline = rig.animation("Spline").unwrap();
     let moved = corner(rig.pose(spline, 2.0));
     assert!(agree(&[moved], &[Vec3::new(1.0 + 1.625, 3.0 + 0.5 - 1.0, -0.5)], 1e-6).is_ok(), "{moved}");
-    // And so does the arm, as its joints do.
+    // The arm moves with it, through its joints.
     let hand = posed(&rig, &rig.pose(spline, 2.0)).positions[2];
     assert!(agree(&[hand], &[Vec3::new(3.625, -0.5, -0.5)], 1e-6).is_ok(), "{hand}");
 }
 
 #[test]
-fn eight_weights_count() {
+fn eight_weights_per_vertex_are_used() {
     let (mut glb, parts) = glb::arm();
     let joints = glb.accessor(glb::U8, "VEC4", 3, &[0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0]);
-    // A quarter of the hand follows the elbow from the second set, three quarters the shoulder.
+    // A quarter of the hand follows the elbow through the second set, three quarters follow the shoulder.
     let weights = glb.vectors(&[[0.0; 4], [0.0; 4], [0.125, 0.125, 0.0, 0.0]]);
     glb.poke(parts.joints, 16, &[0; 8]);
     glb.poke(parts.weights, 32, &0.75f32.to_le_bytes());
@@ -71,16 +71,16 @@ fn eight_weights_count() {
 }
 
 #[test]
-fn shares_may_be_integers() {
+fn weights_may_be_normalized_integers() {
     let (mut glb, parts) = glb::arm();
     let weights = glb.shorts("VEC4", 4, &[65535, 0, 0, 0, 32768, 32767, 0, 0, 65535, 0, 0, 0]);
     glb.root["accessors"][weights]["normalized"] = json!(true);
     glb.root["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = json!(weights);
     let rig = read(glb.bytes()).unwrap().rig.unwrap();
     assert!((rig.vertices[1].weights[0] - 0.5).abs() < 1e-4);
-    // Without the word that says so they are no shares.
+    // Without `normalized`, integers are invalid weights.
     glb.root["accessors"][weights]["normalized"] = json!(false);
-    assert!(read(glb.bytes()).unwrap_err().to_string().contains("wrong kind"));
+    assert!(read(glb.bytes()).unwrap_err().to_string().contains("wrong data type"));
     let turns = glb.shorts("VEC4", 4, &[0, 0, 0, 65535, 0, 0, 65535, 65535, 0, 0, 65535, 65535]);
     glb.root["accessors"][turns]["normalized"] = json!(true);
     glb.root["animations"][0]["samplers"][0]["output"] = json!(turns);
@@ -91,8 +91,8 @@ fn shares_may_be_integers() {
 }
 
 #[test]
-fn normals_stay_perpendicular_and_outside() {
-    // A slope under an uneven scale, by the joint's animation and by the node at rest.
+fn normals_stay_perpendicular_and_outward() {
+    // A slope under a nonuniform scale, by the joint's animation and by the node at rest.
     let mut glb = Glb::new();
     let positions = glb.vectors(&[[0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1.0, -1.0, 0.0]]);
     let half = std::f32::consts::FRAC_1_SQRT_2;
@@ -110,9 +110,9 @@ fn normals_stay_perpendicular_and_outside() {
     let normal = posed(&rig, &rig.pose(&rig.animations[0], 1.0)).normals[0];
     let want = Vec3::new(1.0, 2.0, 0.0).normalize();
     assert_eq!(agree(&[normal], &[want], 1e-6), Ok(()));
-    // What positions do would be wrong.
+    // Transforming the normal like a position would be wrong.
     assert!(agree(&[normal], &[Vec3::new(2.0, 1.0, 0.0).normalize()], 1e-2).is_err());
-    // Mirrored at rest: as the reader of still meshes has it, triangle turned and all.
+    // Mirrored at rest: the same as in the reader of static meshes, including flipped triangles.
     glb.root["nodes"] = json!([{"mesh": 0, "scale": [-2, 1, 1]}]);
     let raw = read(glb.bytes()).unwrap();
     glb.root["animations"] = json!([]);
@@ -128,7 +128,7 @@ fn normals_stay_perpendicular_and_outside() {
 }
 
 #[test]
-fn a_skin_that_mirrors_turns_triangles() {
+fn mirrored_skin_flips_triangles() {
     let (mut glb, _) = glb::arm();
     let plain = read(glb.bytes()).unwrap().mesh;
     glb.root["nodes"][0]["scale"] = json!([1, 1, -1]);
@@ -140,14 +140,14 @@ fn a_skin_that_mirrors_turns_triangles() {
     };
     assert!(area(&plain).z * area(&mirrored).z < 0.0);
     assert_eq!(mirrored.normals[0], -Vec3::Z);
-    // The mesh's own node may mirror as it likes.
+    // A mesh's own node may mirror without effect.
     let (mut glb, _) = glb::arm();
     glb.root["nodes"][3]["scale"] = json!([-1, 1, 1]);
     assert_eq!(read(glb.bytes()).unwrap().mesh, plain);
 }
 
 #[test]
-fn a_matrix_may_shear_and_normals_may_be_missing() {
+fn sheared_matrices_and_missing_normals_are_supported() {
     let mut glb = Glb::new();
     let positions = glb.vectors(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
     glb.push("meshes", json!({"primitives": [{"attributes": {"POSITION": positions}}]}));
@@ -166,7 +166,7 @@ fn a_matrix_may_shear_and_normals_may_be_missing() {
 }
 
 #[test]
-fn a_pose_of_another_rig_or_a_shorter_mesh_does_no_harm() {
+fn mismatched_pose_or_mesh_does_not_panic() {
     let rig = read(glb::arm().0.bytes()).unwrap().rig.unwrap();
     let mut mesh = TriMesh { positions: vec![Vec3::ZERO; 2], ..Default::default() };
     rig.deform(&RigPose::default(), &mut mesh);

@@ -1,4 +1,4 @@
-//! Values between keys.
+//! Interpolation between keys.
 
 use super::*;
 
@@ -9,8 +9,8 @@ fn at(curve: &Curve, time: f32) -> [f32; 3] {
 }
 
 #[test]
-fn a_spline_is_hermites() {
-    // One axis each: from 0 to 3, 0 to 1 and 0 to 0 in 2 s, with tangents per second.
+fn cubic_spline_matches_hermite_formula() {
+    // One case per axis: from 0 to 3, 0 to 1 and 0 to 0 in 2 s, with tangents per second.
     let values = [[9.0; 3], [0.0; 3], [1.0, 0.0, -2.0], [0.5, 4.0, 0.0], [3.0, 1.0, 0.0], [9.0; 3]];
     let values = values.as_flattened().to_vec();
     let curve = Curve { interpolation: Interpolation::CubicSpline, times: vec![1.0, 3.0], values };
@@ -26,17 +26,17 @@ fn a_spline_is_hermites() {
         let have = at(&curve, 1.0 + 2.0 * t as f32);
         let error = (0..3).map(|i| (want[i] - f64::from(have[i])).abs()).fold(0.0, f64::max);
         assert!(error < 1e-6, "{have:?} {want:?}");
-        // Tangents that are not per second would be seen.
+        // The check detects tangents that are not per second.
         let unscaled = want[0] - (t * t * t - 2.0 * t * t + t);
         assert!((unscaled - f64::from(have[0])).abs() > 1e-2);
     }
-    // By hand: half way between 0 and 3 with tangents 1 and 0.5.
+    // By hand: halfway between 0 and 3 with tangents 1 and 0.5.
     assert!((at(&curve, 2.0)[0] - (1.5 + 0.25 - 0.125)).abs() < 1e-6);
     assert_eq!((at(&curve, 0.0), at(&curve, 9.0)), ([0.0; 3], [3.0, 1.0, 0.0]));
 }
 
 #[test]
-fn steps_hold_and_lines_do_not() {
+fn step_holds_and_linear_interpolates() {
     let values = vec![0.0, 0.0, 0.0, 4.0, 8.0, 2.0];
     let mut curve = Curve { interpolation: Interpolation::Step, times: vec![1.0, 2.0], values };
     assert_eq!([0.0, 1.0, 1.999].map(|t| at(&curve, t)), [[0.0; 3]; 3]);
@@ -47,7 +47,7 @@ fn steps_hold_and_lines_do_not() {
 }
 
 #[test]
-fn rotations_take_the_short_way() {
+fn rotations_take_the_shorter_arc() {
     let end = Quat::from_rotation_y(1.0);
     for end in [end, -end] {
         let values = [Quat::IDENTITY.to_array(), end.to_array()].concat();
@@ -60,7 +60,7 @@ fn rotations_take_the_short_way() {
 }
 
 #[test]
-fn nothing_is_written_without_numbers_and_no_time_is_too_odd() {
+fn missing_values_and_odd_times_are_handled() {
     let short = Curve { times: vec![0.0, 1.0], values: vec![1.0; 5], ..Default::default() };
     for curve in [Curve::default(), short] {
         assert!(at(&curve, 0.5).iter().all(|v| v.is_nan()));

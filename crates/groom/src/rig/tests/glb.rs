@@ -1,13 +1,13 @@
-//! GLB files made in code.
+//! GLB files built in code.
 
 use serde_json::{Value, json};
 
-/// A file in the making.
+/// A GLB file under construction.
 #[derive(Clone)]
 pub struct Glb {
-    /// All but buffers.
+    /// JSON without the buffers.
     pub root: Value,
-    /// The buffer.
+    /// Binary buffer.
     pub bin: Vec<u8>,
 }
 
@@ -24,7 +24,7 @@ impl Glb {
         Self { root, bin: Vec::new() }
     }
 
-    /// Adds to a list of the root; its index there.
+    /// Appends to a list of the root. Returns the index in the list.
     pub fn push(&mut self, list: &str, item: Value) -> usize {
         let all = self.root[list].as_array_mut().unwrap();
         all.push(item);
@@ -40,7 +40,7 @@ impl Glb {
 
     pub fn accessor(&mut self, component: u32, kind: &str, count: usize, bytes: &[u8]) -> usize {
         let view = self.view(bytes);
-        // Positions need bounds that nobody reads.
+        // Positions require bounds, which the reader ignores.
         let accessor = json!({"bufferView": view, "componentType": component, "type": kind, "count": count,
             "min": [0, 0, 0], "max": [1, 1, 1]});
         self.push("accessors", accessor)
@@ -67,7 +67,8 @@ impl Glb {
         self.bin[start..start + bytes.len()].copy_from_slice(bytes);
     }
 
-    /// One animation of one property, times and values as given; its sampler's output accessor.
+    /// Adds one animation of one property with these times and values. Returns the sampler's input and output
+    /// accessors.
     pub fn animate(
         &mut self,
         name: &str,
@@ -104,7 +105,7 @@ impl Glb {
     }
 }
 
-/// Where the accessors of [`arm`] are.
+/// Accessors of [`arm`].
 pub struct Parts {
     pub joints: usize,
     pub weights: usize,
@@ -113,16 +114,16 @@ pub struct Parts {
     pub bend: [usize; 2],
 }
 
-/// An arm along x with an elbow at 1: vertices at the shoulder, over the elbow (half and half) and at the
-/// hand (2); and a triangle without skin. Node 0 is the root, 1 the shoulder, 2 the elbow, 3 the arm's
-/// mesh, whose own place is to be ignored, 4 the triangle's. Shape `Swell` lifts all vertices, `Hand` is
-/// sparse and moves the last. Animations: `Bend`, `Step`, `Spline`, `Blend`.
+/// Builds an arm along x with an elbow at 1: vertices at the shoulder, over the elbow (half and half) and at the hand
+/// (2); and a triangle without skin. Node 0 is the root, 1 the shoulder, 2 the elbow, 3 the arm's mesh, whose own
+/// transform must be ignored, 4 the triangle's. Shape `Swell` lifts all vertices, `Hand` is sparse and moves the last.
+/// Animations: `Bend`, `Step`, `Spline`, `Blend`.
 pub fn arm() -> (Glb, Parts) {
     let mut glb = Glb::new();
     let positions = glb.vectors(&[[0.0, 0.0, 0.0], [1.0, 0.5, 0.0], [2.0, 0.0, 0.0]]);
     let normals = glb.vectors(&[[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]]);
     let joints = glb.shorts("VEC4", 4, &[0, 1, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0]);
-    // The second sums to 2, the third is unused but for its first joint.
+    // The second vertex's weights sum to 2; the third's are 0, so only its first joint is used.
     let weights = glb.vectors(&[[1.0, 0.0, 0.0, 0.0], [1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0]]);
     let indices = glb.shorts("SCALAR", 1, &[0, 1, 2]);
     let swell = glb.vectors(&[[0.0, 0.0, 0.25]; 3]);
@@ -134,7 +135,7 @@ pub fn arm() -> (Glb, Parts) {
         json!({"componentType": F32, "type": "VEC3", "count": 3, "sparse": {
         "count": 1, "indices": {"bufferView": at, "componentType": U8}, "values": {"bufferView": to}}}),
     );
-    // Zeros, as no data is given.
+    // An accessor without data is all zeros.
     let nothing = glb.push("accessors", json!({"componentType": F32, "type": "VEC3", "count": 3}));
     glb.push("meshes", json!({"extras": {"targetNames": ["Swell", "Hand"]}, "primitives": [{"attributes":
         {"POSITION": positions, "NORMAL": normals, "JOINTS_0": joints, "WEIGHTS_0": weights}, "indices": indices,
@@ -150,7 +151,7 @@ pub fn arm() -> (Glb, Parts) {
         {"name": "Elbow", "translation": [1, 0, 0]}, {"name": "Arm", "mesh": 0, "skin": 0, "translation": [5, 5, 5]},
         {"name": "Triangle", "mesh": 1, "translation": [0, 3, 0]}]);
     let half = std::f32::consts::FRAC_1_SQRT_2;
-    // 0°, 90° as the quaternion of the long way round, 90°.
+    // 0°, 90° as the quaternion of the longer arc, 90°.
     let turns = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, -half, -half, 0.0, 0.0, half, half];
     let bend = glb.animate("Bend", 2, "rotation", "LINEAR", (&[0.0, 1.0, 2.0], &turns));
     let moves = [0.0, 3.0, 0.0, 1.0, 3.0, 0.0, 2.0, 3.0, 0.0];
@@ -161,7 +162,7 @@ pub fn arm() -> (Glb, Parts) {
     (glb, Parts { joints, weights, inverse, sparse, bend })
 }
 
-/// The GLB file with another text in place of one in its JSON.
+/// Returns the GLB file with one text replaced in its JSON.
 #[cfg(feature = "textures")]
 pub fn edited(file: &[u8], from: &str, to: &str) -> Vec<u8> {
     let length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
@@ -170,7 +171,7 @@ pub fn edited(file: &[u8], from: &str, to: &str) -> Vec<u8> {
     pack(json.replace(from, to).trim_end().as_bytes().to_vec(), file[28 + length..].to_vec())
 }
 
-/// A GLB file of its two chunks.
+/// Returns a GLB file with these two chunks.
 pub fn pack(mut json: Vec<u8>, mut bin: Vec<u8>) -> Vec<u8> {
     json.resize(json.len().next_multiple_of(4), b' ');
     bin.resize(bin.len().next_multiple_of(4), 0);

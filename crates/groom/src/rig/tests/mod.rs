@@ -1,4 +1,4 @@
-//! Rigs of known shape, broken ones, and other people's.
+//! Rigs with known poses, invalid rigs, and third-party rigs.
 
 mod assets;
 mod broken;
@@ -15,24 +15,24 @@ use glam::Vec3;
 use super::*;
 use crate::{
     TriMesh,
-    import::{Given, mesh},
+    import::{FileBytes, mesh},
 };
 use glb::Glb;
 
-/// A file's mesh and rig, as its reader has them.
+/// Returns the mesh and rig of a file, as its reader returns them.
 fn read(bytes: Vec<u8>) -> crate::Result<mesh::RawMesh> {
-    let given: Given = ("a.glb".into(), bytes.into());
+    let given: FileBytes = ("a.glb".into(), bytes.into());
     mesh::read_given(&[given], Path::new("a.glb"))
 }
 
-/// The positions of a rig's vertices in a pose.
+/// Returns the deformed mesh of a rig in a pose.
 fn posed(rig: &Rig, pose: &RigPose) -> TriMesh {
     let mut mesh = TriMesh { positions: vec![Vec3::ZERO; rig.vertices.len()], ..Default::default() };
     rig.deform(pose, &mut mesh);
     mesh
 }
 
-/// Says where two lists of points differ by more than `by`.
+/// Checks that two lists of points differ by at most `by`; the error names the first difference.
 fn agree(have: &[Vec3], want: &[Vec3], by: f32) -> Result<(), String> {
     if have.len() != want.len() {
         return Err(format!("{} points, not {}", have.len(), want.len()));
@@ -44,7 +44,7 @@ fn agree(have: &[Vec3], want: &[Vec3], by: f32) -> Result<(), String> {
 }
 
 #[test]
-fn the_comparer_can_fail() {
+fn agree_detects_differences() {
     let points = [Vec3::X, Vec3::Y];
     assert_eq!(agree(&points, &points, 1e-6), Ok(()));
     assert!(agree(&points, &points[..1], 1e-6).is_err());

@@ -1,4 +1,4 @@
-//! Rigs on their way into a groom's space, and several files as one.
+//! Rigs in groom space, and several files as one rig.
 
 use super::*;
 use crate::import::{ImportOptions, read_given_body};
@@ -13,8 +13,8 @@ f 4 3 2 1
 ";
 
 #[test]
-fn a_rig_bends_its_mesh_where_that_was_brought() {
-    let file: Given = ("a.glb".into(), glb::arm().0.bytes().into());
+fn oriented_rig_matches_oriented_mesh() {
+    let file: FileBytes = ("a.glb".into(), glb::arm().0.bytes().into());
     for mirror in [false, true] {
         let orient_head = Choice {
             unit: Some(Unit(0.01)),
@@ -28,22 +28,22 @@ fn a_rig_bends_its_mesh_where_that_was_brought() {
         let rest = posed(&rig, &rig.rest_pose());
         assert_eq!(agree(&rest.positions, &body.mesh.positions, 1e-7), Ok(()));
         assert_eq!(agree(&rest.normals, &body.mesh.normals, 1e-6), Ok(()));
-        // And elsewhere: the hand of the bent arm at (1, 1, 0) of the file.
+        // Also in a pose: the hand of the bent arm is at (1, 1, 0) in the file.
         let bent = posed(&rig, &rig.pose(rig.animation("Bend").unwrap(), 1.5)).positions[2];
         assert_eq!(agree(&[bent], &[body.placement.point(Vec3::new(1.0, 1.0, 0.0))], 1e-7), Ok(()));
-        // A rig that was left behind is seen.
+        // The check detects a rig that was not oriented.
         let left = Rig { to_groom: Mat4::IDENTITY, ..rig };
         assert!(agree(&posed(&left, &left.rest_pose()).positions, &body.mesh.positions, 1e-3).is_err());
     }
 }
 
 #[test]
-fn files_share_a_rig() {
-    let (name, bytes): Given = ("a.glb".into(), glb::arm().0.bytes().into());
+fn files_merge_into_one_rig() {
+    let (name, bytes): FileBytes = ("a.glb".into(), glb::arm().0.bytes().into());
     let again = ("b.glb".into(), bytes.clone());
     let still = ("c.obj".into(), CUBE.as_bytes().into());
     let options = ImportOptions::default();
-    let read = |files: &[Given]| read_given_body(files, &options).unwrap();
+    let read = |files: &[FileBytes]| read_given_body(files, &options).unwrap();
     for files in [
         [(name.clone(), bytes.clone()), still.clone()].as_slice(),
         &[still.clone(), (name.clone(), bytes.clone())],
@@ -54,7 +54,7 @@ fn files_share_a_rig() {
         let rest = posed(&rig, &rig.rest_pose());
         assert_eq!(agree(&rest.positions, &body.mesh.positions, 1e-6), Ok(()));
         assert_eq!((rig.targets.len(), rig.animations.len()), (2, 4));
-        // What is still does not move; all arms do.
+        // Static meshes do not move; all arms do.
         let bent = posed(&rig, &rig.pose_with(rig.animation("Bend").map(|a| (a, 1.5)), &[(1, 1.0)]));
         let moved = bent.positions.iter().zip(&rest.positions).filter(|(a, b)| a.distance(**b) > 1e-3);
         let arms = files.iter().filter(|(name, _)| name.to_string_lossy().ends_with("glb")).count();
@@ -67,12 +67,12 @@ fn files_share_a_rig() {
 }
 
 #[test]
-fn joints_are_counted_in_16_bits() {
+fn joint_count_is_limited_to_16_bits() {
     let joint = Joint { node: 0, inverse_bind: Mat4::IDENTITY };
     let mesh = TriMesh { positions: vec![Vec3::ZERO; 3], ..Default::default() };
     let mut rig = Rig { joints: vec![joint; MAX_JOINTS - 1], ..Rig::still(&mesh) };
     assert!(rig.append(Rig::still(&mesh)).is_ok());
     assert_eq!(rig.vertices[3].joints[0], u16::MAX);
     let error = rig.append(Rig::still(&mesh)).unwrap_err().to_string();
-    assert_eq!(error, "a rig of 65537 joints, more than 65536");
+    assert_eq!(error, "the rig has 65537 joints, more than 65536");
 }

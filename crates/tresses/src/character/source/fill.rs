@@ -1,24 +1,24 @@
-//! More hair between the strands of files: as many as somebody wants, or the followers that a file asks for.
+//! Filling: grows hair between the strands of files, up to a requested number or as the file's follower settings say.
 
 use super::{CharacterSource, Hair, SKULL_ABOVE_NECK, Styling};
 use crate::{
     Progress, Result,
     groom::{
-        Fill, Filled, Head, Strands,
+        Fill, FilledStrands, Head, Strands,
         fill::{fill_with, follow_with},
-        grow::Paint,
+        grow::ScalpPaint,
     },
 };
 
-/// How hair grows between the strands of files.
+/// How hair is filled in between the strands of files.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FillOptions {
-    /// How many strands they are filled up to; 0 for none but the files' own, `None` for the followers that
-    /// they ask for. [`Styling::strands`] is the most in any case.
+    /// Number of strands to fill up to. 0 keeps only the file's strands. `None` grows the followers that the file asks
+    /// for. [`Styling::strands`] limits the number in any case.
     pub strands: Option<u32>,
-    /// The angle between neighbours from which on hair between them goes with one of them, radians.
+    /// Angle between neighboring strands above which new hair follows one of them instead of blending, radians.
     pub parting: f32,
-    /// What every choice follows from.
+    /// Seed of all random choices.
     pub seed: u32,
 }
 
@@ -30,39 +30,40 @@ impl Default for FillOptions {
 }
 
 impl FillOptions {
-    /// What grew.
-    pub(super) fn told(&self, filled: &Filled) -> String {
+    /// Returns a note on the strands that grew.
+    pub(super) fn told(&self, filled: &FilledStrands) -> String {
         let (given, new) = (filled.given, filled.strands.len() - filled.given);
         match self.strands {
             None => format!(
-                "the file asks for followers: {new} are grown around its {given} strands (--grow 0 for none, --grow N for N strands in all)"
+                "the file requests child strands: {new} are grown around its {given} strands (--grow 0 for none, --grow N for N strands in total)"
             ),
             Some(_) => format!("{new} strands are grown between the {given} of the file"),
         }
     }
 
-    /// What to say of built-in hair that is to be filled.
+    /// Returns a note when filling is requested for built-in hair.
     pub(super) fn unused(&self) -> Option<String> {
         let asked = self.strands.is_some_and(|strands| strands > 0);
-        asked.then(|| "--grow fills grooms of files; built-in styles grow --strands".into())
+        asked.then(|| "--grow applies to groom files; use --strands for built-in styles".into())
     }
 }
 
 impl CharacterSource {
-    /// `strands` of files with those that `styling` wants between them, painted; `None` where it wants none.
+    /// Returns `strands` of files with the filled-in strands that `styling` requests, painted; `None` if it requests
+    /// none.
     pub(super) async fn filled(
         &self,
         strands: &Strands,
         styling: &Styling,
         progress: &impl Progress,
-    ) -> Result<Option<Filled>> {
+    ) -> Result<Option<FilledStrands>> {
         let Hair::Imported { field, .. } = &self.hair else { return Ok(None) };
         let head = Head { mesh: self.head.as_ref(), field: field.as_ref() };
         let skull = self.neck + SKULL_ABOVE_NECK;
         let FillOptions { strands: wanted, parting, seed } = styling.fill;
         let most = styling.strands.unwrap_or(u32::MAX);
         let followers = self.report.as_ref().map_or(&[][..], |report| &report.followers);
-        // Where strands are thinned out, or are as many already, there are no others.
+        // Nothing to fill when strands are thinned out or the requested number is already reached.
         let more = match wanted {
             Some(wanted) => wanted.min(most) as usize > strands.len(),
             None => followers.len() == strands.len() && most as usize > strands.len(),
@@ -79,7 +80,7 @@ impl CharacterSource {
             }
             None => follow_with(strands, head, followers, most, seed, progress).await?,
         };
-        Ok(Some(match styling.paint != Paint::default() {
+        Ok(Some(match styling.paint != ScalpPaint::default() {
             true => filled.painted(&styling.paint, skull, 1)?,
             false => filled,
         }))
@@ -97,7 +98,7 @@ mod tests {
     use glam::Vec3;
     use std::{borrow::Cow, path::PathBuf};
 
-    /// Sixty strands on a slope, as a file that asks for `header`.
+    /// Sixty strands on a slope, as a `.tfx` file with `header`.
     fn base(header: &str) -> CharacterSource {
         let mut text = format!("version 2.0\nscale 1.0\n{header}numStrands 60\n");
         for i in 0..60 {
@@ -116,7 +117,7 @@ mod tests {
 
     const ASKING: &str = "numFollowHairsPerGuideHair 4\nmaxRadiusAroundGuideHair 0.002\n";
 
-    /// How many strands there are, and what is said of it.
+    /// Returns the number of strands and the last note.
     fn dressed(header: &str, grow: Option<u32>, styling: Styling) -> (usize, String) {
         let growing = FillOptions { strands: grow, ..FillOptions::default() };
         let character =
@@ -125,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn as_many_are_drawn_as_the_file_or_somebody_asks_for() {
+    fn strand_count_follows_option_then_file() {
         let count = |header, grow| dressed(header, grow, Styling::default()).0;
         assert_eq!(
             [count("", None), count("", Some(0)), count("", Some(60)), count("", Some(900))],
@@ -136,7 +137,7 @@ mod tests {
         assert!(said(None).contains("240 are grown around its 60 strands"), "{}", said(None));
         assert!(said(Some(900)).contains("840 strands are grown between the 60"), "{}", said(Some(900)));
         assert!(!said(Some(0)).contains("grown"), "{}", said(Some(0)));
-        // At most as many as are to be drawn.
+        // Never more than the limit.
         let at_most =
             |most, grow| dressed(ASKING, grow, Styling { strands: Some(most), ..Styling::default() }).0;
         assert_eq!([at_most(200, None), at_most(30, None), at_most(200, Some(900))], [200, 30, 200]);
@@ -145,11 +146,11 @@ mod tests {
     }
 
     #[test]
-    fn maps_thin_out_what_grows() {
+    fn density_map_thins_filled_strands() {
         for (header, grow) in [(ASKING, None), ("", Some(900))] {
             let count = |density: f32| {
                 let density = Some(ScalpMap::from_fn(4, |_| density));
-                let paint = Paint { density, ..Paint::default() };
+                let paint = ScalpPaint { density, ..ScalpPaint::default() };
                 dressed(header, grow, Styling { paint, ..Styling::default() }).0 as f32
             };
             let half = count(0.5) / count(1.0);

@@ -1,4 +1,4 @@
-//! The signed distance field of any triangle mesh, built on the GPU.
+//! GPU builder of signed distance fields from triangle meshes.
 //!
 //! ```text
 //! mesh ─► tree (CPU) ─► skin ──► measure ─────► flood ───────► close ──► texel ─► tile of the atlas
@@ -7,29 +7,29 @@
 //!                                distance
 //! ```
 //!
-//! The method is that of [`crate::groom::mesh::sdf`], whose chapter gives the reasons: a point is solid
-//! where the winding number exceeds one half, and distances are those to the *solid's* boundary, which
-//! consists of skin (triangles with air on one side and solid on the other) and lids (where the winding
-//! number passes one half without a triangle). One thread per voxel queries the same tree as on the CPU:
-//! for the winding number without a stack, along links that skip what is far enough away to be a dipole;
-//! for the distance with a small stack, nearer child first. The CPU settles most voxels by Harnack's
-//! inequality and starts each search from its neighbour's result, which a GPU cannot; a software driver is
-//! therefore much slower than the CPU, and the built-in and imported heads, whose distances are needed on
-//! the CPU anyway (for growth, and for the clearance of guides at rest), are built there. Tried: a
-//! common traversal for all threads of a brick, with bounds for the whole brick. It reads less memory, but
-//! visits so many more triangles that it takes twice as long.
+//! The method is described in [`crate::groom::mesh::sdf`]: a point is solid where the winding number exceeds one half,
+//! and distances are to the boundary of the *solid*. The boundary consists of skin (triangles with air on one side and
+//! solid on the other) and lids (where the winding number passes one half without a triangle). One thread per voxel
+//! queries the same tree as on the CPU. The winding number needs no stack, but follows links that skip distant nodes,
+//! which count as dipoles. The distance uses a small stack, nearer child first.
 //!
-//! **Lids.** The plane through the crossings on the grid edges next to a lid, spread by jump flooding. The
-//! distance to a lid is exact near it and off by less than a cell farther away, where the CPU solves the
+//! The CPU builder settles most voxels by Harnack's inequality and starts each search from a neighbor's result, which a
+//! GPU cannot do. A software driver is therefore much slower than the CPU. The built-in and imported heads need
+//! distances on the CPU anyway (for growth, and for the clearance of guides at rest) and are built there. Tried: a
+//! common traversal for all threads of a brick, with bounds for the whole brick. It reads less memory, but visits so
+//! many more triangles that it takes twice as long.
+//!
+//! **Lids.** Each lid is the plane through the crossings on the grid edges next to it; jump flooding spreads these
+//! planes. The distance to a lid is exact near it and off by less than a cell farther away, where the CPU solves the
 //! eikonal equation.
 //!
-//! **Only in the CPU's builder:** filling cavities that no air reaches, and removing solids too small for
-//! the grid (less than eight nodes). Both are out of the reach of hair.
+//! **Only in the CPU builder:** filling cavities that no air reaches, and removing solids too small for the grid (less
+//! than eight nodes). Hair reaches neither.
 //!
-//! **Time.** A browser stops work that takes seconds. Voxels are therefore processed in parts, each a
-//! submission of its own. Nothing is read back, unless [`FieldBuilder::grid`] requests the result.
+//! **Time.** A browser stops work that takes seconds. Voxels are therefore processed in parts, each in its own
+//! submission. Nothing is read back, unless [`FieldBuilder::grid`] requests the result.
 
-use super::Bounds;
+use super::SolidBounds;
 use crate::{
     Context, Error, Result,
     constants::BUILD_WORKGROUP,
@@ -49,36 +49,36 @@ pub use crate::groom::mesh::TreeNode;
 #[cfg(test)]
 mod tests;
 
-/// Uniforms of every kernel of the builder.
+/// Uniforms of all kernels of the builder.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct BuildParams {
-    /// Position of the first voxel, metres.
+    /// Position of the first voxel, meters.
     pub origin: Vec3,
-    /// Distance between voxels, metres.
+    /// Distance between voxels, meters.
     pub cell: f32,
     /// Voxels along each axis.
     pub size: UVec3,
     /// The first triangle or voxel of this dispatch.
     pub begin: u32,
-    /// Where the field's tile begins in the atlas.
+    /// First texel of the field's tile in the atlas.
     pub tile: UVec3,
-    /// The one after the last.
+    /// One past the last triangle or voxel of this dispatch.
     pub end: u32,
-    /// -1 for a mesh that is inside out.
+    /// -1 for an inside-out mesh, else 1.
     pub sign: f32,
-    /// Nodes of the tree.
+    /// Number of tree nodes.
     pub node_count: u32,
-    /// How far to look for lids, voxels; 0 to begin.
+    /// Jump of the lid search, voxels; 0 initializes it.
     pub jump: u32,
     /// Unused.
     pub _pad: u32,
 }
 
-/// Voxels of one submission: some hundred milliseconds on two cores of a software driver.
+/// Voxels per submission: some hundred milliseconds on two cores of a software driver.
 const PART: u32 = 1 << 16;
 
-/// The pipelines of the builder; made once per device.
+/// The pipelines of the builder, created once per device.
 #[derive(Debug)]
 pub struct FieldBuilder {
     context: Context,
@@ -89,28 +89,28 @@ pub struct FieldBuilder {
     texel: Kernel,
 }
 
-/// A mesh ready to be measured: its grid, and what the kernels read.
+/// A prepared mesh: its grid, and the input of the kernels.
 pub(super) struct Plan {
     /// The grid, without distances.
     pub grid: SdfGrid,
-    /// Where the mesh is.
-    pub bounds: Bounds,
+    /// Bounds of the mesh.
+    pub bounds: SolidBounds,
     nodes: Vec<TreeNode>,
     corners: Vec<[f32; 4]>,
     sign: f32,
 }
 
 impl Plan {
-    /// For `mesh` on the grid that `options` say.
+    /// Prepares `mesh` on the grid that `options` describe.
     ///
     /// # Errors
-    /// What [`sdf::build`] says of the mesh and the options.
+    /// The errors of [`sdf::build`] for the mesh and the options.
     pub fn new(mesh: &TriMesh, options: &SdfOptions) -> Result<Self> {
         let (mesh, grid, inverted) = sdf::prepare(mesh, options)?;
         let (nodes, corners) = Bvh::new(&mesh).flat();
         let points = corners.iter().map(|c| Vec3::from_slice(c));
         // Field and mesh differ by less than a cell.
-        let bounds = Bounds::around(points, 2.0 * grid.cell).unwrap_or_default();
+        let bounds = SolidBounds::around(points, 2.0 * grid.cell).unwrap_or_default();
         Ok(Self { grid, bounds, nodes, corners, sign: if inverted { -1.0 } else { 1.0 } })
     }
 
@@ -128,7 +128,7 @@ impl Plan {
 }
 
 impl FieldBuilder {
-    /// Builds the pipelines.
+    /// Creates the pipelines.
     pub fn new(context: &Context) -> Self {
         use Binding::{Storage, StorageMut, Uniform, Write3d};
         let kernel = |module, own: &[Binding]| {
@@ -144,11 +144,11 @@ impl FieldBuilder {
         }
     }
 
-    /// The field of `mesh` read back; for what needs distances on the CPU.
+    /// Builds the field of `mesh` and reads it back, for callers that need distances on the CPU.
     ///
     /// # Errors
-    /// What [`sdf::build`] says of the mesh and the options, [`Error::Groom`] when the mesh encloses
-    /// nothing, [`Error::Limit`] and [`Error::Gpu`].
+    /// The errors of [`sdf::build`] for the mesh and the options, [`Error::Groom`] if the mesh encloses nothing,
+    /// [`Error::Limit`] and [`Error::Gpu`].
     pub async fn grid(&self, mesh: &TriMesh, options: &SdfOptions) -> Result<SdfGrid> {
         let plan = Plan::new(mesh, options)?;
         let distances = self.distances(&plan)?;
@@ -172,7 +172,7 @@ impl FieldBuilder {
         Ok(())
     }
 
-    /// The signed distances of `plan`'s voxels, metres, x fastest.
+    /// Computes the signed distances of `plan`'s voxels, meters, x fastest.
     fn distances(&self, plan: &Plan) -> Result<wgpu::Buffer> {
         let job = Job::new(&self.context, plan, UVec3::ZERO);
         let (voxels, triangles) = (job.voxels(), plan.corners.len() as u32 / 3);
@@ -193,7 +193,7 @@ impl FieldBuilder {
             &[skin.as_entire_binding(), measured.as_entire_binding()],
         )?;
         let longest = plan.grid.size.max_element().next_power_of_two();
-        // Down to single steps, and a single one more for what the large ones have missed.
+        // Halve the jump down to one, then repeat a jump of one for seeds that larger jumps missed.
         let jumps = std::iter::successors(Some(longest / 2), |j| (*j > 1).then_some(j / 2));
         for jump in std::iter::once(0).chain(jumps).chain([1]) {
             let own = [&measured, &seeds, &next].map(|b| b.as_entire_binding());
@@ -206,7 +206,7 @@ impl FieldBuilder {
     }
 }
 
-/// What the dispatches of one field share.
+/// Resources shared by the dispatches of one field.
 struct Job<'a> {
     context: &'a Context,
     params: BuildParams,
@@ -237,7 +237,7 @@ impl<'a> Job<'a> {
         self.params.size.element_product()
     }
 
-    /// Runs `kernel` for `count` threads, in parts of [`PART`], with its `own` bindings.
+    /// Runs `kernel` on `count` threads, in parts of [`PART`], with its `own` bindings.
     fn run(&self, kernel: &Kernel, jump: u32, count: u32, own: &[wgpu::BindingResource<'_>]) -> Result<()> {
         for begin in (0..count).step_by(PART as usize) {
             let end = count.min(begin + PART);

@@ -1,20 +1,19 @@
-//! The GPU builder against the CPU builder and against closed forms.
+//! Compares the GPU builder with the CPU builder and with closed forms.
 
 use super::*;
 use crate::{Context, gpu::for_tests as context, groom::mesh::shapes};
 use std::{path::PathBuf, time::Instant};
 
-/// How two fields on one grid differ where hair can be, within four cells of the surface: the largest
-/// and the 99th percentile of the differences in cells, and the share of all nodes that differ in sign
-/// by more than half a cell.
+/// Difference of two fields on one grid where hair can be, within four cells of the surface: the largest and the 99th
+/// percentile of the differences in cells, and the fraction of all nodes that differ in sign by more than half a cell.
 #[derive(Debug)]
-struct Differs {
+struct FieldDifference {
     most: f32,
     p99: f32,
     signs: f32,
 }
 
-fn differs(a: &SdfGrid, b: &SdfGrid) -> Differs {
+fn differs(a: &SdfGrid, b: &SdfGrid) -> FieldDifference {
     assert_eq!((a.size, a.origin), (b.size, b.origin));
     let pairs = || a.distances.iter().zip(&b.distances).map(|(a, b)| (*a, *b));
     let near = |d: f32| d.abs() < 4.0 * a.cell;
@@ -23,11 +22,16 @@ fn differs(a: &SdfGrid, b: &SdfGrid) -> Differs {
     off.sort_by(f32::total_cmp);
     let turned = pairs().filter(|(x, y)| (*x < 0.0) != (*y < 0.0) && (x - y).abs() > 0.5 * a.cell);
     let signs = turned.count() as f32 / a.distances.len() as f32;
-    Differs { most: *off.last().unwrap(), p99: off[off.len() * 99 / 100], signs }
+    FieldDifference { most: *off.last().unwrap(), p99: off[off.len() * 99 / 100], signs }
 }
 
-fn both(context: &Context, name: &str, mesh: &TriMesh, resolution: u32) -> (SdfGrid, SdfGrid, Differs) {
-    // Cavities are the CPU's alone.
+fn both(
+    context: &Context,
+    name: &str,
+    mesh: &TriMesh,
+    resolution: u32,
+) -> (SdfGrid, SdfGrid, FieldDifference) {
+    // Only the CPU builder fills cavities.
     let options = SdfOptions { resolution, fill_cavities: false, ..Default::default() };
     let builder = FieldBuilder::new(context);
     let start = Instant::now();
@@ -45,7 +49,7 @@ fn both(context: &Context, name: &str, mesh: &TriMesh, resolution: u32) -> (SdfG
 }
 
 #[test]
-fn a_sphere_is_a_sphere() {
+fn sphere_matches_closed_form() {
     let Some(context) = context() else { return };
     for mesh in [shapes::sphere(0.1, 48), shapes::inverted(shapes::sphere(0.1, 48))] {
         let (ours, _, d) = both(context, "sphere", &mesh, 32);
@@ -56,7 +60,7 @@ fn a_sphere_is_a_sphere() {
             off.fold(0.0, f32::max)
         };
         assert!(off(0.0) < 2e-4, "{}", off(0.0));
-        // The comparers see a field that is half a millimetre off.
+        // The comparison detects a field that is half a millimeter off.
         assert!(off(5e-4) > 4e-4);
         let shifted =
             SdfGrid { distances: ours.distances.iter().map(|d| d + 5e-4).collect(), ..ours.clone() };
@@ -64,7 +68,7 @@ fn a_sphere_is_a_sphere() {
     }
 }
 
-/// A sphere without its lowest part, as a head without a body.
+/// A sphere without its lowest part, like a head without a body.
 fn bowl() -> TriMesh {
     let mut mesh = shapes::sphere(0.1, 48);
     let low = |v: &u32| mesh.positions[*v as usize].y < -0.06;
@@ -73,14 +77,14 @@ fn bowl() -> TriMesh {
 }
 
 #[test]
-fn an_open_mesh_has_a_lid() {
+fn open_mesh_is_closed_by_lid() {
     let Some(context) = context() else { return };
     let (ours, _, d) = both(context, "bowl", &bowl(), 48);
     assert!(d.most < 1.5 && d.p99 < 0.5 && d.signs == 0.0, "{d:?}");
-    // On the axis the field passes zero at the rim's height.
+    // On the axis, the field passes zero at the height of the rim.
     let (above, below) = (ours.sample(Vec3::Y * -0.05), ours.sample(Vec3::Y * -0.07));
     assert!(above < -0.005 && below > 0.005, "{above} {below}");
-    // Without lids it is far off: the comparer sees it.
+    // The comparison detects a missing lid.
     let skin = |i: usize, d: f32| {
         let p = ours.node(i as u32);
         let rim = Vec3::new(p.x, 0.0, p.z).normalize_or(Vec3::X) * 0.08 - Vec3::Y * 0.06;
@@ -92,7 +96,7 @@ fn an_open_mesh_has_a_lid() {
 }
 
 #[test]
-fn heads_are_those_of_the_other_builder() {
+fn heads_match_cpu_builder() {
     let Some(context) = context() else { return };
     let mannequin = crate::groom::mannequin::mesh(64);
     let (_, _, d) = both(context, "mannequin", &mannequin, 64);

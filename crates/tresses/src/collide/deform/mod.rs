@@ -1,32 +1,34 @@
-//! Distance fields that deform with the skin of a body.
+//! Distance fields that deform with skin.
 //!
-//! A part of a body that bends is a distance field that goes with a joint, rigidly ([`crate::collide`]). Its skin does not:
-//! near a neck two joints share it, cheeks and chests swell, a jaw opens. A field that deforms is asked at `p` where the
-//! matter at `p` was at rest: `φ(p - u(p))`, with the way `u` that it has come, relative to its joint, on a coarse grid
-//! around the field. The rest field stays; nothing of it is measured anew.
+//! A part of a skinned body is a distance field that moves rigidly with a joint ([`crate::collide`]). Its skin deforms:
+//! near the neck two joints share it, cheeks and chests swell, a jaw opens. A deforming field is sampled at the rest
+//! position of the matter at `p`, as `φ(p - u(p))`. A coarse grid around the field holds the displacement `u` relative
+//! to the joint. The rest field stays valid and is not rebuilt.
 //!
 //! ```text
-//! vertices of the skin ─► gather ─────────────► settle ───────────► texture, two halves ─► nearest, contacts
-//! poses of the parts   ─► per node: its nearest per node: where it                        (φ(p - u), velocity of the skin)
-//!                         place of the skin     has come from
+//! vertices of the skin ─► gather ───────────► settle ───────────► texture, two halves ─► nearest, contacts
+//! poses of the parts   ─► per node: nearest   per node: where it                        (φ(p - u), skin velocity)
+//!                         point of the skin   has come from
 //! ```
 //!
-//! **Gather.** Each node belongs to the place of the skin that is nearest to it at rest, found once: a triangle of the part,
-//! and shares of its corners. Its move is that place's, now, in the joint's frame, without the place at rest. No vertex
-//! writes where others do: there are no atomics, and the same skin gives the same bits.
+//! **Gather.** Each node is bound to the nearest point of the skin at rest, found once: a triangle of the part, and
+//! barycentric coordinates. The node's displacement is the current position of that point in the joint's frame, minus
+//! its rest position. Each thread writes only its own node, so there are no atomics and results are bit-identical for
+//! the same skin.
 //!
-//! **Settle.** Moves are known where they begin, but asked for where they end: three turns of `x = node - u(x)`.
+//! **Settle.** Displacements are known at their start, but sampled at their end: three iterations of `x = node - u(x)`.
 //!
-//! **Velocity.** The texture holds this frame's moves and those of the last frame that had steps. What touches skin feels
-//! the difference, in as many parts as the frame has substeps, and sticks to it or slides on it as on anything that moves.
-//! Positions are those at the end of the frame in all of its substeps.
+//! **Velocity.** The texture holds the displacements of this frame and of the last frame with steps. Hair in contact
+//! with skin is exposed to the difference, divided by the frame's substeps, and sticks to the skin or slides on it as
+//! on any moving collider. In all substeps, positions are those at the end of the frame.
 //!
-//! **Normals.** The gradient of `φ(p - u(p))` is `(1 - ∇u)ᵀ ∇φ`; `∇u` is asked by differences, of what is near the skin alone.
-//! Without it skin that has turned by 20° pushes hair that lies on it backwards, and friction takes it along half as far.
+//! **Normals.** The gradient of `φ(p - u(p))` is `(1 - ∇u)ᵀ ∇φ`; `∇u` is computed by finite differences, only near the
+//! skin. Without it, skin that has turned by 20° pushes the hair on it backwards, and friction carries it only half as
+//! far.
 //!
-//! **Limits.** Skin goes at most [`MOST`] from where its joint would carry it. Distances are right to first order, at the
-//! surface. Skin that folds within two nodes, the corners of a mouth, is smooth there. Volume and wind see the deformed
-//! surface, but not that it moves.
+//! **Limits.** Skin moves at most [`MOST`] from its rigid position on the joint. Distances are correct to first order
+//! at the surface. Skin that folds within two nodes, such as the corners of a mouth, is smoothed. Volume and wind use
+//! the deformed surface, but not its velocity.
 
 use super::{
     FieldId, ShapeData,
@@ -44,25 +46,25 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Quat, UVec3, Vec3};
 use std::sync::Arc;
 
-/// The farthest that skin goes from where its part's joint would carry it, metres.
+/// Largest displacement of skin from its rigid position on the part's joint, meters.
 pub const MOST: f32 = 0.04;
 
-/// Nodes of a part's grid.
+/// Nodes in the grid of a part.
 const PART: u32 = DEFORM_NODES * DEFORM_NODES * DEFORM_NODES;
 
-/// What the kernels know of a frame; the parts follow.
+/// Uniforms of a frame; the parts follow in the same buffer.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct DeformHead {
-    /// Nodes of all grids.
+    /// Number of nodes in all grids.
     pub count: u32,
     /// [`Words::first`] of the skin's positions.
     pub position_first: u32,
-    /// [`Words::stride`] of them.
+    /// [`Words::stride`] of the skin's positions.
     pub position_stride: u32,
-    /// The half of the texture that is this frame's.
+    /// Half of the texture that belongs to this frame.
     pub side: u32,
-    /// 1 where the other half is to be the same: the skin has not moved here, it has jumped.
+    /// 1 to write the same displacements to the other half: the skin has jumped and has no velocity.
     pub fresh: u32,
     /// [`MOST`].
     pub most: f32,
@@ -70,69 +72,70 @@ pub struct DeformHead {
     pub _pad: [u32; 2],
 }
 
-/// A field that deforms.
+/// A deforming field.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct DeformPart {
-    /// From the field's frame to the space of the skin's vertices, now.
+    /// Rotation from the field's frame to the current space of the skin's vertices.
     pub rotation: Quat,
-    /// See `rotation`, metres.
+    /// Translation of the same transform, meters.
     pub translation: Vec3,
     /// Unused.
     pub _pad_a: u32,
-    /// The first node, the field's frame, metres.
+    /// Position of the first node in the field's frame, meters.
     pub low: Vec3,
     /// Unused.
     pub _pad_b: u32,
-    /// Nodes per metre.
+    /// Nodes per meter.
     pub per_metre: Vec3,
     /// Unused.
     pub _pad_c: u32,
 }
 
-/// The place of the skin that is nearest to a node at rest.
+/// The skin point nearest to a node at rest.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct DeformNode {
-    /// Vertices of its triangle.
+    /// Vertices of the point's triangle.
     pub triangle: [u32; 3],
-    /// Share of the second corner.
+    /// Barycentric coordinate of the second corner.
     pub b: f32,
-    /// Where it is at rest, the field's frame, metres.
+    /// Rest position of the point in the field's frame, meters.
     pub rest: Vec3,
-    /// Share of the third corner.
+    /// Barycentric coordinate of the third corner.
     pub c: f32,
 }
 
-/// Which field of a [`ColliderSet`](super::ColliderSet) deforms.
+/// Selects the field of a [`ColliderSet`](super::ColliderSet) that deforms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Which {
-    /// The head's.
+pub enum DeformTarget {
+    /// The head's field.
     Head,
     /// One of [`ColliderDescriptor::fields`](super::ColliderDescriptor::fields).
     Field(FieldId),
 }
 
-/// A field whose body has skin that bends.
+/// A field surrounded by deforming skin.
 #[derive(Clone, Copy, Debug)]
 pub struct DeformingField<'a> {
-    /// Which field.
-    pub which: Which,
-    /// The triangles of the mesh whose skin is around it.
+    /// The field.
+    pub which: DeformTarget,
+    /// The triangles of the skin mesh around the field.
     pub triangles: &'a [[u32; 3]],
 }
 
 impl<'a> DeformingField<'a> {
-    /// Those of a body that bends: of the [`Flesh`] of its head and its other solids those that deform, where the solids
-    /// have the `fields` that are said.
+    /// Returns the deforming fields of a skinned body: its head and those other solids that have a field in `fields`,
+    /// as far as their [`Flesh`] deforms.
     pub fn of(flesh: &'a Flesh, fields: impl Iterator<Item = Option<FieldId>>) -> Vec<Self> {
-        let which = std::iter::once(Some(Which::Head)).chain(fields.map(|id| id.map(Which::Field)));
+        let which =
+            std::iter::once(Some(DeformTarget::Head)).chain(fields.map(|id| id.map(DeformTarget::Field)));
         let all = flesh.around().zip(which).filter(|(triangles, _)| !triangles.is_empty());
         all.filter_map(|(triangles, which)| Some(Self { which: which?, triangles })).collect()
     }
 }
 
-/// The pipelines.
+/// The pipelines of field deformation.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     gather: Kernel,
@@ -157,7 +160,7 @@ impl PipelineSet for Pipelines {
     }
 }
 
-/// The texture of a set without fields that deform.
+/// Returns a placeholder texture for a set without deforming fields.
 pub(super) fn none(device: &wgpu::Device) -> wgpu::Texture {
     texture(device, 1)
 }
@@ -179,24 +182,24 @@ fn texture(device: &wgpu::Device, parts: u32) -> wgpu::Texture {
     })
 }
 
-/// Bytes of the texture for so many parts.
+/// Returns the bytes of the texture for `parts` parts.
 fn texture_bytes(parts: u64) -> u64 {
     16 * u64::from(PART) * parts
 }
 
-/// A part before its grid is known.
+/// Input of the grid of a part.
 pub(super) struct Grid<'a> {
     pub triangles: &'a [[u32; 3]],
-    /// The first and the last node of its field, metres.
+    /// Positions of the first and last node of its field, meters.
     pub box_: [Vec3; 2],
 }
 
-/// How the fields of one groom's colliders deform.
+/// Deformation of the fields of one groom's colliders.
 #[derive(Debug)]
 pub struct Deformation {
     pipelines: Arc<Pipelines>,
-    /// Where each part is: from the field's frame to the space of the skin's vertices. As many as were given, in the same
-    /// order. Set them before each frame.
+    /// Pose of each part, from the field's frame to the space of the skin's vertices, in the order in which the fields
+    /// were given. The caller sets them before each frame.
     pub poses: Vec<Pose>,
     head: DeformHead,
     parts: Vec<DeformPart>,
@@ -206,21 +209,21 @@ pub struct Deformation {
     pub(super) texture: wgpu::Texture,
     bytes: u64,
     fresh: bool,
-    /// Whether this frame is one for which the skin is asked: hair between steps has none of it.
+    /// Whether the kernels run in this frame. Frames without steps skip them.
     due: bool,
 }
 
-/// The places of the skin that fields deform with, which instances of a body share.
+/// Skin points with which fields deform, shared by instances of a body.
 #[derive(Clone, Debug)]
 pub(crate) struct DeformPlaces {
     nodes: wgpu::Buffer,
     parts: Vec<DeformPart>,
-    /// The number of the field of each part, the head's first.
+    /// Index of the field of each part, the head's first.
     pub(super) fields: Vec<usize>,
 }
 
 impl DeformPlaces {
-    /// Finds them on `mesh`, as it is at rest, for the fields of these numbers.
+    /// Finds the skin points on `mesh`, at rest, for the fields with the indices `fields`.
     pub(super) fn new(
         context: &Context,
         mesh: &TriMesh,
@@ -230,7 +233,7 @@ impl DeformPlaces {
         let most = context.device.limits().max_texture_dimension_3d;
         if grids.len() as u64 * u64::from(DEFORM_NODES) > u64::from(most) {
             return Err(Error::Colliders(format!(
-                "{} fields cannot deform, but from one to {}",
+                "{} fields cannot deform; this adapter allows {}",
                 grids.len(),
                 most / DEFORM_NODES
             )));
@@ -248,7 +251,7 @@ impl DeformPlaces {
 }
 
 impl Deformation {
-    /// Fields that deform with `skin`.
+    /// Creates the deformation of fields with `skin`.
     pub(super) fn new(context: &Context, places: &DeformPlaces, skin: &Skin<'_>) -> Result<Self> {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
@@ -287,29 +290,29 @@ impl Deformation {
         })
     }
 
-    /// Tells a shape that its field is number `part` of those that deform: it is solid within [`MOST`] around what was.
+    /// Marks the field of `shape` as deforming field number `part`, and extends its bounds by [`MOST`].
     pub(super) fn widen(shape: &mut ShapeData, part: usize) {
         shape.deforms = part as u32 + 1;
         shape.size += MOST;
         shape.bound += MOST;
     }
 
-    /// Writes what a frame's kernels read, and returns the half of the texture that is this frame's. `steps`: whether it
-    /// has some; `jumps`: whether hair is put somewhere else.
+    /// Writes the uniforms of a frame, and returns the half of the texture that belongs to it. `steps` is true if the
+    /// frame has steps, `jumps` if the hair teleports.
     ///
     /// # Errors
-    /// [`Error::Colliders`] for poses that are not as many as parts, or not finite.
+    /// [`Error::Colliders`] if the number of poses does not match the parts, or a pose is not finite.
     pub(super) fn prepare(&mut self, context: &Context, steps: bool, jumps: bool) -> Result<u32> {
         let Context { queue, .. } = context;
         if self.poses.len() != self.parts.len() {
             let (poses, parts) = (self.poses.len(), self.parts.len());
-            return Err(Error::Colliders(format!("{poses} poses do not place {parts} fields that deform")));
+            return Err(Error::Colliders(format!("{poses} poses were given for {parts} deforming fields")));
         }
         for (part, pose) in self.parts.iter_mut().zip(&self.poses) {
             if !(pose.translation.is_finite() && pose.rotation.is_normalized()) {
-                return Err(Error::Colliders("the pose of a field that deforms is not finite".into()));
+                return Err(Error::Colliders("the pose of a deforming field is not finite".into()));
             }
-            // As colliders that jump push nothing on their way.
+            // Parts that teleport push nothing on their way, like colliders.
             let jump = part.rotation.angle_between(pose.rotation) > JUMP_ANGLE;
             self.fresh |= jump || part.translation.distance(pose.translation) > JUMP;
             (part.rotation, part.translation) = (pose.rotation, pose.translation);
@@ -325,17 +328,18 @@ impl Deformation {
         Ok(self.head.side)
     }
 
-    /// The half of the texture that is this frame's.
+    /// Returns the half of the texture that belongs to this frame.
     pub(super) fn side(&self) -> u32 {
         self.head.side
     }
 
-    /// Nobody has seen how the skin went on: the next frame has it where it is, without a speed.
+    /// Discards the skin's motion since the last frame: the next frame starts at the current deformation, without
+    /// velocity.
     pub(crate) fn forget(&mut self) {
         self.fresh = true;
     }
 
-    /// Records both kernels: after the skin has been bent, before the frame's first step.
+    /// Records both kernels, after skinning and before the frame's first step.
     pub(crate) fn record(&self, pass: &mut crate::gpu::ComputePass<'_>) {
         let groups = if self.due { self.head.count.div_ceil(BUILD_WORKGROUP) } else { 0 };
         self.pipelines.gather.record(pass, &self.gather, &[], groups);
@@ -348,10 +352,12 @@ impl Deformation {
     }
 }
 
-/// For each node of a grid the place of the skin that is nearest to it.
+/// Returns the nearest skin point of each node of a grid.
 fn nearest(mesh: &TriMesh, triangles: &[[u32; 3]], low: Vec3, per_metre: Vec3) -> Result<Vec<DeformNode>> {
     if triangles.is_empty() || triangles.iter().flatten().any(|i| *i as usize >= mesh.positions.len()) {
-        return Err(Error::unusable("a field deforms with triangles of its skin's mesh"));
+        return Err(Error::unusable(
+            "a deforming field has no triangles, or triangles with missing vertices",
+        ));
     }
     let part =
         TriMesh { positions: mesh.positions.clone(), triangles: triangles.to_vec(), ..TriMesh::default() };
@@ -360,7 +366,8 @@ fn nearest(mesh: &TriMesh, triangles: &[[u32; 3]], low: Vec3, per_metre: Vec3) -
         let at =
             UVec3::new(i % DEFORM_NODES, i / DEFORM_NODES % DEFORM_NODES, i / (DEFORM_NODES * DEFORM_NODES));
         let closest = bvh.closest_point(low + at.as_vec3() / per_metre);
-        let closest = closest.ok_or_else(|| Error::unusable("a field that deforms is at no finite place"))?;
+        let closest =
+            closest.ok_or_else(|| Error::unusable("the position of a deforming field is not finite"))?;
         let triangle = triangles[closest.triangle as usize];
         let [a, b, c] = closest.barycentric.to_array();
         let [p, q, r] = triangle.map(|i| mesh.positions[i as usize]);

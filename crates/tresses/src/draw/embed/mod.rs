@@ -1,23 +1,24 @@
-//! Hair in a host application's scene: composited over a linear colour target that is already drawn, occluded
-//! by its depth.
+//! Composites hair over a host application's scene: over its linear color target, occluded by its depth.
 //!
 //! ```text
-//! scene's depth ─► depth, in the library's own terms ─► strips ─► HDR ─► composite ─► scene's colour
+//! scene's depth ─► depth in the hair's projection ─► hair ─► HDR ─► composite ─► scene's color
 //! ```
 //!
-//! The scene keeps its format, its number of samples and its way of writing depth: depths are
-//! carried over from its projection to that of the [`Camera`](crate::Camera), pixel by pixel, before the hair
-//! is drawn with as many samples as its view has. What these cover is blended over the scene's colour of one sample, the
-//! resolved one of a scene that has several, so that thin hair stays thin. Of several depths in a pixel the farthest
-//! counts: the nearest would leave an outline of what is behind the hair around whatever is in front of it. Hair by
-//! [`Coverage::Tiles`], whose depth is known, is then only as strong as the share of the samples that it is in front of:
-//! edges before it stay smooth.
-//! The scene's depth is not written, but a scene that asks is told how far what is seen of hair is
-//! in each pixel, how it moved and how opaque it is ([`Surroundings::geometry`]), for fog, depth of field and temporal
-//! antialiasing; transparent surfaces drawn later, in front of hair or behind it, blend as if there were no hair.
+//! The scene keeps its format, its sample count and its depth convention. Its depth is converted, pixel by pixel, from
+//! the scene's projection to the [`Camera`](crate::Camera)'s. The hair is then drawn with the samples of its own view
+//! and blended over the scene's color, resolved to one sample, so that thin hair stays thin.
 //!
-//! Rejected: drawing strips into the scene's own target, which would need its pipelines built for its
-//! format and samples and a coverage of one sample per pixel to be smoothed afterwards.
+//! If a pixel of the scene has several depths, the hair is tested against the farthest. The nearest would leave an
+//! outline of the background around every object in front of the hair. Hair drawn by [`Coverage::Tiles`], whose depth
+//! is known, is also weighted by the fraction of the samples that it is in front of, so that edges in front of hair
+//! stay smooth.
+//!
+//! The scene's depth is not written. [`Surroundings::geometry`] can output the motion, depth and opacity of the visible
+//! hair in each pixel, for fog, depth of field and temporal antialiasing. Transparent surfaces drawn later blend as if
+//! there were no hair, whether they are in front of it or behind.
+//!
+//! Rejected: drawing strips into the scene's own target. Pipelines would depend on its format and sample count, and
+//! coverage with one sample per pixel would need smoothing afterwards.
 
 pub mod shade;
 
@@ -42,11 +43,11 @@ use crate::{
 use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
 
-/// What the shaders know of the scene.
+/// Uniform of the depth and composite passes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct EmbedUniform {
-    /// `(a, b, c, d)`: a depth `z` of the scene is `(a z + b) / (c z + d)` of the hair.
+    /// `(a, b, c, d)`: the scene's depth `z` corresponds to the hair's depth `(a z + b) / (c z + d)`.
     pub depth: [f32; 4],
     /// Samples per pixel of the hair.
     pub samples: u32,
@@ -54,7 +55,7 @@ pub struct EmbedUniform {
     pub ssaa: u32,
     /// [`Surroundings::origin`].
     pub origin: [u32; 2],
-    /// Width and height of the picture, pixels.
+    /// Width and height of the image, pixels.
     pub size: [u32; 2],
     /// Unused.
     pub _pad: [u32; 2],
@@ -67,10 +68,10 @@ impl EmbedUniform {
         Self { depth, samples, ssaa, origin: into.origin, size, _pad: [0; 2] }
     }
 
-    /// From the depths of the projection `from` to those of `to`.
+    /// Returns the map from depths of the projection `from` to depths of `to`.
     fn map(from: Mat4, to: Mat4) -> [f32; 4] {
-        // Depth is a fraction of linear functions of the distance along the view, (p z + q) / (r z + s):
-        // the inverse of one such map, then another, is one more.
+        // Depth is a rational function of the view-space distance, (p z + q) / (r z + s). The inverse of one such
+        // function composed with another is again of this form.
         let rows = |m: Mat4| [m.z_axis.z, m.w_axis.z, m.z_axis.w, m.w_axis.w].map(f64::from);
         let ([p, q, r, s], [t, u, v, w]) = (rows(from), rows(to));
         let map = [t * s - u * r, u * p - t * q, v * s - w * r, w * p - v * q];
@@ -79,40 +80,42 @@ impl EmbedUniform {
     }
 }
 
-/// A scene that is drawn already.
+/// A host's scene that is already drawn.
 #[derive(Clone, Copy, Debug)]
 pub struct Surroundings<'a> {
-    /// Its linear colour, of the format that [`Embed`] was built for: hair is blended over it.
+    /// Linear color, in the format that [`Compositor`] was built for. Hair is blended over it.
     pub color: &'a wgpu::TextureView,
-    /// Its depth, with `TEXTURE_BINDING`, of any number of samples per pixel.
+    /// Depth, with `TEXTURE_BINDING` and any number of samples per pixel.
     pub depth: &'a wgpu::TextureView,
-    /// Where the picture begins in both, pixels from their left and upper edge: of a split screen each part is a picture.
-    /// They hold all of it.
+    /// Position of the image in both, pixels from the left and upper edge. With a split screen, each part is an image.
+    /// Color and depth must contain the whole image.
     pub origin: [u32; 2],
-    /// The projection that it was drawn with: of the camera and field of view of
-    /// [`Picture::camera`](crate::view::Picture::camera), but with any planes and any direction of depth from 0 to 1.
+    /// Projection that the scene was drawn with. It must have the field of view of
+    /// [`Picture::camera`](crate::view::Picture::camera); near and far planes may differ, and depth from 0 to 1 may run
+    /// either way.
     pub projection: Mat4,
-    /// Where hair is, for passes of the scene that come after: fog, depth of field, temporal antialiasing. A target of
-    /// [`Embed::GEOMETRY`], of the size of the picture, each pixel of which gets how far what is seen of hair there has
-    /// moved since the view's last picture (x to the right and y down, pixels), its depth in the scene's terms, and
-    /// how opaque it is, by which the former are the mean; zeros where there is no hair. Where nothing is known of the
-    /// picture before, as after a change of the level of detail, hair counts as standing still before the camera
-    /// that moved. Only hair by [`Coverage::Tiles`] knows this.
+    /// Output for later passes of the scene, such as fog, depth of field and temporal antialiasing: a target of the
+    /// format [`Compositor::GEOMETRY`] and of the size of the image. Each pixel receives the motion of the visible hair
+    /// since the view's previous frame (x to the right and y down, pixels), its depth in the scene's projection, and
+    /// its opacity. Motion and depth are means weighted by opacity; pixels without hair are zero. If nothing is known
+    /// of the previous frame, as after a change of the level of detail, hair counts as static and only the camera
+    /// moves. Requires [`Coverage::Tiles`].
     pub geometry: Option<&'a wgpu::TextureView>,
-    /// Its own shadow maps: what keeps the lights from hair and from the bodies that shade it
-    /// ([`crate::light::scene`]). At most 16.
+    /// The scene's shadow maps, which shade hair and the bodies around it ([`crate::light::scene`]). At most 16.
     pub shadows: &'a [SceneShadow<'a>],
-    /// The shadow that hair casts on the scene, whose colour is darkened ([`shade`]): for scenes whose own shaders do not
-    /// ask hair for it ([`shade::wgsl`]).
+    /// Shadow that hair casts on the scene by darkening its color ([`shade`]). For scenes whose own shaders do not call
+    /// [`shade::wgsl`].
     pub shade: Option<Shade>,
-    /// Whether [`Recorder::light`](crate::frame::Recorder::light) was recorded for this picture already, after hair had
-    /// moved, as by a scene whose own shaders ask for light: it is not lit anew, and `shadows` is empty, for it has taken
-    /// those. Without that, hair is in the light of the picture before.
+    /// Whether the caller has already recorded [`Recorder::light`](crate::frame::Recorder::light) for this frame, after
+    /// the hair moved, as scenes do whose shaders evaluate hair shadows. The light is then not recorded again, and
+    /// `shadows` must be empty, since `light` took them. If `light` was not recorded, the hair has the previous frame's
+    /// light.
     pub lit: bool,
 }
 
 impl<'a> Surroundings<'a> {
-    /// A scene of one picture, seen with `projection`, that does not ask where hair is and has no shadows to give or take.
+    /// A scene with one image, drawn with `projection`, without geometry output and without shadows in either
+    /// direction.
     pub fn new(color: &'a wgpu::TextureView, depth: &'a wgpu::TextureView, projection: Mat4) -> Self {
         Self {
             color,
@@ -126,7 +129,7 @@ impl<'a> Surroundings<'a> {
         }
     }
 
-    /// A pass over the picture's part of its colour.
+    /// Begins a pass over the image's part of the scene's color.
     fn pass<'p>(&self, canvas: &'p mut Canvas<'_, '_>) -> crate::gpu::RenderPass<'p> {
         let size = canvas.targets.size;
         let color = colored(self.color, wgpu::LoadOp::Load);
@@ -137,31 +140,31 @@ impl<'a> Surroundings<'a> {
     }
 }
 
-/// What puts the hair of one view into a scene.
+/// Pipelines and buffers that composite the hair of one view into a scene.
 #[derive(Debug)]
-pub struct Embed {
-    /// For depth of one sample and of several.
+pub struct Compositor {
+    /// Depth conversion, for depth with one sample and with several.
     depths: [(wgpu::RenderPipeline, wgpu::BindGroupLayout); 2],
     composite: wgpu::RenderPipeline,
     geometry: wgpu::RenderPipeline,
     composite_layout: wgpu::BindGroupLayout,
-    /// In place of `composite` for hair by tiles, where depth has several samples.
+    /// Replaces `composite` for tiles if the scene's depth has several samples.
     edges: Option<(wgpu::RenderPipeline, wgpu::BindGroupLayout)>,
     geometry_layout: wgpu::BindGroupLayout,
     uniform: wgpu::Buffer,
     shade: shade::Caster,
 }
 
-impl Embed {
+impl Compositor {
     /// The format of [`Surroundings::geometry`].
     pub const GEOMETRY: wgpu::TextureFormat = geometry::FORMAT;
 
-    /// For hair that is drawn with `samples` per pixel, covered by `coverage`, into scenes whose linear colour is of
-    /// `format`, which must be one that can be blended.
+    /// Creates the pipelines for hair drawn with `samples` per pixel and `coverage`, and for scenes with linear color
+    /// of `format`, which must be blendable.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a coverage that peels: its layers are put together by `present` alone. [`Error::Gpu`]
-    /// when wgpu refuses the format.
+    /// [`Error::Parameter`] for depth peeling, whose layers only `present` can composite. [`Error::Gpu`] if wgpu
+    /// rejects the format.
     pub fn new(
         context: &Context,
         (samples, coverage): (u32, Coverage),
@@ -172,13 +175,13 @@ impl Embed {
             return Err(Error::Parameter {
                 name: "the coverage of hair in a scene",
                 value: "depth peeling".into(),
-                range: "tiles, a mask of samples or alpha to coverage",
+                range: "tiles, sample mask or alpha to coverage",
             });
         }
         use wgpu::{BlendFactor::*, ShaderStages as Stages};
         let bound = |label, entries: &[Binding]| layout(device, label, Stages::FRAGMENT, entries);
         let layout = |label, texture| bound(label, &[Binding::Uniform, texture]);
-        // Tiles leave hair in a texture of its own, one sample per pixel.
+        // Tiles leave hair in their own texture with one sample per pixel.
         let many = samples > 1 && !coverage.is_tiled();
         let hdr = if many { Binding::TextureMultisampled } else { Binding::Texture2d };
         let composite_layout = layout("embed", hdr);
@@ -258,38 +261,39 @@ impl Embed {
         device.group("embed", layout, &[self.uniform.as_entire_binding(), texture])
     }
 
-    /// The map of depths to themselves, if a picture without a scene is asked where hair is.
+    /// Returns the identity depth map if geometry is requested from a frame without a scene.
     ///
     /// # Errors
-    /// [`Error::Parameter`] where hair is not drawn by tiles.
+    /// [`Error::Parameter`] if hair is not drawn by tiles.
     pub(crate) fn known(coverage: Coverage, asks: bool) -> Result<Option<[f32; 4]>> {
         if asks && !coverage.is_tiled() {
-            return Err(unknown("the geometry of hair", coverage));
+            return Err(unknown("hair with a geometry output", coverage));
         }
         Ok(asks.then_some([1.0, 0.0, 0.0, 1.0]))
     }
 
-    /// The map of depths to those of the scene, if that asks where hair is.
+    /// Returns the map from the hair's depth to the scene's, if the scene needs the hair's geometry.
     ///
     /// # Errors
-    /// [`Error::Parameter`] where hair is not drawn by tiles.
+    /// [`Error::Parameter`] if geometry is requested and hair is not drawn by tiles, or if `lit` is set and `shadows`
+    /// is not empty.
     pub(crate) fn asked(coverage: Coverage, of: Mat4, into: &Surroundings<'_>) -> Result<Option<[f32; 4]>> {
         if into.geometry.is_some() && !coverage.is_tiled() {
-            return Err(unknown("the geometry of hair in a scene", coverage));
+            return Err(unknown("hair with a geometry output in a scene", coverage));
         }
         if into.lit && !into.shadows.is_empty() {
             return Err(Error::Parameter {
-                name: "the number of a scene's shadow maps",
+                name: "the number of scene shadow maps",
                 value: into.shadows.len().to_string(),
-                range: "none where its light was recorded before: that takes them",
+                range: "0 if the light was already recorded; pass the maps there",
             });
         }
-        // Where hair is says also which samples of the scene it is in front of.
+        // The depth of the hair is also needed to compare it with each sample of the scene.
         let asks = into.geometry.is_some() || (coverage.is_tiled() && has_samples(into.depth));
         Ok(asks.then(|| EmbedUniform::map(of, into.projection)))
     }
 
-    /// Records the scene's depth into the targets, seen with the projection `to`: before the hair.
+    /// Converts the scene's depth to the projection `to` and writes it into the targets, before the hair.
     pub(crate) fn record_depth(&self, canvas: &mut Canvas<'_, '_>, to: Mat4, into: &Surroundings<'_>) {
         let values = EmbedUniform::new(into, to, canvas.targets);
         canvas.commands.context().queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
@@ -301,15 +305,15 @@ impl Embed {
         pass.draw(0..3, 0..1);
     }
 
-    /// Records the shadow of hair over the scene's colour, before the hair.
+    /// Records the shadow of hair over the scene's color, before the hair is composited.
     pub(crate) fn record_shade(&self, canvas: &mut Canvas<'_, '_>, into: &Surroundings<'_>) -> Result<()> {
         self.shade.record(canvas, into)
     }
 
-    /// Records what the targets have of hair over the scene's colour.
+    /// Blends the hair in the targets over the scene's color.
     pub(crate) fn record(&self, canvas: &mut Canvas<'_, '_>, into: &Surroundings<'_>) {
         let tiles = canvas.targets.tiles.as_ref();
-        let hair = tiles.map_or(&canvas.targets.hdr, |tiles| &tiles.hair);
+        let hair = tiles.map_or(&canvas.targets.hdr, |tiles| &tiles.buffers.hair);
         let known = tiles.filter(|_| has_samples(into.depth)).and_then(|tiles| tiles.geometry());
         let (pipeline, group) = match (&self.edges, known) {
             (Some((pipeline, layout)), Some(known)) => {
@@ -331,7 +335,7 @@ impl Embed {
         }
     }
 
-    /// Records where the hair is.
+    /// Records the geometry output.
     fn record_geometry(&self, canvas: &mut Canvas<'_, '_>, target: &wgpu::TextureView) {
         let known = canvas.targets.tiles.as_ref().and_then(|tiles| tiles.geometry());
         let group =
@@ -350,9 +354,9 @@ fn has_samples(depth: &wgpu::TextureView) -> bool {
     depth.texture().sample_count() > 1
 }
 
-/// What only tiles know.
+/// Error for outputs that only tiles have.
 fn unknown(name: &'static str, coverage: Coverage) -> Error {
-    Error::Parameter { name, value: format!("with {coverage:?}"), range: "with tiles" }
+    Error::Parameter { name, value: format!("drawn with {coverage:?}"), range: "drawn with tiles" }
 }
 
 #[cfg(test)]
@@ -362,7 +366,7 @@ mod tests {
     use glam::Vec3;
 
     #[test]
-    fn depths_are_carried_over_whatever_their_direction() {
+    fn depth_maps_between_projections() {
         let ours = Camera::perspective(0.5, 1.5, 0.01);
         let usual = glam::camera::rh::proj::directx::perspective(0.5, 1.5, 0.1, 100.0);
         let flat = glam::camera::rh::proj::directx::orthographic(-1.0, 1.0, -1.0, 1.0, 0.1, 100.0);

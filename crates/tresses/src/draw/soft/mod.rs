@@ -1,24 +1,25 @@
-//! Light that changes over millimetres, asked once for several pixels of a body.
+//! Shading points: light on body surfaces, evaluated once for several pixels.
 //!
 //! ```text
 //! bodies ─► surface ─► positions, normals ─► list ─► ask (shadow maps, ambient light) ─► points ─► draw::body
 //! ```
 //!
-//! What arrives at a point of a body of each light and from all sides is read from maps that are smoothed over
-//! several millimetres on purpose: shares by filters of up to 29 taps, fibres by splines over nine texels of ten words,
-//! the sky from five textures. It hardly changes from one pixel of a portrait to the next, and it was nine tenths of a
-//! body's time. So bodies are drawn twice.
+//! Shadow maps and ambient light are filtered over several millimeters on purpose: visibility by up to 29 taps, fiber
+//! counts by splines over nine texels of ten words, the sky by five textures. The result hardly changes from one pixel
+//! of a portrait to the next, and took nine tenths of a body's time. Bodies are therefore drawn twice.
 //!
-//! First small (`surface.wesl`): position and normal, one pixel for several of the target's, `SPACING` apart where
-//! the picture's focus is. `list` collects those that see a body, and those beside them; `ask`, one thread for each,
-//! asks for the light there. Drivers that run shaders on vectors take both ways of a branch and shade whole blocks that a
-//! triangle only touches: a list has neither.
+//! The first pass (`surface.wesl`) draws positions and normals at a reduced resolution: one point per square of several
+//! pixels, `SPACING` apart at the focus of the view. `list` collects the points that see a body, and their neighbors.
+//! `ask` evaluates the light with one thread per listed point. Drivers that vectorize shaders execute both sides of a
+//! branch and shade whole blocks that a triangle only touches; a list has neither cost.
 //!
-//! Then in the target's size: a pixel takes the mean of the four points around it, weighted by how near they lie to its
-//! tangent plane, so that light does not leak over edges. Normals, colours, highlights and outlines are the pixel's own.
+//! The second pass draws at full resolution. A pixel averages the four points around it, weighted by their distance on
+//! the surface, so that light does not leak over edges. Normals, colors, highlights and outlines are evaluated per
+//! pixel.
 //!
-//! Rejected: light at the body's vertices, which are 2 mm apart on one head and 20 on another, and farther once
-//! simplified; asking in the fragment shader where no point lies in the plane, for which lavapipe asks for all.
+//! Rejected: light at the vertices of the body, which are 2 mm apart on one head and 20 mm on another, and farther
+//! after simplification; evaluating light in the fragment shader where no point is near, because lavapipe then
+//! evaluates it for all pixels.
 
 use super::record::{Canvas, canvas_parts};
 use crate::{
@@ -30,7 +31,7 @@ use crate::{
         bindings::{self, layout},
         commands::{cleared, deep},
         kernel::{self, Job},
-        pipeline::{DEPTH_FORMAT, Made, Recipe},
+        pipeline::{DEPTH_FORMAT, PipelineCache, Recipe},
     },
     light::{self, Sphere},
 };
@@ -38,46 +39,46 @@ use bytemuck::{Pod, Zeroable};
 use glam::{UVec2, Vec2, Vec3};
 use std::sync::{Mutex, PoisonError};
 
-/// Metres from one point to the next where the picture's focus is.
+/// Distance between adjacent points at the focus of the view, meters.
 const SPACING: f32 = 0.0012;
-/// How far the bodies that are asked may stray from those that are drawn, metres: little beside the spacing, and no more
-/// than they do in shadow maps.
+/// Largest simplification error of the bodies in the first pass, meters: small compared with the spacing, and no larger
+/// than in shadow maps.
 const STRAY: f32 = 0.2 * SPACING;
-/// Pixels of the target along each edge of a point's square, at least and at most.
+/// Smallest and largest edge of a point's square, pixels of the target.
 const ACROSS: [u32; 2] = [2, 8];
-/// Words of a point.
+/// Words per point.
 const WORDS: u64 = 8;
-/// Workgroups that ask, and points that are asked, before any is listed.
+/// Initial value of the count buffer: workgroups of `ask` (x, y, z) and number of listed points.
 const NONE_ASKED: [u32; 4] = [0, 1, 1, 0];
-/// Where that is in the buffer of a zone, bytes.
+/// Byte offset of the count in the buffer of a zone.
 const COUNT_AT: u64 = 32;
 
 const POSITION: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 const NORMAL: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
-/// What the shaders know of the points.
+/// Grid of shading points, as the shaders read it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct SoftUniform {
-    /// Pixels of the target along each edge of a point's square.
+    /// Edge of a point's square, pixels of the target.
     pub across: u32,
-    /// Points in a row.
+    /// Points per row.
     pub wide: u32,
-    /// Rows.
+    /// Number of rows.
     pub high: u32,
-    /// The number of the zone whose points are listed and asked; 0 for all.
+    /// Zone whose points are evaluated; 0 for all.
     pub zone: u32,
-    /// The first column and row of points that are looked at.
+    /// First column and row of the evaluated rectangle.
     pub first: [u32; 2],
-    /// How many columns and rows.
+    /// Columns and rows of the evaluated rectangle.
     pub size: [u32; 2],
 }
 
-/// The pipelines.
+/// Pipelines of the shading points.
 #[derive(Debug)]
 pub(super) struct Pipelines {
     frame: wgpu::BindGroupLayout,
-    surface: Made<(), wgpu::RenderPipeline>,
+    surface: PipelineCache<(), wgpu::RenderPipeline>,
     list: Kernel,
     ask: Kernel,
 }
@@ -88,7 +89,7 @@ impl Pipelines {
         let own = [Texels2d, Texels2d, Storage, StorageMut, Storage, Storage];
         Self {
             frame: light.frame.clone(),
-            surface: Made::default(),
+            surface: PipelineCache::default(),
             list: Kernel::new(
                 &context.device,
                 "draw::soft::list",
@@ -113,7 +114,7 @@ impl Pipelines {
         })
     }
 
-    /// What compiles them.
+    /// Returns jobs that compile the pipelines.
     pub(super) fn jobs<'a>(&'a self, device: &'a Device) -> Vec<Job<'a>> {
         let mut jobs = kernel::jobs([&self.list, &self.ask]);
         jobs.push(Box::new(move || self.surface(device).map(|_| ())));
@@ -121,36 +122,36 @@ impl Pipelines {
     }
 }
 
-/// The layout of the points' group, `@group(2)` where bodies are drawn.
+/// Layout of the bind group of the points, `@group(2)` where bodies are drawn.
 pub(super) fn points_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     layout(device, "soft", wgpu::ShaderStages::FRAGMENT, &[Binding::Storage, Binding::Storage])
 }
 
-/// The points of one picture size.
+/// Shading points for one target size.
 #[derive(Debug)]
-pub(crate) struct Soft {
-    /// Of the target, pixels.
+pub(crate) struct SoftTargets {
+    /// Width and height of the target, pixels.
     size: [u32; 2],
     position: wgpu::TextureView,
     normal: wgpu::TextureView,
     depth: wgpu::TextureView,
     uniform: wgpu::Buffer,
     points: wgpu::Buffer,
-    /// Which points are asked where on the body.
+    /// Listed points: the index of each, and of the texel on the body that it samples.
     asked: wgpu::Buffer,
-    /// How many workgroups that takes, and how many points they are.
+    /// Workgroups of `ask`, then the number of listed points.
     count: wgpu::Buffer,
-    /// Of each zone.
+    /// For each zone, its uniform and the initial count.
     zones: Mutex<Vec<wgpu::Buffer>>,
-    /// For those who draw bodies.
+    /// Bind group for drawing bodies.
     pub(super) group: wgpu::BindGroup,
 }
 
-impl Soft {
-    /// Bytes of GPU memory per pixel of the target, nearly.
+impl SoftTargets {
+    /// Approximate GPU memory per pixel of the target, bytes.
     pub const BYTES: u64 = (16 + 8 + 4 + 4 * WORDS + 8) / (ACROSS[0] * ACROSS[0]) as u64;
 
-    /// For a target of `size`, pixels.
+    /// Creates the points of a target of `size`, pixels.
     pub(crate) fn new(device: &Device, size: [u32; 2]) -> Self {
         let [width, height] = size.map(|side| side.div_ceil(ACROSS[0]));
         let texture = |label, format| {
@@ -196,14 +197,14 @@ impl Soft {
         }
     }
 
-    /// Pixels of a target `ssaa` times as fine as `camera`'s picture along each edge of a point's square.
+    /// Edge of a point's square, pixels of a target supersampled by `ssaa`.
     fn across(camera: &Camera, ssaa: u32, focus: &Sphere) -> u32 {
         let away = (camera.projection * camera.view * focus.center.extend(1.0)).w;
         let pixel = camera.pixel() / ssaa as f32 * away.abs();
         (SPACING / pixel.max(1e-9)).round().clamp(ACROSS[0] as f32, ACROSS[1] as f32) as u32
     }
 
-    /// Records them for `bodies`.
+    /// Records the points of `bodies`.
     pub(super) fn record(
         &self,
         pipelines: &Pipelines,
@@ -223,7 +224,8 @@ impl Soft {
             &[cleared(&self.position), cleared(&self.normal)],
             deep(&self.depth, Some(depth)),
         );
-        // The middle of a point's pixel is that of its square, also where the last squares reach beyond the picture.
+        // A fractional viewport keeps the center of each texel at the center of its square, even if the last squares
+        // extend beyond the target.
         let [width, height] = self.size.map(|side| side as f32 / across as f32);
         pass.set_viewport([0.0; 2], [width, height]);
         pass.set_pipeline(&surface);
@@ -239,7 +241,7 @@ impl Soft {
         self.ask(pipelines, canvas, (light, &self.uniform, &self.count), wide * high)
     }
 
-    /// Lists and asks the points of one zone after the other: where its bodies can be, in its light.
+    /// Lists and evaluates the points of each zone in turn, within the bounds of its bodies and with its light.
     fn record_zones(
         &self,
         pipelines: &Pipelines,
@@ -249,10 +251,10 @@ impl Soft {
     ) -> Result<()> {
         canvas.commands.clear(&self.points, None);
         let parts = canvas.parts;
-        // What a panic leaves behind is whole.
+        // A panic cannot leave the list half-written.
         let mut zones = self.zones.lock().unwrap_or_else(PoisonError::into_inner);
         while zones.len() < parts.len() {
-            // The uniform, and how many points are asked.
+            // The uniform, then the initial count.
             zones.push(canvas.commands.context().device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("soft zone"),
                 size: COUNT_AT + 16,
@@ -276,12 +278,12 @@ impl Soft {
         Ok(())
     }
 
-    /// Looks at so many points, and asks `light` for those that see a body.
+    /// Tests `looked_at` points, lists the ones that see a body, and evaluates `light` there.
     fn ask(
         &self,
         pipelines: &Pipelines,
         canvas: &mut Canvas<'_, '_>,
-        (light, uniform, count): (&light::State, &wgpu::Buffer, &wgpu::Buffer),
+        (light, uniform, count): (&light::LightState, &wgpu::Buffer, &wgpu::Buffer),
         looked_at: u32,
     ) -> Result<()> {
         let all = wgpu::Buffer::as_entire_binding;
@@ -304,8 +306,8 @@ impl Soft {
     }
 }
 
-/// The first column and row of a picture of `size` in which a box with these corners can be seen, and how many; none
-/// where it cannot.
+/// Returns the rectangle (first column and row, then columns and rows) of a grid of `size` that a box with these
+/// corners can cover; `None` if the box is not visible.
 fn square(
     camera: &Camera,
     corners: impl Iterator<Item = Vec3>,
@@ -323,7 +325,7 @@ fn square(
     if behind {
         (low, high) = (Vec2::ZERO, Vec2::ONE);
     }
-    // A point beside what is seen is asked too.
+    // The neighbors of visible points are evaluated too.
     let extent = UVec2::from(size).as_vec2();
     let low = (low * extent - 2.0).max(Vec2::ZERO).floor().min(extent).as_uvec2();
     let high = (high * extent + 2.0).max(Vec2::ZERO).ceil().min(extent).as_uvec2();

@@ -1,7 +1,6 @@
-//! Hair as camera-facing strips, by the hardware's rasteriser: one set of pipelines for each way to cover pixels.
+//! Hair as camera-facing strips, drawn by the hardware rasterizer. Each coverage mode has its own pipelines.
 //!
-//! To the rest of `draw` this folder is four things: [`Pipelines`], [`Layers`] (the textures that peeling adds to
-//! the targets), [`body_first`] and [`record`]. A second rasteriser is a folder like it.
+//! The rest of `draw` uses [`Pipelines`], [`Layers`] (the targets of depth peeling), [`body_first`] and [`record`].
 
 mod peel;
 
@@ -17,40 +16,39 @@ use crate::{
     gpu::{
         Device,
         kernel::Job,
-        pipeline::{Made, Recipe},
+        pipeline::{PipelineCache, Recipe},
     },
-    light::{self, Seen, ShadingRate},
+    light::{self, HairView, ShadingRate},
     stage::Stage,
 };
 use peel::Peel;
 
-/// Vertices of the strands that are a part of their own where a frame is taken apart: what a software driver draws
-/// in about a tenth of a second.
+/// Strand vertices per part when a frame is submitted in parts: about a tenth of a second on a software driver.
 const PART: u32 = 1 << 16;
 
-/// What hair is drawn with.
+/// Pipelines of one coverage mode.
 #[derive(Clone, Debug)]
 pub(crate) enum Strips {
     /// One pass.
     Once(wgpu::RenderPipeline),
-    /// Depth first, then the colour of what is nearest.
+    /// Depth first, then the color of the nearest strip.
     DepthFirst { depth: wgpu::RenderPipeline, color: wgpu::RenderPipeline },
     /// One pass per layer.
     Peeled(Peel),
 }
 
-/// The pipelines.
+/// All strip pipelines, compiled at first use.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     device: Device,
-    /// Of the frame, of the hair and of its fibres' tables.
+    /// Layouts of the bind groups of the frame, the hair and its fiber tables.
     groups: [wgpu::BindGroupLayout; 3],
-    strips: Made<(Kind, u32, ShadingRate), Strips>,
-    /// Parts of which several sets are made.
-    parts: Made<(&'static str, ShadingRate), wgpu::RenderPipeline>,
+    strips: PipelineCache<(Kind, u32, ShadingRate), Strips>,
+    /// Pipelines of depth peeling, by name.
+    parts: PipelineCache<(&'static str, ShadingRate), wgpu::RenderPipeline>,
 }
 
-/// Ways to cover pixels that need pipelines of their own.
+/// Coverage modes with their own pipelines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Kind {
     Mask,
@@ -67,13 +65,13 @@ impl Kind {
             Coverage::Tiles => Err(crate::Error::Parameter {
                 name: "the coverage of strips",
                 value: "tiles".into(),
-                range: "a mask, alpha to coverage or depth peeling",
+                range: "sample mask, alpha to coverage or depth peeling",
             }),
         }
     }
 }
 
-/// What the names of entry points call it.
+/// Returns the name of `rate` in entry points.
 fn named(rate: ShadingRate) -> &'static str {
     match rate {
         ShadingRate::PerVertex => "shaded",
@@ -85,10 +83,15 @@ impl Pipelines {
     pub fn new(context: &Context, light: &light::Pipelines) -> Self {
         let Context { device, .. } = context;
         let groups = [&light.frame, &light.hair, &light.fiber].map(Clone::clone);
-        Self { device: device.clone(), groups, strips: Made::default(), parts: Made::default() }
+        Self {
+            device: device.clone(),
+            groups,
+            strips: PipelineCache::default(),
+            parts: PipelineCache::default(),
+        }
     }
 
-    /// Those for `coverage` and targets of so many samples per pixel.
+    /// Returns the pipelines for `coverage` and targets with `samples` per pixel.
     pub fn get(&self, coverage: Coverage, samples: u32, rate: ShadingRate) -> Result<Strips> {
         let kind = Kind::of(coverage)?;
         self.strips.get((kind, samples, rate), || self.make(kind, samples, rate))
@@ -131,7 +134,7 @@ impl Pipelines {
         })
     }
 
-    /// What makes those of a picture, several at once where there are several.
+    /// Returns jobs that compile the pipelines of one coverage mode. Jobs can run in parallel.
     pub fn jobs(&self, coverage: Coverage, samples: u32, rate: ShadingRate) -> Vec<Job<'_>> {
         match coverage {
             Coverage::DepthPeeling { .. } => peel::PARTS
@@ -142,18 +145,18 @@ impl Pipelines {
     }
 }
 
-/// Whether bodies are to be drawn before the hair: when this is blended. Else after it: a
-/// body's shading costs more per pixel, and most of the scalp is hidden.
+/// Whether bodies are drawn before the hair, as blended hair requires. Otherwise they are drawn after it, which is
+/// cheaper: a body costs more shading per pixel, and hair hides most of the scalp.
 pub(crate) fn body_first(coverage: Coverage) -> bool {
     matches!(coverage, Coverage::DepthPeeling { .. })
 }
 
-/// Records `hair`, all grooms in every pass, so that none is before another. Clears the targets if `clear`; of
-/// peeled hair only its own, since bodies [come first](body_first).
+/// Records the strips of `hair`. Each pass draws all grooms, so their order does not matter. `clear` clears the
+/// targets; depth peeling clears only its own targets, since bodies [come first](body_first).
 pub(crate) fn record(
     strips: &Strips,
     canvas: &mut Canvas<'_, '_>,
-    hair: &[Seen<'_>],
+    hair: &[HairView<'_>],
     clear: bool,
 ) -> Result<()> {
     let apart = canvas.commands.takes_apart();
@@ -190,7 +193,7 @@ pub(crate) fn record(
     Ok(())
 }
 
-/// The layers of peeled hair in targets, which a view that peels has made.
+/// Returns the layers of targets that were made for depth peeling.
 fn layers(targets: &Targets) -> Result<&Layers> {
     targets.layers.as_ref().ok_or_else(|| crate::Error::Parameter {
         name: "targets",

@@ -1,4 +1,4 @@
-//! Depth peeling: strands blended from front to back, one layer per pass.
+//! Depth peeling: blends strands from front to back, one layer per pass.
 
 use super::{Canvas, Pipelines, layers, named};
 use crate::{
@@ -10,14 +10,14 @@ use crate::{
         commands::{colored, deep},
         pipeline::{DEPTH_FORMAT, Recipe, blended},
     },
-    light::{Seen, ShadingRate},
+    light::{HairView, ShadingRate},
     stage::Stage,
 };
 
-/// The transmittance of the hair behind the last layer.
+/// Format of the transmittance of the hair behind the last layer.
 const PASSES_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
 
-/// The pipelines of one rate of shading; `under`, a picture over a picture, belongs to all.
+/// Pipelines of one shading rate. `under` composites one layer and is the same for all rates.
 #[derive(Clone, Debug)]
 pub(crate) struct Peel {
     layer: wgpu::RenderPipeline,
@@ -26,10 +26,11 @@ pub(crate) struct Peel {
     rest: wgpu::RenderPipeline,
 }
 
-/// Its pipelines.
+/// Names of the pipelines of [`Peel`].
 pub(super) const PARTS: [&str; 4] = ["layer", "under", "thickness", "rest"];
 
-/// What the passes bind as their last group: the layer before, a layer, and that with the thickness behind it.
+/// Layouts of the passes' last bind group: the previous layer's depth; a layer; the last layer's depth and the optical
+/// thickness behind it.
 fn layouts(device: &wgpu::Device) -> [wgpu::BindGroupLayout; 3] {
     use Binding::{Depth, Texture2d};
     let fragment = wgpu::ShaderStages::FRAGMENT;
@@ -40,7 +41,7 @@ fn layouts(device: &wgpu::Device) -> [wgpu::BindGroupLayout; 3] {
     ]
 }
 
-/// One of [`PARTS`].
+/// Returns one of [`PARTS`].
 pub(super) fn part(
     pipelines: &Pipelines,
     name: &'static str,
@@ -97,8 +98,8 @@ impl Peel {
         })
     }
 
-    /// Records the hair before the body that is in the targets.
-    pub(super) fn record(&self, canvas: &mut Canvas<'_, '_>, hair: &[Seen<'_>]) -> Result<()> {
+    /// Records the hair. The body is already in the targets.
+    pub(super) fn record(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<()> {
         let (targets, frame) = (canvas.targets, canvas.frame);
         let layers = layers(targets)?;
         let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
@@ -108,13 +109,13 @@ impl Peel {
             canvas.begin("hair", &[(&layers.rest_passes, white)], None);
             return Ok(());
         }
-        // Before the first layer lies nothing.
+        // The first layer has nothing in front of it.
         let nearest = wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store };
         let depth = Some((&layers.depth_views[1], Some(nearest)));
         canvas.begin("hair", &[(&layers.front, clear)], depth);
         for i in 0..canvas.coverage.layers() as usize {
             let now = &layers.depths[i % 2];
-            // The body hides what is behind it; hair that it hides must not take up a layer.
+            // Starting from the body's depth keeps hair behind the body from taking up a layer.
             canvas.commands.copy_texture(&targets.depth_texture, now);
             let kept = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
             let depth = Some((&layers.depth_views[i % 2], Some(kept)));
@@ -131,9 +132,9 @@ impl Peel {
             drop(pass);
             canvas.commands.lap(Stage::Hair);
         }
-        // Which of the two depths is that of the last layer.
+        // Index of the depth texture of the last layer.
         let last = (canvas.coverage.layers() as usize + 1) % 2;
-        // How thick the hair behind that layer is.
+        // Optical thickness of the hair behind the last layer.
         let colors = layers.thickness.each_ref().map(|texture| (texture, clear));
         let mut pass = canvas.begin("thickness", &colors, Some((&targets.depth, None)));
         pass.set_pipeline(&self.thickness);
@@ -152,14 +153,14 @@ impl Peel {
     }
 }
 
-type Cleared<'a> = (&'a wgpu::TextureView, wgpu::LoadOp<wgpu::Color>);
+type Clear<'a> = (&'a wgpu::TextureView, wgpu::LoadOp<wgpu::Color>);
 
 impl Canvas<'_, '_> {
-    /// A pass of hair into `colors`, timed under a name; without operations, depth is read only.
+    /// Begins a hair pass into `colors`, timed as `name`. Without operations the depth is read-only.
     fn begin(
         &mut self,
         name: &'static str,
-        colors: &[Cleared<'_>],
+        colors: &[Clear<'_>],
         depth: Option<(&wgpu::TextureView, Option<wgpu::Operations<f32>>)>,
     ) -> crate::gpu::RenderPass<'_> {
         let attachments: Vec<_> = colors.iter().map(|(view, load)| colored(view, *load)).collect();
@@ -168,21 +169,21 @@ impl Canvas<'_, '_> {
     }
 }
 
-/// The textures of one picture size.
+/// Targets of depth peeling for one image size.
 #[derive(Debug)]
 pub(crate) struct Layers {
-    /// Depth of this layer and of the one before it, in turn.
+    /// Depth of the current and of the previous layer, alternating.
     depths: [wgpu::Texture; 2],
     depth_views: [wgpu::TextureView; 2],
     layer: wgpu::TextureView,
     front: wgpu::TextureView,
-    /// How thick the hair behind the last layer is, at four knots each.
+    /// Optical thickness of the hair behind the last layer, at four knots each.
     thickness: [wgpu::TextureView; 2],
     rest: wgpu::TextureView,
     rest_passes: wgpu::TextureView,
-    /// Bound to peel what is behind each of `depths`.
+    /// Groups to peel behind each of `depths`.
     behind: [wgpu::BindGroup; 2],
-    /// The same, to blend it.
+    /// Groups to blend the hair behind each of `depths`.
     rest_behind: [wgpu::BindGroup; 2],
     under: wgpu::BindGroup,
 }
@@ -191,7 +192,7 @@ impl Layers {
     /// Bytes per pixel of the linear target.
     pub const BYTES: u64 = 2 * 4 + 5 * 8 + 2;
 
-    /// Textures that `texture` makes.
+    /// Creates the textures with `texture`.
     pub fn new(device: &Device, texture: impl Fn(TextureKind) -> wgpu::Texture) -> Self {
         let [before, layer_layout, behind_layout] = layouts(device);
         use wgpu::{BindingResource::TextureView, TextureUsages as Usages};
@@ -221,7 +222,7 @@ impl Layers {
         }
     }
 
-    /// What `present` puts together.
+    /// Returns the textures that `present` composites.
     pub fn presented(&self) -> [&wgpu::TextureView; 3] {
         [&self.front, &self.rest, &self.rest_passes]
     }

@@ -1,4 +1,4 @@
-//! What else than its colour a host's scene may ask of hair: where it was, how far away it is, how opaque.
+//! Geometry output for a host's scene: motion, depth and opacity of the visible hair.
 
 use super::texels::Texels;
 use crate::{
@@ -9,47 +9,48 @@ use crate::{
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, Mat4};
 
-/// Motion (pixels of the targets), depth, opacity.
+/// Format of the output: motion (pixels of the targets), depth, opacity.
 pub(crate) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
-/// What the kernel knows.
+/// Uniform of the kernel.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct GeometryUniform {
-    /// From normalised coordinates of this picture to those of the one before, for what stands still.
+    /// Maps normalized device coordinates of static points from this frame to the previous one.
     pub before: Mat4,
-    /// `(a, b, c, d)`: a depth `z` of the hair is `(a z + b) / (c z + d)` of the scene.
+    /// `(a, b, c, d)`: the hair's depth `z` corresponds to the scene's depth `(a z + b) / (c z + d)`.
     pub depth: [f32; 4],
-    /// 1 when the points of the picture before are known, each under its number.
+    /// 1 when the points of the previous frame are known and have the same numbers.
     pub is_known: u32,
     /// Unused.
     pub _pad: [u32; 3],
 }
 
-/// What a picture is compared with to tell what moved.
+/// State of the previous frame, for motion.
 #[derive(Debug, PartialEq)]
-struct Last {
-    /// Strands and vertices of each groom.
+struct LastFrame {
+    /// Strand and vertex counts of each groom.
     parts: Vec<[u32; 2]>,
     camera: DMat4,
-    /// The space that it was drawn in.
+    /// Space that the frame was drawn in.
     space: Space,
 }
 
-/// The texture, and what is kept of the picture before.
+/// The output texture and the state of the previous frame.
 #[derive(Debug)]
 pub(super) struct Geometry {
     pub texture: wgpu::TextureView,
     pub group: wgpu::BindGroup,
     uniform: wgpu::Buffer,
     before: wgpu::Texture,
-    last: Option<Last>,
-    /// Whether the points of the picture before were known in the last one.
+    last: Option<LastFrame>,
+    /// Whether the last frame knew the points of the one before it.
     pub knows_motion: bool,
 }
 
 impl Geometry {
-    /// For pictures of `points`; the kernel's resources are `of_rows`, then those of its own around `round`.
+    /// Creates the output for frames with `points`. The kernel binds `of_rows`, then its own resources, among them
+    /// `round`.
     pub fn new(
         kernel: &Kernel,
         canvas: &Canvas<'_, '_>,
@@ -75,8 +76,8 @@ impl Geometry {
         Self { texture, group, uniform, before, last: None, knows_motion: false }
     }
 
-    /// Keeps the points of the picture before, which those of this one are about to replace, and clears the texture.
-    /// `parts` are the strands and vertices of each groom; `depth` is as in [`GeometryUniform`].
+    /// Saves the previous frame's points before this frame overwrites them, and clears the output. `parts` are the
+    /// strand and vertex counts of each groom; `depth` is as in [`GeometryUniform`].
     pub fn begin(
         &mut self,
         canvas: &mut Canvas<'_, '_>,
@@ -87,9 +88,9 @@ impl Geometry {
         points.keep(canvas.commands, &self.before);
         let camera = canvas.camera.projection.as_dmat4() * canvas.camera.view.as_dmat4();
         let is_known = self.last.as_ref().is_some_and(|last| last.parts == parts);
-        // What stands still in the world stands elsewhere before a camera whose space has moved.
+        // The previous camera is expressed in the current space, which may have moved.
         self.knows_motion = is_known;
-        let last = self.last.replace(Last { parts, camera, space: canvas.space });
+        let last = self.last.replace(LastFrame { parts, camera, space: canvas.space });
         let last = last.map_or(camera, |last| last.camera * last.space.from(&canvas.space).matrix());
         let before = (last * camera.inverse()).as_mat4();
         let values = GeometryUniform { before, depth, is_known: is_known.into(), _pad: [0; 3] };
@@ -97,7 +98,7 @@ impl Geometry {
         canvas.commands.clear_texture("no geometry", &self.texture);
     }
 
-    /// Whether the last picture asked.
+    /// Whether the last frame requested geometry.
     pub fn is_asked(&self) -> bool {
         self.last.is_some()
     }
@@ -107,7 +108,7 @@ impl Geometry {
         bytes(self.texture.texture()) + bytes(&self.before)
     }
 
-    /// The next picture has none before it.
+    /// Forgets the previous frame, so that the next one has no motion.
     pub fn forget(&mut self) {
         self.last = None;
     }

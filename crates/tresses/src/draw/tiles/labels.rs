@@ -1,4 +1,4 @@
-//! Which strand a pixel shows most of: labels for pictures that something is to learn from.
+//! Strand labels: which strand covers most of each pixel, as training data.
 
 use super::geometry::FORMAT;
 use crate::{
@@ -6,22 +6,22 @@ use crate::{
     gpu::{Kernel, commands::bytes},
 };
 
-/// What a pixel shows most of.
+/// The strand segment that covers most of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Label {
-    /// Which of the picture's grooms, in the order in which they were given.
+    /// Index of the groom among those that were drawn.
     pub groom: u32,
-    /// Which of its strands.
+    /// Index of the strand in the groom.
     pub strand: u32,
-    /// The vertex that begins the segment.
+    /// First vertex of the segment.
     pub vertex: u32,
-    /// Where between that vertex (0) and the next (1) the pixel meets it.
+    /// Position of the pixel between that vertex (0) and the next (1).
     pub along: f32,
-    /// The segment's share of the pixel, 0 to 1.
+    /// Share of the pixel that the segment covers, 0 to 1.
     pub share: f32,
 }
 
-/// Which points belong to a groom: its first, and its strands and their vertices in the last picture.
+/// Points of a groom: the first one, and the strand and vertex counts of the last frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Owner {
     pub first: u32,
@@ -30,7 +30,7 @@ pub(crate) struct Owner {
 }
 
 impl Label {
-    /// What a texel of the kernel says.
+    /// Decodes a texel that the kernel wrote.
     pub(crate) fn read([low, rest, along, share]: [f32; 4], owners: &[Owner]) -> Option<Self> {
         if share <= 0.0 {
             return None;
@@ -44,17 +44,17 @@ impl Label {
     }
 }
 
-/// The texture that the kernel writes.
+/// Output of the label kernel.
 #[derive(Clone, Debug)]
 pub(crate) struct Labels {
     pub texture: wgpu::TextureView,
     pub group: wgpu::BindGroup,
-    /// Whose points those of the last picture are; none where it did not ask.
+    /// Owners of the last frame's points; empty if it did not request labels.
     pub owners: Vec<Owner>,
 }
 
 impl Labels {
-    /// The kernel's resources are `of_rows`, the texture, and `round`.
+    /// Creates the output. The kernel binds `of_rows`, the texture, and `round`.
     pub fn new(
         kernel: &Kernel,
         canvas: &Canvas<'_, '_>,
@@ -69,7 +69,7 @@ impl Labels {
         Self { texture, group, owners: Vec::new() }
     }
 
-    /// A picture begins whose points are those of `owners`; of one that does not ask, nobody's.
+    /// Begins a frame with the points of `owners`, which is empty if labels are not requested.
     pub fn begin(&mut self, canvas: &mut Canvas<'_, '_>, owners: Vec<Owner>) {
         if !owners.is_empty() {
             canvas.commands.clear_texture("no labels", &self.texture);
@@ -88,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_of_points_are_strands_of_grooms() {
+    fn labels_map_point_numbers_to_strands() {
         let owners = [
             Owner { first: 0, count: 3, vertex_count: 16 },
             Owner { first: 2048, count: 5000, vertex_count: 20 },
@@ -99,7 +99,7 @@ mod tests {
         assert_eq!(read(47, 0.25), label(0, 2, 15));
         assert_eq!(read(2048, 0.25), label(1, 0, 0));
         assert_eq!(read(2048 + 4999 * 20 + 3, 0.25), label(1, 4999, 3));
-        // Of nothing, and of what is in no groom.
+        // Without coverage, or outside all grooms.
         for (id, share) in [(0, 0.0), (48, 0.25), (2048 + 5000 * 20, 0.25)] {
             assert_eq!(read(id, share), None);
         }

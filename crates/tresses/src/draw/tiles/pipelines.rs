@@ -1,4 +1,4 @@
-//! The kernels, each compiled when it is first recorded.
+//! Kernels of the compute rasterizer, each compiled at first use.
 
 use crate::Context;
 use crate::gpu::{
@@ -10,11 +10,11 @@ use crate::gpu::{
     kernel::{self, Job},
 };
 
-/// The kernels in the order in which they run.
+/// Kernels in the order in which they run.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
     pub project: Kernel,
-    /// By whether targets have several samples per pixel.
+    /// Indexed by whether targets have several samples per pixel.
     pub surface: [Kernel; 2],
     pub bound: Kernel,
     pub count: Kernel,
@@ -25,13 +25,13 @@ pub(crate) struct Pipelines {
     pub merge: Kernel,
     pub rewind: Kernel,
     pub touch: Kernel,
-    /// By whether pixels have two surfaces.
+    /// Indexed by whether pixels have two surfaces, that is, several samples.
     pub see: [Kernel; 2],
     pub deepen: Kernel,
     pub tint: Kernel,
-    /// As `see`; compiled where a scene asks.
+    /// As `see`; compiled only if geometry is requested.
     pub geometry: [Kernel; 2],
-    /// As `geometry`.
+    /// As `see`; compiled only if labels are requested.
     pub label: [Kernel; 2],
     /// As `see`.
     pub blend: [Kernel; 2],
@@ -84,7 +84,7 @@ impl Pipelines {
         }
     }
 
-    /// What compiles those for targets of so many samples per pixel.
+    /// Returns jobs that compile the kernels for targets with `samples` per pixel.
     pub fn jobs(&self, samples: u32) -> Vec<Job<'_>> {
         let many = usize::from(samples > 1);
         kernel::jobs([

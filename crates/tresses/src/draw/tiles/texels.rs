@@ -1,4 +1,4 @@
-//! What some kernels write and others read much, as a texture.
+//! Arrays stored as textures, for values that kernels read often.
 
 use crate::{
     Result,
@@ -6,19 +6,19 @@ use crate::{
     gpu::commands::{self, Commands},
 };
 
-/// Values in a texture, rows of [`TILE_POINTS`] of them: software drivers load texels many lanes at a time, but words of a
-/// buffer lane by lane. A kernel writes them, or they are copied from a buffer.
+/// An array in a texture with [`TILE_POINTS`] values per row. Software drivers load texels for many lanes at a time,
+/// but buffer words lane by lane. Kernels write the texture directly, or it is copied from a buffer.
 #[derive(Debug)]
-pub(super) struct Texels {
+pub(crate) struct Texels {
     texture: wgpu::Texture,
     view: wgpu::TextureView,
 }
 
 impl Texels {
-    /// Room for `count` values of `format`, all zero.
+    /// Creates an array of `count` values of `format`, all zero.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`].
+    /// [`crate::Error::Limit`] if the texture would have more rows than the device allows.
     pub fn new(
         device: &wgpu::Device,
         label: &'static str,
@@ -46,17 +46,17 @@ impl Texels {
         Ok(Self { view: texture.create_view(&Default::default()), texture })
     }
 
-    /// Room in a buffer for `count` values that are to be [copied](Self::copy): whole rows.
+    /// Number of values in a buffer that can be [copied](Self::copy) from: `count` rounded up to whole rows.
     pub fn rows(count: u64) -> u64 {
         count.next_multiple_of(u64::from(TILE_POINTS)).max(u64::from(TILE_POINTS))
     }
 
-    /// Records that the first `count` values are those of a buffer with [room](Self::rows) for them.
+    /// Copies the first `count` values from a buffer of a size that [`rows`](Self::rows) returned.
     pub fn copy(&self, commands: &mut Commands<'_>, buffer: &wgpu::Buffer, count: u32) {
         commands.copy_rows(buffer, &self.texture, count.div_ceil(TILE_POINTS));
     }
 
-    /// A texture that the values of this one can be [kept](Self::keep) in.
+    /// Creates a texture that [`keep`](Self::keep) can copy this one to.
     pub fn like(&self, device: &wgpu::Device, label: &'static str) -> wgpu::Texture {
         device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
@@ -70,12 +70,12 @@ impl Texels {
         })
     }
 
-    /// Records that `other` has what the texture has.
+    /// Copies the array to `other`.
     pub fn keep(&self, commands: &mut Commands<'_>, other: &wgpu::Texture) {
         commands.copy_texture(&self.texture, other);
     }
 
-    /// For who reads or writes it.
+    /// Returns the texture for binding.
     pub fn resource(&self) -> wgpu::BindingResource<'_> {
         wgpu::BindingResource::TextureView(&self.view)
     }

@@ -1,42 +1,41 @@
-//! Evaluates ambient light at arbitrary points: used for measurements by tests and tools.
+//! Evaluates ambient light at arbitrary points, for tests and measurements.
 
 use crate::{
     Context, Result,
     gpu::Binding,
-    light::{State, asked::Asked},
+    light::{LightState, asked::PointQuery},
 };
 use glam::{Vec3, Vec4};
 
-/// What arrives at a point from some directions.
+/// Ambient light at a point, averaged over a set of directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Around {
-    /// The share of the sky that arrives where fibres take none, an eighth, half and all of the light that meets
-    /// them; bodies take all.
+pub struct IncidentLight {
+    /// Sky visibility for fibers that remove 0, 1/8, 1/2 and all of the light that hits them. Meshes remove all of it.
     pub open: Vec4,
-    /// The mean radiance of bodies.
+    /// Mean radiance of meshes.
     pub glow: Vec3,
 }
 
 /// A set of points at which ambient light is evaluated.
 #[derive(Debug)]
-pub struct AmbientProbe(Asked<[Vec4; 2]>);
+pub struct AmbientProbe(PointQuery<[Vec4; 2]>);
 
 impl AmbientProbe {
-    /// Takes `points` to the GPU, to be asked about in the cells of a view's `light`: positions (metres), and the mean vector of
-    /// the directions that are asked about (0 for all of them, half a unit vector for a hemisphere).
+    /// Uploads `points`, for evaluation in the ambient light grid of `light`. Each point is a position (meters) and the
+    /// mean vector of the directions to average over: 0 for all directions, half a unit vector for a hemisphere.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] when the adapter cannot hold them.
-    pub fn new(context: &Context, light: &State, points: &[(Vec3, Vec3)]) -> Result<Self> {
+    /// [`crate::Error::Limit`] when the adapter cannot hold the points.
+    pub fn new(context: &Context, light: &LightState, points: &[(Vec3, Vec3)]) -> Result<Self> {
         use Binding::{Comparison, DepthArray, Sampler, Storage, Texture3d, Uniform};
         let entries = [Uniform, DepthArray, Comparison, Storage, Storage, Texture3d, Sampler];
         let frame = entries.into_iter().zip(light.resources());
         let words: Vec<_> =
             points.iter().flat_map(|(at, middle)| [at.extend(0.0), middle.extend(0.0)]).collect();
-        Ok(Self(Asked::new(context, "light::ambient::ask", (&words, points.len()), frame)?))
+        Ok(Self(PointQuery::new(context, "light::ambient::ask", (&words, points.len()), frame)?))
     }
 
-    /// Asks, after [`Recorder::light`](crate::frame::Recorder::light) has been recorded.
+    /// Records the evaluation. Call it after [`Recorder::light`](crate::frame::Recorder::light).
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the kernel cannot be compiled.
@@ -44,13 +43,13 @@ impl AmbientProbe {
         self.0.record(encoder)
     }
 
-    /// The answers.
+    /// Reads the results back, in the order of the points.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
-    pub async fn read(&self) -> Result<Vec<Around>> {
+    pub async fn read(&self) -> Result<Vec<IncidentLight>> {
         let answers = self.0.read().await?;
-        let around = |[open, glow]: [Vec4; 2]| Around { open, glow: glow.truncate() };
+        let around = |[open, glow]: [Vec4; 2]| IncidentLight { open, glow: glow.truncate() };
         Ok(answers.into_iter().map(around).collect())
     }
 }

@@ -1,50 +1,50 @@
-//! Ambient light: the visibility of the sky within the hair, and the light that the body reflects onto it.
+//! Ambient light: sky visibility within the hair, and the light that meshes reflect onto it.
 //!
 //! ```text
 //! strand vertices ──► lay ───┐                        ┌─ slice by slice ─┐
-//! body, shadow maps ► glow ──┴► cells ─► settle ─► cells ─► sweep ─► fields, 24 ─► gather ─► five layers
+//! mesh, shadow maps ► glow ──┴► cells ─► settle ─► cells ─► sweep ─► fields, 24 ─► gather ─► five layers
 //! ```
 //!
-//! A cube of cells around [`Picture::focus`](crate::view::Picture::focus), [`ViewOptions::ambient_cells`](crate::view::ViewOptions::ambient_cells) per
-//! edge, rebuilt each frame. `lay` adds the area of the hair, width times length, in fixed point; `glow`
-//! does the same with sample points over the body's surface ([`Surface`]), and adds the radiance that
-//! leaves them, from the lights that reach them through the shadow maps and from the sky. `settle` turns
-//! the sums into means.
+//! The grid is a cube of cells around [`Picture::focus`](crate::view::Picture::focus) with
+//! [`ViewOptions::ambient_cells`](crate::view::ViewOptions::ambient_cells) cells per edge, rebuilt each frame. `lay`
+//! adds the area of the hair (width times length) in fixed point. `skin` adds sample points of mesh surfaces
+//! ([`Surface`](crate::body::Surface)). `glow` adds the radiance that leaves them, from the shadow-mapped lights and
+//! the sky. `settle` turns the sums into means.
 //!
-//! **Discrete ordinates.** `sweep` propagates light along the 24 directions of a level-symmetric quadrature
-//! (the set named S4; Carlson and Lathrop 1965) through the cells, slice by slice, where each slice needs
-//! only the previous one (short characteristics, Kunasz and Auer 1988). That is one step per cell and
-//! direction, whereas marching rays from each cell takes as many as a ray crosses. It carries the fraction
-//! of the sky that is left where fibres remove none, an eighth, half and all of the light that meets them:
-//! the fraction for any absorption and colour channel is interpolated between these, and since this happens
-//! before the sum over directions, thin and dense sides are not mixed. It also carries the radiance of the
-//! body, of which each fibre removes what it does not pass on in dual scattering.
+//! **Discrete ordinates.** `sweep` propagates light through the cells along the 24 directions of a level-symmetric
+//! quadrature (S4; Carlson and Lathrop 1965), slice by slice. Each slice needs only the previous one (short
+//! characteristics, Kunasz and Auer 1988). This takes one step per cell and direction, whereas ray marching from each
+//! cell takes as many steps as a ray crosses cells. `sweep` carries the fraction of the sky that remains if fibers
+//! remove 0, 1/8, 1/2 or all of the light that hits them. Shading interpolates between these for the absorption of each
+//! color channel. Light is attenuated before the sum over directions, so thin and dense sides do not mix. `shine`
+//! carries the radiance of meshes. Each fiber removes the part that it does not pass on in dual scattering.
 //!
-//! **A body is a surface.** Cells hold the sum of its area as a vector. The surface in a cell hides what is
-//! beyond it from the previous cells; from that cell itself only towards the body's inside: a cell on the
-//! skin sees the whole sky above it and the skin below. Cells inside the body see nothing, and have no
-//! weight in the interpolation.
+//! **Meshes as surfaces.** Cells hold the sum of mesh area as a vector. The surface in a cell blocks the light that
+//! passes through the cell. For the cell itself it blocks only the directions into the mesh: a cell on the skin sees
+//! the whole sky above it and the skin below. Cells inside a mesh receive no light, and have no weight in the
+//! interpolation.
 //!
-//! **Five layers.** `gather` keeps means and first moments over the directions. Shading needs averages over
-//! the two half circles of azimuths in front of and behind a fibre, whose mean vectors are known, and for
-//! those the first moments suffice (`ambient.wesl`). The body's own shading uses the same lookup.
+//! **Five layers.** `gather` and `collect` store means and first moments over the directions. Shading needs averages
+//! over the half circles of azimuths in front of and behind a fiber. Their mean vectors are known, so first moments
+//! suffice (`ambient.wesl`). Mesh shading uses the same lookup.
 //!
-//! **What is seen.** Cells are 1 to 3 cm, and what an eye sees of dense hair lies within millimetres of its surface:
-//! shading asks for the light before that, and takes of it what is left at the depth that eyes see to
-//! (`ambient_seen`). A body's surface asks a cell before itself for what bodies hide, and nearer for hair.
+//! **Visible hair.** Cells are 1 to 3 cm wide, but the visible fibers of dense hair lie within millimeters of its
+//! surface. Shading reads the light in front of the surface, and attenuates it to the depth that eye rays reach
+//! (`ambient_seen`). A mesh surface reads occlusion by meshes one cell in front of itself, and hair closer to it.
 //!
-//! Light from body to body is not followed further than once; what a surface throws is multiplied as in a hollow whose
-//! walls are lit alike. Light from hair to skin is left out. A body hides as much of the sky as one that is larger by up
-//! to a cell. Rejected: probes that march rays (above); the earlier lookup in the shadow maps for the zenith
-//! and the lights alone, which was a fifth too bright under a grey sky; exact shares of surfaces that several cells make
-//! up, which hide a wall 3 % too much instead of 11 %, but throw a fifth too little of its light, and leak at rays
-//! that pass many cells. Untried: aligned fibres transmit more light along than across them.
+//! **Limits.** Light bounces once between meshes; more bounces are estimated, as in a cavity with evenly lit walls.
+//! Hair reflects no light onto skin. A mesh hides as much of the sky as one that is larger by up to a cell.
+//!
+//! Rejected: probes that march rays (see above); lookups in the shadow maps of the zenith and the lights alone, which
+//! were a fifth too bright under a gray sky; exact fractions for surfaces that span several cells, which block 3 % too
+//! much at a wall instead of 11 %, but reflect a fifth too little light and leak along rays that cross many cells.
+//! Untried: aligned fibers, which transmit more light along than across their direction.
 
 mod ask;
 
-pub use ask::{AmbientProbe, Around};
+pub use ask::{AmbientProbe, IncidentLight};
 
-use super::{FRAME, Seen};
+use super::{FRAME, HairView};
 use crate::{
     Context, Result,
     body::{self, Body},
@@ -52,23 +52,23 @@ use crate::{
     gpu::{Binding, Commands, Kernel, bindings::linear, grid::grid_texture},
 };
 
-/// Directions, words of a cell and layers, as in the shaders.
+/// Quadrature directions, words per cell and layers of the result, as in the shaders.
 const DIRECTIONS: u32 = 24;
 const CELL_WORDS: u64 = 8;
-/// Bytes of a cell that is settled.
+/// Bytes of a settled cell.
 const SETTLED: u64 = 16;
 const LAYERS: u32 = 5;
-/// Distance between the numbers of two slices: the largest offset alignment WebGPU asks for.
+/// Distance between slice indices in their buffer, bytes: the largest offset alignment that WebGPU may require.
 const STEP: u64 = 256;
 
-/// The kernels.
+/// Kernels of ambient light.
 #[derive(Debug)]
 pub(super) struct Pipelines {
     pub(super) lay: Kernel,
     skin: Kernel,
     glow: Kernel,
     settle: Kernel,
-    /// Of the sky's light, then of the body's.
+    /// For sky light, then for mesh radiance.
     sweeps: [Kernel; 2],
     gathers: [Kernel; 2],
 }
@@ -87,7 +87,7 @@ impl Pipelines {
                 &[Uniform, StorageMut],
                 &[&surface],
             ),
-            // The first is nobody's: what asks for light binds the camera there.
+            // Binding 0 of `FRAME` is unused here; shaders that read light bind the camera to it.
             glow: Kernel::beside(
                 &context.device,
                 "light::ambient::glow",
@@ -108,7 +108,7 @@ impl Pipelines {
     }
 }
 
-/// The cells of a view, and what comes of them.
+/// Ambient light grid of a view.
 #[derive(Debug)]
 pub struct Ambient {
     cells: u32,
@@ -118,13 +118,13 @@ pub struct Ambient {
     skin: wgpu::BindGroup,
     glow: wgpu::BindGroup,
     settle: wgpu::BindGroup,
-    /// The sky's light, then the body's.
+    /// For sky light, then for mesh radiance.
     sweeps: [wgpu::BindGroup; 2],
     gathers: [wgpu::BindGroup; 2],
 }
 
 impl Ambient {
-    /// Cells to an edge: as many as `wanted`, from 4 to 64.
+    /// Creates a grid of `wanted` cells per edge, clamped to 4 to 64.
     pub(super) fn new(
         context: &Context,
         pipelines: &Pipelines,
@@ -181,27 +181,28 @@ impl Ambient {
         }
     }
 
-    /// Cells along each edge of a grid that is asked for with so many.
+    /// Clamps a number of cells per edge to the supported range.
     pub(super) fn within(wanted: u32) -> u32 {
         wanted.clamp(4, 64)
     }
 
-    /// Every so many points of a body made for fine cells are enough for these.
+    /// Returns the stride through the sample points of mesh surfaces. Meshes have enough points for the finest grid;
+    /// coarser grids need only every n-th.
     pub(super) fn every(&self) -> u32 {
         body::points_for(u32::MAX).checked_div(body::points_for(self.cells)).unwrap_or(1).max(1)
     }
 
-    /// Cells to an edge.
+    /// Cells per edge.
     pub fn cells(&self) -> u32 {
         self.cells
     }
 
-    /// The sums over the area of hair and bodies in each cell.
+    /// Buffer of the sums of hair and mesh area per cell.
     pub(super) fn sums(&self) -> &wgpu::Buffer {
         &self.sums
     }
 
-    /// What shaders need to ask for it: the layers and their sampler.
+    /// Bindings of shaders that read ambient light: the layers and their sampler.
     pub(super) fn resources(&self) -> [wgpu::BindingResource<'_>; 2] {
         [wgpu::BindingResource::TextureView(&self.result), wgpu::BindingResource::Sampler(&self.sampler)]
     }
@@ -211,25 +212,25 @@ impl Ambient {
         Self::bytes_of(self.cells)
     }
 
-    /// The same of so many cells to an edge that are not made yet.
+    /// Returns the bytes of GPU memory of a grid with `cells` cells per edge.
     pub(super) fn bytes_of(cells: u32) -> u64 {
         let cells = u64::from(Self::within(cells));
         let cell = 4 * CELL_WORDS + SETTLED + 4 + 8 * u64::from(DIRECTIONS) + 8 * u64::from(LAYERS);
         cell * cells.pow(3) + STEP * cells
     }
 
-    /// Records all of it; after the shadow maps.
+    /// Records all kernels. Call it after the shadow maps.
     pub(super) fn record(
         &self,
         pipelines: &Pipelines,
         commands: &mut Commands<'_>,
-        hair: &[Seen<'_>],
+        hair: &[HairView<'_>],
         (bodies, every): (&[&Body], u32),
     ) -> Result<()> {
         commands.clear(&self.sums, None);
         let mut recorded = commands.compute("ambient");
         let pass = &mut recorded;
-        for Seen { hair, shaded, .. } in hair {
+        for HairView { hair, shaded, .. } in hair {
             let every = (hair.drawn.count / AMBIENT_STRANDS).max(1);
             let strands = u64::from(hair.drawn.count.div_ceil(every));
             let threads = strands * u64::from(hair.drawn.vertex_count.saturating_sub(1));
@@ -259,7 +260,7 @@ impl Ambient {
     }
 }
 
-/// The numbers of the slices, each at its own offset.
+/// Creates a uniform buffer of slice indices, each at its own offset.
 fn slices(device: &wgpu::Device, cells: u32) -> wgpu::Buffer {
     let mut numbers = vec![0_u32; (STEP / 4 * u64::from(cells)) as usize];
     for (slice, number) in numbers.iter_mut().step_by(STEP as usize / 4).enumerate() {

@@ -1,46 +1,46 @@
-//! Light scattered by one fibre at the point where it hits: Chiang, Bitterli, Tappan, Burley, *A Practical
-//! and Controllable Hair and Fur Model for Production Path Tracing* (2016).
+//! Scattering by one fiber at the point that a ray hits: Chiang, Bitterli, Tappan, Burley, *A Practical and
+//! Controllable Hair and Fur Model for Production Path Tracing* (2016).
 //!
-//! All values are `f cos`: radiance per irradiance on a plane that faces the light. As in path tracers, the
-//! offset across the fibre and the refraction are those of the eye's ray. Angles: θ is the inclination
-//! towards the tip, φ the azimuth of the light about the fibre, measured from the eye's.
+//! All values are `f cos`: radiance per irradiance on a plane that faces the light. As in path tracers, the offset
+//! across the fiber and the refraction follow from the eye ray. Angles: θ is the inclination towards the tip, φ the
+//! azimuth of the light about the fiber, measured from the azimuth of the eye.
 
 use crate::{groom::Look, range::Range};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// The lobes: reflection, transmission, transmission with one and with more inner reflections.
+/// Number of lobes: reflection (R), transmission (TT), one internal reflection (TRT), and more of them.
 pub const LOBES: usize = 4;
 
-/// The shape and the surface of a fibre: what does not depend on its colour.
+/// Geometry and surface of a fiber, independent of its color.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FiberShape {
-    /// Roughness along the fibre, 0.1 (wet silk) to 1.
+    /// Longitudinal roughness, 0.1 (wet silk) to 1.
     pub longitudinal: f32,
-    /// Roughness around the fibre, 0.1 to 1.
+    /// Azimuthal roughness, 0.1 to 1.
     pub azimuthal: f32,
-    /// Tilt of the scales, radians: reflected light is rotated by twice as much towards the tip.
+    /// Cuticle angle, radians. Reflected light is rotated towards the tip by twice this angle.
     pub tilt: f32,
-    /// Index of refraction over that of the air.
+    /// Index of refraction relative to air.
     pub eta: f32,
 }
 
 impl Default for FiberShape {
-    /// Keratin in air, as the path-traced references have it.
+    /// Keratin in air, as in the path-traced references.
     fn default() -> Self {
         Self { longitudinal: 0.3, azimuthal: 0.3, tilt: 2f32.to_radians(), eta: 1.55 / 1.000_277 }
     }
 }
 
 impl FiberShape {
-    /// The range of both roughnesses.
+    /// Range of both roughnesses.
     pub const ROUGHNESS: Range = Look::ROUGHNESS;
-    /// The range of [`tilt`](Self::tilt); usual is up to 10 degrees.
+    /// Range of [`tilt`](Self::tilt). Hair usually has up to 10 degrees.
     pub const TILT: Range = Look::TILT;
-    /// The range of [`eta`](Self::eta).
+    /// Range of [`eta`](Self::eta).
     pub const ETA: Range = Look::IOR;
 
-    /// Within what the tables can resolve.
+    /// Clamps all parameters to the range that the tables resolve. Parameters that are not finite become the default.
     pub fn clamped(&self) -> Self {
         let finite = |v: f32, or: f32| if v.is_finite() { v } else { or };
         let default = Self::default();
@@ -52,32 +52,32 @@ impl FiberShape {
         }
     }
 
-    /// Variance of each lobe along the fibre (Chiang, equation 7; pbrt's factors for the others).
+    /// Longitudinal variance of each lobe (Chiang, equation 7; factors of the later lobes from pbrt).
     pub fn variances(&self) -> [f64; LOBES] {
         let b = f64::from(self.longitudinal);
         let v = (0.726 * b + 0.812 * b * b + 3.7 * b.powi(20)).powi(2);
         [v, 0.25 * v, 4.0 * v, 4.0 * v]
     }
 
-    /// By how much each lobe is turned towards the root, radians.
+    /// Shift of each lobe towards the root, radians.
     pub fn turns(&self) -> [f64; LOBES] {
         [-2.0, 1.0, 4.0, 0.0].map(|turn| turn * f64::from(self.tilt))
     }
 
-    /// Scale of the logistic distribution around the fibre (Chiang, equation 8).
+    /// Scale of the azimuthal logistic distribution (Chiang, equation 8).
     pub fn scale(&self) -> f64 {
         let b = f64::from(self.azimuthal);
         (PI / 8.0).sqrt() * (0.265 * b + 1.194 * b * b + 5.372 * b.powi(22))
     }
 
-    /// sin γ of the refracted ray: `h` in -1..1 over the width, `cos_theta` of the eye.
+    /// Returns sin γ of the refracted ray. `h` is the offset across the fiber, -1..1; `cos_theta` belongs to the eye.
     pub fn refracted(&self, h: f64, cos_theta: f64) -> f64 {
         let eta = f64::from(self.eta);
         let bent = (eta * eta - 1.0 + cos_theta * cos_theta).sqrt() / cos_theta.max(1e-9);
         (h / bent).clamp(-1.0, 1.0)
     }
 
-    /// Path length of light inside the fibre from wall to wall, in radii.
+    /// Returns the length of the path inside the fiber from wall to wall, in fiber radii.
     pub fn path(&self, h: f64, cos_theta: f64) -> f64 {
         let sin_gamma = self.refracted(h, cos_theta);
         let eta = f64::from(self.eta);
@@ -85,7 +85,7 @@ impl FiberShape {
         2.0 * (1.0 - sin_gamma * sin_gamma).max(0.0).sqrt() / (1.0 - sin_theta_squared).sqrt()
     }
 
-    /// Fraction of unpolarised light that the surface reflects.
+    /// Returns the Fresnel reflectance for unpolarized light.
     pub fn fresnel(&self, cosine: f64) -> f64 {
         let eta = f64::from(self.eta);
         let inside = (1.0 - (1.0 - cosine * cosine) / (eta * eta)).max(0.0).sqrt();
@@ -94,7 +94,7 @@ impl FiberShape {
         0.5 * (parallel * parallel + perpendicular * perpendicular)
     }
 
-    /// The share of the light that each lobe gets; `sigma_a` is the absorption per radius.
+    /// Returns the attenuation of each lobe. `sigma_a` is the absorption per fiber radius.
     pub fn attenuations(&self, h: f64, cos_theta: f64, sigma_a: f64) -> [f64; LOBES] {
         let f = self.fresnel(cos_theta * (1.0 - h * h).max(0.0).sqrt());
         let t = (-sigma_a * self.path(h, cos_theta)).exp();
@@ -102,7 +102,7 @@ impl FiberShape {
         [f, through, through * t * f, through * t * f * t * f / (1.0 - t * f)]
     }
 
-    /// Distribution of lobe `p` (of the first three) over the azimuth `phi`; the last is uniform.
+    /// Returns the azimuthal distribution of lobe `p` at `phi`. The last lobe is uniform.
     pub fn around(&self, p: usize, phi: f64, h: f64, cos_theta: f64) -> f64 {
         if p == 3 {
             return 0.5 / PI;
@@ -112,15 +112,15 @@ impl FiberShape {
         logistic(phi - (2.0 * order * refracted - 2.0 * h.clamp(-1.0, 1.0).asin() + order * PI), self.scale())
     }
 
-    /// Radiance per irradiance where light meets the fibre, `h` across it following from `eye`.
-    /// The frame: x across the fibre, y from root to tip, z the surface's normal. For one absorption
-    /// per radius and colour channel.
+    /// Returns radiance per irradiance at the point where the eye ray hits the fiber. The offset across the fiber
+    /// follows from `eye`. Frame: x across the fiber, y from root to tip, z along the surface normal. `sigma_a` is the
+    /// absorption per radius, for each color channel.
     pub fn near(&self, eye: DVec3, light: DVec3, sigma_a: DVec3) -> DVec3 {
         self.near_along(eye, light, sigma_a, along)
     }
 
-    /// [`near`](Self::near) with another distribution along the fibre.
-    pub fn near_along(&self, eye: DVec3, light: DVec3, sigma_a: DVec3, along: Along) -> DVec3 {
+    /// Returns [`near`](Self::near) with another longitudinal distribution.
+    pub fn near_along(&self, eye: DVec3, light: DVec3, sigma_a: DVec3, along: Longitudinal) -> DVec3 {
         let [m, n] = self.factors(eye, light, along);
         let (cos_theta, h) = (cosine(eye.y), entry(eye));
         let channel = |sigma: f64| {
@@ -130,8 +130,8 @@ impl FiberShape {
         DVec3::new(channel(sigma_a.x), channel(sigma_a.y), channel(sigma_a.z))
     }
 
-    /// What each lobe's share is multiplied by: along the fibre, and around it.
-    fn factors(&self, eye: DVec3, light: DVec3, along: Along) -> [[f64; LOBES]; 2] {
+    /// Returns the longitudinal and the azimuthal factor of each lobe.
+    fn factors(&self, eye: DVec3, light: DVec3, along: Longitudinal) -> [[f64; LOBES]; 2] {
         let phi = light.z.atan2(light.x) - eye.z.atan2(eye.x);
         let (v, turns) = (self.variances(), self.turns());
         let (cos_theta, h) = (cosine(eye.y), entry(eye));
@@ -148,7 +148,7 @@ fn cosine(sine: f64) -> f64 {
     (1.0 - sine * sine).max(0.0).sqrt()
 }
 
-/// Where across the fibre, -1..1, the eye looks in the frame of [`FiberShape::near`].
+/// Returns the offset across the fiber, -1..1, at which an eye ray hits it, in the frame of [`FiberShape::near`].
 fn entry(eye: DVec3) -> f64 {
     -eye.x / eye.x.hypot(eye.z).max(1e-12)
 }
@@ -183,33 +183,33 @@ pub fn scaled_bessel(x: f64) -> f64 {
     poly(&c, 3.75 / x) / x.sqrt()
 }
 
-/// A distribution along the fibre, with the arguments of [`along`].
-pub type Along = fn(f64, f64, f64, f64, f64) -> f64;
+/// A longitudinal distribution, with the arguments of [`along`].
+pub type Longitudinal = fn(f64, f64, f64, f64, f64) -> f64;
 
-/// The distribution along the fibre, of variance `v` (d'Eon et al. 2011, equation 7): its integral
-/// over the light's directions, with cos θ, is 1. `sin`, `cos`: of the eye's turned inclination, then
-/// the light's.
+/// Longitudinal distribution of variance `v` (d'Eon et al. 2011, equation 7). Its integral over light directions,
+/// weighted by cos θ, is 1. `sin_eye` and `cos_eye` belong to the inclination of the eye after the lobe's shift,
+/// `sin_light` and `cos_light` to the light.
 pub fn along(v: f64, sin_eye: f64, cos_eye: f64, sin_light: f64, cos_light: f64) -> f64 {
     let (a, b) = (cos_eye * cos_light / v, sin_eye * sin_light / v);
-    // All exponentials together: neither large nor small v overflows.
+    // A single exponential: neither large nor small v overflows.
     scaled_bessel(a) * (a - b - 1.0 / v).exp() / (v * (1.0 - (-2.0 / v).exp()))
 }
 
-/// Absorption per fibre radius of melanin in the concentrations `eumelanin` (brown to black) and
-/// `pheomelanin` (yellow to red) (d'Eon et al. 2011). Brown hair has about 1.3 and 0.2, blond 0.25
-/// and 0.05, red 0.12 and 1.5, black 6 and 0.3.
+/// Returns the absorption per fiber radius of melanin in the concentrations `eumelanin` (brown to black) and
+/// `pheomelanin` (yellow to red) (d'Eon et al. 2011). Brown hair has about 1.3 and 0.2, blond 0.25 and 0.05, red 0.12
+/// and 1.5, black 6 and 0.3.
 pub fn melanin(eumelanin: f32, pheomelanin: f32) -> Vec3 {
     Vec3::new(0.419, 0.697, 1.37) * eumelanin + Vec3::new(0.187, 0.4, 1.05) * pheomelanin
 }
 
-/// What a colour's logarithm is divided by to get the root of the absorption.
+/// Returns the divisor of a color's logarithm in Chiang, equation 9. The quotient is the square root of the absorption.
 pub(crate) fn color_fit(beta_n: f32) -> f32 {
     let b = beta_n.clamp(0.0, 1.0);
     5.969 - 0.215 * b + 2.532 * b.powi(2) - 10.73 * b.powi(3) + 5.574 * b.powi(4) + 0.245 * b.powi(5)
 }
 
-/// Absorption per fibre radius with which much hair of the azimuthal roughness `beta_n` has the
-/// linear colour `color` (Chiang, equation 9).
+/// Returns the absorption per fiber radius with which a mass of hair of azimuthal roughness `beta_n` has the linear
+/// color `color` (Chiang, equation 9).
 pub fn absorption_of(color: Vec3, beta_n: f32) -> Vec3 {
     let root = color.clamp(Vec3::splat(0.002), Vec3::splat(0.995)).map(f32::ln) / color_fit(beta_n);
     root * root
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn the_bessel_function_is_one() {
+    fn scaled_bessel_matches_its_integral() {
         // I0(x) = 1/π ∫ exp(x cos t) dt
         for x in [0.0, 0.3, 1.0, 3.7, 3.8, 12.0, 80.0] {
             let exact = integral(2000, 0.0, PI, |t| (x * (t.cos() - 1.0)).exp()) / PI;
@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn distributions_are_normalised() {
+    fn distributions_are_normalized() {
         for s in [0.02, 0.1, 0.5, 2.0] {
             assert!((integral(4000, -PI, PI, |x| logistic(x + 40.0, s)) - 1.0).abs() < 1e-4, "{s}");
         }
@@ -249,9 +249,9 @@ mod tests {
     }
 
     #[test]
-    fn closed_forms() {
+    fn attenuations_and_peak_match_closed_forms() {
         let shape = FiberShape::default();
-        // Straight on: Fresnel's ((η-1)/(η+1))², a way of two radii.
+        // Normal incidence: reflectance ((η-1)/(η+1))², path of two radii.
         let eta = f64::from(shape.eta);
         let f = ((eta - 1.0) / (eta + 1.0)).powi(2);
         let a = shape.attenuations(0.0, 1.0, 0.4);
@@ -260,13 +260,13 @@ mod tests {
         for p in 0..3 {
             assert!((a[p] / expected[p] - 1.0).abs() < 1e-6);
         }
-        // Without absorption nothing is lost.
+        // Without absorption no light is lost.
         for h in [0.0, 0.5, 0.99] {
             for cos in [1.0, 0.5, 0.1] {
                 assert!((shape.attenuations(h, cos, 0.0).iter().sum::<f64>() - 1.0).abs() < 1e-9);
             }
         }
-        // A narrow lobe mirrors light about the tilted scales: θ_light = -θ_eye + 2α.
+        // A narrow lobe mirrors light about the tilted cuticle: θ_light = -θ_eye + 2α.
         let shape = FiberShape { longitudinal: 0.1, ..shape };
         let (v, turn) = (shape.variances()[0], shape.turns()[0]);
         let peak = (0..20_000)
@@ -279,7 +279,7 @@ mod tests {
         assert!((peak - (-0.4 + 2.0 * f64::from(shape.tilt))).abs() < 0.01, "{peak}");
     }
 
-    /// All the light of a white sky comes back from fibres that absorb none.
+    /// Fibers without absorption return all light of a white sky.
     #[test]
     fn white_furnace() {
         for (m, n) in [(0.1, 0.2), (0.3, 0.3), (0.7, 0.9)] {
@@ -302,12 +302,12 @@ mod tests {
     }
 
     #[test]
-    fn colours_and_melanin() {
+    fn colors_and_melanin_give_expected_absorption() {
         assert!((melanin(1.3, 0.2) - Vec3::new(0.5821, 0.9861, 1.991)).length() < 1e-4);
         let brown = absorption_of(Vec3::new(0.1, 0.05, 0.02), 0.3);
         assert!(brown.x < brown.y && brown.y < brown.z && brown.is_finite());
         assert!(absorption_of(Vec3::ONE, 0.3).max_element() < 1e-5);
-        // A value of the fit: ln 0.5 / 5.915..., squared.
+        // A value of the fit, worked out by hand: ln 0.5 / 5.915..., squared.
         let fit = 5.969 - 0.0645 + 0.22788 - 0.28971 + 0.0451494 + 0.00059535;
         assert!((absorption_of(Vec3::splat(0.5), 0.3).x - (0.5_f32.ln() / fit).powi(2)).abs() < 1e-6);
     }

@@ -1,45 +1,46 @@
-//! A fibre thinner than a pixel: the mean over its width, stored as moments shared by all colours.
+//! Far field: scattering by a fiber thinner than a pixel, averaged over its width and stored as moments that all colors
+//! share.
 //!
-//! Absorption acts on a lobe as `exp(-σ l)`, where the path length `l` inside the fibre varies a little
-//! with the offset `h` across it. For each lobe and azimuth the table holds the weight, the mean path
-//! length and its variance, `Σ exp(-σ l) ≈ W exp(-σ l̄ + σ² var/2)`: within 0.2 % of the sum for any hair
-//! that is not black, and one fetch serves all channels and any melanin.
+//! Absorption acts on a lobe as `exp(-σ l)`, where the path length `l` inside the fiber varies a little with the offset
+//! `h` across it. For each lobe and azimuth the table holds the weight, the mean path length and its variance:
+//! `Σ exp(-σ l) ≈ W exp(-σ l̄ + σ² var/2)`. The error is below 0.2 % of the sum for any hair that is not black, and one
+//! fetch serves all channels and any melanin.
 
 use super::bsdf::{FiberShape, LOBES, along};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// Steps of the azimuth, from the eye's to its opposite.
+/// Azimuth steps, from the eye's azimuth to the opposite one.
 pub const AZIMUTHS: u32 = 96;
-/// Steps of cos θ of the eye, 0 to 1.
+/// Steps of the eye's cos θ, 0 to 1.
 pub const COSINES: u32 = 32;
 /// Steps of [`hue`], 0 to 1.
 pub const HUES: u32 = 32;
-/// Samples over half of a fibre's width.
+/// Samples over half the width of a fiber.
 const ENTRIES: usize = 96;
 
-/// The coordinate of absorption in tables, 1 for none, 0 for all: light that passes a fibre is then a
-/// gentle function of it.
+/// Returns the table coordinate of an absorption: 1 for none, 0 for infinite. Light that passes a fiber is a smooth
+/// function of it.
 pub fn hue(sigma_a: f64) -> f64 {
     (-0.5 * sigma_a).exp()
 }
 
-/// The azimuthal part of the first three lobes at one azimuth.
+/// Azimuthal part of the first three lobes at one azimuth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Around {
+pub struct AzimuthalLobes {
     /// Density without absorption.
     pub weight: [f32; 3],
-    /// Mean way in the fibre, radii, of the second and third.
+    /// Mean path length inside the fiber of the second and third lobe, radii.
     pub path: [f32; 2],
-    /// Variance of the ways.
+    /// Variance of those path lengths.
     pub spread: [f32; 2],
 }
 
-impl Around {
-    /// The density of each lobe with absorption, and with uniform `rest`, the last's share.
+impl AzimuthalLobes {
+    /// Returns the density of each lobe with absorption. `rest` is the share of the last lobe, which is uniform.
     pub fn densities(&self, sigma_a: f64, rest: f64) -> [f64; LOBES] {
         let through = |i: usize| {
-            // The two moments overstate what little passes when absorption is great.
+            // At high absorption the two moments overestimate the little that passes.
             let bend = (0.5 * sigma_a * sigma_a * f64::from(self.spread[i])).min(0.5);
             f64::from(self.weight[i + 1]) * (bend - sigma_a * f64::from(self.path[i])).exp()
         };
@@ -47,19 +48,19 @@ impl Around {
     }
 }
 
-/// Moments over azimuth and cos θ.
+/// Moments of the lobes over azimuth and cos θ.
 #[derive(Clone, Debug)]
 pub struct FarField {
     shape: FiberShape,
-    /// For light from one direction, indexed `cosine * AZIMUTHS + azimuth`.
-    pub direct: Vec<Around>,
-    /// For light from the half circle about that direction.
-    pub wide: Vec<Around>,
+    /// Moments for light from one direction, indexed `cosine * AZIMUTHS + azimuth`.
+    pub direct: Vec<AzimuthalLobes>,
+    /// Moments for light from the half circle around that direction.
+    pub wide: Vec<AzimuthalLobes>,
     /// Share of the last lobe, indexed `hue * COSINES + cosine`.
     pub rest: Vec<f32>,
 }
 
-/// Weighted sums of ways: 1, l, l².
+/// Weighted sums over path lengths: 1, l, l².
 #[derive(Clone, Copy, Default)]
 struct Moments([f64; 3]);
 
@@ -68,10 +69,10 @@ impl Moments {
         self.0 = [self.0[0] + weight, self.0[1] + weight * path, self.0[2] + weight * path * path];
     }
 
-    fn around(lobes: [Self; 3]) -> Around {
+    fn around(lobes: [Self; 3]) -> AzimuthalLobes {
         let mean = |m: Self| m.0[1] / m.0[0].max(1e-30);
         let variance = |m: Self| (m.0[2] / m.0[0].max(1e-30) - mean(m) * mean(m)).max(0.0);
-        Around {
+        AzimuthalLobes {
             weight: lobes.map(|m| m.0[0] as f32),
             path: [mean(lobes[1]) as f32, mean(lobes[2]) as f32],
             spread: [variance(lobes[1]) as f32, variance(lobes[2]) as f32],
@@ -79,17 +80,17 @@ impl Moments {
     }
 }
 
-/// The cosine at step `i`; never 0, where a fibre has no cross-section.
+/// Returns the cosine at step `i`. It is never 0, where a fiber has no cross-section.
 pub(super) fn cosine(i: u32) -> f64 {
     (f64::from(i) / f64::from(COSINES - 1)).max(0.01)
 }
 
-/// The azimuth at step `i`.
+/// Returns the azimuth at step `i`.
 pub(super) fn azimuth(i: u32) -> f64 {
     PI * f64::from(i) / f64::from(AZIMUTHS - 1)
 }
 
-/// Places across the fibre, evenly spread in angle, and the share of the width each stands for.
+/// Returns offsets across the fiber, evenly spaced in angle, and the share of the width that each represents.
 fn entries() -> impl Iterator<Item = (f64, f64)> {
     let step = 0.5 * PI / ENTRIES as f64;
     // The sum of the weights is 1 within 1e-5.
@@ -97,7 +98,7 @@ fn entries() -> impl Iterator<Item = (f64, f64)> {
 }
 
 impl FarField {
-    /// Integrates over the fibre's width: tens of milliseconds.
+    /// Integrates over the fiber's width, which takes tens of milliseconds.
     pub fn new(shape: &FiberShape) -> Self {
         let shape = shape.clamped();
         let (mut direct, mut wide, mut rest) = (Vec::new(), Vec::new(), Vec::new());
@@ -117,7 +118,7 @@ impl FarField {
         Self { shape, direct, wide, rest }
     }
 
-    /// The moments of the first three lobes at every azimuth.
+    /// Returns the moments of the first three lobes at every azimuth.
     fn row(shape: &FiberShape, cos_theta: f64) -> Vec<[Moments; 3]> {
         let mut sums = vec![[Moments::default(); 3]; AZIMUTHS as usize];
         for (h, width) in entries() {
@@ -136,20 +137,20 @@ impl FarField {
         sums
     }
 
-    /// The shape it was made for, within the range of the tables.
+    /// Shape of the fiber, clamped to the range of the tables.
     pub fn shape(&self) -> &FiberShape {
         &self.shape
     }
 
-    /// The moments between the steps, as the texture unit interpolates them.
-    pub fn around(table: &[Around], phi: f64, cos_theta: f64) -> Around {
+    /// Interpolates the moments between the steps, as a GPU sampler does.
+    pub fn around(table: &[AzimuthalLobes], phi: f64, cos_theta: f64) -> AzimuthalLobes {
         let grid = |v: f64, n: u32| {
             let at = v.clamp(0.0, 1.0) * f64::from(n - 1);
             let low = (at as u32).min(n - 2);
             (low as usize, (at - f64::from(low)) as f32)
         };
         let ((i, x), (j, y)) = (grid(phi.abs() / PI, AZIMUTHS), grid(cos_theta, COSINES));
-        let mut out = Around::default();
+        let mut out = AzimuthalLobes::default();
         for (k, w) in [(0, (1.0 - x) * (1.0 - y)), (1, x * (1.0 - y)), (2, (1.0 - x) * y), (3, x * y)] {
             let at = &table[(j + k / 2) * AZIMUTHS as usize + i + k % 2];
             (0..3).for_each(|p| out.weight[p] += w * at.weight[p]);
@@ -159,7 +160,7 @@ impl FarField {
         out
     }
 
-    /// The share of the last lobe between the steps.
+    /// Interpolates the share of the last lobe between the steps.
     pub fn rest(&self, sigma_a: f64, cos_theta: f64) -> f64 {
         let (u, c) = (hue(sigma_a) * f64::from(HUES - 1), cos_theta.clamp(0.0, 1.0) * f64::from(COSINES - 1));
         let (i, j) = ((u as u32).min(HUES - 2), (c as u32).min(COSINES - 2));
@@ -169,8 +170,8 @@ impl FarField {
             + (at(i + 1, j) * (1.0 - y) + at(i + 1, j + 1) * y) * x
     }
 
-    /// Radiance per irradiance of a whole fibre: twin of `fiber_direct` in `far.wesl`. All unit
-    /// vectors; for one absorption per radius and channel.
+    /// Returns radiance per irradiance of a whole fiber. All vectors are unit vectors; `sigma_a` is the absorption per
+    /// radius and channel. CPU reference of the sum of `fiber_narrow` and `fiber_wide` in `fiber.wesl`.
     pub fn scatter(&self, tangent: Vec3, eye: Vec3, light: Vec3, sigma_a: Vec3) -> Vec3 {
         let [t, e, l] = [tangent, eye, light].map(|v| DVec3::from(v).normalize());
         let (sin_eye, sin_light) = (t.dot(e), t.dot(l));
@@ -191,12 +192,12 @@ impl FarField {
     }
 }
 
-/// The mean over the half circle of light about step `i`.
+/// Returns the mean over the half circle of light around step `i`.
 fn half_circle(sums: &[[Moments; 3]], i: u32) -> [Moments; 3] {
     let last = AZIMUTHS - 1;
     let reach = f64::from(last) * 0.5;
     let mut out = [Moments::default(); 3];
-    // Each step around the circle, and how much of it lies within the reach.
+    // Each step around the circle, and the fraction of it within reach.
     for k in 0..2 * last {
         let offset = (f64::from(k) - f64::from(i)).rem_euclid(2.0 * f64::from(last));
         let inside = (reach + 0.5 - offset.min(2.0 * f64::from(last) - offset)).clamp(0.0, 1.0);
@@ -212,9 +213,9 @@ fn half_circle(sums: &[[Moments; 3]], i: u32) -> [Moments; 3] {
 mod tests {
     use super::*;
 
-    /// The table against the sum over the width, at places between its steps.
+    /// Compares the table with the sum over the width, between its steps.
     #[test]
-    fn moments_stand_for_the_sum() {
+    fn moments_approximate_the_sum() {
         for (n, bound) in [(0.3, 0.012), (0.9, 0.012), (0.15, 0.03)] {
             let shape = FiberShape { azimuthal: n, ..Default::default() };
             let far = FarField::new(&shape);
@@ -261,14 +262,14 @@ mod tests {
         }
     }
 
-    /// Light from all around is the same whichever half circle it is summed over.
+    /// The sum over all azimuths does not depend on the averaging over half circles.
     #[test]
-    fn half_circles_keep_the_light() {
+    fn half_circles_conserve_energy() {
         let far = FarField::new(&FiberShape::default());
         let last = AZIMUTHS as usize - 1;
         for c in [3, 16, 31] {
             for p in 0..3 {
-                let total = |table: &[Around]| {
+                let total = |table: &[AzimuthalLobes]| {
                     let row = &table[c * AZIMUTHS as usize..][..AZIMUTHS as usize];
                     let ends = 0.5 * (row[0].weight[p] + row[last].weight[p]);
                     row[1..last].iter().map(|a| a.weight[p]).sum::<f32>() + ends

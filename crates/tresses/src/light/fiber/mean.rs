@@ -1,6 +1,5 @@
-//! The average behaviour of many fibres: the quantities of dual scattering (Zinke, Yuksel, Weber, Keyser,
-//! *Dual Scattering Approximation for Fast Multiple Scattering in Hair*, 2008), integrated from the same
-//! lobes that shade a single fibre.
+//! Average scattering by many fibers: the quantities of dual scattering (Zinke, Yuksel, Weber, Keyser, *Dual Scattering
+//! Approximation for Fast Multiple Scattering in Hair*, 2008), integrated from the lobes that shade a single fiber.
 
 use super::{
     bsdf::LOBES,
@@ -8,30 +7,30 @@ use super::{
 };
 use std::f64::consts::PI;
 
-/// Averages of light that meets fibres from a half circle of azimuths.
+/// Averages for light that arrives from a half circle of azimuths.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Mean {
-    /// Share scattered on, into the half circle opposite.
+pub struct MeanScattering {
+    /// Fraction scattered forward, into the opposite half circle.
     pub forward: f32,
-    /// Share scattered back.
+    /// Fraction scattered backward.
     pub backward: f32,
-    /// Variance along the fibre of what is scattered on.
+    /// Longitudinal variance of forward scattering.
     pub forward_variance: f32,
-    /// Variance along the fibre of what is scattered back.
+    /// Longitudinal variance of backward scattering.
     pub backward_variance: f32,
-    /// Fraction that the mass of hair around a fibre scatters back, by one or three backward scatterings among
-    /// any number of forward ones (Zinke, equations 13 to 15).
+    /// Fraction that the surrounding hair scatters back, by one or three backward scatterings and any number of forward
+    /// ones (Zinke, equations 13 to 15).
     pub local: f32,
-    /// Variance along the fibre of that light (equation 17).
+    /// Longitudinal variance of `local` (equation 17).
     pub local_variance: f32,
-    /// By how much it is turned towards the root, radians (equation 16).
+    /// Shift of `local` towards the root, radians (equation 16).
     pub local_turn: f32,
     /// Share of the last lobe.
     pub rest: f32,
 }
 
-impl Mean {
-    /// From the share of each lobe that is scattered on and back. `density` is Zinke's d_b.
+impl MeanScattering {
+    /// Computes the averages from each lobe's forward and backward fraction. `density` is Zinke's d_b.
     fn new(
         forward: [f64; LOBES],
         backward: [f64; LOBES],
@@ -44,7 +43,7 @@ impl Mean {
         let mean = |shares: &[f64; LOBES], of: &[f64; LOBES]| {
             shares.iter().zip(of).map(|(a, v)| a * v).sum::<f64>() / sum(shares).max(1e-9)
         };
-        // A fibre that passed all light on would let it travel for ever.
+        // If fibers passed on all light, the series below would diverge.
         let (f, b) = (sum(&forward).min(0.99), sum(&backward));
         let (f2, b2) = (f * f, b * b);
         let left = 1.0 - f2;
@@ -68,8 +67,8 @@ impl Mean {
     }
 }
 
-/// A table of [`Mean`]s, indexed `hue * COSINES + cosine`.
-pub fn table(far: &FarField, density: f32) -> Vec<Mean> {
+/// Returns a table of [`MeanScattering`]s, indexed `hue * COSINES + cosine`.
+pub fn table(far: &FarField, density: f32) -> Vec<MeanScattering> {
     let (variances, turns) = (far.shape().variances(), far.shape().turns());
     let mut table = Vec::with_capacity((HUES * COSINES) as usize);
     for u in 0..HUES {
@@ -79,10 +78,10 @@ pub fn table(far: &FarField, density: f32) -> Vec<Mean> {
             let (mut forward, mut backward) = ([0.0; LOBES], [0.0; LOBES]);
             for i in 0..AZIMUTHS {
                 let at = &far.direct[(c * AZIMUTHS + i) as usize];
-                // Both sides of the circle; its two ends are met once.
+                // Both sides of the circle; its two end points count once.
                 let ends = if i == 0 || i + 1 == AZIMUTHS { 1.0 } else { 2.0 };
                 let step = ends * PI / f64::from(AZIMUTHS - 1);
-                // Light from anywhere in a half circle, turned by π - φ, stays in the opposite one
+                // Light from a random azimuth of a half circle, deflected by π - φ, stays in the opposite half circle
                 // with the probability φ/π.
                 let on = azimuth(i) / PI;
                 for (p, n) in at.densities(sigma, rest).into_iter().enumerate() {
@@ -91,17 +90,17 @@ pub fn table(far: &FarField, density: f32) -> Vec<Mean> {
                 }
             }
             debug_assert!(cosine(c) > 0.0);
-            table.push(Mean::new(forward, backward, variances, turns, density.into(), rest));
+            table.push(MeanScattering::new(forward, backward, variances, turns, density.into(), rest));
         }
     }
     table
 }
 
-/// The share scattered on of each hue of a [`table`], the mean over light from all directions: of those, fibres meet
-/// most across them.
-pub fn forward(table: &[Mean]) -> Vec<f32> {
-    let hue = |means: &[Mean]| {
-        // Of a sphere cos θ dθ lies at the inclination θ, and a fibre shows it cos θ of its width.
+/// Returns the forward fraction for each hue of a [`table`], averaged over light from all directions. Light across the
+/// fiber counts most, because it meets the largest cross-section.
+pub fn forward(table: &[MeanScattering]) -> Vec<f32> {
+    let hue = |means: &[MeanScattering]| {
+        // On a sphere, the inclination θ covers cos θ dθ, and a fiber's projected width is proportional to cos θ.
         let angle = |c: usize| cosine(c.min(means.len() - 1) as u32).acos();
         let weight = |c: usize| {
             let step = 0.5 * (angle(c.saturating_sub(1)) - angle(c + 1));
@@ -119,14 +118,14 @@ mod tests {
     use crate::light::fiber::FiberShape;
 
     #[test]
-    fn fibres_share_out_all_light() {
+    fn forward_and_backward_sum_to_one() {
         let far = FarField::new(&FiberShape::default());
         let table = table(&far, 0.7);
         let white = &table[((HUES - 1) * COSINES) as usize..];
         for (c, mean) in white.iter().enumerate().skip(1) {
             assert!((mean.forward + mean.backward - 1.0).abs() < 0.01, "{c} {mean:?}");
         }
-        // Most light goes on, and absorption takes from it; what mirrors stays.
+        // Most light is scattered forward, and absorption reduces it. Surface reflection remains.
         let level = |u: u32| table[(u * COSINES + COSINES - 1) as usize];
         assert!(level(HUES - 1).forward > 0.6);
         for u in 1..HUES {
@@ -136,10 +135,10 @@ mod tests {
         assert!(table.iter().all(|m| m.local_variance.is_finite() && m.local_variance >= 0.0));
     }
 
-    /// The formulas at values worked out by hand.
+    /// Compares the formulas with values worked out by hand.
     #[test]
-    fn zinkes_formulas() {
-        let m = Mean::new(
+    fn zinke_formulas_match_hand_computed_values() {
+        let m = MeanScattering::new(
             [0.0, 0.5, 0.0, 0.0],
             [0.2, 0.0, 0.0, 0.0],
             [0.09, 0.04, 0.0, 0.0],

@@ -1,8 +1,8 @@
-//! The tables on the GPU.
+//! Scattering tables of fibers on the GPU.
 
 use super::{
     FiberShape,
-    far::{AZIMUTHS, Around, COSINES, FarField, HUES, hue},
+    far::{AZIMUTHS, AzimuthalLobes, COSINES, FarField, HUES, hue},
     mean,
 };
 use crate::Context;
@@ -14,36 +14,36 @@ use glam::Vec3;
 use half::f16;
 use std::sync::Mutex;
 
-/// What the tables depend on.
+/// Parameters of the tables: fiber shape, and Zinke's d_b.
 type Key = (FiberShape, f32);
 
-/// Two textures and the group they are bound with. They are filled when first needed, and again when
-/// the fibre's shape changes: tens of milliseconds on the CPU.
+/// Two textures and their bind group. The tables are computed on the CPU in tens of milliseconds, on first use and
+/// again when the shape of the fiber changes.
 #[derive(Debug)]
 pub struct FiberTables {
     context: Context,
     around: wgpu::Texture,
     mean: wgpu::Texture,
     pub(crate) group: wgpu::BindGroup,
-    filled: Mutex<Option<Filled>>,
+    filled: Mutex<Option<TableBuild>>,
 }
 
 #[derive(Debug)]
-struct Filled {
+struct TableBuild {
     key: Key,
-    /// The share that a fibre passes on, by hue: mean over the directions that light comes from.
+    /// Fraction of the light that a fiber passes on, by hue: the mean over light directions.
     forward: Vec<f32>,
 }
 
 impl FiberTables {
-    /// The layout of [`FiberTables`]'s group, `@group(2)` wherever hair is shaded.
+    /// Returns the layout of the bind group, `@group(2)` of all shaders that shade hair.
     pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         let stages = wgpu::ShaderStages::FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let entries = [Binding::Texture2dArray, Binding::Texture2dArray, Binding::Sampler];
         layout(device, "fiber", stages, &entries)
     }
 
-    /// Empty tables.
+    /// Creates empty tables.
     pub(crate) fn new(context: &Context) -> Self {
         let Context { device, .. } = context;
         let texture = |label, width, height, layers| {
@@ -78,28 +78,28 @@ impl FiberTables {
         Self { context: context.clone(), around, mean, group, filled: Mutex::new(None) }
     }
 
-    /// Others, with nothing in them.
+    /// Creates other tables, which are empty.
     pub(crate) fn empty(&self) -> Self {
         Self::new(&self.context)
     }
 
-    /// Whether they are filled for other fibres than those of `shape`.
+    /// Whether the tables are filled for another shape or density.
     pub(crate) fn holds_others(&self, shape: &FiberShape, density: f32) -> bool {
         let filled = self.filled.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         filled.as_ref().is_some_and(|filled| filled.key != (shape.clamped(), density))
     }
 
-    /// Fills the tables for fibres of `shape` among which the share `density` (Zinke's d_b) of what is
-    /// scattered back meets others; does nothing when they already are.
+    /// Fills the tables for fibers of `shape`. `density` is Zinke's d_b, the fraction of the backscattered light that
+    /// hits other fibers. Does nothing if the tables are already filled for both.
     pub(crate) fn fill(&self, shape: &FiberShape, density: f32) {
         let shape = shape.clamped();
-        // A panic elsewhere leaves the key whole.
+        // The key is valid even if another thread has panicked.
         let mut filled = self.filled.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if filled.as_ref().is_some_and(|filled| filled.key == (shape, density)) {
             return;
         }
         let far = FarField::new(&shape);
-        let ways = |table: &[Around]| {
+        let ways = |table: &[AzimuthalLobes]| {
             let first = table.iter().flat_map(|a| [a.weight[0], a.weight[1], a.weight[2], a.path[0]]);
             let second = table.iter().flat_map(|a| [a.path[1], a.spread[0], a.spread[1], 0.0]);
             first.chain(second).collect::<Vec<_>>()
@@ -109,14 +109,14 @@ impl FiberTables {
         let first = means.iter().flat_map(|m| [m.forward, m.forward_variance, m.local, m.local_variance]);
         let second = means.iter().flat_map(|m| [m.local_turn, m.rest, m.backward, m.backward_variance]);
         write(&self.context, &self.mean, first.chain(second).collect());
-        *filled = Some(Filled { key: (shape, density), forward: mean::forward(&means) });
+        *filled = Some(TableBuild { key: (shape, density), forward: mean::forward(&means) });
     }
 
-    /// The share of the light from all around that fibres of these absorptions per radius pass on; nothing
-    /// before the tables are filled.
+    /// Returns the fraction of ambient light that fibers of these absorptions per radius pass on, or zero before the
+    /// tables are filled.
     pub(crate) fn passes(&self, absorption: Vec3) -> Vec3 {
         let filled = self.filled.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let Some(Filled { forward, .. }) = &*filled else { return Vec3::ZERO };
+        let Some(TableBuild { forward, .. }) = &*filled else { return Vec3::ZERO };
         let share = |sigma: f32| {
             let at = hue(f64::from(sigma.max(0.0))) as f32 * (HUES - 1) as f32;
             let low = (at as usize).min(HUES as usize - 2);
@@ -131,7 +131,7 @@ impl FiberTables {
     }
 }
 
-/// Fills a texture of four half floats per texel.
+/// Uploads a texture of four half floats per texel.
 fn write(context: &Context, texture: &wgpu::Texture, values: Vec<f32>) {
     let Context { queue, .. } = context;
     let halves: Vec<u16> = values.into_iter().map(|v| f16::from_f32(v).to_bits()).collect();

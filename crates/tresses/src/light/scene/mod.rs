@@ -1,19 +1,19 @@
-//! Shadows of a host's scene: its shadow maps are brought into those that light hair and bodies.
+//! Imports shadow maps of the host's scene into the shadow maps of hair and meshes.
 //!
 //! ```text
-//! the scene's shadow maps ─► a triangle over each of the view's maps, depth by depth ─► bodies on top ─► as ever
+//! scene's shadow maps ─► a triangle over each of the view's maps, writing depth ─► meshes on top ─► as without a scene
 //! ```
 //!
-//! Hair asks one map for each light, the view's own, around the hair alone. What a host has drawn into shadow maps of
-//! its own, whichever way their depth runs, is carried over into it before bodies are drawn, texel by texel: nothing that
-//! asks for light knows of it or pays for it. Both maps look along the same light, so that a ray of one is a texel of the
-//! other. The light of a lamp spreads: at the hair it counts as parallel, and the ray is looked up where it passes the
-//! middle of the hair.
+//! Hair reads one map per light: the view's own, which covers only the hair. This module copies the host's shadow maps
+//! into it, texel by texel, before meshes are drawn. The depth of a host's map may run either way. Shaders that read
+//! light do not change, and cost the same. Both maps look along the same light, so a ray of one is a texel of the
+//! other. Rays of a point or spot light diverge; at the hair they count as parallel, and the lookup is where a ray
+//! passes the middle of the hair.
 //!
-//! Several maps of one light add up, the cascades of a sun for example: each brings what it covers.
+//! Several maps of one light add up, for example the cascades of a sun: each contributes the region that it covers.
 //!
-//! Rejected: asking the host's maps where hair is shaded, which takes bindings and lookups of every kernel that asks for
-//! light, of all users; reprojecting its depth as points, which leaves holes.
+//! Rejected: reading the host's maps where hair is shaded, which would add bindings and lookups to every kernel that
+//! reads light, for all users; reprojecting their depth as points, which leaves holes.
 
 use super::{Lights, ShadowMaps, Sphere, lights::SHADOW_MAPS};
 use crate::{
@@ -21,39 +21,40 @@ use crate::{
     gpu::{
         Binding, Device,
         bindings::layout,
-        pipeline::{Made, Recipe},
+        pipeline::{PipelineCache, Recipe},
     },
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3, Vec4};
 
-/// The most shadow maps of a scene that a picture takes.
+/// Maximum number of scene shadow maps in a frame.
 pub const MOST_SCENE_SHADOWS: usize = 16;
 
-/// What is farther apart than this is an edge in a scene's map, metres.
+/// Difference of depth that counts as an edge in a scene's map, meters.
 const APART: f32 = 0.03;
 
-/// A shadow map of a host's scene: what of it keeps one light from hair.
+/// A shadow map of the host's scene, for one light.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneShadow<'a> {
-    /// Which of [`Lights::directional`] it belongs to. Of one that is off nothing is taken.
+    /// Index into [`Lights::directional`]. The map is ignored if that light is off.
     pub light: usize,
-    /// Its depth, seen from the light: one sample per texel, a plain two-dimensional view (of an array one layer) of the
-    /// first mip level, with `TEXTURE_BINDING`.
+    /// Depth as seen from the light: a two-dimensional view of the first mip level (and of one layer of an array), with
+    /// one sample per texel and `TEXTURE_BINDING`.
     pub depth: &'a wgpu::TextureView,
-    /// Where it begins in `depth` and how large it is, texels: of an atlas a part. `None` for all of it.
+    /// Origin and size in `depth`, texels, if the map is part of an atlas. `None` for all of `depth`.
     pub part: Option<[[u32; 2]; 2]>,
-    /// From the world to its clip space, where depth is between 0 and 1 and runs either way: of a sun orthographic, of a
-    /// lamp a perspective.
+    /// World to clip space, where depth is between 0 and 1 and runs either way. Orthographic for a sun, perspective for
+    /// a point or spot light.
     pub projection: Mat4,
-    /// How much farther from the light everything in it is taken to be, metres. A coarse map whose casters hair lies on,
-    /// as a head, needs as much as its texels are large.
+    /// Distance by which everything in the map is moved away from the light, meters. A coarse map needs the size of its
+    /// texels if hair lies on its casters, such as a head.
     pub bias: f32,
 }
 
 impl SceneShadow<'_> {
-    /// Whether it sees all of a sphere; `None` where it sees nothing of it. Of orthographic maps that has to lie between
-    /// their planes: what is before the nearer one may have been drawn at it, behind the sphere.
+    /// Returns whether the map covers all of a sphere, or `None` if it covers nothing of it. For an orthographic map
+    /// the sphere must lie between the near and the far plane: casters in front of the near plane may have been drawn
+    /// at it, behind the sphere.
     pub fn sees(&self, sphere: &Sphere) -> Option<bool> {
         let [x, y, z, w] = [0, 1, 2, 3].map(|i| self.projection.row(i));
         let within = |plane: Vec4| {
@@ -73,36 +74,37 @@ fn is_flat(projection: &Mat4) -> bool {
     projection.row(3).truncate() == Vec3::ZERO
 }
 
-/// What the shader knows of one of them and of the map that it goes into.
+/// Shader data of a [`SceneShadow`] and of the map that it is imported into.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct SceneUniform {
-    /// From the clip space of the view's map to that of the scene's.
+    /// Clip space of the view's map to clip space of the scene's map.
     pub to_scene: Mat4,
-    /// Where the scene's map begins in its texture, texels.
+    /// Origin of the scene's map in its texture, texels.
     pub origin: [u32; 2],
-    /// How large it is, texels.
+    /// Size of the scene's map, texels.
     pub size: [u32; 2],
-    /// [`SceneShadow::bias`], of the depth of the view's map.
+    /// [`SceneShadow::bias`], in the depth of the view's map.
     pub bias: f32,
-    /// What is farther apart is an edge, of the depth of the view's map.
+    /// Difference that counts as an edge, in the depth of the view's map.
     pub apart: f32,
-    /// The depth in the scene's map of where nothing is.
+    /// Depth of empty texels in the scene's map.
     pub nothing: f32,
     /// Texels along each edge of the view's map.
     pub edge: f32,
 }
 
 impl SceneUniform {
-    /// Of `shadow` in a map of `edge`² texels, to whose clip space `map` leads and whose depth is `range` metres.
+    /// Returns the shader data to import `shadow` into a map of `edge`² texels, with the world to clip space transform
+    /// `map` and a depth of `range` meters.
     fn new(shadow: &SceneShadow<'_>, map: Mat4, (range, edge): (f32, u32)) -> Self {
         let to_scene = shadow.projection * map.inverse();
-        // Where depth rises from the light on, what is cleared is at 1.
+        // If depth rises away from the light, empty texels are at 1.
         let [z, w] = [shadow.projection.row(2), shadow.projection.row(3)];
         let rises = if is_flat(&shadow.projection) {
             (to_scene * Vec4::Z).z > 0.0
         } else {
-            // It is a + b / w, and w grows from the light on.
+            // Depth is a + b / w, and w rises away from the light.
             let a = z.truncate().dot(w.truncate()) / w.truncate().length_squared();
             z.w - a * w.w < 0.0
         };
@@ -121,12 +123,12 @@ impl SceneUniform {
     }
 }
 
-/// The pipeline that brings them.
+/// Pipeline that imports scene shadows.
 #[derive(Debug)]
 pub(super) struct Pipelines {
     device: Device,
     layout: wgpu::BindGroupLayout,
-    bring: Made<(), wgpu::RenderPipeline>,
+    bring: PipelineCache<(), wgpu::RenderPipeline>,
 }
 
 impl Pipelines {
@@ -134,7 +136,7 @@ impl Pipelines {
         let Context { device, .. } = context;
         let entries = [Binding::Uniform, Binding::Depth];
         let layout = layout(device, "scene shadow", wgpu::ShaderStages::FRAGMENT, &entries);
-        Self { device: device.clone(), layout, bring: Made::default() }
+        Self { device: device.clone(), layout, bring: PipelineCache::default() }
     }
 
     fn bring(&self) -> Result<wgpu::RenderPipeline> {
@@ -152,20 +154,20 @@ impl Pipelines {
     }
 }
 
-/// What a picture takes of a scene's shadow maps: a group for each, by the map of the view that it goes into.
+/// Scene shadows imported in a frame: the index of the view's map, and the bind group, of each.
 #[derive(Debug, Default)]
-pub(crate) struct Brought {
+pub(crate) struct ImportedShadows {
     pipeline: Option<wgpu::RenderPipeline>,
     groups: Vec<(usize, wgpu::BindGroup)>,
 }
 
-impl Brought {
-    /// Of `shadows` what `lights` and the view's `maps` take, which lead from the world to `matrices`, whose depth is
-    /// `range` metres, and which are around `focus`.
+impl ImportedShadows {
+    /// Selects the `shadows` that apply to `lights` and to the view's `maps`. Those have the world to clip space
+    /// transforms `matrices` and a depth of `range` meters, and cover `focus`.
     ///
     /// # Errors
-    /// [`Error::Parameter`] when there are too many, when one has several samples or cannot be read, or when its part is
-    /// not in it.
+    /// [`Error::Parameter`] when there are too many shadows, or when one has several samples, cannot be read by
+    /// shaders, has an invalid projection, bias or part.
     pub fn new(
         pipelines: &super::Pipelines,
         maps: &ShadowMaps,
@@ -201,7 +203,7 @@ impl Brought {
         Ok(Self { pipeline, groups })
     }
 
-    /// Records what goes into the map number `map`, whose pass this is.
+    /// Records the import into map number `map`, in the render pass of that map.
     pub fn record(&self, pass: &mut crate::gpu::RenderPass<'_>, map: usize) {
         let mut groups = self.groups.iter().filter(|(into, _)| *into == map).peekable();
         let Some(pipeline) = self.pipeline.as_ref().filter(|_| groups.peek().is_some()) else { return };
@@ -223,22 +225,26 @@ fn check(shadow: &SceneShadow<'_>) -> Result<()> {
     if samples != 1 {
         return Err(wrong(
             "a scene's shadow map",
-            format!("of {samples} samples"),
-            "of one sample per texel",
+            format!("a texture of {samples} samples"),
+            "a texture of one sample per texel",
         ));
     }
     if !texture.usage().contains(wgpu::TextureUsages::TEXTURE_BINDING) {
-        return Err(wrong("a scene's shadow map", "one that shaders cannot read", "with TEXTURE_BINDING"));
+        return Err(wrong(
+            "a scene's shadow map",
+            "a texture without TEXTURE_BINDING",
+            "a texture with TEXTURE_BINDING",
+        ));
     }
     if !shadow.projection.is_finite() || shadow.projection.determinant() == 0.0 {
         return Err(wrong(
             "the projection of a scene's shadow map",
-            "flat, or no numbers",
-            "one of all of space",
+            "singular or not finite",
+            "finite and invertible",
         ));
     }
     if !shadow.bias.is_finite() {
-        return Err(wrong("the bias of a scene's shadow map", shadow.bias, "a length, metres"));
+        return Err(wrong("the bias of a scene's shadow map", shadow.bias, "a finite length in meters"));
     }
     let Some([origin, size]) = shadow.part else { return Ok(()) };
     let whole = texture.size();
@@ -247,6 +253,6 @@ fn check(shadow: &SceneShadow<'_>) -> Result<()> {
     if fits(0, whole.width) && fits(1, whole.height) {
         return Ok(());
     }
-    let value = format!("{size:?} texels from {origin:?} on, of {} by {}", whole.width, whole.height);
-    Err(wrong("the part of a scene's shadow map", value, "in it"))
+    let value = format!("{size:?} texels from {origin:?}, in a map of {} by {}", whole.width, whole.height);
+    Err(wrong("the part of a scene's shadow map", value, "inside the map"))
 }

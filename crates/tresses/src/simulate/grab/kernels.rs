@@ -7,7 +7,7 @@ use crate::{
     strands::{GuideBuffers, StrandBuffers},
 };
 
-/// The pipelines.
+/// The grab's pipelines.
 #[derive(Debug)]
 pub(crate) struct GrabKernels {
     pick: Kernel,
@@ -18,7 +18,7 @@ pub(crate) struct GrabKernels {
     pull: Kernel,
 }
 
-/// What each of them binds of one groom.
+/// Bind groups of each kernel for one groom.
 #[derive(Debug)]
 pub(crate) struct Groups {
     pick: wgpu::BindGroup,
@@ -50,7 +50,7 @@ impl GrabKernels {
         }
     }
 
-    /// `own` is uniforms, marks, state and holds.
+    /// Binds the kernels. `own` is uniforms, marks, state and holds.
     pub fn bind(&self, own: [&wgpu::Buffer; 4], guides: &GuideBuffers, strands: &StrandBuffers) -> Groups {
         let [uniforms, marks, state, holds] = own;
         let bind = |kernel: &Kernel, buffers: &[&wgpu::Buffer]| {
@@ -72,7 +72,8 @@ impl GrabKernels {
         }
     }
 
-    /// `workgroups` for strand vertices and for guide vertices; `picks` begins the grab.
+    /// Records the kernels of a step. `workgroups` are the counts for strand vertices and for guide vertices; `picks`
+    /// starts the grab.
     pub fn record(
         &self,
         pass: &mut crate::gpu::ComputePass<'_>,

@@ -1,48 +1,47 @@
 //! Grabbing and pulling a lock of hair.
 //!
 //! ```text
-//! at the grab:  ray, strand vertices ─► pick ─► marks ─► hit ─► state: where the ray has met hair
-//!               guides ─► reach ─► marks ─► hold ─► holds: offset from there and weight, per guide vertex
-//! each step:    ray or point ─► aim ─► state: the motion of the target in this step
+//! at the grab:  ray, strand vertices ─► pick ─► marks ─► hit ─► state: hit point on hair
+//!               guides ─► reach ─► marks ─► hold ─► holds: offset from the hit point and weight, per vertex
+//! each step:    ray or point ─► aim ─► state: motion of the target in this step
 //!               holds, guides, obstacles ─► pull ─► GuideForce ─► simulate::step
 //! ```
 //!
-//! **What is grabbed.** `pick` is an atomic minimum over the drawn segments near the ray, since those are
-//! what the user sees: depth plus [`ASIDE`] times the distance from the ray, so that hair under the cursor
-//! wins over hair a little nearer beside it. `hit` tests the obstacles along the ray: hair behind the head
-//! is not grabbed. `reach` finds the distance of the nearest guide vertex from the hit point, because
-//! guides may be farther apart than the radius; `hold` stores, for all vertices within the radius or
-//! slightly more than that distance, the offset from the hit point and a weight that falls to 0 at the
-//! edge.
+//! **Picking.** `pick` is an atomic minimum over the drawn segments near the ray, because the user sees those. It
+//! minimizes depth plus [`ASIDE`] times the distance from the ray, so that hair under the cursor wins over slightly
+//! nearer hair beside it. `hit` tests the obstacles along the ray, so hair behind the head is not grabbed. `reach`
+//! finds the distance of the nearest guide vertex from the hit point, because guides may be farther apart than the
+//! radius. `hold` stores, for all vertices within the radius or up to twice that distance, the offset from the hit
+//! point and a weight that falls to 0 at the edge.
 //!
-//! **What pulls.** The target of each held vertex is where it would be if it had moved with the grab's
-//! target. The pull is a rate towards a velocity, `RATE (w − v)`, and `w` is the target's velocity plus the
-//! remaining offset over [`SETTLE`]: critically damped by construction, since nothing but the velocity has
-//! inertia. The step treats the rate implicitly in the velocity, as it does drag, so that no strength is
-//! unstable; a force stiff in the position would need a term in the solve, which has no ninth buffer. The
-//! acceleration is at most [`STRONGEST`]: hair pulled beyond its length becomes taut, and the energy
-//! that it stores is too small to see on release. Near an obstacle `w` leads no deeper than its surface.
+//! **Pull.** Each held vertex has a target: its position if it had moved with the grab's target. The pull is a rate
+//! towards a velocity, `RATE (w − v)`, where `w` is the target's velocity plus the remaining offset over [`SETTLE`]. It
+//! is critically damped by construction, since only the velocity has inertia. The step treats the rate implicitly in
+//! the velocity, like drag, so it is stable at any strength. A force stiff in the position would need a term in the
+//! solve and a ninth storage buffer, which WebGPU does not guarantee. The acceleration is at most [`STRONGEST`]: hair
+//! pulled beyond its length becomes taut, and the energy it stores is too small to see on release. Near an obstacle `w`
+//! leads no deeper than its surface.
 //!
-//! **Nothing is read back.** The host knows neither what was hit nor whether anything was; a ray that meets
-//! nothing holds nothing, and the guides move bit-identically without it. A target given by a ray lies in
-//! the plane through the hit point, perpendicular to the ray of the grab.
+//! **Nothing is read back.** The host does not know whether the ray hit anything. A ray without a hit holds nothing,
+//! and the guides move bit-identically without it. A target given by a ray lies in the plane through the hit point,
+//! perpendicular to the ray of the grab.
 //!
-//! **Fixed steps.** The target moves from its position at the end of the last step towards its current
-//! position, in fractions of the frame, as the head does ([`crate::clock`]): the same motion at any frame
-//! rate. The hair is released when the head jumps or the hair is reset to rest.
+//! **Fixed steps.** The target moves from its position at the end of the last step towards its current position, in
+//! fractions of the frame, like the head ([`crate::clock`]): the motion is the same at any frame rate. The hair is
+//! released when the head jumps or the hair is reset to rest.
 //!
-//! **Cost.** Buffers and pipelines are created at the first grab; without a grab, nothing is dispatched.
-//! During a grab there are two small kernels per step, and `simulate::step` reads their forces.
+//! **Cost.** Buffers and pipelines are created at the first grab; without a grab, nothing is dispatched. During a grab
+//! there are two small kernels per step, and `simulate::step` reads their forces.
 //!
-//! **Measured** (`tests/gpu/grab.rs`): held hair is within 1.5 mm of its target half a second after a drag of
-//! 3 cm; pulled out of reach, and through the head, no edge is more than 0.82 % from its rest length and no
-//! vertex in the head; released from there it moves at 0.5 m/s after a step and never faster than 2.1 m/s.
-//! At 30, 60 and 144 frames per second positions differ by 2 µm.
+//! **Measured** (`tests/gpu/grab.rs`): held hair is within 1.5 mm of its target half a second after a drag of 3 cm.
+//! When pulled out of reach and through the head, no edge is more than 0.82 % from its rest length and no vertex is in
+//! the head. Released from there, hair moves at 0.5 m/s after a step and never faster than 2.1 m/s. Positions at 30, 60
+//! and 144 frames per second differ by 2 µm.
 //!
-//! **Known limit.** Strands between a held guide and a free one are interpolated between both: where guides
-//! are sparse, a lifted lock is a fan.
+//! **Known limit.** Strands between a held guide and a free one are interpolated between both: where guides are sparse,
+//! a lifted lock is a fan.
 //!
-//! **Untried.** Rotating a lock by hand; grabbing drawn strands alone, which follow the guides.
+//! **Untried.** Rotating a lock by hand; grabbing single drawn strands, which follow the guides.
 
 mod kernels;
 
@@ -62,41 +61,41 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// How much a millimetre beside the ray counts of a millimetre along it.
+/// Weight of the distance from the ray relative to the depth along it.
 pub const ASIDE: f32 = 3.0;
-/// Time in which a held vertex makes good a third of what it has stayed behind, s; but no less than two steps.
+/// Time constant with which a held vertex's remaining offset decays, s; at least two steps.
 pub const SETTLE: f32 = 0.03;
-/// The strongest pull on a guide vertex, m/s².
+/// Largest acceleration of a guide vertex by the pull, m/s².
 pub const STRONGEST: f32 = 2000.0;
 
-/// Where the hand is.
+/// Target to which a grab pulls hair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Target {
-    /// Where a ray meets the plane through the place that was hit, across the ray of the grab.
+    /// The intersection of a ray with the plane through the hit point, perpendicular to the ray of the grab.
     Ray(Ray),
-    /// At a point of the same space, metres: there what was hit wants to be.
+    /// A point in the space of the rays, meters, to which the hit point is pulled.
     Point(Vec3),
 }
 
-/// What the kernels know of a grab in one step.
+/// Uniforms of a grab in one step.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GrabUniform {
-    /// Origin of the ray of the grab, metres.
+    /// Origin of the ray of the grab, meters.
     pub origin: Vec3,
-    /// How near to what was hit guide vertices are held, metres.
+    /// Radius around the hit point within which guide vertices are held, meters.
     pub radius: f32,
     /// Direction of the ray of the grab, unit.
     pub direction: Vec3,
-    /// Of the way from where the target is to where the frame wants it, the share of this step.
+    /// Fraction of the target's remaining path in the frame that this step covers.
     pub share: f32,
-    /// Origin of the ray of the target, or the target, metres.
+    /// Origin of the target ray, or the target point, meters.
     pub target_at: Vec3,
     /// Length of the step, s.
     pub step: f32,
-    /// Direction of the ray of the target, unit; zero for a point.
+    /// Direction of the target ray, unit; zero for a point.
     pub toward: Vec3,
-    /// [`SETTLE`], or two steps, s.
+    /// [`SETTLE`], but at least two steps, s.
     pub settle: f32,
     /// Number of guides.
     pub guide_count: u32,
@@ -104,86 +103,86 @@ pub struct GrabUniform {
     pub vertex_count: u32,
     /// Number of drawn strands.
     pub strand_count: u32,
-    /// Vertices of each.
+    /// Vertices per strand.
     pub strand_vertices: u32,
-    /// 1 when other forces stand in the buffer already.
+    /// 1 if the force buffer already holds other forces.
     pub forced: u32,
-    /// The moment at which the step begins, see [`crate::collide`].
+    /// Collider moment at the start of the step, see [`crate::collide`].
     pub moment: u32,
     /// [`ASIDE`].
     pub aside: f32,
     /// [`STRONGEST`], m/s².
     pub strongest: f32,
-    /// Origin of the ray of the grab as obstacles are drawn, metres.
+    /// Origin of the ray of the grab in the space in which obstacles are drawn, meters.
     pub seen_origin: Vec3,
     /// Unused.
     pub _pad_a: u32,
-    /// Its direction, unit.
+    /// Direction of that ray, unit.
     pub seen_direction: Vec3,
     /// Unused.
     pub _pad_b: u32,
-    /// The same as strands were drawn last.
+    /// Origin of the ray of the grab in the space in which strands were last drawn, meters.
     pub drawn_origin: Vec3,
     /// Unused.
     pub _pad_c: u32,
-    /// Its direction, unit.
+    /// Direction of that ray, unit.
     pub drawn_direction: Vec3,
     /// Unused.
     pub _pad_d: u32,
-    /// By how much the state moves before the step, metres: the origin is another one.
+    /// Displacement of the state before the step, meters, when the carrier's origin has moved.
     pub shift: Vec3,
     /// Unused.
     pub _pad_e: u32,
 }
 
-/// The ways of rays, which are given as the frame is drawn.
+/// Maps from the space of the drawn frame, in which rays are given.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Sights {
-    /// To where hair is simulated.
+pub(crate) struct RayTransforms {
+    /// Map to the space of the simulation.
     pub to_carrier: Map,
-    /// To where the last frame was drawn.
+    /// Map to the space of the last drawn frame.
     pub to_last: Map,
-    /// By how much positions move before the first step, metres.
+    /// Displacement of all positions before the first step, meters.
     pub shift: Vec3,
 }
 
-/// What the GPU remembers of a grab.
+/// State of a grab on the GPU.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GrabState {
-    /// Where the ray has met hair, metres.
+    /// Hit point of the ray on hair, meters.
     pub hit: Vec3,
-    /// 1 when it has, else 0.
+    /// 1 if the ray has hit hair, else 0.
     pub held: u32,
-    /// Where the target is at the end of the step, metres.
+    /// Position of the target at the end of the step, meters.
     pub at: Vec3,
     /// Unused.
     pub _pad_a: u32,
-    /// Its velocity in the step, m/s.
+    /// Velocity of the target in the step, m/s.
     pub velocity: Vec3,
     /// Unused.
     pub _pad_b: u32,
 }
 
-/// Bytes from one step's uniform to the next's: a multiple of every adapter's alignment.
+/// Stride between the uniforms of consecutive steps, bytes: a multiple of every adapter's alignment.
 const STRIDE: u32 = 256;
 
-/// One groom's hand.
+/// The grab of one groom.
 #[derive(Debug, Default)]
 pub struct Grab {
-    /// The ray of the grab and its radius, while it lasts.
+    /// Ray and radius of the grab, while it lasts.
     ray: Option<(Ray, f32)>,
     target: Option<Target>,
-    /// Whether the ray has still to be sent out.
+    /// Whether the ray has not been cast yet.
     fresh: bool,
-    /// Whether it is in this frame.
+    /// Whether this frame casts the ray.
     picks: bool,
     pub(super) buffers: Option<Buffers>,
-    /// Strand vertices, guide vertices.
+    /// Number of strand vertices and of guide vertices.
     threads: [u32; 2],
 }
 
-/// What it needs on the GPU.
+/// GPU resources of a grab.
 #[derive(Debug)]
 pub(super) struct Buffers {
     pipelines: Arc<Pipelines>,
@@ -198,7 +197,7 @@ fn unit(ray: &Ray) -> Result<Ray> {
     let direction = ray.direction.normalize_or_zero();
     if !(ray.origin.is_finite() && direction.is_normalized()) {
         return Err(Error::Parameter {
-            name: "a ray",
+            name: "grab ray",
             value: format!("{ray:?}"),
             range: "finite, with a direction",
         });
@@ -207,11 +206,11 @@ fn unit(ray: &Ray) -> Result<Ray> {
 }
 
 impl Grab {
-    /// Grabs what `ray` meets and all guide vertices within `radius` metres of there. It happens when the
-    /// next step is due; the hair as it was drawn last counts.
+    /// Grabs all guide vertices within `radius` meters of the first hair that `ray` hits. The ray is cast before the
+    /// next step, against the hair as it was last drawn.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a ray without a direction, and a radius that is not from 1 mm to 1 m.
+    /// [`Error::Parameter`] for a ray without a direction, and for a radius outside 1 mm to 1 m.
     pub fn begin(&mut self, ray: &Ray, radius: f32) -> Result<()> {
         Error::unless_within("grab radius", radius, 1e-3, 1.0, "from 0.001 to 1 m")?;
         let ray = unit(ray)?;
@@ -221,16 +220,20 @@ impl Grab {
         Ok(())
     }
 
-    /// The hand moves; nothing without a grab.
+    /// Moves the target. Does nothing without a grab.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for what is not finite.
+    /// [`Error::Parameter`] for a target that is not finite.
     pub fn drag(&mut self, target: &Target) -> Result<()> {
         let target = match target {
             Target::Ray(ray) => Target::Ray(unit(ray)?),
             Target::Point(point) if point.is_finite() => Target::Point(*point),
             Target::Point(point) => {
-                return Err(Error::Parameter { name: "a target", value: point.to_string(), range: "finite" });
+                return Err(Error::Parameter {
+                    name: "grab target",
+                    value: point.to_string(),
+                    range: "finite",
+                });
             }
         };
         if self.ray.is_some() {
@@ -239,22 +242,22 @@ impl Grab {
         Ok(())
     }
 
-    /// Lets go.
+    /// Releases the hair.
     pub fn end(&mut self) {
         (self.ray, self.target, self.fresh, self.picks) = (None, None, false, false);
     }
 
-    /// Whether it holds, or tries to.
+    /// Returns whether a grab is active, even if its ray has hit nothing.
     pub fn is_active(&self) -> bool {
         self.ray.is_some()
     }
 
-    /// [`GrabState`], one, once there has been a grab.
+    /// Returns the buffer with the [`GrabState`], after the first grab.
     pub fn state(&self) -> Option<&wgpu::Buffer> {
         self.buffers.as_ref().map(|buffers| &buffers.state)
     }
 
-    /// What the hair's strands are in is other buffers from here on: it lets go.
+    /// Releases the hair and drops the buffers, because the hair's strands have new buffers.
     pub(crate) fn forget_buffers(&mut self) {
         self.buffers = None;
         self.end();
@@ -267,8 +270,8 @@ impl Grab {
         })
     }
 
-    /// Writes what the `steps` of a frame read; whether any of them pulls. `forced` when others have written
-    /// [`GuideBuffers::forces`].
+    /// Writes the uniforms of a frame's `steps` and returns whether any of them pulls. `forced` is true if other
+    /// kernels have written [`GuideBuffers::forces`].
     ///
     /// # Errors
     /// [`Error::Limit`].
@@ -278,7 +281,7 @@ impl Grab {
         physics: &SimulationParams,
         steps: &[Step],
         (guides, strands): (&GuideBuffers, &StrandBuffers),
-        sights: &Sights,
+        sights: &RayTransforms,
         forced: bool,
     ) -> Result<bool> {
         let Context { queue, .. } = context;
@@ -327,7 +330,7 @@ impl Grab {
                 seen_direction: seen.direction,
                 drawn_origin: drawn.origin,
                 drawn_direction: drawn.direction,
-                // What is met in this step is met where it is then.
+                // A hit in this step is already relative to the new origin.
                 shift: if i == 0 && !self.picks { sights.shift } else { Vec3::ZERO },
                 ..Zeroable::zeroed()
             };
@@ -341,7 +344,7 @@ impl Grab {
         Ok(true)
     }
 
-    /// Records step `i` of those that [`prepare`](Self::prepare) wrote: after other forces, before the step.
+    /// Records step `i` of those written by [`prepare`](Self::prepare), after other forces and before the step.
     pub(crate) fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, colliders: &ColliderSet, i: u32) {
         let Some(buffers) = &self.buffers else { return };
         if self.is_active() {

@@ -1,13 +1,13 @@
-//! One solve of a strand that twists: of positions and of how the frames of edges turn about them, together.
+//! One solve of a strand with twist: positions and the rotations of edge frames about their edges, together.
 
 use super::{StepUniforms, Strand, outer};
 use crate::{math::ldl::Factors4, strands::guide::TIP_PINNED};
 use glam::{Mat3, Mat4, Vec3, Vec4};
 
-/// The most that a bend is twisted, radians.
+/// Largest twist of a bend, radians.
 const MOST_TWIST: f32 = 2.0;
 
-/// A matrix of four rows: three of a bend, one of a twist.
+/// Returns a matrix of four rows: three of a bend, one of a twist.
 fn rows(bend: Mat3, bend_turn: Vec3, twist: Vec3, twist_turn: f32) -> Mat4 {
     Mat4::from_cols(
         bend.x_axis.extend(twist.x),
@@ -21,13 +21,13 @@ fn outer4(a: Vec4, b: Vec4) -> Mat4 {
     Mat4::from_cols(a * b.x, a * b.y, a * b.z, a * b.w)
 }
 
-/// `m` acting on positions alone.
+/// Returns `m` extended to 4×4, acting on positions only.
 fn wide(m: Mat3) -> Mat4 {
     rows(m, Vec3::ZERO, Vec3::ZERO, 0.0)
 }
 
 impl Strand {
-    /// The twist at which the rest pose is at rest, although its bends carry weight.
+    /// Returns the twist of each bend at which the rest pose is in equilibrium, although its bends carry weight.
     pub(super) fn resting_twist(&self, rate: impl Fn(usize) -> f32) -> Vec<f32> {
         let n = self.rest.len();
         let edge = |j: usize| self.rest[j + 1].position - self.rest[j].position;
@@ -64,7 +64,7 @@ impl Strand {
         let stretch = u.stretch * self.guide.length / (edge * edge).max(1e-12);
         let tip_pinned = self.guide.flags & TIP_PINNED != 0;
         let mut solved = vec![(Mat4::ZERO, Mat4::ZERO, Vec4::ZERO); n];
-        // How each twist changes with the edge before, the edge after, and the turn of the one before.
+        // Derivatives of each twist with respect to the edge before, the edge after, and the turn of the edge before.
         let mut turning = vec![(Vec3::ZERO, Vec3::ZERO, 0.0); n];
         let (mut d0, mut d1, mut u0) = (Mat4::ZERO, Mat4::ZERO, Mat4::ZERO);
         let (mut g0, mut g1) = (Vec4::ZERO, Vec4::ZERO);
@@ -88,18 +88,18 @@ impl Strand {
             let about = axis.cross(t) / edge;
             let (s, a) = super::bend(p, v, j, t, least, u.bending_damping);
             let s = s - about * (edge * spin * u.bending_damping);
-            // The twist: minimal rotations turn about the sum of both directions by nothing.
+            // The twist: a minimal rotation has no component about the sum of both directions.
             let sum = 1.0 / (1.0 + carried.dot(unit)).max(0.1);
             let after = carried.cross(unit) * (sum / length.max(least.sqrt()));
             let before = (carried + unit).cross(axis) * (sum * inverse.sqrt());
             let pass = (carried + unit).dot(axis) * sum;
             turning[j] = (before, after, pass);
-            // As fast as the motion of the vertices turns the next edge's frame.
+            // Angular velocity about the next edge, due to the motion of the vertices.
             spin = pass * spin + before.dot(v[j] - v[j - 1]) - after.dot(v[i] - v[j]);
             let rest_edge = self.rest[i].position - self.rest[j].position;
             let kt = kb * rest_edge.length_squared().max(least);
-            // So far twist is as stiff as bending. What it is more or less lies about the tangent at the vertex, between both
-            // edges: `q` is how that turn changes.
+            // So far twist is as stiff as bending. The difference acts about the tangent at the vertex; `q` is the
+            // derivative of that rotation.
             let tangent = (carried + axis).normalize_or_zero();
             let across = tangent.cross(carried) / rest_edge.length().max(least.sqrt());
             let straight = tangent.dot(carried);

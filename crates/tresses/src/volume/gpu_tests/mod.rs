@@ -1,4 +1,4 @@
-//! The kernels against the twin, closed forms and invariants.
+//! Compares the kernels with the CPU reference, closed forms and invariants.
 
 mod push;
 mod samples;

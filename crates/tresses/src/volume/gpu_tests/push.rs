@@ -1,4 +1,4 @@
-//! The effect of the grid on the hair.
+//! Forces of the grid on the hair.
 
 use super::scene::{N, Setup, cube, somewhere, still};
 use crate::{
@@ -10,23 +10,23 @@ use crate::{
 use glam::Vec3;
 
 #[test]
-fn at_rest_nothing_pushes_wherever_the_head_is() {
+fn rest_pose_has_no_push_at_any_head_pose() {
     let Some(mut scene) = Setup::new(cube(12), &Default::default()) else { return };
     for pose in [Pose::IDENTITY, somewhere()] {
         scene.put(&scene.moved(|p| pose.point(p)), &scene.moved(|_| Vec3::ZERO));
         let forces = scene.forces(&HairHair::default(), &still(pose));
         assert!(forces.iter().all(|f| f.acceleration == Vec3::ZERO));
-        // It is there: friction would hold whatever moves.
+        // The grid is active: friction would brake moving hair.
         assert!(forces.iter().any(|f| f.rate > 1.0));
     }
-    // And a lock that moves as a whole is not blown up: this much of it leaves the grid.
+    // A lock that moves as a whole does not expand, although part of it is outside the grid here.
     scene.put(&scene.moved(|p| p + Vec3::X * 0.1), &scene.moved(|_| Vec3::ZERO));
     let forces = scene.forces(&HairHair::default(), &still(Pose::IDENTITY));
     let worst = forces.iter().map(|f| f.acceleration.length()).fold(0.0, f32::max);
     assert!(worst < 0.5, "{worst} m/s²");
 }
 
-/// The outward part of the push, mean over vertices 3 to 7 cm from the middle, and the part across.
+/// Returns the mean outward and tangential components of the push, over vertices 3 to 7 cm from the center.
 pub(super) fn outward(scene: &mut Setup, params: &HairHair, shrink: f32) -> (f32, f32) {
     let current = scene.moved(|p| shrink * p);
     scene.put(&current, &scene.moved(|_| Vec3::ZERO));
@@ -46,7 +46,7 @@ pub(super) fn outward(scene: &mut Setup, params: &HairHair, shrink: f32) -> (f32
 }
 
 #[test]
-fn hair_that_is_pressed_together_is_pushed_apart() {
+fn compressed_hair_is_pushed_apart() {
     let Some(mut scene) = Setup::new(cube(16), &Default::default()) else { return };
     let gradient = HairHair { friction: 0.0, ..Default::default() };
     let (out, across) = outward(&mut scene, &gradient, 0.5);
@@ -61,7 +61,7 @@ fn hair_that_is_pressed_together_is_pushed_apart() {
 }
 
 #[test]
-fn an_obstacle_that_comes_into_hair_presses_it_away() {
+fn intruding_obstacle_pushes_hair_away() {
     let ball = [Collider::new(Shape::sphere(0.05))];
     let what = ColliderDescriptor { colliders: &ball, ..Default::default() };
     let (positions, traits) = cube(16);
@@ -85,15 +85,15 @@ fn an_obstacle_that_comes_into_hair_presses_it_away() {
     let inside = ball_at(center, Mode::Step);
     println!("{away} m/s² without the ball, {inside} around it");
     assert!(away.abs() < 1e-3 && inside > 0.3);
-    // Where it is when the hair is put to rest, it belongs to the rest.
+    // An obstacle that is in the hair at a reset belongs to the rest state.
     ball_at(center, Mode::Reset);
     let rested = ball_at(center, Mode::Step);
     assert!(rested.abs() < 1e-3, "{rested}");
 }
 
 #[test]
-fn the_push_does_not_depend_on_the_resolution() {
-    // The blur of 2 cm is wider than the guides' spacing and than the cells.
+fn push_is_independent_of_resolution() {
+    // A blur of 2.5 cm is wider than the guides' spacing and than the cells.
     let params = HairHair { friction: 0.0, blur: 0.025, ..Default::default() };
     let pushes = [24, 32, 64].map(|resolution| {
         let options = VolumeOptions { resolution, ..Default::default() };

@@ -1,4 +1,4 @@
-//! Splatting many guides with few samples: error and cost.
+//! Error and cost of splatting many guides with few samples.
 
 use super::{
     push::outward,
@@ -12,7 +12,7 @@ use crate::{
 use glam::Vec3;
 
 #[test]
-fn every_other_guide_stands_for_two() {
+fn splatting_every_third_guide_keeps_push() {
     let few = VolumeOptions { most_splatted: 24 * 24 * N as u32 / 3, ..Default::default() };
     let params = HairHair { friction: 0.0, ..Default::default() };
     let all = VolumeOptions { most_splatted: u32::MAX, ..Default::default() };
@@ -27,7 +27,7 @@ fn every_other_guide_stands_for_two() {
     assert!((some / all - 1.0).abs() < 0.1);
 }
 
-/// A thousand guides of [`LONG`] vertices that hang from a ball, their edges 1 cm.
+/// A thousand guides of [`LONG`] vertices that hang from a ball, with edges of 1 cm.
 fn lock() -> Vec<Vec3> {
     let mut seed = 1u32;
     let mut random = || {
@@ -43,13 +43,13 @@ fn lock() -> Vec<Vec3> {
         .collect()
 }
 
-/// Vertices of the guides of [`lock`].
+/// Vertices per guide of [`lock`].
 const LONG: usize = 32;
 
 #[test]
-fn samples_of_two_vertices_are_as_good_as_all_of_them() {
+fn samples_of_two_vertices_match_single_vertices() {
     let step = still(Pose::IDENTITY);
-    // What is left out with respect to all vertices: of density, momentum and push, root of mean square.
+    // Returns density, momentum and push of all cells, with `together` vertices per sample.
     let grids = |most_splatted: u32, together: u32| {
         let options =
             VolumeOptions { most_splatted: most_splatted * LONG.div_ceil(2) as u32, ..Default::default() };
@@ -57,7 +57,7 @@ fn samples_of_two_vertices_are_as_good_as_all_of_them() {
         let base = &mut scene.volume.base;
         assert_eq!(base.vertices_per_sample, 2);
         (base.vertices_per_sample, base.samples) = (together, (LONG as u32).div_ceil(together));
-        // Waves, pressed together.
+        // A wavy, compressed lock.
         let place = |p: Vec3| 0.8 * p + 0.02 * Vec3::new((40.0 * p.y).sin(), 0.0, (33.0 * p.y + p.x).cos());
         scene.put(&scene.moved(place), &scene.moved(swirl));
         scene.forces(&HairHair::default(), &step);
@@ -90,7 +90,7 @@ fn samples_of_two_vertices_are_as_good_as_all_of_them() {
     }
 }
 
-/// Milliseconds of the quickest of 40 runs, each waited for.
+/// Returns the time of the fastest of 40 runs, ms. Each run is waited for.
 fn quickest(scene: &mut Setup, mut record: impl FnMut(&mut Setup, &mut crate::gpu::ComputePass<'_>)) -> f64 {
     (0..40)
         .map(|_| {
@@ -102,7 +102,7 @@ fn quickest(scene: &mut Setup, mut record: impl FnMut(&mut Setup, &mut crate::gp
         .fold(f64::MAX, f64::min)
 }
 
-/// `cargo test -p tresses --lib volume -- --ignored --nocapture cost`
+/// Run with `cargo test -p tresses --lib volume -- --ignored --nocapture cost`.
 #[test]
 #[ignore = "proof"]
 fn cost_of_a_thousand_guides() {
@@ -115,7 +115,7 @@ fn cost_of_a_thousand_guides() {
         };
         let step = still(Pose::IDENTITY);
         scene.forces(&HairHair::default(), &step);
-        // Again: now the obstacles rest.
+        // Prepare again: now the obstacles are at rest.
         scene.prepare(&HairHair::default(), &step);
         let params = SimulationParams::default();
         let mut solve = Simulation::new(scene.context, &scene.guides);

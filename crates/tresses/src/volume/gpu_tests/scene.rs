@@ -1,4 +1,4 @@
-//! Guides, a head's pose and a grid on the GPU.
+//! Test scene: guides, head pose and grid on the GPU.
 
 use crate::{
     Context, Pose,
@@ -15,8 +15,8 @@ use half::f16;
 /// Vertices per guide of [`cube`].
 pub(super) const N: usize = 8;
 
-/// Evenly spread guides that fill a cube of 24 cm, each as many strands as its place in the list
-/// modulo 5; vertex `i` of guide `g` at `g * N + i`.
+/// Evenly spaced guides that fill a cube of 24 cm. Guide `g` represents `1 + g % 5` strands; its vertex `i` is at
+/// `g * N + i`.
 pub(super) fn cube(across: usize) -> (Vec<Vec3>, Vec<GuideTraits>) {
     let mut positions = Vec::new();
     let mut traits = Vec::new();
@@ -38,7 +38,7 @@ pub(super) struct Setup {
     pub(super) volume: Volume,
     pub(super) forces: Forces,
     pub(super) colliders: ColliderSet,
-    /// Where the colliders are, in the world.
+    /// Poses of the colliders in the world.
     pub(super) places: Vec<Pose>,
 }
 
@@ -69,7 +69,7 @@ impl Setup {
         Some(Self { context, guides, rest, volume, forces, colliders, places: Vec::new() })
     }
 
-    /// Vertex-major, from the rest positions.
+    /// Returns the rest positions, transformed by `place`, vertex-major.
     pub(super) fn moved(&self, place: impl Fn(Vec3) -> Vec3) -> Vec<Vec3> {
         self.rest.rest.iter().map(|r| place(r.position)).collect()
     }
@@ -95,7 +95,7 @@ impl Setup {
         self.volume.prepare(self.context, params, &frame, &self.colliders);
     }
 
-    /// The integers after `splat` alone; zeroed again.
+    /// Returns the integers after `splat` alone, then clears them.
     pub(super) fn splatted(&mut self, step: &Step) -> Vec<i32> {
         self.prepare(&HairHair::default(), step);
         self.submit(|scene, pass| {
@@ -109,7 +109,7 @@ impl Setup {
         cells
     }
 
-    /// The forces on all vertices when the head moves by `step`.
+    /// Returns the forces on all vertices when the head moves by `step`.
     pub(super) fn forces(&mut self, params: &HairHair, step: &Step) -> Vec<Force> {
         self.prepare(params, step);
         self.submit(|scene, pass| {
@@ -126,7 +126,7 @@ impl Setup {
     }
 }
 
-/// Length of a step.
+/// Length of a step, s.
 pub(super) const H: f32 = 1.0 / 60.0;
 
 pub(super) fn still(pose: Pose) -> Step {

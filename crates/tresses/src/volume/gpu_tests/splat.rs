@@ -1,4 +1,4 @@
-//! The hair in the grid.
+//! Splatted hair in the grid.
 
 use super::scene::{H, N, Setup, cube, somewhere, still, swirl};
 use crate::{
@@ -10,13 +10,13 @@ use crate::{
     volume::{
         HairHair, Volume, VolumeOptions,
         params::VolumeUniforms,
-        reference::{CHANNELS, MAX_SPEED, Splatted, splat},
+        reference::{CHANNELS, MAX_SPEED, SplatInput, splat},
     },
 };
 use glam::Vec3;
 
 #[test]
-fn the_splat_conserves_hair_and_momentum_and_is_its_twin() {
+fn splat_conserves_hair_and_momentum_and_matches_reference() {
     let Some(mut scene) = Setup::new(cube(12), &Default::default()) else { return };
     let pose = somewhere();
     let current = scene.moved(|p| pose.point(0.9 * p + Vec3::new(0.01, 0.0, 0.02)));
@@ -47,14 +47,14 @@ fn the_splat_conserves_hair_and_momentum_and_is_its_twin() {
             VolumeUniforms { head: pose.rotation.into(), head_at: pose.translation, ..scene.volume.base };
         let mut velocity = velocity.clone();
         velocity[100].y += disturb;
-        let hair = Splatted {
+        let hair = SplatInput {
             info: &scene.rest.info,
             current: &current,
             velocity: &velocity,
             rested: &vec![0.0; current.len()],
         };
         let twin = splat(&uniforms, &hair);
-        // Weights differ by the rounding of places: 1e-6 m in 1e-2 m.
+        // Weights differ by the rounding of positions: 1e-6 m in 1e-2 m.
         found.iter().zip(&twin).map(|(a, b)| f64::from((a - b).abs())).fold(0.0, f64::max)
             / (f64::from(g.units) * metres)
     };
@@ -64,7 +64,7 @@ fn the_splat_conserves_hair_and_momentum_and_is_its_twin() {
 }
 
 #[test]
-fn the_order_of_guides_does_not_change_a_bit() {
+fn splat_is_bit_identical_for_any_guide_order() {
     let (positions, traits) = cube(12);
     let Some(mut scene) = Setup::new((positions.clone(), traits.clone()), &Default::default()) else {
         return;
@@ -83,9 +83,9 @@ fn the_order_of_guides_does_not_change_a_bit() {
 }
 
 #[test]
-fn the_velocity_of_a_cell_is_that_of_its_hair() {
+fn cell_velocity_matches_its_hair() {
     let Some(mut scene) = Setup::new(cube(16), &Default::default()) else { return };
-    // A head that moves as fast as a car does not reach the limit of what is splatted.
+    // A head that moves as fast as a car does not reach the limit of splatted velocities.
     let way = Vec3::new(50.0, 0.0, 1.0);
     let (begin, end) = (Pose::IDENTITY, Pose { translation: way * H, ..Pose::IDENTITY });
     let own = |p: Vec3| way + 3.0 * Vec3::new(p.y, -p.x, 0.0);
@@ -106,21 +106,21 @@ fn the_velocity_of_a_cell_is_that_of_its_hair() {
         }
     }
     println!("{count} cells, {worst} m/s off at most; {metres} m of hair");
-    // Guides 1.5 cm apart of different weights in a flow that changes by 3 m/s per m: 45 mm/s.
+    // Guides of different weights are 1.5 cm apart in a flow that changes by 3 m/s per m: 45 mm/s.
     assert!(count > 500 && worst < 0.08);
     let exact: f32 = scene.rest.info.iter().map(|i| i.strands * i.length).sum();
-    // The blur's tail beyond the grid is lost: here the hair fills it to its margins.
+    // The blur's tail beyond the grid is lost; here the hair fills the grid to its margins.
     assert!((metres / exact - 1.0).abs() < 0.02, "{metres} of {exact}");
 }
 
 #[test]
-fn hair_outside_of_the_grid_and_what_is_no_number_harm_nothing() {
+fn outliers_and_nan_do_not_affect_other_hair() {
     let Some(mut scene) = Setup::new(cube(12), &Default::default()) else { return };
     let mut current = scene.moved(|p| 0.6 * p);
     let velocity = scene.moved(|_| Vec3::ZERO);
     let step = still(Pose::IDENTITY);
     let wrong = [Vec3::X * 1e3, Vec3::splat(-1e30), Vec3::Y * f32::INFINITY, Vec3::NAN];
-    // Once far away but harmless, once as bad as can be: all others feel the same.
+    // Replace four vertices by harmless outliers, then by invalid values: the other forces stay equal.
     let forces = [[Vec3::X * 2.0; 4], wrong].map(|bad| {
         current[..4].copy_from_slice(&bad);
         scene.put(&current, &velocity);
@@ -133,7 +133,7 @@ fn hair_outside_of_the_grid_and_what_is_no_number_harm_nothing() {
 }
 
 #[test]
-fn resolutions_out_of_range_are_refused() {
+fn invalid_resolutions_return_errors() {
     let Some(context) = context() else { return };
     let guides = GuideBuffers::new(context, 1, 2, 2).unwrap();
     for resolution in [0, 7, 97, u32::MAX] {

@@ -1,32 +1,27 @@
-//! One context for all tests, whose pipelines are compiled once: a software driver takes seconds for all.
+//! One context per test thread. Pipelines are compiled once per context; a software driver needs seconds for all of them.
 
-use std::sync::OnceLock;
 use tresses::{Context, Hair, Pose, Result, frame::Recorder, gpu::Gpu, hair::HairFrame};
+use tresses_testing::Pool;
 
-/// The context of all tests; without an adapter, skips (`None`) or, when `TRESSES_REQUIRE_GPU=1`, panics.
+/// Returns the context of this test's thread, or `None` if there is no adapter and `TRESSES_SKIP` lists `gpu`.
 pub fn context() -> Option<&'static Context> {
-    static CONTEXT: OnceLock<Option<Context>> = OnceLock::new();
-    CONTEXT
-        .get_or_init(|| match pollster::block_on(Gpu::open()) {
-            Ok(gpu) => Some(gpu.context),
-            Err(error) if std::env::var_os("TRESSES_REQUIRE_GPU").is_some_and(|v| v == "1") => {
-                panic!("{error}")
-            }
-            Err(error) => {
-                println!("skipped: {error}");
-                None
-            }
-        })
-        .as_ref()
+    static CONTEXTS: Pool<Context> = Pool::new();
+    CONTEXTS.get(|| match pollster::block_on(Gpu::open()) {
+        Ok(gpu) => Some(gpu.context),
+        Err(error) => {
+            tresses_testing::skip("gpu", error);
+            None
+        }
+    })
 }
 
-/// A context of a device that does nothing.
+/// Creates a context on wgpu's no-op device.
 pub fn noop() -> Context {
     let (device, queue) = wgpu::Device::noop(&wgpu::DeviceDescriptor::default());
     Context::new(&device, &queue)
 }
 
-/// Records with `what` on that adapter, and submits.
+/// Records with `what` on the shared context and submits.
 pub fn submit(what: impl FnOnce(&mut Recorder<'_>) -> Result<()>) {
     let context = context().expect("there is a GPU");
     let mut encoder = context.device().create_command_encoder(&Default::default());
@@ -44,12 +39,12 @@ pub fn compute(context: &Context, record: impl FnOnce(&mut tresses::gpu::Compute
     context.queue().submit([encoder.finish()]);
 }
 
-/// A frame of the usual physics, among no obstacles but the head.
+/// Returns a frame with default physics and no obstacles besides the head.
 pub fn frame(head: Pose, dt: f32) -> HairFrame<'static> {
     HairFrame { dt, head, ..Default::default() }
 }
 
-/// Moves a groom on by a frame.
+/// Advances a groom by one frame.
 pub fn advance(hair: &mut Hair, frame: &HairFrame<'_>) {
     submit(|recorder| recorder.advance(hair, frame));
 }

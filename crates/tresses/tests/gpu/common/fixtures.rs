@@ -1,4 +1,4 @@
-//! What is slow to make and the same for many tests: built-in characters, grooms from files.
+//! Test data that is slow to create and shared by many tests: built-in characters and grooms from files.
 
 use super::device;
 use std::{
@@ -7,14 +7,14 @@ use std::{
     sync::{Arc, Mutex, OnceLock, PoisonError},
 };
 use tresses::{
-    drape::{self, Character},
+    drape::{self, DrapedCharacter},
     groom::{SdfGrid, Strands, TriMesh, import, mesh::sdf, scalp::GridScalp, styles::Style},
 };
 
-/// The built-in style `name` with `strands` strands; made once. `None` where there is no GPU.
-pub fn character(name: &str, strands: u32) -> Option<Arc<Character>> {
-    type Made = HashMap<(String, u32), Arc<OnceLock<Arc<Character>>>>;
-    static MADE: Mutex<Option<Made>> = Mutex::new(None);
+/// Returns the built-in style `name` with `strands` strands, created once. `None` without a GPU.
+pub fn character(name: &str, strands: u32) -> Option<Arc<DrapedCharacter>> {
+    type BuiltHair = HashMap<(String, u32), Arc<OnceLock<Arc<DrapedCharacter>>>>;
+    static MADE: Mutex<Option<BuiltHair>> = Mutex::new(None);
     let context = device::context()?;
     let place = {
         let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -28,7 +28,7 @@ pub fn character(name: &str, strands: u32) -> Option<Arc<Character>> {
     Some(made.clone())
 }
 
-/// The mannequin's scalp with a distance field of `resolution` cells along its longest side; made once.
+/// Returns the mannequin's scalp, created once. Its distance field has `resolution` cells along the longest side.
 pub fn scalp(resolution: u32) -> Arc<GridScalp> {
     static MADE: Mutex<Vec<(u32, Arc<GridScalp>)>> = Mutex::new(Vec::new());
     let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -40,8 +40,8 @@ pub fn scalp(resolution: u32) -> Arc<GridScalp> {
     scalp
 }
 
-/// `path` in the folder that `TRESSES_ASSETS` names; where it is absent, says so (`None`) or, when
-/// `TRESSES_REQUIRE_ASSETS=1`, panics.
+/// Returns `path` in the folder `TRESSES_ASSETS`. If it is missing, prints so and returns `None`, or panics if
+/// `TRESSES_REQUIRE_ASSETS=1`.
 pub fn asset(path: impl AsRef<Path>) -> Option<PathBuf> {
     let path = path.as_ref();
     let found = std::env::var_os("TRESSES_ASSETS").map(|folder| PathBuf::from(folder).join(path));
@@ -54,10 +54,10 @@ pub fn asset(path: impl AsRef<Path>) -> Option<PathBuf> {
     None
 }
 
-/// Sintel's hair, 16 points a strand, as the file in the assets has it.
+/// Sintel's hair with 16 points per strand, a path in the assets.
 pub const SINTEL: &str = "sintel/SintelHairOriginal-sintel_hair.16points.tfx";
 
-/// Sintel's strands, head and distance field; read once. `None` where the files are absent.
+/// Returns Sintel's strands, head and distance field, read once. `None` if the files are missing.
 pub fn sintel() -> Option<&'static (Strands, TriMesh, SdfGrid)> {
     static SINTEL_READ: OnceLock<(Strands, TriMesh, SdfGrid)> = OnceLock::new();
     let (groom, head) = (asset(SINTEL)?, asset("sintel/sintel.obj")?);

@@ -1,4 +1,4 @@
-//! What GPU tests share.
+//! Helpers of the GPU tests.
 
 mod device;
 mod fixtures;
@@ -9,7 +9,7 @@ pub use fixtures::{SINTEL, asset, character, scalp, sintel};
 use tresses::{
     Camera, Context, Hair, Pose, View,
     body::Body,
-    frame::Sight,
+    frame::ViewPass,
     glam::{Mat4, Vec3},
     groom::{Groom, SdfGrid, Strands, TriMesh, bind},
     light::{Directional, HairSet, Lights, MAX_LIGHTS, ShadowMethod, Shadows},
@@ -17,7 +17,7 @@ use tresses::{
     view::Picture,
 };
 
-/// Strands on a sphere of 9 cm around the origin that stand off, bend and hang `length` metres.
+/// Creates strands on a sphere of radius 9 cm around the origin that stand off, bend, and hang down `length` meters.
 pub fn hanging(count: usize, vertices: usize, length: f32) -> Strands {
     let mut strands = Strands::default();
     for i in 0..count {
@@ -35,12 +35,12 @@ pub fn hanging(count: usize, vertices: usize, length: f32) -> Strands {
     strands
 }
 
-/// The distance field of a ball around the origin, `resolution` nodes along each side of 40 cm.
+/// Returns the distance field of a ball around the origin, with `resolution` nodes along each side of 40 cm.
 pub fn ball(radius: f32, resolution: u32) -> SdfGrid {
     SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), resolution, |p| p.length() - radius)
 }
 
-/// So many strands of 12 cm that hang from a ball, on the GPU, at rest.
+/// Creates `count` strands of 12 cm that hang from a ball, on the GPU and at rest.
 pub fn hair_on_a_ball(count: usize) -> Hair {
     let context = context().expect("there is a GPU");
     let groom = bind(&hanging(count, 16, 0.12), &Default::default()).unwrap();
@@ -50,7 +50,7 @@ pub fn hair_on_a_ball(count: usize) -> Hair {
     hair
 }
 
-/// The guides' rest positions as the GPU stores them: vertex-major `vec4`s.
+/// Returns the guides' rest positions in the layout of the GPU: vertex-major `vec4`s.
 pub fn vertex_major(groom: &Groom) -> Vec<[f32; 4]> {
     let n = groom.guides.vertex_count as usize;
     let g = groom.guides.len();
@@ -58,7 +58,7 @@ pub fn vertex_major(groom: &Groom) -> Vec<[f32; 4]> {
     (0..n * g).map(|i| at(i).extend(0.0).to_array()).collect()
 }
 
-/// A cube around the origin, `half` its size, metres.
+/// Returns a cube around the origin with edges of 2·`half` meters.
 pub fn cube(half: f32) -> TriMesh {
     let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
     let positions: Vec<_> = (0..8).map(|i| (corner(i) * 2.0 - 1.0) * half).collect();
@@ -72,7 +72,7 @@ pub fn cube(half: f32) -> TriMesh {
     }
 }
 
-/// A picture without light and shadow: coverage knows nothing of them.
+/// Returns the settings of an image without lights and shadows, for tests of coverage.
 pub fn dark() -> Picture {
     Picture {
         lights: Lights { directional: [Directional::OFF; MAX_LIGHTS], ..Lights::default() },
@@ -82,7 +82,7 @@ pub fn dark() -> Picture {
     }
 }
 
-/// What `view` sees of `picture`: RGBA, rows from the top.
+/// Renders `picture` with `view`: RGBA, rows from the top.
 pub fn picture(
     context: &Context,
     view: &View,
@@ -92,13 +92,13 @@ pub fn picture(
 ) -> Vec<u8> {
     let (device, queue) = (context.device(), context.queue());
     let mut encoder = device.create_command_encoder(&Default::default());
-    context.recorder(&mut encoder).draw_strands(hair, bodies, Sight::new(view, picture)).expect("it fits");
+    context.recorder(&mut encoder).draw_strands(hair, bodies, ViewPass::new(view, picture)).expect("it fits");
     queue.submit([encoder.finish()]);
     pollster::block_on(view.targets().read()).expect("a picture")
 }
 
-/// An orthographic camera, depth reversed, of `size`² pixels, in which a metre is a pixel: the origin is
-/// the lower left corner.
+/// Returns an orthographic camera with reversed depth and `size`² pixels, in which one meter is one pixel. The origin
+/// is the lower left corner.
 pub fn metre_is_pixel(size: u32) -> Camera {
     let half = size as f32 * 0.5;
     Camera {

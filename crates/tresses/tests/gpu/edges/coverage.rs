@@ -1,4 +1,4 @@
-//! The total coverage of a groom, near and far.
+//! Total coverage of a groom, near and far.
 
 use super::{
     MASK_1, MASK_2X, MASK_4_2X, Mode, PEEL_2X, TILES_2X,
@@ -18,10 +18,10 @@ use tresses::{
 
 const SIZE: [u32; 2] = [384, 320];
 
-/// From where the groom is seen: strands are 0.65, 0.33 and 0.16 pixels wide at the root.
+/// Camera distances, meters. Strands are 0.65, 0.33 and 0.16 pixels wide at the root.
 const DISTANCES: [f32; 3] = [0.5, 1.0, 2.0];
 
-/// The groom as a lit scene from `distance`, before nothing.
+/// Returns a lit scene of the groom from `distance`, with a transparent background.
 pub fn scene(distance: f32, size: [u32; 2]) -> Picture {
     let eye = Vec3::new(0.38, 0.24, 0.89).normalize() * distance;
     Picture {
@@ -32,7 +32,7 @@ pub fn scene(distance: f32, size: [u32; 2]) -> Picture {
     }
 }
 
-/// How far from the exact area each distance is, as a factor less 1.
+/// Returns the relative error of the covered area at each of [`DISTANCES`].
 fn errors(context: &Context, mode: Mode, groom: &Groom, exact: &[f64]) -> Vec<f64> {
     let studio = Studio::new(context, mode, SIZE);
     let (mut hair, _strands) = studio.hair(groom);
@@ -49,12 +49,12 @@ fn say(name: &str, errors: &[f64]) {
     println!("{name:36} {}", cells.join("  "));
 }
 
-/// Within 1 %, as far as a mode can. What lies in one pixel is taken to overlap by chance; where a
-/// dense head ends within a pixel it does not, and the smaller the head, the more of it is edge.
-/// From the last distance it is 65 pixels high.
+/// Whether the errors are within 1 %, or as close as the mode allows. The modes assume that strands in a pixel overlap
+/// at random. Where a dense head ends within a pixel they do not, and the smaller the head, the larger the share of its
+/// edge. At the last distance the head is 65 pixels high.
 fn good(mode: Mode, errors: &[f64]) -> bool {
     let limits = match mode {
-        // A strand is there or not: 6000 of them have a statistical error.
+        // A strand covers a sample or not, so 6000 strands have a statistical error.
         MASK_1 | MASK_2X => [0.015, 0.02, 0.03],
         MASK_4_2X | PEEL_2X | TILES_2X => [0.01; 3],
         _ => [0.01, 0.01, 0.025],
@@ -72,7 +72,7 @@ fn total_coverage_is_exact() {
     );
 }
 
-/// The table of docs/appearance/edges.md.
+/// Prints the table of docs/appearance/edges.md.
 #[test]
 #[ignore = "proof"]
 fn total_coverage_is_exact_in_any_mode() {
@@ -81,7 +81,7 @@ fn total_coverage_is_exact_in_any_mode() {
     judge(context, &all, &[super::MASK_4, super::PEEL]);
 }
 
-/// Holds `modes` against the exact area; strands that are too wide are drawn in the modes `perturbed`.
+/// Compares `modes` with the exact area. In the modes `perturbed`, strands that are too wide must fail.
 fn judge(context: &Context, modes: &[Mode], perturbed: &[Mode]) {
     let groom = Groom::on_a_ball(6000, 2.5e-4);
     let exact = DISTANCES.map(|distance| oracle::covered(&groom, &scene(distance, SIZE).camera));
@@ -90,13 +90,13 @@ fn judge(context: &Context, modes: &[Mode], perturbed: &[Mode]) {
         let errors = errors(context, mode, &groom, &exact);
         say(mode.name, &errors);
         if mode.coverage == Coverage::AlphaToCoverage {
-            // Equal alpha is equal samples: strands hide behind each other, and the comparison sees it.
+            // Equal alpha selects equal samples, so strands hide each other. The test detects that.
             assert!(!good(mode, &errors));
         } else {
             assert!(good(mode, &errors), "{mode:?}: {errors:?}");
         }
     }
-    // The comparison sees strands that are 3 % too wide.
+    // Strands that are 3 % too wide are detected.
     let wide =
         Groom { root_radius: 1.03 * groom.root_radius, tip_radius: 1.03 * groom.tip_radius, ..groom.clone() };
     for &mode in perturbed {

@@ -1,19 +1,20 @@
-//! Strands whose exact shape is known.
+//! Strands of known shape.
 
 use tresses::glam::{Quat, Vec3};
 
-/// Strands of equally many vertices.
+/// Strands with equal numbers of vertices.
 #[derive(Clone)]
 pub struct Groom {
     pub vertices: usize,
     pub points: Vec<Vec3>,
-    /// Radii, metres; linear in the vertex between them.
+    /// Radius at the root, meters. Between root and tip the radius is linear in the vertex index.
     pub root_radius: f32,
     pub tip_radius: f32,
 }
 
 impl Groom {
-    /// Wavy strands of `radius` that leave a ball of 8 cm and fall, dense at the top and thin below.
+    /// Creates wavy strands of `radius` at the root that leave a ball of radius 8 cm and fall, dense at the top and
+    /// sparse below.
     pub fn on_a_ball(count: usize, radius: f32) -> Self {
         let vertices = 16;
         let mut points = Vec::new();
@@ -36,7 +37,7 @@ impl Groom {
         self.points.len() / self.vertices
     }
 
-    /// Unit tangent at vertex `i` of all.
+    /// Returns the unit tangent at vertex `i`, counted over all strands.
     pub fn tangent(&self, i: usize) -> Vec3 {
         let k = i % self.vertices;
         let before = self.points[i - usize::from(k > 0)];
@@ -44,13 +45,13 @@ impl Groom {
         (after - before).normalize()
     }
 
-    /// Radius at vertex `i` of all, metres.
+    /// Returns the radius at vertex `i`, counted over all strands, meters.
     pub fn radius(&self, i: usize) -> f32 {
         let s = (i % self.vertices) as f32 / (self.vertices - 1) as f32;
         self.root_radius + (self.tip_radius - self.root_radius) * s
     }
 
-    /// Turned about the vertical axis.
+    /// Returns the strands rotated about the vertical axis.
     pub fn turned(&self, radians: f32) -> Self {
         let turn = Quat::from_rotation_y(radians);
         Self { points: self.points.iter().map(|p| turn * *p).collect(), ..self.clone() }

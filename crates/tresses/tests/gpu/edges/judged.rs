@@ -1,7 +1,7 @@
-//! Tiles against strips with 64 samples per pixel: by how much a person sees the two differ (FLIP, Andersson et al.
-//! 2020), and by how much they differ in area and light. Tiles blend shares of whole pixels, as if strands lay
-//! anywhere in them: where strands gather in a part of a pixel they cover a little less than that, and which of them
-//! is in front differs from place to place.
+//! Tiles compared with strips at 64 samples per pixel: the perceived difference (FLIP, Andersson et al. 2020), and the
+//! differences in area and light. Tiles blend by fractions of whole pixels, as if strands were spread at random over a
+//! pixel. Where strands gather in one part of a pixel they cover slightly less than that, and the strand in front
+//! differs from place to place.
 
 use super::{MASK_1, MASK_4, Mode, TILES, TILES_2X};
 use crate::{common, lod::stage::Setup};
@@ -9,7 +9,7 @@ use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8};
 use tresses::{
     Camera, Context, Hair, View,
     camera::ToneMap,
-    frame::Sight,
+    frame::ViewPass,
     glam::Vec3,
     groom::{Groom, bind, import},
     light::{Lights, Sphere, material::linear},
@@ -18,28 +18,28 @@ use tresses::{
 };
 
 const SIZE: [u32; 2] = [240, 200];
-/// Pixels of the reference in a pixel, along each axis; each has four samples.
+/// Pixels of the reference per pixel along each axis; each has four samples.
 const FINER: u32 = 4;
-/// The most that FLIP may say of a picture that shows all of the hair, and of one that is full of it: there much of it
-/// is the reference's own noise.
+/// Largest allowed FLIP of an image that shows all of the hair, and of an image full of hair, where much of it is noise
+/// of the reference.
 const FLIP: [f64; 2] = [0.02, 0.08];
-/// From how many radii of the hair's sphere it is seen.
+/// Camera distances in radii of the hair's bounding sphere.
 const RADII: [f32; 3] = [4.0, 1.5, 10.0];
 
-/// Behind the hair, a whole number of 255ths: rounded alike in all pictures.
+/// Background behind the hair: a whole number of 255ths, which all images round equally.
 const GREY: f32 = 128.0 / 255.0;
-/// The most that the sum of alpha and the mean light may differ by: where strands are a twentieth of a pixel wide many
-/// gather in a part of one.
+/// Largest allowed relative differences in the sum of alpha and in mean light. Where strands are a twentieth of a pixel
+/// wide, many of them gather in one part of a pixel.
 const SUMS: [f64; 2] = [0.03, 0.015];
 
-/// A picture over grey, linear, and the sum of alpha.
-struct Shown {
+/// A linear image over gray, and its sum of alpha in pixels.
+struct GrayImage {
     pixels: Vec<[f32; 3]>,
     alpha: f64,
 }
 
-/// `hair` from `radii` times the radius of its sphere, drawn so that each pixel shown has `finer` squared.
-fn shown(context: &Context, mode: Mode, hair: &Hair, radii: f32, finer: u32) -> Shown {
+/// Renders `hair` from `radii` radii of its bounding sphere, averaging `finer`² pixels per pixel of the result.
+fn shown(context: &Context, mode: Mode, hair: &Hair, radii: f32, finer: u32) -> GrayImage {
     let options = ViewOptions { samples: mode.samples, coverage: mode.coverage, ..Default::default() };
     let size = SIZE.map(|side| side * finer);
     let view = View::new(context, &options, size, mode.ssaa).expect("fits");
@@ -50,11 +50,11 @@ fn shown(context: &Context, mode: Mode, hair: &Hair, radii: f32, finer: u32) -> 
         focus: Sphere { center: middle, radius: 1.05 * radius },
         lights: Lights::around(radius),
         background: Background::transparent(),
-        // Only light that is not bent can be averaged.
+        // Only linear light can be averaged.
         tone: ToneMap { exposure: 1.0, shoulder: 1.0, desaturation: 0.0 },
         ..Default::default()
     };
-    let draw = || common::submit(|recorder| recorder.draw(&[hair], &[], Sight::new(&view, &scene)));
+    let draw = || common::submit(|recorder| recorder.draw(&[hair], &[], ViewPass::new(&view, &scene)));
     draw();
     if !pollster::block_on(view.is_complete()).expect("a device") {
         draw();
@@ -74,13 +74,13 @@ fn shown(context: &Context, mode: Mode, hair: &Hair, radii: f32, finer: u32) -> 
         sum.map(|v| v / (finer * finer) as f32)
     });
     let pixels = pixels.collect();
-    Shown { pixels, alpha: alpha / f64::from(finer * finer) }
+    GrayImage { pixels, alpha: alpha / f64::from(finer * finer) }
 }
 
-/// The mean of FLIP over the picture, and where hair covers a tenth or more.
-fn flip(reference: &Shown, test: &Shown) -> [f64; 2] {
+/// Returns the mean FLIP over the image, and over the pixels of the reference that differ from the background.
+fn flip(reference: &GrayImage, test: &GrayImage) -> [f64; 2] {
     let curve = |v: f32| if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
-    let image = |shown: &Shown| {
+    let image = |shown: &GrayImage| {
         let byte = |v: &f32| (curve(v.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8;
         let bytes: Vec<u8> = shown.pixels.iter().flatten().map(byte).collect();
         FlipImageRgb8::with_data(SIZE[0], SIZE[1], &bytes)
@@ -96,8 +96,8 @@ fn flip(reference: &Shown, test: &Shown) -> [f64; 2] {
     [mean(&mut errors.iter().copied()), mean(&mut hair.into_iter())]
 }
 
-/// Mean light of the picture.
-fn light(shown: &Shown) -> f64 {
+/// Returns the mean light of the image.
+fn light(shown: &GrayImage) -> f64 {
     shown.pixels.iter().flatten().map(|v| f64::from(*v)).sum::<f64>() / shown.pixels.len() as f64
 }
 
@@ -121,7 +121,7 @@ fn judge(context: &Context, name: &str, groom: &Groom, radii: &[f32]) {
         assert!(picture < most, "{name} from {radii} radii: {picture}");
         assert!(area.abs() < SUMS[0] && lit.abs() < SUMS[1], "{name} from {radii} radii: {area} {lit}");
     }
-    // How far the reference is from one of four times its samples, and what FLIP sees of a single one.
+    // The error of the reference itself against four times its samples, and the FLIP of a single sample.
     let reference = shown(context, MASK_4, &hair, radii[0], FINER);
     let [_, floor] = flip(&shown(context, MASK_4, &hair, radii[0], 2 * FINER), &reference);
     let [coarse, _] = flip(&reference, &shown(context, MASK_1, &hair, radii[0], 1));
@@ -131,15 +131,15 @@ fn judge(context: &Context, name: &str, groom: &Groom, radii: &[f32]) {
 }
 
 #[test]
-fn tiles_are_what_64_samples_make_of_strips() {
+fn tiles_match_strips_with_64_samples() {
     let Some(context) = common::context() else { return };
     judge(context, "short", &Setup::style("short", 2000).0, &RADII[..1]);
 }
 
-/// The table of docs/appearance/edges.md.
+/// Prints the table of docs/appearance/edges.md.
 #[test]
 #[ignore = "proof"]
-fn tiles_are_what_64_samples_make_of_any_groom() {
+fn tiles_match_strips_with_64_samples_for_all_grooms() {
     let Some(context) = common::context() else { return };
     for name in ["long", "bob", "curly", "short"] {
         judge(context, name, &Setup::style(name, 5000).0, &RADII);

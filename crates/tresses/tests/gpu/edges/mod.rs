@@ -1,5 +1,4 @@
-//! Edges: how much of a picture hair covers, what peeling makes of it, and how quiet it is in
-//! motion, each against an answer by brute force.
+//! Edges: coverage, depth peeling and shimmer in motion, each compared with a brute-force reference.
 
 mod coverage;
 mod groom;
@@ -13,7 +12,7 @@ mod tiles;
 
 use tresses::draw::Coverage;
 
-/// A way to draw edges.
+/// A coverage mode with its sample counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Mode {
     name: &'static str,
@@ -45,7 +44,7 @@ const MODES: [Mode; 14] = [
     MASK_16, ALPHA_8,
 ];
 
-/// Those modes that an adapter with at most `samples` per pixel can draw; says which it cannot.
+/// Returns the modes that an adapter with at most `samples` samples per pixel supports. Prints the skipped modes.
 fn modes(samples: u32) -> impl Iterator<Item = Mode> {
     MODES.into_iter().filter(move |mode| {
         let can = mode.samples <= samples;
@@ -57,7 +56,7 @@ fn modes(samples: u32) -> impl Iterator<Item = Mode> {
 }
 
 #[test]
-fn what_an_adapter_cannot_draw_is_left_out() {
+fn unsupported_sample_counts_are_skipped() {
     let names = |samples| modes(samples).map(|mode| mode.samples).max();
     assert_eq!([names(4), names(8), names(16)], [Some(4), Some(8), Some(16)]);
     assert_eq!((modes(4).count(), modes(16).count()), (11, MODES.len()));

@@ -1,5 +1,5 @@
-//! Coverage by brute force, on the CPU: every strand's strip against a grid of points in each
-//! pixel. Shares no code with the shaders.
+//! Brute-force coverage on the CPU: tests every strand's strip against a grid of points in each pixel. Shares no code
+//! with the shaders.
 
 use super::groom::Groom;
 use tresses::{
@@ -10,7 +10,7 @@ use tresses::{
 /// Points along each axis of a pixel.
 const GRID: usize = 16;
 
-/// The area that `groom` covers as `view` sees it, pixels.
+/// Returns the area that `groom` covers as seen by `view`, pixels.
 pub fn covered(groom: &Groom, view: &Camera) -> f64 {
     let [width, height] = view.size.map(|v| v as usize * GRID);
     let mut hit = vec![false; width * height];
@@ -40,7 +40,7 @@ fn project(matrix: DMat4, size: DVec2, p: DVec3) -> DVec2 {
     DVec2::new(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w) * size
 }
 
-/// Marks the grid points (their middles) in a triangle, row by row.
+/// Marks the cells whose center is in a triangle, row by row.
 fn fill(hit: &mut [bool], [width, height]: [usize; 2], corners: [DVec2; 3]) {
     let low = corners.iter().map(|c| c.y).fold(f64::MAX, f64::min);
     let high = corners.iter().map(|c| c.y).fold(f64::MIN, f64::max);
@@ -68,7 +68,7 @@ fn fill(hit: &mut [bool], [width, height]: [usize; 2], corners: [DVec2; 3]) {
 }
 
 #[test]
-fn a_strand_has_its_area() {
+fn single_strand_covers_its_area() {
     let groom = Groom {
         vertices: 2,
         points: vec![Vec3::new(-0.1, 0.03, 0.0), Vec3::new(0.1, -0.05, 0.0)],

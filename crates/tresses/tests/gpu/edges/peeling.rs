@@ -1,4 +1,4 @@
-//! Depth peeling against strands sorted and blended on the CPU.
+//! Depth peeling compared with strands that are sorted and blended on the CPU.
 
 use super::{groom::Groom, mode, picture::Studio};
 use crate::common;
@@ -15,12 +15,12 @@ use tresses::{
 const SIZE: u32 = 128;
 const STRANDS: u32 = 300;
 const LENGTH: f32 = 90.0;
-/// Radius, pixels.
+/// Radius of a strand, pixels.
 const RADIUS: f32 = 0.35;
-/// Light that comes through the picture from behind.
+/// Radiance of the background.
 const BACKGROUND: f64 = 0.05;
 
-/// Straight strands in all directions that pass before and behind each other. One metre is one pixel.
+/// Returns straight strands in all directions at many depths. One meter is one pixel.
 fn straws() -> Groom {
     let mut points = Vec::new();
     for i in 0..STRANDS {
@@ -36,7 +36,7 @@ fn straws() -> Groom {
 fn scene() -> Picture {
     let half = SIZE as f32 * 0.5;
     let mut camera = common::metre_is_pixel(SIZE);
-    // Depth from 0 to 1 over the straws and as much behind them: millimetres are told apart.
+    // Depth goes from 0 to 1 over the strands and as far behind them, so that millimeters are resolved.
     camera.projection.z_axis.z = 1.0 / 256.0;
     camera.projection.w_axis.z = 0.25 + 1e4 / 256.0;
     let mut scene = Picture {
@@ -46,13 +46,13 @@ fn scene() -> Picture {
         shading: ShadingRate::PerVertex,
         ..Default::default()
     };
-    // Below the shoulder tone mapping does nothing.
+    // Below the shoulder, tone mapping changes nothing.
     scene.tone.exposure = 1.0;
     scene.tone.shoulder = 0.98;
     scene
 }
 
-/// Plain colours, which differ.
+/// Returns a flat material with a different lightness for each strand.
 fn plain() -> HairMaterial {
     HairMaterial {
         model: ShadingModel::KajiyaKay,
@@ -65,7 +65,7 @@ fn plain() -> HairMaterial {
     }
 }
 
-/// `groom` in those colours, peeled.
+/// Uploads `groom` with that material, for peeling `layers` layers.
 fn peeled<'a>(context: &'a tresses::Context, groom: &Groom, layers: u32) -> (Studio<'a>, HairSet) {
     let studio = Studio::new(context, mode("", 1, Coverage::DepthPeeling { layers }, 1), [SIZE; 2]);
     let (mut hair, _strands) = studio.hair(groom);
@@ -73,7 +73,7 @@ fn peeled<'a>(context: &'a tresses::Context, groom: &Groom, layers: u32) -> (Stu
     (studio, hair)
 }
 
-/// Area of the square around `pixel` inside the rectangle around a strand, by cutting it at each side.
+/// Returns the area of a pixel inside the rectangle of a strand, by clipping the pixel at each side.
 fn area(pixel: DVec2, [a, b]: [DVec2; 2], radius: f64) -> f64 {
     let along = (b - a).normalize();
     let across = DVec2::new(-along.y, along.x);
@@ -103,7 +103,7 @@ fn area(pixel: DVec2, [a, b]: [DVec2; 2], radius: f64) -> f64 {
     0.5 * doubled
 }
 
-/// Linear radiance of every pixel, and the most strands in one.
+/// Returns the exact linear radiance of every pixel, and the largest number of strands in a pixel.
 fn sorted(groom: &Groom, colors: &[DVec3]) -> (Vec<DVec3>, usize) {
     let mut most = 0;
     let pixels = (0..SIZE * SIZE).map(|i| {
@@ -120,7 +120,7 @@ fn sorted(groom: &Groom, colors: &[DVec3]) -> (Vec<DVec3>, usize) {
             found.push((a.z + (b.z - a.z) * t, covered, color[0] + (color[1] - color[0]) * inside));
         }
         most = most.max(found.len());
-        // From back to front.
+        // Back to front.
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         found.iter().fold(DVec3::splat(BACKGROUND), |sum, (_, covered, color)| sum + covered * (color - sum))
     });
@@ -132,7 +132,7 @@ fn srgb(v: f64) -> f64 {
     if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// The root of the mean squared difference, in steps of 1/255.
+/// Returns the root mean square error in steps of 1/255.
 fn error(picture: &[[u8; 4]], exact: &[DVec3]) -> f64 {
     let sum: f64 = picture
         .iter()
@@ -150,9 +150,10 @@ fn drawn(context: &tresses::Context, groom: &Groom, layers: u32) -> Vec<[u8; 4]>
 }
 
 #[test]
-fn what_lies_behind_the_layers_counts_by_depth() {
+fn hair_behind_the_layers_is_weighted_by_depth() {
     let Some(context) = common::context() else { return };
-    // As deep as hair is: 6 cm. Of the other straws, metres apart, no order is known behind the layers.
+    // 6 cm deep, like a head of hair. In the other groom strands are meters apart, so their order behind the layers is
+    // unknown.
     let (deep, mut hair) = (straws(), straws());
     hair.points.iter_mut().for_each(|p| p.z = 0.06 * p.z / SIZE as f32 + 0.5 * SIZE as f32);
     let difference = |a: &[[u8; 4]], b: &[[u8; 4]]| {
@@ -161,7 +162,7 @@ fn what_lies_behind_the_layers_counts_by_depth() {
         };
         (a.iter().zip(b).map(square).sum::<f64>() / (3 * a.len()) as f64).sqrt()
     };
-    // At most twelve strands lie in a pixel.
+    // A pixel contains at most twelve strands.
     let exact = [&hair, &deep].map(|groom| drawn(context, groom, 16));
     for (layers, bound) in [(1, 0.5), (2, 0.6)] {
         let [known, unknown] =
@@ -172,7 +173,7 @@ fn what_lies_behind_the_layers_counts_by_depth() {
 }
 
 #[test]
-fn more_layers_come_nearer_to_sorted_strands() {
+fn more_layers_approach_sorted_blending() {
     let Some(context) = common::context() else { return };
     let (groom, scene) = (straws(), scene());
     let mut errors = Vec::new();
@@ -181,7 +182,7 @@ fn more_layers_come_nearer_to_sorted_strands() {
         let (studio, hair) = peeled(context, &groom, layers);
         let picture = studio.picture(&scene, &hair);
         if exact.is_empty() {
-            // What each end of each strand looks like is not what is tested here.
+            // Take the colors of the strands from the GPU. This test is about blending only.
             let shaded: Vec<u32> = readback::buffer(context, &studio.shaded(&hair)).expect("values");
             let colors: Vec<_> = shaded.into_iter().map(|word| unpack_radiance(word).as_dvec3()).collect();
             let brightest = colors.iter().map(|c| c.max_element()).fold(0.0, f64::max);
@@ -195,9 +196,9 @@ fn more_layers_come_nearer_to_sorted_strands() {
         println!("{layers:2} layers: {:.2} / 255", errors[errors.len() - 1]);
     }
     assert!(errors.windows(2).all(|pair| pair[1] < 0.8 * pair[0] || pair[1] < 0.6), "{errors:?}");
-    // Rounding to 8 bits and dither alone are 0.4.
+    // Rounding to 8 bits and dither alone cause 0.4.
     assert!(errors[4] < 0.8, "{errors:?}");
-    // The comparison sees strands in another order.
+    // Strands in another order are detected.
     let mut turned = groom.clone();
     turned.points.iter_mut().for_each(|p| p.z = SIZE as f32 - p.z);
     let (studio, hair) = peeled(context, &turned, 16);

@@ -1,4 +1,4 @@
-//! Strands to pictures.
+//! Renders strands to images.
 
 use super::Mode;
 use crate::common;
@@ -12,7 +12,7 @@ use tresses::{
 
 use super::groom::Groom;
 
-/// A view of one mode.
+/// A view in one mode.
 pub struct Studio<'a> {
     context: &'a Context,
     view: View,
@@ -30,34 +30,34 @@ impl<'a> Studio<'a> {
         Self { context, view }
     }
 
-    /// Pictures of another size from here on.
+    /// Changes the size of the following images.
     pub fn resize(&mut self, size: [u32; 2]) {
         let ssaa = self.view.targets().ssaa;
         self.view.resize(size, ssaa).expect("fits");
     }
 
-    /// What the strands of `hair` were shaded with in the last picture.
+    /// Returns the colors of the strands of `hair` in the last image.
     pub fn shaded(&self, hair: &HairSet) -> tresses::wgpu::Buffer {
         self.view.shaded(hair).expect("drawn")
     }
 
-    /// Brings `groom` to the GPU.
+    /// Uploads `groom`.
     pub fn hair(&self, groom: &Groom) -> (HairSet, StrandBuffers) {
         let strands = upload(self.context, groom);
         (HairSet::new(self.context, &strands).expect("fits"), strands)
     }
 
-    /// RGBA of `hair` alone, rows from the top.
+    /// Renders `hair` alone: RGBA, rows from the top.
     pub fn picture(&self, scene: &Picture, hair: &HairSet) -> Vec<[u8; 4]> {
         self.with(scene, hair, &[])
     }
 
-    /// Whether the last picture is all that it should be.
+    /// Whether the last image is complete: all tile lists fitted into memory.
     pub fn is_complete(&self) -> bool {
         pollster::block_on(self.view.is_complete()).expect("a device")
     }
 
-    /// RGBA of `hair` and `bodies`, rows from the top.
+    /// Renders `hair` and `bodies`: RGBA, rows from the top.
     pub fn with(&self, scene: &Picture, hair: &HairSet, bodies: &[&Body]) -> Vec<[u8; 4]> {
         let bytes = common::picture(self.context, &self.view, scene, &[hair], bodies);
         bytes.as_chunks().0.to_vec()
@@ -71,7 +71,7 @@ fn upload(context: &Context, groom: &Groom) -> StrandBuffers {
     buffers
 }
 
-/// Replaces the vertices of `buffers` by those of `groom`.
+/// Writes the vertices of `groom` into `buffers`.
 pub fn write(context: &Context, groom: &Groom, buffers: &StrandBuffers) {
     let n = groom.vertices;
     let vertices: Vec<_> = (0..groom.points.len())
@@ -93,7 +93,7 @@ pub fn write(context: &Context, groom: &Groom, buffers: &StrandBuffers) {
     context.queue().write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&infos));
 }
 
-/// The sum of alpha, pixels.
+/// Returns the sum of alpha, pixels.
 pub fn total(picture: &[[u8; 4]]) -> f64 {
     picture.iter().map(|pixel| f64::from(pixel[3]) / 255.0).sum()
 }

@@ -1,4 +1,4 @@
-//! Coverage of a real groom against a path-traced picture.
+//! Coverage of a real groom compared with a path-traced image.
 
 use super::{
     ALPHA_4_2X, Mode,
@@ -10,15 +10,15 @@ use crate::common;
 use std::{fs::File, io::BufReader, path::Path};
 use tresses::{Camera, draw::Coverage, glam::Vec3, groom::import, light::Sphere, view::Picture};
 
-/// Sizes of the picture, that of the reference being 960×600: the same camera from 1.5, 3 and 6
-/// times as far. Strands are 0.4, 0.2 and 0.1 pixels wide at the root.
+/// Sizes of the images. The reference has 960×600 pixels, so they correspond to 1.5, 3 and 6 times its camera distance.
+/// Strands are 0.4, 0.2 and 0.1 pixels wide at the root.
 const SIZES: [[u32; 2]; 3] = [[640, 400], [320, 200], [160, 100]];
 
-/// Vertices of a drawn strand.
+/// Vertices per drawn strand.
 const VERTICES: usize = 32;
 
-/// The strands as the reference has them: uniform cubic B-splines with a mirrored point beyond each
-/// end, 0.17 mm thick (radius) at the root and 0.07 mm at the tip.
+/// Returns the strands as the reference has them: uniform cubic B-splines with a mirrored point beyond each end, with
+/// radius 0.17 mm at the root and 0.07 mm at the tip.
 fn sintel(path: &Path) -> Groom {
     let (strands, _) = import::read(&[path], &Default::default()).expect("a groom");
     let mut points = Vec::new();
@@ -46,7 +46,7 @@ fn sintel(path: &Path) -> Groom {
     Groom { vertices: VERTICES, points, root_radius: 1.7e-4, tip_radius: 0.7e-4 }
 }
 
-/// The sum of the reference picture, pixels.
+/// Returns the total coverage in the reference image, pixels.
 fn reference(path: &Path) -> f64 {
     let file = File::open(path).expect("the reference");
     let mut reader = png::Decoder::new(BufReader::new(file)).read_info().expect("a PNG");
@@ -57,18 +57,18 @@ fn reference(path: &Path) -> f64 {
 }
 
 #[test]
-fn a_real_groom_covers_what_the_reference_does() {
+fn real_groom_coverage_matches_the_path_tracer() {
     judge(&SIZES[2..], |mode| [super::MASK_4_2X, super::TILES, super::ALPHA_4].contains(&mode));
 }
 
-/// The table of docs/appearance/edges.md.
+/// Prints the table of docs/appearance/edges.md.
 #[test]
 #[ignore = "proof"]
-fn a_real_groom_covers_what_the_reference_does_in_any_mode() {
+fn real_groom_coverage_matches_the_path_tracer_in_any_mode() {
     judge(&SIZES, |mode| mode != ALPHA_4_2X);
 }
 
-/// Holds pictures of `sizes` in those modes that are `asked` for against the path-traced one.
+/// Compares images of these sizes with the path-traced one, in the modes that `asked` selects.
 fn judge(sizes: &[[u32; 2]], asked: impl Fn(Mode) -> bool) {
     let Some(picture) = common::asset("../reference/sintel_coverage.png") else { return };
     let Some(file) = common::asset(common::SINTEL) else { return };
@@ -93,7 +93,7 @@ fn judge(sizes: &[[u32; 2]], asked: impl Fn(Mode) -> bool) {
         let errors: Vec<_> = errors.collect();
         println!("{:36} {:+.2?} %", mode.name, errors.iter().map(|e| 100.0 * e).collect::<Vec<_>>());
         let good = errors.iter().all(|error| error.abs() < 0.01);
-        // Equal alpha is equal samples, and the comparison sees what that loses.
+        // Equal alpha selects equal samples. The test detects the coverage that this loses.
         assert_eq!(good, mode.coverage != Coverage::AlphaToCoverage, "{}: {errors:?}", mode.name);
     }
 }

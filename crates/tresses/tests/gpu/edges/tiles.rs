@@ -1,5 +1,5 @@
-//! What the compute rasteriser promises beyond other modes: exact area at any width, no seams, lists of any length,
-//! the near plane, and bodies' outlines.
+//! Properties of the tile rasterizer: exact area at any width, no seams, lists of any length, clipping at the near
+//! plane, and outlines of bodies.
 
 use super::{MASK_4_2X, PEEL, TILES, TILES_1, groom::Groom, mode, picture::Studio, picture::total};
 use crate::{common, golden::difference};
@@ -16,10 +16,11 @@ use tresses::{
 
 const SIZE: [u32; 2] = [256, 224];
 
-/// About a twentieth of a pixel: thirteen steps of eight bits, or all pixels along a row would be rounded alike.
+/// About a twentieth of a pixel: exactly 13 steps of eight bits, because otherwise all pixels along a row would round
+/// in the same direction.
 const WHOLE: f32 = 13.0 / 255.0;
 
-/// A camera whose pixels at the origin are a millimetre wide.
+/// Returns a scene with a camera whose pixels at the origin are 1 mm wide.
 fn scene() -> Picture {
     let fov = 0.4f32;
     let distance = 0.5e-3 * SIZE[1] as f32 / (0.5 * fov).tan();
@@ -27,7 +28,7 @@ fn scene() -> Picture {
     Picture { camera, focus: Sphere { center: Vec3::ZERO, radius: 0.2 }, ..common::dark() }
 }
 
-/// Strands of `width` millimetres side by side at an angle, `apart` millimetres from each other.
+/// Returns parallel strands of `width` millimeters at an angle, `apart` millimeters from each other.
 fn comb(width: f32, angle: f32, apart: f32) -> Groom {
     let count = (120.0 / apart.max(width + 4.0)).floor().max(1.0) as usize;
     let turn = Quat::from_rotation_z(angle);
@@ -39,7 +40,7 @@ fn comb(width: f32, angle: f32, apart: f32) -> Groom {
     Groom { vertices, points: points.collect(), root_radius: 5e-4 * width, tip_radius: 5e-4 * width }
 }
 
-/// How far from its area a comb of strands is drawn, as a factor less 1.
+/// Returns the relative error of the area of `drawn`, compared with the exact area of `meant`.
 fn error(studio: &Studio<'_>, drawn: &Groom, meant: &Groom) -> f64 {
     let (hair, _strands) = studio.hair(drawn);
     let area: f64 = meant
@@ -58,13 +59,13 @@ fn strands_of_any_width_cover_their_area() {
     let studio = Studio::new(context, TILES_1, SIZE);
     for width in [WHOLE, 0.2, 0.7, 1.0, 3.0, 17.0, 80.0, 200.0] {
         for angle in [0.0f32, 0.11, 0.6, 0.785, 1.4] {
-            // Those wider than long leave the picture when they stand.
+            // Strands that are wider than long leave the image when rotated.
             if width > 60.0 && angle > 0.2 {
                 continue;
             }
             let groom = comb(width, angle, 5.3);
             let found = error(&studio, &groom, &groom);
-            // Eight bits of a picture hold what a twentieth of a pixel covers to some thousandths.
+            // With eight bits per pixel, coverage of a twentieth of a pixel is accurate to some thousandths.
             let most = if width < 0.1 { 0.012 } else { 0.005 };
             println!("{width} mm at {angle}: {:+.3} %", 100.0 * found);
             assert!(found.abs() < most, "{width} mm at {angle}: {found}");
@@ -76,7 +77,7 @@ fn strands_of_any_width_cover_their_area() {
     assert!(error(&studio, &wide, &groom).abs() > 0.005, "the comparison sees a hundredth");
 }
 
-/// A strand that is wide and bends, of so many vertices; `gap` leaves a segment out.
+/// Returns a wide strand along an arc, with this many vertices.
 fn arc(vertices: usize, radius: f32) -> Groom {
     let points = (0..vertices).map(|k| {
         let angle = 2.6 * k as f32 / (vertices - 1) as f32;
@@ -86,13 +87,13 @@ fn arc(vertices: usize, radius: f32) -> Groom {
 }
 
 #[test]
-fn a_wide_strand_that_bends_has_no_seams() {
+fn wide_curved_strand_has_no_seams() {
     let Some(context) = common::context() else { return };
     let studio = Studio::new(context, TILES_1, SIZE);
     let inside = |groom: &Groom| {
         let (hair, _strands) = studio.hair(groom);
         let picture = studio.picture(&scene(), &hair);
-        // Along the middle of the strand, pixel by pixel.
+        // Samples along the center line of the strand and 8 pixels to either side of it.
         let alphas = (3..257).map(|k| {
             let angle = 2.6 * k as f32 / 260.0;
             let at = Vec2::new(60.0 * angle.cos(), 25.0 - 60.0 * angle.sin())
@@ -110,11 +111,11 @@ fn a_wide_strand_that_bends_has_no_seams() {
     for vertices in [12, 24, 64] {
         assert_eq!(inside(&arc(vertices, 0.012)), 255, "{vertices} vertices");
     }
-    // The look along it sees a strand that is missing there.
+    // A thinner strand does not reach the samples at the sides, which the test detects.
     assert!(inside(&arc(12, 0.006)) < 255);
 }
 
-/// Strands across the whole picture, each in a hundred tiles, which lie over each other in an order that is known.
+/// Returns strands across the whole image, each in a hundred tiles, which overlap in a known order.
 fn lattice(count: usize) -> Groom {
     let vertices = 2;
     let points = (0..count).flat_map(|i| {
@@ -126,7 +127,7 @@ fn lattice(count: usize) -> Groom {
 }
 
 #[test]
-fn lists_that_do_not_fit_are_drawn_in_rounds() {
+fn overflowing_tile_lists_are_drawn_in_rounds() {
     let Some(context) = common::context() else { return };
     let wait = |studio: &Studio<'_>| studio.is_complete();
     let shown = |groom: &Groom, redrawn: bool| {
@@ -138,7 +139,8 @@ fn lists_that_do_not_fit_are_drawn_in_rounds() {
         assert!(!redrawn || wait(&studio), "lists have grown");
         (picture, complete, again)
     };
-    // 4,000 strands need about 160,000 entries, twice what there is room for; 30,000 more than four times as much.
+    // 4,000 strands need about 160,000 entries, twice the capacity. 30,000 strands need more than four times the
+    // capacity.
     let (rounds, complete, one) = shown(&lattice(4000), true);
     assert!(complete);
     assert_eq!(difference(&rounds, &one).0, 0.0, "in rounds or in one go, the picture is the same");
@@ -147,9 +149,9 @@ fn lists_that_do_not_fit_are_drawn_in_rounds() {
 }
 
 #[test]
-fn strands_end_at_the_near_plane() {
+fn strands_are_clipped_at_the_near_plane() {
     let Some(context) = common::context() else { return };
-    // From inside the hair, strands on all sides: some begin behind the eye.
+    // The camera is inside the hair, so that some strands begin behind it.
     let view = Picture {
         camera: Camera::look_at(Vec3::new(0.01, 0.05, 0.082), Vec3::new(0.1, 0.03, 0.0), 0.9, SIZE),
         focus: Sphere { center: Vec3::ZERO, radius: 0.2 },
@@ -162,7 +164,7 @@ fn strands_end_at_the_near_plane() {
         let (hair, _strands) = studio.hair(groom);
         studio.picture(&view, &hair)
     };
-    // Hair without light is black: what it covers tells.
+    // Hair without light is black, so compare alpha.
     let difference = |a: &[[u8; 4]], b: &[[u8; 4]]| {
         let sum: u32 = a.iter().zip(b).map(|(a, b)| u32::from(a[3].abs_diff(b[3]))).sum();
         f64::from(sum) / a.len() as f64
@@ -175,12 +177,12 @@ fn strands_end_at_the_near_plane() {
     assert!(mean < 1.0 && other > 3.0 * mean, "{mean} {other}");
 }
 
-/// Strands at one place of the picture in one bin of depth, the nearest last: of `count`, the nearest half is red, the
-/// others green. `shown` tells which of them there are by the share that is nearer.
+/// Draws strands at one place of the image in one depth bin, the nearest last. Of `count` strands, the nearer half is
+/// red, the other half green. `shown` selects strands by their relative depth, and `turned` reverses the depth.
 fn crowd(context: &Context, count: usize, shown: impl Fn(f32) -> bool, turned: bool) -> Vec<u8> {
     let depths = (0..count).rev().map(|i| (i ^ 5) as f32 / count as f32).filter(|s| shown(*s));
     let depths: Vec<f32> = depths.collect();
-    // A strand far behind takes the last bin, so that the others share the first.
+    // A strand far behind occupies the last bin, so that the others share the first.
     let at = |s: f32| [-20.0, if turned { s - 1.0 } else { -s } * 0.4];
     let points = depths.iter().map(|s| at(*s)).chain([[-10.0, -40.0]]);
     let points = points.flat_map(|[x, z]| [-1.0, 1.0].map(|y| Vec3::new(x + 0.1 * y, 30.0 * y, z) * 1e-3));
@@ -197,9 +199,9 @@ fn crowd(context: &Context, count: usize, shown: impl Fn(f32) -> bool, turned: b
 }
 
 #[test]
-fn crowded_bins_are_in_order() {
+fn crowded_depth_bins_are_sorted() {
     let Some(context) = common::context() else { return };
-    // Put in order by counting, and by a workgroup. The nearest half hides the other.
+    // The counts cover both ways of sorting: counting, and sorting by a workgroup. The nearer half hides the other one.
     for count in [30, 400, 1000, 6001] {
         let front = crowd(context, count, |s| s < 0.5, false);
         let all = difference(&crowd(context, count, |_| true, false), &front).0;
@@ -209,10 +211,10 @@ fn crowded_bins_are_in_order() {
     }
 }
 
-/// Lists are followed as far as the picture before needed, and further where that is not enough: whatever came before,
-/// a picture is what it is alone.
+/// A frame follows tile lists as far as the previous frame needed, and farther where that is not enough. The image must
+/// be the same whatever came before.
 #[test]
-fn a_picture_does_not_depend_on_the_one_before() {
+fn image_does_not_depend_on_the_previous_frame() {
     let Some(context) = common::context() else { return };
     let light = Directional { direction: Vec3::Z, irradiance: Vec3::splat(9.0) };
     let from = |eye: Vec3| {
@@ -224,7 +226,7 @@ fn a_picture_does_not_depend_on_the_one_before() {
     let [front, aside, near, far] =
         [Vec3::Z * 0.5, Vec3::new(0.3, 0.1, 0.4), Vec3::Z * 0.22, Vec3::Z * 3.0].map(from);
     let wide = Groom::on_a_ball(4000, 4e-4);
-    // Needs five times as many strands until nothing gets through.
+    // Needs five times as many strands to become opaque.
     let thin = Groom { root_radius: 8e-5, tip_radius: 8e-5, ..wide.clone() };
     let pictures = [
         (&wide, &front),
@@ -254,9 +256,9 @@ fn a_picture_does_not_depend_on_the_one_before() {
     }
 }
 
-/// Hair behind a body's edge, and before it, is as much there as samples tell.
+/// Hair behind and in front of a body's edge is weighted by the body's samples.
 #[test]
-fn outlines_of_bodies_before_hair_are_smooth() {
+fn body_outlines_in_front_of_hair_are_smooth() {
     let Some(context) = common::context() else { return };
     let cube = Body::new(context, &common::cube(0.07));
     let groom = Groom::on_a_ball(3000, 3e-4);

@@ -1,4 +1,4 @@
-//! Coverage and luminance are those of full detail.
+//! Coverage and luminance at a level of detail match full detail.
 
 use super::stage::{Setup, Shot};
 use crate::common;
@@ -10,16 +10,16 @@ use tresses::{
     lod::{Detail, LodMode, LodOptions},
 };
 
-/// The share of a picture that is covered, and its mean light.
+/// Returns the covered share of an image, and its mean luminance.
 pub fn measure(picture: &[[f32; 4]]) -> [f32; 2] {
     let light = |p: &[f32; 4]| 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2];
     let covered = picture.iter().map(|p| p[3]).sum::<f32>();
     [covered, picture.iter().map(light).sum::<f32>()].map(|sum| sum / picture.len() as f32)
 }
 
-/// Directions about the hair, all around: what is a few pixels large shines by chance, and a level of detail
-/// is right for all lights and eyes together. Of hair of 20 pixels single directions differ by 10 %, so that six of
-/// them tell its mean to 4 % only. Fewer where pictures are large and next to nothing differs.
+/// Returns the number of viewing directions around the hair. The brightness of a few pixels depends on the direction,
+/// and a level of detail is correct only in the mean over all lights and eyes. At 20 pixels, single directions differ
+/// by 10 %, so six of them give the mean to 4 % only. Large images need fewer directions, as they hardly differ.
 fn directions(pixels: u32) -> usize {
     match pixels {
         ..30 => 24,
@@ -28,8 +28,8 @@ fn directions(pixels: u32) -> usize {
     }
 }
 
-/// How much more coverage and luminance (of what is covered) the hair has from `distance` metres than in full
-/// detail in a finer picture, over so many directions; `change` perturbs the level of detail.
+/// Returns the relative errors of coverage and of luminance (of covered area) at `distance` meters, compared with full
+/// detail in a finer image, over this many directions. `change` perturbs the level of detail.
 fn errors(
     stage: &Setup,
     hair: &mut Hair,
@@ -48,7 +48,7 @@ fn errors(
         hair.lod.options.mode = LodMode::Off;
         let full = shot.detail(hair);
         hair.lod.options.mode = LodMode::Auto;
-        // At least four times as many samples, and as many as it takes to see strands.
+        // At least four times as many samples, and enough pixels to resolve strands.
         let fine = measure(&stage.picture(hair, full, &shot, size.max(200), 2));
         let coarse = measure(&stage.picture(hair, detail, &shot, size, 1));
         for k in 0..2 {
@@ -60,11 +60,11 @@ fn errors(
     [covered - 1.0, light / covered - 1.0]
 }
 
-/// What coverage and luminance may be off by.
+/// Largest allowed error of coverage and luminance.
 const MOST: f32 = 0.03;
 
-/// Prints the errors at each of `distances`, and says which are beyond what they may be. Of `hairs`, grooms of one kind,
-/// the first is looked at from anywhere; where they are a few pixels large it is their mean that counts.
+/// Prints the errors at each of `distances` and returns those that exceed the limit. `hairs` are grooms of one kind.
+/// Far away, where they are a few pixels large, their mean error counts; nearer, only the first one is measured.
 fn beyond(stage: &Setup, name: &str, hairs: &mut [Hair], distances: &[f32]) -> Vec<String> {
     let mut beyond = Vec::new();
     for &distance in distances {
@@ -91,7 +91,7 @@ fn beyond(stage: &Setup, name: &str, hairs: &mut [Hair], distances: &[f32]) -> V
                 100.0 * mean[1]
             );
         }
-        // A few pixels lie as drivers round.
+        // Images of a few pixels depend on how the driver rounds.
         let most = if is_far { MOST + 0.005 } else { MOST };
         let worst = mean.iter().fold(0f32, |worst, e| worst.max(e.abs()));
         if worst >= most {
@@ -101,14 +101,13 @@ fn beyond(stage: &Setup, name: &str, hairs: &mut [Hair], distances: &[f32]) -> V
     beyond
 }
 
-/// Holds the errors at all of `distances` against what they may be.
+/// Checks that no error exceeds the limit at any of `distances`.
 fn check(stage: &Setup, name: &str, hairs: &mut [Hair], distances: &[f32]) {
     let beyond = beyond(stage, name, hairs, distances);
     assert!(beyond.is_empty(), "{beyond:?}");
 }
 
-/// From as near as a portrait, by way of where the first strands are left out, to where the hair is a few pixels
-/// large.
+/// Distances from a portrait, by way of where the first strands are dropped, to hair that is a few pixels large.
 const ALL: &[f32] = &[1.0, 2.0, 4.0, 8.0, 16.0, 40.0];
 
 #[test]
@@ -118,14 +117,15 @@ fn coverage_and_luminance_stay_at_a_distance() {
     let mut hair = [stage.hair(&groom, None)];
     check(stage, "long", &mut hair, &[16.0]);
     let [hair] = &mut hair;
-    // The comparer sees strands that are not widened.
+    // Strands that are not widened are detected.
     let [thin, _] = errors(stage, hair, 16.0, 2, |detail| detail.width = 1.0);
     assert!(thin < -MOST, "{thin}");
 }
 
-/// Fewer texels and cells of light change little, under a photographer's lights and by the sky alone.
+/// Coarser shadow maps and ambient light change the brightness little, in a photographer's lights and in sky light
+/// alone.
 #[test]
-fn coarser_light_is_as_bright_from_afar() {
+fn coarser_light_is_as_bright_at_a_distance() {
     let Some(stage) = Setup::open() else { return };
     let (groom, _) = Setup::style("long", 3000);
     let mut hair = stage.hair(&groom, None);
@@ -149,14 +149,14 @@ fn coarser_light_is_as_bright_from_afar() {
     for is_sky in [false, true] {
         let fine = mean(is_sky, false, 1.0);
         let coarse = mean(is_sky, true, 1.0) / fine - 1.0;
-        // The comparer sees light that meets less hair.
+        // Light that meets less hair is detected.
         let less = mean(is_sky, true, 0.7) / fine - 1.0;
         println!("sky alone {is_sky}: {:+.2} %, with less hair {:+.2} %", 100.0 * coarse, 100.0 * less);
         assert!(coarse != 0.0 && coarse.abs() < 0.02 && less > 0.02, "{is_sky}: {coarse} {less}");
     }
 }
 
-/// The table of docs/appearance/lod.md.
+/// Prints the table of docs/appearance/lod.md.
 #[test]
 #[ignore = "proof"]
 fn coverage_and_luminance_stay_at_any_distance() {
@@ -164,7 +164,7 @@ fn coverage_and_luminance_stay_at_any_distance() {
     let mut hairs =
         [1, 2, 3, 4].map(|seed| stage.grown(&Style::default().with_seed(seed), 5000, LodOptions::default()));
     check(stage, "long", &mut hairs, ALL);
-    // The comparer sees strands that are not widened, and light that meets less of them.
+    // Strands that are not widened are detected, and so is light that meets less hair.
     let hair = &mut hairs[0];
     let [thin, _] = errors(stage, hair, 8.0, 2, |detail| detail.width = 1.0);
     assert!(thin < -MOST, "{thin}");
@@ -172,7 +172,7 @@ fn coverage_and_luminance_stay_at_any_distance() {
     assert!(lit > MOST, "{lit}");
 }
 
-/// With the levels of a crowd, whose strands are half as wide again.
+/// With the levels of a crowd, at which strands are half as wide again.
 #[test]
 #[ignore = "proof"]
 fn heads_of_a_crowd_keep_coverage_and_luminance() {
@@ -181,7 +181,7 @@ fn heads_of_a_crowd_keep_coverage_and_luminance() {
     check(stage, "long of a crowd", &mut hair, &[2.0, 4.0, 6.5, 10.0, 16.0, 25.0, 40.0]);
 }
 
-/// With more strands than the rest of these have.
+/// Checks grooms with more strands than in the other tests.
 fn check_many(stage: &Setup, options: LodOptions) {
     let each = [10_000, 30_000].map(|strands| {
         let mut hair = [stage.grown(&Style::default(), strands, options)];

@@ -1,4 +1,4 @@
-//! Hair at a level of detail covers and shines as hair in full detail does, and changes without a jump.
+//! Levels of detail: coverage and luminance match full detail, and levels change without jumps.
 
 mod changes;
 mod looks;

@@ -1,4 +1,4 @@
-//! Hair at a level of detail in a picture.
+//! Renders hair at a level of detail.
 
 use crate::common;
 use tresses::{
@@ -6,7 +6,7 @@ use tresses::{
     camera::ToneMap,
     drape,
     draw::Coverage,
-    frame::Sight,
+    frame::ViewPass,
     glam::Vec3,
     gpu::readback::blocking as readback,
     groom::{Groom, SdfGrid, styles::Style},
@@ -17,10 +17,10 @@ use tresses::{
     view::{Picture, ViewOptions},
 };
 
-/// Radians per pixel of a portrait lens (30 degrees) 720 pixels high.
+/// Radians per pixel of a portrait lens (30 degrees) in an image 720 pixels high.
 const PIXEL_ANGLE: f32 = 0.000_744_3;
 
-/// Nothing is too bright for a picture, and what is dark is many steps of one.
+/// Exposure at which nothing is clipped and dark values still span many steps.
 const EXPOSURE: f32 = 1.0;
 
 pub struct Setup {
@@ -29,13 +29,8 @@ pub struct Setup {
 
 impl Setup {
     pub fn open() -> Option<&'static Self> {
-        static SETUP: std::sync::OnceLock<Option<Setup>> = std::sync::OnceLock::new();
-        SETUP
-            .get_or_init(|| {
-                let context = common::context()?;
-                Some(Setup { context })
-            })
-            .as_ref()
+        static SETUP: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
+        SETUP.get(|| Some(Self { context: common::context()? }))
     }
 
     pub fn style(name: &str, strands: u32) -> (Groom, SdfGrid) {
@@ -43,7 +38,7 @@ impl Setup {
         (built.groom.clone(), built.field.clone())
     }
 
-    /// A style that may not be a default one, measured for levels of detail that are as `lod` has them.
+    /// Creates hair in any style, with options for its levels of detail.
     pub fn grown(&self, style: &Style, strands: u32, lod: LodOptions) -> Hair {
         let made = drape::character(self.context, style, Some(strands));
         self.measured(&pollster::block_on(made).unwrap().groom, None, lod)
@@ -69,8 +64,7 @@ impl Setup {
         readback::buffer(self.context, &hair.strands.vertices).unwrap()
     }
 
-    /// The hair at `detail` from `distance` metres, in a picture `size` pixels high that it fills: linear,
-    /// premultiplied.
+    /// Renders the hair at `detail` into a square image of `size` pixels that it fills: linear, premultiplied.
     pub fn picture(
         &self,
         hair: &mut Hair,
@@ -83,7 +77,7 @@ impl Setup {
         let (middle, radius) = hair.lod.sphere;
         hair.set_detail(detail);
         self.advance(hair, Pose::IDENTITY, 0.0);
-        // As the command draws.
+        // As in the command.
         let options = ViewOptions { samples: 1, coverage: Coverage::Tiles, ..Default::default() };
         let mut view = View::new(context, &options, [size; 2], ssaa).unwrap();
         let eye = middle + shot.direction.normalize() * shot.distance;
@@ -92,14 +86,14 @@ impl Setup {
             lights: shot.lights,
             focus: Sphere { center: middle, radius: 1.05 * radius },
             background: Background::transparent(),
-            // Linear, and nothing is too bright.
+            // Linear, without clipping.
             tone: ToneMap { exposure: EXPOSURE, shoulder: 1.0, desaturation: 0.0 },
             ..Default::default()
         };
         if shot.fits {
             view.fit_light((&scene, 0.0), [1, 0]);
         }
-        common::submit(|recorder| recorder.draw(&[&*hair], &[], Sight::new(&view, &scene)));
+        common::submit(|recorder| recorder.draw(&[&*hair], &[], ViewPass::new(&view, &scene)));
         let linear = |byte: u8| linear(f32::from(byte) / 255.0);
         let bytes = pollster::block_on(view.targets().read()).unwrap();
         let pixel = |p: &[u8; 4]| [linear(p[0]), linear(p[1]), linear(p[2]), f32::from(p[3]) / 255.0];
@@ -107,12 +101,12 @@ impl Setup {
     }
 }
 
-/// From where hair is looked at.
+/// A viewpoint with its lights.
 pub struct Shot {
     pub distance: f32,
     pub direction: Vec3,
     pub lights: Lights,
-    /// Whether light is as fine as it is seen ([`View::fit_light`]).
+    /// Whether the resolution of the light fits the image ([`View::fit_light`]).
     pub fits: bool,
 }
 
@@ -121,17 +115,17 @@ impl Shot {
         Self { distance, direction, lights: Lights::default(), fits: true }
     }
 
-    /// The field of view that the hair fills.
+    /// Returns the field of view that the hair fills, radians.
     pub fn fov(&self, radius: f32) -> f32 {
         2.0 * (1.1 * radius / self.distance).asin().min(1.2)
     }
 
-    /// As many pixels as the hair has in a picture 720 pixels high.
+    /// Returns the size of the hair in an image 720 pixels high, pixels.
     pub fn size(&self, radius: f32) -> u32 {
         (2.0 * (0.5 * self.fov(radius)).tan() / PIXEL_ANGLE).ceil().max(4.0) as u32
     }
 
-    /// What level of detail has for it.
+    /// Returns the level of detail for this viewpoint.
     pub fn detail(&self, hair: &Hair) -> Detail {
         let radius = hair.lod.sphere.1;
         let pixel = PIXEL_ANGLE * (self.distance - radius).max(0.01);

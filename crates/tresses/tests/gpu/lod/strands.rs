@@ -1,4 +1,4 @@
-//! What a level of detail makes of strands.
+//! Strands at a level of detail.
 
 use super::stage::Setup;
 use crate::common;
@@ -11,7 +11,7 @@ use tresses::{
 };
 
 #[test]
-fn fewer_vertices_lie_on_the_same_strand() {
+fn strands_with_fewer_vertices_keep_their_shape() {
     let Some(stage) = Setup::open() else { return };
     let mut groom = bind(&common::hanging(400, 16, 0.2), &Default::default()).unwrap();
     arrange(&mut groom.strands);
@@ -29,7 +29,7 @@ fn fewer_vertices_lie_on_the_same_strand() {
             for (v, p) in strand.iter().zip(&expected) {
                 assert!(v.position.distance(*p) < 2e-4, "{segments} {i}: {} {p}", v.position);
             }
-            // A strand of another number of segments lies elsewhere.
+            // A strand with another number of segments is elsewhere.
             let other = tresses::lod::resample(&rest, 0.9 * segments);
             let off = strand.iter().zip(&other).map(|(v, p)| v.position.distance(*p)).fold(0.0, f32::max);
             assert!(segments == 1.0 || off > 2e-4);
@@ -38,7 +38,7 @@ fn fewer_vertices_lie_on_the_same_strand() {
 }
 
 #[test]
-fn strands_that_come_back_have_forgotten() {
+fn strands_that_return_start_without_a_hit() {
     let Some(stage) = Setup::open() else { return };
     let mut groom = bind(&common::hanging(600, 16, 0.16), &Default::default()).unwrap();
     arrange(&mut groom.strands);
@@ -98,20 +98,20 @@ fn painted_levels_act_where_they_are_painted() {
     assert!(scales(500.0).iter().all(|(_, scale)| (scale - 1.0).abs() < 1e-3));
     assert!(scales(50.0).iter().all(|(x, scale)| (scale - if *x > 0.0 { 0.0 } else { 2.0 }).abs() < 0.02));
     let half = scales(200.0);
-    // Half of the left side's strands are there, and the right side's are one and a half times as wide.
+    // Half of the strands on the left are drawn, and the strands on the right are one and a half times as wide.
     let left: Vec<_> = half.iter().filter(|(x, _)| *x > 0.0).map(|(_, scale)| *scale).collect();
     let mean = left.iter().sum::<f32>() / left.len() as f32;
     assert!((mean - 0.5).abs() < 0.08, "{mean}");
     assert!(half.iter().filter(|(x, _)| *x < 0.0).all(|(_, scale)| (scale - 1.5).abs() < 0.02));
-    // Another groom is refused.
+    // Another groom is an error.
     let other = bind(&common::hanging(300, 16, 0.2), &Default::default()).unwrap();
     assert!(hair.paint_levels(&other, &levels, Vec3::ZERO).is_err());
 }
 
-/// What the order of strands costs `interpolate`: figures for the docs.
+/// Measures what the order of strands costs in `interpolate`, for the docs.
 #[test]
 #[ignore = "proof"]
-fn orders() {
+fn print_timings_of_strand_orders() {
     use tresses::{
         interpolate::Interpolation,
         strands::{GuideBuffers, StrandBuffers},

@@ -1,4 +1,4 @@
-//! Hair that is carried through the world: lifts, free fall, carousels, turning frames, moving air.
+//! Hair that is carried through the world: lifts, free fall, carousels, rotating frames, moving air.
 
 use super::{
     lab::{Lab, bare, lab, straight},
@@ -11,14 +11,14 @@ use tresses::{
     gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, Strands, bind},
     hair::HairFrame,
-    simulate::{Along, RestShape, SimulationParams},
+    simulate::{RestShape, RootToTip, SimulationParams},
     space::Velocity,
     volume::HairHair,
     wind::Wind,
 };
 
 const G: f64 = 9.81;
-/// As many steps per frame as there may be: for what comes to rest.
+/// Frames per second with the maximum number of steps per frame; for hair that comes to rest.
 const SLOW: f64 = 7.5;
 
 /// Strands that are their own guides, on a head at the origin of a space.
@@ -47,12 +47,12 @@ impl Rider {
         Self { lab, hair, groom, params, fps, head: Pose::IDENTITY, frames: 0 }
     }
 
-    /// When the next frame is, s.
+    /// Returns the time of the next frame, s.
     fn time(&self) -> f64 {
         f64::from(self.frames) / self.fps
     }
 
-    /// A frame in `space`.
+    /// Advances by a frame in `space`.
     fn ride(&mut self, space: &Space) {
         let dt = if self.frames == 0 { 0.0 } else { 1.0 / self.fps as f32 };
         let frame =
@@ -61,14 +61,14 @@ impl Rider {
         self.frames += 1;
     }
 
-    /// `seconds` in the space that each time has.
+    /// Advances by `seconds`. `space` gives the space at each time.
     fn rides(&mut self, seconds: f64, space: impl Fn(f64) -> Space) {
         for _ in 0..(seconds * self.fps).round() as u32 {
             self.ride(&space(self.time()));
         }
     }
 
-    /// The guides, in the axes that the space had when they began, from its origin.
+    /// Returns the guides relative to the origin of the space, in the axes that it had at the start.
     fn guides(&self) -> Vec<Vec<Vec3>> {
         let context = self.lab.context;
         let all: Vec<[f32; 4]> = readback::buffer(context, &self.hair.guides.current).unwrap();
@@ -77,13 +77,13 @@ impl Rider {
     }
 }
 
-/// How far two states are from each other, mm.
+/// Returns the largest distance between two states, mm.
 fn apart(a: &[Vec<Vec3>], b: &[Vec<Vec3>]) -> f32 {
     let pairs = a.iter().flatten().zip(b.iter().flatten());
     pairs.map(|(a, b)| a.distance(*b)).fold(0.0, f32::max) * 1e3
 }
 
-/// Hair of 80 µm that hangs, stands out and curls.
+/// Returns hair of diameter 80 µm that hangs, stands out and curls.
 fn locks() -> Vec<Vec<Vec3>> {
     let arc = (0..16).map(|i| {
         let a = 2.0 * (i as f32 - 1.0) / 15.0;
@@ -92,12 +92,13 @@ fn locks() -> Vec<Vec<Vec3>> {
     vec![straight(16, 0.2, Vec3::NEG_Y), straight(16, 0.2, Vec3::X), arc.collect()]
 }
 
-/// A head that looks to and fro.
+/// Returns the pose of a head that looks to and fro.
 fn turns(t: f64) -> Pose {
     Pose::about(Vec3::Z * 0.05, tresses::glam::Quat::from_rotation_y(0.6 * (5.0 * t as f32).sin()))
 }
 
-/// Two seconds of a moving head in the space that each time has, its pose folded into single precision or not.
+/// Returns the strands after two seconds of a moving head in the space at each time. With `folded`, the place of the
+/// space is added to the head's pose, in single precision.
 fn journey(lab: &'static Lab, space: &dyn Fn(f64) -> Space, folded: bool) -> Vec<Vec<Vec3>> {
     let params = SimulationParams { hair_hair: HairHair::OFF, ..Default::default() };
     let mut rider = Rider::new(lab, &locks(), params, 60.0);
@@ -114,7 +115,7 @@ fn journey(lab: &'static Lab, space: &dyn Fn(f64) -> Space, folded: bool) -> Vec
         let frame = HairFrame { dt, head, simulation: &rider.params, space, ..Default::default() };
         common::submit(|recorder| recorder.advance(&mut rider.hair, &frame));
     }
-    // As they are drawn, from the head.
+    // The drawn strands relative to the head.
     let context = lab.context;
     let drawn: Vec<[f32; 4]> = readback::buffer(context, &rider.hair.strands.vertices).unwrap();
     let back = head.inverse();
@@ -131,7 +132,6 @@ fn places(lab: &'static Lab, fault: bool) -> Vec<Row> {
         let i = (t * 60.0).round();
         Space::at(DVec3::new(i % 2.0, (i * 7.0) % 5.0, (i * 3.0) % 4.0) * 1e3)
     };
-    // The origin is put under the head twice in a second.
     let cases: [(&str, &dyn Fn(f64) -> Space); 4] = [
         ("10 km from the origin", &|_| Space::at(far)),
         ("100 km from the origin", &|_| Space::at(10.0 * far)),
@@ -147,7 +147,7 @@ fn places(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn hair_is_the_same_everywhere() {
+fn motion_is_the_same_at_any_place() {
     let Some(lab) = lab() else { return };
     judge("places", |fault| places(lab, fault));
 }
@@ -155,7 +155,7 @@ fn hair_is_the_same_everywhere() {
 fn lifts(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let (length, a) = (0.1f32, 2.0f64);
     let off = if fault { 1.5 } else { 1.0 };
-    // Of the acceleration that is felt Γ = ρA (g + a) L³ / EI is 10: see the heavy cantilever.
+    // The acceleration that acts makes Γ = ρA (g + a) L³ / EI equal to 10: see the heavy cantilever.
     let params = SimulationParams { drag: 4.0, ..bare(1.0) };
     let stiffness = |felt: f64| params.line_density * felt as f32 * length.powi(3) / 10.0;
     let mut rows = Vec::new();
@@ -163,7 +163,7 @@ fn lifts(lab: &'static Lab, fault: bool) -> Vec<Row> {
         ("a lift that starts at 2 m/s²", a, false),
         ("a lift that brakes at 3 m/s², its velocity given", -3.0, true),
     ] {
-        let along = |v| Along { root: v, tip: v, falloff: 1.0 };
+        let along = |v| RootToTip { root: v, tip: v, falloff: 1.0 };
         let params = SimulationParams { bending: along(stiffness(G + a)), ..params };
         let mut rider = Rider::new(lab, &[straight(16, length, Vec3::X)], params, SLOW);
         let a = a * off;
@@ -185,7 +185,7 @@ fn lifts(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn lifts_change_weight() {
+fn accelerating_lifts_change_weight() {
     let Some(lab) = lab() else { return };
     judge("lifts", |fault| lifts(lab, fault));
 }
@@ -213,7 +213,7 @@ fn falls(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn what_falls_has_no_weight() {
+fn hair_in_a_falling_space_has_no_weight() {
     let Some(lab) = lab() else { return };
     judge("falls", |fault| falls(lab, fault));
 }
@@ -226,7 +226,8 @@ fn carousel(lab: &'static Lab, fault: bool) -> Vec<Row> {
         angle = (omega * omega * (r + length * angle.sin()) / G).atan();
     }
     let at = DVec3::X * if fault { 0.93 * r } else { r };
-    // The space is the head's, and its motion measured; or it is the carousel's, and given.
+    // Either the space moves with the head and its motion is measured, or the space is the carousel's and its motion is
+    // given.
     [("measured", at, DVec3::ZERO), ("given, 3 m from its middle", DVec3::ZERO, at)]
         .map(|(name, middle, head)| {
             let down = Vec3::new(angle.sin() as f32, -angle.cos() as f32, 0.0);
@@ -268,18 +269,19 @@ fn carousels_lift_pendulums() {
 
 fn foucault(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let (omega, seconds) = (0.3f64, 12.0f64);
-    // What begins at rest in the stars is pushed by its place, unless that is a pole, and swings in a plane.
+    // A pendulum that starts at rest in the inertial frame is pushed by the rotation of its place, unless that is a
+    // pole, and swings in a plane.
     [(90.0f64, 5f32), (30.0, 0.0)]
         .map(|(latitude, tilt)| {
             let (sine, cosine) = latitude.to_radians().sin_cos();
-            // The world turns about its pole, with the place where the pendulum hangs.
+            // The world rotates about its pole, with the place where the pendulum hangs.
             let pole = DVec3::new(cosine, sine, 0.0);
             let turned = |t: f64| DQuat::from_axis_angle(pole, omega * t * if fault { 0.95 } else { 1.0 });
             let (aside, along) = tilt.to_radians().sin_cos();
             let down = Vec3::new(aside, -along, 0.0);
             let params = SimulationParams { step: 1.0 / 240.0, substeps: 8, ..bare(0.0) };
             let mut rider = Rider::new(lab, &[straight(3, 0.2, down)], params, 30.0);
-            // The plane of the swing over a second or so, as the place has it.
+            // Swing directions in the frame of the place. They give the plane of the swing over about a second.
             let mut samples = Vec::new();
             while rider.time() < seconds {
                 let turned = turned(rider.time());
@@ -313,7 +315,7 @@ fn foucault(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 #[ignore = "proof"]
-fn swings_keep_their_plane() {
+fn swing_plane_turns_as_in_foucaults_pendulum() {
     let Some(lab) = lab() else { return };
     judge("foucault", |fault| foucault(lab, fault));
 }
@@ -345,7 +347,7 @@ fn drive(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn who_moves_has_wind() {
+fn hair_in_a_moving_space_feels_wind() {
     let Some(lab) = lab() else { return };
     judge("drive", |fault| drive(lab, fault));
 }

@@ -1,4 +1,4 @@
-//! Hair that holds hair: an afro and a ponytail keep their volume when they are shaken.
+//! Hair that supports and holds hair: an afro and a ponytail keep their volume when they are shaken.
 
 use super::table::{Row, at_most, judge, near};
 use crate::common;
@@ -15,16 +15,16 @@ use tresses::{
     volume::HairHair,
 };
 
-/// Edge of the voxels in which guides are counted, metres.
+/// Edge of the voxels in which guides are counted, meters.
 const VOXEL: f32 = 0.02;
-/// Seconds that the head shakes.
+/// Duration of the shake, seconds.
 const SHAKE: f32 = 3.0;
-/// What it turns about.
+/// Joint about which the head turns.
 const NECK: Vec3 = Vec3::new(0.0, -0.12, -0.02);
-/// Radius of the head, metres.
+/// Radius of the head, meters.
 const HEAD: f32 = 0.09;
 
-/// The head's pose in a shake of 30 degrees to both sides, an extreme every 0.3 s.
+/// Returns the head's pose in a shake of 30 degrees to both sides, with an extreme every 0.3 s.
 fn shaken(t: f32) -> Pose {
     let t = (t * 3.1 / SHAKE).min(3.1);
     let smooth = |s: f32| s * s * s * (10.0 + s * (6.0 * s - 15.0));
@@ -40,7 +40,7 @@ fn shaken(t: f32) -> Pose {
     Pose::about(NECK, Quat::from_rotation_y(30f32.to_radians() * yaw))
 }
 
-/// The `i`th of `count` directions that are evenly spread.
+/// Returns the `i`th of `count` evenly spread directions.
 fn direction(i: usize, count: usize) -> Vec3 {
     let y = 1.0 - 2.0 * (i as f32 + 0.5) / count as f32;
     let (sine, cosine) = (i as f32 * 2.399_963).sin_cos();
@@ -48,7 +48,7 @@ fn direction(i: usize, count: usize) -> Vec3 {
     Vec3::new(r * cosine, y, r * sine)
 }
 
-/// Hair that stands out in all directions from all of the head but face and neck.
+/// Returns hair that stands out in all directions from the head, except from face and neck.
 fn afro(length: f32) -> Groom {
     let mut strands = Strands::default();
     for i in 0..800 {
@@ -61,7 +61,7 @@ fn afro(length: f32) -> Groom {
     bound(&strands)
 }
 
-/// Hair that comes out of a band at the back of the head.
+/// Returns hair that comes out of a band at the back of the head.
 fn ponytail() -> Groom {
     let mut strands = Strands::default();
     for i in 0..150 {
@@ -71,7 +71,7 @@ fn ponytail() -> Groom {
         let line: Vec<_> = (0..24)
             .map(|j| {
                 let s = 0.4 * j as f32 / 23.0;
-                // Out and down in an arc of 6 cm, wider than the band.
+                // Out and down in an arc of radius 6 cm, and wider than the band.
                 let angle = (s / 0.06).min(1.3);
                 let arc = Vec3::new(0.0, 0.06 * (angle.cos() - 1.0), -0.06 * angle.sin());
                 let straight = Vec3::new(0.0, -angle.sin(), -angle.cos()) * (s - 0.06 * angle).max(0.0);
@@ -90,7 +90,7 @@ fn bound(strands: &Strands) -> Groom {
     bind(strands, &BindOptions { guides, ..Default::default() }).unwrap()
 }
 
-/// The voxels through which guides go, in the head's axes.
+/// Returns the number of voxels that guides pass through, in head space.
 fn voxels(positions: &[Vec3], count: usize, head: &Pose) -> f32 {
     let back = head.inverse();
     let mut voxels = HashSet::<IVec3>::new();
@@ -101,13 +101,13 @@ fn voxels(positions: &[Vec3], count: usize, head: &Pose) -> f32 {
     voxels.len() as f32
 }
 
-/// What a shake does.
+/// Results of a shake.
 #[derive(Debug)]
 struct Shaken {
-    /// Volume in the last second of the shake, and in the second from one second later on, of that at rest.
+    /// Volume relative to rest: in the last second of the shake, and in the second that begins one second after it.
     volume: [f32; 2],
-    /// How many tips of a hundred are farther from where they rest than a quarter of the hair's length, two seconds after
-    /// the shake.
+    /// Percentage of tips that are farther from their rest position than a quarter of the hair's length, two seconds
+    /// after the shake.
     fallen: f32,
 }
 
@@ -175,7 +175,7 @@ fn held(context: &Context, fault: bool) -> Vec<Row> {
 
 #[test]
 #[ignore = "proof"]
-fn hair_that_holds_keeps_its_volume() {
+fn support_and_cohesion_keep_the_volume() {
     let Some(context) = common::context() else { return };
     judge("hold", |fault| held(context, fault));
 }

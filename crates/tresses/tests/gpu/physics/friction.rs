@@ -14,11 +14,11 @@ use tresses::{
 };
 
 const G: f32 = 9.81;
-/// Coulomb's coefficient in all cases.
+/// Coulomb friction coefficient in all cases.
 const MU: f32 = 0.4;
 
-/// Hairs without stiffness, each on a horizontal plane of its own with its own coefficient, across the direction in which
-/// the planes will be tilted.
+/// Creates hairs without stiffness, each on its own horizontal plane with its own friction coefficient. They lie across
+/// the direction in which the planes will be tilted.
 fn on_planes(lab: &'static Lab, n: usize, frictions: &[f32]) -> Experiment {
     let plane = SdfGrid::from_fn(Vec3::splat(-0.3), Vec3::splat(0.3), 31, |p| p.y);
     let middle = |i: usize| Vec3::X * 0.7 * (i as f32 - 0.5 * (frictions.len() - 1) as f32);
@@ -37,14 +37,14 @@ fn on_planes(lab: &'static Lab, n: usize, frictions: &[f32]) -> Experiment {
     e
 }
 
-/// Gravity where the planes are tilted by the angle with this tangent.
+/// Returns gravity relative to planes that are tilted by the angle with this tangent.
 fn tilted(tangent: f32) -> Vec3 {
     Vec3::new(tangent, -1.0, 0.0).normalize() * G
 }
 
 fn incline(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let wrong = if fault { 1.05 } else { 1.0 };
-    // Tilted by the angle for `MU`, hairs of which each is held a hundredth better than the one before.
+    // The planes are tilted by the angle for `MU`. Their friction coefficients rise in steps of one hundredth.
     let ratios: Vec<f32> = (0..13).map(|i| 0.94 + 0.01 * i as f32).collect();
     let mut e = on_planes(lab, 3, &ratios.iter().map(|of| of * MU * wrong).collect::<Vec<_>>());
     let start = e.positions();
@@ -52,7 +52,7 @@ fn incline(lab: &'static Lab, fault: bool) -> Vec<Row> {
     e.still(240);
     let slipped: Vec<f32> = start.iter().zip(e.positions()).map(|(a, b)| a[2].distance(b[2])).collect();
     let first = slipped.iter().position(|way| *way < 1e-3).expect("some stick");
-    // None slips that is held better than one that sticks.
+    // Hair with more friction than hair that sticks does not slip.
     assert!(slipped[first..].iter().all(|way| *way < 1e-3));
     let least = if first == 0 { ratios[0] } else { 0.5 * (ratios[first - 1] + ratios[first]) };
     let mut rows = vec![near(
@@ -62,7 +62,7 @@ fn incline(lab: &'static Lab, fault: bool) -> Vec<Row> {
         if fault && first == 0 { 0.9 } else { least },
         0.02,
     )];
-    // Pushed along the plane, it is braked as a brick is; the hair keeps it at its distance from the root.
+    // Pushed along the plane, the tip slows down like a brick. The edge keeps it at its distance from the root.
     let mut e = on_planes(lab, 3, &[MU * wrong]);
     e.throw(&[vec![Vec3::ZERO, Vec3::ZERO, Vec3::X]]);
     let steps = 3;
@@ -87,8 +87,8 @@ fn hair_sticks_until_the_incline_is_too_steep() {
     judge("incline", |fault| incline(lab, fault));
 }
 
-/// A hair that comes up from its root on the left, goes over a cylinder along z around the origin and hangs down on
-/// the right.
+/// Returns a hair that comes up from its root on the left, passes over a cylinder along z around the origin, and hangs
+/// down on the right.
 fn over(n: usize, a: f32, left: f32, right: f32) -> Vec<Vec3> {
     let length = left + PI * a + right;
     let at = |s: f32| {
@@ -120,8 +120,8 @@ fn capstan(lab: &'static Lab, fault: bool) -> Vec<Row> {
             (from..to).map(|i| super::lab::step(at(i), at(i + 1))).collect()
         };
         e.steps(&steps(0, 60));
-        // What the first edge pulls, over weight per length; its mean over the time in which several vertices come
-        // onto the cylinder.
+        // Pull of the first edge over weight per length, averaged over the time in which several vertices move onto the
+        // cylinder.
         let edge = e.rest.info[0].length / (n - 1) as f32;
         let rate = e.params.stretch_rate(e.rest.info[0].length, edge);
         let (mut pulls, mut exact, mut count) = (0.0, 0.0, 0);
@@ -129,7 +129,7 @@ fn capstan(lab: &'static Lab, fault: bool) -> Vec<Row> {
             e.steps(&steps(i, i + 1));
             let p = &e.positions()[0];
             let pull = rate * (p[1].distance(p[2]) - e.rest.shape[1].length) * edge / G;
-            // Lengths that hang: on the right all that is below the axis, on the left from the middle of the edge.
+            // Hanging lengths: on the right all hair below the axis, on the left the hair from the middle of the edge.
             let over = p.iter().rposition(|p| p.y > 0.0).unwrap();
             let hangs = p[over + 1..].windows(2).map(|w| w[0].distance(w[1])).sum::<f32>() - p[over + 1].y;
             let weight = (2.0 * mu * a) / (1.0 + mu * mu);
@@ -146,7 +146,7 @@ fn capstan(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn hair_around_a_cylinder_holds_as_a_rope_does() {
+fn hair_around_a_cylinder_follows_the_capstan_equation() {
     let Some(lab) = lab() else { return };
     judge("capstan", |fault| capstan(lab, fault));
 }

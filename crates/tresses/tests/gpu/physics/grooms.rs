@@ -1,4 +1,4 @@
-//! Whole grooms: what is at rest stays at rest, and what was shaken returns.
+//! Whole grooms: hair at rest stays at rest, and hair returns after a shake.
 
 use super::{
     lab::{Experiment, Lab, lab, length},
@@ -26,7 +26,7 @@ pub struct Subject {
     pub neck: Vec3,
 }
 
-/// A draped built-in style.
+/// Returns a draped built-in style.
 pub fn style(lab: &Lab, name: &str) -> Subject {
     let context = lab.context;
     let style = name.parse::<Style>().unwrap();
@@ -41,7 +41,7 @@ pub fn style(lab: &Lab, name: &str) -> Subject {
     }
 }
 
-/// One in 16 strands of Sintel's hair, where the files are.
+/// Returns one in 16 strands of Sintel's hair, if the files exist.
 pub fn sintel() -> Option<Subject> {
     let (strands, _, field) = common::sintel()?;
     let options =
@@ -66,7 +66,7 @@ impl Subject {
     }
 }
 
-/// How far each tip is from its rest, as a fraction of its strand's length, smallest first.
+/// Returns the distance of each tip from its rest position, relative to the length of its strand, in ascending order.
 fn away(e: &Experiment, head: &Pose) -> Vec<f32> {
     let mut away: Vec<f32> = e
         .positions()
@@ -94,7 +94,7 @@ fn report(what: &str, away: &[f32]) {
     );
 }
 
-/// A head that is shaken and held still.
+/// Returns the motion of a head that is shaken, then held still.
 fn shake(neck: Vec3) -> impl Fn(f32) -> Pose {
     let keys = [(0.0, 0.0), (0.2, 30.0), (0.5, -30.0), (0.8, 30.0), (1.1, -30.0), (1.3, 0.0), (9.0, 0.0f32)];
     move |t: f32| {
@@ -111,7 +111,7 @@ fn rest(lab: &'static Lab, subjects: impl IntoIterator<Item = Subject>, fault: b
     for s in subjects {
         let mut e = s.experiment(lab);
         if fault {
-            // As if the pose had been authored for another planet.
+            // Twice the gravity for which the rest shape was computed.
             e.params.gravity *= 2.0;
         }
         e.still(if fault { 60 } else { 600 });
@@ -124,7 +124,7 @@ fn rest(lab: &'static Lab, subjects: impl IntoIterator<Item = Subject>, fault: b
 
 #[test]
 #[ignore = "proof"]
-fn after_a_shake() {
+fn print_drift_after_a_shake() {
     let Some(lab) = lab() else { return };
     for s in Style::NAMES.map(|name| Some(style(lab, name))).into_iter().chain([sintel()]).flatten() {
         let mut e = s.experiment(lab);
@@ -144,7 +144,7 @@ fn after_a_shake() {
 
 #[test]
 #[ignore = "proof"]
-fn other_grooms() {
+fn print_drift_of_other_grooms() {
     let Some(lab) = lab() else { return };
     for file in ["cyhair_straight/straight.hair", "tressfx4_ratboy/Ratboy_mohawk.tfx"] {
         let Some(path) = common::asset(file) else { continue };
@@ -163,14 +163,14 @@ fn other_grooms() {
 const UNIT: &str = "% of its length";
 
 #[test]
-fn what_is_at_rest_stays() {
+fn groom_at_rest_does_not_drift() {
     let Some(lab) = lab() else { return };
     judge_some("rest", |fault| rest(lab, [style(lab, "short")], fault));
 }
 
 #[test]
 #[ignore = "proof"]
-fn what_is_at_rest_stays_in_all_grooms() {
+fn all_grooms_at_rest_do_not_drift() {
     let Some(lab) = lab() else { return };
     judge("rest", |fault| match fault {
         true => rest(lab, [style(lab, "bob")], true),

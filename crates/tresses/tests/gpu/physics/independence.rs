@@ -1,4 +1,4 @@
-//! The same hair with other vertices, frames, steps and substeps moves the same.
+//! Motion does not depend on the numbers of vertices, frames, steps and substeps.
 
 use super::{
     grooms::{Subject, style},
@@ -12,7 +12,7 @@ use tresses::{
     simulate::{RestShape, SimulationParams},
 };
 
-/// How one run differs from the usual one.
+/// The settings of one run.
 #[derive(Clone, Copy)]
 struct Variant {
     vertices: usize,
@@ -20,7 +20,7 @@ struct Variant {
     params: SimulationParams,
 }
 
-/// The head looks left, right and straight ahead, until 2 s.
+/// Returns the head's pose at time `t`: it looks left, right and straight ahead, until 2 s.
 fn turn(neck: Vec3, t: f32) -> Pose {
     let keys = [(0.0, 0.0), (0.3, 45.0), (0.7, 45.0), (1.2, -45.0), (1.6, -45.0), (2.0, 0.0), (9.0, 0.0f32)];
     let i = keys.iter().rposition(|k| k.0 <= t).unwrap().min(keys.len() - 2);
@@ -30,7 +30,7 @@ fn turn(neck: Vec3, t: f32) -> Pose {
     Pose::about(neck, Quat::from_rotation_y((a.1 + (b.1 - a.1) * x).to_radians()))
 }
 
-/// Middles and tips when the head has stopped, and two seconds later; by guide.
+/// Returns the middle and the tip of each guide when the head has stopped, and two seconds later.
 fn run(lab: &'static Lab, subject: &Subject, variant: Variant) -> [Vec<[Vec3; 2]>; 2] {
     let Variant { vertices, fps, params } = variant;
     let strands: Vec<_> = subject.strands.iter().map(|s| curve::resample(s, vertices)).collect();
@@ -48,7 +48,7 @@ fn run(lab: &'static Lab, subject: &Subject, variant: Variant) -> [Vec<[Vec3; 2]
     [until(0, 2), until(2, 4)]
 }
 
-/// Distances of middles and tips, percent of the strands' lengths, smallest first.
+/// Returns the distances between middles and between tips, in percent of the strands' lengths, in ascending order.
 fn apart(subject: &Subject, a: &[[Vec3; 2]], b: &[[Vec3; 2]]) -> Vec<f32> {
     let mut apart: Vec<f32> = (0..a.len())
         .flat_map(|g| [0, 1].map(|k| a[g][k].distance(b[g][k]) / length(&subject.strands[g]) * 100.0))
@@ -57,7 +57,7 @@ fn apart(subject: &Subject, a: &[[Vec3; 2]], b: &[[Vec3; 2]]) -> Vec<f32> {
     apart
 }
 
-/// Against the usual run those variants that `names` lists, or all.
+/// Compares the variants in `names`, or all, with the usual run.
 fn independence(lab: &'static Lab, names: &[&str], fault: bool) -> Vec<Row> {
     let subject = style(lab, "long");
     let base = SimulationParams::default();
@@ -77,7 +77,7 @@ fn independence(lab: &'static Lab, names: &[&str], fault: bool) -> Vec<Row> {
             continue;
         }
         if fault {
-            // Somebody tilts the world.
+            // Tilt the gravity.
             variant.params.gravity.x = 5.0;
         }
         let found = run(lab, &subject, variant);
@@ -100,14 +100,14 @@ fn independence(lab: &'static Lab, names: &[&str], fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn independent_of_frames() {
+fn motion_is_independent_of_the_frame_rate() {
     let Some(lab) = lab() else { return };
     judge_some("independence", |fault| independence(lab, &["30 frames per second"], fault));
 }
 
 #[test]
 #[ignore = "proof"]
-fn independent_of_how_it_is_computed() {
+fn motion_is_independent_of_the_discretization() {
     let Some(lab) = lab() else { return };
     let quick = ["16 vertices", "30 frames per second", "steps of 1/120 s in 2", "8 substeps"];
     judge("independence", |fault| independence(lab, if fault { &quick } else { &[] }, fault));

@@ -1,35 +1,34 @@
-//! Strands on the GPU, a head that moves them, and what they do.
+//! Experiments with strands on the GPU and a head that moves them.
 
 use crate::common;
-use std::sync::OnceLock;
 use tresses::{
     Context, Pose,
-    clock::{Clock, MAX_STEPS, Mode, Step},
+    clock::{MAX_STEPS, Mode, Step, StepClock},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     glam::Vec3,
     gpu::readback::blocking as readback,
     groom::SdfGrid,
-    simulate::{Along, GuideTraits, RestOptions, RestShape, Simulation, SimulationParams, rest},
+    simulate::{GuideTraits, RestOptions, RestShape, RootToTip, Simulation, SimulationParams, rest},
     strands::{
         GuideBuffers, RestGuides,
         guide::{pack_velocity, unpack_velocity},
     },
 };
 
-/// An adapter and the pipelines, which all cases share.
+/// The device and pipelines that all cases share.
 pub struct Lab {
     pub context: &'static Context,
 }
 
-/// The laboratory, or `None` where the machine has no adapter and need not have one.
+/// Returns the lab, or `None` if there is no adapter and none is required.
 pub fn lab() -> Option<&'static Lab> {
-    static LAB: OnceLock<Option<Lab>> = OnceLock::new();
-    LAB.get_or_init(|| Some(Lab { context: common::context()? })).as_ref()
+    static LAB: tresses_testing::Pool<Lab> = tresses_testing::Pool::new();
+    LAB.get(|| Some(Lab { context: common::context()? }))
 }
 
-/// Hair of one bending stiffness (N·m²) and nothing else: no goal, no drag, no damping.
+/// Returns hair with one bending stiffness (N·m²) and nothing else: no goal, no drag, no damping.
 pub fn bare(bending: f32) -> SimulationParams {
-    let along = |v| Along { root: v, tip: v, falloff: 1.0 };
+    let along = |v| RootToTip { root: v, tip: v, falloff: 1.0 };
     SimulationParams {
         bending: along(bending),
         goal: along(0.0),
@@ -40,29 +39,29 @@ pub fn bare(bending: f32) -> SimulationParams {
     }
 }
 
-/// A straight strand of `n` vertices whose free part, from vertex 1 on, starts at the origin and is
-/// `length` long.
+/// Returns a straight strand of `n` vertices. Its free part, from vertex 1 on, starts at the origin and is `length`
+/// long.
 pub fn straight(n: usize, length: f32, dir: Vec3) -> Vec<Vec3> {
     let edge = length / (n - 2) as f32;
     (0..n).map(|i| dir * edge * (i as f32 - 1.0)).collect()
 }
 
-/// Strands of one number of vertices.
+/// Strands with equal numbers of vertices.
 pub struct Experiment {
     lab: &'static Lab,
     pub params: SimulationParams,
     pub rest: RestGuides,
     pub n: usize,
-    /// Where the colliders are that it is [among](Self::among).
+    /// Poses of the colliders that it is [among](Self::among).
     pub obstacles: ColliderPoses,
     guides: GuideBuffers,
     colliders: ColliderSet,
     simulation: Simulation,
-    clock: Clock,
+    clock: StepClock,
 }
 
 impl Experiment {
-    /// `strands` at rest, which is also where they start.
+    /// Creates strands at rest, which is also where they start.
     pub fn new(
         lab: &'static Lab,
         strands: &[Vec<Vec3>],
@@ -81,11 +80,11 @@ impl Experiment {
         let obstacles = ColliderDescriptor { head: field, ..Default::default() };
         let colliders = ColliderSet::new(context, &obstacles).unwrap();
         let simulation = Simulation::new(context, &guides);
-        let (obstacles, clock) = (ColliderPoses::default(), Clock::default());
+        let (obstacles, clock) = (ColliderPoses::default(), StepClock::default());
         Self { colliders, lab, params, rest, n, obstacles, guides, simulation, clock }
     }
 
-    /// Among `what`, which is at `obstacles`, instead of the head's field.
+    /// Replaces the head's field by the colliders `what`, with the poses `at`.
     pub fn among(mut self, what: &ColliderDescriptor<'_>, at: Vec<Pose>) -> Self {
         let context = self.lab.context;
         self.colliders = ColliderSet::new(context, what).unwrap();
@@ -97,7 +96,7 @@ impl Experiment {
         self.rest.info.len()
     }
 
-    /// Any number of fixed steps.
+    /// Runs any number of fixed steps.
     pub fn steps(&mut self, steps: &[Step]) {
         let context = self.lab.context;
         for steps in steps.chunks(MAX_STEPS as usize) {
@@ -110,12 +109,12 @@ impl Experiment {
         }
     }
 
-    /// `count` steps during which the head keeps still.
+    /// Runs `count` steps with a still head.
     pub fn still(&mut self, count: usize) {
         self.steps(&vec![step(Pose::IDENTITY, Pose::IDENTITY); count]);
     }
 
-    /// `seconds` of a moving head in fixed steps; `motion` gives its pose at every time.
+    /// Runs `seconds` in fixed steps. `motion` gives the head's pose at each time.
     pub fn moved(&mut self, seconds: f32, motion: impl Fn(f32) -> Pose) {
         let count = (seconds / self.params.step).round() as usize;
         let at = |i: usize| motion(i as f32 * self.params.step);
@@ -123,18 +122,18 @@ impl Experiment {
         self.steps(&steps);
     }
 
-    /// A frame: as many steps as are due `dt` after the last, the head now at `head`.
+    /// Advances by a frame: runs the steps that are due `dt` after the last frame, with the head now at `head`.
     pub fn frame(&mut self, dt: f32, head: Pose) {
         let ticks = self.clock.tick(dt, self.params.step, &head);
         self.steps(&ticks.steps);
     }
 
-    /// Positions, guide by guide, metres.
+    /// Returns the positions by guide, meters.
     pub fn positions(&self) -> Vec<Vec<Vec3>> {
         self.read(&self.guides.current, |v: &[f32; 4]| Vec3::from_slice(v))
     }
 
-    /// Velocities, guide by guide, m/s.
+    /// Returns the velocities by guide, m/s.
     pub fn velocities(&self) -> Vec<Vec<Vec3>> {
         self.read(&self.guides.velocity, |v| unpack_velocity(*v))
     }
@@ -150,12 +149,12 @@ impl Experiment {
         (0..count).map(|g| (0..self.n).map(|i| unpack(&all[i * count + g])).collect()).collect()
     }
 
-    /// Puts the strands somewhere else.
+    /// Sets the positions of the strands.
     pub fn place(&self, positions: &[Vec<Vec3>]) {
         self.write(&self.guides.current, positions, |p| p.extend(0.0).to_array().map(f32::to_bits));
     }
 
-    /// Gives the strands velocities.
+    /// Sets the velocities of the strands.
     pub fn throw(&self, velocities: &[Vec<Vec3>]) {
         self.write(&self.guides.velocity, velocities, pack_velocity);
     }
@@ -171,7 +170,7 @@ impl Experiment {
         self.lab.context.queue().write_buffer(buffer, 0, &bytes);
     }
 
-    /// Each strand's vertices at rest, groom space.
+    /// Returns the vertices at rest by strand, in groom space.
     pub fn at_rest(&self) -> Vec<Vec<Vec3>> {
         let count = self.count();
         let at = |g: usize, i: usize| self.rest.rest[i * count + g].position;
@@ -179,17 +178,17 @@ impl Experiment {
     }
 }
 
-/// A step of a moving head.
+/// Returns a step in which the head moves from `begin` to `end`.
 pub fn step(begin: Pose, end: Pose) -> Step {
     Step { mode: Mode::Step, begin, end, from: 0.0, to: 1.0 }
 }
 
-/// A head at `translation`.
+/// Returns the pose of a head at `translation`.
 pub fn head_at(translation: Vec3) -> Pose {
     Pose { translation, ..Pose::IDENTITY }
 }
 
-/// The largest change of an edge's length against `rest`, either way.
+/// Returns the largest relative change of an edge's length from `rest`, in either direction.
 pub fn strain(now: &[Vec<Vec3>], rest: &[Vec<Vec3>]) -> f32 {
     let lengths = |strand: &[Vec3]| strand.windows(2).map(|w| w[0].distance(w[1])).collect::<Vec<_>>();
     let mut worst = 0f32;
@@ -202,7 +201,7 @@ pub fn strain(now: &[Vec<Vec3>], rest: &[Vec<Vec3>]) -> f32 {
     worst
 }
 
-/// The length of a strand, metres.
+/// Returns the length of a strand, meters.
 pub fn length(strand: &[Vec3]) -> f32 {
     strand.windows(2).map(|w| w[0].distance(w[1])).sum()
 }

@@ -1,9 +1,8 @@
-//! The physics suite: the step on the GPU against closed forms and invariants.
+//! The physics suite: the step on the GPU compared with closed forms and invariants.
 //!
-//! Every case prints a row: what is expected, what was measured, the tolerance. `docs/physics.md`
-//! holds the same rows and is checked against them; `TRESSES_PHYSICS=write` writes them there.
-//! Every comparison is run twice, the second time on an experiment that is wrong by a few per cent,
-//! and must then say so.
+//! Each case prints a row with the expected value, the measured value and the tolerance. `docs/physics.md` contains the
+//! same rows, and the tests compare with them; `TRESSES_PHYSICS=write` writes the file. Each comparison runs twice. The
+//! second experiment is wrong by a few percent and must fail.
 
 mod carried;
 mod cohesion;

@@ -1,4 +1,4 @@
-//! What must never happen: energy from nothing, strands that stretch, tear or turn into NaN.
+//! Failures that must never occur: energy from nothing, and strands that stretch, tear or become NaN.
 
 use super::{
     lab::{Experiment, Lab, bare, head_at, lab, length, step, straight, strain},
@@ -12,7 +12,7 @@ use tresses::{
     wind::Wind,
 };
 
-/// A strand that bends in all directions.
+/// Returns a strand that bends in all directions.
 fn wave(n: usize) -> Vec<Vec3> {
     (0..n)
         .map(|i| {
@@ -22,7 +22,7 @@ fn wave(n: usize) -> Vec<Vec3> {
         .collect()
 }
 
-/// A curl of five turns.
+/// Returns a curl of five turns.
 fn helix(n: usize) -> Vec<Vec3> {
     (0..n)
         .map(|i| {
@@ -33,7 +33,7 @@ fn helix(n: usize) -> Vec<Vec3> {
         .collect()
 }
 
-/// Kinetic, potential, stretching and bending energy per line density and edge, J·m/kg.
+/// Returns the kinetic, potential, stretching and bending energy per mass of an edge, J/kg.
 fn energy(e: &Experiment, guide: usize) -> f32 {
     let (p, v) = (&e.positions()[guide], &e.velocities()[guide]);
     let (n, count) = (e.n, e.count());
@@ -46,7 +46,7 @@ fn energy(e: &Experiment, guide: usize) -> f32 {
         sum += weight * (0.5 * v[i].length_squared() - e.params.gravity.dot(p[i]));
     }
     let stretch = e.params.stretch_rate(length(rest), edge);
-    // Frames are carried from edge to edge by the smallest rotation.
+    // Frames are transported from edge to edge by the smallest rotation.
     let mut q = Quat::IDENTITY;
     for j in 1..n - 1 {
         let over = p[j].distance(p[j + 1]) - shape(j).length;
@@ -69,14 +69,14 @@ fn energies(lab: &'static Lab, fault: bool) -> Vec<Row> {
         (8e-9, &["hair, straight", "hair, wave", "hair, curl"][..], &hair[..]),
     ] {
         let params = bare(bending);
-        // Strands know nothing of each other here.
+        // Strands do not interact here.
         let mut e = Experiment::new(lab, strands, &[], params, RestShape::Natural, None);
         let all = |e: &Experiment| (0..strands.len()).map(|guide| energy(e, guide)).collect::<Vec<_>>();
         let start = all(&e);
         let (mut last, mut rise) = (start.clone(), vec![0f32; strands.len()]);
         for i in 0..400 {
             if fault && i == 200 {
-                // Somebody throws the strands up.
+                // Throw the strands upwards.
                 e.params.gravity = Vec3::Y * 98.1;
             }
             e.still(1);
@@ -104,13 +104,12 @@ fn energy_never_rises() {
     judge("energy", |fault| energies(lab, fault));
 }
 
-/// The strands that the following cases move.
+/// Returns the strands of the following cases.
 fn strands(n: usize) -> [Vec<Vec3>; 5] {
     [straight(n, 0.3, Vec3::NEG_Y), straight(n, 0.15, Vec3::X), wave(n), helix(n), straight(n, 0.3, Vec3::Y)]
 }
 
-/// They by the names of their parameters; `longer` times as long as they are for a step that has their
-/// lengths wrong.
+/// Returns these strands with each set of parameters. `longer` scales them, so that the step has wrong rest lengths.
 fn subjects(lab: &'static Lab, longer: f32) -> [(&'static str, Experiment); 2] {
     let strands = strands(32).map(|line| line.iter().map(|p| *p * longer).collect());
     let make = |params, shape| Experiment::new(lab, &strands, &[], params, shape, None);
@@ -120,12 +119,13 @@ fn subjects(lab: &'static Lab, longer: f32) -> [(&'static str, Experiment); 2] {
     ]
 }
 
-/// How much longer than it is a step takes hair for that gets lengths wrong.
+/// Returns the factor on lengths. A faulty step has lengths that are too long.
 fn length_for(fault: bool) -> f32 {
     if fault { 1.02 } else { 1.0 }
 }
 
-/// The largest strain over so many steps of `motion`, which counts them, looked at every `every` steps.
+/// Returns the largest strain over `count` steps of `motion`, which takes the number of the step. Checks every `every`
+/// steps.
 fn worst(e: &mut Experiment, count: usize, every: usize, motion: impl Fn(usize) -> Pose) -> f32 {
     let rest = strands(e.n);
     let mut worst = 0f32;
@@ -155,7 +155,7 @@ fn lengths(lab: &'static Lab, fault: bool) -> Vec<Row> {
         let dt = e.params.step;
         let shock = |i: usize| {
             let (half, a) = (0.05f32, 20.0 * 9.81f32);
-            // Forth, braked, back, braked.
+            // Accelerates forth, brakes, accelerates back, brakes.
             let phase = i as f32 * dt / half % 4.0;
             let ramp = |x: f32| if x < 1.0 { 0.5 * x * x } else { 1.0 - 0.5 * (2.0 - x) * (2.0 - x) };
             let way = if phase < 2.0 { ramp(phase) } else { 1.0 - ramp(phase - 2.0) };
@@ -168,7 +168,7 @@ fn lengths(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn lengths_hold() {
+fn shaking_and_shocks_do_not_stretch_hair() {
     let Some(lab) = lab() else { return };
     judge("lengths", |fault| lengths(lab, fault));
 }
@@ -176,7 +176,7 @@ fn lengths_hold() {
 fn teleport(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let mut rows = Vec::new();
     for (name, mut e) in subjects(lab, 1.0) {
-        // In the middle of a swing, the head is somewhere else and looks elsewhere.
+        // In the middle of a swing, the head moves to another place and looks elsewhere.
         let sway = |t: f32| head_at(Vec3::X * 0.05 * (TAU * t).sin());
         for i in 0..40 {
             e.frame(1.0 / 60.0, sway(i as f32 / 60.0));
@@ -233,17 +233,17 @@ fn spikes(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn long_frames_do_no_harm() {
+fn long_frames_do_not_stretch_hair() {
     let Some(lab) = lab() else { return };
     judge("spikes", |fault| spikes(lab, fault));
 }
 
-/// So many `steps` of a head that is shaken and turned in a storm: the largest strain ever seen.
+/// Runs this many steps with a head that is shaken and turned in a storm. The row is the largest strain.
 fn storm(lab: &'static Lab, fault: bool, steps: usize) -> Vec<Row> {
     let params = SimulationParams { wind: Wind::uniform(Vec3::new(24.0, 0.0, 18.0)), ..Default::default() };
     let strands = strands(16).map(|line| line.iter().map(|p| *p * length_for(fault)).collect());
     let mut e = Experiment::new(lab, &strands, &[], params, RestShape::SagFree, None);
-    // Whole numbers of steps: seconds in single precision get coarse within hours.
+    // Periods are whole numbers of steps, because seconds in single precision become coarse within hours.
     let turn = |i: usize, period: usize| (TAU * (i % period) as f32 / period as f32).sin();
     let head = |i: usize| Pose {
         translation: Vec3::new(0.1 * turn(i, 30), 0.02 * turn(i, 41), 0.0),
@@ -254,10 +254,10 @@ fn storm(lab: &'static Lab, fault: bool, steps: usize) -> Vec<Row> {
     vec![at_most(case, "%", 1.0, strain * 100.0)]
 }
 
-/// 4.6 hours of hair. A faulty step need not be watched for as long.
+/// 4.6 hours of simulated time. The faulty experiment is shorter.
 #[test]
 #[ignore = "proof"]
-fn a_million_steps_in_a_storm_do_no_harm() {
+fn a_million_steps_in_a_storm_do_not_stretch_hair() {
     let Some(lab) = lab() else { return };
     let steps = |fault| if fault { 400 } else { 1_000_000 };
     judge("soak", |fault| storm(lab, fault, steps(fault)));

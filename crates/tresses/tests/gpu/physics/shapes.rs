@@ -36,7 +36,7 @@ fn catenary(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let mut rows = Vec::new();
     for ((ratio, sag, slope), strand) in cases.into_iter().zip(e.positions()) {
         let tan = |i: usize| (strand[i].y - strand[i + 1].y) / (strand[i + 1].x - strand[i].x);
-        // Tangents are those of the middles of the edges, and fall evenly along the strand.
+        // Tangents are at the middles of the edges, and change linearly along the strand.
         let end = (1.5 * tan(1) - 0.5 * tan(2)).atan().to_degrees();
         let case = |what| format!("catenary, length {ratio} spans, {what}");
         rows.push(near(case("sag / span"), "", sag, -strand[n / 2].y / span, 0.01));
@@ -46,14 +46,14 @@ fn catenary(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn catenaries_hang_as_they_should() {
+fn catenaries_match_the_closed_form() {
     let Some(lab) = lab() else { return };
     judge("catenary", |fault| catenary(lab, fault));
 }
 
 fn cantilever(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let length = 0.1f32;
-    // Drop and reach of the tip over the length for Γ = ρA g L³ / EI, solved as a boundary value problem to 1e-8.
+    // Drop and reach of the tip over the length for Γ = ρA g L³ / EI, from a boundary value problem solved to 1e-8.
     let cases = [(1.0f32, 0.123_471, 0.991_246), (10.0, 0.700_2, 0.656_354), (50.0, 0.907_917, 0.245_015)];
     let mut params = SimulationParams { drag: 4.0, ..bare(1.0) };
     let gamma = params.line_density * G * length.powi(3);
@@ -77,7 +77,7 @@ fn cantilever(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn heavy_cantilevers_bend_as_they_should() {
+fn heavy_cantilevers_match_the_exact_solution() {
     let Some(lab) = lab() else { return };
     judge("cantilever", |fault| cantilever(lab, fault));
 }
@@ -104,7 +104,7 @@ fn buckling(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let before = e.positions();
     e.still(60);
     let after = e.positions();
-    // Lean that fades changes over to lean that grows at the critical load.
+    // The lean decays below the critical load and grows above it.
     let growth: Vec<f32> = before.iter().zip(&after).map(|(b, a)| (a[n - 1].x / b[n - 1].x).ln()).collect();
     let i = growth.iter().position(|g| *g > 0.0).expect("some fall");
     assert!(i > 0, "none stands");
@@ -114,7 +114,7 @@ fn buckling(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn upright_hair_buckles_when_it_should() {
+fn upright_hair_buckles_at_the_critical_load() {
     let Some(lab) = lab() else { return };
     judge("buckling", |fault| buckling(lab, fault));
 }
@@ -137,7 +137,7 @@ fn wind(lab: &'static Lab, fault: bool) -> Vec<Row> {
         let case = format!("floppy strand in wind of {:.2} m/s, drag {drag} 1/s, angle", wind.x);
         rows.push(near(case, "°", f64::from(tangent.atan().to_degrees()), found, 0.005));
     }
-    // At terminal velocity drag carries the weight: nothing pulls a strand out of the horizontal.
+    // At terminal velocity drag carries the weight, so nothing pulls a strand out of the horizontal.
     let terminal = G / 30.0;
     let params = SimulationParams {
         drag: 30.0,
@@ -160,7 +160,7 @@ fn wind(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn wind_holds_strands_aslant() {
+fn wind_tilts_strands_by_its_drag() {
     let Some(lab) = lab() else { return };
     judge("wind", |fault| wind(lab, fault));
 }
@@ -174,10 +174,10 @@ fn free_fall(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let strands = [straight(n, length, Vec3::X), straight(n, length, Vec3::Y), arc.collect()];
     let params = SimulationParams { step: 1.0 / 240.0, substeps: 1, ..bare(8e-9) };
     let mut e = Experiment::new(lab, &strands, &[], params, RestShape::Natural, None);
-    // The head's mean velocity over a step is that in its middle.
+    // The head's mean velocity over a step is its velocity in the middle of the step.
     e.throw(&vec![vec![Vec3::Y * G * 0.5 * params.step; n]; 3]);
     let g = G * if fault { 0.95 } else { 1.0 };
-    // From a metre above the origin to a metre below: positions are rounded to the world's axes.
+    // From a meter above the origin to a meter below, because positions are rounded in world coordinates.
     let way = |t: f32| head_at(Vec3::Y * (1.0 - 0.5 * g * t * t));
     let seconds = 0.625;
     let start = e.at_rest();
@@ -188,7 +188,7 @@ fn free_fall(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let shape =
         now.iter().zip(&rest).flat_map(|(a, b)| a.iter().zip(b)).map(|(a, b)| (*a - head).distance(*b));
     let off = shape.fold(0.0, f32::max) / length;
-    // The weight of what hangs from the root would stretch it by this much.
+    // The weight of a strand that hangs from its root would stretch it by this much.
     let tension = strain(&now[1..2], &rest[1..2]) / params.stretch;
     vec![
         at_most(
@@ -202,7 +202,7 @@ fn free_fall(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn hair_that_falls_has_no_weight() {
+fn hair_on_a_falling_head_has_no_weight() {
     let Some(lab) = lab() else { return };
     judge("free fall", |fault| free_fall(lab, fault));
 }

@@ -1,4 +1,4 @@
-//! Hair between two bodies: a finger that presses it onto a plane, rubs and lifts; two fingers that close on it.
+//! Hair between two colliders: a finger that presses it onto a plane, rubs and lifts; two fingers that close on it.
 
 use super::{
     lab::{Experiment, Lab, bare, lab, straight},
@@ -12,12 +12,12 @@ use tresses::{
     simulate::{RestShape, SimulationParams},
 };
 
-/// Radius of a finger, metres.
+/// Radius of a finger, meters.
 const FINGER: f32 = 8e-3;
-/// Distance at which hair is kept from bodies, metres.
+/// Clearance of hair from colliders, meters.
 const CLEARANCE: f32 = 1.5e-3;
 
-/// What a finger does: when, s, and where it is, metres.
+/// Motion of a finger: time (s) and position (meters).
 type Keys = [(f32, Vec3)];
 
 fn along(keys: &Keys, t: f32) -> Vec3 {
@@ -26,8 +26,8 @@ fn along(keys: &Keys, t: f32) -> Vec3 {
     w[0].1.lerp(w[1].1, s)
 }
 
-/// Moves the last colliders as `keys` say; how far below y = 0 a vertex was at most, metres, and how many times a vertex
-/// has `passed` fingers that are there.
+/// Moves the last colliders along `keys`. Returns the largest depth of a vertex below y = 0, meters, and how many times
+/// a vertex has `passed` the fingers.
 fn play(
     e: &mut Experiment,
     seconds: f32,
@@ -48,7 +48,7 @@ fn play(
     (deepest, through)
 }
 
-/// A hair that lies on a plane along z, and a finger along x over it.
+/// Creates a hair that lies on a plane along z, and a finger along x above it.
 fn on_a_plane(lab: &'static Lab) -> Experiment {
     let plane = SdfGrid::from_fn(Vec3::splat(-0.3), Vec3::splat(0.3), 31, |p| p.y);
     let strand: Vec<_> = straight(16, 0.2, Vec3::Z).into_iter().map(|p| p + Vec3::Y * CLEARANCE).collect();
@@ -84,7 +84,7 @@ fn pressed(lab: &'static Lab, fault: bool) -> Vec<Row> {
             (down + 1.0, at(low, 0.05)),
             (down + 1.0 + down, at(low + 0.05, 0.05)),
         ];
-        // Hair above the middle of the finger has gone through it.
+        // Hair above the center of the finger has passed through it.
         let passed = |x: Vec3, at: &[Vec3]| (x.z - at[0].z).abs() < FINGER && x.y > at[0].y;
         let (deepest, through) = play(&mut e, down + 1.0 + down, &[&keys], passed);
         let expected = (0.5 * -gap).max(0.0);
@@ -96,7 +96,7 @@ fn pressed(lab: &'static Lab, fault: bool) -> Vec<Row> {
     rows
 }
 
-/// Two fingers close on a hair that hangs, 4 mm into each other, carry it 3 cm aside, and open.
+/// Two fingers close on hanging hair until they overlap by 4 mm, carry it 3 cm sideways, and open.
 fn between_fingers(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let (finger, pose) = Shape::capsule(Vec3::Z * -0.05, Vec3::Z * 0.05, FINGER);
     let what = ColliderDescriptor { colliders: &[Collider::new(finger); 2], ..Default::default() };
@@ -134,13 +134,13 @@ fn between_fingers(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn hair_between_fingers_goes_through_neither() {
+fn hair_between_fingers_does_not_pass_through_them() {
     let Some(lab) = lab() else { return };
     judge("fingers", |fault| between_fingers(lab, fault));
 }
 
 #[test]
-fn hair_under_a_finger_goes_neither_through_it_nor_through_what_it_presses_on() {
+fn hair_under_a_finger_does_not_pass_through_it() {
     let Some(lab) = lab() else { return };
     judge("squeeze", |fault| pressed(lab, fault));
 }

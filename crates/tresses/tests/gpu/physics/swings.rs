@@ -1,4 +1,4 @@
-//! Periods: pendulum, hanging chain, cantilever.
+//! Periods of oscillation: pendulum, hanging chain, cantilever.
 
 use super::{
     lab::{Experiment, Lab, bare, lab, straight},
@@ -12,7 +12,7 @@ use tresses::{
 
 const G: f32 = 9.81;
 
-/// The mean time between upward zero crossings of `samples`.
+/// Returns the mean time between upward zero crossings of `samples`.
 pub fn period(samples: &[f32], dt: f32) -> f32 {
     let crossings: Vec<f32> = samples
         .windows(2)
@@ -51,7 +51,7 @@ fn pendulum(lab: &'static Lab, fault: bool) -> Vec<Row> {
         [0, 1, 2].map(|k| period(&samples.iter().map(|s| s[k]).collect::<Vec<_>>(), params.step))
     };
     let mut rows = Vec::new();
-    // Two swings with a fine step, as the implicit Euler method takes energy away.
+    // Two swings with a fine step, because the implicit Euler method loses energy.
     let fine = SimulationParams { step: 1.0 / 240.0, substeps: 16, gravity, ..bare(0.0) };
     for (found, (angle, factor)) in run(fine, 520).into_iter().zip(factors) {
         let case = format!("pendulum, 20 cm, {angle}°, period");
@@ -64,12 +64,12 @@ fn pendulum(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn pendulums_swing_in_time() {
+fn pendulum_periods_match_the_closed_form() {
     let Some(lab) = lab() else { return };
     judge("pendulum", |fault| pendulum(lab, fault));
 }
 
-/// Bessel's function of order zero.
+/// Returns the Bessel function of the first kind of order zero.
 fn j0(x: f32) -> f32 {
     let q = -f64::from(x * x) / 4.0;
     let mut term = 1.0f64;
@@ -81,19 +81,19 @@ fn j0(x: f32) -> f32 {
     sum as f32
 }
 
-/// The period of a mode (from 0) of `n - 2` masses on a chain of that length, the last of them half as
-/// heavy, s: what a chain of straight edges has to do.
+/// Returns the period of a mode (from 0) of `n - 2` masses on a chain of this length, s. The last mass is half as
+/// heavy. This is the exact solution for a chain of straight edges.
 fn lumped(n: usize, length: f32, mode: usize) -> f32 {
     let edge = f64::from(length) / (n - 2) as f64;
     let g = f64::from(G);
-    // From the tip upwards; the number of changes of sign is that of the slower modes.
+    // From the tip upwards. The number of sign changes is the number of slower modes.
     let slower = |omega: f64| {
         let (mut x, mut below, mut count) = (1.0f64, 0.0f64, 0);
         for k in 0..n - 2 {
             let mass = if k == 0 { 0.5 } else { 1.0 };
             let tension = g * (k as f64 + 0.5) / edge;
             let up = x - (mass * omega * omega * x + below) / tension;
-            // What this edge pulls at the next mass.
+            // Force of this edge on the next mass.
             below = tension * (x - up);
             count += usize::from(up.signum() != x.signum());
             x = up;
@@ -117,7 +117,7 @@ fn chain(lab: &'static Lab, fault: bool) -> Vec<Row> {
     for n in [16, 32] {
         let strand = straight(n, length, Vec3::NEG_Y);
         let mut e = Experiment::new(lab, &vec![strand; 3], &[], params, RestShape::SagFree, None);
-        // A mode is J0(j sqrt(z / L)), z from the tip.
+        // A mode has the shape J0(j sqrt(z / L)), with z from the tip.
         let shape = |k: usize, y: f32| j0(zeros[k] * ((length + y).max(0.0) / length).sqrt());
         let mut start = e.at_rest();
         for (k, strand) in start.iter_mut().enumerate() {
@@ -143,7 +143,7 @@ fn chain(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn hanging_chains_swing_in_time() {
+fn hanging_chain_periods_match_the_closed_form() {
     let Some(lab) = lab() else { return };
     judge("chain", |fault| chain(lab, fault));
 }
@@ -162,7 +162,7 @@ fn vibration(lab: &'static Lab, fault: bool) -> Vec<Row> {
         .map(|n| {
             let strand = straight(n, length, Vec3::X);
             let mut e = Experiment::new(lab, &[strand], &[], params, RestShape::Natural, None);
-            // Close to the first mode, and what is measured is the part that is like it.
+            // Starts close to the first mode, and measures the projection onto it.
             let shape = |s: f32| s * s * (3.0 - s);
             let mut start = e.at_rest();
             for p in &mut start[0][2..] {
@@ -178,7 +178,7 @@ fn vibration(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn cantilevers_vibrate_in_time() {
+fn cantilever_periods_match_the_closed_form() {
     let Some(lab) = lab() else { return };
     judge("vibration", |fault| vibration(lab, fault));
 }

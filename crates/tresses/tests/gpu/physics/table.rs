@@ -1,4 +1,4 @@
-//! Rows of the table in `docs/physics.md`: printed, judged, and compared with what stands there.
+//! Rows of the tables in `docs/physics.md`: printed, checked, and compared with that file.
 
 use std::{fs, path::PathBuf, sync::Mutex};
 
@@ -13,13 +13,13 @@ pub struct Row {
 
 #[derive(Clone, Copy, Debug)]
 enum Rule {
-    /// Within this relative tolerance of the expected value.
+    /// Expected value, and relative tolerance.
     Near(f64, f64),
-    /// At most this.
+    /// Largest allowed magnitude.
     AtMost(f64),
 }
 
-/// Measured should be `expected` within the relative tolerance `tolerance`.
+/// Returns a row that holds if the measured value is within the relative `tolerance` of `expected`.
 pub fn near(
     case: impl Into<String>,
     unit: &'static str,
@@ -30,7 +30,7 @@ pub fn near(
     Row { case: case.into(), unit, measured: measured.into(), rule: Rule::Near(expected, tolerance) }
 }
 
-/// Measured should be at most `most`.
+/// Returns a row that holds if the measured value is at most `most`.
 pub fn at_most(case: impl Into<String>, unit: &'static str, most: f64, measured: impl Into<f64>) -> Row {
     Row { case: case.into(), unit, measured: measured.into(), rule: Rule::AtMost(most) }
 }
@@ -43,7 +43,7 @@ impl Row {
         }
     }
 
-    /// How much another adapter's figure may differ from the one in the docs.
+    /// Returns by how much the value on another adapter may differ from the value in the docs.
     fn slack(&self) -> f64 {
         match self.rule {
             Rule::Near(expected, tolerance) => 0.25 * tolerance * expected.abs(),
@@ -65,7 +65,7 @@ impl Row {
     }
 }
 
-/// Four significant digits.
+/// Formats four significant digits.
 fn digits(x: f64) -> String {
     if x == 0.0 || !x.is_finite() {
         return format!("{x}");
@@ -82,14 +82,14 @@ fn line(row: &Row) -> String {
     format!("| {} |", row.cells().join(" | "))
 }
 
-/// Runs an experiment as it should be and once more with the `fault` that it must notice. Prints the rows,
-/// and compares them with those of `topic` in the docs.
+/// Runs an experiment, and runs it once more with a `fault` that must make it fail. Prints the rows and compares them
+/// with the rows of `topic` in the docs.
 pub fn judge(topic: &str, experiment: impl Fn(bool) -> Vec<Row>) {
     let rows = run(experiment);
     docs(topic, &rows, true);
 }
 
-/// The same for a few rows of a topic.
+/// Does the same for some of the rows of a topic.
 pub fn judge_some(topic: &str, experiment: impl Fn(bool) -> Vec<Row>) {
     let rows = run(experiment);
     docs(topic, &rows, false);
@@ -109,7 +109,8 @@ fn run(experiment: impl Fn(bool) -> Vec<Row>) -> Vec<Row> {
     rows
 }
 
-/// Compares with what the docs say, or, asked to, writes it there where the rows are all of the topic.
+/// Compares rows with the docs. With `TRESSES_PHYSICS=write`, writes them to the docs if `all` rows of the topic are
+/// given.
 fn docs(topic: &str, rows: &[Row], all: bool) {
     static FILE: Mutex<()> = Mutex::new(());
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../docs/physics.md");
@@ -135,7 +136,7 @@ fn docs(topic: &str, rows: &[Row], all: bool) {
         .map(|line| line.trim_matches('|').split(" | ").map(str::trim).collect())
         .collect();
     let help = "docs/physics.md is out of date: run TRESSES_PHYSICS=write make proof";
-    // Rows of real grooms are there only where these are.
+    // Rows of real grooms exist only if the assets exist.
     let complete = all && crate::common::sintel().is_some();
     assert!(rows.len() == written.len() || !complete && rows.len() < written.len(), "{topic}: {help}");
     for row in rows {

@@ -1,4 +1,4 @@
-//! Bands and pins.
+//! Ties: bands and pins.
 
 use super::{
     lab::{bare, straight},
@@ -13,20 +13,20 @@ use tresses::{
     gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind},
     hair::HairFrame,
-    simulate::{Held, SimulationParams, Tie},
+    simulate::{SimulationParams, Tie, TieTarget},
     volume::HairHairMode,
 };
 
 const G: f64 = 9.81;
-/// Vertices of a hair.
+/// Number of vertices per hair.
 const N: usize = 16;
 
 fn band(at: Vec3, radius: f32) -> Tie {
-    Tie { from: at, to: at, radius, held: Held::Together, gather: 1.0, group: None }
+    Tie { from: at, to: at, radius, held: TieTarget::Together, gather: 1.0, group: None }
 }
 
-/// The pull at the tip of a hanging chain of straight edges that keeps it 1 m aside while it swings with `omega`, per mass
-/// of a hair of 1 m: from the tip upwards, the root being where it is.
+/// Returns the pull at the tip of a hanging chain of straight edges that keeps the tip 1 m to the side while the chain
+/// swings with `omega`, per mass of 1 m of hair. Integrates from the tip upwards to the fixed root.
 fn pull(length: f64, omega: f64) -> f64 {
     let edge = length / (N - 2) as f64;
     let top = |pull: f64| {
@@ -43,10 +43,10 @@ fn pull(length: f64, omega: f64) -> f64 {
     -top(0.0) / (top(1.0) - top(0.0)) * edge
 }
 
-/// The slowest period of two chains whose tips are tied, s.
+/// Returns the slowest period of two chains whose tips are tied, s.
 fn tied_period(lengths: [f64; 2]) -> f64 {
     let together = |omega: f64| lengths.iter().map(|length| pull(*length, omega)).sum::<f64>();
-    // Between those of the two by themselves.
+    // Between the frequencies of the separate chains.
     let (mut low, mut high) = (6.0, 9.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
@@ -55,7 +55,7 @@ fn tied_period(lengths: [f64; 2]) -> f64 {
     std::f64::consts::TAU / low
 }
 
-/// Hairs whose place in every step is measured, by themselves in the air.
+/// Hairs without colliders or self-collision, whose positions are measured in every step.
 struct Swing {
     hair: Hair,
     params: SimulationParams,
@@ -80,7 +80,7 @@ impl Swing {
         swing
     }
 
-    /// Where the vertices are after a step, hair by hair.
+    /// Advances by a step and returns the vertices by hair.
     fn step(&mut self, dt: f32) -> Vec<Vec<Vec3>> {
         let context = common::context().unwrap();
         let poses = ColliderPoses::default();
@@ -91,8 +91,8 @@ impl Swing {
         (0..self.count).map(|hair| (0..N).map(|i| at(hair, i)).collect()).collect()
     }
 
-    /// Moves every vertex by `way` of where it is and of how far it is below the root's end, 0 to 1, and measures the period of
-    /// `what`.
+    /// Displaces every vertex by `way`, a function of its position and its relative distance from the root's end (0 to
+    /// 1). Returns the period of `what`.
     fn period(&mut self, way: impl Fn(Vec3, f32) -> Vec3, what: impl Fn(&[Vec<Vec3>]) -> f32) -> f32 {
         let context = common::context().unwrap();
         let now = self.step(0.0);
@@ -111,7 +111,7 @@ impl Swing {
     }
 }
 
-/// Hairs of 20 and 30 cm that swing with their tips tied, and hairs in a ring that turn about its middle.
+/// Measures hairs of 20 and 30 cm that swing with their tips tied, and hairs in a ring that turns about its center.
 fn swings(fault: bool) -> Vec<Row> {
     let tip = Vec3::new(0.0, -0.3, 0.0);
     let raised = |length: f32| -> Vec<Vec3> {
@@ -121,7 +121,7 @@ fn swings(fault: bool) -> Vec<Row> {
     let ties = [band(tip, 1e-3)];
     let mut pair = Swing::new(&strands, if fault { &[] } else { &ties });
     let pair = pair.period(|_, below| Vec3::X * 2e-3 * below, |now| now[1][N - 1].x);
-    // A ring of hairs that is turned: its middle stays, and each hair swings as it would by itself.
+    // A ring of hairs that is turned: its center stays, and each hair swings as if it were alone.
     let around = |k: usize| Quat::from_rotation_y(k as f32 * std::f32::consts::TAU / 6.0) * Vec3::X * 0.03;
     let ring: Vec<Vec<Vec3>> =
         (0..6).map(|k| straight(N, 0.3, Vec3::NEG_Y).iter().map(|p| *p + around(k)).collect()).collect();
@@ -130,7 +130,7 @@ fn swings(fault: bool) -> Vec<Row> {
         ring.params.gravity *= 0.9;
     }
     let turned = ring.period(
-        // As a chain swings slowest, nearly.
+        // Nearly the slowest mode of a chain.
         |at, below| Vec3::Y.cross(at) * 0.05 * below * (0.6 + 0.4 * below),
         |now| {
             let (root, tip) = (now[0][0], now[0][N - 1]);
@@ -152,18 +152,18 @@ fn swings(fault: bool) -> Vec<Row> {
 
 #[test]
 #[ignore = "proof"]
-fn what_is_tied_swings_as_one() {
+fn tied_hair_swings_as_one() {
     if common::context().is_some() {
         judge("tied", swings);
     }
 }
 
-/// Radius of the head, metres.
+/// Radius of the head, meters.
 const HEAD: f32 = 0.09;
-/// Where the band is.
+/// Position of the band, meters.
 const BAND: Vec3 = Vec3::new(0.0, 0.04, -0.1);
 
-/// Hair of the back of the head that goes along it to a band, and hangs from there.
+/// Returns hair of the back of the head that runs along the head to a band and hangs from there.
 fn ponytail() -> Groom {
     let mut strands = Strands::default();
     let toward = BAND.normalize();
@@ -173,7 +173,7 @@ fn ponytail() -> Groom {
         let out = (1.0 - y * y).sqrt();
         let root =
             (Quat::from_rotation_arc(Vec3::Y, toward) * Vec3::new(out * cosine, y, out * sine)).normalize();
-        // Over the head, a little above it, then down; beside its neighbours in band and tail.
+        // Over the head, slightly above it, then down. Each hair stays beside its neighbors in band and tail.
         let beside = Vec3::new(cosine, 0.3 * sine, 0.2 * sine) * 0.012 * ((i as f32 + 0.5) / 160.0).sqrt();
         let mut line: Vec<_> = (0..=8)
             .map(|k| {
@@ -194,21 +194,21 @@ fn ponytail() -> Groom {
     bind(&strands, &BindOptions { guides, guide_vertices: Some(32), ..Default::default() }).unwrap()
 }
 
-/// What becomes of it in three seconds of shaking and two of rest.
+/// Measurements during three seconds of shaking and two seconds of rest.
 #[derive(Debug)]
 struct Shaken {
-    /// How far the middle of the hair at the band is from where it rests on the head at the end, mm.
+    /// Distance of the center of the hair at the band from its rest position on the head, at the end, mm.
     away: f32,
-    /// How far apart the hairs at the band are then, of what they are at rest, and at most at any time.
+    /// Spread of the hairs at the band relative to rest: at the end, and the maximum.
     spread: f32,
     widest: f32,
-    /// The largest change of an edge's length at any time, %.
+    /// Largest change of an edge's length at any time, %.
     strain: f32,
-    /// How far pinned vertices are from where they rest at any time, mm.
+    /// Largest change of the distance of a pinned vertex from its root at any time, mm.
     slip: f32,
 }
 
-/// Of `frames` sixtieths of a second.
+/// Shakes the ponytail for `frames` sixtieths of a second.
 fn shaken(context: &Context, ties: &[Tie], frames: usize) -> Shaken {
     let (groom, simulation) = (ponytail(), SimulationParams::default());
     let head = SdfGrid::from_fn(Vec3::splat(-0.15), Vec3::splat(0.15), 48, |p| p.length() - HEAD);
@@ -247,7 +247,7 @@ fn shaken(context: &Context, ties: &[Tie], frames: usize) -> Shaken {
             let strain = (now(at).distance(now(at - count)) / rest - 1.0).abs() * 100.0;
             found.strain = found.strain.max(strain);
         }
-        // Against its root: the steps of the hair may end a little before the frame.
+        // Relative to the root, because the hair's steps may end slightly before the frame.
         let from_root =
             |at: usize| now(at).distance(now(at % count)) - at_rest(at).distance(at_rest(at % count));
         let slip = held.iter().map(|&at| from_root(at).abs() * 1e3).fold(0.0, f32::max);
@@ -260,15 +260,15 @@ fn shaken(context: &Context, ties: &[Tie], frames: usize) -> Shaken {
     found
 }
 
-/// Radius of the band, metres.
+/// Radius of the band, meters.
 const BAND_RADIUS: f32 = 0.018;
 
 fn held(context: &Context, fault: bool) -> Vec<Row> {
     let none = band(BAND + Vec3::new(0.0, -0.2, -0.04), 0.02);
     let tie = if fault { none } else { band(BAND, BAND_RADIUS) };
     let tied = shaken(context, &[tie], 300);
-    let pinned = shaken(context, &[Tie { held: Held::ToHead, ..tie }], 300);
-    // What rests as it should comes back without a tie, too: that it does with one is no row.
+    let pinned = shaken(context, &[Tie { held: TieTarget::ToHead, ..tie }], 300);
+    // Hair in its rest shape returns without a tie, too, so its return with a tie is not a row.
     assert!(fault || (tied.spread - 1.0).abs() < 0.01 && tied.away < 1.0, "{tied:?}");
     assert!(fault || pinned.away < 0.01, "{pinned:?}");
     assert!(tied.strain < 0.5 && pinned.strain < 0.5, "{tied:?} {pinned:?}");
@@ -291,7 +291,7 @@ fn held(context: &Context, fault: bool) -> Vec<Row> {
 
 #[test]
 #[ignore = "proof"]
-fn a_ponytail_stays_in_its_band() {
+fn ponytail_stays_in_its_band() {
     let Some(context) = common::context() else { return };
     judge("held", |fault| held(context, fault));
 }
@@ -299,7 +299,7 @@ fn a_ponytail_stays_in_its_band() {
 #[test]
 fn ties_hold_from_the_first_frame_on() {
     let Some(context) = common::context() else { return };
-    let pin = Tie { held: Held::ToHead, ..band(BAND, BAND_RADIUS) };
+    let pin = Tie { held: TieTarget::ToHead, ..band(BAND, BAND_RADIUS) };
     let [pinned, tied, free] =
         [&[pin][..], &[band(BAND, BAND_RADIUS)], &[]].map(|ties| shaken(context, ties, 24));
     assert!(pinned.slip < 0.5 && free.slip > 2.0, "{pinned:?} {free:?}");
@@ -307,11 +307,13 @@ fn ties_hold_from_the_first_frame_on() {
 }
 
 #[test]
-fn another_head_is_tied_as_the_first() {
+fn instances_inherit_ties() {
     let Some(context) = common::context() else { return };
     let (groom, simulation) = (ponytail(), SimulationParams::default());
-    let ties =
-        [band(BAND, BAND_RADIUS), Tie { held: Held::ToHead, ..band(Vec3::new(0.0, 0.08, -0.05), 0.025) }];
+    let ties = [
+        band(BAND, BAND_RADIUS),
+        Tie { held: TieTarget::ToHead, ..band(Vec3::new(0.0, 0.08, -0.05), 0.025) },
+    ];
     let mut hair = Hair::new(context, &groom, &HairOptions::default(), None).unwrap();
     let report = hair.tie(&groom, &ties).unwrap();
     assert!(report.rings == 1 && report.together > 100 && report.to_head > 10, "{report:?}");

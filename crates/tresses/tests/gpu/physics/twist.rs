@@ -1,4 +1,4 @@
-//! Hair that twists: springs and bows, whose wire is twisted where they give way.
+//! Hair that twists: springs and bows, whose wire twists as they yield.
 
 use super::{
     lab::{Experiment, Lab, bare, lab},
@@ -11,10 +11,10 @@ use tresses::{
     simulate::{RestShape, SimulationParams},
 };
 
-/// N·m².
+/// Bending stiffness, N·m².
 const BENDING: f32 = 8e-9;
 
-/// A helix of 1 cm radius about a line that hangs down, three turns of 8 mm pitch.
+/// Returns a helix of radius 1 cm about a line that hangs down, with three turns of 8 mm pitch.
 fn helix(n: usize) -> Vec<Vec3> {
     let at = |i: usize| {
         let t = i as f32 / (n - 1) as f32;
@@ -24,8 +24,8 @@ fn helix(n: usize) -> Vec<Vec3> {
     (0..n).map(at).collect()
 }
 
-/// What a spring of wire gives way at its tip along gravity, by Castigliano's theorem: the moments of the weights below
-/// each vertex, times those of a unit load at the tip, over the stiffness.
+/// Returns how far the tip of a spring sinks along gravity, by Castigliano's theorem: the moments of the weights below
+/// each vertex, times the moments of a unit load at the tip, over the stiffness.
 fn sinks(p: &[Vec3], params: &SimulationParams, twist: f32) -> f32 {
     let n = p.len();
     let edge = p.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>() / (n - 1) as f32;
@@ -38,7 +38,7 @@ fn sinks(p: &[Vec3], params: &SimulationParams, twist: f32) -> f32 {
         let unit = (p[n - 1] - p[j]).cross(down);
         let about = [moment.dot(tangent), unit.dot(tangent)];
         let across = (moment - tangent * about[0]).dot(unit - tangent * about[1]);
-        // Of the bend at the root half lies in the skin.
+        // Half of the bend at the root lies in the skin.
         let length = p[j].distance(p[j + 1]) * if j == 1 { 0.5 } else { 1.0 };
         sum += length * (across + about[0] * about[1] / twist) / BENDING;
     }
@@ -63,7 +63,7 @@ fn springs(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn springs_are_as_stiff_as_their_wire() {
+fn helical_springs_match_castiglianos_theorem() {
     let Some(lab) = lab() else { return };
     judge("springs", |fault| springs(lab, fault));
 }
@@ -72,7 +72,7 @@ fn bows(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let (n, radius) = (24, 0.05f32);
     let mut rows = Vec::new();
     for twist in [0.25f32, 0.5, 2.0] {
-        // A quarter of a circle that lies flat, clamped at one end, under its own weight.
+        // A horizontal quarter of a circle, clamped at one end, under its own weight.
         let per = FRAC_PI_2 / (n - 2) as f32;
         let p: Vec<_> = (0..n)
             .map(|i| {
@@ -94,12 +94,12 @@ fn bows(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn bows_twist_where_they_sink() {
+fn bows_sink_by_the_closed_form() {
     let Some(lab) = lab() else { return };
     judge("bows", |fault| bows(lab, fault));
 }
 
-/// A curl in a head that turns to and fro, then rests: it swings, comes back, and is the same afterwards.
+/// A curl on a head that turns to and fro, then rests. It swings, returns, and has the same shape afterwards.
 #[test]
 fn curls_spring_back() {
     let Some(lab) = lab() else { return };

@@ -1,4 +1,4 @@
-//! Shadows against strands counted one by one; at rest, under a turning light, from any camera.
+//! Shadows compared with strands counted along rays: at rest, under a turning light, from any camera.
 
 mod oracle;
 mod tangle;
@@ -11,7 +11,7 @@ use tresses::{
     Camera, Context, View,
     body::Body,
     draw::Coverage,
-    frame::Sight,
+    frame::ViewPass,
     glam::{Quat, Vec3},
     light::{Directional, HairSet, Lights, Shadow, ShadowMethod, ShadowProbe, Shadows},
     math::hash::pcg,
@@ -21,12 +21,12 @@ use tresses::{
 const METHODS: [ShadowMethod; 3] =
     [ShadowMethod::Opaque, ShadowMethod::Absorption, ShadowMethod::DeepOpacity];
 
-/// Towards the main light.
+/// Returns the direction to the key light.
 fn key() -> Vec3 {
     Lights::default().directional[Lights::KEY].direction
 }
 
-/// Lights of one unit from `directions`.
+/// Returns lights of unit irradiance from `directions`.
 fn lights(directions: &[Vec3]) -> [Directional; 4] {
     let mut lights = [Directional::OFF; 4];
     for (light, direction) in lights.iter_mut().zip(directions) {
@@ -35,7 +35,7 @@ fn lights(directions: &[Vec3]) -> [Directional; 4] {
     lights
 }
 
-/// A tangle on the GPU, and points that are asked about.
+/// A tangle on the GPU, and points at which shadows are probed.
 struct Bench<'a> {
     context: &'a Context,
     view: View,
@@ -55,14 +55,14 @@ impl<'a> Bench<'a> {
         Self { context, view, hair, body: None, probe, scene }
     }
 
-    /// Records a frame and what the probe answers; the picture and the answers.
+    /// Records a frame and the probe. Returns the image and the shadows at the points.
     fn frame(&mut self) -> (Vec<u8>, Vec<[Shadow; 4]>) {
         let Self { context, view, hair, body, probe, scene } = self;
         let bodies: Vec<_> = body.iter().collect();
         let mut encoder = context.device().create_command_encoder(&Default::default());
         context
             .recorder(&mut encoder)
-            .draw_strands(&[hair], &bodies, Sight::new(view, scene))
+            .draw_strands(&[hair], &bodies, ViewPass::new(view, scene))
             .expect("it fits");
         probe.record(&mut encoder).expect("it compiles");
         context.queue().submit([encoder.finish()]);
@@ -70,7 +70,7 @@ impl<'a> Bench<'a> {
         (pollster::block_on(view.targets().read()).expect("a picture"), answers)
     }
 
-    /// The fibres before each point in light from `direction`.
+    /// Returns the number of fibers in front of each point, in light from `direction`.
     fn fibers(&mut self, direction: Vec3, method: ShadowMethod) -> Vec<f32> {
         self.scene.lights.directional = lights(&[direction]);
         self.scene.shadows.method = method;
@@ -78,13 +78,13 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// Asks about `points`, which are seen from the direction `eye`.
+/// Creates a probe for `points`, which are seen from the direction `eye`.
 fn probe(context: &Context, view: &View, points: &[(Vec3, u32)], eye: Option<Vec3>) -> ShadowProbe {
     let places: Vec<_> = points.iter().map(|(at, _)| *at).collect();
     ShadowProbe::new(context, &view.light, &places, eye).expect("fits")
 }
 
-/// Points spread over all strands and all along them, and the strands they are on.
+/// Returns points spread over all strands and all along them, each with its strand.
 fn points(tangle: &Tangle, count: u32) -> Vec<(Vec3, u32)> {
     let n = tangle.vertex_count;
     let random = |i: u32, k: u32| (pcg(pcg(i) ^ k) >> 8) as f32 / 16_777_216.0;
@@ -99,20 +99,20 @@ fn points(tangle: &Tangle, count: u32) -> Vec<(Vec3, u32)> {
         .collect()
 }
 
-/// Mean error of the share of light that meets no fibre.
+/// Returns the mean error of the transmittance.
 fn error(fibers: &[f32], truth: &[Truth]) -> f32 {
     let sum: f32 = fibers.iter().zip(truth).map(|(n, truth)| ((-n).exp() - truth.transmittance).abs()).sum();
     sum / truth.len() as f32
 }
 
-/// The truth at every point, over `rays` rays each.
+/// Returns the reference values at every point, over `rays` rays each.
 fn truth(tangle: &Tangle, points: &[(Vec3, u32)], direction: Vec3, rays: u32) -> Vec<Truth> {
     let oracle = Oracle::new(tangle, direction);
     let radius = Shadows::default().hair_radius;
     points.iter().map(|(at, own)| oracle.at(*at, *own, radius, rays)).collect()
 }
 
-/// A style, so many strands of it, points on them, and rays to each.
+/// A style, its number of strands, the number of points on them, and the number of rays to each.
 struct Sample {
     style: &'static str,
     strands: u32,
@@ -120,7 +120,7 @@ struct Sample {
     rays: u32,
 }
 
-/// Prints what each method errs by and holds it against bounds that come from the truth alone.
+/// Prints the error of each method and compares it with bounds that follow from the reference values alone.
 fn methods_against_counting(context: &Context, samples: &[Sample]) {
     println!(
         "mean error of the share of light: style, share, each method; exact count, one share for all points"
@@ -131,19 +131,20 @@ fn methods_against_counting(context: &Context, samples: &[Sample]) {
         let mut bench = Bench::new(context, &tangle, &points);
         let truth = truth(&tangle, &points, key(), *rays);
         let share = truth.iter().map(|truth| truth.transmittance).sum::<f32>() / truth.len() as f32;
-        // A count of fibres per point cannot say how they are spread over the disk: so much errs a method
-        // without fault. And so much one that knows how dark hair is, and nothing of where.
+        // A fiber count per point does not describe how the fibers are spread over the disk. `least` is the error of
+        // exact counts. `most` is the error with the mean darkness of the hair at every point.
         let exact: Vec<_> = truth.iter().map(|truth| truth.fibers).collect();
         let (least, most) = (error(&exact, &truth), error(&vec![-share.ln(); truth.len()], &truth));
         let errors = METHODS.map(|method| error(&bench.fibers(key(), method), &truth));
         println!("{style} {share:.3} {errors:.4?}; {least:.4} {most:.4}");
-        // Deep maps lose in layers and texels no more than a count has lost already, and are the best; the two
-        // others know where hair is.
+        // Deep opacity maps lose no more in layers and texels than a count does, and are the best method. The other two
+        // are better than the mean darkness.
         let [opaque, absorption, deep] = errors;
         let good = |deep: f32| deep < 2.0 * least;
         assert!(good(deep) && deep < opaque.min(absorption), "{style}: {errors:?}, {least}");
         assert!(opaque < most && absorption < most, "{style}: {errors:?}, {most}");
-        // Both comparisons see light from elsewhere, the first also two fibres in five that are missing.
+        // Light from elsewhere is detected by both comparisons. The first also detects that two in five fibers are
+        // missing.
         let aside = Quat::from_rotation_y(0.35) * key();
         assert!(!good(error(&bench.fibers(aside, ShadowMethod::DeepOpacity), &truth)));
         let fibers = bench.fibers(key(), ShadowMethod::DeepOpacity);
@@ -156,21 +157,21 @@ fn methods_against_counting(context: &Context, samples: &[Sample]) {
 }
 
 #[test]
-fn every_method_against_strands_counted_one_by_one() {
+fn shadow_methods_match_counted_strands() {
     let Some(context) = common::context() else { return };
     methods_against_counting(context, &[Sample { style: "long", strands: 2000, points: 300, rays: 64 }]);
 }
 
-/// The table of docs/appearance/shadows.md.
+/// Prints the table of docs/appearance/shadows.md.
 #[test]
 #[ignore = "proof"]
-fn every_method_and_style_against_strands_counted_one_by_one() {
+fn shadow_methods_match_counted_strands_in_all_styles() {
     let Some(context) = common::context() else { return };
     let sample = |style| Sample { style, strands: 4000, points: 1000, rays: 128 };
     methods_against_counting(context, &["long", "curly", "short"].map(sample));
 }
 
-/// The share of light at points that are seen, held against rays.
+/// Compares the transmittance at visible points with rays.
 fn seen_points_against_rays(context: &Context, styles: &[(&str, u32)], count: u32, angles: &[f32]) {
     println!(
         "share of light at seen points, eye and light apart: style, radians, rays, deep, deep for any point"
@@ -196,7 +197,7 @@ fn seen_points_against_rays(context: &Context, styles: &[(&str, u32)], count: u3
             println!("{style} {apart} {truth:.3} {found:.3} {any:.3}");
             let good = |found: f32| (found / truth - 1.0).abs() < 0.08;
             assert!(good(found), "{style} {apart}");
-            // The comparison sees what the eye's part is, where there is the most of it.
+            // The influence of the eye's direction is detected, where it is largest.
             assert!(*apart > 0.3 || any < 0.97 * found, "{style}");
             assert!(!good(0.9 * found.min(truth)), "{style} {apart}");
         }
@@ -204,35 +205,35 @@ fn seen_points_against_rays(context: &Context, styles: &[(&str, u32)], count: u3
 }
 
 #[test]
-fn what_is_seen_is_lit_as_rays_tell() {
+fn visible_points_are_lit_as_by_rays() {
     let Some(context) = common::context() else { return };
     seen_points_against_rays(context, &[("long", 12000)], 3000, &[0.3]);
 }
 
-/// As fine as a picture shows them: the hot spot is as large as a few strands are wide. The table of
-/// docs/appearance/shadows.md.
+/// As many strands and points as in a real image, because the hot spot is only as large as a few strands are wide.
+/// Prints the table of docs/appearance/shadows.md.
 #[test]
 #[ignore = "proof"]
-fn what_is_seen_of_any_style_is_lit_as_rays_tell() {
+fn visible_points_of_all_styles_are_lit_as_by_rays() {
     let Some(context) = common::context() else { return };
     let styles = [("long", 12000), ("bob", 12000), ("curly", 8000), ("short", 12000)];
     seen_points_against_rays(context, &styles, 12000, &[0.3, 0.65, 1.2]);
 }
 
-/// Mean change of the share of light from one moment to the next.
+/// Returns the mean change of the transmittance from frame to frame.
 fn unrest(frames: &[Vec<f32>]) -> f32 {
     let change = |pair: &[Vec<f32>]| pair[0].iter().zip(&pair[1]).map(|(a, b)| (a - b).abs()).sum::<f32>();
     frames.windows(2).map(change).sum::<f32>() / ((frames.len() - 1) * frames[0].len()) as f32
 }
 
-/// Mean change of that change: what is left of it when things pass evenly.
+/// Returns the mean change of that change, which is small while shadows move evenly.
 fn trembling(frames: &[Vec<f32>]) -> f32 {
     let differences: Vec<Vec<f32>> =
         frames.windows(2).map(|pair| pair[0].iter().zip(&pair[1]).map(|(a, b)| b - a).collect()).collect();
     unrest(&differences)
 }
 
-/// Shadows in a light that turns, held against `rays` counted rays at each of `count` points.
+/// Compares shadows in a turning light with `rays` counted rays at each of `count` points.
 fn turning_light(context: &Context, strands: u32, count: u32, rays: u32, methods: &[ShadowMethod]) {
     let tangle = Tangle::style("long", strands);
     let points = points(&tangle, count);
@@ -252,13 +253,13 @@ fn turning_light(context: &Context, strands: u32, count: u32, rays: u32, methods
             .collect();
         let (moved, trembled) = (unrest(&frames), trembling(&frames));
         println!("{method:?}: {:.2} times that, trembling {:.2} times", moved / step, trembled / tremble);
-        // What a frame changes beyond what the light does is less than half a step of a picture of 8 bits in white
-        // hair, so that it is not seen; by the two older methods three steps, which is what they are not the
-        // default for. Trembling changes a value by itself and back, twice as much.
+        // Beyond the change of the light itself, a frame changes by less than half a step of an 8-bit image in white
+        // hair, which is invisible. With the two older methods it changes by three steps, which is why they are not the
+        // default. Trembling moves a value away and back, so it is twice as much.
         let most = if *method == ShadowMethod::DeepOpacity { 0.5 / 255.0 } else { 3.0 / 255.0 };
         let quiet = |moved: f32, trembled: f32| moved - step < most && trembled - tremble < 2.0 * most;
         assert!(quiet(moved, trembled), "{method:?}: {moved} {trembled}");
-        // The comparison sees noise of three times that.
+        // Noise of three times that is detected.
         let noisy: Vec<Vec<f32>> = frames
             .iter()
             .enumerate()
@@ -272,21 +273,21 @@ fn turning_light(context: &Context, strands: u32, count: u32, rays: u32, methods
 }
 
 #[test]
-fn a_turning_light_does_not_make_shadows_crawl() {
+fn shadows_do_not_crawl_in_a_turning_light() {
     let Some(context) = common::context() else { return };
     turning_light(context, 4000, 100, 512, &[ShadowMethod::DeepOpacity]);
 }
 
-/// Rays by 64 times a filter of eight taps. The figures of docs/appearance/shadows.md.
+/// As many rays as 64 filters of eight taps. Prints the figures of docs/appearance/shadows.md.
 #[test]
 #[ignore = "proof"]
-fn a_turning_light_does_not_make_any_shadows_crawl() {
+fn shadows_of_any_method_do_not_crawl_in_a_turning_light() {
     let Some(context) = common::context() else { return };
     turning_light(context, 4000, 400, 512, &METHODS);
 }
 
 #[test]
-fn still_hair_is_still_from_any_camera() {
+fn shadows_do_not_depend_on_the_camera() {
     let Some(context) = common::context() else { return };
     let tangle = Tangle::style("short", 2000);
     let points = points(&tangle, 500);
@@ -311,7 +312,7 @@ fn still_hair_is_still_from_any_camera() {
 }
 
 #[test]
-fn four_lights_are_four_times_one() {
+fn lights_do_not_affect_each_other() {
     let Some(context) = common::context() else { return };
     let tangle = Tangle::style("short", 2000);
     let points = points(&tangle, 500);
@@ -335,13 +336,13 @@ fn four_lights_are_four_times_one() {
 }
 
 #[test]
-fn a_body_shadows_what_is_behind_it() {
+fn bodies_cast_shadows() {
     let Some(context) = common::context() else { return };
     let tangle = Tangle::style("short", 200);
     let focus = tangle.focus();
     let mut mesh = common::cube(0.04);
     mesh.positions.iter_mut().for_each(|p| *p += focus.center);
-    // Before, behind and beside the cube, in light along Z; its edges are soft over a texel.
+    // In front of, behind and beside the cube, in light along Z. Its edges are blurred over a texel.
     let at = |x: f32, z: f32| (focus.center + Vec3::new(x, 0.0, z), 0);
     let points =
         [at(0.0, 0.06), at(0.0, -0.06), at(0.0, 0.0), at(0.05, -0.06), at(0.039, -0.06), at(0.041, -0.06)];

@@ -1,18 +1,18 @@
-//! Counts the strands that rays of light meet, one by one.
+//! Counts the strands that rays of light hit, by brute force.
 
 use super::tangle::Tangle;
 use tresses::{glam::Vec2, glam::Vec3, math::hash::pcg};
 
-/// What is true at a point.
+/// Reference values at a point.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Truth {
-    /// The share of the light that meets no fibre.
+    /// Share of the light that hits no fiber.
     pub transmittance: f32,
-    /// The mean number of fibres on the way.
+    /// Mean number of fibers between light and point.
     pub fibers: f32,
 }
 
-/// A cylinder: its ends across the light (x, y) and along it (z, growing away from the light).
+/// A cylinder, given by its ends: x and y across the light, z along it, growing away from the light.
 #[derive(Clone, Copy)]
 struct Segment {
     a: Vec3,
@@ -21,7 +21,7 @@ struct Segment {
     strand: u32,
 }
 
-/// All strands as one light sees them, sorted into cells across its rays.
+/// All strands as seen by one light, sorted into cells across its rays.
 pub struct Oracle {
     axes: [Vec3; 3],
     low: Vec2,
@@ -31,11 +31,11 @@ pub struct Oracle {
     segments: Vec<Segment>,
 }
 
-/// Edge of a cell, metres.
+/// Edge of a cell, meters.
 const CELL: f32 = 0.001;
 
 impl Oracle {
-    /// For light from `direction`.
+    /// Creates the oracle for light from `direction`.
     pub fn new(tangle: &Tangle, direction: Vec3) -> Self {
         let z = -direction.normalize();
         let (x, y) = z.any_orthonormal_pair();
@@ -62,7 +62,7 @@ impl Oracle {
         let (wide, high) = (size.x as usize, size.y as usize);
         let mut cells = vec![Vec::new(); wide * high];
         for (i, s) in segments.iter().enumerate() {
-            // Every cell that the segment's steps come near.
+            // Every cell near one of the points along the segment.
             let r = s.radii.max_element();
             let steps = (s.a.truncate().distance(s.b.truncate()) / (0.5 * CELL)).ceil().max(1.0);
             for step in 0..=steps as usize {
@@ -87,7 +87,7 @@ impl Oracle {
         Self { axes, low, wide, high, cells, segments }
     }
 
-    /// How many strands other than `own` the ray that ends at a point (across, depth) meets.
+    /// Returns the number of strands other than `own` that the ray to a point (across, depth) hits.
     fn count(&self, at: Vec2, depth: f32, own: u32) -> u32 {
         let place = (at - self.low) / CELL;
         if place.x < 0.0 || place.y < 0.0 {
@@ -108,12 +108,12 @@ impl Oracle {
         self.cells[y * self.wide + x].iter().map(|i| &self.segments[*i as usize]).filter(meets).count() as u32
     }
 
-    /// The truth at `point` of the strand `own`, over `rays` rays through a disk of `radius` metres.
+    /// Returns the reference values at `point` of the strand `own`, over `rays` rays through a disk of `radius` meters.
     pub fn at(&self, point: Vec3, own: u32, radius: f32, rays: u32) -> Truth {
         let [x, y, z] = self.axes.map(|axis| point.dot(axis));
         let mut truth = Truth::default();
         for i in 0..rays {
-            // A sunflower's seeds, turned by the point's own angle.
+            // A sunflower pattern, rotated by an angle per point.
             let angle = i as f32 * 2.399_963 + pcg(own ^ x.to_bits()) as f32 * 1e-9;
             let r = radius * ((i as f32 + 0.5) / rays as f32).sqrt();
             let count = self.count(Vec2::new(x, y) + r * Vec2::from_angle(angle), z, own);

@@ -1,4 +1,4 @@
-//! Real tangles: built-in styles as strands on the CPU and on the GPU.
+//! Real tangles of hair: built-in styles as strands on the CPU and on the GPU.
 
 use tresses::{
     Context,
@@ -12,7 +12,7 @@ use tresses::{
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
 };
 
-/// Strands with a radius at every vertex, metres.
+/// Strands with a radius at every vertex, meters.
 pub struct Tangle {
     pub vertex_count: usize,
     pub positions: Vec<Vec3>,
@@ -20,7 +20,7 @@ pub struct Tangle {
 }
 
 impl Tangle {
-    /// A built-in style of `count` strands, as combed, before it falls.
+    /// Creates a built-in style of `count` strands, as combed, before draping.
     pub fn style(name: &str, count: u32) -> Self {
         let style: Style = name.parse().expect("a style");
         let scalp = crate::common::scalp(48);
@@ -32,12 +32,12 @@ impl Tangle {
         Self { vertex_count: n, radii: radii.collect(), positions: grown.positions }
     }
 
-    /// How many strands.
+    /// Returns the number of strands.
     pub fn len(&self) -> usize {
         self.positions.len() / self.vertex_count
     }
 
-    /// The sphere around it, with room for light that turns.
+    /// Returns a sphere around the strands, with room for a turning light.
     pub fn focus(&self) -> Sphere {
         let (lo, hi) = self
             .positions
@@ -46,7 +46,7 @@ impl Tangle {
         Sphere::around(lo, hi)
     }
 
-    /// The strands as `light` reads them.
+    /// Uploads the strands in the layout that `light` reads.
     pub fn upload(&self, context: &Context) -> StrandBuffers {
         let n = self.vertex_count;
         let mut vertices = Vec::with_capacity(self.positions.len());

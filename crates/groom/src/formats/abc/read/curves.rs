@@ -1,4 +1,4 @@
-//! Curves as strands.
+//! Reads curves as strands.
 
 use std::rc::Rc;
 
@@ -14,7 +14,7 @@ use crate::{
     error::{At, Result},
     formats::{
         curves::{
-            self, Groom, How, Names, Place,
+            self, CurveCut, Groom, Names, Place,
             basis::{Basis, Blend},
             clamped, cut, split_knots,
         },
@@ -33,7 +33,7 @@ pub(crate) fn read(source: &Source, moment: Moment) -> Result<Raw> {
     if objects.is_empty() {
         let problem = match tree.objects.len() {
             0 => "the file holds neither curves nor meshes",
-            _ => "the file holds no curves; its meshes can be the head of a groom",
+            _ => "the file holds meshes but no curves; use it as the head of a groom",
         };
         return Err(source.problem(At::File, problem));
     }
@@ -41,7 +41,7 @@ pub(crate) fn read(source: &Source, moment: Moment) -> Result<Raw> {
     let (time, told) = when(&archive, &objects, moment)?;
     groom.raw.notes.extend(told);
     let matrices = tree.matrices(&archive, time)?;
-    let mut reading = Reading { archive: &archive, time, groom };
+    let mut reading = CurveReader { archive: &archive, time, groom };
     let by_name = curves::told_apart(objects.iter().map(|object| named_guides(object)));
     for (i, object) in objects.iter().enumerate() {
         let guides = by_name.then(|| named_guides(object));
@@ -61,7 +61,7 @@ pub(crate) fn read(source: &Source, moment: Moment) -> Result<Raw> {
         reading.object(object, &places, shared)?;
     }
     let Groom { mut raw, habits, .. } = reading.groom;
-    habits.tell(&mut raw, objects.len(), "by the names of their objects");
+    habits.tell(&mut raw, objects.len(), "by object name");
     raw.declared = declared(super::entry(archive.about, "_ai_Description").unwrap_or_default());
     if let Some(application) = archive.application() {
         raw.notes.insert(0, format!("written by {application}"));
@@ -76,7 +76,7 @@ fn named_guides(object: &Object) -> bool {
     object.names.iter().any(|name| curves::names_guides(name))
 }
 
-/// The time that is meant, and what to say of it.
+/// Returns the time that `moment` selects, seconds, and a note on the file's frames.
 fn when(archive: &Archive, objects: &[&Object], moment: Moment) -> Result<(f64, Option<String>)> {
     let mut most: Option<Property> = None;
     let mut first = f64::INFINITY;
@@ -97,7 +97,8 @@ fn when(archive: &Archive, objects: &[&Object], moment: Moment) -> Result<(f64, 
         Moment::Seconds(time) => time,
         Moment::Frame(frame) if frame < count => most.time(archive, frame),
         Moment::Frame(frame) => {
-            let problem = format!("frame {frame} is asked for, but there are {count}, from 0 on");
+            let problem =
+                format!("frame {frame} does not exist; the file has {count} frames, counted from 0");
             return Err(archive.source.problem(most.at(), problem));
         }
     };
@@ -106,20 +107,20 @@ fn when(archive: &Archive, objects: &[&Object], moment: Moment) -> Result<(f64, 
     Ok((time, told))
 }
 
-/// A file in the making.
-struct Reading<'r, 's, 'a> {
+/// State while a file is read.
+struct CurveReader<'r, 's, 'a> {
     archive: &'r Archive<'s, 'a>,
     time: f64,
     groom: Groom,
 }
 
-impl<'a> Reading<'_, '_, 'a> {
+impl<'a> CurveReader<'_, '_, 'a> {
     fn object(&mut self, object: &Object<'a>, places: &[Compound<'a>], shared: curves::Object) -> Result<()> {
         let (archive, time) = (self.archive, self.time);
         let shape = &object.shape;
         let Some(points) = shape.property(archive, "P")? else { return Ok(()) };
         let Some(counts) = shape.property(archive, "nVertices")? else {
-            return Err(archive.source.problem(points.at(), "curves without nVertices"));
+            return Err(archive.source.problem(points.at(), "the curves have no nVertices"));
         };
         let flat = points.floats(archive, time)?;
         let starts = curves::starts(&counts.integers(archive, time)?, flat.len() / 3)
@@ -135,7 +136,7 @@ impl<'a> Reading<'_, '_, 'a> {
         self.groom.add(&curves::Object { starts: &starts, points: &points, cut: &cut, ..shared }, &values)
     }
 
-    /// How each curve is cut.
+    /// Tessellates each curve. A vertex is a weighted mean of control points.
     fn curves(&mut self, shape: &Compound<'a>, starts: &[u32]) -> Result<Vec<Rc<[Blend]>>> {
         let (archive, time) = (self.archive, self.time);
         let list = |name: &str| match shape.property(archive, name)? {
@@ -165,7 +166,7 @@ impl<'a> Reading<'_, '_, 'a> {
             (_, 3) => Some("Catmull-Rom"),
             (_, 0) => None,
             (_, other) => {
-                let problem = format!("curves of basis {other} (Hermite is 4, power 5), which is not read");
+                let problem = format!("curves of basis {other} (Hermite is 4, power 5) are not supported");
                 return Err(archive.source.problem(self.at(shape)?, problem));
             }
         };
@@ -173,12 +174,12 @@ impl<'a> Reading<'_, '_, 'a> {
             self.groom.habits.curved.push(name);
         }
         let how = match (name, &knotted) {
-            (_, Some(own)) => How::Knots(own),
-            (Some("Bézier"), _) => How::Basis(Basis::Bezier),
-            (Some("B-spline"), _) => How::Basis(Basis::BSpline { pinned: false }),
-            // Exporters of hair mean curves through all points.
-            (Some(_), _) => How::Basis(Basis::CatmullRom { pinned: true }),
-            (None, _) => How::Basis(Basis::Linear),
+            (_, Some(own)) => CurveCut::Knots(own),
+            (Some("Bézier"), _) => CurveCut::Basis(Basis::Bezier),
+            (Some("B-spline"), _) => CurveCut::Basis(Basis::BSpline { pinned: false }),
+            // Hair exporters expect Catmull-Rom curves to reach their end points.
+            (Some(_), _) => CurveCut::Basis(Basis::CatmullRom { pinned: true }),
+            (None, _) => CurveCut::Basis(Basis::Linear),
         };
         match cut(starts, &how) {
             Ok(all) => Ok(all),
@@ -190,7 +191,7 @@ impl<'a> Reading<'_, '_, 'a> {
         Ok(shape.property(self.archive, "curveBasisAndType")?.map_or(At::File, |property| property.at()))
     }
 
-    /// Refuses vertices that the file's size does not justify.
+    /// Returns an error if there are more vertices than the file's size justifies.
     fn budget(&self, curves: &[Rc<[Blend]>], shape: &Compound<'a>) -> Result<()> {
         let count: u64 = curves.iter().map(|curve| curve.len() as u64).sum();
         self.archive.source.check_vertices(0, self.groom.raw.strands.positions.len() as u64 + count)?;

@@ -1,12 +1,12 @@
-//! Where files keep values beside the shape of curves.
+//! Parameters of curves: values stored beside the geometry.
 
 use super::{Archive, property::Compound, tree::Object};
 use crate::{
     error::Result,
-    formats::curves::{Param, Per},
+    formats::curves::{AttributeScope, Param},
 };
 
-/// What one of the object's compounds has of this name.
+/// Returns the first nonempty parameter `name` of the compounds `places`.
 pub(super) fn find<'a>(
     archive: &Archive<'_, 'a>,
     places: &[Compound<'a>],
@@ -21,7 +21,7 @@ pub(super) fn find<'a>(
     Ok(None)
 }
 
-/// Values, or values with indices.
+/// Reads a parameter, with or without indices.
 fn read<'a>(archive: &Archive<'_, 'a>, place: &Compound<'a>, name: &str, time: f64) -> Result<Option<Param>> {
     let indexed = place.compound(archive, name)?;
     let values = match &indexed {
@@ -30,7 +30,7 @@ fn read<'a>(archive: &Archive<'_, 'a>, place: &Compound<'a>, name: &str, time: f
     };
     let Some(values) = values.filter(|values| !values.is_text()) else { return Ok(None) };
     let extent = values.extent();
-    // `arrayExtent` tells of values that were flattened.
+    // `arrayExtent` is the number of elements per value, if the exporter flattened them.
     let flattened = values.meta("arrayExtent").and_then(|text| text.parse::<usize>().ok()).unwrap_or(1);
     let mut flat = values.floats(archive, time)?;
     let indices = match &indexed {
@@ -39,20 +39,20 @@ fn read<'a>(archive: &Archive<'_, 'a>, place: &Compound<'a>, name: &str, time: f
     };
     if let Some(indices) = indices {
         flat = Param::picked(&flat, &indices.integers(archive, time)?, extent).map_err(|index| {
-            let problem = format!("{name} has no value {index}, there are {}", flat.len() / extent.max(1));
+            let problem = format!("{name} has no value {index}; there are {}", flat.len() / extent.max(1));
             archive.source.problem(indices.at(), problem)
         })?;
     }
     let scope = match values.meta("geoScope") {
-        Some("con") => Some(Per::All),
-        Some("uni") => Some(Per::Curve),
-        Some("vtx" | "var" | "fvr") => Some(Per::Point),
+        Some("con") => Some(AttributeScope::All),
+        Some("uni") => Some(AttributeScope::Curve),
+        Some("vtx" | "var" | "fvr") => Some(AttributeScope::Point),
         _ => None,
     };
     Ok(Some(Param { flat, width: extent.saturating_mul(flattened.max(1)), scope, at: values.at() }))
 }
 
-/// Where an object's values may be: beside its shape, and on the transform above it.
+/// Returns the compounds that may hold an object's parameters: beside its geometry, then on the transform above it.
 pub(super) fn places<'a>(
     archive: &Archive<'_, 'a>,
     object: &Object<'a>,
@@ -67,7 +67,7 @@ pub(super) fn places<'a>(
     Ok(all)
 }
 
-/// The first text of this name.
+/// Returns the values of the first text property `name`.
 pub(super) fn text<'a>(
     archive: &Archive<'_, 'a>,
     places: &[Compound<'a>],

@@ -1,4 +1,4 @@
-//! Meshes, for heads: all of a file as one.
+//! Reads all meshes of a file as one head mesh.
 
 use glam::{DMat4, DVec3, Vec3};
 
@@ -12,7 +12,7 @@ use crate::{
     formats::{faces::fan, raw::RawMesh, source::Source},
 };
 
-/// Reads all meshes of a file at their first sample. Normals are left to whoever needs them.
+/// Reads all meshes of a file at the sample nearest to time 0. Normals are not read; the importer computes them.
 pub(crate) fn read(source: &Source) -> Result<RawMesh> {
     let archive = Archive::open(source)?;
     let tree = Tree::read(&archive)?;
@@ -35,7 +35,7 @@ pub(crate) fn read(source: &Source) -> Result<RawMesh> {
         source.check_vertices(0, mesh.positions.len() as u64)?;
         let have = mesh.positions.len() as u64 - base;
         let (counts, indices) = (counts.integers(&archive, 0.0)?, corners.integers(&archive, 0.0)?);
-        // Faces go round the other way here. Below 2^28 in all.
+        // Alembic's faces are clockwise. `base` is below 2^28.
         let turned = matrix.determinant() >= 0.0;
         fan(&counts, &indices, have as usize, base as u32, turned, &mut mesh.triangles)
             .map_err(|problem| source.problem(corners.at(), problem))?;

@@ -1,17 +1,17 @@
-//! The reader of Alembic.
+//! Alembic reader.
 //!
 //! ```text
 //! ogawa: groups, bytes ─► property: names, types, samples ─► tree: objects, transforms ─┬─► curves, groom ─► strands
-//! time: when samples are                                                                └─► mesh ─► triangles
+//! time: times of samples                                                                └─► mesh ─► triangles
 //! ```
 //!
-//! Objects form a tree; each has properties, and the text beside its name says by which schema they are meant.
-//! Three are read: `AbcGeom_Curve`, `AbcGeom_PolyMesh` and, above them, `AbcGeom_Xform`. What Unreal calls a
-//! groom are curves with further properties, `groom_*` (Epic, *Using Alembic for Grooms in Unreal Engine*, schema
-//! 1.5). Everything is sampled over time: one moment of it is read ([`Moment`](crate::import::Moment)).
+//! Objects form a tree. Each has properties, and its metadata names its schema. The reader supports `AbcGeom_Curve`,
+//! `AbcGeom_PolyMesh` and, above them, `AbcGeom_Xform`. Unreal's grooms are curves with further properties, `groom_*`
+//! (Epic, *Using Alembic for Grooms in Unreal Engine*, schema 1.5). All values are sampled over time; the reader takes
+//! one moment ([`Moment`](crate::import::Moment)).
 //!
-//! The layout is that of the reference implementation (Alembic 1.8, `AbcCoreOgawa`). No crate reads it whole; this
-//! does without a copy of the file, and refuses what is broken with the place where it is.
+//! The layout follows the reference implementation (Alembic 1.8, `AbcCoreOgawa`). No crate reads all of it. This reader
+//! does not copy the file, and its errors state the position of invalid data.
 
 mod curves;
 mod groom;
@@ -37,21 +37,22 @@ use ogawa::{Data, Group, Reader};
 use property::entry;
 use time::Sampling;
 
-/// Properties and vertices that a file may ask for per byte: curves may share their points, but not a few bytes all
-/// memory.
+/// Maximum properties and vertices to read per byte of the file. Curves may share points, but a few bytes must not fill
+/// the memory.
 const READS_PER_BYTE: u64 = 16;
 
 /// An open file.
 pub(super) struct Archive<'s, 'a> {
     source: &'s Source<'a>,
-    /// The object that holds all others.
+    /// Root of the object tree.
     top: Group<'a>,
     samplings: Vec<Sampling>,
-    /// Texts that many objects and properties share.
+    /// Metadata strings that many objects and properties share.
     shared: Vec<&'a str>,
-    /// What the file says of itself.
+    /// Metadata of the file.
     about: &'a str,
-    /// How much more is read of it: parts of a file may be named again and again, but not without end.
+    /// Remaining budget of properties and vertices. Parts of a file may be referenced repeatedly, but not without
+    /// limit.
     left: Cell<u64>,
 }
 
@@ -59,30 +60,28 @@ impl<'s, 'a> Archive<'s, 'a> {
     fn open(source: &'s Source<'a>) -> Result<Self> {
         let root = ogawa::root(source)?;
         let text = |data: Data<'a>, what| Reader::new(source, data, what).text(data.bytes.len() as u64);
-        let version = root.data(source, 0, "the layout's version")?;
+        let version = root.data(source, 0, "the layout version")?;
         if version.bytes.len() != 4 || version.bytes[1..] != [0; 3] || version.bytes[0] > 1 {
-            return Err(source.problem(At::Byte(version.at), "a layout of Alembic that is not known"));
+            return Err(source.problem(At::Byte(version.at), "the Alembic layout version is not supported"));
         }
         let mut shared = vec![""];
-        let mut reader = Reader::new(source, root.data(source, 5, "the shared texts")?, "the shared texts");
+        let mut reader =
+            Reader::new(source, root.data(source, 5, "the shared strings")?, "the shared strings");
         while !reader.done() {
             let length = reader.number(1)?;
             shared.push(reader.text(length)?);
         }
         Ok(Self {
             source,
-            top: root.group(source, 2, "the top object")?,
+            top: root.group(source, 2, "the root object")?,
             samplings: time::read(source, root.data(source, 4, "the time samplings")?)?,
             shared,
             left: Cell::new(READS_PER_BYTE.saturating_mul(source.bytes.len() as u64)),
-            about: text(
-                root.data(source, 3, "what the file says of itself")?,
-                "what the file says of itself",
-            )?,
+            about: text(root.data(source, 3, "the file's metadata")?, "the file's metadata")?,
         })
     }
 
-    /// Takes note that `count` more are read of what lies at `at`.
+    /// Subtracts `count` items, which lie at byte `at`, from the budget.
     fn spend(&self, count: u64, at: u64) -> Result<()> {
         match self.left.get().checked_sub(count) {
             Some(left) => {
@@ -91,21 +90,20 @@ impl<'s, 'a> Archive<'s, 'a> {
             }
             None => Err(self
                 .source
-                .problem(At::Byte(at), "the same is named more often than so small a file can mean")),
+                .problem(At::Byte(at), "the file refers to the same data too often for its size")),
         }
     }
 
-    /// A shared text by its number.
+    /// Returns a shared string by its index.
     fn meta(&self, reader: &Reader, index: usize) -> Result<String> {
         match self.shared.get(index) {
             Some(text) => Ok((*text).to_owned()),
-            None => {
-                reader.problem(format!("shared text {index} does not exist, there are {}", self.shared.len()))
-            }
+            None => reader
+                .problem(format!("shared string {index} does not exist; there are {}", self.shared.len())),
         }
     }
 
-    /// Which program wrote it, where it says so.
+    /// Returns the name of the program that wrote the file, if the file states it.
     fn application(&self) -> Option<&'a str> {
         entry(self.about, "_ai_Application").filter(|name| !name.is_empty())
     }

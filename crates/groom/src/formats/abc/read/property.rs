@@ -1,4 +1,4 @@
-//! Properties: named values of an object, alone, as arrays, or as compounds of others; sampled over time.
+//! Properties of objects: scalars, arrays, or compounds of other properties, sampled over time.
 
 use super::{
     Archive,
@@ -6,7 +6,7 @@ use super::{
 };
 use crate::error::{At, Result};
 
-/// What a value is made of, in the order of the format's numbers.
+/// Element types, in the order of the format's codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Pod {
     Bool,
@@ -43,7 +43,7 @@ impl Pod {
         Self::WideText,
     ];
 
-    /// Bytes of a number, 0 for text.
+    /// Returns the size of a number, bytes; 0 for text.
     fn size(self) -> usize {
         match self {
             Self::Bool | Self::U8 | Self::I8 => 1,
@@ -55,10 +55,10 @@ impl Pod {
     }
 }
 
-/// Scalars that are no compound have a digest of 16 bytes in front of their values.
+/// Size of the digest in front of each sample, bytes.
 const DIGEST: usize = 16;
 
-/// What a property is.
+/// Structure of a property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Shape {
     Compound,
@@ -66,7 +66,7 @@ enum Shape {
     Array,
 }
 
-/// A property's description.
+/// Description of a property.
 #[derive(Clone, Debug)]
 struct Header {
     name: String,
@@ -75,7 +75,8 @@ struct Header {
     pod: Pod,
     extent: usize,
     samples: u32,
-    /// Samples before the first and after the last are not repeated in the file.
+    /// First and last sample that differs from the one before it; (0, 0) for a constant property. Only these samples
+    /// and sample 0 are stored.
     changes: (u32, u32),
     sampling: usize,
 }
@@ -100,8 +101,8 @@ impl<'a> Compound<'a> {
         if group.len() == 0 {
             return Ok(Self::default());
         }
-        let data = group.data(source, group.len() - 1, "a compound's list of properties")?;
-        let mut reader = Reader::new(source, data, "a compound's properties");
+        let data = group.data(source, group.len() - 1, "the list of properties")?;
+        let mut reader = Reader::new(source, data, "the properties");
         let mut headers = Vec::new();
         while !reader.done() {
             archive.spend(1, group.at)?;
@@ -114,7 +115,7 @@ impl<'a> Compound<'a> {
         self.headers.iter().position(|header| header.name == name)
     }
 
-    /// The compound of this name, if there is one.
+    /// Returns the compound `name`, if it exists.
     pub fn compound(&self, archive: &Archive<'_, 'a>, name: &str) -> Result<Option<Self>> {
         let Some(i) = self.find(name).filter(|i| self.headers[*i].shape == Shape::Compound) else {
             return Ok(None);
@@ -122,7 +123,7 @@ impl<'a> Compound<'a> {
         Self::read(archive, self.group.group(archive.source, i, name)?).map(Some)
     }
 
-    /// The values of this name, if there are any.
+    /// Returns the scalar or array `name`, if it exists.
     pub fn property(&self, archive: &Archive<'_, 'a>, name: &str) -> Result<Option<Property<'a>>> {
         let Some(i) = self.find(name).filter(|i| self.headers[*i].shape != Shape::Compound) else {
             return Ok(None);
@@ -137,7 +138,7 @@ impl Header {
         let info = reader.number(4)?;
         let size = match info >> 2 & 3 {
             hint @ 0..3 => 1 << hint,
-            _ => return reader.problem("a property's description whose numbers have no size"),
+            _ => return reader.problem("the header of a property has an invalid size code"),
         };
         let shape = match info & 3 {
             0 => Shape::Compound,
@@ -157,9 +158,9 @@ impl Header {
         if shape != Shape::Compound {
             header.pod = match Pod::ALL.get((info >> 4 & 0xf) as usize) {
                 Some(pod) => *pod,
-                None => return reader.problem("a property of a kind that the format does not have"),
+                None => return reader.problem("a property has an unknown type"),
             };
-            // At most four bytes.
+            // `size` is at most 4 bytes.
             header.samples = reader.number(size)? as u32;
             header.changes = if info & 0x200 != 0 {
                 (reader.number(size)? as u32, reader.number(size)? as u32)
@@ -188,12 +189,12 @@ impl Header {
     }
 }
 
-/// One entry of a text `key=value;key=value`.
+/// Returns the value of `key` in a text `key=value;key=value`.
 pub(super) fn entry<'m>(meta: &'m str, key: &str) -> Option<&'m str> {
     meta.split(';').filter_map(|part| part.split_once('=')).find(|(name, _)| *name == key).map(|(_, v)| v)
 }
 
-/// Values, sampled over time.
+/// A scalar or array property, sampled over time.
 #[derive(Clone, Debug)]
 pub(super) struct Property<'a> {
     header: Header,
@@ -201,32 +202,32 @@ pub(super) struct Property<'a> {
 }
 
 impl<'a> Property<'a> {
-    /// What the file says about it under `key`.
+    /// Returns the value of `key` in the property's metadata.
     pub fn meta(&self, key: &str) -> Option<&str> {
         entry(&self.header.meta, key)
     }
 
-    /// How many samples there are.
+    /// Returns the number of samples.
     pub fn samples(&self) -> u32 {
         self.header.samples
     }
 
-    /// Whether its samples differ.
+    /// Returns whether the samples differ.
     pub fn moves(&self) -> bool {
         self.header.samples > 1 && self.header.changes != (0, 0)
     }
 
-    /// How many numbers make one value.
+    /// Returns the count of numbers per value.
     pub fn extent(&self) -> usize {
         self.header.extent.max(1)
     }
 
-    /// The time of sample `i`, seconds.
+    /// Returns the time of sample `i`, seconds.
     pub fn time(&self, archive: &Archive, i: u32) -> f64 {
         archive.samplings[self.header.sampling].time(i)
     }
 
-    /// The bytes of the sample nearest to `time`; nothing where there are no samples.
+    /// Returns the bytes of the sample nearest to `time`; none if there are no samples.
     fn bytes(&self, archive: &Archive<'_, 'a>, time: f64) -> Result<Data<'a>> {
         let header = &self.header;
         if header.samples == 0 {
@@ -238,30 +239,30 @@ impl<'a> Property<'a> {
             _ if sample < first || (first, last) == (0, 0) => 0,
             _ => (sample.min(last).saturating_sub(first) + 1) as usize,
         };
-        // Arrays have their dimensions beside each sample.
+        // In arrays, each sample is followed by its dimensions.
         let child = if header.shape == Shape::Array { stored.saturating_mul(2) } else { stored };
         let data = self.group.data(archive.source, child, &header.name)?;
         let bytes = data.bytes.get(DIGEST..).unwrap_or_default();
         Ok(Data { bytes, at: data.at + DIGEST as u64 })
     }
 
-    /// How many numbers its first sample has.
+    /// Returns the count of numbers in the sample nearest to time 0.
     pub fn count(&self, archive: &Archive<'_, 'a>) -> Result<u64> {
         Ok((self.bytes(archive, 0.0)?.bytes.len() / self.header.pod.size().max(1)) as u64)
     }
 
-    /// The numbers of the sample nearest to `time`, as `f64`, in one row.
+    /// Returns the numbers of the sample nearest to `time`, flattened, and their byte offset.
     fn numbers(&self, archive: &Archive<'_, 'a>, time: f64) -> Result<(impl Iterator<Item = f64> + 'a, u64)> {
         let data = self.bytes(archive, time)?;
         let (pod, size) = (self.header.pod, self.header.pod.size());
         if size == 0 {
-            let problem = format!("{} is text where numbers are expected", self.header.name);
+            let problem = format!("{} is text, but should be numbers", self.header.name);
             return Err(archive.source.problem(At::Byte(data.at), problem));
         }
         Ok((data.bytes.chunks_exact(size).map(move |bytes| number(pod, bytes)), data.at))
     }
 
-    /// The same as `f32`, which are finite unless the source is lenient.
+    /// Returns [`Self::numbers`] as `f32`, finite unless the source is lenient.
     pub fn floats(&self, archive: &Archive<'_, 'a>, time: f64) -> Result<Vec<f32>> {
         let (numbers, at) = self.numbers(archive, time)?;
         let size = self.header.pod.size() as u64;
@@ -269,7 +270,7 @@ impl<'a> Property<'a> {
         for (i, value) in numbers.enumerate() {
             let value = value as f32;
             if !value.is_finite() && !archive.source.lenient {
-                let problem = format!("{value} in {}, which must be finite", self.header.name);
+                let problem = format!("{} contains {value}, but numbers must be finite", self.header.name);
                 return Err(archive.source.problem(At::Byte(at + i as u64 * size), problem));
             }
             all.push(value);
@@ -277,40 +278,40 @@ impl<'a> Property<'a> {
         Ok(all)
     }
 
-    /// The same as `f64`.
+    /// Returns [`Self::numbers`] as `f64`.
     pub fn doubles(&self, archive: &Archive<'_, 'a>, time: f64) -> Result<Vec<f64>> {
         Ok(self.numbers(archive, time)?.0.collect())
     }
 
-    /// The same as whole numbers.
+    /// Returns [`Self::numbers`] as integers.
     pub fn integers(&self, archive: &Archive<'_, 'a>, time: f64) -> Result<Vec<i64>> {
-        // Numbers of more than 53 bits would round; nothing that is counted here has so many.
+        // `f64` rounds integers of more than 53 bits, but no count or index is that large.
         Ok(self.numbers(archive, time)?.0.map(|value| value as i64).collect())
     }
 
-    /// The texts of the sample nearest to `time`.
+    /// Returns the strings of the sample nearest to `time`.
     pub fn texts(&self, archive: &Archive<'_, 'a>, time: f64) -> Result<Vec<String>> {
         let data = self.bytes(archive, time)?;
         if self.header.pod != Pod::Text {
-            let problem = format!("{} is expected to be text", self.header.name);
+            let problem = format!("{} should be text", self.header.name);
             return Err(archive.source.problem(At::Byte(data.at), problem));
         }
         let text = String::from_utf8_lossy(data.bytes);
         Ok(text.trim_end_matches('\0').split('\0').map(str::to_owned).collect())
     }
 
-    /// Whether it is text.
+    /// Returns whether the property is text.
     pub fn is_text(&self) -> bool {
         self.header.pod == Pod::Text
     }
 
-    /// Where it lies.
+    /// Returns the property's position in the file.
     pub fn at(&self) -> At {
         At::Byte(self.group.at)
     }
 }
 
-/// A number of any kind; `bytes` has its size.
+/// Decodes a number; `bytes` has the size of `pod`.
 fn number(pod: Pod, bytes: &[u8]) -> f64 {
     let mut wide = [0; 8];
     wide[..bytes.len()].copy_from_slice(bytes);
@@ -327,7 +328,7 @@ fn number(pod: Pod, bytes: &[u8]) -> f64 {
     }
 }
 
-/// An IEEE number of 16 bits.
+/// Decodes an IEEE 754 half float.
 fn half(bits: u16) -> f64 {
     let (exponent, fraction) = (i32::from(bits >> 10 & 31), f64::from(bits & 1023) / 1024.0);
     let size = match exponent {
@@ -344,7 +345,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_of_every_kind() {
+    fn every_number_type_is_decoded() {
         assert_eq!(number(Pod::I8, &[0xff]), -1.0);
         assert_eq!(number(Pod::U8, &[0xff]), 255.0);
         assert_eq!(number(Pod::I16, &[0xfe, 0xff]), -2.0);
@@ -358,7 +359,7 @@ mod tests {
     }
 
     #[test]
-    fn entries_of_a_text() {
+    fn entry_returns_value_of_key() {
         assert_eq!(entry("a=1;b=2=3;c", "b"), Some("2=3"));
         assert_eq!(entry("a=1;b=2=3;c", "c"), None);
     }

@@ -1,4 +1,4 @@
-//! When samples are.
+//! Sample times.
 
 use super::{
     Source,
@@ -6,19 +6,19 @@ use super::{
 };
 use crate::error::Result;
 
-/// The times of a property's samples, seconds.
+/// Times of a property's samples, seconds.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sampling {
-    /// After this long the stored times come again; enormous where they are all there are.
+    /// Period after which the stored times repeat, seconds; above [`ACYCLIC`] they do not repeat.
     cycle: f64,
     stored: Vec<f64>,
 }
 
-/// What stands for “the stored times are all there are”: the largest number, give or take.
+/// Threshold above which a cycle means “acyclic”. Files store a fraction of the largest `f64` for it.
 const ACYCLIC: f64 = 1e300;
 
 impl Sampling {
-    /// The time of sample `i`.
+    /// Returns the time of sample `i`, seconds.
     pub fn time(&self, i: u32) -> f64 {
         let n = self.stored.len().max(1);
         let whole = i as usize / n;
@@ -28,9 +28,9 @@ impl Sampling {
         self.stored.get(i as usize % n).copied().unwrap_or(0.0) + self.cycle * whole as f64
     }
 
-    /// Which of `count` samples is nearest to `time`, the earlier of two that are equally near.
+    /// Returns which of `count` samples is nearest to `time`; the earlier one of a tie.
     pub fn nearest(&self, time: f64, count: u32) -> u32 {
-        // Times never fall.
+        // Sample times never decrease.
         let (mut lo, mut hi) = (0, count);
         while lo < hi {
             let middle = lo + (hi - lo) / 2;
@@ -47,7 +47,7 @@ impl Sampling {
     }
 }
 
-/// All samplings of a file, in the order in which properties name them.
+/// Reads all samplings of a file. Properties refer to them by index.
 pub(super) fn read(source: &Source, data: Data) -> Result<Vec<Sampling>> {
     let mut reader = Reader::new(source, data, "the time samplings");
     let mut all = Vec::new();
@@ -58,7 +58,7 @@ pub(super) fn read(source: &Source, data: Data) -> Result<Vec<Sampling>> {
         let bytes = reader.bytes((count as usize).saturating_mul(8))?;
         let stored: Vec<f64> = bytes.as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect();
         if stored.is_empty() || !cycle.is_finite() || stored.iter().any(|time| !time.is_finite()) {
-            return reader.problem("a time sampling without times, or with times that are no numbers");
+            return reader.problem("a time sampling has no times, or times that are not finite");
         }
         all.push(Sampling { cycle, stored });
     }
@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn uniform_cyclic_and_listed_times_are_found_again() {
+    fn nearest_finds_uniform_cyclic_and_listed_times() {
         let uniform = Sampling { cycle: 0.25, stored: vec![1.0] };
         assert_eq!((uniform.time(0), uniform.time(4)), (1.0, 2.0));
         assert_eq!([0.0, 1.1, 1.13, 1.6, 99.0].map(|t| uniform.nearest(t, 5)), [0, 0, 1, 2, 4]);

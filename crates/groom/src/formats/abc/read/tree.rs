@@ -1,4 +1,4 @@
-//! The objects of a file.
+//! The object tree of a file.
 
 use std::collections::HashSet;
 
@@ -12,35 +12,35 @@ use super::{
 };
 use crate::error::{At, Result};
 
-/// Objects inside each other, at most.
+/// Maximum depth of the object tree.
 const DEEPEST: usize = 200;
 
-/// What an object is.
+/// Schema of an object with geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Schema {
     Curves,
     Mesh,
 }
 
-/// An object with a shape.
+/// An object with geometry.
 pub(super) struct Object<'a> {
-    /// Its own name, and its parent's where that is a transform.
+    /// Names of the object and of its parent.
     pub names: [String; 2],
     pub schema: Schema,
-    /// Its properties.
+    /// Properties of the geometry.
     pub shape: Compound<'a>,
-    /// Its index among the transforms.
+    /// Index of the nearest transform above the object.
     parent: Option<usize>,
 }
 
-/// All objects with shapes, and the transforms above them.
+/// All objects with geometry, and the transforms above them.
 #[derive(Default)]
 pub(super) struct Tree<'a> {
     pub objects: Vec<Object<'a>>,
     transforms: Vec<(Compound<'a>, Option<usize>)>,
 }
 
-/// Where in the tree somebody is.
+/// Position of the traversal in the tree.
 #[derive(Clone, Default)]
 struct Place {
     depth: usize,
@@ -56,13 +56,13 @@ impl<'a> Tree<'a> {
         while let Some((group, place)) = rest.pop() {
             let before = rest.len();
             tree.children(archive, group, &place, &mut seen, &mut rest)?;
-            // In the order of the file.
+            // Keep the order of the file.
             rest[before..].reverse();
         }
         Ok(tree)
     }
 
-    /// The objects below one.
+    /// Visits the children of one object.
     fn children(
         &mut self,
         archive: &Archive<'_, 'a>,
@@ -76,12 +76,14 @@ impl<'a> Tree<'a> {
             return Ok(());
         }
         if place.depth > DEEPEST || !seen.insert(group.at) {
-            return Err(source.problem(At::Byte(group.at), "objects that contain each other"));
+            return Err(
+                source.problem(At::Byte(group.at), "objects contain each other or are nested too deeply")
+            );
         }
-        let mut data = group.data(source, group.len() - 1, "an object's list of children")?;
-        // Behind the list are two digests.
+        let mut data = group.data(source, group.len() - 1, "the list of child objects")?;
+        // Two digests of 16 bytes follow the list.
         data.bytes = &data.bytes[..data.bytes.len().saturating_sub(32)];
-        let mut reader = Reader::new(source, data, "an object's children");
+        let mut reader = Reader::new(source, data, "the child objects");
         let mut child = 0;
         while !reader.done() {
             let length = reader.number(4)?;
@@ -102,7 +104,7 @@ impl<'a> Tree<'a> {
         Ok(())
     }
 
-    /// Keeps an object if it is of a known schema.
+    /// Stores an object if its schema is supported.
     fn object(
         &mut self,
         archive: &Archive<'_, 'a>,
@@ -135,24 +137,24 @@ impl<'a> Tree<'a> {
         Ok(())
     }
 
-    /// From each transform's space to the file's, at `time`.
+    /// Returns the matrices from each transform's space to the file's, at `time`.
     pub fn matrices(&self, archive: &Archive<'_, 'a>, time: f64) -> Result<Vec<DMat4>> {
         let mut all: Vec<DMat4> = Vec::with_capacity(self.transforms.len());
         for (transform, parent) in &self.transforms {
             let (own, inherits) = xform::matrix(archive, transform, time)?;
-            // Parents come before their children.
+            // Parents precede their children.
             let above = parent.filter(|_| inherits).map_or(DMat4::IDENTITY, |parent| all[parent]);
             all.push(above * own);
         }
         Ok(all)
     }
 
-    /// The transform right above an object.
+    /// Returns the nearest transform above an object.
     pub fn above(&self, object: &Object) -> Option<&Compound<'a>> {
         object.parent.map(|parent| &self.transforms[parent].0)
     }
 
-    /// The matrix of an object among those.
+    /// Returns an object's matrix, of those that [`Self::matrices`] returned.
     pub fn of(object: &Object, matrices: &[DMat4]) -> DMat4 {
         object.parent.map_or(DMat4::IDENTITY, |parent| matrices[parent])
     }

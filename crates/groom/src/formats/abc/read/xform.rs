@@ -5,7 +5,7 @@ use glam::{DMat4, DQuat, DVec3};
 use super::{Archive, property::Compound};
 use crate::error::Result;
 
-/// The matrix of a transform at `time`, and whether its parent's applies too.
+/// Returns the matrix of a transform at `time`, and whether the parent's matrix applies too.
 pub(super) fn matrix<'a>(
     archive: &Archive<'_, 'a>,
     xform: &Compound<'a>,
@@ -20,7 +20,7 @@ pub(super) fn matrix<'a>(
     let mut values = values.into_iter();
     let mut matrix = DMat4::IDENTITY;
     for operation in operations {
-        // The upper four bits say what it is, the lower what for.
+        // The upper four bits are the operation, the lower four a hint at its purpose.
         let kind = operation as u8 >> 4;
         let mut take = |default: f64| values.next().unwrap_or(default);
         let mut three = |default: f64| DVec3::new(take(default), take(default), take(default));
@@ -33,7 +33,7 @@ pub(super) fn matrix<'a>(
                 axis.try_normalize()
                     .map_or(DMat4::IDENTITY, |axis| DMat4::from_quat(DQuat::from_axis_angle(axis, angle)))
             }
-            // Rows of a matrix that multiplies from the right are columns of one that multiplies from the left.
+            // The file's matrices multiply row vectors: their rows are the columns of `DMat4`.
             3 => DMat4::from_cols_array(&std::array::from_fn(|i| take(if i % 5 == 0 { 1.0 } else { 0.0 }))),
             4 => DMat4::from_rotation_x(take(0.0).to_radians()),
             5 => DMat4::from_rotation_y(take(0.0).to_radians()),

@@ -1,10 +1,10 @@
-//! The digest in front of every sample, by which readers know samples that are alike: MurmurHash3 of 128 bits
-//! (Austin Appleby, public domain), seeded with the size of a number.
+//! Digest in front of every sample, by which readers recognize equal samples: 128-bit MurmurHash3 (Austin Appleby,
+//! public domain), seeded with the size of a number.
 
 const C1: u64 = 0x87c3_7b91_1142_53d5;
 const C2: u64 = 0x4cf5_ad43_2745_937f;
 
-/// The digest of `bytes`, whose numbers have `size` bytes each.
+/// Returns the digest of `bytes`, whose numbers have `size` bytes each.
 pub(super) fn digest(bytes: &[u8], size: u32) -> [u8; 16] {
     let (mut a, mut b) = (u64::from(size), u64::from(size));
     let first = |k: u64| k.wrapping_mul(C1).rotate_left(31).wrapping_mul(C2);
@@ -22,7 +22,7 @@ pub(super) fn digest(bytes: &[u8], size: u32) -> [u8; 16] {
     let mut last = [0; 16];
     last[..tail.len()].copy_from_slice(tail);
     let (low, high) = halves(&last);
-    // What is missing of the last block is 0, and the product of 0 changes nothing.
+    // The last block is padded with zeros, whose products are 0 and leave the state unchanged.
     b ^= second(high);
     a ^= first(low);
     let length = bytes.len() as u64;
@@ -46,13 +46,13 @@ mod tests {
     use super::digest;
 
     #[test]
-    fn known_digests() {
-        // Published values of the 128-bit variant for 64-bit machines with seed 0.
+    fn digests_match_published_values() {
+        // Published values of the 128-bit variant for x64, seed 0.
         let hex = |text: &str| {
             digest(text.as_bytes(), 0).iter().rev().map(|b| format!("{b:02x}")).collect::<String>()
         };
         assert_eq!(hex(""), "0".repeat(32));
-        // h1 is the lower half.
+        // `h1` is the lower half.
         assert_eq!(hex("The quick brown fox jumps over the lazy dog"), "7a433ca9c49a9347e34bbc7bbc071b6c");
         assert_ne!(digest(b"a", 1), digest(b"a", 4));
         assert_ne!(digest(b"abcdefghijklmnopq", 1), digest(b"abcdefghijklmnopr", 1));

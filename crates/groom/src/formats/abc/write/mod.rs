@@ -1,11 +1,11 @@
-//! Alembic: strands as linear curves, with Unreal's `groom_*` beside them (schema 1.5), still or as a cache.
+//! Alembic writer: strands as linear curves with Unreal's `groom_*` properties (schema 1.5), static or as a cache.
 //!
 //! ```text
 //! ABC ─ /groom (transform) ─ /groom/strands (curves): P, nVertices, width, .arbGeomParams: groom_…
 //! ```
 //!
-//! What never changes is written once; positions once per frame, as they come, so that a cache of any length needs
-//! no memory. The layout is described at the reader.
+//! Constant data is written once, positions once per frame as the caller passes them. A cache of any length needs little
+//! more memory than one frame. The layout is described at the reader.
 
 mod digest;
 mod ogawa;
@@ -21,54 +21,54 @@ use crate::{
     Error, Strands, error,
     formats::{
         raw::{CENTIMETRES, MARK},
-        writer::{self, CacheOptions, Encoded, Output},
+        writer::{self, CacheOptions, EncodedFile, Output},
     },
     orient::Unit,
 };
 use ogawa::{Ogawa, Place};
-use property::{BOOL, Compound, F32, F64, I16, I32, Sampled, TEXT, U8};
+use property::{BOOL, Compound, F32, F64, I16, I32, SampledProperty, TEXT, U8};
 
-/// The version of the library whose layout this is.
+/// Alembic version of the layout, 1.8.0.
 const LIBRARY: i32 = 10_800;
 const CURVES: &str = "schema=AbcGeom_Curve_v2;schemaBaseType=AbcGeom_GeomBase_v1";
 
-/// How a file is written.
+/// Options of a file.
 #[derive(Clone, Copy, PartialEq)]
 struct Options {
-    /// The unit of the file: what strands have in metres is divided by this.
+    /// Unit of the file: lengths in meters are divided by it.
     unit: Unit,
-    /// Whether the strands are in metres, Y up, face +Z.
+    /// Whether the strands are in meters, Y up, face +Z.
     oriented: bool,
-    /// The time of the first frame, seconds.
+    /// Time of the first frame, seconds.
     start: f64,
-    /// Frames per second, where there are several.
+    /// Frames per second, if there are several frames.
     rate: f64,
 }
 
-/// A cache in the making: strands whose positions change from frame to frame.
+/// A cache being written: strands whose positions change from frame to frame.
 struct Cache<W> {
     out: Ogawa<W>,
     options: Options,
     strands: Strands,
-    points: Sampled,
-    bounds: Sampled,
+    points: SampledProperty,
+    bounds: SampledProperty,
     frames: u32,
 }
 
 impl<W: Write + Seek> Cache<W> {
-    /// Begins a file of `strands`, whose positions are those of no frame yet.
+    /// Begins a file of `strands`, without their positions: [`frame`](writer::Cache::frame) adds positions per frame.
     fn new(out: W, strands: &Strands, options: Options) -> Result<Self> {
         Ok(Self {
             out: Ogawa::new(out)?,
             options,
             strands: strands.clone(),
-            points: Sampled::array("P", "geoScope=vtx;interpretation=point", F32, 3),
-            bounds: Sampled::scalar(".selfBnds", "interpretation=box", F64, 6),
+            points: SampledProperty::array("P", "geoScope=vtx;interpretation=point", F32, 3),
+            bounds: SampledProperty::scalar(".selfBnds", "interpretation=box", F64, 6),
             frames: 0,
         })
     }
 
-    /// Ends the file; its output.
+    /// Ends the file and returns its output.
     fn end(self) -> Result<W> {
         let Self { mut out, options, strands, points, bounds, frames } = self;
         let out_ = &mut out;
@@ -80,7 +80,7 @@ impl<W: Write + Seek> Cache<W> {
         top.inside(out_, ".geom", CURVES, shape)?;
         let curves = object(out_, top, &[])?;
         let mut still = Compound::default();
-        still.constant(out_, Sampled::scalar(".inherits", "", BOOL, 1), &[1])?;
+        still.constant(out_, SampledProperty::scalar(".inherits", "", BOOL, 1), &[1])?;
         let mut top = Compound::default();
         top.inside(out_, ".xform", "schema=AbcGeom_Xform_v3", still)?;
         let title = format!("{CURVES};schemaObjTitle=AbcGeom_Curve_v2:.geom");
@@ -104,8 +104,11 @@ impl<W: Write + Seek> Cache<W> {
 impl<W: Write + Seek> writer::Cache for Cache<W> {
     fn frame(&mut self, positions: &[Vec3]) -> Result<()> {
         if positions.len() != self.strands.positions.len() {
-            let problem =
-                format!("{} positions for {} vertices", positions.len(), self.strands.positions.len());
+            let problem = format!(
+                "the frame has {} positions for {} vertices",
+                positions.len(),
+                self.strands.positions.len()
+            );
             return Err(std::io::Error::new(std::io::ErrorKind::InvalidInput, problem));
         }
         let scaled = |p: &Vec3| if self.options.unit.0 == 1.0 { *p } else { *p / self.options.unit.0 };
@@ -146,7 +149,7 @@ fn description(options: Options) -> &'static str {
     }
 }
 
-/// The times: none, and one per frame.
+/// Encodes the time samplings: a default for constant properties and, for several frames, one with a time per frame.
 fn samplings(options: Options, frames: u32) -> Vec<u8> {
     let mut all = Vec::new();
     let each = [(1, 1.0, 0.0), (frames, 1.0 / options.rate, options.start)];
@@ -159,7 +162,8 @@ fn samplings(options: Options, frames: u32) -> Vec<u8> {
     all
 }
 
-/// An object: its properties, its children, their names with two digests behind them, which nobody compares.
+/// Writes an object: its properties, its children, and the list of their names. Two digests follow the list; readers do
+/// not compare them.
 fn object<W: Write + Seek>(
     out: &mut Ogawa<W>,
     top: Compound,
@@ -170,7 +174,7 @@ fn object<W: Write + Seek>(
     for (name, meta, place) in children {
         list.extend((name.len() as u32).to_le_bytes());
         list.extend(name.bytes());
-        // The texts are few and short.
+        // Sharing cannot fail: the texts are few and short.
         list.push(out.share(meta).unwrap_or(0));
         all.push(*place);
     }
@@ -180,13 +184,13 @@ fn object<W: Write + Seek>(
     out.group(&all)
 }
 
-/// Curves, and what Unreal wants to know of them.
+/// Writes curves with Unreal's groom properties.
 fn shape<W: Write + Seek>(
     out: &mut Ogawa<W>,
     strands: &Strands,
     options: Options,
-    points: Sampled,
-    bounds: Sampled,
+    points: SampledProperty,
+    bounds: SampledProperty,
     sampling: u32,
 ) -> Result<Compound> {
     let floats =
@@ -198,15 +202,15 @@ fn shape<W: Write + Seek>(
     shape.close(out, bounds, sampling)?;
     shape.close(out, points, sampling)?;
     let counts = integers(&mut strands.iter().map(|strand| strand.len() as i32));
-    shape.constant(out, Sampled::array("nVertices", "", I32, 1), &counts)?;
-    // Linear, open, without a basis.
-    shape.constant(out, Sampled::scalar("curveBasisAndType", "", U8, 4), &[1, 0, 0, 0])?;
+    shape.constant(out, SampledProperty::array("nVertices", "", I32, 1), &counts)?;
+    // Linear, open, no basis.
+    shape.constant(out, SampledProperty::scalar("curveBasisAndType", "", U8, 4), &[1, 0, 0, 0])?;
     if !widths.is_empty() {
-        shape.constant(out, Sampled::param("width", F32, 1, "vtx", ""), &widths)?;
+        shape.constant(out, SampledProperty::param("width", F32, 1, "vtx", ""), &widths)?;
     }
     let mut groom = Compound::default();
     let mut put = |name, pod, extent, scope: &str, meaning: &str, bytes: &[u8]| {
-        groom.constant(out, Sampled::param(name, pod, extent, scope, meaning), bytes)
+        groom.constant(out, SampledProperty::param(name, pod, extent, scope, meaning), bytes)
     };
     put("groom_version_major", I16, 1, "con", "", &1i16.to_le_bytes())?;
     put("groom_version_minor", I16, 1, "con", "", &5i16.to_le_bytes())?;
@@ -239,8 +243,8 @@ fn shape<W: Write + Seek>(
     Ok(shape)
 }
 
-/// Encodes a still groom.
-pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> error::Result<Encoded> {
+/// Encodes a static groom.
+pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> error::Result<EncodedFile> {
     let options =
         Options { unit: unit.unwrap_or(Unit(1.0)), oriented: unit.is_some(), start: 0.0, rate: 24.0 };
     let written = || -> Result<Vec<u8>> {
@@ -248,6 +252,6 @@ pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> error::Result<Enc
         writer::Cache::frame(&mut cache, &strands.positions)?;
         Ok(cache.end()?.into_inner())
     };
-    // Memory does not fail to be written to.
-    written().map(Encoded::from).map_err(|error| Error::Unusable(error.to_string()))
+    // Writing to memory cannot fail.
+    written().map(EncodedFile::from).map_err(|error| Error::Unusable(error.to_string()))
 }

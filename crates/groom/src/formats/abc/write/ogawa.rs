@@ -1,30 +1,30 @@
-//! The container, written as it comes: leaves first, each group behind its children, the root's place last.
+//! Writes the Ogawa container in order: leaves first, each group after its children, the root's offset last.
 
 use std::collections::HashMap;
 use std::io::{Result, Seek, SeekFrom, Write};
 
 use super::digest::digest;
 
-/// The top bit of a place: data, not a group.
+/// Top bit of an offset: marks data.
 const DATA: u64 = 1 << 63;
 
-/// A file in the making.
+/// A file being written.
 pub(super) struct Ogawa<W> {
     out: W,
-    /// Where the next byte goes.
+    /// Offset of the next byte.
     next: u64,
-    /// Samples that are there already, by digest and length.
+    /// Offsets of the samples written so far, by digest and length.
     known: HashMap<([u8; 16], usize), u64>,
-    /// Texts that many objects and properties share.
+    /// Strings that many objects and properties share.
     shared: Vec<String>,
 }
 
-/// Where something lies, as its parent names it.
+/// Offset of a group or of data, as its parent stores it.
 pub(super) type Place = u64;
 
 impl<W: Write + Seek> Ogawa<W> {
     pub fn new(mut out: W) -> Result<Self> {
-        // Neither finished nor rooted, until it is.
+        // The flag for a complete file and the root's offset stay 0 until `finish`.
         out.write_all(b"Ogawa\0\0\x01\0\0\0\0\0\0\0\0")?;
         Ok(Self { out, next: 16, known: HashMap::new(), shared: Vec::new() })
     }
@@ -35,7 +35,7 @@ impl<W: Write + Seek> Ogawa<W> {
         Ok(())
     }
 
-    /// A leaf.
+    /// Writes a leaf.
     pub fn data(&mut self, bytes: &[u8]) -> Result<Place> {
         if bytes.is_empty() {
             return Ok(DATA);
@@ -46,8 +46,8 @@ impl<W: Write + Seek> Ogawa<W> {
         Ok(place)
     }
 
-    /// A leaf with the digest of its numbers, which have `size` bytes each; one that is there already is used
-    /// again.
+    /// Writes a leaf with the digest of its numbers, which have `size` bytes each. Reuses an equal leaf that is already
+    /// written.
     pub fn sample(&mut self, bytes: &[u8], size: u32) -> Result<Place> {
         let digest = digest(bytes, size);
         if let Some(place) = self.known.get(&(digest, bytes.len())) {
@@ -73,7 +73,7 @@ impl<W: Write + Seek> Ogawa<W> {
         Ok(place)
     }
 
-    /// The number of a shared text; `None` where it must stand where it is used.
+    /// Returns the index of a shared string; `None` if the string must be stored where it is used.
     pub fn share(&mut self, text: &str) -> Option<u8> {
         if text.is_empty() {
             return Some(0);
@@ -90,7 +90,7 @@ impl<W: Write + Seek> Ogawa<W> {
         u8::try_from(index + 1).ok()
     }
 
-    /// All shared texts, each behind its length.
+    /// Encodes all shared strings, each after its length.
     pub fn shared(&self) -> Vec<u8> {
         self.shared.iter().flat_map(|text| std::iter::once(text.len() as u8).chain(text.bytes())).collect()
     }

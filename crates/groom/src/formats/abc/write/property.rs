@@ -1,10 +1,10 @@
-//! Properties as bytes: samples in a group, a description in the list of the compound.
+//! Writes properties: samples in a group, descriptions in the list of the compound.
 
 use std::io::{Result, Seek, Write};
 
 use super::ogawa::{Ogawa, Place};
 
-/// What a value is made of: its number in the format, its bytes, its name.
+/// Element type: code in the format, size in bytes, name.
 #[derive(Clone, Copy)]
 pub(super) struct Pod {
     code: u32,
@@ -20,15 +20,15 @@ pub(super) const F32: Pod = Pod { code: 10, size: 4, name: "float32_t" };
 pub(super) const F64: Pod = Pod { code: 11, size: 8, name: "float64_t" };
 pub(super) const TEXT: Pod = Pod { code: 12, size: 1, name: "string" };
 
-/// A compound in the making.
+/// A compound being written.
 #[derive(Default)]
 pub(super) struct Compound {
     children: Vec<Place>,
     list: Vec<u8>,
 }
 
-/// A property whose samples come one by one.
-pub(super) struct Sampled {
+/// A property being written, sample by sample.
+pub(super) struct SampledProperty {
     name: &'static str,
     meta: String,
     pod: Pod,
@@ -37,18 +37,18 @@ pub(super) struct Sampled {
     places: Vec<Place>,
 }
 
-impl Sampled {
-    /// Alone, `extent` numbers.
+impl SampledProperty {
+    /// Returns a scalar property of `extent` numbers.
     pub fn scalar(name: &'static str, meta: &str, pod: Pod, extent: u32) -> Self {
         Self { name, meta: meta.to_owned(), pod, extent, array: false, places: Vec::new() }
     }
 
-    /// Many, `extent` numbers each.
+    /// Returns an array property of `extent` numbers per element.
     pub fn array(name: &'static str, meta: &str, pod: Pod, extent: u32) -> Self {
         Self { array: true, ..Self::scalar(name, meta, pod, extent) }
     }
 
-    /// Values beside the shape, of one scope: `con`, `uni` or `vtx`.
+    /// Returns a parameter beside the geometry, of scope `con`, `uni` or `vtx`.
     pub fn param(name: &'static str, pod: Pod, extent: u32, scope: &str, interpretation: &str) -> Self {
         let interpretation = match interpretation {
             "" => String::new(),
@@ -61,7 +61,7 @@ impl Sampled {
         Self::array(name, &meta, pod, extent)
     }
 
-    /// One more sample. Text has its number of texts beside it.
+    /// Adds a sample. For text, the dimensions store the number of strings.
     pub fn push<W: Write + Seek>(&mut self, out: &mut Ogawa<W>, bytes: &[u8]) -> Result<()> {
         let place = out.sample(bytes, self.pod.size)?;
         self.places.push(place);
@@ -76,14 +76,14 @@ impl Sampled {
 }
 
 impl Compound {
-    /// Ends a property; `sampling` is that of several samples.
+    /// Ends a property. `sampling` is the time sampling to use if there are several samples.
     pub fn close<W: Write + Seek>(
         &mut self,
         out: &mut Ogawa<W>,
-        property: Sampled,
+        property: SampledProperty,
         sampling: u32,
     ) -> Result<()> {
-        let Sampled { name, meta, pod, extent, array, mut places } = property;
+        let SampledProperty { name, meta, pod, extent, array, mut places } = property;
         let each = if array { 2 } else { 1 };
         let count = (places.len() / each) as u32;
         let constant = places.chunks_exact(each).all(|sample| sample[0] == places[0]);
@@ -102,18 +102,18 @@ impl Compound {
         Ok(())
     }
 
-    /// One sample that holds at all times.
+    /// Adds a property with one sample for all times.
     pub fn constant<W: Write + Seek>(
         &mut self,
         out: &mut Ogawa<W>,
-        mut property: Sampled,
+        mut property: SampledProperty,
         bytes: &[u8],
     ) -> Result<()> {
         property.push(out, bytes)?;
         self.close(out, property, 0)
     }
 
-    /// A compound inside.
+    /// Adds a nested compound.
     pub fn inside<W: Write + Seek>(
         &mut self,
         out: &mut Ogawa<W>,
@@ -156,7 +156,7 @@ impl Compound {
         }
     }
 
-    /// Writes the group.
+    /// Writes the compound's group and returns its offset.
     pub fn finish<W: Write + Seek>(self, out: &mut Ogawa<W>) -> Result<Place> {
         if self.children.is_empty() {
             return Ok(0);

@@ -31,20 +31,20 @@ fn groom() -> Strands {
 }
 
 #[test]
-fn what_is_written_is_read_back() {
+fn groom_survives_round_trip() {
     let strands = groom();
     let bytes = encode(&strands, Some(Unit(1.0))).unwrap().bytes;
     let back = parse_at(Path::new("a.abc"), &bytes, false, Moment::First).unwrap();
     assert_eq!(back.strands, strands);
     assert_eq!(back.declared, Choice::METRES);
-    // Another groom is another file.
+    // A different groom gives a different file.
     let mut other = strands;
     other.positions[3].x += 1e-3;
     assert_ne!(encode(&other, Some(Unit(1.0))).unwrap().bytes, bytes);
 }
 
 #[test]
-fn a_cache_has_its_frames() {
+fn cache_frames_survive_round_trip() {
     let strands = groom();
     let options = Options { unit: Unit(0.01), oriented: true, rate: 30.0, start: 1.0 };
     let moved = |frame: u32| -> Vec<Vec3> {
@@ -76,5 +76,5 @@ fn a_cache_has_its_frames() {
         );
     }
     let error = read(Moment::Frame(4)).err().unwrap().to_string();
-    assert!(error.contains("frame 4 is asked for, but there are 4"), "{error}");
+    assert!(error.contains("frame 4 does not exist; the file has 4 frames"), "{error}");
 }

@@ -1,4 +1,4 @@
-//! Numbers of a file, each read only where it lies inside its buffer.
+//! Reads accessors, each only inside the bounds of its buffer.
 
 use glam::Vec3;
 use gltf::{
@@ -10,7 +10,7 @@ use super::file::File;
 use crate::error::Result;
 
 impl File<'_> {
-    /// That an accessor's items are of the kind the reader expects and inside their buffer.
+    /// Checks that an accessor's items have the expected type and lie inside their buffer.
     pub fn check(&self, accessor: &Accessor, kind: DataType, components: usize) -> Result<()> {
         let index_kind = matches!(kind, DataType::U8 | DataType::U16 | DataType::U32);
         if accessor.data_type() != kind
@@ -23,7 +23,8 @@ impl File<'_> {
         self.data(accessor).map(|_| ())
     }
 
-    /// Numbers, `components` per item, one item after another: floats, or integers that stand for shares.
+    /// Returns an accessor's numbers, flattened, `components` per item: floats or normalized integers. Numbers that are
+    /// not finite are an error.
     pub fn numbers(&self, accessor: &Accessor, components: usize) -> Result<Vec<f32>> {
         let out = self.numbers_as_they_are(accessor, components)?;
         match out.iter().any(|v| !v.is_finite()) {
@@ -34,7 +35,7 @@ impl File<'_> {
         }
     }
 
-    /// The same, finite or not.
+    /// [`Self::numbers`] without the check for finite numbers.
     pub fn numbers_as_they_are(&self, accessor: &Accessor, components: usize) -> Result<Vec<f32>> {
         let kind = accessor.data_type();
         let integers = accessor.normalized() && kind != DataType::U32;
@@ -47,7 +48,7 @@ impl File<'_> {
         Ok(items.map(|b| number(b, kind, true)).collect())
     }
 
-    /// Integers without a sign, `components` per item.
+    /// Returns unsigned integers, flattened, `components` per item.
     pub fn integers(&self, accessor: &Accessor, components: usize) -> Result<Vec<u32>> {
         let kind = accessor.data_type();
         let fits = matches!(kind, DataType::U8 | DataType::U16 | DataType::U32);
@@ -61,7 +62,8 @@ impl File<'_> {
         Ok(items.map(one).collect())
     }
 
-    /// Vectors: floats, or integers as `KHR_mesh_quantization` allows them, shares or as they are. No check of floats.
+    /// Returns vectors of floats, or of integers as `KHR_mesh_quantization` allows them, normalized or not. Floats may
+    /// not be finite.
     pub fn vectors<const N: usize>(&self, accessor: &Accessor) -> Result<Vec<[f32; N]>> {
         let kind = accessor.data_type();
         if accessor.dimensions().multiplicity() != N || kind == DataType::U32 {
@@ -74,12 +76,12 @@ impl File<'_> {
         Ok(bytes.chunks(stride).map(|item| vector(item, kind, shares)).collect())
     }
 
-    /// [`Self::vectors`] that are places or directions.
+    /// [`Self::vectors`] for positions and normals.
     pub fn places(&self, accessor: &Accessor) -> Result<Vec<Vec3>> {
         Ok(self.vectors(accessor)?.into_iter().map(Vec3::from_array).collect())
     }
 
-    /// Four joints per vertex.
+    /// Returns the four joints of each vertex.
     pub fn joints(&self, accessor: &Accessor) -> Result<Vec<[u16; 4]>> {
         let kind = accessor.data_type();
         if !matches!(kind, DataType::U8 | DataType::U16) || accessor.dimensions().multiplicity() != 4 {
@@ -94,8 +96,8 @@ impl File<'_> {
         Ok(bytes.chunks(stride).map(four).collect())
     }
 
-    /// What a shape adds to `count` vertices: those that it moves, ascending. Floats, or integers as
-    /// `KHR_mesh_quantization` allows them.
+    /// Returns the nonzero deltas of a morph target for `count` vertices, in ascending order. The accessor has floats,
+    /// or integers as `KHR_mesh_quantization` allows them.
     pub fn deltas(&self, accessor: &Accessor, count: usize) -> Result<Vec<(u32, Vec3)>> {
         let index = accessor.index();
         let kind = accessor.data_type();
@@ -105,9 +107,9 @@ impl File<'_> {
         let vector = |item: &[u8]| Vec3::from_array(vector(item, kind, accessor.normalized()));
         if accessor.count() != count {
             let have = accessor.count();
-            return Err(
-                self.problem(format!("accessor {index} moves {have} vertices, but there are {count}"))
-            );
+            return Err(self.problem(format!(
+                "accessor {index} of a morph target has {have} vertices, but the mesh has {count}"
+            )));
         }
         let mut given: Vec<(u32, Vec3)> = match accessor.view() {
             Some(_) => {
@@ -127,7 +129,7 @@ impl File<'_> {
         Ok(given)
     }
 
-    /// Puts the vectors that a sparse accessor names into those that it has otherwise, or between them.
+    /// Writes a sparse accessor's values over the dense ones in `given`, or adds them if there are none.
     fn overlay(
         &self,
         accessor: &Accessor,
@@ -155,7 +157,7 @@ impl File<'_> {
             };
             if u64::from(vertex) < least || vertex as usize >= count {
                 let problem = format!(
-                    "accessor {index} has the sparse index {vertex}, which is too large or does not rise"
+                    "accessor {index} has the sparse index {vertex}, which is too large or not ascending"
                 );
                 return Err(self.problem(problem));
             }
@@ -168,8 +170,8 @@ impl File<'_> {
         Ok(())
     }
 
-    /// The bytes of an accessor's items, and how far one is from the next. The last one may be shorter
-    /// than that.
+    /// Returns the bytes of an accessor's items and their stride. The last item may be shorter than the stride. Sparse
+    /// accessors are an error.
     fn data(&self, accessor: &Accessor) -> Result<(&[u8], usize)> {
         if accessor.sparse().is_some() {
             let problem = format!("accessor {} is sparse, which is not supported here", accessor.index());
@@ -178,7 +180,7 @@ impl File<'_> {
         self.items(accessor)
     }
 
-    /// [`Self::data`], leaving out what is sparse.
+    /// [`Self::data`] without the sparse values.
     fn items(&self, accessor: &Accessor) -> Result<(&[u8], usize)> {
         let (index, count) = (accessor.index(), accessor.count());
         let Some(view) = accessor.view() else {
@@ -194,7 +196,7 @@ impl File<'_> {
             })
     }
 
-    /// `count` items of `size` bytes, `stride` apart, from byte `offset` of a view.
+    /// Returns `count` items of `size` bytes, `stride` apart, from byte `offset` of a view; `None` if they do not fit.
     fn window(
         &self,
         view: &gltf::buffer::View,
@@ -213,11 +215,11 @@ impl File<'_> {
     }
 
     pub fn wrong_kind(&self, accessor: &Accessor) -> crate::Error {
-        self.problem(format!("accessor {} holds the wrong kind of numbers", accessor.index()))
+        self.problem(format!("accessor {} has the wrong data type", accessor.index()))
     }
 }
 
-/// A float, or an integer of up to 16 bits: a share, or as it is.
+/// Decodes a float, or an integer of up to 16 bits, which `shares` normalizes.
 fn number(b: &[u8], kind: DataType, shares: bool) -> f32 {
     let (value, most) = match kind {
         DataType::F32 => return f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
@@ -229,7 +231,7 @@ fn number(b: &[u8], kind: DataType, shares: bool) -> f32 {
     if shares { (value / most).max(-1.0) } else { value }
 }
 
-/// Some of them, one after the other.
+/// Decodes a vector.
 fn vector<const N: usize>(item: &[u8], kind: DataType, shares: bool) -> [f32; N] {
     std::array::from_fn(|i| number(&item[i * kind.size()..], kind, shares))
 }

@@ -1,18 +1,18 @@
-//! Animations: keys of nodes' properties.
+//! Animations: keys of node properties.
 
 use glam::Quat;
 use gltf::json::{self, validation::Checked};
 
-use super::{Placed, file::File, morph::Shapes};
+use super::{PlacedNode, file::File, morph::Shapes};
 use crate::{
     error::Result,
     rig::{Animation, Channel, Curve, Interpolation, Property},
 };
 
-/// Reads the animations that move something of the scene.
+/// Reads the animations that affect the scene.
 pub(super) fn read(
     file: &File,
-    placed: &[Placed],
+    placed: &[PlacedNode],
     places: &[Option<u32>],
     shapes: &Shapes,
 ) -> Result<Vec<Animation>> {
@@ -20,7 +20,7 @@ pub(super) fn read(
     for (i, animation) in file.document.as_json().animations.iter().enumerate() {
         let mut read = Animation { name: animation.name.clone().unwrap_or_default(), ..Default::default() };
         for channel in &animation.channels {
-            // Nodes elsewhere move nothing here, and what extensions animate is not theirs to move.
+            // Nodes outside the scene have no effect; paths that only extensions define are not supported.
             let place = places.get(channel.target.node.value()).copied().flatten();
             let (Some(node), Checked::Valid(path)) = (place, channel.target.path) else { continue };
             let Some(sampler) = animation.samplers.get(channel.sampler.value()) else { continue };
@@ -40,7 +40,7 @@ fn property(
     file: &File,
     path: json::animation::Property,
     animation: usize,
-    placed: &Placed,
+    placed: &PlacedNode,
     shapes: &Shapes,
 ) -> Result<Property> {
     use json::animation::Property as Named;
@@ -52,7 +52,8 @@ fn property(
             let targets = placed.node.mesh().map_or(&[][..], |mesh| shapes.of(mesh.index()));
             if targets.is_empty() {
                 let node = placed.node.index();
-                let problem = format!("animation {animation} blends shapes of node {node}, which has none");
+                let problem =
+                    format!("animation {animation} sets blend shapes of node {node}, which has none");
                 return Err(file.problem(problem));
             }
             file.spend(targets.len(), size_of::<u32>())?;
@@ -72,14 +73,16 @@ fn curve(
         Checked::Valid(json::animation::Interpolation::CubicSpline) => Interpolation::CubicSpline,
         _ => Interpolation::Linear,
     };
-    // The crate has checked that both exist.
+    // The `gltf` crate has validated both indices.
     let accessor = |index: json::Index<json::Accessor>| file.document.accessors().nth(index.value());
     let (Some(input), Some(output)) = (accessor(sampler.input), accessor(sampler.output)) else {
         return Err(file.problem(format!("animation {animation} has no keys")));
     };
     let times = file.numbers(&input, 1)?;
     if times.first().is_some_and(|t| *t < 0.0) || times.windows(2).any(|t| t[0] >= t[1]) {
-        return Err(file.problem(format!("the key times of animation {animation} do not rise from 0 on")));
+        return Err(
+            file.problem(format!("the key times of animation {animation} are negative or not ascending"))
+        );
     }
     let (components, items) = match property {
         Property::Translation | Property::Scale => (3, 1),
@@ -95,12 +98,12 @@ fn curve(
         return Err(file.problem(problem));
     }
     if *property == Property::Rotation {
-        // Of a spline's three quaternions per key only the second is a rotation.
+        // A spline key has three quaternions: in-tangent, rotation and out-tangent.
         let keys = values.as_chunks_mut::<4>().0.iter_mut().skip(parts / 2).step_by(parts);
         for key in keys {
             let unit = Quat::from_array(*key).normalize();
             if !unit.is_finite() {
-                return Err(file.problem(format!("animation {animation} has a rotation without direction")));
+                return Err(file.problem(format!("animation {animation} has a rotation of length zero")));
             }
             *key = unit.to_array();
         }

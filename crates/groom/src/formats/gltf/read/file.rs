@@ -1,4 +1,4 @@
-//! A glTF file with its buffers, checked as a whole.
+//! A glTF file with its buffers, validated.
 
 use std::{borrow::Cow, cell::Cell};
 
@@ -15,28 +15,28 @@ use crate::{
     },
 };
 
-/// What a file may unfold to beyond a multiple of its size, bytes.
+/// Bytes that any file may expand to, in addition to a multiple of its size.
 const FREE: u64 = 64 << 20;
-/// What a file may unfold to, times its size: meshes may stand in a scene more than once.
+/// Bytes that a file may expand to per byte of its size: a scene may contain a mesh more than once.
 const UNFOLDS: u64 = 64;
 
-/// A file whose indices all exist and whose buffers are whole.
+/// A file with valid indices and complete buffers.
 pub(super) struct File<'a> {
     source: &'a Source<'a>,
     pub document: gltf::Document,
     pub buffers: Vec<Cow<'a, [u8]>>,
-    /// What was made of it so far, bytes.
+    /// Bytes that the file has expanded to so far.
     spent: Cell<u64>,
 }
 
 impl<'a> File<'a> {
-    /// Opens it; compressed views are still empty.
+    /// Opens a file. Compressed views are still empty.
     pub fn open(source: &'a Source<'a>) -> Result<Self> {
         let unreadable = |problem: &dyn std::fmt::Display| {
-            source.problem(At::File, format!("not a readable glTF file ({})", one_line(problem)))
+            source.problem(At::File, format!("the file is not a valid glTF file ({})", one_line(problem)))
         };
         if is_shorter_than_its_header(source.bytes) {
-            return Err(unreadable(&"its length does not hold its header"));
+            return Err(unreadable(&"its stated length is shorter than its header"));
         }
         let file = gltf::Gltf::from_slice_without_validation(source.bytes).map_err(|e| unreadable(&e))?;
         let root = file.document.into_json();
@@ -49,7 +49,7 @@ impl<'a> File<'a> {
         let mut buffers = Vec::new();
         for buffer in document.buffers() {
             if is_fallback(buffer.extensions()) {
-                // What lies in it comes out of compressed views.
+                // Compressed views provide its contents.
                 buffers.push(Cow::Borrowed(&[][..]));
                 continue;
             }
@@ -58,7 +58,7 @@ impl<'a> File<'a> {
                 gltf::buffer::Source::Uri(uri) if !uri.contains(':') => source.companion(&unescape(uri))?,
                 gltf::buffer::Source::Uri(uri) => Cow::Owned(embedded(uri).map_err(missing)?),
                 gltf::buffer::Source::Bin => {
-                    Cow::Owned(blob.take().ok_or_else(|| missing("the file has none of its own".into()))?)
+                    Cow::Owned(blob.take().ok_or_else(|| missing("the file has no binary chunk".into()))?)
                 }
             };
             if data.len() < buffer.length() {
@@ -75,14 +75,14 @@ impl<'a> File<'a> {
         self.source.problem(At::File, problem)
     }
 
-    /// A file beside it.
+    /// Reads a file that this one refers to.
     #[cfg(feature = "textures")]
     pub fn companion(&self, name: &str) -> Result<Cow<'a, [u8]>> {
         self.source.companion(name)
     }
 
-    /// Counts `items` of `size` bytes that are about to be made of the file. A small file that names its
-    /// data over and over would fill any memory.
+    /// Adds `items` of `size` bytes to the count of expanded bytes. Without this limit, a small file that refers to its
+    /// data repeatedly could fill the memory.
     pub fn spend(&self, items: usize, size: usize) -> Result<()> {
         let have = self.source.bytes.len() as u64 + self.buffers.iter().map(|b| b.len() as u64).sum::<u64>();
         let spent = self.spent.get().saturating_add((items as u64).saturating_mul(size as u64));
@@ -90,53 +90,55 @@ impl<'a> File<'a> {
         if spent <= have.saturating_mul(UNFOLDS).saturating_add(FREE) {
             return Ok(());
         }
-        Err(self.problem(format!("its {have} bytes would unfold to more than {UNFOLDS} times as many")))
+        Err(self.problem(format!("its {have} bytes would expand to more than {UNFOLDS} times as many")))
     }
 }
 
-/// Whether a buffer only stands for what lies compressed in another.
+/// Returns whether a buffer is only a placeholder for data that another buffer holds compressed.
 fn is_fallback(extensions: Option<&serde_json::Map<String, serde_json::Value>>) -> bool {
     extensions.and_then(|all| all.get(PACKED)?.get("fallback")?.as_bool()).unwrap_or(false)
 }
 
-/// The bytes of an address that holds them, or why there are none.
+/// Decodes a data URI; an error says why it has no data.
 pub(super) fn embedded(uri: &str) -> std::result::Result<Vec<u8>, String> {
     use base64::{Engine, engine::general_purpose::STANDARD};
     let text = uri.strip_prefix("data:").and_then(|rest| rest.split_once(";base64,"));
-    let (_, text) = text.ok_or("its address is neither a file beside it nor data in base64")?;
+    let (_, text) = text.ok_or("its URI is neither a file name nor base64 data")?;
     STANDARD.decode(text).map_err(|error| error.to_string())
 }
 
-/// Of a GLB: the crate takes the header's length off the file's without a look, which overflows.
+/// Returns whether the header of a GLB states a length shorter than the header. The `gltf` crate subtracts the two
+/// unchecked.
 fn is_shorter_than_its_header(bytes: &[u8]) -> bool {
     matches!(bytes.first_chunk::<12>(), Some([b'g', b'l', b'T', b'F', _, _, _, _, length @ ..])
         if u32::from_le_bytes(*length) < 12)
 }
 
-/// Extensions that the crate does not know, but we do.
+/// Extensions that this reader supports and the `gltf` crate does not know.
 const EXTENSIONS: [&str; 3] = [PACKED, "KHR_mesh_quantization", HAIR];
 
-/// What would make the crate panic before or after its own validation.
+/// Rejects files that would make the `gltf` crate panic before or after its own validation.
 fn check_what_the_crate_forgets(source: &Source, root: &json::Root) -> Result<()> {
-    // It looks an accessor of positions up before it checks its index.
+    // It uses the accessor of positions before it validates the index.
     let accessors = root.accessors.len();
     let primitives = root.meshes.iter().flat_map(|m| &m.primitives);
     if let Some(bad) = primitives.flat_map(|p| p.attributes.values()).find(|i| i.value() >= accessors) {
-        let problem = format!("accessor {} does not exist, there are {accessors}", bad.value());
+        let problem = format!("accessor {} does not exist; there are {accessors}", bad.value());
         return Err(source.problem(At::File, problem));
     }
-    // It does not look at what channels aim at.
+    // It does not validate the nodes of channels.
     let nodes = root.nodes.len();
     for (i, animation) in root.animations.iter().enumerate() {
         if let Some(bad) = animation.channels.iter().map(|c| c.target.node.value()).find(|n| *n >= nodes) {
-            let problem = format!("animation {i} moves node {bad}, which does not exist, there are {nodes}");
+            let problem = format!("animation {i} moves node {bad}, which does not exist; there are {nodes}");
             return Err(source.problem(At::File, problem));
         }
     }
     Ok(())
 }
 
-/// The first thing that the crate's validation refuses, except accessors without data: those are zeros.
+/// Returns the first error of the crate's validation, except for [`EXTENSIONS`] and for accessors without data, which
+/// are zeros.
 fn invalid(root: &json::Root) -> Option<String> {
     let mut first = None;
     root.validate(root, json::Path::new, &mut |path: &dyn Fn() -> json::Path, error: Invalid| {
@@ -152,7 +154,7 @@ fn invalid(root: &json::Root) -> Option<String> {
     first
 }
 
-/// An URI's `%20` and the like.
+/// Decodes percent-encoded characters of a URI.
 pub(super) fn unescape(uri: &str) -> String {
     let bytes = uri.as_bytes();
     let mut out = Vec::with_capacity(bytes.len());
@@ -167,7 +169,7 @@ pub(super) fn unescape(uri: &str) -> String {
     String::from_utf8_lossy(&out).into_owned()
 }
 
-/// Another crate's message without its line ends.
+/// Returns another crate's message as a single line.
 fn one_line(error: &dyn std::fmt::Display) -> String {
     error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -1,4 +1,4 @@
-//! Hair of a glTF file: `EXT_tresses_hair`, as `docs/EXT_tresses_hair.md` has it.
+//! Reads hair from a glTF file: `EXT_tresses_hair`, specified in `docs/EXT_tresses_hair.md`.
 
 use glam::{Vec2, Vec3};
 use gltf::Accessor;
@@ -17,11 +17,15 @@ use crate::{
     strands::Mark,
 };
 
-/// All grooms of a file, one after the other.
+/// Reads all grooms of a file, one after another.
 pub(crate) fn read(source: &Source) -> Result<Raw> {
     let file = packed::open(source)?;
-    let none =
-        || source.problem(At::File, format!("a mesh, not a groom (no {HAIR}); it can be the head of one"));
+    let none = || {
+        source.problem(
+            At::File,
+            format!("the file is a mesh, not a groom (no {HAIR}); use it as the head of a groom"),
+        )
+    };
     let extension = file.document.extension_value(HAIR).ok_or_else(none)?;
     let mut raw = Raw::new("glTF with hair");
     raw.declared = orient::Choice::METRES;
@@ -29,14 +33,18 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
     for (i, groom) in grooms.into_iter().flatten().enumerate() {
         let at = |problem: String| file.problem(format!("groom {i}: {problem}"));
         let strands = groom.get("strands").and_then(Value::as_object);
-        let part = Part { file: &file, of: strands.ok_or_else(|| at("it has no strands".into()))?, groom: i };
+        let part = GroomStrands {
+            file: &file,
+            of: strands.ok_or_else(|| at("it has no strands".into()))?,
+            groom: i,
+        };
         let read = part.read(source.lenient)?;
         if let (None, Some(material)) = (raw.look, groom.get("material")) {
             raw.look = Some(part.look(material)?);
         }
         let names = groom.get("groupNames").and_then(Value::as_object);
         for (id, name) in names.into_iter().flatten() {
-            let id = id.parse().map_err(|_| at(format!("“{id}” is no number of a group")))?;
+            let id = id.parse().map_err(|_| at(format!("“{id}” is not a group number")))?;
             raw.group_names.entry(id).or_insert_with(|| name.as_str().unwrap_or_default().into());
         }
         if raw.strands.is_empty() {
@@ -52,26 +60,26 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
 }
 
 /// The strands of one groom.
-struct Part<'a> {
+struct GroomStrands<'a> {
     file: &'a File<'a>,
     of: &'a Map<String, Value>,
     groom: usize,
 }
 
-impl Part<'_> {
+impl GroomStrands<'_> {
     fn problem(&self, problem: impl std::fmt::Display) -> crate::Error {
         self.file.problem(format!("groom {}: {problem}", self.groom))
     }
 
-    /// The accessor that `key` names, with `count` items.
+    /// Returns the accessor of `key`, which must have `count` items.
     fn accessor(&self, key: &str, count: usize) -> Result<Option<Accessor<'_>>> {
         let Some(value) = self.of.get(key) else { return Ok(None) };
-        let index = value.as_u64().ok_or_else(|| self.problem(format!("{key} names no accessor")))?;
+        let index = value.as_u64().ok_or_else(|| self.problem(format!("{key} is not an accessor index")))?;
         let accessor = self.file.document.accessors().nth(index as usize);
         let accessor = accessor.ok_or_else(|| self.problem(format!("accessor {index} does not exist")))?;
         match accessor.count() {
             have if have == count => Ok(Some(accessor)),
-            have => Err(self.problem(format!("{key} has {have} items where there are {count}"))),
+            have => Err(self.problem(format!("{key} has {have} items, but should have {count}"))),
         }
     }
 
@@ -79,9 +87,9 @@ impl Part<'_> {
         self.number_of(self.of, key, otherwise)
     }
 
-    /// What the hair looks like.
+    /// Reads the hair material.
     fn look(&self, material: &Value) -> Result<Look> {
-        let of = material.as_object().ok_or_else(|| self.problem("its material is no object"))?;
+        let of = material.as_object().ok_or_else(|| self.problem("its material is not an object"))?;
         let (number, brown) = (|key, otherwise| self.number_of(of, key, otherwise), Look::default());
         let look = Look {
             eumelanin: number("eumelanin", brown.eumelanin)?,
@@ -100,10 +108,10 @@ impl Part<'_> {
     fn number_of(&self, of: &Map<String, Value>, key: &str, otherwise: f32) -> Result<f32> {
         let Some(value) = of.get(key) else { return Ok(otherwise) };
         let number = value.as_f64().map(|n| n as f32).filter(|n| n.is_finite());
-        number.ok_or_else(|| self.problem(format!("{key} is no finite number")))
+        number.ok_or_else(|| self.problem(format!("{key} is not a finite number")))
     }
 
-    /// Integers without a sign, `width` to an item.
+    /// Returns unsigned integers, `width` per item.
     fn integers(&self, key: &str, count: usize, width: usize) -> Result<Option<Vec<u32>>> {
         let Some(accessor) = self.accessor(key, count)? else { return Ok(None) };
         self.file.integers(&accessor, width).map(Some)
@@ -111,7 +119,7 @@ impl Part<'_> {
 
     fn read(&self, lenient: bool) -> Result<Strands> {
         let count = self.of.get("count").and_then(Value::as_u64);
-        let count = count.ok_or_else(|| self.problem("it does not say how many strands there are"))?;
+        let count = count.ok_or_else(|| self.problem("it has no strand count"))?;
         let count = usize::try_from(count).unwrap_or(usize::MAX);
         self.file.spend(count, size_of::<u32>())?;
         let mut strands = Strands { offsets: Vec::with_capacity(count + 1), ..Strands::default() };
@@ -124,8 +132,8 @@ impl Part<'_> {
         }
         for i in 0..count {
             end = end.saturating_add(counts.as_ref().map_or(each.unwrap_or(0), |counts| counts[i].into()));
-            let offset =
-                u32::try_from(end).map_err(|_| self.problem("more vertices than 32 bits can count"))?;
+            let offset = u32::try_from(end)
+                .map_err(|_| self.problem("it has more vertices than 32 bits can count"))?;
             strands.offsets.push(offset);
         }
         let vertices = self.accessor("vertices", end as usize)?;
@@ -159,10 +167,11 @@ impl Part<'_> {
         let axes: Option<Vec<f32>> =
             value.as_array().and_then(|all| all.iter().map(|n| n.as_f64().map(|n| n as f32)).collect());
         let axes = axes.filter(|axes| axes.len() == 3 && axes.iter().all(|n| n.is_finite()));
-        axes.map(|axes| Vec3::from_slice(&axes)).ok_or_else(|| self.problem("offset is no place"))
+        axes.map(|axes| Vec3::from_slice(&axes))
+            .ok_or_else(|| self.problem("offset is not three finite numbers"))
     }
 
-    /// What is said of whole strands.
+    /// Reads the attributes of whole strands: flags, ids, groups, guides and weights.
     fn marks(&self, strands: &mut Strands, count: usize, lenient: bool) -> Result<()> {
         let flags = self.integers("flags", count, 1)?;
         let ids = self.integers("ids", count, 1)?;
@@ -180,7 +189,7 @@ impl Part<'_> {
         if !guides && ids.is_none() && groups.is_none() && closest.is_none() {
             return Ok(());
         }
-        // Numbers are 32 bits with a sign, which glTF has no kind for.
+        // Ids and groups are signed 32-bit integers, which glTF accessors do not support.
         let number = |all: &Option<Vec<u32>>, i: usize| all.as_ref().map(|all| all[i] as i32);
         strands.marks = (0..count)
             .map(|i| Mark {
@@ -196,7 +205,7 @@ impl Part<'_> {
 }
 
 impl File<'_> {
-    /// Floats, or integers as shares, `width` to an item, finite unless it is `lenient`.
+    /// Returns floats or normalized integers, `width` per item, finite unless `lenient`.
     fn numbers_of(&self, accessor: &Accessor, width: usize, lenient: bool) -> Result<Vec<f32>> {
         if lenient { self.numbers_as_they_are(accessor, width) } else { self.numbers(accessor, width) }
     }

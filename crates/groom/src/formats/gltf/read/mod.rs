@@ -1,8 +1,8 @@
-//! glTF and GLB meshes through the `gltf` crate.
+//! Reads glTF and GLB meshes with the `gltf` crate.
 //!
-//! Every accessor is checked against its view and its buffer before it is read. Nodes come first, in the
-//! order in which the scene has them, a parent before its children; then the meshes of each, then what
-//! animates them. A skin's vertices are where the joints at rest have them.
+//! Every accessor is checked against its view and its buffer before it is read. The reader visits the nodes of the
+//! scene in order, parents before children, then the meshes of the nodes, then the animations. Skinned vertices are
+//! returned in the rest pose.
 
 mod accessors;
 mod animation;
@@ -29,18 +29,19 @@ use file::File;
 use morph::Shapes;
 use primitive::Reader;
 use skin::Skins;
-use walk::Placed;
+use walk::PlacedNode;
 
-/// What makes a rig, as far as it is read.
+/// A rig being read.
 struct Rigging {
     rig: Rig,
     skins: Skins,
     shapes: Shapes,
-    /// Triangles that follow skins, whose outside is known when all joints are.
+    /// Triangles of skinned primitives. Their winding depends on the rest pose, which is known after all joints are
+    /// read.
     skinned: Vec<std::ops::Range<usize>>,
 }
 
-/// Reads all triangles of the default scene at rest, what moves them if there is anything, and what was left out.
+/// Reads all triangles of the default scene at rest, the rig if anything moves, and notes on skipped data.
 pub(crate) fn read_mesh(source: &Source) -> Result<RawMesh> {
     let file = packed::open(source)?;
     let scene = file.document.default_scene().or_else(|| file.document.scenes().next());
@@ -74,7 +75,7 @@ pub(crate) fn read_mesh(source: &Source) -> Result<RawMesh> {
     Ok(RawMesh { mesh, declared: Choice::METRES, rig, notes })
 }
 
-/// Whether a file has anything that a rig is for.
+/// Returns whether a file has skins, animations or morph targets.
 fn may_move(file: &File) -> bool {
     let root = file.document.as_json();
     let mut primitives = root.meshes.iter().flat_map(|m| &m.primitives);
@@ -82,17 +83,17 @@ fn may_move(file: &File) -> bool {
 }
 
 impl Rigging {
-    fn new(placed: &[Placed], places: &[Option<u32>]) -> Self {
-        let nodes = placed.iter().map(Placed::rest).collect();
+    fn new(placed: &[PlacedNode], places: &[Option<u32>]) -> Self {
+        let nodes = placed.iter().map(PlacedNode::rest).collect();
         let rig = Rig { nodes, ..Default::default() };
         Self { rig, skins: Skins::new(places), shapes: Shapes::default(), skinned: Vec::new() }
     }
 
-    /// The rig, and the mesh as the joints at rest have it. `None` if nothing of the file moves.
+    /// Returns the rig and moves the mesh to the rest pose. `None` if nothing moves.
     fn finish(
         self,
         file: &File,
-        placed: &[Placed],
+        placed: &[PlacedNode],
         places: &[Option<u32>],
         mesh: &mut TriMesh,
     ) -> Result<Option<Rig>> {
@@ -103,7 +104,7 @@ impl Rigging {
             return Ok(None);
         }
         let rest = rig.rest_pose();
-        // A mesh without skin and shapes is at rest already, to the bit.
+        // Without skins and morph weights the mesh is already at rest, bit-identical to the file.
         if !self.skinned.is_empty() || rest.weights.iter().any(|w| *w != 0.0) {
             rig.deform(&rest, mesh);
         }
@@ -117,7 +118,7 @@ impl Rigging {
     }
 }
 
-/// A node for a mesh that no scene has.
+/// Returns a node for a mesh that no scene contains.
 fn lone(name: Option<&str>) -> Node {
     Node { name: name.unwrap_or_default().into(), ..Default::default() }
 }

@@ -1,4 +1,4 @@
-//! Shapes to blend: morph targets, by name over all meshes.
+//! Morph targets, merged by name over all meshes.
 
 use std::collections::{HashMap, HashSet};
 
@@ -9,22 +9,22 @@ use crate::{
 };
 use glam::Vec3;
 
-/// The targets read so far.
+/// The morph targets read so far.
 #[derive(Default)]
 pub(super) struct Shapes {
     pub targets: Vec<Target>,
     named: HashMap<String, u32>,
-    /// For each mesh that was met the targets that its own stand for.
+    /// For each visited mesh, the indices of its targets in `targets`.
     meshes: HashMap<usize, Vec<u32>>,
 }
 
 impl Shapes {
-    /// What the targets of a mesh, in its order, are among all.
+    /// Returns the indices in `targets` of a mesh's targets, in the mesh's order.
     pub fn of(&self, mesh: usize) -> &[u32] {
         self.meshes.get(&mesh).map_or(&[], Vec::as_slice)
     }
 
-    /// Notes the names of a mesh's targets.
+    /// Adds the names of a mesh's targets.
     pub fn name(&mut self, file: &File, mesh: &gltf::Mesh) -> Result<()> {
         let root = file.document.as_json();
         let primitives = root.meshes.get(mesh.index()).map_or(&[][..], |m| &m.primitives);
@@ -67,7 +67,7 @@ impl Shapes {
     }
 }
 
-/// Moves and turns of vertices, each ascending, as one list.
+/// Merges deltas of positions and of normals, each in ascending order of vertices, into one list.
 fn merge(positions: &[(u32, Vec3)], normals: &[(u32, Vec3)], base: u32, out: &mut Vec<Delta>) {
     let mut turns = normals.iter().copied().peekable();
     for (vertex, position) in positions {
@@ -80,7 +80,7 @@ fn merge(positions: &[(u32, Vec3)], normals: &[(u32, Vec3)], base: u32, out: &mu
     out.extend(turns.map(|(v, normal)| Delta { vertex: v + base, position: Vec3::ZERO, normal }));
 }
 
-/// The names of a mesh's targets, no two alike: what exporters write among the extras, or a number.
+/// Returns unique names of a mesh's targets: those in `extras.targetNames`, or numbers.
 fn names(mesh: &gltf::Mesh, count: usize) -> Vec<String> {
     let extras =
         mesh.extras().as_ref().and_then(|raw| serde_json::from_str::<serde_json::Value>(raw.get()).ok());

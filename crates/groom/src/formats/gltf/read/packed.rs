@@ -1,4 +1,4 @@
-//! Views that are compressed: `EXT_meshopt_compression`, unpacked into buffers of their own when a file is opened.
+//! Compressed views (`EXT_meshopt_compression`), decoded into buffers of their own when a file is opened.
 
 use std::borrow::Cow;
 
@@ -15,14 +15,14 @@ use crate::{
     formats::{gltf::PACKED, source::Source},
 };
 
-/// Opens a file and unpacks its compressed views.
+/// Opens a file and decodes its compressed views.
 pub(super) fn open<'a>(source: &'a Source<'a>) -> Result<File<'a>> {
     let mut file = File::open(source)?;
     unpack(&mut file)?;
     Ok(file)
 }
 
-/// Unpacks all compressed views of a file, which afterwards is as if it had none.
+/// Decodes all compressed views of a file. Afterwards the views refer to uncompressed buffers.
 fn unpack(file: &mut File) -> Result<()> {
     let packed: Vec<(usize, Map<String, Value>)> = file
         .document
@@ -59,7 +59,7 @@ fn unpack(file: &mut File) -> Result<()> {
     Ok(())
 }
 
-/// One view's bytes, or what is wrong with it.
+/// Decodes a view; an error states the problem.
 fn view(file: &File, how: &Map<String, Value>) -> std::result::Result<Vec<u8>, String> {
     let number = |key: &str| how.get(key).and_then(Value::as_u64).map(|n| n as usize);
     let word = |key: &str| how.get(key).and_then(Value::as_str);
@@ -67,8 +67,9 @@ fn view(file: &File, how: &Map<String, Value>) -> std::result::Result<Vec<u8>, S
     let (length, stride, count) = (need("byteLength")?, need("byteStride")?, need("count")?);
     let offset = number("byteOffset").unwrap_or(0);
     let bytes = file.buffers.get(need("buffer")?).and_then(|b| b.get(offset..)?.get(..length));
-    let bytes = bytes.ok_or("its compressed bytes do not lie in their buffer")?;
-    let unreadable = |problem: meshoptimizer_rs::Error| format!("{PACKED} does not unpack ({problem})");
+    let bytes = bytes.ok_or("its compressed bytes lie outside their buffer")?;
+    let unreadable =
+        |problem: meshoptimizer_rs::Error| format!("{PACKED} cannot be decompressed ({problem})");
     let mode = Mode::parse(word("mode").unwrap_or_default()).map_err(unreadable)?;
     let filter = Filter::parse(word("filter").unwrap_or("NONE")).map_err(unreadable)?;
     let view = BufferView::new(mode, filter, count, stride).map_err(unreadable)?;

@@ -1,11 +1,11 @@
-//! Pictures of materials: base colour, normals and roughness.
+//! Textures of materials: base color, normals and roughness.
 //!
-//! A picture that cannot be read is none: a body is of use without. It is said ([`Painter::notes`]). Occlusion and
-//! emission are left out, and metal is painted as if it were not. All pictures of a material are where its base colour
-//! is, or its roughness where it has none, and repeat.
+//! An image that cannot be read is skipped with a note ([`Painter::notes`]): a mesh is usable without it. Occlusion,
+//! emission and metalness are ignored. All images of a material use the texture coordinates of its base color or, if it
+//! has none, of its roughness, and repeat.
 //!
-//! A small file may name large pictures, and one picture in many materials: what all of it takes is counted before
-//! anything is decoded or copied.
+//! A small file may contain large images, or use one image in many materials. The reader counts the memory before it
+//! decodes or copies an image.
 
 use std::collections::HashMap;
 
@@ -20,15 +20,15 @@ use crate::{
     srgb::{encoded, linear},
 };
 
-/// The most texels along an edge of a picture that are read.
+/// Maximum width and height of an image, texels.
 const LARGEST: u32 = 16_384;
-/// The most bytes that pictures of a file may take, and that all that are decoded may take one after the other.
+/// Maximum bytes of a file's images: kept at the end, and decoded in total.
 const ROOM: u64 = 1 << 30;
 const WORK: u64 = 8 << 30;
-/// The most notes of one file.
+/// Maximum notes per file.
 const NOTES: usize = 8;
 
-/// The most texels along an edge of a picture that are kept, in a file of so many materials.
+/// Returns the maximum width and height of stored images, texels, for a file with this many materials.
 fn most(materials: usize) -> u32 {
     match materials {
         0..=8 => 2048,
@@ -37,22 +37,23 @@ fn most(materials: usize) -> u32 {
     }
 }
 
-/// Reads materials, each once.
+/// Reads the materials of a file, each once.
 #[derive(Default)]
 pub(super) struct Painter {
     paint: Paint,
-    /// The coat of each material that was met.
+    /// Coat of each visited material; `None` for a material without images.
     coats: HashMap<usize, Option<u8>>,
-    /// The pictures that were read, or could not be.
+    /// Decoded images by index; `None` for an image that could not be read.
     pictures: HashMap<usize, Option<RgbaImage>>,
-    /// What is kept, and what was decoded, bytes.
+    /// Bytes of stored images, and of decoded images.
     kept: u64,
     decoded: u64,
     notes: Vec<String>,
 }
 
 impl Painter {
-    /// Notes where the `count` vertices of a primitive are, which follow those of `base`. Whether they have a coat.
+    /// Adds the texture coordinates of a primitive whose `count` vertices start at `base`. Returns whether it has a
+    /// coat.
     pub fn primitive(
         &mut self,
         file: &File,
@@ -76,7 +77,7 @@ impl Painter {
                 Ok(true)
             }
             Err(why) => {
-                self.note(format!("a part of it is not painted: {why}"));
+                self.note(format!("a part of the mesh has no textures: {why}"));
                 Ok(false)
             }
         }
@@ -85,21 +86,21 @@ impl Painter {
     fn note(&mut self, note: String) {
         match self.notes.len() {
             0..NOTES => self.notes.push(note),
-            NOTES => self.notes.push("more of its pictures are left out".into()),
+            NOTES => self.notes.push("more of its images are skipped".into()),
             _ => {}
         }
     }
 
-    /// The paint of a mesh of so many vertices, if any of it has some, and what could not be read.
+    /// Returns the paint of a mesh, if any of its vertices has a coat, and the notes on skipped images.
     pub fn finish(mut self, vertices: usize) -> (Option<Paint>, Vec<String>) {
         self.fill(vertices);
         let any = self.paint.of.iter().any(|of| *of != Paint::NONE);
-        // All are as large as the largest, in the room that there is.
+        // Resize all images to the size of the largest, or less to fit the limit.
         self.paint.level(ROOM);
         (any.then_some(self.paint), self.notes)
     }
 
-    /// Vertices up to here that nothing was said of have no coat.
+    /// Marks all vertices up to `vertices` that are not set yet as having no coat.
     fn fill(&mut self, vertices: usize) {
         self.paint.places.resize(vertices, Vec2::ZERO);
         self.paint.of.resize(vertices, Paint::NONE);
@@ -124,7 +125,7 @@ impl Painter {
         let size = |picture: &Option<RgbaImage>| picture.as_ref().map_or(4, |all| all.as_raw().len() as u64);
         self.kept = self.kept.saturating_add(size(&base) + size(&normal).max(size(&rough)));
         if self.kept > ROOM {
-            self.note("its pictures take too much memory".into());
+            self.note("its images take too much memory".into());
             return None;
         }
         let base = tinted(base, pbr.base_color_factor());
@@ -133,7 +134,7 @@ impl Painter {
         Some(number)
     }
 
-    /// A picture, or nothing, which is noted once.
+    /// Returns an image. If it cannot be read, adds a note once and returns `None`.
     fn picture(&mut self, file: &File, texture: &gltf::Texture) -> Option<RgbaImage> {
         let index = texture.source().index();
         if let Some(known) = self.pictures.get(&index) {
@@ -142,7 +143,7 @@ impl Painter {
         let picture = match self.decode(file, index) {
             Ok(picture) => Some(picture),
             Err(why) => {
-                self.note(format!("picture {index} of its materials is left out: {why}"));
+                self.note(format!("image {index} of its materials is skipped: {why}"));
                 None
             }
         };
@@ -150,7 +151,7 @@ impl Painter {
         picture
     }
 
-    /// The picture of an image, not larger than is kept.
+    /// Decodes an image and reduces it to the maximum size.
     fn decode(&mut self, file: &File, index: usize) -> std::result::Result<RgbaImage, String> {
         let bytes = bytes(file, index)?;
         let reader = || {
@@ -159,17 +160,17 @@ impl Painter {
         };
         let (width, height) = reader()?.into_dimensions().map_err(|error| error.to_string())?;
         if width.min(height) == 0 || width.max(height) > LARGEST {
-            return Err(format!("it is {width} × {height} texels, but from 1 to {LARGEST} are read"));
+            return Err(format!("it has {width} × {height} pixels, but each side must have 1 to {LARGEST}"));
         }
         let most = most(file.document.materials().len());
         let scale =
             |n: u32| (u64::from(n) * u64::from(most) / u64::from(width.max(height).max(most))).max(1) as u32;
         let (small, low) = (scale(width), scale(height));
-        // 16 bits a channel at most before it is brought to 8.
+        // Before the conversion to 8 bits, channels have at most 16.
         self.decoded = self.decoded.saturating_add(8 * u64::from(width) * u64::from(height));
         self.kept = self.kept.saturating_add(4 * u64::from(small) * u64::from(low));
         if self.decoded > WORK || self.kept > ROOM {
-            return Err("the file's pictures take too much memory".into());
+            return Err("the file's images take too much memory".into());
         }
         let mut reader = reader()?;
         reader.limits(Limits::default());
@@ -181,23 +182,23 @@ impl Painter {
     }
 }
 
-/// The texture whose coordinates a material's pictures are placed by: that of its colour, else another.
+/// Returns the texture whose coordinates a material's images use: base color, else roughness.
 fn first<'a>(material: &Material<'a>) -> Option<Info<'a>> {
     let pbr = material.pbr_metallic_roughness();
-    // The crate has a type of its own for that of normals, which is placed as the others are.
+    // The normal texture has another type in the `gltf` crate. It uses the same coordinates.
     pbr.base_color_texture().or_else(|| pbr.metallic_roughness_texture())
 }
 
-/// `KHR_texture_transform`: its matrix, and its offset.
+/// Returns the matrix and the offset of `KHR_texture_transform`.
 fn transform(info: &Info) -> (Mat2, Vec2) {
     let Some(transform) = info.texture_transform() else { return (Mat2::IDENTITY, Vec2::ZERO) };
     let scale = Vec2::from(transform.scale());
-    // The extension turns against the clock, in coordinates that go down.
+    // The extension rotates counterclockwise, in coordinates whose V axis points down.
     let turn = Mat2::from_angle(-transform.rotation()) * Mat2::from_diagonal(scale);
     (turn, Vec2::from(transform.offset()))
 }
 
-/// The bytes of an image: the crate asks for what a file may lack.
+/// Returns the bytes of an image. It reads the JSON because the `gltf` crate unwraps fields that a file may lack.
 fn bytes<'a>(file: &'a File<'_>, index: usize) -> std::result::Result<std::borrow::Cow<'a, [u8]>, String> {
     let image = file.document.as_json().images.get(index).ok_or("it does not exist")?;
     if let Some(uri) = &image.uri {
@@ -207,14 +208,14 @@ fn bytes<'a>(file: &'a File<'_>, index: usize) -> std::result::Result<std::borro
         };
     }
     let view = image.buffer_view.as_ref().and_then(|view| file.document.views().nth(view.value()));
-    let view = view.ok_or("it is neither in the file nor beside it")?;
+    let view = view.ok_or("it is neither in the file nor in a file of its own")?;
     let buffer = file.buffers.get(view.buffer().index()).ok_or("its buffer does not exist")?;
     let end = view.offset().checked_add(view.length());
     let bytes = end.and_then(|end| buffer.get(view.offset()..end));
-    Ok(std::borrow::Cow::Borrowed(bytes.ok_or("it does not fit its buffer")?))
+    Ok(std::borrow::Cow::Borrowed(bytes.ok_or("it lies outside its buffer")?))
 }
 
-/// Where `count` vertices are in the pictures.
+/// Returns the texture coordinates of `count` vertices.
 fn spots(
     file: &File,
     places: &Accessor,
@@ -223,7 +224,7 @@ fn spots(
 ) -> std::result::Result<Vec<Vec2>, String> {
     let places = file.vectors(places).map_err(|error| error.to_string())?;
     if places.len() != count {
-        return Err(format!("{} texture coordinates of {count} vertices", places.len()));
+        return Err(format!("it has {} texture coordinates for {count} vertices", places.len()));
     }
     let (turn, shift) = transform(guide);
     let spots: Vec<_> = places.into_iter().map(|place| turn * Vec2::from_array(place) + shift).collect();
@@ -238,7 +239,7 @@ fn texture(picture: RgbaImage) -> Texture {
     Texture { width, height, rgba: picture.into_raw() }
 }
 
-/// The base picture times a material's factor.
+/// Multiplies the base color image by the material's factor.
 fn tinted(picture: Option<RgbaImage>, [r, g, b, a]: [f32; 4]) -> Texture {
     let mut texture = picture.map_or_else(|| Texture::even([255; 4]), texture);
     if [r, g, b, a] != [1.0; 4] {
@@ -260,7 +261,7 @@ fn tinted(picture: Option<RgbaImage>, [r, g, b, a]: [f32; 4]) -> Texture {
     texture
 }
 
-/// Normals and roughness in one picture, as [`Coat::relief`] has them.
+/// Combines normals and roughness in one image, as documented at [`Coat::relief`].
 fn relief(normal: Option<RgbaImage>, scale: f32, rough: Option<RgbaImage>, roughness: f32) -> Texture {
     let sizes = [&normal, &rough].map(|picture| picture.as_ref().map_or((1, 1), RgbaImage::dimensions));
     let (width, height) = (sizes[0].0.max(sizes[1].0), sizes[0].1.max(sizes[1].1));

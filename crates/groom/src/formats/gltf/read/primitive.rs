@@ -1,4 +1,4 @@
-//! Triangles of a mesh, and for a rig what its vertices follow.
+//! Reads the triangles of meshes and, for a rig, the joints of their vertices.
 
 use glam::{Mat3, Mat4, Vec3};
 use gltf::{Semantic, mesh::Mode};
@@ -11,15 +11,15 @@ use crate::{
     rig::{Bind, Joint},
 };
 
-/// Meshes of a file, one after another.
+/// Collects the meshes of a file in one mesh.
 pub(super) struct Reader<'a> {
     file: &'a File<'a>,
     mesh: TriMesh,
-    /// Whether any part has a colour of its own.
+    /// Whether any part has its own color.
     colored: bool,
     /// Whether any part lacks normals.
     bare: bool,
-    /// What makes a rig, if the file may have one.
+    /// The rig being read, if the file may have one.
     rigging: Option<Rigging>,
     #[cfg(feature = "textures")]
     painter: super::paint::Painter,
@@ -38,7 +38,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The mesh, what makes the rig, whether normals are to be dropped, as some are made up, and what was left out.
+    /// Returns the mesh, the rig, whether to discard the normals because some are placeholders, and the notes.
     pub fn finish(mut self) -> (TriMesh, Option<Rigging>, bool, Vec<String>) {
         #[cfg(not(feature = "textures"))]
         let notes = Vec::new();
@@ -46,7 +46,7 @@ impl<'a> Reader<'a> {
         let (paint, notes) = self.painter.finish(self.mesh.positions.len());
         #[cfg(feature = "textures")]
         if let Some(paint) = paint {
-            // Light that the body throws is asked of vertices, and so is its colour where pictures are not drawn.
+            // Vertex colors serve for light bounced off the mesh, and wherever textures are not drawn.
             for (vertex, color) in self.mesh.colors.iter_mut().enumerate() {
                 *color = paint.color(vertex).unwrap_or(*color);
             }
@@ -58,14 +58,14 @@ impl<'a> Reader<'a> {
         (self.mesh, self.rigging, self.bare, notes)
     }
 
-    /// Makes a node for a mesh that no scene has.
+    /// Adds a node for a mesh that no scene contains and returns its index.
     pub fn bare_node(&mut self, name: Option<&str>) -> u32 {
         let Some(rigging) = &mut self.rigging else { return 0 };
         rigging.rig.nodes.push(lone(name));
         rigging.rig.nodes.len() as u32 - 1
     }
 
-    /// Reads the weights of a mesh's shapes at rest: its own, unless the node has others.
+    /// Reads the morph weights at rest of a mesh: the node's if it has weights, else the mesh's own.
     pub fn weights(&mut self, mesh: &gltf::Mesh, own: Option<&[f32]>, node: u32) -> Result<()> {
         let Some(rigging) = &mut self.rigging else { return Ok(()) };
         let Some(weights) = own.or(mesh.weights()) else { return Ok(()) };
@@ -79,7 +79,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Reads a mesh that stands in a node of the scene.
+    /// Reads the mesh of a node.
     pub fn mesh(
         &mut self,
         mesh: &gltf::Mesh,
@@ -90,7 +90,7 @@ impl<'a> Reader<'a> {
         if let Some(rigging) = &mut self.rigging {
             rigging.shapes.name(self.file, mesh)?;
         }
-        // What of it has no skin follows the node.
+        // Primitives without a skin follow the node.
         let mut joint = None;
         mesh.primitives()
             .try_for_each(|p| self.primitive(mesh, &p, transform, skin.as_ref(), (node, &mut joint)))
@@ -151,9 +151,9 @@ impl<'a> Reader<'a> {
         if let Some(bad) = indices.iter().find(|i| **i >= count) {
             return Err(self
                 .file
-                .problem(format!("vertex {bad} of a primitive does not exist, there are {count}")));
+                .problem(format!("vertex {bad} of a primitive does not exist; there are {count}")));
         }
-        // A mirroring transform turns triangles inside out. A skin ignores the node's.
+        // A mirroring transform reverses the winding. Skins ignore the node's transform.
         let flip = !skinned && transform.determinant() < 0.0;
         let first = self.mesh.triangles.len();
         triangles(mode, &indices, |[a, b, c]| {
@@ -168,7 +168,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Notes what vertices follow; whether that is a skin.
+    /// Adds the joints of a primitive's vertices. Returns whether they come from a skin.
     fn bind(
         &mut self,
         primitive: &gltf::Primitive,
@@ -207,7 +207,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The triangles of a list, strip or fan.
+/// Passes the triangles of a list, strip or fan to `push`.
 fn triangles(mode: Mode, indices: &[u32], mut push: impl FnMut([u32; 3])) {
     match mode {
         Mode::TriangleStrip => {

@@ -1,4 +1,4 @@
-//! Joints of skins, and which of them vertices follow.
+//! Joints of skins, and the joints and weights of vertices.
 
 use std::ops::Range;
 
@@ -11,12 +11,12 @@ use crate::{
     rig::{INFLUENCES, Joint, MAX_JOINTS},
 };
 
-/// Which joints and how much of each.
+/// Joints and weights of a vertex.
 pub(super) type Follows = ([u16; INFLUENCES], [f32; INFLUENCES]);
 
-/// The skins whose joints are in the palette already.
+/// Skins whose joints are already in the palette.
 pub(super) struct Skins {
-    /// For each node of the file which one of the scene it is.
+    /// Index in the scene of each node of the file.
     places: Vec<Option<u32>>,
     known: std::collections::HashMap<usize, Range<usize>>,
 }
@@ -26,17 +26,17 @@ impl Skins {
         Self { places: places.to_vec(), known: Default::default() }
     }
 
-    /// Puts an entry into the palette.
+    /// Adds an entry to the palette and returns its index.
     pub fn push(&self, file: &File, joints: &mut Vec<Joint>, joint: Joint) -> Result<u16> {
         let Ok(index) = u16::try_from(joints.len()) else {
-            return Err(file.problem(format!("vertices follow more than {MAX_JOINTS} joints and nodes")));
+            return Err(file.problem(format!("the vertices follow more than {MAX_JOINTS} joints and nodes")));
         };
         file.spend(1, size_of::<Joint>())?;
         joints.push(joint);
         Ok(index)
     }
 
-    /// The entries of a skin, which are added when it comes first.
+    /// Returns the palette entries of a skin, and adds them on first use.
     pub fn palette(
         &mut self,
         file: &File,
@@ -74,8 +74,9 @@ impl Skins {
     }
 }
 
-/// What the vertices of a primitive follow, of the entries `palette`: up to eight of a skin's joints each,
-/// whose weights are made to sum to 1. A vertex without any weight follows its first joint.
+/// Returns the joints and weights of a primitive's vertices. `palette` is the range of the skin's entries, of which
+/// each vertex follows up to eight. Weights are normalized to a sum of 1; a vertex without weights follows its first
+/// joint.
 pub(super) fn follows(
     file: &File,
     primitive: &gltf::Primitive,
@@ -99,7 +100,9 @@ pub(super) fn follows(
         let weights = weights.as_chunks::<4>().0;
         if joints.len() != count || weights.len() != count {
             let (j, w) = (joints.len(), weights.len());
-            return Err(file.problem(format!("{j} joints and {w} weights for {count} vertices")));
+            return Err(
+                file.problem(format!("a primitive has {j} joints and {w} weights for {count} vertices"))
+            );
         }
         for ((all, joints), weights) in all.iter_mut().zip(joints).zip(weights) {
             all.0[4 * set..][..4].copy_from_slice(&joints);
@@ -107,7 +110,7 @@ pub(super) fn follows(
         }
     }
     for (i, (joints, weights)) in all.iter_mut().enumerate() {
-        // A share below nothing is rounding, or nonsense.
+        // Negative weights come from rounding or from broken files.
         weights.iter_mut().for_each(|w| *w = w.max(0.0));
         let sum: f32 = weights.iter().sum();
         if sum > 0.0 && sum.is_finite() {
@@ -124,11 +127,11 @@ pub(super) fn follows(
             } else if *weight > 0.0 {
                 let (bad, have) = (*joint, palette.len());
                 let problem = format!(
-                    "vertex {i} of a primitive follows joint {bad}, which does not exist, there are {have}"
+                    "vertex {i} of a primitive follows joint {bad}, which does not exist; there are {have}"
                 );
                 return Err(file.problem(problem));
             } else {
-                // Files put anything where no weight is.
+                // Files may store any joint with weight 0.
                 *joint = palette.start as u16;
             }
         }

@@ -1,4 +1,4 @@
-//! The nodes of a scene, a parent before its children.
+//! The nodes of a scene, parents before children.
 
 use glam::{Mat4, Quat, Vec3};
 
@@ -8,21 +8,21 @@ use crate::{
     rig::{Node, Transform},
 };
 
-/// The deepest that nodes may be nested.
+/// Maximum depth of nested nodes.
 const DEEPEST: u32 = 256;
 
 /// A node of the scene.
-pub(super) struct Placed<'a> {
+pub(super) struct PlacedNode<'a> {
     pub node: gltf::Node<'a>,
     parent: Option<u32>,
     pub global: Mat4,
 }
 
-/// The nodes of a scene in order, and for each node of the file which of them it is.
+/// Returns the nodes of a scene in order, and the index in this list of each node of the file.
 pub(super) fn scene<'a>(
     file: &'a File,
     scene: gltf::Scene<'a>,
-) -> Result<(Vec<Placed<'a>>, Vec<Option<u32>>)> {
+) -> Result<(Vec<PlacedNode<'a>>, Vec<Option<u32>>)> {
     let mut walk = Walk { file, placed: Vec::new(), places: vec![None; file.document.nodes().len()] };
     scene.nodes().try_for_each(|node| walk.node(node, None, 0))?;
     Ok((walk.placed, walk.places))
@@ -30,25 +30,25 @@ pub(super) fn scene<'a>(
 
 struct Walk<'a, 'f> {
     file: &'f File<'f>,
-    placed: Vec<Placed<'a>>,
+    placed: Vec<PlacedNode<'a>>,
     places: Vec<Option<u32>>,
 }
 
 impl<'a> Walk<'a, '_> {
     fn node(&mut self, node: gltf::Node<'a>, parent: Option<u32>, depth: u32) -> Result<()> {
         let index = node.index();
-        // A valid file is a tree; a broken one may be a loop, or a net with more paths than one can go.
+        // A valid file is a tree. A broken one may have cycles, or a graph with too many paths to follow.
         if depth > DEEPEST {
-            return Err(self.file.problem(format!("its nodes are nested more than {DEEPEST} deep")));
+            return Err(self.file.problem(format!("its nodes are nested more than {DEEPEST} levels deep")));
         }
         let place = self.placed.len() as u32;
         if self.places[index].replace(place).is_some() {
-            return Err(self.file.problem(format!("node {index} stands in the scene more than once")));
+            return Err(self.file.problem(format!("node {index} is in the scene more than once")));
         }
         let local = Mat4::from_cols_array_2d(&node.transform().matrix());
         let above = parent.and_then(|p| self.placed.get(p as usize)).map_or(Mat4::IDENTITY, |p| p.global);
         let children = node.children();
-        self.placed.push(Placed { node, parent, global: above * local });
+        self.placed.push(PlacedNode { node, parent, global: above * local });
         for child in children {
             self.node(child, Some(place), depth + 1)?;
         }
@@ -56,8 +56,8 @@ impl<'a> Walk<'a, '_> {
     }
 }
 
-impl Placed<'_> {
-    /// The same for a rig.
+impl PlacedNode<'_> {
+    /// Returns the node as a node of a rig.
     pub fn rest(&self) -> Node {
         let (rest, matrix) = match self.node.transform() {
             gltf::scene::Transform::Decomposed { translation, rotation, scale } => {

@@ -1,4 +1,4 @@
-//! Hair in a glTF file: `EXT_tresses_hair`, as `docs/EXT_tresses_hair.md` has it.
+//! Writes hair to a glTF file: `EXT_tresses_hair`, specified in `docs/EXT_tresses_hair.md`.
 
 use glam::Vec3;
 use meshoptimizer_rs::{
@@ -18,7 +18,7 @@ use crate::{
     strands::Mark,
 };
 
-/// Positions are shares of a box, in 16 bits, where a step of them is at most this part of the mean segment.
+/// Positions are stored in 16 bits if a quantization step is at most this fraction of the mean segment length.
 const FINE: f32 = 5e-3;
 
 /// Writes all of `hair`.
@@ -29,7 +29,7 @@ pub(super) fn put(file: &mut File, hair: &[Hair<'_>]) -> Result<()> {
     let mut grooms = Vec::new();
     for hair in hair {
         if hair.strands.is_empty() {
-            return Err(Error::Unusable("a groom without strands is not written".into()));
+            return Err(Error::Unusable("a groom without strands cannot be written".into()));
         }
         let mut groom = json!({"strands": strands(file, hair)?});
         if !hair.name.is_empty() {
@@ -53,12 +53,12 @@ pub(super) fn put(file: &mut File, hair: &[Hair<'_>]) -> Result<()> {
     Ok(())
 }
 
-/// Items of a groom: what they are, and bytes.
+/// Items of an accessor: component type, item type and bytes.
 struct Items {
     component: u32,
     kind: &'static str,
     bytes: Vec<u8>,
-    /// Of one item, with what fills it up to a multiple of four.
+    /// Bytes per item, padded to a multiple of four.
     stride: usize,
 }
 
@@ -122,7 +122,8 @@ fn integers(kind: &'static str, values: impl Iterator<Item = u32>) -> Items {
     Items { component: INT, kind, bytes: values.flat_map(u32::to_le_bytes).collect(), stride }
 }
 
-/// Places and widths: shares of a box and of the largest width where 16 bits are fine enough, else floats.
+/// Returns positions and widths: as 16-bit fractions of the bounding box and of the largest width if these are precise
+/// enough, else as floats.
 fn vertices(strands: &Strands, out: &mut Value) -> Items {
     let (low, high) = strands.bounds().unwrap_or_default();
     let size = (high - low).max_element();
@@ -145,13 +146,13 @@ fn vertices(strands: &Strands, out: &mut Value) -> Items {
     Items { component: FLOAT, kind: "VEC4", bytes, stride: 16 }
 }
 
-/// A share in 16 bits.
+/// Quantizes a value from 0 to 1 to 16 bits.
 fn share(s: f32) -> u16 {
     (s.clamp(0.0, 1.0) * 65535.0).round() as u16
 }
 
 impl File {
-    /// Writes items; their accessor's index.
+    /// Writes items and returns the index of their accessor.
     fn items(&mut self, items: Items, packed: bool) -> Result<usize> {
         let Items { component, kind, bytes, stride } = items;
         let count = bytes.len() / stride;
@@ -163,10 +164,10 @@ impl File {
         Ok(index)
     }
 
-    /// A compressed view.
+    /// Writes a compressed view and returns its index.
     fn packed(&mut self, bytes: &[u8], count: usize, stride: usize) -> Result<usize> {
         let failed = |problem| Error::Unusable(format!("hair cannot be compressed ({problem})"));
-        // The extension has version 0 of the codec.
+        // The extension requires version 0 of the codec.
         let encoding = VertexEncoding::new(0, 0).map_err(failed)?;
         let coded = encode_vertex_buffer(bytes, count, stride, encoding, &mut Workspace::default())
             .map_err(failed)?;

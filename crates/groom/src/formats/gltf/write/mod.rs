@@ -1,4 +1,5 @@
-//! Characters as GLB (glTF 2.0, binary): a mesh with its skin, shapes and animations, and hair as `EXT_tresses_hair`.
+//! Writes characters as GLB (binary glTF 2.0): a mesh with skin, morph targets and animations, and hair as
+//! `EXT_tresses_hair`.
 
 mod hair;
 #[cfg(test)]
@@ -11,7 +12,7 @@ use crate::{
     error::{Error, Result},
     formats::{
         gltf::PACKED,
-        writer::{Encoded, Hair},
+        writer::{EncodedFile, Hair},
     },
     orient::Unit,
     rig::{Animation, Interpolation, Node, Property, Rig},
@@ -21,20 +22,21 @@ const SHORT: u32 = 5123;
 const INT: u32 = 5125;
 const FLOAT: u32 = 5126;
 
-/// Encodes strands alone.
+/// Encodes strands without a mesh.
 ///
 /// # Errors
-/// [`Error::Unusable`] for strands in an unknown unit: glTF has one.
-pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<Encoded> {
+/// [`Error::Unusable`] for strands in an unknown unit: glTF is always in meters.
+pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<EncodedFile> {
     if unit.is_none() {
         return Err(Error::Unusable(
-            "a .glb is in metres, Y up, face +Z, which this groom may not be".into(),
+            "a .glb file is in meters, Y up, face +Z, but the unit and axes of this groom are unknown".into(),
         ));
     }
     Ok(character(None, &[Hair { name: "", strands, packed: false, look: None }])?.into())
 }
 
-/// The whole file of `mesh` (metres, Y up), which `rig` bends, if there is one. Read back, it bends as `rig` does.
+/// Encodes `mesh` (meters, Y up) and, if given, the `rig` that deforms it. After reading, the mesh deforms as with
+/// `rig`.
 ///
 /// # Errors
 /// [`Error::Unusable`] for a rig of another mesh.
@@ -42,10 +44,10 @@ pub(crate) fn body(mesh: &TriMesh, rig: Option<&Rig>) -> Result<Vec<u8>> {
     character(Some((mesh, rig)), &[])
 }
 
-/// The same with hair at rest, all in one space, or hair alone.
+/// Encodes a mesh with hair at rest, both in one space, or hair without a mesh.
 ///
 /// # Errors
-/// As [`body`], and [`Error::Unusable`] for hair without strands.
+/// See [`body`]; also [`Error::Unusable`] for hair without strands.
 pub(crate) fn character(body: Option<(&TriMesh, Option<&Rig>)>, hair: &[Hair<'_>]) -> Result<Vec<u8>> {
     let mut file = File::new();
     hair::put(&mut file, hair)?;
@@ -70,7 +72,7 @@ impl File {
             return Ok(());
         };
         if rig.vertices.len() != mesh.positions.len() {
-            return Err(Error::Unusable("a rig of another mesh is not written".into()));
+            return Err(Error::Unusable("the rig does not match the mesh".into()));
         }
         let vertices = &rig.vertices;
         let positions: Vec<_> = vertices.iter().map(|v| v.position).collect();
@@ -81,7 +83,7 @@ impl File {
             let range = 4 * set..4 * set + 4;
             let joints =
                 vertices.iter().flat_map(|v| v.joints[range.clone()].iter().zip(&v.weights[range.clone()]));
-            // Joints without weight are 0, as the specification wants it.
+            // The specification requires joint 0 where the weight is 0.
             let joints =
                 joints.flat_map(|(joint, weight)| if *weight > 0.0 { *joint } else { 0 }.to_le_bytes());
             let joints = file.accessor(SHORT, "VEC4", vertices.len(), joints.collect());
@@ -99,7 +101,8 @@ impl File {
             shape["extras"] = json!({"targetNames": names});
         }
         file.push("meshes", shape);
-        // Nodes keep their numbers; what holds the skin, and what brings it into the groom's space, stand behind them.
+        // Rig nodes keep their indices. The skinned node and the node with the transform to the groom's space follow
+        // them.
         rig.nodes.iter().enumerate().for_each(|(i, node)| {
             let children: Vec<_> =
                 (0..rig.nodes.len()).filter(|j| rig.nodes[*j].parent == Some(i as u32)).collect();
@@ -113,7 +116,7 @@ impl File {
         let roots: Vec<_> = (0..rig.nodes.len()).filter(|i| rig.nodes[*i].parent.is_none()).collect();
         let space = json!({"name": "Character", "matrix": rig.to_groom.to_cols_array(), "children": roots});
         let top = file.push("nodes", space);
-        // What a skin bends stands wherever its joints are: as a child of theirs it would be moved twice by some readers.
+        // The skinned node is a root of the scene: some readers would add the transform of a parent to the joints'.
         file.root["scenes"] = json!([{"nodes": [top, skinned]}]);
         for animation in &rig.animations {
             let item = file.animation(animation, skinned, rig.targets.len());
@@ -139,11 +142,11 @@ fn node_of(node: &Node, children: &[usize]) -> Value {
     item
 }
 
-/// A file in the making.
+/// A file being written.
 struct File {
     root: Value,
     bin: Vec<u8>,
-    /// Bytes of a second buffer, which only stands for what lies compressed in the first.
+    /// Size of the second buffer, bytes. It is a placeholder for data that the first buffer holds compressed.
     unpacked: usize,
 }
 
@@ -153,7 +156,7 @@ impl File {
         Self { root: json!({"asset": asset, "scene": 0}), bin: Vec::new(), unpacked: 0 }
     }
 
-    /// Adds to a list of the root; its index there.
+    /// Adds an item to a list of the root and returns its index.
     fn push(&mut self, list: &str, item: Value) -> usize {
         let all = &mut self.root[list];
         if !all.is_array() {
@@ -169,7 +172,7 @@ impl File {
         self.push("bufferViews", json!({"buffer": 0, "byteOffset": offset, "byteLength": bytes.len()}))
     }
 
-    /// Where `bytes` lie in the buffer from here on.
+    /// Appends `bytes` to the buffer and returns their offset.
     fn append(&mut self, bytes: &[u8]) -> usize {
         self.bin.resize(self.bin.len().next_multiple_of(4), 0);
         let offset = self.bin.len();
@@ -182,7 +185,7 @@ impl File {
         self.items_of(view, component, kind, count)
     }
 
-    /// An accessor of a whole view.
+    /// Adds an accessor of a whole view.
     fn items_of(&mut self, view: usize, component: u32, kind: &str, count: usize) -> usize {
         let item = json!({"bufferView": view, "componentType": component, "type": kind, "count": count});
         self.push("accessors", item)
@@ -193,7 +196,7 @@ impl File {
         self.accessor(FLOAT, kind, bytes.len() / (4 * width), bytes)
     }
 
-    /// Where the specification wants bounds: of positions, and of the times of keys.
+    /// Sets the bounds of an accessor. The specification requires them for positions and for the times of keys.
     fn bounded(&mut self, accessor: usize, lo: &[f32], hi: &[f32]) -> usize {
         let item = &mut self.root["accessors"][accessor];
         (item["min"], item["max"]) = (json!(lo), json!(hi));
@@ -208,7 +211,7 @@ impl File {
         self.bounded(accessor, &bounds.0.to_array(), &bounds.1.to_array())
     }
 
-    /// The triangles of a mesh whose vertices are elsewhere.
+    /// Returns a primitive with the triangles and colors of `mesh`, at the given positions.
     fn surface(&mut self, mesh: &TriMesh, positions: &[glam::Vec3], normals: &[glam::Vec3]) -> Value {
         let position = self.places(positions);
         let indices = mesh.triangles.iter().flatten().flat_map(|i| i.to_le_bytes()).collect();
@@ -225,7 +228,7 @@ impl File {
         primitive
     }
 
-    /// What a shape adds, at the vertices that it moves.
+    /// Writes the deltas of a morph target as sparse accessors.
     fn target(&mut self, target: &crate::rig::Target, vertices: usize) -> Value {
         let at = target.deltas.iter().flat_map(|delta| delta.vertex.to_le_bytes()).collect::<Vec<u8>>();
         let at = self.view(&at);
@@ -259,7 +262,7 @@ impl File {
                 Property::Rotation => ("rotation", "VEC4", 4, curve.values.clone()),
                 Property::Scale => ("scale", "VEC3", 3, curve.values.clone()),
                 Property::Weights(of) => {
-                    // A file keys all shapes of a mesh at once.
+                    // glTF animates all morph targets of a mesh at once.
                     let mut all = vec![0.0; curve.times.len() * parts * targets];
                     for (row, values) in curve.values.chunks_exact(of.len().max(1)).enumerate() {
                         for (target, value) in of.iter().zip(values) {
@@ -296,7 +299,8 @@ impl File {
         text.resize(text.len().next_multiple_of(4), b' ');
         let length = 12 + 8 + text.len() + 8 + self.bin.len();
         let length = u32::try_from(length);
-        let length = length.map_err(|_| Error::Unusable("a body of more than 4 GB is no GLB".into()))?;
+        let length =
+            length.map_err(|_| Error::Unusable("the file would exceed the 4 GB limit of GLB".into()))?;
         let mut bytes = Vec::with_capacity(length as usize);
         bytes.extend_from_slice(b"glTF");
         bytes.extend([2, length].into_iter().flat_map(u32::to_le_bytes));

@@ -1,4 +1,4 @@
-//! What is written is read back.
+//! Round trips of meshes and hair.
 
 use super::*;
 use crate::{Look, Strands, import, mannequin, strands::Mark};
@@ -10,9 +10,9 @@ fn read(bytes: &[u8]) -> import::mesh::RawMesh {
     import::mesh::read_given(&[(path.clone(), Cow::Borrowed(bytes))], &path).unwrap()
 }
 
-/// What is written is read back and bends in the same way.
+/// A mesh read back deforms as the original.
 #[test]
-fn a_body_comes_back() {
+fn body_survives_round_trip() {
     let mesh = mannequin::mesh(60);
     let mut rig = mannequin::rig::rig(&mesh);
     rig.animations.push(wave());
@@ -38,7 +38,7 @@ fn a_body_comes_back() {
         }
     }
     assert!(farthest < 1e-5, "{farthest}");
-    // Another's rig is not written.
+    // A rig of another mesh is rejected.
     assert!(body(&mannequin::mesh(50), Some(&rig)).is_err());
 }
 
@@ -57,7 +57,7 @@ fn wave() -> Animation {
 }
 
 #[test]
-fn what_does_not_bend_is_written_too() {
+fn body_without_rig_survives_round_trip() {
     let mesh = mannequin::mesh(50);
     let back = read(&body(&mesh, None).unwrap());
     assert_eq!((back.mesh.positions, back.mesh.triangles), (mesh.positions, mesh.triangles));
@@ -86,12 +86,12 @@ fn strands() -> Strands {
     strands
 }
 
-fn groom_of(bytes: &[u8]) -> import::Given<'_> {
+fn groom_of(bytes: &[u8]) -> import::FileBytes<'_> {
     (PathBuf::from("groom.glb"), Cow::Borrowed(bytes))
 }
 
 #[test]
-fn hair_comes_back_with_its_body() {
+fn hair_and_body_survive_round_trip() {
     let (mesh, strands) = (mannequin::mesh(60), strands());
     let rig = mannequin::rig::rig(&mesh);
     let look = Look { eumelanin: 0.3, roughness: [0.2, 0.4], ..Default::default() };
@@ -100,7 +100,7 @@ fn hair_comes_back_with_its_body() {
         let hair = [Hair { name: "hair", strands: &strands, packed, look: Some(&look) }];
         let bytes = character(Some((&mesh, Some(&rig))), &hair).unwrap();
         let given = [groom_of(&bytes)];
-        assert_eq!(import::kind(&given[0].0, &bytes), Some(import::Kind::Groom));
+        assert_eq!(import::kind(&given[0].0, &bytes), Some(import::FileKind::Groom));
         let (back, head, report) = import::read_given(&given, &Default::default()).unwrap();
         let head = head.expect("it holds a body");
         assert_eq!(
@@ -113,7 +113,7 @@ fn hair_comes_back_with_its_body() {
             (&strands.offsets, &strands.tip_pinned, &strands.marks)
         );
         assert_eq!(back.root_uvs, strands.root_uvs);
-        // Within half a step of sixteen bits.
+        // Within half a step of 16 bits.
         let far = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
         assert!(far(&back.positions, &strands.positions) < 0.39 / 65535.0, "positions");
         assert!(far(&back.colors, &strands.colors) < 2e-5, "colours");
@@ -125,9 +125,9 @@ fn hair_comes_back_with_its_body() {
 }
 
 #[test]
-fn fine_hair_is_written_as_floats_and_comes_back_to_the_bit() {
+fn fine_hair_is_stored_as_floats() {
     let mut strands = Strands::default();
-    // A hair of a metre beside fuzz of half a millimetre.
+    // A hair of 1 m beside fuzz with segments of 0.5 mm.
     strands.push(&[Vec3::ZERO, Vec3::Y]);
     for i in 0..200 {
         let root = Vec3::new(0.001 * i as f32, 0.0, 0.2);
@@ -147,7 +147,7 @@ fn fine_hair_is_written_as_floats_and_comes_back_to_the_bit() {
 }
 
 #[test]
-fn what_is_broken_is_said_in_a_sentence() {
+fn damaged_hair_is_reported() {
     let strands = strands();
     let whole =
         character(None, &[Hair { name: "hair", strands: &strands, packed: true, look: None }]).unwrap();
@@ -159,9 +159,9 @@ fn what_is_broken_is_said_in_a_sentence() {
         import::read_given(&[groom_of(&bytes)], &Default::default()).expect_err(to).to_string()
     };
     for (from, to, said) in [
-        ("\"count\":40,\"flags\"", "\"count\":41,\"flags\"", "has 40 items where there are 41"),
+        ("\"count\":40,\"flags\"", "\"count\":41,\"flags\"", "has 40 items, but should have 41"),
         ("\"vertices\":", "\"vertexes\":", "it has no vertices"),
-        ("ATTRIBUTES", "ATTRIBUTEZ", "does not unpack"),
+        ("ATTRIBUTES", "ATTRIBUTEZ", "cannot be decompressed"),
         ("\"vertexCounts\":0", "\"vertexCounts\":9", "accessor 9"),
         ("EXT_tresses_hair\":{", "EXT_tresses_fuzz\":{", "not a groom"),
     ] {

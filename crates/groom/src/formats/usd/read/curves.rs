@@ -1,4 +1,4 @@
-//! Curves as strands.
+//! Reads curves as strands.
 
 use std::rc::Rc;
 
@@ -11,7 +11,7 @@ use openusd::{
 use super::{
     Moment, Scene, Source, guarded,
     param::param,
-    skel::{Bound, Skeleton, Skeletons},
+    skel::{SkelBinding, Skeleton, Skeletons},
     tree::{Object, Purpose, Schema, Tree, when},
     value,
 };
@@ -19,7 +19,7 @@ use crate::{
     error::{At, Result},
     formats::{
         curves::{
-            self, Groom, How, Names, Place,
+            self, CurveCut, Groom, Names, Place,
             basis::{Basis, Blend},
             cut, split_knots,
         },
@@ -33,28 +33,28 @@ pub(crate) fn read(source: &Source, moment: Moment) -> Result<Raw> {
     guarded(source, || {
         let scene = Scene::open(source)?;
         let tree = Tree::read(&scene)?;
-        Reading::of(&scene, &tree, moment)
+        CurveReader::of(&scene, &tree, moment)
     })
 }
 
-/// A file in the making.
-struct Reading<'r> {
+/// State while a file is read.
+struct CurveReader<'r> {
     scene: &'r Scene<'r, 'r>,
     tree: &'r Tree,
     time: TimeCode,
     skeletons: Skeletons,
-    /// What each skeleton brings its points with, and the skeleton's place.
+    /// Skinning palette and transform of each skeleton.
     palettes: Vec<(Vec<DMat4>, DMat4)>,
     groom: Groom,
 }
 
-impl<'r> Reading<'r> {
+impl<'r> CurveReader<'r> {
     fn of(scene: &'r Scene<'r, 'r>, tree: &'r Tree, moment: Moment) -> Result<Raw> {
         let all: Vec<&Object> = tree.objects.iter().filter(|object| object.schema != Schema::Mesh).collect();
         if all.is_empty() {
             let mut problem = String::from(match tree.objects.len() {
                 0 => "the file holds neither curves nor meshes",
-                _ => "the file holds no curves; its meshes can be the head of a groom",
+                _ => "the file holds meshes but no curves; use it as the head of a groom",
             });
             if let Some(missing) = scene.missing() {
                 problem += &format!(" ({missing})");
@@ -96,26 +96,25 @@ impl<'r> Reading<'r> {
             reading.object(object, shared)?;
         }
         let Groom { mut raw, habits, .. } = reading.groom;
-        habits.tell(&mut raw, objects.len(), "by the names or the purpose of their objects");
+        habits.tell(&mut raw, objects.len(), "by object name or purpose");
         Ok(raw)
     }
 
-    /// Those that are meant to be seen, and guides.
+    /// Selects visible objects, including guides.
     fn chosen(&mut self, all: Vec<&'r Object>, places: &[(glam::DMat4, bool)]) -> Result<Vec<&'r Object>> {
         let count = all.len();
         let shown: Vec<_> = all.into_iter().filter(|object| Tree::of(object, places).1).collect();
         if shown.is_empty() {
-            return Err(self.scene.problem(format!("all {count} objects of curves are invisible")));
+            return Err(self.scene.problem(format!("all {count} curve objects are invisible")));
         }
         let hidden = count - shown.len();
-        // What stands in for others is all there is where there are no others.
+        // Proxies are read only if there are no other objects.
         let proxies = shown.iter().filter(|object| object.purpose == Purpose::Proxy).count();
         let stand_in = proxies < shown.len();
         let notes = &mut self.groom.raw.notes;
-        notes.extend((hidden > 0).then(|| format!("{hidden} invisible objects of curves are left out")));
+        notes.extend((hidden > 0).then(|| format!("{hidden} invisible curve objects are skipped")));
         let some = proxies > 0 && stand_in;
-        notes
-            .extend(some.then(|| format!("{proxies} objects that stand in for others (proxy) are left out")));
+        notes.extend(some.then(|| format!("{proxies} proxy objects are skipped")));
         Ok(shown.into_iter().filter(|object| !stand_in || object.purpose != Purpose::Proxy).collect())
     }
 
@@ -125,21 +124,21 @@ impl<'r> Reading<'r> {
             |problem: String| scene.problem(format!("{}: {problem}", excerpt(object.prim.path().as_str())));
         let Some(value) = self.value(&object.prim, "points")? else { return Ok(()) };
         let Some((flat, 3)) = value::row(&value, |number| number as f32) else {
-            return Err(broken("points that are no points".into()));
+            return Err(broken("“points” is not a list of points".into()));
         };
         drop(value);
         scene.source.check_finite(At::File, &flat, "points")?;
         let counts = self.value(&object.prim, "curveVertexCounts")?;
         let Some((counts, _)) = counts.as_ref().and_then(|counts| value::row(counts, |count| count as i64))
         else {
-            return Err(broken("curves without curveVertexCounts".into()));
+            return Err(broken("the curves have no curveVertexCounts".into()));
         };
         let starts = curves::starts(&counts, flat.len() / 3).map_err(broken)?;
         let end = starts.last().map_or(0, |end| *end as usize);
         let mut points: Vec<Vec3> = flat.as_chunks().0[..end].iter().map(|p| Vec3::from(*p)).collect();
         let mut matrix = shared.matrix;
         let whole = (object, flat.len() / 3);
-        if let Some(bound) = Bound::of(scene, self.tree, whole, &self.skeletons, self.time)? {
+        if let Some(bound) = SkelBinding::of(scene, self.tree, whole, &self.skeletons, self.time)? {
             let (palette, place) = &self.palettes[bound.skeleton];
             bound.bring(palette, &mut points);
             matrix = *place;
@@ -154,7 +153,7 @@ impl<'r> Reading<'r> {
             Place::Shape => param(scene, own.into_iter(), name, time),
             Place::Beside => param(scene, tree.up(object), name, time),
         };
-        // Where all of an object has one, it is that of a viewer's lines.
+        // A single color for an object is the line color of a viewer.
         let viewers = values(Place::Beside, "displayColor")?.is_some_and(|color| color.flat.len() == 3);
         if viewers && points.len() > 1 && !self.groom.habits.misfits.iter().any(|said| said == ONE_COLOR) {
             self.groom.habits.misfits.push(ONE_COLOR.into());
@@ -169,7 +168,7 @@ impl<'r> Reading<'r> {
         )
     }
 
-    /// How each curve is cut, and whether curves end before their outermost points.
+    /// Tessellates each curve. Also returns whether curves end before their outermost points.
     fn cut(&mut self, object: &Object, starts: &[u32]) -> Result<(Vec<Rc<[Blend]>>, bool)> {
         let path = excerpt(object.prim.path().as_str());
         let broken = |problem: String| self.scene.problem(format!("{path}: {problem}"));
@@ -181,21 +180,21 @@ impl<'r> Reading<'r> {
             Ok(value.as_ref().and_then(|value| value::row(value, |n| n as f32)).unwrap_or_default().0)
         };
         if object.schema == Schema::Hermite {
-            return Err(broken("Hermite curves, which are not read".into()));
+            return Err(broken("Hermite curves are not supported".into()));
         }
         if object.schema == Schema::Nurbs {
             let own = split_knots(starts, &list("order")?, &list("knots")?, true);
             let Some(own) = own else {
-                return Err(broken("orders and knots that do not fit its curves".into()));
+                return Err(broken("the orders and knots do not match the curves".into()));
             };
             let rational = list("pointWeights")?.iter().any(|w| *w != 1.0);
-            let all = cut(starts, &How::Knots(&own)).map_err(broken)?;
+            let all = cut(starts, &CurveCut::Knots(&own)).map_err(broken)?;
             self.groom.habits.rational += usize::from(rational);
             self.curved("B-spline (with knots)");
             return Ok((all, false));
         }
         let (kind, basis, wrap) = (word("type")?, word("basis")?, word("wrap")?);
-        // Its particles are splines that do not say that they begin at their roots.
+        // Blender writes particles as B-splines without `wrap`, although they begin at their roots.
         let unsaid = wrap.is_empty() && basis == "bspline" && self.scene.of_blender()?;
         self.groom.habits.clamped += usize::from(unsaid);
         let pinned = unsaid || wrap == "pinned";
@@ -205,13 +204,16 @@ impl<'r> Reading<'r> {
             ("" | "cubic", "bspline") => (Basis::BSpline { pinned }, Some("B-spline")),
             ("" | "cubic", "catmullRom") => (Basis::CatmullRom { pinned }, Some("Catmull-Rom")),
             (kind, basis) => {
-                let problem =
-                    format!("curves that are {} {}, which are not read", excerpt(kind), excerpt(basis));
+                let problem = format!(
+                    "curves of type “{}” and basis “{}” are not supported",
+                    excerpt(kind),
+                    excerpt(basis)
+                );
                 return Err(broken(problem));
             }
         };
         let inner = matches!(basis, Basis::BSpline { pinned: false } | Basis::CatmullRom { pinned: false });
-        let all = cut(starts, &How::Basis(basis)).map_err(broken)?;
+        let all = cut(starts, &CurveCut::Basis(basis)).map_err(broken)?;
         self.groom.habits.closed += usize::from(wrap == "periodic");
         if let Some(name) = name {
             self.curved(name);
@@ -229,7 +231,7 @@ impl<'r> Reading<'r> {
         self.scene.say(prim.attribute(name.to_owned()).get_at(self.time))
     }
 
-    /// The texts of one name, of an object or what it is in.
+    /// Returns the texts of an attribute, from the object or the nearest ancestor that has it.
     fn texts(&self, object: &Object, name: &str) -> Result<Vec<String>> {
         for prim in self.tree.up(object) {
             for name in [format!("primvars:{name}"), name.to_owned()] {
@@ -242,4 +244,5 @@ impl<'r> Reading<'r> {
     }
 }
 
-const ONE_COLOR: &str = "“displayColor” is one for all of an object, as viewers draw it, and is not used";
+const ONE_COLOR: &str =
+    "“displayColor” is ignored where an object has one value: it is the color that viewers draw";

@@ -1,4 +1,4 @@
-//! Where layers come from: the file itself, and what it refers to beside it.
+//! Sources of layers: the file itself and the files that it refers to.
 
 use std::{
     cell::Cell,
@@ -16,17 +16,17 @@ use openusd::{
 
 use super::{Files, Source};
 
-/// How deep brackets may be in each other: a parser that calls itself for each must not run out of stack.
+/// Maximum depth of nested brackets. The parser recurses for each of them and must not overflow the stack.
 const DEEPEST: usize = 96;
-/// What a text layer begins with.
+/// Start of a text layer.
 const TEXT: &[u8] = b"#usda ";
 
-/// The files that a scene may be made of.
+/// The files of a scene.
 pub(super) struct Layers {
     root: PathBuf,
-    /// The root and, where files are given, all of them: the crate keeps them beyond this call.
+    /// The root layer and all files given in memory, copied because the crate keeps them beyond this call.
     given: Vec<(PathBuf, Arc<[u8]>)>,
-    /// Whether there are others on the disk.
+    /// Whether other files may be read from disk.
     disk: bool,
     bytes: Rc<Cell<u64>>,
 }
@@ -42,19 +42,19 @@ impl Layers {
         Self { root, given, disk: matches!(source.files, Files::Disk), bytes: Rc::default() }
     }
 
-    /// The name of the file itself.
+    /// Returns the name of the root layer.
     pub fn root(&self) -> String {
         self.root.to_string_lossy().into_owned()
     }
 
-    /// How many bytes were asked for so far.
+    /// Returns the counter of the bytes read so far.
     pub fn bytes(&self) -> Rc<Cell<u64>> {
         self.bytes.clone()
     }
 
     fn find(&self, path: &Path) -> Option<&Arc<[u8]>> {
         let exact = self.given.iter().find(|(name, _)| name == path);
-        // What is dropped or picked has lost its folder.
+        // A file that the user dropped or picked has lost its folder.
         let loose = || self.given.iter().find(|(name, _)| !self.disk && name.file_name() == path.file_name());
         exact.or_else(loose).map(|(_, bytes)| bytes)
     }
@@ -63,17 +63,17 @@ impl Layers {
         match self.find(path) {
             Some(bytes) => Ok(bytes.clone()),
             None if self.disk => std::fs::read(path).map(Arc::from),
-            None => Err(io::Error::new(io::ErrorKind::NotFound, "it was not given")),
+            None => Err(io::Error::new(io::ErrorKind::NotFound, "the file was not provided")),
         }
     }
 }
 
-/// Whether a name is that of a layer or a package of them.
+/// Returns whether a file name has the extension of a layer or package.
 fn is_layer(name: &Path) -> bool {
     crate::formats::extension(name).starts_with("usd")
 }
 
-/// A path without detours, so that one file has one name.
+/// Normalizes a path, so that each file has one name.
 fn tidied(path: &Path) -> PathBuf {
     let mut tidy = PathBuf::new();
     for part in path.components() {
@@ -95,7 +95,7 @@ impl Resolver for Layers {
             return ar::join_package_relative_path(&package, &inner);
         }
         let anchor = anchor.map(|anchor| anchor.to_string_lossy()).unwrap_or_default();
-        // What is in a package refers to what is in it.
+        // References inside a package are relative to it.
         if let Some((package, inner)) = ar::split_package_relative_path_outer(&anchor) {
             let beside = Path::new(&inner).parent().unwrap_or(Path::new("")).join(asset);
             return ar::join_package_relative_path(&package, &tidied(&beside).to_string_lossy());
@@ -129,19 +129,19 @@ impl Resolver for Layers {
         self.bytes.set(self.bytes.get().saturating_add(buffer.len() as u64));
         let text = buffer.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(0);
         if buffer[text..].starts_with(TEXT) && depth(&buffer[text..]) > DEEPEST {
-            let problem = format!("brackets in each other, more than {DEEPEST} deep");
+            let problem = format!("brackets are nested more than {DEEPEST} levels deep");
             return Err(io::Error::new(io::ErrorKind::InvalidData, problem));
         }
         Ok(Box::new(Cursor::new(buffer)))
     }
 
-    // Browsers have no such times.
+    // Browsers have no modification times.
     fn get_modification_timestamp(&self, _: &str, _: &ResolvedPath) -> Option<SystemTime> {
         None
     }
 }
 
-/// How deep the brackets of a text layer are in each other, comments and strings left out.
+/// Returns the depth of nested brackets in a text layer, outside comments and strings.
 fn depth(text: &[u8]) -> usize {
     let (mut depth, mut most, mut i) = (0usize, 0, 0);
     while i < text.len() {
@@ -158,7 +158,7 @@ fn depth(text: &[u8]) -> usize {
                 i += if long { 3 } else { 1 };
                 let ends = |rest: &[u8]| if long { rest.starts_with(&[quote; 3]) } else { rest[0] == quote };
                 while i < text.len() && !ends(&text[i..]) {
-                    // A line ends what was no string.
+                    // The end of the line terminates an unclosed string.
                     if !long && text[i] == b'\n' {
                         break;
                     }
@@ -178,7 +178,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn brackets_are_counted_where_they_mean_something() {
+    fn depth_ignores_comments_and_strings() {
         assert_eq!(depth(b"def \"a\" ( x = [1, (2)] ) { def \"b\" {} }"), 3);
         assert_eq!(depth(b"# {{{{\n\"((\\\"((\" '''[[ ' [[''' @((@ @@@[[[@@@ {}"), 1);
         assert_eq!(depth(b"\"open\n{{{"), 3);
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn one_file_has_one_name() {
+    fn each_file_has_one_name() {
         let all = [(PathBuf::from("in/b.usda"), std::borrow::Cow::Borrowed(&b"x"[..]))];
         let source = Source {
             path: Path::new("a/./x/../r.usda"),
@@ -202,7 +202,7 @@ mod tests {
         assert_eq!(named("./b.usda", "a/r.usda"), "a/b.usda");
         assert_eq!(named("../b.usdz[c.usda]", "a/r.usda"), "b.usdz[c.usda]");
         assert_eq!(named("./c.usda", "p.usdz[in/a.usda]"), "p.usdz[in/c.usda]");
-        // By its name alone, as it has lost its folder; not what was not given.
+        // Found by the name alone, since the folder is lost. Files that were not given are not found.
         assert!(layers.resolve("a/b.usda").is_some() && layers.resolve("a/c.usda").is_none());
         assert!(layers.open_asset(&ResolvedPath::new(PathBuf::from("a/c.usda"))).is_err());
     }

@@ -1,11 +1,11 @@
-//! Meshes, for heads: all of a file as one.
+//! Reads all meshes of a file as one head mesh.
 
 use glam::{DVec3, Vec3};
 use openusd::sdf::Value;
 
 use super::{
     Moment, Scene, Source, guarded,
-    skel::{Bound, Rigging, Skeletons},
+    skel::{Rigging, SkelBinding, Skeletons},
     tree::{Object, Purpose, Schema, Tree, when},
     value,
 };
@@ -15,8 +15,8 @@ use crate::{
     formats::{faces::fan, raw::RawMesh, source::excerpt},
 };
 
-/// Reads all meshes of a file that are meant to be seen, at their first sample or, on a skeleton, at rest; what bends
-/// them, what is said of their unit and axes, and what was left out. Normals are left to whoever needs them.
+/// Reads all visible meshes of a file, at the first sample or, on a skeleton, at rest. Returns them with their rig, the
+/// unit and axes that the file states, and notes on skipped data. Normals are not read; the importer computes them.
 pub(crate) fn read(source: &Source) -> Result<RawMesh> {
     guarded(source, || {
         let scene = Scene::open(source)?;
@@ -46,7 +46,7 @@ pub(crate) fn read(source: &Source) -> Result<RawMesh> {
             scene.take(points.len() as u64 / 3 + corners.len() as u64)?;
             let base = mesh.positions.len() as u32;
             let points: Vec<Vec3> = points.as_chunks().0.iter().map(|p| Vec3::from(*p)).collect();
-            let bound = Bound::of(&scene, &tree, (object, points.len()), &skeletons, time)?;
+            let bound = SkelBinding::of(&scene, &tree, (object, points.len()), &skeletons, time)?;
             rigging.add(&scene, (object, matrix), bound.as_ref(), &points, time)?;
             let own = match &bound {
                 Some(bound) => skeletons.0[bound.skeleton].place(&places) * bound.geom,

@@ -1,12 +1,13 @@
-//! The reader of USD.
+//! USD reader.
 //!
 //! ```text
-//! layers: bytes, what they refer to ─► openusd: composed stage ─► tree: prims, transforms ─┬─► curves ─► strands
-//! value: numbers of any type                                      skel: joints, bindings ──┴─► mesh ─► triangles, a rig
+//! layers: bytes, referenced layers ──► openusd: composed stage ─► tree: prims, transforms ─┬─► curves ─► strands
+//! value: numbers of any type                                      skel: joints, bindings ──┴─► mesh ─► triangles, rig
 //! ```
 //!
-//! The crate `openusd` reads layers and composes them; what prims mean is decided here, by the schemas `BasisCurves`,
-//! `NurbsCurves`, `Mesh`, above them `Xform`, and `Skeleton`, `SkelAnimation` and `BlendShape` beside them. One moment of what is animated is read ([`Moment`]).
+//! The crate `openusd` reads layers and composes them. This module interprets prims by their schemas: `BasisCurves`,
+//! `NurbsCurves`, `Mesh`, above them `Xform`, and beside them `Skeleton`, `SkelAnimation` and `BlendShape`. Of animated
+//! values it reads one moment ([`Moment`]).
 
 mod curves;
 mod layers;
@@ -43,16 +44,16 @@ use crate::{
 use layers::Layers;
 use tree::{Schema, Tree};
 
-/// Vertices that a file may ask for per byte: objects may be drawn many times, but not a few bytes all memory.
+/// Maximum vertices to read per byte of the file. Objects may be instanced, but a few bytes must not fill the memory.
 const READS_PER_BYTE: u64 = 16;
 
-/// An open file and what it refers to.
+/// An open file with the files that it refers to.
 struct Scene<'s, 'a> {
     source: &'s Source<'a>,
     stage: Stage,
-    /// How many bytes were read for it.
+    /// Bytes read so far.
     bytes: Rc<Cell<u64>>,
-    /// How many vertices are taken of it so far.
+    /// Vertices read so far.
     taken: Cell<u64>,
 }
 
@@ -71,38 +72,38 @@ impl<'s, 'a> Scene<'s, 'a> {
         self.source.problem(At::File, problem)
     }
 
-    /// The sentence of an error of the crate.
+    /// Converts an error of the `openusd` crate.
     fn say<T>(&self, result: openusd::Result<T>) -> Result<T> {
         result.map_err(|error| problem(self.source, error))
     }
 
-    /// Takes note of `count` vertices more.
+    /// Adds `count` vertices to those read, within the limit.
     fn take(&self, count: u64) -> Result<()> {
         let taken = self.taken.get().saturating_add(count);
         self.source.check_vertices(0, taken)?;
         if taken > self.bytes.get().saturating_mul(READS_PER_BYTE) {
-            return Err(self.problem("the same is drawn more often than so small a file can mean"));
+            return Err(self.problem("the file refers to the same data too often for its size"));
         }
         self.taken.set(taken);
         Ok(())
     }
 
-    /// A text that is said of the whole scene.
+    /// Returns a text of the scene's metadata.
     fn text(&self, field: &str) -> Result<Option<String>> {
         Ok(self.say(self.stage.stage_metadata(field))?.as_ref().and_then(value::text))
     }
 
-    /// Whether Blender wrote it.
+    /// Returns whether Blender wrote the file.
     fn of_blender(&self) -> Result<bool> {
         Ok(self.text("documentation")?.is_some_and(|doc| doc.starts_with("Blender")))
     }
 
-    /// Whether we wrote it.
+    /// Returns whether this crate wrote the file.
     fn is_ours(&self) -> Result<bool> {
         Ok(self.text("documentation")?.as_deref() == Some(DOC))
     }
 
-    /// What is said of unit and axes.
+    /// Returns the unit and axes that the file states.
     fn declared(&self) -> Result<Choice> {
         let up = self.text("upAxis")?.and_then(|axis| match axis.as_str() {
             "X" => Some(Axis::X),
@@ -114,14 +115,14 @@ impl<'s, 'a> Scene<'s, 'a> {
         let metres = metres.as_ref().and_then(value::number).map(|metres| metres as f32);
         let unit = metres.filter(|metres| metres.is_finite() && *metres > 0.0).map(Unit);
         let ours = self.is_ours()?;
-        // What we write says its unit only where it is upright.
+        // This crate writes a unit only to files with Y up and face +Z.
         if ours && up == Some(Axis::Y) && unit.is_some() {
             return Ok(Choice { unit, ..Choice::METRES });
         }
         Ok(Choice { unit, up, ..Choice::default() })
     }
 
-    /// What it refers to and does not find, or what else could not be put together.
+    /// Returns the first composition error, such as a missing file, and the number of further ones.
     fn missing(&self) -> Option<String> {
         let all = self.stage.composition_errors();
         let first = first_line(&all.first()?.to_string());
@@ -132,10 +133,10 @@ impl<'s, 'a> Scene<'s, 'a> {
     }
 }
 
-/// Whether a file holds curves, as far as it can be read alone.
+/// Returns whether a file has curves, as far as it can be read without the files that it refers to.
 pub(crate) fn is_groom(path: &Path, bytes: &[u8]) -> bool {
     let source = Source { path, bytes, files: Files::Given(&[]), lenient: true };
-    // What cannot be read is left to the reader of grooms, who says why.
+    // If the file cannot be read, the groom reader reports why.
     guarded(&source, || {
         let tree = Tree::read(&Scene::open(&source)?)?;
         Ok(tree.objects.is_empty() || tree.objects.iter().any(|object| object.schema != Schema::Mesh))
@@ -143,9 +144,9 @@ pub(crate) fn is_groom(path: &Path, bytes: &[u8]) -> bool {
     .unwrap_or(true)
 }
 
-/// Whether a file holds curves and a body that belongs to them: both on a skeleton, or written by us.
+/// Returns whether a file has curves and the mesh that they grow on: both on a skeleton, or written by this crate.
 pub(crate) fn holds_body(path: &Path, bytes: &[u8]) -> bool {
-    // Text is large, and says it as it is.
+    // Text files are large; searching for keywords avoids parsing most of them.
     let says = |word: &[u8]| bytes.windows(word.len()).any(|window| window == word);
     let text = bytes.starts_with(b"#usda");
     if text && !(says(b"def Mesh") && (says(b"def Skeleton") || says(DOC.as_bytes()))) {
@@ -162,14 +163,14 @@ pub(crate) fn holds_body(path: &Path, bytes: &[u8]) -> bool {
     .unwrap_or(false)
 }
 
-/// Runs what calls the crate: should it panic, that is an error of the file.
+/// Calls code that uses the `openusd` crate. A panic becomes an error of the file.
 fn guarded<T>(source: &Source, read: impl FnOnce() -> Result<T>) -> Result<T> {
     catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| {
-        Err(source.problem(At::File, "the reader of USD gave up on it, which is a fault of the reader"))
+        Err(source.problem(At::File, "the USD reader failed; this is a bug in the reader"))
     })
 }
 
-/// The first line of a text, not too long.
+/// Returns the first line of a text, at most 200 characters.
 fn first_line(text: &str) -> String {
     let line = text.lines().next().unwrap_or_default().trim_start_matches("error: ").trim();
     match line.char_indices().nth(200) {
@@ -178,7 +179,7 @@ fn first_line(text: &str) -> String {
     }
 }
 
-/// An error of the crate as one sentence with its line, where it has one.
+/// Converts an error of the crate to one sentence, with the line if it is known.
 fn problem(source: &Source, error: Usd) -> Error {
     let parse = match &error {
         Usd::Parse(error) => Some(&**error),
@@ -187,7 +188,7 @@ fn problem(source: &Source, error: Usd) -> Error {
     };
     let at = parse.map_or(At::File, |parse| At::Line(parse.line() as u64));
     let mut said = first_line(&error.to_string());
-    // The parser has shown the cause already.
+    // The message of a parse error includes its cause.
     let mut cause = if parse.is_some() { None } else { error.source() };
     while let Some(error) = cause.filter(|_| said.len() < 300) {
         said += &format!(": {}", first_line(&error.to_string()));

@@ -1,4 +1,4 @@
-//! Values beside points.
+//! Parameters of curves.
 
 use openusd::{
     sdf::Value,
@@ -9,12 +9,12 @@ use super::{READS_PER_BYTE, Scene, value};
 use crate::{
     error::{At, Result},
     formats::{
-        curves::{Param, Per},
+        curves::{AttributeScope, Param},
         source::excerpt,
     },
 };
 
-/// The values of one name that the first of `prims` has, as a primvar or as they are.
+/// Returns the values of `name` from the first of `prims` that has it, as a primvar or as a plain attribute.
 pub(super) fn param<'p>(
     scene: &Scene,
     prims: impl Iterator<Item = &'p Prim>,
@@ -33,27 +33,26 @@ pub(super) fn param<'p>(
             let indices = scene.say(prim.attribute(format!("{name}:indices")).get_at::<Value>(time))?;
             if let Some((indices, _)) = indices.as_ref().and_then(|all| value::row(all, |index| index as i64))
             {
-                // Long values that few numbers stand for may be more than all memory.
+                // A few indices may repeat a long value so often that it fills the memory.
                 let most = scene.bytes.get().saturating_mul(READS_PER_BYTE);
                 if width > 16 && (indices.len() as u64).saturating_mul(width as u64) > most {
                     let (path, name) = (excerpt(prim.path().as_str()), excerpt(&name));
-                    return Err(
-                        scene.problem(format!("{path}: {name} is more than so small a file can mean"))
-                    );
+                    return Err(scene
+                        .problem(format!("{path}: {name} repeats too much data for the size of the file")));
                 }
                 flat = Param::picked(&flat, &indices, width).map_err(|index| {
                     let (path, name) = (excerpt(prim.path().as_str()), excerpt(&name));
                     scene.problem(format!(
-                        "{path}: {name} has no value {index}, there are {}",
+                        "{path}: {name} has no value {index}; there are {}",
                         flat.len() / width
                     ))
                 })?;
             }
             scene.source.check_finite(At::File, &flat, &excerpt(&name))?;
             let scope = match metadata("interpolation")?.as_ref().and_then(value::text).as_deref() {
-                Some("constant") => Some(Per::All),
-                Some("uniform") => Some(Per::Curve),
-                Some("varying" | "vertex" | "faceVarying") => Some(Per::Point),
+                Some("constant") => Some(AttributeScope::All),
+                Some("uniform") => Some(AttributeScope::Curve),
+                Some("varying" | "vertex" | "faceVarying") => Some(AttributeScope::Point),
                 _ => None,
             };
             return Ok(Some(Param { flat, width, scope, at: At::File }));

@@ -1,4 +1,4 @@
-//! The prims of a scene that have shapes, and the transforms above them.
+//! The prims of a scene with geometry, and the transforms above them.
 
 use glam::{DMat4, DVec3};
 use openusd::{
@@ -9,12 +9,12 @@ use openusd::{
 use super::{Moment, Scene, value};
 use crate::error::Result;
 
-/// Prims inside each other, at most.
+/// Maximum depth of nested prims.
 const DEEPEST: usize = 200;
-/// Prims that a file of no size may ask for; larger ones, one for each byte more.
+/// Prims that a file may have in addition to one per byte.
 const FREE: u64 = 1000;
 
-/// What a prim is.
+/// Schema of a prim with geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Schema {
     Basis,
@@ -23,42 +23,42 @@ pub(super) enum Schema {
     Mesh,
 }
 
-/// What a prim is for, as it or what it is in says.
+/// Purpose of a prim, which its descendants inherit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Purpose {
-    /// To be seen.
+    /// Visible geometry.
     #[default]
     Shown,
-    /// To stand in for what is seen.
+    /// A stand-in for visible geometry.
     Proxy,
-    /// To help who works with it.
+    /// A helper for artists.
     Guide,
 }
 
-/// A prim with a shape.
+/// A prim with geometry.
 pub(super) struct Object {
     pub prim: Prim,
-    /// Its own name, and that of what it is in.
+    /// Names of the prim and of its parent.
     pub names: [String; 2],
     pub schema: Schema,
     pub purpose: Purpose,
-    /// Its index among the transforms.
+    /// Index in `Tree::prims`.
     own: usize,
 }
 
-/// All prims with shapes, and all prims at or above them.
+/// All prims, with lists of those that the readers need.
 #[derive(Default)]
 pub(super) struct Tree {
     pub objects: Vec<Object>,
-    /// Skeletons, each with its index among the transforms.
+    /// Skeletons, each with its index in `prims`.
     pub skeletons: Vec<(Prim, usize)>,
-    /// What moves skeletons.
+    /// Animations of skeletons.
     pub animations: Vec<Prim>,
-    /// Each with the one above it, which comes before it.
+    /// All prims, each with the index of its parent, which precedes it.
     prims: Vec<(Prim, Option<usize>)>,
 }
 
-/// Where in the tree somebody is.
+/// Position of the traversal in the tree.
 #[derive(Clone, Default)]
 struct Place {
     depth: usize,
@@ -81,7 +81,9 @@ impl Tree {
                 }
                 let most = scene.bytes.get().saturating_add(FREE);
                 if place.depth > DEEPEST || tree.prims.len() as u64 >= most {
-                    let problem = format!("more than {most} prims, or more than {DEEPEST} inside each other");
+                    let problem = format!(
+                        "the file has more than {most} prims, or nests them more than {DEEPEST} levels deep"
+                    );
                     return Err(scene.problem(problem));
                 }
                 tree.add(scene, &prim, &place, &mut inner)?;
@@ -130,12 +132,12 @@ impl Tree {
         Ok(())
     }
 
-    /// A prim and all it is in, the innermost first.
+    /// Returns a prim and its ancestors, the innermost first.
     pub fn up(&self, object: &Object) -> impl Iterator<Item = &Prim> {
         self.above(object.own)
     }
 
-    /// The same of the prim with this index among the transforms.
+    /// [`Self::up`] of the prim with this index.
     pub fn above(&self, own: usize) -> impl Iterator<Item = &Prim> {
         let mut next = Some(own);
         std::iter::from_fn(move || {
@@ -145,7 +147,7 @@ impl Tree {
         })
     }
 
-    /// The time codes at which the points of objects or the transforms above them are sampled, in order.
+    /// Returns the sorted time codes at which the points of objects or the transforms above them have samples.
     pub fn times(&self, scene: &Scene, objects: &[&Object]) -> Result<Vec<f64>> {
         let mut all = Vec::new();
         let mut seen = vec![false; self.prims.len()];
@@ -160,7 +162,7 @@ impl Tree {
                 }
                 next = *above;
             }
-            // Samples of many objects are mostly the same.
+            // Most objects are sampled at the same times.
             all.sort_by(f64::total_cmp);
             all.dedup();
         }
@@ -168,7 +170,7 @@ impl Tree {
         Ok(all)
     }
 
-    /// From each prim's space to the file's, and whether it is to be seen, at `time`.
+    /// Returns for each prim the matrix from its space to the file's, and whether it is visible, at `time`.
     pub fn places(&self, scene: &Scene, time: TimeCode) -> Result<Vec<(DMat4, bool)>> {
         let mut all: Vec<(DMat4, bool)> = Vec::with_capacity(self.prims.len());
         for (prim, above) in &self.prims {
@@ -181,19 +183,19 @@ impl Tree {
         Ok(all)
     }
 
-    /// That of an object among them.
+    /// Returns the matrix and visibility of an object, of those that [`Self::places`] returned.
     pub fn of(object: &Object, places: &[(DMat4, bool)]) -> (DMat4, bool) {
         places[object.own]
     }
 }
 
-/// The time that is meant, and what to say of it.
+/// Returns the time code that `moment` selects, and a note on the file's frames.
 pub(super) fn when(scene: &Scene, times: &[f64], moment: Moment) -> Result<(TimeCode, Option<String>)> {
     let per_second = Some(scene.stage.time_codes_per_second()).filter(|rate| *rate > 0.0).unwrap_or(24.0);
     let (Some(first), Some(last)) = (times.first(), times.last()) else {
         return match moment {
             Moment::Frame(frame) if frame > 0 => {
-                Err(scene.problem(format!("frame {frame} is asked for, but nothing moves in it")))
+                Err(scene.problem(format!("frame {frame} does not exist; the file is not animated")))
             }
             _ => Ok((TimeCode::new(0.0), None)),
         };
@@ -201,7 +203,10 @@ pub(super) fn when(scene: &Scene, times: &[f64], moment: Moment) -> Result<(Time
     let time = match moment {
         Moment::First => *first,
         Moment::Frame(frame) => *times.get(frame as usize).ok_or_else(|| {
-            scene.problem(format!("frame {frame} is asked for, but there are {}, from 0 on", times.len()))
+            scene.problem(format!(
+                "frame {frame} does not exist; the file has {} frames, counted from 0",
+                times.len()
+            ))
         })?,
         Moment::Seconds(time) => {
             let far = |code: &f64| (code / per_second - time).abs();
@@ -215,9 +220,9 @@ pub(super) fn when(scene: &Scene, times: &[f64], moment: Moment) -> Result<(Time
     Ok((TimeCode::new(time), told))
 }
 
-/// Before the name of an operation that is undone.
+/// Prefix of the inverse of an operation.
 const INVERSE: &str = "!invert!";
-/// Instead of a name: what is above does not count.
+/// Operation that discards the transforms above.
 const RESET: &str = "!resetXformStack!";
 
 fn operations(scene: &Scene, prim: &Prim, time: TimeCode) -> Result<Vec<String>> {
@@ -225,7 +230,7 @@ fn operations(scene: &Scene, prim: &Prim, time: TimeCode) -> Result<Vec<String>>
     Ok(order.as_ref().map(value::texts).unwrap_or_default())
 }
 
-/// The matrix of a prim's own operations, the outermost first, and whether those above it do not count.
+/// Returns the matrix of a prim's own operations, the outermost first, and whether the transforms above are discarded.
 fn matrix(scene: &Scene, prim: &Prim, time: TimeCode) -> Result<(DMat4, bool)> {
     let (mut matrix, mut resets) = (DMat4::IDENTITY, false);
     for name in operations(scene, prim, time)? {
@@ -238,7 +243,7 @@ fn matrix(scene: &Scene, prim: &Prim, time: TimeCode) -> Result<(DMat4, bool)> {
         let Some(value) = scene.say(prim.attribute(name.to_owned()).get_at::<Value>(time))? else { continue };
         let Some(operation) = operation(name, &value) else {
             return Err(scene.problem(format!(
-                "{}: {} is no operation that is known",
+                "{}: the transform operation {} is unknown",
                 super::excerpt(prim.path().as_str()),
                 super::excerpt(name)
             )));
@@ -252,7 +257,7 @@ fn matrix(scene: &Scene, prim: &Prim, time: TimeCode) -> Result<(DMat4, bool)> {
     Ok((matrix, resets))
 }
 
-/// `xformOp:` and what it does, and perhaps a name.
+/// Returns the matrix of an operation `xformOp:type`, which may have a suffix.
 fn operation(name: &str, value: &Value) -> Option<DMat4> {
     let mut parts = name.split(':');
     let kind = parts.next().filter(|space| *space == "xformOp").and_then(|_| parts.next())?;
@@ -281,7 +286,7 @@ fn operation(name: &str, value: &Value) -> Option<DMat4> {
         (_, 1) if matches!(axes, "X" | "Y" | "Z") => {
             Some(about(axes.chars().next().unwrap_or_default(), numbers[0]))
         }
-        // The first turns first. Angles are those about x, y and z in any order.
+        // The first axis of the name applies first. The angles are those about x, y and z in any case.
         (_, 3) if axes.len() == 3 && ['X', 'Y', 'Z'].iter().all(|axis| axes.contains(*axis)) => {
             let angles = three();
             let turn = |axis: char| about(axis, angles[usize::from(axis as u8 - b'X')]);

@@ -1,10 +1,10 @@
-//! Values of any type as numbers or texts.
+//! Converts values of any type to numbers or texts.
 
 use bytemuck::cast_slice;
 use glam::{DMat4, DQuat};
 use openusd::{gf::f16, sdf::Value};
 
-/// What becomes a number.
+/// A type that converts to a number.
 trait Number: Copy {
     fn number(self) -> f64;
 }
@@ -30,7 +30,7 @@ impl Number for bool {
     }
 }
 
-/// All numbers of a value in one row, and how many make one; `None` where it has none.
+/// Returns all numbers of a value, flattened, and how many form one element; `None` if it has no numbers.
 pub(super) fn row<T>(value: &Value, of: impl Fn(f64) -> T) -> Option<(Vec<T>, usize)> {
     fn all<N: Number, T>(numbers: &[N], of: impl Fn(f64) -> T) -> Vec<T> {
         numbers.iter().map(|n| of(n.number())).collect()
@@ -71,12 +71,12 @@ pub(super) fn row<T>(value: &Value, of: impl Fn(f64) -> T) -> Option<(Vec<T>, us
     }
 }
 
-/// One number.
+/// Returns the first number of a value.
 pub(super) fn number(value: &Value) -> Option<f64> {
     row(value, |number| number)?.0.first().copied()
 }
 
-/// Texts, one or many.
+/// Returns the texts of a value, one or many.
 pub(super) fn texts(value: &Value) -> Vec<String> {
     match value {
         Value::String(text) => vec![text.clone()],
@@ -87,12 +87,12 @@ pub(super) fn texts(value: &Value) -> Vec<String> {
     }
 }
 
-/// One text.
+/// Returns the first text of a value.
 pub(super) fn text(value: &Value) -> Option<String> {
     texts(value).into_iter().next()
 }
 
-/// A rotation as x, y, z and w.
+/// Returns a rotation as x, y, z and w.
 pub(super) fn rotation(value: &Value) -> Option<[f64; 4]> {
     match value {
         Value::Quath(q) => Some([q.x, q.y, q.z, q.w].map(f16::to_f64)),
@@ -102,13 +102,13 @@ pub(super) fn rotation(value: &Value) -> Option<[f64; 4]> {
     }
 }
 
-/// A turn, of any four numbers.
+/// Normalizes a quaternion; zero becomes the identity.
 pub(super) fn turn(xyzw: [f64; 4]) -> DQuat {
     let turn = DQuat::from_array(xyzw);
     if turn.length() > 0.0 { turn.normalize() } else { DQuat::IDENTITY }
 }
 
-/// Several rotations as x, y, z and w.
+/// Returns rotations as x, y, z and w.
 pub(super) fn rotations(value: &Value) -> Vec<[f64; 4]> {
     match value {
         Value::QuathVec(all) => all.iter().map(|q| [q.x, q.y, q.z, q.w].map(f16::to_f64)).collect(),
@@ -118,7 +118,7 @@ pub(super) fn rotations(value: &Value) -> Vec<[f64; 4]> {
     }
 }
 
-/// Matrices, one or many. Rows of those that multiply from the right are columns of those that multiply from the left.
+/// Returns matrices, one or many. USD's multiply row vectors: their rows are the columns of `DMat4`.
 pub(super) fn matrices(value: &Value) -> Vec<DMat4> {
     let row = row(value, |number| number).filter(|(_, width)| *width == 16);
     row.unwrap_or_default().0.as_chunks::<16>().0.iter().map(DMat4::from_cols_array).collect()

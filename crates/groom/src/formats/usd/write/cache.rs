@@ -1,17 +1,17 @@
-//! Strands that move, frame by frame.
+//! Writes caches: strands whose positions change from frame to frame.
 
 use std::io::{Error, ErrorKind, Result, Write};
 
 use glam::Vec3;
 
-use super::{About, Curves, begun, layer::Layer};
+use super::{Curves, LayerInfo, begun, layer::Layer};
 use crate::{
     Strands,
     formats::writer::{self, CacheOptions, Output},
     orient::Unit,
 };
 
-/// A cache in the making: strands whose positions change from frame to frame, written as they come.
+/// A cache being written, frame by frame.
 struct Cache<W> {
     out: W,
     unit: Unit,
@@ -20,10 +20,10 @@ struct Cache<W> {
 }
 
 impl<W: Write> Cache<W> {
-    /// Begins a file of `strands`, whose positions are those of no frame yet.
+    /// Begins a file of `strands`, without their positions: [`frame`](writer::Cache::frame) adds positions per frame.
     fn new(mut out: W, strands: &Strands, options: CacheOptions) -> Result<Self> {
         let CacheOptions { unit, rate, frames } = options;
-        let mut lines = begun(&About { prim: "groom", unit: Some(unit) });
+        let mut lines = begun(&LayerInfo { prim: "groom", unit: Some(unit) });
         lines.extend([
             format!("timeCodesPerSecond = {rate}"),
             format!("framesPerSecond = {rate}"),
@@ -43,7 +43,8 @@ impl<W: Write> Cache<W> {
 impl<W: Write> writer::Cache for Cache<W> {
     fn frame(&mut self, positions: &[Vec3]) -> Result<()> {
         if positions.len() != self.vertices {
-            let problem = format!("{} positions for {} vertices", positions.len(), self.vertices);
+            let problem =
+                format!("the frame has {} positions for {} vertices", positions.len(), self.vertices);
             return Err(Error::new(ErrorKind::InvalidInput, problem));
         }
         write!(self.out, "            {}: [", self.frames)?;

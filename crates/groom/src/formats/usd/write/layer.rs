@@ -1,10 +1,10 @@
-//! The text of a layer. Rust prints a float so that it reads back exactly.
+//! Writes a layer as text. Rust prints floats so that they read back exactly.
 
 use std::fmt::{Display, Write};
 
 use glam::{DMat4, Vec3};
 
-/// A layer in the making: what it says so far, and how many prims are open.
+/// A layer being written: its text so far, and the number of open prims.
 #[derive(Default)]
 pub(super) struct Layer {
     text: String,
@@ -12,7 +12,7 @@ pub(super) struct Layer {
 }
 
 impl Layer {
-    /// Begins a file with these lines about all of it.
+    /// Begins a file with these lines of metadata.
     pub fn new(lines: &[String]) -> Self {
         let text =
             lines.iter().fold(String::from("#usda 1.0\n(\n"), |text, line| text + "    " + line + "\n");
@@ -45,7 +45,7 @@ impl Layer {
         self.line("}");
     }
 
-    /// One attribute, and what is said of its values, as what they belong to.
+    /// Writes an attribute with its metadata, such as the interpolation.
     pub fn list<T: Display>(&mut self, name: &str, values: impl IntoIterator<Item = T>, about: &[String]) {
         let list = listed(values);
         match about {
@@ -58,7 +58,7 @@ impl Layer {
         }
     }
 
-    /// An attribute over time: codes and values.
+    /// Writes the samples of an attribute: time codes and values.
     pub fn samples(&mut self, name: &str, samples: impl IntoIterator<Item = (u32, String)>) {
         self.line(format_args!("{name}.timeSamples = {{"));
         samples.into_iter().for_each(|(code, value)| self.line(format_args!("    {code}: {value},")));
@@ -70,7 +70,7 @@ impl Layer {
     }
 }
 
-/// What values belong to.
+/// Returns the interpolation of an attribute as metadata.
 pub(super) fn per(interpolation: &str) -> Vec<String> {
     vec![format!("interpolation = \"{interpolation}\"")]
 }
@@ -88,11 +88,11 @@ pub(super) fn point(p: &Vec3) -> String {
 }
 
 pub(super) fn quoted(text: &str) -> String {
-    // Neither joints nor shapes of files are called so that more would be needed.
+    // Names of joints and blend shapes rarely have these characters; replacing them is enough.
     format!("\"{}\"", text.replace(['"', '\\', '\n', '\r'], "_"))
 }
 
-/// Columns of a matrix that multiplies from the left are rows of one that multiplies from the right.
+/// Formats a matrix. USD's multiply row vectors: their rows are the columns of `DMat4`.
 pub(super) fn matrix(m: &DMat4) -> String {
     let rows = m.to_cols_array_2d().map(|[a, b, c, d]| format!("({a}, {b}, {c}, {d})"));
     format!("( {} )", rows.join(", "))

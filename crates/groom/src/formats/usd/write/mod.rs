@@ -1,5 +1,5 @@
-//! USD as text: strands as linear `BasisCurves`, with Unreal's `groom_*` as primvars beside USD's own names; caches of
-//! moving strands; bodies on skeletons with hair that goes with them. With the crate's feature `usd` also as USDC.
+//! USD writer, as text: strands as linear `BasisCurves`, with Unreal's `groom_*` primvars beside USD's own attributes;
+//! caches of moving strands; meshes on skeletons with hair attached to them. The crate's feature `usd` adds USDC.
 
 mod cache;
 mod layer;
@@ -15,21 +15,21 @@ use crate::{
     Error, Result, Rig, Strands, TriMesh,
     formats::{
         usd::DOC,
-        writer::{Encoded, Hair},
+        writer::{EncodedFile, Hair},
     },
     orient::Unit,
 };
 use layer::{Layer, per, point};
 
-/// What is said of a whole file.
-struct About<'a> {
-    /// The prim that stands for it.
+/// Metadata of a file.
+struct LayerInfo<'a> {
+    /// The default prim.
     prim: &'a str,
-    /// Its unit, Y up; `None` says nothing of either.
+    /// Unit of the file, with Y up; `None` states neither.
     unit: Option<Unit>,
 }
 
-fn begun(about: &About<'_>) -> Vec<String> {
+fn begun(about: &LayerInfo<'_>) -> Vec<String> {
     let mut lines = vec![format!("defaultPrim = \"{}\"", about.prim), format!("doc = \"{DOC}\"")];
     if let Some(unit) = about.unit {
         lines.extend([format!("metersPerUnit = {}", unit.0), "upAxis = \"Y\"".into()]);
@@ -38,8 +38,8 @@ fn begun(about: &About<'_>) -> Vec<String> {
 }
 
 /// Encodes strands as text.
-pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<Encoded> {
-    let mut layer = Layer::new(&begun(&About { prim: "groom", unit }));
+pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<EncodedFile> {
+    let mut layer = Layer::new(&begun(&LayerInfo { prim: "groom", unit }));
     layer.open("Xform", "groom", &["GroomAPI"]);
     layer.open("BasisCurves", "strands", &[]);
     let curves = Curves { strands, scale: unit.map_or(1.0, |unit| unit.0) };
@@ -50,18 +50,19 @@ pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<Encoded> {
     Ok(layer.finish().into_bytes().into())
 }
 
-/// A character as text: the body (metres, Y up), which `rig` bends, if there is one, and hair at rest, which then goes with
-/// the joints that the skin at its roots goes with. Read back, it bends as `rig` does at 24, 25, 30, 50 or 60 frames a
-/// second, but for scales, which USD has as half floats; shapes that the body rests in are a part of it then.
+/// Encodes a character as text: a mesh (meters, Y up), its `rig` if given, and hair at rest. On a rig, each strand
+/// follows the joints of the skin at its root. After reading, the mesh deforms as with `rig` at 24, 25, 30, 50 or 60
+/// frames per second, with two differences: USD stores scales as half floats, and blend shapes with a weight at rest
+/// become part of the mesh.
 ///
 /// # Errors
-/// [`Error::Unusable`] for a rig of another mesh, for a joint that flattens what it holds, for animations of more than
-/// 100,000 frames or scales that half floats do not hold, and for hair without strands.
+/// [`Error::Unusable`] for a rig of another mesh, for a joint whose bind matrix has no inverse, for animations of more
+/// than 100,000 frames or with scales beyond half floats, and for hair without strands.
 pub(crate) fn character(body: Option<(&TriMesh, Option<&Rig>)>, hair: &[Hair<'_>]) -> Result<Vec<u8>> {
     if hair.iter().any(|hair| hair.strands.is_empty()) {
-        return Err(Error::Unusable("a groom without strands is not written".into()));
+        return Err(Error::Unusable("a groom without strands cannot be written".into()));
     }
-    let mut lines = begun(&About { prim: "character", unit: Some(Unit(1.0)) });
+    let mut lines = begun(&LayerInfo { prim: "character", unit: Some(Unit(1.0)) });
     let rig = body.and_then(|(_, rig)| rig);
     let rate = rig.map_or(0.0, skel::rate);
     if let Some(rig) = rig.filter(|rig| !rig.animations.is_empty()) {
@@ -98,12 +99,12 @@ pub(crate) fn character(body: Option<(&TriMesh, Option<&Rig>)>, hair: &[Hair<'_>
     Ok(layer.finish().into_bytes())
 }
 
-/// A body without hair.
+/// Encodes a mesh without hair.
 pub(crate) fn body(mesh: &TriMesh, rig: Option<&Rig>) -> Result<Vec<u8>> {
     character(Some((mesh, rig)), &[])
 }
 
-/// Strands as attributes of `BasisCurves`, so many metres to a unit.
+/// Strands as attributes of `BasisCurves`; `scale` is in meters per unit.
 struct Curves<'a> {
     strands: &'a Strands,
     scale: f32,
@@ -118,7 +119,7 @@ impl Curves<'_> {
         point(&glam::Vec3::from(p.to_array().map(|v| self.scaled(v))))
     }
 
-    /// Where they are.
+    /// Writes the positions and their bounds.
     fn points(&self, layer: &mut Layer) {
         layer.list("point3f[] points", self.strands.positions.iter().map(|p| self.place(p)), &[]);
         if let Some((lo, hi)) = self.strands.bounds() {
@@ -126,7 +127,7 @@ impl Curves<'_> {
         }
     }
 
-    /// All but that.
+    /// Writes all attributes except positions.
     fn beside_points(&self, layer: &mut Layer) {
         let strands = self.strands;
         layer.line("uniform token type = \"linear\"");
@@ -169,7 +170,7 @@ mod tests {
     use crate::strands::Mark;
 
     #[test]
-    fn every_attribute_has_as_many_values_as_it_belongs_to() {
+    fn attribute_counts_match_interpolation() {
         let mut strands = Strands::default();
         strands.push(&[Vec3::ZERO, Vec3::new(0.125, -0.5, 1e-7)]);
         strands.push(&[Vec3::X, Vec3::Y, Vec3::Z]);

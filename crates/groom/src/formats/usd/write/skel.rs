@@ -1,8 +1,9 @@
-//! A body on a skeleton with hair that goes with it (`UsdSkel`).
+//! Writes a mesh on a skeleton with hair attached to it (`UsdSkel`).
 //!
-//! Every node of the rig is a joint; a node that several entries of the palette follow, each bound elsewhere, has joints
-//! more below it that stay where it is. Points of body and hair are written where they were bound, so that both fit each
-//! other in programs that do not know skeletons, too. Animations are sampled frame by frame ([`rate`]).
+//! Every node of the rig is a joint. If several palette entries with different bind matrices follow one node, the node
+//! has additional child joints that do not move relative to it. Points of mesh and hair are written in the bind pose,
+//! so that they fit each other even in programs without support for skeletons. Animations are sampled frame by frame
+//! ([`rate`]).
 
 use std::collections::HashMap;
 
@@ -19,21 +20,21 @@ use crate::{
     rig::{Animation, INFLUENCES, Node, Rig, Target},
 };
 
-/// Frames per second: those of films, television and games, whichever all keys of a rig's animations lie on, else many.
+/// Returns the frame rate: the first of 24, 25, 30 and 50 frames per second on which all animation keys lie, else 60.
 pub(super) fn rate(rig: &Rig) -> f32 {
     let keys = || rig.animations.iter().flat_map(|it| it.channels.iter().flat_map(|c| &c.curve.times));
     let on = |rate: &f32| keys().all(|key| (key * rate - (key * rate).round()).abs() < 0.01);
     [24.0, 25.0, 30.0, 50.0].into_iter().find(on).unwrap_or(60.0)
 }
 
-/// The longest animation, frames.
+/// Maximum length of an animation, frames.
 const MOST_FRAMES: f32 = 100_000.0;
-/// The largest of half floats, which scales are.
+/// The largest half float, the type of scales.
 const MOST_SCALE: f64 = 65_504.0;
-/// The most joints that a strand goes with.
+/// Maximum joints of a strand.
 const HELD: usize = 4;
 
-/// What of a file knows the skeleton.
+/// The joints of the skeleton.
 struct Joints {
     paths: Vec<String>,
     names: Vec<String>,
@@ -51,7 +52,7 @@ impl Joints {
             let above = node.parent.map(|parent| all.paths[parent as usize].clone() + "/");
             all.paths.push(unique(&mut used, &above.unwrap_or_default(), &node.name));
             all.names.push(node.name.clone());
-            // Of what holds nothing it does not matter where it was bound.
+            // The bind matrix of a joint without vertices has no effect.
             let global = globals[i].as_dmat4();
             all.bind.push(if global.determinant() == 0.0 { DMat4::IDENTITY } else { global });
             all.rest.push(node.matrix.unwrap_or_else(|| node.rest.matrix()).as_dmat4());
@@ -60,7 +61,9 @@ impl Joints {
         for joint in &rig.joints {
             let (node, bind) = (joint.node as usize, joint.inverse_bind.as_dmat4().inverse());
             if !bind.is_finite() || bind.determinant() == 0.0 {
-                return Err(Error::Unusable("a joint that flattens what it holds is not written".into()));
+                return Err(Error::Unusable(
+                    "a joint whose bind matrix has no inverse cannot be written".into(),
+                ));
             }
             if !std::mem::replace(&mut taken[node], true) {
                 all.bind[node] = bind;
@@ -80,7 +83,7 @@ impl Joints {
     }
 }
 
-/// A name that a path may have, and no other of those in `used` has, behind `above`; `used` counts those of one name.
+/// Returns a path of a valid name below `above` that is not in `used`, which counts the paths of each name.
 pub(super) fn unique(used: &mut HashMap<String, u32>, above: &str, name: &str) -> String {
     let plain = format!("{above}{}", identifier(name));
     let mut path = plain.clone();
@@ -93,7 +96,7 @@ pub(super) fn unique(used: &mut HashMap<String, u32>, above: &str, name: &str) -
     path
 }
 
-/// A name of letters, digits and underscores that does not begin with a digit.
+/// Replaces all characters but letters, digits and underscores, and prefixes a leading digit.
 fn identifier(name: &str) -> String {
     let plain: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     match plain.chars().next() {
@@ -102,7 +105,7 @@ fn identifier(name: &str) -> String {
     }
 }
 
-/// Writes the skeleton, its animations at so many frames per second, the body and the hair on it.
+/// Writes the skeleton, its animations at `rate` frames per second, the mesh and the hair on it.
 pub(super) fn put(
     layer: &mut Layer,
     (mesh, rig): (&TriMesh, &Rig),
@@ -110,7 +113,7 @@ pub(super) fn put(
     hair: &[Hair<'_>],
 ) -> Result<()> {
     if rig.vertices.len() != mesh.positions.len() {
-        return Err(Error::Unusable("a rig of another mesh is not written".into()));
+        return Err(Error::Unusable("the rig does not match the mesh".into()));
     }
     let rest = rig.rest_pose();
     let joints = Joints::new(rig, &rest.globals)?;
@@ -154,7 +157,7 @@ fn moves(
     let frames = (animation.length * rate).round().max(0.0);
     if frames > MOST_FRAMES {
         return Err(Error::Unusable(format!(
-            "the animation {name} of {} s is not written: the longest has {MOST_FRAMES} frames",
+            "the animation {name} of {} s is too long: the maximum is {MOST_FRAMES} frames",
             animation.length
         )));
     }
@@ -164,17 +167,17 @@ fn moves(
     layer.list("uniform token[] joints", joints.paths[..nodes].iter().map(|path| quoted(path)), &[]);
     let poses: Vec<_> = (0..=frames)
         .map(|frame| {
-            // The end of a loop is its last moment, not its first.
+            // The last frame is the end of the loop, not its beginning.
             let time = (frame as f32 / rate).min(animation.length * (1.0 - 1e-6));
             let pose = rig.pose(animation, time);
             let local = |(i, node): (usize, &Node)| {
                 let above = node.parent.map_or(DMat4::IDENTITY, |up| pose.globals[up as usize].as_dmat4());
-                // Below what is flattened nothing is seen, wherever it is.
+                // Nothing is visible below a singular transform, so its inverse does not matter.
                 let own = if above.determinant() == 0.0 { DMat4::IDENTITY } else { above.inverse() };
                 parts_of(&(own * pose.globals[i].as_dmat4()))
             };
             let parts: Vec<_> = rig.nodes.iter().enumerate().map(local).collect();
-            // Points are written as shapes have them at rest: only what is more moves them.
+            // Points are written with the blend shapes at rest; animations add the difference.
             let weights = pose.weights.iter().zip(resting).map(|(now, rest)| now - rest).collect::<Vec<_>>();
             (frame, parts, weights)
         })
@@ -205,11 +208,11 @@ fn moves(
     let widest = poses.iter().flat_map(|(_, parts, _)| parts).map(|(scale, ..)| scale.abs().max_element());
     match widest.fold(0.0, f64::max) <= MOST_SCALE {
         true => Ok(()),
-        false => Err(Error::Unusable(format!("the animation {name} scales by more than USD can hold"))),
+        false => Err(Error::Unusable(format!("the animation {name} has scales too large for USD"))),
     }
 }
 
-/// Scale, turn and place of a joint in its parent's space; a joint that is flattened is not turned.
+/// Decomposes a joint's local transform into scale, rotation and translation. A singular transform gets no rotation.
 fn parts_of(local: &DMat4) -> (DVec3, glam::DQuat, DVec3) {
     let (scale, turn, place) = local.to_scale_rotation_translation();
     if turn.is_finite() && scale.is_finite() {
@@ -250,7 +253,7 @@ fn body(layer: &mut Layer, mesh: &TriMesh, (rig, resting): (&Rig, &[f32]), joint
     layer.close();
 }
 
-/// Triangles, their vertices, and their colours where they have some.
+/// Writes triangles, vertices and, if the mesh has them, colors.
 pub(super) fn surface(layer: &mut Layer, mesh: &TriMesh) {
     layer.list("int[] faceVertexCounts", mesh.triangles.iter().map(|_| 3), &[]);
     layer.list("int[] faceVertexIndices", mesh.triangles.as_flattened(), &[]);
@@ -270,7 +273,7 @@ fn shape(layer: &mut Layer, name: &str, target: &Target) {
     layer.close();
 }
 
-/// The names of the rig's shapes, each once.
+/// Returns the names of the rig's blend shapes, made unique.
 fn shape_names(rig: &Rig) -> Vec<String> {
     let mut used = HashMap::<String, u32>::new();
     let name = |target: &Target| {
@@ -281,7 +284,7 @@ fn shape_names(rig: &Rig) -> Vec<String> {
     rig.targets.iter().map(name).collect()
 }
 
-/// Which joints carry each point, so many at most, or once for all of them.
+/// Writes the joints and weights of each point, padded to `width`, or `once` for all points.
 fn bound(layer: &mut Layer, points: impl Iterator<Item = Vec<(usize, f32)>>, width: usize, once: bool) {
     let (mut joints, mut weights) = (Vec::new(), Vec::new());
     for mut held in points {
@@ -296,7 +299,7 @@ fn bound(layer: &mut Layer, points: impl Iterator<Item = Vec<(usize, f32)>>, wid
     layer.line("rel skel:skeleton = </character/skeleton>");
 }
 
-/// Hair whose strands go with the skin that their roots are on.
+/// Writes hair whose strands follow the skin at their roots.
 fn on_skin(
     layer: &mut Layer,
     (name, strands): (&str, &Strands),
@@ -311,7 +314,9 @@ fn on_skin(
             own.iter().fold(DMat4::ZERO, |sum, (joint, weight)| sum + rest[*joint] * f64::from(*weight));
         let back = sum.inverse();
         if !back.is_finite() {
-            return Err(Error::Unusable("hair on skin that is flattened at rest is not written".into()));
+            return Err(Error::Unusable(
+                "hair on skin whose rest transform has no inverse cannot be written".into(),
+            ));
         }
         for p in &mut moved.positions[strands.range(i)] {
             *p = back.transform_point3(DVec3::from(*p)).as_vec3();
@@ -319,13 +324,13 @@ fn on_skin(
         held.push(own.into_iter().map(|(joint, weight)| (joints.of[joint], weight)).collect::<Vec<_>>());
     }
     layer.open("BasisCurves", name, &["SkelBindingAPI"]);
-    // Widths are in the space of the skeleton.
+    // Widths are in the skeleton's space.
     let scale = rig.to_groom.determinant().abs().cbrt();
     moved.radii.iter_mut().for_each(|radius| *radius /= scale);
     let curves = Curves { strands: &moved, scale: 1.0 };
     curves.points(layer);
     curves.beside_points(layer);
-    // Hair on one joint says so once.
+    // Hair on a single joint stores it once.
     let once = held.iter().all(|own| own.len() == 1 && *own == held[0]);
     let width = held.iter().map(Vec::len).max().unwrap_or(1);
     match once {
@@ -340,7 +345,7 @@ fn on_skin(
     Ok(())
 }
 
-/// The entries of the palette that carry the skin nearest to a root, the strongest of them, with weights that sum to one.
+/// Returns the palette entries of the skin nearest to a root, the strongest first, with weights that sum to 1.
 fn carriers(root: Vec3, mesh: &TriMesh, rig: &Rig, bvh: &Bvh) -> Vec<(usize, f32)> {
     let Some(closest) = bvh.closest_point(root) else { return vec![(0, 1.0)] };
     let corners = mesh.triangles[closest.triangle as usize];
@@ -357,7 +362,7 @@ fn carriers(root: Vec3, mesh: &TriMesh, rig: &Rig, bvh: &Bvh) -> Vec<(usize, f32
     }
     all.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     all.truncate(HELD);
-    // What is hardly held by a joint is not held by it.
+    // Drop joints of negligible weight.
     all.retain(|(_, weight)| *weight > 1e-4);
     let sum: f32 = all.iter().map(|(_, weight)| weight).sum();
     all.iter_mut().for_each(|(_, weight)| *weight /= sum);

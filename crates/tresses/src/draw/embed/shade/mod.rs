@@ -1,22 +1,23 @@
-//! The shadow of hair on a host's scene: as a function for its shaders, or as a pass over its colour.
+//! Shadows of hair on a host's scene, as a function for its shaders or as a pass over its color.
 //!
 //! ```text
 //! hair's shadow maps ─┬─► tresses_left_by_hair(light, position, normal)     in the scene's own shaders
-//!                     └─► a triangle over the picture: colour × with / without
+//!                     └─► a full-screen pass: color × light with / without hair
 //! ```
 //!
-//! **The function** ([`wgsl`]) says what hair leaves of a light, whatever bodies leave of it: a scene that asks it for each
-//! light darkens what that light gives and nothing else. It needs the maps of this frame, so that hair is drawn, or
-//! [lit](crate::frame::Recorder::light), before.
+//! **The function** ([`wgsl`]) returns the fraction of a light that hair lets through, independent of bodies. A scene
+//! that calls it for each light darkens only that light's contribution. It reads the shadow maps of the current frame,
+//! so draw the hair, or record its [light](crate::frame::Recorder::light), first.
 //!
-//! **The pass** ([`Surroundings::shade`]) needs nothing of the scene but its depth. It finds where each pixel's surface
-//! is and how it is turned, and multiplies its colour by the light that a matt white surface there has with hair over that
-//! without, among the lights that light the hair. What it cannot know is which part of the colour is emitted, mirrored, or
-//! the light of others: that is darkened alike. Normals are those of triangles.
+//! **The pass** ([`Surroundings::shade`]) needs only the scene's depth. It reconstructs the position and normal of each
+//! pixel's surface. It then multiplies the color by the ratio of the light on a matte white surface with and without
+//! hair, from the lights that illuminate the hair. It cannot know which part of the color is emitted, reflected, or due
+//! to other lights; those are darkened as well. Normals are per triangle.
 //!
-//! Either reaches as far aside as a light's map is wide. Along the light's way the pass ends at a distance
-//! ([`Shade::reach`]): it does not know what is between, and goes through a floor to the one below. A lamp's shadow spreads
-//! with distance, this one does not. In the pass each zone casts its own; the function asks one.
+//! Both are as wide as the light's shadow map. Along the light's direction, the pass ends at a distance
+//! ([`Shade::reach`]): it does not know the geometry in between, and would otherwise also darken the floor of the story
+//! below. Shadows do not widen with distance, as they would for a nearby light. In the pass each zone casts its own shadow;
+//! the function reads only the view's own maps.
 
 use super::{Surroundings, has_samples};
 use crate::{
@@ -25,7 +26,7 @@ use crate::{
     gpu::{
         Binding, Device,
         bindings::{layout, uniform},
-        pipeline::{Made, Recipe, blended},
+        pipeline::{PipelineCache, Recipe, blended},
     },
     light::{self, lights::MAX_LIGHTS},
     shaders,
@@ -34,52 +35,54 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 use std::sync::Arc;
 
-/// WGSL for a scene's shaders: `tresses_left_by_hair(light: u32, position: vec3<f32>, normal: vec3<f32>) -> vec3<f32>` is
-/// the share of a light (of those that are on) that hair leaves at a point of a surface, of each channel; position (metres)
-/// and normal (unit) are in the space that hair is drawn in. Bindings are those of `@group(group)`:
-/// [`View::light_group`](crate::View::light_group) with [`View::light_layout`](crate::View::light_layout).
-/// All other names in it begin with `package_`, `constants_` or `structs_`.
+/// WGSL for a scene's shaders: `tresses_left_by_hair(light: u32, position: vec3<f32>, normal: vec3<f32>) -> vec3<f32>`
+/// returns, per channel, the fraction of a light that hair lets through to a point of a surface. `light` counts the
+/// lights that are on. `position` (meters) and `normal` (unit) are in the space that hair is drawn in.
+///
+/// Its bindings are in `@group(group)`: bind [`View::light_group`](crate::View::light_group) with
+/// [`View::light_layout`](crate::View::light_layout). All other names in the source begin with `package_`, `constants_`
+/// or `structs_`.
 pub fn wgsl(group: u32) -> String {
     shaders::source("draw::embed::shade::outside").replace("@group(0)", &format!("@group({group})"))
 }
 
-/// How hair casts its shadow on a scene by a pass over its colour.
+/// Options of the pass that casts hair shadows on a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shade {
-    /// How much of it, 0 to 1.
+    /// Opacity of the shadow, 0 to 1.
     pub strength: f32,
-    /// How far behind the hair's maps it falls, metres; it ends softly over the last quarter.
+    /// Distance behind the hair's shadow maps at which the shadow ends, meters. It fades out over the last quarter.
     pub reach: f32,
-    /// Which of [`Lights::directional`](crate::light::Lights::directional) hair casts a shadow of.
+    /// Which of [`Lights::directional`](crate::light::Lights::directional) cast shadows of hair.
     pub lights: [bool; MAX_LIGHTS],
 }
 
 impl Default for Shade {
-    /// All of it, of all lights, as far as a floor is from a head.
+    /// Full strength, all lights, and a reach from a head to the floor.
     fn default() -> Self {
         Self { strength: 1.0, reach: 2.5, lights: [true; MAX_LIGHTS] }
     }
 }
 
-/// What the shader knows of the scene.
+/// Uniform of the pass.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct ShadeUniform {
-    /// From the clip space of the scene, with its own depth, to that of the eye.
+    /// From the scene's clip space, with its own depth, to view space.
     pub to_eye: Mat4,
-    /// From the eye to the world.
+    /// From view space to the world.
     pub to_world: Mat4,
     /// [`Surroundings::origin`].
     pub origin: [u32; 2],
-    /// Width and height of the picture, pixels.
+    /// Width and height of the image, pixels.
     pub size: [u32; 2],
     /// [`Shade::strength`].
     pub strength: f32,
     /// [`Shade::reach`].
     pub reach: f32,
-    /// The scene's depth of where nothing is.
+    /// Depth of the scene's background, where nothing was drawn.
     pub nothing: f32,
-    /// A bit for each light that is on, if hair casts its shadow.
+    /// One bit per active light: whether hair casts its shadow.
     pub lights: u32,
 }
 
@@ -101,15 +104,15 @@ impl ShadeUniform {
     }
 }
 
-/// What casts the shadow.
+/// Pipelines and buffers of the pass.
 #[derive(Debug)]
 pub(super) struct Caster {
     device: Device,
     light: Arc<light::Pipelines>,
     format: wgpu::TextureFormat,
-    /// For depth of one sample, and of several.
+    /// For depth with one sample, and with several.
     layouts: [wgpu::BindGroupLayout; 2],
-    pipelines: Made<bool, wgpu::RenderPipeline>,
+    pipelines: PipelineCache<bool, wgpu::RenderPipeline>,
     uniform: wgpu::Buffer,
 }
 
@@ -124,7 +127,7 @@ impl Caster {
             light: context.pipelines(),
             format,
             layouts: [Binding::Depth, Binding::DepthMultisampled].map(layout),
-            pipelines: Made::default(),
+            pipelines: PipelineCache::default(),
             uniform: uniform(device, "embed shade", size_of::<ShadeUniform>()),
         }
     }
@@ -146,9 +149,9 @@ impl Caster {
         })
     }
 
-    /// Darkens the scene's colour where hair is between it and the lights.
+    /// Darkens the scene's color where hair is between it and the lights.
     pub fn record(&self, canvas: &mut Canvas<'_, '_>, into: &Surroundings<'_>) -> Result<()> {
-        // What is no number casts none.
+        // `max` turns NaN into 0, which casts no shadow.
         let casts = |shade: &Shade| shade.strength.max(0.0) > 0.0 && shade.reach.max(0.0) > 0.0;
         let Some(shade) = into.shade.filter(casts) else { return Ok(()) };
         let many = has_samples(into.depth);

@@ -1,4 +1,4 @@
-//! What of a prim goes with which joints.
+//! Bindings of points to joints.
 
 use glam::{DMat4, DVec3, Vec3};
 use openusd::usd::TimeCode;
@@ -7,7 +7,7 @@ use super::{Skeletons, inherited, value};
 use crate::{
     error::Result,
     formats::{
-        curves::Per,
+        curves::AttributeScope,
         source::excerpt,
         usd::read::{
             Scene,
@@ -18,19 +18,19 @@ use crate::{
 };
 
 /// A prim's binding to a skeleton.
-pub(in crate::formats::usd) struct Bound {
-    /// Which skeleton.
+pub(in crate::formats::usd) struct SkelBinding {
+    /// Index of the skeleton.
     pub skeleton: usize,
-    /// Where the prim was when it was bound.
+    /// Transform of the prim when it was bound.
     pub geom: DMat4,
-    /// For each point, or once for all, so many joints of the skeleton and their weights.
+    /// Number of joints, with weights, for each point or once for all points.
     width: usize,
     joints: Vec<u32>,
     weights: Vec<f32>,
 }
 
-impl Bound {
-    /// That of an object of so many points, if it has one.
+impl SkelBinding {
+    /// Returns the binding of an object with this number of points, if it has one.
     pub fn of(
         scene: &Scene,
         tree: &Tree,
@@ -47,16 +47,18 @@ impl Bound {
         let broken = |problem: String| scene.problem(format!("{path}: {problem}"));
         let width = joints.width;
         let fits = |count: usize| count == width || count == width.saturating_mul(points);
-        let constant = joints.scope == Some(Per::All);
+        let constant = joints.scope == Some(AttributeScope::All);
         if weights.flat.len() != joints.flat.len()
             || !fits(joints.flat.len())
             || constant && joints.flat.len() != width
         {
             let [given, shares] = [joints.flat.len(), weights.flat.len()];
-            return Err(broken(format!("{given} joints and {shares} weights of {points} points")));
+            return Err(broken(format!(
+                "{given} joint indices and {shares} weights do not match {points} points"
+            )));
         }
         let own = &skeletons.0[skeleton];
-        // Its own list of joints, where it has one.
+        // The prim may have its own list of joints.
         let listed = inherited(scene, tree.up(object), "skel:joints", time)?;
         let listed = listed.as_ref().map(value::texts).unwrap_or_default();
         let places: Vec<Option<u32>> = match listed.is_empty() {
@@ -71,21 +73,26 @@ impl Bound {
             let place = (*joint >= 0.0).then(|| places.get(*joint as usize).copied().flatten()).flatten();
             match place {
                 Some(place) => named.push(place),
-                // What has no weight may name anything.
+                // Files may store any joint with weight 0.
                 None if *weight == 0.0 => named.push(0),
-                None => return Err(broken(format!("a joint {joint} of {}", places.len()))),
+                None => {
+                    return Err(broken(format!(
+                        "joint index {joint} is out of range; there are {} joints",
+                        places.len()
+                    )));
+                }
             }
         }
         let geom = inherited(scene, tree.up(object), "primvars:skel:geomBindTransform", time)?;
         let geom = geom.as_ref().and_then(|value| value::matrices(value).first().copied());
         let geom = geom.unwrap_or(DMat4::IDENTITY);
         if !geom.is_finite() || geom.determinant() == 0.0 {
-            return Err(broken("a geomBindTransform that is not finite or flattens".into()));
+            return Err(broken("geomBindTransform is not finite or has no inverse".into()));
         }
         Ok(Some(Self { skeleton, geom, width, joints: named, weights: weights.flat }))
     }
 
-    /// What a point goes with, weights that sum to one; nothing where it has none.
+    /// Returns the joints of a point with weights that sum to 1; none if the point has no weights.
     pub fn at(&self, point: usize) -> impl Iterator<Item = (u32, f32)> {
         let first = if self.joints.len() == self.width { 0 } else { point * self.width };
         let own = first..first + self.width;
@@ -95,7 +102,7 @@ impl Bound {
         held.map(move |(joint, weight)| (*joint, weight / sum))
     }
 
-    /// Brings points to where a skeleton's `palette` has them, in the skeleton's space.
+    /// Moves points by a skeleton's `palette`, into the skeleton's space.
     pub fn bring(&self, palette: &[DMat4], points: &mut [Vec3]) {
         let blend = |point: usize| {
             let mut held = self.at(point).peekable();

@@ -1,21 +1,22 @@
-//! Skeletons (`UsdSkel`): what bends meshes, and what hair goes with.
+//! Skeletons (`UsdSkel`), which deform meshes and carry hair.
 //!
 //! ```text
-//! Skeleton: joints, bind and rest transforms ─┬─► pose ─► palette ─┬─► curves: their points, brought along
-//! SkelAnimation: joints' moves over time ─────┘                    └─► meshes: a rig (rig.rs)
+//! Skeleton: joints, bind and rest transforms ─┬─► pose ─► palette ─┬─► curves: skinned points
+//! SkelAnimation: joint transforms over time ──┘                    └─► meshes: a rig (rig.rs)
 //! prims with a binding: joints and weights of points (bound.rs) ─────┘
 //! ```
 //!
-//! A point `p` of a bound prim is at `S · Σ w_j (P_j · B_j⁻¹) · G · p`: its own place when it was bound is `G` (the geom bind
-//! transform), those of the joints are `B`, both in the world of that time; `P` are joints now, in the space of the
-//! skeleton, which is at `S`. Curves are read as their bodies are, at rest, where no moment is asked for.
+//! Skinning moves a point `p` of a bound prim to `S · Σ w_j (P_j · B_j⁻¹) · G · p`. `G` is the prim's transform when it
+//! was bound (the geom bind transform) and `B_j` are the joints' transforms, both in the world space of that time.
+//! `P_j` are the joints' current transforms in the space of the skeleton, whose own transform is `S`. If the caller
+//! selects no moment, curves are read at rest, like meshes.
 
 mod bound;
 mod rig;
 #[cfg(test)]
 mod tests;
 
-pub(super) use bound::Bound;
+pub(super) use bound::SkelBinding;
 pub(super) use rig::Rigging;
 
 use glam::{DMat4, DVec3};
@@ -32,30 +33,30 @@ use super::{
 };
 use crate::{error::Result, formats::source::excerpt, rig::MAX_JOINTS};
 
-/// The longest path of a joint, bytes.
+/// Maximum length of a joint's path, bytes.
 const LONGEST: usize = 4096;
 
-/// All that a file has of it.
+/// All skeletons of a file.
 #[derive(Default)]
 pub(super) struct Skeletons(pub Vec<Skeleton>);
 
-/// Joints, parents before their children.
+/// A skeleton: joints, parents before their children.
 pub(super) struct Skeleton {
     pub prim: Prim,
-    /// The paths of joints below each other, by which animations and bindings name them.
+    /// Paths of the joints, by which animations and bindings refer to them.
     pub joints: Vec<String>,
-    /// Where each path stands among them.
+    /// Index of the joint of each path.
     pub places: HashMap<String, usize>,
-    /// What they are called, where that is said.
+    /// Names of the joints; their paths if the file has no names.
     pub names: Vec<String>,
     pub parents: Vec<Option<usize>>,
-    /// Where joints were when geometry was bound, the world of that time.
+    /// Transforms of the joints when geometry was bound, in the world space of that time.
     pub bind: Vec<DMat4>,
-    /// Where joints are at rest, each in the space of its parent.
+    /// Transforms of the joints at rest, each in its parent's space.
     pub rest: Vec<DMat4>,
-    /// What moves it.
+    /// Animation of the skeleton.
     pub animation: Option<Prim>,
-    /// Its index among the prims of the tree.
+    /// Index of the prim in the tree.
     own: usize,
 }
 
@@ -65,7 +66,7 @@ impl Skeletons {
         all.collect::<Result<_>>().map(Self)
     }
 
-    /// The skeleton that an object is bound to, by what it or what it is in says.
+    /// Returns the skeleton that an object or one of its ancestors is bound to.
     fn of(&self, scene: &Scene, tree: &Tree, object: &Object) -> Result<Option<usize>> {
         if self.0.is_empty() {
             return Ok(None);
@@ -74,7 +75,7 @@ impl Skeletons {
         Ok(target.and_then(|target| self.0.iter().position(|skeleton| *skeleton.prim.path() == target)))
     }
 
-    /// The time codes at which what moves the skeletons of some objects is sampled.
+    /// Returns the time codes at which the animations of the objects' skeletons have samples.
     pub fn times(&self, scene: &Scene, tree: &Tree, objects: &[&Object]) -> Result<Vec<f64>> {
         let (mut all, mut used) = (Vec::new(), vec![false; self.0.len()]);
         for object in objects {
@@ -93,7 +94,7 @@ impl Skeletons {
     }
 }
 
-/// What an animation says of joints.
+/// Attributes of an animation that move joints.
 const MOVES: [&str; 3] = ["translations", "rotations", "scales"];
 
 impl Skeleton {
@@ -105,7 +106,7 @@ impl Skeleton {
         let joints = value("joints")?.as_ref().map(value::texts).unwrap_or_default();
         if joints.len() > MAX_JOINTS || joints.iter().any(|path| path.len() > LONGEST) {
             return Err(broken(format!(
-                "more than {MAX_JOINTS} joints, or paths of more than {LONGEST} bytes"
+                "the skeleton has more than {MAX_JOINTS} joints, or paths of more than {LONGEST} bytes"
             )));
         }
         let places: HashMap<String, usize> =
@@ -116,18 +117,18 @@ impl Skeleton {
         let matrices = |name: &str| -> Result<Vec<DMat4>> {
             let all = value(name)?.as_ref().map(value::matrices).unwrap_or_default();
             if !all.is_empty() && all.len() != joints.len() {
-                return Err(broken(format!("{} {name} of {} joints", all.len(), joints.len())));
+                return Err(broken(format!("{} {name} do not match {} joints", all.len(), joints.len())));
             }
-            // What is bound where it was flat has no way back; what rests flat may.
+            // A singular bind matrix has no inverse. A singular rest matrix is valid.
             let fits = |m: &DMat4| m.is_finite() && (name == "restTransforms" || m.determinant() != 0.0);
             match all.iter().all(fits) {
                 true => Ok(all),
-                false => Err(broken(format!("{name} that are not finite or flatten"))),
+                false => Err(broken(format!("{name} are not finite or have no inverse"))),
             }
         };
         let (mut bind, mut rest) = (matrices("bindTransforms")?, matrices("restTransforms")?);
         if bind.is_empty() && rest.is_empty() && !joints.is_empty() {
-            return Err(broken("joints that are at no place".into()));
+            return Err(broken("the joints have neither bindTransforms nor restTransforms".into()));
         }
         if bind.is_empty() {
             bind = chained(&parents, &rest);
@@ -138,20 +139,19 @@ impl Skeleton {
             };
             rest = bind.iter().enumerate().map(local).collect();
         }
-        // What moves it stands at it or above it.
+        // The skeleton or one of its ancestors names the animation.
         let source = target(scene, tree.above(own), "skel:animationSource")?;
         let animation =
             source.and_then(|source| tree.animations.iter().find(|prim| *prim.path() == source).cloned());
         Ok(Self { prim: prim.clone(), joints, places, names, parents, bind, rest, animation, own })
     }
 
-    /// From its space to the file's.
+    /// Returns the matrix from the skeleton's space to the file's.
     pub fn place(&self, places: &[(DMat4, bool)]) -> DMat4 {
         places[self.own].0
     }
 
-    /// What brings what was bound to where its joints are, in the skeleton's space: at rest, or at the time of another
-    /// moment.
+    /// Returns the skinning matrices, in the skeleton's space: at rest for [`Moment::First`], else at `time`.
     pub fn palette(&self, scene: &Scene, moment: Moment, time: TimeCode) -> Result<Vec<DMat4>> {
         let mut local = self.rest.clone();
         if let Some(animation) = self.animation.as_ref().filter(|_| !matches!(moment, Moment::First)) {
@@ -167,7 +167,7 @@ impl Skeleton {
     }
 }
 
-/// What the innermost of some prims that says it refers to by this name.
+/// Returns the target of a relationship, from the first of `prims` that has one.
 fn target<'p>(
     scene: &Scene,
     prims: impl Iterator<Item = &'p Prim>,
@@ -182,7 +182,7 @@ fn target<'p>(
     Ok(None)
 }
 
-/// The value that the innermost of some prims that has one has of this name.
+/// Returns the value of an attribute, from the first of `prims` that has one.
 fn inherited<'p>(
     scene: &Scene,
     mut prims: impl Iterator<Item = &'p Prim>,
@@ -192,13 +192,13 @@ fn inherited<'p>(
     prims.find_map(|prim| scene.say(prim.attribute(name).get_at(time)).transpose()).transpose()
 }
 
-/// The joints that an animation moves.
+/// Returns the joints that an animation moves.
 fn animated(scene: &Scene, prim: &Prim) -> Result<Vec<String>> {
     let value = scene.say(prim.attribute("joints").get_at::<Value>(TimeCode::EARLIEST))?;
     Ok(value.as_ref().map(value::texts).unwrap_or_default())
 }
 
-/// Where an animation has its joints at a time, each in the space of its parent.
+/// Returns an animation's joint transforms at a time, each in its parent's space.
 fn moves(scene: &Scene, prim: &Prim, count: usize, time: TimeCode) -> Result<Vec<DMat4>> {
     let value = |name: &str| scene.say(prim.attribute(name.to_owned()).get_at::<Value>(time));
     let broken = |what: &str| scene.problem(format!("{}: {what}", excerpt(prim.path().as_str())));
@@ -211,7 +211,7 @@ fn moves(scene: &Scene, prim: &Prim, count: usize, time: TimeCode) -> Result<Vec
     let fits =
         moved.len() == 3 * count && turned.len() == count && (scaled.is_empty() || scaled.len() == 3 * count);
     if !fits {
-        return Err(broken(&format!("moves that do not fit its {count} joints")));
+        return Err(broken(&format!("the transforms of the animation do not match its {count} joints")));
     }
     let place = |i: usize| {
         let at = |row: &[f64]| DVec3::from_slice(&row[3 * i..]);
@@ -221,11 +221,11 @@ fn moves(scene: &Scene, prim: &Prim, count: usize, time: TimeCode) -> Result<Vec
     let places: Vec<_> = (0..count).map(place).collect();
     match places.iter().all(DMat4::is_finite) {
         true => Ok(places),
-        false => Err(broken("moves that are not finite")),
+        false => Err(broken("the transforms of the animation are not finite")),
     }
 }
 
-/// What each joint hangs from: the nearest that its path leads through.
+/// Returns the parent of each joint: the nearest ancestor on its path that is a joint.
 fn parents(joints: &[String], known: &HashMap<String, usize>) -> Result<Vec<Option<usize>>, String> {
     let parent = |(i, path): (usize, &String)| {
         let mut above = path.as_str();
@@ -234,7 +234,7 @@ fn parents(joints: &[String], known: &HashMap<String, usize>) -> Result<Vec<Opti
             if let Some(parent) = known.get(above) {
                 return match *parent < i {
                     true => Ok(Some(*parent)),
-                    false => Err(format!("the joint {} stands before what it hangs from", excerpt(path))),
+                    false => Err(format!("the joint {} precedes its parent", excerpt(path))),
                 };
             }
         }
@@ -243,7 +243,7 @@ fn parents(joints: &[String], known: &HashMap<String, usize>) -> Result<Vec<Opti
     joints.iter().enumerate().map(parent).collect()
 }
 
-/// Transforms below each other as ones from the space of all of them.
+/// Concatenates local transforms to transforms in the skeleton's space.
 fn chained(parents: &[Option<usize>], local: &[DMat4]) -> Vec<DMat4> {
     let mut all: Vec<DMat4> = Vec::with_capacity(local.len());
     for (parent, own) in parents.iter().zip(local) {

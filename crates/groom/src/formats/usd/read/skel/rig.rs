@@ -1,4 +1,4 @@
-//! Bodies that bend: meshes on skeletons as one rig.
+//! Rigs of meshes on skeletons.
 
 use glam::{DMat4, DVec3, Mat4, Vec3};
 use openusd::{
@@ -7,7 +7,7 @@ use openusd::{
 };
 use std::collections::HashMap;
 
-use super::{Bound, MOVES, Skeleton, Skeletons, animated, moves, value};
+use super::{MOVES, SkelBinding, Skeleton, Skeletons, animated, moves, value};
 use crate::{
     TriMesh,
     error::Result,
@@ -21,24 +21,24 @@ use crate::{
     },
 };
 
-/// A rig in the making.
+/// A rig being read.
 pub(in crate::formats::usd) struct Rigging {
     rig: Rig,
-    /// The node and the joint of the rig at which each skeleton's begin: its own place, then its joints.
+    /// Index of the first node and the first joint of each skeleton. The first node is the skeleton's own transform.
     first: Vec<(usize, usize)>,
-    /// The joint that stands for the skeleton's own place, where something goes with that.
+    /// Palette entry of each skeleton's own transform, if a vertex follows it.
     roots: Vec<Option<u16>>,
-    /// What was left out.
+    /// Notes on skipped data.
     notes: Vec<String>,
     targets: HashMap<String, usize>,
     bends: bool,
 }
 
-/// What never bends follows this joint, the last, until it is known whether there is any.
+/// Placeholder joint of vertices that do not move, until the number of joints is known.
 const STILL: u16 = u16::MAX;
 
 impl Rigging {
-    /// Of the skeletons of a file.
+    /// Begins a rig with the skeletons of a file.
     pub fn new(scene: &Scene, skeletons: &Skeletons, places: &[(DMat4, bool)]) -> Result<Self> {
         let mut rig = Rig::default();
         let mut first = Vec::new();
@@ -52,9 +52,9 @@ impl Rigging {
             };
             let root = rig.nodes.len();
             first.push((root, rig.joints.len()));
-            // With room for one more of each skeleton and for what stands still.
+            // Leave room for an entry per skeleton's own transform and for one that does not move.
             if rig.joints.len() + skeleton.joints.len() + skeletons.0.len() + 1 > MAX_JOINTS {
-                return Err(scene.problem(format!("more than {MAX_JOINTS} joints")));
+                return Err(scene.problem(format!("the skeletons have more than {MAX_JOINTS} joints")));
             }
             rig.nodes.push(node(skeleton.prim.path().as_str(), None, skeleton.place(places).as_mat4()));
             for (i, name) in skeleton.names.iter().enumerate() {
@@ -68,12 +68,12 @@ impl Rigging {
         Ok(Self { rig, first, roots, notes: Vec::new(), targets: HashMap::new(), bends: false })
     }
 
-    /// Adds the vertices of a mesh, in its own space, whose transform is `matrix`.
+    /// Adds the vertices of a mesh. They are in the mesh's space, whose transform is `matrix`.
     pub fn add(
         &mut self,
         scene: &Scene,
         (object, matrix): (&Object, DMat4),
-        bound: Option<&Bound>,
+        bound: Option<&SkelBinding>,
         points: &[Vec3],
         time: TimeCode,
     ) -> Result<()> {
@@ -91,15 +91,15 @@ impl Rigging {
         self.shapes(scene, object, own, (base, points.len()), time)
     }
 
-    /// A vertex with the strongest of its joints.
-    fn held(&mut self, bound: &Bound, point: usize, place: Vec3) -> Bind {
+    /// Returns a vertex with its strongest joints.
+    fn held(&mut self, bound: &SkelBinding, point: usize, place: Vec3) -> Bind {
         let first = self.first[bound.skeleton].1;
         let mut all: Vec<(u32, f32)> = bound.at(point).collect();
         all.sort_by(|a, b| b.1.total_cmp(&a.1));
         all.truncate(INFLUENCES);
         let sum: f32 = all.iter().map(|(_, weight)| weight).sum();
         if all.is_empty() {
-            // What no joint holds goes with the skeleton as a whole.
+            // A point without joints follows the skeleton's own transform.
             let (rig, root) = (&mut self.rig, self.first[bound.skeleton].0 as u32);
             let joint = *self.roots[bound.skeleton].get_or_insert_with(|| {
                 rig.joints.push(Joint { node: root, inverse_bind: Mat4::IDENTITY });
@@ -115,7 +115,7 @@ impl Rigging {
         bind
     }
 
-    /// The blend shapes of a mesh, which lie in its own space.
+    /// Adds the blend shapes of a mesh, which are in its own space.
     fn shapes(
         &mut self,
         scene: &Scene,
@@ -140,20 +140,20 @@ impl Rigging {
             let indices = indices.as_ref().and_then(|value| value::row(value, |n| n as i64));
             let indices = indices.map_or_else(|| (0..count as i64).collect(), |(indices, _)| indices);
             if offsets.len() != 3 * indices.len() {
-                return Err(broken("offsets that do not fit its points"));
+                return Err(broken("the offsets do not match the points"));
             }
             scene.take(indices.len() as u64)?;
             let upright = own.inverse().transpose();
             let mut deltas = Vec::with_capacity(indices.len());
             for (i, vertex) in indices.iter().enumerate() {
                 let Some(vertex) = usize::try_from(*vertex).ok().filter(|vertex| *vertex < count) else {
-                    return Err(broken("a point that its mesh does not have"));
+                    return Err(broken("a point index is out of range"));
                 };
                 let at = |row: &[f32]| row.get(3 * i..3 * i + 3).map(|v| DVec3::from(Vec3::from_slice(v)));
                 let position = own.transform_vector3(at(&offsets).unwrap_or_default()).as_vec3();
                 let normal = upright.transform_vector3(at(&normals).unwrap_or_default()).as_vec3();
                 if !position.is_finite() || !normal.is_finite() {
-                    return Err(broken("offsets that are not finite"));
+                    return Err(broken("the offsets are not finite"));
                 }
                 deltas.push(Delta { vertex: (base + vertex) as u32, position, normal });
             }
@@ -171,7 +171,7 @@ impl Rigging {
         Ok(())
     }
 
-    /// The rig, with the `animations` of the file; brings `mesh` to where it rests. `None` where nothing bends.
+    /// Returns the rig with the file's `animations`, and moves `mesh` to the rest pose. `None` if nothing deforms.
     pub fn finish(
         mut self,
         scene: &Scene,
@@ -189,7 +189,7 @@ impl Rigging {
             let still = self.rig.vertices.iter_mut().filter(|vertex| vertex.joints[0] == STILL);
             still.for_each(|vertex| vertex.joints = [joint; INFLUENCES]);
         }
-        // What moves a skeleton comes first.
+        // The animations that skeletons refer to come first.
         let own = |prim: &&Prim| {
             skeletons.0.iter().any(|s| s.animation.as_ref().is_some_and(|own| own.path() == prim.path()))
         };
@@ -199,8 +199,8 @@ impl Rigging {
                 Ok(animation) => {
                     self.rig.animations.extend(animation.filter(|animation| !animation.channels.is_empty()));
                 }
-                // A body whose motion makes no sense is one all the same.
-                Err(error) => self.notes.push(format!("an animation is left out: {error}")),
+                // A mesh with an invalid animation is still usable.
+                Err(error) => self.notes.push(format!("an animation is skipped: {error}")),
             }
         }
         let rest = self.rig.rest_pose();
@@ -209,7 +209,7 @@ impl Rigging {
         Ok((Some(self.rig), self.notes))
     }
 
-    /// An animation of the joints and shapes that it names; it begins with its first key.
+    /// Returns an animation of the joints and blend shapes that it names. Time 0 is its first key.
     fn animation(&self, scene: &Scene, skeletons: &Skeletons, prim: &Prim) -> Result<Option<Animation>> {
         let per_second = Some(scene.stage.time_codes_per_second()).filter(|rate| *rate > 0.0).unwrap_or(24.0);
         let times = |names: &[&str]| -> Result<Vec<f64>> {
@@ -226,7 +226,7 @@ impl Rigging {
         let joints = animated(scene, prim)?;
         let held = scene.say(prim.attribute(MOVES[0]).get_at::<Value>(TimeCode::EARLIEST))?.is_some();
         if stamps.is_empty() && held {
-            // A pose that is held.
+            // An animation without samples holds one pose.
             stamps.push(weights.first().copied().unwrap_or(0.0));
         }
         let all = stamps.iter().chain(&weights).copied();
@@ -241,7 +241,7 @@ impl Rigging {
                 keys.push(moves(scene, prim, joints.len(), TimeCode::new(*time))?);
             }
             let stamps: Vec<f32> = stamps.iter().map(seconds).collect();
-            // What moves some skeletons moves no others.
+            // An animation that some skeletons refer to does not move the others.
             let moved =
                 |skeleton: &Skeleton| skeleton.animation.as_ref().map(Prim::path) == Some(prim.path());
             let free = !skeletons.0.iter().any(moved);
@@ -277,7 +277,7 @@ impl Rigging {
         Ok(Some(Animation { name, length: seconds(&end), channels }))
     }
 
-    /// What an animation says of shapes.
+    /// Returns the channel of an animation's blend shape weights.
     fn weights(
         &self,
         scene: &Scene,
@@ -302,9 +302,8 @@ impl Rigging {
             let row = row.as_ref().and_then(|value| value::row(value, |n| n as f32)).unwrap_or_default().0;
             if row.len() != names.len() || row.iter().any(|weight| !weight.is_finite()) {
                 let path = excerpt(prim.path().as_str());
-                return Err(
-                    scene.problem(format!("{path}: weights that do not fit its {} shapes", names.len()))
-                );
+                return Err(scene
+                    .problem(format!("{path}: the weights do not match its {} blend shapes", names.len())));
             }
             scene.take(row.len() as u64)?;
             values.extend(known.iter().map(|(i, _)| row[*i]));

@@ -1,4 +1,5 @@
-//! Skeletons: against a file of Pixar's USD (`apps/cli/tests/reference_usd.py` makes it), what we write, and broken ones.
+//! Tests of skeletons: a file of Pixar's USD (written by `apps/cli/tests/reference_usd.py`), files of this crate, and
+//! broken ones.
 
 use std::{
     borrow::Cow,
@@ -19,7 +20,7 @@ use crate::{
     rig::{Animation, Channel, Curve, Property},
 };
 
-/// Where Pixar's `UsdSkel` has the points of a prim of `reference_skel.usdc`, at rest or in a frame.
+/// Returns the points of a prim of `reference_skel.usdc` as Pixar's `UsdSkel` skins them, at rest or in a frame.
 fn skinned(moment: &str, name: &str) -> Vec<Vec3> {
     let line = |line: &str| -> Option<Vec3> {
         let mut words = line.split(' ');
@@ -31,7 +32,7 @@ fn skinned(moment: &str, name: &str) -> Vec<Vec3> {
 }
 
 #[test]
-fn skeletons_carry_hair_as_in_the_reference_implementation() {
+fn skinned_curves_match_reference() {
     let known = [skinned("rest", "whole"), skinned("24", "whole"), skinned("25", "whole")];
     assert!(
         known[0].len() == 6 && farthest(&known[0], &known[1]) > 1.0 && farthest(&known[1], &known[2]) > 1.0
@@ -42,12 +43,12 @@ fn skeletons_carry_hair_as_in_the_reference_implementation() {
         let off = farthest(&raw.strands.positions, &expected);
         assert!(off < 1e-3, "{frame}: {off}");
         let notes = raw.notes.join("\n");
-        assert!(notes.contains("curves of 2 objects go with the joints of a skeleton"), "{notes}");
+        assert!(notes.contains("curves of 2 objects follow the joints of a skeleton"), "{notes}");
     }
 }
 
 #[test]
-fn skeletons_bend_meshes_as_in_the_reference_implementation() {
+fn skinned_meshes_match_reference() {
     let raw =
         mesh::read_given(&[(PathBuf::from("a.usdc"), Cow::Borrowed(SKELETON))], Path::new("a.usdc")).unwrap();
     let (mut body, rig) = (raw.mesh, raw.rig.expect("it bends"));
@@ -58,7 +59,7 @@ fn skeletons_bend_meshes_as_in_the_reference_implementation() {
     let walk = rig.animation("walk").expect("it has the animation");
     assert!((walk.length - 1.0 / 24.0).abs() < 1e-6, "{}", walk.length);
     assert_eq!(rig.target("jaw"), Some(0));
-    // The last key, just before it starts again.
+    // The last key, just before the loop starts again.
     for (time, frame) in [(0.0, "24"), (walk.length * 0.99999, "25")] {
         rig.deform(&rig.pose(walk, time), &mut body);
         let off = farthest(&body.positions, &skinned(frame, "body"));
@@ -97,28 +98,28 @@ fn broken_skeletons_are_refused() {
     let alone = scene(two, "").unwrap();
     assert_eq!(alone.strands.positions[0], Vec3::Y, "without joints it is where it is");
     for (skeleton, binding, why) in [
-        (two.to_owned(), on("2", "1", 1), "a joint 2 of 2"),
-        (two.to_owned(), on("-1", "1", 1), "a joint -1 of 2"),
-        (two.to_owned(), on("0, 1, 0", "1, 0, 1", 1), "3 joints and 3 weights of 2 points"),
-        (two.to_owned(), on("0", "1, 2", 1), "1 joints and 2 weights"),
+        (two.to_owned(), on("2", "1", 1), "joint index 2 is out of range; there are 2"),
+        (two.to_owned(), on("-1", "1", 1), "joint index -1 is out of range; there are 2"),
+        (two.to_owned(), on("0, 1, 0", "1, 0, 1", 1), "3 joint indices and 3 weights do not match 2 points"),
+        (two.to_owned(), on("0", "1, 2", 1), "1 joint indices and 2 weights"),
+        (two.replace("\"A\", \"A/B\"", "\"A/B\", \"A\""), on("0", "1", 1), "precedes its parent"),
+        (two.replacen("(0,0,0,1)", "(0,0,0,0)", 1), on("0", "1", 1), "have no inverse"),
+        (two.replace("\"A\", ", ""), on("0", "1", 1), "2 bindTransforms do not match 1 joints"),
         (
-            two.replace("\"A\", \"A/B\"", "\"A/B\", \"A\""),
+            "uniform token[] joints = [\"A\"]".into(),
             on("0", "1", 1),
-            "stands before what it hangs from",
+            "neither bindTransforms nor restTransforms",
         ),
-        (two.replacen("(0,0,0,1)", "(0,0,0,0)", 1), on("0", "1", 1), "flatten"),
-        (two.replace("\"A\", ", ""), on("0", "1", 1), "2 bindTransforms of 1 joints"),
-        ("uniform token[] joints = [\"A\"]".into(), on("0", "1", 1), "at no place"),
     ] {
         let error = scene(&skeleton, &binding).err().unwrap_or_default();
         assert!(error.contains(why), "{why}: {error}");
     }
-    // Weights of nothing leave a point where it was bound.
+    // A point without weights stays where it was bound.
     let nothing = scene(two, &on("1", "0", 1)).unwrap();
     assert_eq!(nothing.strands.positions[0], Vec3::Y);
 }
 
-/// A body of `rig` and hair on its first vertices, written and read back.
+/// Writes a mesh with its rig and hair, and reads it back.
 fn written_body(body: &TriMesh, rig: &Rig, strands: &Strands, packed: bool) -> (RawMesh, Vec<u8>) {
     let hair = [Hair { name: "hair", strands, packed: false, look: None }];
     let name = if packed { "a.usdc" } else { "a.usda" };
@@ -128,7 +129,7 @@ fn written_body(body: &TriMesh, rig: &Rig, strands: &Strands, packed: bool) -> (
 }
 
 #[test]
-fn bodies_with_hair_are_written_and_bend_as_they_did() {
+fn bodies_with_hair_survive_round_trip() {
     let bust = mannequin::mesh(40);
     let mut built_in = mannequin::rig::rig(&bust);
     let turn = |angle: f32| Quat::from_rotation_y(angle).to_array();
@@ -143,14 +144,14 @@ fn bodies_with_hair_are_written_and_bend_as_they_did() {
             Channel { node: 0, property: Property::Weights(vec![shape]), curve: curve(vec![0.0, 1.0, 0.5]) },
         ],
     });
-    // And one whose rest is not where it was bound, in centimetres.
+    // A mesh whose rest pose is not its bind pose, in centimeters.
     let given = [(PathBuf::from("a.usdc"), Cow::Borrowed(SKELETON))];
     let raw = mesh::read_given(&given, Path::new("a.usdc")).unwrap();
     let (mut other, mut rig) = (raw.mesh, raw.rig.unwrap());
     rig.to_groom =
         Mat4::from_scale_rotation_translation(Vec3::splat(0.01), Quat::from_rotation_y(0.4), Vec3::X);
     rig.deform(&rig.rest_pose(), &mut other);
-    // And one that rests with its jaw half open.
+    // A mesh that rests with its jaw half open.
     let mut open = built_in.clone();
     open.nodes[0].weights = vec![(shape, 0.5)];
     let mut opened = bust.clone();
@@ -159,7 +160,7 @@ fn bodies_with_hair_are_written_and_bend_as_they_did() {
     let all =
         [(&bust, &built_in, false), (&bust, &built_in, true), (&other, &rig, false), (&opened, &open, false)];
     for (body, rig, packed) in all {
-        // A strand on every seventh vertex, or so many that there are some.
+        // A strand on every `step`th vertex, at least 40 if the mesh has as many vertices.
         let mut strands = Strands::default();
         let step = (body.positions.len() / 40).max(1);
         for (p, n) in body.positions.iter().zip(&body.normals).step_by(step) {
@@ -188,11 +189,11 @@ fn bodies_with_hair_are_written_and_bend_as_they_did() {
         assert!(farthest(&raw.strands.positions, &strands.positions) < 1e-5);
         let thick = raw.strands.radii.iter().map(|radius| (radius / 4e-5 - 1.0).abs()).fold(0.0, f32::max);
         assert!(thick < 1e-3, "{thick}");
-        // Roots go with the skin.
+        // Roots follow the skin.
         let frames = (own.length * 24.0).round() as u32;
         let (late, middle) = (frames.div_ceil(2), frames.div_ceil(2) as f32 / frames as f32);
         let late = read(name, &bytes, Moment::Frame(late)).unwrap().strands;
-        // Shapes do not move hair.
+        // Blend shapes do not move hair.
         let mut still = rig.pose(animation, own.length * middle.min(1.0 - 1e-6));
         still.weights = rig.rest_pose().weights;
         rig.deform(&still, &mut expected);
@@ -201,7 +202,7 @@ fn bodies_with_hair_are_written_and_bend_as_they_did() {
         let off = farthest(&roots, &skin);
         assert!(off < 3e-3, "roots are {off} from their skin");
     }
-    // A joint that is scaled to nothing, in names that no path may have, twice.
+    // A joint that is scaled to zero, and names that are invalid in paths or occur twice.
     let mut gone = built_in.clone();
     let scales = [Vec3::ONE, Vec3::ZERO, Vec3::ONE].map(|s| s.to_array()).concat();
     let vanish = Channel { node: 1, property: Property::Scale, curve: curve(scales) };
@@ -233,7 +234,7 @@ fn bodies_with_hair_are_written_and_bend_as_they_did() {
 }
 
 #[test]
-fn what_no_joint_holds_goes_with_its_skeleton_and_motions_that_make_no_sense_are_left_out() {
+fn unweighted_points_follow_skeleton_and_invalid_animations_are_skipped() {
     let one = "((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1))";
     let scene = format!(
         "#usda 1.0
@@ -276,5 +277,5 @@ fn what_no_joint_holds_goes_with_its_skeleton_and_motions_that_make_no_sense_are
     rig.deform(&rig.pose(&rig.animations[0], 0.0), &mut held);
     assert!(held.positions[0].distance(Vec3::new(7.0, 5.0, 0.0)) < 1e-5, "{}", held.positions[0]);
     let notes = raw.notes.join("\n");
-    assert!(notes.contains("an animation is left out") && notes.contains("/a/turn"), "{notes}");
+    assert!(notes.contains("an animation is skipped") && notes.contains("/a/turn"), "{notes}");
 }

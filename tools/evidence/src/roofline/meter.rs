@@ -1,6 +1,6 @@
-//! What the shaders of a frame count, dispatch by dispatch and draw by draw.
+//! Collects the counts of instrumented shaders, per dispatch and draw of a frame.
 
-use super::instrument::{self, BINDINGS, BYTES, Counted};
+use super::instrument::{self, BINDINGS, BYTES, ShaderCounts};
 use anyhow::{Result, ensure};
 use std::{
     collections::HashMap,
@@ -11,34 +11,34 @@ use tresses::{
     gpu::{probe::Probe, readback::blocking as readback},
 };
 
-/// Dispatches and draws of a frame that there is room for.
+/// Most dispatches and draws of a frame that can be counted.
 const MOST: usize = 4096;
-/// What lies between two of them: dynamic offsets are multiples of 256.
+/// Distance between the counters of two dispatches: dynamic offsets are multiples of 256.
 const STEP: u64 = BYTES.next_multiple_of(256);
 
-/// A row of a frame's times, and what its dispatches and draws did.
+/// Work of one stage of a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Done {
-    /// The sums; bytes of buffers not by binding.
-    pub counted: Counted,
-    /// Bytes loaded from and stored to buffers, as often as shaders ask.
+pub struct StageWork {
+    /// Sums of the counters, except bytes by binding.
+    pub counted: ShaderCounts,
+    /// Bytes that shaders load from and store to buffers.
     pub asked: u64,
-    /// The same, but no binding of a dispatch more than its buffer has: what has to come from memory at least once.
+    /// The same, but per dispatch at most the size of each buffer: the minimum memory traffic.
     pub bytes: u64,
 }
 
-/// Counts for the frames between [`start`](Self::start) and [`take`](Self::take).
+/// Counts the frames between [`start`](Self::start) and [`take`](Self::take).
 #[derive(Clone, Debug, Default)]
 pub struct Meter(Arc<State>);
 
 #[derive(Debug, Default)]
 struct State {
-    own: OnceLock<Own>,
+    own: OnceLock<CountBuffer>,
     log: Mutex<Log>,
 }
 
 #[derive(Debug)]
-struct Own {
+struct CountBuffer {
     buffer: wgpu::Buffer,
     layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
@@ -48,9 +48,9 @@ struct Own {
 struct Log {
     counts: bool,
     sizes: HashMap<wgpu::BindGroup, Vec<u64>>,
-    /// Bytes of what each dispatch or draw binds as its first group.
+    /// Sizes of the buffers in the first bind group of each dispatch or draw.
     work: Vec<Vec<u64>>,
-    /// Names of rows, and how much work there was when they ended.
+    /// Stage names, and the number of dispatches and draws when each stage ended.
     rows: Vec<(&'static str, usize)>,
 }
 
@@ -59,7 +59,7 @@ impl State {
         self.log.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn own(&self, device: &wgpu::Device) -> &Own {
+    fn own(&self, device: &wgpu::Device) -> &CountBuffer {
         self.own.get_or_init(|| {
             let buffer = device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("tally"),
@@ -89,13 +89,13 @@ impl State {
                 layout: &layout,
                 entries: &[wgpu::BindGroupEntry { binding: 0, resource }],
             });
-            Own { buffer, layout, group }
+            CountBuffer { buffer, layout, group }
         })
     }
 }
 
 impl Meter {
-    /// What is recorded from here on counts.
+    /// Starts counting the commands recorded from now on.
     pub fn start(&self, context: &Context) {
         let mut log = self.0.log();
         log.counts = true;
@@ -106,26 +106,26 @@ impl Meter {
         context.queue().submit([encoder.finish()]);
     }
 
-    /// What was counted since, row by row. Blocks.
-    pub fn take(&self, context: &Context) -> Result<Vec<(&'static str, Done)>> {
+    /// Stops counting and returns the work of each stage. Blocks.
+    pub fn take(&self, context: &Context) -> Result<Vec<(&'static str, StageWork)>> {
         let words: Vec<u32> = readback::buffer(context, &self.0.own(context.device()).buffer)?;
         let mut log = self.0.log();
         log.counts = false;
         ensure!(
             log.work.len() <= MOST,
-            "a frame of {} dispatches and draws: {MOST} can be counted",
+            "the frame has {} dispatches and draws, but at most {MOST} can be counted",
             log.work.len()
         );
-        let mut rows: Vec<(&'static str, Done)> = Vec::new();
+        let mut rows: Vec<(&'static str, StageWork)> = Vec::new();
         let mut from = 0;
         for (name, to) in &log.rows {
             let place = rows.iter().position(|(known, _)| known == name).unwrap_or_else(|| {
-                rows.push((name, Done::default()));
+                rows.push((name, StageWork::default()));
                 rows.len() - 1
             });
             for i in from..*to {
                 let at = i * (STEP / 4) as usize;
-                rows[place].1.add(&Counted::read(&words[at..]), &log.work[i]);
+                rows[place].1.add(&ShaderCounts::read(&words[at..]), &log.work[i]);
             }
             from = *to;
         }
@@ -133,9 +133,9 @@ impl Meter {
     }
 }
 
-impl Done {
-    /// Adds a dispatch or draw whose first group binds so many bytes.
-    fn add(&mut self, one: &Counted, bound: &[u64]) {
+impl StageWork {
+    /// Adds a dispatch or draw. `bound` are the sizes of the buffers in its first bind group.
+    fn add(&mut self, one: &ShaderCounts, bound: &[u64]) {
         let sum = &mut self.counted;
         sum.invocations += one.invocations;
         sum.operations += one.operations;
@@ -158,7 +158,7 @@ impl Done {
 
 impl Probe for Meter {
     fn shader(&self, device: &wgpu::Device, name: &str, wgsl: &str) -> wgpu::ShaderModule {
-        // A test instruments them all.
+        // A test instruments every shader.
         let module = instrument::instrument(wgsl).unwrap_or_else(|error| panic!("{name}: {error}"));
         let source = wgpu::ShaderSource::Naga(std::borrow::Cow::Owned(module));
         device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(name), source })
@@ -199,13 +199,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_buffer_has_comes_from_memory_once() {
-        let mut one = Counted { loads: 7, others: [8, 0], ..Counted::default() };
+    fn memory_traffic_is_capped_at_the_buffer_size() {
+        let mut one = ShaderCounts { loads: 7, others: [8, 0], ..ShaderCounts::default() };
         one.bound[0] = [1000, 0];
         one.bound[1] = [16, 64];
         one.bound[2] = [500, 0];
-        let mut done = Done::default();
-        // The third is no buffer of a known size.
+        let mut done = StageWork::default();
+        // Size 0: the third binding is not a buffer.
         done.add(&one, &[100, 32, 0]);
         assert_eq!((done.asked, done.bytes), (1000 + 16 + 64 + 500 + 8, 100 + 16 + 32 + 500 + 8));
         done.add(&one, &[]);

@@ -1,9 +1,9 @@
-//! The module graph of a crate, for tests that fail on circles.
+//! The module graph of a crate, for tests that fail on cycles.
 //!
-//! Sources are read as tokens, so comments, documentation links and strings count for nothing. An arrow goes from one
-//! module to another of the same folder when anything inside the first names anything inside the second, by `use` or by
-//! a path in code. Names that `lib.rs` or a `mod.rs` re-exports count as the module that defines them. Test modules
-//! (`#[cfg(test)]`) are left out.
+//! Sources are read as tokens, so comments, documentation links and strings are ignored. An arrow goes from one module
+//! to another of the same folder if anything inside the first names anything inside the second, by `use` or by a path
+//! in code. Names that `lib.rs` or a `mod.rs` re-exports count as the module that defines them. Test modules
+//! (`#[cfg(test)]`) are ignored.
 
 use proc_macro2::{TokenStream, TokenTree};
 use std::{
@@ -15,23 +15,23 @@ use std::{
 /// A module path below the crate's root: `["light", "shadow"]`.
 type Module = Vec<String>;
 
-/// One arrow between two modules of a folder, and a place in the code that makes it.
+/// An arrow between two modules of a folder, with a place in the code that causes it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Arrow {
-    /// The module that names something.
+    /// The module that names an item of `to`.
     pub from: String,
-    /// The module in which it is.
+    /// The module that contains the item.
     pub to: String,
-    /// The file and the path that it names.
+    /// The file, and the path that it names.
     pub because: String,
 }
 
-/// The modules of one crate and what each names.
+/// The modules of a crate and the paths that each names.
 #[derive(Debug, Default)]
 pub struct Modules {
-    /// The paths that each module names, and the modules and names that these paths may mean.
+    /// The paths that each module names. A path leads to a module or to an item of one.
     named: BTreeMap<Module, BTreeSet<Module>>,
-    /// What a module re-exports under a name.
+    /// The path that a module re-exports under a name.
     exported: BTreeMap<(Module, String), Module>,
     files: BTreeMap<Module, PathBuf>,
 }
@@ -47,7 +47,7 @@ impl Modules {
         modules
     }
 
-    /// The circles of the folders that `of` picks: the arrows between the modules that reach each other.
+    /// Returns the cycles in the folders that `of` selects: the arrows between modules that reach each other.
     fn circles(&self, of: impl Fn(&[String]) -> bool) -> Vec<Vec<Arrow>> {
         let folders: BTreeSet<&[String]> =
             self.files.keys().map(|module| &module[..module.len().saturating_sub(1)]).collect();
@@ -58,12 +58,12 @@ impl Modules {
             .collect()
     }
 
-    /// The circles of all folders as text; empty without any.
+    /// Returns the cycles in all folders as text; empty if there are none.
     pub fn report(&self) -> String {
         self.report_of(|_| true)
     }
 
-    /// The circles of the folders that `of` picks, as text. The crate's own folder is the empty path.
+    /// Returns the cycles in the folders that `of` selects, as text. The crate's own folder is the empty path.
     pub fn report_of(&self, of: impl Fn(&[String]) -> bool) -> String {
         let line = |arrow: &Arrow| format!("  {} -> {}   ({})\n", arrow.from, arrow.to, arrow.because);
         let circle =
@@ -71,7 +71,7 @@ impl Modules {
         self.circles(of).iter().map(circle).collect()
     }
 
-    /// The arrows between the modules directly in `folder`.
+    /// Returns the arrows between the modules directly in `folder`.
     pub fn arrows(&self, folder: &[String]) -> Vec<Arrow> {
         let mut arrows: BTreeMap<(String, String), String> = BTreeMap::new();
         let depth = folder.len();
@@ -95,10 +95,10 @@ impl Modules {
         arrows.into_iter().map(|((from, to), because)| Arrow { from, to, because }).collect()
     }
 
-    /// Follows re-exports: the path of the module that defines what `path` means.
+    /// Follows re-exports. Returns the path of the module that defines `path`.
     fn resolve(&self, path: &[String]) -> Module {
         let mut path = path.to_vec();
-        // A chain of re-exports ends; the bound is for one that names itself.
+        // A chain of re-exports ends. The bound is for a name that re-exports itself.
         for _ in 0..16 {
             let step = (0..path.len()).find_map(|i| {
                 let to = self.exported.get(&(path[..i].to_vec(), path[i].clone()))?;
@@ -130,7 +130,7 @@ impl Modules {
     fn items(&mut self, tokens: TokenStream, module: &Module, folder: &Path) {
         let tokens: Vec<_> = tokens.into_iter().collect();
         let (mut i, mut test) = (0, false);
-        // The modules that are declared here, so that `use own::Thing` is seen to mean them.
+        // The modules that are declared here, so that `use own::Thing` resolves to them.
         let own: BTreeSet<String> = tokens
             .windows(2)
             .filter(|pair| pair[0].to_string() == "mod")
@@ -184,7 +184,7 @@ impl Modules {
                     (i, test) = (end + 1, false);
                 }
                 _ => {
-                    // An item ends with a block or a semicolon; what precedes it of one under `cfg(test)` is left out too.
+                    // An item ends with a block or a semicolon. Under `cfg(test)`, all of its tokens are ignored.
                     let ends = word == ";"
                         || matches!(&tokens[i], TokenTree::Group(g) if g.delimiter() == proc_macro2::Delimiter::Brace);
                     if !test {
@@ -202,7 +202,7 @@ impl Modules {
         }
     }
 
-    /// Notes the paths in code that begin with `crate` or `super`.
+    /// Collects the paths in code that begin with `crate` or `super`.
     fn paths(&mut self, tokens: TokenStream, module: &Module) {
         let tokens: Vec<_> = tokens.into_iter().collect();
         let mut i = 0;
@@ -245,7 +245,7 @@ impl Modules {
     }
 }
 
-/// The paths of a `use` tree, each with the name that it brings.
+/// Collects the paths of a `use` tree, each with the name that it imports.
 fn tree(tokens: &[TokenTree], prefix: Vec<String>, found: &mut Vec<(Vec<String>, String)>) {
     for part in tokens.split(|token| token.to_string() == ",") {
         let mut path = prefix.clone();
@@ -278,7 +278,7 @@ fn tree(tokens: &[TokenTree], prefix: Vec<String>, found: &mut Vec<(Vec<String>,
     }
 }
 
-/// A path from the crate's root; `None` for one that leads out of the crate.
+/// Returns the path from the crate's root, or `None` if it leads out of the crate.
 fn absolute(path: &[String], module: &Module, own: &BTreeSet<String>) -> Option<Module> {
     let mut at = match path.first()?.as_str() {
         "crate" => Vec::new(),
@@ -300,7 +300,7 @@ fn absolute(path: &[String], module: &Module, own: &BTreeSet<String>) -> Option<
     Some(at)
 }
 
-/// Of `arrows` those that lie on a circle; `None` without one.
+/// Returns the arrows that lie on a cycle, or `None` if there are none.
 fn circle(arrows: Vec<Arrow>) -> Option<Vec<Arrow>> {
     let reaches = |start: &str, end: &str| {
         let (mut seen, mut next) = (BTreeSet::new(), vec![start]);
@@ -323,7 +323,7 @@ fn circle(arrows: Vec<Arrow>) -> Option<Vec<Arrow>> {
 mod tests {
     use super::*;
 
-    /// A crate of these files in a folder of its own.
+    /// Reads a crate that consists of these files.
     fn crate_of(name: &str, files: &[(&str, &str)]) -> Modules {
         let root = std::env::temp_dir().join(format!("tresses-modules-{}-{name}", std::process::id()));
         _ = fs::remove_dir_all(&root);
@@ -363,7 +363,7 @@ mod tests {
     }
 
     #[test]
-    fn folders_have_circles_of_their_own() {
+    fn circles_inside_folders_are_found() {
         let files = [
             ("lib.rs", "mod a;"),
             ("a/mod.rs", "mod x; mod y;"),

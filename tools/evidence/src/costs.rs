@@ -1,7 +1,6 @@
-//! The cost of the parts of the simulation, compared in one run: 1,000 guides of 32 vertices, chosen among the
-//! strands of the built-in long style, in motion.
+//! Cost of the parts of the simulation, measured in one run: 1,000 guides of 32 vertices of the built-in long style, in
+//! motion.
 
-use super::{sitting::Sitting, statistics::Summary, workload};
 use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -17,77 +16,107 @@ use tresses::{
     volume::{HairHair, VolumeOptions},
     wind::Wind,
 };
-use tresses_scene::Motion;
+use tresses_cli::bench::{
+    Sitting,
+    results::measured,
+    statistics::Summary,
+    table::{ms, table},
+    workload,
+};
+use tresses_scene::{Motion, words::grouped};
 
-/// Guides of the measured hair.
+/// Number of guides.
 const GUIDES: u32 = 1000;
-/// Strands that hang on them.
+/// Number of strands interpolated from the guides.
 const STRANDS: u32 = 16_000;
-/// Frames before the first that counts.
+/// Warm-up frames.
 const WARM_UP: u32 = 3;
-/// Frames per second: one fixed step each.
+/// Frames per second; each frame is one fixed step.
 const FPS: f64 = 60.0;
-/// How many times a distance field is built, if that takes no longer than [`LONG`].
+/// Number of times a distance field is built, if that takes no longer than [`LONG`].
 const BUILDS: usize = 3;
-/// Milliseconds.
+/// Time limit for building distance fields, milliseconds.
 const LONG: f64 = 5000.0;
-/// The wind that blows where one does, m/s: a fresh breeze from the front.
+/// Wind in the variants with wind, m/s: a fresh breeze from the front.
 const WIND: Vec3 = Vec3::new(0.0, 0.0, -8.0);
-/// Variants that are measured.
+/// Number of variants.
 pub const RUNS: u64 = 6;
 
-/// How the parts of the simulation compare.
+/// Costs of the parts of the simulation.
 #[derive(Debug, Default, Serialize)]
 pub struct Costs {
-    /// Simulated strands.
+    /// Number of guides.
     pub guides: u32,
-    /// Vertices of each.
+    /// Vertices per guide.
     pub guide_vertices: u32,
-    /// Drawn strands that follow.
+    /// Number of drawn strands.
     pub strands: u32,
-    /// How many were measured.
+    /// Number of measured frames.
     pub frames: u32,
-    /// Milliseconds of a frame with one fixed step.
-    pub parts: Vec<Part>,
-    /// What the parts are held against.
+    /// Milliseconds per frame with one fixed step.
+    pub parts: Vec<CostRow>,
+    /// Ratios of the parts and their limits.
     pub limits: Vec<Limit>,
 }
 
-/// The time of one part.
+/// Time of one part.
 #[derive(Debug, Serialize)]
-pub struct Part {
-    /// What it is.
+pub struct CostRow {
+    /// Name of the part.
     pub name: String,
     /// Milliseconds.
     #[serde(flatten)]
     pub time: Summary,
 }
 
-/// A ratio of medians and what it may be at most.
+/// A ratio of medians and its limit.
 #[derive(Debug, Serialize)]
 pub struct Limit {
-    /// What is compared with what.
+    /// Description of the ratio.
     pub what: String,
-    /// As measured.
+    /// Measured ratio.
     pub ratio: f64,
-    /// At most.
+    /// Largest allowed ratio.
     pub most: f64,
 }
 
 impl Costs {
-    /// Adds a part, and returns its median.
+    /// Adds a part and returns its median.
     fn part(&mut self, name: &str, time: Summary) -> f64 {
-        self.parts.push(Part { name: name.into(), time });
+        self.parts.push(CostRow { name: name.into(), time });
         time.median
     }
 
-    /// Adds a comparison of `time` with `of`.
+    /// Formats the costs of the simulation as tables.
+    pub fn text(&self) -> String {
+        let mut rows = vec![["", "median", "p95"].map(String::from).to_vec()];
+        rows.extend(
+            self.parts.iter().map(|part| vec![part.name.clone(), ms(part.time.median), ms(part.time.p95)]),
+        );
+        let text = format!(
+            "\nSimulation costs (style long in motion, {} guides × {} vertices, {} strands, one fixed step, {})\n{}",
+            grouped(self.guides.into()),
+            self.guide_vertices,
+            grouped(self.strands.into()),
+            measured(std::iter::once(self.frames)),
+            table(&rows)
+        );
+        let mut rows = vec![["ratio of medians", "measured", "at most"].map(String::from).to_vec()];
+        rows.extend(
+            self.limits
+                .iter()
+                .map(|l| vec![l.what.clone(), format!("{:.2}", l.ratio), format!("{:.2}", l.most)]),
+        );
+        text + &table(&rows)
+    }
+
+    /// Adds the ratio of `time` to `of`.
     fn limit(&mut self, what: &str, time: f64, of: f64, most: f64) {
         self.limits.push(Limit { what: what.into(), ratio: time / of, most });
     }
 }
 
-/// What all runs share.
+/// State shared by all runs.
 struct Rig {
     context: Context,
     character: CharacterParts,
@@ -95,10 +124,10 @@ struct Rig {
     clock: Clock,
 }
 
-/// The times of the stages in every frame of a run.
+/// Times per stage in every frame of a run.
 struct Rows(Vec<(&'static str, Vec<f64>)>);
 
-/// The same hair in another way.
+/// The same hair with other options.
 #[derive(Clone)]
 struct Variant {
     options: HairOptions,
@@ -107,7 +136,7 @@ struct Variant {
 }
 
 impl Rows {
-    /// A frame more.
+    /// Adds a frame.
     fn add(&mut self, times: Vec<(&'static str, f64)>) {
         for (name, ms) in times {
             match self.0.iter_mut().find(|(known, _)| *known == name) {
@@ -117,7 +146,7 @@ impl Rows {
         }
     }
 
-    /// The summed times of the named stages, frame by frame.
+    /// Sums the times of the named stages per frame.
     fn sum(&self, names: &[&str]) -> Summary {
         let rows: Vec<_> = self.0.iter().filter(|(name, _)| names.contains(name)).collect();
         let frames = rows.iter().map(|(_, times)| times.len()).min().unwrap_or(0);
@@ -134,8 +163,8 @@ impl Rig {
         Ok(Self { context, character, frames, clock })
     }
 
-    /// The times of each variant while the head turns. A frame of one, a frame of the next, and so
-    /// on: whatever else the machine does, it does to all of them.
+    /// Measures each variant while the head turns. The frames of the variants alternate, so that other programs on the
+    /// machine slow all of them equally.
     fn run(&self, variants: &[Variant], bar: &ProgressBar) -> Result<Vec<Rows>> {
         let (context, tier) = (&self.context, self.context.tier());
         let mut timings = match tier.timestamps && !tier.software {
@@ -147,7 +176,7 @@ impl Rig {
         let motion = Motion::named("turn").context("a built-in motion")?;
         for frame in 0..WARM_UP + self.frames {
             let head = motion.pose(f64::from(frame) / FPS, self.character.neck);
-            // Half a step more before the first: rounding never drops a step.
+            // Half a step more in the first frame, so that rounding never drops a step.
             let dt = if frame == 0 { 1.5 / FPS } else { 1.0 / FPS } as f32;
             for ((variant, hair), rows) in variants.iter().zip(&mut hairs).zip(&mut rows) {
                 let poses = variant.colliders.iter().map(|(_, pose)| *pose).collect();
@@ -178,7 +207,7 @@ impl Rig {
         Ok(Hair::with_colliders(&self.context, groom, &variant.options, &descriptor)?)
     }
 
-    /// `count` capsules the size of fingers around the neck and the shoulders, where the hair hangs.
+    /// Returns `count` finger-sized capsules around the neck and shoulders, where the hair hangs.
     fn capsules(&self, count: u32) -> Vec<(Collider, Pose)> {
         let shape = Shape::Capsule { half_length: 0.03, radius: 0.01 };
         let capsule = |i: u32| {
@@ -192,7 +221,7 @@ impl Rig {
         (0..count).map(capsule).collect()
     }
 
-    /// Milliseconds to build the distance field of the character's head.
+    /// Measures the time to build the distance field of the character's head, milliseconds.
     fn field(&self, resolution: u32) -> Result<Summary> {
         let head = self.character.head.as_ref().context("the character has a head")?;
         let options = SdfOptions { resolution, ..Default::default() };
@@ -206,7 +235,7 @@ impl Rig {
     }
 }
 
-/// Measures all of it.
+/// Measures all parts.
 pub fn measure(Sitting { frames, clock, bar }: Sitting<'_>) -> Result<Costs> {
     let rig = Rig::new(frames, clock)?;
     let groom = &rig.character.groom;
@@ -228,7 +257,7 @@ pub fn measure(Sitting { frames, clock, bar }: Sitting<'_>) -> Result<Costs> {
         variant.options.volume = VolumeOptions { resolution, ..variant.options.volume };
         variant.physics.hair_hair = HairHair::default();
     }
-    // The air needs to know where hair is: with the density, as in a picture.
+    // As in a render, the wind is measured with the density, which it needs.
     windy.physics.hair_hair = HairHair::default();
     windy.physics.wind = Wind { cells: 32, ..Wind::new(WIND) };
     for (variant, count) in [(one, 1), (many, 64)] {
@@ -237,12 +266,12 @@ pub fn measure(Sitting { frames, clock, bar }: Sitting<'_>) -> Result<Costs> {
     let rows = rig.run(&variants, bar)?;
     let [alone, dense, denser, windy, one, many] = &rows[..] else { unreachable!("a row per variant") };
     let simulate = ["simulate"];
-    let solve = costs.part("the guides' own solve", alone.sum(&simulate));
+    let solve = costs.part("guide solve", alone.sum(&simulate));
     costs.part("density, 32³", dense.sum(&["volume"]));
     costs.part("density, 64³", denser.sum(&["volume"]));
     costs.part("wind, 32³", windy.sum(&["wind"]));
     let air = costs.part("density and wind, 32³", windy.sum(&["volume", "wind"]));
-    costs.limit("density and wind at 32³ / the guides' own solve", air, solve, 1.0);
+    costs.limit("density and wind at 32³ / guide solve", air, solve, 1.0);
     costs.part("solve with the forces of density and wind", windy.sum(&simulate));
     let interpolate = costs.part("interpolation", alone.sum(&["interpolate"]));
     let avoid = costs.part("avoidance", alone.sum(&["avoid"]));
@@ -257,4 +286,23 @@ pub fn measure(Sitting { frames, clock, bar }: Sitting<'_>) -> Result<Costs> {
         costs.part(&name, rig.field(resolution)?);
     }
     Ok(costs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_show_medians_and_ratios() {
+        let costs = Costs {
+            guides: 1000,
+            parts: vec![CostRow { name: "solve".into(), time: Summary { median: 4.0, p95: 6.0 } }],
+            limits: vec![Limit { what: "density / solve".into(), ratio: 0.25, most: 1.0 }],
+            ..Costs::default()
+        };
+        let text = costs.text();
+        let line = |name: &str| text.lines().find(|line| line.trim_start().starts_with(name)).unwrap();
+        assert!(line("solve").contains("4.00") && line("density / solve").contains("0.25"), "{text}");
+        assert_eq!(serde_json::to_value(costs).unwrap()["parts"][0]["median"], 4.0);
+    }
 }

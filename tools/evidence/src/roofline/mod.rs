@@ -1,62 +1,64 @@
-//! What each stage must cost at least: what its shaders did in a frame, counted as they did it, over what the same
-//! adapter can do at best, measured in the same run. `docs/roofline.md` explains the table.
+//! Lower bound of each stage's time: the work of its shaders in a frame, counted on the GPU, divided by the peak rates
+//! of the same adapter, measured in the same run. `docs/roofline.md` explains the table.
 
 mod instrument;
 mod meter;
 mod rates;
 
-use super::{
-    results::{Run, StageTime},
-    sitting::Sitting,
-    table::{ms, table},
-    workload::{self, FPS, WARM_UP, Workload},
-};
-use crate::photographer::Photographer;
 use anyhow::{Context, Result};
-use meter::{Done, Meter};
+use meter::{Meter, StageWork};
 use rates::Rates;
 use serde::Serialize;
 use std::sync::Arc;
 use tresses::gpu::{Clock, Gpu};
+use tresses_cli::{
+    bench::{
+        Sitting,
+        results::{Run, StageTime},
+        table::{ms, table},
+        workload::{self, FPS, WARM_UP, Workload},
+    },
+    photographer::Photographer,
+};
 use tresses_scene::{Motion, Viewpoint};
 
-/// Stages and their limits.
+/// Stages and their lower bounds.
 #[derive(Debug, Default, Serialize)]
 pub struct Roofline {
-    /// What was drawn.
+    /// Name of the workload.
     pub name: String,
-    /// What the adapter can do.
+    /// Peak rates of the adapter.
     pub rates: Rates,
-    /// In order.
+    /// The stages, in order.
     pub stages: Vec<Stage>,
 }
 
 /// One stage of a frame.
 #[derive(Debug, Default, PartialEq, Serialize)]
 pub struct Stage {
-    /// Its row of times.
+    /// Name of the stage.
     pub name: String,
     /// Invocations of compute and fragment shaders.
     pub invocations: u64,
-    /// Bytes that memory must deliver and take once, by shaders, attachments and transfers.
+    /// Minimum memory traffic of shaders, attachments and transfers, bytes.
     pub bytes: u64,
-    /// Bytes of storage buffers that shaders ask for, as often as they do.
+    /// Bytes that shaders load from and store to storage buffers.
     pub asked: u64,
     /// Loads from storage buffers.
     pub loads: u64,
-    /// Texels that are loaded or sampled.
+    /// Loaded or sampled texels.
     pub texels: u64,
-    /// Atomics on storage buffers.
+    /// Atomic operations on storage buffers.
     pub atomics: u64,
-    /// Arithmetic on single numbers.
+    /// Arithmetic operations on scalars.
     pub operations: u64,
-    /// Milliseconds, the median of those measured without counting.
+    /// Median time without instrumentation, milliseconds.
     pub time: f64,
 }
 
 impl Stage {
-    /// `done` in `time` milliseconds; passes and transfers move `moved` bytes besides.
-    fn new(name: &str, done: &Done, moved: u64, time: f64) -> Self {
+    /// Creates the stage from its work and time in milliseconds. Attachments and transfers move `moved` bytes.
+    fn new(name: &str, done: &StageWork, moved: u64, time: f64) -> Self {
         let counted = done.counted;
         Self {
             name: name.into(),
@@ -71,7 +73,7 @@ impl Stage {
         }
     }
 
-    /// Milliseconds that it takes at least at `rates`, and what they are spent on.
+    /// Returns the lower bound in milliseconds at `rates`, and the resource that limits it.
     fn bound(&self, rates: &Rates) -> (f64, &'static str) {
         let limits = [
             (self.bytes as f64 / rates.bytes(), "bytes"),
@@ -85,7 +87,7 @@ impl Stage {
     }
 }
 
-/// What is measured of `workload`, whose last state counts.
+/// Measures the last state of `workload`.
 pub fn measure(workload: &Workload, sitting: Sitting<'_>) -> Result<Roofline> {
     let (state, motion) = *workload.runs.last().context("a state to measure")?;
     let mut scene = Photographer::with_samples_at_most(&workload.preset, workload.size)?;
@@ -97,13 +99,13 @@ pub fn measure(workload: &Workload, sitting: Sitting<'_>) -> Result<Roofline> {
     Ok(Roofline { name: format!("{}, {state}", workload.name), rates, stages: stages(&run, &done) })
 }
 
-/// What the first frame does that is measured.
+/// Counts the work of the first measured frame.
 fn count(
     workload: &Workload,
     motion: &str,
     camera: &Viewpoint,
     clock: Clock,
-) -> Result<Vec<(&'static str, Done)>> {
+) -> Result<Vec<(&'static str, StageWork)>> {
     let meter = Meter::default();
     let mut gpu = pollster::block_on(Gpu::open())?;
     gpu.context = gpu.context.with_probe(Arc::new(meter.clone()));
@@ -122,10 +124,10 @@ fn count(
     meter.take(&scene.gpu.context)
 }
 
-/// Times and counts of the same stages side by side.
-fn stages(run: &Run, done: &[(&'static str, Done)]) -> Vec<Stage> {
+/// Combines times and counts of the same stages.
+fn stages(run: &Run, done: &[(&'static str, StageWork)]) -> Vec<Stage> {
     let stage = |time: &StageTime| {
-        let nothing = Done::default();
+        let nothing = StageWork::default();
         let done = done.iter().find(|(name, _)| *name == time.name).map_or(&nothing, |(_, done)| done);
         let moved = run.recorded.iter().find(|row| row.stage == time.name).map_or(0, |row| row.bytes);
         Stage::new(&time.name, done, moved, time.time.median)
@@ -133,18 +135,18 @@ fn stages(run: &Run, done: &[(&'static str, Done)]) -> Vec<Stage> {
     run.stages.iter().map(stage).collect()
 }
 
-/// As tables.
+/// Formats the results as tables.
 pub fn text(roofline: &Roofline) -> String {
     let head = [
         "stage",
         "invocations",
         "MB",
-        "asked for",
+        "MB requested",
         "M loads",
         "M texels",
         "M atomics",
         "M operations",
-        "at least",
+        "lower bound",
         "by",
         "measured",
         "ratio",
@@ -168,7 +170,7 @@ pub fn text(roofline: &Roofline) -> String {
             ms(bound),
             what.into(),
             ms(stage.time),
-            // What is not due in each frame may not have been in the one that counted.
+            // A stage that does not run in every frame may be missing from the counted one.
             if bound > 0.0 { format!("{:.1}", stage.time / bound) } else { "-".into() },
         ]);
     }
@@ -179,7 +181,7 @@ pub fn text(roofline: &Roofline) -> String {
     sum[11] = format!("{:.1}", measured / f64::max(least, 1e-9));
     rows.push(sum);
     format!(
-        "\nAt best\n{}\n{}: what a frame does, what that takes at least, milliseconds\n{}",
+        "\nPeak rates\n{}\n{}: work of a frame, lower bound and measured time, milliseconds\n{}",
         roofline.rates.text(),
         roofline.name,
         table(&rows)
@@ -188,15 +190,16 @@ pub fn text(roofline: &Roofline) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{instrument::Counted, *};
+    use super::{instrument::ShaderCounts, *};
 
     #[test]
-    fn a_stage_is_held_against_what_binds_it() {
+    fn bound_is_the_slowest_resource() {
         let rates =
             Rates { copied: 2e9, streamed: 1e9, operations: 1e12, loads: 1e9, texels: 1e9, atomics: 1e6 };
-        let counted = Counted { operations: 3_000_000_000, atomics: 1000, loads: 1000, ..Counted::default() };
-        let done = Done { counted, asked: 9, bytes: 1_000_000 };
-        // 3 ms of operations, 1 of atomics; bytes at the better of both rates.
+        let counted =
+            ShaderCounts { operations: 3_000_000_000, atomics: 1000, loads: 1000, ..ShaderCounts::default() };
+        let done = StageWork { counted, asked: 9, bytes: 1_000_000 };
+        // 3 ms of operations, 1 ms of atomics, bytes at the better of both rates.
         let stage = Stage::new("bins", &done, 0, 6.0);
         assert_eq!(stage.bound(&rates), (3.0, "operations"));
         assert_eq!(Stage::new("bins", &done, 9_000_000, 6.0).bound(&rates), (5.0, "bytes"));

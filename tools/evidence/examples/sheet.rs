@@ -1,8 +1,8 @@
-//! Lays pictures out in a grid with a line of text under each: `scripts/style-sheet` makes the pictures
-//! of `docs/appearance/style.md` with it.
+//! Lays out images in a grid with a label under each. `tools/evidence/style-sheet` uses it for the images of
+//! `docs/appearance/style.md`.
 //!
-//! `cargo run -p tresses-cli --example sheet -- OUT.webp COLUMNS LABEL=PICTURE.png ...`, or
-//! `... -- paint PATTERN OUT.png` for a map of colours to try.
+//! `cargo run -p tresses-evidence --example sheet -- OUT.webp COLUMNS LABEL=PICTURE.png ...`, or `... -- paint PATTERN
+//! OUT.png` for an example color map.
 
 use anyhow::{Context, Result, ensure};
 use embedded_graphics::{
@@ -15,10 +15,10 @@ use embedded_graphics::{
 use std::{convert::Infallible, fs::File, io::BufReader, path::Path};
 use webp_animation::{Encoder, EncoderOptions, EncodingConfig, EncodingType, LossyEncodingConfig};
 
-/// Height of the line under each picture, pixels.
+/// Height of the label under each image, pixels.
 const LINE: usize = 22;
 
-/// Between pictures, pixels.
+/// Gap between images, pixels.
 const GAP: usize = 3;
 
 struct Picture {
@@ -34,7 +34,7 @@ fn read(path: &Path) -> Result<Picture> {
         let mut reader = decoder.read_info()?;
         let mut rgba = vec![0; reader.output_buffer_size().context("too large")?];
         let info = reader.next_frame(&mut rgba)?;
-        ensure!(info.color_type == png::ColorType::Rgba, "not a picture in colour");
+        ensure!(info.color_type == png::ColorType::Rgba, "not a color image");
         Ok(Picture { width: info.width as usize, height: info.height as usize, rgba })
     };
     open().with_context(|| path.display().to_string())
@@ -61,7 +61,7 @@ impl DrawTarget for Picture {
     }
 }
 
-/// Writes a picture of colours over the scalp, its top the front: `streaks`, `halves` or `halo`.
+/// Writes a color map of the scalp with the front at the top: `streaks`, `halves` or `halo`.
 fn paint(pattern: &str, out: &str) -> Result<()> {
     const SIDE: usize = 256;
     let color = |x: f32, y: f32| -> Result<[u8; 3]> {
@@ -71,7 +71,7 @@ fn paint(pattern: &str, out: &str) -> Result<()> {
             "streaks" => brown,
             "halves" if x < 0.5 => red,
             "halves" => blond,
-            // From the front backwards.
+            // `y` is 1 at the front.
             "halo" if y > 0.62 => blond,
             "halo" => red,
             _ => anyhow::bail!("{pattern}: choose streaks, halves or halo"),
@@ -96,15 +96,15 @@ fn main() -> Result<()> {
         return paint(pattern, out);
     }
     let [out, columns, cells @ ..] = &args[..] else {
-        anyhow::bail!("give OUT.webp COLUMNS LABEL=PICTURE.png ..., or paint PATTERN OUT.png");
+        anyhow::bail!("expected OUT.webp COLUMNS LABEL=IMAGE.png ..., or paint PATTERN OUT.png");
     };
     let columns: usize = columns.parse().context("the number of columns")?;
-    ensure!(columns > 0 && !cells.is_empty(), "give at least one column and one picture");
+    ensure!(columns > 0 && !cells.is_empty(), "expected at least one column and one image");
     let cells: Vec<(&str, Picture)> = cells
         .iter()
         .map(|cell| {
-            // A label may have an equals sign of its own.
-            let (label, path) = cell.rsplit_once('=').context("give LABEL=PICTURE.png")?;
+            // A label may contain an equals sign.
+            let (label, path) = cell.rsplit_once('=').context("expected LABEL=IMAGE.png")?;
             Ok((label, read(Path::new(path))?))
         })
         .collect::<Result<_>>()?;

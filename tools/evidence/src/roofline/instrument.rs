@@ -1,8 +1,8 @@
-//! Shaders that count what they do: operations, loads, bytes, texels and atomics, invocation by invocation.
+//! Instruments shaders to count their work per invocation: operations, loads, bytes, texels and atomics.
 //!
-//! Statements between two branches or loops run together, so what they do is counted once, here, and added whenever they
-//! run. What an invocation has summed up it adds to a buffer when it ends. So loops count as often
-//! as they turn, branches only where they are taken, and nothing has to be guessed from the outside.
+//! Statements between branches and loops always execute together. Their cost is therefore summed up when the shader is
+//! instrumented, and added in one step at run time. Each invocation sums its counts in private memory and adds them to
+//! a buffer when it ends. Loops are thus counted once per iteration, and branches only if taken.
 
 use anyhow::{Context, Result};
 use tresses::gpu::probe::GROUP;
@@ -14,11 +14,11 @@ use wgpu::naga::{
     valid::{Capabilities, FunctionInfo, ValidationFlags, Validator},
 };
 
-/// Bindings of `@group(0)` whose bytes are told apart.
+/// Number of bindings of `@group(0)` whose bytes are counted separately.
 pub const BINDINGS: usize = 16;
-/// What is counted, in this order: see [`Counted`].
+/// Number of counters, in the order of [`ShaderCounts`].
 const FIELDS: usize = 8 + 2 * BINDINGS;
-/// Bytes of what a dispatch or draw counts: 64 bits each.
+/// Size of the counters of a dispatch or draw, 64 bits each.
 pub const BYTES: u64 = 8 * FIELDS as u64;
 
 const INVOCATIONS: usize = 0;
@@ -29,32 +29,32 @@ const TEXEL_BYTES: usize = 4;
 const ATOMICS: usize = 5;
 const READ: usize = 8;
 const WRITTEN: usize = READ + BINDINGS;
-/// Reads and writes through other groups.
+/// Bytes read and written through other bind groups.
 const OTHERS: [usize; 2] = [6, 7];
 
-/// What the invocations of a dispatch or of a draw's fragments did.
+/// Work of the invocations of a dispatch, or of the fragments of a draw.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Counted {
-    /// Those that were started.
+pub struct ShaderCounts {
+    /// Started invocations.
     pub invocations: u64,
-    /// Arithmetic on numbers, one per component.
+    /// Arithmetic operations on scalars, one per component.
     pub operations: u64,
     /// Loads from storage buffers.
     pub loads: u64,
-    /// Texels loaded, and samples taken by samplers.
+    /// Loaded texels, and samples taken by samplers.
     pub texels: u64,
     /// Bytes stored to textures.
     pub texel_bytes: u64,
-    /// Atomics on storage buffers.
+    /// Atomic operations on storage buffers.
     pub atomics: u64,
     /// Bytes loaded from and stored to storage buffers of `@group(0)`, by binding.
     pub bound: [[u64; 2]; BINDINGS],
-    /// The same of other groups.
+    /// Bytes loaded and stored through other bind groups.
     pub others: [u64; 2],
 }
 
-impl Counted {
-    /// What stands in the first [`BYTES`] of `words`.
+impl ShaderCounts {
+    /// Reads the counters from the first [`BYTES`] of `words`.
     pub fn read(words: &[u32]) -> Self {
         let at = |field: usize| u64::from(words[2 * field]) | u64::from(words[2 * field + 1]) << 32;
         Self {
@@ -70,9 +70,9 @@ impl Counted {
     }
 }
 
-/// The shader `source`, counting. Vertex shaders do not: they may not write.
+/// Instruments the shader `source`. Vertex shaders are not counted, because they cannot write to storage.
 pub fn instrument(source: &str) -> Result<Module> {
-    // Functions come before those that call them.
+    // The counting functions come first, before their callers.
     let source = format!(
         "@group({GROUP}) @binding(0) var<storage, read_write> tally_sums: array<atomic<u32>, {0}>;
         var<private> tally_counts: array<u32, {FIELDS}>;
@@ -109,12 +109,12 @@ pub fn instrument(source: &str) -> Result<Module> {
     Ok(module)
 }
 
-/// Makes a function count.
+/// Instruments one function.
 struct Counter<'a> {
     module: &'a Module,
     info: &'a FunctionInfo,
     add: Handle<Function>,
-    /// What an entry point calls before it returns.
+    /// Function that an entry point calls before it returns.
     end: Option<Handle<Function>>,
 }
 
@@ -132,12 +132,12 @@ impl Counter<'_> {
         function.body = body;
     }
 
-    /// `block`, counting; `first` is that of an entry point.
+    /// Instruments `block`; `first` marks the body of an entry point.
     fn block(&self, expressions: &mut Arena<Expression>, block: Block, first: bool) -> Block {
         let mut counting = Block::new();
         let mut costs = [0; FIELDS];
         costs[INVOCATIONS] = u32::from(first);
-        // What runs together: a branch or a loop may leave for good.
+        // Statements that execute together. A branch or loop ends the run, since it may return.
         let mut together = Block::new();
         for (statement, span) in block.span_into_iter() {
             let mut inner = |block| self.block(expressions, block, false);
@@ -173,7 +173,7 @@ impl Counter<'_> {
         counting
     }
 
-    /// Adds `costs` where `block` has come to.
+    /// Appends calls to `block` that add `costs`.
     fn count(&self, expressions: &mut Arena<Expression>, block: &mut Block, costs: Costs) {
         for (field, cost) in costs.into_iter().enumerate().filter(|(_, cost)| *cost > 0) {
             let mut word =
@@ -197,7 +197,7 @@ impl Counter<'_> {
             Statement::ImageStore { image, .. } => {
                 if let TypeInner::Image { class: ImageClass::Storage { format, .. }, .. } = self.inner(*image)
                 {
-                    // What a format takes is what its name says: bits per channel.
+                    // The name of a format contains its bits per channel.
                     costs[TEXEL_BYTES] += bits(&format!("{format:?}")) / 8;
                 }
             }
@@ -223,7 +223,7 @@ impl Counter<'_> {
                 0
             }
             Expression::Binary { left, right, .. } => match (self.inner(left), self.inner(right)) {
-                // A product of matrices: a product and a sum for each pair of numbers that meet.
+                // Matrix products: one multiplication and one addition per pair of scalars.
                 (TypeInner::Matrix { .. }, TypeInner::Vector { .. }) => 2 * self.width(left),
                 (TypeInner::Vector { .. }, TypeInner::Matrix { .. }) => 2 * self.width(right),
                 (TypeInner::Matrix { columns, .. }, TypeInner::Matrix { columns: across, .. })
@@ -231,7 +231,7 @@ impl Counter<'_> {
                 {
                     2 * self.width(left) * *across as u32
                 }
-                // Comparisons of vectors give as many.
+                // Comparisons of vectors also count one per component.
                 _ => self.width(of),
             },
             Expression::Unary { .. } | Expression::Select { .. } | Expression::Derivative { .. } => {
@@ -260,7 +260,7 @@ impl Counter<'_> {
         self.info[of].ty.inner_with(&self.module.types)
     }
 
-    /// Numbers in a value.
+    /// Returns the number of scalars in a value.
     fn width(&self, of: Handle<Expression>) -> u32 {
         match self.inner(of) {
             TypeInner::Vector { size, .. } => *size as u32,
@@ -274,7 +274,7 @@ impl Counter<'_> {
         self.inner(of).try_size(context).unwrap_or(0)
     }
 
-    /// Where bytes read and written through a pointer are counted, if it is one into a storage buffer.
+    /// Returns the counters of bytes read and written through a pointer into a storage buffer.
     fn fields(
         &self,
         expressions: &Arena<Expression>,
@@ -297,7 +297,7 @@ fn call(function: Handle<Function>, arguments: Vec<Handle<Expression>>) -> State
     Statement::Call { function, arguments, result: None }
 }
 
-/// `Rgba16Float` is 4 channels of 16 bits.
+/// Returns the bits per texel of a format; `Rgba16Float` has 4 channels of 16 bits.
 fn bits(format: &str) -> u32 {
     let number: String = format.chars().filter(char::is_ascii_digit).collect();
     let channels = format.chars().take_while(|c| !c.is_ascii_digit()).count() as u32;
@@ -309,12 +309,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn formats_have_as_many_bits_as_they_say() {
+    fn bits_follow_from_the_format_name() {
         assert_eq!([bits("Rgba16Float"), bits("R32Uint"), bits("Rgba8Unorm")], [64, 32, 32]);
     }
 
     #[test]
-    fn every_shader_can_count() {
+    fn every_shader_can_be_instrumented() {
         for (name, wgsl) in tresses::shaders::all() {
             let module = instrument(wgsl).unwrap_or_else(|error| panic!("{name}: {error}"));
             let checked = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module);
@@ -322,8 +322,8 @@ mod tests {
         }
     }
 
-    /// What 96 threads of a known shader did, `turns` times round its loop.
-    fn counted(turns: u32) -> Option<Counted> {
+    /// Runs a known shader on 96 threads with `turns` loop iterations, and returns its counts.
+    fn counted(turns: u32) -> Option<ShaderCounts> {
         let wgsl = "
             @group(0) @binding(0) var<storage, read> turns: array<u32>;
             @group(0) @binding(1) var<storage, read_write> out: array<vec4f>;
@@ -339,8 +339,7 @@ mod tests {
         let gpu = match pollster::block_on(tresses::gpu::Gpu::open()) {
             Ok(gpu) => gpu,
             Err(error) => {
-                assert!(std::env::var_os("TRESSES_REQUIRE_GPU").is_none_or(|v| v != "1"), "{error}");
-                println!("skipped: {error}");
+                tresses_testing::skip("gpu", error);
                 return None;
             }
         };
@@ -388,24 +387,25 @@ mod tests {
         drop(pass);
         queue.submit([encoder.finish()]);
         let words: Vec<u32> = tresses::gpu::readback::blocking::buffer(context, &buffers[3]).expect("back");
-        Some(Counted::read(&words))
+        Some(ShaderCounts::read(&words))
     }
 
     #[test]
-    fn a_known_shader_counts_what_is_known() {
+    fn counts_match_a_known_shader() {
         let Some(counted) = counted(5) else { return };
         let mut bound = [[0; 2]; BINDINGS];
-        // The number of turns is asked for once more than there are; of 96 threads 64 go on.
+        // The loop condition loads `turns[0]` once more than there are iterations. 64 of 96 threads pass the first
+        // branch.
         bound[0][0] = 64 * 6 * 4;
         bound[1][1] = 64 * 16;
-        let expected = Counted {
+        let expected = ShaderCounts {
             invocations: 96,
-            // Whether it goes on; six times whether there is a turn more, five steps and sums of four, whether it is one of ten.
+            // First branch; six loop conditions, five increments, five sums of four components; second branch.
             operations: 96 + 64 * (6 + 5 * (1 + 4) + 1),
             loads: 64 * 6,
             atomics: 10,
             bound,
-            ..Counted::default()
+            ..ShaderCounts::default()
         };
         assert_eq!(counted, expected);
         let Some(more) = self::counted(6) else { return };

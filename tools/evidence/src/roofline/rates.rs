@@ -1,34 +1,34 @@
-//! What an adapter can do at best, measured: how fast it moves memory, computes, loads and counts.
+//! Peak rates of an adapter, measured: memory traffic, arithmetic, loads, texels and atomics.
 
-use crate::bench::table::{ms, table};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use tresses::gpu::{Clock, Gpu, bindings::uniform};
+use tresses_cli::bench::table::{ms, table};
 
-/// Things per second.
+/// Peak rates, per second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Rates {
-    /// Bytes read and written when a buffer is copied.
+    /// Bytes read and written by buffer copies.
     pub copied: f64,
-    /// Bytes read and written by a kernel with four numbers to a thread.
+    /// Bytes read and written by a kernel with one `vec4f` per thread.
     pub streamed: f64,
-    /// Sums and products, by multiply-adds that depend on each other in chains of several per thread.
+    /// Additions and multiplications, in several chains of dependent multiply-adds per thread.
     pub operations: f64,
     /// Words loaded from a storage buffer of 4 kB.
     pub loads: f64,
     /// Texels loaded from a texture of 64 kB.
     pub texels: f64,
-    /// Atomic sums in a storage buffer, spread over 64k words.
+    /// Atomic additions in a storage buffer, spread over 65,536 words.
     pub atomics: f64,
 }
 
 impl Rates {
-    /// Bytes per second: the best that was seen.
+    /// Returns the best memory rate, bytes per second.
     pub fn bytes(&self) -> f64 {
         self.copied.max(self.streamed)
     }
 
-    /// As a table.
+    /// Formats the rates as a table.
     pub fn text(&self) -> String {
         let row =
             |name: &str, rate: f64, unit: &str| vec![name.into(), format!("{} {unit}", ms(rate * 1e-9))];
@@ -43,12 +43,12 @@ impl Rates {
     }
 }
 
-/// Of each, the best of so many.
+/// Repetitions of each measurement; the best counts.
 const TIMES: u32 = 5;
-/// Turns of the loops below.
+/// Loop iterations of the kernels.
 const TURNS: u64 = 64;
 
-/// Threads are told apart by `id`; what is loaded or summed up is stored, so that no compiler leaves it out.
+/// Benchmark kernels. They store the results of loads and sums, so that no compiler removes them.
 const KERNELS: &str = "
 @group(0) @binding(0) var<storage, read> source: array<vec4f>;
 @group(0) @binding(1) var<storage, read_write> target_: array<vec4f>;
@@ -121,11 +121,11 @@ fn count(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) coun
 }
 ";
 
-/// Measures them all.
+/// Measures all rates.
 pub fn measure(gpu: &Gpu, clock: Clock) -> Result<Rates> {
     let Gpu { context, .. } = gpu;
     let (device, queue, tier) = (context.device(), context.queue(), context.tier());
-    // Beyond all caches; threads enough to fill the machine for some milliseconds.
+    // Buffers larger than all caches; enough threads to occupy the GPU for some milliseconds.
     let (bytes, threads): (u64, u64) = if tier.software { (64 << 20, 1 << 16) } else { (256 << 20, 1 << 22) };
     let buffer = |size| {
         device.create_buffer(&wgpu::BufferDescriptor {
@@ -153,7 +153,7 @@ pub fn measure(gpu: &Gpu, clock: Clock) -> Result<Rates> {
         label: Some("rates"),
         source: wgpu::ShaderSource::Wgsl(KERNELS.into()),
     });
-    // Per second of the clock, of what a submission does so many of.
+    // Returns the rate of a submission that does `amount` units of work.
     let rate = |amount: u64, record: &dyn Fn(&mut wgpu::CommandEncoder)| -> Result<f64> {
         let mut best = f64::INFINITY;
         for _ in 0..=TIMES {
@@ -202,7 +202,7 @@ pub fn measure(gpu: &Gpu, clock: Clock) -> Result<Rates> {
     Ok(Rates {
         copied: rate(2 * bytes, &|encoder| encoder.copy_buffer_to_buffer(&source, 0, &target, 0, bytes))?,
         streamed: kernel("stream", bytes / 16, &[0, 1], 2 * bytes)?,
-        // 16 lines of 4 numbers, a product and a sum each.
+        // 16 lines of 4 components, a multiplication and an addition each.
         operations: kernel("compute", threads, &[1, 5], threads * TURNS * 16 * 4 * 2)?,
         loads: kernel("load", threads, &[1, 4, 5], threads * TURNS * 4)?,
         texels: kernel("texel", threads, &[1, 3, 5], threads * TURNS * 4)?,

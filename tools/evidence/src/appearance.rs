@@ -1,55 +1,58 @@
-//! The cost of the methods of lighting, shading and drawing hair, compared: one character, one camera, one
-//! motion.
+//! Cost of the methods of lighting, shading and drawing hair, compared with the same character, camera and motion.
 
-use super::{
-    results::Run,
-    sitting::Sitting,
-    workload::{self, Edges, masks},
-};
-use crate::{args::Size, photographer::Photographer};
 use anyhow::{Context, Result};
 use serde::Serialize;
 use tresses::light::{ShadingModel, ShadingRate, ShadowMethod};
-use tresses_scene::settings::Lamp;
+use tresses_cli::{
+    args::Size,
+    bench::{
+        Adapter, Sitting,
+        results::{Run, measured},
+        table::{ms, table},
+        workload::{self, Edges, masks},
+    },
+    photographer::Photographer,
+};
+use tresses_scene::{settings::Lamp, words::grouped};
 
-/// Pixels, and drawn strands.
+/// Image size and number of drawn strands.
 const FULL: (Size, u32) = (Size { width: 1280, height: 720 }, 20_000);
-/// The same on a software adapter, where frames take seconds.
+/// The same for software adapters, where frames take seconds.
 const SOFTWARE: (Size, u32) = (Size { width: 640, height: 360 }, 5_000);
-/// Measured frames there, if none are asked for.
+/// Default number of measured frames on software adapters.
 pub const SOFTWARE_FRAMES: u32 = 3;
-/// Samples per pixel where samples are not what is compared.
+/// Samples per pixel of variants that do not compare sample counts.
 const SAMPLES: &str = "4";
 
-/// One way to draw the character.
+/// One method of drawing the character.
 pub struct Variant {
-    /// What is compared: a heading.
+    /// Topic of the comparison, a heading.
     topic: &'static str,
-    /// Which of its ways.
+    /// Name of the method.
     name: &'static str,
     edges: Edges,
     set: fn(&mut Photographer),
 }
 
-/// What one way costs.
+/// Cost of one method.
 #[derive(Debug, Serialize)]
 pub struct Look {
-    /// What is compared.
+    /// Topic of the comparison.
     pub topic: String,
-    /// Which of its ways.
+    /// Name of the method.
     pub name: String,
-    /// Of the picture, pixels.
+    /// Image size, pixels.
     pub size: [u32; 2],
-    /// Drawn.
+    /// Number of drawn strands.
     pub strands: u32,
-    /// GPU memory per pixel of the picture: colours, depth, layers.
+    /// GPU memory per pixel of the image: colors, depth, layers.
     pub bytes_per_pixel: f64,
     /// Times.
     pub run: Run,
 }
 
 impl Variant {
-    /// Whether an adapter that offers at most `most` samples per pixel can draw it.
+    /// Whether an adapter with at most `most` samples per pixel supports the method.
     pub fn fits(&self, most: u32) -> bool {
         self.edges
             .modes
@@ -58,7 +61,7 @@ impl Variant {
     }
 }
 
-/// All that are measured, topic by topic; the first of a topic is the default.
+/// Returns all methods by topic. The first of a topic is the default.
 pub fn variants() -> Vec<Variant> {
     let light = |topic, name, set| Variant { topic, name, edges: masks(SAMPLES, 1), set };
     let shading = |name, set| light("shading", name, set);
@@ -72,11 +75,11 @@ pub fn variants() -> Vec<Variant> {
         set: |_| {},
     };
     vec![
-        shading("fibre, per strand vertex", |_| {}),
+        shading("fiber, per strand vertex", |_| {}),
         shading("Kajiya–Kay, per strand vertex", |scene| {
             scene.character.hair_mut().set.material.model = ShadingModel::KajiyaKay;
         }),
-        shading("fibre, per pixel", |scene| scene.picture.shading = ShadingRate::PerPixel),
+        shading("fiber, per pixel", |scene| scene.picture.shading = ShadingRate::PerPixel),
         shading("Kajiya–Kay, per pixel", |scene| {
             scene.character.hair_mut().set.material.model = ShadingModel::KajiyaKay;
             scene.picture.shading = ShadingRate::PerPixel;
@@ -112,7 +115,7 @@ pub fn variants() -> Vec<Variant> {
     ]
 }
 
-/// Measures one of them.
+/// Measures one method.
 pub fn measure(variant: &Variant, software: bool, sitting: Sitting<'_>) -> Result<Look> {
     let (size, strands) = if software { SOFTWARE } else { FULL };
     let mut scene = Photographer::open(&workload::style(Some(strands), variant.edges), size)
@@ -128,4 +131,56 @@ pub fn measure(variant: &Variant, software: bool, sitting: Sitting<'_>) -> Resul
         bytes_per_pixel: scene.bytes_per_pixel(),
         run,
     })
+}
+
+/// Formats the costs of drawing as a table; empty without any.
+pub fn text(looks: &[Look], adapter: &Adapter) -> String {
+    let Some(first) = looks.first() else { return String::new() };
+    // The stages before "shadow" simulate, which is the same for all.
+    let drawing = |run: &Run| {
+        let from = run.stages.iter().position(|stage| stage.name == "shadow").unwrap_or(0);
+        run.stages[from..].iter().map(|stage| (stage.name.clone(), stage.time.median)).collect::<Vec<_>>()
+    };
+    let mut names: Vec<String> = Vec::new();
+    for look in looks {
+        // A stage that only some methods have is listed after its predecessor there.
+        let mut at = 0;
+        for (name, _) in drawing(&look.run) {
+            match names.iter().position(|known| *known == name) {
+                Some(known) => at = known + 1,
+                None => {
+                    names.insert(at, name);
+                    at += 1;
+                }
+            }
+        }
+    }
+    let head = [String::new()].into_iter().chain(names.iter().cloned());
+    let mut rows = vec![head.chain(["sum".into(), "bytes per pixel".into()]).collect::<Vec<_>>()];
+    let mut topic = "";
+    for look in looks {
+        if look.topic != topic {
+            topic = &look.topic;
+            rows.push(vec![format!("{topic}:")]);
+        }
+        let times = drawing(&look.run);
+        let time = |name: &String| times.iter().find(|(known, _)| known == name).map(|(_, ms)| *ms);
+        let mut row = vec![format!("  {}", look.name)];
+        row.extend(names.iter().map(|name| time(name).map_or("-".into(), ms)));
+        row.push(ms(times.iter().map(|(_, ms)| ms).sum()));
+        row.push(format!("{:.0}", look.bytes_per_pixel));
+        rows.push(row);
+    }
+    let most = adapter.max_samples;
+    format!(
+        "\nDrawing (style long in motion, {} strands, {} × {}{}; 4×MSAA unless noted{}), \
+         medians of {}\n{}",
+        grouped(first.strands.into()),
+        first.size[0],
+        first.size[1],
+        if adapter.software { ", less than on a GPU" } else { "" },
+        if most < 8 { format!(", at most {most} on this adapter") } else { String::new() },
+        measured(looks.iter().map(|look| look.run.frames)),
+        table(&rows)
+    )
 }

@@ -1,0 +1,345 @@
+//! The part of the stage that depends on the hair: projected points, the lists of tiles, and the bind groups of all
+//! passes. They are recreated when other grooms are drawn or when the lists must grow.
+
+use super::{
+    Pipelines,
+    buffers::{STEP, TileBuffers, TileGrid},
+    geometry::Geometry,
+    labels::{Labels, Owner},
+    texels::Texels,
+};
+use crate::{
+    Context, Result,
+    constants::TILE,
+    draw::record::Canvas,
+    gpu::{Kernel, bindings::uniform},
+    light::{HairView, ShadingSubset},
+    strands::buffers::storage,
+};
+use bytemuck::{Pod, Zeroable};
+
+/// The points of one groom.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+pub struct PointRange {
+    /// Index of the first point.
+    pub first: u32,
+    /// Number of strands.
+    pub count: u32,
+    /// Vertices per strand.
+    pub vertex_count: u32,
+    /// Number of points in this frame or the last one, whichever is greater.
+    pub room: u32,
+}
+
+/// The first point of each groom is a multiple of this, so that its bits in [`ListBuffers::seen`] can be bound.
+const ALIGN: u32 = STEP as u32 * 8;
+
+/// Buffers and bind groups for a set of grooms.
+#[derive(Debug)]
+pub(super) struct HairLists {
+    /// The vertices and colors of each groom, which the bind groups hold.
+    source: Vec<[wgpu::Buffer; 2]>,
+    pub grid: TileGrid,
+    /// Index of the first point of each groom.
+    firsts: Vec<u32>,
+    pub grooms: Vec<GroomPoints>,
+    buffers: ListBuffers,
+    pub groups: Groups,
+    /// Motion, depth and opacity, once a frame has asked for them.
+    pub geometry: Option<Geometry>,
+    /// Strand labels, once a frame has asked for them.
+    pub labels: Option<Labels>,
+}
+
+/// The points of one groom and the bind groups that read them.
+#[derive(Debug)]
+pub(super) struct GroomPoints {
+    part: wgpu::Buffer,
+    pub project: wgpu::BindGroup,
+    /// The visible segments, for shading.
+    pub chosen: ShadingSubset,
+    pub tint: wgpu::BindGroup,
+    /// Number of points in this frame.
+    pub points: u32,
+    /// See [`PointRange::room`].
+    pub room: u32,
+}
+
+/// Buffers and textures that grow with the number of points or entries.
+#[derive(Debug)]
+struct ListBuffers {
+    points: Texels,
+    colors: Texels,
+    /// A bit per segment: whether it is visible.
+    seen: wgpu::Buffer,
+    unsorted: wgpu::Buffer,
+    list: Texels,
+    /// A byte per entry: the rows of its tile that it covers.
+    touches: wgpu::Buffer,
+}
+
+/// The bind group of each kernel of [`Pipelines`], by its name.
+#[derive(Debug)]
+pub(super) struct Groups {
+    pub surface: wgpu::BindGroup,
+    pub bound: wgpu::BindGroup,
+    pub count: wgpu::BindGroup,
+    pub totals: wgpu::BindGroup,
+    pub scan: wgpu::BindGroup,
+    pub scatter: wgpu::BindGroup,
+    pub sort: wgpu::BindGroup,
+    pub merge: wgpu::BindGroup,
+    pub deepen: wgpu::BindGroup,
+    pub rewind: wgpu::BindGroup,
+    pub touch: wgpu::BindGroup,
+    pub see: wgpu::BindGroup,
+    pub blend: wgpu::BindGroup,
+}
+
+impl HairLists {
+    /// Allocates lists of at least `least` entries for `hair`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Limit`] if a buffer exceeds the device's limits.
+    pub fn new(
+        kernels: &Pipelines,
+        tiles: &TileBuffers,
+        canvas: &Canvas<'_, '_>,
+        hair: &[HairView<'_>],
+        least: u32,
+    ) -> Result<Self> {
+        let (firsts, points) = firsts(hair);
+        let window = window_of(points).max(least.into());
+        let buffers = ListBuffers::new(&canvas.commands.context().device, points, window, tiles.count())?;
+        let grid = TileGrid {
+            size: tiles.size,
+            tiles: tiles.tiles,
+            points: points as u32,
+            id_bits: 32 - (points as u32).leading_zeros(),
+            window: window as u32,
+            _pad: 0,
+        };
+        let grooms = hair.iter().zip(&firsts);
+        let grooms =
+            grooms.map(|(own, first)| GroomPoints::new(kernels, tiles, canvas, &buffers, own, *first));
+        let grooms = grooms.collect::<Result<_>>()?;
+        let many = usize::from(canvas.targets.samples > 1);
+        let rows = buffers.rows(tiles);
+        let geometry = canvas
+            .geometry
+            .map(|_| Geometry::new(&kernels.geometry[many], canvas, &buffers.points, &rows, tiles.round()));
+        let labels = canvas.labels.then(|| Labels::new(&kernels.label[many], canvas, &rows, tiles.round()));
+        Ok(Self {
+            groups: Groups::new(kernels, tiles, canvas, &buffers),
+            source: source(hair),
+            grid,
+            firsts,
+            grooms,
+            buffers,
+            geometry,
+            labels,
+        })
+    }
+
+    /// Whether the lists suffice for a frame of `hair` with this number of entries.
+    pub fn fits(&self, canvas: &Canvas<'_, '_>, hair: &[HairView<'_>], entries: u32) -> bool {
+        let outputs = (canvas.geometry.is_none() || self.geometry.is_some())
+            && (!canvas.labels || self.labels.is_some());
+        outputs && self.grid.window >= entries && self.source == source(hair)
+    }
+
+    /// The bits of visible segments.
+    pub fn seen(&self) -> &wgpu::Buffer {
+        &self.buffers.seen
+    }
+
+    /// Prepares labels and motion, before this frame overwrites the last frame's points.
+    pub fn begin(&mut self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) {
+        if let Some(labels) = &mut self.labels {
+            let owner = |(seen, first): (&HairView<'_>, &u32)| Owner {
+                first: *first,
+                count: seen.hair.drawn.count,
+                vertex_count: seen.hair.drawn.vertex_count,
+            };
+            let labeled = if canvas.labels { hair } else { &[] };
+            labels.begin(canvas, labeled.iter().zip(&self.firsts).map(owner).collect());
+        }
+        let Some(geometry) = &mut self.geometry else { return };
+        match canvas.geometry {
+            Some(depth) => {
+                let drawn = hair.iter().map(|seen| [seen.hair.drawn.count, seen.hair.drawn.vertex_count]);
+                geometry.begin(canvas, &self.buffers.points, drawn.collect(), depth);
+            }
+            None => geometry.forget(),
+        }
+    }
+
+    /// Writes the uniforms of a frame.
+    pub fn prepare(&mut self, context: &Context, grid: &wgpu::Buffer, hair: &[HairView<'_>]) {
+        let Context { queue, .. } = context;
+        let mut points = 0;
+        for ((seen, groom), first) in hair.iter().zip(&mut self.grooms).zip(&self.firsts) {
+            let drawn = &seen.hair.drawn;
+            let own = drawn.count * drawn.vertex_count;
+            let room = groom.points.max(own);
+            let part =
+                PointRange { first: *first, count: drawn.count, vertex_count: drawn.vertex_count, room };
+            (groom.points, groom.room) = (own, room);
+            points = part.first + own;
+            queue.write_buffer(&groom.part, 0, bytemuck::bytes_of(&part));
+        }
+        self.grid.points = points;
+        queue.write_buffer(grid, 0, bytemuck::bytes_of(&self.grid));
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        self.buffers.bytes()
+            + self.geometry.as_ref().map_or(0, Geometry::bytes)
+            + self.labels.as_ref().map_or(0, Labels::bytes)
+    }
+}
+
+impl ListBuffers {
+    fn new(device: &wgpu::Device, points: u64, window: u64, tiles: u32) -> Result<Self> {
+        use wgpu::TextureFormat::{R32Uint, Rgba32Float};
+        // A window and the longest tile: a segment occurs at most once in a tile.
+        let entries = window + points;
+        // One byte per entry, plus a word per row of each tile for the count, and another because the last word can be
+        // partial.
+        let touches = (entries / 32 + 2 * u64::from(tiles)) * u64::from(TILE);
+        Ok(Self {
+            points: Texels::new(device, "points", points, Rgba32Float)?,
+            colors: Texels::new(device, "colors of points", points, R32Uint)?,
+            seen: storage::<u32>(device, "visible segments", points / 32)?,
+            unsorted: storage::<u32>(device, "unsorted lists", entries)?,
+            list: Texels::new(device, "lists of tiles", entries, R32Uint)?,
+            touches: storage::<u32>(device, "rows of tiles", touches)?,
+        })
+    }
+
+    /// The resources of every kernel that walks the rows of a tile.
+    fn rows<'a>(&'a self, tiles: &'a TileBuffers) -> [wgpu::BindingResource<'a>; 7] {
+        let [grid, control, busy, surfaces, touches] =
+            [&tiles.grid, &tiles.control, &tiles.busy, &tiles.surfaces, &self.touches]
+                .map(wgpu::Buffer::as_entire_binding);
+        [grid, control, busy, self.list.resource(), self.points.resource(), surfaces, touches]
+    }
+
+    fn bytes(&self) -> u64 {
+        [&self.points, &self.colors, &self.list].map(Texels::bytes).iter().sum::<u64>()
+            + self.unsorted.size()
+            + self.seen.size()
+            + self.touches.size()
+    }
+}
+
+impl GroomPoints {
+    fn new(
+        kernels: &Pipelines,
+        tiles: &TileBuffers,
+        canvas: &Canvas<'_, '_>,
+        buffers: &ListBuffers,
+        own: &HairView<'_>,
+        first: u32,
+    ) -> Result<Self> {
+        let context = canvas.commands.context();
+        let part = uniform(&context.device, "part of the points", size_of::<PointRange>());
+        let [camera, grid, of, ranges, all_seen] =
+            [canvas.eye, &tiles.grid, &part, &tiles.ranges, &buffers.seen]
+                .map(wgpu::Buffer::as_entire_binding);
+        let [vertices, strands, shaded] =
+            [&own.hair.strands.vertices, &own.hair.strands.strands, &own.shaded.colors]
+                .map(wgpu::Buffer::as_entire_binding);
+        let project = [camera, grid, of.clone(), vertices, strands, buffers.points.resource(), ranges];
+        let seen = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer: &buffers.seen,
+            offset: u64::from(first) / 8,
+            size: None,
+        });
+        let light = (own.light, canvas.eye);
+        Ok(Self {
+            chosen: ShadingSubset::new(context, light, own.hair, own.shaded, seen)?,
+            project: kernels.project.bind(&project),
+            tint: kernels.tint.bind(&[of, shaded, all_seen, buffers.colors.resource()]),
+            points: 0,
+            room: 0,
+            part,
+        })
+    }
+}
+
+impl Groups {
+    fn new(kernels: &Pipelines, tiles: &TileBuffers, canvas: &Canvas<'_, '_>, buffers: &ListBuffers) -> Self {
+        type Resource<'a> = wgpu::BindingResource<'a>;
+        let many = usize::from(canvas.targets.samples > 1);
+        let [camera, grid, control, busy, surfaces, farthest, bins] = [
+            canvas.eye,
+            &tiles.grid,
+            &tiles.control,
+            &tiles.busy,
+            &tiles.surfaces,
+            &tiles.farthest,
+            &tiles.bins,
+        ]
+        .map(wgpu::Buffer::as_entire_binding);
+        let [ranges, depths, bounds, unsorted, seen, touches] = [
+            &tiles.ranges,
+            &tiles.depths,
+            &tiles.bounds.0,
+            &buffers.unsorted,
+            &buffers.seen,
+            &buffers.touches,
+        ]
+        .map(wgpu::Buffer::as_entire_binding);
+        let [points, colors, list, bound_texels] =
+            [&buffers.points, &buffers.colors, &buffers.list, &tiles.bounds.1].map(Texels::resource);
+        let round = tiles.round();
+        let depth = Resource::TextureView(&canvas.targets.depth);
+        let hair = Resource::TextureView(&tiles.hair);
+
+        let bind = |kernel: &Kernel, resources: &[&[&Resource<'_>]]| {
+            kernel.bind(&resources.concat().into_iter().cloned().collect::<Vec<_>>())
+        };
+        let asked = &[&grid, &control, &busy, &depths, &round][..];
+        let lists = &[&grid, &control, &busy, &list, &points][..];
+        let camera = if many == 1 { &[&camera][..] } else { &[] };
+        Self {
+            surface: bind(&kernels.surface[many], &[&[&grid, &ranges, &depth, &surfaces, &farthest], camera]),
+            bound: bind(&kernels.bound, &[&[&grid, &farthest, &ranges, &bounds]]),
+            count: bind(&kernels.count, &[&[&grid, &points, &bound_texels, &bins]]),
+            totals: bind(&kernels.totals, &[&[&grid, &bins, &bounds]]),
+            scan: bind(&kernels.scan, &[&[&grid, &bounds, &busy, &control, &depths]]),
+            scatter: bind(&kernels.scatter, &[&[&grid, &points, &bound_texels, &bins, &unsorted, &round]]),
+            sort: bind(&kernels.sort, &[asked, &[&bins, &unsorted, &list]]),
+            merge: bind(&kernels.merge, &[asked, &[&bins, &unsorted, &list]]),
+            deepen: bind(&kernels.deepen, &[&[&control, &depths, &round]]),
+            rewind: bind(&kernels.rewind, &[&[&control, &busy, &bins, &round]]),
+            touch: bind(&kernels.touch, &[asked, &[&list, &points, &touches]]),
+            see: bind(&kernels.see[many], &[lists, &[&surfaces, &touches, &seen, &round, &depths]]),
+            blend: bind(&kernels.blend[many], &[lists, &[&surfaces, &touches, &colors, &round, &hair]]),
+        }
+    }
+}
+
+/// The first point of each groom, and the number of points of all.
+fn firsts(hair: &[HairView<'_>]) -> (Vec<u32>, u64) {
+    let mut points = 0u64;
+    let first = |seen: &HairView<'_>| {
+        let first = points as u32;
+        points += u64::from(seen.hair.strands.room.vertices).next_multiple_of(u64::from(ALIGN));
+        first
+    };
+    let firsts = hair.iter().map(first).collect();
+    (firsts, points)
+}
+
+fn source(hair: &[HairView<'_>]) -> Vec<[wgpu::Buffer; 2]> {
+    hair.iter().map(|seen| [seen.hair.strands.vertices.clone(), seen.shaded.colors.clone()]).collect()
+}
+
+/// Entries per round for this number of points.
+fn window_of(points: u64) -> u64 {
+    (points * 3 / 2).max(1 << 16)
+}

@@ -1,0 +1,94 @@
+//! Measurements behind the documentation: the roofline of each stage, the costs of the parts of the simulation, and the
+//! costs of the ways to light, shade and draw hair. `tresses bench` measures whole scenes.
+
+mod appearance;
+mod costs;
+mod roofline;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use std::path::PathBuf;
+use tresses::gpu::wall;
+use tresses_cli::{
+    args::Size,
+    bench::{Sitting, TimingArgs, workload},
+    progress,
+};
+
+/// Measures the parts of Tresses on this machine.
+#[derive(Parser)]
+#[command(name = "tresses-evidence", max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    what: Measurement,
+    #[command(flatten)]
+    timing: TimingArgs,
+}
+
+#[derive(Subcommand)]
+enum Measurement {
+    /// The lower bound of each stage's time, from the work of its shaders and the peak rates of the adapter, and its
+    /// actual time (docs/roofline.md)
+    Roofline {
+        /// Hair and settings [default: the built-in long style]
+        #[arg(long, value_name = "FILE")]
+        preset: Option<PathBuf>,
+        /// Image size for that preset, pixels
+        #[arg(long, value_name = "WxH", requires = "preset", default_value = "1280x720")]
+        size: Size,
+        /// Distance of the camera from that preset's hair, meters [default: a portrait's]
+        #[arg(long, requires = "preset")]
+        distance: Option<f32>,
+    },
+    /// The parts of the simulation, and their ratios (docs/physics.md)
+    Costs,
+    /// The ways to light, shade and draw hair (docs/appearance.md)
+    Appearance,
+}
+
+fn main() -> Result<()> {
+    let Cli { what, timing } = Cli::parse();
+    let adapter = timing.adapter()?;
+    let usual = if adapter.software && matches!(what, Measurement::Appearance) {
+        appearance::SOFTWARE_FRAMES
+    } else {
+        30
+    };
+    let frames = timing.frames.unwrap_or(usual);
+    let variants = appearance::variants().into_iter().filter(|variant| variant.fits(adapter.max_samples));
+    let variants: Vec<_> = variants.collect();
+    let runs = match &what {
+        Measurement::Roofline { .. } => 1,
+        Measurement::Costs => costs::RUNS,
+        Measurement::Appearance => variants.len() as u64,
+    };
+    let bar = progress::frames("measuring", runs * u64::from(frames));
+    let sitting = Sitting { frames, clock: timing.clock().unwrap_or(wall), bar: &bar };
+    let (text, json) = match what {
+        Measurement::Roofline { preset, size, distance } => {
+            let workload = match preset {
+                Some(path) => workload::of_preset(&path, size, distance)?,
+                None => workload::long(),
+            };
+            let roofline = roofline::measure(&workload, sitting)?;
+            (roofline::text(&roofline), serde_json::to_value(roofline)?)
+        }
+        Measurement::Costs => {
+            let costs = costs::measure(sitting)?;
+            (costs.text(), serde_json::to_value(costs)?)
+        }
+        Measurement::Appearance => {
+            let look = |variant| appearance::measure(variant, adapter.software, sitting);
+            let looks = variants.iter().map(look).collect::<Result<Vec<_>>>()?;
+            (appearance::text(&looks, &adapter), serde_json::to_value(looks)?)
+        }
+    };
+    bar.finish_and_clear();
+    if timing.json {
+        let report = serde_json::json!({ "adapter": adapter, "result": json });
+        println!("{}", serde_json::to_string_pretty(&report)?);
+    } else {
+        println!("{}{}", adapter.text(), text.trim_end());
+    }
+    Ok(())
+}
