@@ -23,20 +23,19 @@ struct Setup {
 
 impl Setup {
     fn open() -> Option<&'static Self> {
-        static SETUP: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
-        SETUP.get(Self::new)
+        static SETUPS: common::PerContext<Setup> = common::PerContext::new(Vec::new());
+        common::per_context(&SETUPS, Self::new)
     }
 
     /// Creates a ball with so few guides that strands between them enter it.
-    fn new() -> Option<Self> {
-        let context = common::context()?;
+    fn new(context: &'static Context) -> Self {
         let mut groom = bind(&common::hanging(600, 16, 0.16), &BindOptions::default()).unwrap();
         // `Hair` stores the strands in this order.
         tresses::lod::arrange(&mut groom.strands);
-        Some(Self {
+        Self {
             character: Character { groom, field: common::ball(HEAD, 64), neck: Vec3::new(0.0, 0.0, -0.02) },
             context,
-        })
+        }
     }
 
     fn hair(&self, avoid: AvoidOptions) -> Hair {

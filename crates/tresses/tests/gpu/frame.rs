@@ -22,16 +22,15 @@ struct Setup {
 impl Setup {
     /// One device for all tests. A software driver takes long to build pipelines.
     fn open() -> Option<&'static Self> {
-        static SETUP: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
-        SETUP.get(Self::new)
+        static SETUPS: common::PerContext<Setup> = common::PerContext::new(Vec::new());
+        common::per_context(&SETUPS, Self::new)
     }
 
-    fn new() -> Option<Self> {
-        let context = common::context()?;
+    fn new(context: &'static Context) -> Self {
         let mut groom = bind(&common::hanging(300, 16, 0.12), &BindOptions::default()).unwrap();
         // `Hair` stores the strands in this order.
         tresses::lod::arrange(&mut groom.strands);
-        Some(Self { groom, field: common::ball(HEAD, 64), context })
+        Self { groom, field: common::ball(HEAD, 64), context }
     }
 
     fn hair(&self) -> Hair {

@@ -29,16 +29,15 @@ struct Setup {
 impl Setup {
     /// One device for all tests. A software driver takes long to build pipelines.
     fn open() -> Option<&'static Self> {
-        static SETUP: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
-        SETUP.get(Self::new)
+        static SETUPS: common::PerContext<Setup> = common::PerContext::new(Vec::new());
+        common::per_context(&SETUPS, Self::new)
     }
 
-    fn new() -> Option<Self> {
-        let context = common::context()?;
+    fn new(context: &'static Context) -> Self {
         // No self-collision, because hair that touches the held hair would be pulled along.
         let mut physics = SimulationParams::default();
         physics.hair_hair.mode = HairHairMode::Off;
-        Some(Self {
+        Self {
             groom: bind(
                 &common::hanging(300, 16, 0.2),
                 &BindOptions { guides: GuideCount::OneIn(2), ..Default::default() },
@@ -47,7 +46,7 @@ impl Setup {
             field: common::ball(HEAD, 64),
             physics,
             context,
-        })
+        }
     }
 
     /// Creates hair that has settled for half a second.

@@ -29,8 +29,8 @@ pub struct Setup {
 
 impl Setup {
     pub fn open() -> Option<&'static Self> {
-        static SETUP: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
-        SETUP.get(|| Some(Self { context: common::context()? }))
+        static SETUPS: common::PerContext<Setup> = common::PerContext::new(Vec::new());
+        common::per_context(&SETUPS, |context| Self { context })
     }
 
     pub fn style(name: &str, strands: u32) -> (Groom, SdfGrid) {
