@@ -29,7 +29,7 @@
 //!     view::Picture,
 //! };
 //!
-//! Once: creates characters that share everything that does not move.
+//! /// Once: creates characters that share everything that does not move.
 //! async fn crowd(tresses: &Context, count: usize) -> Result<Vec<Character>> {
 //!     let source = CharacterSource::built_in(tresses, &"long".parse()?, &()).await?;
 //!     let parts = source.dress(&Styling::default(), &()).await?;
@@ -39,7 +39,7 @@
 //!     (0..count).map(|_| first.instance()).collect()
 //! }
 //!
-//! Each frame. `milliseconds` is the time of the last frame.
+//! /// Each frame. `milliseconds` is the time of the last frame.
 //! fn frame(
 //!     tresses: &Context,
 //!     encoder: &mut wgpu::CommandEncoder,

@@ -8,13 +8,13 @@
 //! # async fn example(
 //! #     device: &wgpu::Device, queue: &wgpu::Queue, target: &wgpu::TextureView, format: wgpu::TextureFormat,
 //! # ) -> tresses::Result<()> {
-//! Once: wrap the engine's device and queue, load a character, create a view.
+//! // Once: wrap the engine's device and queue, load a character, create a view.
 //! let tresses = Context::new(device, queue);
 //! let mut ann = Character::load(&tresses, ["ann.glb"]).await?;
 //! let mut view = View::new(&tresses, &ViewOptions::for_target(format), [1280, 720], 1)?;
 //! let picture = Picture { camera: Camera::default(), lights: Lights::default(), ..Default::default() };
 //!
-//! Each frame: pose the character, advance its hair, draw it.
+//! // Each frame: pose the character, advance its hair, draw it.
 //! ann.set_pose(Pose::IDENTITY);
 //! let mut encoder = device.create_command_encoder(&Default::default());
 //! let mut frame = tresses.frame(&mut encoder);

@@ -198,7 +198,7 @@ impl View {
     }
 
     /// Returns a shader for selected segments of `hair`: those whose bit is set in `seen`, indexed by their first
-    /// vertex ([`light::State::shade_chosen`]). Valid while the view's options stay the same.
+    /// vertex (`light::LightState::shade_chosen`). Valid while the view's options stay the same.
     ///
     /// # Errors
     /// [`crate::Error::Limit`].
@@ -242,7 +242,7 @@ impl View {
     }
 
     /// Returns the bind group of the view's lighting, with the layout [`light_layout`](Self::light_layout), for scene
-    /// shaders that sample the shadow of the hair ([`draw::embed::shade::wgsl`](crate::draw::embed::shade::wgsl)). It
+    /// shaders that sample the shadow of the hair ([`wgsl`](crate::draw::embed::shade::wgsl)). It
     /// excludes hair in zones ([`set_zones`](Self::set_zones), [`fit_light`](Self::fit_light)).
     /// [`set_options`](Self::set_options) may replace it.
     pub fn light_group(&self) -> &wgpu::BindGroup {

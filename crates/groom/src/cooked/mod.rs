@@ -5,8 +5,8 @@
 //! ```
 //!
 //! Strands are stored oriented, repaired and bound to guides, with the head's distance field and its coarser meshes.
-//! Long arrays have their in-memory layout ([`bulk`](crate::bulk)). Reading copies and validates: for any input,
-//! [`CookedGroom::read`] returns either a valid groom or an error ([`CookedGroom::check`]).
+//! Long arrays have their in-memory layout (`bulk`). Reading copies and validates: for any input,
+//! [`CookedGroom::read`] returns either a valid groom or an error (`CookedGroom::check`).
 //!
 //! Only the version of this crate that wrote a cooked groom can read it, because computations may change while the
 //! layout stays the same. The format is for fast opening, not for archiving. A file lists its sources; another version
@@ -79,7 +79,7 @@ impl CookedGroom {
     /// returns `strands`, `head` and `report`; `field` is the strands' collision field. [`Self::parts`] stays empty.
     ///
     /// # Errors
-    /// See [`bind`].
+    /// See [`bind()`].
     pub fn new(
         strands: Strands,
         head: Option<TriMesh>,

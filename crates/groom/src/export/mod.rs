@@ -1,7 +1,7 @@
 //! Export of grooms, meshes, characters and caches.
 //!
 //! Reading a written file returns the same strands, bit-identical except in GLB, which may store positions as 16-bit
-//! fractions of a bounding box. [`Encoded::notes`] lists data that the format cannot hold. A file in meters, Y up, face
+//! fractions of a bounding box. [`EncodedFile::notes`] lists data that the format cannot hold. A file in meters, Y up, face
 //! +Z says so, and the importer need not guess; only `.data` has no field for it.
 
 pub use crate::formats::writer::{Cache, CacheOptions, EncodedFile, Hair, Output, Writer};

@@ -147,7 +147,7 @@ impl std::fmt::Debug for FilledStrands {
 }
 
 impl FilledStrands {
-    /// Returns the strands painted as by [`Paint::apply`]. New strands that already follow a density map are not
+    /// Returns the strands painted as by [`ScalpPaint::apply`]. New strands that already follow a density map are not
     /// thinned out again.
     ///
     /// # Errors

@@ -111,7 +111,7 @@ pub struct AvoidParams {
     pub shift: f32,
     /// Vertices of a strand's rest curve, at least 2.
     pub rest_count: u32,
-    /// See [`crate::strands::Drawn::stride`].
+    /// See [`crate::strands::DrawCount::stride`].
     pub stride: f32,
     /// Unused.
     pub _pad: [u32; 2],

@@ -22,7 +22,7 @@
 //! body. Shadow focus and zones belong to the head. With one object per groom, every host reimplemented these rules,
 //! each a little differently.
 //!
-//! **A lost device** takes all buffers with it. The host keeps the [`CharacterParts`], creates a new [`Context`], calls
+//! **A lost device** takes all buffers with it. The host keeps the [`CharacterParts`], creates a new [`Context`](crate::Context), calls
 //! [`Character::new`], then [`Character::continue_from`].
 
 mod aside;

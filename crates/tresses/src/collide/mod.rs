@@ -1,5 +1,5 @@
 //! Colliders: capsules, ellipsoids and signed distance fields, up to [`MAX_COLLIDERS`](crate::constants::MAX_COLLIDERS)
-//! in total. Each is rigid and has its own pose; a field may also [deform](deform) with skin. This is a service, not a
+//! in total. Each is rigid and has its own pose; a field may also [`deform`] with skin. This is a service, not a
 //! stage: every kernel with obstacles binds the same group as `@group(1)` and calls `nearest.wesl`.
 //!
 //! ```text
@@ -29,7 +29,7 @@
 //! `(p / r²) / k2`. It is exact to first order at the surface, too small far away, and its sign is always correct.
 //!
 //! **Culling.** Every collider has a world-space bounding sphere in the list of places; a field also has a box around
-//! its solid part ([`Bounds`]). `nearest` skips colliders farther than the best so far, or than the caller's limit
+//! its solid part (`SolidBounds`). `nearest` skips colliders farther than the best so far, or than the caller's limit
 //! (`nearest_within`). In each substep, `simulate` selects the colliders whose spheres touch the box of a strand's
 //! predicted vertices, and for each the vertices inside its sphere. The selection is exact, because contacts are
 //! computed at predicted positions. Without it, 64 capsules in the hair cost eight times as much as one. A tree over

@@ -355,24 +355,24 @@ pub struct HairUniform {
     pub color_fit: f32,
     /// Vertices of a strand's rest curve. They set the cells of noise along strands at any level of detail.
     pub rest_count: u32,
-    /// See [`crate::strands::Drawn::stride`].
+    /// See [`crate::strands::DrawCount::stride`].
     pub stride: f32,
-    /// See [`crate::strands::Drawn::deeper`].
+    /// See [`crate::strands::DrawCount::deeper`].
     pub deeper: Vec2,
-    /// See [`crate::strands::Drawn::area`].
+    /// See [`crate::strands::DrawCount::area`].
     pub area: f32,
     /// Number of strands in the earlier grooms of the frame. Added to a strand's index, it seeds the rounding of the
     /// strand's coverage.
     pub first: u32,
     /// Spans between the shading samples of a strand.
     pub spans: u32,
-    /// See [`crate::strands::Drawn::single`].
+    /// See [`crate::strands::DrawCount::single`].
     pub single: f32,
-    /// See [`crate::strands::Drawn::dense`].
+    /// See [`crate::strands::DrawCount::dense`].
     pub dense: f32,
-    /// See [`crate::strands::Drawn::sunk`].
+    /// See [`crate::strands::DrawCount::sunk`].
     pub sunk: f32,
-    /// See [`crate::strands::Drawn::packed`].
+    /// See [`crate::strands::DrawCount::packed`].
     pub packed: f32,
     /// Unused.
     pub _pad: u32,

@@ -40,7 +40,7 @@
 //! They are evaluated at *shading samples* (called knots in the code): the ends of eight spans, or every third vertex
 //! (`knots.wesl`, 8 bytes each), and up to three times as many where strands represent others at a level of detail.
 //! Highlights and colors vary fast; `shade.wesl` adds them at each vertex, with four bytes of output ([`radiance`]).
-//! With [`Chosen`], only visible hair is shaded: `choose.wesl` lists samples and spans, and both kernels run over the
+//! With [`ShadingSubset`], only visible hair is shaded: `choose.wesl` lists samples and spans, and both kernels run over the
 //! lists. For shading per pixel, `arrive.wesl` looks up the shadows of every vertex instead.
 //!
 //! **Shading models** (`shading.wesl`, [`ShadingModel`]): both have the same inputs, fiber, eye, light and fiber count,

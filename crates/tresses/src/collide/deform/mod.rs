@@ -58,9 +58,9 @@ const PART: u32 = DEFORM_NODES * DEFORM_NODES * DEFORM_NODES;
 pub struct DeformHead {
     /// Number of nodes in all grids.
     pub count: u32,
-    /// [`Words::first`] of the skin's positions.
+    /// `Words::first` of the skin's positions.
     pub position_first: u32,
-    /// [`Words::stride`] of the skin's positions.
+    /// `Words::stride` of the skin's positions.
     pub position_stride: u32,
     /// Half of the texture that belongs to this frame.
     pub side: u32,
