@@ -107,7 +107,7 @@ fn element_shows_hair_and_reports_errors() {
     let broken = awaited(browser, &load("broken.glb"));
     assert!(broken[0] == "failed" && broken[1].as_str().unwrap().contains("broken.glb"), "{broken}");
     let bare = awaited(browser, &load("mesh.glb"));
-    assert!(bare[1].as_str().unwrap().contains("mesh.glb: a mesh, not a groom"), "{bare}");
+    assert!(bare[1].as_str().unwrap().contains("mesh.glb: the file is a mesh, not a groom"), "{bare}");
     let missing = awaited(browser, &load("nothing.glb"));
     assert!(missing[0] == "failed" && missing[1].as_str().unwrap().contains("404"), "{missing}");
     assert_eq!(state(browser)["file"], "head of hair.glb");
