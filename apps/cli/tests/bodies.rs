@@ -126,13 +126,7 @@ const STEPS: usize = 2;
 /// [`DEEP`], and the number of vertices for which these were more than [`STEPS`]. `deforms`: whether the distance
 /// fields follow the skin; `grown`: offset added to every depth, meters.
 fn danced(name: &str, seconds: f32, deforms: bool, grown: f32) -> Option<(f32, usize, usize)> {
-    let gpu = match pollster::block_on(Gpu::open()) {
-        Ok(gpu) => gpu,
-        Err(error) => {
-            tresses_testing::skip("gpu", error);
-            return None;
-        }
-    };
+    let gpu = tresses_testing::gpu_or_skip(pollster::block_on(Gpu::open()))?;
     let mut preset = Preset::default();
     preset.settings.set("style.strands", 300u32).unwrap();
     let walks = name.ends_with(".glb");

@@ -124,10 +124,7 @@ mod tests {
 
     #[test]
     fn parts_are_submitted_in_turn_until_canceled() {
-        let Ok(gpu) = pollster::block_on(Gpu::open()) else {
-            tresses_testing::skip("gpu", "no GPU adapter");
-            return;
-        };
+        let Some(gpu) = tresses_testing::gpu_or_skip(pollster::block_on(Gpu::open())) else { return };
         let woken = Arc::new(AtomicU32::new(0));
         let start = || {
             let parts =

@@ -117,10 +117,7 @@ mod tests {
 
     #[test]
     fn device_errors_and_loss_are_reported() {
-        let Ok(gpu) = pollster::block_on(Gpu::open()) else {
-            tresses_testing::skip("gpu", "no GPU adapter");
-            return;
-        };
+        let Some(gpu) = tresses_testing::gpu_or_skip(pollster::block_on(Gpu::open())) else { return };
         let (context, lost) = (egui::Context::default(), DeviceLoss::default());
         let now = DeviceLoss::loss;
         listen(gpu.context.device(), &context, &lost);

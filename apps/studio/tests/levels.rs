@@ -22,10 +22,7 @@ use tresses_studio::{
 const AREA: [f32; 2] = [884.0, 692.0];
 
 fn stage() -> Option<(Scene, Settings)> {
-    let Ok(gpu) = pollster::block_on(Gpu::open()) else {
-        tresses_testing::skip("gpu", "no GPU adapter");
-        return None;
-    };
+    let gpu = tresses_testing::gpu_or_skip(pollster::block_on(Gpu::open()))?;
     let mut settings = Settings::default();
     settings.shading.color = HairColor::Blond;
     let view = job::view_options(&settings, gpu.context.tier()).unwrap();

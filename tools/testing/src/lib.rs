@@ -6,4 +6,4 @@ mod skip;
 
 pub use modules::{Arrow, Modules};
 pub use pool::Pool;
-pub use skip::{lacks_gpu, skip};
+pub use skip::{gpu_or_skip, lacks_gpu, skip};

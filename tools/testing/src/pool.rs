@@ -1,89 +1,59 @@
 //! Values that are expensive to make and that tests share, such as a GPU device with its compiled pipelines.
 
-use std::{
-    any::Any,
-    cell::RefCell,
-    sync::{Mutex, MutexGuard, PoisonError},
-};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// The most values of a pool. Each device compiles its own pipelines, so more devices than this cost more than they save.
-const MOST: usize = 4;
+const SLOTS: usize = 4;
 
-/// A pool with as many values as tests run at once, [`MOST`] at most. A test has the same value until its thread ends.
+/// Number of threads that use each slot.
+static USERS: Mutex<[usize; SLOTS]> = Mutex::new([0; SLOTS]);
+
+thread_local! {
+    static SLOT: Slot = Slot::take();
+}
+
+/// The slot of a thread, the same in all pools: a fixture belongs to the device that it was made with.
+struct Slot(usize);
+
+impl Slot {
+    /// Takes the slot with the fewest users, among as many as tests run at once.
+    fn take() -> Self {
+        let count = std::thread::available_parallelism().map_or(1, usize::from).min(SLOTS);
+        let mut users = users();
+        let least = (0..count).min_by_key(|slot| users[*slot]).unwrap_or(0);
+        users[least] += 1;
+        Self(least)
+    }
+}
+
+impl Drop for Slot {
+    fn drop(&mut self) {
+        users()[self.0] -= 1;
+    }
+}
+
+fn users() -> MutexGuard<'static, [usize; SLOTS]> {
+    // A failed test leaves the counts consistent.
+    USERS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A value for each test that runs at once, [`SLOTS`] at most. A test has the same value until its thread ends.
 ///
 /// Tests that share one GPU device wait for each other: a software driver compiles and runs the commands of a queue on
 /// one thread.
 #[derive(Debug)]
-pub struct Pool<T: 'static>(Mutex<Vec<Member<T>>>);
+pub struct Pool<T>([OnceLock<Option<T>>; SLOTS]);
 
-#[derive(Debug)]
-struct Member<T: 'static> {
-    value: &'static T,
-    /// Number of threads that use the value.
-    users: usize,
-}
-
-/// A value that the current thread uses.
-struct Lease {
-    value: &'static (dyn Any + Send + Sync),
-    end: Box<dyn Fn()>,
-}
-
-impl Drop for Lease {
-    fn drop(&mut self) {
-        (self.end)();
-    }
-}
-
-thread_local! {
-    static LEASES: RefCell<Vec<Lease>> = const { RefCell::new(Vec::new()) };
-}
-
-impl<T: Send + Sync> Pool<T> {
-    /// Creates an empty pool. A program has at most one pool per type.
+impl<T> Pool<T> {
+    /// Creates an empty pool.
     #[allow(clippy::new_without_default)] // Pools are statics.
     pub const fn new() -> Self {
-        Self(Mutex::new(Vec::new()))
+        Self([const { OnceLock::new() }; SLOTS])
     }
 
-    /// Returns the value of this thread. `make` makes one if all are in use; `None` if it fails.
-    pub fn get(&'static self, make: impl FnOnce() -> Option<T>) -> Option<&'static T> {
-        let leased =
-            LEASES.with_borrow(|leases| leases.iter().find_map(|lease| lease.value.downcast_ref::<T>()));
-        if leased.is_some() {
-            return leased;
-        }
-        let value = self.lease(make)?;
-        let end = Box::new(move || {
-            let mut members = self.members();
-            if let Some(member) = members.iter_mut().find(|member| std::ptr::eq(member.value, value)) {
-                member.users -= 1;
-            }
-        });
-        LEASES.with_borrow_mut(|leases| leases.push(Lease { value, end }));
-        Some(value)
-    }
-
-    fn lease(&self, make: impl FnOnce() -> Option<T>) -> Option<&'static T> {
-        let mut members = self.members();
-        let most = std::thread::available_parallelism().map_or(1, usize::from).min(MOST);
-        let is_full = members.len() >= most;
-        match members.iter_mut().min_by_key(|member| member.users) {
-            Some(member) if is_full || member.users == 0 => {
-                member.users += 1;
-                Some(member.value)
-            }
-            _ => {
-                let value = Box::leak(Box::new(make()?));
-                members.push(Member { value, users: 1 });
-                Some(value)
-            }
-        }
-    }
-
-    fn members(&self) -> MutexGuard<'_, Vec<Member<T>>> {
-        // A failed test leaves the list consistent.
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Returns the value of this thread. `make` makes it for the first thread in the slot.
+    pub fn get(&self, make: impl FnOnce() -> Option<T>) -> Option<&T> {
+        SLOT.with(|slot| self.0[slot.0].get_or_init(make).as_ref())
     }
 }
 
@@ -116,9 +86,14 @@ mod tests {
     }
 
     #[test]
-    fn failures_are_not_kept() {
-        static POOL: Pool<String> = Pool::new();
-        assert_eq!(POOL.get(|| None), None);
-        assert_eq!(POOL.get(|| Some("made".into())).map(String::as_str), Some("made"));
+    fn threads_have_one_slot_in_all_pools() {
+        static DEVICES: Pool<usize> = Pool::new();
+        static FIXTURES: Pool<usize> = Pool::new();
+        let device = || DEVICES.get(|| Some(SLOT.with(|slot| slot.0)));
+        std::thread::scope(|scope| {
+            for _ in 0..8 {
+                scope.spawn(|| assert_eq!(FIXTURES.get(|| device().copied()), device()));
+            }
+        });
     }
 }

@@ -55,11 +55,5 @@ pub(crate) fn noop() -> Context {
 #[cfg(test)]
 pub(crate) fn for_tests() -> Option<&'static Context> {
     static CONTEXTS: tresses_testing::Pool<Context> = tresses_testing::Pool::new();
-    CONTEXTS.get(|| match pollster::block_on(Gpu::open()) {
-        Ok(gpu) => Some(gpu.context),
-        Err(error) => {
-            tresses_testing::skip("gpu", error);
-            None
-        }
-    })
+    CONTEXTS.get(|| Some(tresses_testing::gpu_or_skip(pollster::block_on(Gpu::open()))?.context))
 }

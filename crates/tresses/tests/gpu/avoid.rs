@@ -23,19 +23,20 @@ struct Setup {
 
 impl Setup {
     fn open() -> Option<&'static Self> {
-        static SETUPS: common::PerContext<Setup> = common::PerContext::new(Vec::new());
-        common::per_context(&SETUPS, Self::new)
+        static SETUPS: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
+        SETUPS.get(Self::new)
     }
 
     /// Creates a ball with so few guides that strands between them enter it.
-    fn new(context: &'static Context) -> Self {
+    fn new() -> Option<Self> {
+        let context = common::context()?;
         let mut groom = bind(&common::hanging(600, 16, 0.16), &BindOptions::default()).unwrap();
         // `Hair` stores the strands in this order.
         tresses::lod::arrange(&mut groom.strands);
-        Self {
+        Some(Self {
             character: Character { groom, field: common::ball(HEAD, 64), neck: Vec3::new(0.0, 0.0, -0.02) },
             context,
-        }
+        })
     }
 
     fn hair(&self, avoid: AvoidOptions) -> Hair {

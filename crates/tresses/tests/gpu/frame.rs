@@ -22,15 +22,16 @@ struct Setup {
 impl Setup {
     /// One device for all tests. A software driver takes long to build pipelines.
     fn open() -> Option<&'static Self> {
-        static SETUPS: common::PerContext<Setup> = common::PerContext::new(Vec::new());
-        common::per_context(&SETUPS, Self::new)
+        static SETUPS: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
+        SETUPS.get(Self::new)
     }
 
-    fn new(context: &'static Context) -> Self {
+    fn new() -> Option<Self> {
+        let context = common::context()?;
         let mut groom = bind(&common::hanging(300, 16, 0.12), &BindOptions::default()).unwrap();
         // `Hair` stores the strands in this order.
         tresses::lod::arrange(&mut groom.strands);
-        Self { groom, field: common::ball(HEAD, 64), context }
+        Some(Self { groom, field: common::ball(HEAD, 64), context })
     }
 
     fn hair(&self) -> Hair {

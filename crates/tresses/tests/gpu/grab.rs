@@ -29,15 +29,16 @@ struct Setup {
 impl Setup {
     /// One device for all tests. A software driver takes long to build pipelines.
     fn open() -> Option<&'static Self> {
-        static SETUPS: common::PerContext<Setup> = common::PerContext::new(Vec::new());
-        common::per_context(&SETUPS, Self::new)
+        static SETUPS: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
+        SETUPS.get(Self::new)
     }
 
-    fn new(context: &'static Context) -> Self {
+    fn new() -> Option<Self> {
+        let context = common::context()?;
         // No self-collision, because hair that touches the held hair would be pulled along.
         let mut physics = SimulationParams::default();
         physics.hair_hair.mode = HairHairMode::Off;
-        Self {
+        Some(Self {
             groom: bind(
                 &common::hanging(300, 16, 0.2),
                 &BindOptions { guides: GuideCount::OneIn(2), ..Default::default() },
@@ -46,7 +47,7 @@ impl Setup {
             field: common::ball(HEAD, 64),
             physics,
             context,
-        }
+        })
     }
 
     /// Creates hair that has settled for half a second.

@@ -22,8 +22,8 @@ struct Setup {
 impl Setup {
     /// One device for all tests. A software driver takes long to build pipelines.
     fn open() -> Option<&'static Self> {
-        static SETUPS: common::PerContext<Setup> = common::PerContext::new(Vec::new());
-        common::per_context(&SETUPS, |context| Self { context })
+        static SETUPS: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
+        SETUPS.get(|| Some(Self { context: common::context()? }))
     }
 
     /// Creates hair whose own grid has `cells` cells along an axis.

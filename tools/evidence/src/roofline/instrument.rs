@@ -336,13 +336,7 @@ mod tests {
                 if id.x < 10u { atomicAdd(&sum, 1u); }
                 out[id.x] = x;
             }";
-        let gpu = match pollster::block_on(tresses::gpu::Gpu::open()) {
-            Ok(gpu) => gpu,
-            Err(error) => {
-                tresses_testing::skip("gpu", error);
-                return None;
-            }
-        };
+        let gpu = tresses_testing::gpu_or_skip(pollster::block_on(tresses::gpu::Gpu::open()))?;
         let context = &gpu.context;
         let (device, queue) = (context.device(), context.queue());
         let source = wgpu::ShaderSource::Naga(std::borrow::Cow::Owned(instrument(wgsl).expect("it counts")));

@@ -3,7 +3,7 @@
 mod device;
 mod fixtures;
 
-pub use device::{PerContext, advance, compute, context, frame, noop, per_context, submit};
+pub use device::{advance, compute, context, frame, noop, submit};
 pub use fixtures::{SINTEL, asset, character, scalp, sintel};
 
 use tresses::{

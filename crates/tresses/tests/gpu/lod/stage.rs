@@ -29,8 +29,8 @@ pub struct Setup {
 
 impl Setup {
     pub fn open() -> Option<&'static Self> {
-        static SETUPS: common::PerContext<Setup> = common::PerContext::new(Vec::new());
-        common::per_context(&SETUPS, |context| Self { context })
+        static SETUPS: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
+        SETUPS.get(|| Some(Self { context: common::context()? }))
     }
 
     pub fn style(name: &str, strands: u32) -> (Groom, SdfGrid) {

@@ -22,8 +22,8 @@ pub struct Lab {
 
 /// Returns the lab, or `None` if there is no adapter and none is required.
 pub fn lab() -> Option<&'static Lab> {
-    static LABS: common::PerContext<Lab> = common::PerContext::new(Vec::new());
-    common::per_context(&LABS, |context| Lab { context })
+    static LABS: tresses_testing::Pool<Lab> = tresses_testing::Pool::new();
+    LABS.get(|| Some(Lab { context: common::context()? }))
 }
 
 /// Returns hair with one bending stiffness (N·m²) and nothing else: no goal, no drag, no damping.
