@@ -17,6 +17,7 @@ use crate::{
     strands::buffers::storage,
 };
 use bytemuck::{Pod, Zeroable};
+use wgpu::BindingResource as Resource;
 
 /// The points of one groom.
 #[repr(C)]
@@ -131,7 +132,7 @@ impl HairLists {
             .map(|_| Geometry::new(&kernels.geometry[many], canvas, &buffers.points, &rows, tiles.round()));
         let labels = canvas.labels.then(|| Labels::new(&kernels.label[many], canvas, &rows, tiles.round()));
         Ok(Self {
-            groups: Groups::new(kernels, tiles, canvas, &buffers),
+            groups: Groups::new(kernels, tiles, canvas, (&buffers, &rows)),
             source: source(hair),
             grid,
             firsts,
@@ -220,7 +221,7 @@ impl ListBuffers {
     }
 
     /// The resources of every kernel that walks the rows of a tile.
-    fn rows<'a>(&'a self, tiles: &'a TileBuffers) -> [wgpu::BindingResource<'a>; 7] {
+    fn rows<'a>(&'a self, tiles: &'a TileBuffers) -> [Resource<'a>; 7] {
         let [grid, control, busy, surfaces, touches] =
             [&tiles.grid, &tiles.control, &tiles.busy, &tiles.surfaces, &self.touches]
                 .map(wgpu::Buffer::as_entire_binding);
@@ -253,7 +254,7 @@ impl GroomPoints {
             [&own.hair.strands.vertices, &own.hair.strands.strands, &own.shaded.colors]
                 .map(wgpu::Buffer::as_entire_binding);
         let project = [camera, grid, of.clone(), vertices, strands, buffers.points.resource(), ranges];
-        let seen = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+        let seen = Resource::Buffer(wgpu::BufferBinding {
             buffer: &buffers.seen,
             offset: u64::from(first) / 8,
             size: None,
@@ -271,30 +272,21 @@ impl GroomPoints {
 }
 
 impl Groups {
-    fn new(kernels: &Pipelines, tiles: &TileBuffers, canvas: &Canvas<'_, '_>, buffers: &ListBuffers) -> Self {
-        type Resource<'a> = wgpu::BindingResource<'a>;
+    /// `rows` are the resources of [`ListBuffers::rows`].
+    fn new(
+        kernels: &Pipelines,
+        tiles: &TileBuffers,
+        canvas: &Canvas<'_, '_>,
+        (buffers, rows): (&ListBuffers, &[Resource<'_>; 7]),
+    ) -> Self {
         let many = usize::from(canvas.targets.samples > 1);
-        let [camera, grid, control, busy, surfaces, farthest, bins] = [
-            canvas.eye,
-            &tiles.grid,
-            &tiles.control,
-            &tiles.busy,
-            &tiles.surfaces,
-            &tiles.farthest,
-            &tiles.bins,
-        ]
-        .map(wgpu::Buffer::as_entire_binding);
-        let [ranges, depths, bounds, unsorted, seen, touches] = [
-            &tiles.ranges,
-            &tiles.depths,
-            &tiles.bounds.0,
-            &buffers.unsorted,
-            &buffers.seen,
-            &buffers.touches,
-        ]
-        .map(wgpu::Buffer::as_entire_binding);
-        let [points, colors, list, bound_texels] =
-            [&buffers.points, &buffers.colors, &buffers.list, &tiles.bounds.1].map(Texels::resource);
+        let [grid, control, busy, list, points, surfaces, touches] = rows;
+        let [camera, farthest, bins, ranges, depths] =
+            [canvas.eye, &tiles.farthest, &tiles.bins, &tiles.ranges, &tiles.depths]
+                .map(wgpu::Buffer::as_entire_binding);
+        let [bounds, unsorted, seen] =
+            [&tiles.bounds.0, &buffers.unsorted, &buffers.seen].map(wgpu::Buffer::as_entire_binding);
+        let [colors, bound_texels] = [&buffers.colors, &tiles.bounds.1].map(Texels::resource);
         let round = tiles.round();
         let depth = Resource::TextureView(&canvas.targets.depth);
         let hair = Resource::TextureView(&tiles.hair);
@@ -302,23 +294,23 @@ impl Groups {
         let bind = |kernel: &Kernel, resources: &[&[&Resource<'_>]]| {
             kernel.bind(&resources.concat().into_iter().cloned().collect::<Vec<_>>())
         };
-        let asked = &[&grid, &control, &busy, &depths, &round][..];
-        let lists = &[&grid, &control, &busy, &list, &points][..];
+        let asked = &[grid, control, busy, &depths, &round][..];
+        let rows = &rows.each_ref()[..];
         let camera = if many == 1 { &[&camera][..] } else { &[] };
         Self {
-            surface: bind(&kernels.surface[many], &[&[&grid, &ranges, &depth, &surfaces, &farthest], camera]),
-            bound: bind(&kernels.bound, &[&[&grid, &farthest, &ranges, &bounds]]),
-            count: bind(&kernels.count, &[&[&grid, &points, &bound_texels, &bins]]),
-            totals: bind(&kernels.totals, &[&[&grid, &bins, &bounds]]),
-            scan: bind(&kernels.scan, &[&[&grid, &bounds, &busy, &control, &depths]]),
-            scatter: bind(&kernels.scatter, &[&[&grid, &points, &bound_texels, &bins, &unsorted, &round]]),
-            sort: bind(&kernels.sort, &[asked, &[&bins, &unsorted, &list]]),
-            merge: bind(&kernels.merge, &[asked, &[&bins, &unsorted, &list]]),
-            deepen: bind(&kernels.deepen, &[&[&control, &depths, &round]]),
-            rewind: bind(&kernels.rewind, &[&[&control, &busy, &bins, &round]]),
-            touch: bind(&kernels.touch, &[asked, &[&list, &points, &touches]]),
-            see: bind(&kernels.see[many], &[lists, &[&surfaces, &touches, &seen, &round, &depths]]),
-            blend: bind(&kernels.blend[many], &[lists, &[&surfaces, &touches, &colors, &round, &hair]]),
+            surface: bind(&kernels.surface[many], &[&[grid, &ranges, &depth, surfaces, &farthest], camera]),
+            bound: bind(&kernels.bound, &[&[grid, &farthest, &ranges, &bounds]]),
+            count: bind(&kernels.count, &[&[grid, points, &bound_texels, &bins]]),
+            totals: bind(&kernels.totals, &[&[grid, &bins, &bounds]]),
+            scan: bind(&kernels.scan, &[&[grid, &bounds, busy, control, &depths]]),
+            scatter: bind(&kernels.scatter, &[&[grid, points, &bound_texels, &bins, &unsorted, &round]]),
+            sort: bind(&kernels.sort, &[asked, &[&bins, &unsorted, list]]),
+            merge: bind(&kernels.merge, &[asked, &[&bins, &unsorted, list]]),
+            deepen: bind(&kernels.deepen, &[&[control, &depths, &round]]),
+            rewind: bind(&kernels.rewind, &[&[control, busy, &bins, &round]]),
+            touch: bind(&kernels.touch, &[asked, &[list, points, touches]]),
+            see: bind(&kernels.see[many], &[rows, &[&seen, &round, &depths]]),
+            blend: bind(&kernels.blend[many], &[rows, &[&colors, &round, &hair]]),
         }
     }
 }
