@@ -26,7 +26,6 @@ use pyo3::{
     types::{PyDict, PyType},
 };
 use std::io;
-use tresses::groom::Error as GroomError;
 
 create_exception!(tresses, TressesError, PyException, "Error of tresses. The message is one sentence.");
 
@@ -34,30 +33,14 @@ create_exception!(tresses, TressesError, PyException, "Error of tresses. The mes
 fn raised(error: impl Into<anyhow::Error>) -> PyErr {
     let error = error.into();
     let message = tresses_scene::words::sentence(&error);
-    if !error.chain().any(is_missing_file) {
+    let is_missing = |cause: &io::Error| cause.kind() == io::ErrorKind::NotFound;
+    if !error.chain().any(|cause| cause.downcast_ref().is_some_and(is_missing)) {
         return TressesError::new_err(message);
     }
     Python::attach(|py| match missing_file_error(py) {
         Ok(class) => PyErr::from_type(class.clone(), message),
         Err(error) => error,
     })
-}
-
-/// Whether `error` reports a file that does not exist.
-fn is_missing_file(error: &(dyn std::error::Error + 'static)) -> bool {
-    let of_groom = |error: &GroomError| match error {
-        GroomError::Io { source, .. } => source.kind() == io::ErrorKind::NotFound,
-        _ => false,
-    };
-    match error.downcast_ref() {
-        Some(tresses::Error::Groom(error)) => of_groom(error),
-        _ => {
-            error.downcast_ref().is_some_and(of_groom)
-                || error
-                    .downcast_ref()
-                    .is_some_and(|error: &io::Error| error.kind() == io::ErrorKind::NotFound)
-        }
-    }
 }
 
 /// Returns `MissingFileError`, which is a `TressesError` and a `FileNotFoundError`.
