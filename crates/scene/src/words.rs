@@ -1,4 +1,4 @@
-//! Number formatting.
+//! Formatting of numbers and errors.
 
 /// Formats an integer with commas between groups of three digits.
 pub fn grouped(number: u64) -> String {

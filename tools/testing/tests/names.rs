@@ -13,7 +13,7 @@ const IRREGULAR: &str = "Begun Bound Brought Built Chosen Done Drawn Found Given
 /// Nouns that end in "ed".
 const NOUNS: &str = "Seed Speed Bed";
 
-/// A type with the file that declares it.
+/// A declared type.
 struct Type {
     name: String,
     is_public: bool,

@@ -66,8 +66,8 @@ impl Character {
     /// # Errors
     /// An error that names the file when one cannot be read, and the errors of [`new`](Self::new).
     pub async fn load<P: AsRef<Path>>(context: &Context, files: impl IntoIterator<Item = P>) -> Result<Self> {
-        let (mut grooms, mut heads): (Vec<PathBuf>, Vec<PathBuf>) =
-            (files.into_iter().map(|path| path.as_ref().to_owned()).collect(), Vec::new());
+        let mut grooms: Vec<PathBuf> = files.into_iter().map(|path| path.as_ref().to_owned()).collect();
+        let mut heads = Vec::new();
         // Hair and body may be in one file.
         if grooms.len() > 1 {
             for path in std::mem::take(&mut grooms) {
