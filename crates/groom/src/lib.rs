@@ -11,7 +11,7 @@
 //! A module uses only modules of the lines above its own (`tests/modules.rs` checks this list):
 //!
 //! ```text
-//! bulk curve error hash progress rice sdf srgb strands │ plain data; coding of integers
+//! bulk columns curve error hash progress sdf srgb strands │ plain data; columns of integers
 //! mesh random range scalp                              │ triangle meshes; the scalp and maps on it
 //! guides lint look rig                                 │ simulated strands; checks; materials; rigs of skinned meshes
 //! bound mannequin orient                               │ render strands; the built-in character; units and axes
@@ -29,6 +29,7 @@ pub mod bind;
 pub mod bound;
 #[cfg(feature = "cooked")]
 mod bulk;
+mod columns;
 #[cfg(feature = "cooked")]
 pub mod cooked;
 pub mod curve;
@@ -50,7 +51,6 @@ mod random;
 pub mod range;
 mod report;
 pub mod restyle;
-mod rice;
 pub mod rig;
 pub mod scalp;
 pub mod sdf;

@@ -17,8 +17,8 @@ use super::{
 };
 use crate::{
     SdfGrid, TriMesh,
+    columns::{Reader, Writer},
     progress::at_once,
-    rice::{Context, Reader, Writer},
 };
 use fast_surface_nets::SurfaceNetsBuffer;
 use glam::{IVec2, IVec3, Vec2, Vec3, vec3};
@@ -39,6 +39,8 @@ pub(super) struct Bust {
     pub field: SdfGrid,
 }
 
+const OUT_OF_DATE: &str = "the cooked bust is out of date: run the example `cook`";
+
 /// Returns the bust, which is read once.
 pub(super) fn bust() -> &'static Bust {
     static BUST: OnceLock<Bust> = OnceLock::new();
@@ -51,23 +53,22 @@ pub fn cook() -> Vec<u8> {
     write(&lattice, &mesh, &at_once(measure(FIELD_RESOLUTION, &())))
 }
 
-/// Adaptive coding contexts of reader and writer, one per kind of number.
-#[derive(Default)]
-struct Contexts {
-    run: Context,
-    place: [Context; 3],
-    normal: [Context; 2],
-    field: Context,
-}
+/// Columns of the file. Residuals of positions and normals take one per coordinate.
+const RUN: usize = 0;
+const PLACE: usize = 1;
+const TURNED: usize = 4;
+const NORMAL: usize = 5;
+const FIELD: usize = 7;
+const COLUMNS: usize = 8;
 
 fn write(lattice: &Lattice, mesh: &TriMesh, field: &SdfGrid) -> Vec<u8> {
-    let (mut out, mut kinds) = (Writer::default(), Contexts::default());
+    let mut out = Writer::<COLUMNS>::default();
     let half: Vec<usize> = lattice.left_half().collect();
     let mut begin = 0;
     for i in 1..=half.len() {
         let inside = |k: usize| lattice.distances[half[k]] < 0.0;
         if i == half.len() || inside(i) != inside(begin) {
-            out.put(&mut kinds.run, (i - begin) as i32);
+            out.put(RUN, (i - begin) as i32);
             begin = i;
         }
     }
@@ -76,7 +77,7 @@ fn write(lattice: &Lattice, mesh: &TriMesh, field: &SdfGrid) -> Vec<u8> {
     for (i, at) in nets.surface_points.iter().enumerate() {
         if signs.is_left(*at) {
             let off = steps(mesh.positions[i] - signs.point(nets.positions[i]));
-            (0..3).for_each(|a| out.put(&mut kinds.place[a], off[a]));
+            (0..3).for_each(|a| out.put(PLACE + a, off[a]));
         }
     }
     let quads = |indices: &[u32]| indices.as_chunks::<6>().0.to_vec();
@@ -84,29 +85,30 @@ fn write(lattice: &Lattice, mesh: &TriMesh, field: &SdfGrid) -> Vec<u8> {
     let mut rough = TriMesh { positions: placed(&mesh.positions, &signs, &nets), ..Default::default() };
     for (own, its) in quads(&nets.indices).iter().zip(quads(&indices)) {
         let is_turned = diagonal(own) != diagonal(&its);
-        out.bit(is_turned);
+        out.put(TURNED, is_turned.into());
         rough.triangles.extend(split(own, is_turned));
     }
     for (i, (at, normal)) in nets.surface_points.iter().zip(guessed(&rough)).enumerate() {
         if signs.is_left(*at) {
             let off = flat(mesh.normals[i]) - flat(normal);
-            (0..2).for_each(|a| out.put(&mut kinds.normal[a], off[a]));
+            (0..2).for_each(|a| out.put(NORMAL + a, off[a]));
         }
     }
     let rounded: Vec<i32> = field.distances.iter().map(|d| (d / STEP).round() as i32).collect();
     for (i, d) in rounded.iter().enumerate() {
-        out.put(&mut kinds.field, d - beside(&rounded, field, i));
+        out.put(FIELD, d - beside(&rounded, field, i));
     }
     out.finish()
 }
 
 fn read(bytes: &[u8]) -> Bust {
-    let (mut from, mut kinds) = (Reader::new(bytes), Contexts::default());
+    let mut columns = Reader::<COLUMNS>::new(bytes);
+    let mut next = |column| columns.get(column).expect(OUT_OF_DATE);
     let mut signs = Lattice::empty(RESOLUTION);
     let (mut inside, mut left) = (true, 0);
     for i in signs.left_half() {
         if left == 0 {
-            left = from.get(&mut kinds.run);
+            left = next(RUN);
             inside = !inside;
         }
         left -= 1;
@@ -117,7 +119,7 @@ fn read(bytes: &[u8]) -> Bust {
     for (i, at) in nets.surface_points.iter().enumerate() {
         let p = match signs.is_left(*at) {
             true => {
-                let off = IVec3::from_array([0, 1, 2].map(|a| from.get(&mut kinds.place[a])));
+                let off = IVec3::from_array([0, 1, 2].map(|a| next(PLACE + a)));
                 signs.point(nets.positions[i]) + off.as_vec3() * STEP
             }
             false => mirrored(mesh.positions[signs.twin(&nets, *at)]),
@@ -125,12 +127,12 @@ fn read(bytes: &[u8]) -> Bust {
         mesh.positions.push(p);
     }
     for quad in nets.indices.as_chunks::<6>().0 {
-        mesh.triangles.extend(split(quad, from.bit()));
+        mesh.triangles.extend(split(quad, next(TURNED) == 1));
     }
     for (at, normal) in nets.surface_points.iter().zip(guessed(&mesh)) {
         let normal = match signs.is_left(*at) {
             true => {
-                let off = IVec2::from_array([0, 1].map(|a| from.get(&mut kinds.normal[a])));
+                let off = IVec2::from_array([0, 1].map(|a| next(NORMAL + a)));
                 round(flat(normal) + off)
             }
             false => mirrored(mesh.normals[signs.twin(&nets, *at)]),
@@ -140,10 +142,10 @@ fn read(bytes: &[u8]) -> Bust {
     let mut field = grid(FIELD_RESOLUTION);
     let mut rounded = Vec::with_capacity(field.size.element_product() as usize);
     for i in 0..rounded.capacity() {
-        let d = beside(&rounded, &field, i) + from.get(&mut kinds.field);
+        let d = beside(&rounded, &field, i) + next(FIELD);
         rounded.push(d);
     }
-    assert!(from.is_done(), "the cooked bust is out of date: run the example `cook`");
+    assert!(columns.is_done(), "{OUT_OF_DATE}");
     field.distances = rounded.iter().map(|d| *d as f32 * STEP).collect();
     Bust { mesh, field }
 }

@@ -7,14 +7,16 @@
 use super::{GUIDE_VERTICES, Lines, Recipe, Style, StyledGuides};
 use crate::{
     Strands,
+    columns::{Reader, Writer},
     mannequin::STEP,
-    rice::{Context, Reader, Writer},
     scalp::Scalp,
 };
 use glam::{IVec3, Vec3};
 use std::sync::OnceLock;
 
 static FILE: &[u8] = include_bytes!("../../cooked/guides.bin");
+
+const OUT_OF_DATE: &str = "the cooked guides are out of date: run the example `cook`";
 
 /// Returns the stored recipes, in the file's order.
 fn recipes() -> impl Iterator<Item = Recipe> {
@@ -32,15 +34,14 @@ pub fn settled(recipe: &Recipe, mannequin: &dyn Scalp) -> Option<StyledGuides> {
 
 /// Returns the contents of the file for the settled guides of all styles, in the order of [`Style::NAMES`].
 pub fn cook(styles: &[StyledGuides]) -> Vec<u8> {
-    let mut out = Writer::default();
-    let mut kinds = Kinds::default();
+    let mut out = Writer::<COLUMNS>::default();
     for styled in styles {
         for guide in styled.guides.iter() {
             let mut line = Vec::with_capacity(GUIDE_VERTICES);
             for p in guide {
                 let at = (p / STEP).round().as_ivec3();
-                let (kind, off) = (line.len().min(2), at - ahead(&line));
-                (0..3).for_each(|a| out.put(&mut kinds[kind][a], off[a]));
+                let (first, off) = (column(&line), at - ahead(&line));
+                (0..3).for_each(|a| out.put(first + a, off[a]));
                 line.push(at);
             }
         }
@@ -49,15 +50,15 @@ pub fn cook(styles: &[StyledGuides]) -> Vec<u8> {
 }
 
 fn read(bytes: &[u8]) -> Vec<Strands> {
-    let mut from = Reader::new(bytes);
-    let mut kinds = Kinds::default();
+    let mut columns = Reader::<COLUMNS>::new(bytes);
+    let mut next = |column| columns.get(column).expect(OUT_OF_DATE);
     let styles = recipes().map(|recipe| {
         let mut strands = Strands::default();
         for _ in 0..recipe.guides {
             let mut line = Vec::with_capacity(GUIDE_VERTICES);
             for _ in 0..GUIDE_VERTICES {
-                let kind = line.len().min(2);
-                let off = [0, 1, 2].map(|a| from.get(&mut kinds[kind][a]));
+                let first = column(&line);
+                let off = [0, 1, 2].map(|a| next(first + a));
                 line.push(ahead(&line) + IVec3::from_array(off));
             }
             let line: Vec<Vec3> = line.iter().map(|p| p.as_vec3() * STEP).collect();
@@ -66,12 +67,17 @@ fn read(bytes: &[u8]) -> Vec<Strands> {
         strands
     });
     let styles = styles.collect();
-    assert!(from.is_done(), "the cooked guides are out of date: run the example `cook`");
+    assert!(columns.is_done(), "{OUT_OF_DATE}");
     styles
 }
 
-/// Coding contexts of roots, first steps and all other vertices, along each axis.
-type Kinds = [[Context; 3]; 3];
+/// Number of columns: residuals of roots, first steps and all other vertices, along each axis.
+const COLUMNS: usize = 9;
+
+/// Returns the column of the x coordinate of the vertex after `line`.
+fn column(line: &[IVec3]) -> usize {
+    3 * line.len().min(2)
+}
 
 /// Predicts the next vertex by continuing straight on.
 fn ahead(line: &[IVec3]) -> IVec3 {
