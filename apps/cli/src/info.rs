@@ -62,7 +62,7 @@ fn as_json(report: &ImportReport, anatomy: Option<&Anatomy>) -> Value {
     let spread = |s: &Spread| json!({"min": s.min, "median": s.median, "p95": s.p95, "max": s.max});
     let placement = |p: &Placement| {
         json!({
-            "metres_per_unit": p.unit.0, "up": p.up.name(), "front": p.front.name(),
+            "meters_per_unit": p.unit.0, "up": p.up.name(), "front": p.front.name(),
             "mirrored": p.mirrored, "translation": p.translation.to_array(),
             "reasons": p.reasons, "doubts": p.doubts,
         })
@@ -80,7 +80,7 @@ fn as_json(report: &ImportReport, anatomy: Option<&Anatomy>) -> Value {
         "length_m": spread(&lint.lengths),
         "radius_m": lint.radii.as_ref().map(spread),
         "has": {
-            "widths": report.attributes.widths, "colours": report.attributes.colors,
+            "widths": report.attributes.widths, "colors": report.attributes.colors,
             "root_uvs": report.attributes.root_uvs, "ids": report.attributes.ids,
             "guides": report.attributes.guides, "bound_to_guides": report.attributes.bound,
         },

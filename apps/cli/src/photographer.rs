@@ -98,7 +98,7 @@ impl Photographer {
             Ok(scene)
         })?;
         if let Some(roots) = scene.character.roots().filter(|roots| roots.farthest > 0.01) {
-            let [mean, farthest] = [roots.mean, roots.farthest].map(|metres| 1e3 * metres);
+            let [mean, farthest] = [roots.mean, roots.farthest].map(|meters| 1e3 * meters);
             eprintln!("note: roots are {mean:.1} mm from the body on average, {farthest:.0} mm at most");
         }
         scene.apply(settings)?;

@@ -104,9 +104,9 @@ mod tests {
         (&["--grow", "900"], &["style.grow"]),
         (&["--guides", "30"], &["style.guides"]),
         (&["--guides", "all"], &["style.all_guides"]),
-        (&["--curl", "waves,radius=7mm"], &["style.curl", "style.curl_radius"]),
-        (&["--curl", "wavelength=whole"], &["style.curl_stretch"]),
-        (&["--clump", "0.4,spacing=4mm"], &["style.clump", "style.clump_spacing"]),
+        (&["--curl", "waves", "--set", "style.curl_radius=7mm"], &["style.curl", "style.curl_radius"]),
+        (&["--set", "style.curl_stretch=on"], &["style.curl_stretch"]),
+        (&["--clump", "0.4"], &["style.clump"]),
         (&["--frizz", "1mm"], &["style.frizz"]),
         (&["--strays", "0.5,3mm"], &["style.strays", "style.stray_reach"]),
         (&["--flyaways", "0.5"], &["style.flyaways"]),
@@ -249,15 +249,16 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("preset.toml");
         let file = path.to_str().unwrap();
-        let words =
-            ["--curl", "radius=7mm,flatness=0.3", "--coverage", "peel", "--layers", "8", "--ssaa", "2"];
+        let curls = ["--set", "style.curl_radius=7mm", "--set", "style.curl_flatness=30%"];
+        let words = [&curls[..], &["--coverage", "peel", "--layers", "8", "--ssaa", "2"]].concat();
         parse(&[&words[..], &["--save-preset", file]].concat()).unwrap();
-        let other = parse(&["--preset", file, "--curl", "waves,shrink=0.2", "--samples", "4"]).unwrap();
+        let shrunk = ["--preset", file, "--set", "style.curl_shrink=20%"];
+        let other = parse(&[&shrunk[..], &["--curl", "waves", "--samples", "4"]].concat()).unwrap();
         let settings = &other.settings;
         assert!(settings.gives("style.curl_shrink") && !settings.gives("style.curl_flatness"));
         assert_eq!(settings.sampling(4).unwrap(), (4, Coverage::SampleMask));
         assert_eq!((settings.peeled_layers, settings.ssaa), (8, 2), "not given, so they stay");
-        let varied = parse(&["--preset", file, "--curl", "shrink=0.2"]).unwrap();
+        let varied = parse(&shrunk).unwrap();
         assert!(varied.settings.gives("style.curl_flatness"), "the same curl, varied");
     }
 }

@@ -98,7 +98,7 @@ fn hair_from_blender_is_upright_and_complete() {
     assert_eq!((&curves["strands"], &curves["vertices"]), (&STRANDS.into(), &(STRANDS * POINTS).into()));
     assert_eq!(curves["groom_placement"]["up"], "y");
     assert_eq!(curves["groom_placement"]["front"], "z");
-    assert_eq!(curves["groom_placement"]["metres_per_unit"], 1.0);
+    assert_eq!(curves["groom_placement"]["meters_per_unit"], 1.0);
     // Radius 50 µm at the root, 20 µm at the tip.
     let radius = |which: &str| curves["radius_m"][which].as_f64().unwrap();
     assert!((radius("max") - 5e-5).abs() < 1e-8 && (radius("min") - 2e-5).abs() < 1e-8, "{curves}");
@@ -219,7 +219,7 @@ fn usd_from_blender_is_upright_and_complete() {
         assert_eq!((&curves["strands"], &curves["vertices"]), (&STRANDS.into(), &(STRANDS * 33).into()));
         assert_eq!(curves["groom_placement"]["up"], "z", "{curves}");
         assert_eq!(curves["groom_placement"]["front"], "-y", "{curves}");
-        assert_eq!(curves["groom_placement"]["metres_per_unit"], 1.0);
+        assert_eq!(curves["groom_placement"]["meters_per_unit"], 1.0);
         let radius = |which: &str| curves["radius_m"][which].as_f64().unwrap();
         assert!((radius("max") - 5e-5).abs() < 1e-8 && (radius("min") - 2e-5).abs() < 1e-8, "{curves}");
         let with_head = info(folder, &[file, "--head", file]);
@@ -235,7 +235,7 @@ fn usd_from_blender_is_upright_and_complete() {
     let particles = info(folder, &["particles.usda", "--head", "particles.usda"]);
     assert_eq!(particles["strands"], 300);
     assert_eq!(particles["groom_placement"]["up"], "z");
-    assert_eq!(particles["groom_placement"]["metres_per_unit"], 1.0, "{particles}");
+    assert_eq!(particles["groom_placement"]["meters_per_unit"], 1.0, "{particles}");
 }
 
 #[test]

@@ -55,8 +55,8 @@ fn out_of_range_options_are_errors() {
     refuses(&["render", "--curl", "spirals"], "waves, ringlets, coils");
     refuses(&["render", "--ties", "nowhere.json"], "nowhere.json");
     refuses(&["completions", "tcsh"], "bash, elvish, fish");
-    refuses(&["render", "--curl", "radius=800"], "from 0 to 100 mm");
-    refuses(&["render", "--curl", "turns=9"], "wavelength");
+    refuses(&["render", "--curl", "radius=8"], "waves, ringlets, coils");
+    refuses(&["render", "--set", "style.curl_radius=800"], "from 0 to 100 mm");
     refuses(&["render", "--clump", "7"], "from 0 to 1");
     refuses(&["render", "--frizz", "3cm"], "from 0 to 20 mm");
     refuses(&["render", "--strays", "0.2,4miles"], "from 0 to 200 mm");

@@ -26,7 +26,7 @@ fn export_writes_drawn_strands_and_head() {
     let found: serde_json::Value = serde_json::from_str(&said).unwrap();
     assert_eq!(found["strands"], 300, "{said}");
     // The file states its unit and axes, so nothing is guessed, and the hair fits the head.
-    assert_eq!(found["groom_placement"]["metres_per_unit"], 1.0, "{said}");
+    assert_eq!(found["groom_placement"]["meters_per_unit"], 1.0, "{said}");
     let (done, said) = tresses(
         folder.path(),
         &["render", "short.hair", "--head", "head.obj", "--size", "32x32", "--out", "a.png"],

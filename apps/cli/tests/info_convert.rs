@@ -59,7 +59,7 @@ fn info_lists_findings_and_actions() {
     let out = tresses(folder.path(), &["info", "in.obj", "--json", "--unit", "cm"]);
     let json: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
     assert_eq!((json["strands"].as_u64(), json["vertices"].as_u64()), (Some(2), Some(6)));
-    assert_eq!(json["groom_placement"]["metres_per_unit"].as_f64().unwrap() as f32, 0.01);
+    assert_eq!(json["groom_placement"]["meters_per_unit"].as_f64().unwrap() as f32, 0.01);
     assert_eq!(json["findings"][0]["count"].as_u64(), Some(1));
 }
 

@@ -64,7 +64,7 @@ def write(path):
 
 def read(path):
     stage = Usd.Stage.Open(path)
-    metres, up = UsdGeom.GetStageMetersPerUnit(stage), UsdGeom.GetStageUpAxis(stage)
+    meters, up = UsdGeom.GetStageMetersPerUnit(stage), UsdGeom.GetStageUpAxis(stage)
     cache = UsdGeom.XformCache(Usd.TimeCode.EarliestTime())
     curves, points, total = 0, 0, Gf.Vec3d(0, 0, 0)
     for prim in stage.Traverse(Usd.TraverseInstanceProxies()):
@@ -74,7 +74,7 @@ def read(path):
             matrix = cache.GetLocalToWorldTransform(prim)
             for point in shape.GetPointsAttr().Get(Usd.TimeCode.EarliestTime()):
                 points += 1
-                total += matrix.Transform(Gf.Vec3d(point)) * metres
+                total += matrix.Transform(Gf.Vec3d(point)) * meters
     x, y, z = total
     print(json.dumps({"curves": curves, "points": points, "sum": [x, z, -y] if up == "Z" else [x, y, z]}))
 

@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn loaded_color_map_becomes_the_hair_color() {
-        let name = || Some("colours.png".to_owned());
+        let name = || Some("colors.png".to_owned());
         let companions = Companions::default().with(companion(COLORS).unwrap(), name(), &Shelf::default());
         let hair = Hair { companions, ..Hair::default() };
         let mut brown = Settings::default();

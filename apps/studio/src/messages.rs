@@ -1,6 +1,6 @@
 //! Messages for the user.
 
-use std::fmt::Display;
+use tresses_scene::words::sentence;
 
 /// The current messages.
 #[derive(Clone, Debug, Default)]
@@ -18,7 +18,7 @@ impl Messages {
     }
 
     /// Shows `error` with its causes.
-    pub fn fail(&mut self, error: impl Display) {
-        self.error = Some(format!("{error:#}"));
+    pub fn fail(&mut self, error: impl Into<anyhow::Error>) {
+        self.error = Some(sentence(&error.into()));
     }
 }

@@ -110,8 +110,8 @@ impl Orbit {
     pub fn pan(&mut self, points: Vec2, height: f32) {
         self.taken();
         let (right, up) = self.plane();
-        let metres = 2.0 * (0.5 * VERTICAL_FOV).tan() * self.now.distance / height.max(1.0);
-        self.now.target += (up * points.y - right * points.x) * metres;
+        let meters = 2.0 * (0.5 * VERTICAL_FOV).tan() * self.now.distance / height.max(1.0);
+        self.now.target += (up * points.y - right * points.x) * meters;
         self.goal = self.now;
     }
 

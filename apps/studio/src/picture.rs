@@ -3,7 +3,7 @@
 use crate::{answer::Answer, dialog::Dialogs, messages::Messages, renderer::Renderer, task};
 use anyhow::Result;
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
-use tresses_scene::Settings;
+use tresses_scene::{Settings, words::sentence};
 
 /// A request to save the image.
 #[derive(Clone, Copy, Debug, Default)]
@@ -45,7 +45,7 @@ impl Snapshot {
             let done = async { encode(size, &copy?.wait().await?) };
             match done.await {
                 Ok(bytes) => dialogs.save("Save the image", "tresses.png", bytes),
-                Err(error) => dialogs.tell(Answer::Failed(format!("{error:#}"))),
+                Err(error) => dialogs.tell(Answer::Failed(sentence(&error))),
             }
         });
         false

@@ -16,7 +16,10 @@ use tresses::gpu::readback::Pending;
 use tresses_scene::{
     Settings,
     picture::{Format, Picture},
+    words::sentence,
 };
+
+const NOT_ENCODED: &str = "the loop cannot be encoded";
 
 /// Largest width and height, pixels.
 pub const LARGEST: u32 = 4096;
@@ -232,14 +235,14 @@ impl Encoder {
             match encode() {
                 Ok(Some(bytes)) => dialogs.save("Save the loop", &name(wish.format), bytes),
                 Ok(None) => {}
-                Err(error) => dialogs.tell(Answer::Failed(format!("the loop cannot be encoded: {error:#}"))),
+                Err(error) => dialogs.tell(Answer::Failed(sentence(&error.context(NOT_ENCODED)))),
             }
         });
         Self(sender)
     }
 
     fn add(&mut self, picture: Picture) -> Result<()> {
-        self.0.send(Some(picture)).map_err(|_| anyhow::anyhow!("the loop cannot be encoded"))
+        self.0.send(Some(picture)).map_err(|_| anyhow::anyhow!(NOT_ENCODED))
     }
 
     fn finish(self) {
@@ -266,14 +269,14 @@ impl Encoder {
     fn add(&mut self, picture: Picture) -> Result<()> {
         match &mut self.animation {
             Ok(animation) => animation.add(&picture),
-            Err(error) => Err(anyhow::anyhow!("the loop cannot be encoded: {error:#}")),
+            Err(error) => Err(anyhow::anyhow!("{NOT_ENCODED}: {}", sentence(error))),
         }
     }
 
     fn finish(self) {
         match self.animation.and_then(|animation| animation.finish()) {
             Ok(bytes) => self.dialogs.save("Save the loop", &self.name, bytes),
-            Err(error) => self.dialogs.tell(Answer::Failed(format!("{error:#}"))),
+            Err(error) => self.dialogs.tell(Answer::Failed(sentence(&error))),
         }
     }
 }

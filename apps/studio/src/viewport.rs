@@ -101,8 +101,8 @@ impl Viewport {
                     renderer.playback.hand.turn(delta * TURN);
                 } else {
                     let (right, up) = renderer.orbit.plane();
-                    let metres = renderer.orbit.height_at(depth) / rect.height();
-                    let by: Vec3 = (right * delta.x - up * delta.y) * metres;
+                    let meters = renderer.orbit.height_at(depth) / rect.height();
+                    let by: Vec3 = (right * delta.x - up * delta.y) * meters;
                     renderer.playback.hand.drag(by);
                 }
             } else if self.tool == Tool::Lock {

@@ -11,6 +11,7 @@ use crate::{
     state::{self, State},
 };
 use std::{cell::RefCell, panic, rc::Rc};
+use tresses_scene::words::sentence;
 use wasm_bindgen::{JsCast, JsValue, prelude::*};
 
 /// A studio in a canvas, with its panels or as an embedded viewer.
@@ -37,7 +38,7 @@ impl Viewer {
     ) -> Result<Viewer, JsValue> {
         let wanted = pairs(&query)?;
         let wanted = wanted.iter().map(|(name, value)| (name.as_str(), value.as_str()));
-        let mut options = Options::of(wanted).map_err(|error| format!("{error:#}"))?;
+        let mut options = Options::of(wanted).map_err(|error| sentence(&error))?;
         options.bare = bare;
         // Companion files are loaded after the groom.
         let mut later = Vec::new();
@@ -75,7 +76,7 @@ impl Viewer {
 
     /// Sets `playing`, `motion`, `animation`, `camera` or a parameter by its path.
     pub fn set(&self, name: &str, value: &str) -> Result<(), JsValue> {
-        let command = Command::of(name, value).map_err(|error| format!("{error:#}"))?;
+        let command = Command::of(name, value).map_err(|error| sentence(&error))?;
         self.dialogs.tell(Answer::Do(command));
         Ok(())
     }

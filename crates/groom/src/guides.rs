@@ -59,7 +59,7 @@ impl Guides {
     }
 
     /// Multiplies the stiffness of every guide by the value of `map` at its root, seen from `skull`, the center of the
-    /// braincase (groom space, meters; [`SKULL_CENTRE`](crate::mannequin::SKULL_CENTRE) for the built-in head). The
+    /// braincase (groom space, meters; [`SKULL_CENTER`](crate::mannequin::SKULL_CENTER) for the built-in head). The
     /// factor applies to bending and to the pull toward the rest pose. The simulation parameters define how both vary
     /// along the strand. The rest shape does not change.
     pub fn stiffen(&mut self, map: &ScalpMap, skull: Vec3) {

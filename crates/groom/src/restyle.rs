@@ -123,14 +123,14 @@ impl Restyle {
             let held = groom.guides.tip_pinned.get(binding.guides[0] as usize) == Some(&true);
             if shaped && !held && lengths[i] > 0.0 {
                 let lock = locks.of[i] as usize;
-                let centre = locks.centres[lock] as usize;
+                let center = locks.centers[lock] as usize;
                 let share = if flyaway { 0.3 } else { 1.0 };
-                gather(&mut line, &lines[centre], &clumps, share, self.seed, lock as u32, &mut rng);
+                gather(&mut line, &lines[center], &clumps, share, self.seed, lock as u32, &mut rng);
                 if self.curls.any() {
                     let uv = scalp_uv(line[0] - skull);
                     let strength = self.curl_map.as_ref().map_or(1.0, |map| map.sample(uv));
-                    let twist = Twist::new(&self.curls, self.seed, lock as u32, lines[centre][0]);
-                    let outward = lines[centre][0] - skull;
+                    let twist = Twist::new(&self.curls, self.seed, lock as u32, lines[center][0]);
+                    let outward = lines[center][0] - skull;
                     let own = CurlStrand::new(&self.curls, flyaway, &mut rng);
                     let f = wind(&mut line, &self.curls, &twist, &own, strength, outward);
                     binding.scale = binding.scale.map(|scale| scale * f);
@@ -179,7 +179,7 @@ fn push(
 /// root.
 fn gather(
     line: &mut [Vec3],
-    centre: &[Vec3],
+    center: &[Vec3],
     clumps: &Clumps,
     share: f32,
     seed: u32,
@@ -191,9 +191,9 @@ fn gather(
     if strength <= 0.0 {
         return;
     }
-    let (own, reach) = (curve::length(line), curve::length(centre).max(1e-6));
+    let (own, reach) = (curve::length(line), curve::length(center).max(1e-6));
     let last = (line.len() - 1) as f32;
-    let mut walk = Walk::new(centre);
+    let mut walk = Walk::new(center);
     for (k, p) in line.iter_mut().enumerate().skip(1) {
         let t = k as f32 / last;
         let along = own * t;
@@ -257,7 +257,7 @@ impl<'a> Walk<'a> {
 #[derive(Default)]
 struct Locks {
     /// Center strand of each lock.
-    centres: Vec<u32>,
+    centers: Vec<u32>,
     /// Lock of each strand.
     of: Vec<u32>,
 }
@@ -267,7 +267,7 @@ impl Locks {
         let spacing = spacing.max(5e-4);
         let cell = |p: Vec3| (p / spacing).floor().as_ivec3();
         let mut cells: HashMap<IVec3, Vec<u32>> = HashMap::new();
-        let mut centres: Vec<u32> = Vec::new();
+        let mut centers: Vec<u32> = Vec::new();
         let around = |cells: &HashMap<IVec3, Vec<u32>>, p: Vec3| -> Vec<u32> {
             let middle = cell(p);
             (0..27)
@@ -282,10 +282,10 @@ impl Locks {
         order.sort_by_key(|&i| (pcg(i ^ 0x10c5), i));
         for i in order {
             let root = lines[i as usize][0];
-            let near = |k: &u32| lines[centres[*k as usize] as usize][0].distance(root) < spacing;
+            let near = |k: &u32| lines[centers[*k as usize] as usize][0].distance(root) < spacing;
             if !around(&cells, root).iter().any(near) {
-                cells.entry(cell(root)).or_default().push(centres.len() as u32);
-                centres.push(i);
+                cells.entry(cell(root)).or_default().push(centers.len() as u32);
+                centers.push(i);
             }
         }
         let shape = |i: usize| {
@@ -296,7 +296,7 @@ impl Locks {
             .map(|i| {
                 let own = shape(i);
                 let cost = |k: u32| {
-                    let it = shape(centres[k as usize] as usize);
+                    let it = shape(centers[k as usize] as usize);
                     own[0].distance_squared(it[0])
                         + 0.5 * own[1].distance_squared(it[1])
                         + 0.25 * own[2].distance_squared(it[2])
@@ -305,7 +305,7 @@ impl Locks {
                 nearby.into_iter().min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(0)
             })
             .collect();
-        Self { centres, of }
+        Self { centers, of }
     }
 }
 

@@ -20,7 +20,7 @@ fn line(groom: &Groom, i: usize) -> Vec<Vec3> {
 }
 
 fn regular() -> Curls {
-    Curls { irregularity: 0.0, coherence: 1.0, neighbours: 1.0, ..Curls::ringlets() }
+    Curls { irregularity: 0.0, coherence: 1.0, neighbors: 1.0, ..Curls::ringlets() }
 }
 
 /// Without clumping, strands keep their own paths.

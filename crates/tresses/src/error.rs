@@ -16,15 +16,17 @@ pub enum Error {
     /// The colliders are unusable.
     #[error("colliders: {0}")]
     Colliders(String),
-    /// A buffer exceeds the adapter's limits.
-    #[error("{what} needs {need} bytes in one buffer, but this adapter allows {have}")]
+    /// A buffer or texture exceeds the adapter's limits.
+    #[error("{what} needs {need} {unit}, but this adapter allows {have}")]
     Limit {
         /// The resource.
         what: &'static str,
-        /// Bytes needed.
+        /// Size needed.
         need: u64,
-        /// Bytes allowed.
+        /// Size allowed.
         have: u64,
+        /// Unit of both, such as `bytes in one buffer`.
+        unit: &'static str,
     },
     /// A parameter is out of range, including parameters of the groom.
     #[error("{name} is {value}, but must be {range}")]

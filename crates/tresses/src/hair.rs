@@ -357,7 +357,7 @@ impl Hair {
 
     /// Sets painted levels of detail: at most [`lod::MAX_LEVELS`] with descending sizes; an empty slice removes them.
     /// `groom` is the one that the hair was made from. `skull` is the center of its braincase (groom space, meters;
-    /// [`SKULL_CENTRE`](crate::groom::mannequin::SKULL_CENTRE) for the built-in head). The levels take effect at the
+    /// [`SKULL_CENTER`](crate::groom::mannequin::SKULL_CENTER) for the built-in head). The levels take effect at the
     /// next [`look_from`](Self::look_from).
     ///
     /// # Errors

@@ -86,7 +86,7 @@ fn heads_are_read_whole() {
     ] {
         let mesh = import::mesh::read(&assets.join(file)).unwrap().mesh;
         println!(
-            "{file}: {} vertices, {} triangles, {} colours",
+            "{file}: {} vertices, {} triangles, {} colors",
             mesh.positions.len(),
             mesh.triangles.len(),
             mesh.colors.len()

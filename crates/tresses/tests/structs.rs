@@ -19,7 +19,7 @@ fn rust_types_become_wgsl_types() {
         #[derive(Clone, bytemuck::Pod)]
         #[allow(missing_docs)] // Names say it.
         pub struct Node {
-            /// Position, metres.
+            /// Position, meters.
             pub position: glam::Vec3,
             pub(crate) hits: crate::gpu::Atomic,
             pub turn: Quat,

@@ -165,8 +165,8 @@ pub fn text(points: &[LodPoint]) -> String {
         SIZE.height,
         table(&rows)
     );
-    let metres = points.iter().map(|point| format!("{:.1} m", point.distance));
-    let mut rows = vec![std::iter::once("strand stages, level".into()).chain(metres).collect::<Vec<_>>()];
+    let meters = points.iter().map(|point| format!("{:.1} m", point.distance));
+    let mut rows = vec![std::iter::once("strand stages, level".into()).chain(meters).collect::<Vec<_>>()];
     for stage in &portrait.lod.stages {
         let time = |point: &LodPoint| {
             point.lod.stages.iter().find(|s| s.name == stage.name).map_or("-".into(), |s| ms(s.time.median))
@@ -174,12 +174,12 @@ pub fn text(points: &[LodPoint]) -> String {
         rows.push(std::iter::once(stage.name.clone()).chain(points.iter().map(time)).collect());
     }
     text += &table(&rows);
-    let (metres, most) = GOAL;
-    if let Some(point) = points.iter().find(|point| point.distance == metres) {
+    let (meters, most) = GOAL;
+    if let Some(point) = points.iter().find(|point| point.distance == meters) {
         let share = share(point);
         let verdict = if share <= most { "within the goal of at most" } else { "above the goal of at most" };
         text += &format!(
-            "At {metres} m, strand stages cost 1/{:.1} of their cost at {} m; {verdict} 1/{}.\n",
+            "At {meters} m, strand stages cost 1/{:.1} of their cost at {} m; {verdict} 1/{}.\n",
             1.0 / share.max(1e-9),
             portrait.distance,
             1.0 / most

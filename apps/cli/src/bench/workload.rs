@@ -226,7 +226,7 @@ pub fn point(strands: u32, sitting: Sitting<'_>) -> Result<StrandPoint> {
 /// Returns a portrait camera, or the same direction from `distance` meters.
 pub fn camera(scene: &Photographer, size: Size, distance: Option<f32>) -> Viewpoint {
     let portrait = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), size.aspect(), 1.0);
-    distance.map_or(portrait, |metres| portrait.moved(metres))
+    distance.map_or(portrait, |meters| portrait.moved(meters))
 }
 
 /// Measures `scene` in a motion.

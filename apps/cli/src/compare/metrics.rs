@@ -66,9 +66,9 @@ mod tests {
 
     fn flat(left: u8, right: u8) -> Picture {
         let (width, height) = (64, 32);
-        let grey = |x| if x < 32 { left } else { right };
+        let gray = |x| if x < 32 { left } else { right };
         let rgba =
-            (0..height).flat_map(|_| (0..width).flat_map(|x| [grey(x), grey(x), grey(x), 255])).collect();
+            (0..height).flat_map(|_| (0..width).flat_map(|x| [gray(x), gray(x), gray(x), 255])).collect();
         Picture { width, height, rgba }
     }
 

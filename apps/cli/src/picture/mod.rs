@@ -23,7 +23,7 @@ pub fn read(path: &Path) -> Result<Picture> {
         let mut bytes = vec![0; reader.output_buffer_size().context("the image is too large")?];
         let info = reader.next_frame(&mut bytes)?;
         let pixel = |p: &[u8]| match p {
-            [grey, alpha] => [*grey, *grey, *grey, *alpha],
+            [gray, alpha] => [*gray, *gray, *gray, *alpha],
             _ => [p[0], p[1], p[2], p[3]],
         };
         let rows = bytes[..info.buffer_size()].chunks_exact(info.color_type.samples());

@@ -13,7 +13,7 @@ fn main() -> std::process::ExitCode {
     match tresses_studio::run(tresses_studio::Options { grooms, ..Default::default() }) {
         Ok(()) => std::process::ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("{error:#}");
+            eprintln!("{}", tresses_scene::words::sentence(&error));
             std::process::ExitCode::FAILURE
         }
     }

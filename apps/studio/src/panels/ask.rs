@@ -38,8 +38,8 @@ pub fn show(questions: &mut Vec<MapChoice>, document: &mut Document, messages: &
     let (mut open, mut chosen) = (true, None);
     let window = egui::Window::new("Which map is this?").collapsible(false).resizable(false).open(&mut open);
     window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ui.ctx(), |ui| chosen = inside(asked, ui));
-    let cancelled = !open || ui.input(|input| input.key_pressed(Key::Escape));
-    if chosen.is_none() && !cancelled {
+    let canceled = !open || ui.input(|input| input.key_pressed(Key::Escape));
+    if chosen.is_none() && !canceled {
         return;
     }
     let asked = questions.remove(0);

@@ -50,8 +50,8 @@ fn environment_maps_and_probes_light_hair() {
     assert!(dark.changed(&ambient).len() > 400, "the comparer sees no difference");
 
     // Light from above. Rotated about the viewing direction, the map lights from below.
-    let grey = Color::linear_rgb(0.5, 0.5, 0.5);
-    let sky = map(&mut app, [Color::WHITE, grey, Color::BLACK]);
+    let gray = Color::linear_rgb(0.5, 0.5, 0.5);
+    let sky = map(&mut app, [Color::WHITE, gray, Color::BLACK]);
     app.world_mut().entity_mut(eye).insert(sky.clone());
     let upright = after(&mut app, MEASURED, &image);
     upright.keep("sky");

@@ -103,7 +103,7 @@ fn hair_follows_its_joint() {
     assert!(moved(&expected, &rest, &bare).length() > 0.05, "it turns far");
     drop(app_a);
 
-    for (name, size, child) in [("skin", 1.0, false), ("child", 1.0, true), ("centimetres", 100.0, true)] {
+    for (name, size, child) in [("skin", 1.0, false), ("child", 1.0, true), ("centimeters", 100.0, true)] {
         let mut app = app("assets");
         light(&mut app);
         let (_, picture) = camera(&mut app);

@@ -14,7 +14,7 @@ use std::collections::HashMap;
 const SAME: f32 = 1e-5;
 
 /// Number of neighbors that a root is triangulated with.
-const NEIGHBOURS: usize = 32;
+const NEIGHBORS: usize = 32;
 
 /// Maximum circumradius of a triangle, relative to the distance to neighbors. Larger ones lie beyond the edge of the
 /// hair.
@@ -67,7 +67,7 @@ impl Surface {
         let mut votes: HashMap<[u32; 3], u8> = HashMap::new();
         let mut order: Vec<[u32; 3]> = Vec::new();
         for (i, &site) in sites.iter().enumerate() {
-            near.nearest(site, NEIGHBOURS + 1, f32::INFINITY, &mut found);
+            near.nearest(site, NEIGHBORS + 1, f32::INFINITY, &mut found);
             found.retain(|(_, j)| *j as usize != i);
             let first = &found[..found.len().min(6)];
             let spacing = first.iter().map(|(d, _)| d.sqrt()).sum::<f32>() / first.len().max(1) as f32;

@@ -287,10 +287,10 @@ fn density_follows_input_roots_or_map() {
 #[test]
 fn clumps_stay_clumps() {
     // About twelve roots converge at the tip of each clump. Tips are as far apart as the centers of the clumps.
-    let centres: Vec<Vec3> = roots(60);
+    let centers: Vec<Vec3> = roots(60);
     let mut given = Strands::default();
     for root in roots(720) {
-        let middle = centres.iter().min_by(|a, b| a.distance(root).total_cmp(&b.distance(root))).unwrap();
+        let middle = centers.iter().min_by(|a, b| a.distance(root).total_cmp(&b.distance(root))).unwrap();
         let line: Vec<Vec3> = (0..16)
             .map(|k| {
                 let s = k as f32 / 15.0;
@@ -299,7 +299,7 @@ fn clumps_stay_clumps() {
             .collect();
         given.push(&line);
     }
-    let tips: Vec<Vec3> = centres.iter().map(|c| *c + 0.1 * c.normalize()).collect();
+    let tips: Vec<Vec3> = centers.iter().map(|c| *c + 0.1 * c.normalize()).collect();
     let off = |strands: &Strands, from: usize| {
         let far = strands
             .iter()

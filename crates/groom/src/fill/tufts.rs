@@ -31,12 +31,12 @@ impl Tufts {
     /// Groups the new strands, which follow the first `given` ones, into tufts. `surface` provides the root spacing.
     pub(super) fn new(grown: &NewStrands, given: usize, surface: &Surface) -> Self {
         let mut tufts = Self { of: Vec::with_capacity(grown.parents.len()), lines: Vec::new() };
-        let mut centres: HashMap<u32, Vec<u32>> = HashMap::new();
+        let mut centers: HashMap<u32, Vec<u32>> = HashMap::new();
         for (i, parents) in grown.parents.iter().enumerate() {
             let line = grown.strands.strand(given + i);
             let apart = surface.spacing[surface.site(parents.strands[0])];
             let firm = smoothstep(SPARSE[0], SPARSE[1], apart / SPACING);
-            let known = centres.entry(parents.strands[0]).or_default();
+            let known = centers.entry(parents.strands[0]).or_default();
             let reach = |at: u32| (tufts.lines[at as usize].distance_squared(line[0]), at);
             let near = known.iter().map(|at| reach(*at)).min_by(|a, b| a.0.total_cmp(&b.0));
             tufts.of.push(match near {
@@ -61,8 +61,8 @@ impl Tufts {
         if let Some((at, firm)) = self.of[i] {
             let mut own = Rng::new(options.seed ^ 0xbeef, at);
             let strength = options.tufts * firm * own.range(0.4, 1.0) * held;
-            let centre = &self.lines[at as usize..][..line.len()];
-            for (k, (p, middle)) in line.iter_mut().zip(centre).enumerate().skip(1) {
+            let center = &self.lines[at as usize..][..line.len()];
+            for (k, (p, middle)) in line.iter_mut().zip(center).enumerate().skip(1) {
                 *p = p.lerp(*middle, strength * smoothstep(0.05, 0.9, k as f32 / last));
             }
         }

@@ -8,9 +8,9 @@ use crate::{
 use std::collections::BTreeMap;
 
 /// States unit and axes in the files that this crate writes.
-pub(super) const MARK: &str = "metres, Y up, face +Z";
+pub(super) const MARK: &str = "meters, Y up, face +Z";
 /// [`MARK`] for files in centimeters.
-pub(super) const CENTIMETRES: &str = "centimetres, Y up, face +Z";
+pub(super) const CENTIMETERS: &str = "centimeters, Y up, face +Z";
 
 /// Moment of an animated file to read.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -39,11 +39,11 @@ pub(crate) struct Raw {
     pub look: Option<Look>,
 }
 
-/// Parses unit and axes from a text that may contain [`MARK`] or [`CENTIMETRES`].
+/// Parses unit and axes from a text that may contain [`MARK`] or [`CENTIMETERS`].
 pub(super) fn declared(text: &str) -> Choice {
     match text {
-        _ if text.contains(CENTIMETRES) => Choice { unit: Some(Unit(0.01)), ..Choice::METRES },
-        _ if text.contains(MARK) => Choice::METRES,
+        _ if text.contains(CENTIMETERS) => Choice { unit: Some(Unit(0.01)), ..Choice::METERS },
+        _ if text.contains(MARK) => Choice::METERS,
         _ => Choice::default(),
     }
 }

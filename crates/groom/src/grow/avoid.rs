@@ -73,7 +73,7 @@ impl<'a> Keeper<'a> {
             }
             let face_room = self
                 .face
-                .map_or(1.0, |face| ((p - face.centre).length() - face.radii.max_element()).max(0.0));
+                .map_or(1.0, |face| ((p - face.center).length() - face.radii.max_element()).max(0.0));
             if p != line[i] {
                 moved = moved.max(p.distance(line[i]));
                 line[i] = p;

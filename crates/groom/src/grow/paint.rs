@@ -213,8 +213,8 @@ mod tests {
         let widths = sides(&fine, |i| fine.radii[fine.range(i).start]);
         assert!((widths[1] / widths[0] - 0.25).abs() < 1e-4, "{widths:?}");
 
-        let grey = ScalpMap::from_fn(2, |_| 0.2);
-        let color = Some(ColorMap { channels: [left(), grey.clone(), grey] });
+        let gray = ScalpMap::from_fn(2, |_| 0.2);
+        let color = Some(ColorMap { channels: [left(), gray.clone(), gray] });
         let red = ScalpPaint { color, ..ScalpPaint::default() }.apply(&strands, Vec3::ZERO, 1).unwrap();
         let roots = sides(&red, |i| red.colors[red.range(i).start].x);
         assert!((roots[0] - 0.8).abs() < 1e-5 && (roots[1] - 0.2).abs() < 1e-5, "{roots:?}");

@@ -12,7 +12,7 @@ use crate::styles::StyledGuides;
 use glam::{Vec2, Vec3};
 
 /// Points of the curve of a clump's center.
-const CENTRE_POINTS: usize = 33;
+const CENTER_POINTS: usize = 33;
 
 /// Curl of a clump.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +39,7 @@ pub(crate) struct Shaper<'a> {
     /// Clump of each strand.
     clump: Vec<u32>,
     /// Uncut curve of each clump's center.
-    centres: Vec<Vec3>,
+    centers: Vec<Vec3>,
     /// Two directions across each center at each of its points.
     across: Vec<[Vec3; 2]>,
     /// Curl of each clump; empty without curls.
@@ -60,7 +60,7 @@ impl<'a> Shaper<'a> {
             growth,
             keeper: Keeper::new(scalp, styled.face, growth.clearance),
             clump: vec![0; seeds.len()],
-            centres: Vec::new(),
+            centers: Vec::new(),
             across: Vec::new(),
             twists: Vec::new(),
         };
@@ -82,13 +82,13 @@ impl<'a> Shaper<'a> {
             let own = if i < count { Some(i) } else { cells.nearest(flat(seed), 0.39, cost) };
             shaper.clump[i] = own.unwrap_or(0) as u32;
         }
-        shaper.centres = vec![Vec3::ZERO; count * CENTRE_POINTS];
-        let mut centres = std::mem::take(&mut shaper.centres);
-        for (seed, line) in seeds.iter().zip(centres.as_chunks_mut::<CENTRE_POINTS>().0) {
+        shaper.centers = vec![Vec3::ZERO; count * CENTER_POINTS];
+        let mut centers = std::mem::take(&mut shaper.centers);
+        for (seed, line) in seeds.iter().zip(centers.as_chunks_mut::<CENTER_POINTS>().0) {
             shaper.base(&Seed { fraction: 1.0, ..*seed }, line);
         }
         if growth.curls.any() {
-            for (i, (seed, line)) in seeds.iter().zip(centres.as_chunks::<CENTRE_POINTS>().0).enumerate() {
+            for (i, (seed, line)) in seeds.iter().zip(centers.as_chunks::<CENTER_POINTS>().0).enumerate() {
                 shaper.across.extend(frames_from(line, seed.root - skull));
                 let twist = Twist::new(&growth.curls, growth.seed, i as u32, seed.root);
                 let length: f32 = line.windows(2).map(|w| w[0].distance(w[1])).sum();
@@ -96,7 +96,7 @@ impl<'a> Shaper<'a> {
                 shaper.twists.push(ClumpTwist { twist, length, fraction });
             }
         }
-        shaper.centres = centres;
+        shaper.centers = centers;
         shaper
     }
 
@@ -159,8 +159,8 @@ impl<'a> Shaper<'a> {
 
     /// Pulls the strand toward the center of its clump.
     fn gather(&self, clump: u32, seed: &Seed, share: f32, rng: &mut Rng, line: &mut [Vec3]) {
-        let at = clump as usize * CENTRE_POINTS;
-        let Some(centre) = self.centres.get(at..at + CENTRE_POINTS) else { return };
+        let at = clump as usize * CENTER_POINTS;
+        let Some(center) = self.centers.get(at..at + CENTER_POINTS) else { return };
         let clumps = self.growth.clumps;
         let mut shared = Rng::new(self.growth.seed ^ 0xbeef, clump);
         // Some clumps are tight, some open.
@@ -168,9 +168,9 @@ impl<'a> Shaper<'a> {
         let last = (line.len() - 1) as f32;
         for (k, p) in line.iter_mut().enumerate().skip(1) {
             let t = k as f32 / last * seed.fraction;
-            let x = t * (CENTRE_POINTS - 1) as f32;
-            let i = (x as usize).min(CENTRE_POINTS - 2);
-            let middle = centre[i].lerp(centre[i + 1], x - i as f32);
+            let x = t * (CENTER_POINTS - 1) as f32;
+            let i = (x as usize).min(CENTER_POINTS - 2);
+            let middle = center[i].lerp(center[i + 1], x - i as f32);
             let profile = smoothstep(clumps.start, 0.85, t);
             *p = p.lerp(middle, strength * profile);
         }
@@ -187,16 +187,16 @@ impl<'a> Shaper<'a> {
         rng: &mut Rng,
         line: &mut [Vec3],
     ) {
-        let at = clump as usize * CENTRE_POINTS;
-        let across = &self.across[at..at + CENTRE_POINTS];
+        let at = clump as usize * CENTER_POINTS;
+        let across = &self.across[at..at + CENTER_POINTS];
         let curls: &Curls = &self.growth.curls;
         let strength = self.growth.paint.curl(seed.uv);
         let own = CurlStrand::new(curls, loose, rng);
         let last = (line.len() - 1) as f32;
         for (k, p) in line.iter_mut().enumerate().skip(1) {
             let t = k as f32 / last * seed.fraction;
-            let x = t * (CENTRE_POINTS - 1) as f32;
-            let i = (x as usize).min(CENTRE_POINTS - 2);
+            let x = t * (CENTER_POINTS - 1) as f32;
+            let i = (x as usize).min(CENTER_POINTS - 2);
             let [u, v] = [0, 1].map(|a| across[i][a].lerp(across[i + 1][a], x - i as f32));
             let o =
                 clump_twist.twist.offset(curls, &own, t * clump_twist.length, clump_twist.length) * strength;

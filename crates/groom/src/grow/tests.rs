@@ -110,7 +110,7 @@ fn strands_start_on_the_scalp_and_keep_clear() {
         }
         assert_eq!(in_head(&grown.positions, grown.vertex_count), 0, "{}", style.name());
         assert_eq!(in_face(&grown.positions), 0, "{}", style.name());
-        grown.positions[5] = mannequin::SKULL_CENTRE;
+        grown.positions[5] = mannequin::SKULL_CENTER;
         assert_eq!(in_head(&grown.positions, grown.vertex_count), 1);
     }
 }
@@ -218,7 +218,7 @@ fn smooth_growth(style: &Style, count: u32, curls: Curls) -> Growth {
 }
 
 fn regular() -> Curls {
-    Curls { irregularity: 0.0, coherence: 1.0, neighbours: 0.0, ..Curls::ringlets() }
+    Curls { irregularity: 0.0, coherence: 1.0, neighbors: 0.0, ..Curls::ringlets() }
 }
 
 /// Returns the length of each strand without curls, and the offset of each of its vertices when it is curled.
@@ -329,8 +329,8 @@ fn painted_maps_remove_hair_only_where_painted() {
     let [was, now] = [&plain, &cut].map(|grown| sides(grown, &|i| grown.strands[i].scale[0]));
     assert!(now[0].0 == was[0].0 && (now[1].0 / was[1].0 - 0.4).abs() < 1e-4, "{was:?} {now:?}");
 
-    let grey = ScalpMap::from_fn(2, |_| 0.1);
-    let color = ColorMap { channels: [map(0.0).unwrap(), grey.clone(), grey] };
+    let gray = ScalpMap::from_fn(2, |_| 0.1);
+    let color = ColorMap { channels: [map(0.0).unwrap(), gray.clone(), gray] };
     let red = painted(ScalpPaint { color: Some(color), ..ScalpPaint::default() });
     let roots = sides(&red, &|i| (red.strands[i].colors[0] & 255) as f32);
     assert!((roots[0].0 - 0.8f32.sqrt() * 255.0).abs() < 1.0 && roots[1].0 == 0.0, "{roots:?}");
@@ -354,7 +354,7 @@ fn random_curls_grow_finite_strands() {
             tip: rng.range(0.0, 3.0),
             irregularity: rng.unit(),
             coherence: rng.unit(),
-            neighbours: rng.unit(),
+            neighbors: rng.unit(),
             shrink: rng.unit(),
             curve: None,
         };

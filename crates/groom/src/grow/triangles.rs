@@ -25,7 +25,7 @@ pub(crate) fn delaunay(points: &[Vec2]) -> Vec<[u32; 3]> {
     for i in 0..n {
         edges.clear();
         triangles.retain(|triangle| {
-            let hit = triangle.centre.distance_squared(all[i]) < triangle.radius_squared;
+            let hit = triangle.center.distance_squared(all[i]) < triangle.radius_squared;
             if hit {
                 let [a, b, c] = triangle.corners;
                 edges.extend([(a, b), (b, c), (c, a)]);
@@ -46,7 +46,7 @@ pub(crate) fn delaunay(points: &[Vec2]) -> Vec<[u32; 3]> {
 
 struct Circumcircle {
     corners: [u32; 3],
-    centre: DVec2,
+    center: DVec2,
     radius_squared: f64,
 }
 
@@ -58,7 +58,7 @@ impl Circumcircle {
         let (uu, vv) = (u.length_squared(), v.length_squared());
         let offset = DVec2::new(v.y * uu - u.y * vv, u.x * vv - v.x * uu) / twice;
         let radius_squared = if twice.abs() > 1e-18 { offset.length_squared() } else { f64::INFINITY };
-        Self { corners, centre: if radius_squared.is_finite() { a + offset } else { a }, radius_squared }
+        Self { corners, center: if radius_squared.is_finite() { a + offset } else { a }, radius_squared }
     }
 }
 
@@ -105,7 +105,7 @@ mod tests {
             triangles.iter().all(|t| {
                 let circle = Circumcircle::new(&all, *t);
                 all.iter()
-                    .all(|p| p.distance_squared(circle.centre) > circle.radius_squared * (1.0 - 1e-9) - 1e-12)
+                    .all(|p| p.distance_squared(circle.center) > circle.radius_squared * (1.0 - 1e-9) - 1e-12)
             })
         };
         assert!(triangles.len() > 200 && empty(&triangles));

@@ -266,7 +266,7 @@ fn read_all<P: AsRef<Path>>(
     let known = KnownOrientation { given: options.orient, declared: raw.declared };
     let (placement, mut head_placement) = match &head {
         // A file that states its unit and axes needs no comparison with the head.
-        Some(head) if heads.own && raw.declared == orient::Choice::METRES => {
+        Some(head) if heads.own && raw.declared == orient::Choice::METERS => {
             let given = options.orient_head.or(options.orient);
             let of_head = KnownOrientation { given, declared: head.declared };
             (orient::groom(&strands, &known), Some(orient::head(&head.mesh, &of_head)))

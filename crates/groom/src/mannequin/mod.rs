@@ -6,7 +6,7 @@
 //!
 //! Groom space: meters, Y up, face toward +Z, the character's left at +X. The two halves are mirror images. `y = 0` is
 //! the underside of the chin, `x = z = 0` the vertical axis between the ears. The center of the skull is
-//! [`SKULL_CENTRE`]. Inside the modules the unit is the millimeter.
+//! [`SKULL_CENTER`]. Inside the modules the unit is the millimeter.
 //!
 //! A mesh from a file would need a third party, and hair needs the field anyway. The results for the most used
 //! resolutions are stored in a file ([`cook`]).
@@ -40,7 +40,7 @@ pub const RESOLUTION: u32 = 160;
 /// Nodes along the longest axis of the field [`sdf`] that the built-in styles grow on and collide with.
 pub const FIELD_RESOLUTION: u32 = 96;
 /// Center of the cranium, meters. Rays from here meet the scalp once.
-pub const SKULL_CENTRE: Vec3 = vec3(0.0, 0.130, -0.010);
+pub const SKULL_CENTER: Vec3 = vec3(0.0, 0.130, -0.010);
 /// Pivot of the head's nods and turns, meters: the top of the spine, between the ears.
 pub const NECK_JOINT: Vec3 = vec3(0.0, 0.055, -0.022);
 /// Highest point of the head, meters.
@@ -63,7 +63,7 @@ pub const EAR_TOP: Vec3 = vec3(0.0761, 0.116, -0.005);
 pub const NAPE: Vec3 = vec3(0.0, 0.045, -0.0776);
 /// Landmarks for the hairstyles.
 pub const LANDMARKS: Landmarks =
-    Landmarks { skull: SKULL_CENTRE, brow: BROW, chin: CHIN, ear: EAR, nape: NAPE };
+    Landmarks { skull: SKULL_CENTER, brow: BROW, chin: CHIN, ear: EAR, nape: NAPE };
 
 /// Returns the signed distance from `p` to the surface of the bust, meters, negative inside. Near the surface it is
 /// accurate within a few percent; in creases where two forms meet, it is up to 40% short. Far away it is at most a

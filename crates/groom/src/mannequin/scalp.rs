@@ -1,6 +1,6 @@
 //! Scalp of the mannequin.
 
-use super::{LANDMARKS, SKULL_CENTRE, distance, face, meshing, model, skull};
+use super::{LANDMARKS, SKULL_CENTER, distance, face, meshing, model, skull};
 use crate::{SdfGrid, scalp::GridScalp};
 use glam::{Vec3, vec3};
 
@@ -17,13 +17,13 @@ impl GridScalp {
     }
 }
 
-/// Returns the distance to the bare head without features, ears and neck, meters: star-shaped about [`SKULL_CENTRE`].
+/// Returns the distance to the bare head without features, ears and neck, meters: star-shaped about [`SKULL_CENTER`].
 fn skin(p: Vec3) -> f32 {
     let p = vec3(p.x.abs(), p.y, p.z) * 1000.0;
     face::planes(p, skull::head(p)) * 0.001
 }
 
-/// Returns the point (meters) and outward unit normal where the ray from [`SKULL_CENTRE`] along `direction` (of any
+/// Returns the point (meters) and outward unit normal where the ray from [`SKULL_CENTER`] along `direction` (of any
 /// length) leaves the head. Returns `None` where the bare head is not the surface of the bust (under the ears, the
 /// features and the neck), and for a direction without a length.
 pub fn scalp_point(direction: Vec3) -> Option<(Vec3, Vec3)> {
@@ -31,9 +31,9 @@ pub fn scalp_point(direction: Vec3) -> Option<(Vec3, Vec3)> {
     let (mut inside, mut outside) = (0.02, 0.2);
     for _ in 0..12 {
         let middle = 0.5 * (inside + outside);
-        if skin(SKULL_CENTRE + direction * middle) < 0.0 { inside = middle } else { outside = middle }
+        if skin(SKULL_CENTER + direction * middle) < 0.0 { inside = middle } else { outside = middle }
     }
-    let mut point = SKULL_CENTRE + direction * (0.5 * (inside + outside));
+    let mut point = SKULL_CENTER + direction * (0.5 * (inside + outside));
     if distance(point).abs() > 1e-3 {
         return None;
     }

@@ -112,7 +112,7 @@ fn landmarks_lie_on_the_surface() {
         let d = distance(p);
         assert!(d.abs() < 2e-3, "{name}: {d}");
     }
-    assert!(distance(SKULL_CENTRE) < -0.06 && distance(NECK_JOINT) < -0.03);
+    assert!(distance(SKULL_CENTER) < -0.06 && distance(NECK_JOINT) < -0.03);
 }
 
 #[test]
@@ -143,7 +143,7 @@ fn the_grid_follows_the_field() {
     for p in [CROWN, BROW, NAPE, CHIN] {
         assert!(grid.sample(p).abs() < 4e-3, "{p}");
     }
-    assert!(grid.sample(SKULL_CENTRE) < -0.06);
+    assert!(grid.sample(SKULL_CENTER) < -0.06);
 }
 
 #[test]
@@ -156,10 +156,10 @@ fn scalp_points_lie_on_the_surface() {
         let Some((p, n)) = scalp_point(direction) else { panic!("no scalp along {direction}") };
         assert!(distance(p).abs() < 1e-4, "{p}");
         assert!((n.length() - 1.0).abs() < 1e-4 && n.dot(direction) > 0.5, "{n}");
-        assert!((p - SKULL_CENTRE).normalize().dot(direction) > 0.9999);
+        assert!((p - SKULL_CENTER).normalize().dot(direction) > 0.9999);
     }
     assert!(scalp_point(Vec3::ZERO).is_none());
     assert!(scalp_point(Vec3::splat(f32::NAN)).is_none());
     assert!(scalp_point(Vec3::NEG_Y).is_none(), "the neck is there");
-    assert!(scalp_point(EAR - SKULL_CENTRE).is_none(), "the ear is there");
+    assert!(scalp_point(EAR - SKULL_CENTER).is_none(), "the ear is there");
 }

@@ -106,11 +106,11 @@ impl FromStr for Unit {
 
     fn from_str(text: &str) -> Result<Self> {
         let plain = text.trim();
-        if let Some((_, metres)) = Self::KNOWN.iter().find(|k| k.0.eq_ignore_ascii_case(plain)) {
-            return Ok(Self(*metres));
+        if let Some((_, meters)) = Self::KNOWN.iter().find(|k| k.0.eq_ignore_ascii_case(plain)) {
+            return Ok(Self(*meters));
         }
         match plain.parse::<f32>() {
-            Ok(metres) if (1e-9..=1e9).contains(&metres) => Ok(Self(metres)),
+            Ok(meters) if (1e-9..=1e9).contains(&meters) => Ok(Self(meters)),
             _ => Err(Error::Parameter {
                 name: "the unit",
                 value: text.into(),
@@ -135,7 +135,7 @@ pub struct Choice {
 
 impl Choice {
     /// A file in meters, Y up, face +Z.
-    pub const METRES: Self =
+    pub const METERS: Self =
         Self { unit: Some(Unit(1.0)), up: Some(Axis::Y), front: Some(Axis::Z), mirror: Some(false) };
 
     /// Returns the values on which both agree.

@@ -16,11 +16,11 @@ pub(super) fn unit(measured: f32, real: f32) -> (Unit, bool) {
     let scale = real / measured;
     // Broken files give lengths that no head has. Any valid unit will do.
     let scale = if scale.is_finite() { scale.clamp(1e-9, 1e9) } else { 1.0 };
-    let near = |metres: f32| (metres / scale).max(scale / metres);
+    let near = |meters: f32| (meters / scale).max(scale / meters);
     let metric = &Unit::KNOWN[..4];
     // Heads differ by less than this factor. Inches and feet are too close to other units to be guessed.
-    match metric.iter().find(|(_, metres)| near(*metres) < 1.4) {
-        Some((_, metres)) => (Unit(*metres), true),
+    match metric.iter().find(|(_, meters)| near(*meters) < 1.4) {
+        Some((_, meters)) => (Unit(*meters), true),
         None => (Unit(scale), false),
     }
 }

@@ -66,8 +66,8 @@ fn partial_declarations_leave_the_rest_to_guess() {
     // A given value overrides the file's, and discards an axis that conflicts with it.
     let given = Choice { front: Some(Axis::NegZ), unit: Some(Unit(1.0)), ..Default::default() };
     assert_eq!(given.or(file), Choice { mirror: None, up: None, ..given });
-    assert_eq!(Choice::METRES.shared(file), Choice::default());
-    assert_eq!(Choice::METRES.shared(Choice { mirror: None, ..Choice::METRES }).up, Some(Axis::Y));
+    assert_eq!(Choice::METERS.shared(file), Choice::default());
+    assert_eq!(Choice::METERS.shared(Choice { mirror: None, ..Choice::METERS }).up, Some(Axis::Y));
     // A dome of hair, Z up. The reasons name who stated each value.
     let mut dome = Strands::default();
     for i in 0..200 {

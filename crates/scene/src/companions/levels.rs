@@ -50,8 +50,8 @@ pub fn levels(path: &Path, files: &Shelf) -> Result<Vec<LodLevel>> {
             .map(|level| {
                 Ok(LodLevel {
                     size: level.size,
-                    density: map(&level.density, &|grey| grey)?,
-                    thickness: map(&level.thickness, &|grey| 4f32.powf(2.0 * grey - 1.0))?,
+                    density: map(&level.density, &|gray| gray)?,
+                    thickness: map(&level.thickness, &|gray| 4f32.powf(2.0 * gray - 1.0))?,
                 })
             })
             .collect()

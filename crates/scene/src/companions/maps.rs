@@ -197,13 +197,13 @@ mod tests {
     #[test]
     fn png_variants_load() {
         let folder = tempfile::tempdir().unwrap();
-        let (grey, rgb) = (png::ColorType::Grayscale, png::ColorType::Rgb);
+        let (gray, rgb) = (png::ColorType::Grayscale, png::ColorType::Rgb);
         let (eight, sixteen) = (png::BitDepth::Eight, png::BitDepth::Sixteen);
-        let path = picture(folder.path(), "grey.png", grey, eight, &[0, 51, 102, 255]);
+        let path = picture(folder.path(), "gray.png", gray, eight, &[0, 51, 102, 255]);
         let near = |a: [f32; 4], b: [f32; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6);
         assert!(near(corners(&read(&path, "").unwrap()), [0.0, 0.2, 0.4, 1.0]));
         assert!(read(&path, ":r").is_err());
-        let path = picture(folder.path(), "fine.png", grey, sixteen, &[0, 0, 0, 1, 0x80, 0, 255, 255]);
+        let path = picture(folder.path(), "fine.png", gray, sixteen, &[0, 0, 0, 1, 0x80, 0, 255, 255]);
         let fine = corners(&read(&path, "").unwrap());
         assert!((fine[1] * 65_535.0 - 1.0).abs() < 1e-3 && fine[3] == 1.0, "{fine:?}");
         let pixels = [[255u8, 0, 0], [0, 255, 0], [0, 0, 255], [255, 255, 255]].concat();

@@ -151,7 +151,7 @@ fn maps(source: &Source, files: &Shelf) -> Result<Maps> {
         anyhow::Ok(CurlCurve::parse(path, &files.load(path)?)?)
     };
     // Black is a quarter as stiff, white four times.
-    let stiffness = read(&source.stiffness_map)?.map(|map| map.map(|grey| 4f32.powf(2.0 * grey - 1.0)));
+    let stiffness = read(&source.stiffness_map)?.map(|map| map.map(|gray| 4f32.powf(2.0 * gray - 1.0)));
     Ok(Maps {
         paint: ScalpPaint {
             density: read(&source.density_map)?,

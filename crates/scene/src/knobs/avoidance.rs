@@ -15,14 +15,14 @@ const KNOBS: &[Knob] = rows! { "avoidance";
         "Response of strands that hit a collider: none, move vertices out, or follow the nearest guide.";
     "tightness" "Tightness" [avoidance.tightness] within(PERCENT, AvoidOptions::TIGHTNESS),
         "Pull of colliding strands toward their guide; raise it if they still penetrate.";
-    "tolerance" "Tolerance" [avoidance.tolerance] within(MILLIMETRES, AvoidOptions::TOLERANCE), advanced,
+    "tolerance" "Tolerance" [avoidance.tolerance] within(MILLIMETERS, AvoidOptions::TOLERANCE), advanced,
         "Depth below its clearance that a vertex may reach; raise it if strands change unnecessarily.";
-    "zone" "Blend length" [avoidance.zone] within(CENTIMETRES, AvoidOptions::ZONE), advanced,
+    "zone" "Blend length" [avoidance.zone] within(CENTIMETERS, AvoidOptions::ZONE), advanced,
         "Length of hair over which a strand blends to its guide; longer is smoother.";
     "fade_in" "Fade in" [avoidance.fade_in] within(SECONDS, AvoidOptions::FADE), advanced,
         "Time in which a strand blends to its guide; shorter penetrates less, longer moves less.";
     "fade_out" "Fade out" [avoidance.fade_out] within(SECONDS, AvoidOptions::FADE), advanced,
         "Time in which a strand blends back.";
-    "speed" "Speed" [avoidance.speed] within(METRES_PER_SECOND, AvoidOptions::SPEED).log(), advanced,
+    "speed" "Speed" [avoidance.speed] within(METERS_PER_SECOND, AvoidOptions::SPEED).log(), advanced,
         "Speed at which the start of the blend follows the first hit along the strand.";
 };

@@ -1,9 +1,8 @@
 //! Command-line flags of the parameters.
 //!
 //! A flag parses its text to [`Assignment`]: parameters to reset to their defaults, and parameters to set. Most flags set
-//! only the parameter of their row. Composite flags take a comma-separated list (`--wind 8,45`), `key=value` pairs
-//! (`--curl waves,radius=8mm`) or words in place of a number (`--guides all`). A [`FlagValue`] also lists the changes it
-//! makes to other rows. Numbers are in the row's unit unless they carry another unit; shares are from 0 to 1, or have a
+//! only the parameter of their row. Composite flags take a comma-separated list (`--wind 8,45`) or words in place of a
+//! number (`--guides all`). A [`FlagValue`] also lists the changes it makes to other rows. Numbers are in the row's unit unless they carry another unit; shares are from 0 to 1, or have a
 //! `%`.
 
 use super::{
@@ -32,7 +31,6 @@ pub struct Flag {
     /// Alternatives for the first element; empty for a value of the row.
     first: &'static [FlagValue],
     more: &'static [Slot],
-    keys: &'static [FlagKey],
 }
 
 /// An element of a comma-separated list.
@@ -53,13 +51,6 @@ pub enum OmittedValue {
     Same,
     /// This value.
     Is(&'static str),
-}
-
-/// Syntax of `key=value`.
-#[derive(Clone, Copy, Debug)]
-pub struct FlagKey {
-    key: &'static str,
-    parts: &'static [FlagValue],
 }
 
 /// Syntax of an element: a value of a row, or a word.
@@ -93,10 +84,6 @@ pub(super) const fn word(word: &'static str, sets: &'static [Set]) -> FlagValue 
 
 pub(super) const fn place(part: FlagValue, missing: OmittedValue) -> Slot {
     Slot { part, missing }
-}
-
-pub(super) const fn key(key: &'static str, parts: &'static [FlagValue]) -> FlagKey {
-    FlagKey { key, parts }
 }
 
 impl FlagValue {
@@ -133,7 +120,7 @@ impl FlagValue {
 
 /// Returns a flag that takes a single value.
 pub(super) const fn flag(name: &'static str, value: &'static str) -> Flag {
-    Flag { name, value, about: "", common: false, times: 1, first: &[], more: &[], keys: &[] }
+    Flag { name, value, about: "", common: false, times: 1, first: &[], more: &[] }
 }
 
 impl Flag {
@@ -163,18 +150,6 @@ impl Flag {
         self.more = places;
         self
     }
-
-    /// Returns the names of the keys, as in `key=value`.
-    #[cfg(test)]
-    pub(super) fn key_names(&self) -> impl Iterator<Item = &str> {
-        self.keys.iter().map(|key| key.key)
-    }
-
-    /// Adds `key=value` pairs, allowed in any order.
-    pub(super) const fn keys(mut self, keys: &'static [FlagKey]) -> Self {
-        self.keys = keys;
-        self
-    }
 }
 
 impl Knob {
@@ -186,44 +161,22 @@ impl Knob {
         let Some(flag) = self.flag else { return Err(format!("{} has no flag", self.path)) };
         let own = [value(self.path)];
         let first = if flag.first.is_empty() { &own } else { flag.first };
-        let mut assigned = Assignment::default();
-        let mut at = 0;
-        let mut before = "";
-        for text in text.split(',').map(str::trim) {
-            let (key, text, parts) = match text.split_once('=') {
-                Some((key, text)) if !flag.keys.is_empty() => {
-                    let Some(found) = flag.keys.iter().find(|known| known.key == key.trim()) else {
-                        let keys: Vec<_> = flag.keys.iter().map(|known| known.key).collect();
-                        return Err(format!("there is no {}; choose {}", key.trim(), keys.join(", ")));
-                    };
-                    (found.key, text.trim(), found.parts)
-                }
-                _ => {
-                    let parts = match at {
-                        0 => first,
-                        at => match flag.more.get(at - 1) {
-                            Some(place) => std::slice::from_ref(&place.part),
-                            None => return Err(format!("expected {}", self.flag_form(&flag))),
-                        },
-                    };
-                    (at, before) = (at + 1, text);
-                    ("", text, parts)
-                }
-            };
-            assigned.add(read_any(parts, text).ok_or_else(|| refusal(key, text, parts))?);
-        }
-        if at == 0 && flag.keys.is_empty() {
-            return Err(format!("expected {}", self.flag_form(&flag)));
-        }
-        for place in flag.more.iter().skip(at.saturating_sub(1)).take(if at == 0 { 0 } else { usize::MAX }) {
-            let text = match place.missing {
-                OmittedValue::Refused => return Err(format!("expected {}", self.flag_form(&flag))),
-                OmittedValue::Kept => continue,
-                OmittedValue::Same => before,
-                OmittedValue::Is(text) => text,
+        let refused = || format!("expected {}", self.flag_form(&flag));
+        let mut texts = text.split(',').map(str::trim);
+        let mut text = texts.next().unwrap_or_default();
+        let mut assigned = read_any(first, text).ok_or_else(|| refusal(first))?;
+        for place in flag.more {
+            text = match (texts.next(), place.missing) {
+                (Some(text), _) | (None, OmittedValue::Is(text)) => text,
+                (None, OmittedValue::Same) => text,
+                (None, OmittedValue::Kept) => continue,
+                (None, OmittedValue::Refused) => return Err(refused()),
             };
             let part = std::slice::from_ref(&place.part);
-            assigned.add(read_any(part, text).ok_or_else(|| refusal("", text, part))?);
+            assigned.add(read_any(part, text).ok_or_else(|| refusal(part))?);
+        }
+        if texts.next().is_some() {
+            return Err(refused());
         }
         Ok(if time == 0 { assigned } else { assigned.of_another(time) })
     }
@@ -246,7 +199,6 @@ impl Knob {
     pub(super) fn flag_paths(&self) -> Vec<&'static str> {
         let Some(flag) = self.flag else { return Vec::new() };
         let parts = flag.first.iter().chain(flag.more.iter().map(|place| &place.part));
-        let parts = parts.chain(flag.keys.iter().flat_map(|key| key.parts));
         let paths = |part: &FlagValue| {
             let own = (!part.path.is_empty()).then_some(part.path);
             let others = part.sets.iter().map(|(path, _)| *path).chain(part.resets.iter().copied());
@@ -267,7 +219,7 @@ impl Knob {
         if flag.value.is_empty() {
             return String::new();
         }
-        if flag.first.is_empty() && flag.more.is_empty() && flag.keys.is_empty() {
+        if flag.first.is_empty() && flag.more.is_empty() {
             return sentence(&of_row(self));
         }
         let own = if flag.first.is_empty() { of_row(self) } else { any(flag.first) };
@@ -276,10 +228,6 @@ impl Knob {
             if let Some(row) = find(place.part.path) {
                 lines.push(format!("Then: {} {}", row.hint, sentence(&of_row(row))));
             }
-        }
-        for key in flag.keys {
-            let hint = key.parts.iter().filter_map(|part| find(part.path)).map(|row| row.hint).next();
-            lines.push(format!("{}=: {} {}", key.key, hint.unwrap_or_default(), sentence(&any(key.parts))));
         }
         lines.join("\n")
     }
@@ -323,10 +271,9 @@ fn read_any(parts: &[FlagValue], text: &str) -> Option<Assignment> {
     parts.iter().find_map(|part| part.read(text))
 }
 
-fn refusal(key: &str, text: &str, parts: &[FlagValue]) -> String {
+fn refusal(parts: &[FlagValue]) -> String {
     let ranges: Vec<_> = parts.iter().map(FlagValue::range).collect();
-    let named = if key.is_empty() { "it".to_owned() } else { format!("{key} is {text}, but") };
-    format!("{named} must be {}", ranges.join(", or "))
+    format!("it must be {}", ranges.join(", or "))
 }
 
 /// Parses a value of `row` in flag syntax, where a share without a unit is from 0 to 1.

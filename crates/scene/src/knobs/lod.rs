@@ -30,14 +30,14 @@ const KNOBS: &[Knob] = rows! { "lod";
         "Maximum deviation of strands that are drawn with fewer segments.";
     "slowest" "Longest step" [lod.slowest] within(TIMES, LodOptions::SLOWEST), advanced,
         "Maximum factor on the length of a simulation step at a distance; 1 keeps the rate.";
-    "slow_pixel" "Longer steps from" [lod.slow_pixel] within(MILLIMETRES, LodOptions::SLOW_PIXEL).log(), advanced,
+    "slow_pixel" "Longer steps from" [lod.slow_pixel] within(MILLIMETERS, LodOptions::SLOW_PIXEL).log(), advanced,
         "Pixel size at the hair from which simulation steps get longer.";
     "guides" "Guide distance" [lod.guides] within(PIXELS, LodOptions::GUIDES).log(), advanced,
         "Guides nearer than this to a simulated guide follow it; 0 simulates all, or means 3 in a crowd.";
-    "substep_pixel" "Fewer substeps from" [lod.substep_pixel] within(MILLIMETRES, LodOptions::SUBSTEP_PIXEL).log(), advanced,
+    "substep_pixel" "Fewer substeps from" [lod.substep_pixel] within(MILLIMETERS, LodOptions::SUBSTEP_PIXEL).log(), advanced,
         "Pixel size that halves the substeps; twice that quarters them. 0: never, or 3 in a crowd.";
     "alone_pixel" "Less self-collision from" [lod.alone_pixel]
-        within(MILLIMETRES, LodOptions::ALONE_PIXEL).log(), advanced,
+        within(MILLIMETERS, LodOptions::ALONE_PIXEL).log(), advanced,
         "Pixel size from which self-collision fades; it is off at twice that. 0: never, or 4 in a crowd.";
     "sleep" "Sleep" [lod.sleep] ValueKind::Toggle, advanced,
         "Pauses the simulation of hair at rest or out of view; always on in a crowd.";

@@ -13,7 +13,7 @@ pub(super) const SECTION: Section = Section {
 const KNOBS: &[Knob] = rows! { "shadows";
     "method" "Method" [shadows.method] choice::<ShadowMethod>(), flag(flag("shadows", "METHOD")),
         "Method that counts the fibers between a light and a point.";
-    "softness" "Softness on hair" [shadows.hair_radius] number(MILLIMETRES, 0.1, 50.0).log(),
+    "softness" "Softness on hair" [shadows.hair_radius] number(MILLIMETERS, 0.1, 50.0).log(),
         flag(flag("shadow-softness", "MM")),
         "Radius over which shadows on hair are averaged; larger is softer and more stable.";
     "body_opacity" "Shadow on skin" [shadows.body_opacity] number(PERCENT, 0.0, 100.0),
@@ -33,10 +33,10 @@ const KNOBS: &[Knob] = rows! { "shadows";
     "ambient_cells" "Ambient cells" [view.ambient_cells] integer(PLAIN, 4, 64, 1), advanced, rebuild,
         flag(flag("ambient-cells", "N")),
         "Cells along each edge of the ambient light grid; 48 suits short hair and takes 8 times as long as 24.";
-    "body_softness" "Softness on skin" [shadows.body_radius] number(MILLIMETRES, 0.1, 50.0).log(), advanced,
+    "body_softness" "Softness on skin" [shadows.body_radius] number(MILLIMETERS, 0.1, 50.0).log(), advanced,
         "Radius over which shadows of the body on itself are averaged.";
-    "density" "Assumed density" [shadows.density] number(PER_METRE, 0.0, 10_000.0).log(), advanced,
+    "density" "Assumed density" [shadows.density] number(PER_METER, 0.0, 10_000.0).log(), advanced,
         "Fibers that light hits per meter of hair (absorption only).";
-    "bias" "Bias" [shadows.bias] number(MILLIMETRES, 0.0, 20.0), advanced,
+    "bias" "Bias" [shadows.bias] number(MILLIMETERS, 0.0, 20.0), advanced,
         "Offset of skin toward the light; raise it if skin shows stripes.";
 };

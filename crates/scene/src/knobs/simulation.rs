@@ -29,7 +29,7 @@ const KNOBS: &[Knob] = rows! { "simulation";
     "hair_hair" "Self-collision" [simulation.hair_hair.mode] choice::<HairHairMode>(),
         flag(flag("hair-hair", "MODE")),
         "Response of hair that is denser than at rest: none, a fixed push, or pressure and friction.";
-    "hair_hair_speed" "Pressure" [simulation.hair_hair.speed] within(METRES_PER_SECOND, HairHair::SPEED),
+    "hair_hair_speed" "Pressure" [simulation.hair_hair.speed] within(METERS_PER_SECOND, HairHair::SPEED),
         "Repulsion stiffness, as the speed of sound in hair; raise it if locks interpenetrate (gradient only).";
     "hair_hair_friction" "Hair-hair friction" [simulation.hair_hair.friction]
         within(PER_SECOND, HairHair::FRICTION).log(),
@@ -45,7 +45,7 @@ const KNOBS: &[Knob] = rows! { "simulation";
         within(ACCELERATION, HairHair::COHESION_LIMIT).log(), advanced,
         "Maximum acceleration by one cohesion spring; beyond it, hair slides along hair.";
     "cohesion_reach" "Cohesion distance" [simulation.hair_hair.cohesion_reach]
-        within(CENTIMETRES, HairHair::COHESION_REACH).log(), advanced, regrow,
+        within(CENTIMETERS, HairHair::COHESION_REACH).log(), advanced, regrow,
         "Maximum distance of guides that a cohesion spring connects.";
     "line_density" "Mass per length" [simulation.line_density] within(LINE_DENSITY, Params::LINE_DENSITY).log(), advanced,
         "Heavier hair hangs straighter, swings longer and resists the wind.";
@@ -53,21 +53,21 @@ const KNOBS: &[Knob] = rows! { "simulation";
         "Bending stiffness near the scalp; a hair of 80 µm has 8, locks have more.";
     "bending_tip" "Bending at the tip" [simulation.bending.tip] within(STIFFNESS, Params::BENDING).log(), advanced,
         "Bending stiffness near the tip; raise it if ends hang like strings, lower it for silk.";
-    "bending_falloff" "Bending falloff" [simulation.bending.falloff] within(CENTIMETRES, RootToTip::FALLOFF), advanced,
+    "bending_falloff" "Bending falloff" [simulation.bending.falloff] within(CENTIMETERS, RootToTip::FALLOFF), advanced,
         "Length of hair over which bending stiffness changes from its root to its tip value.";
-    "goal_falloff" "Shape falloff" [simulation.goal.falloff] within(CENTIMETRES, RootToTip::FALLOFF), advanced,
+    "goal_falloff" "Shape falloff" [simulation.goal.falloff] within(CENTIMETERS, RootToTip::FALLOFF), advanced,
         "Length of hair over which shape stiffness changes from its root to its tip value.";
     "bending_damping" "Bending damping" [simulation.bending_damping] within(MILLISECONDS, Params::BENDING_DAMPING).log(),
         advanced,
         "Relaxation time of bending; raise it if hair quivers.";
-    "diameter" "Hair diameter" [simulation.diameter] within(MICROMETRES, Params::DIAMETER).log(), advanced,
+    "diameter" "Hair diameter" [simulation.diameter] within(MICROMETERS, Params::DIAMETER).log(), advanced,
         "Diameter that the wind acts on; the drawn width is a separate parameter.";
     "stretch" "Stretch" [simulation.stretch] within(PERCENT, Params::STRETCH).log(), advanced,
         "Strain of a hanging strand under its weight; higher is springier, and unrealistic for hair.";
     "hair_hair_tolerance" "Tolerated density" [simulation.hair_hair.tolerance]
         within(PERCENT, HairHair::TOLERANCE).log(), advanced,
         "Density above the rest density up to which hair does not push.";
-    "hair_hair_blur" "Density blur" [simulation.hair_hair.blur] within(MILLIMETRES, HairHair::BLUR), advanced,
+    "hair_hair_blur" "Density blur" [simulation.hair_hair.blur] within(MILLIMETERS, HairHair::BLUR), advanced,
         "Radius over which the density is blurred; wider is smoother and weaker.";
     "hair_hair_limit" "Maximum push" [simulation.hair_hair.limit] within(ACCELERATION, HairHair::LIMIT).log(),
         advanced,

@@ -2,7 +2,7 @@
 
 use super::{
     Knob, Section, Value, ValueKind,
-    flags::{FlagKey, FlagValue, OmittedValue, Set, Slot, flag, key, place, value, word},
+    flags::{FlagValue, OmittedValue, Slot, flag, place, value, word},
     rows,
     value::*,
 };
@@ -24,12 +24,12 @@ const KNOBS: &[Knob] = rows! { "style";
         regrow, flag(flag("length", "SHARE").common()),
         "Cuts strands to this fraction of their length.";
     "curl" "Curls" [style.curl] choice::<Curl>(),
-        auto, regrow, flag(flag("curl", "NAME|KEY=VALUE,..").common().first(CURL).keys(CURL_KEYS)
-            .about("Curl type, and optional changes to it, as in waves,radius=8mm")),
+        auto, regrow, flag(flag("curl", "NAME").common().first(CURL)
+            .about("Curl type, which --set style.curl_radius=8mm and other parameters vary")),
         "Type of curl, from straight to tight coils; the parameters below vary it.";
-    "curl_radius" "Curl radius" [style.growth.curls.radius] within(MILLIMETRES, Curls::RADIUS).log(), auto, regrow,
+    "curl_radius" "Curl radius" [style.growth.curls.radius] within(MILLIMETERS, Curls::RADIUS).log(), auto, regrow,
         "Radius of the curl around the path of the strand; larger for voluminous hair, 0 for straight hair.";
-    "curl_wavelength" "Curl wavelength" [style.growth.curls.wavelength] within(MILLIMETRES, Curls::WAVELENGTH).log(),
+    "curl_wavelength" "Curl wavelength" [style.growth.curls.wavelength] within(MILLIMETERS, Curls::WAVELENGTH).log(),
         auto, regrow,
         "Length of one turn along the strand; shorter is tighter and needs more vertices.";
     "strands" "Strands" [style.growth.strand_count] integer(PLAIN, 1, Growth::MOST_STRANDS, 1),
@@ -38,13 +38,13 @@ const KNOBS: &[Knob] = rows! { "style";
     "grow" "Fill to" [style.grow] integer(PLAIN, 0, Growth::MOST_STRANDS, 1),
         auto, regrow, flag(flag("grow", "N").common()),
         "Number of strands that a groom file is filled to by interpolation; 0 draws only its own strands.";
-    "width" "Strand width" [style.growth.diameter] within(MICROMETRES, Growth::DIAMETER).log(),
+    "width" "Strand width" [style.growth.diameter] within(MICROMETERS, Growth::DIAMETER).log(),
         auto, regrow, flag(flag("width", "LENGTH").common()),
         "Typical diameter of a drawn strand. Real hair has 50 to 120 µm; fewer strands must be wider.";
     "clump" "Clumping" [style.growth.clumps.strength] within(PERCENT, Clumps::STRENGTH),
-        auto, regrow, flag(flag("clump", "STRENGTH|KEY=VALUE,..").keys(CLUMP_KEYS)),
+        auto, regrow, flag(flag("clump", "STRENGTH")),
         "Convergence of neighboring strands toward their tips; high for wet or greasy hair.";
-    "frizz" "Frizz" [style.growth.unrest.frizz] within(MILLIMETRES, Unrest::FRIZZ).log(),
+    "frizz" "Frizz" [style.growth.unrest.frizz] within(MILLIMETERS, Unrest::FRIZZ).log(),
         auto, regrow, flag(flag("frizz", "LENGTH")),
         "Amplitude of fine waves on each strand; roughens the surface.";
     "flyaways" "Flyaways" [style.growth.unrest.flyaways] within(PERCENT, Unrest::FLYAWAYS),
@@ -80,7 +80,7 @@ const KNOBS: &[Knob] = rows! { "style";
     "curl_coherence" "Curl coherence" [style.growth.curls.coherence] within(PERCENT, Curls::COHERENCE),
         auto, advanced, regrow,
         "Alignment of the curls within a lock; lower is frizzier.";
-    "curl_neighbours" "Curl of neighbors" [style.growth.curls.neighbours] within(PERCENT, Curls::NEIGHBOURS),
+    "curl_neighbors" "Curl of neighbors" [style.growth.curls.neighbors] within(PERCENT, Curls::NEIGHBORS),
         auto, advanced, regrow,
         "Alignment of the curls of adjacent locks; high for waves that run through the hair.";
     "curl_shrink" "Curl shrinkage" [style.growth.curls.shrink] within(PERCENT, Curls::SHRINK),
@@ -88,7 +88,7 @@ const KNOBS: &[Knob] = rows! { "style";
         "At 100 %, strands keep their length and the style gets shorter; at 0 %, the style keeps its outline.";
     "curl_stretch" "Stretch the drawn curl" [style.curl_stretch] ValueKind::Toggle, advanced, regrow,
         "Fits a drawn curl once to the whole strand instead of repeating it.";
-    "clump_spacing" "Clump spacing" [style.growth.clumps.spacing] within(MILLIMETRES, Clumps::SPACING).log(),
+    "clump_spacing" "Clump spacing" [style.growth.clumps.spacing] within(MILLIMETERS, Clumps::SPACING).log(),
         auto, advanced, regrow,
         "Distance between clumps on the scalp, and so their thickness.";
     "clump_start" "Clump start" [style.growth.clumps.start] within(PERCENT, Clumps::START), auto, advanced, regrow,
@@ -98,10 +98,10 @@ const KNOBS: &[Knob] = rows! { "style";
     "strays" "Strays" [style.growth.unrest.strays] within(PERCENT, Unrest::STRAYS),
         auto, advanced, regrow, flag(flag("strays", "SHARE[,LENGTH]").then(STRAYS)),
         "Fraction of strands that stand off slightly near the tip; makes hair less tidy.";
-    "stray_reach" "Stray distance" [style.growth.unrest.stray] within(MILLIMETRES, Unrest::STRAY).log(),
+    "stray_reach" "Stray distance" [style.growth.unrest.stray] within(MILLIMETERS, Unrest::STRAY).log(),
         auto, advanced, regrow,
         "Distance by which strays stand off.";
-    "flyaway_reach" "Flyaway distance" [style.growth.unrest.flyaway] within(MILLIMETRES, Unrest::FLYAWAY).log(),
+    "flyaway_reach" "Flyaway distance" [style.growth.unrest.flyaway] within(MILLIMETERS, Unrest::FLYAWAY).log(),
         auto, advanced, regrow,
         "Distance by which flyaways stand off.";
     "width_variation" "Width variation" [style.growth.width_variation] within(PERCENT, Growth::WIDTH_VARIATION),
@@ -120,33 +120,11 @@ pub(crate) const CURLS: [&str; 9] = [
     "style.curl_tip",
     "style.curl_irregularity",
     "style.curl_coherence",
-    "style.curl_neighbours",
+    "style.curl_neighbors",
     "style.curl_shrink",
 ];
 /// A new curl type resets the parameters that modified the previous one.
 const CURL: &[FlagValue] = &[value("style.curl").resets(&CURLS)];
-
-const STRETCHED: &[Set] = &[("style.curl_stretch", Value::Toggle(true))];
-const REPEATED: &[Set] = &[("style.curl_stretch", Value::Toggle(false))];
-
-const CURL_KEYS: &[FlagKey] = &[
-    key("radius", &[value("style.curl_radius")]),
-    key("wavelength", &[word("whole", STRETCHED), value("style.curl_wavelength").sets(REPEATED)]),
-    key("flatness", &[value("style.curl_flatness")]),
-    key("start", &[value("style.curl_start")]),
-    key("tip", &[value("style.curl_tip")]),
-    key("irregularity", &[value("style.curl_irregularity")]),
-    key("coherence", &[value("style.curl_coherence")]),
-    key("neighbours", &[value("style.curl_neighbours")]),
-    key("shrink", &[value("style.curl_shrink")]),
-];
-
-const CLUMP_KEYS: &[FlagKey] = &[
-    key("strength", &[value("style.clump")]),
-    key("spacing", &[value("style.clump_spacing")]),
-    key("start", &[value("style.clump_start")]),
-    key("lock", &[value("style.clump_lock")]),
-];
 
 const STRAYS: &[Slot] = &[place(value("style.stray_reach"), OmittedValue::Kept)];
 const FLYAWAYS: &[Slot] = &[place(value("style.flyaway_reach"), OmittedValue::Kept)];

@@ -195,9 +195,7 @@ fn flags_set_their_rows() {
         ("style.strays", "0.6,4mm", &["strays=60%", "stray_reach=4 mm"]),
         ("style.strays", "0.3", &["strays=30%"]),
         ("style.curl", "waves", &["curl=waves"]),
-        ("style.curl", "radius=8mm, wavelength=3cm", &["curl_radius=8 mm", "curl_wavelength=30 mm"]),
-        ("style.curl", "wavelength=whole", &["curl_stretch=true"]),
-        ("style.clump", "0.5,spacing=4mm", &["clump=50%", "clump_spacing=4 mm"]),
+        ("style.clump", "0.5", &["clump=50%"]),
         ("style.guides", "all", &["all_guides=true"]),
         ("style.guides", "12", &["guides=12"]),
         ("shading.color", "red", &["color=red"]),
@@ -223,12 +221,8 @@ fn flags_reject_invalid_values() {
     for (path, texts) in [
         ("wind.speed", &["", "fast", "-1", "8,", "101", "8,north", "nan", "1,2,3"][..]),
         ("wind.gusts", &["1.5", "-0.1", "150%"]),
-        (
-            "style.curl",
-            &["", "spirals", "radius=2m", "wavelength=1mm", "start=2", "tip=-1", "radius", "turns=3"],
-        ),
-        ("style.curl", &["shrink=nan", "radius=8mm,,", "radius=-1mm", "flatness=whole", "waves,coils"]),
-        ("style.clump", &["", "2", "grip=1", "spacing=2m", "start=-3"]),
+        ("style.curl", &["", "spirals", "radius=8mm", "waves,coils", "waves,"]),
+        ("style.clump", &["", "2", "0.5,", "spacing=2mm"]),
         ("style.strays", &["", "1.5", "0.2,", "0.2,4miles", "-0.1", "0.5,1m"]),
         ("style.width", &["8cm", "1um", "1cm2"]),
         ("style.guides", &["0", "none", "-3"]),
@@ -256,8 +250,6 @@ fn flags_are_unique_and_name_existing_rows() {
         }
         let (flag, help) = (knob.flag.unwrap(), knob.flag_help());
         assert_eq!(help.is_empty(), flag.value.is_empty(), "{}", knob.path);
-        let missing: Vec<_> = flag.key_names().filter(|key| !help.contains(&format!("{key}=:"))).collect();
-        assert!(missing.is_empty(), "{}: the help lacks {missing:?}", knob.path);
     }
     assert!(seen.len() > 35, "{}", seen.len());
 }

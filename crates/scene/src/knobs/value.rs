@@ -66,17 +66,17 @@ impl Unit {
 
 pub(super) const PLAIN: Unit = Unit::new("", 1.0);
 pub(super) const PERCENT: Unit = Unit::new("%", 0.01);
-pub(super) const METRES: Unit = Unit::new("m", 1.0);
-pub(super) const CENTIMETRES: Unit = Unit::new("cm", 1e-2);
-pub(super) const MILLIMETRES: Unit = Unit::new("mm", 1e-3);
-pub(super) const MICROMETRES: Unit = Unit::new("µm", 1e-6);
+pub(super) const METERS: Unit = Unit::new("m", 1.0);
+pub(super) const CENTIMETERS: Unit = Unit::new("cm", 1e-2);
+pub(super) const MILLIMETERS: Unit = Unit::new("mm", 1e-3);
+pub(super) const MICROMETERS: Unit = Unit::new("µm", 1e-6);
 pub(super) const SECONDS: Unit = Unit::new("s", 1.0);
 pub(super) const MILLISECONDS: Unit = Unit::new("ms", 1e-3);
-pub(super) const METRES_PER_SECOND: Unit = Unit::new("m/s", 1.0);
+pub(super) const METERS_PER_SECOND: Unit = Unit::new("m/s", 1.0);
 pub(super) const ACCELERATION: Unit = Unit::new("m/s²", 1.0);
 pub(super) const PER_SECOND: Unit = Unit::new("1/s", 1.0);
 pub(super) const PER_SECOND_SQUARED: Unit = Unit::new("1/s²", 1.0);
-pub(super) const PER_METRE: Unit = Unit::new("1/m", 1.0);
+pub(super) const PER_METER: Unit = Unit::new("1/m", 1.0);
 pub(super) const LINE_DENSITY: Unit = Unit::new("mg/m", 1e-6);
 pub(super) const STIFFNESS: Unit = Unit::new("nN·m²", 1e-9);
 pub(super) const DEGREES: Unit = Unit::new("°", std::f64::consts::PI / 180.0);

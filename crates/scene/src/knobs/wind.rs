@@ -16,7 +16,7 @@ pub(super) const SECTION: Section = Section {
 };
 
 const KNOBS: &[Knob] = rows! { "wind";
-    "speed" "Speed" {SPEED} within(METRES_PER_SECOND, Wind::SPEED).log(),
+    "speed" "Speed" {SPEED} within(METERS_PER_SECOND, Wind::SPEED).log(),
         flag(flag("wind", "SPEED[,DEGREES]").common().then(WIND)),
         "Mean speed: 2 m/s stirs leaves, 8 a flag, 20 is a storm. 0 costs nothing.";
     "direction" "Direction" [wind_direction] number(DEGREES, -360.0, 360.0),
@@ -24,7 +24,7 @@ const KNOBS: &[Knob] = rows! { "wind";
     "gusts" "Gusts" [simulation.wind.gusts] within(PERCENT, Wind::GUSTS),
         flag(flag("gusts", "INTENSITY")),
         "Standard deviation over mean speed: 10 % over water, 20 over land, 40 between houses.";
-    "gust_length" "Gust length" [simulation.wind.gust_length] within(METRES, Wind::GUST_LENGTH).log(),
+    "gust_length" "Gust length" [simulation.wind.gust_length] within(METERS, Wind::GUST_LENGTH).log(),
         "Size of gusts; a gust passes in about this length over the wind speed.";
     "seed" "Seed" [simulation.wind.seed] integer(PLAIN, 0, 9999, 1), advanced, flag(flag("wind-seed", "N")),
         "Random seed of the gusts.";

@@ -125,12 +125,12 @@ fn layers(context: &Context, pictures: &[&Texture], format: wgpu::TextureFormat)
         return Err(Error::unusable("the textures of a body must have the same size"));
     }
     let limits = device.limits();
-    for (what, need, have) in [
-        ("texels along an edge of a texture", width.max(height), limits.max_texture_dimension_2d),
-        ("textures of a body", pictures.len() as u32, limits.max_texture_array_layers),
+    for (need, have, unit) in [
+        (width.max(height), limits.max_texture_dimension_2d, "texels along an edge"),
+        (pictures.len() as u32, limits.max_texture_array_layers, "layers"),
     ] {
         if need > have {
-            return Err(Error::Limit { what, need: need.into(), have: have.into() });
+            return Err(Error::Limit { what: "body textures", need: need.into(), have: have.into(), unit });
         }
     }
     let levels = width.max(height).ilog2() + 1;

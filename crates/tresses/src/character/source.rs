@@ -359,9 +359,9 @@ fn high(mesh: &TriMesh) -> String {
         .iter()
         .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), p| (low.min(p.y), high.max(p.y)));
     match high - low {
-        metres if metres >= 1.0 => format!("{metres:.3} m"),
-        metres if metres >= 0.01 => format!("{:.3} cm", 100.0 * metres),
-        metres => format!("{:.3} mm", 1000.0 * metres),
+        meters if meters >= 1.0 => format!("{meters:.3} m"),
+        meters if meters >= 0.01 => format!("{:.3} cm", 100.0 * meters),
+        meters => format!("{:.3} mm", 1000.0 * meters),
     }
 }
 

@@ -56,6 +56,7 @@ impl HairSet {
                 what: "strand vertices",
                 need: vertices * 32,
                 have: i32::MAX as u64 * 16,
+                unit: "bytes in one buffer",
             });
         }
         let mut set = Self {

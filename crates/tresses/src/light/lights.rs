@@ -152,8 +152,8 @@ impl Sphere {
     pub(crate) fn pixels(&self, camera: &Camera) -> f32 {
         let clip = camera.projection * camera.view;
         let away = (clip * self.center.extend(1.0)).w;
-        let per_metre = camera.projection.z_axis.w.abs();
-        let nearest = if per_metre > 0.0 { (away - self.radius * per_metre).max(0.05) } else { away };
+        let per_meter = camera.projection.z_axis.w.abs();
+        let nearest = if per_meter > 0.0 { (away - self.radius * per_meter).max(0.05) } else { away };
         2.0 * self.radius / (camera.pixel() * nearest)
     }
 }

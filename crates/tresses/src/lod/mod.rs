@@ -316,8 +316,8 @@ impl Lod {
         let clip = camera.projection * camera.view;
         let w = (clip * head.point(middle).extend(1.0)).w;
         // For a perspective camera w is the distance, for an orthographic one it is 1.
-        let per_metre = camera.projection.z_axis.w.abs();
-        let nearest = if per_metre > 0.0 { (w - radius * per_metre).max(0.01) } else { w };
+        let per_meter = camera.projection.z_axis.w.abs();
+        let nearest = if per_meter > 0.0 { (w - radius * per_meter).max(0.01) } else { w };
         let pixel = camera.pixel();
         let size = 2.0 * radius / (pixel * w.max(nearest));
         self.with(&self.options.coarser(bias), pixel * nearest, size)

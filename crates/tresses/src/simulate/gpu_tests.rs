@@ -272,14 +272,23 @@ fn compare_by(
     (worst, found)
 }
 
+fn twisting() -> SimulationParams {
+    SimulationParams { twist: 0.5, ..SimulationParams::default() }
+}
+
+/// Compares kernel and reference after 4 steps, for each number of vertices with its tolerance, meters.
+fn matches(context: &Context, params: &SimulationParams, cases: &[(usize, f32)]) {
+    for (n, tolerance) in cases {
+        let (worst, _) = compare_by(context, *n, 4, 0.0, None, params);
+        println!("{n} vertices, twist {}: differ by {worst} m after 4 steps", params.twist);
+        assert!(worst < *tolerance, "{n}: {worst}");
+    }
+}
+
 #[test]
 fn kernel_matches_reference() {
     let Some(context) = context() else { return };
-    for (n, tolerance) in [(5, 2e-6), (12, 5e-5), (16, 5e-5), (24, 1e-4), (32, 3e-4), (64, 4e-3)] {
-        let (worst, _) = compare(context, n, 4, 0.0, None);
-        println!("{n} vertices: kernel and twin differ by {worst} m after 4 steps");
-        assert!(worst < tolerance, "{n}: {worst}");
-    }
+    matches(context, &SimulationParams::default(), &[(5, 2e-6), (12, 5e-5), (16, 5e-5)]);
     let (worst, _) = compare(context, 16, 4, 0.1, None);
     assert!(worst > 1e-4, "the comparison sees a slight side wind: {worst}");
     for i in 0..5 {
@@ -292,16 +301,16 @@ fn kernel_matches_reference() {
 #[test]
 fn twist_kernel_matches_reference() {
     let Some(context) = context() else { return };
-    let params = SimulationParams { twist: 0.5, ..Default::default() };
-    for (n, tolerance) in [(2, 1e-6), (3, 1e-6), (5, 2e-6), (12, 5e-5), (16, 5e-5), (32, 3e-4), (64, 4e-3)] {
-        let start = std::time::Instant::now();
-        let (worst, _) = compare_by(context, n, 4, 0.0, None, &params);
-        println!(
-            "{n} vertices that twist: kernel and twin differ by {worst} m after 4 steps, {:?}",
-            start.elapsed()
-        );
-        assert!(worst < tolerance, "{n}: {worst}");
-    }
+    matches(context, &twisting(), &[(2, 1e-6), (3, 1e-6), (5, 2e-6), (12, 5e-5), (16, 5e-5)]);
+}
+
+/// A software driver compiles the kernels of long guides for a minute.
+#[test]
+#[ignore = "proof"]
+fn kernels_of_long_guides_match_reference() {
+    let Some(context) = context() else { return };
+    matches(context, &SimulationParams::default(), &[(24, 1e-4), (32, 3e-4), (64, 4e-3)]);
+    matches(context, &twisting(), &[(24, 1e-4), (32, 3e-4), (64, 4e-3)]);
 }
 
 #[test]

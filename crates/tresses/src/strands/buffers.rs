@@ -166,7 +166,7 @@ pub fn storage<T>(device: &wgpu::Device, what: &'static str, count: u64) -> Resu
     let limits = device.limits();
     let have = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
     if need > have {
-        return Err(Error::Limit { what, need, have });
+        return Err(Error::Limit { what, need, have, unit: "bytes in one buffer" });
     }
     Ok(device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(what),

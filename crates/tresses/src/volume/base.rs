@@ -28,18 +28,18 @@ impl VolumeUniforms {
         // The blur hides gaps of up to one and a half cells between samples.
         let edges = guides.vertex_count.saturating_sub(1).max(1) as f32;
         let lengths = rest.info.iter().map(|guide| (guide.strands * guide.length, guide.strands));
-        let (metres_of, strands_of) = lengths.fold((0f32, 0f32), |sum, x| (sum.0 + x.0, sum.1 + x.1));
-        let edge = metres_of / strands_of / edges;
+        let (meters_of, strands_of) = lengths.fold((0f32, 0f32), |sum, x| (sum.0 + x.0, sum.1 + x.1));
+        let edge = meters_of / strands_of / edges;
         // Clamped also without hair, where the ratio is NaN.
         let vertices_per_sample = ((1.5 * grid.cell / edge) as u32).clamp(1, MOST_TOGETHER);
         let samples = guides.vertex_count.div_ceil(vertices_per_sample);
         let stride = guides.count.saturating_mul(samples).div_ceil(most_splatted).max(1);
-        let metres = |guide: &Guide| {
-            let metres = f64::from(guide.strands) * f64::from(guide.length);
-            if metres.is_finite() { metres.max(0.0) } else { 0.0 }
+        let meters = |guide: &Guide| {
+            let meters = f64::from(guide.strands) * f64::from(guide.length);
+            if meters.is_finite() { meters.max(0.0) } else { 0.0 }
         };
-        let all: f64 = rest.info.iter().map(metres).sum();
-        let splatted: f64 = rest.info.iter().step_by(stride as usize).map(metres).sum();
+        let all: f64 = rest.info.iter().map(meters).sum();
+        let splatted: f64 = rest.info.iter().step_by(stride as usize).map(meters).sum();
         let some = splatted > 1e-9;
         let units = if some { TOTAL_UNITS / splatted } else { 0.0 };
         let density = if some { all / TOTAL_UNITS / 1e3 / f64::from(grid.cell).powi(3) } else { 0.0 };

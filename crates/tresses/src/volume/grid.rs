@@ -46,9 +46,9 @@ pub(super) fn mean_density(rest: &RestGuides) -> f32 {
         .map(|(i, vertex)| {
             let (vertex_index, info) = (i / rest.info.len(), &rest.info[i % rest.info.len()]);
             let end = if vertex_index == 0 || vertex_index + 1 == n { 0.5 } else { 1.0 };
-            let metres = info.strands * info.length / (n - 1) as f32 * end;
-            let metres = if metres.is_finite() { metres.max(0.0) } else { 0.0 };
-            ((vertex.position / MEASURE).floor().as_ivec3(), f64::from(metres))
+            let meters = info.strands * info.length / (n - 1) as f32 * end;
+            let meters = if meters.is_finite() { meters.max(0.0) } else { 0.0 };
+            ((vertex.position / MEASURE).floor().as_ivec3(), f64::from(meters))
         })
         .collect();
     masses.sort_by_key(|(cell, _)| cell.to_array());

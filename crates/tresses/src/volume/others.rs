@@ -48,7 +48,7 @@ impl Volume {
             let splat = self.pipelines.splat.bind(&entries);
             Neighbor { guides: guides.current.clone(), uniforms, splat, base: volume.base, way, closing }
         };
-        self.others = others.filter(|other| other.volume.base.metres() > 0.0).map(&mut met).collect();
+        self.others = others.filter(|other| other.volume.base.meters() > 0.0).map(&mut met).collect();
         self.meets_next = true;
     }
 
@@ -67,8 +67,8 @@ impl Volume {
     /// Returns the factor that reduces the integer units of all hair, so that their sum is no larger than without other
     /// grooms.
     pub(super) fn shared_units(&self) -> f64 {
-        let own = self.base.metres();
-        let others: f64 = self.others.iter().map(|met| met.base.metres()).sum();
+        let own = self.base.meters();
+        let others: f64 = self.others.iter().map(|met| met.base.meters()).sum();
         if own > 0.0 { own / (own + others) } else { 1.0 }
     }
 
@@ -111,7 +111,7 @@ impl Volume {
 
 impl VolumeUniforms {
     /// Returns the total length of hair, meters.
-    fn metres(&self) -> f64 {
+    fn meters(&self) -> f64 {
         f64::from(self.density) * super::base::TOTAL_UNITS * 1e3 * f64::from(self.cell).powi(3)
     }
 

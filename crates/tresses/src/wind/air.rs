@@ -107,7 +107,12 @@ impl Air {
         let pipelines: Arc<Pipelines> = context.pipelines();
         let most = device.limits().max_texture_dimension_3d;
         if cells + 2 > most {
-            return Err(Error::Limit { what: "the air", need: (cells + 2).into(), have: most.into() });
+            return Err(Error::Limit {
+                what: "the air",
+                need: (cells + 2).into(),
+                have: most.into(),
+                unit: "cells along an axis",
+            });
         }
         use wgpu::TextureFormat::{Rgba16Float, Rgba32Float};
         let mut bytes = 0;

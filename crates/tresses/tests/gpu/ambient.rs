@@ -182,7 +182,7 @@ fn hair_layers_attenuate_the_sky() {
             let mean = found.iter().map(|around| f64::from(around.open[k])).sum::<f64>() / 40.0;
             let n = share * f64::from(fibers);
             let [exact, followed] = [mean_behind(n), mean_followed(n)].map(|m| 0.5 + 0.5 * m);
-            println!("{fibers} fibres, share {share}: {mean:.4}, followed {followed:.4}, exact {exact:.4}");
+            println!("{fibers} fibers, share {share}: {mean:.4}, followed {followed:.4}, exact {exact:.4}");
             assert!((mean - followed).abs() < 0.035 && (mean - exact).abs() < 0.06, "{fibers} {share}");
         }
         let at = Vec3::Y * 0.01;

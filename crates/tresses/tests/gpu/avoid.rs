@@ -92,8 +92,11 @@ fn first_hit_matches_sequential_search() {
         found.iter().zip(early.iter().zip(&late)).filter(|(f, (e, l))| *f < *e || *f > *l).count()
     };
     assert_eq!(wrong(&found), 0);
-    let hits = found.iter().filter(|hit| **hit != NO_HIT).count();
-    assert!((20..550).contains(&hits), "{hits} of 600 hit");
+    // The search is unambiguous for nearly all strands, with hits and without.
+    let sure = early.iter().zip(&late).filter(|(early, late)| early == late);
+    let (hits, misses): (Vec<_>, Vec<_>) = sure.partition(|(early, _)| **early != NO_HIT);
+    println!("{} of 600 strands hit for sure, {} do not", hits.len(), misses.len());
+    assert!(hits.len() + misses.len() > 570 && hits.len() > 30);
     let sure = (0..600).find(|&i| found[i] != NO_HIT && early[i] == late[i]).unwrap();
     for other in [found[sure] - 1, found[sure] + 1, NO_HIT] {
         let mut perturbed = found.clone();

@@ -202,7 +202,7 @@ fn unsimulated_guides_follow_the_others() {
     };
     let travel = worst(&all, &vec![all[0].clone(); all.len()]);
     println!(
-        "mean difference in the worst frame {:.2} mm with {} of 96 guides, of {:.0} mm travelled; at rest {:.2} mm; \
+        "mean difference in the worst frame {:.2} mm with {} of 96 guides, of {:.0} mm traveled; at rest {:.2} mm; \
          largest way in a frame {:.2} mm, with all {:.2} mm",
         1e3 * worst(&all, &few),
         counts[20],
@@ -515,7 +515,7 @@ fn distant_heads_do_not_flicker() {
             };
             println!(
                 "{away} m, {azimuth}: off by {:.2} %, steps of that {:.2} %, never made anew {:.2} %; a frame beside its \
-                 neighbours {:.2} %, with new light in each {:.2} %",
+                 neighbors {:.2} %, with new light in each {:.2} %",
                 100.0 * off(&seldom),
                 100.0 * step(&seldom),
                 100.0 * off(&never),

@@ -340,13 +340,13 @@ fn hair_is_blended_over_the_scene() {
     for coverage in [Coverage::SampleMask, Coverage::AlphaToCoverage, Coverage::Tiles] {
         let options = ViewOptions { samples: 4, coverage, shadow_resolution: 64, ..Default::default() };
         let stage = Setup::new(context, &options, 1);
-        let [black, grey, white] =
+        let [black, gray, white] =
             [0.0, 0.5, 1.0].map(|c| stage.wall(Vec4::new(c, c, c, 1.0), projection, 20.0));
         // The result is linear in the scene's color ...
         let mean: Vec<Vec4> = black.iter().zip(&white).map(|(a, b)| 0.5 * (*a + *b)).collect();
-        let error = difference(&mean, &grey);
+        let error = difference(&mean, &gray);
         assert!(error < 2e-3, "{coverage:?}: {error} from linear");
-        assert!(difference(&black, &grey) > 0.1, "the comparer sees no difference");
+        assert!(difference(&black, &gray) > 0.1, "the comparer sees no difference");
         // ... with a weight that is a multiple of a quarter, as there are four samples.
         let mut partial = 0;
         for (black, white) in black.iter().zip(&white) {
@@ -368,7 +368,7 @@ fn distance(projection: Mat4, depth: f32) -> f32 {
 }
 
 /// Returns the number of pixels per millimeter at a distance.
-fn per_millimetre(distance: f32) -> f32 {
+fn per_millimeter(distance: f32) -> f32 {
     1e-3 * SIZE[1] as f32 / (2.0 * distance * (0.5 * FOV).tan())
 }
 
@@ -408,7 +408,7 @@ fn geometry_output_has_motion_depth_and_opacity() {
         );
         let moved = hair(&stage.known(usual));
         for texel in &moved {
-            let expected = 5.0 * per_millimetre(distance(usual, texel.z));
+            let expected = 5.0 * per_millimeter(distance(usual, texel.z));
             assert!((texel.x - expected).abs() < 0.02 && texel.y.abs() < 0.02, "{texel}, not {expected}");
         }
         // Then it rests, and the camera moves to the right and down.
@@ -417,7 +417,7 @@ fn geometry_output_has_motion_depth_and_opacity() {
         stage.scene.camera = Camera::look_at(Vec3::Z * DISTANCE + by, by, FOV, SIZE);
         let seen = hair(&stage.known(usual));
         for texel in &seen {
-            let expected = per_millimetre(distance(usual, texel.z));
+            let expected = per_millimeter(distance(usual, texel.z));
             let off = (texel.x + 3.0 * expected).abs().max((texel.y + 4.0 * expected).abs());
             assert!(off < 0.02, "{texel} of {expected}");
         }

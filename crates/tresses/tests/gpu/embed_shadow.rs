@@ -105,12 +105,12 @@ impl<'a> Setup<'a> {
     }
 
     /// Creates a shadow map of the scene with these numbers of columns and rows. Geometry in the texel at x and y is
-    /// `metres(x, y)` meters from the eye of `projection`; NaN means none.
+    /// `meters(x, y)` meters from the eye of `projection`; NaN means none.
     fn map(
         &self,
         projection: Mat4,
         [wide, high]: [u32; 2],
-        metres: impl Fn(u32, u32) -> f32,
+        meters: impl Fn(u32, u32) -> f32,
     ) -> wgpu::TextureView {
         let context = self.context;
         let device = context.device();
@@ -121,7 +121,7 @@ impl<'a> Setup<'a> {
             0.0
         };
         let depth = |x, y| {
-            let z = projection.project_point3(Vec3::NEG_Z * metres(x, y)).z;
+            let z = projection.project_point3(Vec3::NEG_Z * meters(x, y)).z;
             let depth = if z.is_finite() { z } else { far };
             (depth.clamp(0.0, 1.0) * 65535.0).round() as u16
         };

@@ -222,10 +222,10 @@ fn white_furnace_on_the_gpu() {
             let shaded = on_gpu(context, &view, alone(Vec3::splat(sigma), FiberShape::default()));
             shaded.iter().map(|v| v.y).sum::<f32>() * 4.0 * std::f32::consts::PI / shaded.len() as f32
         };
-        let (white, grey) = (sum(0.0), sum(0.15));
-        println!("{theta}: {white:.4} of white light, {grey:.4} with absorption");
+        let (white, gray) = (sum(0.0), sum(0.15));
+        println!("{theta}: {white:.4} of white light, {gray:.4} with absorption");
         assert!((white - 1.0).abs() < 0.02);
-        assert!(grey < 0.93);
+        assert!(gray < 0.93);
     }
 }
 
@@ -302,7 +302,7 @@ fn reflected_light_grows_with_the_amount_of_hair() {
     });
     println!("{found:?}");
     assert!((found[0] - 1.0).abs() < 0.01, "a strand alone");
-    assert!(found.is_sorted(), "the more fibres, the more light");
+    assert!(found.is_sorted(), "the more fibers, the more light");
     assert!(found[3] > 1.2 && found[1] < 1.0 + 0.6 * (found[3] - 1.0));
 }
 

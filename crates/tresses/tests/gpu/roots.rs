@@ -181,25 +181,25 @@ fn strands_begin_on_the_deformed_skin() {
         let mut stage = Stage::new(context, &groom, true);
         let mut arranged = groom.strands.clone();
         tresses::lod::arrange(&mut arranged);
-        for i in 0..20 {
-            let t = i as f32 / 40.0;
+        for i in 0..8 {
+            let t = i as f32 / 16.0;
             stage.advance(Pose::IDENTITY, 1.0 / 45.0, |p| bent(p, t));
             let now = moved(&stage.rest, |p| bent(p, t));
             let vertices = stage.vertices();
             let n = arranged.vertex_count as usize;
-            let (mut most, mut travelled) = (0.0f32, 0.0f32);
+            let (mut most, mut traveled) = (0.0f32, 0.0f32);
             let mut longest = 0.0f32;
             for s in 0..arranged.len() {
                 let rest: Vec<_> = arranged.rest_positions(s).collect();
                 let wanted = on_skin(&stage.rest, &now, rest[0]);
                 most = most.max(wanted.distance(vertices[s * n]));
-                travelled = travelled.max(rest[0].distance(wanted));
+                traveled = traveled.max(rest[0].distance(wanted));
                 let length = |p: &[Vec3]| p.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>();
                 longest = longest.max((length(&vertices[s * n..(s + 1) * n]) / length(&rest) - 1.0).abs());
             }
-            assert!(most < 2e-5, "{guides:?}, {t}: {most} m after {travelled} m");
+            assert!(most < 2e-5, "{guides:?}, {t}: {most} m after {traveled} m");
             assert!(longest < 2e-3, "{guides:?}, {t}: lengths by {longest}");
-            assert!(i < 5 || travelled > 0.01, "it is a test where roots move: {travelled}");
+            assert!(i < 2 || traveled > 0.01, "it is a test where roots move: {traveled}");
         }
     }
 }

@@ -105,7 +105,7 @@ fn distant_and_carried_hair_is_bit_identical() {
         let i = (t * 50.0).round();
         Given::at(Space::at(DVec3::new(i % 2.0, (i * 7.0) % 5.0, 0.0) * 1e3), t)
     };
-    assert!(same(&here, &run(context, &physics, &jumps)), "kilometres from where it was in each frame");
+    assert!(same(&here, &run(context, &physics, &jumps)), "kilometers from where it was in each frame");
     // Poses that contain the place, in single precision.
     let folded = |t: f64| {
         let given = Pose { translation: far.as_vec3(), ..Pose::IDENTITY };

@@ -7,7 +7,7 @@
 //!
 //! Hair curls in locks. A *twist* holds the random parameters of one lock, which distinguish its curl from a spring:
 //! radius, wavelength, handedness, phase, the point where the handedness changes, and their variation along the length.
-//! The strands of a lock have slightly different phases, so they form a ribbon. [`Curls::neighbours`] is the share of
+//! The strands of a lock have slightly different phases, so they form a ribbon. [`Curls::neighbors`] is the share of
 //! its phase that a lock has in common with the locks around it. A high value makes the waves of straight hair run
 //! continuously, like water waves.
 //!
@@ -45,7 +45,7 @@ pub struct Curls {
     /// Phase coherence of the strands of a lock: 1 in phase, 0 independent.
     pub coherence: f32,
     /// Phase coherence of neighboring locks: 1 in phase, 0 independent.
-    pub neighbours: f32,
+    pub neighbors: f32,
     /// Share of the curls' extra length that shortens the hairstyle, 0 to 1: at 0 the outline stays and strands are
     /// longer, at 1 strands keep their length.
     pub shrink: f32,
@@ -84,7 +84,7 @@ impl Curls {
             tip: 1.2,
             irregularity: 0.5,
             coherence: 0.9,
-            neighbours: 0.75,
+            neighbors: 0.75,
             shrink: 0.0,
             curve: None,
         }
@@ -100,7 +100,7 @@ impl Curls {
             tip: 1.0,
             irregularity: 0.5,
             coherence: 0.92,
-            neighbours: 0.0,
+            neighbors: 0.0,
             shrink: 0.0,
             curve: None,
         }
@@ -158,8 +158,8 @@ impl Curls {
     pub const IRREGULARITY: Range = range!("curl irregularity", 0.0 to 1.0);
     /// The range of [`coherence`](Self::coherence).
     pub const COHERENCE: Range = range!("curl coherence", 0.0 to 1.0);
-    /// The range of [`neighbours`](Self::neighbours).
-    pub const NEIGHBOURS: Range = range!("similarity of neighboring curls", 0.0 to 1.0);
+    /// The range of [`neighbors`](Self::neighbors).
+    pub const NEIGHBORS: Range = range!("similarity of neighboring curls", 0.0 to 1.0);
     /// The range of [`shrink`](Self::shrink).
     pub const SHRINK: Range = range!("curl shrinkage", 0.0 to 1.0);
 
@@ -175,7 +175,7 @@ impl Curls {
         Self::TIP.check(self.tip)?;
         Self::IRREGULARITY.check(self.irregularity)?;
         Self::COHERENCE.check(self.coherence)?;
-        Self::NEIGHBOURS.check(self.neighbours)?;
+        Self::NEIGHBORS.check(self.neighbors)?;
         Self::SHRINK.check(self.shrink)
     }
 

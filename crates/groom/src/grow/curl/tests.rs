@@ -6,7 +6,7 @@ use std::f32::consts::TAU;
 
 /// Curls that are the same in every lock and constant along the length.
 fn regular() -> Curls {
-    Curls { irregularity: 0.0, coherence: 1.0, neighbours: 1.0, ..Curls::ringlets() }
+    Curls { irregularity: 0.0, coherence: 1.0, neighbors: 1.0, ..Curls::ringlets() }
 }
 
 fn twist(curls: &Curls) -> Twist {
@@ -212,13 +212,13 @@ prop_compose! {
         radius in 0.0..0.2f32, wavelength in 1e-3..1.0f32, shares in prop::array::uniform6(0.0..=1.0f32),
         tip in 0.0..3.0f32, drawn_one in any::<bool>(), stretched in any::<bool>(),
     ) -> Curls {
-        let [flatness, start, irregularity, coherence, neighbours, shrink] = shares;
+        let [flatness, start, irregularity, coherence, neighbors, shrink] = shares;
         let curve = drawn_one.then(|| {
             let mut curve = CurlCurve::new(&drawn()).unwrap();
             curve.stretched = stretched;
             curve
         });
-        Curls { radius, wavelength, flatness, start, tip, irregularity, coherence, neighbours, shrink, curve }
+        Curls { radius, wavelength, flatness, start, tip, irregularity, coherence, neighbors, shrink, curve }
     }
 }
 

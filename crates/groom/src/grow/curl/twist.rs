@@ -56,7 +56,7 @@ impl Twist {
     /// Chooses the curl of the lock with number `lock`, rooted at `root` (meters).
     pub(crate) fn new(curls: &Curls, seed: u32, lock: u32, root: Vec3) -> Self {
         let mut rng = Rng::new(seed ^ 0xcafe, lock);
-        let alone = 1.0 - curls.neighbours;
+        let alone = 1.0 - curls.neighbors;
         let vary = 0.5 * curls.irregularity;
         // Continuous waves need nearly equal wavelengths.
         let radius = curls.radius * rng.range(1.0 - vary, 1.0 + vary);
@@ -67,7 +67,7 @@ impl Twist {
             radius,
             wavelength: wavelength.max(1e-4),
             hand,
-            phase: curls.neighbours * field + alone * rng.range(-PI, PI),
+            phase: curls.neighbors * field + alone * rng.range(-PI, PI),
             plane: (alone + 0.2 * vary) * rng.range(-0.5 * PI, 0.5 * PI),
             back: (rng.unit() < 0.4 * curls.irregularity * alone).then(|| rng.range(1.0, 5.0)),
             seed: rng.bits(),

@@ -83,7 +83,7 @@ fn glb_shorter_than_its_header_is_rejected() {
 #[test]
 fn glb_transform_and_color_are_read() {
     let raw = parse(Files::Disk, Path::new("a.glb"), &glb()).unwrap();
-    assert_eq!(raw.declared, crate::orient::Choice::METRES);
+    assert_eq!(raw.declared, crate::orient::Choice::METERS);
     let mesh = raw.mesh;
     assert_eq!(mesh.positions, vec![Vec3::ZERO, Vec3::X * 2.0, Vec3::Y * 2.0]);
     assert_eq!(mesh.normals, vec![Vec3::Z; 3]);

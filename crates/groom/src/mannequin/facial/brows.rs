@@ -42,9 +42,9 @@ fn middle(along: f32) -> (Vec2, f32) {
 }
 
 fn hair(strands: &mut Strands, side: f32, along: f32, across: f32, rng: &mut Rng) {
-    let (centre, half) = middle(along);
-    let ahead = (middle((along + 0.02).min(1.0)).0 - centre).normalize_or(Vec2::X);
-    let at = centre + Vec2::new(-ahead.y, ahead.x) * (across * half);
+    let (center, half) = middle(along);
+    let ahead = (middle((along + 0.02).min(1.0)).0 - center).normalize_or(Vec2::X);
+    let at = center + Vec2::new(-ahead.y, ahead.x) * (across * half);
     let root = in_front(side * at.x, at.y);
     // Hairs point up near the nose and lie along the brow from its first quarter on; those at the edges bend toward the
     // middle.

@@ -66,21 +66,21 @@ struct Surface {
     /// Vertex that represents each vertex.
     same: Vec<u32>,
     /// Neighbors of each vertex that represents others.
-    neighbours: Vec<Vec<u32>>,
+    neighbors: Vec<Vec<u32>>,
 }
 
 impl Surface {
     fn new(mesh: &TriMesh) -> Self {
         let same = places(&mesh.positions);
-        let mut neighbours = vec![Vec::new(); same.len()];
+        let mut neighbors = vec![Vec::new(); same.len()];
         for triangle in &mesh.triangles {
             let [a, b, c] = triangle.map(|vertex| same[vertex as usize]);
             for (from, to) in [(a, b), (b, c), (c, a)] {
-                neighbours[from as usize].push(to);
-                neighbours[to as usize].push(from);
+                neighbors[from as usize].push(to);
+                neighbors[to as usize].push(from);
             }
         }
-        Self { same, neighbours }
+        Self { same, neighbors }
     }
 
     /// Returns the triangles within [`BEYOND`] of a part's own vertices.
@@ -98,7 +98,7 @@ impl Surface {
         while !edge.is_empty() {
             let mut next = Vec::new();
             for from in edge {
-                for to in &self.neighbours[from as usize] {
+                for to in &self.neighbors[from as usize] {
                     let step = mesh.positions[from as usize].distance(mesh.positions[*to as usize]);
                     let way = far[from as usize] + step;
                     if way < BEYOND && way < far[*to as usize] {

@@ -87,7 +87,7 @@ pub struct DeformPart {
     /// Unused.
     pub _pad_b: u32,
     /// Nodes per meter.
-    pub per_metre: Vec3,
+    pub per_meter: Vec3,
     /// Unused.
     pub _pad_c: u32,
 }
@@ -241,9 +241,9 @@ impl DeformPlaces {
         let (mut nodes, mut parts) = (Vec::with_capacity(grids.len() * PART as usize), Vec::new());
         for grid in grids {
             let [low, high] = grid.box_;
-            let per_metre = (DEFORM_NODES - 1) as f32 / (high - low).max(Vec3::splat(1e-4));
-            parts.push(DeformPart { rotation: Quat::IDENTITY, low, per_metre, ..Default::default() });
-            nodes.extend(nearest(mesh, grid.triangles, low, per_metre)?);
+            let per_meter = (DEFORM_NODES - 1) as f32 / (high - low).max(Vec3::splat(1e-4));
+            parts.push(DeformPart { rotation: Quat::IDENTITY, low, per_meter, ..Default::default() });
+            nodes.extend(nearest(mesh, grid.triangles, low, per_meter)?);
         }
         let nodes = filled(context, "deforming nodes", bytemuck::cast_slice(&nodes))?;
         Ok(Self { nodes, parts, fields })
@@ -353,7 +353,7 @@ impl Deformation {
 }
 
 /// Returns the nearest skin point of each node of a grid.
-fn nearest(mesh: &TriMesh, triangles: &[[u32; 3]], low: Vec3, per_metre: Vec3) -> Result<Vec<DeformNode>> {
+fn nearest(mesh: &TriMesh, triangles: &[[u32; 3]], low: Vec3, per_meter: Vec3) -> Result<Vec<DeformNode>> {
     if triangles.is_empty() || triangles.iter().flatten().any(|i| *i as usize >= mesh.positions.len()) {
         return Err(Error::unusable(
             "a deforming field has no triangles, or triangles with missing vertices",
@@ -365,7 +365,7 @@ fn nearest(mesh: &TriMesh, triangles: &[[u32; 3]], low: Vec3, per_metre: Vec3) -
     let node = |i: u32| {
         let at =
             UVec3::new(i % DEFORM_NODES, i / DEFORM_NODES % DEFORM_NODES, i / (DEFORM_NODES * DEFORM_NODES));
-        let closest = bvh.closest_point(low + at.as_vec3() / per_metre);
+        let closest = bvh.closest_point(low + at.as_vec3() / per_meter);
         let closest =
             closest.ok_or_else(|| Error::unusable("the position of a deforming field is not finite"))?;
         let triangle = triangles[closest.triangle as usize];

@@ -214,7 +214,7 @@ impl Pipelines {
             self.tint.record(&mut pass, &groom.tint, &[], threads(groom.points));
         }
         pass.end()?;
-        let (asked, labelled) = (canvas.geometry.is_some(), canvas.labels);
+        let (asked, labeled) = (canvas.geometry.is_some(), canvas.labels);
         for round in Round::all(&tiles.buffers.control) {
             let mut pass = canvas.commands.compute("hair");
             let of = |field| (ListSpan::Whole, field);
@@ -230,7 +230,7 @@ impl Pipelines {
                     of(offset_of!(TileControl, rows)),
                 );
             }
-            if let Some(labels) = lists.labels.as_ref().filter(|_| labelled) {
+            if let Some(labels) = lists.labels.as_ref().filter(|_| labeled) {
                 round.run(&mut pass, &self.label[many], &labels.group, of(offset_of!(TileControl, rows)));
             }
             round.run(&mut pass, &self.blend[many], &lists.groups.blend, of(offset_of!(TileControl, rows)));

@@ -28,7 +28,7 @@ impl Texels {
         let rows = count.div_ceil(u64::from(TILE_POINTS)).max(1);
         let most = device.limits().max_texture_dimension_2d.into();
         if rows > most {
-            return Err(crate::Error::Limit { what: label, need: rows, have: most });
+            return Err(crate::Error::Limit { what: label, need: rows, have: most, unit: "rows of texels" });
         }
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),

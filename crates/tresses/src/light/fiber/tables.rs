@@ -58,8 +58,8 @@ impl FiberTables {
                 view_formats: &[],
             })
         };
-        let around = texture("lobes around a fibre", AZIMUTHS, COSINES, 4);
-        let mean = texture("means of fibres", COSINES, HUES, 2);
+        let around = texture("lobes around a fiber", AZIMUTHS, COSINES, 4);
+        let mean = texture("means of fibers", COSINES, HUES, 2);
         let view = |texture: &wgpu::Texture| {
             texture.create_view(&wgpu::TextureViewDescriptor {
                 dimension: Some(wgpu::TextureViewDimension::D2Array),

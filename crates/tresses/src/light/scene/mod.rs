@@ -110,7 +110,7 @@ impl SceneUniform {
         };
         let whole = shadow.depth.texture().size();
         let [origin, size] = shadow.part.unwrap_or([[0; 2], [whole.width, whole.height]]);
-        let share = |metres: f32| metres / range.max(1e-6);
+        let share = |meters: f32| meters / range.max(1e-6);
         Self {
             to_scene,
             origin,

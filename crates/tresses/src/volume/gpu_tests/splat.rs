@@ -31,15 +31,15 @@ fn splat_conserves_hair_and_momentum_and_matches_reference() {
         info.strands * info.length / (N - 1) as f32 * end
     };
     let total = |channel: usize| found.chunks(CHANNELS).map(|c| f64::from(c[channel])).sum::<f64>();
-    let metres: f64 = (0..144 * N).map(|i| f64::from(mass(i))).sum();
+    let meters: f64 = (0..144 * N).map(|i| f64::from(mass(i))).sum();
     let hair = total(3) / f64::from(g.units);
-    println!("{metres} m of hair, {hair} m in the grid");
-    assert!((hair / metres - 1.0).abs() < 1e-5);
+    println!("{meters} m of hair, {hair} m in the grid");
+    assert!((hair / meters - 1.0).abs() < 1e-5);
     for axis in 0..3 {
         let exact: f64 = velocity.iter().enumerate().map(|(i, v)| f64::from(mass(i) * v[axis])).sum();
         let momentum = total(axis) * f64::from(MAX_SPEED) / f64::from(g.units);
         println!("momentum {axis}: {exact} m²/s, {momentum} in the grid");
-        assert!((momentum - exact).abs() < 2e-6 * metres, "{axis}");
+        assert!((momentum - exact).abs() < 2e-6 * meters, "{axis}");
     }
 
     let compare = |disturb: f32| {
@@ -56,7 +56,7 @@ fn splat_conserves_hair_and_momentum_and_matches_reference() {
         let twin = splat(&uniforms, &hair);
         // Weights differ by the rounding of positions: 1e-6 m in 1e-2 m.
         found.iter().zip(&twin).map(|(a, b)| f64::from((a - b).abs())).fold(0.0, f64::max)
-            / (f64::from(g.units) * metres)
+            / (f64::from(g.units) * meters)
     };
     println!("kernel and twin differ by {:e} of all hair", compare(0.0));
     assert!(compare(0.0) < 1e-6);
@@ -95,22 +95,22 @@ fn cell_velocity_matches_its_hair() {
     let grid = scene.volume.grid;
     let texels = scene.texture(&scene.volume.hair_texture);
     let n = grid.resolution as usize;
-    let (mut worst, mut metres, mut count) = (0f32, 0.0, 0);
+    let (mut worst, mut meters, mut count) = (0f32, 0.0, 0);
     for (i, texel) in texels.iter().enumerate() {
         let c = Vec3::new((i % n) as f32, (i / n % n) as f32, (i / n / n) as f32) + 0.5;
         let p = grid.origin + c * grid.cell;
-        metres += texel[3] * grid.cell.powi(3) * 1e3;
+        meters += texel[3] * grid.cell.powi(3) * 1e3;
         if p.abs().max_element() < 0.08 {
             worst = worst.max(Vec3::from_slice(texel).distance(own(p)));
             count += 1;
         }
     }
-    println!("{count} cells, {worst} m/s off at most; {metres} m of hair");
+    println!("{count} cells, {worst} m/s off at most; {meters} m of hair");
     // Guides of different weights are 1.5 cm apart in a flow that changes by 3 m/s per m: 45 mm/s.
     assert!(count > 500 && worst < 0.08);
     let exact: f32 = scene.rest.info.iter().map(|i| i.strands * i.length).sum();
     // The blur's tail beyond the grid is lost; here the hair fills the grid to its margins.
-    assert!((metres / exact - 1.0).abs() < 0.02, "{metres} of {exact}");
+    assert!((meters / exact - 1.0).abs() < 0.02, "{meters} of {exact}");
 }
 
 #[test]

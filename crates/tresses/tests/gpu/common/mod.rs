@@ -99,7 +99,7 @@ pub fn picture(
 
 /// Returns an orthographic camera with reversed depth and `size`² pixels, in which one meter is one pixel. The origin
 /// is the lower left corner.
-pub fn metre_is_pixel(size: u32) -> Camera {
+pub fn meter_is_pixel(size: u32) -> Camera {
     let half = size as f32 * 0.5;
     Camera {
         view: Mat4::from_translation(Vec3::new(-half, -half, -1e4)),

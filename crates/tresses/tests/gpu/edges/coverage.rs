@@ -65,11 +65,7 @@ fn good(mode: Mode, errors: &[f64]) -> bool {
 #[test]
 fn total_coverage_is_exact() {
     let Some(context) = common::context() else { return };
-    judge(
-        context,
-        &[super::MASK_4, super::PEEL, super::TILES, super::TILES_1, super::ALPHA_4],
-        &[super::PEEL, super::TILES],
-    );
+    judge(context, &[super::MASK_4, super::TILES, super::ALPHA_4], &[super::TILES]);
 }
 
 /// Prints the table of docs/appearance/edges.md.

@@ -27,7 +27,7 @@ const FLIP: [f64; 2] = [0.02, 0.08];
 const RADII: [f32; 3] = [4.0, 1.5, 10.0];
 
 /// Background behind the hair: a whole number of 255ths, which all images round equally.
-const GREY: f32 = 128.0 / 255.0;
+const GRAY: f32 = 128.0 / 255.0;
 /// Largest allowed relative differences in the sum of alpha and in mean light. Where strands are a twentieth of a pixel
 /// wide, many of them gather in one part of a pixel.
 const SUMS: [f64; 2] = [0.03, 0.015];
@@ -62,14 +62,14 @@ fn shown(context: &Context, mode: Mode, hair: &Hair, radii: f32, finer: u32) -> 
     let bytes = pollster::block_on(view.targets().read()).expect("a picture");
     let texel = |x: u32, y: u32| -> [u8; 4] { bytes.as_chunks().0[(y * size[0] + x) as usize] };
     let mut alpha = 0.0;
-    let grey = linear(GREY);
+    let gray = linear(GRAY);
     let pixels = (0..SIZE[0] * SIZE[1]).map(|i| {
         let mut sum = [0.0; 3];
         for k in 0..finer * finer {
             let p = texel(i % SIZE[0] * finer + k % finer, i / SIZE[0] * finer + k / finer);
             let covered = f32::from(p[3]) / 255.0;
             alpha += f64::from(covered);
-            (0..3).for_each(|c| sum[c] += linear(f32::from(p[c]) / 255.0) + (1.0 - covered) * grey);
+            (0..3).for_each(|c| sum[c] += linear(f32::from(p[c]) / 255.0) + (1.0 - covered) * gray);
         }
         sum.map(|v| v / (finer * finer) as f32)
     });
@@ -86,8 +86,8 @@ fn flip(reference: &GrayImage, test: &GrayImage) -> [f64; 2] {
         FlipImageRgb8::with_data(SIZE[0], SIZE[1], &bytes)
     };
     let errors = nv_flip::flip(image(reference), image(test), DEFAULT_PIXELS_PER_DEGREE).to_vec();
-    let grey = linear(GREY);
-    let differs = |p: &[f32; 3]| p.iter().any(|v| (v - grey).abs() > 0.02);
+    let gray = linear(GRAY);
+    let differs = |p: &[f32; 3]| p.iter().any(|v| (v - gray).abs() > 0.02);
     let mean = |of: &mut dyn Iterator<Item = f32>| {
         let (sum, count) = of.fold((0.0, 0u32), |(sum, count), e| (sum + f64::from(e), count + 1));
         sum / f64::from(count.max(1))

@@ -35,7 +35,7 @@ fn straws() -> Groom {
 
 fn scene() -> Picture {
     let half = SIZE as f32 * 0.5;
-    let mut camera = common::metre_is_pixel(SIZE);
+    let mut camera = common::meter_is_pixel(SIZE);
     // Depth goes from 0 to 1 over the strands and as far behind them, so that millimeters are resolved.
     camera.projection.z_axis.z = 1.0 / 256.0;
     camera.projection.w_axis.z = 0.25 + 1e4 / 256.0;

@@ -136,7 +136,7 @@ fn slower_steps(stage: &Setup, groom: &Groom, field: &SdfGrid, degrees: f32) {
     let change = run(&|t| (1.0 + (t - 0.2)).clamp(1.0, 2.0));
     let travel = worst(&quick, &vec![quick[0].clone(); 120]);
     println!(
-        "mean difference in the worst frame: {:.2} mm at half the rate, {:.2} mm while it changes, of {:.0} mm travelled; {:.2} mm in the last frame",
+        "mean difference in the worst frame: {:.2} mm at half the rate, {:.2} mm while it changes, of {:.0} mm traveled; {:.2} mm in the last frame",
         1e3 * worst(&quick, &slow),
         1e3 * worst(&quick, &change),
         1e3 * travel,

@@ -77,7 +77,7 @@ fn beyond(stage: &Setup, name: &str, hairs: &mut [Hair], distances: &[f32]) -> V
             let error = errors(stage, hair, distance, directions(pixels), |_| {});
             let Detail { strands, width, deeper: [before, behind], segments, sunk, .. } = shot.detail(hair);
             println!(
-                "{name}, {distance} m: {pixels} px, {strands} strands, {width:.2} times as wide, fibres count \
+                "{name}, {distance} m: {pixels} px, {strands} strands, {width:.2} times as wide, fibers count \
                  {before:.2} and {behind:.2}, {sunk:.4} m deeper, {segments:.2} segments: coverage {:+.2} %, luminance {:+.2} %",
                 100.0 * error[0],
                 100.0 * error[1]

@@ -145,7 +145,9 @@ fn capstan(lab: &'static Lab, fault: bool) -> Vec<Row> {
     rows
 }
 
+/// A software driver compiles the kernel of guides with 64 vertices for half a minute.
 #[test]
+#[ignore = "proof"]
 fn hair_around_a_cylinder_follows_the_capstan_equation() {
     let Some(lab) = lab() else { return };
     judge("capstan", |fault| capstan(lab, fault));

@@ -2,7 +2,7 @@
 
 use super::{
     lab::{Experiment, Lab, bare, lab},
-    table::{Row, judge, near},
+    table::{Row, judge, judge_some, near},
 };
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use tresses::{
@@ -45,9 +45,9 @@ fn sinks(p: &[Vec3], params: &SimulationParams, twist: f32) -> f32 {
     sum
 }
 
-fn springs(lab: &'static Lab, fault: bool) -> Vec<Row> {
+fn springs(lab: &'static Lab, cases: &[(usize, f32)], fault: bool) -> Vec<Row> {
     let mut rows = Vec::new();
-    for (n, twist) in [(24, 0.5f32), (24, 3.0), (32, 0.5), (32, 1.0)] {
+    for &(n, twist) in cases {
         let gravity = Vec3::NEG_Y * 0.25 * if fault { 1.05 } else { 1.0 };
         let params = SimulationParams { twist, gravity, bending_damping: 0.01, drag: 2.0, ..bare(BENDING) };
         let p = helix(n);
@@ -65,7 +65,14 @@ fn springs(lab: &'static Lab, fault: bool) -> Vec<Row> {
 #[test]
 fn helical_springs_match_castiglianos_theorem() {
     let Some(lab) = lab() else { return };
-    judge("springs", |fault| springs(lab, fault));
+    judge_some("springs", |fault| springs(lab, &[(24, 0.5), (24, 3.0)], fault));
+}
+
+#[test]
+#[ignore = "proof"]
+fn all_helical_springs_match_castiglianos_theorem() {
+    let Some(lab) = lab() else { return };
+    judge("springs", |fault| springs(lab, &[(24, 0.5), (24, 3.0), (32, 0.5), (32, 1.0)], fault));
 }
 
 fn bows(lab: &'static Lab, fault: bool) -> Vec<Row> {

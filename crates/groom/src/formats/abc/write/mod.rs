@@ -20,7 +20,7 @@ use glam::Vec3;
 use crate::{
     Error, Strands, error,
     formats::{
-        raw::{CENTIMETRES, MARK},
+        raw::{CENTIMETERS, MARK},
         writer::{self, CacheOptions, EncodedFile, Output},
     },
     orient::Unit,
@@ -144,7 +144,7 @@ pub(crate) fn cache<'a>(
 fn description(options: Options) -> &'static str {
     match options.unit.0 {
         1.0 if options.oriented => MARK,
-        0.01 if options.oriented => CENTIMETRES,
+        0.01 if options.oriented => CENTIMETERS,
         _ => "a groom",
     }
 }

@@ -36,7 +36,7 @@ fn groom_survives_round_trip() {
     let bytes = encode(&strands, Some(Unit(1.0))).unwrap().bytes;
     let back = parse_at(Path::new("a.abc"), &bytes, false, Moment::First).unwrap();
     assert_eq!(back.strands, strands);
-    assert_eq!(back.declared, Choice::METRES);
+    assert_eq!(back.declared, Choice::METERS);
     // A different groom gives a different file.
     let mut other = strands;
     other.positions[3].x += 1e-3;

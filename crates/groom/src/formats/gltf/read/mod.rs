@@ -72,7 +72,7 @@ pub(crate) fn read_mesh(source: &Source) -> Result<RawMesh> {
     if bare {
         mesh.normals.clear();
     }
-    Ok(RawMesh { mesh, declared: Choice::METRES, rig, notes })
+    Ok(RawMesh { mesh, declared: Choice::METERS, rig, notes })
 }
 
 /// Returns whether a file has skins, animations or morph targets.

@@ -116,7 +116,7 @@ fn hair_and_body_survive_round_trip() {
         // Within half a step of 16 bits.
         let far = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
         assert!(far(&back.positions, &strands.positions) < 0.39 / 65535.0, "positions");
-        assert!(far(&back.colors, &strands.colors) < 2e-5, "colours");
+        assert!(far(&back.colors, &strands.colors) < 2e-5, "colors");
         let radii = back.radii.iter().zip(&strands.radii).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         assert!(radii < 1e-9, "{radii}");
         sizes.push(bytes.len());

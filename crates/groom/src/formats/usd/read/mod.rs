@@ -111,13 +111,13 @@ impl<'s, 'a> Scene<'s, 'a> {
             "Z" => Some(Axis::Z),
             _ => None,
         });
-        let metres = self.say(self.stage.stage_metadata("metersPerUnit"))?;
-        let metres = metres.as_ref().and_then(value::number).map(|metres| metres as f32);
-        let unit = metres.filter(|metres| metres.is_finite() && *metres > 0.0).map(Unit);
+        let meters = self.say(self.stage.stage_metadata("metersPerUnit"))?;
+        let meters = meters.as_ref().and_then(value::number).map(|meters| meters as f32);
+        let unit = meters.filter(|meters| meters.is_finite() && *meters > 0.0).map(Unit);
         let ours = self.is_ours()?;
         // This crate writes a unit only to files with Y up and face +Z.
         if ours && up == Some(Axis::Y) && unit.is_some() {
-            return Ok(Choice { unit, ..Choice::METRES });
+            return Ok(Choice { unit, ..Choice::METERS });
         }
         Ok(Choice { unit, up, ..Choice::default() })
     }

@@ -122,7 +122,7 @@ fn groom_survives_round_trip() {
         for (name, bytes) in others(&said).into_iter().chain([("a.usda", bytes)]) {
             let back = read(name, &bytes, Moment::First).unwrap();
             assert_eq!(back.strands, strands, "{name}");
-            assert_eq!(back.declared, Choice::METRES, "{name}");
+            assert_eq!(back.declared, Choice::METERS, "{name}");
         }
         // The comparison detects a different groom.
         let moved = said.replacen("1.7", "1.8", 1);
@@ -130,9 +130,9 @@ fn groom_survives_round_trip() {
     }
     let unsaid = written(&groom(), None);
     assert_eq!(read("a.usda", &unsaid, Moment::First).unwrap().declared, Choice::default());
-    let centimetres = written(&groom(), Some(Unit(0.01)));
-    let back = read("a.usda", &centimetres, Moment::First).unwrap();
-    assert_eq!(back.declared, Choice { unit: Some(Unit(0.01)), ..Choice::METRES });
+    let centimeters = written(&groom(), Some(Unit(0.01)));
+    let back = read("a.usda", &centimeters, Moment::First).unwrap();
+    assert_eq!(back.declared, Choice { unit: Some(Unit(0.01)), ..Choice::METERS });
     assert!((back.strands.positions[0].y - 170.0).abs() < 1e-4);
 }
 
@@ -503,9 +503,9 @@ fn cache_frames_survive_round_trip() {
     let bytes = bytes.into_inner();
     for frame in 0..3 {
         let raw = read("a.usda", &bytes, Moment::Frame(frame)).unwrap();
-        assert_eq!(raw.declared, Choice { unit: Some(Unit(0.01)), ..Choice::METRES });
-        let metres: Vec<Vec3> = raw.strands.positions.iter().map(|p| *p * 0.01).collect();
-        assert!(farthest(&metres, &at(frame as usize)) < 1e-5);
+        assert_eq!(raw.declared, Choice { unit: Some(Unit(0.01)), ..Choice::METERS });
+        let meters: Vec<Vec3> = raw.strands.positions.iter().map(|p| *p * 0.01).collect();
+        assert!(farthest(&meters, &at(frame as usize)) < 1e-5);
         assert_eq!(
             (raw.strands.marks.len(), raw.strands.colors.len()),
             (strands.len(), strands.positions.len())

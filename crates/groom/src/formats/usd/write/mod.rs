@@ -179,7 +179,7 @@ mod tests {
         strands.root_uvs = vec![Vec2::new(0.5, 0.25); 2];
         strands.marks = vec![Mark { guide: true, id: 7, weights: [1.0, 0.0, 0.0], ..Default::default() }; 2];
         let text = |unit| String::from_utf8(encode(&strands, unit).unwrap().bytes).unwrap();
-        let metres = text(Some(Unit(1.0)));
+        let meters = text(Some(Unit(1.0)));
         let values = |text: &str, name: &str| {
             let line = text.lines().find(|line| line.contains(&format!("{name} = ["))).unwrap().to_owned();
             let list = line.split_once('[').and_then(|(_, rest)| rest.split_once(" = [")).unwrap().1;
@@ -202,12 +202,12 @@ mod tests {
             ("groom_closest_guides", 6),
             ("groom_guide_weights", 6),
         ] {
-            assert_eq!(values(&metres, name).len(), count, "{name}: {metres}");
+            assert_eq!(values(&meters, name).len(), count, "{name}: {meters}");
         }
-        assert_eq!(values(&metres, "points")[5].parse::<f32>(), Ok(1e-7));
-        let centimetres = text(Some(Unit(0.01)));
-        assert!(metres.contains("metersPerUnit = 1\n") && centimetres.contains("metersPerUnit = 0.01\n"));
-        assert_eq!(values(&centimetres, "points")[4].parse::<f32>(), Ok(-50.0));
-        assert!(!text(None).contains("upAxis") && metres.contains("upAxis = \"Y\""));
+        assert_eq!(values(&meters, "points")[5].parse::<f32>(), Ok(1e-7));
+        let centimeters = text(Some(Unit(0.01)));
+        assert!(meters.contains("metersPerUnit = 1\n") && centimeters.contains("metersPerUnit = 0.01\n"));
+        assert_eq!(values(&centimeters, "points")[4].parse::<f32>(), Ok(-50.0));
+        assert!(!text(None).contains("upAxis") && meters.contains("upAxis = \"Y\""));
     }
 }
