@@ -134,7 +134,7 @@ impl GuideOrder {
         };
         let tree: Vec<_> = (0..order.len()).map(|k| [order[k], nearest(k) as u32]).collect();
         let reach = reach.unwrap_or_else(|| {
-            // With `k` guides, those at places `k` and beyond follow.
+            // With `k` guides, the guides with index `k` or higher follow.
             let mut reach = vec![0f32; order.len()];
             for k in (1..order.len()).rev() {
                 let own = self.apart(order[k], order[tree[k][1] as usize]).sqrt();

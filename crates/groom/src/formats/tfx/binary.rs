@@ -37,7 +37,7 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
         return Err(source.problem(At::Byte(4), "the file says it has 0 strands"));
     }
     if per_strand == 0 {
-        return Err(source.problem(At::Byte(8), "the file says its strands have 0 vertices"));
+        return Err(source.problem(At::Byte(8), "the strands have 0 vertices"));
     }
     // The product of two `u32` fits in a `u64`.
     let vertices = strands * per_strand;
