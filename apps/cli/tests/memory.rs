@@ -131,10 +131,8 @@ fn work() {
 
 #[test]
 fn memory_is_constant_after_a_hundred_frames() {
-    for (samples, frames) in [(0, 150), (4, 150)] {
-        let Some(grown) = growth(frames, samples, 0) else { return };
-        assert!(grown <= MOST, "{samples} samples: {grown} bytes");
-    }
+    let Some(grown) = growth(150, 0, 0) else { return };
+    assert!(grown <= MOST, "{grown} bytes");
 }
 
 #[test]

@@ -37,7 +37,7 @@ fn users() -> MutexGuard<'static, [usize; SLOTS]> {
     USERS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A value for each test that runs at once, [`SLOTS`] at most. A test has the same value until its thread ends.
+/// A value for each test that runs at once, four at most. A test has the same value until its thread ends.
 ///
 /// Tests that share one GPU device wait for each other: a software driver compiles and runs the commands of a queue on
 /// one thread.

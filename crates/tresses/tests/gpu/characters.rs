@@ -63,7 +63,8 @@ fn nod(degrees: f32) -> Gesture {
 #[test]
 fn instance_moves_and_looks_like_a_separate_character() {
     let Some(context) = common::context() else { return };
-    let (mut first, mut moved) = (bearded(context), bearded(context));
+    let mut first = bearded(context);
+    let mut moved = first.instance().unwrap();
     moved.gesture = nod(20.0);
     advance(context, &mut [&mut moved], 0.5);
     // Instances of a character at rest and of one that is already posed.

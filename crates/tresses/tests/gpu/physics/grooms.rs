@@ -2,7 +2,7 @@
 
 use super::{
     lab::{Experiment, Lab, lab, length},
-    table::{Row, at_most, judge, judge_some},
+    table::{Row, at_most, judge},
 };
 use crate::common;
 use tresses::{
@@ -161,12 +161,6 @@ fn print_drift_of_other_grooms() {
 }
 
 const UNIT: &str = "% of its length";
-
-#[test]
-fn groom_at_rest_does_not_drift() {
-    let Some(lab) = lab() else { return };
-    judge_some("rest", |fault| rest(lab, [style(lab, "short")], fault));
-}
 
 #[test]
 #[ignore = "proof"]
