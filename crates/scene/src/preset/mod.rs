@@ -51,6 +51,8 @@ pub struct PresetError {
     pub line: Option<usize>,
     /// Description, one clause.
     pub problem: String,
+    /// Why the file cannot be read, if that is the problem.
+    pub source: Option<std::io::Error>,
 }
 
 impl Preset {
@@ -63,6 +65,7 @@ impl Preset {
             file: file.to_owned(),
             line,
             problem,
+            source: None,
         })
     }
 
@@ -72,9 +75,10 @@ impl Preset {
     /// As [`read`](Self::read); also fails if the file cannot be read.
     pub fn open(path: &Path) -> Result<Self, PresetError> {
         let file = path.display().to_string();
-        let problem = |problem: String| PresetError { file: file.clone(), line: None, problem };
-        let bytes = std::fs::read(path).map_err(|error| problem(error.to_string()))?;
-        let text = String::from_utf8(bytes).map_err(|_| problem("the file is not UTF-8 text".into()))?;
+        let failed =
+            |problem: String, source| PresetError { file: file.clone(), line: None, problem, source };
+        let bytes = std::fs::read(path).map_err(|error| failed(error.to_string(), Some(error)))?;
+        let text = String::from_utf8(bytes).map_err(|_| failed("the file is not UTF-8 text".into(), None))?;
         let mut preset = Self::read(&text, &file)?;
         preset.source = preset.source.inside(path.parent().unwrap_or(Path::new("")));
         Ok(preset)

@@ -183,7 +183,9 @@ fn file_names_are_relative_to_the_preset() {
     assert!(text.contains("groom = \"../a.tfx\""), "{text}");
     assert_eq!(back.unwrap().source.grooms, [folder.join("deep").join("../a.tfx")]);
     assert!(broken.contains("storm.toml") && broken.contains("UTF-8"), "{broken}");
-    assert!(Preset::open(&path).unwrap_err().to_string().contains("storm.toml"));
+    let missing = Preset::open(&path).unwrap_err();
+    assert!(missing.to_string().contains("storm.toml"), "{missing}");
+    assert_eq!(missing.source.unwrap().kind(), std::io::ErrorKind::NotFound);
 }
 
 #[test]
