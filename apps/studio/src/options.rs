@@ -1,7 +1,7 @@
 //! Start options of the studio.
 
 use crate::files::Files;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Result, anyhow};
 use std::path::PathBuf;
 use tresses::groom::{import::ImportOptions, styles::Style};
 use tresses_scene::{Companions, Settings, knobs};
@@ -30,7 +30,8 @@ pub struct Options {
 }
 
 impl Options {
-    /// Parses a page's query: `style`, and parameters by path, such as `?style=bob&style.strands=5000&wind.speed=3`.
+    /// Parses names and values of a page's query or of a command line: `style`, and parameters by path, such as
+    /// `style=bob`, `style.strands=5000`, `wind.speed=3`.
     ///
     /// # Errors
     /// Fails with one sentence for an unknown name or an invalid value.
@@ -41,9 +42,8 @@ impl Options {
                 options.style = Some(value.parse::<Style>()?.name().into());
                 continue;
             }
-            let knob = knobs::named(name).map_err(|problem| anyhow!("the page's address: {problem}"))?;
-            let done = knob.parse(value).and_then(|value| knob.set(&mut options.settings, value));
-            done.context("the page's address")?;
+            let knob = knobs::named(name).map_err(|problem| anyhow!(problem))?;
+            knob.parse(value).and_then(|value| knob.set(&mut options.settings, value))?;
         }
         Ok(options)
     }

@@ -38,7 +38,8 @@ impl Viewer {
     ) -> Result<Viewer, JsValue> {
         let wanted = pairs(&query)?;
         let wanted = wanted.iter().map(|(name, value)| (name.as_str(), value.as_str()));
-        let mut options = Options::of(wanted).map_err(|error| sentence(&error))?;
+        let mut options =
+            Options::of(wanted).map_err(|error| sentence(&error.context("the page's address")))?;
         options.bare = bare;
         // Companion files are loaded after the groom.
         let mut later = Vec::new();

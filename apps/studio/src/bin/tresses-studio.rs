@@ -2,21 +2,32 @@
 
 #[cfg(not(target_arch = "wasm32"))]
 fn main() -> std::process::ExitCode {
-    let grooms: Vec<std::path::PathBuf> = std::env::args_os().skip(1).map(Into::into).collect();
-    if let Some(option) = grooms.iter().find(|groom| groom.to_string_lossy().starts_with('-')) {
-        eprintln!(
-            "{}: options are not supported, only groom files; use `tresses studio` for options",
-            option.display()
-        );
-        return std::process::ExitCode::FAILURE;
-    }
-    match tresses_studio::run(tresses_studio::Options { grooms, ..Default::default() }) {
+    match options().and_then(tresses_studio::run) {
         Ok(()) => std::process::ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("{}", tresses_scene::words::sentence(&error));
             std::process::ExitCode::FAILURE
         }
     }
+}
+
+/// Reads the command line: groom files, and parameters such as `style.strands=5000`.
+#[cfg(not(target_arch = "wasm32"))]
+fn options() -> anyhow::Result<tresses_studio::Options> {
+    let (mut grooms, mut parameters) = (Vec::new(), Vec::new());
+    for word in std::env::args_os().skip(1) {
+        let path = std::path::PathBuf::from(&word);
+        let word = word.to_string_lossy().into_owned();
+        match word.split_once('=').filter(|_| !path.exists()) {
+            Some((name, value)) => parameters.push((name.to_owned(), value.to_owned())),
+            None if word.starts_with('-') => anyhow::bail!(
+                "{word}: give groom files and parameters such as style.strands=5000; `tresses studio` has more options"
+            ),
+            None => grooms.push(path),
+        }
+    }
+    let parameters = parameters.iter().map(|(name, value)| (name.as_str(), value.as_str()));
+    Ok(tresses_studio::Options { grooms, ..tresses_studio::Options::of(parameters)? })
 }
 
 /// In a browser the page calls `start` instead.

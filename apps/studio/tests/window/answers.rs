@@ -17,8 +17,8 @@ fn letter(letter: char) -> u32 {
     u32::from(letter)
 }
 
-fn open() -> Desk {
-    let mut desk = Desk::open(&[]);
+fn open(strands: &str) -> Desk {
+    let mut desk = Desk::open(&[&format!("style.strands={strands}")]);
     desk.resize(1280, 720);
     desk.wait_for("hair", |desk| {
         let shot = desk.shot();
@@ -52,7 +52,7 @@ fn no_key_is_lost() {
         return;
     }
     let _turn = turn();
-    let mut desk = open();
+    let mut desk = open("6000");
     desk.key(SPACE);
     let rest = |desk: &mut Desk| {
         let told = desk.wait_for("rest", |desk| {
@@ -135,7 +135,7 @@ fn key_latency() {
         return;
     }
     let _turn = turn();
-    let mut desk = open();
+    let mut desk = open("20000");
     let frames = |desk: &Desk| {
         desk.state()
             .and_then(|state| Some((state["frames"].as_u64()?, state["painted"].as_u64().unwrap_or(0))))

@@ -29,7 +29,7 @@ fn window_draws_responds_resizes_and_closes() {
         return;
     }
     let _turn = turn();
-    let mut desk = Desk::open(&[]);
+    let mut desk = Desk::open(&["style.strands=6000"]);
     desk.resize(900, 620);
     let first = desk.wait_for("hair", |desk| {
         let shot = desk.shot();
@@ -91,7 +91,7 @@ fn lost_device_reopens_the_window() {
         return;
     }
     let _turn = turn();
-    let mut desk = Desk::open_with(&[], &[("TRESSES_STUDIO_LOSE_AT", "2")]);
+    let mut desk = Desk::open_with(&["style.strands=1500"], &[("TRESSES_STUDIO_LOSE_AT", "2")]);
     let state = desk.wait_for("the window after the loss", |desk| {
         let state = desk.state()?;
         let told = state["error"].as_str()?.starts_with("The GPU was lost");

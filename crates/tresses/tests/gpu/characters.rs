@@ -1,11 +1,14 @@
 //! The high-level `Character`, as hosts use it.
 
 use crate::common;
+use std::sync::OnceLock;
 use tresses::{
     Camera, Character, Context, Pose, View,
     body::Body,
     budget::Budget,
-    character::{CharacterOptions, CharacterSource, CrowdBudget, FaceHair, Gesture, Obstacle, Styling},
+    character::{
+        CharacterOptions, CharacterParts, CharacterSource, CrowdBudget, FaceHair, Gesture, Obstacle, Styling,
+    },
     collide::{Collider, Shape},
     glam::{Quat, Vec3},
     gpu::readback::blocking as readback,
@@ -16,16 +19,19 @@ use tresses::{
 
 /// Creates the built-in character with few strands, brows, lashes and a hanging beard.
 fn bearded(context: &Context) -> Character {
-    let style = Style::default();
-    let source = pollster::block_on(CharacterSource::built_in(context, &style, &())).unwrap();
-    let styling = Styling {
-        growth: Some(Growth::for_style(&style).with_strands(300)),
-        face: FaceHair { beard: Beard::Full, ..FaceHair::default() },
-        ..Styling::default()
-    };
-    let parts = pollster::block_on(source.dress(&styling, &())).unwrap();
+    static PARTS: OnceLock<CharacterParts> = OnceLock::new();
+    let parts = PARTS.get_or_init(|| {
+        let style = Style::default();
+        let source = pollster::block_on(CharacterSource::built_in(context, &style, &())).unwrap();
+        let styling = Styling {
+            growth: Some(Growth::for_style(&style).with_strands(300)),
+            face: FaceHair { beard: Beard::Full, ..FaceHair::default() },
+            ..Styling::default()
+        };
+        pollster::block_on(source.dress(&styling, &())).unwrap()
+    });
     let options = CharacterOptions::default();
-    let mut character = pollster::block_on(Character::new(context, parts, &options, &())).unwrap();
+    let mut character = pollster::block_on(Character::new(context, parts.clone(), &options, &())).unwrap();
     character.set_lod(LodOptions { mode: LodMode::Off, ..LodOptions::default() });
     character
 }
