@@ -1,5 +1,5 @@
 //! Lays out images in a grid with a label under each. `tools/evidence/style-sheet` uses it for the images of
-//! `docs/appearance/style.md`.
+//! `docs/guide/look.md`.
 //!
 //! `cargo run -p tresses-evidence --example sheet -- OUT.webp COLUMNS LABEL=PICTURE.png ...`, or `... -- paint PATTERN
 //! OUT.png` for an example color map.

@@ -1,12 +1,13 @@
-//! Measurements behind the documentation: the roofline of each stage, the costs of the parts of the simulation, and the
-//! costs of the ways to light, shade and draw hair. `tresses bench` measures whole scenes.
+//! Measurements behind the documentation: the page of benchmarks, the roofline of each stage, the costs of the parts of
+//! the simulation, and the costs of the ways to light, shade and draw hair. `tresses bench` measures whole scenes.
 
 mod appearance;
+mod benchmarks;
 mod costs;
 mod roofline;
 
 use anyhow::Result;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::PathBuf;
 use tresses::gpu::wall;
 use tresses_cli::{
@@ -28,7 +29,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Measurement {
     /// The lower bound of each stage's time, from the work of its shaders and the peak rates of the adapter, and its
-    /// actual time (docs/roofline.md)
+    /// actual time (docs/research/roofline.md)
     Roofline {
         /// Hair and settings [default: the built-in long style]
         #[arg(long, value_name = "FILE")]
@@ -40,14 +41,18 @@ enum Measurement {
         #[arg(long, requires = "preset")]
         distance: Option<f32>,
     },
-    /// The parts of the simulation, and their ratios (docs/physics.md)
+    /// The parts of the simulation, and their ratios (docs/validation/motion.md)
     Costs,
-    /// The ways to light, shade and draw hair (docs/appearance.md)
+    /// The ways to light, shade and draw hair (docs/validation/README.md)
     Appearance,
+    /// Frames, strand counts, memory and start-up, as the page docs/benchmarks.md
+    Benchmarks(benchmarks::PageArgs),
 }
 
 fn main() -> Result<()> {
-    let Cli { what, timing } = Cli::parse();
+    // The options of the measurement may also follow the subcommand.
+    let matches = Cli::command().mut_args(|arg| arg.global(true)).get_matches();
+    let Cli { what, timing } = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let adapter = timing.adapter()?;
     let usual = if adapter.software && matches!(what, Measurement::Appearance) {
         appearance::SOFTWARE_FRAMES
@@ -61,6 +66,7 @@ fn main() -> Result<()> {
         Measurement::Roofline { .. } => 1,
         Measurement::Costs => costs::RUNS,
         Measurement::Appearance => variants.len() as u64,
+        Measurement::Benchmarks(_) => benchmarks::RUNS,
     };
     let bar = progress::frames("measuring", runs * u64::from(frames));
     let sitting = Sitting { frames, clock: timing.clock().unwrap_or(wall), bar: &bar };
@@ -82,6 +88,7 @@ fn main() -> Result<()> {
             let looks = variants.iter().map(look).collect::<Result<Vec<_>>>()?;
             (appearance::text(&looks, &adapter), serde_json::to_value(looks)?)
         }
+        Measurement::Benchmarks(args) => benchmarks::run(&args, &timing, &adapter, sitting)?,
     };
     bar.finish_and_clear();
     if timing.json {

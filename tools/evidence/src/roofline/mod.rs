@@ -1,5 +1,5 @@
 //! Lower bound of each stage's time: the work of its shaders in a frame, counted on the GPU, divided by the peak rates
-//! of the same adapter, measured in the same run. `docs/roofline.md` explains the table.
+//! of the same adapter, measured in the same run. `docs/research/roofline.md` explains the table.
 
 mod instrument;
 mod meter;

@@ -1,0 +1,61 @@
+//! Measurements that take minutes on a software driver: distances, crowds, methods of drawing, parts of the simulation.
+
+use crate::{appearance, costs};
+use anyhow::{Context, Result, ensure};
+use serde::Serialize;
+use std::{path::Path, process::Command};
+use tresses::gpu::wall;
+use tresses_cli::{
+    bench::{Adapter, Sitting, TimingArgs},
+    progress,
+};
+
+/// Measured frames of each distance and of the crowd.
+const FRAMES: &str = "3";
+/// Measured frames of the parts of the simulation on software adapters.
+const SIMULATED_FRAMES: u32 = 8;
+
+/// Titles of the sections, and the commands that measure them alone.
+pub const SECTIONS: [(&str, &str); 4] = [
+    ("Distance", "tresses bench --lod --frames 3"),
+    ("Crowd", "tresses bench --crowd 100 --frames 3"),
+    ("Methods of lighting, shading and drawing", "tresses-evidence appearance"),
+    ("Parts of the simulation", "tresses-evidence costs"),
+];
+
+/// The results as plain tables, in the order of [`SECTIONS`].
+#[derive(Debug, Default, Serialize)]
+pub struct MoreTimes(pub [String; SECTIONS.len()]);
+
+/// Measures all of them.
+pub fn measure(program: &Path, timing: &TimingArgs, adapter: &Adapter) -> Result<MoreTimes> {
+    let distance = bench(program, &["--lod"], adapter)?;
+    let crowd = bench(program, &["--crowd", "100"], adapter)?;
+    let clock = timing.clock().unwrap_or(wall);
+    let variants: Vec<_> =
+        appearance::variants().into_iter().filter(|variant| variant.fits(adapter.max_samples)).collect();
+    let usual = |software| if adapter.software { software } else { 30 };
+    let (drawn, simulated) = (usual(appearance::SOFTWARE_FRAMES), usual(SIMULATED_FRAMES));
+    let frames = variants.len() as u64 * u64::from(drawn) + costs::RUNS * u64::from(simulated);
+    let bar = progress::frames("measuring", frames);
+    let sitting = |frames| Sitting { frames, clock, bar: &bar };
+    let look = |variant| appearance::measure(variant, adapter.software, sitting(drawn));
+    let looks = variants.iter().map(look).collect::<Result<Vec<_>>>()?;
+    let costs = costs::measure(sitting(simulated))?;
+    bar.finish_and_clear();
+    Ok(MoreTimes([distance, crowd, appearance::text(&looks, adapter), costs.text()]))
+}
+
+/// Runs `tresses bench`, and returns its tables without the description of the adapter.
+fn bench(program: &Path, options: &[&str], adapter: &Adapter) -> Result<String> {
+    let clock: &[&str] = if adapter.processor_time { &["--cpu"] } else { &[] };
+    let output = Command::new(program)
+        .args(["bench", "--frames", FRAMES])
+        .args(options)
+        .args(clock)
+        .output()
+        .with_context(|| format!("cannot run {}", program.display()))?;
+    ensure!(output.status.success(), "tresses bench: {}", String::from_utf8_lossy(&output.stderr).trim());
+    let text = String::from_utf8_lossy(&output.stdout);
+    Ok(text.split_once("\n\n").map_or(&*text, |(_, tables)| tables).to_owned())
+}
