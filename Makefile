@@ -23,7 +23,7 @@ ifeq ($(XDG_RUNTIME_DIR),)
 export NODEVICE_SELECT ?= 1
 endif
 
-.PHONY: help setup setup-tests demo test proof fuzz truth bench web viewer web-serve python bevy package release clean
+.PHONY: help setup setup-tests demo test proof semver fuzz truth bench benchmarks book gallery web viewer web-serve python bevy package release clean
 
 help: ## Show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 14
@@ -58,7 +58,19 @@ proof: setup-tests ## The docs of the code, the library alone for browsers, the 
 	$(LINTED) test --workspace --lib --bins --tests --no-fail-fast -- --ignored --show-output || failed=1; \
 	$(LINTED) test --workspace --test gpu physics:: -- --show-output || failed=1; \
 	$(MAKE) --no-print-directory fuzz || failed=1; \
+	$(MAKE) --no-print-directory semver || failed=1; \
 	exit $$failed
+
+# The library for systems that this machine is not: those whose standard library `rustup target add` has installed. The
+# command and the studio contain C code, which needs a compiler of the target.
+FOREIGN = $(shell rustup target list --installed 2>/dev/null | grep -E 'windows|apple')
+
+semver: ## Compare the library's interface with the last tag, if there is one, and check it for other installed targets
+	@if tag=$$(git describe --tags --abbrev=0 2>/dev/null); then set -x; \
+		command -v cargo-semver-checks >/dev/null || $(CARGO) install --locked --quiet cargo-semver-checks; \
+		$(CARGO) semver-checks --baseline-rev "$$tag" --package tresses-groom --package tresses; \
+	else echo "semver: there is no tag yet to compare with"; fi
+	$(foreach target,$(FOREIGN),$(CARGO) check --package tresses --all-features --lib --target $(target) --quiet;)
 
 # A virtual environment with the wheel. The tests in it compare the wheel with the command.
 PYTHON := target/python
@@ -92,12 +104,22 @@ package: setup ## Pack each crate that is meant to be published, and compile it 
 bevy: setup ## Check the plugin for Bevy and run its tests, without a window
 	cd bindings/bevy && $(CARGO) fmt --check && $(LINTED) test
 
-truth: setup ## Path-trace 36 views of hair with Mitsuba, half an hour, and compare ours with them (docs/appearance/truth.md)
+truth: setup ## Path-trace 36 views of hair with Mitsuba, half an hour, and compare ours with them (docs/validation/path-tracing.md)
 	test -d target/truth/python || python3 -m venv target/truth/python
 	target/truth/python/bin/pip install --quiet mitsuba==3.9.1 numpy pillow
 	$(CARGO) build --bin tresses
 	target/truth/python/bin/python tools/evidence/truth target/truth/views
 	target/debug/tresses compare target/truth/views/scenes.json --out target/truth/beside
+
+MDBOOK := target/tools/bin/mdbook
+
+book: setup ## Build the book, docs/, into target/book/
+	test -x $(MDBOOK) || $(CARGO) install --quiet --locked --root target/tools --no-default-features --features search mdbook@0.5.4
+	$(CARGO) run --quiet --bin tresses-web -- book --mdbook $(MDBOOK)
+
+gallery: setup ## Draw the pictures of the docs anew
+	$(CARGO) build --bin tresses --example sheet --example embed
+	tools/evidence/gallery target/debug/tresses docs/pictures
 
 web: setup ## Build the web page into dist/, for any static file server
 	$(CARGO) run --quiet --bin tresses-web -- build
@@ -110,6 +132,10 @@ web-serve: web ## Serve the web page on http://127.0.0.1:8080/
 
 bench: setup ## Measure every stage on this machine's GPU
 	$(CARGO) run --quiet --bin tresses -- bench
+
+benchmarks: setup ## Measure this machine and write docs/benchmarks.md; with FULL=--full also distances, crowds and methods
+	$(CARGO) build --bin tresses --bin tresses-evidence
+	$(CARGO) run --quiet --bin tresses-evidence -- benchmarks $(FULL)
 
 clean: ## Remove what was built, out/ and dist/
 	$(CARGO) clean

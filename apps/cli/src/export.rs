@@ -10,7 +10,7 @@ use tresses::{
     character::Gesture,
     gpu::Gpu,
     groom::{
-        Strands,
+        Guides, Rig, Strands, TriMesh,
         export::{Hair, Writer},
         formats::{self, Content, WRITTEN},
         orient::Unit,
@@ -18,7 +18,7 @@ use tresses::{
     lod::{LodMode, LodOptions},
     strands::StrandBuffers,
 };
-use tresses_scene::{Companions, Scene, Shelf, motion};
+use tresses_scene::{Companions, Preset, Scene, Shelf, motion};
 
 /// Options of `tresses export`.
 #[derive(clap::Args, Debug)]
@@ -47,27 +47,9 @@ pub fn run(args: &ExportArgs) -> Result<()> {
         args.head_out.as_deref().map(|path| Writer::holding(path, Content::Mesh)).transpose()?;
     ensure!(!args.packed || writer.compresses, "only .glb files can be compressed: remove --packed");
     let preset = args.settings.preset()?;
-    preset.settings.check()?;
     let preparing = Preparing::new("opening the GPU");
-    let gpu = pollster::block_on(Gpu::open())?;
-    let character = pollster::block_on(preset.character(&gpu.context, &preparing))?;
-    let head = character.head.clone();
-    let rig = character.anatomy.as_ref().map(|anatomy| {
-        let mut rig = anatomy.rig.clone();
-        if preset.source.grooms.is_empty() {
-            rig.animations = motion::animation::of_the_character(&rig);
-        }
-        rig
-    });
+    let RestingCharacter { scene, head, rig, .. } = RestingCharacter::new(&preset, &preparing)?;
     ensure!(args.head_out.is_none() || head.is_some(), "this hair has no body: remove --head-out");
-    let colliders = Companions::of(&preset.source, Shelf::default()).colliders()?;
-    let (physics, quality) = (preset.settings.physics(), preset.settings.quality([16, 16], 1)?);
-    let scene = Scene::new(gpu, character, colliders, &physics, &quality, &preparing);
-    let mut scene = pollster::block_on(scene)?;
-    scene.apply(&preset.settings)?;
-    // Write all strands, whatever their level of detail.
-    scene.set_lod(LodOptions { mode: LodMode::Off, ..Default::default() })?;
-    scene.reset(&Gesture::default())?;
     let strands = drawn(&scene, [&scene.character.hair().strands])?;
     let body = head.as_ref().map(|head| (head, rig.as_ref()));
     let whole = match writer.holds(Content::Rig) {
@@ -105,6 +87,43 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     Ok(())
 }
 
+/// A character at rest with all its strands, whatever their level of detail.
+pub struct RestingCharacter {
+    /// Hair and body on the GPU.
+    pub scene: Scene,
+    /// The body.
+    pub head: Option<TriMesh>,
+    /// The body's rig; that of the built-in character has the built-in motions as animations.
+    pub rig: Option<Rig>,
+    /// Rest poses of the guides.
+    pub guides: Guides,
+}
+
+impl RestingCharacter {
+    /// Opens the GPU, and the character of `preset`.
+    pub fn new(preset: &Preset, preparing: &Preparing) -> Result<Self> {
+        preset.settings.check()?;
+        let gpu = pollster::block_on(Gpu::open())?;
+        let character = pollster::block_on(preset.character(&gpu.context, preparing))?;
+        let (head, guides) = (character.head.clone(), character.groom.guides.clone());
+        let rig = character.anatomy.as_ref().map(|anatomy| {
+            let mut rig = anatomy.rig.clone();
+            if preset.source.grooms.is_empty() {
+                rig.animations = motion::animation::of_the_character(&rig);
+            }
+            rig
+        });
+        let colliders = Companions::of(&preset.source, Shelf::default()).colliders()?;
+        let (physics, quality) = (preset.settings.physics(), preset.settings.quality([16, 16], 1)?);
+        let scene = Scene::new(gpu, character, colliders, &physics, &quality, preparing);
+        let mut scene = pollster::block_on(scene)?;
+        scene.apply(&preset.settings)?;
+        scene.set_lod(LodOptions { mode: LodMode::Off, ..Default::default() })?;
+        scene.reset(&Gesture::default())?;
+        Ok(Self { scene, head, rig, guides })
+    }
+}
+
 fn out_help() -> String {
     let whole = formats::listed(&formats::written(Content::Rig), "and");
     format!(
@@ -120,7 +139,7 @@ fn head_help() -> String {
 }
 
 /// Writes `strands`. Returns a description of the file.
-fn write_strands(path: &Path, writer: &Writer, strands: &Strands) -> Result<String> {
+pub fn write_strands(path: &Path, writer: &Writer, strands: &Strands) -> Result<String> {
     let encoded = writer.strands(strands, Some(Unit(1.0)))?;
     files::write(path, &encoded.bytes)?;
     let mut said = counted(path, strands);

@@ -13,7 +13,7 @@ pub struct KnobsArgs {
     /// List only parameters whose path, name or hint contains this, such as wind or simulation.drag
     #[arg(value_name = "WORD")]
     pub word: Option<String>,
-    /// Print docs/knobs.md
+    /// Print docs/reference/parameters.md
     #[arg(long, conflicts_with = "word")]
     pub markdown: bool,
 }

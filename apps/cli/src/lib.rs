@@ -26,6 +26,7 @@ mod preset;
 mod preset_args;
 pub mod progress;
 mod render;
+mod sample;
 mod settings_args;
 mod studio;
 
@@ -57,6 +58,8 @@ enum Command {
     Convert(convert::ConvertArgs),
     /// Write the strands of a groom or a built-in style as drawn at rest
     Export(Box<export::ExportArgs>),
+    /// Write sample grooms, a head and a character, to try the other commands on
+    Sample(sample::SampleArgs),
     /// Simulate hair and write it as an Alembic or USD cache
     Bake(Box<bake::BakeArgs>),
     /// Print the result of all options as a preset
@@ -71,6 +74,18 @@ enum Command {
     Completions(manuals::CompletionArgs),
     /// Write manual pages into a folder
     Man(manuals::ManArgs),
+}
+
+/// Checks the arguments of a command line, of which the first is the program's name, without running it.
+///
+/// # Errors
+/// What is wrong with them.
+pub fn check(words: &[String]) -> Result<(), String> {
+    use clap::error::ErrorKind::{DisplayHelp, DisplayVersion};
+    match Cli::try_parse_from(words) {
+        Err(error) if ![DisplayHelp, DisplayVersion].contains(&error.kind()) => Err(error.to_string()),
+        _ => Ok(()),
+    }
 }
 
 /// Runs the command with the arguments of this process.
@@ -91,6 +106,7 @@ pub fn run() -> ExitCode {
         Command::Info(args) => info::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Export(args) => export::run(&args),
+        Command::Sample(args) => sample::run(&args),
         Command::Bake(args) => bake::run(&args),
         Command::Preset(args) => preset::run(&args),
         Command::Knobs(args) => knobs::run(&args),

@@ -31,7 +31,7 @@ pub struct RenderArgs {
     /// Motion of the character: still, nod, turn, shake, walk, dance, or a keyframe file (.json)
     #[arg(long, value_name = "NAME", default_value = "still", help_heading = "Image")]
     pub motion: String,
-    /// Animation of the head mesh, by its name in the file (.glb, .gltf)
+    /// Animation of the head mesh, by its name in the file (glTF, USD)
     #[arg(long, value_name = "NAME", help_heading = "Image")]
     pub animation: Option<String>,
     /// Weight of a morph target, instead of the animation's; may be repeated
@@ -165,7 +165,7 @@ fn bend(scene: &mut Photographer, motion: &Motion, args: &RenderArgs) -> Result<
         let wanted = args.animation.is_some() || !args.morphs.is_empty() || keyed.count() > 0;
         ensure!(
             !wanted,
-            "the head has no animations and no blend shapes: give a head that has them with --head (.glb, .gltf)"
+            "the head has no animations and no blend shapes: give a head that has them with --head (glTF, USD)"
         );
         return Ok(None);
     };

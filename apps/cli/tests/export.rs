@@ -75,7 +75,7 @@ fn one_file_contains_body_and_hair() {
     let bytes = std::fs::read(folder.path().join("all.glb")).unwrap();
     let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
     let json: serde_json::Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
-    let schema = include_str!("../../../docs/schema/EXT_tresses_hair.schema.json");
+    let schema = include_str!("../../../docs/reference/schema/EXT_tresses_hair.schema.json");
     let schema: serde_json::Value = serde_json::from_str(schema).unwrap();
     let groom = &json["extensions"]["EXT_tresses_hair"]["grooms"][0];
     let material = &schema["$defs"]["groom"]["properties"]["material"]["properties"];

@@ -33,7 +33,7 @@ fn resident() -> i64 {
 /// Environment variables of a child: number of frames, samples per pixel, and bytes leaked per frame.
 const WORK: [&str; 3] = ["TRESSES_MEMORY_FRAMES", "TRESSES_MEMORY_SAMPLES", "TRESSES_MEMORY_LEAK"];
 
-/// Returns the growth of a process that draws `frames` frames with sample masks of `samples` (0: depth peeling) and
+/// Returns the growth of a process that draws `frames` frames with sample masks of `samples` (0: tiles) and
 /// leaks `leak` bytes per frame; `None` without a GPU.
 fn growth(frames: u32, samples: u32, leak: u32) -> Option<i64> {
     let mut child = Command::new(std::env::current_exe().expect("this runs"));

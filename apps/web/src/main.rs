@@ -1,9 +1,9 @@
-//! Command line of `make web` and `make web-serve`.
+//! Command line of `make web`, `make web-serve` and `make book`.
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
-use tresses_web::{Page, Server, pack};
+use tresses_web::{Page, Server, build_book, pack};
 
 /// Builds the web pages of Tresses and serves them.
 #[derive(Parser)]
@@ -23,6 +23,15 @@ enum Command {
         #[arg(long, default_value = "dist")]
         out: PathBuf,
     },
+    /// Build the book from docs/ with mdBook.
+    Book {
+        /// The program mdbook
+        #[arg(long, default_value = "mdbook")]
+        mdbook: PathBuf,
+        /// Output folder
+        #[arg(long, default_value = "target/book")]
+        out: PathBuf,
+    },
     /// Serve a folder, on this machine only.
     Serve {
         /// Folder to serve
@@ -40,6 +49,11 @@ fn main() -> Result<()> {
             let sizes = pack(page, &out, true)?;
             println!("{sizes}");
             sizes.check()
+        }
+        Command::Book { mdbook, out } => {
+            build_book(&mdbook, &out)?;
+            println!("{}", out.join("index.html").display());
+            Ok(())
         }
         Command::Serve { folder, port } => {
             let server = Server::new(&folder, port)?;

@@ -31,6 +31,7 @@ fn dress(
     mut materials: ResMut<Assets<StandardMaterial>>,
     (device, queue): (Res<RenderDevice>, Res<RenderQueue>),
 ) -> Result {
+    // The built-in character. A groom from a file: `assets.load::<HairGroom>("groom.tfx")`, with Bevy's `AssetServer`.
     let groom = HairGroom::character(&device, &queue, &Style::Long(Default::default()), Some(15_000))?;
     let head = groom.head_mesh().ok_or("the character has a head")?;
     let skin = StandardMaterial {
@@ -38,6 +39,7 @@ fn dress(
         perceptual_roughness: 0.6,
         ..Default::default()
     };
+    // The hair is a child of the head, so it follows the head.
     commands.spawn((
         Head,
         Mesh3d(meshes.add(head)),

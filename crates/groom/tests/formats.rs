@@ -7,8 +7,8 @@ use tresses_groom::formats::{Content, FORMATS, listed, markdown};
 
 #[test]
 fn docs_contain_format_table() {
-    let (page, table) = (include_str!("../../../docs/grooms.md"), markdown());
-    assert!(page.contains(&table), "put this table into docs/grooms.md:\n{table}");
+    let (page, table) = (include_str!("../../../docs/reference/formats.md"), markdown());
+    assert!(page.contains(&table), "put this table into docs/reference/formats.md:\n{table}");
 }
 
 #[test]

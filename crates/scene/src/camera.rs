@@ -1,12 +1,9 @@
 //! Portrait cameras, which frame the head and its hair.
 
-use tresses::{Pose, character::Bounds, glam::Vec3};
+use tresses::{Pose, camera::framing_distance, character::Bounds, glam::Vec3};
 
 /// Vertical field of view of every camera, radians, like a portrait lens.
 pub const VERTICAL_FOV: f32 = 30.0 / 180.0 * std::f32::consts::PI;
-
-/// Share of the frame's height or width that the subject fills.
-const FILL: f32 = 0.9;
 
 /// Direction from which the camera sees the head.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -59,22 +56,8 @@ impl Viewpoint {
         let (azimuth, elevation) = (azimuth.to_radians(), elevation.to_radians());
         let back =
             Vec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos());
-        let right = Vec3::new(azimuth.cos(), 0.0, -azimuth.sin());
-        let up = back.cross(right);
         let target = 0.5 * (subject.0 + subject.1);
-        let half = 0.5 * (subject.1 - subject.0);
-        let tan = (0.5 * VERTICAL_FOV).tan() * FILL;
-        // Fit an elliptic cylinder rather than the box, because no hairstyle reaches the corners of its box. The
-        // cylinder is narrower at top and bottom, because the point nearest to the camera is seldom there.
-        let distance = (0..32)
-            .flat_map(|i| {
-                let angle = i as f32 / 16.0 * std::f32::consts::PI;
-                let rim = |r: f32, y: f32| half * Vec3::new(r * angle.cos(), y, r * angle.sin());
-                let wide = rim(1.0, 0.0);
-                let high = [-1.0, 1.0].map(|y| rim(0.7, y)).map(|p| p.dot(back) + p.dot(up).abs() / tan);
-                [wide.dot(back) + wide.dot(right).abs() / (tan * aspect), high[0], high[1]]
-            })
-            .fold(0.05, f32::max);
+        let distance = framing_distance(subject, back, VERTICAL_FOV, aspect);
         Self { eye: target + back * (distance / zoom), target }
     }
 

@@ -12,7 +12,7 @@ async fn render(path: &str) -> Result<(), Box<dyn std::error::Error>> {
     let tresses = Gpu::open().await?.context;
     let mut ann = Character::built_in(&tresses, "long").await?;
     let mut view = View::new(&tresses, &Default::default(), [480, 600], 1)?;
-    let camera = Camera::look_at(Vec3::new(0.25, 0.1, 0.9), Vec3::Y * 0.02, 0.55, [480, 600]);
+    let camera = Camera::framing(ann.subject(), Vec3::Z, 0.5, [480, 600]);
     let picture = Picture { camera, ..Default::default() };
     while ann.time() < 0.3 || !view.is_complete().await? {
         ann.set_pose(Pose::about(ann.neck(), Quat::from_rotation_y(1.8 * ann.time() as f32)));

@@ -1,4 +1,5 @@
-//! A window that shows a turning head with hair: `cargo run --example minimal`. In a browser it is a page.
+//! A window that shows a turning head with hair: the built-in character, or `cargo run --example minimal -- groom.abc
+//! head.obj`. In a browser it is a page.
 
 use std::{cell::RefCell, rc::Rc, sync::Arc};
 use tresses::view::{Picture, View, ViewOptions};
@@ -23,7 +24,11 @@ impl Show {
         let gpu = Gpu::showing(&instance, Some(&surface)).await?;
         let (size, format) = configure(&surface, &gpu, &window);
         let view = View::new(&gpu.context, &ViewOptions::for_target(format), size, 1)?;
-        let ann = Character::built_in(&gpu.context, "long").await?;
+        let files: Vec<_> = std::env::args().skip(1).collect();
+        let ann = match &files[..] {
+            [] => Character::built_in(&gpu.context, "long").await?,
+            files => Character::load(&gpu.context, files).await?,
+        };
         window.request_redraw();
         Ok(Self { window, surface, gpu, view, ann })
     }
@@ -34,9 +39,11 @@ impl Show {
             CurrentSurfaceTexture::Success(target) | CurrentSurfaceTexture::Suboptimal(target) => target,
             _ => return Ok(()),
         };
+        // Turn the head on its neck.
         let turn = Quat::from_rotation_y(0.7 * (2.0 * self.ann.time() as f32).sin());
         self.ann.gesture.head = Pose::about(self.ann.neck(), turn);
-        let camera = Camera::look_at(Vec3::new(0.2, 0.1, 0.9), Vec3::Y * 0.04, 0.5, self.view.targets().size);
+        let camera = Camera::framing(self.ann.subject(), Vec3::Z, 0.5, self.view.targets().size);
+        // Simulate 1/60 s of hair, then draw it.
         let tresses = &self.gpu.context;
         let mut encoder = tresses.device().create_command_encoder(&Default::default());
         let mut frame = tresses.frame(&mut encoder);

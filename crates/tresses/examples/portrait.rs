@@ -24,11 +24,8 @@ async fn render(path: &str, files: &[String]) -> Result<(), Box<dyn std::error::
     };
     let size = [1280, 720];
     let mut view = View::new(&tresses, &Default::default(), size, 1)?;
-    // The subject fills three quarters of the image's height, as in a portrait.
-    let (low, high) = ann.subject();
-    let middle = 0.5 * (low + high);
-    let distance = (high.y - low.y) / 0.75 / (2.0 * 0.25f32.tan());
-    let camera = Camera::look_at(middle + distance * Vec3::new(0.45, 0.1, 0.9), middle, 0.5, size);
+    let direction = Vec3::new(0.45, 0.1, 0.9).normalize();
+    let camera = Camera::framing(ann.subject(), direction, 0.5, size);
     let picture = Picture { camera, ..Default::default() };
     while ann.time() < 0.5 || !view.is_complete().await? {
         ann.gesture.head = Pose::about(ann.neck(), Quat::from_rotation_y(1.8 * ann.time() as f32));

@@ -5,6 +5,9 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 
 use crate::math::Ray;
 
+/// Share of the image's height or width that a framed subject fills.
+const FILL: f32 = 0.9;
+
 /// Maps linear radiance to display values from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToneMap {
@@ -51,6 +54,15 @@ impl Camera {
             projection: Self::perspective(fov_y, aspect, 0.01),
             size,
         }
+    }
+
+    /// Creates a camera that shows all of `subject` (lowest and highest corner, meters) from `direction`, a unit vector
+    /// from the subject to the camera.
+    pub fn framing(subject: (Vec3, Vec3), direction: Vec3, fov_y: f32, size: [u32; 2]) -> Self {
+        let aspect = size[0].max(1) as f32 / size[1].max(1) as f32;
+        let middle = 0.5 * (subject.0 + subject.1);
+        let eye = middle + direction * framing_distance(subject, direction, fov_y, aspect);
+        Self::look_at(eye, middle, fov_y, size)
     }
 
     /// Returns a perspective projection with reversed depth and no far plane. `fov_y` is the vertical field of view in
@@ -127,9 +139,45 @@ pub struct CameraUniform {
     pub way: Vec4,
 }
 
+/// Returns the distance to the middle of `subject` from which it fills 0.9 of the image's height or width. `direction`
+/// is a unit vector from the subject to the camera, `fov_y` the vertical field of view in radians, `aspect` width over
+/// height.
+pub fn framing_distance(subject: (Vec3, Vec3), direction: Vec3, fov_y: f32, aspect: f32) -> f32 {
+    let right = Vec3::new(direction.z, 0.0, -direction.x).normalize_or(Vec3::X);
+    let up = direction.cross(right);
+    let half = 0.5 * (subject.1 - subject.0);
+    let tan = (0.5 * fov_y).tan() * FILL;
+    // Fit an elliptic cylinder rather than the box, because no hairstyle reaches the corners of its box. The cylinder is
+    // narrower at top and bottom, because the point nearest to the camera is seldom there.
+    (0..32)
+        .flat_map(|i| {
+            let angle = i as f32 / 16.0 * std::f32::consts::PI;
+            let rim = |r: f32, y: f32| half * Vec3::new(r * angle.cos(), y, r * angle.sin());
+            let wide = rim(1.0, 0.0);
+            let high = [-1.0, 1.0].map(|y| rim(0.7, y)).map(|p| p.dot(direction) + p.dot(up).abs() / tan);
+            [wide.dot(direction) + wide.dot(right).abs() / (tan * aspect), high[0], high[1]]
+        })
+        .fold(0.05, f32::max)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn framed_subject_fills_the_image() {
+        let subject = (Vec3::new(-0.1, 1.4, -0.1), Vec3::new(0.1, 1.7, 0.1));
+        for (direction, size) in
+            [(Vec3::Z, [300, 200]), (Vec3::X, [200, 400]), (Vec3::new(0.6, 0.0, 0.8), [300, 200])]
+        {
+            let camera = Camera::framing(subject, direction, 0.5, size);
+            let project = |p: Vec3| (camera.projection * camera.view).project_point3(p);
+            let top = project(Vec3::new(0.0, 1.7, 0.0)).y;
+            let side = project(Vec3::new(0.0, 1.55, 0.0) + 0.1 * direction.cross(Vec3::Y)).x.abs();
+            assert!(top.max(side) > 0.75 && top.max(side) < 0.95, "{top} {side}");
+            assert!(project(0.5 * (subject.0 + subject.1)).truncate().length() < 1e-4);
+        }
+    }
 
     #[test]
     fn pixel_size_ray_and_depth_match_projection() {

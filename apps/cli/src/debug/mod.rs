@@ -16,7 +16,7 @@ use tresses_scene::Scene;
 /// Options of debug views.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub struct DebugArgs {
-    /// Show a debug view with a legend (docs/views.md)
+    /// Show a debug view with a legend (docs/reference/debug-views.md)
     #[arg(long, value_name = "NAME", value_parser = view(), help_heading = "Debug views")]
     pub debug: Option<DebugView>,
     /// Value of the brightest color of --debug [default: a round number; for grids, the peak of all frames]

@@ -30,7 +30,7 @@ pub fn show(document: &mut Document, search: &mut String, ui: &mut Ui) {
         }
         let edit = TextEdit::singleline(search).id_salt("search").hint_text("Search");
         let edit = edit.desired_width(ui.available_width());
-        let edit = ui.add(edit).on_hover_text("Shows parameters whose name or hint contains these words");
+        let edit = ui.add(edit).on_hover_text("Shows parameters whose name or hint contains these words; names from Blender, Unreal, XGen and Houdini work too");
         // Drop the focus once the user clicks elsewhere, so that undo applies to the document, not to the search text.
         if edit.has_focus() && !edit.contains_pointer() && ui.input(|input| input.pointer.any_pressed()) {
             edit.surrender_focus();
@@ -94,7 +94,8 @@ fn titled<'a>(title: &str, knobs: impl Iterator<Item = &'a Knob>, settings: &Set
 }
 
 fn matches(knob: &Knob, section: &Section, words: &str) -> bool {
-    let text = format!("{} {} {} {}", section.title, knob.path, knob.label, knob.hint).to_lowercase();
+    let Knob { path, label, hint, aliases, .. } = knob;
+    let text = format!("{} {path} {label} {hint} {aliases}", section.title).to_lowercase();
     words.split_whitespace().all(|word| text.contains(word))
 }
 
@@ -291,5 +292,8 @@ mod tests {
         let knob = &section.knobs[0];
         assert!(matches(knob, section, "") && matches(knob, section, &knob.label.to_lowercase()));
         assert!(!matches(knob, section, "xyzzy"));
+        let simulation = SECTIONS.iter().find(|section| section.key == "simulation").unwrap();
+        let drag = simulation.knobs.iter().find(|knob| knob.key() == "drag").unwrap();
+        assert!(matches(drag, simulation, "air resistance"));
     }
 }

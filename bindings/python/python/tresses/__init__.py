@@ -1,6 +1,6 @@
 """Real-time hair: grooms as NumPy arrays, step-by-step simulation, images and labels.
 
-Coordinates are meters, right-handed, Y up, face toward +Z; times are seconds. The guide is docs/python.md in the
+Coordinates are meters, right-handed, Y up, face toward +Z; times are seconds. The guide is docs/guide/python.md in the
 repository.
 
 >>> import tresses

@@ -201,7 +201,7 @@ fn shape(strands: &Strands, report: &mut Report) {
         FindingKind::SingleVertex,
         Warning,
         single,
-        "a strand needs two vertices",
+        "strands of one vertex; a strand needs two",
         "these strands are dropped",
     );
     add(
@@ -264,7 +264,7 @@ fn widths(report: &mut Report) {
             count: report.vertices,
             first_strand: None,
             detail: format!(
-                "a median radius of {:.4} mm; a human hair has 0.03 to 0.05 mm",
+                "widths with a median radius of {:.4} mm; a human hair has 0.03 to 0.05 mm",
                 radii.median * 1e3
             ),
             action: if odd { "the file's widths are ignored" } else { "the file's widths are kept" }.into(),
@@ -280,7 +280,7 @@ fn size(report: &mut Report) {
             severity: Severity::Warning,
             count: report.strands,
             first_strand: None,
-            detail: format!("{} MiB of drawn vertices", bytes >> 20),
+            detail: format!("strands, whose vertices take {} MiB when drawn", bytes >> 20),
             action:
                 "drawn in full if the adapter supports bindings of that size (WebGPU guarantees 128 MiB), otherwise rejected"
                     .into(),

@@ -12,6 +12,7 @@ pub(super) const SECTION: Section = Section {
 
 const KNOBS: &[Knob] = rows! { "avoidance";
     "mode" "Collision mode" [avoidance.mode] choice::<AvoidMode>(), flag(flag("avoid", "MODE")),
+        also("render strand collision"),
         "Response of strands that hit a collider: none, move vertices out, or follow the nearest guide.";
     "tightness" "Tightness" [avoidance.tightness] within(PERCENT, AvoidOptions::TIGHTNESS),
         "Pull of colliding strands toward their guide; raise it if they still penetrate.";

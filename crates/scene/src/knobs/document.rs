@@ -3,7 +3,7 @@
 use super::{Change, SECTIONS, Value};
 use std::fmt::Write;
 
-/// Returns the text of `docs/knobs.md`.
+/// Returns the text of `docs/reference/parameters.md`.
 pub fn markdown() -> String {
     let mut page = String::from(
         "# Parameters\n\n\
@@ -11,7 +11,8 @@ pub fn markdown() -> String {
          A path such as `simulation.drag` is the key `drag` of the table `[simulation]` in a preset, and \
          `--set simulation.drag=5` on the command line; some parameters have their own flag. *auto* values follow from \
          the style, the file or the color. The last column is the cost of a change: nothing (it takes effect in the next \
-         frame), *strands* (they are rebuilt) or *pipelines* (they are recreated). The studio collapses *advanced* parameters.\n",
+         frame), *strands* (they are rebuilt) or *pipelines* (they are recreated). The studio collapses *advanced* parameters. *Also* gives \
+         names in other programs, by which the studio's search and `--set` find a parameter.\n",
     );
     for section in SECTIONS {
         // Writing to a string cannot fail.
@@ -30,10 +31,11 @@ pub fn markdown() -> String {
             let flag = knob.flag.map(|flag| format!("`--{}`", flag.name)).unwrap_or_default();
             let _ = writeln!(
                 page,
-                "| `{}` | **{}**. {}{} | {} | {default} | {flag} | {cost} |",
+                "| `{}` | **{}**. {}{}{} | {} | {default} | {flag} | {cost} |",
                 knob.path,
                 knob.label,
                 knob.hint,
+                if knob.aliases.is_empty() { String::new() } else { format!(" *Also: {}.*", knob.aliases) },
                 if knob.advanced { " *Advanced.*" } else { "" },
                 knob.range()
             );

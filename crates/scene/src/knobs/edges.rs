@@ -18,17 +18,22 @@ pub(super) const SECTION: Section = Section {
 const KNOBS: &[Knob] = rows! { "edges";
     "samples" "Samples per pixel" {SAMPLES} ValueKind::Choice(COUNTS),
         auto, rebuild, flag(flag("samples", "N").first(SAMPLES_ALONE)),
+        also("msaa; antialiasing"),
         "MSAA samples of bodies, and of hair with mask and alpha; not every adapter supports more than 4.";
     "coverage" "Coverage" [view.coverage] choice::<Coverage>(),
         auto, rebuild, flag(flag("coverage", "MODE").common().first(COVERAGE_ALONE)),
+        also("oit; order independent transparency"),
         "Blending of strands thinner than a pixel: tiles, peeled layers, sample mask, or alpha to coverage.";
     "layers" "Peeled layers" [peeled_layers] integer(PLAIN, 1, Coverage::MAX_LAYERS, 1),
         rebuild, flag(flag("layers", "N")),
+        also("depth peeling"),
         "Sorted layers of hair, one pass each (peel only); more for light, thin hair.";
     "ssaa" "Supersampling" [ssaa] integer(TIMES, 1, 2, 1),
         rebuild, flag(flag("ssaa", "N")),
+        also("resolution scale; screen percentage"),
         "Rendered pixels per output pixel along each axis; 2 costs four times as much.";
     "min_width" "Minimum width" [shading.material.min_width] number(PIXELS, 0.0, 10.0), advanced,
+        also("min pixel width; stable rasterization"),
         "Thinner strands are drawn this wide and proportionally sparser (mask only).";
 };
 

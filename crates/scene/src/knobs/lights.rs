@@ -18,6 +18,7 @@ const KNOBS: &[Knob] = rows! { "lights";
     "key" "Key light" [lights.key] number(TIMES, 0.0, 10.0),
         "Strength of the main light, from the upper left of the camera.";
     "rim" "Rim light" [lights.rim] number(TIMES, 0.0, 10.0),
+        also("back light; backlight; kicker"),
         "Strength of the light from behind, which outlines the hair and shines through it.";
     "sky" "Ambient light" [lights.sky] number(TIMES, 0.0, 10.0),
         "Strength of the light from all other directions; lower for more contrast.";
@@ -29,9 +30,11 @@ const KNOBS: &[Knob] = rows! { "lights";
         "Factor on all light before tone mapping.";
     "environment_strength" "Environment strength" [lights.environment_strength] number(TIMES, 0.001, 1000.0).log(),
         flag(flag("environment-strength", "FACTOR")),
+        also("hdri strength; world strength"),
         "Factor on the light of the environment map.";
     "environment_turn" "Environment rotation" [lights.environment_turn] number(DEGREES, -360.0, 360.0),
         flag(flag("environment-turn", "DEGREES")),
+        also("hdri rotation"),
         "Rotation of the environment map about the head, toward its left.";
     "lamp1_strength" "Light 1" [lights.lamps[0].irradiance] number(PLAIN, 0.0, 100.0).log(),
         flag(flag("light", "AZIMUTH,ELEVATION[,IRRADIANCE]").times(2).first(LAMP).then(LAMP_MORE)

@@ -19,8 +19,10 @@ const KNOBS: &[Knob] = rows! { "lod";
     "mode" "Mode" [lod.mode] choice::<LodMode>(),
         flag(flag("lod", "auto|off|FRACTION").common().first(LOD)
             .about("Strands drawn: `auto` by the pixel size at the hair, `off` for all, or a fraction of them")),
+        also("level of detail; hair lod"),
         "Level of detail by the pixel size at the hair, full detail at any distance, or a fixed fraction.";
     "fraction" "Fraction of strands" [lod_fraction] within(PERCENT, LodOptions::FRACTION).log(),
+        also("lod percent; lod strand reduction"),
         "Fraction of strands drawn, if Mode is fraction.";
     "bias" "Bias" [lod.bias] within(PLAIN, LodOptions::BIAS), flag(flag("lod-bias", "STEPS")),
         "Level offset: 1 draws as if the hair were twice as far away, -1 half as far (auto only).";

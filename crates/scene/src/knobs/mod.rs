@@ -3,7 +3,7 @@
 //! A [`Knob`] is a row of the table: a parameter of [`Settings`] with its path, unit, range, hint and cost of change.
 //! Its value and default are stored in a field of the library's option structs, which the row names. The rows in
 //! [`SECTIONS`] are the only list of parameters: studio panels, preset keys, `--set`, command-line flags and
-//! `docs/knobs.md` are generated from them. `CONTRIBUTING.md` shows how to add a parameter.
+//! `docs/reference/parameters.md` are generated from them. `CONTRIBUTING.md` shows how to add a parameter.
 //!
 //! [`Value`] holds SI units; interfaces show the row's [`Unit`]. For example, `style.curl_radius` is 0.009 in
 //! [`Value::Number`] and 9 in millimeters, its unit. [`Knob::shown`] and [`Knob::inner`] convert.
@@ -78,6 +78,8 @@ pub struct Knob {
     pub label: &'static str,
     /// Effect and when to change it, one line.
     pub hint: &'static str,
+    /// Names in other programs, lowercase, separated by `; `. Searches find them.
+    pub aliases: &'static str,
     /// Type and range of the values.
     pub kind: ValueKind,
     /// Cost of a change.
@@ -118,6 +120,11 @@ impl Knob {
 
     const fn regrow(mut self) -> Self {
         self.cost = Change::Regrow;
+        self
+    }
+
+    const fn also(mut self, aliases: &'static str) -> Self {
+        self.aliases = aliases;
         self
     }
 
@@ -209,14 +216,16 @@ pub fn find(path: &str) -> Option<&'static Knob> {
 /// Returns the row with this path.
 ///
 /// # Errors
-/// Names the nearest row if there is none with this path.
+/// If there is none with this path, names the row that another program calls so, or else the nearest row.
 pub fn named(path: &str) -> Result<&'static Knob, String> {
     if let Some(knob) = find(path) {
         return Ok(knob);
     }
     let key = path.rsplit_once('.').map_or(path, |(_, key)| key);
+    let words = key.replace(['_', '-'], " ").to_lowercase();
     // A row with the same key in another section is the best suggestion.
-    let elsewhere = all().find(|knob| knob.key() == key);
+    let also = || all().find(|knob| knob.aliases.split("; ").any(|alias| alias == words));
+    let elsewhere = all().find(|knob| knob.key() == key).or_else(also);
     let by_letters = || all().min_by_key(|knob| strsim::damerau_levenshtein(path, knob.path));
     Err(match elsewhere.or_else(by_letters) {
         Some(knob) => format!("there is no {path}; the nearest is {}, {}", knob.path, knob.range()),
@@ -233,6 +242,7 @@ macro_rules! rows {
                 path: concat!($section, ".", $key),
                 label: $label,
                 hint: $hint,
+                aliases: "",
                 kind: $kind,
                 cost: $crate::knobs::Change::Frame,
                 automatic: false,

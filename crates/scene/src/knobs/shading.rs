@@ -16,14 +16,17 @@ const KNOBS: &[Knob] = rows! { "shading";
     "color" "Color" [shading.color] choice::<HairColor>(),
         flag(flag("color", "NAME|RRGGBB").common().first(COLOR)
             .about("Hair color: a name, or an sRGB color such as 5a3b28")),
+        also("hair color; base color"),
         "Source of the hair color: the file, a preset, the sRGB color below, or the pigments below.";
     "srgb" "sRGB color" [shading.srgb] ValueKind::Color,
         "Color of dense hair in neutral light, if Color is srgb.";
     "eumelanin" "Eumelanin" [shading.eumelanin] number(PLAIN, 0.0, 100.0).log(),
         flag(flag("melanin", "EU,PHEO").first(MELANIN).then(PHEOMELANIN)
             .about("Pigments instead of a color: brown is 1.3,0.2, blond 0.25,0.05, red 0.12,1.5, black 6,0.3")),
+        also("melanin"),
         "Brown to black pigment, if Color is melanin: blond 0.25, brown 1.3, black 6, white 0.";
     "pheomelanin" "Pheomelanin" [shading.pheomelanin] number(PLAIN, 0.0, 100.0).log(),
+        also("melanin redness; redness"),
         "Yellow to red pigment, if Color is melanin: brown 0.2, red 1.5.";
     "root_pigment" "Pigment at the root" [shading.root_pigment] number(TIMES, 0.0, 5.0),
         "Pigment at the root relative to the mean; higher for regrown roots (fiber only).";
@@ -31,22 +34,27 @@ const KNOBS: &[Knob] = rows! { "shading";
         "Pigment at the tip relative to the mean; lower for ends bleached by the sun (fiber only).";
     "lightness_spread" "Lightness spread" [shading.material.lightness_spread] number(PERCENT, 0.0, 100.0),
         auto, flag(flag("lightness-spread", "SHARE")),
+        also("random color; melanin variation"),
         "Variation of lightness (melanin) between strands; higher for streaks, lower for dyed hair.";
     "roughness_along" "Longitudinal roughness" [shading.material.fiber.shape.longitudinal]
         within(PLAIN, FiberShape::ROUGHNESS),
         flag(flag("roughness", "R[,R]").first(ALONG).then(AROUND)
             .about("Roughness of the fibers: longitudinal, and azimuthal")),
+        also("roughness"),
         "Roughness along the fiber, which lengthens highlights: 0.1 silk, 0.3 healthy hair, 1 wool (fiber only).";
     "roughness_around" "Azimuthal roughness" [shading.material.fiber.shape.azimuthal]
         within(PLAIN, FiberShape::ROUGHNESS),
+        also("radial roughness"),
         "Roughness around the fiber: higher is softer and more opaque (fiber only).";
     "model" "Model" [shading.material.model] choice::<ShadingModel>(), flag(flag("shading", "MODEL")),
         "Scattering in and between fibers, or the cheaper Kajiya-Kay model with two highlights.";
     "rate" "Shade per" [shading.rate] choice::<ShadingRate>(), advanced, flag(flag("shade-per", "WHERE")),
         "Shading rate: per strand vertex, or per pixel for finer noise at a higher cost.";
     "tilt" "Cuticle angle" [shading.material.fiber.shape.tilt] within(DEGREES, FiberShape::TILT), advanced,
+        also("offset; cuticle tilt; scale angle"),
         "Angle of the scales, which separates the white from the colored highlight; 2 to 3° for hair (fiber only).";
     "refraction" "IOR" [shading.material.fiber.shape.eta] within(PLAIN, FiberShape::ETA), advanced,
+        also("index of refraction"),
         "Index of refraction: 1.55 for hair, lower for wet hair, higher for more gloss (fiber only).";
     "density_forward" "Forward density" [shading.material.fiber.density_forward] number(PLAIN, 0.0, 1.0), advanced,
         "Fraction of forward-scattered light that hits other hair; lower is darker in the shade (fiber only).";
@@ -61,18 +69,23 @@ const KNOBS: &[Knob] = rows! { "shading";
     "root_darkness" "Root darkness" [shading.material.root_darkness] number(PLAIN, 0.0, 1.0), auto, advanced,
         "Factor on all light at the root; 1 for no darkening (kajiya-kay only).";
     "diffuse" "Diffuse" [shading.material.diffuse] number(PLAIN, 0.0, 2.0), auto, advanced,
+        also("diffuse factor"),
         "Strength of diffuse reflection (kajiya-kay only).";
     "primary" "First highlight" [shading.material.primary] number(PLAIN, 0.0, 5.0), auto, advanced,
+        also("spec1 factor; primary specular"),
         "Strength of the white highlight (kajiya-kay only).";
     "primary_exponent" "First highlight exponent" [shading.material.primary_exponent]
         number(PLAIN, 1.0, 1000.0).log(), auto, advanced,
+        also("spec exponent 1"),
         "Sharpness of the white highlight (kajiya-kay only).";
     "primary_shift" "First highlight shift" [shading.material.primary_shift] number(PLAIN, -1.0, 1.0), auto, advanced,
         "Shift of the white highlight toward the tip, as the tangent of an angle (kajiya-kay only).";
     "secondary" "Second highlight" [shading.material.secondary] number(PLAIN, 0.0, 5.0), auto, advanced,
+        also("spec2 factor; secondary specular"),
         "Strength of the colored highlight (kajiya-kay only).";
     "secondary_exponent" "Second highlight exponent" [shading.material.secondary_exponent]
         number(PLAIN, 1.0, 1000.0).log(), auto, advanced,
+        also("spec exponent 2"),
         "Sharpness of the colored highlight (kajiya-kay only).";
     "secondary_shift" "Second highlight shift" [shading.material.secondary_shift] number(PLAIN, -1.0, 1.0),
         auto, advanced,
@@ -80,6 +93,7 @@ const KNOBS: &[Knob] = rows! { "shading";
     "secondary_color" "Second highlight color" [shading.material.secondary_color] ValueKind::Color, auto, advanced,
         "Color of the second highlight and of transmitted light (kajiya-kay only).";
     "transmission" "Transmission" [shading.material.transmission] number(PLAIN, 0.0, 5.0), auto, advanced,
+        also("backlit"),
         "Strength of light transmitted from behind (kajiya-kay only).";
     "transmission_exponent" "Transmission exponent" [shading.material.transmission_exponent]
         number(PLAIN, 1.0, 1000.0).log(), auto, advanced,
@@ -87,6 +101,7 @@ const KNOBS: &[Knob] = rows! { "shading";
     "shift_noise" "Shift noise" [shading.material.shift_noise] number(PLAIN, 0.0, 1.0), auto, advanced,
         "Noise on both highlight shifts, along the strand and per pixel (kajiya-kay only).";
     "opacity" "Fiber opacity" [shading.material.opacity] number(PLAIN, 0.0, 1.0), auto, advanced,
+        also("shadow alpha"),
         "Fraction of light that each fiber blocks; higher is darker inside the hair (kajiya-kay only).";
     "saturation" "Saturation in depth" [shading.material.saturation] number(PLAIN, 0.0, 5.0), auto, advanced,
         "Extra absorption of the weaker color channels inside the hair (kajiya-kay only).";

@@ -12,9 +12,11 @@ pub(super) const SECTION: Section = Section {
 
 const KNOBS: &[Knob] = rows! { "shadows";
     "method" "Method" [shadows.method] choice::<ShadowMethod>(), flag(flag("shadows", "METHOD")),
+        also("deep opacity map; self shadowing"),
         "Method that counts the fibers between a light and a point.";
     "softness" "Softness on hair" [shadows.hair_radius] number(MILLIMETERS, 0.1, 50.0).log(),
         flag(flag("shadow-softness", "MM")),
+        also("shadow blur"),
         "Radius over which shadows on hair are averaged; larger is softer and more stable.";
     "body_opacity" "Shadow on skin" [shadows.body_opacity] number(PERCENT, 0.0, 100.0),
         "Strength of hair shadows on skin; at 100 %, as strong as on other hair.";
@@ -29,6 +31,7 @@ const KNOBS: &[Knob] = rows! { "shadows";
         "Shades hair and samples its shadows at each pixel; slower.";
     "resolution" "Resolution" [view.shadow_resolution] integer(TEXELS, 64, 2048, 1),
         advanced, rebuild, flag(flag("shadow-resolution", "N")),
+        also("shadow map size"),
         "Texels along each edge of a shadow map; higher for shadows of single locks on skin.";
     "ambient_cells" "Ambient cells" [view.ambient_cells] integer(PLAIN, 4, 64, 1), advanced, rebuild,
         flag(flag("ambient-cells", "N")),
@@ -38,5 +41,6 @@ const KNOBS: &[Knob] = rows! { "shadows";
     "density" "Assumed density" [shadows.density] number(PER_METER, 0.0, 10_000.0).log(), advanced,
         "Fibers that light hits per meter of hair (absorption only).";
     "bias" "Bias" [shadows.bias] number(MILLIMETERS, 0.0, 20.0), advanced,
+        also("shadow bias; depth bias"),
         "Offset of skin toward the light; raise it if skin shows stripes.";
 };

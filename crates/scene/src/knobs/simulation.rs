@@ -17,26 +17,35 @@ pub(super) const SECTION: Section = Section {
 
 const KNOBS: &[Knob] = rows! { "simulation";
     "gravity" "Gravity" {GRAVITY} number(ACCELERATION, 0.0, 50.0),
+        also("gravity vector; gravity magnitude"),
         "Acceleration of free fall; lower for hair under water, higher for heavy hair.";
     "goal_root" "Shape stiffness, root" [simulation.goal.root] within(PER_SECOND_SQUARED, Params::GOAL).log(),
+        also("global stiffness; global shape stiffness; global constraint stiffness; pin goal strength; goal strength; shape matching"),
         "Pull toward the rest shape near the scalp; raise it if the style collapses in motion.";
     "goal_tip" "Shape stiffness, tip" [simulation.goal.tip] within(PER_SECOND_SQUARED, Params::GOAL).log(),
+        also("goal strength"),
         "Pull toward the rest shape near the tip, like hair spray; 0 lets ends swing freely.";
     "drag" "Drag" [simulation.drag] within(PER_SECOND, Params::DRAG).log(),
+        also("air drag; damping; air resistance"),
         "Rate at which hair takes on the velocity of the air; raise it if hair swings too long.";
     "friction" "Friction" [simulation.friction] within(PLAIN, Params::FRICTION).log(),
+        also("kinetic friction; static friction"),
         "Friction on the head, clothes and other colliders; raise it if hair slides off a shoulder.";
     "hair_hair" "Self-collision" [simulation.hair_hair.mode] choice::<HairHairMode>(),
         flag(flag("hair-hair", "MODE")),
+        also("self collision; hair collision"),
         "Response of hair that is denser than at rest: none, a fixed push, or pressure and friction.";
     "hair_hair_speed" "Pressure" [simulation.hair_hair.speed] within(METERS_PER_SECOND, HairHair::SPEED),
+        also("density strength; hair repulsion"),
         "Repulsion stiffness, as the speed of sound in hair; raise it if locks interpenetrate (gradient only).";
     "hair_hair_friction" "Hair-hair friction" [simulation.hair_hair.friction]
         within(PER_SECOND, HairHair::FRICTION).log(),
+        also("strands viscosity; internal friction; hair viscosity"),
         "Rate at which hair takes on the motion of nearby hair; raise it for hair that moves as one.";
     "support" "Support" [simulation.support] within(PLAIN, Params::SUPPORT).log(), regrow,
         "Extra stiffness of upright hair; raise it if an afro sways too much.";
     "twist" "Twist" [simulation.twist] within(PLAIN, Params::TWIST).log(), regrow,
+        also("torsion; twist stiffness"),
         "Torsional stiffness over bending stiffness, 0.5 for round hair; makes curls spring. 0 turns it off.";
     "cohesion" "Cohesion" [simulation.hair_hair.cohesion]
         within(PER_SECOND_SQUARED, HairHair::COHESION).log(), regrow,
@@ -48,21 +57,28 @@ const KNOBS: &[Knob] = rows! { "simulation";
         within(CENTIMETERS, HairHair::COHESION_REACH).log(), advanced, regrow,
         "Maximum distance of guides that a cohesion spring connects.";
     "line_density" "Mass per length" [simulation.line_density] within(LINE_DENSITY, Params::LINE_DENSITY).log(), advanced,
+        also("hair mass; vertex mass; strands density; linear density"),
         "Heavier hair hangs straighter, swings longer and resists the wind.";
     "bending_root" "Bending at the root" [simulation.bending.root] within(STIFFNESS, Params::BENDING).log(), advanced,
+        also("bend stiffness; local stiffness; local shape stiffness; local constraint stiffness"),
         "Bending stiffness near the scalp; a hair of 80 µm has 8, locks have more.";
     "bending_tip" "Bending at the tip" [simulation.bending.tip] within(STIFFNESS, Params::BENDING).log(), advanced,
+        also("bend stiffness; bend stiffness scale"),
         "Bending stiffness near the tip; raise it if ends hang like strings, lower it for silk.";
     "bending_falloff" "Bending falloff" [simulation.bending.falloff] within(CENTIMETERS, RootToTip::FALLOFF), advanced,
+        also("bend stiffness scale"),
         "Length of hair over which bending stiffness changes from its root to its tip value.";
     "goal_falloff" "Shape falloff" [simulation.goal.falloff] within(CENTIMETERS, RootToTip::FALLOFF), advanced,
+        also("global range; global shape range; global constraints range"),
         "Length of hair over which shape stiffness changes from its root to its tip value.";
     "bending_damping" "Bending damping" [simulation.bending_damping] within(MILLISECONDS, Params::BENDING_DAMPING).log(),
         advanced,
+        also("bend damping"),
         "Relaxation time of bending; raise it if hair quivers.";
     "diameter" "Hair diameter" [simulation.diameter] within(MICROMETERS, Params::DIAMETER).log(), advanced,
         "Diameter that the wind acts on; the drawn width is a separate parameter.";
     "stretch" "Stretch" [simulation.stretch] within(PERCENT, Params::STRETCH).log(), advanced,
+        also("stretch stiffness; stretchiness"),
         "Strain of a hanging strand under its weight; higher is springier, and unrealistic for hair.";
     "hair_hair_tolerance" "Tolerated density" [simulation.hair_hair.tolerance]
         within(PERCENT, HairHair::TOLERANCE).log(), advanced,
@@ -75,8 +91,10 @@ const KNOBS: &[Knob] = rows! { "simulation";
     "hair_hair_fixed" "Fixed push" [simulation.hair_hair.fixed] within(ACCELERATION, HairHair::FIXED).log(), advanced,
         "Acceleration out of cells that are too dense (fixed only).";
     "step" "Fixed step" [simulation.step] within(MILLISECONDS, Params::STEP).log(), advanced,
+        also("time step; timestep"),
         "Duration of one simulation step; shorter is more accurate and costs more.";
     "substeps" "Substeps" [simulation.substeps] integer(PLAIN, 1, MAX_SUBSTEPS, 1), advanced,
+        also("sub steps; quality steps"),
         "Substeps per step; more for stiff hair and fast motion, at proportional cost.";
 };
 

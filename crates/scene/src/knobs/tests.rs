@@ -170,8 +170,11 @@ fn values_format_and_parse_with_units() {
 
 #[test]
 fn knobs_md_is_current() {
-    let page = include_str!("../../../../docs/knobs.md");
-    assert!(page == markdown(), "write docs/knobs.md anew: tresses knobs --markdown > docs/knobs.md");
+    let page = include_str!("../../../../docs/reference/parameters.md");
+    assert!(
+        page == markdown(),
+        "write docs/reference/parameters.md anew: tresses knobs --markdown > docs/reference/parameters.md"
+    );
 }
 
 /// Parses `text` with the flag of the row at `path` and lists the parameters it changes.
@@ -252,4 +255,21 @@ fn flags_are_unique_and_name_existing_rows() {
         assert_eq!(help.is_empty(), flag.value.is_empty(), "{}", knob.path);
     }
     assert!(seen.len() > 35, "{}", seen.len());
+}
+
+#[test]
+fn names_of_other_programs_suggest_the_parameter() {
+    let suggests = |path: &str, found: &str| {
+        let said = named(path).unwrap_err();
+        assert!(said.contains(&format!("is {found},")), "{path}: {said}");
+    };
+    suggests("simulation.air_drag", "simulation.drag");
+    suggests("Radial-Roughness", "shading.roughness_around");
+    suggests("kink amplitude", "style.curl_radius");
+    for knob in all().filter(|knob| !knob.aliases.is_empty()) {
+        for alias in knob.aliases.split("; ") {
+            assert!(!alias.trim().is_empty() && alias == alias.to_lowercase(), "{}: {alias:?}", knob.path);
+            assert_ne!(alias, knob.key().replace('_', " "), "{}", knob.path);
+        }
+    }
 }

@@ -18,11 +18,14 @@ pub(super) const SECTION: Section = Section {
 const KNOBS: &[Knob] = rows! { "wind";
     "speed" "Speed" {SPEED} within(METERS_PER_SECOND, Wind::SPEED).log(),
         flag(flag("wind", "SPEED[,DEGREES]").common().then(WIND)),
+        also("air velocity; wind strength; wind magnitude"),
         "Mean speed: 2 m/s stirs leaves, 8 a flag, 20 is a storm. 0 costs nothing.";
     "direction" "Direction" [wind_direction] number(DEGREES, -360.0, 360.0),
+        also("wind angle"),
         "Direction that the wind comes from: front (0), left of the head (90), back (180).";
     "gusts" "Gusts" [simulation.wind.gusts] within(PERCENT, Wind::GUSTS),
         flag(flag("gusts", "INTENSITY")),
+        also("turbulence; wind noise"),
         "Standard deviation over mean speed: 10 % over water, 20 over land, 40 between houses.";
     "gust_length" "Gust length" [simulation.wind.gust_length] within(METERS, Wind::GUST_LENGTH).log(),
         "Size of gusts; a gust passes in about this length over the wind speed.";

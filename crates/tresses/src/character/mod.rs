@@ -45,7 +45,7 @@ pub use light::Foci;
 pub use obstacles::Obstacle;
 pub use parts::{Bounds, CharacterParts, subject};
 pub use rigged::{BodyPose, RiggedBody};
-pub use source::{CharacterFiles, CharacterSource, Styling};
+pub use source::{CharacterFiles, CharacterSource, FillOptions, Styling};
 
 use crate::{
     Error, Pose, Result,
@@ -326,9 +326,6 @@ impl Character {
     }
 
     /// Lets the hair of nearby characters collide in the next frame. Call it before [`Frame::advance`].
-    ///
-    /// # Errors
-    /// As [`Hair::meet_each_other`].
     pub fn meet_each_other(characters: &mut [&mut Self]) {
         let mut hair: Vec<_> = characters.iter_mut().map(|character| &mut character.hair).collect();
         Hair::meet_each_other(&mut hair);

@@ -4,7 +4,7 @@ use crate::{Error, Result};
 
 /// How strands cover pixels that they are thinner than.
 ///
-/// `docs/appearance/edges.md` has figures and images of each mode.
+/// `docs/validation/coverage.md` has figures and images of each mode.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Coverage {
     /// A strip is drawn at least [`min_width`](crate::light::HairMaterial::min_width) pixels wide and covers only the

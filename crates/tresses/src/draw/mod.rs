@@ -1,17 +1,18 @@
 //! Draws hair, bodies and background into a linear HDR target.
 //!
 //! ```text
-//! strand vertices ─► strips (vertex pulling) ─┐
-//! shaded          ─┘                          ├─► HDR, depth ─► present
-//! body            ─► triangles ───────────────┘
+//! strand vertices ─► tiles, or strips (vertex pulling) ─┐
+//! shaded          ─┘                                    ├─► HDR, depth ─► present
+//! body            ─► triangles ─────────────────────────┘
 //! ```
 //!
-//! [`Coverage`] selects how hair covers pixels that it is thinner than. `docs/appearance/edges.md` compares the modes.
+//! [`Coverage`] selects one of four modes in which hair covers pixels that it is thinner than.
+//! `docs/validation/coverage.md` compares them.
 //!
-//! [`Coverage::Tiles`], the default, is a compute rasterizer ([`tiles`]). The other modes draw hair as camera-facing
-//! strips with the hardware rasterizer: two vertices per strand vertex, generated in the vertex shader from the shared
-//! strand buffer. One 16-bit index buffer covers as many strands as fit. It is drawn repeatedly with a different base
-//! vertex (`strands::indices`).
+//! [`Coverage::Tiles`], the default, is a compute rasterizer ([`tiles`]). The other three modes draw hair as
+//! camera-facing strips with the hardware rasterizer: two vertices per strand vertex, generated in the vertex shader
+//! from the shared strand buffer. One 16-bit index buffer covers as many strands as fit. It is drawn repeatedly with a
+//! different base vertex (`strands::indices`).
 //!
 //! ```text
 //! SampleMask       strips ≥ min_width px ─► depth, color of the strand's own samples

@@ -1,4 +1,5 @@
-//! Copies from the GPU to the CPU, for images, measurements and tests. A frame never waits for one.
+//! Copies from the GPU to the CPU, for images, measurements, tests, and the length of tile lists
+//! ([`crate::draw::tiles`]). A frame never waits for one.
 //!
 //! [`buffer`] and [`texture`] wait: in a browser for the event loop, elsewhere by polling the device, so that they are
 //! usually ready when first polled. If another thread polls the same device, the result may arrive on that thread, a

@@ -9,7 +9,7 @@
 //!
 //! An instance allocates strand buffers only for the strands that its level of detail draws: drawn vertices, their
 //! colors and the lists of tiles are most of a groom's memory. Before a frame that needs more, it moves into larger
-//! buffers, half an octave at a time. Nothing is read back.
+//! buffers, half an octave at a time. The sizes follow from the level of detail, without a readback.
 
 use super::{Hair, curves::Curves, effects::Effects, motion::Motion, sleep::Sleep};
 use crate::{

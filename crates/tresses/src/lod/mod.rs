@@ -2,7 +2,7 @@
 //!
 //! Once per frame the CPU chooses how many strands are drawn, with how many segments, how much wider, and how long the
 //! physics steps are. The choice depends on the size of a pixel at the hair's distance. All stages after the guides
-//! then process only that many strands and vertices. Nothing is read back.
+//! then process only that many strands and vertices. The choice needs no readback.
 //!
 //! ```text
 //! view, bounding sphere ─► Lod::detail ─► Detail ─┬─► StrandBuffers::drawn ─► interpolate, avoid, light, draw

@@ -8,7 +8,7 @@
 //! pixel the disc is about as large as the pixel.
 //!
 //! Rejected: wider strips with fewer samples each. They change less often, by the square root of the width, but blur
-//! hair across its width and leave the noise in each frame (`docs/appearance/edges.md`).
+//! hair across its width and leave the noise in each frame (`docs/validation/coverage.md`).
 
 use bytemuck::{Pod, Zeroable};
 use glam::{IVec2, Vec2, Vec4};

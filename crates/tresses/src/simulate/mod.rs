@@ -35,9 +35,9 @@
 //!
 //! **Why not a workgroup per guide with iterated constraints?** Iterations preserve neither lengths nor stiffness:
 //! after 20 of them a strand of 16 vertices is a rubber band, and its stiffness depends on their number. A direct solve
-//! preserves both (cantilever within 1 %, strain below 1 % in a 2 Hz shake; `docs/physics.md` has the table) with fewer
-//! operations. Elimination is serial along the strand, so 63 of 64 threads would wait at barriers. A thousand guides
-//! fill a GPU as well as a thousand groups.
+//! preserves both (cantilever within 1 %, strain below 1 % in a 2 Hz shake; `docs/validation/motion.md` has the table)
+//! with fewer operations. Elimination is serial along the strand, so 63 of 64 threads would wait at barriers. A
+//! thousand guides fill a GPU as well as a thousand groups.
 //!
 //! **Lengths.** The edge springs leave less than 1 % of strain in a shake. In a shock of 20 g a slack chain folds
 //! within a substep and single edges are compressed by up to 82 %. Therefore every edge outside ±0.8 % is brought back

@@ -84,7 +84,7 @@ fn penetrating_vertices_stay_below_a_thousandth() {
     check("long", context, &style("long"), &[("shake", SHAKE)], 0.005);
 }
 
-/// Prints the table of docs/physics.md.
+/// Prints the table of docs/validation/motion.md.
 #[test]
 #[ignore = "proof"]
 fn penetrating_vertices_stay_below_a_thousandth_in_all_styles() {

@@ -169,7 +169,7 @@ fn no_vertex_stays_in_the_head_during_a_shake() {
     assert!(!run.watch(0.3, &head, &|_| ColliderPoses::default(), &inside, &|_, _, _| false).holds());
 }
 
-/// Prints the table of docs/physics.md.
+/// Prints the table of docs/validation/motion.md.
 #[test]
 #[ignore = "proof"]
 fn no_vertex_of_any_groom_stays_in_the_head_during_a_shake() {
@@ -225,7 +225,7 @@ fn a_hand_pushes_hair_aside() {
     assert!(seen.holds(), "{seen:?}");
 }
 
-/// Prints the table of docs/physics.md. Speeds above 3 m/s are printed only.
+/// Prints the table of docs/validation/motion.md. Speeds above 3 m/s are printed only.
 #[test]
 #[ignore = "proof"]
 fn a_hand_of_any_speed_pushes_hair_aside() {

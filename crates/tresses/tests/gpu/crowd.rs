@@ -388,7 +388,7 @@ fn levels_of_detail_keep_the_budget() {
 }
 
 /// Mean luminance of a head in zones with this many texels and cells, relative to the maps and cells of a portrait.
-/// Prints the figures of docs/appearance/lod.md and checks that the sizes that `Zone::seen` chooses suffice.
+/// Prints the figures of docs/validation/levels.md and checks that the sizes that `Zone::seen` chooses suffice.
 #[test]
 #[ignore = "proof"]
 fn zones_are_as_bright_as_finer_maps() {
@@ -446,7 +446,7 @@ fn zones_are_as_bright_as_finer_maps() {
 }
 
 /// Brightness from frame to frame of distant heads that turn, each with the levels and the zone of a crowd, compared
-/// with light that is recomputed in every frame. Prints the figures of docs/appearance/lod.md.
+/// with light that is recomputed in every frame. Prints the figures of docs/validation/levels.md.
 #[test]
 #[ignore = "proof"]
 fn distant_heads_do_not_flicker() {

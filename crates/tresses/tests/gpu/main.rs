@@ -26,6 +26,7 @@ mod frame;
 mod golden;
 mod grab;
 mod grooms;
+mod guide;
 mod interpolate;
 mod labels;
 mod lod;

@@ -1,6 +1,6 @@
 //! Self-collision in a shaken style: the volume that its strands fill.
 //!
-//! `make proof` prints the table of `docs/physics.md`.
+//! `make proof` prints the table of `docs/validation/motion.md`.
 
 use crate::common;
 

@@ -4,7 +4,7 @@ Workers are processes on this machine or actors on a Ray cluster.
 
     python -m tresses.farm plan.toml --out shots --workers 2
 
-The guide is docs/farm.md in the repository.
+The guide is docs/guide/datasets.md in the repository.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Render the shots of a plan into a data set of WebDataset shards, with many workers. Finished "
         "shards are kept: run the same command again to resume.",
         epilog="Exit codes: 0 success, 1 the run failed, 2 the plan or an argument is invalid, 130 Ctrl-C. "
-        "Guide: docs/farm.md.",
+        "Guide: docs/guide/datasets.md.",
     )
     parser.add_argument("plan", help="plan file (TOML)")
     parser.add_argument("--out", metavar="FOLDER", help="output folder; default: out/NAME for NAME.toml")

@@ -140,7 +140,8 @@ impl<'a> Surroundings<'a> {
     }
 }
 
-/// Pipelines and buffers that composite the hair of one view into a scene.
+/// Pipelines and buffers that composite the hair of one view into a scene. Record it at most once per submission: it has
+/// one set of uniforms.
 #[derive(Debug)]
 pub struct Compositor {
     /// Depth conversion, for depth with one sample and with several.

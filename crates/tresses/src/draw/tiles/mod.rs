@@ -36,9 +36,14 @@
 //! the whole list.
 //!
 //! **Memory.** The list buffer holds a *window* and the longest tile. The window is one and a half entries per point,
-//! or what the previous frame needed. If a frame needs more, as in a close-up, its tiles are drawn in
+//! or what a recent frame needed. If a frame needs more, as in a close-up, its tiles are drawn in
 //! [rounds](crate::constants::TILE_ROUNDS). Each round is recorded with indirect dispatches, which have no workgroups
 //! if the round is not needed.
+//!
+//! **Readback.** The CPU learns the number of entries from `TileControl`, 528 bytes per view. From the second frame
+//! on, recording a frame submits a copy of it and maps the copy, unless an earlier one is in flight. A later frame
+//! takes the result if it has arrived, without waiting, and enlarges the lists if they are too short.
+//! [`View::is_complete`](crate::View::is_complete) waits for the count of the last frame.
 //!
 //! **Performance.** A software driver executes loads and atomics lane by lane, so that a thread should process many
 //! pixels per load: a row of eight costs an eighth of the loads of eight threads with one pixel each. Bins over the
@@ -90,7 +95,7 @@ impl<'a> Round<'a> {
     }
 
     /// Records an indirect dispatch of `kernel` for part of the lists. `field` is the offset of the workgroup counts in
-    /// [`Control`].
+    /// [`TileControl`].
     fn run(
         &self,
         pass: &mut crate::gpu::ComputePass<'_>,
@@ -180,7 +185,7 @@ impl Pipelines {
     }
 
     /// Records the kernels that fill the lists of a round and sort the requested part. `segments` and `bins` are
-    /// offsets of workgroup counts in [`Control`].
+    /// offsets of workgroup counts in [`TileControl`].
     fn order(
         &self,
         pass: &mut crate::gpu::ComputePass<'_>,

@@ -36,12 +36,12 @@
 //! next to an absorbing wall, which retains 1 / sqrt(n) after n steps. With Zinke's constant factor, hair beyond the
 //! terminator, behind two to eight fibers, was 1.4 to 1.9 times as bright as path traced.
 //!
-//! `density_forward` is fitted to path-traced images (`docs/appearance/truth.md`). Backscattering is limited to the
-//! fibers behind the visible one (`shading.wesl`).
+//! `density_forward` is fitted to path-traced images (`docs/validation/path-tracing.md`). Backscattering is limited to
+//! the fibers behind the visible one (`shading.wesl`).
 //!
 //! **Tests**: the near field against 256 directions and four colors of Mitsuba's plugin; white furnace tests of the
 //! near field, the tables and the shader; the shader against its CPU reference [`FarField::scatter`]
-//! (`tests/gpu/fiber.rs`). Comparison with path-traced images: `docs/appearance/shading.md`.
+//! (`tests/gpu/fiber.rs`). Comparison with path-traced images: `docs/validation/shading.md`.
 //!
 //! Untried: a fit of `density_back` (0.7 as in the paper); the offset across the strip where hair is wider than pixels
 //! (near field); elliptical fibers.

@@ -68,7 +68,7 @@ fn total_coverage_is_exact() {
     judge(context, &[super::MASK_4, super::TILES, super::ALPHA_4], &[super::TILES]);
 }
 
-/// Prints the table of docs/appearance/edges.md.
+/// Prints the table of docs/validation/coverage.md.
 #[test]
 #[ignore = "proof"]
 fn total_coverage_is_exact_in_any_mode() {

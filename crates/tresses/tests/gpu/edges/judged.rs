@@ -136,7 +136,7 @@ fn tiles_match_strips_with_64_samples() {
     judge(context, "short", &Setup::style("short", 2000).0, &RADII[..1]);
 }
 
-/// Prints the table of docs/appearance/edges.md.
+/// Prints the table of docs/validation/coverage.md.
 #[test]
 #[ignore = "proof"]
 fn tiles_match_strips_with_64_samples_for_all_grooms() {

@@ -64,7 +64,7 @@ fn hair_does_not_shimmer_in_motion() {
     judge(context, &[MASK_4, MASK_1, TILES], &DISTANCES[1..]);
 }
 
-/// Prints the table of docs/appearance/edges.md.
+/// Prints the table of docs/validation/coverage.md.
 #[test]
 #[ignore = "proof"]
 fn hair_does_not_shimmer_in_any_mode() {

@@ -61,7 +61,7 @@ fn real_groom_coverage_matches_the_path_tracer() {
     judge(&SIZES[2..], |mode| [super::MASK_4_2X, super::TILES, super::ALPHA_4].contains(&mode));
 }
 
-/// Prints the table of docs/appearance/edges.md.
+/// Prints the table of docs/validation/coverage.md.
 #[test]
 #[ignore = "proof"]
 fn real_groom_coverage_matches_the_path_tracer_in_any_mode() {

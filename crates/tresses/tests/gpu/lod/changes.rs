@@ -54,7 +54,7 @@ fn level_changes_do_not_pop() {
     assert!(jump(&all) < 3.5 && jump(&coming) > 5.0, "{all:?} {coming:?}");
 }
 
-/// Prints the figures of docs/appearance/lod.md.
+/// Prints the figures of docs/validation/levels.md.
 #[test]
 #[ignore = "proof"]
 fn many_level_changes_do_not_pop() {
@@ -97,7 +97,7 @@ fn longer_steps_keep_the_motion() {
     slower_steps(stage, &groom, &common::ball(0.09, 48), 30.0);
 }
 
-/// Prints the figures of docs/appearance/lod.md.
+/// Prints the figures of docs/validation/levels.md.
 #[test]
 #[ignore = "proof"]
 fn longer_steps_keep_the_motion_of_a_style() {

@@ -156,7 +156,7 @@ fn coarser_light_is_as_bright_at_a_distance() {
     }
 }
 
-/// Prints the table of docs/appearance/lod.md.
+/// Prints the table of docs/validation/levels.md.
 #[test]
 #[ignore = "proof"]
 fn coverage_and_luminance_stay_at_any_distance() {

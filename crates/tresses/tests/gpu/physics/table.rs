@@ -1,4 +1,4 @@
-//! Rows of the tables in `docs/physics.md`: printed, checked, and compared with that file.
+//! Rows of the tables in `docs/validation/motion.md`: printed, checked, and compared with that file.
 
 use std::{fs, path::PathBuf, sync::Mutex};
 
@@ -113,13 +113,13 @@ fn run(experiment: impl Fn(bool) -> Vec<Row>) -> Vec<Row> {
 /// given.
 fn docs(topic: &str, rows: &[Row], all: bool) {
     static FILE: Mutex<()> = Mutex::new(());
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../docs/physics.md");
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../docs/validation/motion.md");
     let _guard = FILE.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
     let text = fs::read_to_string(&path).unwrap();
     let begin = format!("<!-- {topic} -->\n");
-    let start =
-        text.find(&begin).unwrap_or_else(|| panic!("docs/physics.md has no rows {begin}")) + begin.len();
-    let end = start + text[start..].find("<!-- end -->").expect("rows in docs/physics.md end");
+    let start = text.find(&begin).unwrap_or_else(|| panic!("docs/validation/motion.md has no rows {begin}"))
+        + begin.len();
+    let end = start + text[start..].find("<!-- end -->").expect("rows in docs/validation/motion.md end");
     if all && std::env::var_os("TRESSES_PHYSICS").is_some_and(|v| v == "write") {
         let mut table =
             String::from("| case | expected | measured | error | tolerance |\n|---|---|---|---|---|\n");
@@ -135,7 +135,7 @@ fn docs(topic: &str, rows: &[Row], all: bool) {
         .skip(2)
         .map(|line| line.trim_matches('|').split(" | ").map(str::trim).collect())
         .collect();
-    let help = "docs/physics.md is out of date: run TRESSES_PHYSICS=write make proof";
+    let help = "docs/validation/motion.md is out of date: run TRESSES_PHYSICS=write make proof";
     // Rows of real grooms exist only if the assets exist.
     let complete = all && crate::common::sintel().is_some();
     assert!(rows.len() == written.len() || !complete && rows.len() < written.len(), "{topic}: {help}");

@@ -162,7 +162,7 @@ fn shadow_methods_match_counted_strands() {
     methods_against_counting(context, &[Sample { style: "long", strands: 2000, points: 300, rays: 64 }]);
 }
 
-/// Prints the table of docs/appearance/shadows.md.
+/// Prints the table of docs/validation/shadows.md.
 #[test]
 #[ignore = "proof"]
 fn shadow_methods_match_counted_strands_in_all_styles() {
@@ -211,7 +211,7 @@ fn visible_points_are_lit_as_by_rays() {
 }
 
 /// As many strands and points as in a real image, because the hot spot is only as large as a few strands are wide.
-/// Prints the table of docs/appearance/shadows.md.
+/// Prints the table of docs/validation/shadows.md.
 #[test]
 #[ignore = "proof"]
 fn visible_points_of_all_styles_are_lit_as_by_rays() {
@@ -278,7 +278,7 @@ fn shadows_do_not_crawl_in_a_turning_light() {
     turning_light(context, 4000, 100, 512, &[ShadowMethod::DeepOpacity]);
 }
 
-/// As many rays as 64 filters of eight taps. Prints the figures of docs/appearance/shadows.md.
+/// As many rays as 64 filters of eight taps. Prints the figures of docs/validation/shadows.md.
 #[test]
 #[ignore = "proof"]
 fn shadows_of_any_method_do_not_crawl_in_a_turning_light() {

@@ -1,4 +1,4 @@
-//! Reads hair from a glTF file: `EXT_tresses_hair`, specified in `docs/EXT_tresses_hair.md`.
+//! Reads hair from a glTF file: `EXT_tresses_hair`, specified in `docs/reference/EXT_tresses_hair.md`.
 
 use glam::{Vec2, Vec3};
 use gltf::Accessor;

@@ -1,4 +1,4 @@
-//! Writes hair to a glTF file: `EXT_tresses_hair`, specified in `docs/EXT_tresses_hair.md`.
+//! Writes hair to a glTF file: `EXT_tresses_hair`, specified in `docs/reference/EXT_tresses_hair.md`.
 
 use glam::Vec3;
 use meshoptimizer_rs::{
