@@ -79,7 +79,7 @@ enum Command {
 /// Checks the arguments of a command line, of which the first is the program's name, without running it.
 ///
 /// # Errors
-/// What is wrong with them.
+/// The first problem, as clap words it.
 pub fn check(words: &[String]) -> Result<(), String> {
     use clap::error::ErrorKind::{DisplayHelp, DisplayVersion};
     match Cli::try_parse_from(words) {
