@@ -14,7 +14,7 @@ use tresses::{
     gpu::readback::blocking as readback,
     groom::{grow::Growth, mannequin::facial::Beard, styles::Style},
     lod::{LodMode, LodOptions},
-    view::{Picture, ViewOptions},
+    view::Picture,
 };
 
 /// Creates the built-in character with few strands, brows, lashes and a hanging beard.
@@ -45,7 +45,7 @@ fn advance(context: &Context, characters: &mut [&mut Character], dt: f32) {
 /// Renders `characters` with a camera in front of the origin.
 fn seen(context: &Context, characters: &[&Character]) -> Vec<u8> {
     let size = [96, 96];
-    let mut view = View::new(context, &ViewOptions::default(), size, 1).unwrap();
+    let mut view = View::new(context, &common::coarse(), size, 1).unwrap();
     let camera = Camera::look_at(Vec3::new(0.0, 0.05, 1.2), Vec3::new(0.0, 0.05, 0.0), 0.5, size);
     let picture = Picture { camera, ..Picture::default() };
     let output = view.targets().picture().clone();
@@ -72,7 +72,7 @@ fn instance_moves_and_looks_like_a_separate_character() {
     let mut first = bearded(context);
     let mut moved = first.instance().unwrap();
     moved.gesture = nod(20.0);
-    advance(context, &mut [&mut moved], 0.5);
+    advance(context, &mut [&mut moved], 0.2);
     // Instances of a character at rest and of one that is already posed.
     let (mut second, mut third) = (first.instance().unwrap(), moved.instance().unwrap());
     third.reset();
@@ -138,7 +138,7 @@ fn crowd_keeps_its_budget_and_has_a_zone_per_head() {
     let mut all: Vec<_> = crowd.iter_mut().collect();
     advance(context, &mut all, 0.0);
     let size = [64, 64];
-    let mut view = View::new(context, &ViewOptions::default(), size, 1).unwrap();
+    let mut view = View::new(context, &common::coarse(), size, 1).unwrap();
     let picture = Picture { camera: far[0], ..Picture::default() };
     let output = view.targets().picture().clone();
     let mut draw = |count: usize| {

@@ -32,7 +32,7 @@ fn upload(context: &Context, radius: f32, strands: &[[Vec3; 2]]) -> StrandBuffer
 
 /// Creates a view of `size`² pixels with this many samples and, along each axis, `ssaa` texels per pixel.
 fn view(context: &Context, size: u32, samples: u32, ssaa: u32) -> View {
-    let options = ViewOptions { samples, coverage: Coverage::SampleMask, ..Default::default() };
+    let options = ViewOptions { samples, coverage: Coverage::SampleMask, ..common::coarse() };
     View::new(context, &options, [size, size], ssaa).expect("fits")
 }
 
@@ -151,7 +151,8 @@ fn light_is_finite_and_linear() {
 #[test]
 fn hair_shadows_hair() {
     let Some(context) = context() else { return };
-    let view = view(context, 64, 1, 1);
+    let options = ViewOptions { samples: 1, coverage: Coverage::SampleMask, ..Default::default() };
+    let view = View::new(context, &options, [64, 64], 1).expect("fits");
     // Two curtains without gaps. The second is 1 cm behind the first as seen from the key light, and shorter, so that
     // no light reaches it past the ends of the first.
     let curtain = |z: f32, tall: f32| {

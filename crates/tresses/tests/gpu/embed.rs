@@ -244,7 +244,7 @@ fn scene_geometry_hides_hair() {
     use Coverage::{SampleMask, Tiles};
     let modes = [(4, 1, SampleMask), (1, 1, SampleMask), (1, 2, SampleMask), (4, 1, Tiles), (1, 2, Tiles)];
     for (samples, ssaa, coverage) in modes {
-        let options = ViewOptions { samples, coverage, shadow_resolution: 64, ..Default::default() };
+        let options = ViewOptions { samples, coverage, ..common::coarse() };
         let stage = Setup::new(context, &options, ssaa);
         let [free, halved, hidden] = [20.0, DISTANCE, 0.3].map(|at| stage.wall(blue, usual, at));
         let [some, half, none] = [&free, &halved, &hidden].map(|picture| covered(picture, blue));
@@ -283,7 +283,7 @@ fn image_may_be_a_part_of_the_scene() {
     let blue = Vec4::new(0.125, 0.25, 0.5, 1.0);
     let usual = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.05, 50.0);
     for (samples, ssaa, coverage) in [(4, 1, Coverage::SampleMask), (1, 2, Coverage::Tiles)] {
-        let options = ViewOptions { samples, coverage, shadow_resolution: 64, ..Default::default() };
+        let options = ViewOptions { samples, coverage, ..common::coarse() };
         let mut stage = Setup::new(context, &options, ssaa);
         let alone = stage.wall(blue, usual, DISTANCE);
         stage.origin = [13, 7];
@@ -309,7 +309,7 @@ fn scene_depth_may_be_multisampled() {
     let aspect = SIZE[0] as f32 / SIZE[1] as f32;
     for projection in [perspective(FOV, aspect, 0.05, 50.0), Camera::perspective(FOV, aspect, 0.02)] {
         for (samples, coverage) in [(4, Coverage::SampleMask), (1, Coverage::Tiles)] {
-            let options = ViewOptions { samples, coverage, shadow_resolution: 64, ..Default::default() };
+            let options = ViewOptions { samples, coverage, ..common::coarse() };
             let mut stage = Setup::new(context, &options, 1);
             let [free, halved] = [20.0, DISTANCE].map(|at| stage.wall(blue, projection, at));
             stage.samples = (4, 0);
@@ -338,7 +338,7 @@ fn hair_is_blended_over_the_scene() {
     let Some(context) = common::context() else { return };
     let projection = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.05, 50.0);
     for coverage in [Coverage::SampleMask, Coverage::AlphaToCoverage, Coverage::Tiles] {
-        let options = ViewOptions { samples: 4, coverage, shadow_resolution: 64, ..Default::default() };
+        let options = ViewOptions { samples: 4, coverage, ..common::coarse() };
         let stage = Setup::new(context, &options, 1);
         let [black, gray, white] =
             [0.0, 0.5, 1.0].map(|c| stage.wall(Vec4::new(c, c, c, 1.0), projection, 20.0));
@@ -378,8 +378,7 @@ fn geometry_output_has_motion_depth_and_opacity() {
     let aspect = SIZE[0] as f32 / SIZE[1] as f32;
     let [usual, reversed] = [perspective(FOV, aspect, 0.05, 50.0), Camera::perspective(FOV, aspect, 0.02)];
     for (samples, ssaa) in [(1, 1), (4, 1), (1, 2)] {
-        let options =
-            ViewOptions { samples, coverage: Coverage::Tiles, shadow_resolution: 64, ..Default::default() };
+        let options = ViewOptions { samples, coverage: Coverage::Tiles, ..common::coarse() };
         let mut stage = Setup::new(context, &options, ssaa);
         let still = stage.known(usual);
         let hair = |known: &[Vec4]| known.iter().copied().filter(|texel| texel.w > 0.05).collect::<Vec<_>>();
@@ -432,12 +431,7 @@ fn geometry_output_has_motion_depth_and_opacity() {
         let far = |texel: &Vec4| *texel == Vec4::ZERO;
         assert!(known.iter().all(far), "{:?}", known.iter().find(|texel| !far(texel)));
     }
-    let options = ViewOptions {
-        samples: 4,
-        shadow_resolution: 64,
-        coverage: Coverage::SampleMask,
-        ..Default::default()
-    };
+    let options = ViewOptions { samples: 4, coverage: Coverage::SampleMask, ..common::coarse() };
     let refused = Setup::new(context, &options, 1).drawn(Vec4::ZERO, usual, 1.0, true);
     assert!(matches!(refused, Err(Error::Parameter { .. })), "masks know nothing of it");
 }

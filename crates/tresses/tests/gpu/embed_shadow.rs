@@ -56,12 +56,8 @@ impl<'a> Setup<'a> {
         };
         // The second light. The first one is off, so the second one has the first map.
         lights.directional[1] = Directional { direction, irradiance: Vec3::splat(3.0) };
-        let options = ViewOptions {
-            samples: 1,
-            coverage: Coverage::Tiles,
-            shadow_resolution: 256,
-            ..Default::default()
-        };
+        let options =
+            ViewOptions { samples: 1, coverage: Coverage::Tiles, shadow_resolution: 256, ..common::coarse() };
         Self {
             embed: Compositor::new(context, (1, Coverage::Tiles), TextureFormat::Rgba16Float).unwrap(),
             view: View::new(context, &options, SIZE, 1).unwrap(),
@@ -249,6 +245,7 @@ fn edge_of_a_coarse_shadow_map_is_straight() {
     let Some(context) = common::context() else { return };
     let mut setup = Setup::new(context, Vec3::Z);
     setup.picture.lights.directional[1].irradiance = Vec3::splat(40.0);
+    setup.picture.shadows.ambient = false;
     let free = setup.drawn(&[], 0.0).unwrap();
     // Eight texels of 0.1 m along each edge. Those above the diagonal are covered: a staircase.
     let flat = orthographic(-0.4, 0.4, -0.4, 0.4, 0.1, 4.0);

@@ -131,12 +131,7 @@ fn on_gpu(context: &Context, view: &View1, material: FiberMaterial) -> Vec<Vec3>
             [0.0, 1e-5].map(|y| StrandVertex { position: at(y), tangent })
         })
         .collect();
-    let options = ViewOptions {
-        samples: 1,
-        shadow_resolution: 64,
-        coverage: Coverage::SampleMask,
-        ..Default::default()
-    };
+    let options = ViewOptions { samples: 1, coverage: Coverage::SampleMask, ..common::coarse() };
     let eye = View::new(context, &options, [16, 16], 1).expect("fits");
     let strands = StrandBuffers::new(context, count, 2).expect("fits");
     queue.write_buffer(&strands.vertices, 0, bytemuck::cast_slice(&vertices));

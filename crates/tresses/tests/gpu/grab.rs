@@ -196,7 +196,7 @@ fn grab_pulls_in_wind_and_among_other_hair() {
     let state = stage.state(&hair);
     let way = Vec3::new(0.01, 0.03, 0.01);
     hair.drag_to(&Target::Point(state.hit + way)).unwrap();
-    frames(&mut hair, 60);
+    frames(&mut hair, 40);
     let after = stage.guides(&hair);
     let count = stage.groom.guides.len();
     let nearest = (2 * count..before.len())
@@ -207,7 +207,7 @@ fn grab_pulls_in_wind_and_among_other_hair() {
     // No other force brings it there.
     assert!(off < 3e-3 && off < 0.1 * way.length(), "{off}");
     let mut control = stage.hair();
-    frames(&mut control, 61);
+    frames(&mut control, 41);
     assert!(stage.guides(&control)[nearest].distance(before[nearest] + way) > 0.02);
 }
 

@@ -31,7 +31,7 @@ const MODES: [(u32, Coverage); 7] = [
 ];
 
 fn view(context: &Context, (samples, coverage): (u32, Coverage), size: [u32; 2]) -> View {
-    let options = ViewOptions { samples, coverage, shadow_resolution: 256, ..Default::default() };
+    let options = ViewOptions { samples, coverage, shadow_resolution: 256, ..common::coarse() };
     View::new(context, &options, size, 1).expect("fits")
 }
 

@@ -30,7 +30,7 @@ struct Setup<'a> {
 impl<'a> Setup<'a> {
     fn new(context: &'a Context, samples: u32, coverage: Coverage) -> Self {
         let hair = common::hair_on_a_ball(300);
-        let options = ViewOptions { samples, coverage, shadow_resolution: 64, ..Default::default() };
+        let options = ViewOptions { samples, coverage, ..common::coarse() };
         let scene = Picture {
             camera: Camera::look_at(Vec3::Z * 0.8, Vec3::ZERO, 0.15, SIZE),
             focus: Sphere { center: Vec3::ZERO, radius: 0.3 },

@@ -47,7 +47,7 @@ fn quarters(context: &Context, body: &Body, light: Vec3) -> [[f32; 3]; 4] {
     lights.directional[0] = Directional { direction: light.normalize(), irradiance: Vec3::splat(1.5) };
     let camera = Camera::look_at(3.0 * Vec3::Z, Vec3::ZERO, 0.62, SIZE);
     let picture = Picture { camera, lights, ..common::dark() };
-    let options = ViewOptions { samples: 1, coverage: Coverage::SampleMask, ..Default::default() };
+    let options = ViewOptions { samples: 1, coverage: Coverage::SampleMask, ..common::coarse() };
     let view = View::new(context, &options, SIZE, 1).expect("fits");
     let pixels = common::picture(context, &view, &picture, &[], &[body]);
     [(16, 16), (48, 16), (16, 48), (48, 48)].map(|(x, y)| {

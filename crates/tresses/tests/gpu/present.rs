@@ -48,7 +48,7 @@ fn pixels_are_tone_mapped_once() {
         ..golden::scene()
     };
     for coverage in [Coverage::Tiles, Coverage::SampleMask] {
-        let options = ViewOptions { coverage, shadow_resolution: 64, ..Default::default() };
+        let options = ViewOptions { coverage, ..common::coarse() };
         let view = View::new(context, &options, golden::SIZE, 1).expect("fits");
         let shown = |radiance: f32, tone: ToneMap| -> Vec<f32> {
             let scene = Picture { background: Background::flat(Vec3::splat(radiance)), tone, ..unlit };
@@ -95,7 +95,7 @@ fn srgb_formats_give_the_same_image() {
     let Some(context) = common::context() else { return };
     let body = Body::new(context, &golden::ball());
     let bytes = |coverage, ssaa, made_for, output: TextureFormat| {
-        let options = ViewOptions { coverage, shadow_resolution: 64, output: made_for, ..Default::default() };
+        let options = ViewOptions { coverage, output: made_for, ..common::coarse() };
         let view = View::new(context, &options, golden::SIZE, ssaa).expect("fits");
         let texture = output_of(context, &view, Rgba8Unorm, &[Rgba8UnormSrgb]);
         let into = texture.create_view(&wgpu::TextureViewDescriptor {
@@ -131,8 +131,7 @@ fn floats_are_not_dithered() {
     let scene = Picture { background: Background::flat(Vec3::splat(radiance)), ..golden::scene() };
     for coverage in [Coverage::Tiles, Coverage::SampleMask, Coverage::DepthPeeling { layers: 2 }] {
         let seen = |output| {
-            let options =
-                ViewOptions { samples: 1, coverage, shadow_resolution: 64, output, ..Default::default() };
+            let options = ViewOptions { samples: 1, coverage, output, ..common::coarse() };
             let view = View::new(context, &options, golden::SIZE, 1).expect("fits");
             let texture = output_of(context, &view, output, &[]);
             let into = texture.create_view(&Default::default());

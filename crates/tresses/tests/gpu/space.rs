@@ -184,8 +184,7 @@ fn hair_at_several_places_is_drawn_together() {
         focus: Sphere { center: Vec3::ZERO, radius: 0.5 },
         ..Default::default()
     };
-    let options =
-        ViewOptions { shadow_resolution: 256, coverage: Coverage::SampleMask, ..Default::default() };
+    let options = ViewOptions { shadow_resolution: 256, coverage: Coverage::SampleMask, ..common::coarse() };
     let see = |far: DVec3, seen: bool| {
         let (mut pair, view) =
             ([hair(context, 1.0), hair(context, 1.0)], View::new(context, &options, [128, 96], 1).unwrap());

@@ -55,7 +55,7 @@ impl Setup {
         let scene = Picture { camera, focus, lights: Lights::around(0.3), ..Default::default() };
         let body = Body::new(context, &common::cube(0.05));
         let options =
-            ViewOptions { shadow_resolution: 128, coverage: Coverage::SampleMask, ..Default::default() };
+            ViewOptions { shadow_resolution: 128, coverage: Coverage::SampleMask, ..common::coarse() };
         let view = View::new(context, &options, [120, 96], 1).unwrap();
         Some(Self { views, hair, body, view, scene, context })
     }

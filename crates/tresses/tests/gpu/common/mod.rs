@@ -14,7 +14,7 @@ use tresses::{
     groom::{Groom, SdfGrid, Strands, TriMesh, bind},
     light::{Directional, HairSet, Lights, MAX_LIGHTS, ShadowMethod, Shadows},
     present::Background,
-    view::Picture,
+    view::{Picture, ViewOptions},
 };
 
 /// Creates strands on a sphere of radius 9 cm around the origin that stand off, bend, and hang down `length` meters.
@@ -80,6 +80,11 @@ pub fn dark() -> Picture {
         background: Background::transparent(),
         ..Default::default()
     }
+}
+
+/// Returns the options of a view for tests in which neither shadows nor ambient light need to be fine.
+pub fn coarse() -> ViewOptions {
+    ViewOptions { shadow_resolution: 64, ambient_cells: 8, ..ViewOptions::default() }
 }
 
 /// Renders `picture` with `view`: RGBA, rows from the top.

@@ -24,7 +24,7 @@ impl<'a> Studio<'a> {
             samples: mode.samples,
             coverage: mode.coverage,
             shadow_resolution: 256,
-            ..Default::default()
+            ..common::coarse()
         };
         let view = View::new(context, &options, size, mode.ssaa).expect("fits");
         Self { context, view }

@@ -46,9 +46,10 @@ fn level_changes_do_not_pop() {
     // 3 % per frame, across an octave.
     let details: Vec<_> = (0..16).map(|i| hair.lod.detail(1.6 * start * 1.03f32.powi(i), 100.0)).collect();
     let all = steps(stage, &mut hair, &details);
-    let octaves = octaves(&hair, &details);
+    let mut octaves = octaves(&hair, &details);
+    // Equal levels give equal images.
+    octaves.dedup_by_key(|detail| detail.pixel.to_bits());
     let mut coming = steps(stage, &mut hair, &octaves);
-    coming.retain(|step| *step > 0.0);
     coming.extend(&all);
     println!("largest step over median {:.2}, with octaves of strands {:.2}", jump(&all), jump(&coming));
     assert!(jump(&all) < 3.5 && jump(&coming) > 5.0, "{all:?} {coming:?}");
