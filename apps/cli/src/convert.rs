@@ -11,6 +11,7 @@ use tresses::groom::{
 };
 
 use tresses::character::{CharacterFiles, CharacterSource};
+use tresses_scene::knobs::{self, Value};
 
 use crate::{
     files,
@@ -35,6 +36,9 @@ pub struct ConvertArgs {
     /// Unit of the file to write, Alembic and USD only: cm for Unreal and Maya [default: m]
     #[arg(long, value_name = "UNIT", conflicts_with = "as_is")]
     out_unit: Option<Unit>,
+    /// Diameter of all strands, such as 80um, instead of the widths in the files
+    #[arg(long, value_name = "LENGTH", value_parser = diameter, conflicts_with = "as_is")]
+    width: Option<f32>,
     /// Compress a .glb (EXT_meshopt_compression): smaller, but readers without that extension cannot open it
     #[arg(long, conflicts_with = "as_is")]
     packed: bool,
@@ -42,6 +46,15 @@ pub struct ConvertArgs {
     moment: MomentArgs,
     #[command(flatten)]
     orient: OrientArgs,
+}
+
+/// Parses a strand's diameter, and returns it in meters.
+fn diameter(text: &str) -> Result<f32, String> {
+    let knob = knobs::find("style.width").expect("a row of the table");
+    match knob.parse(text) {
+        Ok(Value::Number(diameter)) => Ok(diameter),
+        _ => Err(format!("the width must be {}", knob.range())),
+    }
 }
 
 fn files_help() -> String {
@@ -64,6 +77,7 @@ pub fn run(args: ConvertArgs) -> anyhow::Result<()> {
             "a cooked groom is in meters and not compressed: remove --as-is and --packed"
         );
         ensure!(args.out_unit.is_none(), "a cooked groom is in meters: remove --out-unit");
+        ensure!(args.width.is_none(), "a cooked groom keeps the widths of its files: remove --width");
         return cook(inputs, &args.head, &options, output);
     }
     let writer = Writer::of(output)?;
@@ -74,12 +88,15 @@ pub fn run(args: ConvertArgs) -> anyhow::Result<()> {
         options.unrepaired = true;
     }
     ensure!(!args.packed || writer.compresses, "only .glb files can be compressed: remove --packed");
-    let (strands, head, report) = if args.as_is {
+    let (mut strands, head, report) = if args.as_is {
         let (strands, report) = import::read(inputs, &options)?;
         (strands, None, report)
     } else {
         import::read_whole(inputs, &args.head, &options)?
     };
+    if let Some(diameter) = args.width {
+        strands.radii = vec![0.5 * diameter; strands.positions.len()];
+    }
     // Formats that store a hair material also get the body.
     let whole = writer.holds(Content::Look) && !args.as_is && args.out_unit.is_none();
     let encoded = if whole {

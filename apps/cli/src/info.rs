@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::bail;
 use serde_json::{Value, json};
 use tresses::groom::{
-    Look, TriMesh,
+    BindOptions, Look, TriMesh,
     import::{self, ImportReport},
     lint::{Report, Severity, Spread},
     orient::Placement,
@@ -83,6 +83,7 @@ fn as_json(report: &ImportReport, anatomy: Option<&Anatomy>) -> Value {
             "widths": report.attributes.widths, "colors": report.attributes.colors,
             "root_uvs": report.attributes.root_uvs, "ids": report.attributes.ids,
             "guides": report.attributes.guides, "bound_to_guides": report.attributes.bound,
+            "simulated": simulated(report),
         },
         "groups": report.groups.iter().map(|group| json!({
             "id": group.id, "name": group.name, "strands": group.strands, "guides": group.guides,
@@ -152,8 +153,10 @@ fn as_text(report: &ImportReport, anatomy: Option<&Anatomy>) -> String {
     }
     orientation(&mut out, "groom", &report.placement);
     let findings = &report.lint.findings;
+    let certain = report.head_placement.iter().chain([&report.placement]).all(|p| p.doubts.is_empty());
     out += &match findings.len() {
-        0 => "\nNo problems were found.\n".to_string(),
+        0 if certain => "\nNo problems were found.\n".to_string(),
+        0 => "\nThe strands have no problems. Unit or axes are uncertain, see above.\n".to_string(),
         1 => "\n1 finding\n".to_string(),
         n => format!("\n{n} findings\n"),
     };
@@ -179,13 +182,18 @@ fn attributes(out: &mut String, report: &ImportReport) {
         if some.is_empty() { "none".into() } else { some.join(", ") }
     };
     line(out, "has", format!("{} (missing: {})", list(true), list(false)));
-    if has.guides > 0 {
-        let bound = match has.bound {
-            0 => String::new(),
-            count => format!("; {count} strands name the guide they follow"),
-        };
-        line(out, "guides", format!("{} of the strands{bound}", has.guides));
-    }
+    let bound = match has.bound {
+        0 => String::new(),
+        count => format!("; {count} strands name the guide they follow"),
+    };
+    let text = match has.guides {
+        0 => format!(
+            "none marked in the file: {} of the strands are simulated (set with --guides or --grow)",
+            simulated(report)
+        ),
+        marked => format!("{marked} of the strands{bound}"),
+    };
+    line(out, "guides", text);
     for (i, group) in report.groups.iter().enumerate() {
         // A file may have as many groups as strands.
         if i == MOST_GROUPS {
@@ -197,6 +205,17 @@ fn attributes(out: &mut String, report: &ImportReport) {
             if group.guides > 0 { format!(", {} of them guides", group.guides) } else { String::new() };
         let name = if group.name.is_empty() { String::new() } else { format!(" {}", group.name) };
         line(out, label, format!("{}{name}: {} strands{guides}", group.id, group.strands));
+    }
+}
+
+/// Returns the number of strands that are simulated with default options.
+fn simulated(report: &ImportReport) -> usize {
+    match report.attributes.guides {
+        0 => {
+            let given = report.lint.strands;
+            BindOptions::default().guides.among(given.max(report.with_followers() as usize)).min(given)
+        }
+        marked => marked,
     }
 }
 

@@ -49,6 +49,31 @@ fn groom_round_trips_through_the_formats() {
 }
 
 #[test]
+fn width_is_written_and_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path();
+    std::fs::write(here.join("in.obj"), OBJ).unwrap();
+    let given = ["--unit", "m", "--up", "y", "--front", "z"];
+    let convert = |more: &[&str]| tresses(here, &[&["convert", "in.obj"][..], more, &given].concat());
+    let out = convert(&["out.abc", "--width", "80um", "--out-unit", "cm"]);
+    assert!(out.status.success(), "{}", text(&out.stderr));
+    let json = tresses(here, &["info", "out.abc", "--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
+    assert!((json["radius_m"]["median"].as_f64().unwrap() - 40e-6).abs() < 1e-9, "{json}");
+    for (more, problem) in [
+        (&["out.abc", "--width", "8"][..], "from 10 to 5000 µm"),
+        (&["out.abc", "--width", "thick"], "from 10 to 5000 µm"),
+        (&["out.tresses", "--width", "80um"], "remove --width"),
+        (&["out.obj", "--width", "80um"], ""),
+    ] {
+        let out = convert(more);
+        let told = text(&out.stderr) + &text(&out.stdout);
+        assert_eq!(out.status.success(), problem.is_empty(), "{told}");
+        assert!(told.contains(if problem.is_empty() { "widths are not written" } else { problem }), "{told}");
+    }
+}
+
+#[test]
 fn info_lists_findings_and_actions() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("in.obj"), OBJ).unwrap();
@@ -56,6 +81,7 @@ fn info_lists_findings_and_actions() {
     assert!(out.status.success(), "{}", text(&out.stderr));
     let report = text(&out.stdout);
     assert!(report.contains("duplicate vertices: 1") && report.contains("→"), "{report}");
+    assert!(report.contains("none marked in the file: 1 of the strands"), "{report}");
     let out = tresses(folder.path(), &["info", "in.obj", "--json", "--unit", "cm"]);
     let json: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
     assert_eq!((json["strands"].as_u64(), json["vertices"].as_u64()), (Some(2), Some(6)));

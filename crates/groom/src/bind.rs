@@ -35,6 +35,18 @@ pub struct BindOptions {
     pub radius: Option<(f32, f32)>,
 }
 
+impl GuideCount {
+    /// Returns the number of guides among `strands` strands, unless the file marks its guides.
+    pub fn among(self, strands: usize) -> usize {
+        let count = match self {
+            Self::All => strands,
+            Self::Count(count) => count as usize,
+            Self::OneIn(n) => strands.div_ceil(n.max(1) as usize),
+        };
+        count.min(strands)
+    }
+}
+
 impl Default for BindOptions {
     fn default() -> Self {
         Self { guides: GuideCount::OneIn(16), guide_vertices: None, strand_vertices: None, radius: None }
@@ -116,17 +128,12 @@ pub(crate) fn bind_any(
     in_range("strand_vertices", strand_vertices, 2, MAX_STRAND_VERTICES, "2 to 64")?;
 
     let shapes = Shapes::new(strands, given);
-    let count = match options.guides {
-        GuideCount::All => given,
-        GuideCount::Count(count) => {
-            in_range("guides", count, 1, u32::MAX, "at least 1")?;
-            count as usize
-        }
-        GuideCount::OneIn(n) => {
-            in_range("strands per guide", n, 1, u32::MAX, "at least 1")?;
-            strands.len().div_ceil(n as usize)
-        }
-    };
+    match options.guides {
+        GuideCount::All => {}
+        GuideCount::Count(count) => in_range("guides", count, 1, u32::MAX, "at least 1")?,
+        GuideCount::OneIn(n) => in_range("strands per guide", n, 1, u32::MAX, "at least 1")?,
+    }
+    let count = options.guides.among(strands.len());
     let marked = MarkedGuides::of(strands, given, options);
     let all =
         marked.is_none() && (options.guides == GuideCount::All || (origins.is_some() && count >= given));

@@ -155,8 +155,8 @@ pub fn head(mesh: &TriMesh, known: &KnownOrientation) -> Placement {
     let why = "guessed from the head's profile, symmetry and vertex density";
     explain_axes(&mut placement, known, why);
     explain_doubt(&mut placement, lead, next);
-    let declared = known.declared.unit.is_some() && known.given.unit.is_none();
-    unit_of_head(&mut placement, mesh, None, &choice, declared);
+    let source = if known.given.unit.is_none() { "stated by the format" } else { "given" };
+    unit_of_head(&mut placement, mesh, None, &choice, source);
     placement
 }
 
@@ -166,12 +166,11 @@ fn unit_of_head(
     mesh: &TriMesh,
     half_breadth: Option<f32>,
     choice: &Choice,
-    declared: bool,
+    source: &str,
 ) {
     if let Some(unit) = choice.unit {
         placement.unit = unit;
-        let why = if declared { "stated by the format" } else { "given" };
-        placement.reasons.push(format!("1 unit is {} m: {why}", unit.0));
+        placement.reasons.push(format!("1 unit is {} m: {source}", unit.0));
         return;
     }
     let found = size::head(mesh, placement.axes(), half_breadth);

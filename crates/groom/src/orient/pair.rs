@@ -46,12 +46,12 @@ pub fn pair(
                 let score = facts.score(own) + surface.score(frame) + frame.habit() - 10.0 * cost
                     + 0.5 * exact
                     + habit(relation);
-                ranked.push((score, relation, upright, *cost));
+                ranked.push((score, relation, upright));
             }
         }
     }
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let Some((score, relation, mut upright, cost)) = ranked.first().cloned() else {
+    let Some((score, relation, mut upright)) = ranked.first().cloned() else {
         let (own, head) = alone();
         let own = seat(strands, own, mesh, &head);
         return (own, head);
@@ -68,11 +68,14 @@ pub fn pair(
         mesh,
         Some(breadth),
         &sized,
-        of_head.declared.unit.is_some() && choice_head.unit == given,
+        match (of_head.given.unit, of_head.declared.unit) {
+            (Some(_), _) => "given",
+            (None, Some(_)) => "stated by the format",
+            (None, None) => "from the groom",
+        },
     );
     let mut own = compose(&upright, relation);
-    let median = cost * facts.sphere.radius * own.unit.0;
-    explain_relation(&mut own, relation, median);
+    explain_relation(&mut own, relation, of_groom);
     if let Some(next) = ranked.iter().find(|n| n.2.up != upright.up || n.2.front != upright.front)
         && score - next.0 < DOUBT
     {
@@ -84,7 +87,7 @@ pub fn pair(
     (own, upright)
 }
 
-fn explain_relation(own: &mut Placement, relation: &Placement, median: f32) {
+fn explain_relation(own: &mut Placement, relation: &Placement, known: &KnownOrientation) {
     let mut how = Vec::new();
     if relation.unit.0 != 1.0 {
         how.push(format!("scaled by {}", relation.unit.0));
@@ -100,12 +103,14 @@ fn explain_relation(own: &mut Placement, relation: &Placement, median: f32) {
         ));
     }
     let how = if how.is_empty() { "with the head's axes and unit".into() } else { how.join(" and ") };
-    own.reasons.insert(
-        0,
-        format!("the groom, {how}, has its roots on the mesh: median distance {:.1} mm", median * 1e3),
-    );
+    own.reasons.insert(0, format!("the groom, {how}, has its roots on the mesh"));
     let unit = own.unit;
-    explain_unit(own, Unit::KNOWN.iter().any(|k| k.1 == unit.0) || unit.0 == 1.0, "from the head");
+    let source = match (known.given.unit, known.declared.unit) {
+        (Some(_), _) => "given",
+        (None, Some(_)) => "stated by the file",
+        (None, None) => "from the head",
+    };
+    explain_unit(own, Unit::KNOWN.iter().any(|k| k.1 == unit.0) || unit.0 == 1.0, source);
 }
 
 /// Returns a penalty for unusual relations between a groom and its head.
