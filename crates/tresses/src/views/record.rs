@@ -153,7 +153,9 @@ impl DebugViews {
             let (stage, paint) = (&mut self.stage, paint(1.0));
             return stage.record_overdraw(commands, camera, bodies, output, drawn, &paint);
         }
-        for hair in hair {
+        // Panels have one place. The first groom with a grid has it, and is drawn last.
+        let main = hair.iter().position(|hair| grid(what, hair).is_some());
+        for (i, hair) in hair.iter().enumerate().rev() {
             let grid = grid(what, hair);
             let lines = self.lines(what, hair, grid.as_ref(), high);
             let seeds = match (what, &grid) {
@@ -163,7 +165,10 @@ impl DebugViews {
                 }
                 _ => Vec::new(),
             };
-            let layers = layers(what, hair, grid, &lines, &seeds, paint, camera);
+            let mut layers = layers(what, hair, grid, &lines, &seeds, paint, camera);
+            if main != Some(i) {
+                layers.retain(|layer| !matches!(layer, Layer::Slices(..) | Layer::Distance(..)));
+            }
             self.stage.record(commands, camera, bodies, output, &layers)?;
         }
         Ok(())

@@ -62,16 +62,21 @@ impl Setup {
 
     /// Renders a debug view, or hair without one. Returns the image and the colors of the strands.
     fn picture(&mut self, view: Option<DebugView>) -> (Vec<u8>, Vec<Vec3>) {
-        let context = self.context;
+        let picture = self.picture_with(view, &[]);
+        let shaded = self.view.shaded(&self.hair.set).unwrap();
+        let shaded: Vec<u32> = pollster::block_on(readback::buffer(self.context, &shaded)).unwrap();
+        (picture, shaded.into_iter().map(unpack_radiance).collect())
+    }
+
+    /// Renders a debug view of this hair and `others`.
+    fn picture_with(&mut self, view: Option<DebugView>, others: &[&Hair]) -> Vec<u8> {
         let shown = view.map(DebugDisplay::new);
         let shows =
             shown.as_ref().map_or(ViewContent::Hair, |shown| ViewContent::Inside(&mut self.views, shown));
         let sight = ViewPass { shows, ..ViewPass::new(&self.view, &self.scene) };
-        common::submit(|recorder| recorder.draw(&[&self.hair], &[&self.body], sight));
-        let shaded = self.view.shaded(&self.hair.set).unwrap();
-        let shaded: Vec<u32> = pollster::block_on(readback::buffer(context, &shaded)).unwrap();
-        let colors = shaded.into_iter().map(unpack_radiance).collect();
-        (pollster::block_on(self.view.targets().read()).unwrap(), colors)
+        let hair = [&[&self.hair], others].concat();
+        common::submit(|recorder| recorder.draw(&hair, &[&self.body], sight));
+        pollster::block_on(self.view.targets().read()).unwrap()
     }
 
     /// Draws the last image with twice the pixels along each axis. Lights the hair again if `anew`, or reuses its
@@ -103,6 +108,25 @@ fn off(a: &[Vec3], b: &[Vec3]) -> f32 {
 
 fn sum(lists: &[&[Vec3]]) -> Vec<Vec3> {
     (0..lists[0].len()).map(|i| lists.iter().map(|list| list[i]).sum()).collect()
+}
+
+/// Panels of slices have one place in the image, and show the first groom.
+#[test]
+fn panels_show_the_first_groom() {
+    let Some(mut stage) = Setup::new() else { return };
+    let mut other = common::hair_on_a_ball(20);
+    // Inside of the uppermost panel.
+    let panel = |picture: &[u8]| -> Vec<u8> {
+        let pixel = |at: usize| picture[4 * at..][..4].to_vec();
+        (5..28).flat_map(|y| (92..114).flat_map(move |x| pixel(y * 120 + x))).collect()
+    };
+    for view in [DebugView::Density, DebugView::Distance] {
+        let alone = panel(&stage.picture_with(Some(view), &[]));
+        assert!(alone == panel(&stage.picture_with(Some(view), &[&other])), "{view:?}");
+        std::mem::swap(&mut stage.hair, &mut other);
+        assert!(alone != panel(&stage.picture_with(Some(view), &[&other])), "{view:?} of the other groom");
+        std::mem::swap(&mut stage.hair, &mut other);
+    }
 }
 
 #[test]
