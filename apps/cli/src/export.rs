@@ -75,12 +75,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
         write!(said, "\n{}", write_strands(path, writer, &drawn(&scene, all)?)?)?;
     }
     if let (Some(path), Some(writer), Some(head)) = (&args.head_out, head_writer, &head) {
-        write!(said, "\n{}: {} triangles", path.display(), head.triangles.len())?;
-        files::write(path, &writer.mesh(head, rig.as_ref())?)?;
-        if let Some(rig) = rig.as_ref().filter(|_| writer.holds(Content::Rig)) {
-            let (joints, shapes) = (rig.joints.len(), rig.targets.len());
-            write!(said, ", {joints} joints, {shapes} blend shapes, {} animations", rig.animations.len())?;
-        }
+        write!(said, "\n{}", write_body(path, writer, head, rig.as_ref())?)?;
     }
     drop(preparing);
     say!("{said}");
@@ -136,6 +131,17 @@ fn head_help() -> String {
     let (all, rigs) = (formats::written(Content::Mesh), formats::written(Content::Rig));
     let [all, rigs] = [(&all, "or"), (&rigs, "and")].map(|(list, joint)| formats::listed(list, joint));
     format!("File for the body ({all}); {rigs} also store its skeleton")
+}
+
+/// Writes a body, with its rig where the format holds one. Returns a description of the file.
+pub fn write_body(path: &Path, writer: &Writer, body: &TriMesh, rig: Option<&Rig>) -> Result<String> {
+    files::write(path, &writer.mesh(body, rig)?)?;
+    let mut said = format!("{}: {} triangles", path.display(), body.triangles.len());
+    if let Some(rig) = rig.filter(|_| writer.holds(Content::Rig)) {
+        let (joints, shapes) = (rig.joints.len(), rig.targets.len());
+        write!(said, ", {joints} joints, {shapes} blend shapes, {} animations", rig.animations.len())?;
+    }
+    Ok(said)
 }
 
 /// Writes `strands`. Returns a description of the file.

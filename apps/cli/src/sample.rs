@@ -2,15 +2,15 @@
 
 use crate::{
     args::SourceArgs,
-    export::{RestingCharacter, drawn, write_strands},
+    export::{RestingCharacter, drawn, write_body, write_strands},
     files,
     progress::Preparing,
     say,
 };
 use anyhow::{Context, Result};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use tresses::groom::{
-    Guides, Rig, Strands, TriMesh,
+    Guides, Strands,
     export::{Hair, Writer},
     formats::Content,
 };
@@ -49,8 +49,10 @@ pub fn run(args: &SampleArgs) -> Result<()> {
     }
     let path = at("guides.tfx");
     said.push(write_strands(&path, Writer::of(&path)?, &as_strands(&guides))?);
-    said.push(write_mesh(&at("head.obj"), body, None)?);
-    said.push(write_mesh(&at("body.glb"), body, rig.as_ref())?);
+    for (name, rig) in [("head.obj", None), ("body.glb", rig.as_ref())] {
+        let path = at(name);
+        said.push(write_body(&path, Writer::holding(&path, Content::Mesh)?, body, rig)?);
+    }
     let (path, look) = (at("character.glb"), scene.look(&preset.settings));
     let hair = [Hair { name: "hair", strands: &strands, packed: false, look: look.as_ref() }];
     files::write(&path, &Writer::of(&path)?.character(Some((body, rig.as_ref())), &hair)?)?;
@@ -65,11 +67,4 @@ fn as_strands(guides: &Guides) -> Strands {
     let mut strands = Strands::default();
     (0..guides.len()).for_each(|i| strands.push(guides.guide(i)));
     strands
-}
-
-/// Writes a body. Returns a description of the file.
-fn write_mesh(path: &Path, body: &TriMesh, rig: Option<&Rig>) -> Result<String> {
-    files::write(path, &Writer::holding(path, Content::Mesh)?.mesh(body, rig)?)?;
-    let joints = rig.map(|rig| format!(", {} joints, {} animations", rig.joints.len(), rig.animations.len()));
-    Ok(format!("{}: {} triangles{}", path.display(), body.triangles.len(), joints.unwrap_or_default()))
 }

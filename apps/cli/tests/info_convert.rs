@@ -19,16 +19,24 @@ fn tresses(folder: &Path, args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_tresses")).current_dir(folder).args(args).output().unwrap()
 }
 
+/// Unit and axes of that groom, which the file does not state.
+const GIVEN: [&str; 6] = ["--unit", "m", "--up", "y", "--front", "z"];
+
+/// Returns a folder with the groom `in.obj`.
+fn groom() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("in.obj"), OBJ).unwrap();
+    folder
+}
+
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
 #[test]
 fn groom_round_trips_through_the_formats() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = groom();
     let here = folder.path();
-    std::fs::write(here.join("in.obj"), OBJ).unwrap();
-    let given = ["--unit", "m", "--up", "y", "--front", "z"];
     let steps: &[&[&str]] = &[
         &["convert", "in.obj", "a.hair"],
         &["convert", "a.hair", "b.tfx"],
@@ -36,7 +44,7 @@ fn groom_round_trips_through_the_formats() {
         &["convert", "c.obj", "d.obj"],
     ];
     for (i, step) in steps.iter().enumerate() {
-        let args: Vec<&str> = step.iter().chain(if i == 0 { &given[..] } else { &[] }).copied().collect();
+        let args: Vec<&str> = step.iter().chain(if i == 0 { &GIVEN[..] } else { &[] }).copied().collect();
         let out = tresses(here, &args);
         assert!(out.status.success(), "{}", text(&out.stderr));
     }
@@ -50,11 +58,9 @@ fn groom_round_trips_through_the_formats() {
 
 #[test]
 fn width_is_written_and_checked() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = groom();
     let here = folder.path();
-    std::fs::write(here.join("in.obj"), OBJ).unwrap();
-    let given = ["--unit", "m", "--up", "y", "--front", "z"];
-    let convert = |more: &[&str]| tresses(here, &[&["convert", "in.obj"][..], more, &given].concat());
+    let convert = |more: &[&str]| tresses(here, &[&["convert", "in.obj"][..], more, &GIVEN].concat());
     let out = convert(&["out.abc", "--width", "80um", "--out-unit", "cm"]);
     assert!(out.status.success(), "{}", text(&out.stderr));
     let json = tresses(here, &["info", "out.abc", "--json"]);
@@ -75,8 +81,7 @@ fn width_is_written_and_checked() {
 
 #[test]
 fn info_lists_findings_and_actions() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("in.obj"), OBJ).unwrap();
+    let folder = groom();
     let out = tresses(folder.path(), &["info", "in.obj"]);
     assert!(out.status.success(), "{}", text(&out.stderr));
     let report = text(&out.stdout);

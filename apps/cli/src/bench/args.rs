@@ -54,18 +54,21 @@ pub struct TimingArgs {
     pub json: bool,
 }
 
-/// Returns the processor time of all threads of this process.
+/// Processor time of all threads of this process; `None` where the system does not report it.
 #[cfg(unix)]
-fn processor() -> std::time::Duration {
+pub const PROCESSOR: Option<Clock> = Some(|| {
     let now = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     std::time::Duration::new(now.tv_sec.unsigned_abs(), now.tv_nsec as u32)
-}
+});
+/// `None`: this system does not report processor time.
+#[cfg(not(unix))]
+pub const PROCESSOR: Option<Clock> = None;
 
 impl TimingArgs {
     /// Returns the clock that the options select; `None` for elapsed time.
     #[cfg(unix)]
     pub fn clock(&self) -> Option<Clock> {
-        self.cpu.then_some(processor as Clock)
+        PROCESSOR.filter(|_| self.cpu)
     }
 
     /// Returns `None`: this system has no processor time.

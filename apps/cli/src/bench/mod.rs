@@ -16,7 +16,7 @@ pub mod table;
 pub mod workload;
 
 pub use adapter::Adapter;
-pub use args::{BenchArgs, TimingArgs};
+pub use args::{BenchArgs, PROCESSOR, TimingArgs};
 pub use sitting::Sitting;
 
 use crate::{progress, say};

@@ -47,6 +47,15 @@ impl KnownOrientation {
     }
 }
 
+/// Returns where a value comes from: the user, the file (`stated`), or else `otherwise`.
+fn source<'a, T>(given: Option<T>, declared: Option<T>, stated: &'a str, otherwise: &'a str) -> &'a str {
+    match (given, declared) {
+        (Some(_), _) => "given",
+        (None, Some(_)) => stated,
+        (None, None) => otherwise,
+    }
+}
+
 /// Returns the best frame that a choice allows, its lead over the next, and the next.
 fn best_frame(choice: &Choice, score: impl Fn(Frame) -> f32) -> (Frame, f32, Option<Frame>) {
     let mut ranked: Vec<(f32, Frame)> =
@@ -62,11 +71,7 @@ fn best_frame(choice: &Choice, score: impl Fn(Frame) -> f32) -> (Frame, f32, Opt
 fn explain_axes(placement: &mut Placement, known: &KnownOrientation, why: &str) {
     let (whole, KnownOrientation { given, declared: file }) = (known.whole(), known);
     let (up, front) = (placement.up.name(), placement.front.name());
-    let source = |given: Option<Axis>, file: Option<Axis>| match (given, file) {
-        (Some(_), _) => "given",
-        (None, Some(_)) => "stated by the file",
-        (None, None) => why,
-    };
+    let source = |given, file| source(given, file, "stated by the file", why);
     let of_up = source(given.up, file.up.filter(|up| whole.up == Some(*up)));
     let of_front = source(given.front, file.front.filter(|front| whole.front == Some(*front)));
     placement.reasons.push(match of_up == of_front {
@@ -105,16 +110,17 @@ pub fn groom(strands: &Strands, known: &KnownOrientation) -> Placement {
         "guessed from the roots (top and back of the head) and the falling hair",
     );
     explain_doubt(&mut placement, lead, next);
-    unit_of_hair(&mut placement, &facts, &choice, known.given.unit.is_none());
+    unit_of_hair(&mut placement, &facts, known);
     placement
 }
 
 /// Sets the unit from the breadth of the rooted area.
-fn unit_of_hair(placement: &mut Placement, facts: &HairFacts, choice: &Choice, declared: bool) {
-    if let Some(unit) = choice.unit {
+fn unit_of_hair(placement: &mut Placement, facts: &HairFacts, known: &KnownOrientation) {
+    let KnownOrientation { given, declared } = known;
+    if let Some(unit) = given.unit.or(declared.unit) {
         placement.unit = unit;
-        let why = if declared { "stated by the file" } else { "given" };
-        placement.reasons.push(format!("1 unit is {} m: {why}", unit.0));
+        let source = source(given.unit, declared.unit, "stated by the file", "");
+        placement.reasons.push(format!("1 unit is {} m: {source}", unit.0));
         return;
     }
     let breadth = facts.half_breadth(placement.up.vector().cross(placement.front.vector()));
@@ -155,7 +161,7 @@ pub fn head(mesh: &TriMesh, known: &KnownOrientation) -> Placement {
     let why = "guessed from the head's profile, symmetry and vertex density";
     explain_axes(&mut placement, known, why);
     explain_doubt(&mut placement, lead, next);
-    let source = if known.given.unit.is_none() { "stated by the format" } else { "given" };
+    let source = source(known.given.unit, known.declared.unit, "stated by the format", "");
     unit_of_head(&mut placement, mesh, None, &choice, source);
     placement
 }

@@ -7,7 +7,7 @@ use super::{
     evidence::{HairFacts, MeshFacts},
     explain_axes, explain_unit,
     frame::Frame,
-    groom, head, seat, unit_of_head,
+    groom, head, seat, source, unit_of_head,
 };
 use crate::{Strands, TriMesh, mesh::bvh::Bvh};
 
@@ -68,11 +68,7 @@ pub fn pair(
         mesh,
         Some(breadth),
         &sized,
-        match (of_head.given.unit, of_head.declared.unit) {
-            (Some(_), _) => "given",
-            (None, Some(_)) => "stated by the format",
-            (None, None) => "from the groom",
-        },
+        source(of_head.given.unit, of_head.declared.unit, "stated by the format", "from the groom"),
     );
     let mut own = compose(&upright, relation);
     explain_relation(&mut own, relation, of_groom);
@@ -105,11 +101,7 @@ fn explain_relation(own: &mut Placement, relation: &Placement, known: &KnownOrie
     let how = if how.is_empty() { "with the head's axes and unit".into() } else { how.join(" and ") };
     own.reasons.insert(0, format!("the groom, {how}, has its roots on the mesh"));
     let unit = own.unit;
-    let source = match (known.given.unit, known.declared.unit) {
-        (Some(_), _) => "given",
-        (None, Some(_)) => "stated by the file",
-        (None, None) => "from the head",
-    };
+    let source = source(known.given.unit, known.declared.unit, "stated by the file", "from the head");
     explain_unit(own, Unit::KNOWN.iter().any(|k| k.1 == unit.0) || unit.0 == 1.0, source);
 }
 

@@ -342,12 +342,7 @@ fn levels_of_detail_keep_the_budget() {
     let zone = |i: usize, bias: f32| Zone::seen(focus(i), &camera, bias, vec![i], Vec::new());
     let held = ViewBytes { vertex: ViewBytes::BY_TILES, head: &|i, bias| zone(i, bias).bytes() };
     // `Zone::bytes` predicts what the view allocates.
-    let options = ViewOptions {
-        shadow_resolution: 64,
-        ambient_cells: 8,
-        coverage: Coverage::SampleMask,
-        ..ViewOptions::default()
-    };
+    let options = ViewOptions { coverage: Coverage::SampleMask, ..common::coarse() };
     let mut view = View::new(context, &options, SIZE, 1).unwrap();
     for octaves in [0.0, 2.0] {
         view.set_zones(&[zone(0, octaves)]);
@@ -357,14 +352,13 @@ fn levels_of_detail_keep_the_budget() {
     let mut bias = 0.0;
     let mut choose = |budget: &Budget, frames: usize| {
         let mut chosen = None;
-        for i in 0..frames {
+        for _ in 0..frames {
             let mut all: Vec<_> = heads.iter_mut().enumerate().map(|(i, hair)| (hair, place(i))).collect();
             let new = budget.look_from(&costs, &camera, &mut all, Some(bias), &held);
             assert!((new.bias - bias).abs() <= tresses::budget::FASTEST + 1e-6 || new.bytes <= budget.bytes);
             bias = new.bias;
             chosen = Some(new);
-            // The hair itself has no influence on the choice.
-            for (hair, pose) in all.into_iter().filter(|_| i + 1 == frames) {
+            for (hair, pose) in all {
                 submit(|recorder| recorder.advance(hair, &frame(pose, 1.0 / 60.0)));
             }
         }

@@ -1,13 +1,12 @@
 //! Frames of the built-in character while it turns its head, and their memory.
 
-use super::load;
 use anyhow::{Context, Result};
 use serde::Serialize;
 use std::time::Instant;
 use tresses_cli::{
     args::Size,
     bench::{
-        Sitting,
+        PROCESSOR, Sitting,
         results::Run,
         statistics::Summary,
         workload::{self, Edges, FPS, WARM_UP},
@@ -112,7 +111,7 @@ fn whole(
             break;
         }
         if frame == WARM_UP {
-            spent = load::own();
+            spent = PROCESSOR.map(|now| now());
         }
         let gesture = motion.gesture(f64::from(frame + 1) / FPS, pivot);
         let time = scene.measured_whole(&gesture, (1.0 / FPS) as f32, camera)?;
@@ -121,6 +120,8 @@ fn whole(
             times.push(time);
         }
     }
-    let processor = load::own().zip(spent).map(|(now, then)| 1e3 * (now - then) / times.len().max(1) as f64);
+    let processor = PROCESSOR.zip(spent);
+    let processor =
+        processor.map(|(now, then)| 1e3 * (now() - then).as_secs_f64() / times.len().max(1) as f64);
     Ok((times, processor))
 }

@@ -35,7 +35,7 @@ fn all() -> Option<f64> {
 }
 
 /// Processor time of this process and its finished children, seconds, in steps of 10 ms.
-pub fn own() -> Option<f64> {
+fn own() -> Option<f64> {
     let text = read_to_string("/proc/self/stat").ok()?;
     // The name of the program, in parentheses, may contain spaces.
     let (_, rest) = text.rsplit_once(')')?;
