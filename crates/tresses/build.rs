@@ -48,31 +48,36 @@ fn main() {
             .collect::<Vec<_>>()
             .join("::");
         let variants = constants::VARIANTS.iter().find(|(of, ..)| *of == module);
-        let mut own = StandardResolver::new("src");
+        let in_workgroup = constants::IN_WORKGROUP.iter().find(|(of, _)| *of == module);
+        let bytes = in_workgroup.map(|(_, bytes)| ("STRAND_BYTES", *bytes));
         let variant = variants.map(|(_, constant, values)| (*constant, values[0]));
-        for (name, value) in constants::SHARED.iter().copied().chain(variant) {
-            own.add_constant(name, value);
-        }
-        let mut resolver = Router::new();
-        let mut generated = VirtualResolver::new();
-        generated.add_module(module_path("package"), structs.clone().into());
-        resolver.mount_resolver(module_path("structs"), generated);
-        resolver.mount_fallback_resolver(own);
-        let main = module_path(&format!("package::{module}"));
-        let linked = wesl::compile(&main, &options, &resolver).unwrap_or_else(|error| panic!("{error}"));
-        let text = linked.syntax.to_string();
-        let file = out.join(format!("{}.wgsl", module.replace("::", "_")));
-        fs::write(&file, &text).expect("OUT_DIR is writable");
-        match variants {
-            None => table += &format!("    ({module:?}, include_str!({file:?})),\n"),
-            Some((_, constant, values)) => {
-                let ends = format!("{constant} = {}u;", values[0]);
-                let mut lines =
-                    text.lines().filter(|line| line.starts_with("const ") && line.ends_with(&ends));
-                let line = lines.next().unwrap_or_else(|| panic!("{module} does not use {constant}"));
-                assert!(lines.next().is_none(), "{module} has {constant} twice");
-                varied += &format!("    ({module:?}, include_str!({file:?}), {line:?}, &{values:?}),\n");
+        let links = [(module.clone(), false), (format!("{module}::workgroup"), true)];
+        for (name, workgroup) in links.into_iter().take(1 + bytes.iter().count()) {
+            options.features.set("workgroup", workgroup);
+            let mut own = StandardResolver::new("src");
+            for (name, value) in constants::SHARED.iter().copied().chain(variant).chain(bytes) {
+                own.add_constant(name, value);
             }
+            let mut resolver = Router::new();
+            let mut generated = VirtualResolver::new();
+            generated.add_module(module_path("package"), structs.clone().into());
+            resolver.mount_resolver(module_path("structs"), generated);
+            resolver.mount_fallback_resolver(own);
+            let main = module_path(&format!("package::{module}"));
+            let linked =
+                wesl::compile(&main, &options, &resolver).unwrap_or_else(|error| panic!("{name}: {error}"));
+            let text = linked.syntax.to_string();
+            let file = out.join(format!("{}.wgsl", name.replace("::", "_")));
+            fs::write(&file, &text).expect("OUT_DIR is writable");
+            let Some((_, constant, values)) = variants else {
+                table += &format!("    ({name:?}, include_str!({file:?})),\n");
+                continue;
+            };
+            let ends = format!("{constant} = {}u;", values[0]);
+            let mut lines = text.lines().filter(|line| line.starts_with("const ") && line.ends_with(&ends));
+            let line = lines.next().unwrap_or_else(|| panic!("{name} does not use {constant}"));
+            assert!(lines.next().is_none(), "{name} has {constant} twice");
+            varied += &format!("    ({name:?}, include_str!({file:?}), {line:?}, &{values:?}),\n");
         }
     }
     fs::write(out.join("shaders.rs"), table + "];\n" + &varied + "];\n").expect("OUT_DIR is writable");

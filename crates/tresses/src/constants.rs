@@ -6,6 +6,7 @@
 pub const SHARED: &[(&str, u32)] = &[
     ("GUIDE_WORKGROUP", GUIDE_WORKGROUP),
     ("STRAND_WORKGROUP", STRAND_WORKGROUP),
+    ("WORKGROUP_BYTES", WORKGROUP_BYTES),
     ("HIT_RUN", HIT_RUN),
     ("VOLUME_WORKGROUP", VOLUME_WORKGROUP),
     ("MAX_GUIDE_VERTICES", MAX_GUIDE_VERTICES),
@@ -49,6 +50,17 @@ pub const VARIANTS: &[(&str, &str, &[u32])] = &[
     ("draw::tiles::blend", "SURFACES", &[1, 2]),
 ];
 
+/// Shaders that are linked a second time, with the feature `workgroup`, as `<module>::workgroup`: their threads keep a
+/// strand in workgroup memory instead of private memory. The number is the memory per vertex of a strand, bytes.
+#[allow(dead_code)]
+pub const IN_WORKGROUP: &[(&str, u32)] = &[("simulate::step", STEP_BYTES), ("simulate::twist", TWIST_BYTES)];
+
+/// Workgroup memory per vertex of `simulate::step`, bytes: eight vectors.
+pub const STEP_BYTES: u32 = 8 * 16;
+/// Workgroup memory per vertex of `simulate::twist`, bytes: 13 vectors and a number.
+pub const TWIST_BYTES: u32 = 13 * 16 + 4;
+/// Workgroup memory that every WebGPU adapter has, bytes.
+pub const WORKGROUP_BYTES: u32 = 16_384;
 /// Workgroup size of passes with one thread per guide.
 pub const GUIDE_WORKGROUP: u32 = 32;
 /// Workgroup size of passes with one thread per strand vertex.

@@ -84,11 +84,11 @@ fn jobs<'a>(context: &Context, request: &PipelineRequest, sets: &'a ViewSets) ->
         PipelineRequest::Forces => context.jobs::<simulate::Pipelines>(),
         PipelineRequest::Step(vertex_count) => {
             let set = context.pipelines::<simulate::Pipelines>();
-            vec![Box::new(move || set.step(vertex_count).compile())]
+            vec![Box::new(move || set.step.of(vertex_count).compile())]
         }
         PipelineRequest::TwistStep(vertex_count) => {
             let set = context.pipelines::<simulate::Pipelines>();
-            vec![Box::new(move || set.twist(vertex_count).compile())]
+            vec![Box::new(move || set.twist.of(vertex_count).compile())]
         }
         PipelineRequest::Strands => {
             let mut jobs = Curves::jobs(context);

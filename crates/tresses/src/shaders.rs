@@ -13,6 +13,12 @@ pub(crate) fn source(module: &str) -> &'static str {
         .unwrap_or_else(|| panic!("no shader {module}"))
 }
 
+/// Returns the module path that equals `module`, from the table.
+pub(crate) fn named(module: &str) -> &'static str {
+    let found = all().iter().find(|(name, _)| *name == module);
+    found.map(|(name, _)| *name).unwrap_or_else(|| panic!("no shader {module}"))
+}
+
 /// Returns every linked shader as (module path, WGSL), for tools and tests.
 pub fn all() -> &'static [(&'static str, &'static str)] {
     static ALL: OnceLock<Vec<(&str, &str)>> = OnceLock::new();

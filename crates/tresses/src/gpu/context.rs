@@ -40,9 +40,9 @@ impl Context {
         }
     }
 
-    /// The same context with the capabilities `tier`.
+    /// The same device with the capabilities `tier`, which choose the kernels.
     pub fn with_tier(self, tier: Tier) -> Self {
-        Self { tier, ..self }
+        Self { tier, sets: Arc::default(), ..self }
     }
 
     /// The same device with shaders that `probe` replaces.

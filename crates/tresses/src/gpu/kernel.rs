@@ -65,16 +65,17 @@ impl Kernel {
 
     fn pipeline(&self) -> Result<&wgpu::ComputePipeline> {
         let made = self.pipeline.get_or_init(|| {
-            // The last part of a variant is a number: `simulate::step::32`.
-            let parts = self.module.rsplit("::");
-            let entry = parts.into_iter().find(|part| part.parse::<u32>().is_err()).unwrap_or(self.module);
+            // Parts after the entry point name the variant: `simulate::step::workgroup::32`.
+            let text = shaders::source(self.module);
+            let is_entry = |part: &&str| text.contains(&format!("fn {part}("));
+            let entry = self.module.rsplit("::").find(is_entry).unwrap_or(self.module);
             let layouts: Vec<_> = std::iter::once(&self.layout).chain(&self.shared).collect();
             let options = wgpu::PipelineCompilationOptions {
                 // Every kernel writes its workgroup memory before it reads it.
                 zero_initialize_workgroup_memory: false,
                 ..Default::default()
             };
-            let source = (shaders::source(self.module), entry);
+            let source = (text, entry);
             pipeline::compute(&self.device, self.module, source, &layouts, options)
                 .map_err(|error| error.to_string())
         });

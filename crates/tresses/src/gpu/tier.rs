@@ -7,7 +7,8 @@ pub struct Tier {
     pub timestamps: bool,
     /// Largest number of samples per pixel of the HDR target: 1, 4, 8 or 16.
     pub max_samples: u32,
-    /// Whether the adapter is a software driver that runs on the CPU.
+    /// Whether the adapter is a software driver that runs on the CPU. Hair is then simulated in private memory instead
+    /// of workgroup memory.
     pub software: bool,
 }
 

@@ -12,7 +12,7 @@ use crate::{
         Anchor, Collider, ColliderDescriptor, ColliderPoses, ColliderSet, FieldId, FieldSource, FieldVolume,
         Moments, Shape,
     },
-    gpu::{Timings, for_tests as context, readback::blocking as readback},
+    gpu::{Tier, Timings, for_tests as context, readback::blocking as readback},
     groom::SdfGrid,
     strands::{Force, GuideBuffers, GuideForce, RestGuides},
     wind::Wind,
@@ -276,19 +276,28 @@ fn twisting() -> SimulationParams {
     SimulationParams { twist: 0.5, ..SimulationParams::default() }
 }
 
-/// Compares kernel and reference after 4 steps, for each number of vertices with its tolerance, meters.
-fn matches(context: &Context, params: &SimulationParams, cases: &[(usize, f32)]) {
-    for (n, tolerance) in cases {
-        let (worst, _) = compare_by(context, *n, 4, 0.0, None, params);
-        println!("{n} vertices, twist {}: differ by {worst} m after 4 steps", params.twist);
-        assert!(worst < *tolerance, "{n}: {worst}");
+/// Returns contexts with the kernels for this device and with those for GPUs.
+fn tiers() -> Option<[Context; 2]> {
+    let own = context()?.clone();
+    let tier = Tier { software: false, ..own.tier() };
+    Some([own.clone(), own.with_tier(tier)])
+}
+
+/// Compares kernel and reference after 4 steps, in both tiers, for each number of vertices with its tolerance, meters.
+fn matches(params: &SimulationParams, cases: &[(usize, f32)]) {
+    for context in tiers().iter().flatten() {
+        for (n, tolerance) in cases {
+            let (worst, _) = compare_by(context, *n, 4, 0.0, None, params);
+            println!("{n} vertices, twist {}: differ by {worst} m after 4 steps", params.twist);
+            assert!(worst < *tolerance, "{n}: {worst}");
+        }
     }
 }
 
 #[test]
 fn kernel_matches_reference() {
+    matches(&SimulationParams::default(), &[(5, 2e-6), (12, 5e-5), (16, 5e-5)]);
     let Some(context) = context() else { return };
-    matches(context, &SimulationParams::default(), &[(5, 2e-6), (12, 5e-5), (16, 5e-5)]);
     let (worst, _) = compare(context, 16, 4, 0.1, None);
     assert!(worst > 1e-4, "the comparison sees a slight side wind: {worst}");
     for i in 0..5 {
@@ -300,23 +309,22 @@ fn kernel_matches_reference() {
 
 #[test]
 fn twist_kernel_matches_reference() {
-    let Some(context) = context() else { return };
-    matches(context, &twisting(), &[(2, 1e-6), (3, 1e-6), (5, 2e-6), (12, 5e-5), (16, 5e-5)]);
+    matches(&twisting(), &[(2, 1e-6), (3, 1e-6), (5, 2e-6), (12, 5e-5), (16, 5e-5)]);
 }
 
 /// A software driver compiles the kernels of long guides for a minute.
 #[test]
 #[ignore = "proof"]
 fn kernels_of_long_guides_match_reference() {
-    let Some(context) = context() else { return };
-    matches(context, &SimulationParams::default(), &[(24, 1e-4), (32, 3e-4), (64, 4e-3)]);
-    matches(context, &twisting(), &[(24, 1e-4), (32, 3e-4), (64, 4e-3)]);
+    matches(&SimulationParams::default(), &[(24, 1e-4), (32, 3e-4), (64, 4e-3)]);
+    matches(&twisting(), &[(24, 1e-4), (32, 3e-4), (64, 4e-3)]);
 }
 
 #[test]
 fn runs_are_bit_identical() {
-    let Some(context) = context() else { return };
-    assert_eq!(compare(context, 16, 20, 0.0, None).1, compare(context, 16, 20, 0.0, None).1);
+    for context in tiers().iter().flatten() {
+        assert_eq!(compare(context, 16, 20, 0.0, None).1, compare(context, 16, 20, 0.0, None).1);
+    }
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! Guide simulation. One fixed step is one dispatch; one thread simulates one guide.
+//! Guide simulation. One fixed step is one dispatch; one thread simulates one guide, whose state lies in workgroup
+//! memory on a GPU and in private memory on a software driver ([`step::StepKernels`]).
 //!
 //! A guide is a chain of point masses with springs along its edges, bending springs towards its rest shape, a weak
 //! spring to its rest pose, drag, gravity and contacts. Each substep predicts `y = x + h v`, linearizes all forces
@@ -96,8 +97,7 @@ mod reference;
 use crate::{
     Context, Result,
     clock::{MAX_STEPS, Mode, Step},
-    collide::{self, ColliderSet},
-    constants::{GUIDE_CAPACITIES, GUIDE_WORKGROUP},
+    collide::ColliderSet,
     gpu::{Kernel, PipelineSet},
     groom::Guides,
     space::Field,
@@ -107,6 +107,7 @@ use crate::{
 use glam::Vec3;
 use params::StepUniforms;
 use std::sync::Arc;
+use step::StepKernels;
 
 pub use forces::{AirUniforms, Forces};
 pub use grab::{Grab, Target};
@@ -123,10 +124,9 @@ const STRIDE: u64 = 512;
 /// The stage's pipelines.
 #[derive(Debug)]
 pub(crate) struct Pipelines {
-    /// One kernel per size class of guides.
-    steps: [Kernel; GUIDE_CAPACITIES.len()],
-    /// One kernel per size class, for hair with twist.
-    twists: [Kernel; GUIDE_CAPACITIES.len()],
+    pub(crate) step: StepKernels,
+    /// For hair with twist.
+    pub(crate) twist: StepKernels,
     shift: Kernel,
     pub(crate) forces: forces::ForcesKernel,
     pub(crate) links: Kernel,
@@ -138,12 +138,9 @@ pub(crate) struct Pipelines {
 
 impl PipelineSet for Pipelines {
     fn new(context: &Context) -> Self {
-        let Context { device, .. } = context;
-        let colliders = collide::layout(device);
-        let kernel = |name| Kernel::beside(&context.device, name, &step::BINDINGS, &[&colliders]);
         Self {
-            steps: step::MODULES.map(kernel),
-            twists: step::TWIST_MODULES.map(kernel),
+            step: StepKernels::new(context, "simulate::step"),
+            twist: StepKernels::new(context, "simulate::twist"),
             shift: shift::kernel(context),
             forces: forces::ForcesKernel::new(context),
             links: Kernel::new(&context.device, "simulate::links", &links::BINDINGS),
@@ -156,18 +153,6 @@ impl PipelineSet for Pipelines {
 
     fn kernels(&self) -> Vec<&Kernel> {
         vec![&self.forces.kernel]
-    }
-}
-
-impl Pipelines {
-    /// Returns the step kernel for guides of `vertex_count` vertices.
-    pub(crate) fn step(&self, vertex_count: u32) -> &Kernel {
-        &self.steps[step::capacity(vertex_count)]
-    }
-
-    /// Returns the step kernel for guides of `vertex_count` vertices with twist.
-    pub(crate) fn twist(&self, vertex_count: u32) -> &Kernel {
-        &self.twists[step::capacity(vertex_count)]
     }
 }
 
@@ -202,7 +187,7 @@ impl Simulation {
             mapped_at_creation: false,
         });
         let step = slot(&uniforms);
-        let group = pipelines.step(guides.vertex_count).bind(&[
+        let group = pipelines.step.of(guides.vertex_count).bind(&[
             step,
             guides.info.as_entire_binding(),
             guides.rest.as_entire_binding(),
@@ -376,17 +361,11 @@ impl Simulation {
         pass.set_bind_group(1, colliders.group(), &[]);
         let simulated = self.simulated.1[i as usize];
         let offset = i * STRIDE as u32;
-        let groups = simulated.div_ceil(GUIDE_WORKGROUP);
         if let Some(ties) = &self.ties {
             ties.record(pass, offset);
         }
-        let twists = self.twists.1;
-        let kernel = if twists {
-            self.pipelines.twist(self.vertex_count)
-        } else {
-            self.pipelines.step(self.vertex_count)
-        };
-        kernel.record(pass, &self.group, &[offset], groups);
+        let kernels = if self.twists.1 { &self.pipelines.twist } else { &self.pipelines.step };
+        kernels.record(pass, &self.group, offset, [simulated, self.vertex_count]);
         if let Some(lead) = self.lead.as_ref().filter(|_| simulated < self.guide_count) {
             lead.record(&self.pipelines.lead, pass, offset, [simulated, self.guide_count]);
         }

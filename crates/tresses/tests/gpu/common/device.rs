@@ -1,12 +1,23 @@
 //! One context per test thread. Pipelines are compiled once per context; a software driver needs seconds for all of them.
 
-use tresses::{Context, Hair, Pose, Result, frame::Recorder, gpu::Gpu, hair::HairFrame};
+use tresses::{
+    Context, Hair, Pose, Result,
+    frame::Recorder,
+    gpu::{Gpu, Tier},
+    hair::HairFrame,
+};
 use tresses_testing::Pool;
 
 /// Returns the context of this test's thread, or `None` if there is no adapter and `TRESSES_SKIP` lists `gpu`.
 pub fn context() -> Option<&'static Context> {
     static CONTEXTS: Pool<Context> = Pool::new();
     CONTEXTS.get(|| Some(tresses_testing::gpu_or_skip(pollster::block_on(Gpu::open()))?.context))
+}
+
+/// Creates a context with the kernels that GPUs use, on this thread's device.
+pub fn with_kernels_for_gpus() -> Option<Context> {
+    let context = context()?;
+    Some(context.clone().with_tier(Tier { software: false, ..context.tier() }))
 }
 
 /// Creates a context on wgpu's no-op device.

@@ -82,7 +82,7 @@ fn incline(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn hair_sticks_until_the_incline_is_too_steep() {
+pub fn hair_sticks_until_the_incline_is_too_steep() {
     let Some(lab) = lab() else { return };
     judge("incline", |fault| incline(lab, fault));
 }

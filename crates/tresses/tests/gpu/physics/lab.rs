@@ -1,6 +1,7 @@
 //! Experiments with strands on the GPU and a head that moves them.
 
 use crate::common;
+use std::{cell::Cell, sync::OnceLock};
 use tresses::{
     Context, Pose,
     clock::{MAX_STEPS, Mode, Step, StepClock},
@@ -20,10 +21,27 @@ pub struct Lab {
     pub context: &'static Context,
 }
 
+thread_local! {
+    /// Whether this thread's experiments use the kernels for GPUs, whatever the device is.
+    static FOR_GPUS: Cell<bool> = const { Cell::new(false) };
+}
+
 /// Returns the lab, or `None` if there is no adapter and none is required.
 pub fn lab() -> Option<&'static Lab> {
     static LABS: tresses_testing::Pool<Lab> = tresses_testing::Pool::new();
-    LABS.get(|| Some(Lab { context: common::context()? }))
+    static LABS_FOR_GPUS: tresses_testing::Pool<(Context, OnceLock<Lab>)> = tresses_testing::Pool::new();
+    if !FOR_GPUS.get() {
+        return LABS.get(|| Some(Lab { context: common::context()? }));
+    }
+    let (context, lab) = LABS_FOR_GPUS.get(|| Some((common::with_kernels_for_gpus()?, OnceLock::new())))?;
+    Some(lab.get_or_init(|| Lab { context }))
+}
+
+/// Runs tests with the kernels that GPUs use.
+pub fn for_gpus(tests: &[fn()]) {
+    FOR_GPUS.set(true);
+    tests.iter().for_each(|test| test());
+    FOR_GPUS.set(false);
 }
 
 /// Returns hair with one bending stiffness (N·m²) and nothing else: no goal, no drag, no damping.

@@ -15,5 +15,6 @@ mod shapes;
 mod squeeze;
 mod swings;
 mod table;
+mod tiers;
 mod ties;
 mod twist;

@@ -168,7 +168,7 @@ fn lengths(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn shaking_and_shocks_do_not_stretch_hair() {
+pub fn shaking_and_shocks_do_not_stretch_hair() {
     let Some(lab) = lab() else { return };
     judge("lengths", |fault| lengths(lab, fault));
 }

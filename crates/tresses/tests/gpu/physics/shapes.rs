@@ -46,7 +46,7 @@ fn catenary(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn catenaries_match_the_closed_form() {
+pub fn catenaries_match_the_closed_form() {
     let Some(lab) = lab() else { return };
     judge("catenary", |fault| catenary(lab, fault));
 }
@@ -77,7 +77,7 @@ fn cantilever(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn heavy_cantilevers_match_the_exact_solution() {
+pub fn heavy_cantilevers_match_the_exact_solution() {
     let Some(lab) = lab() else { return };
     judge("cantilever", |fault| cantilever(lab, fault));
 }
@@ -114,7 +114,7 @@ fn buckling(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn upright_hair_buckles_at_the_critical_load() {
+pub fn upright_hair_buckles_at_the_critical_load() {
     let Some(lab) = lab() else { return };
     judge("buckling", |fault| buckling(lab, fault));
 }

@@ -64,7 +64,7 @@ fn pendulum(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn pendulum_periods_match_the_closed_form() {
+pub fn pendulum_periods_match_the_closed_form() {
     let Some(lab) = lab() else { return };
     judge("pendulum", |fault| pendulum(lab, fault));
 }
@@ -143,7 +143,7 @@ fn chain(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn hanging_chain_periods_match_the_closed_form() {
+pub fn hanging_chain_periods_match_the_closed_form() {
     let Some(lab) = lab() else { return };
     judge("chain", |fault| chain(lab, fault));
 }
@@ -178,7 +178,7 @@ fn vibration(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn cantilever_periods_match_the_closed_form() {
+pub fn cantilever_periods_match_the_closed_form() {
     let Some(lab) = lab() else { return };
     judge("vibration", |fault| vibration(lab, fault));
 }

@@ -63,7 +63,7 @@ fn springs(lab: &'static Lab, cases: &[(usize, f32)], fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn helical_springs_match_castiglianos_theorem() {
+pub fn helical_springs_match_castiglianos_theorem() {
     let Some(lab) = lab() else { return };
     judge_some("springs", |fault| springs(lab, &[(24, 0.5), (24, 3.0)], fault));
 }
@@ -101,7 +101,7 @@ fn bows(lab: &'static Lab, fault: bool) -> Vec<Row> {
 }
 
 #[test]
-fn bows_sink_by_the_closed_form() {
+pub fn bows_sink_by_the_closed_form() {
     let Some(lab) = lab() else { return };
     judge("bows", |fault| bows(lab, fault));
 }
