@@ -26,6 +26,7 @@ pub const SHARED: &[(&str, u32)] = &[
     ("COVER_STRANDS", COVER_STRANDS),
     ("COVER_STRIDE", COVER_STRIDE),
     ("AMBIENT_STRANDS", AMBIENT_STRANDS),
+    ("SWEEP_WORKGROUP", SWEEP_WORKGROUP),
     ("TILE", TILE),
     ("TILE_BINS", TILE_BINS),
     ("TILE_BLOCK", TILE_BLOCK),
@@ -107,6 +108,8 @@ pub const COVER_STRANDS: u32 = 8192;
 pub const COVER_STRIDE: u32 = 2;
 /// Approximate number of strands that represent all of them in the grid of ambient light.
 pub const AMBIENT_STRANDS: u32 = 4096;
+/// Workgroup size of the kernels that propagate ambient light: one workgroup propagates one direction.
+pub const SWEEP_WORKGROUP: u32 = 256;
 /// Edge of a tile of the compute rasterizer, pixels. One thread processes one row of a tile.
 pub const TILE: u32 = 8;
 /// Depth bins per tile; also the size of the workgroup that sorts them.

@@ -13,11 +13,13 @@
 //!
 //! **Discrete ordinates.** `sweep` propagates light through the cells along the 24 directions of a level-symmetric
 //! quadrature (S4; Carlson and Lathrop 1965), slice by slice. Each slice needs only the previous one (short
-//! characteristics, Kunasz and Auer 1988). This takes one step per cell and direction, whereas ray marching from each
-//! cell takes as many steps as a ray crosses cells. `sweep` carries the fraction of the sky that remains if fibers
-//! remove 0, 1/8, 1/2 or all of the light that hits them. Shading interpolates between these for the absorption of each
-//! color channel. Light is attenuated before the sum over directions, so thin and dense sides do not mix. `shine`
-//! carries the radiance of meshes. Each fiber removes the part that it does not pass on in dual scattering.
+//! characteristics, Kunasz and Auer 1988). A workgroup propagates one direction, with a barrier between slices: a
+//! dispatch per slice would cost a GPU more than the slice. This takes one step per cell and direction, whereas ray
+//! marching from each cell takes as many steps as a ray crosses cells. `sweep` carries the fraction of the sky that
+//! remains if fibers remove 0, 1/8, 1/2 or all of the light that hits them. Shading interpolates between these for the
+//! absorption of each color channel. Light is attenuated before the sum over directions, so thin and dense sides do not
+//! mix. `shine` carries the radiance of meshes. Each fiber removes the part that it does not pass on in dual
+//! scattering.
 //!
 //! **Meshes as surfaces.** Cells hold the sum of mesh area as a vector. The surface in a cell blocks the light that
 //! passes through the cell. For the cell itself it blocks only the directions into the mesh: a cell on the skin sees
@@ -58,8 +60,6 @@ const CELL_WORDS: u64 = 8;
 /// Bytes of a settled cell.
 const SETTLED: u64 = 16;
 const LAYERS: u32 = 5;
-/// Distance between slice indices in their buffer, bytes: the largest offset alignment that WebGPU may require.
-const STEP: u64 = 256;
 
 /// Kernels of ambient light.
 #[derive(Debug)]
@@ -76,7 +76,7 @@ pub(super) struct Pipelines {
 impl Pipelines {
     pub(super) fn new(context: &Context) -> Self {
         let Context { device, .. } = context;
-        use Binding::{Storage, StorageMut, Uniform, UniformDynamic, Write3d};
+        use Binding::{Storage, StorageMut, Uniform, Write3d};
         let surface = body::surface_layout(device);
         let kernel = |module, entries: &[Binding]| Kernel::new(&context.device, module, entries);
         Self {
@@ -96,7 +96,7 @@ impl Pipelines {
             ),
             settle: kernel("light::ambient::settle", &[Uniform, Storage, StorageMut]),
             sweeps: ["light::ambient::sweep", "light::ambient::shine"]
-                .map(|module| kernel(module, &[Uniform, UniformDynamic, Storage, StorageMut])),
+                .map(|module| kernel(module, &[Uniform, Storage, StorageMut])),
             gathers: ["light::ambient::gather", "light::ambient::collect"]
                 .map(|module| kernel(module, &[Uniform, Storage, StorageMut, Write3d])),
         }
@@ -147,7 +147,6 @@ impl Ambient {
         let settled = storage("ambient cells", SETTLED * count);
         let fields = storage("ambient fields", 8 * u64::from(DIRECTIONS) * count);
         let weights = storage("ambient weights", 4 * count);
-        let slices = slices(device, cells);
         let format = wgpu::TextureFormat::Rgba16Float;
         let (_, result) = grid_texture(device, "ambient", format, [cells, cells, LAYERS * cells]);
         let sampler = linear(device);
@@ -156,21 +155,12 @@ impl Ambient {
         let [maps, comparison, hair, blocks] = shadow;
         let linear = wgpu::BindingResource::Sampler(&sampler);
         let frame = [all(lights), all(lights), maps, comparison, hair, blocks, view(), linear, all(&sums)];
-        let slice = || {
-            wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                buffer: &slices,
-                offset: 0,
-                size: wgpu::BufferSize::new(16),
-            })
-        };
         let Pipelines { skin, glow, settle, sweeps, gathers, .. } = pipelines;
         Self {
             skin: skin.bind(&[all(lights), all(&sums)]),
             glow: glow.bind(&frame),
             settle: settle.bind(&[all(lights), all(&sums), all(&settled)]),
-            sweeps: sweeps
-                .each_ref()
-                .map(|sweep| sweep.bind(&[all(lights), slice(), all(&settled), all(&fields)])),
+            sweeps: sweeps.each_ref().map(|sweep| sweep.bind(&[all(lights), all(&settled), all(&fields)])),
             gathers: gathers
                 .each_ref()
                 .map(|gather| gather.bind(&[all(lights), all(&fields), all(&weights), view()])),
@@ -216,7 +206,7 @@ impl Ambient {
     pub(super) fn bytes_of(cells: u32) -> u64 {
         let cells = u64::from(Self::within(cells));
         let cell = 4 * CELL_WORDS + SETTLED + 4 + 8 * u64::from(DIRECTIONS) + 8 * u64::from(LAYERS);
-        cell * cells.pow(3) + STEP * cells
+        cell * cells.pow(3)
     }
 
     /// Records all kernels. Call it after the shadow maps.
@@ -238,7 +228,6 @@ impl Ambient {
             pipelines.lay.record(pass, &shaded.lay, &[], workgroups);
         }
         let cells = self.cells.pow(3);
-        let slice = [self.cells.pow(2).div_ceil(STRAND_WORKGROUP), DIRECTIONS, 1];
         for i in 0..2 {
             let (kernel, group) = [(&pipelines.skin, &self.skin), (&pipelines.glow, &self.glow)][i];
             for body in bodies {
@@ -251,25 +240,9 @@ impl Ambient {
                 );
             }
             pipelines.settle.record(pass, &self.settle, &[], cells.div_ceil(STRAND_WORKGROUP));
-            for slot in 0..u64::from(self.cells) {
-                pipelines.sweeps[i].record_grid(pass, &self.sweeps[i], &[(STEP * slot) as u32], slice);
-            }
+            pipelines.sweeps[i].record(pass, &self.sweeps[i], &[], DIRECTIONS);
             pipelines.gathers[i].record(pass, &self.gathers[i], &[], cells.div_ceil(STRAND_WORKGROUP));
         }
         recorded.end()
     }
-}
-
-/// Creates a uniform buffer of slice indices, each at its own offset.
-fn slices(device: &wgpu::Device, cells: u32) -> wgpu::Buffer {
-    let mut numbers = vec![0_u32; (STEP / 4 * u64::from(cells)) as usize];
-    for (slice, number) in numbers.iter_mut().step_by(STEP as usize / 4).enumerate() {
-        *number = slice as u32;
-    }
-    use wgpu::util::DeviceExt;
-    device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some("ambient slices"),
-        contents: bytemuck::cast_slice(&numbers),
-        usage: wgpu::BufferUsages::UNIFORM,
-    })
 }
