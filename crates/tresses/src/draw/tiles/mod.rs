@@ -37,13 +37,16 @@
 //!
 //! **Memory.** The list buffer holds a *window* and the longest tile. The window is one and a half entries per point,
 //! or what a recent frame needed. If a frame needs more, as in a close-up, its tiles are drawn in
-//! [rounds](crate::constants::TILE_ROUNDS). Each round is recorded with indirect dispatches, which have no workgroups
-//! if the round is not needed.
+//! [rounds](crate::constants::TILE_ROUNDS). Rounds are recorded with indirect dispatches, which have no workgroups if
+//! the round is not needed. But even an empty dispatch costs a GPU microseconds. If the camera has hardly moved since
+//! the last frame whose entries are known, a frame records only the rounds that a quarter more entries would need: mostly
+//! one.
 //!
 //! **Readback.** The CPU learns the number of entries from `TileControl`, 528 bytes per view. From the second frame
 //! on, recording a frame submits a copy of it and maps the copy, unless an earlier one is in flight. A later frame
 //! takes the result if it has arrived, without waiting, and enlarges the lists if they are too short.
-//! [`View::is_complete`](crate::View::is_complete) waits for the count of the last frame.
+//! [`View::is_complete`](crate::View::is_complete) waits for the count of the last frame, and says whether its rounds
+//! sufficed.
 //!
 //! **Performance.** A software driver executes loads and atomics lane by lane, so that a thread should process many
 //! pixels per load: a row of eight costs an eighth of the loads of eight threads with one pixel each. Bins over the
@@ -90,8 +93,9 @@ struct Round<'a> {
 }
 
 impl<'a> Round<'a> {
-    fn all(control: &'a wgpu::Buffer) -> impl Iterator<Item = Self> {
-        (0..TILE_ROUNDS).map(move |number| Self { control, number })
+    /// Returns the rounds of the frame that is being recorded.
+    fn all(tiles: &'a Tiles) -> impl Iterator<Item = Self> {
+        (0..tiles.rounds()).map(|number| Self { control: &tiles.buffers.control, number })
     }
 
     /// Records an indirect dispatch of `kernel` for part of the lists. `field` is the offset of the workgroup counts in
@@ -162,7 +166,7 @@ impl Pipelines {
         pass.end()?;
         tiles.buffers.bounds.1.copy(canvas.commands, &tiles.buffers.bounds.0, tiles.buffers.count());
         canvas.commands.lap(Stage::Bins);
-        for round in Round::all(&tiles.buffers.control) {
+        for round in Round::all(tiles) {
             let fields = [offset_of!(TileControl, segments), offset_of!(TileControl, bins)];
             let mut pass = canvas.commands.compute("bins");
             self.order(&mut pass, lists, &round, ListSpan::Front, fields);
@@ -220,13 +224,16 @@ impl Pipelines {
         }
         pass.end()?;
         let (asked, labeled) = (canvas.geometry.is_some(), canvas.labels);
-        for round in Round::all(&tiles.buffers.control) {
+        for round in Round::all(tiles) {
             let mut pass = canvas.commands.compute("hair");
             let of = |field| (ListSpan::Whole, field);
-            round.run(&mut pass, &self.rewind, &lists.groups.rewind, of(offset_of!(TileControl, bins_again)));
-            let fields = [offset_of!(TileControl, segments_again), offset_of!(TileControl, bins_again)];
-            self.order(&mut pass, lists, &round, ListSpan::Whole, fields);
-            round.run(&mut pass, &self.touch, &lists.groups.touch, of(offset_of!(TileControl, bins_again)));
+            if tiles.rounds() > 1 {
+                let again = offset_of!(TileControl, bins_again);
+                round.run(&mut pass, &self.rewind, &lists.groups.rewind, of(again));
+                let fields = [offset_of!(TileControl, segments_again), again];
+                self.order(&mut pass, lists, &round, ListSpan::Whole, fields);
+                round.run(&mut pass, &self.touch, &lists.groups.touch, of(again));
+            }
             if let Some(geometry) = lists.geometry.as_ref().filter(|_| asked) {
                 round.run(
                     &mut pass,

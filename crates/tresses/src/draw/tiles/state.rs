@@ -7,9 +7,13 @@ use super::{
     lists::HairLists,
 };
 use crate::{
-    Context, Result, constants::TILE_ROUNDS, draw::record::Canvas, draw::targets::TextureKind,
-    gpu::readback::Pending, light::HairView,
+    Camera, Context, Result,
+    constants::TILE_ROUNDS,
+    draw::{record::Canvas, targets::TextureKind},
+    gpu::readback::Pending,
+    light::{HairView, Sphere},
 };
+use glam::Vec3;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The tiles of a view: buffers of its size, and lists that grow with its hair.
@@ -20,22 +24,104 @@ pub(crate) struct Tiles {
     capacity: Mutex<ListCapacity>,
 }
 
-/// The list length that recent frames needed.
-#[derive(Debug, Default)]
+/// What recent frames needed, and which rounds this frame records.
+#[derive(Debug)]
 struct ListCapacity {
-    /// Entries of the latest frame that was read back.
+    /// The latest frame that was read back.
+    known: ListCount,
+    /// A readback in flight, and the frame that it reads.
+    pending: Option<(Pending, FrameLook)>,
+    /// The last recorded frame, and its rounds.
+    last: Option<FrameLook>,
+    rounds: u32,
+}
+
+impl Default for ListCapacity {
+    fn default() -> Self {
+        Self { known: ListCount::default(), pending: None, last: None, rounds: TILE_ROUNDS }
+    }
+}
+
+/// The entries of a frame.
+#[derive(Clone, Copy, Debug, Default)]
+struct ListCount {
+    /// 0 if unknown.
     entries: u32,
-    /// A readback in flight.
-    pending: Option<Pending>,
+    look: Option<FrameLook>,
+}
+
+/// What decides how many entries a frame has, as far as the CPU knows: points, and the places of the focus in the image
+/// (x and y as fractions of its size, and depth).
+#[derive(Clone, Copy, Debug)]
+struct FrameLook {
+    points: u32,
+    focus: [Vec3; 7],
+}
+
+impl FrameLook {
+    /// Largest motion of the focus in the image since the known frame, as a fraction of its size, and largest ratio of
+    /// depths.
+    const NEAR: f32 = 0.05;
+    const RATIO: f32 = 1.1;
+
+    fn of(camera: &Camera, focus: &Sphere, points: u32) -> Self {
+        let Sphere { center, radius } = *focus;
+        let clip = camera.projection * camera.view;
+        let ends = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z];
+        let focus = ends.map(|way| {
+            let at = clip * (center + way * radius).extend(1.0);
+            (at.truncate().truncate() * (0.5 / at.w)).extend(at.w)
+        });
+        Self { points, focus }
+    }
+
+    /// Whether the camera has hardly moved since `other`.
+    fn resembles(&self, other: &Self) -> bool {
+        self.focus.iter().zip(&other.focus).all(|(now, then)| {
+            let ratio = now.z / then.z;
+            now.truncate().distance(then.truncate()) < Self::NEAR
+                && (1.0 / Self::RATIO..Self::RATIO).contains(&ratio)
+        })
+    }
 }
 
 impl ListCapacity {
-    /// Takes the GPU's count. Returns whether all entries were drawn.
-    fn learn(&mut self, control: &[u8], window: u32) -> bool {
+    /// Factor by which a frame may need more entries than a recent one with almost the same camera; lists grow by it
+    /// too. Bodies that suddenly uncover hair exceed it only in close-ups, because lists always have room for one and a
+    /// half entries per point.
+    const GROWTH: f32 = 1.25;
+
+    /// Returns the rounds to record for a frame: enough for [`GROWTH`](Self::GROWTH), or all if the last known frame
+    /// was another picture.
+    fn rounds(&self, look: &FrameLook, window: u32) -> u32 {
+        let known = self.known.look.filter(|then| self.known.entries > 0 && look.resembles(then));
+        let Some(then) = known else { return TILE_ROUNDS };
+        let more = (look.points as f32 / then.points.max(1) as f32).max(1.0);
+        let entries = self.known.entries as f32 * more * Self::GROWTH;
+        ((entries / window as f32).ceil() as u32).clamp(1, TILE_ROUNDS)
+    }
+
+    /// Takes the count of the latest frame that has been read back, and begins to read back the last one. Does not wait.
+    fn read(&mut self, context: &Context, control: &wgpu::Buffer) {
+        let last = self.last;
+        if self.pending.is_none() {
+            self.pending = last.map(|look| (Pending::buffer(context, control), look));
+        }
+        let Some((pending, look)) = &mut self.pending else { return };
+        let look = *look;
+        if let Some(control) = pending.take() {
+            self.pending = None;
+            // A lost device is reported by the call that waits for the GPU.
+            if let Ok(control) = control {
+                self.learn(&control, Some(look));
+            }
+        }
+    }
+
+    /// Takes the GPU's count of the frame `look`.
+    fn learn(&mut self, control: &[u8], look: Option<FrameLook>) {
         let at = std::mem::offset_of!(TileControl, entries);
-        let entries: u32 = bytemuck::pod_read_unaligned(&control[at..at + 4]);
-        self.entries = entries;
-        u64::from(entries) <= u64::from(window) * u64::from(TILE_ROUNDS)
+        self.known = ListCount { entries: bytemuck::pod_read_unaligned(&control[at..at + 4]), look };
     }
 }
 
@@ -84,8 +170,9 @@ impl Tiles {
         self.lists().as_ref()?.labels.clone().filter(|labels| !labels.owners.is_empty())
     }
 
-    /// Forgets last frame's geometry and labels: this frame has no hair.
+    /// Forgets last frame's geometry, labels and entries: this frame has no hair.
     pub(super) fn forget(&self) {
+        *self.capacity.lock().unwrap_or_else(PoisonError::into_inner) = ListCapacity::default();
         if let Some(lists) = self.lists().as_mut() {
             lists.geometry = None;
             lists.labels = None;
@@ -105,7 +192,11 @@ impl Tiles {
         hair: &[HairView<'_>],
     ) -> Result<MutexGuard<'_, Option<HairLists>>> {
         let mut lists = self.lists();
-        let entries = self.learn(canvas, lists.as_ref().map(|lists| lists.grid.window));
+        let mut capacity = self.capacity.lock().unwrap_or_else(PoisonError::into_inner);
+        if lists.is_some() {
+            capacity.read(canvas.commands.context(), &self.buffers.control);
+        }
+        let entries = capacity.known.entries;
         if !lists.as_ref().is_some_and(|lists| lists.fits(canvas, hair, entries)) {
             // The old lists are dropped first, so that both are never in memory at once.
             *lists = None;
@@ -113,26 +204,16 @@ impl Tiles {
         }
         if let Some(lists) = lists.as_mut() {
             lists.prepare(canvas.commands.context(), &self.buffers.grid, hair);
+            let look = FrameLook::of(canvas.camera, canvas.focus, lists.grid.points);
+            capacity.rounds = capacity.rounds(&look, lists.grid.window);
+            capacity.last = Some(look);
         }
         Ok(lists)
     }
 
-    /// Returns the entries of the latest frame whose count has been read back. Does not wait.
-    fn learn(&self, canvas: &Canvas<'_, '_>, window: Option<u32>) -> u32 {
-        let mut capacity = self.capacity.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(window) = window {
-            let pending = capacity
-                .pending
-                .get_or_insert_with(|| Pending::buffer(canvas.commands.context(), &self.buffers.control));
-            if let Some(control) = pending.take() {
-                capacity.pending = None;
-                // A lost device is reported by the call that waits for the GPU.
-                if let Ok(control) = control {
-                    capacity.learn(&control, window);
-                }
-            }
-        }
-        capacity.entries
+    /// Returns the number of rounds of the frame that is being recorded.
+    pub(super) fn rounds(&self) -> u32 {
+        self.capacity.lock().unwrap_or_else(PoisonError::into_inner).rounds
     }
 
     /// Whether the lists held the whole last frame. If not, those of the next frame are long enough.
@@ -145,11 +226,42 @@ impl Tiles {
         let mut capacity = self.capacity.lock().unwrap_or_else(PoisonError::into_inner);
         // An earlier readback is older than this one.
         capacity.pending = None;
-        Ok(capacity.learn(&control, window))
+        let last = capacity.last;
+        capacity.learn(&control, last);
+        Ok(u64::from(capacity.known.entries) <= u64::from(window) * u64::from(capacity.rounds))
     }
 }
 
-/// The list length to reserve after a frame with so many entries: motion adds a few from frame to frame.
+/// The list length to reserve after a frame with so many entries.
 fn next(entries: u32) -> u32 {
-    entries.saturating_add(entries / 4)
+    (entries as f32 * ListCapacity::GROWTH).ceil() as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn look(camera: Camera, points: u32) -> FrameLook {
+        FrameLook::of(&camera, &Sphere { center: Vec3::ZERO, radius: 0.2 }, points)
+    }
+
+    #[test]
+    fn all_rounds_are_recorded_unless_the_last_count_is_of_a_similar_picture() {
+        let from = |eye: Vec3| Camera::look_at(eye, Vec3::ZERO, 0.4, [200, 100]);
+        let then = look(from(Vec3::Z), 1000);
+        let known = |entries| ListCapacity {
+            known: ListCount { entries, look: Some(then) },
+            ..ListCapacity::default()
+        };
+        let same = then;
+        assert_eq!([0, 1, 1100, 1300, 2500, 9000].map(|n| known(n).rounds(&same, 1500)), [4, 1, 1, 2, 3, 4]);
+        assert_eq!(ListCapacity::default().rounds(&same, 1500), 4, "nothing is known");
+        let one = |camera, points| known(900).rounds(&look(camera, points), 1500);
+        assert_eq!(one(from(Vec3::new(0.03, 0.0, 1.0)), 1000), 1, "a slow camera");
+        assert_eq!(one(from(Vec3::new(0.3, 0.0, 1.0)), 1000), 4, "a fast one");
+        assert_eq!(one(from(Vec3::Z * 0.85), 1000), 4, "closer");
+        assert_eq!(one(from(Vec3::Z * 0.1), 1000), 4, "in the hair");
+        assert_eq!(one(from(Vec3::Z), 2000), 2, "twice as many strands");
+        assert_eq!(one(Camera { size: [0, 0], projection: glam::Mat4::ZERO, ..from(Vec3::Z) }, 1000), 4);
+    }
 }

@@ -5,6 +5,8 @@ use crate::common;
 use tresses::{
     Context, View,
     body::Body,
+    frame::ViewPass,
+    gpu::{Timings, wall},
     light::HairSet,
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
     view::{Picture, ViewOptions},
@@ -50,6 +52,18 @@ impl<'a> Studio<'a> {
     /// Renders `hair` alone: RGBA, rows from the top.
     pub fn picture(&self, scene: &Picture, hair: &HairSet) -> Vec<[u8; 4]> {
         self.with(scene, hair, &[])
+    }
+
+    /// Renders `hair` alone and returns how many dispatches found visible segments.
+    pub fn counted(&self, scene: &Picture, hair: &HairSet) -> (Vec<[u8; 4]>, u32) {
+        let mut timings = Timings::by(wall);
+        let mut encoder = self.context.device().create_command_encoder(&Default::default());
+        let mut recorder = self.context.recorder(&mut encoder).with_timings(Some(&mut timings));
+        recorder.draw_strands(&[hair], &[], ViewPass::new(&self.view, scene)).expect("it fits");
+        self.context.queue().submit([encoder.finish()]);
+        let bytes = pollster::block_on(self.view.targets().read()).expect("a picture");
+        let see = timings.counts().iter().find(|(name, _)| *name == "see").expect("a row of that name");
+        (bytes.as_chunks().0.to_vec(), see.1.dispatches)
     }
 
     /// Whether the last image is complete: all tile lists fitted into memory.

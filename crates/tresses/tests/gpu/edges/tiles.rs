@@ -256,6 +256,36 @@ fn image_does_not_depend_on_the_previous_frame() {
     }
 }
 
+/// A frame records the rounds that it may need, by the last count that has arrived. The image must be the same as with
+/// all rounds.
+#[test]
+fn image_does_not_depend_on_the_recorded_rounds() {
+    let Some(context) = common::context() else { return };
+    let groom = Groom { root_radius: 1e-4, tip_radius: 1e-4, ..Groom::on_a_ball(3000, 1e-4) };
+    let mut seen = Vec::new();
+    // Distances of the camera: at rest, slowly and quickly closer, into the hair, and out again.
+    let slow = (0..6).map(|i| 0.9 * 0.98f32.powi(i));
+    let quick = (0..8).map(|i| 0.8 * 0.8f32.powi(i));
+    let path: Vec<_> = [0.9; 4].into_iter().chain(slow).chain(quick).chain([0.15, 0.15, 0.9, 0.9]).collect();
+    let studio = Studio::new(context, TILES_1, SIZE);
+    let (hair, _strands) = studio.hair(&groom);
+    for distance in path {
+        let camera = Camera::look_at(Vec3::Z * distance, Vec3::ZERO, 0.4, SIZE);
+        let scene = Picture { camera, ..scene() };
+        let (shown, dispatches) = studio.counted(&scene, &hair);
+        seen.push(dispatches / 7);
+        let alone = Studio::new(context, TILES_1, SIZE);
+        let (hair, _strands) = alone.hair(&groom);
+        assert_eq!(alone.counted(&scene, &hair).1, 4 * 7, "nothing is known of a first picture");
+        while !alone.is_complete() {
+            alone.picture(&scene, &hair);
+        }
+        assert!(shown == alone.picture(&scene, &hair), "{distance}");
+    }
+    println!("rounds: {seen:?}");
+    assert!(seen.contains(&1) && seen.iter().filter(|rounds| **rounds == 4).count() > 3, "{seen:?}");
+}
+
 /// Hair behind and in front of a body's edge is weighted by the body's samples.
 #[test]
 fn body_outlines_in_front_of_hair_are_smooth() {
