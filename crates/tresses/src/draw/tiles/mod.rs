@@ -36,11 +36,11 @@
 //! the whole list.
 //!
 //! **Memory.** The list buffer holds a *window* and the longest tile. The window is one and a half entries per point,
-//! or what a recent frame needed. If a frame needs more, as in a close-up, its tiles are drawn in
+//! or a quarter more than a recent frame needed. If a frame needs more, as in a close-up, its tiles are drawn in
 //! [rounds](crate::constants::TILE_ROUNDS). Rounds are recorded with indirect dispatches, which have no workgroups if
 //! the round is not needed. But even an empty dispatch costs a GPU microseconds. If the camera has hardly moved since
-//! the last frame whose entries are known, a frame records only the rounds that a quarter more entries would need: mostly
-//! one.
+//! the last frame whose entries are known, a frame records only the rounds that 15 % more entries would need. If these
+//! are several for half a second, the lists grow until one suffices.
 //!
 //! **Readback.** The CPU learns the number of entries from `TileControl`, 528 bytes per view. From the second frame
 //! on, recording a frame submits a copy of it and maps the copy, unless an earlier one is in flight. A later frame

@@ -34,11 +34,13 @@ struct ListCapacity {
     /// The last recorded frame, and its rounds.
     last: Option<FrameLook>,
     rounds: u32,
+    /// Consecutive frames in several rounds.
+    several: u32,
 }
 
 impl Default for ListCapacity {
     fn default() -> Self {
-        Self { known: ListCount::default(), pending: None, last: None, rounds: TILE_ROUNDS }
+        Self { known: ListCount::default(), pending: None, last: None, rounds: TILE_ROUNDS, several: 0 }
     }
 }
 
@@ -86,19 +88,32 @@ impl FrameLook {
 }
 
 impl ListCapacity {
-    /// Factor by which a frame may need more entries than a recent one with almost the same camera; lists grow by it
-    /// too. Bodies that suddenly uncover hair exceed it only in close-ups, because lists always have room for one and a
-    /// half entries per point.
-    const GROWTH: f32 = 1.25;
+    /// Factor by which a frame may need more entries than a recent one with almost the same camera. Bodies that suddenly
+    /// uncover hair exceed it only in close-ups, because lists always have room for one and a half entries per point.
+    const GROWTH: f32 = 1.15;
+    /// Consecutive frames in several rounds after which the lists grow, so that one round suffices.
+    const PATIENCE: u32 = 30;
 
     /// Returns the rounds to record for a frame: enough for [`GROWTH`](Self::GROWTH), or all if the last known frame
     /// was another picture.
     fn rounds(&self, look: &FrameLook, window: u32) -> u32 {
-        let known = self.known.look.filter(|then| self.known.entries > 0 && look.resembles(then));
-        let Some(then) = known else { return TILE_ROUNDS };
+        let Some(then) = self.resembling(look) else { return TILE_ROUNDS };
         let more = (look.points as f32 / then.points.max(1) as f32).max(1.0);
         let entries = self.known.entries as f32 * more * Self::GROWTH;
         ((entries / window as f32).ceil() as u32).clamp(1, TILE_ROUNDS)
+    }
+
+    /// Returns the last known frame if it was a similar picture.
+    fn resembling(&self, look: &FrameLook) -> Option<FrameLook> {
+        self.known.look.filter(|then| self.known.entries > 0 && look.resembles(then))
+    }
+
+    /// Chooses the rounds of a frame.
+    fn begin(&mut self, look: FrameLook, window: u32) {
+        self.rounds = self.rounds(&look, window);
+        let several = self.rounds > 1 && self.resembling(&look).is_some();
+        self.several = if several { self.several + 1 } else { 0 };
+        self.last = Some(look);
     }
 
     /// Takes the count of the latest frame that has been read back, and begins to read back the last one. Does not wait.
@@ -197,7 +212,8 @@ impl Tiles {
             capacity.read(canvas.commands.context(), &self.buffers.control);
         }
         let entries = capacity.known.entries;
-        if !lists.as_ref().is_some_and(|lists| lists.fits(canvas, hair, entries)) {
+        let least = if capacity.several < ListCapacity::PATIENCE { entries } else { next(entries) };
+        if !lists.as_ref().is_some_and(|lists| lists.fits(canvas, hair, least)) {
             // The old lists are dropped first, so that both are never in memory at once.
             *lists = None;
             *lists = Some(HairLists::new(kernels, &self.buffers, canvas, hair, next(entries))?);
@@ -205,8 +221,7 @@ impl Tiles {
         if let Some(lists) = lists.as_mut() {
             lists.prepare(canvas.commands.context(), &self.buffers.grid, hair);
             let look = FrameLook::of(canvas.camera, canvas.focus, lists.grid.points);
-            capacity.rounds = capacity.rounds(&look, lists.grid.window);
-            capacity.last = Some(look);
+            capacity.begin(look, lists.grid.window);
         }
         Ok(lists)
     }
@@ -234,7 +249,7 @@ impl Tiles {
 
 /// The list length to reserve after a frame with so many entries.
 fn next(entries: u32) -> u32 {
-    (entries as f32 * ListCapacity::GROWTH).ceil() as u32
+    entries.saturating_add(entries / 4)
 }
 
 #[cfg(test)]
@@ -254,7 +269,7 @@ mod tests {
             ..ListCapacity::default()
         };
         let same = then;
-        assert_eq!([0, 1, 1100, 1300, 2500, 9000].map(|n| known(n).rounds(&same, 1500)), [4, 1, 1, 2, 3, 4]);
+        assert_eq!([0, 1, 1100, 1300, 2500, 9000].map(|n| known(n).rounds(&same, 1500)), [4, 1, 1, 1, 2, 4]);
         assert_eq!(ListCapacity::default().rounds(&same, 1500), 4, "nothing is known");
         let one = |camera, points| known(900).rounds(&look(camera, points), 1500);
         assert_eq!(one(from(Vec3::new(0.03, 0.0, 1.0)), 1000), 1, "a slow camera");
