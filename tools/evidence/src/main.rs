@@ -1,9 +1,12 @@
 //! Measurements behind the documentation: the page of benchmarks, the roofline of each stage, the costs of the parts of
-//! the simulation, and the costs of the ways to light, shade and draw hair. `tresses bench` measures whole scenes.
+//! the simulation, the costs of the ways to light, shade and draw hair, the kernels as GPUs' compilers see them, and a
+//! model of frames on GPUs. `tresses bench` measures whole scenes.
 
 mod appearance;
 mod benchmarks;
 mod costs;
+mod gpu;
+mod record;
 mod roofline;
 
 use anyhow::Result;
@@ -47,12 +50,43 @@ enum Measurement {
     Appearance,
     /// Frames, strand counts, memory and start-up, as the page docs/benchmarks.md
     Benchmarks(benchmarks::PageArgs),
+    /// What a GPU's compiler makes of each compute kernel, without the GPU; fails when one spills registers. Needs Mesa's
+    /// RADV: named by TRESSES_RADV, or installed
+    Kernels {
+        /// Chips, by their names in RADV [default: navi31 navi21 vega10]
+        #[arg(long, value_name = "NAME")]
+        family: Vec<String>,
+        /// Print all kernels, instead of those with the most registers
+        #[arg(long)]
+        all: bool,
+        /// Compile on the adapter of this process; for this program's own use
+        #[arg(long, hide = true)]
+        compile: bool,
+    },
+    /// The processor's part of a frame, on a device without a driver: time to record and submit it, heap allocations
+    Record,
+    /// A model of frames on three GPUs, from the work of their dispatches and what a GPU's compiler makes of them
+    Model {
+        /// File of the model's inputs
+        #[arg(long, value_name = "FILE", default_value = gpu::INPUTS)]
+        inputs: PathBuf,
+        /// Count the frames and compile the kernels anew, and write the file
+        #[arg(long)]
+        write: bool,
+    },
 }
 
 fn main() -> Result<()> {
     // The options of the measurement may also follow the subcommand.
     let matches = Cli::command().mut_args(|arg| arg.global(true)).get_matches();
     let Cli { what, timing } = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    match what {
+        Measurement::Kernels { compile: true, .. } => return gpu::compiler::print(),
+        Measurement::Kernels { family, all, .. } => return gpu::print_kernels(family, all, timing.json),
+        Measurement::Record => return record::print(timing.frames.unwrap_or(100), timing.json),
+        Measurement::Model { inputs, write } => return gpu::print_model(&inputs, write, timing.json),
+        _ => {}
+    }
     let adapter = timing.adapter()?;
     let usual = if adapter.software && matches!(what, Measurement::Appearance) {
         appearance::SOFTWARE_FRAMES
@@ -67,6 +101,9 @@ fn main() -> Result<()> {
         Measurement::Costs => costs::RUNS,
         Measurement::Appearance => variants.len() as u64,
         Measurement::Benchmarks(_) => benchmarks::RUNS,
+        Measurement::Kernels { .. } | Measurement::Record | Measurement::Model { .. } => {
+            unreachable!("returned above")
+        }
     };
     let bar = progress::frames("measuring", runs * u64::from(frames));
     let sitting = Sitting { frames, clock: timing.clock().unwrap_or(wall), bar: &bar };
@@ -89,6 +126,9 @@ fn main() -> Result<()> {
             (appearance::text(&looks, &adapter), serde_json::to_value(looks)?)
         }
         Measurement::Benchmarks(args) => benchmarks::run(&args, &timing, &adapter, sitting)?,
+        Measurement::Kernels { .. } | Measurement::Record | Measurement::Model { .. } => {
+            unreachable!("returned above")
+        }
     };
     bar.finish_and_clear();
     if timing.json {

@@ -35,7 +35,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
     let mut counts = Vec::new();
     if !args.lod && args.crowd.is_none() && own.is_none() {
         groups.extend(workload::seed());
-        groups.extend(workload::peer(args).into_iter().flatten());
+        groups.extend(workload::peer(&args.grooms, &args.head).into_iter().flatten());
         counts.extend(workload::strand_counts(args.quick));
     }
     groups.extend(own);

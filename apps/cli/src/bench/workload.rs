@@ -1,7 +1,6 @@
 //! Measured scenes: the two scenes of the 2008 talk, a WebGPU peer's scene, presets, and a series of strand counts.
 
 use super::{
-    args::BenchArgs,
     recorded::StageCommands,
     results::{Group, Run, StageTime, StrandPoint},
     sitting::Sitting,
@@ -113,8 +112,9 @@ pub fn seed() -> Vec<Workload> {
 
 /// Returns a groom with every strand simulated, at the size and sample count of a WebGPU peer: with the peer's way of
 /// drawing, and with the command's default.
-pub fn peer(args: &BenchArgs) -> Option<[Workload; 2]> {
-    let (grooms, heads) = if args.grooms.is_empty() {
+pub fn peer(grooms: &[PathBuf], heads: &[PathBuf]) -> Option<[Workload; 2]> {
+    let is_default = grooms.is_empty();
+    let (grooms, heads) = if is_default {
         let folder = PathBuf::from(std::env::var_os("TRESSES_ASSETS")?).join("sintel");
         let groom = folder.join("SintelHairOriginal-sintel_hair.16points.tfx");
         if !groom.exists() {
@@ -122,9 +122,9 @@ pub fn peer(args: &BenchArgs) -> Option<[Workload; 2]> {
         }
         (vec![groom], vec![folder.join("sintel.obj")])
     } else {
-        (args.grooms.clone(), args.head.clone())
+        (grooms.to_vec(), heads.to_vec())
     };
-    let others = if args.grooms.is_empty() {
+    let others = if is_default {
         "A WebGPU peer, two CPU cores, software Vulkan: simulate 109 ms, draw 117 ms, whole frame 1113 ms"
     } else {
         ""
@@ -182,12 +182,20 @@ pub fn strand_counts(quick: bool) -> Vec<u32> {
     if quick { vec![1_000, 10_000, 100_000] } else { vec![1_000, 3_000, 10_000, 30_000, 100_000] }
 }
 
+impl Workload {
+    /// Returns the hair and settings, with the strand count that the number of triangles asks for.
+    pub fn counted_preset(&self) -> Result<Preset> {
+        let mut preset = self.preset.clone();
+        if let Some(triangles) = self.triangles {
+            preset.settings.set("style.strands", strands_for(triangles))?;
+        }
+        Ok(preset)
+    }
+}
+
 /// Measures `workload` in each of its states.
 pub fn measure(workload: &Workload, sitting: Sitting<'_>) -> Result<Group> {
-    let mut preset = workload.preset.clone();
-    if let Some(triangles) = workload.triangles {
-        preset.settings.set("style.strands", strands_for(triangles))?;
-    }
+    let preset = workload.counted_preset()?;
     let mut scene =
         Photographer::with_samples_at_most(&preset, workload.size).with_context(|| workload.name.clone())?;
     let camera = camera(&scene, workload.size, workload.distance);

@@ -247,6 +247,11 @@ impl ComputePass<'_> {
         self.pass.dispatch_workgroups_indirect(workgroups, from);
     }
 
+    /// Notes the module path of the kernel that the next dispatches run.
+    pub(super) fn name(&mut self, module: &'static str) {
+        self.groups.name(module);
+    }
+
     /// Stores the error of a kernel that could not be recorded.
     pub(super) fn fail(&mut self, error: Error) {
         self.error.get_or_insert(error);

@@ -135,6 +135,7 @@ impl Kernel {
     fn set(&self, pass: &mut crate::gpu::ComputePass<'_>, group: &wgpu::BindGroup, offsets: &[u32]) -> bool {
         match self.pipeline() {
             Ok(pipeline) => {
+                pass.name(self.module);
                 pass.set_pipeline(pipeline);
                 pass.set_bind_group(0, group, offsets);
                 true

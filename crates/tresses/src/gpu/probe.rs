@@ -17,15 +17,20 @@ pub trait Probe: Debug + Send + Sync {
     fn layout(&self, device: &wgpu::Device) -> wgpu::BindGroupLayout;
     /// Called when a bind group is created. `bytes` has the size of each resource, 0 if it is not a buffer.
     fn bound(&self, group: &wgpu::BindGroup, bytes: Vec<u64>);
-    /// Called for each dispatch and draw with its bind groups. Returns the probe's group and dynamic offset.
-    fn work(&self, groups: &[Option<wgpu::BindGroup>]) -> (wgpu::BindGroup, u32);
+    /// Called for each dispatch and draw with its bind groups, and with the module path of a dispatch's kernel. Returns
+    /// the probe's group and dynamic offset.
+    fn work(
+        &self,
+        kernel: Option<&'static str>,
+        groups: &[Option<wgpu::BindGroup>],
+    ) -> (wgpu::BindGroup, u32);
     /// Assigns the work recorded since the last call to the row `name` of the frame's timings.
     fn lap(&self, name: &'static str);
 }
 
-/// Bind groups that a pass has set, for a probe.
+/// Bind groups and kernel that a pass has set, for a probe.
 #[derive(Debug)]
-pub(crate) struct Groups(Option<(Arc<dyn Probe>, GroupSlots)>);
+pub(crate) struct Groups(Option<(Arc<dyn Probe>, GroupSlots, Option<&'static str>)>);
 
 /// Groups by index.
 type GroupSlots = [Option<wgpu::BindGroup>; GROUP as usize];
@@ -33,18 +38,25 @@ type GroupSlots = [Option<wgpu::BindGroup>; GROUP as usize];
 impl Groups {
     /// No groups set.
     pub fn new(probe: Option<&Arc<dyn Probe>>) -> Self {
-        Self(probe.cloned().map(|probe| (probe, Default::default())))
+        Self(probe.cloned().map(|probe| (probe, Default::default(), None)))
     }
 
     /// Notes a group that the pass sets.
     pub fn set(&mut self, index: u32, group: &wgpu::BindGroup) {
-        if let Some(place) = self.0.as_mut().and_then(|(_, groups)| groups.get_mut(index as usize)) {
+        if let Some(place) = self.0.as_mut().and_then(|(_, groups, _)| groups.get_mut(index as usize)) {
             *place = Some(group.clone());
+        }
+    }
+
+    /// Notes the kernel that the pass sets.
+    pub fn name(&mut self, module: &'static str) {
+        if let Some((_, _, kernel)) = &mut self.0 {
+            *kernel = Some(module);
         }
     }
 
     /// Returns the probe's group and offset for the next dispatch or draw.
     pub fn work(&self) -> Option<(wgpu::BindGroup, u32)> {
-        self.0.as_ref().map(|(probe, groups)| probe.work(groups))
+        self.0.as_ref().map(|(probe, groups, kernel)| probe.work(*kernel, groups))
     }
 }

@@ -53,6 +53,8 @@ struct Measurements {
     styles: Vec<FrameCase>,
     counts: Vec<FrameCase>,
     starts: Vec<StartCase>,
+    /// The model of frames on GPUs, as Markdown.
+    model: String,
     more: Option<MoreTimes>,
     peers: Vec<Peer>,
 }
@@ -81,6 +83,7 @@ pub fn run(
         styles,
         counts,
         starts,
+        model: page::model()?,
         more,
         peers,
     };

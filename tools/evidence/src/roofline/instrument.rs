@@ -5,13 +5,14 @@
 //! a buffer when it ends. Loops are thus counted once per iteration, and branches only if taken.
 
 use anyhow::{Context, Result};
+use std::collections::HashMap;
 use tresses::gpu::probe::GROUP;
 use wgpu::naga::{
     AddressSpace, Arena, Block, Expression, Function, GlobalVariable, Handle, ImageClass, Literal,
     MathFunction as Fun, Module, ShaderStage, Span, Statement, TypeInner,
     front::wgsl,
     proc::GlobalCtx,
-    valid::{Capabilities, FunctionInfo, ValidationFlags, Validator},
+    valid::{Capabilities, FunctionInfo, ModuleInfo, ValidationFlags, Validator},
 };
 
 /// Number of bindings of `@group(0)` whose bytes are counted separately.
@@ -98,7 +99,7 @@ pub fn instrument(source: &str) -> Result<Module> {
     };
     let [add, end] = [handle("tally_add")?, handle("tally_end")?];
     let before = module.clone();
-    let counter = |info, end| Counter { module: &before, info, add, end };
+    let counter = |info, end| Counter { reader: CostReader { module: &before, info }, add, end };
     for (handle, function) in module.functions.iter_mut().filter(|(handle, _)| ![add, end].contains(handle)) {
         counter(&info[handle], None).function(function);
     }
@@ -109,10 +110,81 @@ pub fn instrument(source: &str) -> Result<Module> {
     Ok(module)
 }
 
+/// Returns the turns that Mesa's ACO assumes of a loop in `depth` others, when it estimates cycles.
+fn turns(depth: u32) -> f64 {
+    [8.0, 4.0, 2.0][depth.min(2) as usize]
+}
+
+/// Share of the waves that take a side of a branch, as ACO assumes.
+const TAKEN: f64 = 0.75;
+
+/// Returns the operations of an invocation of the compute shader `source` with the turns and branches that ACO assumes.
+pub fn expected(source: &str) -> Result<f64> {
+    let module = wgsl::parse_str(source).map_err(|error| anyhow::anyhow!(error.emit_to_string(source)))?;
+    let info = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module)?;
+    let entry = module.entry_points.first().context("an entry point")?;
+    let mut expectation = Expectation { module: &module, known: HashMap::new(), info: &info };
+    Ok(expectation.function(&entry.function, info.get_entry_point(0), 0))
+}
+
+/// Expected operations of functions.
+struct Expectation<'a> {
+    module: &'a Module,
+    info: &'a ModuleInfo,
+    /// Of functions called in this many loops.
+    known: HashMap<(Handle<Function>, u32), f64>,
+}
+
+impl Expectation<'_> {
+    fn function(&mut self, function: &Function, info: &FunctionInfo, depth: u32) -> f64 {
+        self.block(&function.body, &function.expressions, info, depth)
+    }
+
+    fn block(
+        &mut self,
+        block: &Block,
+        expressions: &Arena<Expression>,
+        info: &FunctionInfo,
+        depth: u32,
+    ) -> f64 {
+        let reader = CostReader { module: self.module, info };
+        let mut sum = 0.0;
+        for statement in block {
+            let mut inner = |block, depth| self.block(block, expressions, info, depth);
+            sum += match statement {
+                Statement::Block(block) => inner(block, depth),
+                Statement::If { accept, reject, .. } => TAKEN * (inner(accept, depth) + inner(reject, depth)),
+                Statement::Switch { cases, .. } => {
+                    TAKEN * cases.iter().map(|case| inner(&case.body, depth)).sum::<f64>()
+                }
+                Statement::Loop { body, continuing, .. } => {
+                    turns(depth) * (inner(body, depth + 1) + inner(continuing, depth + 1))
+                }
+                Statement::Call { function, .. } => self.call(*function, depth),
+                other => {
+                    let mut costs = [0; FIELDS];
+                    reader.statement(expressions, other, &mut costs);
+                    f64::from(costs[OPERATIONS])
+                }
+            };
+        }
+        sum
+    }
+
+    fn call(&mut self, of: Handle<Function>, depth: u32) -> f64 {
+        if let Some(known) = self.known.get(&(of, depth)) {
+            return *known;
+        }
+        let (module, info) = (self.module, self.info);
+        let found = self.function(&module.functions[of], &info[of], depth);
+        self.known.insert((of, depth), found);
+        found
+    }
+}
+
 /// Instruments one function.
 struct Counter<'a> {
-    module: &'a Module,
-    info: &'a FunctionInfo,
+    reader: CostReader<'a>,
     add: Handle<Function>,
     /// Function that an entry point calls before it returns.
     end: Option<Handle<Function>>,
@@ -156,7 +228,7 @@ impl Counter<'_> {
                     Statement::Loop { body: inner(body), continuing: inner(continuing), break_if }
                 }
                 plain => {
-                    self.statement(expressions, &plain, &mut costs);
+                    self.reader.statement(expressions, &plain, &mut costs);
                     if let (Some(end), Statement::Return { .. } | Statement::Kill) = (self.end, &plain) {
                         together.push(call(end, Vec::new()), Span::UNDEFINED);
                     }
@@ -182,7 +254,15 @@ impl Counter<'_> {
             block.push(call(self.add, arguments), Span::UNDEFINED);
         }
     }
+}
 
+/// Reads the costs of a function's statements.
+struct CostReader<'a> {
+    module: &'a Module,
+    info: &'a FunctionInfo,
+}
+
+impl CostReader<'_> {
     fn statement(&self, expressions: &Arena<Expression>, statement: &Statement, costs: &mut Costs) {
         match statement {
             Statement::Emit(range) => {
@@ -311,6 +391,26 @@ mod tests {
     #[test]
     fn bits_follow_from_the_format_name() {
         assert_eq!([bits("Rgba16Float"), bits("R32Uint"), bits("Rgba8Unorm")], [64, 32, 32]);
+    }
+
+    #[test]
+    fn expected_operations_follow_loops_branches_and_calls() {
+        let of = |body: &str| {
+            let source = format!(
+                "@group(0) @binding(0) var<storage, read_write> x: f32;
+                fn one(a: f32) -> f32 {{ return a + 1.0; }}
+                fn two() {{ loop {{ x = one(x); break; }} }}
+                @compute @workgroup_size(1) fn main() {{ {body} }}"
+            );
+            expected(&source).unwrap()
+        };
+        assert_eq!(of("x = x + 1.0;"), 1.0);
+        assert_eq!(of("x = one(x); x = one(x);"), 2.0);
+        assert_eq!(of("two();"), 8.0);
+        assert_eq!(of("loop { two(); break; }"), 8.0 * 4.0);
+        assert_eq!(of("loop { loop { two(); break; } break; }"), 8.0 * 4.0 * 2.0);
+        // The comparison, and three quarters of the sum.
+        assert_eq!(of("if x > 0.0 { x = one(x); }"), 1.75);
     }
 
     #[test]

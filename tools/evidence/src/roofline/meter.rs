@@ -27,6 +27,17 @@ pub struct StageWork {
     pub bytes: u64,
 }
 
+/// Work of one dispatch or draw.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CommandWork {
+    /// Stage of the frame.
+    pub stage: &'static str,
+    /// Module path of a dispatch's kernel.
+    pub kernel: Option<&'static str>,
+    /// Its work.
+    pub work: StageWork,
+}
+
 /// Counts the frames between [`start`](Self::start) and [`take`](Self::take).
 #[derive(Clone, Debug, Default)]
 pub struct Meter(Arc<State>);
@@ -48,8 +59,8 @@ struct CountBuffer {
 struct Log {
     counts: bool,
     sizes: HashMap<wgpu::BindGroup, Vec<u64>>,
-    /// Sizes of the buffers in the first bind group of each dispatch or draw.
-    work: Vec<Vec<u64>>,
+    /// Kernel, and sizes of the buffers in the first bind group, of each dispatch or draw.
+    work: Vec<(Option<&'static str>, Vec<u64>)>,
     /// Stage names, and the number of dispatches and draws when each stage ended.
     rows: Vec<(&'static str, usize)>,
 }
@@ -108,6 +119,19 @@ impl Meter {
 
     /// Stops counting and returns the work of each stage. Blocks.
     pub fn take(&self, context: &Context) -> Result<Vec<(&'static str, StageWork)>> {
+        let mut rows: Vec<(&'static str, StageWork)> = Vec::new();
+        for command in self.commands(context)? {
+            let place = rows.iter().position(|(known, _)| *known == command.stage).unwrap_or_else(|| {
+                rows.push((command.stage, StageWork::default()));
+                rows.len() - 1
+            });
+            rows[place].1.merge(&command.work);
+        }
+        Ok(rows)
+    }
+
+    /// Stops counting and returns the work of each dispatch and draw. Blocks.
+    pub fn commands(&self, context: &Context) -> Result<Vec<CommandWork>> {
         let words: Vec<u32> = readback::buffer(context, &self.0.own(context.device()).buffer)?;
         let mut log = self.0.log();
         log.counts = false;
@@ -116,33 +140,37 @@ impl Meter {
             "the frame has {} dispatches and draws, but at most {MOST} can be counted",
             log.work.len()
         );
-        let mut rows: Vec<(&'static str, StageWork)> = Vec::new();
+        let mut commands = Vec::new();
         let mut from = 0;
-        for (name, to) in &log.rows {
-            let place = rows.iter().position(|(known, _)| known == name).unwrap_or_else(|| {
-                rows.push((name, StageWork::default()));
-                rows.len() - 1
-            });
-            for i in from..*to {
-                let at = i * (STEP / 4) as usize;
-                rows[place].1.add(&ShaderCounts::read(&words[at..]), &log.work[i]);
+        for (stage, to) in &log.rows {
+            for (i, (kernel, bound)) in log.work[from..*to].iter().enumerate() {
+                let mut work = StageWork::default();
+                work.add(&ShaderCounts::read(&words[(from + i) * (STEP / 4) as usize..]), bound);
+                commands.push(CommandWork { stage, kernel: *kernel, work });
             }
             from = *to;
         }
-        Ok(rows)
+        Ok(commands)
     }
 }
 
 impl StageWork {
-    /// Adds a dispatch or draw. `bound` are the sizes of the buffers in its first bind group.
-    fn add(&mut self, one: &ShaderCounts, bound: &[u64]) {
-        let sum = &mut self.counted;
+    /// Adds the work of others, without bytes by binding.
+    fn merge(&mut self, other: &Self) {
+        let (sum, one) = (&mut self.counted, &other.counted);
         sum.invocations += one.invocations;
         sum.operations += one.operations;
         sum.loads += one.loads;
         sum.texels += one.texels;
         sum.texel_bytes += one.texel_bytes;
         sum.atomics += one.atomics;
+        self.asked += other.asked;
+        self.bytes += other.bytes;
+    }
+
+    /// Adds a dispatch or draw. `bound` are the sizes of the buffers in its first bind group.
+    fn add(&mut self, one: &ShaderCounts, bound: &[u64]) {
+        self.merge(&Self { counted: *one, ..Self::default() });
         let others: u64 = one.others.iter().sum();
         self.asked += others;
         self.bytes += others;
@@ -172,7 +200,11 @@ impl Probe for Meter {
         self.0.log().sizes.insert(group.clone(), bytes);
     }
 
-    fn work(&self, groups: &[Option<wgpu::BindGroup>]) -> (wgpu::BindGroup, u32) {
+    fn work(
+        &self,
+        kernel: Option<&'static str>,
+        groups: &[Option<wgpu::BindGroup>],
+    ) -> (wgpu::BindGroup, u32) {
         let own = self.0.own.get().expect("a pipeline was made");
         let mut log = self.0.log();
         let mut place = 0;
@@ -180,7 +212,7 @@ impl Probe for Meter {
             place = log.work.len().min(MOST - 1);
             let first = groups[0].as_ref().and_then(|group| log.sizes.get(group));
             let bytes = first.cloned().unwrap_or_default();
-            log.work.push(bytes);
+            log.work.push((kernel, bytes));
         }
         (own.group.clone(), (STEP * place as u64) as u32)
     }

@@ -1,16 +1,17 @@
 //! Lower bound of each stage's time: the work of its shaders in a frame, counted on the GPU, divided by the peak rates
 //! of the same adapter, measured in the same run. `docs/research/roofline.md` explains the table.
 
-mod instrument;
+pub mod instrument;
 mod meter;
 mod rates;
 
 use anyhow::{Context, Result};
-use meter::{Meter, StageWork};
+use meter::Meter;
+pub use meter::{CommandWork, StageWork};
 use rates::Rates;
 use serde::Serialize;
 use std::sync::Arc;
-use tresses::gpu::{Clock, Gpu};
+use tresses::gpu::{Clock, Counts, Gpu, Tier};
 use tresses_cli::{
     bench::{
         Sitting,
@@ -106,22 +107,57 @@ fn count(
     camera: &Viewpoint,
     clock: Clock,
 ) -> Result<Vec<(&'static str, StageWork)>> {
-    let meter = Meter::default();
     let mut gpu = pollster::block_on(Gpu::open())?;
+    let meter = Meter::default();
     gpu.context = gpu.context.with_probe(Arc::new(meter.clone()));
     let mut scene = Photographer::on(gpu, &workload.preset, workload.size)?;
+    play(&mut scene, motion, camera, clock, WARM_UP, &meter)?;
+    meter.take(&scene.gpu.context)
+}
+
+/// Counts each command of a frame of `workload` after `frames` frames, with the kernels that GPUs use. Returns it with
+/// the counts that the frame recorded.
+pub fn commands(
+    workload: &Workload,
+    frames: u32,
+    clock: Clock,
+) -> Result<(Vec<CommandWork>, Vec<StageCounts>)> {
+    let mut gpu = pollster::block_on(Gpu::open())?;
+    let meter = Meter::default();
+    let tier = Tier { software: false, timestamps: false, ..gpu.context.tier() };
+    gpu.context = gpu.context.with_tier(tier).with_probe(Arc::new(meter.clone()));
+    let (_, motion) = *workload.runs.last().context("a state to measure")?;
+    let mut scene = Photographer::on(gpu, &workload.counted_preset()?, workload.size)?;
+    let camera = workload::camera(&scene, workload.size, workload.distance);
+    let counts = play(&mut scene, motion, &camera, clock, frames, &meter)?;
+    Ok((meter.commands(&scene.gpu.context)?, counts))
+}
+
+/// What a stage of a frame records.
+pub type StageCounts = (&'static str, Counts);
+
+/// Renders frames in motion and counts the last, after `frames` others.
+fn play(
+    scene: &mut Photographer,
+    motion: &str,
+    camera: &Viewpoint,
+    clock: Clock,
+    frames: u32,
+    meter: &Meter,
+) -> Result<Vec<StageCounts>> {
     scene.measure_by(clock);
     let motion = Motion::named(motion).context("a built-in motion")?;
     let pivot = scene.character.neck();
     scene.reset(&motion.gesture(0.0, pivot))?;
-    for frame in 0..=WARM_UP {
-        if frame == WARM_UP {
+    let mut counts = Vec::new();
+    for frame in 0..=frames {
+        if frame == frames {
             meter.start(&scene.gpu.context);
         }
         let pose = motion.gesture(f64::from(frame + 1) / FPS, pivot);
-        scene.measured_frame(&pose, (1.0 / FPS) as f32, camera)?;
+        counts = scene.measured_frame(&pose, (1.0 / FPS) as f32, camera)?.counts;
     }
-    meter.take(&scene.gpu.context)
+    Ok(counts)
 }
 
 /// Combines times and counts of the same stages.
