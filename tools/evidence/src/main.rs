@@ -73,6 +73,9 @@ enum Measurement {
         /// Count the frames and compile the kernels anew, and write the file
         #[arg(long)]
         write: bool,
+        /// Print the section of docs/benchmarks.md
+        #[arg(long, conflicts_with_all = ["inputs", "write"])]
+        markdown: bool,
     },
 }
 
@@ -84,7 +87,11 @@ fn main() -> Result<()> {
         Measurement::Kernels { compile: true, .. } => return gpu::compiler::print(),
         Measurement::Kernels { family, all, .. } => return gpu::print_kernels(family, all, timing.json),
         Measurement::Record => return record::print(timing.frames.unwrap_or(100), timing.json),
-        Measurement::Model { inputs, write } => return gpu::print_model(&inputs, write, timing.json),
+        Measurement::Model { markdown: true, .. } => {
+            print!("{}", benchmarks::model()?);
+            return Ok(());
+        }
+        Measurement::Model { inputs, write, .. } => return gpu::print_model(&inputs, write, timing.json),
         _ => {}
     }
     let adapter = timing.adapter()?;

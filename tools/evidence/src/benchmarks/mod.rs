@@ -14,6 +14,7 @@ use frames::FrameCase;
 use load::Load;
 use machine::Machine;
 use more::MoreTimes;
+pub use page::model;
 use peers::Peer;
 use serde::Serialize;
 use serde_json::Value;
@@ -83,7 +84,7 @@ pub fn run(
         styles,
         counts,
         starts,
-        model: page::model()?,
+        model: model()?,
         more,
         peers,
     };

@@ -220,7 +220,7 @@ pub fn model() -> Result<String> {
     let mut text = format!(
         "\n## A model of frames on GPUs\n**A model, not a measurement**: no GPU was there. Milliseconds per frame in \
          motion, from the work of each dispatch, counted on a software driver with the kernels that GPUs use, and from \
-         what {} makes of them without the GPU. A dispatch takes the largest of 5 µs (each depends on the one before), \
+         what the compiler of {} makes of them without the GPU. A dispatch takes the largest of 5 µs (each depends on the one before), \
          the latency of its waves, cycles, bytes and atomics. Cycles are the compiler's estimate, scaled by the \
          operations that a thread executes; uneven loops within a wave are not counted. The H100's figures assume the \
          cycles of RDNA 3. Inputs: `{}`, written by `tresses-evidence model --write`.\n\n{}",
@@ -231,7 +231,7 @@ pub fn model() -> Result<String> {
     let chip = &gpu::CHIPS[1];
     if let Some(frame) = inputs.frames.first() {
         let rows = markdown(model.stage_rows(frame, chip).into_iter(), true);
-        text += &format!("\n{} on a {}, stage by stage:\n\n{rows}", frame.scene, chip.name);
+        text += &format!("\n{} on an {}, stage by stage:\n\n{rows}", frame.scene, chip.name);
     }
     Ok(text)
 }
