@@ -1,10 +1,11 @@
 //! The processor's part of a frame: recording and submitting it, on wgpu's device without a driver (`noop`). A driver
 //! adds its own part to each command.
 
+use crate::roofline::Meter;
 use anyhow::{Context as _, Result};
 use serde::Serialize;
 use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
-use std::{alloc::System, time::Instant};
+use std::{alloc::System, sync::Arc, time::Instant};
 use tresses::{
     Context,
     gpu::{Counts, Gpu, Tier, Timings},
@@ -17,7 +18,7 @@ use tresses_cli::{
     },
     photographer::Photographer,
 };
-use tresses_scene::Motion;
+use tresses_scene::{Motion, Viewpoint};
 
 /// Counts the allocations of this program.
 #[global_allocator]
@@ -37,7 +38,9 @@ pub struct RecordedFrame {
     pub submit: Summary,
     /// Heap allocations, and bytes of them, in the median frame.
     pub allocations: [u64; 2],
-    /// What it records.
+    /// Bind groups that it creates.
+    pub created: u32,
+    /// Passes, dispatches, draws and bind group changes that it records.
     pub counts: [u32; 4],
 }
 
@@ -67,28 +70,14 @@ pub fn print(frames: u32, json: bool) -> Result<()> {
 
 /// Measures `frames` frames of `workload`, in motion.
 pub fn measure(workload: &Workload, frames: u32) -> Result<RecordedFrame> {
-    let (_, motion) = *workload.runs.last().context("a state to measure")?;
-    let mut scene = Photographer::on(noop()?, &workload.counted_preset()?, workload.size)?;
-    let camera = workload::camera(&scene, workload.size, workload.distance);
-    let motion = Motion::named(motion).context("a built-in motion")?;
-    let pivot = scene.character.neck();
-    let context = scene.gpu.context.clone();
-    scene.reset(&motion.gesture(0.0, pivot))?;
+    let mut played = Played::new(noop()?, workload)?;
     let (mut record, mut submit, mut allocations) = (Vec::new(), Vec::new(), Vec::new());
     for frame in 0..WARM_UP + frames {
-        let pose = motion.gesture(f64::from(frame + 1) / FPS, pivot);
-        scene.watch(&camera);
         let before = allocated();
-        let start = Instant::now();
-        let mut encoder = context.device().create_command_encoder(&Default::default());
-        scene.record_advance(&mut encoder, None, &pose, (1.0 / FPS) as f32)?;
-        scene.record_draw(&mut encoder, None, &camera)?;
-        let recorded = Instant::now();
-        context.queue().submit([encoder.finish()]);
-        let submitted = Instant::now();
+        let [recorded, submitted] = played.frame(None)?;
         if frame >= WARM_UP {
-            record.push((recorded - start).as_secs_f64() * 1e3);
-            submit.push((submitted - recorded).as_secs_f64() * 1e3);
+            record.push(recorded);
+            submit.push(submitted);
             let now = allocated();
             allocations.push([now[0] - before[0], now[1] - before[1]]);
         }
@@ -96,15 +85,13 @@ pub fn measure(workload: &Workload, frames: u32) -> Result<RecordedFrame> {
     allocations.sort_unstable();
     // The counts come from one more frame, whose laps take time.
     let mut timings = Timings::by(tresses::gpu::wall);
-    let mut encoder = context.device().create_command_encoder(&Default::default());
-    let pose = motion.gesture(f64::from(WARM_UP + frames + 1) / FPS, pivot);
-    scene.record_advance(&mut encoder, Some(&mut timings), &pose, (1.0 / FPS) as f32)?;
-    scene.record_draw(&mut encoder, Some(&mut timings), &camera)?;
+    played.frame(Some(&mut timings))?;
     let sum = |of: &dyn Fn(&Counts) -> u32| timings.counts().iter().map(|(_, counts)| of(counts)).sum();
     Ok(RecordedFrame {
         scene: workload.name.clone(),
         record: Summary::of(record),
         submit: Summary::of(submit),
+        created: created(workload)?,
         allocations: allocations.get(allocations.len() / 2).copied().unwrap_or_default(),
         counts: [
             sum(&|counts| counts.passes),
@@ -113,6 +100,55 @@ pub fn measure(workload: &Workload, frames: u32) -> Result<RecordedFrame> {
             sum(&|counts| counts.groups),
         ],
     })
+}
+
+/// A scene that is played frame by frame.
+struct Played {
+    scene: Photographer,
+    camera: Viewpoint,
+    motion: Motion,
+    frames: u32,
+}
+
+impl Played {
+    fn new(gpu: Gpu, workload: &Workload) -> Result<Self> {
+        let (_, motion) = *workload.runs.last().context("a state to measure")?;
+        let mut scene = Photographer::on(gpu, &workload.counted_preset()?, workload.size)?;
+        let camera = workload::camera(&scene, workload.size, workload.distance);
+        let motion = Motion::named(motion).context("a built-in motion")?;
+        let start = motion.gesture(0.0, scene.character.neck());
+        scene.reset(&start)?;
+        Ok(Self { scene, camera, motion, frames: 0 })
+    }
+
+    /// Records and submits a frame, and returns the milliseconds of both.
+    fn frame(&mut self, mut timings: Option<&mut Timings>) -> Result<[f64; 2]> {
+        self.frames += 1;
+        let pose = self.motion.gesture(f64::from(self.frames) / FPS, self.scene.character.neck());
+        self.scene.watch(&self.camera);
+        let context = self.scene.gpu.context.clone();
+        let start = Instant::now();
+        let mut encoder = context.device().create_command_encoder(&Default::default());
+        self.scene.record_advance(&mut encoder, timings.as_deref_mut(), &pose, (1.0 / FPS) as f32)?;
+        self.scene.record_draw(&mut encoder, timings, &self.camera)?;
+        let recorded = Instant::now();
+        context.queue().submit([encoder.finish()]);
+        Ok([recorded - start, recorded.elapsed()].map(|time| time.as_secs_f64() * 1e3))
+    }
+}
+
+/// Returns the bind groups that a frame creates after the first ones.
+fn created(workload: &Workload) -> Result<u32> {
+    let meter = Meter::default();
+    let mut gpu = noop()?;
+    gpu.context = gpu.context.with_probe(Arc::new(meter.clone()));
+    let mut played = Played::new(gpu, workload)?;
+    for _ in 0..WARM_UP {
+        played.frame(None)?;
+    }
+    let before = meter.groups();
+    played.frame(None)?;
+    Ok(meter.groups() - before)
 }
 
 /// Heap allocations of this program so far, and their bytes.
@@ -135,6 +171,7 @@ pub fn text(frames: &[RecordedFrame]) -> String {
         "dispatches",
         "draws",
         "bind groups set",
+        "created",
     ];
     let mut rows = vec![head.map(String::from).to_vec()];
     rows.extend(frames.iter().map(|frame| {
@@ -142,8 +179,18 @@ pub fn text(frames: &[RecordedFrame]) -> String {
         let times = times.map(|ms| format!("{ms:.3}"));
         let [count, bytes] = frame.allocations;
         let heap = [count.to_string(), format!("{:.1}", bytes as f64 * 1e-3)];
-        let counts = frame.counts.map(|count| count.to_string());
+        let counts = frame.counts.into_iter().chain([frame.created]).map(|count| count.to_string());
         std::iter::once(frame.scene.clone()).chain(times).chain(heap).chain(counts).collect()
     }));
     format!("\nProcessor time of a frame without a driver, milliseconds\n{}", table(&rows))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steady_frames_create_no_bind_groups() {
+        assert_eq!(created(&workload::long()).unwrap(), 0);
+    }
 }

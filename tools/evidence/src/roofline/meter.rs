@@ -4,7 +4,10 @@ use super::instrument::{self, BINDINGS, BYTES, ShaderCounts};
 use anyhow::{Result, ensure};
 use std::{
     collections::HashMap,
-    sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError},
+    sync::{
+        Arc, Mutex, MutexGuard, OnceLock, PoisonError,
+        atomic::{AtomicU32, Ordering},
+    },
 };
 use tresses::{
     Context,
@@ -46,6 +49,8 @@ pub struct Meter(Arc<State>);
 struct State {
     own: OnceLock<CountBuffer>,
     log: Mutex<Log>,
+    /// Number of bind groups created so far.
+    groups: AtomicU32,
 }
 
 #[derive(Debug)]
@@ -106,6 +111,11 @@ impl State {
 }
 
 impl Meter {
+    /// Returns the number of bind groups created so far.
+    pub fn groups(&self) -> u32 {
+        self.0.groups.load(Ordering::Relaxed)
+    }
+
     /// Starts counting the commands recorded from now on.
     pub fn start(&self, context: &Context) {
         let mut log = self.0.log();
@@ -197,6 +207,7 @@ impl Probe for Meter {
     }
 
     fn bound(&self, group: &wgpu::BindGroup, bytes: Vec<u64>) {
+        self.0.groups.fetch_add(1, Ordering::Relaxed);
         self.0.log().sizes.insert(group.clone(), bytes);
     }
 

@@ -6,8 +6,7 @@ mod meter;
 mod rates;
 
 use anyhow::{Context, Result};
-use meter::Meter;
-pub use meter::{CommandWork, StageWork};
+pub use meter::{CommandWork, Meter, StageWork};
 use rates::Rates;
 use serde::Serialize;
 use std::sync::Arc;

@@ -37,7 +37,7 @@ use crate::{
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec2, Vec2, Vec3};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Distance between adjacent points at the focus of the view, meters.
 const SPACING: f32 = 0.0012;
@@ -145,6 +145,19 @@ pub(crate) struct SoftTargets {
     zones: Mutex<Vec<wgpu::Buffer>>,
     /// Bind group for drawing bodies.
     pub(super) group: wgpu::BindGroup,
+    /// Bind groups of the kernels, by light and uniform: those that the last frame used.
+    groups: Mutex<Vec<KernelGroups>>,
+}
+
+/// Bind groups of the kernels for one light.
+#[derive(Debug)]
+struct KernelGroups {
+    /// The bind group of the light's frame, which stands for the light.
+    light: wgpu::BindGroup,
+    uniform: wgpu::Buffer,
+    list: wgpu::BindGroup,
+    ask: wgpu::BindGroup,
+    is_used: bool,
 }
 
 impl SoftTargets {
@@ -194,6 +207,7 @@ impl SoftTargets {
             uniform,
             points,
             zones: Mutex::default(),
+            groups: Mutex::default(),
         }
     }
 
@@ -232,13 +246,20 @@ impl SoftTargets {
         pass.set_bind_group(0, canvas.frame, &[]);
         canvas_parts(&mut pass, canvas.parts, |pass, i| bodies[i].record(pass, strays[i]));
         drop(pass);
+        self.groups().iter_mut().for_each(|groups| groups.is_used = false);
         if canvas.parts.iter().any(|part| part.number > 0) {
-            return self.record_zones(pipelines, canvas, bodies, uniform);
+            self.record_zones(pipelines, canvas, bodies, uniform)?;
+        } else {
+            canvas.commands.context().queue.write_buffer(&self.count, 0, bytemuck::bytes_of(&NONE_ASKED));
+            self.ask(pipelines, canvas, (canvas.light, &self.uniform), wide * high)?;
         }
+        self.groups().retain(|groups| groups.is_used);
+        Ok(())
+    }
 
-        canvas.commands.context().queue.write_buffer(&self.count, 0, bytemuck::bytes_of(&NONE_ASKED));
-        let light = canvas.light;
-        self.ask(pipelines, canvas, (light, &self.uniform, &self.count), wide * high)
+    fn groups(&self) -> MutexGuard<'_, Vec<KernelGroups>> {
+        // A panic cannot leave the list half-written.
+        self.groups.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Lists and evaluates the points of each zone in turn, within the bounds of its bodies and with its light.
@@ -273,7 +294,7 @@ impl SoftTargets {
             canvas.commands.context().queue.write_buffer(buffer, 0, bytemuck::bytes_of(&uniform));
             canvas.commands.context().queue.write_buffer(buffer, COUNT_AT, bytemuck::bytes_of(&NONE_ASKED));
             canvas.commands.encoder().copy_buffer_to_buffer(buffer, COUNT_AT, &self.count, 0, 16);
-            self.ask(pipelines, canvas, (part.light, buffer, &self.count), size[0] * size[1])?;
+            self.ask(pipelines, canvas, (part.light, buffer), size[0] * size[1])?;
         }
         Ok(())
     }
@@ -283,9 +304,30 @@ impl SoftTargets {
         &self,
         pipelines: &Pipelines,
         canvas: &mut Canvas<'_, '_>,
-        (light, uniform, count): (&light::LightState, &wgpu::Buffer, &wgpu::Buffer),
+        (light, uniform): (&light::LightState, &wgpu::Buffer),
         looked_at: u32,
     ) -> Result<()> {
+        let mut all = self.groups();
+        let known = all.iter().position(|groups| groups.light == light.frame && groups.uniform == *uniform);
+        let place = known.unwrap_or_else(|| {
+            all.push(self.bind(pipelines, canvas.eye, light, uniform));
+            all.len() - 1
+        });
+        let groups = &mut all[place];
+        groups.is_used = true;
+        let mut pass = canvas.commands.compute("body");
+        pipelines.list.record(&mut pass, &groups.list, &[], looked_at.div_ceil(STRAND_WORKGROUP));
+        pipelines.ask.record_indirect(&mut pass, &groups.ask, &[], (&self.count, 0));
+        pass.end()
+    }
+
+    fn bind(
+        &self,
+        pipelines: &Pipelines,
+        eye: &wgpu::Buffer,
+        light: &light::LightState,
+        uniform: &wgpu::Buffer,
+    ) -> KernelGroups {
         let all = wgpu::Buffer::as_entire_binding;
         let [position, normal] = [&self.position, &self.normal].map(wgpu::BindingResource::TextureView);
         let soft = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
@@ -293,16 +335,17 @@ impl SoftTargets {
             offset: 0,
             size: wgpu::BufferSize::new(size_of::<SoftUniform>() as u64),
         });
-        let (points, asked, counted) = (all(&self.points), all(&self.asked), all(count));
+        let (points, asked, counted) = (all(&self.points), all(&self.asked), all(&self.count));
         let listed = [position.clone(), soft.clone(), points.clone(), asked.clone(), counted.clone()];
-        let listed = pipelines.list.bind(&listed);
-        let light = light.frame_resources(canvas.eye);
-        let lit = [&light[..], &[position, normal, soft, points, asked, counted]].concat();
-        let lit = pipelines.ask.bind(&lit);
-        let mut pass = canvas.commands.compute("body");
-        pipelines.list.record(&mut pass, &listed, &[], looked_at.div_ceil(STRAND_WORKGROUP));
-        pipelines.ask.record_indirect(&mut pass, &lit, &[], (count, 0));
-        pass.end()
+        let lit = light.frame_resources(eye);
+        let lit = [&lit[..], &[position, normal, soft, points, asked, counted]].concat();
+        KernelGroups {
+            light: light.frame.clone(),
+            uniform: uniform.clone(),
+            list: pipelines.list.bind(&listed),
+            ask: pipelines.ask.bind(&lit),
+            is_used: true,
+        }
     }
 }
 
