@@ -70,7 +70,7 @@ pub fn print(frames: u32, json: bool) -> Result<()> {
 
 /// Measures `frames` frames of `workload`, in motion.
 pub fn measure(workload: &Workload, frames: u32) -> Result<RecordedFrame> {
-    let mut played = Played::new(noop()?, workload)?;
+    let mut played = Playback::new(noop()?, workload)?;
     let (mut record, mut submit, mut allocations) = (Vec::new(), Vec::new(), Vec::new());
     for frame in 0..WARM_UP + frames {
         let before = allocated();
@@ -103,14 +103,14 @@ pub fn measure(workload: &Workload, frames: u32) -> Result<RecordedFrame> {
 }
 
 /// A scene that is played frame by frame.
-struct Played {
+struct Playback {
     scene: Photographer,
     camera: Viewpoint,
     motion: Motion,
     frames: u32,
 }
 
-impl Played {
+impl Playback {
     fn new(gpu: Gpu, workload: &Workload) -> Result<Self> {
         let (_, motion) = *workload.runs.last().context("a state to measure")?;
         let mut scene = Photographer::on(gpu, &workload.counted_preset()?, workload.size)?;
@@ -142,7 +142,7 @@ fn created(workload: &Workload) -> Result<u32> {
     let meter = Meter::default();
     let mut gpu = noop()?;
     gpu.context = gpu.context.with_probe(Arc::new(meter.clone()));
-    let mut played = Played::new(gpu, workload)?;
+    let mut played = Playback::new(gpu, workload)?;
     for _ in 0..WARM_UP {
         played.frame(None)?;
     }
