@@ -50,7 +50,7 @@ enum Measurement {
     Appearance,
     /// Frames, strand counts, memory and start-up, as the page docs/benchmarks.md
     Benchmarks(benchmarks::PageArgs),
-    /// What a GPU's compiler makes of each compute kernel, without the GPU; fails when one spills registers. Needs Mesa's
+    /// Registers, spills and waves of each compute kernel, by a GPU's compiler without the GPU; fails when one spills. Needs Mesa's
     /// RADV: named by TRESSES_RADV, or installed
     Kernels {
         /// Chips, by their names in RADV [default: navi31 navi21 vega10]

@@ -142,7 +142,7 @@ impl Compiler {
             let found = self.statistics.get_pipeline_executable_statistics(&executable)?;
             let mut statistics = Vec::new();
             for statistic in &found {
-                // Whatever its format, a value has 64 bits; only those of whole numbers are read.
+                // Floats and flags are left out.
                 let number = match statistic.format {
                     vk::PipelineExecutableStatisticFormatKHR::UINT64 => statistic.value.u64,
                     vk::PipelineExecutableStatisticFormatKHR::INT64 => statistic.value.i64 as u64,
@@ -162,7 +162,7 @@ impl Compiler {
 
 impl Drop for Compiler {
     fn drop(&mut self) {
-        // SAFETY: nothing that the device made is left, and nobody else has these handles.
+        // SAFETY: all objects of the device are destroyed, and its handles have no other owner.
         unsafe {
             self.device.destroy_device(None);
             self.instance.destroy_instance(None);

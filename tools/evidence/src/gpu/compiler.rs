@@ -1,18 +1,15 @@
-//! What the compiler of a GPU's driver makes of each compute kernel, without the GPU.
+//! Compiles each compute kernel with the compiler of a GPU's driver, without the GPU.
 //!
 //! Mesa's RADV compiles for a chip that is not there. It reads the chip's name from the environment
 //! (`RADV_FORCE_FAMILY`) when it is loaded, so each chip takes a process of its own.
 
+use crate::roofline::instrument;
 use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
 use std::{env, path::PathBuf, process::Command};
 use tresses::shaders;
 use tresses_radv::{Compiler, ResourceKind};
-use wgpu::naga::{
-    self, AddressSpace, ImageClass, TypeInner,
-    back::spv,
-    valid::{Capabilities, ValidationFlags, Validator},
-};
+use wgpu::naga::{self, AddressSpace, ImageClass, TypeInner, back::spv};
 
 /// The kernels of a chip.
 #[derive(Debug, Deserialize, Serialize)]
@@ -56,11 +53,11 @@ pub fn driver() -> Option<PathBuf> {
     names.map(|name| folder.join(name)).into_iter().find(|path| path.is_file())
 }
 
-/// Compiles all kernels that GPUs use for `family`, a chip's name in RADV.
+/// Compiles all kernels that GPUs use for `family`, a chip's name in RADV; `None` for a family that it does not know.
 ///
 /// # Errors
-/// Fails without RADV, and for a family that it does not know.
-pub fn compile(family: &str) -> Result<CompiledKernels> {
+/// Fails without RADV, and if a kernel does not compile.
+pub fn compile(family: &str) -> Result<Option<CompiledKernels>> {
     let driver = driver().context("RADV is not installed")?;
     let runtime = env::temp_dir();
     let child = Command::new(env::current_exe()?)
@@ -69,8 +66,11 @@ pub fn compile(family: &str) -> Result<CompiledKernels> {
         .env("RADV_FORCE_FAMILY", family)
         .output()?;
     let message = String::from_utf8_lossy(&child.stderr);
-    ensure!(child.status.success(), "{family}: {}", message.lines().next().unwrap_or("no message"));
-    Ok(serde_json::from_slice(&child.stdout)?)
+    if message.contains("Unknown family") {
+        return Ok(None);
+    }
+    ensure!(child.status.success(), "{family}: {}", message.trim());
+    Ok(Some(serde_json::from_slice(&child.stdout)?))
 }
 
 /// Compiles all kernels with the driver that the environment names, and prints them as JSON.
@@ -96,8 +96,7 @@ pub fn kernels() -> impl Iterator<Item = (&'static str, &'static str)> {
 impl KernelStats {
     /// Compiles the kernel `name`, as wgpu would.
     fn new(compiler: &Compiler, name: &str, source: &str) -> Result<Self> {
-        let module = naga::front::wgsl::parse_str(source)?;
-        let info = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module)?;
+        let (module, info) = instrument::parse(source)?;
         let entry = module.entry_points.first().context("a kernel has an entry point")?;
         let options = spv::Options {
             zero_initialize_workgroup_memory: spv::ZeroInitializeWorkgroupMemoryMode::None,

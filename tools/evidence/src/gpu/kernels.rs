@@ -4,19 +4,22 @@ use super::compiler::{self, CompiledKernels};
 use anyhow::{Result, ensure};
 use tresses_cli::bench::table::table;
 
-/// Chips: RDNA 3, RDNA 2, GCN 5. Mesa before 23 knows RDNA 3 by another name, and gives it half of its registers.
+/// Chips: RDNA 3, RDNA 2, GCN 5. Mesa 22.3 knows RDNA 3 by another name, and gives it half of its registers.
 pub const FAMILIES: [&str; 3] = ["navi31", "navi21", "vega10"];
 
-/// Compiles all kernels for each family. Leaves out families that the driver does not know, and returns why.
-pub fn compile(families: &[String]) -> (Vec<CompiledKernels>, Vec<String>) {
+/// Compiles all kernels for each family. Leaves out families that the driver does not know, and returns them.
+///
+/// # Errors
+/// Fails if a kernel does not compile.
+pub fn compile(families: &[String]) -> Result<(Vec<CompiledKernels>, Vec<String>)> {
     let (mut chips, mut missing) = (Vec::new(), Vec::new());
     for family in families {
-        match compiler::compile(family) {
-            Ok(compiled) => chips.push(compiled),
-            Err(error) => missing.push(format!("not run: {error:#}")),
+        match compiler::compile(family)? {
+            Some(compiled) => chips.push(compiled),
+            None => missing.push(format!("not run: the driver does not know {family}")),
         }
     }
-    (chips, missing)
+    Ok((chips, missing))
 }
 
 /// Fails if a kernel of `chips` spills.

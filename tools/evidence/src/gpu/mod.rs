@@ -38,7 +38,7 @@ pub fn print_kernels(mut families: Vec<String>, all: bool, json: bool) -> Result
     if families.is_empty() {
         families = kernels::FAMILIES.map(String::from).to_vec();
     }
-    let (chips, missing) = kernels::compile(&families);
+    let (chips, missing) = kernels::compile(&families)?;
     if json {
         println!("{}", serde_json::to_string_pretty(&chips)?);
     } else {
@@ -72,8 +72,9 @@ pub fn print_model(path: &Path, write: bool, json: bool) -> Result<()> {
 
 /// Counts frames on this machine and compiles their kernels for RDNA 3, or RDNA 2 where RADV does not know it.
 fn inputs() -> Result<Inputs> {
-    let compiled = compiler::compile("navi31").or_else(|_| compiler::compile("navi21"));
-    let compiler::CompiledKernels { driver, mut kernels } = compiled?;
+    let compiled =
+        compiler::compile("navi31")?.map_or_else(|| compiler::compile("navi21"), |it| Ok(Some(it)))?;
+    let compiler::CompiledKernels { driver, mut kernels } = compiled.context("RADV knows no such chip")?;
     let frames = scenes().iter().map(counted).collect::<Result<Vec<_>>>()?;
     let used = |name: &str| {
         frames.iter().flat_map(|frame| &frame.commands).any(|command| command.kernel.as_deref() == Some(name))
@@ -82,8 +83,8 @@ fn inputs() -> Result<Inputs> {
     Ok(Inputs { driver, kernels, frames })
 }
 
-/// The scenes of the model: the default look, those of the 2008 talk, a groom with every strand simulated if its file is
-/// there, and many strands.
+/// The scenes of the model: the default look, the two scenes of the 2008 talk, a groom with every strand simulated if its
+/// file is there, and many strands.
 fn scenes() -> Vec<Workload> {
     let mut many = workload::long();
     many.name = "100,000 strands of the style long".into();

@@ -7,7 +7,7 @@
 //! each loop; they are scaled by the ratio of the operations that a thread really executed to those with these turns.
 
 use super::compiler::KernelStats;
-use crate::roofline::{CommandWork, instrument};
+use crate::roofline::{CommandWork, expected::expected};
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
@@ -129,7 +129,7 @@ impl<'a> Model<'a> {
         for kernel in &inputs.kernels {
             let source = shaders::all().iter().find(|(name, _)| *name == kernel.name);
             let (_, source) = source.with_context(|| format!("there is no kernel {}", kernel.name))?;
-            kernels.insert(&*kernel.name, (kernel, instrument::expected(source)?));
+            kernels.insert(&*kernel.name, (kernel, expected(source)?));
         }
         Ok(Self { inputs, kernels })
     }
@@ -234,7 +234,7 @@ mod tests {
     fn inputs(threads: u64, change: impl FnOnce(&mut CountedCommand)) -> Inputs {
         let (name, source) =
             shaders::all().iter().find(|(name, _)| *name == "light::ambient::settle").unwrap();
-        let expected = instrument::expected(source).unwrap();
+        let expected = expected(source).unwrap();
         let mut command = CountedCommand {
             stage: "ambient".into(),
             kernel: Some((*name).into()),

@@ -5,7 +5,6 @@
 //! a buffer when it ends. Loops are thus counted once per iteration, and branches only if taken.
 
 use anyhow::{Context, Result};
-use std::collections::HashMap;
 use tresses::gpu::probe::GROUP;
 use wgpu::naga::{
     AddressSpace, Arena, Block, Expression, Function, GlobalVariable, Handle, ImageClass, Literal,
@@ -71,6 +70,13 @@ impl ShaderCounts {
     }
 }
 
+/// Parses and validates the shader `source`.
+pub fn parse(source: &str) -> Result<(Module, ModuleInfo)> {
+    let module = wgsl::parse_str(source).map_err(|error| anyhow::anyhow!(error.emit_to_string(source)))?;
+    let info = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module)?;
+    Ok((module, info))
+}
+
 /// Instruments the shader `source`. Vertex shaders are not counted, because they cannot write to storage.
 pub fn instrument(source: &str) -> Result<Module> {
     // The counting functions come first, before their callers.
@@ -90,9 +96,7 @@ pub fn instrument(source: &str) -> Result<Module> {
         {source}",
         2 * FIELDS
     );
-    let mut module =
-        wgsl::parse_str(&source).map_err(|error| anyhow::anyhow!(error.emit_to_string(&source)))?;
-    let info = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module)?;
+    let (mut module, info) = parse(&source)?;
     let handle = |name: &str| {
         let found = module.functions.iter().find(|(_, function)| function.name.as_deref() == Some(name));
         found.map(|(handle, _)| handle).context("a function of the tally")
@@ -108,78 +112,6 @@ pub fn instrument(source: &str) -> Result<Module> {
         counter(info.get_entry_point(i), end).function(&mut entry.function);
     }
     Ok(module)
-}
-
-/// Returns the turns that Mesa's ACO assumes of a loop in `depth` others, when it estimates cycles.
-fn turns(depth: u32) -> f64 {
-    [8.0, 4.0, 2.0][depth.min(2) as usize]
-}
-
-/// Share of the waves that take a side of a branch, as ACO assumes.
-const TAKEN: f64 = 0.75;
-
-/// Returns the operations of an invocation of the compute shader `source` with the turns and branches that ACO assumes.
-pub fn expected(source: &str) -> Result<f64> {
-    let module = wgsl::parse_str(source).map_err(|error| anyhow::anyhow!(error.emit_to_string(source)))?;
-    let info = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module)?;
-    let entry = module.entry_points.first().context("an entry point")?;
-    let mut expectation = Expectation { module: &module, known: HashMap::new(), info: &info };
-    Ok(expectation.function(&entry.function, info.get_entry_point(0), 0))
-}
-
-/// Expected operations of functions.
-struct Expectation<'a> {
-    module: &'a Module,
-    info: &'a ModuleInfo,
-    /// Of functions called in this many loops.
-    known: HashMap<(Handle<Function>, u32), f64>,
-}
-
-impl Expectation<'_> {
-    fn function(&mut self, function: &Function, info: &FunctionInfo, depth: u32) -> f64 {
-        self.block(&function.body, &function.expressions, info, depth)
-    }
-
-    fn block(
-        &mut self,
-        block: &Block,
-        expressions: &Arena<Expression>,
-        info: &FunctionInfo,
-        depth: u32,
-    ) -> f64 {
-        let reader = CostReader { module: self.module, info };
-        let mut sum = 0.0;
-        for statement in block {
-            let mut inner = |block, depth| self.block(block, expressions, info, depth);
-            sum += match statement {
-                Statement::Block(block) => inner(block, depth),
-                Statement::If { accept, reject, .. } => TAKEN * (inner(accept, depth) + inner(reject, depth)),
-                Statement::Switch { cases, .. } => {
-                    TAKEN * cases.iter().map(|case| inner(&case.body, depth)).sum::<f64>()
-                }
-                Statement::Loop { body, continuing, .. } => {
-                    turns(depth) * (inner(body, depth + 1) + inner(continuing, depth + 1))
-                }
-                Statement::Call { function, .. } => self.call(*function, depth),
-                other => {
-                    let mut costs = [0; FIELDS];
-                    reader.statement(expressions, other, &mut costs);
-                    f64::from(costs[OPERATIONS])
-                }
-            };
-        }
-        sum
-    }
-
-    fn call(&mut self, of: Handle<Function>, depth: u32) -> f64 {
-        if let Some(known) = self.known.get(&(of, depth)) {
-            return *known;
-        }
-        let (module, info) = (self.module, self.info);
-        let found = self.function(&module.functions[of], &info[of], depth);
-        self.known.insert((of, depth), found);
-        found
-    }
 }
 
 /// Instruments one function.
@@ -257,12 +189,19 @@ impl Counter<'_> {
 }
 
 /// Reads the costs of a function's statements.
-struct CostReader<'a> {
-    module: &'a Module,
-    info: &'a FunctionInfo,
+pub(super) struct CostReader<'a> {
+    pub module: &'a Module,
+    pub info: &'a FunctionInfo,
 }
 
 impl CostReader<'_> {
+    /// Returns the operations of a statement, without those of blocks in it.
+    pub fn operations(&self, expressions: &Arena<Expression>, statement: &Statement) -> u32 {
+        let mut costs = [0; FIELDS];
+        self.statement(expressions, statement, &mut costs);
+        costs[OPERATIONS]
+    }
+
     fn statement(&self, expressions: &Arena<Expression>, statement: &Statement, costs: &mut Costs) {
         match statement {
             Statement::Emit(range) => {
@@ -391,26 +330,6 @@ mod tests {
     #[test]
     fn bits_follow_from_the_format_name() {
         assert_eq!([bits("Rgba16Float"), bits("R32Uint"), bits("Rgba8Unorm")], [64, 32, 32]);
-    }
-
-    #[test]
-    fn expected_operations_follow_loops_branches_and_calls() {
-        let of = |body: &str| {
-            let source = format!(
-                "@group(0) @binding(0) var<storage, read_write> x: f32;
-                fn one(a: f32) -> f32 {{ return a + 1.0; }}
-                fn two() {{ loop {{ x = one(x); break; }} }}
-                @compute @workgroup_size(1) fn main() {{ {body} }}"
-            );
-            expected(&source).unwrap()
-        };
-        assert_eq!(of("x = x + 1.0;"), 1.0);
-        assert_eq!(of("x = one(x); x = one(x);"), 2.0);
-        assert_eq!(of("two();"), 8.0);
-        assert_eq!(of("loop { two(); break; }"), 8.0 * 4.0);
-        assert_eq!(of("loop { loop { two(); break; } break; }"), 8.0 * 4.0 * 2.0);
-        // The comparison, and three quarters of the sum.
-        assert_eq!(of("if x > 0.0 { x = one(x); }"), 1.75);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Lower bound of each stage's time: the work of its shaders in a frame, counted on the GPU, divided by the peak rates
 //! of the same adapter, measured in the same run. `docs/research/roofline.md` explains the table.
 
+pub mod expected;
 pub mod instrument;
 mod meter;
 mod rates;
@@ -132,7 +133,7 @@ pub fn commands(
     Ok((meter.commands(&scene.gpu.context)?, counts))
 }
 
-/// What a stage of a frame records.
+/// Name of a stage, and counts of its commands.
 pub type StageCounts = (&'static str, Counts);
 
 /// Renders frames in motion and counts the last, after `frames` others.
