@@ -51,8 +51,8 @@ fn main() {
         let in_workgroup = constants::IN_WORKGROUP.iter().find(|(of, _)| *of == module);
         let bytes = in_workgroup.map(|(_, bytes)| ("STRAND_BYTES", *bytes));
         let variant = variants.map(|(_, constant, values)| (*constant, values[0]));
-        let links = [(module.clone(), false), (format!("{module}::workgroup"), true)];
-        for (name, workgroup) in links.into_iter().take(1 + bytes.iter().count()) {
+        for workgroup in [false, true].into_iter().filter(|workgroup| !workgroup || bytes.is_some()) {
+            let name = if workgroup { format!("{module}::workgroup") } else { module.clone() };
             options.features.set("workgroup", workgroup);
             let mut own = StandardResolver::new("src");
             for (name, value) in constants::SHARED.iter().copied().chain(variant).chain(bytes) {

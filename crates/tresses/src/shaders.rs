@@ -6,17 +6,17 @@ include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
 /// Returns the linked WGSL of `module`, for example `simulate::links` or `simulate::step::16`.
 pub(crate) fn source(module: &str) -> &'static str {
-    all()
-        .iter()
-        .find(|(name, _)| *name == module)
-        .map(|(_, wgsl)| *wgsl)
-        .unwrap_or_else(|| panic!("no shader {module}"))
+    find(module).1
 }
 
 /// Returns the module path that equals `module`, from the table.
 pub(crate) fn named(module: &str) -> &'static str {
+    find(module).0
+}
+
+fn find(module: &str) -> (&'static str, &'static str) {
     let found = all().iter().find(|(name, _)| *name == module);
-    found.map(|(name, _)| *name).unwrap_or_else(|| panic!("no shader {module}"))
+    *found.unwrap_or_else(|| panic!("no shader {module}"))
 }
 
 /// Returns every linked shader as (module path, WGSL), for tools and tests.

@@ -98,6 +98,7 @@ use crate::{
     Context, Result,
     clock::{MAX_STEPS, Mode, Step},
     collide::ColliderSet,
+    constants::{STEP_BYTES, TWIST_BYTES},
     gpu::{Kernel, PipelineSet},
     groom::Guides,
     space::Field,
@@ -139,8 +140,8 @@ pub(crate) struct Pipelines {
 impl PipelineSet for Pipelines {
     fn new(context: &Context) -> Self {
         Self {
-            step: StepKernels::new(context, "simulate::step"),
-            twist: StepKernels::new(context, "simulate::twist"),
+            step: StepKernels::new(context, ("simulate::step", STEP_BYTES)),
+            twist: StepKernels::new(context, ("simulate::twist", TWIST_BYTES)),
             shift: shift::kernel(context),
             forces: forces::ForcesKernel::new(context),
             links: Kernel::new(&context.device, "simulate::links", &links::BINDINGS),

@@ -2,7 +2,7 @@
 
 use crate::{
     collide,
-    constants::{GUIDE_CAPACITIES, GUIDE_WORKGROUP, IN_WORKGROUP, WORKGROUP_BYTES},
+    constants::{GUIDE_CAPACITIES, GUIDE_WORKGROUP, WORKGROUP_BYTES},
     gpu::{Binding, ComputePass, Context, Kernel},
     shaders,
 };
@@ -31,11 +31,10 @@ pub(crate) struct StepKernels {
 }
 
 impl StepKernels {
-    /// Creates the kernels of the shader `module`, one of [`IN_WORKGROUP`].
-    pub fn new(context: &Context, module: &str) -> Self {
+    /// Creates the kernels of the shader `module`, whose strands take `bytes` of workgroup memory per vertex.
+    pub fn new(context: &Context, (module, bytes): (&str, u32)) -> Self {
         let colliders = collide::layout(&context.device);
         let private = context.tier().software;
-        let bytes = IN_WORKGROUP.iter().find(|(of, _)| *of == module).map_or(0, |(_, bytes)| *bytes);
         let memory = if private { "" } else { "::workgroup" };
         Self {
             kernels: GUIDE_CAPACITIES.map(|capacity| {
@@ -73,6 +72,7 @@ fn capacity(vertex_count: u32) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::constants::IN_WORKGROUP;
 
     #[test]
     fn each_capacity_has_its_own_shader() {

@@ -152,7 +152,7 @@ pub(crate) struct SoftTargets {
 /// Bind groups of the kernels for one light.
 #[derive(Debug)]
 struct KernelGroups {
-    /// The bind group of the light's frame, which stands for the light.
+    /// Identity of the light: the bind group of its frame.
     light: wgpu::BindGroup,
     uniform: wgpu::Buffer,
     list: wgpu::BindGroup,

@@ -24,7 +24,7 @@ pub(crate) struct Tiles {
     capacity: Mutex<ListCapacity>,
 }
 
-/// What recent frames needed, and which rounds this frame records.
+/// Entries of recent frames, and the rounds of this frame.
 #[derive(Debug)]
 struct ListCapacity {
     /// The latest frame that was read back.
@@ -52,8 +52,8 @@ struct ListCount {
     look: Option<FrameLook>,
 }
 
-/// What decides how many entries a frame has, as far as the CPU knows: points, and the places of the focus in the image
-/// (x and y as fractions of its size, and depth).
+/// Number of points, and places of the focus in the image (x and y as fractions of its size, and depth): frames that
+/// differ little in these have similar numbers of entries.
 #[derive(Clone, Copy, Debug)]
 struct FrameLook {
     points: u32,
