@@ -3,10 +3,12 @@
 //! alone where the reference has that.
 //!
 //! Strands and head are read unchanged from the files that the reference names. Nothing is oriented, simulated or
-//! fitted, so only rendering differs. If the reference has single-scattering images with and without shadows, the
-//! transmitted fractions are compared too ([`share`]).
+//! fitted, so only rendering differs. If the reference has images of each light's single scattering, the light is split
+//! by how often it was scattered ([`orders`]). If it has them with and without shadows, the transmitted fractions are
+//! compared too ([`share`]).
 
 mod metrics;
+mod orders;
 mod rig;
 mod scenes;
 mod share;
@@ -19,8 +21,9 @@ use crate::{
 };
 use anyhow::{Context, Result, ensure};
 use metrics::{Difference, Linear};
+use orders::ScatteringOrders;
 use rig::Rig;
-use scenes::{Folders, Pair, ReferenceView, Scenes};
+use scenes::{Folders, ONCE, Pair, ReferenceView, Scenes};
 use serde::Serialize;
 use share::Share;
 use std::{fmt::Write, path::PathBuf};
@@ -81,6 +84,8 @@ struct Report {
     views: Vec<Row>,
     /// Views with one light alone.
     lights: Vec<Row>,
+    /// The light of lamps by how often it was scattered.
+    orders: Vec<ScatteringOrders>,
     /// Transmitted fractions of single lights.
     shares: Vec<Share>,
 }
@@ -125,11 +130,23 @@ pub fn run(args: &CompareArgs) -> Result<()> {
             reference: Tones::new(reference, &regions, noise),
         };
         report.views.push(row(view.name, Some(difference), Some(view.noise), &linear, &radiance.linear));
+        let mut once = Vec::new();
         for one in view.alone() {
             let linear = stage.radiance(&one, &scenes, &args.shading)?;
             let radiance = folders.radiance(one.name, size)?;
             // The noise of images of a single light is unknown.
-            report.lights.push(row(one.name, None, None, &linear, &radiance.linear));
+            let row = row(one.name, None, None, &linear, &radiance.linear);
+            if one.once {
+                once.push(row);
+            } else {
+                report.lights.push(row);
+            }
+        }
+        for Row { name, ours, reference, .. } in &once {
+            let all = report.lights.iter().find(|all| Some(&*all.name) == name.strip_suffix(ONCE));
+            let Some(all) = all else { continue };
+            let orders = ScatteringOrders::new(&all.name, (&all.ours, ours), (&all.reference, reference));
+            report.orders.push(orders);
         }
         if let Some(folder) = &args.out {
             std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
@@ -169,6 +186,11 @@ fn stage<'a>(
     last.as_mut().context("the stage was made just now")
 }
 
+/// Formats a ratio.
+fn ratio(found: Option<f64>) -> String {
+    found.map_or("-".into(), |ratio| format!("{ratio:.3}"))
+}
+
 impl Report {
     /// Formats the results as tables.
     fn text(&self) -> String {
@@ -189,8 +211,7 @@ impl Report {
                 let flip =
                     difference.map(|found| [found.picture, found.hair].map(|flip| format!("{flip:.3}")));
                 let [whole, hair] = flip.unwrap_or(["-", "-"].map(String::from));
-                let say = |ratio: Option<f64>| ratio.map_or("-".into(), |ratio| format!("{ratio:.3}"));
-                let [luminance, dimmest, brightest, contrast, skin] = ours.over(reference).map(say);
+                let [luminance, dimmest, brightest, contrast, skin] = ours.over(reference).map(ratio);
                 let _ = writeln!(
                     text,
                     "{name:wide$}  {whole:>6}  {hair:>7}  {:9.4}  {luminance:>7}  {dimmest:>8}  {brightest:>9}  \
@@ -205,6 +226,22 @@ impl Report {
                 "\nLuminance is linear. The following columns are ratios, ours over the reference's: hair, the dimmest and the \
                  brightest tenth of its pixels, contrast of details finer than five pixels (without the reference's \
                  noise), and skin without hair"
+            );
+        }
+        if !self.orders.is_empty() {
+            let _ = writeln!(
+                text,
+                "\nEach light by how often it was scattered, ratios to the reference\n\
+                 {:wide$}  {:>10}  {:>6}  {:>7}  {:>6}  {:>6}  {:>6}",
+                "", "once, part", "once", "several", "red", "green", "blue"
+            );
+        }
+        for ScatteringOrders { name, share, once, several, channels } in &self.orders {
+            let [red, green, blue] = channels.map(ratio);
+            let [once, several] = [once, several].map(|found| ratio(*found));
+            let _ = writeln!(
+                text,
+                "{name:wide$}  {share:10.2}  {once:>6}  {several:>7}  {red:>6}  {green:>6}  {blue:>6}"
             );
         }
         if !self.shares.is_empty() {

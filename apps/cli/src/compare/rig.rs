@@ -119,7 +119,7 @@ impl Rig {
         Ok(Picture { width, height, rgba })
     }
 
-    /// Renders linear radiance in front of black.
+    /// Renders linear radiance in front of black: all light of `view`, or light scattered once.
     pub fn radiance(
         &mut self,
         view: &ReferenceView<'_>,
@@ -127,6 +127,9 @@ impl Rig {
         shading: &RowFlags<Shading>,
     ) -> Result<Linear> {
         let scene = dim(self.scene(view, scenes, shading)?);
+        if view.once {
+            return self.once(&scene, scene.shadows);
+        }
         Ok(radiance(self.view.targets().size[0], &self.shown(&scene, None)?))
     }
 
@@ -138,23 +141,24 @@ impl Rig {
         shading: &RowFlags<Shading>,
     ) -> Result<[Linear; 2]> {
         let scene = dim(self.scene(view, scenes, shading)?);
-        let width = self.view.targets().size[0];
+        let off = Shadows { method: ShadowMethod::Off, ..scene.shadows };
+        Ok([self.once(&scene, scene.shadows)?, self.once(&scene, off)?])
+    }
+
+    /// Renders the single-scattered radiance of `scene`.
+    fn once(&mut self, scene: &Shot, shadows: Shadows) -> Result<Linear> {
         // Ambient light includes light reflected by bodies, which is scattered twice.
-        let shadows = Shadows { ambient: false, ..scene.shadows };
-        let off = Shadows { method: ShadowMethod::Off, ..shadows };
+        let scene = Shot { shadows: Shadows { ambient: false, ..shadows }, ..*scene };
+        let width = self.view.targets().size[0];
         let mut views = DebugViews::new(&self.context, FORMAT)?;
-        let mut once = |shadows: Shadows| -> Result<Linear> {
-            let scene = Shot { shadows, ..scene };
-            // Direct light minus multiple scattering. The subtraction also removes the body, so add it back: the sky is
-            // black here, so the `Sky` view shows only the body.
-            let [all, many, none] = [DebugView::Direct, DebugView::Multiple, DebugView::Sky]
-                .map(|view| self.shown(&scene, Some((&mut views, view))));
-            let [all, many, none] = [all?, many?, none?].map(|pixels| radiance(width, &pixels));
-            let add = |i: usize, c: usize| all.pixels[i][c] - many.pixels[i][c] + none.pixels[i][c];
-            let pixels = (0..all.pixels.len()).map(|i| [0, 1, 2].map(|c| add(i, c))).collect();
-            Ok(Linear { width, pixels })
-        };
-        Ok([once(shadows)?, once(off)?])
+        // Direct light minus multiple scattering. The subtraction also removes the body, so add it back: the sky is
+        // black here, so the `Sky` view shows only the body.
+        let [all, many, none] = [DebugView::Direct, DebugView::Multiple, DebugView::Sky]
+            .map(|view| self.shown(&scene, Some((&mut views, view))));
+        let [all, many, none] = [all?, many?, none?].map(|pixels| radiance(width, &pixels));
+        let add = |i: usize, c: usize| all.pixels[i][c] - many.pixels[i][c] + none.pixels[i][c];
+        let pixels = (0..all.pixels.len()).map(|i| [0, 1, 2].map(|c| add(i, c))).collect();
+        Ok(Linear { width, pixels })
     }
 
     /// Returns the scene of `view`, and sets the material of the hair.

@@ -110,6 +110,9 @@ fn yes() -> bool {
     true
 }
 
+/// Ending of the name of an image that shows only light that was scattered once.
+pub const ONCE: &str = "_once";
+
 /// A view to compare.
 #[derive(Clone, Copy)]
 pub struct ReferenceView<'a> {
@@ -127,6 +130,8 @@ pub struct ReferenceView<'a> {
     pub environment: bool,
     /// Root-mean-square error of the hair pixels, relative to their mean radiance.
     pub noise: f64,
+    /// Whether the image shows only light that was scattered once.
+    pub once: bool,
     /// Images of the same view with each light alone.
     alone: &'a [PathBuf],
 }
@@ -209,24 +214,28 @@ impl Scenes {
             lights: &shot.lights,
             environment: shot.environment,
             noise: shot.noise(),
+            once: false,
             alone: &shot.per_light_files,
         }))
     }
 }
 
 impl<'a> ReferenceView<'a> {
-    /// Returns the same view with each light alone, as far as the reference has images of them.
+    /// Returns the same view with each light alone, as far as the reference has images of them: all its light, and light
+    /// that was scattered once.
     pub fn alone(&self) -> impl Iterator<Item = Self> {
         let view = *self;
         self.alone.iter().filter_map(move |file| {
             let name = file.file_stem()?.to_str()?;
-            let light = name.strip_prefix(view.name)?.strip_prefix('_')?;
+            let part = name.strip_prefix(view.name)?.strip_prefix('_')?;
+            let (light, once) = part.strip_suffix(ONCE).map_or((part, false), |light| (light, true));
             let one = view.lights.iter().find(|known| *known == light).map(std::slice::from_ref);
             let environment = light == "env" && view.environment;
             (environment || one.is_some()).then(|| Self {
                 name,
                 lights: one.unwrap_or_default(),
                 environment,
+                once,
                 alone: &[],
                 ..view
             })
