@@ -47,9 +47,12 @@ setup-tests:
 # Lints while compiling, so that dependencies are compiled once. A separate check would compile them a second time.
 LINTED := RUSTC_WORKSPACE_WRAPPER=clippy-driver CARGO_BUILD_WARNINGS=deny $(CARGO)
 
+# The software driver that `scripts/setup --tests` unpacked, if it did.
+DRIVER = $(shell test -e target/tools/mesa/lvp_icd.json && echo VK_DRIVER_FILES=$(CURDIR)/target/tools/mesa/lvp_icd.json)
+
 test: setup-tests ## Format, lints, then every test; one of them builds the web page
 	$(CARGO) fmt --all --check
-	$(LINTED) test --workspace
+	$(DRIVER) $(LINTED) test --workspace
 
 proof: setup-tests ## The docs of the code, the library alone for browsers, the slow evidence behind docs/, which it prints, and damaged files
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --quiet

@@ -48,6 +48,8 @@ pub struct Rig {
     hair: Hair,
     body: Body,
     view: View,
+    /// Created on first use.
+    debug: Option<DebugViews>,
     output: wgpu::Texture,
     /// Meters per unit of the description.
     unit: f32,
@@ -96,7 +98,7 @@ impl Rig {
         });
         let name = view.groom_name.to_owned();
         let focus = Sphere::around(subject.0, subject.1);
-        Ok(Self { name, context, hair, body, view: eye, output, unit, focus })
+        Ok(Self { name, context, hair, body, view: eye, debug: None, output, unit, focus })
     }
 
     /// Returns the name of the groom.
@@ -150,11 +152,12 @@ impl Rig {
         // Ambient light includes light reflected by bodies, which is scattered twice.
         let scene = Shot { shadows: Shadows { ambient: false, ..shadows }, ..*scene };
         let width = self.view.targets().size[0];
-        let mut views = DebugViews::new(&self.context, FORMAT)?;
+        let mut views = self.debug.take().map_or_else(|| DebugViews::new(&self.context, FORMAT), Ok)?;
         // Direct light minus multiple scattering. The subtraction also removes the body, so add it back: the sky is
         // black here, so the `Sky` view shows only the body.
         let [all, many, none] = [DebugView::Direct, DebugView::Multiple, DebugView::Sky]
             .map(|view| self.shown(&scene, Some((&mut views, view))));
+        self.debug = Some(views);
         let [all, many, none] = [all?, many?, none?].map(|pixels| radiance(width, &pixels));
         let add = |i: usize, c: usize| all.pixels[i][c] - many.pixels[i][c] + none.pixels[i][c];
         let pixels = (0..all.pixels.len()).map(|i| [0, 1, 2].map(|c| add(i, c))).collect();
