@@ -40,6 +40,8 @@ pub struct RecordedFrame {
     pub allocations: [u64; 2],
     /// Bind groups that it creates.
     pub created: u32,
+    /// Compute kernels that were compiled until then.
+    pub kernels: u32,
     /// Passes, dispatches, draws and bind group changes that it records.
     pub counts: [u32; 4],
 }
@@ -87,11 +89,13 @@ pub fn measure(workload: &Workload, frames: u32) -> Result<RecordedFrame> {
     let mut timings = Timings::by(tresses::gpu::wall);
     played.frame(Some(&mut timings))?;
     let sum = |of: &dyn Fn(&Counts) -> u32| timings.counts().iter().map(|(_, counts)| of(counts)).sum();
+    let [created, kernels] = created(workload)?;
     Ok(RecordedFrame {
         scene: workload.name.clone(),
         record: Summary::of(record),
         submit: Summary::of(submit),
-        created: created(workload)?,
+        created,
+        kernels,
         allocations: allocations.get(allocations.len() / 2).copied().unwrap_or_default(),
         counts: [
             sum(&|counts| counts.passes),
@@ -137,8 +141,8 @@ impl Playback {
     }
 }
 
-/// Returns the bind groups that a frame creates after the first ones.
-fn created(workload: &Workload) -> Result<u32> {
+/// Returns the bind groups that a frame creates after the first ones, and the compute kernels created until then.
+fn created(workload: &Workload) -> Result<[u32; 2]> {
     let meter = Meter::default();
     let mut gpu = noop()?;
     gpu.context = gpu.context.with_probe(Arc::new(meter.clone()));
@@ -148,7 +152,7 @@ fn created(workload: &Workload) -> Result<u32> {
     }
     let before = meter.groups();
     played.frame(None)?;
-    Ok(meter.groups() - before)
+    Ok([meter.groups() - before, meter.kernels()])
 }
 
 /// Heap allocations of this program so far, and their bytes.
@@ -172,6 +176,7 @@ pub fn text(frames: &[RecordedFrame]) -> String {
         "draws",
         "bind groups set",
         "created",
+        "kernels",
     ];
     let mut rows = vec![head.map(String::from).to_vec()];
     rows.extend(frames.iter().map(|frame| {
@@ -179,7 +184,8 @@ pub fn text(frames: &[RecordedFrame]) -> String {
         let times = times.map(|ms| format!("{ms:.3}"));
         let [count, bytes] = frame.allocations;
         let heap = [count.to_string(), format!("{:.1}", bytes as f64 * 1e-3)];
-        let counts = frame.counts.into_iter().chain([frame.created]).map(|count| count.to_string());
+        let counts =
+            frame.counts.into_iter().chain([frame.created, frame.kernels]).map(|count| count.to_string());
         std::iter::once(frame.scene.clone()).chain(times).chain(heap).chain(counts).collect()
     }));
     format!("\nProcessor time of a frame without a driver, milliseconds\n{}", table(&rows))
@@ -191,6 +197,6 @@ mod tests {
 
     #[test]
     fn steady_frames_create_no_bind_groups() {
-        assert_eq!(created(&workload::long()).unwrap(), 0);
+        assert_eq!(created(&workload::long()).unwrap()[0], 0);
     }
 }

@@ -51,6 +51,8 @@ struct State {
     log: Mutex<Log>,
     /// Number of bind groups created so far.
     groups: AtomicU32,
+    /// Number of compute kernels created.
+    kernels: AtomicU32,
 }
 
 #[derive(Debug)]
@@ -114,6 +116,11 @@ impl Meter {
     /// Returns the number of bind groups created so far.
     pub fn groups(&self) -> u32 {
         self.0.groups.load(Ordering::Relaxed)
+    }
+
+    /// Returns the number of compute kernels created so far.
+    pub fn kernels(&self) -> u32 {
+        self.0.kernels.load(Ordering::Relaxed)
     }
 
     /// Starts counting the commands recorded from now on.
@@ -196,6 +203,9 @@ impl StageWork {
 
 impl Probe for Meter {
     fn shader(&self, device: &wgpu::Device, name: &str, wgsl: &str) -> wgpu::ShaderModule {
+        if wgsl.contains("@compute") {
+            self.0.kernels.fetch_add(1, Ordering::Relaxed);
+        }
         // A test instruments every shader.
         let module = instrument::instrument(wgsl).unwrap_or_else(|error| panic!("{name}: {error}"));
         let source = wgpu::ShaderSource::Naga(std::borrow::Cow::Owned(module));
