@@ -47,8 +47,9 @@ setup-tests:
 # Lints while compiling, so that dependencies are compiled once. A separate check would compile them a second time.
 LINTED := RUSTC_WORKSPACE_WRAPPER=clippy-driver CARGO_BUILD_WARNINGS=deny $(CARGO)
 
-# The software driver that `scripts/setup --tests` unpacked, if it did.
-DRIVER = $(shell test -e target/tools/mesa/lvp_icd.json && echo VK_DRIVER_FILES=$(CURDIR)/target/tools/mesa/lvp_icd.json)
+# The software driver that `scripts/setup --tests` unpacked, if it did and the environment names no other.
+MESA := $(CURDIR)/target/tools/mesa/lvp_icd.json
+DRIVER = $(if $(VK_DRIVER_FILES)$(VK_ICD_FILENAMES),,$(shell test -e '$(MESA)' && echo "VK_DRIVER_FILES='$(MESA)'"))
 
 test: setup-tests ## Format, lints, then every test; one of them builds the web page
 	$(CARGO) fmt --all --check

@@ -130,7 +130,7 @@ impl Rig {
     ) -> Result<Linear> {
         let scene = dim(self.scene(view, scenes, shading)?);
         if view.once {
-            return self.once(&scene, scene.shadows);
+            return self.once(scene);
         }
         Ok(radiance(self.view.targets().size[0], &self.shown(&scene, None)?))
     }
@@ -144,13 +144,13 @@ impl Rig {
     ) -> Result<[Linear; 2]> {
         let scene = dim(self.scene(view, scenes, shading)?);
         let off = Shadows { method: ShadowMethod::Off, ..scene.shadows };
-        Ok([self.once(&scene, scene.shadows)?, self.once(&scene, off)?])
+        Ok([self.once(scene)?, self.once(Shot { shadows: off, ..scene })?])
     }
 
     /// Renders the single-scattered radiance of `scene`.
-    fn once(&mut self, scene: &Shot, shadows: Shadows) -> Result<Linear> {
+    fn once(&mut self, scene: Shot) -> Result<Linear> {
         // Ambient light includes light reflected by bodies, which is scattered twice.
-        let scene = Shot { shadows: Shadows { ambient: false, ..shadows }, ..*scene };
+        let scene = Shot { shadows: Shadows { ambient: false, ..scene.shadows }, ..scene };
         let width = self.view.targets().size[0];
         let mut views = self.debug.take().map_or_else(|| DebugViews::new(&self.context, FORMAT), Ok)?;
         // Direct light minus multiple scattering. The subtraction also removes the body, so add it back: the sky is

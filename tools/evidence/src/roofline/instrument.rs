@@ -195,7 +195,7 @@ pub(super) struct CostReader<'a> {
 }
 
 impl CostReader<'_> {
-    /// Returns the operations of a statement, without those of blocks in it.
+    /// Returns the operations of a statement, without the operations of its blocks.
     pub fn operations(&self, expressions: &Arena<Expression>, statement: &Statement) -> u32 {
         let mut costs = [0; FIELDS];
         self.statement(expressions, statement, &mut costs);
