@@ -30,7 +30,7 @@ use tresses::{
     view::{Picture as Shot, ViewOptions},
     views::{DebugDisplay, DebugView, DebugViews},
 };
-use tresses_scene::{Settings, knobs};
+use tresses_scene::{Settings, Shelf, Surroundings, knobs};
 
 /// Format of the output texture.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -171,7 +171,7 @@ impl Rig {
         scenes: &Scenes,
         shading: &RowFlags<Shading>,
     ) -> Result<Shot> {
-        let mut settings = material(view.material)?;
+        let mut settings = material(view)?;
         apply_rows(shading, &mut settings)?;
         let options = ViewOptions {
             ambient_cells: settings.view.ambient_cells,
@@ -182,27 +182,10 @@ impl Rig {
         let camera = &view.groom.camera;
         let place = |p: [f32; 3]| Vec3::from(p) * self.unit;
         let (eye, target) = (place(camera.origin), place(camera.target));
-        let light = |name: &str| -> Result<Directional> {
-            let light = view.groom.lights.get(name).with_context(|| format!("there is no light {name}"))?;
-            Ok(Directional {
-                direction: light.direction_to_light.into(),
-                irradiance: light.irradiance_rgb.into(),
-            })
-        };
-        ensure!(view.lights.len() <= MAX_LIGHTS, "{}: too many lights", view.name);
-        let mut directional = [Directional::OFF; MAX_LIGHTS];
-        for (place, name) in directional.iter_mut().zip(view.lights) {
-            *place = light(name)?;
-        }
-        let sky = if view.environment { scenes.environment_radiance_rgb.into() } else { Vec3::ZERO };
         self.hair.set.material = settings.material();
         Ok(Shot {
             camera: Camera::look_at(eye, target, camera.vertical_fov_degrees.to_radians(), camera.resolution),
-            lights: Lights {
-                directional,
-                sky: Sky { zenith: sky, horizon: sky, ground: sky },
-                ..Default::default()
-            },
+            lights: lights(view, scenes)?,
             focus: self.focus,
             shading: settings.shading_rate(),
             shadows: Shadows { body_radius: POINT, ..settings.shadows },
@@ -278,17 +261,52 @@ const UNIFORM: [(&str, &str); 5] = [
     ("shading.highlight_spread", "0"),
 ];
 
-/// Returns the settings that come closest to a material of the reference.
-fn material(name: &str) -> Result<Settings> {
-    let name = if name == "brunette" { "brown" } else { name };
+/// Returns the settings that come closest to the material of `view`.
+fn material(view: &ReferenceView<'_>) -> Result<Settings> {
     let mut settings = Settings::default();
-    let color = knobs::named("shading.color").map_err(Error::msg)?;
-    color.set(&mut settings, color.parse(name)?).with_context(|| format!("there is no material {name}"))?;
-    for (name, value) in UNIFORM {
+    let mut set = |name: &str, value: &str| -> Result<()> {
         let knob = knobs::named(name).map_err(Error::msg)?;
-        knob.set(&mut settings, knob.parse(value)?)?;
+        Ok(knob.set(&mut settings, knob.parse(value)?)?)
+    };
+    match (view.material, view.pigments) {
+        ("brunette", None) => set("shading.color", "brown")?,
+        (name, None) => {
+            set("shading.color", name).with_context(|| format!("there is no material {name}"))?;
+        }
+        (_, Some([eumelanin, pheomelanin])) => {
+            set("shading.color", "melanin")?;
+            set("shading.eumelanin", &eumelanin.to_string())?;
+            set("shading.pheomelanin", &pheomelanin.to_string())?;
+        }
+    }
+    if let Some([along, around]) = view.roughness {
+        set("shading.roughness_along", &along.to_string())?;
+        set("shading.roughness_around", &around.to_string())?;
+    }
+    for (name, value) in UNIFORM {
+        set(name, value)?;
     }
     Ok(settings)
+}
+
+/// Returns the lights of `view`.
+fn lights(view: &ReferenceView<'_>, scenes: &Scenes) -> Result<Lights> {
+    if let Some(map) = view.environment_map {
+        ensure!(view.lights.is_empty(), "{}: an environment map cannot be combined with lights", view.name);
+        return Ok(Surroundings::read(map, &Shelf::default())?.lights(&Settings::default().lights));
+    }
+    ensure!(view.lights.len() <= MAX_LIGHTS, "{}: too many lights", view.name);
+    let mut directional = [Directional::OFF; MAX_LIGHTS];
+    for (place, name) in directional.iter_mut().zip(view.lights) {
+        let light = view.groom.lights.get(name).with_context(|| format!("there is no light {name}"))?;
+        *place = Directional {
+            direction: light.direction_to_light.into(),
+            irradiance: light.irradiance_rgb.into(),
+        };
+    }
+    let sky = if view.environment { scenes.environment_radiance_rgb.into() } else { Vec3::ZERO };
+    let sky = Sky { zenith: sky, horizon: sky, ground: sky };
+    Ok(Lights { directional, sky, ..Default::default() })
 }
 
 /// Returns the strands as the reference draws them: uniform cubic B-splines from the first to the last vertex, with

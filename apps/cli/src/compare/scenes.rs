@@ -85,6 +85,12 @@ struct Shot {
     lights: Vec<String>,
     #[serde(default)]
     environment: bool,
+    /// Environment map in place of the uniform environment.
+    environment_map: Option<PathBuf>,
+    /// Eumelanin and pheomelanin, if `material` is not a built-in color.
+    pigments: Option<[f32; 2]>,
+    /// Roughness along and around the fiber, if not the default.
+    roughness: Option<[f32; 2]>,
     #[serde(default)]
     mean_rgb_hair_pixels: [f64; 3],
     #[serde(default)]
@@ -128,6 +134,12 @@ pub struct ReferenceView<'a> {
     pub lights: &'a [String],
     /// Whether the environment is on.
     pub environment: bool,
+    /// Environment map in place of the uniform environment.
+    pub environment_map: Option<&'a Path>,
+    /// Eumelanin and pheomelanin, if `material` is not a built-in color.
+    pub pigments: Option<[f32; 2]>,
+    /// Roughness along and around the fiber, if not the default.
+    pub roughness: Option<[f32; 2]>,
     /// Root-mean-square error of the hair pixels, relative to their mean radiance.
     pub noise: f64,
     /// Whether the image shows only light that was scattered once.
@@ -156,11 +168,15 @@ impl Scenes {
     /// Reads a description.
     pub fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read(path).with_context(|| path.display().to_string())?;
-        serde_json::from_slice(&text)
-            .with_context(|| format!("{}: invalid description of scenes", path.display()))
+        let mut scenes: Self = serde_json::from_slice(&text)
+            .with_context(|| format!("{}: invalid description of scenes", path.display()))?;
+        for map in scenes.pictures.values_mut().filter_map(|shot| shot.environment_map.as_mut()) {
+            *map = path.with_file_name(&*map);
+        }
+        Ok(scenes)
     }
 
-    /// Returns the named views, or all with the environment, sorted by groom.
+    /// Returns the named views, or all with complete light, sorted by groom.
     pub fn views(&self, only: &[String]) -> Result<Vec<ReferenceView<'_>>> {
         if let Some(name) = only.iter().find(|name| !self.pictures.contains_key(*name)) {
             let names: Vec<_> = self.pictures.keys().map(String::as_str).collect();
@@ -168,7 +184,7 @@ impl Scenes {
         }
         let mut views = Vec::new();
         for (name, shot) in &self.pictures {
-            let wanted = if only.is_empty() { shot.environment } else { only.contains(name) };
+            let wanted = if only.is_empty() { shot.is_complete() } else { only.contains(name) };
             if !wanted || shot.scatters_once() {
                 continue;
             }
@@ -213,6 +229,9 @@ impl Scenes {
             material,
             lights: &shot.lights,
             environment: shot.environment,
+            environment_map: shot.environment_map.as_deref(),
+            pigments: shot.pigments,
+            roughness: shot.roughness,
             noise: shot.noise(),
             once: false,
             alone: &shot.per_light_files,
@@ -248,6 +267,11 @@ impl Shot {
     fn noise(&self) -> f64 {
         let mean = (self.mean_rgb_hair_pixels.iter().map(|c| c * c).sum::<f64>() / 3.0).sqrt();
         self.noise.picture_rmse_linear_hair_pixels_estimate / mean.max(1e-12)
+    }
+
+    /// Whether the image has all the light of its view: the environment, or lamps that have images of their own.
+    fn is_complete(&self) -> bool {
+        self.environment || !self.per_light_files.is_empty()
     }
 
     fn scatters_once(&self) -> bool {
