@@ -1,4 +1,4 @@
-//! Image-based lighting from an environment map. Spherical harmonics hold the smooth part; small bright regions become
+//! Image-based lighting from an environment map. Spherical harmonics hold the smooth part; bright regions become
 //! directional lights, which cast shadows.
 
 use super::{Directional, lights::MAX_LIGHTS};
@@ -30,11 +30,10 @@ fn basis(d: Vec3) -> [f32; 9] {
 /// Factor of each harmonic in the cosine-weighted mean over a hemisphere (Ramamoorthi and Hanrahan 2001).
 pub(super) const BANDS: [f32; 9] = [1.0, 2.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0, 0.25, 0.25, 0.25, 0.25, 0.25];
 
-/// Cosine of 8 degrees: radius around the brightest pixel that a directional light collects.
-const CONE: f32 = 0.990_268;
-
-/// Cosine of 16 degrees: outer radius of the ring that gives the background of a light.
-const RING: f32 = 0.961_262;
+/// Cosines of the radius around the brightest pixel that a directional light collects, and of the outer radius of the
+/// ring that gives the background of the light: 8 and 16 degrees for suns and lamps, 25 and 40 for windows and bright
+/// clouds.
+const CONES: [[f32; 2]; 2] = [[0.990_268, 0.961_262], [0.906_308, 0.766_044]];
 
 /// Minimum fraction of all light in a directional light.
 const STRONG: f32 = 0.08;
@@ -96,7 +95,7 @@ impl Environment {
     /// is at the top, the center lies towards +Z, the left and right edges towards -Z, and +X is left of the center
     /// (looking along +Z). `turn` rotates the environment about the vertical, in radians from +Z towards +X.
     ///
-    /// At most [`MAX_LIGHTS`] small bright regions become directional lights; their light leaves the harmonics, so the
+    /// At most [`MAX_LIGHTS`] bright regions, of up to 25 degrees around their middle, become directional lights; their light leaves the harmonics, so the
     /// total is conserved. Pixels that are not finite count as black. Returns `None` when the sizes do not match or are
     /// 0.
     pub fn from_equirectangular(
@@ -127,24 +126,29 @@ impl Environment {
         let mut left: Vec<Vec3> = pixels.iter().map(radiance).collect();
         let total: f32 = left.iter().enumerate().map(|(i, v)| v.element_sum() * area(i)).sum();
         let mut lights = Vec::new();
-        while lights.len() < MAX_LIGHTS {
+        let mut cones = CONES.iter();
+        let mut cone = cones.next();
+        while let Some([inner, outer]) = cone.filter(|_| lights.len() < MAX_LIGHTS) {
             let brightest =
                 (0..left.len()).max_by(|a, b| left[*a].element_sum().total_cmp(&left[*b].element_sum()))?;
             // The brightest pixel may lie at the edge of a light.
-            let near = (0..left.len()).filter(|i| direction(*i).dot(direction(brightest)) > CONE);
+            let near = (0..left.len()).filter(|i| direction(*i).dot(direction(brightest)) > *inner);
             let middle = near.map(|i| direction(i) * (left[i].element_sum() * area(i))).sum::<Vec3>();
             let middle = middle.normalize_or(direction(brightest));
             let towards = |i: usize| direction(i).dot(middle);
-            let cone: Vec<usize> = (0..left.len()).filter(|i| towards(*i) > CONE).collect();
+            let inside: Vec<usize> = (0..left.len()).filter(|i| towards(*i) > *inner).collect();
             // The background continues behind the light.
-            let around = (0..left.len()).filter(|i| (RING..=CONE).contains(&towards(*i)));
+            let around = (0..left.len()).filter(|i| (*outer..=*inner).contains(&towards(*i)));
             let mut ring: Vec<f32> = around.map(|i| left[i].element_sum()).collect();
             ring.sort_by(f32::total_cmp);
             // The ring is empty in very coarse images, where no light stands out.
-            let Some(common) = ring.get(ring.len() / 2).copied() else { break };
+            let Some(common) = ring.get(ring.len() / 2).copied() else {
+                cone = cones.next();
+                continue;
+            };
             let (mut sum, mut to) = (Vec3::ZERO, Vec3::ZERO);
             let mut rest = left.clone();
-            for i in cone {
+            for i in inside {
                 let bright = left[i].element_sum();
                 let excess = left[i] * (1.0 - (common / bright.max(1e-20)).min(1.0));
                 sum += excess * area(i);
@@ -152,7 +156,8 @@ impl Environment {
                 rest[i] -= excess;
             }
             if sum.element_sum() <= STRONG * total {
-                break;
+                cone = cones.next();
+                continue;
             }
             left = rest;
             lights.push(Directional { direction: to.normalize_or(middle), irradiance: sum });
@@ -240,6 +245,28 @@ mod tests {
         let flux = 499.7 * 16.0 * (PI / 64.0).powi(2) * elevation.cos();
         assert!((lights[0].irradiance.x / flux - 1.0).abs() < 0.02, "{}", lights[0].irradiance.x / flux);
         assert!((rest.around(Vec3::Y).x - 0.3).abs() < 2e-3);
+    }
+
+    #[test]
+    fn wide_window_becomes_a_light_but_a_bright_half_does_not() {
+        let to = Vec3::new(-0.6, 0.48, 0.64);
+        let window = |x: f32, y: f32| {
+            let (elevation, azimuth) = (PI * (0.5 - y / 64.0), TAU * (0.5 - x / 128.0));
+            let (sin, cos) = azimuth.sin_cos();
+            let at = Vec3::new(sin * elevation.cos(), elevation.sin(), cos * elevation.cos());
+            0.2 + 4.0 * (9.0 * (at.dot(to) - 1.0)).exp()
+        };
+        let (rest, lights) = Environment::from_equirectangular(128, 64, &picture(window), 0.0).unwrap();
+        assert_eq!(lights.len(), 1);
+        assert!(lights[0].direction.dot(to) > 0.99, "{}", lights[0].direction);
+        // All light of the lobe is 2 π 4 / 9.
+        let share = lights[0].irradiance.x / (TAU * 4.0 / 9.0);
+        assert!((0.3..0.8).contains(&share), "{share}");
+        let whole = rest.around(to).x * PI + lights[0].irradiance.x;
+        assert!((whole / (0.2 * PI + 0.9 * TAU * 4.0 / 9.0) - 1.0).abs() < 0.05, "{whole}");
+        let (_, none) =
+            Environment::from_equirectangular(128, 64, &picture(|_, y| f32::from(y < 32.0)), 0.0).unwrap();
+        assert!(none.is_empty(), "{none:?}");
     }
 
     #[test]

@@ -49,7 +49,7 @@
 //! the first, and a lobe of light from behind.
 //!
 //! **Environments** ([`Environment`], [`Sky`]): three colors by elevation, or an environment map as spherical
-//! harmonics, of which small bright regions become directional lights with shadows. The GPU measures cube maps of
+//! harmonics, of which bright regions become directional lights with shadows. The GPU measures cube maps of
 //! engines ([`CubeProbe`]).
 //!
 //! **Ambient light** ([`ambient`]): sky visibility within the hair, and the light that meshes reflect onto it,
