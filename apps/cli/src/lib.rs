@@ -4,6 +4,7 @@
 pub mod args;
 mod bake;
 pub mod bench;
+mod cards;
 mod compare;
 mod convert;
 mod crowd;
@@ -60,6 +61,8 @@ enum Command {
     Export(Box<export::ExportArgs>),
     /// Write sample grooms, a head and a character, to try the other commands on
     Sample(sample::SampleArgs),
+    /// Bake a groom or a built-in style to textured cards, for engines and devices that do not draw strands
+    Cards(Box<cards::CardsArgs>),
     /// Simulate hair and write it as an Alembic or USD cache
     Bake(Box<bake::BakeArgs>),
     /// Print the result of all options as a preset
@@ -107,6 +110,7 @@ pub fn run() -> ExitCode {
         Command::Convert(args) => convert::run(args),
         Command::Export(args) => export::run(&args),
         Command::Sample(args) => sample::run(&args),
+        Command::Cards(args) => cards::run(&args),
         Command::Bake(args) => bake::run(&args),
         Command::Preset(args) => preset::run(&args),
         Command::Knobs(args) => knobs::run(&args),

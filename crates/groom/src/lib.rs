@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! files ─► import ─► orient ─► lint, repair ─► fill ─► bind ──► restyle ─┐
-//!                                                                        ├─► Groom
+//!                                                                        ├─► Groom ─► cards
 //! mannequin ─► styles: guides of a recipe ─► grow ───────────────────────┘
 //! ```
 //!
@@ -20,6 +20,7 @@
 //! import                                               │ readers
 //! grow                                                 │ strands from guides
 //! fill restyle                                         │ strands between strands; their curls and clumps
+//! cards                                                │ textured ribbons in place of strands
 //! ```
 //!
 //! Everything in this crate runs on the CPU. The crate `tresses` simulates and renders a [`Groom`]; it re-exports this
@@ -29,6 +30,7 @@ pub mod bind;
 pub mod bound;
 #[cfg(feature = "cooked")]
 mod bulk;
+pub mod cards;
 mod columns;
 #[cfg(feature = "cooked")]
 pub mod cooked;

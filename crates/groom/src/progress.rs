@@ -45,6 +45,24 @@ pub fn threads() -> usize {
     }
 }
 
+/// Returns `of(item)` for every item, in order. The items are shared among [`threads`].
+pub(crate) fn in_parallel<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let threads = threads().min(items.len());
+    if threads < 2 {
+        return items.iter().map(of).collect();
+    }
+    std::thread::scope(|scope| {
+        let of = &of;
+        let parts = items.chunks(items.len().div_ceil(threads));
+        let parts: Vec<_> =
+            parts.map(|part| scope.spawn(move || part.iter().map(of).collect::<Vec<_>>())).collect();
+        parts
+            .into_iter()
+            .flat_map(|part| part.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+            .collect()
+    })
+}
+
 /// Returns the value of a future that is ready when it is first polled: one without a waiting [`Progress`] and without
 /// read-back.
 ///

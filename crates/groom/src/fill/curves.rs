@@ -11,36 +11,49 @@ use glam::{Quat, Vec3};
 const STEPS: usize = 32;
 
 /// Points of each path for comparing strands, root and tip included.
-pub(super) const KNOTS: usize = 9;
+pub(crate) const KNOTS: usize = 9;
 
 /// Standard deviation of the Gaussian smoothing kernel, in turns of the curl. 0.45 leaves 2% of the curl.
 const BREADTH: f32 = 0.45;
 
-/// Standard deviation of the smoothing kernel for strands without curls, as a fraction of the length.
-const PLAIN: f32 = 0.1;
+/// Border between path and detail.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Smoothing {
+    /// Standard deviation of the kernel for strands without curls, as a fraction of the length.
+    pub(crate) plain: f32,
+    /// Turns from which on waves are curls, which are no part of the path.
+    pub(crate) turns: f32,
+}
+
+impl Smoothing {
+    /// Paths that can be mixed.
+    pub(crate) const STRONG: Self = Self { plain: 0.1, turns: 1.5 };
+    /// Paths close to their strands.
+    pub(crate) const WEAK: Self = Self { plain: 0.02, turns: 3.0 };
+}
 
 /// Mean squared slope above which a strand counts as curly.
 const SLOPE: f32 = 0.02;
 
 /// Paths and details of the input strands. Per-vertex arrays have the strands' vertex indices.
-pub(super) struct Curves {
-    pub(super) offsets: Vec<u32>,
+pub(crate) struct Curves {
+    pub(crate) offsets: Vec<u32>,
     /// Fraction of the strand's length at each vertex.
-    pub(super) along: Vec<f32>,
-    pub(super) path: Vec<Vec3>,
-    pub(super) detail: Vec<Vec3>,
+    pub(crate) along: Vec<f32>,
+    pub(crate) path: Vec<Vec3>,
+    pub(crate) detail: Vec<Vec3>,
     /// Rotation of the path since the root, accumulated from the smallest rotation between edges.
-    pub(super) turn: Vec<Quat>,
+    pub(crate) turn: Vec<Quat>,
     /// Length of each strand, meters.
-    pub(super) length: Vec<f32>,
+    pub(crate) length: Vec<f32>,
     /// Path points at equal fractions of the length, `KNOTS` per strand.
-    pub(super) knots: Vec<Vec3>,
+    pub(crate) knots: Vec<Vec3>,
     /// Distance of each knot from the head, meters; empty without a head.
-    pub(super) clear: Vec<f32>,
+    pub(crate) clear: Vec<f32>,
 }
 
 impl Curves {
-    pub(super) fn new(strands: &Strands, field: Option<&SdfGrid>) -> Self {
+    pub(crate) fn new(strands: &Strands, field: Option<&SdfGrid>, smoothing: Smoothing) -> Self {
         let mut curves = Self {
             offsets: strands.offsets.clone(),
             along: Vec::with_capacity(strands.positions.len()),
@@ -55,7 +68,7 @@ impl Curves {
         for strand in strands.iter() {
             let even = curve::resample_chords(strand, STEPS + 1);
             let length = curve::length(strand).max(1e-9);
-            smooth(&even, breadth(&even, length), &mut path);
+            smooth(&even, breadth(&even, length, smoothing), &mut path);
             let mut passed = 0.0;
             let (mut turn, mut last) = (Quat::IDENTITY, Vec3::ZERO);
             for (k, &p) in strand.iter().enumerate() {
@@ -85,17 +98,17 @@ impl Curves {
     }
 
     /// Returns the vertex range of strand `i`.
-    pub(super) fn range(&self, i: u32) -> std::ops::Range<usize> {
+    pub(crate) fn range(&self, i: u32) -> std::ops::Range<usize> {
         self.offsets[i as usize] as usize..self.offsets[i as usize + 1] as usize
     }
 
-    pub(super) fn knots(&self, i: u32) -> &[Vec3] {
+    pub(crate) fn knots(&self, i: u32) -> &[Vec3] {
         &self.knots[i as usize * KNOTS..(i as usize + 1) * KNOTS]
     }
 
     /// Returns the point on the path of strand `i` at the fraction `s` of its length. `from` is a cursor for calls with
     /// ascending `s`; it starts at 0.
-    pub(super) fn path_at(&self, i: u32, s: f32, from: &mut usize) -> Vec3 {
+    pub(crate) fn path_at(&self, i: u32, s: f32, from: &mut usize) -> Vec3 {
         let range = self.range(i);
         let along = &self.along[range.clone()];
         while *from + 2 < along.len() && along[*from + 1] < s {
@@ -115,7 +128,7 @@ fn at(even: &[Vec3], s: f32) -> Vec3 {
 }
 
 /// Returns the standard deviation of the smoothing kernel, as a fraction of the length.
-fn breadth(even: &[Vec3], length: f32) -> f32 {
+fn breadth(even: &[Vec3], length: f32, smoothing: Smoothing) -> f32 {
     // Remove the quadratic trend of the directions, which is the fall or an overall wave, so that the curl remains.
     let mut slopes = [Vec3::ZERO; STEPS];
     for (slope, w) in slopes.iter_mut().zip(even.windows(2)) {
@@ -132,7 +145,7 @@ fn breadth(even: &[Vec3], length: f32) -> f32 {
     }
     let energy = slopes.iter().map(|s| s.length_squared()).sum::<f32>() / STEPS as f32;
     if energy < SLOPE {
-        return PLAIN;
+        return smoothing.plain;
     }
     // The number of turns is the peak of the spectrum of the directions.
     let power = |turns: f32| -> f32 {
@@ -146,7 +159,10 @@ fn breadth(even: &[Vec3], length: f32) -> f32 {
     };
     let turns = (3..=24).map(|k| 0.5 * k as f32).map(|turns| (power(turns), turns));
     let (_, turns) = turns.fold((0.0, 3.0), |best, at| if at.0 > best.0 { at } else { best });
-    (BREADTH / turns).max(0.5 * PLAIN)
+    if turns < smoothing.turns {
+        return smoothing.plain;
+    }
+    (BREADTH / turns).max(0.5 * smoothing.plain)
 }
 
 /// Smooths `even` with a Gaussian kernel and keeps its ends fixed: beyond each end, the line continues as its point
@@ -195,7 +211,7 @@ mod tests {
             strands.push(&helix(turns, 0.006));
         }
         strands.push(&helix(0.0, 0.0));
-        let curves = Curves::new(&strands, None);
+        let curves = Curves::new(&strands, None, Smoothing::STRONG);
         for i in 0..4 {
             let range = curves.range(i);
             for v in range.clone() {

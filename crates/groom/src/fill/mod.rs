@@ -25,7 +25,7 @@
 //! Engines interpolate between three guides with barycentric weights (Nguyen and Donnelly, *Hair Animation and
 //! Rendering in the Nalu Demo*, GPU Gems 2, chapter 23). They leave it to artists to mark hair that must not be mixed.
 
-mod curves;
+pub(crate) mod curves;
 mod followers;
 mod kin;
 mod near;
@@ -51,7 +51,7 @@ use crate::{
     range,
     range::Range,
 };
-use curves::Curves;
+use curves::{Curves, Smoothing};
 use glam::Vec3;
 use kin::Kin;
 use place::{Place, Thrower};
@@ -245,7 +245,7 @@ impl Scalp {
         if let Some(i) = (0..given.len()).find(|i| given.range(*i).len() < 2) {
             return Err(Error::Unusable(format!("strand {i} has fewer than two vertices")));
         }
-        let curves = Curves::new(given, head.field);
+        let curves = Curves::new(given, head.field, Smoothing::STRONG);
         let roots: Vec<Vec3> = given.iter().map(|strand| strand[0]).collect();
         let ways: Vec<Vec3> =
             (0..given.len() as u32).map(|i| curves.knots(i)[1] - curves.knots(i)[0]).collect();

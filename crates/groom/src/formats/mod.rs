@@ -16,7 +16,7 @@ mod curves;
 mod data;
 pub(crate) mod faces;
 #[cfg(feature = "gltf")]
-mod gltf;
+pub(crate) mod gltf;
 mod hair;
 mod obj;
 mod ply;

@@ -4,6 +4,8 @@ mod read;
 mod write;
 
 pub(super) use read::{hair::read, read_mesh};
+#[cfg(feature = "textures")]
+pub(crate) use write::{File, INT, SHORT};
 pub(super) use write::{body, character, encode};
 
 use std::path::Path;

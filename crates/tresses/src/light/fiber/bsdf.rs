@@ -215,6 +215,11 @@ pub fn absorption_of(color: Vec3, beta_n: f32) -> Vec3 {
     root * root
 }
 
+/// Inverse of [`absorption_of`].
+pub fn color_of(absorption: Vec3, beta_n: f32) -> Vec3 {
+    (-absorption.max(Vec3::ZERO).map(f32::sqrt) * color_fit(beta_n)).map(f32::exp)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -18,9 +18,9 @@ use crate::{
     rig::{Animation, Interpolation, Node, Property, Rig},
 };
 
-const SHORT: u32 = 5123;
-const INT: u32 = 5125;
-const FLOAT: u32 = 5126;
+pub(crate) const SHORT: u32 = 5123;
+pub(crate) const INT: u32 = 5125;
+pub(crate) const FLOAT: u32 = 5126;
 
 /// Encodes strands without a mesh.
 ///
@@ -62,7 +62,7 @@ pub(crate) fn character(body: Option<(&TriMesh, Option<&Rig>)>, hair: &[Hair<'_>
 }
 
 impl File {
-    fn body(&mut self, mesh: &TriMesh, rig: Option<&Rig>) -> Result<()> {
+    pub(crate) fn body(&mut self, mesh: &TriMesh, rig: Option<&Rig>) -> Result<()> {
         let file = self;
         let Some(rig) = rig else {
             let primitive = file.surface(mesh, &mesh.positions, &mesh.normals);
@@ -143,21 +143,21 @@ fn node_of(node: &Node, children: &[usize]) -> Value {
 }
 
 /// A file being written.
-struct File {
-    root: Value,
+pub(crate) struct File {
+    pub(crate) root: Value,
     bin: Vec<u8>,
     /// Size of the second buffer, bytes. It is a placeholder for data that the first buffer holds compressed.
     unpacked: usize,
 }
 
 impl File {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let asset = json!({"version": "2.0", "generator": concat!("tresses ", env!("CARGO_PKG_VERSION"))});
         Self { root: json!({"asset": asset, "scene": 0}), bin: Vec::new(), unpacked: 0 }
     }
 
     /// Adds an item to a list of the root and returns its index.
-    fn push(&mut self, list: &str, item: Value) -> usize {
+    pub(crate) fn push(&mut self, list: &str, item: Value) -> usize {
         let all = &mut self.root[list];
         if !all.is_array() {
             *all = json!([]);
@@ -167,7 +167,7 @@ impl File {
         all.len() - 1
     }
 
-    fn view(&mut self, bytes: &[u8]) -> usize {
+    pub(crate) fn view(&mut self, bytes: &[u8]) -> usize {
         let offset = self.append(bytes);
         self.push("bufferViews", json!({"buffer": 0, "byteOffset": offset, "byteLength": bytes.len()}))
     }
@@ -180,7 +180,7 @@ impl File {
         offset
     }
 
-    fn accessor(&mut self, component: u32, kind: &str, count: usize, bytes: Vec<u8>) -> usize {
+    pub(crate) fn accessor(&mut self, component: u32, kind: &str, count: usize, bytes: Vec<u8>) -> usize {
         let view = self.view(&bytes);
         self.items_of(view, component, kind, count)
     }
@@ -191,7 +191,7 @@ impl File {
         self.push("accessors", item)
     }
 
-    fn floats(&mut self, kind: &str, width: usize, values: impl Iterator<Item = f32>) -> usize {
+    pub(crate) fn floats(&mut self, kind: &str, width: usize, values: impl Iterator<Item = f32>) -> usize {
         let bytes: Vec<u8> = values.flat_map(f32::to_le_bytes).collect();
         self.accessor(FLOAT, kind, bytes.len() / (4 * width), bytes)
     }
@@ -203,7 +203,7 @@ impl File {
         accessor
     }
 
-    fn places(&mut self, places: &[glam::Vec3]) -> usize {
+    pub(crate) fn places(&mut self, places: &[glam::Vec3]) -> usize {
         let bounds = places
             .iter()
             .fold((glam::Vec3::INFINITY, glam::Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
@@ -288,7 +288,7 @@ impl File {
         json!({"name": animation.name, "channels": channels, "samplers": samplers})
     }
 
-    fn finish(mut self) -> Result<Vec<u8>> {
+    pub(crate) fn finish(mut self) -> Result<Vec<u8>> {
         self.bin.resize(self.bin.len().next_multiple_of(4), 0);
         self.root["buffers"] = json!([{"byteLength": self.bin.len()}]);
         if self.unpacked > 0 {

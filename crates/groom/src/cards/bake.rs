@@ -1,0 +1,325 @@
+//! The bake, stage after stage.
+
+use super::{
+    accuracy::{CardAccuracy, SIZES},
+    atlas::{self, Rect},
+    cluster::{cluster, merge},
+    lines::Lines,
+    mesh::{self, CardMesh},
+    options::CardOptions,
+    picture::{Opacity, Pyramid, Studio},
+    ribbon::Ribbon,
+    share::{Likeness, alike},
+    texture::{self, CardTextures},
+    tile::{Lock, Tile},
+    volume::HairVolume,
+};
+use crate::{
+    Error, Progress, Result, SdfGrid, Strands, TriMesh,
+    lint::repair_kept,
+    mesh::sdf::{self, SdfOptions},
+    progress::{at_once, in_parallel},
+};
+
+/// Name of the task for progress reports.
+const TASK: &str = "baking cards";
+/// Edge of the textures and pictures with which the widths of strands are found.
+const DRAFT: u32 = 512;
+const DRAFT_PICTURE: [usize; 2] = [128, 2];
+/// Range of the factor on the widths of strands.
+const WIDENING: [f32; 2] = [1.0, 4.0];
+/// How much coarser texels may be along straight strands than across.
+const SQUASH: f32 = 4.0;
+
+/// A groom as cards.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cards {
+    /// Levels, from the finest.
+    pub levels: Vec<CardLevel>,
+    /// Textures of all levels.
+    pub textures: CardTextures,
+    /// Texels per meter across the cards.
+    pub density: f32,
+    /// Fraction of the textures that pictures fill.
+    pub filled: f32,
+    /// Remarks about the result.
+    pub notes: Vec<String>,
+}
+
+/// One level of detail.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CardLevel {
+    /// Number of cards.
+    pub cards: u32,
+    /// Number of pictures that the cards share.
+    pub pictures: u32,
+    /// Factor on the widths of strands in the pictures.
+    pub widening: f32,
+    /// Triangles of all cards.
+    pub mesh: CardMesh,
+    /// Strands of each card, as indices of the input.
+    pub locks: Vec<Vec<u32>>,
+    /// Coverage against the strands.
+    pub accuracy: CardAccuracy,
+}
+
+/// A level before it has triangles.
+#[derive(Clone)]
+struct Draft {
+    locks: Vec<Lock>,
+    likenesses: Vec<Likeness>,
+    /// Number of each lock's tile among those of all levels.
+    tiles: Vec<usize>,
+}
+
+/// Bakes cards from `strands` (meters, Y up). `head` hides hair behind it, and cards stay outside of it.
+///
+/// # Errors
+/// [`Error::Parameter`] for an option out of range, [`Error::Unusable`] for hair without length and for pictures that do
+/// not fit into the textures, and the errors of [`sdf::build`].
+pub fn bake(strands: &Strands, head: Option<&TriMesh>, options: &CardOptions) -> Result<Cards> {
+    at_once(bake_with(strands, head, options, &()))
+}
+
+/// [`bake`] that reports to `progress`.
+///
+/// # Errors
+/// As [`bake`].
+pub async fn bake_with(
+    strands: &Strands,
+    head: Option<&TriMesh>,
+    options: &CardOptions,
+    progress: &impl Progress,
+) -> Result<Cards> {
+    options.check()?;
+    progress.step(TASK, 0.0).await;
+    let mut clean = strands.clone();
+    let (_, kept) = repair_kept(&mut clean);
+    let lost = strands.len() - kept.len();
+    let strands = &clean;
+    let Some(bounds) = strands.bounds().filter(|_| !strands.is_empty()) else {
+        return Err(Error::Unusable("the hair has no strands with a length, so it has no cards".into()));
+    };
+    let field = match head {
+        Some(head) => Some(sdf::build(head, &SdfOptions { resolution: 64, ..Default::default() })?),
+        None => None,
+    };
+    let mut lines = Lines::new(strands);
+    progress.step(TASK, 0.1).await;
+    let studio = Studio::new(bounds, [SIZES[0] as usize, 4], head);
+    let (pictures, seen) = studio.strands(strands, &lines.radii);
+    lines.weigh(&seen);
+    progress.step(TASK, 0.25).await;
+    let volume = HairVolume::new(strands, &lines.radii, field.as_ref());
+    let scene = Stage { lines, volume, field: field.as_ref(), options };
+    let drafts = scene.drafts();
+    progress.step(TASK, 0.5).await;
+    let small = Studio::new(bounds, DRAFT_PICTURE, head);
+    let (wanted, _) = small.strands(strands, &scene.lines.radii);
+    let mut widenings = Vec::new();
+    for (level, draft) in drafts.iter().enumerate() {
+        widenings.push(scene.widening(draft, level, &small, &wanted)?);
+        progress.step(TASK, 0.5 + 0.3 * (level + 1) as f32 / drafts.len() as f32).await;
+    }
+    let size = options.texture as usize;
+    let (places, density) = scene.places(&drafts, size)?;
+    let mut tiles = scene.tiles(&drafts, &places, &widenings);
+    progress.step(TASK, 0.9).await;
+    let alpha = Pyramid::new(size, texture::coverage(size, &places, &tiles));
+    let mut levels = Vec::new();
+    for (level, (draft, widening)) in drafts.iter().zip(&widenings).enumerate() {
+        let mesh = scene.mesh(draft, level, &places, size);
+        let accuracy = CardAccuracy::new(&pictures, &studio.cards(&mesh.surface(), &alpha));
+        let mut used: Vec<_> = draft.tiles.clone();
+        used.sort_unstable();
+        used.dedup();
+        levels.push(CardLevel {
+            cards: draft.locks.len() as u32,
+            pictures: used.len() as u32,
+            widening: *widening,
+            locks: draft
+                .locks
+                .iter()
+                .map(|lock| lock.members.iter().map(|i| kept[*i as usize]).collect())
+                .collect(),
+            mesh,
+            accuracy,
+        });
+    }
+    let area: usize = places.iter().map(|place| place.width * place.height).sum();
+    tiles.iter_mut().for_each(Tile::spread);
+    let textures = CardTextures::new(size, &places, &tiles, !strands.colors.is_empty());
+    progress.step(TASK, 1.0).await;
+    let notes = scene.notes(&levels, lost, density);
+    Ok(Cards { levels, textures, density, filled: area as f32 / (size * size) as f32, notes })
+}
+
+/// What the stages share.
+struct Stage<'a> {
+    lines: Lines<'a>,
+    volume: HairVolume<'a>,
+    field: Option<&'a SdfGrid>,
+    options: &'a CardOptions,
+}
+
+impl Stage<'_> {
+    /// Forms the locks of all levels and chooses the pictures that they share.
+    fn drafts(&self) -> Vec<Draft> {
+        let (points, weights) = (self.lines.points(), &self.lines.weights);
+        let mut of: Vec<u32> = Vec::new();
+        let mut first = 0;
+        let pictures = self.options.pictures();
+        let mut drafts = Vec::new();
+        for (level, count) in self.options.levels.iter().enumerate() {
+            of = match level {
+                0 => cluster(&points, weights, *count as usize, self.options.seed),
+                _ => merge(&points, weights, &of, *count as usize),
+            };
+            let mut members = vec![Vec::new(); of.iter().max().map_or(0, |last| *last as usize + 1)];
+            of.iter().zip(0..).for_each(|(of, strand)| members[*of as usize].push(strand));
+            let mut locks = in_parallel(&members, |members| Lock {
+                ribbon: Ribbon::fit(&self.lines, members, &self.volume),
+                members: members.clone(),
+            });
+            self.sort(&mut locks);
+            let likenesses = alike(&self.lines, &locks, pictures[level], self.options.seed);
+            let mut drawn: Vec<u32> = likenesses.iter().map(|like| like.lock).collect();
+            drawn.sort_unstable();
+            drawn.dedup();
+            let number = |like: &Likeness| first + drawn.partition_point(|lock| *lock < like.lock);
+            let tiles = likenesses.iter().map(number).collect();
+            first += drawn.len();
+            drafts.push(Draft { locks, likenesses, tiles });
+        }
+        drafts
+    }
+
+    /// Sorts locks from the inside out, so that blended cards mostly draw over those behind them.
+    fn sort(&self, locks: &mut [Lock]) {
+        let depth = |lock: &Lock| {
+            let middle = lock.ribbon.row(0.6).point(0.0);
+            match self.field {
+                Some(head) => head.sample(middle),
+                None => -self.volume.density(middle),
+            }
+        };
+        locks.sort_by_cached_key(|lock| (depth(lock) * 1e6) as i64);
+    }
+
+    /// Returns the locks that are drawn and their levels, in the order of their tiles.
+    fn drawn<'a>(&self, drafts: &'a [Draft]) -> Vec<(usize, &'a Lock)> {
+        let mut drawn = Vec::new();
+        for (level, draft) in drafts.iter().enumerate() {
+            let mut locks: Vec<_> = draft.likenesses.iter().map(|like| like.lock).collect();
+            locks.sort_unstable();
+            locks.dedup();
+            drawn.extend(locks.into_iter().map(|lock| (level, &draft.locks[lock as usize])));
+        }
+        drawn
+    }
+
+    /// Returns the places of all tiles in textures of `size` texels, and the texels per meter.
+    fn places(&self, drafts: &[Draft], size: usize) -> Result<(Vec<Rect>, f32)> {
+        let extents = in_parallel(&self.drawn(drafts), |(_, lock)| {
+            let squash = (0.5 / lock.slope(&self.lines).max(1e-3)).clamp(1.0, SQUASH);
+            [2.0 * lock.ribbon.half(), lock.ribbon.length / squash]
+        });
+        atlas::pack(&extents, size).ok_or_else(|| {
+            Error::Unusable(format!(
+                "{} pictures do not fit into a texture of {size} texels: use fewer pictures or a larger texture",
+                extents.len()
+            ))
+        })
+    }
+
+    /// Draws all tiles.
+    fn tiles(&self, drafts: &[Draft], places: &[Rect], widenings: &[f32]) -> Vec<Tile> {
+        let work: Vec<_> = self.drawn(drafts).into_iter().zip(places).collect();
+        in_parallel(&work, |((level, lock), place)| {
+            lock.draw(&self.lines, [place.width, place.height], widenings[*level])
+        })
+    }
+
+    fn mesh(&self, draft: &Draft, level: usize, places: &[Rect], size: usize) -> CardMesh {
+        let ribbons = draft.locks.iter().map(|lock| &lock.ribbon);
+        let plans = mesh::plan(ribbons, self.options.most_triangles(level));
+        let mut mesh = CardMesh::default();
+        for ((plan, like), tile) in plans.iter().zip(&draft.likenesses).zip(&draft.tiles) {
+            mesh.push(plan, (places[*tile], like.mirrored), size, &self.volume, self.field);
+        }
+        mesh
+    }
+
+    /// Returns the factor on the widths of strands with which the level covers as much as the strands in `wanted`.
+    fn widening(&self, draft: &Draft, level: usize, studio: &Studio, wanted: &[Opacity]) -> Result<f32> {
+        let size = self.options.texture.min(DRAFT) as usize;
+        let first = draft.tiles.iter().min().copied().unwrap_or(0);
+        let alone = [Draft { tiles: draft.tiles.iter().map(|tile| tile - first).collect(), ..draft.clone() }];
+        let (places, _) = self.places(&alone, size)?;
+        let mesh = self.mesh(&alone[0], level, &places, size);
+        let goal: f32 = wanted.iter().flatten().sum();
+        Ok(root(WIDENING, |widening| {
+            let tiles = self.tiles(&alone, &places, &[widening]);
+            let alpha = Pyramid::new(size, texture::coverage(size, &places, &tiles));
+            let found = studio.cards(&mesh.surface(), &alpha);
+            found.iter().flatten().sum::<f32>() / goal.max(1e-6) - 1.0
+        }))
+    }
+
+    /// Says what the user should know about the result.
+    fn notes(&self, levels: &[CardLevel], lost: usize, density: f32) -> Vec<String> {
+        let mut notes = Vec::new();
+        if lost > 0 {
+            notes.push(format!("strands without length, which have no cards: {lost}"));
+        }
+        for (level, wanted) in levels.iter().zip(&self.options.levels) {
+            if level.cards < *wanted {
+                notes.push(format!(
+                    "cards: {} instead of {wanted}, because no more strands differ",
+                    level.cards
+                ));
+            }
+            if level.widening >= WIDENING[1] {
+                let percent = 100.0 * level.accuracy.coverage;
+                notes.push(format!("level of {} cards: it covers {percent:.0} % of what the strands cover, with strands four times as wide; more cards would look better", level.cards));
+            }
+        }
+        let mean = self.lines.radii.iter().sum::<f32>() / self.lines.radii.len().max(1) as f32;
+        let texels = 2.0 * mean * density * levels.first().map_or(1.0, |level| level.widening);
+        if texels < 0.7 {
+            let size = (self.options.texture as f32 * 0.7 / texels) as u32;
+            notes.push(format!(
+                "a strand is {texels:.1} texels wide: textures of {} texels would show single strands",
+                size.next_power_of_two()
+            ));
+        }
+        notes
+    }
+}
+
+/// Returns the place in `range` where the increasing function `excess` is 0, or the end of the range nearest to it.
+fn root([mut low, mut high]: [f32; 2], excess: impl Fn(f32) -> f32) -> f32 {
+    let (mut below, mut above) = (excess(low), excess(high));
+    if below >= 0.0 {
+        return low;
+    }
+    if above <= 0.0 {
+        return high;
+    }
+    // False position; the end that stays counts less, so that it moves as well (Illinois).
+    for _ in 0..8 {
+        let middle = low + (high - low) * (-below / (above - below)).clamp(0.05, 0.95);
+        let found = excess(middle);
+        if found.abs() < 0.003 {
+            return middle;
+        }
+        if found < 0.0 {
+            (low, below) = (middle, found);
+            above *= 0.5;
+        } else {
+            (high, above) = (middle, found);
+            below *= 0.5;
+        }
+    }
+    0.5 * (low + high)
+}

@@ -1,0 +1,46 @@
+//! Cards: textured ribbons in place of strands, for devices and engines that do not draw strands.
+//!
+//! ```text
+//! strands ─► lines ─► clusters ─► ribbons ─► locks that look alike ─► tiles ─► atlas ─┐
+//!    │                                └─► rows and columns ─► mesh ───────────────────┴─► level
+//!    └─► pictures from 14 sides: coverage, what is seen ─► width of strands, accuracy ──► report
+//! ```
+//!
+//! - Strands with similar paths form a lock (`cluster`). A coarser level merges the locks of a finer one.
+//! - A ribbon follows the middle of its lock, is as wide as the lock, bends across it, and faces out of the hair
+//!   (`ribbon`).
+//! - The strands of a lock are drawn in the frame of their ribbon (`tile`). Locks that look alike share a picture
+//!   (`share`).
+//! - A flat card covers less than its round strands do from most sides. Strands in the pictures are therefore wider, by
+//!   one factor per level, so that the mean coverage from 14 sides is that of the strands.
+
+mod accuracy;
+mod atlas;
+mod bake;
+mod cluster;
+#[cfg(feature = "textures")]
+mod glb;
+mod lines;
+mod mesh;
+#[cfg(feature = "textures")]
+mod obj;
+mod options;
+mod picture;
+mod ribbon;
+mod share;
+mod strip;
+#[cfg(test)]
+mod tests;
+mod texture;
+mod tile;
+mod volume;
+
+pub use accuracy::{CardAccuracy, SIZES};
+pub use bake::{CardLevel, Cards, bake, bake_with};
+#[cfg(feature = "textures")]
+pub use glb::{CardAlpha, CardLook};
+pub use mesh::CardMesh;
+#[cfg(feature = "textures")]
+pub use obj::NamedFile;
+pub use options::CardOptions;
+pub use texture::CardTextures;

@@ -1,0 +1,90 @@
+//! Textures of cards.
+
+use super::{
+    atlas::{Rect, gutter},
+    tile::{Texel, Tile, lightness},
+};
+use crate::srgb;
+use glam::Vec3;
+
+/// Square textures, rows from the top left.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CardTextures {
+    /// Edge, texels.
+    pub size: u32,
+    /// Color (sRGB) and coverage.
+    pub color: Vec<[u8; 4]>,
+    /// Direction across the strands in the tangent plane (x, y as 0.5 ± 0.5), and 1.
+    pub anisotropy: Vec<[u8; 3]>,
+    /// Shade among the strands of the card, roughness, and 0.
+    pub surface: Vec<[u8; 3]>,
+    /// Height over the card (0.5 ± half of [`depth`](Self::depth)), position on the strand, random number of the
+    /// strand, and coverage.
+    pub data: Vec<[u8; 4]>,
+    /// Range of the heights in `data`, meters.
+    pub depth: f32,
+    /// Whether `color` has the strands' own colors; otherwise it is neutral.
+    pub has_colors: bool,
+}
+
+/// Roughness of hair along the strands, as glTF has it (the square root of the GGX width).
+const ROUGHNESS: f32 = 0.45;
+
+fn byte(value: f32) -> u8 {
+    (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
+}
+
+/// Calls `see` with the index of each texel of a texture that a tile covers or that is close to one, the tile's texel
+/// there, and whether it is in the tile.
+fn each(size: usize, places: &[Rect], tiles: &[Tile], mut see: impl FnMut(usize, &Texel, bool)) {
+    let margin = gutter(size) / 2;
+    for (place, tile) in places.iter().zip(tiles) {
+        for y in place.y.saturating_sub(margin)..(place.y + place.height + margin).min(size) {
+            for x in place.x.saturating_sub(margin)..(place.x + place.width + margin).min(size) {
+                let i = x.saturating_sub(place.x).min(place.width - 1);
+                let j = y.saturating_sub(place.y).min(place.height - 1);
+                let inside = place.x + i == x && place.y + j == y;
+                see(y * size + x, &tile.texels[j * tile.width + i], inside);
+            }
+        }
+    }
+}
+
+/// Returns the coverage of a texture of `size` texels with `tiles` at `places`.
+pub(super) fn coverage(size: usize, places: &[Rect], tiles: &[Tile]) -> Vec<f32> {
+    let mut coverage = vec![0.0; size * size];
+    each(size, places, tiles, |i, texel, inside| coverage[i] = if inside { texel.coverage } else { 0.0 });
+    coverage
+}
+
+impl CardTextures {
+    pub(super) fn new(size: usize, places: &[Rect], tiles: &[Tile], has_colors: bool) -> Self {
+        let texels = tiles.iter().flat_map(|tile| &tile.texels);
+        let depth = texels.map(|texel| texel.depth.abs()).fold(1e-6, f32::max);
+        let count = size * size;
+        let mut textures = Self {
+            size: size as u32,
+            color: vec![[0; 4]; count],
+            anisotropy: vec![[255, 128, 255]; count],
+            surface: vec![[255, byte(ROUGHNESS), 0]; count],
+            data: vec![[128, 0, 0, 0]; count],
+            depth: 2.0 * depth,
+            has_colors,
+        };
+        each(size, places, tiles, |i, texel, inside| {
+            let coverage = if inside { byte(texel.coverage) } else { 0 };
+            let linear = texel.color * lightness(texel.seed, texel.along) * (0.6 + 0.4 * texel.shade);
+            let [r, g, b] = linear.to_array().map(|c| byte(srgb::encoded(c.clamp(0.0, 1.0))));
+            textures.color[i] = [r, g, b, coverage];
+            // A quarter turn of the strand's direction in the plane of the card.
+            let Vec3 { x, y, .. } = texel.tangent;
+            let long = x.hypot(y);
+            let [across, along] = if long > 1e-3 { [y / long, -x / long] } else { [1.0, 0.0] };
+            textures.anisotropy[i] = [byte(0.5 + 0.5 * across), byte(0.5 + 0.5 * along), 255];
+            textures.surface[i][0] = byte(texel.shade);
+            let height = 0.5 + 0.5 * texel.depth / depth;
+            textures.data[i] = [byte(height), byte(texel.along), byte(texel.seed), coverage];
+        });
+        textures
+    }
+}
