@@ -169,3 +169,37 @@ fn export_writes_interpolated_strands() {
     }
     assert!(!folder.path().join("none.hair").exists());
 }
+
+#[test]
+fn cards_are_written_and_refused_as_a_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let hair = ["cards", "--style", "short", "--strands", "300", "--texture", "256"];
+    let bake = [&hair[..], &["--levels", "12,4", "--out", "hair.glb", "--report", "report.json"]].concat();
+    let Some((done, said)) = drawn(folder.path(), &bake) else { return };
+    assert!(done && said.contains("soft IoU") && said.contains("256 × 256"), "{said}");
+    let report = std::fs::read(folder.path().join("report.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+    assert_eq!((&report["strands"], &report["levels"][1]["cards"]), (&300.into(), &4.into()));
+    // The file is a character for every other command: it has the body and its joints.
+    let (done, said) =
+        tresses(folder.path(), &["export", "--style", "bob", "--strands", "50", "--out", "bob.hair"]);
+    assert!(done, "{said}");
+    let (done, said) = tresses(folder.path(), &["info", "bob.hair", "--head", "hair.glb"]);
+    assert!(done && said.contains("3 joints") && said.contains("animation Walk,"), "{said}");
+    let (done, said) = tresses(folder.path(), &[&hair[..], &["--levels", "8", "--out", "low.obj"]].concat());
+    let names =
+        ["low_LOD0.obj", "low.mtl", "low_color.png", "low_surface.png", "low_anisotropy.png", "low_data.png"];
+    assert!(done && names.iter().all(|name| folder.path().join(name).exists()), "{said}");
+    let before = std::fs::read_dir(folder.path()).unwrap().count();
+    for (wrong, reason) in [
+        (["--levels", "4,8", "--out", "a.glb"], "falling"),
+        (["--texture", "300", "--out", "a.glb"], "a power of two"),
+        (["--levels", "40", "--out", "a.fbx"], ".glb or .obj"),
+        (["--textures", "0", "--out", "a.glb"], "from 1 to 1024"),
+    ] {
+        let wrong: Vec<&str> = hair[..5].iter().copied().chain(wrong).collect();
+        let (done, said) = tresses(folder.path(), &wrong);
+        assert!(!done && said.contains(reason) && said.trim().lines().count() == 1, "{wrong:?}: {said}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), before);
+}
