@@ -7,20 +7,10 @@ use crate::{
     say,
     settings_args::SettingsArgs,
 };
-use anyhow::{Context, Result, bail};
-use serde_json::{Value, json};
-use std::{
-    fmt::Write,
-    path::{Path, PathBuf},
-    time::Instant,
-};
-use tresses::{
-    groom::{
-        Rig, TriMesh,
-        cards::{self, CardAlpha, CardLook, CardOptions, Cards, SIZES},
-    },
-    light::fiber::bsdf::color_of,
-};
+use anyhow::Result;
+use std::{fmt::Write, path::PathBuf, time::Instant};
+use tresses::groom::cards::{CardAlpha, CardOptions, Cards, bake_with};
+use tresses_scene::cards::{self, CardFormat};
 
 /// Options of `tresses cards`.
 #[derive(clap::Args, Debug)]
@@ -42,6 +32,9 @@ pub struct CardsArgs {
     /// Drawing of partial coverage: core (an opaque core and a blended fringe), mask, or blend
     #[arg(long, value_name = "MODE", default_value = "core")]
     pub alpha: Alpha,
+    /// Write a .glb for each level, for engines that do not read levels of one file
+    #[arg(long)]
+    pub split: bool,
     /// File for the cards: .glb with the body and its skeleton, or .obj with a file for each level and textures beside
     #[arg(long, value_name = "FILE", default_value = "out/cards.glb")]
     pub out: PathBuf,
@@ -71,10 +64,6 @@ impl From<Alpha> for CardAlpha {
     }
 }
 
-/// Exponent of the color of a mass of hair that gives the color of cards, whose light is scattered once. It makes the
-/// four built-in pigments as bright as the Kajiya–Kay model, which was compared with a path tracer.
-const ONE_LAYER: f32 = 0.55;
-
 /// Runs `tresses cards`.
 pub fn run(args: &CardsArgs) -> Result<()> {
     let options = CardOptions {
@@ -85,23 +74,21 @@ pub fn run(args: &CardsArgs) -> Result<()> {
         ..Default::default()
     };
     options.check()?;
-    let kind = FileKind::of(&args.out)?;
+    let format = CardFormat::of(&args.out, args.split)?;
     let preset = args.settings.preset()?;
     let preparing = Preparing::new("opening the GPU");
     let RestingCharacter { scene, head, rig, .. } = RestingCharacter::new(&preset, &preparing)?;
     let strands = drawn(&scene, [&scene.character.hair().strands])?;
     let begin = Instant::now();
-    let cards = pollster::block_on(cards::bake_with(&strands, head.as_ref(), &options, &preparing))?;
+    let baked = pollster::block_on(bake_with(&strands, head.as_ref(), &options, &preparing))?;
     let seconds = begin.elapsed().as_secs_f64();
-    let fiber = preset.settings.material().fiber;
-    let absorption = 0.5 * (fiber.root_absorption + fiber.tip_absorption);
-    let color = color_of(absorption, fiber.shape.azimuthal).powf(ONE_LAYER);
-    let look = CardLook { color, alpha: args.alpha.into() };
+    let look = cards::look(&preset.settings, args.alpha.into());
     let body = head.as_ref().map(|head| (head, rig.as_ref()));
-    let mut written = kind.encoded(&cards, body, &look, &args.out)?;
+    let mut written = format.encoded(&baked, body, &look, &args.out)?;
     if let Some(path) = &args.report {
-        let report = serde_json::to_vec_pretty(&numbers(&cards, strands.len(), seconds))?;
-        written.push((path.clone(), report));
+        let mut report = cards::numbers(&baked, strands.len());
+        report["seconds"] = seconds.into();
+        written.push((path.clone(), serde_json::to_vec_pretty(&report)?));
     }
     for (path, bytes) in &written {
         files::write(path, bytes)?;
@@ -110,72 +97,8 @@ pub fn run(args: &CardsArgs) -> Result<()> {
     for (path, bytes) in &written {
         say!("{}: {:.1} MB", path.display(), bytes.len() as f64 / 1e6);
     }
-    say!("{}", table(&cards));
+    say!("{}", table(&baked));
     Ok(())
-}
-
-/// The format of --out.
-#[derive(Clone, Copy)]
-enum FileKind {
-    Glb,
-    Obj,
-}
-
-impl FileKind {
-    fn of(path: &Path) -> Result<Self> {
-        match path.extension().and_then(|extension| extension.to_str()) {
-            Some("glb") => Ok(Self::Glb),
-            Some("obj") => Ok(Self::Obj),
-            _ => bail!("{}: cards can be written as .glb or .obj", path.display()),
-        }
-    }
-
-    /// Returns all files with their paths.
-    fn encoded(
-        self,
-        cards: &Cards,
-        body: Option<(&TriMesh, Option<&Rig>)>,
-        look: &CardLook,
-        path: &Path,
-    ) -> Result<Vec<(PathBuf, Vec<u8>)>> {
-        if matches!(self, Self::Glb) {
-            return Ok(vec![(path.to_owned(), cards.glb(body, look)?)]);
-        }
-        let name = path.file_stem().and_then(|name| name.to_str()).context("--out has no valid file name")?;
-        let files = cards.obj(name, look)?;
-        Ok(files.into_iter().map(|(name, bytes)| (path.with_file_name(name), bytes)).collect())
-    }
-}
-
-/// Returns the numbers of a bake.
-fn numbers(cards: &Cards, strands: usize, seconds: f64) -> Value {
-    let levels = cards.levels.iter().map(|level| {
-        let accuracy = &level.accuracy;
-        let differences = SIZES.iter().zip(accuracy.difference);
-        let differences: Vec<_> = differences.map(|(px, mean)| json!({"px": px, "opacity": mean})).collect();
-        json!({
-            "cards": level.cards,
-            "pictures": level.pictures,
-            "vertices": level.mesh.positions.len(),
-            "triangles": level.mesh.triangles.len(),
-            "widening": level.widening,
-            "softIou": accuracy.soft_iou,
-            "silhouetteIou": accuracy.silhouette_iou,
-            "coverage": accuracy.coverage,
-            "coverageInOneView": accuracy.coverage_range,
-            "difference": differences,
-            "switchPx": accuracy.switch,
-        })
-    });
-    json!({
-        "strands": strands,
-        "seconds": seconds,
-        "texture": cards.textures.size,
-        "texelMillimeters": 1000.0 / cards.density,
-        "textureFilled": cards.filled,
-        "levels": levels.collect::<Vec<_>>(),
-        "notes": cards.notes,
-    })
 }
 
 /// Formats the numbers of a bake as a table.

@@ -190,6 +190,9 @@ fn cards_are_written_and_refused_as_a_whole() {
     let names =
         ["low_LOD0.obj", "low.mtl", "low_color.png", "low_surface.png", "low_anisotropy.png", "low_data.png"];
     assert!(done && names.iter().all(|name| folder.path().join(name).exists()), "{said}");
+    let (done, said) =
+        tresses(folder.path(), &[&hair[..], &["--levels", "8,3", "--split", "--out", "a.glb"]].concat());
+    assert!(done && said.contains("a_LOD0.glb") && said.contains("a_LOD1.glb"), "{said}");
     let before = std::fs::read_dir(folder.path()).unwrap().count();
     for (wrong, reason) in [
         (["--levels", "4,8", "--out", "a.glb"], "falling"),

@@ -2,6 +2,7 @@
 
 use crate::{
     arrays::{array, floats},
+    cards::Cards,
     device,
     files::{Orientation, paths},
     mesh::Mesh,
@@ -16,7 +17,11 @@ use pyo3::{prelude::*, types::PyDict};
 use std::path::PathBuf;
 use tresses::{
     character::{CharacterParts, CharacterSource},
-    groom::{self, import::ImportOptions},
+    groom::{
+        self,
+        cards::{CardOptions, bake_with},
+        import::ImportOptions,
+    },
     lod,
 };
 use tresses_scene::{Companions, Preset, Shelf, Source, settings::Settings, source};
@@ -197,6 +202,46 @@ impl Groom {
             }
             Strands(out)
         })
+    }
+
+    /// Bake the groom to textured cards with levels of detail: Cards.
+    ///
+    /// Parameters
+    /// ----------
+    /// levels : list of int
+    ///     Number of cards of each level, falling.
+    /// texture : int
+    ///     Edge of the textures, texels: a power of two from 128 to 8192.
+    /// textures : int
+    ///     Number of different pictures of locks in the textures.
+    /// triangles : list of int, optional
+    ///     Largest number of triangles of each level.
+    /// progress : callable, optional
+    ///     As for `built_in`.
+    #[pyo3(signature = (levels=None, *, texture=2048, textures=32, triangles=None, progress=None))]
+    fn cards(
+        &self,
+        py: Python<'_>,
+        levels: Option<Vec<u32>>,
+        texture: u32,
+        textures: u32,
+        triangles: Option<Vec<u32>>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Cards> {
+        let defaults = CardOptions::default();
+        let levels = levels.unwrap_or(defaults.levels);
+        let triangles = triangles.unwrap_or_default();
+        let options = CardOptions { levels, texture, textures, triangles, ..CardOptions::default() };
+        let strands = self.strands(py).0;
+        let head = self.character.head.clone();
+        let rig = self.character.anatomy.as_ref().map(|anatomy| anatomy.rig.clone());
+        let baked =
+            run(
+                py,
+                progress,
+                async |teller| Ok(bake_with(&strands, head.as_ref(), &options, teller).await?),
+            )?;
+        Ok(Cards::new(baked, strands.len(), self.settings.clone(), head.map(|head| (head, rig))))
     }
 
     /// Source index of each strand, counted after invalid strands were dropped: int32 [n]. Strands that were filled in

@@ -5,6 +5,7 @@
 //! callers must not see half updated.
 
 mod arrays;
+mod cards;
 mod device;
 mod files;
 mod groom;
@@ -62,6 +63,8 @@ fn missing_file_error(py: Python<'_>) -> PyResult<&Bound<'_, PyType>> {
 mod _tresses {
     #[pymodule_export]
     use crate::TressesError;
+    #[pymodule_export]
+    use crate::cards::{CardLevel, Cards};
     #[pymodule_export]
     use crate::device::adapter;
     #[pymodule_export]

@@ -184,3 +184,28 @@ def test_arrays_match_the_command_export(tmp_path, command, groom):
     assert np.array_equal(ours.positions, theirs.strands.positions)
     assert np.array_equal(ours.widths, theirs.strands.widths)
     assert np.array_equal(ours.offsets, theirs.strands.offsets)
+
+
+def test_cards_are_baked_and_saved(tmp_path):
+    groom = tresses.Groom.built_in("short", {"style.strands": 300})
+    seen = []
+    cards = groom.cards([12, 4], texture=256, progress=lambda task, done: seen.append((task, done)))
+    assert [level.cards for level in cards.levels] == [12, 4] and seen
+    level = cards.levels[0]
+    count = len(level.positions)
+    assert level.normals.shape == level.tangents.shape == (count, 3) and level.uvs.shape == (count, 2)
+    assert level.light.shape == (count,) and level.triangles.max() == count - 1
+    assert len(level.starts) == 12 and sum(map(len, level.locks)) == 300
+    color = cards.textures["color"]
+    assert color.shape == (256, 256, 4) and color.dtype == np.uint8 and color[..., 3].max() == 255
+    report = cards.report
+    assert report["strands"] == 300 and report["levels"][1]["cards"] == 4
+    assert 0.95 < report["levels"][0]["coverage"] < 1.05
+    assert [path.name for path in cards.save(tmp_path / "hair.glb", split=True)] == ["hair_LOD0.glb", "hair_LOD1.glb"]
+    assert len(cards.save(tmp_path / "hair.obj")) == 7 and (tmp_path / "hair_color.png").exists()
+    with pytest.raises(tresses.TressesError, match=".glb or .obj"):
+        cards.save(tmp_path / "hair.fbx")
+    with pytest.raises(tresses.TressesError, match="falling"):
+        groom.cards([4, 12])
+    with pytest.raises(tresses.TressesError, match="core, mask or blend"):
+        cards.save(tmp_path / "hair.glb", alpha="hash")

@@ -16,6 +16,7 @@
 //! - `colliders`: colliders from a file.
 //! - `companions`: readers of the files that accompany a groom and its head.
 //! - `options`: conversion of settings to the library's options.
+//! - `cards`: cards as files.
 //! - `preset`: settings and file names as one text file.
 //! - `open`: loading a preset's character.
 //! - `history`: undo and redo.
@@ -24,6 +25,7 @@
 //! - `measure`: frame timing.
 
 pub mod camera;
+pub mod cards;
 pub mod colliders;
 pub mod companions;
 pub mod crowd;

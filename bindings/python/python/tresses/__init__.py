@@ -11,6 +11,8 @@ repository.
 """
 
 from ._tresses import (
+    CardLevel,
+    Cards,
     Finding,
     Groom,
     Import,
@@ -31,6 +33,8 @@ from ._tresses import (
 from ._npz import load_npz, save_npz
 
 __all__ = [
+    "CardLevel",
+    "Cards",
     "Finding",
     "Groom",
     "Import",

@@ -49,6 +49,8 @@ pub struct Cards {
 /// One level of detail.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CardLevel {
+    /// Number of the level, 0 for the finest.
+    pub index: u32,
     /// Number of cards.
     pub cards: u32,
     /// Number of pictures that the cards share.
@@ -134,6 +136,7 @@ pub async fn bake_with(
         used.sort_unstable();
         used.dedup();
         levels.push(CardLevel {
+            index: level as u32,
             cards: draft.locks.len() as u32,
             pictures: used.len() as u32,
             widening: *widening,
@@ -152,6 +155,17 @@ pub async fn bake_with(
     progress.step(TASK, 1.0).await;
     let notes = scene.notes(&levels, lost, density);
     Ok(Cards { levels, textures, density, filled: area as f32 / (size * size) as f32, notes })
+}
+
+impl Cards {
+    /// Returns one of the levels alone, with all textures.
+    ///
+    /// # Panics
+    /// If there is no such level.
+    #[must_use]
+    pub fn only(&self, level: usize) -> Self {
+        Self { levels: vec![self.levels[level].clone()], ..self.clone() }
+    }
 }
 
 /// What the stages share.

@@ -41,7 +41,7 @@ const SHADE: f32 = 0.5;
 const SCREEN: f32 = 720.0;
 
 impl Cards {
-    /// Encodes all levels, and the body with its rig. Level 0 is in the scene; the others are its `MSFT_lod` levels. Each
+    /// Encodes all levels, and the body with its rig. The first level is in the scene; the others are its `MSFT_lod` levels. Each
     /// card follows the joints of the body's vertex nearest to its root.
     ///
     /// # Errors
@@ -56,12 +56,8 @@ impl Cards {
             file.root["scenes"] = json!([{"nodes": []}]);
         }
         let materials = self.materials(&mut file, look)?;
-        let nodes: Vec<usize> = self
-            .levels
-            .iter()
-            .enumerate()
-            .map(|(i, level)| put_level(&mut file, i, level, skin.as_ref(), &materials))
-            .collect();
+        let nodes: Vec<usize> =
+            self.levels.iter().map(|level| put_level(&mut file, level, skin.as_ref(), &materials)).collect();
         if let Some(list) = file.root["scenes"][0]["nodes"].as_array_mut() {
             list.push(json!(nodes[0]));
         }
@@ -149,15 +145,9 @@ impl CardSkin<'_> {
 }
 
 /// Writes a level and returns its node.
-fn put_level(
-    file: &mut File,
-    number: usize,
-    level: &CardLevel,
-    skin: Option<&CardSkin<'_>>,
-    materials: &[usize],
-) -> usize {
+fn put_level(file: &mut File, level: &CardLevel, skin: Option<&CardSkin<'_>>, materials: &[usize]) -> usize {
     let mesh = &level.mesh;
-    let name = format!("Hair_LOD{number}");
+    let name = format!("Hair_LOD{}", level.index);
     let mut item = json!({"name": name});
     let mut attributes = match skin {
         Some(skin) => {

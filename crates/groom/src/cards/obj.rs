@@ -29,17 +29,17 @@ impl Cards {
             (format!("{name}_anisotropy.png"), textures.anisotropy_png()?),
             (format!("{name}_data.png"), textures.data_png()?),
         ];
-        for (i, level) in self.levels.iter().enumerate() {
-            files.push((format!("{name}_LOD{i}.obj"), encoded(level, name, i)));
+        for level in &self.levels {
+            files.push((format!("{name}_LOD{}.obj", level.index), encoded(level, name)));
         }
         Ok(files)
     }
 }
 
 /// Encodes the triangles of a level.
-fn encoded(level: &CardLevel, name: &str, number: usize) -> Vec<u8> {
+fn encoded(level: &CardLevel, name: &str) -> Vec<u8> {
     let mesh = &level.mesh;
-    let mut text = format!("mtllib {name}.mtl\no Hair_LOD{number}\nusemtl hair\n");
+    let mut text = format!("mtllib {name}.mtl\no Hair_LOD{}\nusemtl hair\n", level.index);
     for p in &mesh.positions {
         let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);
     }

@@ -1,0 +1,110 @@
+//! Cards as files: the look of their material, the files of each format, and the numbers of a bake.
+
+use crate::settings::Settings;
+use anyhow::{Context, Result, bail};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use tresses::{
+    groom::{
+        Rig, TriMesh,
+        cards::{CardAlpha, CardLook, Cards, SIZES},
+    },
+    light::fiber::bsdf::color_of,
+};
+
+/// Exponent of the color of a mass of hair that gives the color of cards, whose light is scattered once. It makes the
+/// four built-in pigments as bright as the Kajiya–Kay model, which was compared with a path tracer.
+const ONE_LAYER: f32 = 0.55;
+
+/// Returns the look of cards with the hair color of `settings`.
+pub fn look(settings: &Settings, alpha: CardAlpha) -> CardLook {
+    let fiber = settings.material().fiber;
+    let absorption = 0.5 * (fiber.root_absorption + fiber.tip_absorption);
+    CardLook { color: color_of(absorption, fiber.shape.azimuthal).powf(ONE_LAYER), alpha }
+}
+
+/// A format of cards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CardFormat {
+    /// One file with the body, its skeleton and all levels.
+    Glb,
+    /// Such a file for each level.
+    SplitGlb,
+    /// A file for each level, and textures.
+    Obj,
+}
+
+impl CardFormat {
+    /// Returns the format of `path` by its extension. `split` asks for a file for each level.
+    ///
+    /// # Errors
+    /// Fails for other extensions than `.glb` and `.obj`.
+    pub fn of(path: &Path, split: bool) -> Result<Self> {
+        match path.extension().and_then(|extension| extension.to_str()) {
+            Some("glb") if split => Ok(Self::SplitGlb),
+            Some("glb") => Ok(Self::Glb),
+            Some("obj") => Ok(Self::Obj),
+            _ => bail!("{}: cards can be written as .glb or .obj", path.display()),
+        }
+    }
+
+    /// Encodes all files, and returns them with their paths: `path` itself or, for several files, paths that begin with
+    /// its stem.
+    ///
+    /// # Errors
+    /// Fails if a texture cannot be encoded, and for a rig of another mesh.
+    pub fn encoded(
+        self,
+        cards: &Cards,
+        body: Option<(&TriMesh, Option<&Rig>)>,
+        look: &CardLook,
+        path: &Path,
+    ) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+        let stem =
+            || path.file_stem().and_then(|name| name.to_str()).context("the path has no valid file name");
+        match self {
+            Self::Glb => Ok(vec![(path.to_owned(), cards.glb(body, look)?)]),
+            Self::SplitGlb => {
+                let file = |level: usize| -> Result<_> {
+                    let name = format!("{}_LOD{level}.glb", stem()?);
+                    Ok((path.with_file_name(name), cards.only(level).glb(body, look)?))
+                };
+                (0..cards.levels.len()).map(file).collect()
+            }
+            Self::Obj => {
+                let files = cards.obj(stem()?, look)?;
+                Ok(files.into_iter().map(|(name, bytes)| (path.with_file_name(name), bytes)).collect())
+            }
+        }
+    }
+}
+
+/// Returns the numbers of a bake from a number of strands.
+pub fn numbers(cards: &Cards, strands: usize) -> Value {
+    let levels = cards.levels.iter().map(|level| {
+        let accuracy = &level.accuracy;
+        let differences = SIZES.iter().zip(accuracy.difference);
+        let differences: Vec<_> = differences.map(|(px, mean)| json!({"px": px, "opacity": mean})).collect();
+        json!({
+            "cards": level.cards,
+            "pictures": level.pictures,
+            "vertices": level.mesh.positions.len(),
+            "triangles": level.mesh.triangles.len(),
+            "widening": level.widening,
+            "softIou": accuracy.soft_iou,
+            "silhouetteIou": accuracy.silhouette_iou,
+            "coverage": accuracy.coverage,
+            "coverageInOneView": accuracy.coverage_range,
+            "difference": differences,
+            "switchPx": accuracy.switch,
+        })
+    });
+    json!({
+        "strands": strands,
+        "texture": cards.textures.size,
+        "texelMillimeters": 1000.0 / cards.density,
+        "textureFilled": cards.filled,
+        "levels": levels.collect::<Vec<_>>(),
+        "notes": cards.notes,
+    })
+}
