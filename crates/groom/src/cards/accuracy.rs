@@ -8,14 +8,14 @@ pub const SIZES: [u32; 5] = [256, 128, 64, 32, 16];
 /// Largest mean difference of opacity at which a level may replace strands.
 const VISIBLE: f32 = 0.07;
 
-/// Opacity of cards against that of strands in 14 pictures from all sides.
+/// Opacity of cards against the opacity of strands, in 14 pictures from all sides.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CardAccuracy {
     /// Sum of the smaller opacity of each pixel over the sum of the larger one; 1 for equal pictures.
     pub soft_iou: f32,
     /// The same for pixels of at least half opacity.
     pub silhouette_iou: f32,
-    /// Covered area over that of the strands.
+    /// Area of the cards over the area of the strands.
     pub coverage: f32,
     /// The same for the pictures with the least and the most.
     pub coverage_range: [f32; 2],

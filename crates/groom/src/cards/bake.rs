@@ -70,7 +70,7 @@ pub struct CardLevel {
 struct Draft {
     locks: Vec<Lock>,
     likenesses: Vec<Likeness>,
-    /// Number of each lock's tile among those of all levels.
+    /// Number of each lock's tile among the tiles of all levels.
     tiles: Vec<usize>,
 }
 
@@ -168,7 +168,7 @@ impl Cards {
     }
 }
 
-/// What the stages share.
+/// Inputs of all stages.
 struct Stage<'a> {
     lines: Lines<'a>,
     volume: HairVolume<'a>,

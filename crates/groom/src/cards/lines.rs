@@ -36,7 +36,7 @@ impl<'a> Lines<'a> {
         Self { strands, radii, weights: vec![1.0; strands.len()], curves }
     }
 
-    /// Sets the weights from the visible area of each strand: what is not seen matters a fifth as much as the average.
+    /// Sets the weights from the visible area of each strand: hidden strands have a fifth of the mean weight.
     pub(super) fn weigh(&mut self, seen: &[u32]) {
         let mean = seen.iter().map(|count| *count as f32).sum::<f32>() / seen.len().max(1) as f32;
         self.weights = seen.iter().map(|count| (*count as f32).max(0.2 * mean).max(1e-3)).collect();

@@ -3,7 +3,7 @@
 //! ```text
 //! strands ─► lines ─► clusters ─► ribbons ─► locks that look alike ─► tiles ─► atlas ─┐
 //!    │                                └─► rows and columns ─► mesh ───────────────────┴─► level
-//!    └─► pictures from 14 sides: coverage, what is seen ─► width of strands, accuracy ──► report
+//!    └─► pictures from 14 sides: coverage, visible area ─► width of strands, accuracy ──► report
 //! ```
 //!
 //! - Strands with similar paths form a lock (`cluster`). A coarser level merges the locks of a finer one.
@@ -12,7 +12,7 @@
 //! - The strands of a lock are drawn in the frame of their ribbon (`tile`). Locks that look alike share a picture
 //!   (`share`).
 //! - A flat card covers less than its round strands do from most sides. Strands in the pictures are therefore wider, by
-//!   one factor per level, so that the mean coverage from 14 sides is that of the strands.
+//!   one factor per level, so that cards and strands have the same mean coverage from 14 sides.
 
 mod accuracy;
 mod atlas;

@@ -22,7 +22,7 @@ const EYES: [Vec3; 14] = [
     Vec3::new(-1.0, -1.0, -1.0),
 ];
 
-/// Parallel projections of a sphere, and a head that hides what is behind it.
+/// Parallel projections of a sphere, and a head that hides hair behind it.
 pub(super) struct Studio {
     middle: Vec3,
     /// Samples per meter.

@@ -162,7 +162,7 @@ impl Ribbon {
         ribbon
     }
 
-    /// Returns the mean line of the members, as long as they are on average.
+    /// Returns the mean line of the members, with their mean length.
     fn middle(lines: &Lines<'_>, members: &[u32]) -> Self {
         let total: f32 = members.iter().map(|i| lines.weights[*i as usize]).sum();
         let mean = |k: usize| {

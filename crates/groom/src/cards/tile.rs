@@ -14,7 +14,7 @@ pub(super) struct Lock {
     pub(super) ribbon: Ribbon,
 }
 
-/// What a texel shows.
+/// Coverage and attributes of a texel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Texel {
     /// Fraction of the texel that strands cover.
@@ -191,7 +191,7 @@ impl Lock {
 }
 
 impl Tile {
-    /// Darkens what lies below the surface: by 1/e at a depth of half the ribbon's width.
+    /// Darkens strands below the surface: by 1/e at a depth of half the ribbon's width.
     fn shade(&mut self, width: f32) {
         const REACH: usize = 2;
         let (w, h) = (self.width, self.height);

@@ -1,4 +1,4 @@
-//! The density of hair in space, blurred: it tells what is outside.
+//! The blurred density of hair, whose gradient is the direction out of the hair.
 
 use crate::{SdfGrid, Strands};
 use glam::{UVec3, Vec3};
@@ -7,7 +7,7 @@ use glam::{UVec3, Vec3};
 const CELLS: f32 = 48.0;
 /// Standard deviation of the blur, meters.
 const BLUR: f32 = 0.02;
-/// Distance from the head within which its surface, and not the density, tells what is outside, meters.
+/// Distance from the head within which its normal replaces the gradient of the density, meters.
 const NEAR: f32 = 0.03;
 
 /// Area of hair (width times length) per volume, 1/m, at the nodes of a grid.
