@@ -78,7 +78,8 @@ pub fn run(args: &CardsArgs) -> Result<()> {
     let preset = args.settings.preset()?;
     let preparing = Preparing::new("opening the GPU");
     let RestingCharacter { scene, head, rig, .. } = RestingCharacter::new(&preset, &preparing)?;
-    let strands = drawn(&scene, [&scene.character.hair().strands])?;
+    let mut strands = drawn(&scene, [&scene.character.hair().strands])?;
+    strands.colors = pollster::block_on(scene.drawn_colors(&scene.character.hair().strands))?;
     let begin = Instant::now();
     let baked = pollster::block_on(bake_with(&strands, head.as_ref(), &options, &preparing))?;
     let seconds = begin.elapsed().as_secs_f64();

@@ -18,6 +18,12 @@ pub struct Strand {
     pub tip_color: u32,
 }
 
+/// Returns the linear color that [`pack_color`] packed, or `None` for 0.
+pub fn unpack_color(packed: u32) -> Option<Vec3> {
+    let channel = |shift: u32| ((packed >> shift & 255) as f32 / 255.0).powi(2);
+    (packed != 0).then(|| Vec3::new(channel(0), channel(8), channel(16)))
+}
+
 /// Packs a linear color, each channel clamped to 0..=1, with the square root as transfer curve. The top byte is 255, so
 /// no color packs to 0.
 pub fn pack_color(linear: Vec3) -> u32 {

@@ -14,12 +14,11 @@ const APART: f32 = 10.0;
 /// Scale of the root's coordinates in a cluster's space.
 const ROOT: f32 = 0.6;
 
-/// Strands with what cards need to know of each.
+/// Strands with their paths, widths and weights.
 pub(super) struct Lines<'a> {
     pub(super) strands: &'a Strands,
     /// Radius of each vertex, meters.
     pub(super) radii: Vec<f32>,
-    /// Length of each strand, meters.
     /// Importance of each strand.
     pub(super) weights: Vec<f32>,
     curves: Curves,

@@ -9,7 +9,7 @@ use tresses::{
     draw::tiles::Label,
     glam::{Mat4, Vec3},
     gpu::readback,
-    groom::Strands,
+    groom::{Strands, bound::strand::unpack_color},
     light::material::linear,
     strands::{GuideBuffers, Strand, StrandBuffers, StrandVertex, vertex::unpack_tangent},
 };
@@ -143,6 +143,28 @@ impl Scene {
             }
         }
         Ok(drawn)
+    }
+
+    /// Reads back the colors of drawn strands: one per vertex of [`drawn`](Self::drawn), linear. Empty if the settings or
+    /// the groom do not color each strand.
+    ///
+    /// # Errors
+    /// Fails if the GPU is lost.
+    pub async fn drawn_colors(&self, buffers: &StrandBuffers) -> Result<Vec<Vec3>> {
+        if !self.character.hair().set.material.file_colors {
+            return Ok(Vec::new());
+        }
+        let strands: Vec<Strand> = readback::buffer(&self.gpu.context, &buffers.strands).await?;
+        let (count, each) = (buffers.drawn.count as usize, buffers.drawn.vertex_count as usize);
+        let mut colors = Vec::new();
+        for strand in strands.iter().take(count) {
+            let Some(root) = unpack_color(strand.root_color) else { return Ok(Vec::new()) };
+            let tip = unpack_color(strand.tip_color).unwrap_or(root);
+            // As in `light/shading.wesl`.
+            let blend = |t: f32| root.lerp(tip, t * t * (3.0 - 2.0 * t));
+            colors.extend((0..each).map(|k| blend(k as f32 / (each - 1).max(1) as f32)));
+        }
+        Ok(colors)
     }
 
     /// Reads back the guide vertices after the last fixed step, in meters: guide by guide, root first.
