@@ -7,8 +7,12 @@ use crate::{
     say,
     settings_args::SettingsArgs,
 };
-use anyhow::Result;
-use std::{fmt::Write, path::PathBuf, time::Instant};
+use anyhow::{Context, Result, ensure};
+use std::{
+    fmt::Write,
+    path::{Path, PathBuf},
+    time::Instant,
+};
 use tresses::groom::cards::{CardAlpha, CardOptions, Cards, bake_with};
 use tresses_scene::cards::{self, CardFormat};
 
@@ -23,13 +27,13 @@ pub struct CardsArgs {
     /// Edge of the textures, texels: a power of two from 128 to 8192
     #[arg(long, value_name = "N", default_value = "2048")]
     pub texture: u32,
-    /// Number of different pictures of locks in the textures: with more, cards differ more, and texels are larger
+    /// Number of different pictures of locks, shared out over the levels: with more, cards differ more, and texels are larger
     #[arg(long, value_name = "N", default_value = "32")]
     pub textures: u32,
     /// Largest numbers of triangles of the levels [default: 48 per card, then 32, then 12]
     #[arg(long, value_name = "N,...", value_delimiter = ',')]
     pub triangles: Vec<u32>,
-    /// Drawing of partial coverage: core (an opaque core and a blended fringe), mask, or blend
+    /// Drawing of partial coverage in a .glb: core (an opaque core and a blended fringe), mask, or blend
     #[arg(long, value_name = "MODE", default_value = "core")]
     pub alpha: Alpha,
     /// Write a .glb for each level, for engines that do not read levels of one file
@@ -75,6 +79,17 @@ pub fn run(args: &CardsArgs) -> Result<()> {
     };
     options.check()?;
     let format = CardFormat::of(&args.out, args.split)?;
+    ensure!(
+        !args.split || format == CardFormat::SplitGlb,
+        "--split is for .glb files; .obj files are split anyway"
+    );
+    ensure!(args.report.as_ref() != Some(&args.out), "--report and --out are the same file");
+    for path in args.report.iter().chain([&args.out]) {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot create the folder {}", folder.display()))?;
+        files::probe(folder)?;
+    }
     let preset = args.settings.preset()?;
     let preparing = Preparing::new("opening the GPU");
     let RestingCharacter { scene, head, rig, .. } = RestingCharacter::new(&preset, &preparing)?;
@@ -96,7 +111,7 @@ pub fn run(args: &CardsArgs) -> Result<()> {
     }
     drop(preparing);
     for (path, bytes) in &written {
-        say!("{}: {:.1} MB", path.display(), bytes.len() as f64 / 1e6);
+        say!("{}: {:.2} MB", path.display(), bytes.len() as f64 / 1e6);
     }
     say!("{}", table(&baked));
     Ok(())

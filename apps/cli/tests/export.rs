@@ -174,10 +174,11 @@ fn export_writes_interpolated_strands() {
 fn cards_are_written_and_refused_as_a_whole() {
     let folder = tempfile::tempdir().unwrap();
     let hair = ["cards", "--style", "short", "--strands", "300", "--texture", "256"];
-    let bake = [&hair[..], &["--levels", "12,4", "--out", "hair.glb", "--report", "report.json"]].concat();
+    let bake =
+        [&hair[..], &["--levels", "12,4", "--out", "hair.glb", "--report", "new/report.json"]].concat();
     let Some((done, said)) = drawn(folder.path(), &bake) else { return };
     assert!(done && said.contains("soft IoU") && said.contains("256 × 256"), "{said}");
-    let report = std::fs::read(folder.path().join("report.json")).unwrap();
+    let report = std::fs::read(folder.path().join("new/report.json")).unwrap();
     let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
     assert_eq!((&report["strands"], &report["levels"][1]["cards"]), (&300.into(), &4.into()));
     // The file is a character for every other command: it has the body and its joints.
@@ -199,6 +200,7 @@ fn cards_are_written_and_refused_as_a_whole() {
         (["--texture", "300", "--out", "a.glb"], "a power of two"),
         (["--levels", "40", "--out", "a.fbx"], ".glb or .obj"),
         (["--textures", "0", "--out", "a.glb"], "from 1 to 1024"),
+        (["--report", "a.glb", "--out", "a.glb"], "the same file"),
     ] {
         let wrong: Vec<&str> = hair[..5].iter().copied().chain(wrong).collect();
         let (done, said) = tresses(folder.path(), &wrong);

@@ -40,7 +40,8 @@ impl CardFormat {
     /// # Errors
     /// Fails for other extensions than `.glb` and `.obj`.
     pub fn of(path: &Path, split: bool) -> Result<Self> {
-        match path.extension().and_then(|extension| extension.to_str()) {
+        let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+        match extension.as_deref() {
             Some("glb") if split => Ok(Self::SplitGlb),
             Some("glb") => Ok(Self::Glb),
             Some("obj") => Ok(Self::Obj),

@@ -190,6 +190,9 @@ impl Stage<'_> {
                 _ => merge(&points, weights, &of, *count as usize),
             };
             let mut members = vec![Vec::new(); of.iter().max().map_or(0, |last| *last as usize + 1)];
+            if drafts.last().is_some_and(|last: &Draft| last.locks.len() == members.len()) {
+                continue;
+            }
             of.iter().zip(0..).for_each(|(of, strand)| members[*of as usize].push(strand));
             let mut locks = in_parallel(&members, |members| Lock {
                 ribbon: Ribbon::fit(&self.lines, members, &self.volume),
@@ -286,16 +289,28 @@ impl Stage<'_> {
         if lost > 0 {
             notes.push(format!("strands without length, which have no cards: {lost}"));
         }
-        for (level, wanted) in levels.iter().zip(&self.options.levels) {
-            if level.cards < *wanted {
+        let strands = self.lines.strands.len();
+        if levels.first().is_some_and(|level| level.cards < self.options.levels[0]) {
+            notes.push(format!(
+                "cards: {} instead of {}, because only {strands} strands are there; fill the hair first",
+                levels[0].cards, self.options.levels[0]
+            ));
+        }
+        if levels.len() < self.options.levels.len() {
+            notes.push(format!(
+                "levels: {} instead of {}; equal ones are one",
+                levels.len(),
+                self.options.levels.len()
+            ));
+        }
+        for level in levels {
+            let percent = 100.0 * level.accuracy.coverage;
+            if percent < 97.0 {
                 notes.push(format!(
-                    "cards: {} instead of {wanted}, because no more strands differ",
-                    level.cards
+                    "cards: {} with {} triangles cover only {percent:.0} % of what the strands cover; more cards or triangles cover more",
+                    level.cards,
+                    level.mesh.triangles.len()
                 ));
-            }
-            if level.widening >= WIDENING[1] {
-                let percent = 100.0 * level.accuracy.coverage;
-                notes.push(format!("level of {} cards: it covers {percent:.0} % of what the strands cover, with strands four times as wide; more cards would look better", level.cards));
             }
         }
         let mean = self.lines.radii.iter().sum::<f32>() / self.lines.radii.len().max(1) as f32;

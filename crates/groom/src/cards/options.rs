@@ -41,7 +41,7 @@ impl CardOptions {
             && self.levels.iter().all(|count| (1..=Self::MOST_CARDS).contains(count));
         if !(falls && fits) {
             return wrong(
-                "card counts",
+                "the list of levels",
                 format!("{:?}", self.levels),
                 "1 to 8 falling numbers from 1 to 4096",
             );
@@ -53,12 +53,14 @@ impl CardOptions {
             return wrong("the number of pictures", self.textures.to_string(), "from 1 to 1024");
         }
         if self.triangles.len() > self.levels.len() {
-            return wrong("triangle counts", format!("{:?}", self.triangles), "at most one per level");
+            return wrong("the list of triangles", format!("{:?}", self.triangles), "at most one per level");
         }
         let few =
             self.triangles.iter().zip(&self.levels).find(|(triangles, cards)| **triangles < 2 * **cards);
         match few {
-            Some((triangles, _)) => wrong("triangle counts", triangles.to_string(), "at least two per card"),
+            Some((triangles, _)) => {
+                wrong("the list of triangles", triangles.to_string(), "at least two per card")
+            }
             None => Ok(()),
         }
     }

@@ -169,7 +169,7 @@ fn unusable_input_is_refused_with_a_reason() {
         |strands: &Strands, options: &CardOptions| bake(strands, None, options).unwrap_err().to_string();
     assert!(refused(&Strands::default(), &options(&[4])).contains("no strands with a length"));
     for levels in [vec![], vec![0], vec![4, 4], vec![4, 8], vec![5000]] {
-        assert!(refused(&strands, &options(&levels)).contains("card counts"), "{levels:?}");
+        assert!(refused(&strands, &options(&levels)).contains("list of levels"), "{levels:?}");
     }
     for texture in [0, 100, 16384] {
         assert!(refused(&strands, &CardOptions { texture, ..options(&[4]) }).contains("texture size"));
