@@ -7,12 +7,8 @@ use crate::{
     say,
     settings_args::SettingsArgs,
 };
-use anyhow::{Context, Result, ensure};
-use std::{
-    fmt::Write,
-    path::{Path, PathBuf},
-    time::Instant,
-};
+use anyhow::{Result, ensure};
+use std::{fmt::Write, path::PathBuf, time::Instant};
 use tresses::groom::cards::{CardAlpha, CardOptions, Cards, bake_with};
 use tresses_scene::cards::{self, CardFormat};
 
@@ -85,10 +81,7 @@ pub fn run(args: &CardsArgs) -> Result<()> {
     );
     ensure!(args.report.as_ref() != Some(&args.out), "--report and --out are the same file");
     for path in args.report.iter().chain([&args.out]) {
-        let folder = path.parent().unwrap_or(Path::new(""));
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot create the folder {}", folder.display()))?;
-        files::probe(folder)?;
+        files::prepare(path)?;
     }
     let preset = args.settings.preset()?;
     let preparing = Preparing::new("opening the GPU");

@@ -74,6 +74,14 @@ pub fn probe(folder: &Path) -> Result<()> {
         .with_context(|| format!("{}: cannot create files in this folder", folder.display()))
 }
 
+/// Creates the folder of the output `path`, and checks that files can be written there.
+pub fn prepare(path: &Path) -> Result<()> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("{}: cannot create the folder", folder.display()))?;
+    probe(folder)
+}
+
 /// Writes `bytes` to `path`, replacing an existing file.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     let temporary = Temporary::new(path.parent().unwrap_or(Path::new("")));

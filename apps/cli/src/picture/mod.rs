@@ -195,12 +195,7 @@ impl Output {
             kind.max_side()
         );
         let path = if is_folder(path) { path.join("frame_####.png") } else { path.to_owned() };
-        let folder = path.parent().unwrap_or(Path::new(""));
-        if !folder.as_os_str().is_empty() {
-            std::fs::create_dir_all(folder)
-                .with_context(|| format!("{}: cannot create the folder", folder.display()))?;
-        }
-        files::probe(folder)?;
+        files::prepare(&path)?;
         let sink = match kind {
             OutputKind::Still(_) => Sink::Still(None),
             OutputKind::Frames(_) => Sink::Frames { next: 0 },

@@ -66,12 +66,13 @@ pub struct CardLevel {
 }
 
 /// A level before it has triangles.
-#[derive(Clone)]
 struct Draft {
+    /// Number of the level among those of the options.
+    asked: usize,
     locks: Vec<Lock>,
     likenesses: Vec<Likeness>,
-    /// Number of each lock's tile among the tiles of all levels.
-    tiles: Vec<usize>,
+    /// Locks that have a tile, ascending.
+    drawn: Vec<u32>,
 }
 
 /// Bakes cards from `strands` (meters, Y up). `head` hides hair behind it, and cards stay outside of it.
@@ -120,7 +121,7 @@ pub async fn bake_with(
     let (wanted, _) = small.strands(strands, &scene.lines.radii);
     let mut widenings = Vec::new();
     for (level, draft) in drafts.iter().enumerate() {
-        widenings.push(scene.widening(draft, level, &small, &wanted)?);
+        widenings.push(scene.widening(draft, &small, &wanted)?);
         progress.step(TASK, 0.5 + 0.3 * (level + 1) as f32 / drafts.len() as f32).await;
     }
     let size = options.texture as usize;
@@ -129,16 +130,15 @@ pub async fn bake_with(
     progress.step(TASK, 0.9).await;
     let alpha = Pyramid::new(size, texture::coverage(size, &places, &tiles));
     let mut levels = Vec::new();
+    let mut first = 0;
     for (level, (draft, widening)) in drafts.iter().zip(&widenings).enumerate() {
-        let mesh = scene.mesh(draft, level, &places, size);
+        let mesh = scene.mesh(draft, &places[first..], size);
+        first += draft.drawn.len();
         let accuracy = CardAccuracy::new(&pictures, &studio.cards(&mesh.surface(), &alpha));
-        let mut used: Vec<_> = draft.tiles.clone();
-        used.sort_unstable();
-        used.dedup();
         levels.push(CardLevel {
             index: level as u32,
             cards: draft.locks.len() as u32,
-            pictures: used.len() as u32,
+            pictures: draft.drawn.len() as u32,
             widening: *widening,
             locks: draft
                 .locks
@@ -181,7 +181,6 @@ impl Stage<'_> {
     fn drafts(&self) -> Vec<Draft> {
         let (points, weights) = (self.lines.points(), &self.lines.weights);
         let mut of: Vec<u32> = Vec::new();
-        let mut first = 0;
         let pictures = self.options.pictures();
         let mut drafts = Vec::new();
         for (level, count) in self.options.levels.iter().enumerate() {
@@ -203,10 +202,7 @@ impl Stage<'_> {
             let mut drawn: Vec<u32> = likenesses.iter().map(|like| like.lock).collect();
             drawn.sort_unstable();
             drawn.dedup();
-            let number = |like: &Likeness| first + drawn.partition_point(|lock| *lock < like.lock);
-            let tiles = likenesses.iter().map(number).collect();
-            first += drawn.len();
-            drafts.push(Draft { locks, likenesses, tiles });
+            drafts.push(Draft { asked: level, locks, likenesses, drawn });
         }
         drafts
     }
@@ -225,14 +221,10 @@ impl Stage<'_> {
 
     /// Returns the locks that are drawn and their levels, in the order of their tiles.
     fn drawn<'a>(&self, drafts: &'a [Draft]) -> Vec<(usize, &'a Lock)> {
-        let mut drawn = Vec::new();
-        for (level, draft) in drafts.iter().enumerate() {
-            let mut locks: Vec<_> = draft.likenesses.iter().map(|like| like.lock).collect();
-            locks.sort_unstable();
-            locks.dedup();
-            drawn.extend(locks.into_iter().map(|lock| (level, &draft.locks[lock as usize])));
-        }
-        drawn
+        let of = |(level, draft): (usize, &'a Draft)| {
+            draft.drawn.iter().map(move |lock| (level, &draft.locks[*lock as usize]))
+        };
+        drafts.iter().enumerate().flat_map(of).collect()
     }
 
     /// Returns the places of all tiles in textures of `size` texels, and the texels per meter.
@@ -257,26 +249,27 @@ impl Stage<'_> {
         })
     }
 
-    fn mesh(&self, draft: &Draft, level: usize, places: &[Rect], size: usize) -> CardMesh {
+    /// Returns the triangles of a level whose tiles are at `places`.
+    fn mesh(&self, draft: &Draft, places: &[Rect], size: usize) -> CardMesh {
         let ribbons = draft.locks.iter().map(|lock| &lock.ribbon);
-        let plans = mesh::plan(ribbons, self.options.most_triangles(level));
+        let plans = mesh::plan(ribbons, self.options.most_triangles(draft.asked));
         let mut mesh = CardMesh::default();
-        for ((plan, like), tile) in plans.iter().zip(&draft.likenesses).zip(&draft.tiles) {
-            mesh.push(plan, (places[*tile], like.mirrored), size, &self.volume, self.field);
+        for (plan, like) in plans.iter().zip(&draft.likenesses) {
+            let tile = draft.drawn.partition_point(|lock| *lock < like.lock);
+            mesh.push(plan, (places[tile], like.mirrored), size, &self.volume, self.field);
         }
         mesh
     }
 
     /// Returns the factor on the widths of strands with which the level covers as much as the strands in `wanted`.
-    fn widening(&self, draft: &Draft, level: usize, studio: &Studio, wanted: &[Opacity]) -> Result<f32> {
+    fn widening(&self, draft: &Draft, studio: &Studio, wanted: &[Opacity]) -> Result<f32> {
         let size = self.options.texture.min(DRAFT) as usize;
-        let first = draft.tiles.iter().min().copied().unwrap_or(0);
-        let alone = [Draft { tiles: draft.tiles.iter().map(|tile| tile - first).collect(), ..draft.clone() }];
-        let (places, _) = self.places(&alone, size)?;
-        let mesh = self.mesh(&alone[0], level, &places, size);
+        let alone = std::slice::from_ref(draft);
+        let (places, _) = self.places(alone, size)?;
+        let mesh = self.mesh(draft, &places, size);
         let goal: f32 = wanted.iter().flatten().sum();
         Ok(root(WIDENING, |widening| {
-            let tiles = self.tiles(&alone, &places, &[widening]);
+            let tiles = self.tiles(alone, &places, &[widening]);
             let alpha = Pyramid::new(size, texture::coverage(size, &places, &tiles));
             let found = studio.cards(&mesh.surface(), &alpha);
             found.iter().flatten().sum::<f32>() / goal.max(1e-6) - 1.0

@@ -112,6 +112,15 @@ fn meshes_are_valid_and_keep_to_their_budgets() {
 }
 
 #[test]
+fn budgets_belong_to_the_levels_that_are_asked_for() {
+    // Ten strands make two equal levels, which become one.
+    let options = CardOptions { triangles: vec![400, 200, 16], ..options(&[40, 20, 4]) };
+    let cards = bake(&hair(10), None, &options).unwrap();
+    assert_eq!(cards.levels.iter().map(|level| level.cards).collect::<Vec<_>>(), [10, 4]);
+    assert!(cards.levels[1].mesh.triangles.len() <= 16, "{}", cards.levels[1].mesh.triangles.len());
+}
+
+#[test]
 fn coarse_cards_are_unions_of_fine_ones() {
     let (_, _, cards) = sample();
     for fine in &cards.levels[0].locks {
