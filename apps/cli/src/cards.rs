@@ -10,23 +10,23 @@ use crate::{
 use anyhow::{Result, ensure};
 use std::{fmt::Write, path::PathBuf, time::Instant};
 use tresses::groom::cards::{CardAlpha, CardOptions, Cards, bake_with};
-use tresses_scene::cards::{self, CardFormat};
+use tresses_scene::cards::{self, AskedLevel, CardFormat};
 
 /// Options of `tresses cards`.
 #[derive(clap::Args, Debug)]
 pub struct CardsArgs {
     #[command(flatten)]
     pub settings: SettingsArgs,
-    /// Numbers of cards of the levels, falling
+    /// Numbers of cards of the levels, falling; `helmet` at the end adds an opaque shell for heads of few pixels
     #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "400,150,40")]
-    pub levels: Vec<u32>,
+    pub levels: Vec<AskedLevel>,
     /// Edge of the textures, texels: a power of two from 128 to 8192
     #[arg(long, value_name = "N", default_value = "2048")]
     pub texture: u32,
     /// Number of different pictures of locks, shared out over the levels: with more, cards differ more, and texels are larger
     #[arg(long, value_name = "N", default_value = "32")]
     pub textures: u32,
-    /// Largest numbers of triangles of the levels [default: 48 per card, then 32, then 12]
+    /// Largest numbers of triangles of the levels [default: 48 per card, then 32, then 12; 480 for a helmet]
     #[arg(long, value_name = "N,...", value_delimiter = ',')]
     pub triangles: Vec<u32>,
     /// Drawing of partial coverage in a .glb: core (an opaque core and a blended fringe), mask, or blend
@@ -67,11 +67,10 @@ impl From<Alpha> for CardAlpha {
 /// Runs `tresses cards`.
 pub fn run(args: &CardsArgs) -> Result<()> {
     let options = CardOptions {
-        levels: args.levels.clone(),
         texture: args.texture,
         textures: args.textures,
         triangles: args.triangles.clone(),
-        ..Default::default()
+        ..cards::options(&args.levels)?
     };
     options.check()?;
     let format = CardFormat::of(&args.out, args.split)?;
@@ -113,22 +112,22 @@ pub fn run(args: &CardsArgs) -> Result<()> {
 /// Formats the numbers of a bake as a table.
 fn table(cards: &Cards) -> String {
     let mut text = String::from(
-        "cards  pictures  triangles  widening  soft IoU  silhouette  coverage  in one view  below px\n",
+        " cards  pictures  triangles  widening  soft IoU  silhouette  coverage  in one view  below px\n",
     );
     for level in &cards.levels {
         let accuracy = &level.accuracy;
         let [low, high] = accuracy.coverage_range.map(|ratio| 100.0 * ratio);
+        let name = if level.helmet { "helmet".into() } else { level.cards.to_string() };
+        let below = if accuracy.switch > 0.0 { format!("{:.0}", accuracy.switch) } else { "never".into() };
         let _ = writeln!(
             text,
-            "{:5}  {:8}  {:9}  {:8.2}  {:8.3}  {:10.3}  {:6.1} %  {low:3.0} to {high:3.0} %  {:8.0}",
-            level.cards,
+            "{name:>6}  {:8}  {:9}  {:8.2}  {:8.3}  {:10.3}  {:6.1} %  {low:3.0} to {high:3.0} %  {below:>8}",
             level.pictures,
             level.mesh.triangles.len(),
             level.widening,
             accuracy.soft_iou,
             accuracy.silhouette_iou,
             100.0 * accuracy.coverage,
-            accuracy.switch,
         );
     }
     let _ = write!(

@@ -114,17 +114,23 @@ impl Cards {
     }
 
     fn __repr__(&self) -> String {
-        let counts: Vec<_> = self.cards.levels.iter().map(|level| level.cards.to_string()).collect();
-        format!("Cards({} cards, textures of {} texels)", counts.join(", "), self.cards.textures.size)
+        let counts: Vec<_> = self.cards.levels.iter().map(cards::CardLevel::name).collect();
+        format!("Cards({}, textures of {} texels)", counts.join(", "), self.cards.textures.size)
     }
 }
 
 #[pymethods]
 impl CardLevel {
-    /// Number of cards.
+    /// Number of cards, 0 for a helmet.
     #[getter]
     fn cards(&self) -> u32 {
         self.0.cards
+    }
+
+    /// Whether the level is a helmet, an opaque shell.
+    #[getter]
+    fn helmet(&self) -> bool {
+        self.0.helmet
     }
 
     /// Vertex positions, meters: float32 [n, 3].
@@ -171,6 +177,12 @@ impl CardLevel {
         array(py, &[starts.len()], starts.iter().map(|i| *i as i32).collect())
     }
 
+    /// Root of the hair at each vertex, meters: float32 [n, 3].
+    #[getter]
+    fn roots<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        points(py, &self.0.mesh.roots)
+    }
+
     /// Strands of each card, as indices of `Groom.strands`: a list of int32 [k].
     #[getter]
     fn locks<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyArrayDyn<i32>>>> {
@@ -179,6 +191,6 @@ impl CardLevel {
     }
 
     fn __repr__(&self) -> String {
-        format!("CardLevel({} cards, {} triangles)", self.0.cards, self.0.mesh.triangles.len())
+        format!("CardLevel({}, {} triangles)", self.0.name(), self.0.mesh.triangles.len())
     }
 }

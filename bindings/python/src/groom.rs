@@ -24,7 +24,12 @@ use tresses::{
     },
     lod,
 };
-use tresses_scene::{Companions, Preset, Shelf, Source, settings::Settings, source};
+use tresses_scene::{
+    Companions, Preset, Shelf, Source,
+    cards::{AskedLevel, options},
+    settings::Settings,
+    source,
+};
 
 /// Hair that is ready for simulation.
 ///
@@ -209,7 +214,7 @@ impl Groom {
     /// Parameters
     /// ----------
     /// levels : list of int
-    ///     Number of cards of each level, falling.
+    ///     Number of cards of each level, falling. ``"helmet"`` at the end adds an opaque shell.
     /// texture : int
     ///     Edge of the textures, texels: a power of two from 128 to 8192.
     /// textures : int
@@ -222,16 +227,21 @@ impl Groom {
     fn cards(
         &self,
         py: Python<'_>,
-        levels: Option<Vec<u32>>,
+        levels: Option<Vec<Bound<'_, PyAny>>>,
         texture: u32,
         textures: u32,
         triangles: Option<Vec<u32>>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Cards> {
-        let defaults = CardOptions::default();
-        let levels = levels.unwrap_or(defaults.levels);
-        let triangles = triangles.unwrap_or_default();
-        let options = CardOptions { levels, texture, textures, triangles, ..CardOptions::default() };
+        let asked = match levels {
+            Some(levels) => {
+                let level =
+                    |level: &Bound<'_, PyAny>| level.str()?.to_string().parse::<AskedLevel>().map_err(raised);
+                options(&levels.iter().map(level).collect::<PyResult<Vec<_>>>()?).map_err(raised)?
+            }
+            None => CardOptions::default(),
+        };
+        let options = CardOptions { texture, textures, triangles: triangles.unwrap_or_default(), ..asked };
         let strands = self.strands(py).0;
         let head = self.character.head.clone();
         let rig = self.character.anatomy.as_ref().map(|anatomy| anatomy.rig.clone());

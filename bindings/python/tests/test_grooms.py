@@ -205,7 +205,11 @@ def test_cards_are_baked_and_saved(tmp_path):
     assert len(cards.save(tmp_path / "hair.obj")) == 7 and (tmp_path / "hair_color.png").exists()
     with pytest.raises(tresses.TressesError, match=".glb or .obj"):
         cards.save(tmp_path / "hair.fbx")
-    with pytest.raises(tresses.TressesError, match="falling"):
-        groom.cards([4, 12])
+    dense = tresses.Groom.built_in("bob", {"style.strands": 4000})
+    last = dense.cards([12, "helmet"], texture=256).levels[-1]
+    assert last.helmet and last.cards == 0 and last.roots.shape == last.positions.shape
+    for wrong in [["helmet", 12], ["cap"], [4, 12]]:
+        with pytest.raises(tresses.TressesError, match="level"):
+            groom.cards(wrong)
     with pytest.raises(tresses.TressesError, match="core, mask or blend"):
         cards.save(tmp_path / "hair.glb", alpha="hash")

@@ -3,11 +3,14 @@
 use crate::settings::Settings;
 use anyhow::{Context, Result, bail};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::{
+    path::{Path, PathBuf},
+    str::FromStr,
+};
 use tresses::{
     groom::{
         Rig, TriMesh,
-        cards::{CardAlpha, CardLook, Cards, SIZES},
+        cards::{CardAlpha, CardLook, CardOptions, Cards, SIZES},
     },
     light::fiber::bsdf::color_of,
 };
@@ -21,6 +24,44 @@ pub fn look(settings: &Settings, alpha: CardAlpha) -> CardLook {
     let fiber = settings.material().fiber;
     let absorption = 0.5 * (fiber.root_absorption + fiber.tip_absorption);
     CardLook { color: color_of(absorption, fiber.shape.azimuthal).powf(ONE_LAYER), alpha }
+}
+
+/// A level of detail that a user asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AskedLevel {
+    /// A number of cards.
+    Cards(u32),
+    /// A helmet.
+    Helmet,
+}
+
+impl FromStr for AskedLevel {
+    type Err = anyhow::Error;
+
+    fn from_str(word: &str) -> Result<Self> {
+        match word.trim() {
+            "helmet" => Ok(Self::Helmet),
+            number => match number.parse() {
+                Ok(count) => Ok(Self::Cards(count)),
+                Err(_) => bail!("a level is a number of cards, or helmet"),
+            },
+        }
+    }
+}
+
+/// Returns default options with the levels that a user asks for.
+///
+/// # Errors
+/// Fails for a helmet before other levels.
+pub fn options(levels: &[AskedLevel]) -> Result<CardOptions> {
+    let helmet = levels.last() == Some(&AskedLevel::Helmet);
+    let cards = &levels[..levels.len() - usize::from(helmet)];
+    let count = |level: &AskedLevel| match level {
+        AskedLevel::Cards(count) => Ok(*count),
+        AskedLevel::Helmet => bail!("the helmet is the last level, once"),
+    };
+    let levels = cards.iter().map(count).collect::<Result<_>>()?;
+    Ok(CardOptions { levels, helmet, ..Default::default() })
 }
 
 /// A format of cards.
@@ -88,6 +129,7 @@ pub fn numbers(cards: &Cards, strands: usize) -> Value {
         let differences: Vec<_> = differences.map(|(px, mean)| json!({"px": px, "opacity": mean})).collect();
         json!({
             "cards": level.cards,
+            "helmet": level.helmet,
             "pictures": level.pictures,
             "vertices": level.mesh.positions.len(),
             "triangles": level.mesh.triangles.len(),

@@ -3,7 +3,7 @@
 use super::picture::Opacity;
 
 /// Sizes of hair for which the difference is measured, pixels.
-pub const SIZES: [u32; 5] = [256, 128, 64, 32, 16];
+pub const SIZES: [u32; 7] = [256, 128, 64, 32, 16, 8, 4];
 
 /// Largest mean difference of opacity at which a level may replace strands.
 const VISIBLE: f32 = 0.07;
@@ -22,6 +22,7 @@ pub struct CardAccuracy {
     /// Mean difference of the opacity over the pixels with hair, for each of [`SIZES`].
     pub difference: [f32; SIZES.len()],
     /// Size of the hair in pixels up to which the level may replace the strands: the mean difference is at most 0.07.
+    /// 0 if it is larger at all sizes.
     pub switch: f32,
 }
 
@@ -39,13 +40,32 @@ fn halved(image: &Opacity, size: usize) -> Opacity {
     (0..half * half).map(mean).collect()
 }
 
+/// Returns pictures of [`SIZES`]`[0]` pixels at the smaller `size`.
+pub(super) fn shrunk(pictures: &[Opacity], size: usize) -> Vec<Opacity> {
+    let shrink = |picture: &Opacity| {
+        let (mut picture, mut now) = (picture.clone(), SIZES[0] as usize);
+        while now > size {
+            picture = halved(&picture, now);
+            now /= 2;
+        }
+        picture
+    };
+    pictures.iter().map(shrink).collect()
+}
+
+/// Returns the sum of the smaller opacity of each pixel over the sum of the larger one.
+pub(super) fn soft_iou(a: &[Opacity], b: &[Opacity]) -> f32 {
+    let pairs = a.iter().zip(b).flat_map(|(a, b)| a.iter().zip(b));
+    let (both, either) =
+        pairs.fold((0.0, 0.0), |(both, either), (a, b)| (both + a.min(*b), either + a.max(*b)));
+    if either > 0.0 { both / either } else { 1.0 }
+}
+
 impl CardAccuracy {
     /// Compares pictures of 256 pixels.
     pub(super) fn new(strands: &[Opacity], cards: &[Opacity]) -> Self {
         let pairs = || strands.iter().zip(cards).flat_map(|(a, b)| a.iter().zip(b));
         let ratio = |above: f32, below: f32| if below > 0.0 { above / below } else { 1.0 };
-        let both: f32 = pairs().map(|(a, b)| a.min(*b)).sum();
-        let either: f32 = pairs().map(|(a, b)| a.max(*b)).sum();
         let solid = |both: bool| {
             pairs().filter(|(a, b)| if both { a.min(**b) >= 0.5 } else { a.max(**b) >= 0.5 }).count() as f32
         };
@@ -69,7 +89,7 @@ impl CardAccuracy {
             }
         }
         Self {
-            soft_iou: ratio(both, either),
+            soft_iou: soft_iou(strands, cards),
             silhouette_iou: ratio(solid(true), solid(false)),
             coverage: ratio(cards.iter().map(total).sum(), strands.iter().map(total).sum()),
             coverage_range: views.iter().fold([f32::INFINITY, 0.0], |[lo, hi], v| [lo.min(*v), v.max(hi)]),
@@ -82,7 +102,7 @@ impl CardAccuracy {
 /// Interpolates the size at which the difference is [`VISIBLE`].
 fn switch(difference: &[f32]) -> f32 {
     let size = |i: usize| SIZES[i] as f32;
-    let Some(first) = difference.iter().position(|d| *d <= VISIBLE) else { return size(SIZES.len() - 1) };
+    let Some(first) = difference.iter().position(|d| *d <= VISIBLE) else { return 0.0 };
     if first == 0 {
         return size(0);
     }

@@ -1,9 +1,10 @@
 //! The bake, stage after stage.
 
 use super::{
-    accuracy::{CardAccuracy, SIZES},
+    accuracy::{CardAccuracy, SIZES, shrunk},
     atlas::{self, Rect},
     cluster::{cluster, merge},
+    helmet,
     lines::Lines,
     mesh::{self, CardMesh},
     options::CardOptions,
@@ -12,7 +13,7 @@ use super::{
     share::{Likeness, alike},
     texture::{self, CardTextures},
     tile::{Lock, Tile},
-    volume::HairVolume,
+    volume::{BLUR, HairVolume},
 };
 use crate::{
     Error, Progress, Result, SdfGrid, Strands, TriMesh,
@@ -20,12 +21,17 @@ use crate::{
     mesh::sdf::{self, SdfOptions},
     progress::{at_once, in_parallel},
 };
+use glam::Vec3;
 
 /// Name of the task for progress reports.
 const TASK: &str = "baking cards";
 /// Edge of the textures and pictures with which the widths of strands are found.
 const DRAFT: u32 = 512;
 const DRAFT_PICTURE: [usize; 2] = [128, 2];
+/// Edge of the pictures by which a helmet is formed, pixels, and samples along the edge of a pixel.
+const HELMET_PICTURE: [usize; 2] = [16, 8];
+/// Share of the hair's area that must be solid for a helmet.
+const SOLID: f32 = 0.5;
 /// Range of the factor on the widths of strands.
 const WIDENING: [f32; 2] = [1.0, 4.0];
 /// How much coarser texels may be along straight strands than across.
@@ -51,18 +57,28 @@ pub struct Cards {
 pub struct CardLevel {
     /// Number of the level, 0 for the finest.
     pub index: u32,
-    /// Number of cards.
+    /// Number of cards, 0 for a helmet.
     pub cards: u32,
+    /// Whether the level is a helmet, an opaque shell.
+    pub helmet: bool,
     /// Number of pictures that the cards share.
     pub pictures: u32,
     /// Factor on the widths of strands in the pictures.
     pub widening: f32,
     /// Triangles of all cards.
     pub mesh: CardMesh,
-    /// Strands of each card, as indices of the input.
+    /// Strands of each card, as indices of the input; none for a helmet.
     pub locks: Vec<Vec<u32>>,
     /// Coverage against the strands.
     pub accuracy: CardAccuracy,
+}
+
+impl CardLevel {
+    /// Returns the name of the level for people, such as `400 cards`.
+    #[must_use]
+    pub fn name(&self) -> String {
+        if self.helmet { "helmet".into() } else { format!("{} cards", self.cards) }
+    }
 }
 
 /// A level before it has triangles.
@@ -113,7 +129,7 @@ pub async fn bake_with(
     let (pictures, seen) = studio.strands(strands, &lines.radii);
     lines.weigh(&seen);
     progress.step(TASK, 0.25).await;
-    let volume = HairVolume::new(strands, &lines.radii, field.as_ref());
+    let volume = HairVolume::new(strands, &lines.radii, field.as_ref(), BLUR);
     let scene = Stage { lines, volume, field: field.as_ref(), options };
     let drafts = scene.drafts();
     progress.step(TASK, 0.5).await;
@@ -124,20 +140,28 @@ pub async fn bake_with(
         widenings.push(scene.widening(draft, &small, &wanted)?);
         progress.step(TASK, 0.5 + 0.3 * (level + 1) as f32 / drafts.len() as f32).await;
     }
+    let mut notes = Vec::new();
+    let shell = options.helmet.then(|| scene.shell(bounds, head, &pictures, &mut notes)).flatten();
     let size = options.texture as usize;
-    let (places, density) = scene.places(&drafts, size)?;
+    let (places, density) = scene.places(&drafts, size, shell.is_some())?;
     let mut tiles = scene.tiles(&drafts, &places, &widenings);
+    if shell.is_some() {
+        tiles.push(scene.helmet_tile(&drafts[0], *places.last().unwrap(), widenings[0]));
+    }
     progress.step(TASK, 0.9).await;
     let alpha = Pyramid::new(size, texture::coverage(size, &places, &tiles));
+    let accuracy = |mesh: &CardMesh, alpha: &Pyramid| {
+        CardAccuracy::new(&pictures, &studio.cards(&mesh.surface(), alpha))
+    };
     let mut levels = Vec::new();
     let mut first = 0;
     for (level, (draft, widening)) in drafts.iter().zip(&widenings).enumerate() {
         let mesh = scene.mesh(draft, &places[first..], size);
         first += draft.drawn.len();
-        let accuracy = CardAccuracy::new(&pictures, &studio.cards(&mesh.surface(), &alpha));
         levels.push(CardLevel {
             index: level as u32,
             cards: draft.locks.len() as u32,
+            helmet: false,
             pictures: draft.drawn.len() as u32,
             widening: *widening,
             locks: draft
@@ -145,15 +169,27 @@ pub async fn bake_with(
                 .iter()
                 .map(|lock| lock.members.iter().map(|i| kept[*i as usize]).collect())
                 .collect(),
+            accuracy: accuracy(&mesh, &alpha),
             mesh,
-            accuracy,
+        });
+    }
+    if let Some(shell) = &shell {
+        let mesh = helmet::textured(shell, &scene.lines, &scene.volume, (places[first], size));
+        levels.push(CardLevel {
+            index: levels.len() as u32,
+            helmet: true,
+            pictures: 1,
+            widening: widenings[0],
+            accuracy: accuracy(&mesh, &Pyramid::new(1, vec![1.0])),
+            mesh,
+            ..Default::default()
         });
     }
     let area: usize = places.iter().map(|place| place.width * place.height).sum();
     tiles.iter_mut().for_each(Tile::spread);
     let textures = CardTextures::new(size, &places, &tiles, !strands.colors.is_empty());
     progress.step(TASK, 1.0).await;
-    let notes = scene.notes(&levels, lost, density);
+    notes.splice(0..0, scene.notes(&levels, lost, density));
     Ok(Cards { levels, textures, density, filled: area as f32 / (size * size) as f32, notes })
 }
 
@@ -227,12 +263,51 @@ impl Stage<'_> {
         drafts.iter().enumerate().flat_map(of).collect()
     }
 
-    /// Returns the places of all tiles in textures of `size` texels, and the texels per meter.
-    fn places(&self, drafts: &[Draft], size: usize) -> Result<(Vec<Rect>, f32)> {
-        let extents = in_parallel(&self.drawn(drafts), |(_, lock)| {
+    /// Returns the shell of the hair for a helmet. Explains in `notes` why there is none.
+    fn shell(
+        &self,
+        bounds: (Vec3, Vec3),
+        head: Option<&TriMesh>,
+        pictures: &[Opacity],
+        notes: &mut Vec<String>,
+    ) -> Option<TriMesh> {
+        let solid = helmet::solid(pictures);
+        if solid < SOLID {
+            notes.push(format!(
+                "helmet: left out, because only {:.0} % of the hair's area is opaque, and {:.0} % must be",
+                100.0 * solid,
+                100.0 * SOLID
+            ));
+            return None;
+        }
+        let studio = Studio::new(bounds, HELMET_PICTURE, head);
+        let wanted = shrunk(pictures, HELMET_PICTURE[0]);
+        let triangles = self.options.most_triangles(self.options.levels.len());
+        let shell = helmet::shell(&self.lines, self.field, (&studio, &wanted), triangles);
+        if shell.is_none() {
+            notes.push("helmet: left out, because the hair has no surface outside of the head".into());
+        }
+        shell
+    }
+
+    /// Draws the picture of a helmet: the lock that covers most of the finest level.
+    fn helmet_tile(&self, finest: &Draft, place: Rect, widening: f32) -> Tile {
+        let area = |lock: u32| -> f32 {
+            let uses = finest.locks.iter().zip(&finest.likenesses).filter(|(_, like)| like.lock == lock);
+            uses.map(|(lock, _)| lock.ribbon.half() * lock.ribbon.length).sum()
+        };
+        let most = finest.drawn.iter().copied().max_by(|a, b| area(*a).total_cmp(&area(*b)));
+        let lock = &finest.locks[most.unwrap_or(0) as usize];
+        helmet::tile(place.width, place.height, |size| lock.draw(&self.lines, size, widening))
+    }
+
+    /// Returns the places of all tiles in textures of `size` texels, that of a helmet last, and the texels per meter.
+    fn places(&self, drafts: &[Draft], size: usize, helmet: bool) -> Result<(Vec<Rect>, f32)> {
+        let mut extents = in_parallel(&self.drawn(drafts), |(_, lock)| {
             let squash = (0.5 / lock.slope(&self.lines).max(1e-3)).clamp(1.0, SQUASH);
             [2.0 * lock.ribbon.half(), lock.ribbon.length / squash]
         });
+        extents.extend(helmet.then_some(helmet::EXTENT));
         atlas::pack(&extents, size).ok_or_else(|| {
             Error::Unusable(format!(
                 "{} pictures do not fit into a texture of {size} texels: use fewer pictures or a larger texture",
@@ -265,7 +340,7 @@ impl Stage<'_> {
     fn widening(&self, draft: &Draft, studio: &Studio, wanted: &[Opacity]) -> Result<f32> {
         let size = self.options.texture.min(DRAFT) as usize;
         let alone = std::slice::from_ref(draft);
-        let (places, _) = self.places(alone, size)?;
+        let (places, _) = self.places(alone, size, false)?;
         let mesh = self.mesh(draft, &places, size);
         let goal: f32 = wanted.iter().flatten().sum();
         Ok(root(WIDENING, |widening| {
@@ -289,14 +364,12 @@ impl Stage<'_> {
                 levels[0].cards, self.options.levels[0]
             ));
         }
-        if levels.len() < self.options.levels.len() {
-            notes.push(format!(
-                "levels: {} instead of {}; equal ones are one",
-                levels.len(),
-                self.options.levels.len()
-            ));
+        let made = levels.iter().filter(|level| !level.helmet).count();
+        if made < self.options.levels.len() {
+            notes
+                .push(format!("levels: {made} instead of {}; equal ones are one", self.options.levels.len()));
         }
-        for level in levels {
+        for level in levels.iter().filter(|level| !level.helmet) {
             let percent = 100.0 * level.accuracy.coverage;
             if percent < 97.0 {
                 notes.push(format!(

@@ -76,8 +76,8 @@ impl Cards {
         file.finish()
     }
 
-    /// Writes textures and materials, and returns the materials' indices.
-    fn materials(&self, file: &mut File, look: &CardLook) -> Result<Vec<usize>> {
+    /// Writes textures and materials.
+    fn materials(&self, file: &mut File, look: &CardLook) -> Result<Vec<Material>> {
         let textures = &self.textures;
         file.push("samplers", json!({"magFilter": 9729, "minFilter": 9987, "wrapS": 33071, "wrapT": 33071}));
         let mut texture = |name: &str, bytes: Vec<u8>| {
@@ -114,13 +114,24 @@ impl Cards {
         let core = json!({"alphaMode": "MASK", "alphaCutoff": CORE});
         let mask = json!({"alphaMode": "MASK", "alphaCutoff": 0.5});
         let blend = json!({"alphaMode": "BLEND"});
-        let all = match look.alpha {
+        let mut all = match look.alpha {
             CardAlpha::Core => vec![material("hair core", core), material("hair fringe", blend)],
             CardAlpha::Mask => vec![material("hair", mask)],
             CardAlpha::Blend => vec![material("hair", blend)],
         };
-        Ok(all.into_iter().map(|item| file.push("materials", item)).collect())
+        let of_cards = all.len();
+        if self.levels.iter().any(|level| level.helmet) {
+            all.push(material("hair helmet", json!({"alphaMode": "OPAQUE"})));
+        }
+        let put = |(i, item)| Material { index: file.push("materials", item), helmet: i >= of_cards };
+        Ok(all.into_iter().enumerate().map(put).collect())
     }
+}
+
+/// A material of the file, for cards or for a helmet.
+struct Material {
+    index: usize,
+    helmet: bool,
 }
 
 /// The body whose joints cards follow.
@@ -145,7 +156,12 @@ impl CardSkin<'_> {
 }
 
 /// Writes a level and returns its node.
-fn put_level(file: &mut File, level: &CardLevel, skin: Option<&CardSkin<'_>>, materials: &[usize]) -> usize {
+fn put_level(
+    file: &mut File,
+    level: &CardLevel,
+    skin: Option<&CardSkin<'_>>,
+    materials: &[Material],
+) -> usize {
     let mesh = &level.mesh;
     let name = format!("Hair_LOD{}", level.index);
     let mut item = json!({"name": name});
@@ -166,7 +182,8 @@ fn put_level(file: &mut File, level: &CardLevel, skin: Option<&CardSkin<'_>>, ma
     let indices = file.accessor(INT, "SCALAR", 3 * mesh.triangles.len(), indices);
     let primitives: Vec<Value> = materials
         .iter()
-        .map(|material| json!({"attributes": attributes, "indices": indices, "material": material}))
+        .filter(|material| material.helmet == level.helmet)
+        .map(|material| json!({"attributes": attributes, "indices": indices, "material": material.index}))
         .collect();
     item["mesh"] = json!(file.push("meshes", json!({"name": name, "primitives": primitives})));
     file.push("nodes", item)
@@ -186,14 +203,14 @@ fn skinned(file: &mut File, mesh: &CardMesh, skin: &CardSkin<'_>) -> Value {
     let count = mesh.positions.len();
     let (mut positions, mut normals, mut tangents) = (Vec::new(), Vec::new(), Vec::new());
     let mut binds = Vec::with_capacity(count);
-    for (card, start) in mesh.starts.iter().enumerate() {
-        let range = *start as usize..mesh.starts.get(card + 1).map_or(count, |next| *next as usize);
-        let (bind, matrix) = skin.at(mesh.positions[range.start]);
+    let same = |i: &usize, j: &usize| mesh.roots[*i] == mesh.roots[*j];
+    for stretch in (0..count).collect::<Vec<_>>().chunk_by(same) {
+        let (bind, matrix) = skin.at(mesh.roots[stretch[0]]);
         let back = matrix.inverse();
-        for i in range {
-            positions.push(back.transform_point3(mesh.positions[i]));
-            normals.push(back.transform_vector3(mesh.normals[i]).normalize_or(Vec3::Y));
-            tangents.push(back.transform_vector3(mesh.tangents[i]).normalize_or(Vec3::X));
+        for i in stretch {
+            positions.push(back.transform_point3(mesh.positions[*i]));
+            normals.push(back.transform_vector3(mesh.normals[*i]).normalize_or(Vec3::Y));
+            tangents.push(back.transform_vector3(mesh.tangents[*i]).normalize_or(Vec3::X));
             binds.push(bind);
         }
     }

@@ -29,7 +29,9 @@ pub struct CardMesh {
     pub uvs: Vec<Vec2>,
     /// Light from all around that reaches the vertex, 0 to 1.
     pub light: Vec<f32>,
-    /// First vertex of each card, which is at its root.
+    /// Root of the hair at each vertex, meters.
+    pub roots: Vec<Vec3>,
+    /// First vertex of each card, which is at its root; none for a helmet.
     pub starts: Vec<u32>,
     /// Vertex indices. Fronts are counterclockwise; backs are visible as well.
     pub triangles: Vec<[u32; 3]>,
@@ -177,6 +179,7 @@ impl CardMesh {
                     .push(row.side.reject_from(normal).normalize_or(normal.any_orthonormal_vector()));
                 self.uvs.push((at + Vec2::new(place.x as f32, place.y as f32)) / size as f32);
                 self.light.push(volume.open(p + normal * 0.004));
+                self.roots.push(self.positions[first as usize]);
             }
         }
         let (rows, columns) = (plan.rows.len() as u32, columns as u32);

@@ -13,6 +13,7 @@
 //!   (`share`).
 //! - A flat card covers less than its round strands do from most sides. Strands in the pictures are therefore wider, by
 //!   one factor per level, so that cards and strands have the same mean coverage from 14 sides.
+//! - The last level may be a helmet: an opaque shell around the hair (`helmet`).
 
 mod accuracy;
 mod atlas;
@@ -20,6 +21,7 @@ mod bake;
 mod cluster;
 #[cfg(feature = "textures")]
 mod glb;
+mod helmet;
 mod lines;
 mod mesh;
 #[cfg(feature = "textures")]

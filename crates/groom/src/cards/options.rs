@@ -2,17 +2,22 @@
 
 use crate::{Error, Result};
 
+/// Triangles of a helmet.
+const HELMET: u32 = 480;
+
 /// Options for baking cards.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CardOptions {
     /// Number of cards of each level, falling.
     pub levels: Vec<u32>,
+    /// Whether a helmet is the last level: an opaque shell around the hair, for hair that is dense enough.
+    pub helmet: bool,
     /// Edge of the textures, texels: a power of two from 128 to 8192.
     pub texture: u32,
     /// Number of different pictures of locks in the textures.
     pub textures: u32,
     /// Largest number of triangles of each level; where missing, 48 per card in the first level, 32 in the second, 12
-    /// in the others.
+    /// in the others, and 480 in a helmet.
     pub triangles: Vec<u32>,
     /// Seed of random choices.
     pub seed: u32,
@@ -20,7 +25,14 @@ pub struct CardOptions {
 
 impl Default for CardOptions {
     fn default() -> Self {
-        Self { levels: vec![400, 150, 40], texture: 2048, textures: 32, triangles: Vec::new(), seed: 1 }
+        Self {
+            levels: vec![400, 150, 40],
+            helmet: false,
+            texture: 2048,
+            textures: 32,
+            triangles: Vec::new(),
+            seed: 1,
+        }
     }
 }
 
@@ -52,7 +64,7 @@ impl CardOptions {
         if !(1..=1024).contains(&self.textures) {
             return wrong("the number of pictures", self.textures.to_string(), "from 1 to 1024");
         }
-        if self.triangles.len() > self.levels.len() {
+        if self.triangles.len() > self.levels.len() + usize::from(self.helmet) {
             return wrong("the list of triangles", format!("{:?}", self.triangles), "at most one per level");
         }
         let few =
@@ -65,10 +77,11 @@ impl CardOptions {
         }
     }
 
-    /// Largest number of triangles of a level.
+    /// Largest number of triangles of a level. The level after those of cards is the helmet.
     pub(super) fn most_triangles(&self, level: usize) -> usize {
         let each = [48, 32].get(level).copied().unwrap_or(12);
-        self.triangles.get(level).copied().unwrap_or(self.levels[level] * each) as usize
+        let usual = self.levels.get(level).map_or(HELMET, |cards| cards * each);
+        self.triangles.get(level).copied().unwrap_or(usual) as usize
     }
 
     /// Returns the number of pictures of each level: finer levels have more.

@@ -120,6 +120,45 @@ fn budgets_belong_to_the_levels_that_are_asked_for() {
     assert!(cards.levels[1].mesh.triangles.len() <= 16, "{}", cards.levels[1].mesh.triangles.len());
 }
 
+/// Returns cards with a helmet of hair with a number of strands.
+fn with_helmet(strands: u32) -> Cards {
+    let options = CardOptions { helmet: true, triangles: vec![400, 200], ..options(&[20]) };
+    bake(&hair(strands), Some(&head()), &options).unwrap()
+}
+
+#[test]
+fn a_helmet_is_a_shell_around_dense_hair_only() {
+    let cards = with_helmet(2500);
+    let level = &cards.levels[1];
+    assert!(level.helmet && level.locks.is_empty() && level.mesh.starts.is_empty(), "{:?}", cards.notes);
+    assert!(level.accuracy.soft_iou > 0.7, "{:?}", level.accuracy);
+    let mesh = &level.mesh;
+    assert!((100..=210).contains(&mesh.triangles.len()), "{}", mesh.triangles.len());
+    let count = mesh.positions.len();
+    assert!([mesh.normals.len(), mesh.uvs.len(), mesh.roots.len()].iter().all(|list| *list == count));
+    for i in 0..count {
+        let (p, n, t) = (mesh.positions[i], mesh.normals[i], mesh.tangents[i]);
+        assert!(p.length() > 0.09 && n.is_normalized() && t.is_normalized() && n.dot(t).abs() < 1e-3);
+        assert!(
+            mesh.roots[i].y > 0.0 && mesh.uvs[i].min_element() >= 0.0 && mesh.uvs[i].max_element() <= 1.0
+        );
+    }
+    // Normals point out of the hair, and tips are lower on the picture than roots.
+    let up = (0..count).max_by(|a, b| mesh.positions[*a].y.total_cmp(&mesh.positions[*b].y)).unwrap();
+    let low = (0..count).min_by(|a, b| mesh.positions[*a].y.total_cmp(&mesh.positions[*b].y)).unwrap();
+    assert!(mesh.normals[up].y > 0.7 && mesh.uvs[up].y < mesh.uvs[low].y);
+    // Its picture is opaque.
+    let size = cards.textures.size as f32;
+    let alpha = |uv: &glam::Vec2| {
+        cards.textures.color[(uv.y * size) as usize * size as usize + (uv.x * size) as usize][3]
+    };
+    assert!(mesh.uvs.iter().all(|uv| alpha(uv) == 255));
+
+    let sparse = with_helmet(20);
+    assert!(!sparse.levels.iter().any(|level| level.helmet));
+    assert!(sparse.notes.iter().any(|note| note.starts_with("helmet: left out")), "{:?}", sparse.notes);
+}
+
 #[test]
 fn coarse_cards_are_unions_of_fine_ones() {
     let (_, _, cards) = sample();
@@ -268,6 +307,19 @@ mod files {
         let folder = std::env::temp_dir().join(format!("tresses-{name}-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         folder
+    }
+
+    #[test]
+    fn helmets_are_opaque() {
+        let bytes = with_helmet(1500).glb(None, &look()).unwrap();
+        let file = gltf::Glb::from_slice(&bytes).unwrap();
+        let root: serde_json::Value = serde_json::from_slice(&file.json).unwrap();
+        let mesh =
+            root["meshes"].as_array().unwrap().iter().find(|mesh| mesh["name"] == "Hair_LOD1").unwrap();
+        let primitives = mesh["primitives"].as_array().unwrap();
+        assert_eq!(primitives.len(), 1);
+        let material = primitives[0]["material"].as_u64().unwrap() as usize;
+        assert_eq!(root["materials"][material]["alphaMode"], "OPAQUE");
     }
 
     #[test]

@@ -1,12 +1,13 @@
 //! The blurred density of hair, whose gradient is the direction out of the hair.
 
-use crate::{SdfGrid, Strands};
+use crate::{SdfGrid, Strands, TriMesh};
+use fast_surface_nets::{SurfaceNetsBuffer, ndshape::RuntimeShape, surface_nets};
 use glam::{UVec3, Vec3};
 
 /// Cells along the longest edge, at most.
 const CELLS: f32 = 48.0;
-/// Standard deviation of the blur, meters.
-const BLUR: f32 = 0.02;
+/// Standard deviation of the blur that gives the directions out of the hair, meters.
+pub(super) const BLUR: f32 = 0.02;
 /// Distance from the head within which its normal replaces the gradient of the density, meters.
 const NEAR: f32 = 0.03;
 
@@ -20,10 +21,12 @@ pub(super) struct HairVolume<'a> {
 }
 
 impl<'a> HairVolume<'a> {
-    pub(super) fn new(strands: &Strands, radii: &[f32], head: Option<&'a SdfGrid>) -> Self {
+    /// Splats strands whose vertices have `radii`, and blurs with the standard deviation `blur` (meters; at least 1.4
+    /// cells).
+    pub(super) fn new(strands: &Strands, radii: &[f32], head: Option<&'a SdfGrid>, blur: f32) -> Self {
         let (lo, hi) = strands.bounds().unwrap_or_default();
         let cell = ((hi - lo).max_element() / CELLS).max(1e-4);
-        let margin = 3.0 * BLUR;
+        let margin = 3.0 * blur.max(1.5 * cell);
         let size = ((hi - lo + 2.0 * margin) / cell).ceil().as_uvec3() + 2;
         let mut volume = Self { size, origin: lo - margin, cell, density: Vec::new(), head };
         let mut density = vec![0.0f64; size.element_product() as usize];
@@ -42,7 +45,7 @@ impl<'a> HairVolume<'a> {
         }
         let cell = f64::from(cell);
         volume.density = density.into_iter().map(|area| (area / (cell * cell * cell)) as f32).collect();
-        volume.blur();
+        volume.blur(blur);
         volume
     }
 
@@ -57,10 +60,10 @@ impl<'a> HairVolume<'a> {
         Corner { base: base.as_uvec3(), part: local - base }
     }
 
-    /// Blurs by three boxes per axis, which have the standard deviation [`BLUR`] together.
-    fn blur(&mut self) {
+    /// Blurs by three boxes per axis, which have the standard deviation `blur` together.
+    fn blur(&mut self, blur: f32) {
         // The variance of a box of 2 r + 1 cells is (r² + r) / 3.
-        let variance = (BLUR / self.cell).powi(2);
+        let variance = (blur / self.cell).powi(2);
         let reach = (((1.0 + 4.0 * variance).sqrt() - 1.0) * 0.5).round().max(1.0) as usize;
         let size = self.size.to_array().map(|n| n as usize);
         let strides = [1, size[0], size[0] * size[1]];
@@ -83,6 +86,29 @@ impl<'a> HairVolume<'a> {
                 }
             }
         }
+    }
+
+    /// Returns the surface where the density is `level`, with vertices in meters.
+    pub(super) fn surface(&self, level: f32) -> TriMesh {
+        let shape = RuntimeShape::<u32, 3>::new(self.size.to_array());
+        let values: Vec<f32> = self.density.iter().map(|density| level - density).collect();
+        let mut net = SurfaceNetsBuffer::default();
+        surface_nets(&values, &shape, [0; 3], (self.size - 1).to_array(), &mut net);
+        TriMesh {
+            positions: net.positions.iter().map(|p| self.origin + self.cell * Vec3::from(*p)).collect(),
+            triangles: net.indices.as_chunks().0.to_vec(),
+            ..Default::default()
+        }
+    }
+
+    /// Largest density.
+    pub(super) fn densest(&self) -> f32 {
+        self.density.iter().copied().fold(0.0, f32::max)
+    }
+
+    /// Edge of a cell, meters.
+    pub(super) fn cell(&self) -> f32 {
+        self.cell
     }
 
     /// Returns the density at `p`.
@@ -157,7 +183,7 @@ mod tests {
             strands.push(&[at, at + Vec3::new(0.0, 0.1, 0.0)]);
         }
         let radii = vec![1e-4; strands.positions.len()];
-        let volume = HairVolume::new(&strands, &radii, None);
+        let volume = HairVolume::new(&strands, &radii, None, BLUR);
         let sum = volume.density.iter().sum::<f32>() * volume.cell.powi(3);
         assert!((sum / (900.0 * 0.1 * 2e-4) - 1.0).abs() < 0.01, "{sum}");
         let side = Vec3::new(0.05, 0.05, 0.0);

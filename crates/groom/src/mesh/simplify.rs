@@ -37,7 +37,7 @@ impl TriMesh {
             let (before, triangles) =
                 levels.last().map_or((0.0, &self.triangles), |level| (level.stray, &level.triangles));
             // Each level is simplified from the previous one, so squared deviations add up.
-            let Some(fewer) = self.collapsed(triangles, (stray * stray - before * before).sqrt()) else {
+            let Some(fewer) = self.collapsed(triangles, 0, (stray * stray - before * before).sqrt()) else {
                 break;
             };
             if (fewer.len() as f32) < FEWER * triangles.len() as f32 {
@@ -47,8 +47,15 @@ impl TriMesh {
         levels
     }
 
-    /// Collapses as many edges of `triangles` as possible while the surface moves by at most `stray` meters.
-    fn collapsed(&self, triangles: &[[u32; 3]], stray: f32) -> Option<Vec<[u32; 3]>> {
+    /// Keeps at most about `count` triangles, those that change the surface least. Returns none for an invalid mesh.
+    pub(crate) fn simplified(&self, count: usize) -> Option<Vec<[u32; 3]>> {
+        let (lo, hi) = self.bounds()?;
+        self.collapsed(&self.triangles, count, hi.distance(lo))
+    }
+
+    /// Collapses edges of `triangles` until `count` are left, or until the surface would move by more than `stray`
+    /// meters.
+    fn collapsed(&self, triangles: &[[u32; 3]], count: usize, stray: f32) -> Option<Vec<[u32; 3]>> {
         let positions: Vec<[f32; 3]> = self.positions.iter().map(|p| p.to_array()).collect();
         let at = |values: &[glam::Vec3], i: usize| values.get(i).copied().unwrap_or_default().to_array();
         let attributes: Vec<f32> = (0..positions.len())
@@ -62,7 +69,7 @@ impl TriMesh {
             &[NORMAL, NORMAL, NORMAL, COLOR, COLOR, COLOR],
             None,
             SimplifySettings {
-                target_index_count: 0,
+                target_index_count: 3 * count,
                 target_error: stray,
                 options: SimplifyOptions::ERROR_ABSOLUTE,
             },

@@ -1,0 +1,166 @@
+//! Helmets: opaque shells around hair, for heads of few pixels.
+
+use super::{
+    accuracy::soft_iou,
+    atlas::{Extent, Rect},
+    lines::{KNOTS, Lines},
+    mesh::CardMesh,
+    picture::{Opacity, Pyramid, Studio, Surface},
+    tile::{Texel, Tile},
+    volume::HairVolume,
+};
+use crate::{SdfGrid, TriMesh, progress::in_parallel};
+use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
+
+/// Number of densities that are tried for the surface.
+const TRIES: i32 = 16;
+/// Area of parts of the surface that are left out, as a fraction of the largest part.
+const SMALL: f32 = 0.05;
+/// Opacity from which hair is solid.
+const SOLID: f32 = 0.9;
+/// Texels between the edge of the picture and the vertices.
+const INSET: f32 = 2.0;
+/// Most repetitions of a lock in the picture.
+const REPEATS: usize = 8;
+/// Size of the picture, meters: it is drawn at the density of the cards.
+pub(super) const EXTENT: Extent = [0.06, 0.03];
+
+/// Returns the fraction of the area of hair in which it is almost opaque. A shell suits hair for which this is large.
+pub(super) fn solid(pictures: &[Opacity]) -> f32 {
+    let all = pictures.iter().flatten();
+    let (solid, any) = all.fold((0.0f32, 0.0f32), |(solid, any), opacity| {
+        (solid + f32::from(u8::from(*opacity >= SOLID)) * opacity, any + opacity)
+    });
+    if any > 0.0 { solid / any } else { 0.0 }
+}
+
+/// Returns the shell of at most about `triangles` triangles whose pictures in `studio` are most like `wanted`.
+pub(super) fn shell(
+    lines: &Lines<'_>,
+    head: Option<&SdfGrid>,
+    (studio, wanted): (&Studio, &[Opacity]),
+    triangles: usize,
+) -> Option<TriMesh> {
+    let volume = HairVolume::new(lines.strands, &lines.radii, head, 0.0);
+    let opaque = Pyramid::new(1, vec![1.0]);
+    let tries: Vec<i32> = (0..TRIES).collect();
+    let shells = in_parallel(&tries, |k| {
+        let level = 0.5 * volume.densest() * 0.7f32.powi(*k);
+        let shell = outside(volume.surface(level), head, volume.cell(), triangles)?;
+        let uvs = vec![Vec2::splat(0.5); shell.positions.len()];
+        let surface = Surface { positions: &shell.positions, uvs: &uvs, triangles: &shell.triangles };
+        Some((soft_iou(wanted, &studio.cards(&surface, &opaque)), shell))
+    });
+    let best = shells.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0));
+    best.map(|(_, shell)| shell)
+}
+
+/// Keeps the large parts of `surface` that are not hidden by the head, with at most about `most` triangles.
+fn outside(mut surface: TriMesh, head: Option<&SdfGrid>, cell: f32, most: usize) -> Option<TriMesh> {
+    if let Some(head) = head {
+        let p = surface.positions.clone();
+        surface.triangles.retain(|triangle| {
+            let [a, b, c] = triangle.map(|v| p[v as usize]);
+            let middle = (a + b + c) / 3.0;
+            let far = head.sample(middle);
+            // The side of the shell that lies on the head cannot be seen.
+            let hidden = far < cell && (b - a).cross(c - a).dot(head.normal(middle)) < 0.0;
+            !(far < 0.0 || hidden)
+        });
+    }
+    let parts = surface.parts();
+    let least = SMALL * parts.first()?.area;
+    let kept = parts.iter().filter(|part| part.area >= least).flat_map(|part| &part.triangles);
+    surface.triangles = kept.map(|i| surface.triangles[*i as usize]).collect();
+    surface.triangles = surface.simplified(most)?;
+    // Drop vertices without triangles.
+    let mut new = vec![u32::MAX; surface.positions.len()];
+    let mut positions = Vec::new();
+    for v in surface.triangles.iter_mut().flatten() {
+        let index = &mut new[*v as usize];
+        if *index == u32::MAX {
+            *index = positions.len() as u32;
+            positions.push(surface.positions[*v as usize]);
+        }
+        *v = *index;
+    }
+    surface.positions = positions;
+    surface.compute_normals();
+    (!surface.triangles.is_empty()).then_some(surface)
+}
+
+/// Hair around a vertex.
+#[derive(Clone, Copy, Default)]
+struct Nearby {
+    weight: f32,
+    root: Vec3,
+    way: Vec3,
+    along: f32,
+}
+
+/// Returns the mean of the strands around `p`: those farther away than `reach` count little.
+fn nearby(lines: &Lines<'_>, p: Vec3, reach: f32) -> Nearby {
+    let mut sum = Nearby::default();
+    for i in 0..lines.strands.len() as u32 {
+        let path = lines.knots(i);
+        for k in 0..KNOTS {
+            let near = reach * reach / (path[k].distance_squared(p) + 0.1 * reach * reach);
+            let weight = near.powi(4) * lines.weights[i as usize];
+            sum.weight += weight;
+            sum.root += weight * path[0];
+            sum.way +=
+                weight * (path[(k + 1).min(KNOTS - 1)] - path[k.saturating_sub(1)]).normalize_or_zero();
+            sum.along += weight * k as f32 / (KNOTS - 1) as f32;
+        }
+    }
+    let scale = 1.0 / sum.weight.max(f32::MIN_POSITIVE);
+    Nearby { weight: sum.weight, root: sum.root * scale, way: sum.way * scale, along: sum.along * scale }
+}
+
+/// Returns a shell with texture coordinates in `place` of a texture of `size` texels: from the front to the back, the
+/// same on the left and the right, and from root to tip.
+pub(super) fn textured(
+    shell: &TriMesh,
+    lines: &Lines<'_>,
+    volume: &HairVolume<'_>,
+    (place, size): (Rect, usize),
+) -> CardMesh {
+    let mut mesh = CardMesh { triangles: shell.triangles.clone(), ..Default::default() };
+    let (lo, hi) = shell.bounds().unwrap_or_default();
+    let axis = 0.5 * (lo + hi);
+    let found = in_parallel(&shell.positions, |p| nearby(lines, *p, 2.0 * volume.cell()));
+    for ((p, normal), nearby) in shell.positions.iter().zip(&shell.normals).zip(found) {
+        let from = *p - axis;
+        let around = from.x.abs().atan2(from.z) / PI;
+        let inner = |texels: usize, at: f32| INSET + at.clamp(0.0, 1.0) * (texels as f32 - 2.0 * INSET);
+        let corner = Vec2::new(place.x as f32, place.y as f32);
+        let at = Vec2::new(inner(place.width, around), inner(place.height, nearby.along));
+        mesh.positions.push(*p);
+        mesh.normals.push(*normal);
+        mesh.tangents.push(normal.cross(nearby.way).normalize_or(normal.any_orthonormal_vector()));
+        mesh.uvs.push((corner + at) / size as f32);
+        mesh.light.push(volume.open(*p + normal * 0.004));
+        mesh.roots.push(nearby.root);
+    }
+    mesh
+}
+
+/// Returns the opaque picture of `width` × `height` texels that repeats a lock of a width of `lock` meters.
+pub(super) fn tile(width: usize, height: usize, draw: impl FnOnce([usize; 2]) -> Tile) -> Tile {
+    let repeats = (width / 32).clamp(1, REPEATS);
+    let mut lock = draw([width.div_ceil(repeats), height]);
+    lock.spread();
+    let texel = |i: usize| {
+        let (x, y) = (i % width, i / width);
+        let (turn, at) = (x / lock.width, x % lock.width);
+        let mirrored = turn % 2 == 1;
+        let texel = &lock.texels[y * lock.width + if mirrored { lock.width - 1 - at } else { at }];
+        let mut tangent = texel.tangent;
+        if mirrored {
+            tangent.x = -tangent.x;
+        }
+        Texel { coverage: 1.0, tangent, ..*texel }
+    };
+    Tile { width, height, texels: (0..width * height).map(texel).collect() }
+}
