@@ -7,10 +7,13 @@ use crate::{
     say,
     settings_args::SettingsArgs,
 };
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use std::{fmt::Write, path::PathBuf, time::Instant};
-use tresses::groom::cards::{CardAlpha, CardOptions, Cards, bake_with};
-use tresses_scene::cards::{self, AskedLevel, CardFormat};
+use tresses::groom::{
+    Progress, Rig,
+    cards::{CardAlpha, CardOptions, Cards, bake_with},
+};
+use tresses_scene::cards::{self, AskedLevel, CardClip, CardFormat};
 
 /// Options of `tresses cards`.
 #[derive(clap::Args, Debug)]
@@ -29,6 +32,12 @@ pub struct CardsArgs {
     /// Largest numbers of triangles of the levels [default: 48 per card, then 32, then 12; 480 for a helmet]
     #[arg(long, value_name = "N,...", value_delimiter = ',')]
     pub triangles: Vec<u32>,
+    /// Number of chains of bones that carry the cards: for spring bones of engines, and for --simulate
+    #[arg(long, value_name = "N", default_value = "0")]
+    pub bones: u32,
+    /// Simulate the hair in these animations of the body (all: in every one), and write the motion of the bones to a .glb
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    pub simulate: Vec<String>,
     /// Drawing of partial coverage in a .glb: core (an opaque core and a blended fringe), mask, or blend
     #[arg(long, value_name = "MODE", default_value = "core")]
     pub alpha: Alpha,
@@ -70,6 +79,7 @@ pub fn run(args: &CardsArgs) -> Result<()> {
         texture: args.texture,
         textures: args.textures,
         triangles: args.triangles.clone(),
+        chains: args.bones,
         ..cards::options(&args.levels)?
     };
     options.check()?;
@@ -78,19 +88,34 @@ pub fn run(args: &CardsArgs) -> Result<()> {
         !args.split || format == CardFormat::SplitGlb,
         "--split is for .glb files; .obj files are split anyway"
     );
+    ensure!(
+        args.simulate.is_empty() || (args.bones > 0 && format != CardFormat::Obj),
+        "--simulate needs --bones and a .glb file"
+    );
     ensure!(args.report.as_ref() != Some(&args.out), "--report and --out are the same file");
     for path in args.report.iter().chain([&args.out]) {
         files::prepare(path)?;
     }
     let preset = args.settings.preset()?;
     let preparing = Preparing::new("opening the GPU");
-    let RestingCharacter { scene, head, rig, .. } = RestingCharacter::new(&preset, &preparing)?;
+    let RestingCharacter { mut scene, head, rig, .. } = RestingCharacter::new(&preset, &preparing)?;
     let mut strands = drawn(&scene, [&scene.character.hair().strands])?;
     strands.colors = pollster::block_on(scene.drawn_colors(&scene.character.hair().strands))?;
     let begin = Instant::now();
     let baked = pollster::block_on(bake_with(&strands, head.as_ref(), &options, &preparing))?;
     let seconds = begin.elapsed().as_secs_f64();
-    let look = cards::look(&preset.settings, args.alpha.into());
+    let mut look = cards::look(&preset.settings, args.alpha.into());
+    if !args.simulate.is_empty() {
+        let rig = rig.as_ref().filter(|rig| !rig.animations.is_empty());
+        let rig = rig.context("--simulate needs a body with animations (.glb, .usd)")?;
+        let built_in = preset.source.grooms.is_empty();
+        let asked = animations(rig, &args.simulate)?;
+        for (done, animation) in asked.iter().enumerate() {
+            pollster::block_on(preparing.step("simulating the hair", done as f32 / asked.len() as f32));
+            let clip = CardClip { rig, animation: *animation, built_in };
+            look.motions.push(cards::simulate(&mut scene, &baked.chains, clip)?);
+        }
+    }
     let body = head.as_ref().map(|head| (head, rig.as_ref()));
     let mut written = format.encoded(&baked, body, &look, &args.out)?;
     if let Some(path) = &args.report {
@@ -107,6 +132,21 @@ pub fn run(args: &CardsArgs) -> Result<()> {
     }
     say!("{}", table(&baked));
     Ok(())
+}
+
+/// Returns the indices of the animations of `rig` with these names, whatever their case, or of all.
+fn animations(rig: &Rig, names: &[String]) -> Result<Vec<usize>> {
+    if names == ["all"] {
+        return Ok((0..rig.animations.len()).collect());
+    }
+    let find = |name: &String| {
+        let found = rig.animations.iter().position(|animation| animation.name.eq_ignore_ascii_case(name));
+        found.with_context(|| {
+            let there: Vec<_> = rig.animations.iter().map(|animation| animation.name.as_str()).collect();
+            format!("the body has no animation {name:?}; it has {}", there.join(", "))
+        })
+    };
+    names.iter().map(find).collect()
 }
 
 /// Formats the numbers of a bake as a table.

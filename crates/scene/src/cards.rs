@@ -1,4 +1,11 @@
-//! Cards as files: the look of their material, the files of each format, and the numbers of a bake.
+//! Cards as files: the look of their material, their simulated motion, the files of each format, and the numbers of a
+//! bake.
+
+#[cfg(not(target_arch = "wasm32"))]
+mod simulated;
+
+#[cfg(not(target_arch = "wasm32"))]
+pub use simulated::{CardClip, simulate};
 
 use crate::settings::Settings;
 use anyhow::{Context, Result, bail};
@@ -15,15 +22,17 @@ use tresses::{
     light::fiber::bsdf::color_of,
 };
 
-/// Exponent of the color of a mass of hair that gives the color of cards, whose light is scattered once. It makes the
-/// four built-in pigments as bright as the Kajiya–Kay model, which was compared with a path tracer.
-const ONE_LAYER: f32 = 0.55;
+/// Exponent of the light that hair loses, from its color to that of cards. With it, cards in three.js are as bright as
+/// strands under a light from the front (`tools/evidence/cards-light`).
+const MULTIPLE: f32 = 2.5;
 
-/// Returns the look of cards with the hair color of `settings`.
+/// Returns the look of cards with the hair color of `settings`. The color of cards includes light that strands scatter
+/// several times.
 pub fn look(settings: &Settings, alpha: CardAlpha) -> CardLook {
     let fiber = settings.material().fiber;
     let absorption = 0.5 * (fiber.root_absorption + fiber.tip_absorption);
-    CardLook { color: color_of(absorption, fiber.shape.azimuthal).powf(ONE_LAYER), alpha }
+    let color = color_of(absorption, fiber.shape.azimuthal);
+    CardLook { color: 1.0 - (1.0 - color).powf(MULTIPLE), alpha, motions: Vec::new() }
 }
 
 /// A level of detail that a user asks for.
@@ -140,6 +149,9 @@ pub fn numbers(cards: &Cards, strands: usize) -> Value {
             "coverageInOneView": accuracy.coverage_range,
             "difference": differences,
             "switchPx": accuracy.switch,
+            "pop": level.pop,
+            "overdraw": level.overdraw,
+            "orderError": level.order_error,
         })
     });
     json!({

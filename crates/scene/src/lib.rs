@@ -16,11 +16,11 @@
 //! - `colliders`: colliders from a file.
 //! - `companions`: readers of the files that accompany a groom and its head.
 //! - `options`: conversion of settings to the library's options.
-//! - `cards`: cards as files.
 //! - `preset`: settings and file names as one text file.
 //! - `open`: loading a preset's character.
 //! - `history`: undo and redo.
 //! - `scene`: a character on the GPU with colliders, lighting and a view.
+//! - `cards`: cards as files, and their simulated motion.
 //! - `crowd`: many instances of a character.
 //! - `measure`: frame timing.
 

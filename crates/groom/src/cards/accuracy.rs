@@ -97,6 +97,16 @@ impl CardAccuracy {
             difference,
         }
     }
+
+    /// Interpolates the mean difference of the opacity at a size of the hair in pixels.
+    #[must_use]
+    pub fn difference_at(&self, size: f32) -> f32 {
+        let last = SIZES.len() - 1;
+        let at = (SIZES[0] as f32 / size.max(1.0)).log2().clamp(0.0, last as f32);
+        let low = (at as usize).min(last - 1);
+        let [a, b] = [self.difference[low], self.difference[low + 1]];
+        a + (b - a) * (at - low as f32)
+    }
 }
 
 /// Interpolates the size at which the difference is [`VISIBLE`].
@@ -130,6 +140,10 @@ mod tests {
         let shifted = CardAccuracy::new(&[disc(0.0)], &[disc(20.0)]);
         assert!(shifted.soft_iou < 0.8 && (shifted.coverage - 1.0).abs() < 1e-3);
         assert!(shifted.difference[0] > shifted.difference[4] && shifted.switch < 256.0, "{shifted:?}");
+        assert!((shifted.difference_at(128.0) - shifted.difference[1]).abs() < 1e-6);
+        assert_eq!(shifted.switch, 0.0);
+        let shifted = CardAccuracy::new(&[disc(0.0)], &[disc(7.0)]);
+        assert!((shifted.difference_at(shifted.switch) - VISIBLE).abs() < 0.005, "{shifted:?}");
         let thin = CardAccuracy::new(&[disc(0.0)], &[disc(0.0).iter().map(|a| 0.5 * a).collect()]);
         assert_eq!((thin.soft_iou, thin.coverage), (0.5, 0.5));
     }

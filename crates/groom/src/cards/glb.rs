@@ -1,9 +1,13 @@
 //! Cards as GLB (binary glTF 2.0), with the body that they grow on.
 
-use super::{CardLevel, CardMesh, CardTextures, Cards};
+use super::{CardLevel, CardTextures, Cards, ChainMotion};
 use crate::{
     Error, Result, Rig, TriMesh,
-    formats::gltf::{File, INT, SHORT},
+    fill::near::PointTree,
+    formats::{
+        faces::PLAIN,
+        gltf::{File, INT},
+    },
     rig::{Bind, INFLUENCES},
 };
 use glam::{Mat4, Vec3};
@@ -23,39 +27,65 @@ pub enum CardAlpha {
 }
 
 /// Look of the written cards.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CardLook {
     /// Color of the hair, linear; unused for strands that have colors of their own.
     pub color: Vec3,
     /// Drawing of partial coverage.
     pub alpha: CardAlpha,
+    /// Motion of the chains in animations of the rig.
+    pub motions: Vec<ChainMotion>,
 }
 
 /// Coverage from which the core is opaque.
 const CORE: f32 = 0.6;
 /// Strength of the anisotropy.
 const ANISOTROPY: f32 = 0.8;
+/// Strength of the highlight: with it, black cards are as bright as black strands under a light from the front.
+const SPECULAR: f32 = 0.65;
+/// Roughness of the head.
+const SKIN: f32 = 0.6;
 /// Share of the light from all around in vertex colors.
 const SHADE: f32 = 0.5;
 /// Rows of the screen for which the sizes of levels are given as coverage.
 const SCREEN: f32 = 720.0;
 
 impl Cards {
-    /// Encodes all levels, and the body with its rig. The first level is in the scene; the others are its `MSFT_lod` levels. Each
-    /// card follows the joints of the body's vertex nearest to its root.
+    /// Encodes all levels, and the body with its rig. The first level is in the scene; the others are its `MSFT_lod`
+    /// levels. Cards follow their chains of bones, which are nodes of the body's skeleton; without chains, each follows
+    /// the joints of the body's vertex nearest to its root.
     ///
     /// # Errors
-    /// [`Error::Unusable`] for a rig of another mesh, and for a file of more than 4 GB.
+    /// [`Error::Unusable`] for another head than that of the bake, for a rig of another mesh, and for a file of more than
+    /// 4 GB.
     pub fn glb(&self, body: Option<(&TriMesh, Option<&Rig>)>, look: &CardLook) -> Result<Vec<u8>> {
         let mut file = File::new();
+        file.root["scenes"] = json!([{"nodes": []}]);
         let mut skin = None;
-        if let Some((mesh, rig)) = body {
-            file.body(mesh, rig)?;
-            skin = rig.map(|rig| CardSkin { rig, mesh, palette: rig.rest_pose().palette });
-        } else {
-            file.root["scenes"] = json!([{"nodes": []}]);
+        let tint = if self.textures.has_colors { Vec3::ONE } else { look.color };
+        let (head, rig) = body.map_or((None, None), |(head, rig)| (Some(head), rig));
+        let vertices = PointTree::new(head.map_or(&[], |head| &head.positions));
+        if let Some(mesh) = head {
+            let mesh = self.painted(mesh, tint)?;
+            if self.chains.is_empty() {
+                file.body(&mesh, rig)?;
+                skin = rig.map(|rig| CardSkin::Body { rig, vertices, palette: rig.rest_pose().palette });
+            } else {
+                let still = Rig::still(&mesh);
+                let made = self.chains.on(rig.unwrap_or(&still), &vertices, &look.motions);
+                file.body(&mesh, Some(&made.rig))?;
+                skin = Some(CardSkin::chains(&mut file, &made.bones));
+            }
+        } else if !self.chains.is_empty() {
+            let made = self.chains.on(&Rig::default(), &vertices, &[]);
+            file.skeleton(&made.rig);
+            skin = Some(CardSkin::chains(&mut file, &made.bones));
         }
-        let materials = self.materials(&mut file, look)?;
+        let materials = self.materials(&mut file, tint, look.alpha)?;
+        if body.is_some() {
+            let skin = json!({"name": "skin", "pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": SKIN}});
+            file.root["meshes"][0]["primitives"][0]["material"] = json!(file.push("materials", skin));
+        }
         let nodes: Vec<usize> =
             self.levels.iter().map(|level| put_level(&mut file, level, skin.as_ref(), &materials)).collect();
         if let Some(list) = file.root["scenes"][0]["nodes"].as_array_mut() {
@@ -68,7 +98,7 @@ impl Cards {
             let coverage: Vec<f32> = sizes.chain([0.0]).collect();
             file.root["nodes"][nodes[0]]["extras"] = json!({"MSFT_screencoverage": coverage});
         }
-        let mut used = vec!["KHR_materials_anisotropy"];
+        let mut used = vec!["KHR_materials_anisotropy", "KHR_materials_specular"];
         if nodes.len() > 1 {
             used.push("MSFT_lod");
         }
@@ -76,8 +106,22 @@ impl Cards {
         file.finish()
     }
 
+    /// Returns the head with the color of hair where hair grows.
+    fn painted(&self, head: &TriMesh, tint: Vec3) -> Result<TriMesh> {
+        let count = head.positions.len();
+        if self.scalp.cover.len() != count {
+            return Err(Error::Unusable("the cards were baked for another head".into()));
+        }
+        let mut head = head.clone();
+        head.colors.resize(count, PLAIN);
+        for ((skin, cover), hair) in head.colors.iter_mut().zip(&self.scalp.cover).zip(&self.scalp.colors) {
+            *skin = skin.lerp(*hair * tint, *cover);
+        }
+        Ok(head)
+    }
+
     /// Writes textures and materials.
-    fn materials(&self, file: &mut File, look: &CardLook) -> Result<Vec<Material>> {
+    fn materials(&self, file: &mut File, tint: Vec3, alpha: CardAlpha) -> Result<Vec<Material>> {
         let textures = &self.textures;
         file.push("samplers", json!({"magFilter": 9729, "minFilter": 9987, "wrapS": 33071, "wrapT": 33071}));
         let mut texture = |name: &str, bytes: Vec<u8>| {
@@ -89,7 +133,6 @@ impl Cards {
         let color = texture("color", textures.color_png()?);
         let anisotropy = texture("anisotropy", textures.anisotropy_png()?);
         let surface = texture("surface", textures.surface_png()?);
-        let tint = if textures.has_colors { Vec3::ONE } else { look.color };
         let material = |name: &str, mode: Value| {
             let mut item = json!({
                 "name": name,
@@ -101,10 +144,13 @@ impl Cards {
                     "metallicRoughnessTexture": surface,
                 },
                 "occlusionTexture": surface,
-                "extensions": {"KHR_materials_anisotropy": {
-                    "anisotropyStrength": ANISOTROPY,
-                    "anisotropyTexture": anisotropy,
-                }},
+                "extensions": {
+                    "KHR_materials_anisotropy": {
+                        "anisotropyStrength": ANISOTROPY,
+                        "anisotropyTexture": anisotropy,
+                    },
+                    "KHR_materials_specular": {"specularFactor": SPECULAR},
+                },
             });
             if let (Some(item), Some(mode)) = (item.as_object_mut(), mode.as_object()) {
                 item.extend(mode.clone());
@@ -114,7 +160,7 @@ impl Cards {
         let core = json!({"alphaMode": "MASK", "alphaCutoff": CORE});
         let mask = json!({"alphaMode": "MASK", "alphaCutoff": 0.5});
         let blend = json!({"alphaMode": "BLEND"});
-        let mut all = match look.alpha {
+        let mut all = match alpha {
             CardAlpha::Core => vec![material("hair core", core), material("hair fringe", blend)],
             CardAlpha::Mask => vec![material("hair", mask)],
             CardAlpha::Blend => vec![material("hair", blend)],
@@ -134,25 +180,78 @@ struct Material {
     helmet: bool,
 }
 
-/// The body whose joints cards follow.
-struct CardSkin<'a> {
-    rig: &'a Rig,
-    mesh: &'a TriMesh,
-    palette: Vec<Mat4>,
+/// What moves cards.
+enum CardSkin<'a> {
+    /// The joints of the body.
+    Body { rig: &'a Rig, vertices: PointTree<'a>, palette: Vec<Mat4> },
+    /// Chains of bones, the file's skin of this index.
+    Chains(usize),
 }
 
 impl CardSkin<'_> {
-    /// Returns the skinning of the body's vertex nearest to `p`, and the transform that it has at rest.
-    fn at(&self, p: Vec3) -> (Bind, Mat4) {
-        let far = |i: &usize| self.mesh.positions[*i].distance_squared(p);
-        let nearest = (0..self.mesh.positions.len()).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(0);
-        let bind = self.rig.vertices[nearest];
-        let mut matrix = Mat4::ZERO;
-        for (joint, weight) in bind.joints.iter().zip(bind.weights).filter(|(_, weight)| *weight > 0.0) {
-            matrix += self.palette.get(*joint as usize).copied().unwrap_or_default() * weight;
-        }
-        (bind, matrix)
+    /// Writes the skin of chains.
+    fn chains(file: &mut File, bones: &[(usize, Mat4)]) -> Self {
+        let binds = file.floats("MAT4", 16, bones.iter().flat_map(|(_, back)| back.to_cols_array()));
+        let joints: Vec<usize> = bones.iter().map(|(node, _)| *node).collect();
+        Self::Chains(file.push("skins", json!({"joints": joints, "inverseBindMatrices": binds})))
     }
+
+    /// Index of the file's skin.
+    fn index(&self) -> usize {
+        match self {
+            Self::Body { .. } => 0,
+            Self::Chains(index) => *index,
+        }
+    }
+
+    /// Writes positions, normals, tangents, joints and weights of a level.
+    fn put(&self, file: &mut File, level: &CardLevel) -> Value {
+        let mesh = &level.mesh;
+        let Self::Body { rig, vertices, palette } = self else {
+            let mut attributes = shaped(file, &mesh.positions, &mesh.normals, &mesh.tangents);
+            let joints: Vec<_> = level.binds.iter().flat_map(|bind| bind.bones).collect();
+            let weights: Vec<_> = level.binds.iter().flat_map(|bind| bind.weights).collect();
+            file.weights(&mut attributes, 0, &joints, &weights);
+            return attributes;
+        };
+        // At rest, joints move all to where `mesh` has them.
+        let (mut positions, mut normals, mut tangents) = (Vec::new(), Vec::new(), Vec::new());
+        let mut binds = Vec::new();
+        let all: Vec<usize> = (0..mesh.positions.len()).collect();
+        for stretch in all.chunk_by(|i, j| mesh.roots[*i] == mesh.roots[*j]) {
+            let mut nearest = Vec::new();
+            vertices.nearest(mesh.roots[stretch[0]], 1, f32::MAX, &mut nearest);
+            let bind = rig.vertices[nearest.first().map_or(0, |(_, i)| *i as usize)];
+            let back = transform(&bind, palette).inverse();
+            for i in stretch {
+                positions.push(back.transform_point3(mesh.positions[*i]));
+                normals.push(back.transform_vector3(mesh.normals[*i]).normalize_or(Vec3::Y));
+                tangents.push(back.transform_vector3(mesh.tangents[*i]).normalize_or(Vec3::X));
+                binds.push(bind);
+            }
+        }
+        let mut attributes = shaped(file, &positions, &normals, &tangents);
+        for set in 0..INFLUENCES / 4 {
+            let range = 4 * set..4 * set + 4;
+            let joints: Vec<_> = binds.iter().flat_map(|bind| bind.joints[range.clone()].to_vec()).collect();
+            let weights: Vec<_> =
+                binds.iter().flat_map(|bind| bind.weights[range.clone()].to_vec()).collect();
+            if set > 0 && weights.iter().all(|weight| *weight == 0.0) {
+                break;
+            }
+            file.weights(&mut attributes, set, &joints, &weights);
+        }
+        attributes
+    }
+}
+
+/// Returns the transform that `bind` has in a pose.
+fn transform(bind: &Bind, palette: &[Mat4]) -> Mat4 {
+    let mut matrix = Mat4::ZERO;
+    for (joint, weight) in bind.joints.iter().zip(bind.weights).filter(|(_, weight)| *weight > 0.0) {
+        matrix += palette.get(*joint as usize).copied().unwrap_or_default() * weight;
+    }
+    matrix
 }
 
 /// Writes a level and returns its node.
@@ -167,8 +266,8 @@ fn put_level(
     let mut item = json!({"name": name});
     let mut attributes = match skin {
         Some(skin) => {
-            item["skin"] = json!(0);
-            skinned(file, mesh, skin)
+            item["skin"] = json!(skin.index());
+            skin.put(file, level)
         }
         None => shaped(file, &mesh.positions, &mesh.normals, &mesh.tangents),
     };
@@ -196,44 +295,6 @@ fn shaped(file: &mut File, positions: &[Vec3], normals: &[Vec3], tangents: &[Vec
     // The bitangent, normal × tangent × w, runs against V, from tip to root.
     let tangent = file.floats("VEC4", 4, tangents.iter().flat_map(|t| t.extend(1.0).to_array()));
     json!({"POSITION": position, "NORMAL": normal, "TANGENT": tangent})
-}
-
-/// Writes positions, normals, tangents, joints and weights: at rest, joints move all to where `mesh` has them.
-fn skinned(file: &mut File, mesh: &CardMesh, skin: &CardSkin<'_>) -> Value {
-    let count = mesh.positions.len();
-    let (mut positions, mut normals, mut tangents) = (Vec::new(), Vec::new(), Vec::new());
-    let mut binds = Vec::with_capacity(count);
-    let same = |i: &usize, j: &usize| mesh.roots[*i] == mesh.roots[*j];
-    for stretch in (0..count).collect::<Vec<_>>().chunk_by(same) {
-        let (bind, matrix) = skin.at(mesh.roots[stretch[0]]);
-        let back = matrix.inverse();
-        for i in stretch {
-            positions.push(back.transform_point3(mesh.positions[*i]));
-            normals.push(back.transform_vector3(mesh.normals[*i]).normalize_or(Vec3::Y));
-            tangents.push(back.transform_vector3(mesh.tangents[*i]).normalize_or(Vec3::X));
-            binds.push(bind);
-        }
-    }
-    let mut attributes = shaped(file, &positions, &normals, &tangents);
-    for set in 0..INFLUENCES / 4 {
-        let range = 4 * set..4 * set + 4;
-        if set > 0 && binds.iter().all(|bind| bind.weights[range.clone()].iter().all(|weight| *weight == 0.0))
-        {
-            break;
-        }
-        let joint = |(joint, weight): (&u16, &f32)| if *weight > 0.0 { *joint } else { 0 };
-        let joints = binds
-            .iter()
-            .flat_map(|bind| bind.joints[range.clone()].iter().zip(&bind.weights[range.clone()]).map(joint))
-            .flat_map(u16::to_le_bytes)
-            .collect();
-        let joints = file.accessor(SHORT, "VEC4", count, joints);
-        let weights =
-            file.floats("VEC4", 4, binds.iter().flat_map(|bind| bind.weights[range.clone()].to_vec()));
-        attributes[format!("JOINTS_{set}")] = json!(joints);
-        attributes[format!("WEIGHTS_{set}")] = json!(weights);
-    }
-    attributes
 }
 
 impl CardTextures {

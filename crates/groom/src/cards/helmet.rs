@@ -96,7 +96,10 @@ struct Nearby {
     weight: f32,
     root: Vec3,
     way: Vec3,
+    /// Fraction of the length, 0 root, 1 tip.
     along: f32,
+    /// Distance from the root, meters.
+    distance: f32,
 }
 
 /// Returns the mean of the strands around `p`: those farther away than `reach` count little.
@@ -111,11 +114,19 @@ fn nearby(lines: &Lines<'_>, p: Vec3, reach: f32) -> Nearby {
             sum.root += weight * path[0];
             sum.way +=
                 weight * (path[(k + 1).min(KNOTS - 1)] - path[k.saturating_sub(1)]).normalize_or_zero();
-            sum.along += weight * k as f32 / (KNOTS - 1) as f32;
+            let along = k as f32 / (KNOTS - 1) as f32;
+            sum.along += weight * along;
+            sum.distance += weight * along * lines.length(i);
         }
     }
     let scale = 1.0 / sum.weight.max(f32::MIN_POSITIVE);
-    Nearby { weight: sum.weight, root: sum.root * scale, way: sum.way * scale, along: sum.along * scale }
+    Nearby {
+        weight: sum.weight,
+        root: sum.root * scale,
+        way: sum.way * scale,
+        along: sum.along * scale,
+        distance: sum.distance * scale,
+    }
 }
 
 /// Returns a shell with texture coordinates in `place` of a texture of `size` texels: from the front to the back, the
@@ -142,6 +153,7 @@ pub(super) fn textured(
         mesh.uvs.push((corner + at) / size as f32);
         mesh.light.push(volume.open(*p + normal * 0.004));
         mesh.roots.push(nearby.root);
+        mesh.along.push(nearby.distance);
     }
     mesh
 }

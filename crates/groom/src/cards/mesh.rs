@@ -14,6 +14,8 @@ use std::collections::BinaryHeap;
 const ROOT: f32 = 0.01;
 /// Share of the hair's volume, against the card, in a normal: locks are shaded as parts of a mass of hair.
 const VOLUME: f32 = 0.7;
+/// Least cosine between the normals of a vertex and of its triangles.
+const FRONT: f32 = 0.2;
 /// Least distance of cards from the head, meters.
 const CLEAR: f32 = 0.0005;
 /// Vertices and triangles of all cards of a level, card after card, row after row from the root.
@@ -31,6 +33,8 @@ pub struct CardMesh {
     pub light: Vec<f32>,
     /// Root of the hair at each vertex, meters.
     pub roots: Vec<Vec3>,
+    /// Distance of each vertex from the root along the hair, meters.
+    pub along: Vec<f32>,
     /// First vertex of each card, which is at its root; none for a helmet.
     pub starts: Vec<u32>,
     /// Vertex indices. Fronts are counterclockwise; backs are visible as well.
@@ -140,6 +144,31 @@ impl CardMesh {
         Surface { positions: &self.positions, uvs: &self.uvs, triangles: &self.triangles }
     }
 
+    /// Returns the cards in another order.
+    pub(super) fn reordered(&self, order: &[u32]) -> Self {
+        let end =
+            |starts: &[u32], card: usize, count: usize| starts.get(card + 1).map_or(count, |v| *v as usize);
+        let count = self.positions.len();
+        let mut mesh = Self::default();
+        for card in order {
+            let first = self.starts[*card as usize];
+            let range = first as usize..end(&self.starts, *card as usize, count);
+            let start = mesh.positions.len() as u32;
+            mesh.starts.push(start);
+            mesh.positions.extend(&self.positions[range.clone()]);
+            mesh.normals.extend(&self.normals[range.clone()]);
+            mesh.tangents.extend(&self.tangents[range.clone()]);
+            mesh.uvs.extend(&self.uvs[range.clone()]);
+            mesh.light.extend(&self.light[range.clone()]);
+            mesh.roots.extend(&self.roots[range.clone()]);
+            mesh.along.extend(&self.along[range.clone()]);
+            let from = self.triangles.partition_point(|t| (t[0] as usize) < range.start);
+            let to = self.triangles.partition_point(|t| (t[0] as usize) < range.end);
+            mesh.triangles.extend(self.triangles[from..to].iter().map(|t| t.map(|v| v - first + start)));
+        }
+        mesh
+    }
+
     /// Adds a card whose picture is at `place` in a texture of `size` texels.
     pub(super) fn push(
         &mut self,
@@ -180,16 +209,48 @@ impl CardMesh {
                 self.uvs.push((at + Vec2::new(place.x as f32, place.y as f32)) / size as f32);
                 self.light.push(volume.open(p + normal * 0.004));
                 self.roots.push(self.positions[first as usize]);
+                self.along.push(share(*k) * plan.ribbon.length);
             }
         }
         let (rows, columns) = (plan.rows.len() as u32, columns as u32);
         for r in 0..rows - 1 {
             for c in 0..columns - 1 {
                 let at = first + r * columns + c;
-                // `out` is `along` × `side`: down, then to the side, is counterclockwise from the front.
-                self.triangles.push([at, at + columns, at + 1]);
-                self.triangles.push([at + 1, at + columns, at + columns + 1]);
+                self.triangles.extend(self.halves([at, at + 1, at + columns, at + columns + 1]));
             }
+        }
+        self.face(self.triangles.len() - (2 * (rows - 1) * (columns - 1)) as usize);
+    }
+
+    /// Divides the part of a card between two rows along the diagonal with the smaller fold. Fronts are counterclockwise.
+    fn halves(&self, [a, b, c, d]: [u32; 4]) -> [[u32; 3]; 2] {
+        let front = |[a, b, c]: [u32; 3]| {
+            let [a, b, c] = [a, b, c].map(|v| self.positions[v as usize]);
+            (b - a).cross(c - a).normalize_or_zero()
+        };
+        let fold = |pair: [[u32; 3]; 2]| front(pair[0]).dot(front(pair[1]));
+        let ways = [[[a, c, b], [b, c, d]], [[a, c, d], [a, d, b]]];
+        if fold(ways[1]) > fold(ways[0]) { ways[1] } else { ways[0] }
+    }
+
+    /// Turns the normals of the triangles from `first` on to the fronts of these triangles: engines that draw both
+    /// sides would take a normal on the other side for that of the back.
+    fn face(&mut self, first: usize) {
+        for _ in 0..8 {
+            for triangle in &self.triangles[first..] {
+                let [a, b, c] = triangle.map(|v| self.positions[v as usize]);
+                let front = (b - a).cross(c - a).normalize_or_zero();
+                for v in triangle.map(|v| v as usize) {
+                    let normal = self.normals[v];
+                    let lacking = (FRONT - normal.dot(front)).max(0.0);
+                    self.normals[v] = (normal + 1.5 * lacking * front).normalize_or(normal);
+                }
+            }
+        }
+        for v in self.triangles[first..].iter().flatten().map(|v| *v as usize) {
+            let normal = self.normals[v];
+            let across = self.tangents[v].reject_from(normal);
+            self.tangents[v] = across.normalize_or(normal.any_orthonormal_vector());
         }
     }
 }

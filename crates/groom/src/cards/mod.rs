@@ -13,11 +13,15 @@
 //!   (`share`).
 //! - A flat card covers less than its round strands do from most sides. Strands in the pictures are therefore wider, by
 //!   one factor per level, so that cards and strands have the same mean coverage from 14 sides.
+//! - Chains of bones may carry the cards (`chains`).
 //! - The last level may be a helmet: an opaque shell around the hair (`helmet`).
 
 mod accuracy;
 mod atlas;
 mod bake;
+#[cfg(feature = "textures")]
+mod chain_rig;
+mod chains;
 mod cluster;
 #[cfg(feature = "textures")]
 mod glb;
@@ -27,8 +31,10 @@ mod mesh;
 #[cfg(feature = "textures")]
 mod obj;
 mod options;
+mod order;
 mod picture;
 mod ribbon;
+mod scalp;
 mod share;
 mod strip;
 #[cfg(test)]
@@ -40,9 +46,13 @@ mod volume;
 pub use accuracy::{CardAccuracy, SIZES};
 pub use bake::{CardLevel, Cards, bake, bake_with};
 #[cfg(feature = "textures")]
+pub use chain_rig::ChainMotion;
+pub use chains::{BONES, CardBind, CardChains};
+#[cfg(feature = "textures")]
 pub use glb::{CardAlpha, CardLook};
 pub use mesh::CardMesh;
 #[cfg(feature = "textures")]
 pub use obj::NamedFile;
 pub use options::CardOptions;
+pub use scalp::CardScalp;
 pub use texture::CardTextures;

@@ -19,6 +19,8 @@ pub struct CardOptions {
     /// Largest number of triangles of each level; where missing, 48 per card in the first level, 32 in the second, 12
     /// in the others, and 480 in a helmet.
     pub triangles: Vec<u32>,
+    /// Number of chains of bones that carry the cards, at most 256; without, cards follow the body alone.
+    pub chains: u32,
     /// Seed of random choices.
     pub seed: u32,
 }
@@ -31,6 +33,7 @@ impl Default for CardOptions {
             texture: 2048,
             textures: 32,
             triangles: Vec::new(),
+            chains: 0,
             seed: 1,
         }
     }
@@ -41,6 +44,9 @@ impl CardOptions {
     pub const MOST_LEVELS: usize = 8;
     /// Largest number of cards of a level.
     pub const MOST_CARDS: u32 = 4096;
+
+    /// Largest number of chains.
+    pub const MOST_CHAINS: u32 = 256;
 
     /// Checks the options.
     ///
@@ -63,6 +69,9 @@ impl CardOptions {
         }
         if !(1..=1024).contains(&self.textures) {
             return wrong("the number of pictures", self.textures.to_string(), "from 1 to 1024");
+        }
+        if self.chains > Self::MOST_CHAINS {
+            return wrong("the number of chains", self.chains.to_string(), "from 0 to 256");
         }
         if self.triangles.len() > self.levels.len() + usize::from(self.helmet) {
             return wrong("the list of triangles", format!("{:?}", self.triangles), "at most one per level");

@@ -22,6 +22,18 @@ const EYES: [Vec3; 14] = [
     Vec3::new(-1.0, -1.0, -1.0),
 ];
 
+/// A card in a sample of a picture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Layer {
+    /// Distance towards the eye, meters.
+    depth: f32,
+    pub(super) triangle: u32,
+    pub(super) card: u32,
+    pub(super) alpha: f32,
+    /// Brightness, 0 to 1.
+    pub(super) tone: f32,
+}
+
 /// Parallel projections of a sphere, and a head that hides hair behind it.
 pub(super) struct Studio {
     middle: Vec3,
@@ -120,6 +132,44 @@ impl Studio {
                 });
             }
             self.reduced(|at| 1.0 - passes[at])
+        })
+    }
+
+    /// Calls `see` for each sample with cards, with its layers sorted from the front. Returns a result for each picture.
+    /// Cards have first vertices, light at their vertices, and textures of opacity and of brightness.
+    pub(super) fn layered<R: Default + Send>(
+        &self,
+        mesh: &Surface<'_>,
+        (starts, light): (&[u32], &[f32]),
+        (alpha, tones): (&Pyramid, &[f32]),
+        see: impl Fn(&mut R, &[Layer]) + Sync,
+    ) -> Vec<R> {
+        in_parallel(&self.eyes(), |(back, depths)| {
+            let eye = self.eye(*back);
+            let mut samples: Vec<Vec<Layer>> = vec![Vec::new(); depths.len()];
+            for (number, triangle) in (0..).zip(mesh.triangles) {
+                let card = starts.partition_point(|start| *start <= triangle[0]) as u32 - 1;
+                let corners = triangle.map(|v| mesh.positions[v as usize]);
+                let [u, v, w] = triangle.map(|v| mesh.uvs[v as usize]);
+                let light = triangle.map(|v| light[v as usize]);
+                let texels = alpha.area([u, v, w]);
+                eye.fill(corners, |at, [a, b, c], depth, area| {
+                    if depth > depths[at] {
+                        let level = 0.5 * (texels / area.max(1e-6)).max(1.0).log2();
+                        let uv = a * u + b * v + c * w;
+                        let lit = a * light[0] + b * light[1] + c * light[2];
+                        let tone = lit * tones[alpha.nearest(uv)];
+                        let alpha = alpha.at(uv, level);
+                        samples[at].push(Layer { depth, triangle: number, card, alpha, tone });
+                    }
+                });
+            }
+            let mut found = R::default();
+            for layers in samples.iter_mut().filter(|layers| !layers.is_empty()) {
+                layers.sort_by(|a, b| b.depth.total_cmp(&a.depth));
+                see(&mut found, layers);
+            }
+            found
         })
     }
 
@@ -225,6 +275,13 @@ impl Pyramid {
     /// Returns the area of a triangle of texture coordinates, texels.
     fn area(&self, [a, b, c]: [Vec2; 3]) -> f32 {
         0.5 * (b - a).perp_dot(c - a).abs() * (self.levels[0].0 * self.levels[0].0) as f32
+    }
+
+    /// Returns the index of the texel at a texture coordinate.
+    fn nearest(&self, uv: Vec2) -> usize {
+        let size = self.levels[0].0;
+        let [x, y] = (uv * size as f32).to_array().map(|at| (at.max(0.0) as usize).min(size - 1));
+        y * size + x
     }
 
     /// Returns the value at a texture coordinate and a fractional level.

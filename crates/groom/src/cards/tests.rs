@@ -104,10 +104,38 @@ fn meshes_are_valid_and_keep_to_their_budgets() {
             assert!(mesh.positions[i].is_finite() && field.sample(mesh.positions[i]) > -0.002);
             assert!((0.0..=1.0).contains(&mesh.light[i]));
         }
+        // Normals are on the side of the triangles' fronts, except where coarse cards are folded.
+        let against = mesh.triangles.iter().filter(|t| {
+            let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
+            t.iter().any(|v| (b - a).cross(c - a).dot(mesh.normals[*v as usize]) < 0.0)
+        });
+        let against = against.count();
+        assert!(
+            against * [50, 12][level.index as usize] <= mesh.triangles.len(),
+            "{against} of {}",
+            mesh.triangles.len()
+        );
         // Every strand is on one card.
         let mut all: Vec<u32> = level.locks.iter().flatten().copied().collect();
         all.sort_unstable();
         assert_eq!(all, (0..strands.len() as u32).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn the_order_draws_hidden_cards_first() {
+    let (_, _, cards) = sample();
+    for level in &cards.levels {
+        assert!(level.overdraw > 1.0 && level.overdraw < 20.0, "{}", level.overdraw);
+        assert!(level.order_error > 0.0 && level.order_error < 0.03, "{}", level.order_error);
+        assert!((0.0..0.5).contains(&level.pop), "{}", level.pop);
+        // Locks follow the order of the cards: each card starts near the roots of its strands.
+        let strands = &sample().0;
+        for (start, lock) in level.mesh.starts.iter().zip(&level.locks) {
+            let root = |i: &u32| strands.positions[strands.range(*i as usize).start];
+            let middle = lock.iter().map(root).sum::<Vec3>() / lock.len() as f32;
+            assert!(level.mesh.roots[*start as usize].distance(middle) < 0.08);
+        }
     }
 }
 
@@ -238,12 +266,12 @@ fn unusable_input_is_refused_with_a_reason() {
 
 #[cfg(feature = "textures")]
 mod files {
-    use super::super::{CardAlpha, CardLook};
+    use super::super::{BONES, CardAlpha, CardLook};
     use super::*;
     use crate::{import, rig};
 
     fn look() -> CardLook {
-        CardLook { color: Vec3::new(0.1, 0.05, 0.02), alpha: CardAlpha::Core }
+        CardLook { color: Vec3::new(0.1, 0.05, 0.02), alpha: CardAlpha::Core, motions: Vec::new() }
     }
 
     #[test]
@@ -307,6 +335,94 @@ mod files {
         let folder = std::env::temp_dir().join(format!("tresses-{name}-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         folder
+    }
+
+    #[test]
+    fn skin_under_hair_has_its_color() {
+        let (_, head, cards) = sample();
+        let bytes = cards.glb(Some((head, None)), &look()).unwrap();
+        let gltf = gltf::Gltf::from_slice(&bytes).unwrap();
+        let blob = gltf.blob.clone().unwrap();
+        let primitive = gltf.meshes().next().unwrap().primitives().next().unwrap();
+        let colors: Vec<[f32; 3]> =
+            primitive.reader(|_| Some(&blob)).read_colors(0).unwrap().into_rgb_f32().collect();
+        // Hair grows above the equator alone.
+        let mut under = Vec::new();
+        for (p, [red, ..]) in head.positions.iter().zip(colors) {
+            assert!(p.y > -0.01 || red == 0.45, "{p} {red}");
+            under.extend((p.y > 0.02).then_some(red));
+        }
+        let mean = under.iter().sum::<f32>() / under.len() as f32;
+        assert!(mean < 0.4, "{mean}");
+        let other =
+            TriMesh { positions: vec![Vec3::ZERO; 3], triangles: vec![[0, 1, 2]], ..Default::default() };
+        let refusal = cards.glb(Some((&other, None)), &look()).unwrap_err().to_string();
+        assert!(refusal.contains("another head"), "{refusal}");
+    }
+
+    /// Returns how far cards of swaying hair are from where they should be with a number of chains, and how far without.
+    fn swayed(chains: u32) -> [f32; 2] {
+        let (strands, head) = (&sample().0, &sample().1);
+        let cards = bake(strands, Some(head), &CardOptions { chains, ..options(&[60]) }).unwrap();
+        let sway = |p: Vec3, root: Vec3| p + 2.0 * (p - root).length_squared() * Vec3::X;
+        let mut moved = strands.clone();
+        for i in 0..moved.len() {
+            let range = moved.range(i);
+            let root = moved.positions[range.start];
+            moved.positions[range].iter_mut().for_each(|p| *p = sway(*p, root));
+        }
+        let ends = cards.chains.followed(&moved);
+        let bone = |bone: u16, p: Vec3| {
+            let at = usize::from(bone) / BONES * (BONES + 1) + usize::from(bone) % BONES;
+            let way = |ends: &[Vec3]| (ends[at + 1] - ends[at]).normalize();
+            let turn = Quat::from_rotation_arc(way(&cards.chains.joints), way(&ends));
+            ends[at] + turn * (p - cards.chains.joints[at])
+        };
+        let mesh = &cards.levels[0].mesh;
+        let (mut stays, mut strays) = (0.0, 0.0f32);
+        for (i, bind) in cards.levels[0].binds.iter().enumerate() {
+            let here: Vec3 = bind
+                .bones
+                .iter()
+                .zip(bind.weights)
+                .map(|(j, weight)| weight * bone(*j, mesh.positions[i]))
+                .sum();
+            let wanted = sway(mesh.positions[i], mesh.roots[i]);
+            stays += wanted.distance(mesh.positions[i]);
+            strays += wanted.distance(here);
+        }
+        [strays, stays]
+    }
+
+    #[test]
+    fn chains_of_bones_carry_the_cards() {
+        let (strands, head) = (&sample().0, &sample().1);
+        let cards = bake(strands, Some(head), &CardOptions { chains: 12, ..options(&[60, 20]) }).unwrap();
+        assert_eq!(cards.chains.len(), 12);
+        assert_eq!(cards.chains.followed(strands), cards.chains.joints);
+        for level in &cards.levels {
+            let mesh = &level.mesh;
+            assert_eq!(level.binds.len(), mesh.positions.len());
+            for (bind, along) in level.binds.iter().zip(&mesh.along) {
+                assert!((bind.weights.iter().sum::<f32>() - 1.0).abs() < 1e-5);
+                assert!(bind.weights.is_sorted_by(|a, b| a >= b));
+                // Roots follow the first bones alone.
+                let used = bind.bones.iter().zip(bind.weights).filter(|(_, weight)| *weight > 0.0);
+                assert!(*along > 0.0 || used.clone().all(|(bone, _)| usize::from(*bone) % BONES == 0));
+            }
+        }
+        // Hair that sways: cards follow their strands, and better with more chains.
+        let [few, many] = [12, 48].map(swayed).map(|[strays, stays]| strays / stays);
+        assert!(many < 0.3 && many < 0.8 * few, "{few} {many}");
+        // The file has a skeleton with the bones under the body's joint, and needs no body.
+        for body in [Some((head, None)), None] {
+            let bytes = cards.glb(body, &look()).unwrap();
+            let gltf = gltf::Gltf::from_slice(&bytes).unwrap();
+            let skin = gltf.skins().last().unwrap();
+            assert_eq!(skin.joints().count(), 12 * BONES);
+            let node = gltf.nodes().find(|node| node.name() == Some("Hair_LOD0")).unwrap();
+            assert_eq!(node.skin().unwrap().index(), skin.index());
+        }
     }
 
     #[test]

@@ -57,6 +57,18 @@ pub(super) fn coverage(size: usize, places: &[Rect], tiles: &[Tile]) -> Vec<f32>
     coverage
 }
 
+/// Returns the linear color of a texel of the texture.
+fn tinted(texel: &Texel) -> Vec3 {
+    texel.color * lightness(texel.seed, texel.along) * (0.6 + 0.4 * texel.shade)
+}
+
+/// Returns the brightness of a texture of `size` texels with `tiles` at `places`.
+pub(super) fn tones(size: usize, places: &[Rect], tiles: &[Tile]) -> Vec<f32> {
+    let mut tones = vec![0.0; size * size];
+    each(size, places, tiles, |i, texel, _| tones[i] = tinted(texel).dot(Vec3::new(0.2126, 0.7152, 0.0722)));
+    tones
+}
+
 impl CardTextures {
     pub(super) fn new(size: usize, places: &[Rect], tiles: &[Tile], has_colors: bool) -> Self {
         let texels = tiles.iter().flat_map(|tile| &tile.texels);
@@ -73,8 +85,7 @@ impl CardTextures {
         };
         each(size, places, tiles, |i, texel, inside| {
             let coverage = if inside { byte(texel.coverage) } else { 0 };
-            let linear = texel.color * lightness(texel.seed, texel.along) * (0.6 + 0.4 * texel.shade);
-            let [r, g, b] = linear.to_array().map(|c| byte(srgb::encoded(c.clamp(0.0, 1.0))));
+            let [r, g, b] = tinted(texel).to_array().map(|c| byte(srgb::encoded(c.clamp(0.0, 1.0))));
             textures.color[i] = [r, g, b, coverage];
             // A quarter turn of the strand's direction in the plane of the card.
             let Vec3 { x, y, .. } = texel.tangent;

@@ -28,7 +28,7 @@
 pub(crate) mod curves;
 mod followers;
 mod kin;
-mod near;
+pub(crate) mod near;
 mod place;
 mod shape;
 mod skin;

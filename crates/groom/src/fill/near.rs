@@ -4,14 +4,14 @@ use glam::Vec3;
 
 /// Points in a balanced k-d tree: the median of every part of [`order`](Self::order) splits it along the axis of its
 /// largest extent.
-pub(super) struct PointTree<'a> {
+pub(crate) struct PointTree<'a> {
     points: &'a [Vec3],
     order: Vec<u32>,
     axes: Vec<u8>,
 }
 
 impl<'a> PointTree<'a> {
-    pub(super) fn new(points: &'a [Vec3]) -> Self {
+    pub(crate) fn new(points: &'a [Vec3]) -> Self {
         let mut near =
             Self { points, order: (0..points.len() as u32).collect(), axes: vec![0; points.len()] };
         let mut parts = Vec::from([(0, points.len())]);
@@ -38,7 +38,7 @@ impl<'a> PointTree<'a> {
 
     /// Puts the `count` points nearest to `p` and nearer than `reach` meters into `found`, nearest first, as squared
     /// distances and indices.
-    pub(super) fn nearest(&self, p: Vec3, count: usize, reach: f32, found: &mut Vec<(f32, u32)>) {
+    pub(crate) fn nearest(&self, p: Vec3, count: usize, reach: f32, found: &mut Vec<(f32, u32)>) {
         found.clear();
         let mut most = reach * reach;
         let mut parts: Vec<(std::ops::Range<usize>, f32)> = vec![(0..self.order.len(), 0.0)];

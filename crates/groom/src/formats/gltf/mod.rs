@@ -5,7 +5,7 @@ mod write;
 
 pub(super) use read::{hair::read, read_mesh};
 #[cfg(feature = "textures")]
-pub(crate) use write::{File, INT, SHORT};
+pub(crate) use write::{File, INT};
 pub(super) use write::{body, character, encode};
 
 use std::path::Path;

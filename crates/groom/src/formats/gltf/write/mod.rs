@@ -18,7 +18,7 @@ use crate::{
     rig::{Animation, Interpolation, Node, Property, Rig},
 };
 
-pub(crate) const SHORT: u32 = 5123;
+const SHORT: u32 = 5123;
 pub(crate) const INT: u32 = 5125;
 pub(crate) const FLOAT: u32 = 5126;
 
@@ -81,16 +81,9 @@ impl File {
         let sets = if vertices.iter().any(|v| v.weights[4..].iter().any(|w| *w > 0.0)) { 2 } else { 1 };
         for set in 0..sets {
             let range = 4 * set..4 * set + 4;
-            let joints =
-                vertices.iter().flat_map(|v| v.joints[range.clone()].iter().zip(&v.weights[range.clone()]));
-            // The specification requires joint 0 where the weight is 0.
-            let joints =
-                joints.flat_map(|(joint, weight)| if *weight > 0.0 { *joint } else { 0 }.to_le_bytes());
-            let joints = file.accessor(SHORT, "VEC4", vertices.len(), joints.collect());
-            let weights = vertices.iter().flat_map(|v| v.weights[range.clone()].to_vec());
-            let weights = file.floats("VEC4", 4, weights);
-            primitive["attributes"][format!("JOINTS_{set}")] = json!(joints);
-            primitive["attributes"][format!("WEIGHTS_{set}")] = json!(weights);
+            let joints: Vec<_> = vertices.iter().flat_map(|v| v.joints[range.clone()].to_vec()).collect();
+            let weights: Vec<_> = vertices.iter().flat_map(|v| v.weights[range.clone()].to_vec()).collect();
+            file.weights(&mut primitive["attributes"], set, &joints, &weights);
         }
         let targets: Vec<_> = rig.targets.iter().map(|target| file.target(target, vertices.len())).collect();
         let names: Vec<_> = rig.targets.iter().map(|target| &target.name).collect();
@@ -103,19 +96,13 @@ impl File {
         file.push("meshes", shape);
         // Rig nodes keep their indices. The skinned node and the node with the transform to the groom's space follow
         // them.
-        rig.nodes.iter().enumerate().for_each(|(i, node)| {
-            let children: Vec<_> =
-                (0..rig.nodes.len()).filter(|j| rig.nodes[*j].parent == Some(i as u32)).collect();
-            file.push("nodes", node_of(node, &children));
-        });
+        file.nodes(rig);
         let binds = rig.joints.iter().flat_map(|joint| joint.inverse_bind.to_cols_array());
         let binds = file.floats("MAT4", 16, binds);
         let joints: Vec<_> = rig.joints.iter().map(|joint| joint.node).collect();
         file.push("skins", json!({"joints": joints, "inverseBindMatrices": binds}));
         let skinned = file.push("nodes", json!({"name": "Body", "mesh": 0, "skin": 0}));
-        let roots: Vec<_> = (0..rig.nodes.len()).filter(|i| rig.nodes[*i].parent.is_none()).collect();
-        let space = json!({"name": "Character", "matrix": rig.to_groom.to_cols_array(), "children": roots});
-        let top = file.push("nodes", space);
+        let top = file.space(rig);
         // The skinned node is a root of the scene: some readers would add the transform of a parent to the joints'.
         file.root["scenes"] = json!([{"nodes": [top, skinned]}]);
         for animation in &rig.animations {
@@ -123,6 +110,39 @@ impl File {
             file.push("animations", item);
         }
         Ok(())
+    }
+
+    /// Writes four joints and weights of each vertex, the vertices' set of this number.
+    pub(crate) fn weights(&mut self, attributes: &mut Value, set: usize, joints: &[u16], weights: &[f32]) {
+        // The specification requires joint 0 where the weight is 0.
+        let used = joints.iter().zip(weights).map(|(joint, weight)| if *weight > 0.0 { *joint } else { 0 });
+        let used = used.flat_map(u16::to_le_bytes).collect();
+        let joints = self.accessor(SHORT, "VEC4", weights.len() / 4, used);
+        let weights = self.floats("VEC4", 4, weights.iter().copied());
+        attributes[format!("JOINTS_{set}")] = json!(joints);
+        attributes[format!("WEIGHTS_{set}")] = json!(weights);
+    }
+
+    /// Writes the nodes of a rig without a body to an empty scene.
+    pub(crate) fn skeleton(&mut self, rig: &Rig) {
+        self.nodes(rig);
+        let top = self.space(rig);
+        self.root["scenes"] = json!([{"nodes": [top]}]);
+    }
+
+    fn nodes(&mut self, rig: &Rig) {
+        for (i, node) in rig.nodes.iter().enumerate() {
+            let children: Vec<_> =
+                (0..rig.nodes.len()).filter(|j| rig.nodes[*j].parent == Some(i as u32)).collect();
+            self.push("nodes", node_of(node, &children));
+        }
+    }
+
+    /// Writes the node with the transform from the rig's space to the groom's, the parent of all others.
+    fn space(&mut self, rig: &Rig) -> usize {
+        let roots: Vec<_> = (0..rig.nodes.len()).filter(|i| rig.nodes[*i].parent.is_none()).collect();
+        let space = json!({"name": "Character", "matrix": rig.to_groom.to_cols_array(), "children": roots});
+        self.push("nodes", space)
     }
 }
 
