@@ -23,7 +23,7 @@ ifeq ($(XDG_RUNTIME_DIR),)
 export NODEVICE_SELECT ?= 1
 endif
 
-.PHONY: help setup setup-tests demo test proof semver fuzz truth bench benchmarks book gallery web viewer web-serve python bevy package release clean
+.PHONY: help setup setup-viewer setup-tests demo test proof semver fuzz truth bench benchmarks book gallery web viewer web-serve python bevy package release clean
 
 help: ## Show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 14
@@ -40,6 +40,9 @@ demo: setup ## Open the studio; without a display, draw out/demo.png and out/dem
 	$(CARGO) build --bin tresses
 	@echo "demo: $(if $(WINDOW),opening the studio,drawing out/demo.png$(comma) then the loop out/demo.webp)"
 	$(CARGO) run --quiet --bin tresses -- $(if $(WINDOW),studio,demo)
+
+setup-viewer:
+	@scripts/setup --viewer
 
 setup-tests:
 	@scripts/setup --tests
@@ -128,7 +131,7 @@ gallery: setup ## Draw the pictures of the docs anew
 web: setup ## Build the web page into dist/, for any static file server
 	$(CARGO) run --quiet --bin tresses-web -- build
 
-viewer: setup ## Build <tresses-viewer>, hair as an element for web pages, into dist-viewer/
+viewer: setup-viewer ## Build <tresses-viewer>, hair as an element for web pages, into dist-viewer/
 	$(CARGO) run --quiet --bin tresses-web -- build --page viewer --out dist-viewer
 
 web-serve: web ## Serve the web page on http://127.0.0.1:8080/

@@ -1,4 +1,4 @@
-// <tresses-viewer src="hair.glb">: hair in a web page, simulated and rendered with WebGPU. See README.md.
+// <tresses-viewer src="hair.glb">: hair in a web page, simulated and rendered with WebGPU, or cards without it. See README.md.
 
 const module = new URL("./tresses.js", import.meta.url);
 
@@ -62,12 +62,15 @@ export async function unsupported() {
 }
 
 const words = text => text ? text.split(/\s+/).filter(Boolean) : [];
-const ATTRIBUTES = ["src", "head", "preset", "motion", "animation", "camera", "paused"];
+const FILES = ["src", "head", "preset"];
+const ATTRIBUTES = [...FILES, "cards", "render", "motion", "animation", "camera", "paused"];
 
 export class TressesViewer extends HTMLElement {
   static observedAttributes = ATTRIBUTES;
 
   #viewer = null;
+  /** Whether the viewer shows cards. */
+  #cards = false;
   #opening = null;
   #state = {};
   #canvas = null;
@@ -93,22 +96,43 @@ export class TressesViewer extends HTMLElement {
   }
 
   attributeChangedCallback(name, before, now) {
-    if (!this.#viewer || before === now) return;
-    const done = ["src", "head", "preset"].includes(name) ? this.load(...this.#urls()) : this.#apply(name);
-    Promise.resolve(done).catch(error => this.#fail(error));
+    if (before === now || !this.#opening) return;
+    if (name === "render") {
+      this.close();
+      this.open().catch(() => {});
+    } else if (!this.#viewer) return;
+    else if (name === "cards" || FILES.includes(name)) {
+      if (this.#cards === (name === "cards")) this.load(...this.#urls()).catch(error => this.#fail(error));
+    } else this.#attempt(name);
   }
 
   /** Opens the viewer unless it is open. Resolves when the viewer runs. */
-  open() { return this.#opening ??= this.#open().catch(error => { this.#opening = null; this.#fail(error); throw error; }); }
+  open() {
+    if (this.#opening) return this.#opening;
+    const isCurrent = () => this.#opening === opening;
+    const opening = this.#open(isCurrent).catch(error => {
+      if (isCurrent()) {
+        this.close();
+        this.#fail(error);
+      }
+      throw error;
+    });
+    return this.#opening = opening;
+  }
 
-  async #open() {
-    const reason = await unsupported();
-    if (reason) throw new Error(reason);
+  async #open(isCurrent) {
+    const wanted = this.getAttribute("render") === "cards";
+    const reason = wanted ? 'render="cards" needs a file of cards: set the attribute cards.' : await unsupported();
+    this.#cards = reason !== null && words(this.getAttribute("cards")).length > 0;
+    if (reason && !this.#cards) throw new Error(reason);
     const [Viewer, files] = await Promise.all([
-      loadProgram((loaded, total) => this.#progress("viewer", loaded, total)),
+      this.#cards
+        ? import("./tresses-cards.js").then(({ CardsViewer }) => CardsViewer)
+        : loadProgram((loaded, total) => this.#progress("viewer", loaded, total)),
       fetchFiles(this.#urls(), (loaded, total) => this.#progress("files", loaded, total)),
     ]);
-    if (!this.isConnected) throw new Error("the element was removed from the page");
+    const check = () => { if (!isCurrent() || !this.isConnected) throw new Error("the element was removed from the page or closed"); };
+    check();
     // Use the page's own canvas if there is one, else create one.
     this.#canvas = this.querySelector("canvas[slot=canvas]");
     if (!this.#canvas) {
@@ -116,9 +140,11 @@ export class TressesViewer extends HTMLElement {
       this.shadowRoot.insertBefore(this.#canvas, this.#message);
     }
     this.#canvas.tabIndex = 0;
-    this.#viewer = await Viewer.open(this.#canvas, this.getAttribute("query") ?? "", files, true, text => this.#told(JSON.parse(text)));
+    const viewer = await Viewer.open(this.#canvas, this.getAttribute("query") ?? "", files, true, text => this.#told(JSON.parse(text)));
+    try { check(); } catch (error) { viewer.close(); throw error; }
+    this.#viewer = viewer;
     this.#say("");
-    for (const name of ["motion", "animation", "camera", "paused"]) this.#apply(name);
+    for (const name of ["motion", "animation", "camera", "paused"]) this.#attempt(name);
     this.dispatchEvent(new CustomEvent("ready"));
   }
 
@@ -126,6 +152,7 @@ export class TressesViewer extends HTMLElement {
   close() {
     this.#viewer?.close();
     this.#viewer = this.#opening = null;
+    this.#state = {};
     if (this.#canvas?.parentNode === this.shadowRoot) this.#canvas.remove();
   }
 
@@ -146,25 +173,28 @@ export class TressesViewer extends HTMLElement {
       once("error", event => reject(new Error(event.detail)));
     });
     this.#viewer.load(files);
-    this.#apply("animation");
+    this.#attempt("animation");
     return shown;
   }
 
   /** Sets `playing`, `motion`, `animation`, `camera`, or a parameter by its path, such as `wind.speed`. */
   set(name, value) {
     if (!this.#viewer) throw new Error("the viewer is not open yet: await viewer.open()");
-    try { this.#viewer.set(name, String(value)); } catch (error) { throw new Error(String(error)); }
+    try { this.#viewer.set(name, String(value)); } catch (error) { throw new Error(error?.message ?? String(error)); }
   }
 
   /** The current state: file, strands, step, error, playing, size, frames, milliseconds. */
   get state() { return this.#viewer ? JSON.parse(this.#viewer.state()) : {}; }
 
-  #urls() { return [...words(this.getAttribute("src")), ...words(this.getAttribute("head")), ...words(this.getAttribute("preset"))]; }
+  #urls() { return (this.#cards ? ["cards"] : FILES).flatMap(name => words(this.getAttribute(name))); }
 
-  #apply(name) {
+  #attempt(name) {
     const value = this.getAttribute(name);
-    if (name === "paused") this.set("playing", value === null);
-    else if (value !== null) this.set(name, value);
+    try {
+      if (name === "paused") this.set("playing", value === null);
+      // Cards have no motion. The attribute is for browsers with WebGPU.
+      else if (value !== null && !(this.#cards && name === "motion")) this.set(name, value);
+    } catch (error) { this.#fail(error); }
   }
 
   #told(state) {
@@ -173,7 +203,8 @@ export class TressesViewer extends HTMLElement {
     if (state.error && state.error !== before.error) this.dispatchEvent(new CustomEvent("error", { detail: state.error }));
     const arrived = state.seen > 0 && !state.step && (before.step || !(before.seen > 0) || state.file !== before.file);
     if (arrived && !state.error) {
-      this.dispatchEvent(new CustomEvent("load", { detail: { file: state.file, strands: state.strands } }));
+      const cards = this.#cards ? { cards: state.cards } : {};
+      this.dispatchEvent(new CustomEvent("load", { detail: { file: state.file, strands: state.strands, ...cards } }));
     }
     this.dispatchEvent(new CustomEvent("change", { detail: state }));
   }

@@ -6,7 +6,8 @@
 mod book;
 mod pack;
 mod serve;
+mod three;
 
 pub use book::build_book;
-pub use pack::{LIMIT, Page, Sizes, pack};
+pub use pack::{CARDS_LIMIT, LIMIT, Page, Sizes, pack};
 pub use serve::Server;

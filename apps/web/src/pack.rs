@@ -1,5 +1,6 @@
 //! Builds a page.
 
+use crate::three;
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use flate2::{Compression, write::GzEncoder};
@@ -13,6 +14,11 @@ use wasm_bindgen_cli_support::Bindgen;
 
 /// Size limit of the files that a visitor loads, bytes after gzip.
 pub const LIMIT: u64 = 5_000_000;
+/// Size limit of the files that a visitor loads in place of the program to see cards, bytes after gzip.
+pub const CARDS_LIMIT: u64 = 250_000;
+
+/// The module that draws cards.
+const CARDS: &str = "tresses-cards.js";
 
 /// A page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -44,6 +50,7 @@ impl Page {
             Self::Studio => &[("index.html", include_str!("../pages/studio.html")), ELEMENT],
             Self::Viewer => &[
                 ELEMENT,
+                (CARDS, include_str!("../component/tresses-cards.js")),
                 ("tresses-viewer.d.ts", include_str!("../component/tresses-viewer.d.ts")),
                 ("package.json", include_str!("../component/package.json")),
                 ("README.md", include_str!("../component/README.md")),
@@ -54,38 +61,58 @@ impl Page {
     }
 }
 
-/// Sizes of the files that a visitor loads: name, bytes, bytes after gzip.
+/// Name, bytes, and bytes after gzip of a file.
+type Size = (String, u64, u64);
+
+/// Sizes of the files that a visitor loads.
 #[derive(Debug)]
-pub struct Sizes(Vec<(String, u64, u64)>);
+pub struct Sizes {
+    page: Vec<Size>,
+    /// Files that replace the program where cards are drawn.
+    cards: Vec<Size>,
+}
 
 impl Sizes {
-    /// Returns the size of all files after gzip, bytes.
+    /// Returns the size after gzip of all files that a visitor with WebGPU loads, bytes.
     pub fn compressed(&self) -> u64 {
-        self.0.iter().map(|(_, _, compressed)| compressed).sum()
+        compressed(&self.page)
     }
 
-    /// Checks that the size does not exceed [`LIMIT`].
+    /// Checks that the sizes do not exceed [`LIMIT`] and [`CARDS_LIMIT`].
     ///
     /// # Errors
-    /// Returns one sentence with both sizes.
+    /// Returns one sentence with the size and its limit.
     pub fn check(&self) -> Result<()> {
-        let (size, limit) = (self.compressed(), LIMIT);
-        if size > limit {
-            bail!("the page has {size} compressed bytes, but the limit is {limit}");
+        for (what, files, limit) in
+            [("page", &self.page, LIMIT), ("drawing of cards", &self.cards, CARDS_LIMIT)]
+        {
+            let size = compressed(files);
+            if size > limit {
+                bail!("the {what} has {size} compressed bytes, but the limit is {limit}");
+            }
         }
         Ok(())
     }
 }
 
+fn compressed(files: &[Size]) -> u64 {
+    files.iter().map(|(_, _, compressed)| compressed).sum()
+}
+
 impl fmt::Display for Sizes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut line = |name: &str, raw: u64, compressed: u64| {
-            writeln!(f, "{name:<24}{:>8} kB{:>8} kB with gzip", raw.div_ceil(1000), compressed.div_ceil(1000))
+            writeln!(f, "{name:<28}{:>8} kB{:>8} kB with gzip", raw.div_ceil(1000), compressed.div_ceil(1000))
         };
-        for (name, raw, compressed) in &self.0 {
-            line(name, *raw, *compressed)?;
+        for (total, files) in [("all", &self.page), ("all for cards", &self.cards)] {
+            for (name, raw, compressed) in files {
+                line(name, *raw, *compressed)?;
+            }
+            if !files.is_empty() {
+                line(total, files.iter().map(|(_, raw, _)| raw).sum(), compressed(files))?;
+            }
         }
-        line("all", self.0.iter().map(|(_, raw, _)| raw).sum(), self.compressed())
+        Ok(())
     }
 }
 
@@ -97,6 +124,12 @@ impl fmt::Display for Sizes {
 pub fn pack(page: Page, out: &Path, small: bool) -> Result<Sizes> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize()?;
     let (what, file) = page.program();
+    std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;
+    let mut cards = Vec::new();
+    if page == Page::Viewer {
+        cards = three::copy(&root.join("target/tools/three"), out)?;
+        cards.push(CARDS.into());
+    }
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let status = Command::new(cargo)
         .current_dir(&root)
@@ -109,7 +142,6 @@ pub fn pack(page: Page, out: &Path, small: bool) -> Result<Sizes> {
         bail!("cannot compile the page's program (see above)");
     }
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
-    std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;
     Bindgen::new()
         .input_path(
             target.join("wasm32-unknown-unknown").join(if small { "web" } else { "debug" }).join(file),
@@ -125,13 +157,16 @@ pub fn pack(page: Page, out: &Path, small: bool) -> Result<Sizes> {
     for (name, text) in page.files() {
         std::fs::write(out.join(name), text).with_context(|| out.display().to_string())?;
     }
-    let loaded = |name: &&str| name.ends_with(".js") || name.ends_with(".html");
+    let loaded = |name: &&str| (name.ends_with(".js") || name.ends_with(".html")) && *name != CARDS;
     let names = page.files().iter().map(|(name, _)| *name).filter(loaded);
-    let files: Vec<_> = names.chain(["tresses.js", "tresses_bg.wasm"]).collect();
-    files.iter().map(|name| size(out, name)).collect::<Result<_>>().map(Sizes)
+    let sizes = |files: &[&str]| files.iter().map(|name| size(out, name)).collect::<Result<_>>();
+    Ok(Sizes {
+        page: sizes(&names.chain(["tresses.js", "tresses_bg.wasm"]).collect::<Vec<_>>())?,
+        cards: sizes(&cards.iter().map(String::as_str).collect::<Vec<_>>())?,
+    })
 }
 
-fn size(folder: &Path, name: &str) -> Result<(String, u64, u64)> {
+fn size(folder: &Path, name: &str) -> Result<Size> {
     let bytes = std::fs::read(folder.join(name)).with_context(|| name.to_owned())?;
     let mut gzip = GzEncoder::new(Vec::new(), Compression::best());
     gzip.write_all(&bytes)?;

@@ -1,5 +1,7 @@
 //! `<tresses-viewer>` in a browser, embedded in a host page.
 
+mod cards;
+
 use crate::{
     browser::{Browser, Picture},
     picture,
@@ -31,7 +33,7 @@ const PAGE: &str = r#"<!doctype html><title>A page</title>
   });
 </script>
 <script type="module" src="tresses-viewer.js"></script>
-<tresses-viewer id="viewer" src="head%20of%20hair.glb" query="edges.coverage=tiles" animation="Turn" camera="front"></tresses-viewer>"#;
+<tresses-viewer id="viewer" src="head%20of%20hair.glb" cards="cards.glb" query="edges.coverage=tiles" animation="Turn" camera="front"></tresses-viewer>"#;
 
 /// Returns the built-in body with hair that stands out from its head.
 fn character() -> (TriMesh, Strands) {
@@ -86,6 +88,10 @@ fn element_shows_hair_and_reports_errors() {
     assert!(log.as_array().unwrap().contains(&shown), "{log}");
     let first = picture(browser, "hair", |picture| hair_of(picture) > 0.02);
     first.keep("viewer-1-hair.png");
+    // Browsers with WebGPU load neither the cards nor what draws them.
+    let loaded = browser.value(cards::LOADED).to_string();
+    assert!(loaded.contains("tresses_bg.wasm"), "{loaded}");
+    assert!(!loaded.contains("three") && !loaded.contains("cards"), "{loaded}");
     // The animation in the file plays.
     picture(browser, "animation", |now| change(now, &first) > 0.01).keep("viewer-2-animation.png");
     let state = |browser: &mut Browser| browser.value("document.getElementById('viewer').state");
@@ -163,7 +169,7 @@ fn package_lists_its_files_and_types() {
     let package: Value =
         serde_json::from_str(&std::fs::read_to_string(folder.join("package.json")).unwrap()).unwrap();
     for file in package["files"].as_array().unwrap() {
-        let made = ["tresses.js", "tresses_bg.wasm"].contains(&file.as_str().unwrap());
+        let made = ["tresses.js", "tresses_bg.wasm", "three"].contains(&file.as_str().unwrap());
         assert!(made || folder.join(file.as_str().unwrap()).exists(), "{file}");
     }
     let types = std::fs::read_to_string(folder.join("tresses-viewer.d.ts")).unwrap();
