@@ -45,10 +45,8 @@ impl CardChains {
         let mut parents = Vec::new();
         for chain in 0..self.len() {
             let ends = self.chain(chain);
-            let mut nearest = Vec::new();
-            vertices.nearest(ends[0], 1, f32::MAX, &mut nearest);
-            let parent = nearest.first().and_then(|(_, i)| {
-                let bind = rig.vertices.get(*i as usize)?;
+            let parent = vertices.closest(ends[0]).and_then(|i| {
+                let bind = rig.vertices.get(i)?;
                 let strongest = bind.joints.iter().zip(bind.weights).max_by(|a, b| a.1.total_cmp(&b.1))?.0;
                 Some(rig.joints.get(usize::from(*strongest))?.node)
             });

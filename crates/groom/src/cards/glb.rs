@@ -56,7 +56,7 @@ impl Cards {
     /// the joints of the body's vertex nearest to its root.
     ///
     /// # Errors
-    /// [`Error::Unusable`] for another head than that of the bake, for a rig of another mesh, and for a file of more than
+    /// [`Error::Unusable`] for a head with another number of vertices than in the bake, for a rig of another mesh, and for a file of more than
     /// 4 GB.
     pub fn glb(&self, body: Option<(&TriMesh, Option<&Rig>)>, look: &CardLook) -> Result<Vec<u8>> {
         let mut file = File::new();
@@ -180,7 +180,7 @@ struct Material {
     helmet: bool,
 }
 
-/// What moves cards.
+/// Joints or bones that move cards.
 enum CardSkin<'a> {
     /// The joints of the body.
     Body { rig: &'a Rig, vertices: PointTree<'a>, palette: Vec<Mat4> },
@@ -219,9 +219,7 @@ impl CardSkin<'_> {
         let mut binds = Vec::new();
         let all: Vec<usize> = (0..mesh.positions.len()).collect();
         for stretch in all.chunk_by(|i, j| mesh.roots[*i] == mesh.roots[*j]) {
-            let mut nearest = Vec::new();
-            vertices.nearest(mesh.roots[stretch[0]], 1, f32::MAX, &mut nearest);
-            let bind = rig.vertices[nearest.first().map_or(0, |(_, i)| *i as usize)];
+            let bind = rig.vertices[vertices.closest(mesh.roots[stretch[0]]).unwrap_or(0)];
             let back = transform(&bind, palette).inverse();
             for i in stretch {
                 positions.push(back.transform_point3(mesh.positions[*i]));

@@ -36,6 +36,13 @@ impl<'a> PointTree<'a> {
         near
     }
 
+    /// Returns the index of the point nearest to `p`, if there are points.
+    pub(crate) fn closest(&self, p: Vec3) -> Option<usize> {
+        let mut found = Vec::new();
+        self.nearest(p, 1, f32::MAX, &mut found);
+        found.first().map(|(_, i)| *i as usize)
+    }
+
     /// Puts the `count` points nearest to `p` and nearer than `reach` meters into `found`, nearest first, as squared
     /// distances and indices.
     pub(crate) fn nearest(&self, p: Vec3, count: usize, reach: f32, found: &mut Vec<(f32, u32)>) {
