@@ -114,12 +114,10 @@ impl CardChains {
         let count = mesh.positions.len();
         let lengths: Vec<f32> = (0..self.len()).map(|chain| self.length(chain)).collect();
         // The vertices of a helmet follow chains of their own.
-        let starts = match mesh.starts.is_empty() {
-            true => (0..count).collect(),
-            false => mesh.starts.iter().map(|v| *v as usize).collect::<Vec<_>>(),
+        let ranges: Vec<_> = match mesh.starts.is_empty() {
+            true => (0..count).map(|v| v..v + 1).collect(),
+            false => (0..mesh.starts.len()).map(|card| mesh.range(card)).collect(),
         };
-        let ranges: Vec<_> =
-            (0..starts.len()).map(|i| starts[i]..starts.get(i + 1).copied().unwrap_or(count)).collect();
         let found = in_parallel(&ranges, |range| {
             let far = |chain: usize| {
                 let ends = self.chain(chain);

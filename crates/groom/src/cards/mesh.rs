@@ -144,15 +144,18 @@ impl CardMesh {
         Surface { positions: &self.positions, uvs: &self.uvs, triangles: &self.triangles }
     }
 
+    /// Returns the vertices of a card.
+    pub(super) fn range(&self, card: usize) -> std::ops::Range<usize> {
+        let end = self.starts.get(card + 1).map_or(self.positions.len(), |start| *start as usize);
+        self.starts[card] as usize..end
+    }
+
     /// Returns the cards in another order.
     pub(super) fn reordered(&self, order: &[u32]) -> Self {
-        let end =
-            |starts: &[u32], card: usize, count: usize| starts.get(card + 1).map_or(count, |v| *v as usize);
-        let count = self.positions.len();
         let mut mesh = Self::default();
         for card in order {
             let first = self.starts[*card as usize];
-            let range = first as usize..end(&self.starts, *card as usize, count);
+            let range = self.range(*card as usize);
             let start = mesh.positions.len() as u32;
             mesh.starts.push(start);
             mesh.positions.extend(&self.positions[range.clone()]);

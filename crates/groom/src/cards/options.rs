@@ -86,7 +86,7 @@ impl CardOptions {
         }
     }
 
-    /// Largest number of triangles of a level. The level after those of cards is the helmet.
+    /// Largest number of triangles of a level. The helmet is the level after the cards.
     pub(super) fn most_triangles(&self, level: usize) -> usize {
         let each = [48, 32].get(level).copied().unwrap_or(12);
         let usual = self.levels.get(level).map_or(HELMET, |cards| cards * each);
