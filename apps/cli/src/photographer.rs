@@ -11,8 +11,8 @@ use std::{
     ops::{Deref, DerefMut},
     sync::Arc,
 };
-use tresses::{PipelineRequest, gpu::Gpu, present::Background};
-use tresses_scene::{Companions, Preset, Scene, Shelf, Viewpoint, scene::OutputRequest};
+use tresses::{PipelineRequest, gpu::Gpu, groom::cards::CardOptions, present::Background};
+use tresses_scene::{Companions, Preset, Scene, Shelf, Viewpoint, cards, scene::OutputRequest};
 
 /// A scene, and the debug view shown in its images.
 pub struct Photographer {
@@ -34,32 +34,49 @@ impl DerefMut for Photographer {
     }
 }
 
+/// How a scene is opened.
+#[derive(Clone, Copy)]
+struct Opening {
+    /// Whether fewer samples per pixel are used if the adapter does not offer as many as requested.
+    fewer: bool,
+    /// Whether the hair moves.
+    moves: bool,
+    /// Number of cards to draw instead of strands.
+    cards: Option<u32>,
+}
+
+impl Default for Opening {
+    fn default() -> Self {
+        Self { fewer: false, moves: true, cards: None }
+    }
+}
+
 impl Photographer {
     /// Opens the GPU and loads or grows the character of `preset`.
     pub fn open(preset: &Preset, size: Size) -> Result<Self> {
-        Self::with_samples(None, preset, size, (false, true))
+        Self::with_samples(None, preset, size, Opening::default())
     }
 
-    /// Opens a scene for hair at rest, which needs fewer pipelines.
-    pub fn open_still(preset: &Preset, size: Size) -> Result<Self> {
-        Self::with_samples(None, preset, size, (false, false))
+    /// Opens a scene whose hair is drawn as this number of cards, or as strands. Hair at rest needs fewer pipelines.
+    pub fn open_as(preset: &Preset, size: Size, moves: bool, cards: Option<u32>) -> Result<Self> {
+        Self::with_samples(None, preset, size, Opening { moves, cards, ..Opening::default() })
     }
 
     /// Opens a scene with fewer samples per pixel if the adapter does not offer more.
     pub fn with_samples_at_most(preset: &Preset, size: Size) -> Result<Self> {
-        Self::with_samples(None, preset, size, (true, true))
+        Self::with_samples(None, preset, size, Opening { fewer: true, ..Opening::default() })
     }
 
     /// Opens a scene on an existing GPU.
     pub fn on(gpu: Gpu, preset: &Preset, size: Size) -> Result<Self> {
-        Self::with_samples(Some(gpu), preset, size, (true, true))
+        Self::with_samples(Some(gpu), preset, size, Opening { fewer: true, ..Opening::default() })
     }
 
     fn with_samples(
         gpu: Option<Gpu>,
         preset: &Preset,
         size: Size,
-        (fewer, moves): (bool, bool),
+        Opening { fewer, moves, cards }: Opening,
     ) -> Result<Self> {
         let settings = &preset.settings;
         settings.check()?;
@@ -82,7 +99,14 @@ impl Photographer {
         let mut scene = std::thread::scope(|scope| -> Result<Scene> {
             let at_rest = settings.pipelines(quality.view);
             let at_rest = scope.spawn(move || compile(at_rest));
-            let character = pollster::block_on(preset.character(&context, &preparing))?;
+            let mut character = pollster::block_on(preset.character(&context, &preparing))?;
+            if let Some(cards) = cards {
+                let options = CardOptions { levels: vec![cards], ..Default::default() };
+                // The columns of the cards have the strands' own colors.
+                let baked = cards::of_parts(&character, &options, false, &preparing);
+                let baked = pollster::block_on(baked)?;
+                character = character.with_cards(&baked, 0)?;
+            }
             for note in &character.notes {
                 preparing.suspend(|| eprintln!("note: {note}"));
             }

@@ -12,6 +12,7 @@ use anyhow::{Result, bail, ensure};
 use std::path::PathBuf;
 use tresses::{
     draw::Coverage,
+    groom::cards::CardOptions,
     present::Background,
     views::DebugView,
     volume::{HairHair, HairHairMode},
@@ -61,6 +62,9 @@ pub struct RenderArgs {
     /// Distance in the last frame; the camera moves by equal factors in equal times
     #[arg(long, value_name = "METERS", value_parser = args::distance, help_heading = "Image", hide_short_help = true)]
     pub distance_to: Option<f32>,
+    /// Draw the hair as this number of cards instead of strands; they are baked first
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(CardOptions::MOST_CARDS)), help_heading = "Image", hide_short_help = true)]
+    pub cards: Option<u32>,
     #[command(flatten)]
     pub crowd: crowd::CrowdArgs,
     /// Output: one .png or .exr (linear, with depth, coverage, motion and strands of the hair), numbered frames (a
@@ -115,6 +119,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     if kind.has_layers() {
         let (_, coverage) = preset.settings.sampling(16)?;
         ensure!(args.debug.debug.is_none(), "--debug does not support .exr: choose .png");
+        ensure!(args.cards.is_none(), "--cards does not support .exr: choose .png");
         ensure!(
             coverage == Coverage::Tiles && preset.settings.ssaa == 1,
             ".exr layers need tiles without supersampling: remove --coverage and --ssaa"
@@ -124,8 +129,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         preset.settings.lod = tresses_scene::crowd::levels(preset.settings.lod);
     }
     let moves = known > 1 || args.animation.is_some() || args.crowd.is_given();
-    let open = if moves { Photographer::open } else { Photographer::open_still };
-    let mut scene = open(&preset, args.size)?;
+    let mut scene = Photographer::open_as(&preset, args.size, moves, args.cards)?;
     let period = bend(&mut scene, &motion, args)?.unwrap_or(motion.duration());
     let frames = frames(period)?;
     if args.crowd.is_given() {

@@ -15,9 +15,11 @@ use std::{
     str::FromStr,
 };
 use tresses::{
+    Progress,
+    character::CharacterParts,
     groom::{
         Rig, TriMesh,
-        cards::{CardAlpha, CardLook, CardOptions, Cards, SIZES},
+        cards::{CardAlpha, CardLook, CardOptions, Cards, SIZES, bake_with},
     },
     light::fiber::bsdf::color_of,
 };
@@ -71,6 +73,23 @@ pub fn options(levels: &[AskedLevel]) -> Result<CardOptions> {
     };
     let levels = cards.iter().map(count).collect::<Result<_>>()?;
     Ok(CardOptions { levels, helmet, ..Default::default() })
+}
+
+/// Bakes the hair of `parts` at rest. `colored` tells whether strands have the colors of the groom's file.
+///
+/// # Errors
+/// As [`bake_with`].
+pub async fn of_parts(
+    parts: &CharacterParts,
+    options: &CardOptions,
+    colored: bool,
+    progress: &impl Progress,
+) -> Result<Cards> {
+    let mut strands = parts.groom.strands.unbound();
+    if !colored {
+        strands.colors.clear();
+    }
+    Ok(bake_with(&strands, parts.head.as_ref(), options, progress).await?)
 }
 
 /// A format of cards.

@@ -366,17 +366,25 @@ fn paint<'a, 'c>(
     if body_first {
         draw.record_bodies(canvas, bodies)?;
         canvas.commands.lap(Stage::Body);
+        draw.cards.record(canvas, hair)?;
     }
-    draw.record_seen(canvas, hair)?;
+    let strands = &strands(hair);
+    draw.record_seen(canvas, strands)?;
     shade(canvas)?;
     canvas.commands.lap(Stage::Shade);
-    draw.record_hair(canvas, hair, true)?;
+    draw.record_hair(canvas, strands, true)?;
     canvas.commands.lap(Stage::Hair);
     if !body_first {
         draw.record_bodies(canvas, bodies)?;
         canvas.commands.lap(Stage::Body);
+        draw.cards.record(canvas, hair)?;
     }
     Ok(())
+}
+
+/// Returns the grooms that are not drawn as cards.
+fn strands<'a>(hair: &[HairView<'a>]) -> Vec<HairView<'a>> {
+    hair.iter().filter(|seen| seen.hair.cards.is_none()).copied().collect()
 }
 
 /// Composites `hair` into the scene of a host.
@@ -388,6 +396,8 @@ fn composite(
 ) -> Result<()> {
     canvas.geometry = Compositor::asked(canvas.coverage, canvas.camera.projection, into)?;
     embed.record_depth(canvas, canvas.camera.projection, into);
+    view.draw.cards.record(canvas, hair)?;
+    let hair = &strands(hair);
     view.draw.record_seen(canvas, hair)?;
     shade(canvas, view, hair)?;
     canvas.commands.lap(Stage::Shade);
@@ -399,8 +409,9 @@ fn composite(
     Ok(())
 }
 
-/// Shades the visible segments of `hair` if they are known, otherwise all segments.
+/// Shades the visible segments of the strands of `hair` if they are known, otherwise all segments.
 fn shade(canvas: &mut Canvas<'_, '_>, view: &View, hair: &[HairView<'_>]) -> Result<()> {
+    let hair = &strands(hair);
     if view.draw.shade_seen(canvas, hair)? {
         return Ok(());
     }

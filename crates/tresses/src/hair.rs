@@ -6,8 +6,8 @@ use crate::{
     avoid::{self, AvoidOptions, Avoidance},
     body::Skin,
     collide::{Collider, ColliderDescriptor, ColliderSet},
-    groom::{BoundStrands, Groom, SdfGrid, TriMesh},
-    light::{HairSet, hair::knot_bytes},
+    groom::{BoundStrands, Groom, SdfGrid, TriMesh, cards::CardSheet},
+    light::{HairSet, cards::CardBuffers, hair::knot_bytes},
     lod::{self, Detail, GuideOrder, Lod, LodLevel, LodOptions},
     math::hash::pcg,
     progress::at_once,
@@ -275,6 +275,23 @@ impl Hair {
         self.simulation.tie_as(&self.context, &self.guides, &before)?;
         self.curves = Curves::new(&self.context, &self.guides, &self.strands);
         Ok(report)
+    }
+
+    /// Draws the hair as cards. The groom of the hair has the columns of the cards as strands
+    /// ([`Cards::strands`](crate::groom::cards::Cards::strands)); `strands` are its strands. All cards are then drawn at
+    /// any distance.
+    ///
+    /// # Errors
+    /// [`Error::Groom`] for another groom, [`Error::Limit`].
+    pub fn set_cards(&mut self, strands: &BoundStrands, sheet: &CardSheet) -> Result<()> {
+        if strands.len() != self.strands.count as usize {
+            return Err(Error::unusable("cards can only be set on the groom that the hair was created from"));
+        }
+        let cards = CardBuffers::new(&self.context, strands, &lod::order(strands), sheet)?;
+        self.set.cards = Some(Arc::new(cards));
+        self.lod.columns = Some(strands.len() as f32 / sheet.strands.max(1) as f32);
+        self.set.drawn = self.lod.drawn();
+        Ok(())
     }
 
     /// Makes the next frame carry the hair rigidly with the head, whatever the distance.

@@ -32,6 +32,8 @@ pub enum PipelineRequest {
     Strands,
     /// Strand collision.
     Avoid,
+    /// Cards in a view with this number of samples per pixel.
+    Cards(u32),
     /// All pipelines of a view with these options, for hair shaded at this rate.
     View(ViewOptions, ShadingRate),
 }
@@ -96,6 +98,7 @@ fn jobs<'a>(context: &Context, request: &PipelineRequest, sets: &'a ViewSets) ->
             jobs
         }
         PipelineRequest::Avoid => context.jobs::<avoid::Pipelines>(),
+        PipelineRequest::Cards(samples) => sets.1.cards.jobs(samples),
         PipelineRequest::View(options, rate) => {
             let (light, draw, present) = sets;
             let ViewOptions { samples, coverage, output, strand_map, .. } = options;

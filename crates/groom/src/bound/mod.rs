@@ -6,7 +6,7 @@ pub mod strand;
 pub use binding::{PackedRest, StrandBinding};
 pub use strand::Strand;
 
-use crate::Guides;
+use crate::{Guides, Strands};
 use glam::Vec3;
 
 /// Influence of one guide on a render strand.
@@ -72,6 +72,22 @@ impl BoundStrands {
         self.rest.extend(rest.iter().zip(radii).map(|(p, radius)| PackedRest::pack(*p, *radius, &binding)));
         self.strands.push(strand);
         self.bindings.push(binding);
+    }
+
+    /// Returns the strands at rest, with radii, and with colors if every strand has one.
+    pub fn unbound(&self) -> Strands {
+        let mut strands = Strands::default();
+        let count = self.vertex_count as usize;
+        for (i, strand) in self.strands.iter().enumerate() {
+            let rest =
+                self.rest[i * count..(i + 1) * count].iter().map(|rest| rest.unpack(&self.bindings[i]));
+            let (positions, radii): (Vec<_>, Vec<_>) = rest.unzip();
+            strands.push(&positions);
+            strands.radii.extend(radii.iter().map(|radius| strand.radius * radius));
+        }
+        let colors: Option<Vec<_>> = self.strands.iter().map(|strand| strand.colors(count)).collect();
+        strands.colors = colors.into_iter().flatten().flatten().collect();
+        strands
     }
 
     /// Returns the rest positions of strand `i`, groom space, meters.

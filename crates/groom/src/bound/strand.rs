@@ -18,6 +18,17 @@ pub struct Strand {
     pub tip_color: u32,
 }
 
+impl Strand {
+    /// Returns the linear color at each of `count` vertices, or `None` if the groom file has no color. The shaders of
+    /// `tresses` blend alike (`light/shading.wesl`).
+    pub fn colors(&self, count: usize) -> Option<impl Iterator<Item = Vec3> + use<>> {
+        let root = unpack_color(self.root_color)?;
+        let tip = unpack_color(self.tip_color).unwrap_or(root);
+        let blend = move |t: f32| root.lerp(tip, t * t * (3.0 - 2.0 * t));
+        Some((0..count).map(move |k| blend(k as f32 / (count - 1).max(1) as f32)))
+    }
+}
+
 /// Returns the linear color that [`pack_color`] packed, or `None` for 0.
 pub fn unpack_color(packed: u32) -> Option<Vec3> {
     let channel = |shift: u32| ((packed >> shift & 255) as f32 / 255.0).powi(2);

@@ -13,7 +13,7 @@
 //!   (`share`).
 //! - A flat card covers less than its round strands do from most sides. Strands in the pictures are therefore wider, by
 //!   one factor per level, so that cards and strands have the same mean coverage from 14 sides.
-//! - Chains of bones may carry the cards (`chains`).
+//! - Chains of bones may carry the cards (`chains`), or simulated guides (`strands`).
 //! - The last level may be a helmet: an opaque shell around the hair (`helmet`).
 
 mod accuracy;
@@ -36,6 +36,7 @@ mod picture;
 mod ribbon;
 mod scalp;
 mod share;
+mod strands;
 mod strip;
 #[cfg(test)]
 mod tests;
@@ -55,4 +56,5 @@ pub use mesh::CardMesh;
 pub use obj::NamedFile;
 pub use options::CardOptions;
 pub use scalp::CardScalp;
+pub use strands::{CardSheet, CardStrands, CardStrip};
 pub use texture::CardTextures;

@@ -1,7 +1,7 @@
 //! Cards of synthetic hair.
 
-use super::{CardOptions, Cards, bake};
-use crate::{Strands, TriMesh, random::Rng, sdf::SdfGrid};
+use super::{CardLevel, CardOptions, CardStrands, CardStrip, Cards, bake};
+use crate::{BindOptions, BoundStrands, Groom, Strands, TriMesh, bind, random::Rng, sdf::SdfGrid};
 use glam::{Quat, Vec3};
 use std::{f32::consts::TAU, sync::OnceLock};
 
@@ -194,6 +194,46 @@ fn coarse_cards_are_unions_of_fine_ones() {
         let whole = |coarse: &&Vec<u32>| fine.iter().all(|strand| coarse.contains(strand));
         assert_eq!(cards.levels[1].locks.iter().filter(whole).count(), 1);
     }
+}
+
+#[test]
+fn columns_of_cards_are_strands_of_the_same_guides() {
+    let groom = bind(&hair(600), &BindOptions::default()).unwrap();
+    let cards = bake(&groom.strands.unbound(), Some(&head()), &options(&[40])).unwrap();
+    let CardStrands { groom: columns, sheet } = cards.strands(0, &groom).unwrap();
+    assert_eq!(columns.guides, groom.guides);
+    let (mesh, strands) = (&cards.levels[0].mesh, &columns.strands);
+    // Every strip joins neighboring columns of a card, which follow the same guides and end where the card ends.
+    let cards_of = |strip: &CardStrip| strip.columns.map(|i| &strands.bindings[i as usize]);
+    for strip in &sheet.strips {
+        let [left, right] = cards_of(strip);
+        assert_eq!(
+            (left.guides, left.weight_b, left.weight_c),
+            (right.guides, right.weight_b, right.weight_c)
+        );
+        assert_eq!(left.scale, right.scale);
+        assert!(left.weight_b >= 0.0 && left.weight_c >= 0.0 && left.weight_b + left.weight_c < 1.0);
+        for (column, [root, tip]) in strip.columns.iter().zip([0, 1].map(|i| [strip.roots[i], strip.tips[i]]))
+        {
+            let ends: Vec<Vec3> = strands.rest_positions(*column as usize).collect();
+            for (uv, end) in [(root, ends[0]), (tip, *ends.last().unwrap())] {
+                let near = (0..mesh.uvs.len()).filter(|v| mesh.uvs[*v] == uv);
+                let near = near.map(|v| mesh.positions[v].distance(end)).fold(f32::INFINITY, f32::min);
+                assert!(near < 1e-5, "{near}");
+            }
+        }
+    }
+    assert!(sheet.strips.len() >= 40 && sheet.strips.len() < strands.len());
+    // Columns are as wide as the strands that they replace.
+    let wide = |strands: &BoundStrands| strands.strands.iter().map(|strand| strand.radius).sum::<f32>();
+    let (all, found) = (wide(&groom.strands), wide(strands));
+    assert!((found / all - 1.0).abs() < 1e-3, "{found} {all}");
+    let error = |cards: &Cards, level, groom: &Groom| cards.strands(level, groom).unwrap_err().to_string();
+    let few = bind(&hair(100), &BindOptions::default()).unwrap();
+    assert!(error(&cards, 0, &few).contains("another groom"));
+    assert!(error(&cards, 1, &groom).contains("no such level"));
+    let helmet = Cards { levels: vec![CardLevel { helmet: true, ..Default::default() }], ..cards };
+    assert!(error(&helmet, 0, &groom).contains("helmet"));
 }
 
 #[test]

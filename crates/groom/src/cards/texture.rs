@@ -4,7 +4,7 @@ use super::{
     atlas::{Rect, gutter},
     tile::{Texel, Tile, lightness},
 };
-use crate::srgb;
+use crate::{mesh::paint::Texture, srgb};
 use glam::Vec3;
 
 /// Square textures, rows from the top left.
@@ -29,6 +29,9 @@ pub struct CardTextures {
 
 /// Roughness of hair along the strands, as glTF has it (the square root of the GGX width).
 const ROUGHNESS: f32 = 0.45;
+
+/// Luminance of the primaries of sRGB.
+const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
 fn byte(value: f32) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
@@ -65,11 +68,29 @@ fn tinted(texel: &Texel) -> Vec3 {
 /// Returns the brightness of a texture of `size` texels with `tiles` at `places`.
 pub(super) fn tones(size: usize, places: &[Rect], tiles: &[Tile]) -> Vec<f32> {
     let mut tones = vec![0.0; size * size];
-    each(size, places, tiles, |i, texel, _| tones[i] = tinted(texel).dot(Vec3::new(0.2126, 0.7152, 0.0722)));
+    each(size, places, tiles, |i, texel, _| tones[i] = tinted(texel).dot(LUMINANCE));
     tones
 }
 
 impl CardTextures {
+    /// Returns the mean luminance of [`color`](Self::color), weighted by the coverage; linear.
+    pub fn mean(&self) -> f32 {
+        let table: [f32; 256] = std::array::from_fn(|byte| srgb::linear(byte as f32 / 255.0));
+        let (mut sum, mut weight) = (0.0f64, 0.0f64);
+        for [r, g, b, coverage] in &self.color {
+            let [r, g, b] = [r, g, b].map(|channel| table[usize::from(*channel)]);
+            let luminance = Vec3::new(r, g, b).dot(LUMINANCE);
+            sum += f64::from(luminance) * f64::from(*coverage);
+            weight += f64::from(*coverage);
+        }
+        if weight > 0.0 { (sum / weight) as f32 } else { 1.0 }
+    }
+
+    /// Returns [`color`](Self::color) as an image.
+    pub fn base(&self) -> Texture {
+        Texture { width: self.size, height: self.size, rgba: self.color.as_flattened().to_vec() }
+    }
+
     pub(super) fn new(size: usize, places: &[Rect], tiles: &[Tile], has_colors: bool) -> Self {
         let texels = tiles.iter().flat_map(|tile| &tile.texels);
         let depth = texels.map(|texel| texel.depth.abs()).fold(1e-6, f32::max);

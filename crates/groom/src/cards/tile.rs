@@ -6,6 +6,10 @@ use glam::{Vec2, Vec3};
 
 /// Samples per texel along each axis.
 const FINE: usize = 4;
+/// Parts of a curve between two vertices of a strand.
+const PARTS: usize = 3;
+/// Share of a ribbon up to which roots are drawn from its start on, so that no skin shows between cards at a parting.
+const ROOTS: f32 = 0.15;
 
 /// A lock with the ribbon in whose frame it is drawn.
 #[derive(Clone, Debug)]
@@ -60,10 +64,29 @@ pub(super) struct Tile {
 }
 
 /// A vertex of a strand in a tile.
+#[derive(Clone, Copy)]
 struct Vertex {
     at: Vec2,
     half: f32,
     depth: f32,
+}
+
+impl Vertex {
+    /// Returns the vertex at a fraction between the middle two of four vertices, on a Catmull-Rom curve.
+    fn between([a, b, c, d]: [&Self; 4], t: f32) -> Self {
+        let weights = [
+            -0.5 * t * (1.0 - t).powi(2),
+            1.0 + t * t * (1.5 * t - 2.5),
+            0.5 * t * (1.0 + t * (4.0 - 3.0 * t)),
+            -0.5 * t * t * (1.0 - t),
+        ];
+        let mean = |of: fn(&Self) -> f32| [a, b, c, d].iter().zip(weights).map(|(v, w)| of(v) * w).sum();
+        Self {
+            at: Vec2::new(mean(|v| v.at.x), mean(|v| v.at.y)),
+            half: b.half + (c.half - b.half) * t,
+            depth: mean(|v| v.depth),
+        }
+    }
 }
 
 /// Nearest segment in a sample.
@@ -117,7 +140,20 @@ impl Lock {
         // Meters per sample.
         let (across, down) = (2.0 * self.ribbon.half() / size.x, self.ribbon.length / size.y);
         self.each(lines, |strand, vertices| {
-            for (k, edge) in (0u32..).zip(vertices.windows(2)) {
+            let last = vertices.len() - 1;
+            let curve = |k: usize, j: usize| {
+                let of = [k.saturating_sub(1), k, k + 1, (k + 2).min(last)].map(|i| &vertices[i]);
+                Vertex::between(of, j as f32 / PARTS as f32)
+            };
+            let root = vertices[0];
+            let skin = Vertex { at: Vec2::new(root.at.x, 0.0), ..root };
+            let start = (root.at.y > 0.0 && root.at.y < ROOTS).then_some((0, [0.0; 2], [skin, root]));
+            let parts = (0..last * PARTS).map(|i| {
+                let (k, j) = (i / PARTS, i % PARTS);
+                let [from, to] = [j, j + 1].map(|j| j as f32 / PARTS as f32);
+                (k as u32, [from, to], [curve(k, j), curve(k, j + 1)])
+            });
+            for (k, [from, to], edge) in start.into_iter().chain(parts) {
                 let place = |v: &Vertex| Vec2::new(0.5 * v.at.x + 0.5, v.at.y) * size;
                 let (a, b) = (place(&edge[0]), place(&edge[1]));
                 let way = (b - a).abs();
@@ -137,7 +173,7 @@ impl Lock {
                 samples([a, b], half, fine, |at, t| {
                     let depth = edge[0].depth + (edge[1].depth - edge[0].depth) * t;
                     if depth > nearest[at].depth {
-                        nearest[at] = Nearest { depth, strand, vertex: k, t };
+                        nearest[at] = Nearest { depth, strand, vertex: k, t: from + (to - from) * t };
                     }
                 });
             }

@@ -9,7 +9,7 @@ use tresses::{
     draw::tiles::Label,
     glam::{Mat4, Vec3},
     gpu::readback,
-    groom::{Strands, bound::strand::unpack_color},
+    groom::Strands,
     light::material::linear,
     strands::{GuideBuffers, Strand, StrandBuffers, StrandVertex, vertex::unpack_tangent},
 };
@@ -158,11 +158,10 @@ impl Scene {
         let (count, each) = (buffers.drawn.count as usize, buffers.drawn.vertex_count as usize);
         let mut colors = Vec::new();
         for strand in strands.iter().take(count) {
-            let Some(root) = unpack_color(strand.root_color) else { return Ok(Vec::new()) };
-            let tip = unpack_color(strand.tip_color).unwrap_or(root);
-            // As in `light/shading.wesl`.
-            let blend = |t: f32| root.lerp(tip, t * t * (3.0 - 2.0 * t));
-            colors.extend((0..each).map(|k| blend(k as f32 / (each - 1).max(1) as f32)));
+            match strand.colors(each) {
+                Some(strand) => colors.extend(strand),
+                None => return Ok(Vec::new()),
+            }
         }
         Ok(colors)
     }

@@ -97,11 +97,7 @@ impl Body {
             wgpu::BindingResource::TextureView(&views[1]),
             wgpu::BindingResource::Sampler(&sampler),
         ];
-        let texels = |texture: &wgpu::Texture| {
-            let one = u64::from(texture.width()) * u64::from(texture.height());
-            4 * one * u64::from(texture.depth_or_array_layers()) * 4 / 3
-        };
-        let bytes = vertices.size() + texels(&bases) + texels(&reliefs);
+        let bytes = vertices.size() + bytes(&bases) + bytes(&reliefs);
         self.painted = Some(BodyTextures {
             vertices,
             group: self.context.device.group("paint", &layout(&self.context.device), &resources),
@@ -117,8 +113,18 @@ pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     bindings::layout(device, "paint", wgpu::ShaderStages::FRAGMENT, &entries)
 }
 
+/// Returns the bytes of a texture that [`layers`] created.
+pub(crate) fn bytes(texture: &wgpu::Texture) -> u64 {
+    let one = u64::from(texture.width()) * u64::from(texture.height());
+    4 * one * u64::from(texture.depth_or_array_layers()) * 4 / 3
+}
+
 /// Creates a texture array from images of one size, with all mip levels.
-fn layers(context: &Context, pictures: &[&Texture], format: wgpu::TextureFormat) -> Result<wgpu::Texture> {
+pub(crate) fn layers(
+    context: &Context,
+    pictures: &[&Texture],
+    format: wgpu::TextureFormat,
+) -> Result<wgpu::Texture> {
     let Context { device, queue, .. } = context;
     let [width, height] = pictures.first().map_or([1; 2], |first| [first.width, first.height]);
     if pictures.iter().any(|picture| [picture.width, picture.height] != [width, height]) {
@@ -130,12 +136,12 @@ fn layers(context: &Context, pictures: &[&Texture], format: wgpu::TextureFormat)
         (pictures.len() as u32, limits.max_texture_array_layers, "layers"),
     ] {
         if need > have {
-            return Err(Error::Limit { what: "body textures", need: need.into(), have: have.into(), unit });
+            return Err(Error::Limit { what: "textures", need: need.into(), have: have.into(), unit });
         }
     }
     let levels = width.max(height).ilog2() + 1;
     let texture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("pictures of a body"),
+        label: Some("texture layers"),
         size: wgpu::Extent3d { width, height, depth_or_array_layers: pictures.len() as u32 },
         mip_level_count: levels,
         sample_count: 1,

@@ -151,6 +151,9 @@ impl Character {
         };
         let groom = &parts.groom;
         let mut hair = Hair::with_progress(context, groom, &options.hair, &what, progress).await?;
+        if let Some(sheet) = &parts.cards {
+            hair.set_cards(&groom.strands, sheet)?;
+        }
         if !parts.levels.is_empty() {
             hair.paint_levels(groom, &parts.levels, parts.skull())?;
         }

@@ -4,7 +4,9 @@ use super::facial::FaceGroom;
 use crate::{
     Result,
     groom::{
-        Groom, Look, Rig, SdfGrid, TriMesh, mannequin,
+        Groom, Look, Rig, SdfGrid, TriMesh,
+        cards::{CardSheet, CardStrands, Cards},
+        mannequin,
         mesh::{
             Level,
             sdf::{self, SdfOptions},
@@ -29,6 +31,8 @@ pub(super) const SKULL_ABOVE_NECK: Vec3 = Vec3::new(0.0, 0.075, 0.012);
 pub struct CharacterParts {
     /// Guides and strands of the hair.
     pub groom: Groom,
+    /// Draws the hair as cards: their strips, if [`groom`](Self::groom) has the columns of cards.
+    pub cards: Option<CardSheet>,
     /// Brows, lashes, beard: further grooms on the same skin. They require [`head`](Self::head).
     pub face: Vec<FaceGroom>,
     /// The mesh of the head or the whole body, drawn with the hair.
@@ -76,6 +80,7 @@ impl CharacterParts {
     pub fn bare(groom: Groom) -> Self {
         Self {
             groom,
+            cards: None,
             face: Vec::new(),
             head: None,
             levels_of_head: None,
@@ -88,6 +93,16 @@ impl CharacterParts {
             look: None,
             notes: Vec::new(),
         }
+    }
+
+    /// Returns the character with a level of `cards` as its hair, instead of the strands. The cards must be baked from
+    /// the strands of the groom at rest ([`BoundStrands::unbound`](crate::groom::BoundStrands::unbound)).
+    ///
+    /// # Errors
+    /// As [`Cards::strands`].
+    pub fn with_cards(self, cards: &Cards, level: usize) -> Result<Self> {
+        let CardStrands { groom, sheet } = cards.strands(level, &self.groom)?;
+        Ok(Self { groom, cards: Some(sheet), levels: Vec::new(), ..self })
     }
 
     /// Returns the distance field of the whole body as one rigid piece.

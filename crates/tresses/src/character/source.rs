@@ -331,6 +331,7 @@ impl CharacterSource {
         let look = self.report.as_ref().and_then(|report| report.look);
         Ok(CharacterParts {
             groom,
+            cards: None,
             face,
             head,
             levels_of_head,

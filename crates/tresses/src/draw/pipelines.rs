@@ -1,7 +1,7 @@
 //! Pipelines of the draw stage, each compiled at first use.
 
 use super::{
-    Coverage, soft,
+    Coverage, cards, soft,
     strips::{self, Strips},
     targets::HDR_FORMAT,
     tiles,
@@ -24,6 +24,7 @@ pub(crate) struct Pipelines {
     frame: wgpu::BindGroupLayout,
     body: PipelineCache<(u32, bool), wgpu::RenderPipeline>,
     pub(super) soft: soft::Pipelines,
+    pub(crate) cards: cards::Pipelines,
     pub(crate) strips: strips::Pipelines,
     pub(crate) tiles: tiles::Pipelines,
 }
@@ -37,6 +38,7 @@ impl PipelineSet for Pipelines {
             frame: light.frame.clone(),
             body: PipelineCache::default(),
             soft: soft::Pipelines::new(context, light),
+            cards: cards::Pipelines::new(context, light),
             strips: strips::Pipelines::new(context, light),
             tiles: tiles::Pipelines::new(context),
         }

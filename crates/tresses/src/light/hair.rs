@@ -2,6 +2,7 @@
 
 use super::{
     LightState, Pipelines,
+    cards::CardBuffers,
     fiber::FiberTables,
     material::{HairMaterial, HairUniform, ShadingModel, ShadingRate},
 };
@@ -37,6 +38,8 @@ pub struct HairSet {
     pub(crate) spans: [u32; 2],
     /// Shared with other heads whose fibers are alike.
     fiber: Mutex<Arc<FiberTables>>,
+    /// Draws the strands as the columns of cards.
+    pub(crate) cards: Option<Arc<CardBuffers>>,
     /// Memory for the shading samples of every view. They are not needed once a groom is shaded.
     scratch: Option<wgpu::Buffer>,
 }
@@ -69,6 +72,7 @@ impl HairSet {
             splat: [1; 2],
             spans: [1; 2],
             fiber: Mutex::new(Arc::new(FiberTables::new(context))),
+            cards: None,
             scratch: None,
         };
         set.show(&strands.drawn);
@@ -88,6 +92,7 @@ impl HairSet {
             strips: self.strips.clone(),
             fiber: Mutex::new(self.fiber().clone()),
             scratch: self.scratch.clone(),
+            cards: self.cards.clone(),
             context: self.context.clone(),
             ..*self
         };
@@ -154,18 +159,24 @@ impl HairSet {
 
     /// Bytes of GPU memory, without the strand buffers.
     pub fn bytes(&self) -> u64 {
-        self.fiber().bytes() + self.strips().values().map(|strips| strips.bytes()).sum::<u64>()
+        let cards = self.cards.as_ref().map_or(0, |cards| cards.bytes());
+        self.fiber().bytes() + self.strips().values().map(|strips| strips.bytes()).sum::<u64>() + cards
     }
 
     /// Bytes of GPU memory shared with other heads.
     pub(crate) fn shared_bytes(&self) -> u64 {
         let fiber = self.fiber();
         let fiber = if Arc::strong_count(&fiber) > 1 { fiber.bytes() } else { 0 };
-        fiber + self.strips().values().map(|strips| strips.bytes()).sum::<u64>()
+        let cards = self.cards.as_ref().filter(|cards| Arc::strong_count(cards) > 1);
+        let cards = cards.map_or(0, |cards| cards.bytes());
+        fiber + self.strips().values().map(|strips| strips.bytes()).sum::<u64>() + cards
     }
 
-    /// Triangles of the strips.
+    /// Triangles of the strips or cards.
     pub fn triangles(&self) -> u64 {
+        if let Some(cards) = &self.cards {
+            return cards.triangles(self.drawn.vertex_count);
+        }
         u64::from(self.drawn.count) * 2 * u64::from(self.drawn.vertex_count.saturating_sub(1))
     }
 }
@@ -320,6 +331,16 @@ pub(crate) struct HairView<'a> {
 }
 
 impl HairView<'_> {
+    /// Records all cards. The caller has set the pipeline and bound the group of the frame.
+    pub fn record_cards(&self, pass: &mut crate::gpu::RenderPass<'_>) {
+        let Some(cards) = &self.hair.cards else { return };
+        if self.zoned {
+            pass.set_bind_group(0, &self.light.frame, &[]);
+        }
+        pass.set_bind_group(1, &self.shaded.group, &[]);
+        cards.record(pass, self.hair.drawn.vertex_count);
+    }
+
     /// Records all strips. The caller has set the pipeline and bound the group of the frame.
     pub fn record_strips(&self, pass: &mut crate::gpu::RenderPass<'_>) {
         self.record_strips_of(pass, 0..self.hair.drawn.count);

@@ -64,6 +64,7 @@
 
 pub mod ambient;
 mod asked;
+pub(crate) mod cards;
 pub mod chosen;
 pub mod cube;
 pub mod environment;

@@ -163,6 +163,9 @@ pub struct Lod {
     strands: Arc<[Strand]>,
     painted: Arc<PaintedFactors>,
     segments: u32,
+    /// The strands per strand of the groom, if they are columns of cards. All of them are drawn with all segments at
+    /// any distance.
+    pub(crate) columns: Option<f32>,
     buffers: WidthBuffers,
     detail: Detail,
     /// Number of strands drawn in the last frame.
@@ -217,6 +220,7 @@ impl Lod {
             measured: f32::INFINITY,
             painted: PaintedFactors::none(infos.len()).into(),
             segments: strands.vertex_count.saturating_sub(1).max(1),
+            columns: None,
             buffers: WidthBuffers::new(context, buffers)?,
             detail: Detail {
                 pixel: 0.0,
@@ -342,7 +346,10 @@ impl Lod {
             }
         };
         let levels = self.painted.weights(size);
-        let segments = self.segments(coarse);
+        let (fraction, segments, drawn) = match self.columns {
+            Some(_) => (1.0, self.segments as f32, LodMode::Off),
+            None => (fraction, self.segments(coarse), options.mode),
+        };
         let step = match options.mode {
             LodMode::Auto => (coarse / options.slow_pixel.max(1e-9)).clamp(1.0, options.slowest.max(1.0)),
             LodMode::Off | LodMode::Fixed(_) => 1.0,
@@ -360,7 +367,7 @@ impl Lod {
         // The share that the table associates with this pixel, whatever width strands have now.
         let automatic = (self.measured / pixel.max(1e-12)).min(1.0);
         // Full detail must not wait for the measurements.
-        let [cover, before, behind, sunk] = match options.mode {
+        let [cover, before, behind, sunk] = match drawn {
             LodMode::Auto | LodMode::Fixed(_) if fraction < 1.0 || automatic < 1.0 => {
                 self.cover().factors(fraction, automatic)
             }
@@ -371,7 +378,7 @@ impl Lod {
             size,
             fraction,
             strands: self.ends[self.bucket(fraction * self.painted.most(&levels))],
-            width: match options.mode {
+            width: match drawn {
                 LodMode::Off => 1.0,
                 _ => self.widening(fraction) * cover / self.curve.length(segments),
             },
@@ -440,7 +447,7 @@ impl Lod {
             area: detail.area,
             deeper: detail.deeper,
             sunk: detail.sunk,
-            single: detail.fraction.sqrt(),
+            single: self.columns.unwrap_or(detail.fraction).min(1.0).sqrt(),
             dense: self.dense,
             packed: self.packed,
             ..drawn

@@ -6,6 +6,7 @@
 mod ambient;
 mod avoid;
 mod avoid_grooms;
+mod cards;
 mod character;
 mod characters;
 mod chosen;

@@ -1,0 +1,157 @@
+//! Cards as render strands, so that they follow simulated guides.
+
+use super::{CardMesh, Cards};
+use crate::{
+    BoundStrands, Error, Groom, Influence, Result, bound::Strand, curve, hash::pcg, mesh::paint::Texture,
+};
+use glam::{Vec2, Vec3};
+
+/// Vertices of a column.
+const ROWS: u32 = 17;
+/// Guides that a strand may follow.
+const INFLUENCES: usize = 3;
+
+/// The cards of a level as render strands: each column of a card's vertices is a strand.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CardStrands {
+    /// The guides of the groom, and the columns of all cards.
+    pub groom: Groom,
+    /// How the columns are drawn.
+    pub sheet: CardSheet,
+}
+
+/// How strands are drawn as cards.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CardSheet {
+    /// The parts of the cards between two columns, in the order in which they are blended.
+    pub strips: Vec<CardStrip>,
+    /// Number of strands that the cards replace.
+    pub strands: u32,
+    /// Color (sRGB) and coverage of the cards.
+    pub texture: Texture,
+    /// Factor on the texture's color with which its mean leaves the brightness of the hair as it is.
+    pub gain: f32,
+}
+
+/// The part of a card between two columns. It has as many rows as the strands have vertices.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CardStrip {
+    /// Strands along both edges.
+    pub columns: [u32; 2],
+    /// Texture coordinates of both columns at the root.
+    pub roots: [Vec2; 2],
+    /// Texture coordinates of both columns at the tip.
+    pub tips: [Vec2; 2],
+}
+
+impl Cards {
+    /// Returns the cards of a level as strands that follow the guides of `groom`. The cards must be baked from the
+    /// strands of this groom at rest ([`BoundStrands::unbound`]). All columns of a card follow the same guides, those that most of its
+    /// hair follows, so the card does not tear. A column casts the shadow of its share of the hair.
+    ///
+    /// # Errors
+    /// [`Error::Unusable`] for a helmet, a level that does not exist, and another groom.
+    pub fn strands(&self, level: usize, groom: &Groom) -> Result<CardStrands> {
+        let unusable = |why: &str| Err(Error::Unusable(why.into()));
+        let Some(level) = self.levels.get(level) else { return unusable("the cards have no such level") };
+        if level.helmet {
+            return unusable("a helmet has no cards that could follow guides");
+        }
+        let lengths: Vec<f32> =
+            (0..groom.guides.len()).map(|i| curve::length(groom.guides.guide(i))).collect();
+        let mut cards = CardStrands {
+            groom: Groom { guides: groom.guides.clone(), strands: BoundStrands::new(ROWS) },
+            sheet: CardSheet {
+                strips: Vec::new(),
+                strands: groom.strands.len() as u32,
+                texture: self.textures.base(),
+                gain: 1.0 / self.textures.mean().max(0.05),
+            },
+        };
+        for (card, members) in level.locks.iter().enumerate() {
+            if members.iter().any(|i| *i as usize >= groom.strands.len()) {
+                return unusable("the cards were baked from another groom");
+            }
+            let columns = columns(&level.mesh, card);
+            let length = columns[0].0.windows(2).map(|ends| ends[0].distance(ends[1])).sum::<f32>();
+            let mut influences = influences(&groom.strands, members);
+            for influence in &mut influences {
+                influence.scale = length / lengths[influence.guide as usize].max(1e-9);
+            }
+            let (strand, radii) = fibers(&groom.strands, members, columns.len());
+            let first = cards.groom.strands.len() as u32;
+            for (column, (positions, _)) in (0..).zip(&columns) {
+                let strand = Strand { seed: pcg(first + column), ..strand };
+                cards.groom.strands.push(strand, positions, &radii, &influences);
+            }
+            for (left, pair) in (first..).zip(columns.windows(2)) {
+                cards.sheet.strips.push(CardStrip {
+                    columns: [left, left + 1],
+                    roots: [pair[0].1[0], pair[1].1[0]],
+                    tips: [pair[0].1[1], pair[1].1[1]],
+                });
+            }
+        }
+        Ok(cards)
+    }
+}
+
+/// Positions of a column at equal distances along the card, and the texture coordinates of its ends.
+type Column = (Vec<Vec3>, [Vec2; 2]);
+
+/// Returns the columns of a card.
+fn columns(mesh: &CardMesh, card: usize) -> Vec<Column> {
+    let range = mesh.range(card);
+    let (first, along) = (range.start, &mesh.along[range.clone()]);
+    let wide = along.iter().take_while(|distance| **distance == along[0]).count();
+    let rows: Vec<f32> = along.iter().copied().step_by(wide).collect();
+    let last = rows.len() - 1;
+    let column = |c: usize| {
+        let at = |row: usize| mesh.positions[first + row * wide + c];
+        let positions = (0..ROWS).map(|k| {
+            let distance = rows[0] + (rows[last] - rows[0]) * k as f32 / (ROWS - 1) as f32;
+            let next = rows.partition_point(|row| *row <= distance).clamp(1, last);
+            let t = (distance - rows[next - 1]) / (rows[next] - rows[next - 1]).max(1e-9);
+            at(next - 1).lerp(at(next), t.min(1.0))
+        });
+        (positions.collect(), [mesh.uvs[first + c], mesh.uvs[first + last * wide + c]])
+    };
+    (0..wide).map(column).collect()
+}
+
+/// Returns the guides that most of the hair of a card follows, without scales.
+fn influences(strands: &BoundStrands, members: &[u32]) -> Vec<Influence> {
+    let mut shares = std::collections::BTreeMap::new();
+    for i in members {
+        let binding = &strands.bindings[*i as usize];
+        let weights = [1.0 - binding.weight_b - binding.weight_c, binding.weight_b, binding.weight_c];
+        for (guide, weight) in binding.guides.into_iter().zip(weights) {
+            *shares.entry(guide).or_insert(0.0) += weight;
+        }
+    }
+    let mut shares: Vec<(u32, f32)> = shares.into_iter().filter(|(_, share)| *share > 0.0).collect();
+    shares.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    shares.truncate(INFLUENCES);
+    let sum: f32 = shares.iter().map(|(_, share)| share).sum();
+    shares.into_iter().map(|(guide, share)| Influence { guide, weight: share / sum, scale: 1.0 }).collect()
+}
+
+/// Returns a strand as wide as the share of one of `columns` in the hair of a card, with its color, and the fraction of
+/// this radius at each vertex: hair that ends before the tip of the card narrows it.
+fn fibers(strands: &BoundStrands, members: &[u32], columns: usize) -> (Strand, Vec<f32>) {
+    let length = |i: u32| {
+        let positions: Vec<Vec3> = strands.rest_positions(i as usize).collect();
+        curve::length(&positions)
+    };
+    let lengths: Vec<f32> = members.iter().map(|i| length(*i)).collect();
+    let longest = lengths.iter().copied().fold(1e-9, f32::max);
+    let strand = |i: u32| &strands.strands[i as usize];
+    let sum: f32 = members.iter().map(|i| strand(*i).radius).sum();
+    let radii = (0..ROWS).map(|k| {
+        let reached = longest * k as f32 / (ROWS - 1) as f32;
+        let there = members.iter().zip(&lengths).filter(|(_, length)| **length >= reached);
+        there.map(|(i, _)| strand(*i).radius).sum::<f32>() / sum.max(1e-12)
+    });
+    let middle = members[members.len() / 2];
+    (Strand { radius: sum / columns as f32, ..*strand(middle) }, radii.collect())
+}
