@@ -101,13 +101,7 @@ impl RestingCharacter {
         let gpu = pollster::block_on(Gpu::open())?;
         let character = pollster::block_on(preset.character(&gpu.context, preparing))?;
         let (head, guides) = (character.head.clone(), character.groom.guides.clone());
-        let rig = character.anatomy.as_ref().map(|anatomy| {
-            let mut rig = anatomy.rig.clone();
-            if preset.source.grooms.is_empty() {
-                rig.animations = motion::animation::of_the_character(&rig);
-            }
-            rig
-        });
+        let rig = motion::animation::rig_of(&character, preset.source.grooms.is_empty());
         let colliders = Companions::of(&preset.source, Shelf::default()).colliders()?;
         let (physics, quality) = (preset.settings.physics(), preset.settings.quality([16, 16], 1)?);
         let scene = Scene::new(gpu, character, colliders, &physics, &quality, preparing);

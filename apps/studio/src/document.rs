@@ -10,7 +10,7 @@ use eframe::egui;
 use std::{path::Path, sync::Arc};
 use tresses::{
     gpu::Gpu,
-    groom::{import, styles::Style},
+    groom::{cards::CardOptions, import, styles::Style},
 };
 use tresses_scene::{Companion, Companions, History, Preset, Settings, Shelf, source};
 
@@ -120,6 +120,20 @@ impl Document {
         let order = Order { hair, base, surroundings, settings, keep };
         messages.clear();
         self.job = Some(Job::start(&self.context, self.gpu.clone(), order));
+    }
+
+    /// Starts to bake cards of the hair on the screen.
+    pub fn bake(&mut self, options: CardOptions, messages: &mut Messages) {
+        let Some(shown) = self.shown.as_ref().filter(|_| self.job.is_none()) else { return };
+        let order = Order {
+            hair: shown.hair.clone(),
+            base: Some(shown.base.clone()),
+            surroundings: None,
+            settings: self.settings.now().clone(),
+            keep: true,
+        };
+        messages.clear();
+        self.job = Some(Job::cards(&self.context, self.gpu.clone(), order, options));
     }
 
     /// Returns the result of a finished job and its hair. After an error the document reverts to the hair on the

@@ -1,21 +1,26 @@
 //! Background jobs: they load hair, compile pipelines and build a character on the GPU.
 
 use crate::{
+    cards::BakedCards,
     hair::{Hair, Source},
     task,
 };
-use anyhow::Result;
+use anyhow::{Context, Result};
 use eframe::egui;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tresses::{
-    Progress,
+    PipelineRequest, Progress,
     character::{CharacterSource, Gesture},
     draw::Coverage,
     gpu::{Gpu, Tier},
-    groom::styles::Style,
+    groom::{cards::CardOptions, styles::Style},
     view::ViewOptions,
 };
-use tresses_scene::{Quality, Scene, Settings, Surroundings};
+use tresses_scene::{
+    Quality, Scene, Settings, Surroundings,
+    cards::{self, CardChain},
+    motion::animation,
+};
 
 /// Size of the warm-up frame, which is not shown, pixels.
 const FIRST: [u32; 2] = [487, 305];
@@ -64,6 +69,19 @@ pub enum JobResult {
     Hair(Box<PreparedCharacter>),
     /// A new environment, or none, for the character on the screen.
     Light(Option<Arc<Surroundings>>),
+    /// Cards of the character on the screen.
+    Cards(Box<BakedCards>),
+}
+
+/// Purpose of a job.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum JobKind {
+    /// Builds a character.
+    Hair,
+    /// Loads an environment.
+    Light,
+    /// Bakes cards.
+    Cards,
 }
 
 /// Progress and result of a job.
@@ -81,7 +99,7 @@ pub struct Job {
     inbox: Arc<Mutex<Inbox>>,
     /// The hair that the job loads.
     pub hair: Hair,
-    is_light: bool,
+    kind: JobKind,
     /// Start time.
     pub begun: web_time::Instant,
 }
@@ -127,7 +145,7 @@ impl Progress for ProgressSender {
 impl Job {
     /// Starts to build `order`.
     pub fn start(context: &egui::Context, gpu: Gpu, order: Order) -> Self {
-        let (job, teller) = Self::begin(context, order.hair.clone(), false);
+        let (job, teller) = Self::begin(context, order.hair.clone(), JobKind::Hair);
         task::spawn(move || async move {
             let done = ready(gpu, order, &teller).await;
             teller.done(done.map(|ready| JobResult::Hair(Box::new(ready))));
@@ -138,7 +156,7 @@ impl Job {
     /// Starts to load the environment of `hair`. Everything else of it is already shown.
     pub fn light(context: &egui::Context, hair: Hair) -> Self {
         let companions = hair.companions.clone();
-        let (job, teller) = Self::begin(context, hair, true);
+        let (job, teller) = Self::begin(context, hair, JobKind::Light);
         task::spawn(move || async move {
             teller.step("reading the environment map", 0.0).await;
             teller.done(companions.surroundings().map(|read| JobResult::Light(read.map(Arc::new))));
@@ -146,16 +164,31 @@ impl Job {
         job
     }
 
-    fn begin(context: &egui::Context, hair: Hair, is_light: bool) -> (Self, ProgressSender) {
+    /// Starts to bake cards of `order`, which is already shown.
+    pub fn cards(context: &egui::Context, gpu: Gpu, order: Order, options: CardOptions) -> Self {
+        let (job, teller) = Self::begin(context, order.hair.clone(), JobKind::Cards);
+        task::spawn(move || async move {
+            let done = baked(gpu, order, &options, &teller).await;
+            teller.done(done.map(|baked| JobResult::Cards(Box::new(baked))));
+        });
+        job
+    }
+
+    fn begin(context: &egui::Context, hair: Hair, kind: JobKind) -> (Self, ProgressSender) {
         let inbox = Arc::<Mutex<Inbox>>::default();
         let begun = web_time::Instant::now();
         let teller = ProgressSender { inbox: inbox.clone(), context: context.clone() };
-        (Self { inbox, hair, is_light, begun }, teller)
+        (Self { inbox, hair, kind, begun }, teller)
     }
 
     /// Whether the job only loads an environment.
     pub fn is_light(&self) -> bool {
-        self.is_light
+        self.kind == JobKind::Light
+    }
+
+    /// Whether the job bakes cards.
+    pub fn is_cards(&self) -> bool {
+        self.kind == JobKind::Cards
     }
 
     /// Returns the current step, a few words.
@@ -210,6 +243,28 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Prepa
     progress.step("rendering the first frame", 0.0).await;
     first_picture(&mut stage)?;
     Ok(PreparedCharacter { stage, shown: DisplayedCharacter { hair, notes, base, surroundings }, keep })
+}
+
+/// Bakes cards of the hair of `order`, which is shown.
+async fn baked(
+    gpu: Gpu,
+    order: Order,
+    options: &CardOptions,
+    progress: &impl Progress,
+) -> Result<BakedCards> {
+    let Order { hair, base, settings, .. } = order;
+    let base = base.context("there is no hair on the screen")?;
+    let (maps, colliders) = (hair.companions.maps()?, hair.companions.colliders()?);
+    let view = view_options(&settings, gpu.context.tier())?;
+    let parts = base.dress(&settings.styling(base.style(), &maps)?, progress).await?;
+    let colored = settings.material().file_colors;
+    let cards = cards::of_parts(&parts, options, colored, progress).await?;
+    gpu.context.prepare(&[PipelineRequest::Cards(view.samples)], progress).await?;
+    let quality = Quality { view, lod: settings.lod(), ..Quality::new([1; 2]) };
+    let physics = (&settings.physics(), &quality);
+    let chain = CardChain::new(&gpu.context, (&parts, cards), &colliders, physics, progress).await?;
+    let rig = animation::rig_of(&parts, base.style().is_some());
+    Ok(BakedCards { chain, rig, strands: parts.groom.strands.len(), head: parts.head })
 }
 
 /// Returns the view options: from `settings` where they set the sampling, else fast defaults.

@@ -5,6 +5,7 @@
 //!  ├──► document ──► job ──► task      settings, hair, history; jobs on a thread natively, async tasks in the browser
 //!  ├──► record, picture, hosted        a loop or an image as a file; the host page
 //!  │      └──► renderer ──► stage      schedule and quality of frames; only `stage` talks to the renderer
+//!  │             ├──► cards            baked cards, and the level that is shown
 //!  │             └──► playback         transport, hand and ball
 //!  └──► dialog, loss, messages
 //! ```
@@ -18,6 +19,7 @@ pub mod answer;
 pub mod app;
 pub mod ball;
 pub mod blit;
+pub mod cards;
 pub mod device;
 pub mod dialog;
 pub mod document;

@@ -5,7 +5,7 @@ use tresses::glam::{Vec2, Vec3};
 use tresses_scene::camera::{Angle, VERTICAL_FOV, Viewpoint};
 
 /// Range of the camera's distance from its target, meters.
-const DISTANCE: (f32, f32) = (0.05, 10.0);
+const DISTANCE: (f32, f32) = (0.05, 40.0);
 /// Radians per point of a drag.
 const TURN: f32 = 0.006;
 /// Largest pitch up or down, radians.
@@ -120,6 +120,11 @@ impl Orbit {
         self.taken();
         self.now.distance = (self.now.distance / factor.max(1e-3)).clamp(DISTANCE.0, DISTANCE.1);
         self.goal = self.now;
+    }
+
+    /// Sets the distance to the target, meters, within the limits of zooming.
+    pub fn set_distance(&mut self, distance: f32) {
+        self.zoom(self.now.distance / distance.max(1e-3));
     }
 
     /// Drops the named view: the user has moved the camera.

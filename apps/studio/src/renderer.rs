@@ -1,6 +1,7 @@
 //! Schedules frames of the hair and chooses their quality.
 
 use crate::{
+    cards::{BakedCards, CardPreview},
     messages::Messages,
     orbit::Orbit,
     pace::{Level, Pace},
@@ -28,6 +29,8 @@ pub struct Renderer {
     pub gpu: Gpu,
     /// The character and its last frame; `None` until one is loaded.
     pub show: Option<CharacterDisplay>,
+    /// Cards of the character; `None` until they are baked.
+    pub cards: Option<CardPreview>,
     /// Transport, hand and ball.
     pub playback: Playback,
     /// The camera.
@@ -56,6 +59,7 @@ impl Renderer {
             pace: Pace::new(gpu.context.tier().software),
             gpu,
             show: None,
+            cards: None,
             debug: None,
             dirty: true,
             area: egui::Vec2::ZERO,
@@ -69,6 +73,19 @@ impl Renderer {
             Some(show) => show.replace(stage),
             None => self.show = Some(CharacterDisplay::new(stage, &self.state)),
         }
+        self.cards = None;
+        self.dirty = true;
+    }
+
+    /// Shows the first level of `baked`, cards of the character.
+    pub fn preview(&mut self, baked: BakedCards) {
+        let Some(show) = &mut self.show else { return };
+        // The strands are in the preview that is replaced.
+        if let Some(old) = &mut self.cards {
+            old.show(show, None);
+        }
+        show.give_up();
+        self.cards = Some(CardPreview::new(baked, show));
         self.dirty = true;
     }
 
@@ -101,6 +118,9 @@ impl Renderer {
             return;
         }
         let Some(show) = &mut self.show else { return };
+        if let Some(cards) = &mut self.cards {
+            self.dirty |= cards.follow(show);
+        }
         if self.playback.play.take_reset() {
             self.playback.ball = None;
             show.stage.character.reset();

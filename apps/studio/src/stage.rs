@@ -157,6 +157,12 @@ impl CharacterDisplay {
         self.flight.as_ref().map(|(flight, _)| flight.progress())
     }
 
+    /// Returns the diameter of the hair in the viewport, pixels.
+    pub fn hair_size(&self) -> f32 {
+        let scale = self.picture.as_ref().map_or(1.0, |picture| picture.level.scale);
+        self.stage.detail().size / scale
+    }
+
     /// Returns strand and triangle counts and the memory of the groom.
     pub fn facts(&self) -> Facts {
         self.stage.facts()

@@ -18,6 +18,8 @@ pub struct State {
     pub file: String,
     /// Companion files: maps, obstacles, environment.
     pub companions: Vec<String>,
+    /// What is drawn once cards are baked: strands, or the name of the level.
+    pub cards: String,
     /// Current step of the running job, or empty.
     pub step: String,
     /// The last error, or empty.

@@ -1,9 +1,11 @@
 //! Cards as files: the look of their material, their simulated motion, the files of each format, and the numbers of a
 //! bake.
 
+mod chain;
 #[cfg(not(target_arch = "wasm32"))]
 mod simulated;
 
+pub use chain::CardChain;
 #[cfg(not(target_arch = "wasm32"))]
 pub use simulated::{CardClip, simulate};
 
@@ -85,6 +87,7 @@ pub async fn of_parts(
     colored: bool,
     progress: &impl Progress,
 ) -> Result<Cards> {
+    // Colors of the file are not drawn with a color of the settings.
     let mut strands = parts.groom.strands.unbound();
     if !colored {
         strands.colors.clear();

@@ -79,6 +79,35 @@ pub struct Scene {
     watcher: Option<Viewpoint>,
 }
 
+/// Uploads the character of `parts`, at rest under `physics`, with `colliders`.
+///
+/// # Errors
+/// As [`Scene::new`].
+pub(crate) async fn uploaded(
+    context: &tresses::Context,
+    mut parts: CharacterParts,
+    (colliders, physics, quality): (&Colliders, &SimulationParams, &Quality),
+    progress: &impl Progress,
+) -> Result<Character> {
+    match (&mut parts.anatomy, &parts.head) {
+        (Some(anatomy), Some(mesh)) => colliders.arrange(anatomy, mesh).context("colliders")?,
+        _ => ensure!(colliders.joints().is_empty(), "joint colliders need a head mesh with a skeleton"),
+    }
+    let builder = FieldBuilder::new(context);
+    let fields = colliders.fields(&builder);
+    let options = CharacterOptions {
+        hair: HairOptions { simulation: *physics, lod: quality.lod, ..Default::default() },
+        obstacles: &colliders.list,
+        fields: &fields,
+        ambient_cells: quality.view.ambient_cells,
+        ..Default::default()
+    };
+    let mut character = Character::new(context, parts, &options, progress).await?;
+    // Draw full detail until the caller requests less.
+    character.set_lod(LodOptions { mode: LodMode::Off, ..quality.lod });
+    Ok(character)
+}
+
 impl Scene {
     /// Uploads the character of `parts`, at rest under `physics`, with `colliders`.
     ///
@@ -86,30 +115,15 @@ impl Scene {
     /// Fails if the adapter cannot allocate the character or `parts` are invalid.
     pub async fn new(
         gpu: Gpu,
-        mut parts: CharacterParts,
+        parts: CharacterParts,
         colliders: Colliders,
         physics: &SimulationParams,
         quality: &Quality,
         progress: &impl Progress,
     ) -> Result<Self> {
         let context = &gpu.context;
-        match (&mut parts.anatomy, &parts.head) {
-            (Some(anatomy), Some(mesh)) => colliders.arrange(anatomy, mesh).context("colliders")?,
-            _ => ensure!(colliders.joints().is_empty(), "joint colliders need a head mesh with a skeleton"),
-        }
         let view = View::new(context, &quality.view, quality.size, quality.ssaa)?;
-        let builder = FieldBuilder::new(context);
-        let fields = colliders.fields(&builder);
-        let options = CharacterOptions {
-            hair: HairOptions { simulation: *physics, lod: quality.lod, ..Default::default() },
-            obstacles: &colliders.list,
-            fields: &fields,
-            ambient_cells: view.options().ambient_cells,
-            ..Default::default()
-        };
-        let mut character = Character::new(context, parts, &options, progress).await?;
-        // Draw full detail until the caller requests less.
-        character.set_lod(LodOptions { mode: LodMode::Off, ..quality.lod });
+        let character = uploaded(context, parts, (&colliders, physics, quality), progress).await?;
         #[cfg(not(target_arch = "wasm32"))]
         let timings = match context.tier().timestamps && !context.tier().software {
             true => tresses::gpu::Timings::new(context),
@@ -133,6 +147,14 @@ impl Scene {
         };
         scene.make_obstacles();
         Ok(scene)
+    }
+
+    /// Exchanges the character for `other`, which continues its motion; its hair begins at rest.
+    pub fn exchange(&mut self, other: &mut Character) {
+        other.continue_from(&self.character);
+        std::mem::swap(&mut self.character.props, &mut other.props);
+        std::mem::swap(&mut self.character, other);
+        self.character.reset();
     }
 
     /// Applies the settings that take effect in the next frame. Strands, pipelines and targets do not change.

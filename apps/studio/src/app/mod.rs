@@ -3,6 +3,7 @@
 mod receive;
 
 use crate::{
+    cards::CardPreview,
     device,
     dialog::Dialogs,
     document::Document,
@@ -216,6 +217,7 @@ impl Studio {
             companions: shown.map_or_else(Vec::new, |shown| {
                 shown.hair.companions.all().map(|(what, name)| format!("{}: {name}", what.key)).collect()
             }),
+            cards: renderer.cards.as_ref().map(CardPreview::name).unwrap_or_default(),
             step: document.job.as_ref().map(Job::step).unwrap_or_default().into(),
             lost: lost.is_some(),
             error: self.messages.error.clone().or(lost).unwrap_or_default(),

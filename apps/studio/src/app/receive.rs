@@ -20,6 +20,10 @@ impl Studio {
         match self.document.take_done(&mut self.messages) {
             Some((_, JobResult::Hair(ready))) => self.present(*ready),
             Some((hair, JobResult::Light(surroundings))) => self.light_up(hair, surroundings),
+            Some((_, JobResult::Cards(baked))) => {
+                self.recorder.stop(&mut self.renderer, &mut self.messages);
+                self.renderer.preview(*baked);
+            }
             None => {}
         }
         for answer in self.dialogs.take() {

@@ -2,6 +2,7 @@
 
 pub mod ask;
 pub mod body;
+pub mod cards;
 pub mod files;
 pub mod frames;
 pub mod groom;
@@ -19,6 +20,7 @@ pub mod top;
 pub mod transport;
 pub mod wind;
 
+use crate::cards::CardForm;
 use eframe::egui;
 
 /// State of the panels.
@@ -28,6 +30,8 @@ pub struct Panels {
     pub frames: frames::Frames,
     /// Page of the side panel.
     pub page: side::Page,
+    /// Choices for baking cards.
+    pub cards: CardForm,
     /// Search words for parameters.
     pub search: String,
     /// Whether the dialog that records a loop is open.

@@ -4,7 +4,7 @@ use crate::{
     dialog::Dialogs,
     document::Document,
     messages::Messages,
-    panels::{Panels, files, groom, inside, knobs, time},
+    panels::{Panels, cards, files, groom, inside, knobs, time},
     renderer::Renderer,
 };
 use eframe::egui::{self, Panel, Ui};
@@ -19,6 +19,8 @@ pub enum Page {
     Knobs,
     /// The groom.
     Groom,
+    /// Cards.
+    Cards,
     /// Maps, obstacles, environments.
     Files,
     /// Timings.
@@ -26,9 +28,10 @@ pub enum Page {
 }
 
 impl Page {
-    const ALL: [(Self, &str, &str); 5] = [
+    const ALL: [(Self, &str, &str); 6] = [
         (Self::Knobs, "Parameters", "All parameters"),
         (Self::Groom, "Groom", "Contents, problems found, unit and axes"),
+        (Self::Cards, "Cards", "Bake textured cards for other engines"),
         (Self::Files, "Files", "Scalp maps, colliders, environment maps"),
         (Self::Inside, "Debug", "Debug views: guides, grids, terms of the shading"),
         (Self::Time, "Time", "Frame time and GPU time per stage"),
@@ -63,6 +66,7 @@ pub fn show(
             Page::Knobs => knobs::show(document, &mut panels.search, ui),
             Page::Inside => inside::show(renderer, ui),
             Page::Groom => groom::show(document, renderer, messages, ui),
+            Page::Cards => cards::show(&mut panels.cards, document, renderer, dialogs, messages, ui),
             Page::Files => files::show(document, dialogs, messages, ui),
             Page::Time => time::show(&panels.frames, renderer, ui),
         }

@@ -28,7 +28,11 @@ fn right(frames: &Frames, renderer: &Renderer, ui: &mut Ui) {
     }
     let Some(picture) = show.picture() else { return };
     let ([width, height], level) = (picture.size, &picture.level);
-    let mut text = format!("{} strands · {width}×{height}", grouped(u64::from(picture.strands)));
+    let hair = match &renderer.cards {
+        Some(cards) if cards.chain().shown().is_some() => cards.name(),
+        _ => format!("{} strands", grouped(u64::from(picture.strands))),
+    };
+    let mut text = format!("{hair} · {width}×{height}");
     let coarse = ![Level::FULL, Level::STILL].contains(level);
     if coarse {
         text += &format!(" ({:.0} %)", level.scale * 100.0);
@@ -45,7 +49,7 @@ fn right(frames: &Frames, renderer: &Renderer, ui: &mut Ui) {
             renderer.pace.budget()
         )
     } else {
-        "Drawn strands and image size".into()
+        "Drawn hair and image size".into()
     };
     ui.label(text).on_hover_text(help);
 }

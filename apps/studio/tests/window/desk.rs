@@ -217,6 +217,22 @@ impl Desk {
         self.fake(xproto::MOTION_NOTIFY_EVENT, 0, x, y);
     }
 
+    /// Clicks with the left button.
+    pub fn click(&mut self, at: [i16; 2]) {
+        self.press(at, 1);
+    }
+
+    /// Turns the wheel by a notch: up, or else down.
+    pub fn wheel(&mut self, at: [i16; 2], up: bool) {
+        self.press(at, if up { 4 } else { 5 });
+    }
+
+    fn press(&mut self, at: [i16; 2], button: u8) {
+        self.move_to(at);
+        self.fake(xproto::BUTTON_PRESS_EVENT, button, 0, 0);
+        self.fake(xproto::BUTTON_RELEASE_EVENT, button, 0, 0);
+    }
+
     /// Drags between two positions with `button` (1 left, 3 right). `held` runs before the button is released.
     pub fn drag<R>(&mut self, button: u8, [a, b]: [[i16; 2]; 2], held: impl FnOnce(&mut Self) -> R) -> R {
         self.fake(xproto::MOTION_NOTIFY_EVENT, 0, a[0], a[1]);

@@ -2,6 +2,7 @@
 #![cfg(target_os = "linux")]
 
 mod answers;
+mod cards;
 mod desk;
 
 use desk::{Desk, Shot};

@@ -27,7 +27,7 @@ pub struct CardSheet {
     pub strips: Vec<CardStrip>,
     /// Number of strands that the cards replace.
     pub strands: u32,
-    /// Color (sRGB) and coverage of the cards.
+    /// Brightness (sRGB) and coverage of the cards.
     pub texture: Texture,
     /// Factor on the texture's color with which its mean leaves the brightness of the hair as it is.
     pub gain: f32,
@@ -59,13 +59,14 @@ impl Cards {
         }
         let lengths: Vec<f32> =
             (0..groom.guides.len()).map(|i| curve::length(groom.guides.guide(i))).collect();
+        let (texture, mean) = self.textures.tones();
         let mut cards = CardStrands {
             groom: Groom { guides: groom.guides.clone(), strands: BoundStrands::new(ROWS) },
             sheet: CardSheet {
                 strips: Vec::new(),
                 strands: groom.strands.len() as u32,
-                texture: self.textures.base(),
-                gain: 1.0 / self.textures.mean().max(0.05),
+                texture,
+                gain: 1.0 / mean.max(0.05),
             },
         };
         for (card, members) in level.locks.iter().enumerate() {

@@ -73,22 +73,21 @@ pub(super) fn tones(size: usize, places: &[Rect], tiles: &[Tile]) -> Vec<f32> {
 }
 
 impl CardTextures {
-    /// Returns the mean luminance of [`color`](Self::color), weighted by the coverage; linear.
-    pub fn mean(&self) -> f32 {
+    /// Returns [`color`](Self::color) as an image without hue, and its mean weighted by the coverage, linear.
+    pub fn tones(&self) -> (Texture, f32) {
         let table: [f32; 256] = std::array::from_fn(|byte| srgb::linear(byte as f32 / 255.0));
         let (mut sum, mut weight) = (0.0f64, 0.0f64);
+        let mut rgba = Vec::with_capacity(4 * self.color.len());
         for [r, g, b, coverage] in &self.color {
             let [r, g, b] = [r, g, b].map(|channel| table[usize::from(*channel)]);
-            let luminance = Vec3::new(r, g, b).dot(LUMINANCE);
-            sum += f64::from(luminance) * f64::from(*coverage);
+            let tone = Vec3::new(r, g, b).dot(LUMINANCE);
+            sum += f64::from(tone) * f64::from(*coverage);
             weight += f64::from(*coverage);
+            let gray = byte(srgb::encoded(tone));
+            rgba.extend([gray, gray, gray, *coverage]);
         }
-        if weight > 0.0 { (sum / weight) as f32 } else { 1.0 }
-    }
-
-    /// Returns [`color`](Self::color) as an image.
-    pub fn base(&self) -> Texture {
-        Texture { width: self.size, height: self.size, rgba: self.color.as_flattened().to_vec() }
+        let mean = if weight > 0.0 { (sum / weight) as f32 } else { 1.0 };
+        (Texture { width: self.size, height: self.size, rgba }, mean)
     }
 
     pub(super) fn new(size: usize, places: &[Rect], tiles: &[Tile], has_colors: bool) -> Self {

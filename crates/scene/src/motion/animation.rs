@@ -2,6 +2,7 @@
 
 use super::{Motion, NAMES};
 use tresses::{
+    character::CharacterParts,
     glam::{Quat, Vec3},
     groom::{
         mannequin,
@@ -12,9 +13,18 @@ use tresses::{
 /// Keys per second.
 const RATE: f64 = 60.0;
 
+/// Returns the rig of the body of `parts`. That of the built-in character has the built-in motions as animations.
+pub fn rig_of(parts: &CharacterParts, built_in: bool) -> Option<Rig> {
+    let mut rig = parts.anatomy.as_ref()?.rig.clone();
+    if built_in {
+        rig.animations = of_the_character(&rig);
+    }
+    Some(rig)
+}
+
 /// Returns the built-in motions, except standing still, as animations of `rig`, the rig of the built-in character.
 /// Rotations between keys follow the shortest arc.
-pub fn of_the_character(rig: &Rig) -> Vec<Animation> {
+pub(crate) fn of_the_character(rig: &Rig) -> Vec<Animation> {
     let moves = NAMES.iter().filter(|name| **name != "still");
     moves.filter_map(|name| Some(animation(name, &Motion::named(name)?, rig))).collect()
 }

@@ -1,7 +1,7 @@
 //! Cards: textured strips between two strands, for grooms made by [`groom::cards`](crate::groom::cards).
 //!
 //! The strands of such a groom are the columns of its cards. They are simulated, interpolated and shaded like other
-//! strands. Here their colors are interpolated over the cards and multiplied with the texture.
+//! strands. Here their colors are interpolated over the cards and multiplied by the texture.
 //!
 //! ```text
 //! strand vertices, shaded ─► core: opaque, depth ─► fringe: blended in the order of the bake, behind nothing opaque
