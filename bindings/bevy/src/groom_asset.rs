@@ -8,7 +8,12 @@ use bevy::{
 use std::sync::Arc;
 use tresses::{
     Context, HairOptions, drape,
-    groom::{BindOptions, Groom, SdfGrid, Strands, TriMesh, bind, mesh::sdf, styles::Style},
+    groom::{
+        BindOptions, Groom, SdfGrid, Strands, TriMesh, bind,
+        cards::{self, CardOptions, CardSheet, CardStrands},
+        mesh::sdf,
+        styles::Style,
+    },
     simulate::Tie,
 };
 
@@ -24,6 +29,8 @@ pub struct HairGroom {
     /// Mesh of the head, in the groom's space. It casts shadows on the hair and reflects light onto it. Bevy draws it
     /// where an entity has [`head_mesh`](Self::head_mesh).
     pub mesh: Option<Arc<TriMesh>>,
+    /// How the hair is drawn as cards, if `groom` has the columns of cards.
+    pub cards: Option<Arc<CardSheet>>,
     /// Bands, braids and pins that hold hair together or to the head, at rest.
     pub ties: Vec<Tie>,
     /// Options for uploading the groom. [`HairPhysics`](crate::HairPhysics) replaces `simulation`, and
@@ -35,7 +42,7 @@ impl HairGroom {
     /// Creates hair without a head.
     pub fn new(groom: Groom) -> Self {
         let options = HairOptions::default();
-        Self { groom: Arc::new(groom), head: None, mesh: None, ties: Vec::new(), options }
+        Self { groom: Arc::new(groom), head: None, mesh: None, cards: None, ties: Vec::new(), options }
     }
 
     /// Chooses guides among `strands` and binds the others to them.
@@ -80,6 +87,18 @@ impl HairGroom {
         self
     }
 
+    /// Returns the groom with its hair drawn as `cards` textured cards, which move with the same guides. They cost a
+    /// quarter of the strands or less, and suit hair from a few meters on. Takes about 20 seconds for 20,000 strands.
+    ///
+    /// # Errors
+    /// Returns the errors of [`cards::bake`].
+    pub fn with_cards(self, cards: u32) -> tresses::groom::Result<Self> {
+        let options = CardOptions { levels: vec![cards], ..Default::default() };
+        let baked = cards::bake(&self.groom.strands.unbound(), self.mesh.as_deref(), &options)?;
+        let CardStrands { groom, sheet } = baked.strands(0, &self.groom)?;
+        Ok(Self { groom: Arc::new(groom), cards: Some(Arc::new(sheet)), ..self })
+    }
+
     /// Returns the head's mesh for Bevy to draw.
     pub fn head_mesh(&self) -> Option<Mesh> {
         self.mesh.as_deref().map(meshes::mesh)
@@ -93,6 +112,7 @@ impl HairGroom {
         Arc::ptr_eq(&self.groom, &other.groom)
             && same(&self.head, &other.head)
             && same(&self.mesh, &other.mesh)
+            && same(&self.cards, &other.cards)
             && self.ties == other.ties
             && self.options == other.options
     }

@@ -396,7 +396,7 @@ fn composite(
 ) -> Result<()> {
     canvas.geometry = Compositor::asked(canvas.coverage, canvas.camera.projection, into)?;
     embed.record_depth(canvas, canvas.camera.projection, into);
-    view.draw.cards.record(canvas, hair)?;
+    let has_cards = view.draw.cards.record(canvas, hair)?;
     let hair = &strands(hair);
     view.draw.record_seen(canvas, hair)?;
     shade(canvas, view, hair)?;
@@ -404,7 +404,7 @@ fn composite(
     view.draw.record_hair(canvas, hair, false)?;
     canvas.commands.lap(Stage::Hair);
     embed.record_shade(canvas, into)?;
-    embed.record(canvas, into);
+    embed.record(canvas, into, has_cards);
     canvas.commands.lap(Stage::Embed);
     Ok(())
 }

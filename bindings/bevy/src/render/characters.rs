@@ -116,6 +116,7 @@ impl Recipe {
                 },
             };
             parts.ties = groom.ties;
+            parts.cards = groom.cards;
             let fields: Vec<_> = fields.iter().map(|field| FieldSource::Grid(field)).collect();
             let options = CharacterOptions {
                 hair: HairOptions { simulation: physics, lod: detail, ..groom.options },

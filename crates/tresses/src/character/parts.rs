@@ -17,6 +17,7 @@ use crate::{
     simulate::Tie,
 };
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Offset from the crown to the joint that a head nods and turns about, meters.
 const NECK_BELOW_CROWN: Vec3 = Vec3::new(0.0, -0.165, -0.012);
@@ -32,7 +33,7 @@ pub struct CharacterParts {
     /// Guides and strands of the hair.
     pub groom: Groom,
     /// Draws the hair as cards: their strips, if [`groom`](Self::groom) has the columns of cards.
-    pub cards: Option<CardSheet>,
+    pub cards: Option<Arc<CardSheet>>,
     /// Brows, lashes, beard: further grooms on the same skin. They require [`head`](Self::head).
     pub face: Vec<FaceGroom>,
     /// The mesh of the head or the whole body, drawn with the hair.
@@ -102,7 +103,7 @@ impl CharacterParts {
     /// As [`Cards::strands`].
     pub fn with_cards(self, cards: &Cards, level: usize) -> Result<Self> {
         let CardStrands { groom, sheet } = cards.strands(level, &self.groom)?;
-        Ok(Self { groom, cards: Some(sheet), levels: Vec::new(), ..self })
+        Ok(Self { groom, cards: Some(sheet.into()), levels: Vec::new(), ..self })
     }
 
     /// Returns the distance field of the whole body as one rigid piece.

@@ -13,6 +13,10 @@ use tresses::{
         camera::rh::proj::directx::{orthographic, perspective},
     },
     gpu::readback,
+    groom::{
+        bind,
+        cards::{CardOptions, bake},
+    },
     light::{Lights, Sphere},
     view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages},
@@ -330,6 +334,34 @@ fn scene_depth_may_be_multisampled() {
             }
             assert!(free != halved, "the comparer sees no difference");
         }
+    }
+}
+
+#[test]
+fn cards_are_hidden_and_blended_like_strands() {
+    let Some(context) = common::context() else { return };
+    let groom = bind(&common::hanging(500, 16, 0.12), &Default::default()).unwrap();
+    let options = CardOptions { levels: vec![60], texture: 256, ..Default::default() };
+    let baked = bake(&groom.strands.unbound(), None, &options).unwrap();
+    let columns = baked.strands(0, &groom).unwrap();
+    let sky = Vec4::new(0.125, 0.25, 0.5, 1.0);
+    let projection = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.1, 100.0);
+    for (samples, coverage) in [(1, Coverage::Tiles), (4, Coverage::Tiles), (4, Coverage::SampleMask)] {
+        let options = ViewOptions { samples, coverage, ..common::coarse() };
+        let strands = Setup::new(context, &options, 1);
+        let expected = covered(&strands.wall(sky, projection, 5.0), sky);
+        let mut setup = Setup::new(context, &options, 1);
+        setup.hair = Hair::new(context, &columns.groom, &Default::default(), None).unwrap();
+        setup.hair.set_cards(&columns.groom.strands, &columns.sheet).unwrap();
+        common::advance(&mut setup.hair, &common::frame(Pose::IDENTITY, 0.0));
+        let free = setup.wall(sky, projection, 5.0);
+        let seen = covered(&free, sky);
+        assert!(seen * 4 > expected && seen < expected * 2, "{coverage:?}: {seen} instead of {expected}");
+        assert_eq!(covered(&setup.wall(sky, projection, 0.3), sky), 0, "{coverage:?}: a wall in front");
+        // Several depths per pixel: hair is tested against the farthest.
+        setup.samples = (4, 0);
+        assert!(covered(&setup.wall(sky, projection, 5.0), sky).abs_diff(seen) * 20 < seen);
+        assert_eq!(covered(&setup.wall(sky, projection, 0.3), sky), 0);
     }
 }
 

@@ -68,11 +68,11 @@ impl Pipelines {
         PASSES.map(|name| Box::new(move || self.get(name, samples).map(|_| ())) as Job<'_>).into()
     }
 
-    /// Shades and records the cards among `hair`.
-    pub fn record(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<()> {
+    /// Shades and records the cards among `hair`. Returns whether there are any.
+    pub fn record(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<bool> {
         let cards: Vec<_> = hair.iter().filter(|seen| seen.hair.cards.is_some()).copied().collect();
         if cards.is_empty() {
-            return Ok(());
+            return Ok(false);
         }
         canvas.light.shade(canvas.commands, &cards, ShadingRate::PerVertex)?;
         canvas.commands.lap(Stage::Shade);
@@ -83,6 +83,6 @@ impl Pipelines {
             cards.iter().for_each(|seen| seen.record_cards(&mut pass));
         }
         canvas.commands.lap(Stage::Hair);
-        Ok(())
+        Ok(true)
     }
 }

@@ -13,6 +13,8 @@
 //! is known, is also weighted by the fraction of the samples that it is in front of, so that edges in front of hair
 //! stay smooth.
 //!
+//! Cards are in the HDR target and composited before the strands. They are not in the output of geometry.
+//!
 //! The scene's depth is not written. [`Surroundings::geometry`] can output the motion, depth and opacity of the visible
 //! hair in each pixel, for fog, depth of field and temporal antialiasing. Transparent surfaces drawn later blend as if
 //! there were no hair, whether they are in front of it or behind.
@@ -149,6 +151,8 @@ pub struct Compositor {
     composite: wgpu::RenderPipeline,
     geometry: wgpu::RenderPipeline,
     composite_layout: wgpu::BindGroupLayout,
+    /// Composites cards, which are not in the texture of tiles. Needed if hair is drawn by tiles.
+    cards: Option<(wgpu::RenderPipeline, wgpu::BindGroupLayout)>,
     /// Replaces `composite` for tiles if the scene's depth has several samples.
     edges: Option<(wgpu::RenderPipeline, wgpu::BindGroupLayout)>,
     geometry_layout: wgpu::BindGroupLayout,
@@ -216,17 +220,28 @@ impl Compositor {
                 Binding::DepthMultisampled,
             )?,
         ];
-        let (module, entry) = match many {
-            true => ("draw::embed::many", ["many_vertex", "many_fragment"]),
-            false => ("draw::embed::one", ["one_vertex", "one_fragment"]),
+        let over = &[blended(format, One, OneMinusSrcAlpha)];
+        let blend = |many, layout: &wgpu::BindGroupLayout| {
+            let (module, entry) = match many {
+                true => ("draw::embed::many", ["many_vertex", "many_fragment"]),
+                false => ("draw::embed::one", ["one_vertex", "one_fragment"]),
+            };
+            Recipe {
+                vertex: (module, entry[0]),
+                fragment: Some((module, entry[1])),
+                layouts: &[layout],
+                targets: over,
+                ..Recipe::PLAIN
+            }
+            .build(device)
         };
-        let composite = Recipe {
-            vertex: (module, entry[0]),
-            fragment: Some((module, entry[1])),
-            layouts: &[&composite_layout],
-            targets: &[blended(format, One, OneMinusSrcAlpha)],
-            ..Recipe::PLAIN
+        let cards = || {
+            let many = samples > 1;
+            let hdr = if many { Binding::TextureMultisampled } else { Binding::Texture2d };
+            let layout = layout("embed cards", hdr);
+            Ok::<_, Error>((blend(many, &layout)?, layout))
         };
+        let cards = coverage.is_tiled().then(cards).transpose()?;
         let edges = || {
             use Binding::{DepthMultisampled, Texels2d, Texture2d, Uniform};
             let layout = bound("embed edges", &[Uniform, Texture2d, Texels2d, DepthMultisampled]);
@@ -235,7 +250,8 @@ impl Compositor {
                 vertex: (module, "edges_vertex"),
                 fragment: Some((module, "edges_fragment")),
                 layouts: &[&layout],
-                ..composite
+                targets: over,
+                ..Recipe::PLAIN
             };
             Ok::<_, Error>((recipe.build(device)?, layout))
         };
@@ -243,7 +259,8 @@ impl Compositor {
         Ok(Self {
             depths,
             edges,
-            composite: composite.build(device)?,
+            cards,
+            composite: blend(many, &composite_layout)?,
             geometry: geometry.build(device)?,
             composite_layout,
             geometry_layout,
@@ -311,8 +328,12 @@ impl Compositor {
         self.shade.record(canvas, into)
     }
 
-    /// Blends the hair in the targets over the scene's color.
-    pub(crate) fn record(&self, canvas: &mut Canvas<'_, '_>, into: &Surroundings<'_>) {
+    /// Blends the hair in the targets over the scene's color, among it cards if there are any.
+    pub(crate) fn record(&self, canvas: &mut Canvas<'_, '_>, into: &Surroundings<'_>, has_cards: bool) {
+        let context = canvas.commands.context();
+        let cards = self.cards.as_ref().filter(|_| has_cards).map(|(pipeline, layout)| {
+            (pipeline.clone(), self.bind(&context.device, layout, &canvas.targets.hdr))
+        });
         let tiles = canvas.targets.tiles.as_ref();
         let hair = tiles.map_or(&canvas.targets.hdr, |tiles| &tiles.buffers.hair);
         let known = tiles.filter(|_| has_samples(into.depth)).and_then(|tiles| tiles.geometry());
@@ -327,9 +348,13 @@ impl Compositor {
             }
         };
         let mut pass = into.pass(canvas);
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..3, 0..1);
+        for (pipeline, group) in
+            cards.iter().map(|(pipeline, group)| (pipeline, group)).chain([(pipeline, &group)])
+        {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, group, &[]);
+            pass.draw(0..3, 0..1);
+        }
         drop(pass);
         if let Some(target) = into.geometry {
             self.record_geometry(canvas, target);
