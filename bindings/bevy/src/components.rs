@@ -49,6 +49,11 @@ impl HairReady {
     }
 }
 
+/// Whether the adapter can draw hair, set before startup. Strands need compute shaders, which WebGL 2 and some old
+/// adapters do not have; there, show a scene with cards (`tresses cards`).
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HairSupport(pub bool);
+
 /// Material of hair.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct HairMaterial3d(pub HairMaterial);

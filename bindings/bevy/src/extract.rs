@@ -8,7 +8,7 @@ use crate::{
     skin::{SkinCache, SkinQueries, SkinState},
 };
 use bevy::{
-    camera::visibility::RenderLayers,
+    camera::visibility::{RenderLayers, VisibilityRange},
     ecs::entity::EntityHashMap,
     light::{GlobalAmbientLight, LightProbe},
     prelude::*,
@@ -149,8 +149,22 @@ type HairQuery<'a> = (
     Option<&'a HairWind>,
     Option<&'a RenderLayers>,
     Option<&'a HairSkin>,
+    Option<&'a VisibilityRange>,
     Has<HairMeets>,
 );
+
+/// Whether hair at `place` is in `range` of one of the cameras that see its layers. Margins do not fade: hair appears
+/// where the margin starts.
+fn is_in_range(
+    range: &VisibilityRange,
+    place: Vec3,
+    layers: &RenderLayers,
+    cameras: &Query<(&GlobalTransform, Option<&RenderLayers>), (With<Camera3d>, Without<NoHair>)>,
+) -> bool {
+    let seen = cameras.iter().filter(|(_, seen)| seen.unwrap_or(&RenderLayers::default()).intersects(layers));
+    let mut distances = seen.map(|(camera, _)| camera.translation().distance(place));
+    distances.any(|distance| (range.start_margin.start..range.end_margin.start).contains(&distance))
+}
 
 type LightQuery<'a, L> =
     (Entity, &'a L, &'a GlobalTransform, &'a InheritedVisibility, Option<&'a RenderLayers>);
@@ -163,14 +177,21 @@ pub(crate) fn extract_hair(
     grooms: Extract<Res<Assets<HairGroom>>>,
     hair: Extract<Query<HairQuery<'static>>>,
     colliders: Extract<Query<(Entity, &'static HairCollider, &'static GlobalTransform)>>,
+    cameras: Extract<
+        Query<(&'static GlobalTransform, Option<&'static RenderLayers>), (With<Camera3d>, Without<NoHair>)>,
+    >,
     skins: SkinQueries,
     mut cache: Local<SkinCache>,
     mut errors: Local<ErrorLog>,
 ) {
     scene.dt = time.delta_secs();
     scene.hair.clear();
-    cache.keep(|entity| hair.get(entity).is_ok_and(|(.., on, _)| on.is_some()));
-    for (entity, hair, material, physics, detail, ready, place, visible, own, layers, on, meets) in &hair {
+    cache.keep(|entity| hair.get(entity).is_ok_and(|(.., on, _, _)| on.is_some()));
+    for (entity, hair, material, physics, detail, ready, place, visible, own, layers, on, range, meets) in
+        &hair
+    {
+        let layers = layers.cloned().unwrap_or_default();
+        let is_near = range.is_none_or(|range| is_in_range(range, place.translation(), &layers, &cameras));
         let wind = own.map_or(wind.0, |wind| wind.0);
         let pose = pose(place);
         let skin = on.map_or(Ok(SkinState::Off), |on| skins.find(&mut cache, entity, on, pose.matrix()));
@@ -186,8 +207,8 @@ pub(crate) fn extract_hair(
             material: material.0,
             physics: SimulationParams { wind, ..physics.0 },
             detail: detail.0,
-            layers: layers.cloned().unwrap_or_default(),
-            visible: visible.get(),
+            layers,
+            visible: visible.get() && is_near,
             meets,
             ready: ready.0.clone(),
         });

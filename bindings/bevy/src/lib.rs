@@ -39,7 +39,7 @@ mod skin;
 
 pub use components::{
     ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDepth, HairDetail, HairMaterial3d, HairMeets,
-    HairPhysics, HairReady, HairView, HairWind, NoHair,
+    HairPhysics, HairReady, HairSupport, HairView, HairWind, NoHair,
 };
 pub use groom_asset::HairGroom;
 pub use loader::{HairGroomLoader, HairGroomSettings};

@@ -1,7 +1,7 @@
 //! The plugin.
 
 use crate::{
-    GlobalHairWind, Hair3d, HairGroom, HairGroomLoader, NoHair,
+    GlobalHairWind, Hair3d, HairGroom, HairGroomLoader, HairSupport, NoHair,
     extract::{Scene, extract_hair, extract_light},
     render,
 };
@@ -11,7 +11,7 @@ use bevy::{
     prelude::*,
     render::{
         ExtractSchedule, GpuResourceAppExt, Render, RenderApp, RenderSystems,
-        renderer::{RenderGraph, RenderGraphSystems},
+        renderer::{RenderDevice, RenderGraph, RenderGraphSystems},
         view::prepare_view_targets,
     },
 };
@@ -43,8 +43,21 @@ impl Plugin for TressesPlugin {
             .init_asset_loader::<HairGroomLoader>()
             .init_resource::<GlobalHairWind>()
             .add_systems(PostUpdate, widen_range);
-        let Some(app) = app.get_sub_app_mut(RenderApp) else {
-            warn!("TressesPlugin found no renderer, so hair is not drawn: add it after DefaultPlugins");
+    }
+
+    fn finish(&self, app: &mut App) {
+        let limits = app.world().get_resource::<RenderDevice>().map(RenderDevice::limits);
+        let can = limits.as_ref().is_some_and(|limits| limits.max_compute_workgroups_per_dimension > 0);
+        app.insert_resource(HairSupport(can));
+        let Some(app) = app.get_sub_app_mut(RenderApp).filter(|_| can) else {
+            match limits {
+                None => warn!(
+                    "TressesPlugin found no renderer, so hair is not drawn: add it after DefaultPlugins"
+                ),
+                Some(_) => {
+                    warn!("the adapter has no compute shaders, so hair is not drawn: show cards instead")
+                }
+            }
             return;
         };
         app.init_resource::<Scene>()

@@ -36,6 +36,11 @@ impl Cards {
     ) -> Self {
         Self { cards, strands, settings, body }
     }
+
+    /// Returns the cards of the library.
+    pub fn baked(&self) -> &cards::Cards {
+        &self.cards
+    }
 }
 
 #[pymethods]

@@ -14,19 +14,15 @@ use crate::{
 };
 use numpy::PyArrayDyn;
 use pyo3::{prelude::*, types::PyDict};
-use std::path::PathBuf;
+use std::{path::PathBuf, sync::Arc};
 use tresses::{
     character::{CharacterParts, CharacterSource},
-    groom::{
-        self,
-        cards::{CardOptions, bake_with},
-        import::ImportOptions,
-    },
+    groom::{self, cards::CardOptions, import::ImportOptions},
     lod,
 };
 use tresses_scene::{
     Companions, Preset, Shelf, Source,
-    cards::{AskedLevel, options},
+    cards::{AskedLevel, of_parts, options},
     settings::Settings,
     source,
 };
@@ -194,19 +190,7 @@ impl Groom {
     /// Return the render strands at rest, in the order of `Simulation.strands`: Strands with widths, and with colors if
     /// the groom has them.
     fn strands(&self, py: Python<'_>) -> Strands {
-        py.detach(|| {
-            let bound = &self.character.groom.strands;
-            let each = bound.vertex_count as usize;
-            let mut out = groom::Strands { offsets: vec![0], ..Default::default() };
-            for i in 0..bound.len() {
-                let (strand, binding) = (&bound.strands[i], &bound.bindings[i]);
-                let rest = bound.rest[i * each..(i + 1) * each].iter().map(|rest| rest.unpack(binding));
-                let (line, shares): (Vec<_>, Vec<_>) = rest.unzip();
-                out.push(&line);
-                out.radii.extend(shares.iter().map(|share| share * strand.radius));
-            }
-            Strands(out)
-        })
+        py.detach(|| Strands(self.character.groom.strands.unbound()))
     }
 
     /// Bake the groom to textured cards with levels of detail: Cards.
@@ -221,9 +205,12 @@ impl Groom {
     ///     Number of different pictures of locks in the textures.
     /// triangles : list of int, optional
     ///     Largest number of triangles of each level.
+    /// bones : int
+    ///     Chains of four bones that carry the cards in a ``.glb``, at most 256.
     /// progress : callable, optional
     ///     As for `built_in`.
-    #[pyo3(signature = (levels=None, *, texture=2048, textures=32, triangles=None, progress=None))]
+    #[allow(clippy::too_many_arguments)] // Python keyword arguments.
+    #[pyo3(signature = (levels=None, *, texture=2048, textures=32, triangles=None, bones=0, progress=None))]
     fn cards(
         &self,
         py: Python<'_>,
@@ -231,6 +218,7 @@ impl Groom {
         texture: u32,
         textures: u32,
         triangles: Option<Vec<u32>>,
+        bones: u32,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Cards> {
         let asked = match levels {
@@ -241,17 +229,38 @@ impl Groom {
             }
             None => CardOptions::default(),
         };
-        let options = CardOptions { texture, textures, triangles: triangles.unwrap_or_default(), ..asked };
-        let strands = self.strands(py).0;
-        let head = self.character.head.clone();
+        let triangles = triangles.unwrap_or_default();
+        let options = CardOptions { texture, textures, triangles, chains: bones, ..asked };
+        let (character, colored) = (&self.character, self.settings.material().file_colors);
+        let head = character.head.clone();
         let rig = self.character.anatomy.as_ref().map(|anatomy| anatomy.rig.clone());
-        let baked =
-            run(
-                py,
-                progress,
-                async |teller| Ok(bake_with(&strands, head.as_ref(), &options, teller).await?),
-            )?;
-        Ok(Cards::new(baked, strands.len(), self.settings.clone(), head.map(|head| (head, rig))))
+        let baked = run(py, progress, async |teller| of_parts(character, &options, colored, teller).await)?;
+        Ok(Cards::new(
+            baked,
+            character.groom.strands.len(),
+            self.settings.clone(),
+            head.map(|head| (head, rig)),
+        ))
+    }
+
+    /// Return the groom with its hair drawn as a level of `cards`, which were baked from it. The cards move with the
+    /// guides. The strands of the result are the columns of the cards.
+    ///
+    /// Parameters
+    /// ----------
+    /// cards : Cards
+    ///     Result of `cards`.
+    /// level : int
+    ///     Index of the level, not that of a helmet.
+    #[pyo3(signature = (cards, level=0))]
+    fn with_cards(&self, cards: &Cards, level: usize) -> PyResult<Self> {
+        let mut character = self.character.clone().with_cards(cards.baked(), level).map_err(raised)?;
+        let order = lod::order(&character.groom.strands);
+        lod::arrange(&mut character.groom.strands);
+        if let Some(sheet) = &mut character.cards {
+            Arc::make_mut(sheet).reorder(&order).map_err(raised)?;
+        }
+        Ok(Self { character, source: self.source.clone(), settings: self.settings.clone(), order })
     }
 
     /// Source index of each strand, counted after invalid strands were dropped: int32 [n]. Strands that were filled in

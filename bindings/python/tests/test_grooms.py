@@ -213,3 +213,27 @@ def test_cards_are_baked_and_saved(tmp_path):
             groom.cards(wrong)
     with pytest.raises(tresses.TressesError, match="core, mask or blend"):
         cards.save(tmp_path / "hair.glb", alpha="hash")
+
+
+def test_cards_move_with_the_guides():
+    groom = tresses.Groom.built_in("bob", {"style.strands": 3000})
+    cards = groom.cards([60, "helmet"], texture=512, bones=4)
+    worn = groom.with_cards(cards)
+    assert 120 <= len(worn) <= 180 and np.array_equal(worn.guides, groom.guides)
+    pictures = [tresses.Simulation(hair).render(size=(96, 96))["color"] for hair in (groom, worn)]
+    differ = np.abs(pictures[0].astype(int) - pictures[1]).mean()
+    bare = tresses.Simulation(groom).render(size=(96, 96), background=(0, 0, 0))["color"]
+    assert differ < 0.5 * np.abs(pictures[0].astype(int) - bare).mean()
+    sim = tresses.Simulation(worn)
+    rest = sim.strands().positions
+    assert np.allclose(rest, worn.strands().positions, atol=0.003)
+    for degrees in range(0, 60, 10):
+        half = np.radians(degrees) / 2
+        sim.step(1 / 30, head=((0, 0, 0), (0, np.sin(half), 0, np.cos(half))))
+    assert np.abs(sim.strands().positions - rest).max() > 0.02
+    other = tresses.Groom.built_in("bob", {"style.strands": 100})
+    for wrong, why in [((cards, 1), "helmet"), ((cards, 2), "level")]:
+        with pytest.raises(tresses.TressesError, match=why):
+            groom.with_cards(*wrong)
+    with pytest.raises(tresses.TressesError, match="another groom"):
+        other.with_cards(cards)

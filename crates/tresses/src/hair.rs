@@ -287,7 +287,9 @@ impl Hair {
         if strands.len() != self.strands.count as usize {
             return Err(Error::unusable("cards can only be set on the groom that the hair was created from"));
         }
-        let cards = CardBuffers::new(&self.context, strands, &lod::order(strands), sheet)?;
+        let mut sheet = sheet.clone();
+        sheet.reorder(&lod::order(strands))?;
+        let cards = CardBuffers::new(&self.context, &sheet)?;
         self.set.cards = Some(Arc::new(cards));
         self.lod.columns = Some(strands.len() as f32 / sheet.strands.max(1) as f32);
         self.set.drawn = self.lod.drawn();

@@ -11,6 +11,7 @@ use bevy::{
         render_asset::RenderAssets,
         render_resource::{TextureFormat, TextureUsages},
         renderer::{RenderDevice, RenderQueue},
+        settings::{WgpuLimits, WgpuSettings},
         texture::GpuImage,
     },
     time::TimeUpdateStrategy,
@@ -33,7 +34,13 @@ pub fn app(assets: &str) -> App {
 
 /// Creates an app whose hair casts shadows of strength `casts`.
 pub fn app_that_casts(assets: &str, casts: f32) -> App {
+    app_within(assets, casts, None)
+}
+
+/// Creates an app on a device with no more than `limits`.
+pub fn app_within(assets: &str, casts: f32, limits: Option<WgpuLimits>) -> App {
     let mut app = App::new();
+    let settings = WgpuSettings { constrained_limits: limits, ..Default::default() };
     let window =
         WindowPlugin { primary_window: None, exit_condition: ExitCondition::DontExit, ..Default::default() };
     let files = AssetPlugin { file_path: assets.into(), ..Default::default() };
@@ -45,7 +52,11 @@ pub fn app_that_casts(assets: &str, casts: f32) -> App {
         .disable::<WinitPlugin>()
         .disable::<LogPlugin>()
         .disable::<PipelinedRenderingPlugin>()
-        .set(RenderPlugin { synchronous_pipeline_compilation: true, ..Default::default() });
+        .set(RenderPlugin {
+            synchronous_pipeline_compilation: true,
+            render_creation: settings.into(),
+            ..Default::default()
+        });
     app.add_plugins((plugins, TressesPlugin { casts, ..Default::default() }))
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_micros(16_667)))
         .insert_resource(ClearColor(Color::BLACK));

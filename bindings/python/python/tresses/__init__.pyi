@@ -205,8 +205,10 @@ class Groom:
         texture: int = 2048,
         textures: int = 32,
         triangles: Optional[Sequence[int]] = None,
+        bones: int = 0,
         progress: Optional[Progress] = None,
     ) -> Cards: ...
+    def with_cards(self, cards: Cards, level: int = 0) -> Groom: ...
     @property
     def order(self) -> Ints: ...
     @property

@@ -44,6 +44,26 @@ pub struct CardStrip {
     pub tips: [Vec2; 2],
 }
 
+impl CardSheet {
+    /// Numbers the strands in another order: `order` has for each place the index of its strand until now.
+    ///
+    /// # Errors
+    /// [`Error::Unusable`] for strips between strands that are not in `order`.
+    pub fn reorder(&mut self, order: &[u32]) -> Result<()> {
+        let mut places = vec![None; order.len()];
+        for (place, strand) in (0..).zip(order) {
+            if let Some(there) = places.get_mut(*strand as usize) {
+                *there = Some(place);
+            }
+        }
+        for column in self.strips.iter_mut().flat_map(|strip| &mut strip.columns) {
+            let place = places.get(*column as usize).copied().flatten();
+            *column = place.ok_or_else(|| Error::Unusable("the cards belong to another groom".into()))?;
+        }
+        Ok(())
+    }
+}
+
 impl Cards {
     /// Returns the cards of a level as strands that follow the guides of `groom`. The cards must be baked from the
     /// strands of this groom at rest ([`BoundStrands::unbound`]). All columns of a card follow the same guides, those that most of its

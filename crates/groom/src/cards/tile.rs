@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 const FINE: usize = 4;
 /// Parts of a curve between two vertices of a strand.
 const PARTS: usize = 3;
-/// Share of a ribbon up to which roots are drawn from its start on, so that no skin shows between cards at a parting.
+/// Longest extension of strands to the start of the ribbon, as a share of its length.
 const ROOTS: f32 = 0.15;
 
 /// A lock with the ribbon in whose frame it is drawn.
@@ -116,6 +116,15 @@ impl Lock {
         (sum / f32::max(total, 1e-9)).sqrt()
     }
 
+    /// Returns the median distance of the roots from the start of the ribbon, as a share of its length. All strands are
+    /// drawn that much earlier, so that no skin shows at a parting where other locks have the same picture.
+    fn before(&self, lines: &Lines<'_>) -> f32 {
+        let root = |i: &u32| self.ribbon.flat(lines.strand(*i).0[0], 0.0).at.y;
+        let mut starts: Vec<f32> = self.members.iter().map(root).collect();
+        starts.sort_by(f32::total_cmp);
+        starts.get(starts.len() / 2).map_or(0.0, |start| start.clamp(0.0, ROOTS))
+    }
+
     /// Calls `see` with each strand in the frame of the ribbon. Widths stay in meters.
     fn each(&self, lines: &Lines<'_>, mut see: impl FnMut(u32, &[Vertex])) {
         let mut vertices = Vec::new();
@@ -137,6 +146,7 @@ impl Lock {
         let fine = [width * FINE, height * FINE];
         let size = Vec2::new(fine[0] as f32, fine[1] as f32);
         let mut nearest = vec![NOTHING; fine[0] * fine[1]];
+        let before = self.before(lines);
         // Meters per sample.
         let (across, down) = (2.0 * self.ribbon.half() / size.x, self.ribbon.length / size.y);
         self.each(lines, |strand, vertices| {
@@ -146,8 +156,8 @@ impl Lock {
                 Vertex::between(of, j as f32 / PARTS as f32)
             };
             let root = vertices[0];
-            let skin = Vertex { at: Vec2::new(root.at.x, 0.0), ..root };
-            let start = (root.at.y > 0.0 && root.at.y < ROOTS).then_some((0, [0.0; 2], [skin, root]));
+            let skin = Vertex { at: Vec2::new(root.at.x, (root.at.y - before).max(0.0)), ..root };
+            let start = (root.at.y > skin.at.y).then_some((0, [0.0; 2], [skin, root]));
             let parts = (0..last * PARTS).map(|i| {
                 let (k, j) = (i / PARTS, i % PARTS);
                 let [from, to] = [j, j + 1].map(|j| j as f32 / PARTS as f32);

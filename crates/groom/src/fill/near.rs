@@ -36,6 +36,7 @@ impl<'a> PointTree<'a> {
         near
     }
 
+    #[cfg(feature = "textures")]
     /// Returns the index of the point nearest to `p`, if there are points.
     pub(crate) fn closest(&self, p: Vec3) -> Option<usize> {
         let mut found = Vec::new();

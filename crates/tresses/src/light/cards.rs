@@ -1,10 +1,10 @@
 //! Cards on the GPU: the strips between two strands of a groom, and their texture.
 
 use crate::{
-    Context, Error, Result,
+    Context, Result,
     body::paint,
     gpu::{Binding, bindings},
-    groom::{BoundStrands, cards::CardSheet},
+    groom::cards::{CardSheet, CardStrip},
     strands::buffers::storage,
 };
 use bytemuck::{Pod, Zeroable};
@@ -48,31 +48,23 @@ pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
 }
 
 impl CardBuffers {
-    /// Uploads `sheet`. `order` has for each strand on the GPU its index in the groom.
+    /// Uploads `sheet`, whose strands are numbered as on the GPU.
     ///
     /// # Errors
-    /// [`Error::Groom`] for strips between strands that do not exist, [`Error::Limit`].
-    pub fn new(context: &Context, strands: &BoundStrands, order: &[u32], sheet: &CardSheet) -> Result<Self> {
+    /// [`Error::Limit`](crate::Error::Limit).
+    pub fn new(context: &Context, sheet: &CardSheet) -> Result<Self> {
         let Context { device, queue, .. } = context;
-        let mut places = vec![0; strands.len()];
-        order.iter().zip(0u32..).for_each(|(strand, place)| places[*strand as usize] = place);
-        let place = |strand: u32| {
-            let place = places.get(strand as usize).copied();
-            place.ok_or_else(|| Error::unusable("the cards belong to another groom"))
+        let strip = |strip: &CardStrip| CardStripData {
+            left: strip.columns[0],
+            right: strip.columns[1],
+            left_root: strip.roots[0],
+            right_root: strip.roots[1],
+            left_tip: strip.tips[0],
+            right_tip: strip.tips[1],
+            gain: sheet.gain,
+            _pad: 0,
         };
-        let mut data = Vec::with_capacity(sheet.strips.len());
-        for strip in &sheet.strips {
-            data.push(CardStripData {
-                left: place(strip.columns[0])?,
-                right: place(strip.columns[1])?,
-                left_root: strip.roots[0],
-                right_root: strip.roots[1],
-                left_tip: strip.tips[0],
-                right_tip: strip.tips[1],
-                gain: sheet.gain,
-                _pad: 0,
-            });
-        }
+        let data: Vec<_> = sheet.strips.iter().map(strip).collect();
         let strips = storage::<CardStripData>(device, "card strips", data.len() as u64)?;
         queue.write_buffer(&strips, 0, bytemuck::cast_slice(&data));
         let texture = paint::layers(context, &[&sheet.texture], wgpu::TextureFormat::Rgba8UnormSrgb)?;

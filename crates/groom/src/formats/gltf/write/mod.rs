@@ -123,6 +123,7 @@ impl File {
         attributes[format!("WEIGHTS_{set}")] = json!(weights);
     }
 
+    #[cfg(feature = "textures")]
     /// Writes the nodes of a rig without a body to an empty scene.
     pub(crate) fn skeleton(&mut self, rig: &Rig) {
         self.nodes(rig);
