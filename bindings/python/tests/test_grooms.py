@@ -231,6 +231,8 @@ def test_cards_move_with_the_guides():
         half = np.radians(degrees) / 2
         sim.step(1 / 30, head=((0, 0, 0), (0, np.sin(half), 0, np.cos(half))))
     assert np.abs(sim.strands().positions - rest).max() > 0.02
+    with pytest.raises(tresses.TressesError, match="not for cards"):
+        sim.render(size=(96, 96), outputs=["coverage"])
     other = tresses.Groom.built_in("bob", {"style.strands": 100})
     for wrong, why in [((cards, 1), "helmet"), ((cards, 2), "level")]:
         with pytest.raises(tresses.TressesError, match=why):

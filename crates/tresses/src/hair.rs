@@ -296,6 +296,11 @@ impl Hair {
         Ok(())
     }
 
+    /// Whether the hair is drawn as cards.
+    pub fn is_cards(&self) -> bool {
+        self.set.cards.is_some()
+    }
+
     /// Makes the next frame carry the hair rigidly with the head, whatever the distance.
     pub fn teleport(&mut self) {
         self.sleep.wake();

@@ -36,7 +36,7 @@ const HELMET_PICTURE: [usize; 2] = [16, 8];
 /// Share of the hair's area that must be solid for a helmet.
 const SOLID: f32 = 0.5;
 /// Range of the factor on the widths of strands.
-const WIDENING: [f32; 2] = [1.0, 4.0];
+const WIDENING: [f32; 2] = [0.5, 4.0];
 /// How much coarser texels may be along straight strands than across.
 const SQUASH: f32 = 4.0;
 

@@ -3,7 +3,7 @@
 
 use super::Scene;
 use crate::camera::Viewpoint;
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use tresses::{
     camera::ToneMap,
     draw::tiles::Label,
@@ -72,8 +72,12 @@ impl Scene {
     ///
     /// # Errors
     /// Fails if the adapter cannot allocate what the view needs, if the GPU is lost, or if [`OutputRequest::hair`] is set and
-    /// the hair is not tiled.
+    /// the hair is not tiled, or drawn as cards.
     pub async fn capture(&mut self, camera: &Viewpoint, asked: OutputRequest) -> Result<Capture> {
+        ensure!(
+            !asked.hair || !self.character.hair().is_cards(),
+            "depth, coverage, motion and strands of the hair are known for strands, not for cards"
+        );
         self.place_colliders();
         self.look_from(camera);
         loop {
