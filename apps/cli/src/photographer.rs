@@ -62,9 +62,10 @@ impl Photographer {
         Self::with_samples(None, preset, size, Opening { moves, cards, ..Opening::default() })
     }
 
-    /// Opens a scene with fewer samples per pixel if the adapter does not offer more.
-    pub fn with_samples_at_most(preset: &Preset, size: Size) -> Result<Self> {
-        Self::with_samples(None, preset, size, Opening { fewer: true, ..Opening::default() })
+    /// Opens a scene, with fewer samples per pixel if the adapter does not offer more, whose hair is drawn as this number
+    /// of cards, or as strands.
+    pub fn with_samples_at_most(preset: &Preset, size: Size, cards: Option<u32>) -> Result<Self> {
+        Self::with_samples(None, preset, size, Opening { fewer: true, cards, ..Opening::default() })
     }
 
     /// Opens a scene on an existing GPU.

@@ -91,7 +91,7 @@ impl CardPreview {
         &self.baked.chain
     }
 
-    /// Returns what is shown: strands, or the name of the level.
+    /// Returns `strands`, or the name of the level on the screen.
     pub fn name(&self) -> String {
         let chain = self.chain();
         chain.shown().map_or_else(|| "strands".into(), |level| chain.cards.levels[level].name())

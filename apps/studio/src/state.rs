@@ -18,7 +18,7 @@ pub struct State {
     pub file: String,
     /// Companion files: maps, obstacles, environment.
     pub companions: Vec<String>,
-    /// What is drawn once cards are baked: strands, or the name of the level.
+    /// Name of the level of cards on the screen, or `strands`; empty before a bake.
     pub cards: String,
     /// Current step of the running job, or empty.
     pub step: String,

@@ -251,7 +251,7 @@ impl Groom {
     /// cards : Cards
     ///     Result of `cards`.
     /// level : int
-    ///     Index of the level, not that of a helmet.
+    ///     Index of the level. A helmet cannot be drawn.
     #[pyo3(signature = (cards, level=0))]
     fn with_cards(&self, cards: &Cards, level: usize) -> PyResult<Self> {
         let mut character = self.character.clone().with_cards(cards.baked(), level).map_err(raised)?;

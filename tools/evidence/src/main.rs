@@ -117,7 +117,7 @@ fn main() -> Result<()> {
     let (text, json) = match what {
         Measurement::Roofline { preset, size, distance } => {
             let workload = match preset {
-                Some(path) => workload::of_preset(&path, size, distance)?,
+                Some(path) => workload::of_preset(&path, size, (distance, None))?,
                 None => workload::long(),
             };
             let roofline = roofline::measure(&workload, sitting)?;

@@ -24,6 +24,9 @@ pub struct BenchArgs {
     /// Distance of the camera from that preset's hair, meters [default: a portrait's]
     #[arg(long, requires = "preset")]
     pub distance: Option<f32>,
+    /// Draw that preset's hair as this number of cards instead of strands
+    #[arg(long, value_name = "N", requires = "preset", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub cards: Option<u32>,
     /// Measure fewer frames and fewer strand counts
     #[arg(long)]
     pub quick: bool,

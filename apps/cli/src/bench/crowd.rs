@@ -64,7 +64,7 @@ pub fn measure(heads: u32, sitting: Sitting<'_>) -> Result<CrowdTimes> {
     let mut preset = workload::style(Some(STRANDS), workload::Edges::default());
     // The crowd's options, except that the portrait has full detail and does not sleep.
     preset.settings.lod = LodOptions { mode: LodMode::Off, sleep: false, ..LodOptions::CROWD };
-    let mut scene = Photographer::with_samples_at_most(&preset, SIZE).context("a crowd")?;
+    let mut scene = Photographer::with_samples_at_most(&preset, SIZE, None).context("a crowd")?;
     scene.measure_by(sitting.clock);
     // Remove brows, lashes and beard: only the main groom is measured.
     scene.character.shave();

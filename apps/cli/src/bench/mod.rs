@@ -26,7 +26,7 @@ use tresses::gpu::wall;
 
 /// Runs `tresses bench`.
 pub(crate) fn run(args: &BenchArgs) -> Result<()> {
-    let of_preset = |path| workload::of_preset(path, args.size, args.distance);
+    let of_preset = |path| workload::of_preset(path, args.size, (args.distance, args.cards));
     let own = args.preset.as_ref().map(of_preset).transpose()?;
     let mut report = Report { adapter: args.timing.adapter()?, ..Report::default() };
     let (frames, clock) = (args.frames(), args.timing.clock().unwrap_or(wall));

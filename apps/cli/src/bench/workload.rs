@@ -36,6 +36,8 @@ pub struct Workload {
     pub size: Size,
     /// Distance of the camera, meters; `None` for a portrait.
     pub distance: Option<f32>,
+    /// Number of cards to draw instead of strands.
+    pub cards: Option<u32>,
     /// Names of the states and their motions.
     pub runs: Vec<(&'static str, &'static str)>,
 }
@@ -96,6 +98,7 @@ pub fn seed() -> Vec<Workload> {
             triangles: Some(990_000),
             size: Size { width: 1920, height: 1200 },
             distance: None,
+            cards: None,
             runs: runs.clone(),
         },
         Workload {
@@ -105,6 +108,7 @@ pub fn seed() -> Vec<Workload> {
             triangles: Some(2_100_000),
             size: Size { width: 1280, height: 1024 },
             distance: None,
+            cards: None,
             runs,
         },
     ]
@@ -140,6 +144,7 @@ pub fn peer(grooms: &[PathBuf], heads: &[PathBuf]) -> Option<[Workload; 2]> {
             triangles: None,
             size: Size { width: 1280, height: 720 },
             distance: None,
+            cards: None,
             runs: vec![("at rest", "still"), ("in motion", "turn")],
         }
     };
@@ -158,12 +163,17 @@ pub fn long() -> Workload {
         triangles: None,
         size: Size { width: 1280, height: 720 },
         distance: None,
+        cards: None,
         runs: vec![("in motion", "turn")],
     }
 }
 
 /// Returns the hair and settings of the preset at `path`.
-pub fn of_preset(path: &PathBuf, size: Size, distance: Option<f32>) -> Result<Workload> {
+pub fn of_preset(
+    path: &PathBuf,
+    size: Size,
+    (distance, cards): (Option<f32>, Option<u32>),
+) -> Result<Workload> {
     let preset = preset_args::open(Some(path))?;
     let name = preset.name.clone().unwrap_or_else(|| path.display().to_string());
     Ok(Workload {
@@ -173,6 +183,7 @@ pub fn of_preset(path: &PathBuf, size: Size, distance: Option<f32>) -> Result<Wo
         triangles: None,
         size,
         distance,
+        cards,
         runs: vec![("at rest", "still"), ("in motion", "turn")],
     })
 }
@@ -196,8 +207,8 @@ impl Workload {
 /// Measures `workload` in each of its states.
 pub fn measure(workload: &Workload, sitting: Sitting<'_>) -> Result<Group> {
     let preset = workload.counted_preset()?;
-    let mut scene =
-        Photographer::with_samples_at_most(&preset, workload.size).with_context(|| workload.name.clone())?;
+    let scene = Photographer::with_samples_at_most(&preset, workload.size, workload.cards);
+    let mut scene = scene.with_context(|| workload.name.clone())?;
     let camera = camera(&scene, workload.size, workload.distance);
     let runs = workload
         .runs
@@ -225,7 +236,7 @@ pub fn measure(workload: &Workload, sitting: Sitting<'_>) -> Result<Group> {
 /// Measures the long style with `strands` strands.
 pub fn point(strands: u32, sitting: Sitting<'_>) -> Result<StrandPoint> {
     let size = Size { width: 1280, height: 720 };
-    let mut scene = Photographer::with_samples_at_most(&style(Some(strands), Edges::default()), size)?;
+    let mut scene = Photographer::with_samples_at_most(&style(Some(strands), Edges::default()), size, None)?;
     let camera = camera(&scene, size, None);
     let run = run(&mut scene, "in motion", "turn", &camera, sitting)?;
     Ok(StrandPoint { strands: scene.facts().strands, gpu: run.gpu, frame: run.frame })

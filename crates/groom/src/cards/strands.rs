@@ -29,7 +29,7 @@ pub struct CardSheet {
     pub strands: u32,
     /// Brightness (sRGB) and coverage of the cards.
     pub texture: Texture,
-    /// Factor on the texture's color with which its mean leaves the brightness of the hair as it is.
+    /// Factor on the texture's color: the inverse of its mean, so that cards are as bright as the hair.
     pub gain: f32,
 }
 

@@ -13,7 +13,7 @@ use tresses::{
 /// Keys per second.
 const RATE: f64 = 60.0;
 
-/// Returns the rig of the body of `parts`. That of the built-in character has the built-in motions as animations.
+/// Returns the rig of the body of `parts`. The built-in character gets the built-in motions as animations.
 pub fn rig_of(parts: &CharacterParts, built_in: bool) -> Option<Rig> {
     let mut rig = parts.anatomy.as_ref()?.rig.clone();
     if built_in {

@@ -72,8 +72,8 @@ pub fn measure(
         preset.settings.set("style.strands", strands)?;
     }
     preset.settings.style.all_guides = simulated;
-    let mut scene =
-        Photographer::with_samples_at_most(&preset, SIZE).with_context(|| format!("the style {style}"))?;
+    let mut scene = Photographer::with_samples_at_most(&preset, SIZE, None)
+        .with_context(|| format!("the style {style}"))?;
     let camera = workload::camera(&scene, SIZE, None);
     let run = workload::run(&mut scene, "in motion", MOTION, &camera, sitting)?;
     let (whole, processor) = whole(&mut scene, &camera, sitting)?;

@@ -91,7 +91,7 @@ impl Stage {
 /// Measures the last state of `workload`.
 pub fn measure(workload: &Workload, sitting: Sitting<'_>) -> Result<Roofline> {
     let (state, motion) = *workload.runs.last().context("a state to measure")?;
-    let mut scene = Photographer::with_samples_at_most(&workload.preset, workload.size)?;
+    let mut scene = Photographer::with_samples_at_most(&workload.preset, workload.size, workload.cards)?;
     let camera = workload::camera(&scene, workload.size, workload.distance);
     let run = workload::run(&mut scene, state, motion, &camera, sitting)?;
     drop(scene);

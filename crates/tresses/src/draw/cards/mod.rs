@@ -7,7 +7,7 @@
 //! strand vertices, shaded ─► core: opaque, depth ─► fringe: blended in the order of the bake, behind nothing opaque
 //! ```
 //!
-//! The core hides what is behind it, so an error in the order of blending shows only in the fringe.
+//! The core hides the cards behind it, so errors of the order of blending show only in the fringe.
 
 use super::{
     record::{Canvas, pass},
