@@ -44,6 +44,9 @@ pub struct CardsArgs {
     /// Write a .glb for each level, for engines that do not read levels of one file
     #[arg(long)]
     pub split: bool,
+    /// Also write the textures as .ktx2 with mip levels; with --alpha mask, their coverage keeps its area
+    #[arg(long)]
+    pub ktx2: bool,
     /// File for the cards: .glb with the body and its skeleton, or .obj with a file for each level and textures beside
     #[arg(long, value_name = "FILE", default_value = "out/cards.glb")]
     pub out: PathBuf,
@@ -118,6 +121,12 @@ pub fn run(args: &CardsArgs) -> Result<()> {
     }
     let body = head.as_ref().map(|head| (head, rig.as_ref()));
     let mut written = format.encoded(&baked, body, &look, &args.out)?;
+    if args.ktx2 {
+        let stem =
+            args.out.file_stem().and_then(|name| name.to_str()).context("--out has no valid file name")?;
+        let files = baked.textures.ktx2(stem, args.alpha.into());
+        written.extend(files.into_iter().map(|(name, bytes)| (args.out.with_file_name(name), bytes)));
+    }
     if let Some(path) = &args.report {
         let mut report = cards::numbers(&baked, strands.len());
         report["seconds"] = seconds.into();

@@ -105,6 +105,10 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         *hair_hair = HairHair { speed: 0.0, friction: 0.0, ..HairHair::default() };
     }
     args.debug.check(&preset.settings.physics())?;
+    ensure!(
+        args.cards.is_none() || args.debug.debug.is_none(),
+        "--debug shows strands: remove --cards, or --debug"
+    );
     if args.crowd.is_given() {
         check_crowd(args)?;
     }

@@ -187,13 +187,25 @@ fn cards_are_written_and_refused_as_a_whole() {
     assert!(done, "{said}");
     let (done, said) = tresses(folder.path(), &["info", "bob.hair", "--head", "hair.glb"]);
     assert!(done && said.contains("3 joints") && said.contains("animation Walk,"), "{said}");
-    let (done, said) = tresses(folder.path(), &[&hair[..], &["--levels", "8", "--out", "low.obj"]].concat());
-    let names =
-        ["low_LOD0.obj", "low.mtl", "low_color.png", "low_surface.png", "low_anisotropy.png", "low_data.png"];
-    assert!(done && names.iter().all(|name| folder.path().join(name).exists()), "{said}");
+    let (done, said) =
+        tresses(folder.path(), &[&hair[..], &["--levels", "8", "--ktx2", "--out", "low.obj"]].concat());
+    let textures = ["color", "surface", "anisotropy", "data"];
+    let textures = textures.iter().flat_map(|name| ["png", "ktx2"].map(|end| format!("low_{name}.{end}")));
+    let mut names = ["low_LOD0.obj", "low.mtl"].map(String::from).into_iter().chain(textures);
+    assert!(done && names.all(|name| folder.path().join(name).exists()), "{said}");
     let (done, said) =
         tresses(folder.path(), &[&hair[..], &["--levels", "8,3", "--split", "--out", "a.glb"]].concat());
     assert!(done && said.contains("a_LOD0.glb") && said.contains("a_LOD1.glb"), "{said}");
+    let render =
+        ["render", "--style", "bob", "--strands", "500", "--cards", "20", "--size", "64x64", "--out"];
+    let (done, said) = tresses(folder.path(), &[&render[..], &["cards.png"]].concat());
+    assert!(done && folder.path().join("cards.png").exists(), "{said}");
+    for (wrong, reason) in
+        [(&["a.exr"][..], "choose .png"), (&["a.png", "--debug", "guides"], "remove --cards")]
+    {
+        let (done, said) = tresses(folder.path(), &[&render[..], wrong].concat());
+        assert!(!done && said.contains(reason), "{said}");
+    }
     let before = std::fs::read_dir(folder.path()).unwrap().count();
     for (wrong, reason) in [
         (["--levels", "4,8", "--out", "a.glb"], "falling"),

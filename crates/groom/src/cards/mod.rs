@@ -26,6 +26,8 @@ mod cluster;
 #[cfg(feature = "textures")]
 mod glb;
 mod helmet;
+#[cfg(feature = "textures")]
+mod ktx2;
 mod lines;
 mod mesh;
 #[cfg(feature = "textures")]
