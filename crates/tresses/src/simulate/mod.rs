@@ -1,5 +1,5 @@
 //! Guide simulation. One fixed step is one dispatch; one thread simulates one guide, whose state lies in workgroup
-//! memory on a GPU and in private memory on a software driver ([`step::StepKernels`]).
+//! memory on a GPU and in private memory on a software driver (`step.rs`).
 //!
 //! A guide is a chain of point masses with springs along its edges, bending springs towards its rest shape, a weak
 //! spring to its rest pose, drag, gravity and contacts. Each substep predicts `y = x + h v`, linearizes all forces
