@@ -1,4 +1,4 @@
-//! Measurements that take minutes on a software driver: distances, crowds, methods of drawing, parts of the simulation.
+//! Measurements that take minutes on a software driver: distances, crowds, cards, methods of drawing, parts of the simulation.
 
 use crate::{appearance, costs};
 use anyhow::{Context, Result, ensure};
@@ -10,15 +10,16 @@ use tresses_cli::{
     progress,
 };
 
-/// Measured frames of each distance and of the crowd.
+/// Measured frames of each distance, of the crowd and of cards.
 const FRAMES: &str = "3";
 /// Measured frames of the parts of the simulation on software adapters.
 const SIMULATED_FRAMES: u32 = 8;
 
 /// Titles of the sections, and the commands that measure them alone.
-pub const SECTIONS: [(&str, &str); 4] = [
+pub const SECTIONS: [(&str, &str); 5] = [
     ("Distance", "tresses bench --lod --frames 3"),
     ("Crowd", "tresses bench --crowd 100 --frames 3"),
+    ("Cards", "tresses bench --preset presets/silver.toml --cards 400 --frames 3"),
     ("Methods of lighting, shading and drawing", "tresses-evidence appearance"),
     ("Parts of the simulation", "tresses-evidence costs"),
 ];
@@ -31,6 +32,7 @@ pub struct MoreTimes(pub [String; SECTIONS.len()]);
 pub fn measure(program: &Path, timing: &TimingArgs, adapter: &Adapter) -> Result<MoreTimes> {
     let distance = bench(program, &["--lod"], adapter)?;
     let crowd = bench(program, &["--crowd", "100"], adapter)?;
+    let cards = bench(program, &["--preset", "presets/silver.toml", "--cards", "400"], adapter)?;
     let clock = timing.clock().unwrap_or(wall);
     let variants: Vec<_> =
         appearance::variants().into_iter().filter(|variant| variant.fits(adapter.max_samples)).collect();
@@ -43,7 +45,7 @@ pub fn measure(program: &Path, timing: &TimingArgs, adapter: &Adapter) -> Result
     let looks = variants.iter().map(look).collect::<Result<Vec<_>>>()?;
     let costs = costs::measure(sitting(simulated))?;
     bar.finish_and_clear();
-    Ok(MoreTimes([distance, crowd, appearance::text(&looks, adapter), costs.text()]))
+    Ok(MoreTimes([distance, crowd, cards, appearance::text(&looks, adapter), costs.text()]))
 }
 
 /// Runs `tresses bench`, and returns its tables without the description of the adapter.
