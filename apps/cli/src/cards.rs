@@ -122,10 +122,7 @@ pub fn run(args: &CardsArgs) -> Result<()> {
     let body = head.as_ref().map(|head| (head, rig.as_ref()));
     let mut written = format.encoded(&baked, body, &look, &args.out)?;
     if args.ktx2 {
-        let stem =
-            args.out.file_stem().and_then(|name| name.to_str()).context("--out has no valid file name")?;
-        let files = baked.textures.ktx2(stem, args.alpha.into());
-        written.extend(files.into_iter().map(|(name, bytes)| (args.out.with_file_name(name), bytes)));
+        written.extend(cards::ktx2(&baked, args.alpha.into(), &args.out)?);
     }
     if let Some(path) = &args.report {
         let mut report = cards::numbers(&baked, strands.len());

@@ -104,8 +104,7 @@ impl CardPreview {
 
     /// Shows the level for the current size of the hair, if the level follows from it. Returns whether that is a change.
     pub fn follow(&mut self, show: &mut CharacterDisplay) -> bool {
-        let level = self.chain().fitting(show.hair_size());
-        self.by_size && self.show(show, level)
+        self.by_size && self.show(show, self.chain().fitting(show.hair_size()))
     }
 }
 

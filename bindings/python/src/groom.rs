@@ -258,7 +258,8 @@ impl Groom {
         let order = lod::order(&character.groom.strands);
         lod::arrange(&mut character.groom.strands);
         if let Some(sheet) = &mut character.cards {
-            Arc::make_mut(sheet).reorder(&order).map_err(raised)?;
+            let strips = sheet.strips_in(&order).map_err(raised)?;
+            Arc::make_mut(sheet).strips = strips;
         }
         Ok(Self { character, source: self.source.clone(), settings: self.settings.clone(), order })
     }

@@ -21,7 +21,7 @@ use tresses::{
     character::CharacterParts,
     groom::{
         Rig, TriMesh,
-        cards::{CardAlpha, CardLook, CardOptions, Cards, SIZES, bake_with},
+        cards::{CardAlpha, CardLook, CardOptions, Cards, NamedFile, SIZES, bake_with},
     },
     light::fiber::bsdf::color_of,
 };
@@ -133,23 +133,37 @@ impl CardFormat {
         look: &CardLook,
         path: &Path,
     ) -> Result<Vec<(PathBuf, Vec<u8>)>> {
-        let stem =
-            || path.file_stem().and_then(|name| name.to_str()).context("the path has no valid file name");
         match self {
             Self::Glb => Ok(vec![(path.to_owned(), cards.glb(body, look)?)]),
             Self::SplitGlb => {
                 let file = |level: usize| -> Result<_> {
-                    let name = format!("{}_LOD{level}.glb", stem()?);
+                    let name = format!("{}_LOD{level}.glb", stem(path)?);
                     Ok((path.with_file_name(name), cards.only(level).glb(body, look)?))
                 };
                 (0..cards.levels.len()).map(file).collect()
             }
-            Self::Obj => {
-                let files = cards.obj(stem()?, look)?;
-                Ok(files.into_iter().map(|(name, bytes)| (path.with_file_name(name), bytes)).collect())
-            }
+            Self::Obj => Ok(beside(path, cards.obj(stem(path)?, look)?)),
         }
     }
+}
+
+/// Encodes the textures of `cards` with their mip levels for `alpha`, and returns them with paths that begin with the
+/// stem of `path`.
+///
+/// # Errors
+/// Fails for a path without a file name.
+pub fn ktx2(cards: &Cards, alpha: CardAlpha, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+    Ok(beside(path, cards.textures.ktx2(stem(path)?, alpha)))
+}
+
+/// Returns the file name of `path` without its extension.
+fn stem(path: &Path) -> Result<&str> {
+    path.file_stem().and_then(|name| name.to_str()).context("the path has no valid file name")
+}
+
+/// Puts files into the folder of `path`.
+fn beside(path: &Path, files: Vec<NamedFile>) -> Vec<(PathBuf, Vec<u8>)> {
+    files.into_iter().map(|(name, bytes)| (path.with_file_name(name), bytes)).collect()
 }
 
 /// Returns the numbers of a bake from a number of strands.

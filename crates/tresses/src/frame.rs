@@ -262,6 +262,8 @@ impl Recorder<'_> {
         // Hides the hair where it would cover what a debug view shows.
         let hides = inside.is_some_and(|shown| shown.view.hides_hair());
         let visible = if hides { &[][..] } else { &seen[..] };
+        let (cards, strands): (Vec<_>, Vec<_>) = seen.iter().partition(|seen| seen.hair.cards.is_some());
+        let grooms = [&strands, &cards].map(|grooms| if hides { &[][..] } else { &grooms[..] });
 
         self.commands.start();
         bodies.iter().for_each(|body| body.prepare());
@@ -288,21 +290,21 @@ impl Recorder<'_> {
         };
         let output = output.unwrap_or_else(|| view.targets().picture());
         match shows {
-            ViewContent::Over(embed, into) => return composite(canvas, view, (embed, &into), &seen),
-            ViewContent::Hair => paint(canvas, view, bodies, visible, |canvas| shade(canvas, view, &seen))?,
+            ViewContent::Over(embed, into) => return composite(canvas, view, (embed, &into), grooms),
+            ViewContent::Hair => paint(canvas, view, bodies, grooms, |canvas| shade(canvas, view, &strands))?,
             // Shades the segments that the last image found visible. With tiles, a finer image shows other segments.
             ViewContent::Again => {
-                paint(canvas, view, bodies, visible, |canvas| match canvas.coverage.is_tiled() {
-                    true => shade(canvas, view, &seen),
+                paint(canvas, view, bodies, grooms, |canvas| match canvas.coverage.is_tiled() {
+                    true => shade(canvas, view, &strands),
                     false => Ok(()),
                 })?
             }
             ViewContent::Inside(views, shown) => {
-                paint(canvas, view, bodies, visible, |canvas| {
+                paint(canvas, view, bodies, grooms, |canvas| {
                     // Debug views show all segments.
                     match views.shade(canvas.commands, shown, picture, hair, &seen)? {
                         true => Ok(()),
-                        false => view.light.shade(canvas.commands, &seen, canvas.rate),
+                        false => view.light.shade(canvas.commands, &strands, canvas.rate),
                     }
                 })?;
                 view.present().record(&mut self.commands, view.targets(), output)?;
@@ -353,12 +355,12 @@ impl Recorder<'_> {
     }
 }
 
-/// Draws bodies and `hair` into the targets. Calls `shade` once the visible segments are known.
+/// Draws bodies, strands and cards into the targets. Calls `shade` once the visible segments of strands are known.
 fn paint<'a, 'c>(
     canvas: &mut Canvas<'a, 'c>,
     view: &View,
     bodies: &[&Body],
-    hair: &[HairView<'_>],
+    [strands, cards]: [&[HairView<'_>]; 2],
     shade: impl FnOnce(&mut Canvas<'a, 'c>) -> Result<()>,
 ) -> Result<()> {
     let draw = &view.draw;
@@ -366,9 +368,8 @@ fn paint<'a, 'c>(
     if body_first {
         draw.record_bodies(canvas, bodies)?;
         canvas.commands.lap(Stage::Body);
-        draw.cards.record(canvas, hair)?;
+        draw.cards.record(canvas, cards)?;
     }
-    let strands = &strands(hair);
     draw.record_seen(canvas, strands)?;
     shade(canvas)?;
     canvas.commands.lap(Stage::Shade);
@@ -377,41 +378,34 @@ fn paint<'a, 'c>(
     if !body_first {
         draw.record_bodies(canvas, bodies)?;
         canvas.commands.lap(Stage::Body);
-        draw.cards.record(canvas, hair)?;
+        draw.cards.record(canvas, cards)?;
     }
     Ok(())
 }
 
-/// Returns the grooms that are not drawn as cards.
-fn strands<'a>(hair: &[HairView<'a>]) -> Vec<HairView<'a>> {
-    hair.iter().filter(|seen| seen.hair.cards.is_none()).copied().collect()
-}
-
-/// Composites `hair` into the scene of a host.
+/// Composites strands and cards into the scene of a host.
 fn composite(
     canvas: &mut Canvas<'_, '_>,
     view: &View,
     (embed, into): (&Compositor, &Surroundings<'_>),
-    hair: &[HairView<'_>],
+    [strands, cards]: [&[HairView<'_>]; 2],
 ) -> Result<()> {
     canvas.geometry = Compositor::asked(canvas.coverage, canvas.camera.projection, into)?;
     embed.record_depth(canvas, canvas.camera.projection, into);
-    let has_cards = view.draw.cards.record(canvas, hair)?;
-    let hair = &strands(hair);
-    view.draw.record_seen(canvas, hair)?;
-    shade(canvas, view, hair)?;
+    view.draw.cards.record(canvas, cards)?;
+    view.draw.record_seen(canvas, strands)?;
+    shade(canvas, view, strands)?;
     canvas.commands.lap(Stage::Shade);
-    view.draw.record_hair(canvas, hair, false)?;
+    view.draw.record_hair(canvas, strands, false)?;
     canvas.commands.lap(Stage::Hair);
     embed.record_shade(canvas, into)?;
-    embed.record(canvas, into, has_cards);
+    embed.record(canvas, into, !cards.is_empty());
     canvas.commands.lap(Stage::Embed);
     Ok(())
 }
 
-/// Shades the visible segments of the strands of `hair` if they are known, otherwise all segments.
+/// Shades the visible segments of `hair` if they are known, otherwise all segments.
 fn shade(canvas: &mut Canvas<'_, '_>, view: &View, hair: &[HairView<'_>]) -> Result<()> {
-    let hair = &strands(hair);
     if view.draw.shade_seen(canvas, hair)? {
         return Ok(());
     }

@@ -287,9 +287,8 @@ impl Hair {
         if strands.len() != self.strands.count as usize {
             return Err(Error::unusable("cards can only be set on the groom that the hair was created from"));
         }
-        let mut sheet = sheet.clone();
-        sheet.reorder(&lod::order(strands))?;
-        let cards = CardBuffers::new(&self.context, &sheet)?;
+        let strips = sheet.strips_in(&lod::order(strands))?;
+        let cards = CardBuffers::new(&self.context, &strips, sheet)?;
         self.set.cards = Some(Arc::new(cards));
         self.lod.columns = Some(strands.len() as f32 / sheet.strands.max(1) as f32);
         self.set.drawn = self.lod.drawn();

@@ -4,7 +4,10 @@ use super::adapter::Adapter;
 use crate::args::Size;
 use anyhow::{Result, bail};
 use std::path::PathBuf;
-use tresses::gpu::{Clock, Gpu};
+use tresses::{
+    gpu::{Clock, Gpu},
+    groom::cards::CardOptions,
+};
 
 /// Options of `tresses bench`.
 #[derive(clap::Args, Debug)]
@@ -25,7 +28,7 @@ pub struct BenchArgs {
     #[arg(long, requires = "preset")]
     pub distance: Option<f32>,
     /// Draw that preset's hair as this number of cards instead of strands
-    #[arg(long, value_name = "N", requires = "preset", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    #[arg(long, value_name = "N", requires = "preset", value_parser = clap::value_parser!(u32).range(1..=i64::from(CardOptions::MOST_CARDS)))]
     pub cards: Option<u32>,
     /// Measure fewer frames and fewer strand counts
     #[arg(long)]

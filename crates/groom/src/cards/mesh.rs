@@ -237,7 +237,7 @@ impl CardMesh {
     }
 
     /// Turns the normals of the triangles from `first` on to the fronts of these triangles: engines that draw both
-    /// sides would take a normal on the other side for that of the back.
+    /// sides turn a normal around where it points to the back.
     fn face(&mut self, first: usize) {
         for _ in 0..8 {
             for triangle in &self.triangles[first..] {

@@ -45,22 +45,23 @@ pub struct CardStrip {
 }
 
 impl CardSheet {
-    /// Numbers the strands in another order: `order` has for each place the index of its strand until now.
+    /// Returns the strips for strands in another order: `order` has for each place the index of its strand.
     ///
     /// # Errors
     /// [`Error::Unusable`] for strips between strands that are not in `order`.
-    pub fn reorder(&mut self, order: &[u32]) -> Result<()> {
+    pub fn strips_in(&self, order: &[u32]) -> Result<Vec<CardStrip>> {
         let mut places = vec![None; order.len()];
         for (place, strand) in (0..).zip(order) {
             if let Some(there) = places.get_mut(*strand as usize) {
                 *there = Some(place);
             }
         }
-        for column in self.strips.iter_mut().flat_map(|strip| &mut strip.columns) {
+        let mut strips = self.strips.clone();
+        for column in strips.iter_mut().flat_map(|strip| &mut strip.columns) {
             let place = places.get(*column as usize).copied().flatten();
             *column = place.ok_or_else(|| Error::Unusable("the cards belong to another groom".into()))?;
         }
-        Ok(())
+        Ok(strips)
     }
 }
 

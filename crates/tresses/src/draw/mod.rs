@@ -34,7 +34,8 @@
 //! layer at eight depths (`thickness.wesl`). The last pass weights each of those strands by the transmittance in front
 //! of it.
 //!
-//! **Cards** are textured strips between strands ([`Hair::set_cards`](crate::Hair::set_cards)). They are drawn after the bodies in every mode.
+//! **Cards** are textured strips between strands ([`Hair::set_cards`](crate::Hair::set_cards)). They are drawn after the
+//! bodies in every mode.
 //!
 //! Rejected: linked lists of fragments (unbounded memory, one atomic per fragment), sorting strands (they cross),
 //! moments of transmittance. Untried: peeling several layers per pass.

@@ -48,11 +48,11 @@ pub(crate) fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
 }
 
 impl CardBuffers {
-    /// Uploads `sheet`, whose strands are numbered as on the GPU.
+    /// Uploads the strips of `sheet`, whose strands are numbered as on the GPU, and its texture.
     ///
     /// # Errors
     /// [`Error::Limit`](crate::Error::Limit).
-    pub fn new(context: &Context, sheet: &CardSheet) -> Result<Self> {
+    pub fn new(context: &Context, strips: &[CardStrip], sheet: &CardSheet) -> Result<Self> {
         let Context { device, queue, .. } = context;
         let strip = |strip: &CardStrip| CardStripData {
             left: strip.columns[0],
@@ -64,7 +64,7 @@ impl CardBuffers {
             gain: sheet.gain,
             _pad: 0,
         };
-        let data: Vec<_> = sheet.strips.iter().map(strip).collect();
+        let data: Vec<_> = strips.iter().map(strip).collect();
         let strips = storage::<CardStripData>(device, "card strips", data.len() as u64)?;
         queue.write_buffer(&strips, 0, bytemuck::cast_slice(&data));
         let texture = paint::layers(context, &[&sheet.texture], wgpu::TextureFormat::Rgba8UnormSrgb)?;

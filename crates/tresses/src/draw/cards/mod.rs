@@ -68,13 +68,12 @@ impl Pipelines {
         PASSES.map(|name| Box::new(move || self.get(name, samples).map(|_| ())) as Job<'_>).into()
     }
 
-    /// Shades and records the cards among `hair`. Returns whether there are any.
-    pub fn record(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<bool> {
-        let cards: Vec<_> = hair.iter().filter(|seen| seen.hair.cards.is_some()).copied().collect();
+    /// Shades and records grooms that are drawn as cards.
+    pub fn record(&self, canvas: &mut Canvas<'_, '_>, cards: &[HairView<'_>]) -> Result<()> {
         if cards.is_empty() {
-            return Ok(false);
+            return Ok(());
         }
-        canvas.light.shade(canvas.commands, &cards, ShadingRate::PerVertex)?;
+        canvas.light.shade(canvas.commands, cards, ShadingRate::PerVertex)?;
         canvas.commands.lap(Stage::Shade);
         for name in PASSES {
             let pipeline = self.get(name, canvas.targets.samples)?;
@@ -83,6 +82,6 @@ impl Pipelines {
             cards.iter().for_each(|seen| seen.record_cards(&mut pass));
         }
         canvas.commands.lap(Stage::Hair);
-        Ok(true)
+        Ok(())
     }
 }

@@ -151,7 +151,7 @@ pub struct Compositor {
     composite: wgpu::RenderPipeline,
     geometry: wgpu::RenderPipeline,
     composite_layout: wgpu::BindGroupLayout,
-    /// Composites cards, which are not in the texture of tiles. Needed if hair is drawn by tiles.
+    /// Replaces `composite` for cards, which are not in the texture of tiles, if their target has several samples.
     cards: Option<(wgpu::RenderPipeline, wgpu::BindGroupLayout)>,
     /// Replaces `composite` for tiles if the scene's depth has several samples.
     edges: Option<(wgpu::RenderPipeline, wgpu::BindGroupLayout)>,
@@ -236,12 +236,10 @@ impl Compositor {
             .build(device)
         };
         let cards = || {
-            let many = samples > 1;
-            let hdr = if many { Binding::TextureMultisampled } else { Binding::Texture2d };
-            let layout = layout("embed cards", hdr);
-            Ok::<_, Error>((blend(many, &layout)?, layout))
+            let layout = layout("embed cards", Binding::TextureMultisampled);
+            Ok::<_, Error>((blend(true, &layout)?, layout))
         };
-        let cards = coverage.is_tiled().then(cards).transpose()?;
+        let cards = (coverage.is_tiled() && samples > 1).then(cards).transpose()?;
         let edges = || {
             use Binding::{DepthMultisampled, Texels2d, Texture2d, Uniform};
             let layout = bound("embed edges", &[Uniform, Texture2d, Texels2d, DepthMultisampled]);
@@ -330,11 +328,12 @@ impl Compositor {
 
     /// Blends the hair in the targets over the scene's color, among it cards if there are any.
     pub(crate) fn record(&self, canvas: &mut Canvas<'_, '_>, into: &Surroundings<'_>, has_cards: bool) {
-        let context = canvas.commands.context();
-        let cards = self.cards.as_ref().filter(|_| has_cards).map(|(pipeline, layout)| {
-            (pipeline.clone(), self.bind(&context.device, layout, &canvas.targets.hdr))
-        });
         let tiles = canvas.targets.tiles.as_ref();
+        let cards = tiles.filter(|_| has_cards).map(|_| {
+            let own = self.cards.as_ref().map(|(pipeline, layout)| (pipeline, layout));
+            let (pipeline, layout) = own.unwrap_or((&self.composite, &self.composite_layout));
+            (pipeline, self.bind(&canvas.commands.context().device, layout, &canvas.targets.hdr))
+        });
         let hair = tiles.map_or(&canvas.targets.hdr, |tiles| &tiles.buffers.hair);
         let known = tiles.filter(|_| has_samples(into.depth)).and_then(|tiles| tiles.geometry());
         let (pipeline, group) = match (&self.edges, known) {
@@ -348,11 +347,9 @@ impl Compositor {
             }
         };
         let mut pass = into.pass(canvas);
-        for (pipeline, group) in
-            cards.iter().map(|(pipeline, group)| (pipeline, group)).chain([(pipeline, &group)])
-        {
+        for (pipeline, group) in cards.into_iter().chain([(pipeline, group)]) {
             pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, group, &[]);
+            pass.set_bind_group(0, &group, &[]);
             pass.draw(0..3, 0..1);
         }
         drop(pass);
