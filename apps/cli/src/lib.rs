@@ -15,6 +15,7 @@ mod files;
 #[cfg(test)]
 mod flag_tests;
 mod flags;
+mod groom;
 mod info;
 mod interrupt;
 mod knobs;
@@ -59,6 +60,8 @@ enum Command {
     Convert(convert::ConvertArgs),
     /// Write the strands of a groom or a built-in style as drawn at rest
     Export(Box<export::ExportArgs>),
+    /// Apply recorded strokes of a brush to a groom or a built-in style, and write it as .groom
+    Groom(Box<groom::GroomArgs>),
     /// Write sample grooms, a head and a character, to try the other commands on
     Sample(sample::SampleArgs),
     /// Bake a groom or a built-in style to textured cards, for engines and devices that do not draw strands
@@ -109,6 +112,7 @@ pub fn run() -> ExitCode {
         Command::Info(args) => info::run(args),
         Command::Convert(args) => convert::run(args),
         Command::Export(args) => export::run(&args),
+        Command::Groom(args) => groom::run(&args),
         Command::Sample(args) => sample::run(&args),
         Command::Cards(args) => cards::run(&args),
         Command::Bake(args) => bake::run(&args),

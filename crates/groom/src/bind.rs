@@ -6,8 +6,9 @@ use crate::{
     BoundStrands, Error, Groom, Guides, MAX_GUIDE_VERTICES, MAX_STRAND_VERTICES, Result, Strands,
     bound::{self, Influence, Strand, strand::pack_color},
     curve, hash,
+    near::morton,
 };
-use glam::{UVec3, Vec3};
+use glam::Vec3;
 use marked::MarkedGuides;
 use std::collections::HashMap;
 
@@ -370,12 +371,6 @@ impl Shapes {
         let key = |i: u32| Self::distance(&self.points[i as usize], &mean);
         members.iter().copied().min_by(|a, b| key(*a).total_cmp(&key(*b)))
     }
-}
-
-/// Returns the Morton code of a cell: the lower ten bits of each axis, interleaved.
-fn morton(cell: UVec3) -> u32 {
-    let spread = |v: u32| (0..10).fold(0, |bits, i| bits | (v >> i & 1) << (3 * i));
-    spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2
 }
 
 /// Hash grid over the roots of the guides.

@@ -47,6 +47,23 @@ pub fn resample(points: &[Vec3], count: usize) -> Vec<Vec3> {
     resample_chords(&fine, count)
 }
 
+/// Returns the point at `x` segments from the start of the uniform cubic B-spline with the control points `points` (at
+/// least 2). Phantom points make it start and end at the ends of the polyline. The shaders of `tresses` compute alike
+/// (`tessellate/walk.wesl`).
+pub fn spline_at(points: &[Vec3], x: f32) -> Vec3 {
+    let last = points.len() - 1;
+    let k = (x as usize).min(last - 1);
+    let (u, start, end) = ((x - k as f32).min(1.0), points[k], points[k + 1]);
+    let s = 1.0 - u;
+    let before = if k > 0 { points[k - 1] } else { 2.0 * start - end };
+    let after = if k + 1 < last { points[k + 2] } else { 2.0 * end - start };
+    (s * s * s * before
+        + (4.0 - 3.0 * u * u * (1.0 + s)) * start
+        + (4.0 - 3.0 * s * s * (1.0 + u)) * end
+        + u * u * u * after)
+        / 6.0
+}
+
 /// Returns `count` points (at least 2) at equal parameter steps of the Catmull-Rom spline through `points` (at least
 /// 2). If `count - 1` is a multiple of the number of segments, the result contains every one of `points`.
 pub fn subdivide(points: &[Vec3], count: usize) -> Vec<Vec3> {

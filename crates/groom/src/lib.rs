@@ -11,11 +11,11 @@
 //! A module uses only modules of the lines above its own (`tests/modules.rs` checks this list):
 //!
 //! ```text
-//! bulk columns curve error hash progress sdf srgb strands │ plain data; columns of integers
+//! bulk columns curve error hash near progress rotation sdf srgb strands │ plain data; columns of integers
 //! mesh random range scalp                              │ triangle meshes; the scalp and maps on it
 //! guides lint look rig                                 │ simulated strands; checks; materials; rigs of skinned meshes
 //! bound mannequin orient                               │ render strands; the built-in character; units and axes
-//! bind formats report styles                           │ guides for strands; files; recipes of hairstyles
+//! bind edit formats report styles                      │ guides for strands; brushes; files; recipes of hairstyles
 //! cooked export                                        │ precomputed grooms; writers
 //! import                                               │ readers
 //! grow                                                 │ strands from guides
@@ -35,6 +35,8 @@ mod columns;
 #[cfg(feature = "cooked")]
 pub mod cooked;
 pub mod curve;
+#[cfg(feature = "edit")]
+pub mod edit;
 pub mod error;
 pub mod export;
 pub mod fill;
@@ -47,6 +49,7 @@ pub mod lint;
 pub mod look;
 pub mod mannequin;
 pub mod mesh;
+mod near;
 pub mod orient;
 pub mod progress;
 mod random;
@@ -54,6 +57,7 @@ pub mod range;
 mod report;
 pub mod restyle;
 pub mod rig;
+pub mod rotation;
 pub mod scalp;
 pub mod sdf;
 pub mod srgb;

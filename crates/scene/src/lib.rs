@@ -36,7 +36,7 @@ pub mod knobs;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod measure;
 pub mod motion;
-mod open;
+pub mod open;
 pub mod options;
 pub mod picture;
 pub mod preset;

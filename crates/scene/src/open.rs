@@ -5,8 +5,11 @@ use anyhow::{Result, ensure};
 use std::str::FromStr;
 use tresses::{
     Context, Progress,
-    character::{CharacterFiles, CharacterParts, CharacterSource},
-    groom::styles::Style,
+    character::{CharacterFiles, CharacterParts, CharacterSource, Styling},
+    groom::{
+        edit::{GroomDocument, GroomEditor},
+        styles::Style,
+    },
 };
 
 impl Preset {
@@ -15,6 +18,30 @@ impl Preset {
     /// # Errors
     /// Fails if the preset is contradictory or a file cannot be read. The message is one sentence.
     pub async fn character(&self, context: &Context, progress: &impl Progress) -> Result<CharacterParts> {
+        let (base, styling) = self.open_source(context, progress).await?;
+        Ok(base.dress(&styling, progress).await?)
+    }
+
+    /// Opens this preset's character to edit its hair, as styled by the settings.
+    ///
+    /// # Errors
+    /// As [`character`](Self::character).
+    pub async fn editor(&self, context: &Context, progress: &impl Progress) -> Result<GroomEditor> {
+        let (base, styling) = self.open_source(context, progress).await?;
+        let document = edited(&base, &styling, &self.files(), progress).await?;
+        Ok(base.editor(document, progress).await?)
+    }
+
+    fn files(&self) -> CharacterFiles<'_> {
+        CharacterFiles::Disk { grooms: &self.source.grooms, heads: &self.source.heads }
+    }
+
+    /// Opens the source, and returns how its strands are styled.
+    async fn open_source(
+        &self,
+        context: &Context,
+        progress: &impl Progress,
+    ) -> Result<(CharacterSource, Styling)> {
         // Check the arguments before any expensive work.
         let source = &self.source;
         ensure!(
@@ -29,11 +56,28 @@ impl Preset {
         let styling = self.settings.styling(style.as_ref(), &maps)?;
         let base = match &style {
             Some(style) => CharacterSource::built_in(context, style, progress).await?,
-            None => {
-                let files = CharacterFiles::Disk { grooms: &source.grooms, heads: &source.heads };
-                CharacterSource::imported(&files, &source.orientation, progress).await?
-            }
+            None => CharacterSource::imported(&self.files(), &source.orientation, progress).await?,
         };
-        Ok(base.dress(&styling, progress).await?)
+        Ok((base, styling))
     }
+}
+
+/// Returns the first version of the hair of `base` to edit, styled by `styling`: an edited groom as it is, if nothing
+/// restyles it. `files` are those of `base`.
+///
+/// # Errors
+/// Fails if the styling is invalid or a file of the head cannot be read again.
+pub async fn edited(
+    base: &CharacterSource,
+    styling: &Styling,
+    files: &CharacterFiles<'_>,
+    progress: &impl Progress,
+) -> Result<GroomDocument> {
+    if let Some(document) = base.document().filter(|_| styling.restyle.is_none()) {
+        return Ok(document.clone());
+    }
+    // Stiffness is multiplied again whenever the document is dressed.
+    let styling = Styling { stiffness: None, ..styling.clone() };
+    let groom = base.dress(&styling, progress).await?.groom;
+    Ok(base.edit(groom, files)?)
 }

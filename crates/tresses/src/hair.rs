@@ -31,6 +31,7 @@ mod frame;
 mod hold;
 mod meet;
 mod motion;
+mod pose;
 mod record;
 mod share;
 mod sleep;

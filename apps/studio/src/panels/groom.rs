@@ -25,8 +25,8 @@ pub fn show(document: &mut Document, renderer: &mut Renderer, messages: &mut Mes
         findings(report, ui);
         ui.separator();
         let Source::Files { files, options } = &shown.hair.source else { return };
-        // A cooked groom is always in meters and upright.
-        if report.files.iter().any(|file| formats::is_cooked(&file.path)) {
+        // A cooked or edited groom is always in meters and upright.
+        if report.files.iter().any(|file| formats::is_whole(&file.path)) {
             return;
         }
         let mut changed = options.clone();

@@ -3,7 +3,7 @@
 use super::chains::{BONES, CardChains};
 use crate::{
     Rig,
-    fill::near::PointTree,
+    near::PointTree,
     rig::{Channel, Curve, Node, Property, Transform},
 };
 use glam::{Mat4, Quat, Vec3};

@@ -3,11 +3,11 @@
 use super::{CardLevel, CardTextures, Cards, ChainMotion};
 use crate::{
     Error, Result, Rig, TriMesh,
-    fill::near::PointTree,
     formats::{
         faces::PLAIN,
         gltf::{File, INT},
     },
+    near::PointTree,
     rig::{Bind, INFLUENCES},
 };
 use glam::{Mat4, Vec3};

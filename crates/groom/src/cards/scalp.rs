@@ -1,7 +1,7 @@
 //! Color of hair on the skin under it, so that gaps between cards do not look bald.
 
 use super::lines::Lines;
-use crate::{TriMesh, fill::near::PointTree, progress::in_parallel};
+use crate::{TriMesh, near::PointTree, progress::in_parallel};
 use glam::Vec3;
 use std::f32::consts::PI;
 

@@ -28,7 +28,6 @@
 pub(crate) mod curves;
 mod followers;
 mod kin;
-pub(crate) mod near;
 mod place;
 mod shape;
 mod skin;

@@ -5,8 +5,8 @@
 //! cell). A triangle is kept if two of its corners agree on it. Where they disagree, a triangle is missing or overlaps
 //! another by a sliver, which is not visible in hair.
 
-use super::near::PointTree;
 use crate::SdfGrid;
+use crate::near::PointTree;
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 

@@ -193,7 +193,7 @@ fn curls_keep_radius_and_pitch() {
 
 /// Returns the distance of each point to its nearest neighbor, relative to a triangular grid of the same count.
 fn apart(points: &[Vec3], area: f32) -> Vec<f32> {
-    let near = near::PointTree::new(points);
+    let near = crate::near::PointTree::new(points);
     let perfect = (2.0 * area / (3f32.sqrt() * points.len() as f32)).sqrt();
     let mut found = Vec::new();
     let nearest = points.iter().map(|p| {

@@ -63,8 +63,17 @@ pub struct Format {
     pub(crate) is_groom: Option<fn(&Path, &[u8]) -> bool>,
     /// Returns whether a file with strands also has the mesh that they grow on.
     pub(crate) holds_body: Option<fn(&Path, &[u8]) -> bool>,
-    /// Whether [`CookedGroom`](crate::cooked::CookedGroom) reads the whole file, instead of `read` and `read_mesh`.
-    pub(crate) is_cooked: bool,
+    /// What the file is as a whole, if it is not read by `read` and `read_mesh`.
+    pub(crate) whole: Option<WholeGroom>,
+}
+
+/// A file with a groom that is complete: guides, strands and head.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum WholeGroom {
+    /// [`CookedGroom`](crate::cooked::CookedGroom).
+    Cooked,
+    /// [`GroomDocument`](crate::edit::GroomDocument).
+    Edited,
 }
 
 /// Default values for rows.
@@ -80,7 +89,7 @@ const NONE: Format = Format {
     read_mesh: None,
     is_groom: None,
     holds_body: None,
-    is_cooked: false,
+    whole: None,
 };
 
 /// Expands to `Some` of the value if the feature is on, else to `None`.
@@ -244,7 +253,19 @@ pub const FORMATS: &[Format] = &[
             let alone = "a cooked groom is complete and cannot be part of another";
             Err(source.problem(At::File, alone))
         }),
-        is_cooked: true,
+        whole: Some(WholeGroom::Cooked),
+        ..NONE
+    },
+    Format {
+        name: "groom edited in the studio",
+        extensions: &["groom"],
+        feature: Some("edit"),
+        reads: &[Strands, Widths, Colors, PinnedTips, Guides, Units, Mesh, Textures, Rig, Animations],
+        read: with!("edit", |source, _| {
+            let alone = "an edited groom is complete and cannot be part of another";
+            Err(source.problem(At::File, alone))
+        }),
+        whole: Some(WholeGroom::Edited),
         ..NONE
     },
     Format {
@@ -346,7 +367,12 @@ pub fn extension(path: &Path) -> String {
 
 /// Returns whether `path` has the extension of a cooked groom.
 pub fn is_cooked(path: &Path) -> bool {
-    Format::of(path).is_some_and(|format| format.is_cooked)
+    Format::of(path).is_some_and(|format| format.whole == Some(WholeGroom::Cooked))
+}
+
+/// Returns whether `path` has the extension of a groom with its head, in meters and upright: a cooked or edited one.
+pub fn is_whole(path: &Path) -> bool {
+    Format::of(path).is_some_and(|format| format.whole.is_some())
 }
 
 /// Joins extensions for a sentence, with `joint` before the last: ".tfx, .hair or .obj".
@@ -374,8 +400,10 @@ pub fn markdown() -> String {
             }
         };
         let mut written: Vec<String> = format.writers.iter().map(written).collect();
-        if format.is_cooked {
-            written.push("by `tresses convert`".into());
+        match format.whole {
+            Some(WholeGroom::Cooked) => written.push("by `tresses convert`".into()),
+            Some(WholeGroom::Edited) => written.push("by the studio and `tresses groom`".into()),
+            None => {}
         }
         text += &format!(
             "| {} | {} | {} | {} | {} |\n",
@@ -410,10 +438,11 @@ mod tests {
                 Some("alembic") => cfg!(feature = "alembic"),
                 Some("usd") => cfg!(feature = "usd"),
                 Some("cooked") => cfg!(feature = "cooked"),
+                Some("edit") => cfg!(feature = "edit"),
                 Some(other) => panic!("{name}: no feature {other}"),
                 None => true,
             };
-            let has_mesh = reads(Mesh) && !format.is_cooked;
+            let has_mesh = reads(Mesh) && format.whole.is_none();
             assert_eq!(format.read.is_some(), on && reads(Strands), "{name}");
             assert_eq!(format.read_mesh.is_some(), on && has_mesh, "{name}");
             assert_eq!(format.is_groom.is_some(), on && reads(Strands) && has_mesh, "{name}");

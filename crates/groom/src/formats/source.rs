@@ -22,6 +22,17 @@ pub(crate) enum Files<'a> {
     Disk,
     /// Only these files, for example in a browser.
     Given(&'a [FileBytes<'a>]),
+    /// Files that are remembered as they are read.
+    #[cfg(feature = "edit")]
+    Recorded(&'a RecordedFiles<'a>),
+}
+
+/// Files, and those of them that have been read.
+#[cfg(feature = "edit")]
+#[derive(Debug)]
+pub(crate) struct RecordedFiles<'a> {
+    pub from: Files<'a>,
+    pub read: std::sync::Mutex<Vec<(PathBuf, std::sync::Arc<[u8]>)>>,
 }
 
 impl<'a> Files<'a> {
@@ -42,6 +53,16 @@ impl<'a> Files<'a> {
                     source: std::io::Error::new(std::io::ErrorKind::NotFound, "the file was not provided"),
                 };
                 found.map(|(_, bytes)| Cow::Borrowed(&**bytes)).ok_or_else(missing)
+            }
+            #[cfg(feature = "edit")]
+            Self::Recorded(files) => {
+                let bytes = files.from.load(path)?;
+                let mut read = files.read.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+                if read.iter().all(|(name, _)| name != path) {
+                    read.push((path.to_path_buf(), (&*bytes).into()));
+                }
+                drop(read);
+                Ok(bytes)
             }
         }
     }
@@ -65,6 +86,8 @@ impl<'a> Source<'a> {
         let path = self.path.parent().unwrap_or(Path::new("")).join(name);
         self.files.load(&path).map_err(|error| match self.files {
             Files::Disk => error,
+            #[cfg(feature = "edit")]
+            Files::Recorded(_) => error,
             Files::Given(_) => {
                 self.problem(At::File, format!("the file needs {name}; provide both together"))
             }

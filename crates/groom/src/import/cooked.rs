@@ -1,9 +1,9 @@
 //! Imports cooked grooms, which are complete, oriented and repaired.
 
-use super::{FileBytes, Heads, ImportOptions, Moment, SortedFiles};
+use super::{FileBytes, Heads, ImportOptions, SortedFiles, alone};
 use crate::{
     CookedGroom,
-    error::{At, Error, Result},
+    error::Result,
     formats::{is_cooked, source::Files},
 };
 use std::path::{Path, PathBuf};
@@ -46,17 +46,6 @@ pub(super) fn find<'a, P: AsRef<Path>>(
     options: &ImportOptions,
 ) -> Result<Option<(&'a Path, CookedGroom)>> {
     let Some(path) = paths.iter().map(AsRef::as_ref).find(|path| is_cooked(path)) else { return Ok(None) };
-    let wrong =
-        |problem: &str| Error::File { path: path.to_path_buf(), at: At::File, problem: problem.into() };
-    if paths.len() > 1 || !heads.paths.is_empty() {
-        return Err(wrong("a cooked groom includes its head and all its strands; do not add other files"));
-    }
-    let ImportOptions { orient, orient_head, moment, .. } = options;
-    if [orient, orient_head].iter().any(|choice| **choice != Default::default()) {
-        return Err(wrong("a cooked groom is in meters and upright; unit and axes cannot be set"));
-    }
-    if *moment != Moment::First {
-        return Err(wrong("a cooked groom is not animated; a frame cannot be selected"));
-    }
+    alone(path, paths.len(), heads, options)?;
     Ok(Some((path, CookedGroom::read(path, &from.load(path)?)?)))
 }

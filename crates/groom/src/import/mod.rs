@@ -6,6 +6,8 @@
 
 #[cfg(feature = "cooked")]
 mod cooked;
+#[cfg(feature = "edit")]
+mod edited;
 mod join;
 mod kind;
 pub mod mesh;
@@ -13,6 +15,8 @@ mod parse;
 
 #[cfg(feature = "cooked")]
 pub use cooked::{cooked, given_cooked};
+#[cfg(feature = "edit")]
+pub use edited::{edited, edited_body, given_edited, given_head_files, head_files};
 pub use kind::{FileKind, holds_body, kind};
 pub(crate) use parse::parse;
 #[cfg(test)]
@@ -215,6 +219,27 @@ impl<'a> Heads<'a> {
     }
 }
 
+/// Checks that the groom at `path`, which is complete, is the only one of `count` files, and that nothing is asked of it
+/// that its file states.
+#[cfg(any(feature = "cooked", feature = "edit"))]
+fn alone(path: &Path, count: usize, heads: &Heads<'_>, options: &ImportOptions) -> Result<()> {
+    let kind = if formats::is_cooked(path) { "a cooked groom" } else { "an edited groom" };
+    let wrong = |problem: &str| {
+        Err(Error::File { path: path.to_path_buf(), at: At::File, problem: format!("{kind} {problem}") })
+    };
+    if count > 1 || !heads.paths.is_empty() {
+        return wrong("includes its head and all its strands; do not add other files");
+    }
+    let ImportOptions { orient, orient_head, moment, .. } = options;
+    if [orient, orient_head].iter().any(|choice| **choice != Default::default()) {
+        return wrong("is in meters and upright; unit and axes cannot be set");
+    }
+    if *moment != Moment::First {
+        return wrong("is not animated; a frame cannot be selected");
+    }
+    Ok(())
+}
+
 /// Reads a head without a groom and orients it.
 pub fn read_head<H: AsRef<Path>>(
     heads: &[H],
@@ -259,6 +284,10 @@ fn read_all<P: AsRef<Path>>(
         let mut report = cooked.report(path);
         report.rig = cooked.rig;
         return Ok((cooked.strands, cooked.head, report));
+    }
+    #[cfg(feature = "edit")]
+    if let Some((path, document)) = edited::find(from, paths, &heads, options)? {
+        return edited::whole(path, &document);
     }
     let (raw, files) = join::read(from, paths, options)?;
     let (mut strands, mut followers) = (raw.strands, raw.followers);

@@ -7,8 +7,12 @@
 
 #[cfg(feature = "cooked")]
 mod cooked;
+#[cfg(feature = "edit")]
+mod edited;
 mod fill;
 
+#[cfg(feature = "edit")]
+pub use edited::LEAST_GUIDES;
 pub use fill::FillOptions;
 
 use super::{
@@ -16,6 +20,8 @@ use super::{
     facial::FaceHair,
     parts::{SKULL_ABOVE_NECK, neck, rigid},
 };
+#[cfg(feature = "edit")]
+use crate::groom::edit::{GroomDocument, HeadFiles};
 use crate::{
     Context, Error, Progress, Result,
     constants::MAX_STRAND_VERTICES,
@@ -133,6 +139,9 @@ pub struct CharacterSource {
 enum Hair {
     /// Draped guides.
     BuiltIn { style: Style, styled: StyledGuides, scalp: GridScalp },
+    /// A version of an edited groom.
+    #[cfg(feature = "edit")]
+    Edited { document: GroomDocument, field: Option<SdfGrid> },
     /// The strands of files.
     Imported { strands: Strands, field: Option<SdfGrid>, known: Option<CookedParts> },
 }
@@ -153,11 +162,10 @@ impl CharacterSource {
     pub async fn built_in(context: &Context, style: &Style, progress: &impl Progress) -> Result<Self> {
         let head = mannequin::mesh_with(mannequin::RESOLUTION, progress).await;
         let (styled, scalp) = drape::settled(context, style, progress).await?;
-        let anatomy = Some(Anatomy::built_in(&head, &scalp.field));
         Ok(Self {
+            anatomy: Some(Anatomy::built_in(&head, &scalp.field)),
             head: Some(head),
             neck: mannequin::NECK_JOINT,
-            anatomy,
             hair: Hair::BuiltIn { style: *style, styled, scalp },
             notes: Vec::new(),
             report: None,
@@ -177,6 +185,10 @@ impl CharacterSource {
         #[cfg(feature = "cooked")]
         if let Some((path, cooked)) = files.cooked(options)? {
             return Self::cooked(&path, cooked);
+        }
+        #[cfg(feature = "edit")]
+        if let Some((path, document)) = files.edited(options)? {
+            return Self::edited(&path, document, progress).await;
         }
         let (strands, head, mut report) = match files {
             CharacterFiles::Disk { grooms, heads } => import::read_whole(grooms, heads, options)?,
@@ -225,15 +237,8 @@ impl CharacterSource {
         name: &str,
         progress: &impl Progress,
     ) -> Result<Self> {
-        let anatomy = anatomy(rig, head.as_ref(), &strands)?;
-        let field = match rigid(anatomy.as_ref(), head.as_ref()) {
-            Some(head) => {
-                let built = sdf::build_with(head, &SdfOptions::default(), progress).await;
-                let named = |error| Error::unusable(format!("{name} ({} high as read): {error}", high(head)));
-                Some(built.map_err(named)?)
-            }
-            None => None,
-        };
+        let anatomy = anatomy(rig, head.as_ref(), strands.iter())?;
+        let field = field_of(anatomy.as_ref(), head.as_ref(), name, progress).await?;
         let neck = neck(strands.iter().filter_map(|strand| strand.first().copied()), head.as_ref());
         Ok(Self {
             head,
@@ -254,7 +259,7 @@ impl CharacterSource {
     pub fn style(&self) -> Option<&Style> {
         match &self.hair {
             Hair::BuiltIn { style, .. } => Some(style),
-            Hair::Imported { .. } => None,
+            _ => None,
         }
     }
 
@@ -281,6 +286,18 @@ impl CharacterSource {
                 }
                 notes.extend(styling.fill.unused());
                 (groom, Some(scalp.field.clone()))
+            }
+            #[cfg(feature = "edit")]
+            Hair::Edited { document, field } => {
+                let mut groom = document.groom();
+                if let Some(restyle) = &styling.restyle {
+                    restyle.apply(&mut groom, skull)?;
+                }
+                if let Some(head) = self.head.as_ref().filter(|_| *document.head() == HeadFiles::BuiltIn) {
+                    face = styling.face.grow(head)?;
+                }
+                notes.extend(styling.ignored_by_edited());
+                (groom, field.clone())
             }
             Hair::Imported { strands, field, known } => {
                 let mut strands = Cow::Borrowed(strands);
@@ -347,10 +364,27 @@ impl CharacterSource {
     }
 }
 
-/// Returns the anatomy of a rigged head, if there is a rig.
-fn anatomy(rig: Option<Rig>, head: Option<&TriMesh>, strands: &Strands) -> Result<Option<Anatomy>> {
+/// Returns the anatomy of a rigged head, if there is a rig. Roots are the first points of `lines`.
+fn anatomy<'a>(
+    rig: Option<Rig>,
+    head: Option<&TriMesh>,
+    lines: impl Iterator<Item = &'a [Vec3]>,
+) -> Result<Option<Anatomy>> {
     let Some((rig, head)) = rig.zip(head) else { return Ok(None) };
-    Ok(Some(Anatomy::new(rig, head, strands.iter())?))
+    Ok(Some(Anatomy::new(rig, head, lines)?))
+}
+
+/// Returns the distance field of the part of `head` that hair grows on. `name` names the head in errors.
+async fn field_of(
+    anatomy: Option<&Anatomy>,
+    head: Option<&TriMesh>,
+    name: &str,
+    progress: &impl Progress,
+) -> Result<Option<SdfGrid>> {
+    let Some(head) = rigid(anatomy, head) else { return Ok(None) };
+    let built = sdf::build_with(head, &SdfOptions::default(), progress).await;
+    let named = |error| Error::unusable(format!("{name} ({} high as read): {error}", high(head)));
+    Ok(Some(built.map_err(named)?))
 }
 
 /// Formats the height of a mesh in a readable unit, so that a wrong unit stands out.

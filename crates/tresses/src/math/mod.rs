@@ -4,7 +4,6 @@ pub mod ldl;
 pub(crate) mod map;
 pub mod pose;
 pub mod ray;
-pub mod rotation;
 
-pub use crate::groom::hash;
+pub use crate::groom::{hash, rotation};
 pub use ray::Ray;

@@ -4,6 +4,7 @@ use crate::{
     Context, Pose,
     constants::GUIDE_WORKGROUP,
     gpu::{Binding, Kernel, PipelineSet, bindings},
+    groom::curve,
     strands::GuideBuffers,
 };
 use bytemuck::{Pod, Zeroable};
@@ -133,27 +134,8 @@ fn walk_buffers<'a>(params: &'a wgpu::Buffer, guides: &'a GuideBuffers) -> [&'a 
 /// Returns the samples of a guide at rest: the same spline over `vertices` (at least two), without rotations. Positions
 /// equal the kernel's.
 pub fn rest_samples(vertices: &[Vec3], sample_count: u32) -> Vec<Vec3> {
-    let last = vertices.len() - 1;
-    let at = |i: isize| match i {
-        -1 => 2.0 * vertices[0] - vertices[1],
-        i if i as usize > last => 2.0 * vertices[last] - vertices[last - 1],
-        i => vertices[i as usize],
-    };
-    let span = last as f32 / (sample_count - 1) as f32;
-    (0..sample_count)
-        .map(|sample| {
-            let x = sample as f32 * span;
-            let k = (x as usize).min(last - 1);
-            let u = (x - k as f32).min(1.0);
-            let s = 1.0 - u;
-            let k = k as isize;
-            (s * s * s * at(k - 1)
-                + (4.0 - 3.0 * u * u * (1.0 + s)) * at(k)
-                + (4.0 - 3.0 * s * s * (1.0 + u)) * at(k + 1)
-                + u * u * u * at(k + 2))
-                / 6.0
-        })
-        .collect()
+    let span = (vertices.len() - 1) as f32 / (sample_count - 1) as f32;
+    (0..sample_count).map(|sample| curve::spline_at(vertices, sample as f32 * span)).collect()
 }
 
 #[cfg(test)]

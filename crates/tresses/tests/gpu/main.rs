@@ -19,6 +19,8 @@ mod curls;
 mod deform;
 mod draw;
 mod edges;
+#[cfg(feature = "edit")]
+mod edit;
 mod embed;
 mod embed_shadow;
 mod errors;

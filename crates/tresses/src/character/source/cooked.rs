@@ -26,7 +26,7 @@ impl CharacterSource {
     pub(super) fn cooked(path: &Path, cooked: CookedGroom) -> Result<Self> {
         let report = cooked.report(path);
         let CookedGroom { strands, head, levels, field, rig, parts, groom, .. } = cooked;
-        let mut anatomy = anatomy(rig, head.as_ref(), &strands)?;
+        let mut anatomy = anatomy(rig, head.as_ref(), strands.iter())?;
         if let Some(anatomy) = &mut anatomy {
             anatomy.know(parts);
         }

@@ -1,6 +1,6 @@
-//! Nearest-neighbor search in space with a k-d tree.
+//! Points in space: nearest neighbors, and an order in which neighbors are near each other.
 
-use glam::Vec3;
+use glam::{UVec3, Vec3};
 
 /// Points in a balanced k-d tree: the median of every part of [`order`](Self::order) splits it along the axis of its
 /// largest extent.
@@ -74,6 +74,12 @@ impl<'a> PointTree<'a> {
             parts.push((near, 0.0));
         }
     }
+}
+
+/// Returns the Morton code of a cell: the lower ten bits of each axis, interleaved.
+pub(crate) fn morton(cell: UVec3) -> u32 {
+    let spread = |v: u32| (0..10).fold(0, |bits, i| bits | (v >> i & 1) << (3 * i));
+    spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2
 }
 
 #[cfg(test)]

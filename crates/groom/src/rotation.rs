@@ -1,4 +1,4 @@
-//! The functions of `rotation.wesl` for glam's quaternions.
+//! Rotations between directions. The shaders of `tresses` compute alike (`math/rotation.wesl`).
 
 use glam::{Quat, Vec3};
 

@@ -1,0 +1,68 @@
+//! `tresses groom`: applies recorded strokes of a brush to a groom or a built-in style.
+
+use crate::{files, progress::Preparing, say, settings_args::SettingsArgs};
+use anyhow::{Context, Result, ensure};
+use std::{path::PathBuf, time::Instant};
+use tresses::{
+    gpu::Gpu,
+    groom::{
+        edit::{StrokeScript, file},
+        formats,
+    },
+};
+
+/// Options of `tresses groom`.
+#[derive(clap::Args, Debug)]
+pub struct GroomArgs {
+    #[command(flatten)]
+    pub settings: SettingsArgs,
+    /// Strokes to apply: JSON lines, as the studio records them
+    #[arg(long, value_name = "FILE")]
+    pub strokes: Option<PathBuf>,
+    /// File for the edited groom with its head, which every command opens
+    #[arg(long, value_name = "FILE.groom", default_value = "out/hair.groom")]
+    pub out: PathBuf,
+    /// Print a hash of the guides: equal strokes give equal hashes on every machine
+    #[arg(long)]
+    pub hash: bool,
+}
+
+/// Runs `tresses groom`.
+pub fn run(args: &GroomArgs) -> Result<()> {
+    let is_groom = formats::extension(&args.out) == file::EXTENSION;
+    ensure!(is_groom, "{}: an edited groom is a .groom file", args.out.display());
+    files::prepare(&args.out)?;
+    let script = match &args.strokes {
+        Some(path) => {
+            let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
+            StrokeScript::read(&text, path)?
+        }
+        None => StrokeScript::default(),
+    };
+    let preset = args.settings.preset()?;
+    let preparing = Preparing::new("opening the GPU");
+    let gpu = pollster::block_on(Gpu::open())?;
+    let mut editor = pollster::block_on(preset.editor(&gpu.context, &preparing))?;
+    let before = editor.document().clone();
+    let begin = Instant::now();
+    let versions = script.apply(&mut editor)?;
+    let seconds = begin.elapsed().as_secs_f64();
+    let after = editor.document();
+    let bytes = after.write();
+    files::write(&args.out, &bytes)?;
+    drop(preparing);
+    let moved = after.guides().differing(before.guides()).filter(|i| after.guide(*i) != before.guide(*i));
+    say!(
+        "{}: {} strokes in {seconds:.2} s moved {} of {} guides; {} strands, {:.1} MB",
+        args.out.display(),
+        versions.len(),
+        moved.count(),
+        after.guides().len(),
+        after.base().strands.len(),
+        bytes.len() as f64 / 1e6
+    );
+    if args.hash {
+        say!("{:016x}", after.hash());
+    }
+    Ok(())
+}

@@ -1,0 +1,202 @@
+//! Brushes: what a stroke does, and where.
+
+use crate::{Error, Result};
+use serde::{Deserialize, Serialize};
+use std::str::FromStr;
+
+/// What a stroke does to the hair under it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum BrushTool {
+    /// Drags hair along. It slides through the brush.
+    #[default]
+    Comb,
+    /// Holds the hair that is under the brush at the press, and moves it.
+    Grab,
+    /// Evens out bends, and differences between neighbors.
+    Smooth,
+    /// Raises hair at the root, away from the skin.
+    Puff,
+    /// Lays hair down at the root, in the direction of the stroke.
+    Lay,
+    /// Pulls hair towards the line of the stroke.
+    Pinch,
+    /// Pushes hair away from the line of the stroke.
+    Spread,
+}
+
+impl BrushTool {
+    /// All tools with their names.
+    pub const ALL: [(Self, &'static str); 7] = [
+        (Self::Comb, "comb"),
+        (Self::Grab, "grab"),
+        (Self::Smooth, "smooth"),
+        (Self::Puff, "puff"),
+        (Self::Lay, "lay"),
+        (Self::Pinch, "pinch"),
+        (Self::Spread, "spread"),
+    ];
+
+    /// Returns the name, as in files and commands.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(tool, _)| *tool == self).map_or("", |(_, name)| name)
+    }
+
+    /// Whether the tool also acts while the brush stands still.
+    pub fn acts_in_place(self) -> bool {
+        matches!(self, Self::Smooth | Self::Puff | Self::Pinch | Self::Spread)
+    }
+}
+
+impl FromStr for BrushTool {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        Self::ALL.iter().find(|(_, name)| *name == text).map(|(tool, _)| *tool).ok_or_else(|| {
+            Error::Parameter {
+                name: "the tool",
+                value: text.into(),
+                range: "comb, grab, smooth, puff, lay, pinch or spread",
+            }
+        })
+    }
+}
+
+/// How the effect falls off from the middle of the brush to its edge.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Falloff {
+    /// `(1 − x²)²`.
+    #[default]
+    Smooth,
+    /// `(1 − x)²`: a narrow peak.
+    Sharp,
+    /// The same everywhere.
+    Flat,
+}
+
+impl Falloff {
+    /// Returns the factor at `x` radii from the middle.
+    pub(super) fn at(self, x: f32) -> f32 {
+        if x >= 1.0 {
+            return 0.0;
+        }
+        let side = match self {
+            Self::Smooth => 1.0 - x * x,
+            Self::Sharp => 1.0 - x,
+            Self::Flat => 1.0,
+        };
+        side * side
+    }
+}
+
+/// Which hair the brush reaches.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Reach {
+    /// The near side: hair in front of the brush and a little behind it, never the far side of the head.
+    #[default]
+    Shell,
+    /// Hair in a ball around the middle of the brush.
+    Ball,
+    /// All hair under the brush, at any depth.
+    Through,
+}
+
+/// A brush. Effects are per dab; dabs are a quarter of the radius apart.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Brush {
+    /// What it does.
+    #[serde(skip)]
+    pub tool: BrushTool,
+    /// Radius, meters, 0.001 to 0.15.
+    pub radius: f32,
+    /// Share of the full effect, 0 to 1.
+    pub strength: f32,
+    /// Falloff towards the edge.
+    pub falloff: Falloff,
+    /// Which hair it reaches.
+    pub reach: Reach,
+    /// Where along the hair it acts: 0 everywhere, 1 more towards the tip, -1 more towards the root.
+    pub root_tip: f32,
+    /// Share of the guides that take part, 0 to 1.
+    pub share: f32,
+    /// How far hair keeps its shape beside the brush, 0 to 1.
+    pub keep_shape: f32,
+    /// Share of its distance from the skin (up to 15 mm) that hair keeps, 0 to 1.
+    pub keep_volume: f32,
+    /// Share of the neighbors in [`BrushTool::Smooth`], 0 to 1.
+    pub neighbors: f32,
+    /// Whether it acts on both sides of the head.
+    pub mirror: bool,
+    /// Whether it acts the other way round: puff and lay, pinch and spread.
+    pub inverted: bool,
+}
+
+impl Default for Brush {
+    fn default() -> Self {
+        Self {
+            tool: BrushTool::Comb,
+            radius: 0.03,
+            strength: 0.5,
+            falloff: Falloff::Smooth,
+            reach: Reach::Shell,
+            root_tip: 0.0,
+            share: 1.0,
+            keep_shape: 0.3,
+            keep_volume: 0.5,
+            neighbors: 0.5,
+            mirror: true,
+            inverted: false,
+        }
+    }
+}
+
+impl Brush {
+    /// Returns the brush with `tool` and the values that suit it.
+    pub fn of(tool: BrushTool) -> Self {
+        let base = Self { tool, ..Self::default() };
+        match tool {
+            BrushTool::Lay => Self { keep_volume: 0.0, ..base },
+            BrushTool::Grab => Self { strength: 1.0, ..base },
+            _ => base,
+        }
+    }
+
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`].
+    pub fn check(&self) -> Result<()> {
+        Error::unless_within("brush.radius", self.radius, 1e-3, 0.15, "from 0.001 to 0.15 m")?;
+        Error::unless_within("brush.root_tip", self.root_tip, -1.0, 1.0, "from -1 to 1")?;
+        let shares = [
+            ("brush.strength", self.strength),
+            ("brush.share", self.share),
+            ("brush.keep_shape", self.keep_shape),
+            ("brush.keep_volume", self.keep_volume),
+            ("brush.neighbors", self.neighbors),
+        ];
+        shares
+            .into_iter()
+            .try_for_each(|(name, value)| Error::unless_within(name, value, 0.0, 1.0, "from 0 to 1"))
+    }
+
+    /// Returns the factor at the fraction `s` of a guide, from its root.
+    pub(super) fn along(&self, s: f32) -> f32 {
+        let (b, end) = (self.root_tip.abs(), if self.root_tip > 0.0 { s } else { 1.0 - s });
+        (1.0 - b + b * 2.0 * end).clamp(0.0, 1.0)
+    }
+
+    /// Returns the tool that acts, after [`inverted`](Self::inverted).
+    pub(super) fn acts(&self) -> BrushTool {
+        match (self.inverted, self.tool) {
+            (true, BrushTool::Puff) => BrushTool::Lay,
+            (true, BrushTool::Lay) => BrushTool::Puff,
+            (true, BrushTool::Pinch) => BrushTool::Spread,
+            (true, BrushTool::Spread) => BrushTool::Pinch,
+            (_, tool) => tool,
+        }
+    }
+}

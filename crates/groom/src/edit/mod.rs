@@ -1,0 +1,37 @@
+//! Editing: brushes comb the guides of a groom, and its strands are carried along.
+//!
+//! ```text
+//! Groom ─► GroomDocument ──► GroomEditor ◄── rays or points of a stroke, Brush
+//!              ▲                  │
+//!              └── release ◄──────┘ guides, as they move
+//! GroomDocument ─► groom: guides and carried strands      ─► file (`.groom`)
+//! ```
+//!
+//! A [`GroomDocument`] holds the groom that it was made from and the guides as they are now. It never changes: a stroke
+//! returns another document, which shares all blocks of guides that the stroke has not touched. Undo keeps documents.
+//!
+//! **Strands are carried** ([`carry`]): a strand is always the original one, carried by its guides from their original
+//! pose to the current one, by the formula that the shaders of `tresses` use for moving hair. What a stroke shows is
+//! what remains, and a thousand strokes lose no detail.
+//!
+//! **A stroke is data** ([`script`]). It gives the same guides, bit for bit, with any number of threads, natively and in
+//! WebAssembly: the code below uses only additions, multiplications, divisions and square roots of 32-bit floats.
+
+pub mod brush;
+pub mod carry;
+pub mod document;
+mod editor;
+pub mod file;
+pub mod guide_blocks;
+pub mod script;
+mod solve;
+mod tools;
+
+pub use brush::{Brush, BrushTool, Falloff, Reach};
+pub use document::{GroomDocument, HeadFiles};
+pub use editor::{GroomEditor, StrokeSample};
+pub use guide_blocks::GuideBlocks;
+pub use script::{ScriptStep, StrokeScript};
+
+#[cfg(test)]
+mod tests;

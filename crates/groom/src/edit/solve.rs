@@ -1,0 +1,141 @@
+//! What every tool leaves to do after it has moved the vertices of a guide: edges get their lengths back, parts beside
+//! the brush keep their shape, and nothing enters the head.
+
+use crate::SdfGrid;
+use glam::Vec3;
+
+/// Distance that combed hair keeps from the skin, if it had it, meters.
+pub(super) const CLEARANCE: f32 = 1.5e-3;
+/// Largest distance from the skin that a brush preserves, meters.
+const MOST_VOLUME: f32 = 0.015;
+/// Bisections of a turn out of the head.
+const BISECTIONS: u32 = 6;
+
+/// A guide when the stroke began.
+#[derive(Clone, Debug)]
+pub(super) struct PressState {
+    /// Lengths of the edges, meters.
+    pub lengths: Vec<f32>,
+    /// Distance from the skin that each vertex keeps, meters; below 0 for vertices that began inside.
+    pub clear: Vec<f32>,
+    /// Distance from the skin that each vertex had, meters.
+    pub volume: Vec<f32>,
+}
+
+impl PressState {
+    pub fn new(guide: &[Vec3], field: Option<&SdfGrid>) -> Self {
+        let volume: Vec<f32> = match field {
+            Some(field) => guide.iter().map(|p| field.sample(*p)).collect(),
+            None => vec![f32::MAX; guide.len()],
+        };
+        Self {
+            lengths: guide.windows(2).map(|edge| edge[0].distance(edge[1])).collect(),
+            clear: volume.iter().map(|distance| distance.min(CLEARANCE)).collect(),
+            volume,
+        }
+    }
+}
+
+/// What guides the solve: brush settings and the head.
+#[derive(Clone, Copy)]
+pub(super) struct Solver<'a> {
+    pub field: Option<&'a SdfGrid>,
+    pub keep_shape: f32,
+    pub keep_volume: f32,
+}
+
+/// Returns `v` rotated by the smallest rotation from the direction `a` to the direction `b`, both units.
+pub(super) fn turned(v: Vec3, a: Vec3, b: Vec3) -> Vec3 {
+    let (c, cosine) = (a.cross(b), a.dot(b));
+    if cosine < -0.9999 {
+        // Opposite: a half turn about any axis across.
+        let axis = if a.x.abs() > a.z.abs() { Vec3::new(-a.y, a.x, 0.0) } else { Vec3::new(0.0, -a.z, a.y) };
+        let axis = unit(axis, Vec3::X);
+        return axis * (2.0 * axis.dot(v)) - v;
+    }
+    v + c.cross(v) + c.cross(c.cross(v)) / (1.0 + cosine)
+}
+
+/// Returns `v` with length 1, or `other` if it has none.
+pub(super) fn unit(v: Vec3, other: Vec3) -> Vec3 {
+    let length = v.length();
+    if length > 1e-9 && length.is_finite() { v / length } else { other }
+}
+
+impl Solver<'_> {
+    /// Returns the guide that was at `before` and whose vertices a tool moved to `target`. `near` is the falloff at each
+    /// vertex: 1 in the middle of the brush, 0 outside. Vertices before the first with `moved` keep their bits.
+    pub fn solve(
+        &self,
+        before: &[Vec3],
+        target: &[Vec3],
+        near: &[f32],
+        first: usize,
+        press: &PressState,
+    ) -> Vec<Vec3> {
+        let n = before.len();
+        let mut line = before.to_vec();
+        let edge_before = |i: usize| unit(before[i + 1] - before[i], Vec3::Y);
+        for i in first.max(1) - 1..n - 1 {
+            let length = press.lengths[i];
+            let carried = match i {
+                0 => edge_before(0),
+                _ => turned(
+                    edge_before(i),
+                    edge_before(i - 1),
+                    unit(line[i] - line[i - 1], edge_before(i - 1)),
+                ),
+            };
+            let moved = unit(target[i + 1] - line[i], carried);
+            let keep = self.keep_shape * (1.0 - near[i + 1]);
+            let direction = unit(moved * (1.0 - keep) + carried * keep, carried);
+            line[i + 1] = self.outside(line[i], direction, length, i + 1, press, carried);
+        }
+        line
+    }
+
+    /// Returns the end of the edge from `start` in `direction`, turned out of the head if it is too deep.
+    fn outside(
+        &self,
+        start: Vec3,
+        direction: Vec3,
+        length: f32,
+        vertex: usize,
+        press: &PressState,
+        carried: Vec3,
+    ) -> Vec3 {
+        let end = |direction: Vec3| start + direction * length;
+        let Some(field) = self.field else { return end(direction) };
+        let least = press.clear[vertex];
+        let wish = least.max((self.keep_volume * press.volume[vertex]).min(MOST_VOLUME));
+        let (mut way, mut p) = (direction, end(direction));
+        for _ in 0..3 {
+            let depth = wish - field.sample(p);
+            if depth <= 0.0 {
+                return p;
+            }
+            way = unit(p + field.normal(p) * depth - start, way);
+            p = end(way);
+        }
+        if field.sample(p) >= least {
+            return p;
+        }
+        // The start is outside, so the way along the normal is too, unless the skin folds over it.
+        let normal = field.normal(start);
+        let (mut low, mut high) = (0.0f32, 1.0f32);
+        let at = |t: f32| end(unit(way * (1.0 - t) + normal * t, normal));
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            if field.sample(at(middle)) >= least { high = middle } else { low = middle }
+        }
+        // Steps of the bisection would be visible, and would differ between mirror images.
+        let [below, above] = [low, high].map(|t| field.sample(at(t)));
+        let between = low + (high - low) * ((least - below) / (above - below).max(1e-9)).clamp(0.0, 1.0);
+        let best = [at(between), at(high), end(normal), end(carried), p];
+        // Rounding may leave the first a little too deep.
+        let deep = |p: &Vec3| field.sample(*p).min(least - 1e-5);
+        best.into_iter()
+            .reduce(|best, other| if deep(&other) > deep(&best) { other } else { best })
+            .unwrap_or(p)
+    }
+}

@@ -1,0 +1,216 @@
+//! The effect of each tool on one guide, before the [solve](super::solve).
+
+use super::{
+    Brush, BrushTool, Reach,
+    solve::{turned, unit},
+};
+use crate::SdfGrid;
+use glam::Vec3;
+
+/// Distance from the skin below which the comb does not press, meters.
+const SKIN: f32 = 5e-3;
+/// Share of a turn towards the normal or the stroke per dab.
+const RAISE: f32 = 0.15;
+/// Part of a guide, from its root, that puff and lay turn.
+const ROOT: f32 = 0.4;
+/// Share of the way to the line of the stroke per dab.
+const PINCH: f32 = 0.2;
+/// Share of the way to the smooth shape per dab.
+const SMOOTH: f32 = 0.5;
+/// Extent of a shell before and behind the brush, radii.
+const BEFORE: f32 = 3.0;
+const BEHIND: f32 = 1.5;
+
+/// One application of a brush.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Dab {
+    /// Middle of the brush, meters.
+    pub center: Vec3,
+    /// Way of the brush since the last dab, meters.
+    pub motion: Vec3,
+    /// Direction of sight, unit; zero without a camera.
+    pub sight: Vec3,
+    /// Largest distance behind the middle at which hair is reached, meters.
+    pub behind: f32,
+    /// Radius, meters.
+    pub radius: f32,
+    /// Strength, 0 to 1.
+    pub strength: f32,
+}
+
+impl Dab {
+    /// Returns the same dab on the other side of the plane x = `middle`.
+    pub fn mirrored(&self, middle: f32) -> Self {
+        let flip = |v: Vec3| Vec3::new(-v.x, v.y, v.z);
+        let center = Vec3::new(2.0 * middle - self.center.x, self.center.y, self.center.z);
+        Self { center, motion: flip(self.motion), sight: flip(self.sight), ..*self }
+    }
+
+    /// Whether the dab acts along the sight, instead of in a ball.
+    fn is_across(&self, reach: Reach) -> bool {
+        reach != Reach::Ball && self.sight != Vec3::ZERO
+    }
+
+    /// Whether a sphere may be in reach.
+    pub fn meets(&self, (center, radius): (Vec3, f32), reach: Reach) -> bool {
+        self.distance(center, reach) <= self.radius + radius
+    }
+
+    /// Returns the distance of `p` from the way of the brush, meters.
+    fn distance(&self, p: Vec3, reach: Reach) -> f32 {
+        let across = |v: Vec3| if self.is_across(reach) { v - self.sight * v.dot(self.sight) } else { v };
+        let (way, to) = (across(self.motion), across(p - self.center + self.motion));
+        let t = (to.dot(way) / way.length_squared().max(1e-18)).clamp(0.0, 1.0);
+        (to - way * t).length()
+    }
+
+    /// Returns the falloff at `p`, 0 outside.
+    fn near(&self, p: Vec3, brush: &Brush) -> f32 {
+        if brush.reach == Reach::Shell && self.is_across(Reach::Shell) {
+            let depth = (p - self.center).dot(self.sight);
+            if !(-BEFORE * self.radius..=self.behind.min(BEHIND * self.radius)).contains(&depth) {
+                return 0.0;
+            }
+        }
+        brush.falloff.at(self.distance(p, brush.reach) / self.radius)
+    }
+}
+
+/// Weights of a guide's vertices.
+#[derive(Clone, Debug)]
+pub(super) struct Weights {
+    /// Share of the effect.
+    pub weight: Vec<f32>,
+    /// Falloff alone.
+    pub near: Vec<f32>,
+    /// Index of the dab that acts, where there are two.
+    pub side: Vec<usize>,
+    /// First vertex with a weight.
+    pub first: usize,
+}
+
+impl Weights {
+    /// Returns the weights of `guide` under `dabs`; `None` if no vertex besides the root has one.
+    pub fn of(guide: &[Vec3], dabs: &[Dab], brush: &Brush) -> Option<Self> {
+        let last = (guide.len() - 1) as f32;
+        let mut weights = Self { weight: Vec::new(), near: Vec::new(), side: Vec::new(), first: guide.len() };
+        for (i, p) in guide.iter().enumerate() {
+            let mut best = (0.0f32, 0);
+            for (side, dab) in dabs.iter().enumerate() {
+                let near = dab.near(*p, brush);
+                if near > best.0 {
+                    best = (near, side);
+                }
+            }
+            let weight = dabs[best.1].strength * best.0 * brush.along(i as f32 / last);
+            if weight > 0.0 && i > 0 {
+                weights.first = weights.first.min(i);
+            }
+            weights.weight.push(weight);
+            weights.near.push(best.0);
+            weights.side.push(best.1);
+        }
+        (weights.first < guide.len()).then_some(weights)
+    }
+
+    /// Returns the largest weight among the vertices near the root, and its side.
+    fn at_root(&self) -> (f32, usize) {
+        let count = (ROOT * (self.weight.len() - 1) as f32) as usize + 1;
+        let all = self.weight.iter().copied().zip(self.side.iter().copied()).take(count + 1);
+        all.fold((0.0, 0), |best, other| if other.0 > best.0 { other } else { best })
+    }
+}
+
+/// What a tool reads besides the guide.
+pub(super) struct Surroundings<'a> {
+    pub brush: &'a Brush,
+    pub dabs: &'a [Dab],
+    pub field: Option<&'a SdfGrid>,
+    /// Normal of the skin at the root.
+    pub normal: Vec3,
+    /// Mean directions of the edges of neighbors; empty unless the tool needs them.
+    pub along: &'a [Vec3],
+}
+
+impl Surroundings<'_> {
+    /// Returns where the tool moves the vertices of `guide`, and the first that moves; `None` if none does.
+    pub fn target(&self, guide: &[Vec3], weights: &Weights) -> Option<(Vec<Vec3>, usize)> {
+        match self.brush.acts() {
+            BrushTool::Comb => Some((self.combed(guide, weights), weights.first)),
+            BrushTool::Grab => {
+                let by = |i: usize| self.dabs[weights.side[i]].motion * weights.weight[i];
+                Some((guide.iter().enumerate().map(|(i, p)| *p + by(i)).collect(), weights.first))
+            }
+            BrushTool::Pinch => Some((self.pinched(guide, weights, -PINCH), weights.first)),
+            BrushTool::Spread => Some((self.pinched(guide, weights, PINCH), weights.first)),
+            BrushTool::Smooth => Some((self.smoothed(guide, weights), weights.first)),
+            BrushTool::Puff => self.raised(guide, weights, self.normal),
+            BrushTool::Lay => {
+                let motion = self.dabs[weights.at_root().1].motion;
+                let along = motion - self.normal * motion.dot(self.normal);
+                (along.length() > 1e-9).then(|| self.raised(guide, weights, unit(along, motion)))?
+            }
+        }
+    }
+
+    fn combed(&self, guide: &[Vec3], weights: &Weights) -> Vec<Vec3> {
+        let moved = |(i, p): (usize, &Vec3)| {
+            let mut by = self.dabs[weights.side[i]].motion * weights.weight[i];
+            if let Some(field) = self.field.filter(|field| by != Vec3::ZERO && field.sample(*p) < SKIN) {
+                let normal = field.normal(*p);
+                by -= normal * by.dot(normal).min(0.0);
+            }
+            *p + by
+        };
+        guide.iter().enumerate().map(moved).collect()
+    }
+
+    fn pinched(&self, guide: &[Vec3], weights: &Weights, share: f32) -> Vec<Vec3> {
+        let moved = |(i, p): (usize, &Vec3)| {
+            let dab = &self.dabs[weights.side[i]];
+            let along = unit(dab.motion, Vec3::ZERO);
+            let off = *p - dab.center;
+            // Depth is no distance from the line that is drawn.
+            let off = off - dab.sight * off.dot(dab.sight);
+            *p + (off - along * off.dot(along)) * (share * weights.weight[i])
+        };
+        guide.iter().enumerate().map(moved).collect()
+    }
+
+    fn smoothed(&self, guide: &[Vec3], weights: &Weights) -> Vec<Vec3> {
+        let n = guide.len();
+        let (own, others) = (1.0 - self.brush.neighbors, self.brush.neighbors);
+        let even = |i: usize| match i {
+            0 => guide[0],
+            i if i + 1 == n => guide[i],
+            i => guide[i].lerp(0.5 * (guide[i - 1] + guide[i + 1]), SMOOTH * own * weights.weight[i]),
+        };
+        let even: Vec<Vec3> = (0..n).map(even).collect();
+        let mut line = vec![guide[0]];
+        for i in 0..n - 1 {
+            let (edge, mean) = (even[i + 1] - even[i], self.along.get(i).copied().unwrap_or(Vec3::ZERO));
+            let share = if mean == Vec3::ZERO { 0.0 } else { SMOOTH * others * weights.weight[i + 1] };
+            let length = edge.length();
+            line.push(line[i] + unit(edge * (1.0 - share) + mean * (length * share), edge) * length);
+        }
+        line
+    }
+
+    /// Turns the root towards `towards`, and less the part after it.
+    fn raised(&self, guide: &[Vec3], weights: &Weights, towards: Vec3) -> Option<(Vec<Vec3>, usize)> {
+        let (weight, _) = weights.at_root();
+        let root = unit(guide[1] - guide[0], towards);
+        let to = unit(root * (1.0 - RAISE * weight) + towards * (RAISE * weight), root);
+        if weight <= 0.0 || to == root {
+            return None;
+        }
+        let last = (guide.len() - 1) as f32;
+        let mut line = vec![guide[0]];
+        for (i, edge) in guide.windows(2).enumerate() {
+            let (edge, share) = (edge[1] - edge[0], (1.0 - i as f32 / last / ROOT).max(0.0));
+            let way = unit(edge * (1.0 - share) + turned(edge, root, to) * share, edge);
+            line.push(line[i] + way * edge.length());
+        }
+        Some((line, 1))
+    }
+}

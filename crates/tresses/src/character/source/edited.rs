@@ -1,0 +1,152 @@
+//! Edited characters: versions of a groom under a brush, and their files.
+
+use super::{super::parts::neck, CharacterFiles, CharacterSource, Hair, Styling, anatomy, field_of, rebound};
+use crate::{
+    Progress, Result,
+    groom::{
+        Groom, GuideCount, SdfGrid,
+        edit::{GroomDocument, GroomEditor, HeadFiles},
+        import::{self, ImportOptions},
+        mannequin,
+        mesh::sdf::{self, SdfOptions},
+        rig::anatomy::Anatomy,
+        scalp::GridScalp,
+    },
+};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+/// Number of guides below which an edited groom gets more.
+pub const LEAST_GUIDES: usize = 600;
+/// Number of strands that follow one of these.
+const STRANDS_PER_GUIDE: u32 = 16;
+
+impl CharacterFiles<'_> {
+    /// Returns the edited groom with its path, if the files are one.
+    pub(super) fn edited(&self, options: &ImportOptions) -> Result<Option<(PathBuf, GroomDocument)>> {
+        Ok(match self {
+            Self::Disk { grooms, heads } => import::edited(grooms, heads, options)?,
+            Self::Given(files) => import::given_edited(files, options)?,
+        })
+    }
+}
+
+impl CharacterSource {
+    /// Creates the source from an edited groom. `path` names it in errors.
+    ///
+    /// # Errors
+    /// An error when a file of its head cannot be read.
+    pub async fn edited(path: &Path, document: GroomDocument, progress: &impl Progress) -> Result<Self> {
+        let base = document.base();
+        let guides = || (0..base.guides.len()).map(|i| base.guides.guide(i));
+        if *document.head() == HeadFiles::BuiltIn {
+            let head = mannequin::mesh_with(mannequin::RESOLUTION, progress).await;
+            let scalp =
+                GridScalp::of_mannequin(mannequin::sdf_with(mannequin::FIELD_RESOLUTION, progress).await);
+            return Ok(Self {
+                anatomy: Some(Anatomy::built_in(&head, &scalp.field)),
+                head: Some(head),
+                neck: mannequin::NECK_JOINT,
+                hair: Hair::Edited { document, field: Some(scalp.field) },
+                notes: Vec::new(),
+                report: None,
+            });
+        }
+        let (head, rig) = match import::edited_body(&document)? {
+            Some(body) => (Some(body.mesh), body.rig),
+            None => (None, None),
+        };
+        let anatomy = anatomy(rig, head.as_ref(), guides())?;
+        let field = field_of(anatomy.as_ref(), head.as_ref(), &path.display().to_string(), progress).await?;
+        let neck = neck(guides().map(|guide| guide[0]), head.as_ref());
+        let hair = Hair::Edited { document, field };
+        Ok(Self { head, neck, anatomy, hair, notes: Vec::new(), report: None })
+    }
+
+    /// Returns the version of the groom, if the source is an edited one.
+    pub fn document(&self) -> Option<&GroomDocument> {
+        match &self.hair {
+            Hair::Edited { document, .. } => Some(document),
+            _ => None,
+        }
+    }
+
+    /// Returns a document to edit `groom`, made from this source by [`dress`](Self::dress). `files` and nothing else have
+    /// made the source, unless it is a built-in style. A groom of fewer than [`LEAST_GUIDES`] guides gets more, chosen
+    /// among its strands, because a brush moves guides; its strands do not move.
+    ///
+    /// # Errors
+    /// An error when a file of the head cannot be read again, and when the groom is empty.
+    pub fn edit(&self, groom: Groom, files: &CharacterFiles<'_>) -> Result<GroomDocument> {
+        let head = match &self.hair {
+            Hair::BuiltIn { .. } => HeadFiles::BuiltIn,
+            Hair::Edited { document, .. } => document.head().clone(),
+            Hair::Imported { .. } => {
+                let report = self.report.as_ref().and_then(|report| report.head_placement.as_ref());
+                match (report, files) {
+                    (None, _) => HeadFiles::None,
+                    (Some(placement), CharacterFiles::Disk { grooms, heads }) => {
+                        import::head_files(grooms, heads, placement)?
+                    }
+                    (Some(placement), CharacterFiles::Given(files)) => {
+                        import::given_head_files(files, placement)?
+                    }
+                }
+            }
+        };
+        let more = GuideCount::OneIn(STRANDS_PER_GUIDE);
+        let few = groom.guides.len() < LEAST_GUIDES.min(more.among(groom.strands.len()));
+        let groom = if few { rebound(&groom, more)? } else { groom };
+        Ok(GroomDocument::new(groom, head, self.neck.x)?)
+    }
+
+    /// Returns this source with `document`, a groom on the same head.
+    #[must_use]
+    pub fn with_document(&self, document: GroomDocument) -> Self {
+        Self {
+            head: self.head.clone(),
+            neck: self.neck,
+            anatomy: self.anatomy.clone(),
+            hair: Hair::Edited { document, field: self.field().cloned() },
+            notes: self.notes.clone(),
+            report: self.report.clone(),
+        }
+    }
+
+    /// Returns an editor of `document`, a groom on this source's head. No hair enters the body, whole and at rest.
+    ///
+    /// # Errors
+    /// [`crate::groom::Error::Unusable`] when the body encloses no volume.
+    pub async fn editor(&self, document: GroomDocument, progress: &impl Progress) -> Result<GroomEditor> {
+        let is_part = self.anatomy.is_some() && *document.head() != HeadFiles::BuiltIn;
+        let field = match &self.head {
+            Some(body) if is_part => Some(sdf::build_with(body, &SdfOptions::default(), progress).await?),
+            _ => self.field().cloned(),
+        };
+        Ok(GroomEditor::new(document, field.map(Arc::new)))
+    }
+
+    /// Returns the distance field of the head.
+    pub fn field(&self) -> Option<&SdfGrid> {
+        match &self.hair {
+            Hair::BuiltIn { scalp, .. } => Some(&scalp.field),
+            Hair::Edited { field, .. } | Hair::Imported { field, .. } => field.as_ref(),
+        }
+    }
+}
+
+impl Styling {
+    /// Returns a note for the first setting that an edited groom ignores.
+    pub(super) fn ignored_by_edited(&self) -> Option<String> {
+        let ignored = [
+            (self.strands.is_some(), "style.strands"),
+            (self.guides.is_some(), "style.guides"),
+            (self.fill.strands.is_some(), "style.grow"),
+            (self.paint != Default::default(), "maps and style.length"),
+        ];
+        let (_, name) = ignored.into_iter().find(|(given, _)| *given)?;
+        Some(format!("{name}: no effect on an edited groom, which has its strands and guides"))
+    }
+}

@@ -1,0 +1,162 @@
+//! Edited grooms: a stroke shows what its document holds, and the hair keeps it.
+
+use crate::common;
+use tresses::{
+    Context, Hair, HairOptions, Pose, Result,
+    avoid::{AvoidMode, AvoidOptions},
+    character::{CharacterFiles, CharacterSource, Styling},
+    glam::{Quat, Vec3},
+    gpu::readback::blocking as readback,
+    groom::{
+        Groom, GuideCount, bind,
+        edit::{Brush, BrushTool, GroomDocument, GroomEditor, HeadFiles, StrokeSample},
+        grow::Growth,
+        mannequin::SKULL_CENTER,
+        styles::Style,
+    },
+    lod,
+    strands::StrandVertex,
+};
+
+/// Returns an editor of a built-in style with `strands` strands.
+fn editor(context: &Context, style: &str, strands: u32) -> Result<GroomEditor> {
+    let style: Style = style.parse()?;
+    let run = async {
+        let source = CharacterSource::built_in(context, &style, &()).await?;
+        let growth = Some(Growth::for_style(&style).with_strands(strands));
+        let groom = source.dress(&Styling { growth, ..Styling::default() }, &()).await?.groom;
+        let document = source.edit(groom, &CharacterFiles::Given(&[]))?;
+        assert!(document.guides().len() >= 94 && *document.head() == HeadFiles::BuiltIn);
+        source.editor(document, &()).await
+    };
+    pollster::block_on(run)
+}
+
+/// Combs the left side back, and its mirror image.
+fn combed(editor: &mut GroomEditor, tool: BrushTool) -> GroomDocument {
+    let eye = SKULL_CENTER + Vec3::new(0.7, 0.0, 0.1);
+    let brush = Brush { strength: 1.0, radius: 0.04, ..Brush::of(tool) };
+    let sample = |k: i32| {
+        let to = SKULL_CENTER + Vec3::new(0.1, 0.03 - 0.002 * k as f32, 0.06 - 0.006 * k as f32);
+        StrokeSample { time: k as f32 / 60.0, ..StrokeSample::ray(eye, to - eye) }
+    };
+    assert!(editor.press(&brush, &sample(0)).unwrap());
+    (1..20).for_each(|k| editor.drag(&sample(k)).unwrap());
+    editor.release().expect("hair moves")
+}
+
+fn hair(context: &Context, groom: &Groom, mode: AvoidMode, editor: Option<&GroomEditor>) -> Hair {
+    let avoid = AvoidOptions { mode, ..AvoidOptions::default() };
+    let options = HairOptions { avoid, ..HairOptions::default() };
+    Hair::new(context, groom, &options, editor.and_then(GroomEditor::field)).unwrap()
+}
+
+/// Draws a frame of `dt` seconds. Returns the strands in the order of their groom.
+fn drawn(context: &Context, hair: &mut Hair, groom: &Groom, head: Pose, dt: f32) -> Vec<Vec<Vec3>> {
+    common::advance(hair, &common::frame(head, dt));
+    let n = groom.strands.vertex_count as usize;
+    let vertices: Vec<StrandVertex> = readback::buffer(context, &hair.strands.vertices).unwrap();
+    let mut strands = vec![Vec::new(); groom.strands.len()];
+    for (place, i) in lod::order(&groom.strands).into_iter().enumerate() {
+        strands[i as usize] =
+            vertices[place * n..(place + 1) * n].iter().map(|vertex| vertex.position).collect();
+    }
+    strands
+}
+
+/// Returns the distances between the vertices of `drawn` and of `groom` at `pose`, ascending, meters.
+fn off(drawn: &[Vec<Vec3>], groom: &Groom, pose: Pose) -> Vec<f32> {
+    let rest = |i: usize| groom.strands.rest_positions(i);
+    let pairs = (0..drawn.len()).flat_map(|i| drawn[i].iter().zip(rest(i)));
+    let mut all: Vec<f32> = pairs.map(|(p, rest)| p.distance(pose.point(rest))).collect();
+    all.sort_by(f32::total_cmp);
+    all
+}
+
+#[test]
+fn drawn_strands_are_those_of_the_document() {
+    let Some(context) = common::context() else { return };
+    let turn = Quat::from_rotation_y(0.5) * Quat::from_rotation_z(0.2);
+    let head = Pose { translation: Vec3::new(0.3, 1.0, -0.2), rotation: turn };
+    for style in ["bob", "curly"] {
+        let mut editor = editor(context, style, 3600).unwrap();
+        let base = editor.document().base().clone();
+        let mut hair = hair(context, &base, AvoidMode::Off, None);
+        let before = drawn(context, &mut hair, &base, head, 1.0 / 60.0);
+        for tool in [BrushTool::Comb, BrushTool::Puff] {
+            let document = combed(&mut editor, tool);
+            hair.pose_guides(editor.positions()).unwrap();
+            let after = drawn(context, &mut hair, &base, head, 0.0);
+            let moved =
+                after.concat().iter().zip(before.concat()).map(|(a, b)| a.distance(b)).fold(0.0, f32::max);
+            let off = off(&after, &document.groom(), head);
+            let worst = off[off.len() - 1];
+            println!(
+                "{style}, {tool:?}: moved by {:.0} mm at most, off by {:.1} µm",
+                1e3 * moved,
+                1e6 * worst
+            );
+            assert!(moved > 0.02 && worst < 1e-4, "{moved} {worst}");
+        }
+        // Undo is a pose as well.
+        editor.go_to(editor.document().original()).unwrap();
+        hair.pose_guides(editor.positions()).unwrap();
+        let off = off(&drawn(context, &mut hair, &base, head, 0.0), &base, head);
+        assert!(off[off.len() - 1] < 2e-5);
+        assert!(hair.pose_guides(&[Vec3::ZERO]).is_err());
+    }
+}
+
+/// When a stroke ends, hair is made anew from the document. Nothing jumps, and it does not sag.
+#[test]
+fn combed_hair_keeps_its_shape() {
+    let Some(context) = common::context() else { return };
+    for style in ["bob", "long"] {
+        let mut editor = editor(context, style, 3600).unwrap();
+        let base = editor.document().base().clone();
+        let mut posed = hair(context, &base, AvoidMode::ChangeOver, Some(&editor));
+        drawn(context, &mut posed, &base, Pose::IDENTITY, 0.0);
+        let groom = combed(&mut editor, BrushTool::Comb).groom();
+        posed.pose_guides(editor.positions()).unwrap();
+        let shown = drawn(context, &mut posed, &base, Pose::IDENTITY, 0.0);
+        let mut anew = hair(context, &groom, AvoidMode::ChangeOver, Some(&editor));
+        let settled = drawn(context, &mut anew, &groom, Pose::IDENTITY, 0.0);
+        let pairs = shown.concat().into_iter().zip(settled.concat());
+        let mut jump: Vec<f32> = pairs.map(|(a, b)| a.distance(b)).collect();
+        jump.sort_by(f32::total_cmp);
+        let mean = jump.iter().sum::<f32>() / jump.len() as f32;
+        let most = jump[jump.len() * 95 / 100];
+        let mut last = settled;
+        for _ in 0..120 {
+            last = drawn(context, &mut anew, &groom, Pose::IDENTITY, 1.0 / 60.0);
+        }
+        let sag = off(&last, &groom, Pose::IDENTITY);
+        let sags = sag[sag.len() * 95 / 100];
+        println!(
+            "{style}: jump {:.3} mm in the mean, {:.3} mm for 95 %; sag {:.2} mm for 95 %",
+            1e3 * mean,
+            1e3 * most,
+            1e3 * sags
+        );
+        assert!(mean < 3e-4 && most < 1e-3 && sags < 2e-3, "{style}: {mean} {most} {sags}");
+    }
+}
+
+#[test]
+fn every_strand_may_be_a_guide() {
+    let Some(context) = common::context() else { return };
+    let options = tresses::groom::BindOptions { guides: GuideCount::All, ..Default::default() };
+    let groom = bind(&common::hanging(300, 16, 0.2), &options).unwrap();
+    let document = GroomDocument::new(groom.clone(), HeadFiles::None, 0.0).unwrap();
+    let bent = |i: usize| -> Vec<Vec3> {
+        let way = Vec3::new(0.3, 0.5, 0.1 * (i % 7) as f32);
+        document.guide(i).iter().enumerate().map(|(k, p)| *p + way * (k * k) as f32 * 2e-4).collect()
+    };
+    let guides: Vec<Vec<Vec3>> = (0..300).map(bent).collect();
+    let after = document.with(guides.iter().map(|guide| &guide[..]).enumerate());
+    let mut hair = hair(context, &groom, AvoidMode::Off, None);
+    drawn(context, &mut hair, &groom, Pose::IDENTITY, 0.0);
+    hair.pose_guides(&guides.concat()).unwrap();
+    let off = off(&drawn(context, &mut hair, &groom, Pose::IDENTITY, 0.0), &after.groom(), Pose::IDENTITY);
+    assert!(off[off.len() - 1] < 2e-5, "{}", off[off.len() - 1]);
+}
