@@ -1,16 +1,27 @@
 //! The document: settings and hair with undo history, the character built from them, and the running job.
 
+#[cfg(not(target_arch = "wasm32"))]
+use crate::journal::{Journal, LeftGroom};
 use crate::{
     files::Files,
+    groomer::Groomer,
     hair::{COLORS, Hair, Source},
     job::{DisplayedCharacter, Job, JobResult, Order},
     messages::Messages,
+    renderer::Renderer,
+    stage::CharacterDisplay,
 };
+use anyhow::Result;
 use eframe::egui;
-use std::{path::Path, sync::Arc};
+use std::{path::Path, sync::Arc, time::Duration};
 use tresses::{
     gpu::Gpu,
-    groom::{cards::CardOptions, import, styles::Style},
+    groom::{
+        cards::CardOptions,
+        edit::{GroomDocument, GroomEditor},
+        import,
+        styles::Style,
+    },
 };
 use tresses_scene::{Companion, Companions, History, Preset, Settings, Shelf, source};
 
@@ -26,6 +37,16 @@ pub struct Document {
     pub job: Option<Job>,
     /// Name of a color map that a job is loading. It becomes the hair color once loaded.
     painted: Option<String>,
+    /// The hair under the brush, while there is one.
+    pub groomer: Option<Groomer>,
+    /// The last version of the hair under the brush, on disk.
+    #[cfg(not(target_arch = "wasm32"))]
+    journal: Option<Journal>,
+    /// Recovered hair, until it is saved or changed.
+    #[cfg(not(target_arch = "wasm32"))]
+    recovered: Option<LeftGroom>,
+    /// Whether guides have moved since they were last put into the hair on the screen.
+    posed: bool,
     /// Whether strands or pipelines are older than the settings. The next job rebuilds them.
     stale: bool,
     /// Whether the settings have changed since the last frame.
@@ -42,8 +63,103 @@ impl Document {
             shown: None,
             job: None,
             painted: None,
+            groomer: None,
+            #[cfg(not(target_arch = "wasm32"))]
+            journal: None,
+            #[cfg(not(target_arch = "wasm32"))]
+            recovered: None,
+            posed: false,
             stale: false,
             dirty: false,
+        }
+    }
+
+    /// Prepares the hair on the screen for brushes if one `is_active`, and puts the body to rest meanwhile.
+    pub fn groom(&mut self, is_active: bool, renderer: &mut Renderer, messages: &mut Messages) {
+        if renderer.playback.at_rest != is_active {
+            renderer.playback.at_rest = is_active;
+            renderer.dirty = true;
+            self.posed |= is_active;
+            if let Some(show) = &mut renderer.show {
+                show.stage.character.reset();
+                rest(show, is_active, messages);
+            }
+        }
+        let Some(shown) = self.shown.as_ref().filter(|_| is_active && self.job.is_none()) else { return };
+        if self.groomer.is_some() {
+            return;
+        }
+        let order = Order {
+            hair: shown.hair.clone(),
+            base: Some(shown.base.clone()),
+            surroundings: shown.surroundings.clone(),
+            settings: self.settings.now().clone(),
+            keep: true,
+            groom: true,
+        };
+        messages.clear();
+        self.job = Some(Job::start(&self.context, self.gpu.clone(), order));
+    }
+
+    /// Puts guides that the brush has moved into the hair of `renderer`. No frame may be in flight.
+    pub fn pose(&mut self, renderer: &mut Renderer, messages: &mut Messages) {
+        let Some(groomer) = &mut self.groomer else { return };
+        self.posed |= groomer.take_moved();
+        let Some(show) = &mut renderer.show else { return };
+        if !renderer.playback.at_rest || show.frames == 0 || !std::mem::take(&mut self.posed) {
+            return;
+        }
+        if let Err(error) = show.stage.character.hair_mut().pose_guides(groomer.editor().positions()) {
+            messages.fail(error);
+        }
+    }
+
+    /// Ends the stroke of the brush, as one step of the history.
+    pub fn end_stroke(&mut self, messages: &mut Messages) {
+        let Some((document, label)) = self.groomer.as_mut().and_then(Groomer::release) else { return };
+        let now = self.settings.hair();
+        let source = Source::Edited { name: now.source.name(), document };
+        let hair = Hair { source, companions: now.companions.clone() };
+        self.settings.change_both(self.settings.now().clone(), hair, label);
+        self.keep(messages);
+    }
+
+    /// Writes the hair under the brush to the journal.
+    #[cfg(not(target_arch = "wasm32"))]
+    fn keep(&mut self, messages: &mut Messages) {
+        let Some(groomer) = &self.groomer else { return };
+        let name = self.settings.hair().source.name();
+        let recovered = &mut self.recovered;
+        let journal = self.journal.get_or_insert_with(|| Journal::new(&name, recovered.take()));
+        if let Err(error) = journal.keep(groomer.document(), groomer.hash()) {
+            messages.error =
+                Some(format!("the journal cannot be written, so a crash loses this groom: {error}"));
+        }
+    }
+
+    /// Browsers have no journal.
+    #[cfg(target_arch = "wasm32")]
+    fn keep(&mut self, _: &mut Messages) {}
+
+    /// Opens groomed hair that an earlier studio has left.
+    ///
+    /// # Errors
+    /// Fails if its file cannot be read.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn recover(&mut self, left: &LeftGroom, messages: &mut Messages) -> Result<()> {
+        let source = Source::Edited { name: left.name.clone(), document: left.read()? };
+        self.open(source, messages);
+        self.recovered = Some(left.clone());
+        Ok(())
+    }
+
+    /// Notes that the user saves the hair under the brush.
+    pub fn saves_groom(&mut self) {
+        #[cfg(not(target_arch = "wasm32"))]
+        self.recovered.take().iter().for_each(LeftGroom::remove);
+        #[cfg(not(target_arch = "wasm32"))]
+        if let (Some(journal), Some(groomer)) = (&mut self.journal, &self.groomer) {
+            journal.saved(groomer.hash());
         }
     }
 
@@ -82,6 +198,17 @@ impl Document {
     /// Starts a job for `hair` unless it is already shown or loading.
     fn go_to(&mut self, hair: Hair, messages: &mut Messages) {
         self.painted = None;
+        if let (Some(groomer), Some(document)) = (&mut self.groomer, hair.source.document())
+            && document.is_version_of(groomer.document())
+            && self.shown.as_ref().is_some_and(|shown| shown.hair.companions == hair.companions)
+        {
+            // The guides are put into the hair at once; it is made anew once the brush rests.
+            match groomer.go_to(document.clone()) {
+                Ok(()) => self.dirty = true,
+                Err(error) => messages.fail(error),
+            }
+            return self.keep(messages);
+        }
         if self.job.as_ref().is_some_and(|job| job.hair == hair) {
             return;
         }
@@ -107,7 +234,16 @@ impl Document {
     /// Starts a job that builds `hair`. `fresh` reads its files again even if they are already shown.
     pub fn make(&mut self, hair: Hair, fresh: bool, messages: &mut Messages) {
         let shown = self.shown.as_ref().filter(|shown| !fresh && shown.hair.source == hair.source);
-        let base = shown.map(|shown| shown.base.clone());
+        let base = match (shown, hair.source.document()) {
+            (Some(shown), _) => Some(shown.base.clone()),
+            (None, Some(document)) if !fresh => {
+                let version = |shown: &&DisplayedCharacter| shown.hair.source.is_version_of(&hair.source);
+                let shown = self.shown.as_ref().filter(version);
+                shown.map(|shown| Arc::new(shown.base.with_document(document.clone())))
+            }
+            _ => None,
+        };
+        let shown = shown.or(self.shown.as_ref().filter(|_| base.is_some()));
         // Reuse the environment if its file is the same.
         let same_light = |shown: &&DisplayedCharacter| {
             let light = |hair: &Hair| hair.companions.names().environment.clone();
@@ -117,7 +253,7 @@ impl Document {
         self.stale = false;
         let settings = self.settings.now().clone();
         let keep = base.is_some();
-        let order = Order { hair, base, surroundings, settings, keep };
+        let order = Order { hair, base, surroundings, settings, keep, groom: false };
         messages.clear();
         self.job = Some(Job::start(&self.context, self.gpu.clone(), order));
     }
@@ -131,6 +267,7 @@ impl Document {
             surroundings: None,
             settings: self.settings.now().clone(),
             keep: true,
+            groom: false,
         };
         messages.clear();
         self.job = Some(Job::cards(&self.context, self.gpu.clone(), order, options));
@@ -156,10 +293,43 @@ impl Document {
         None
     }
 
+    /// Takes the editor of hair that has just been prepared, whose style is part of its strands from now on. Closes the
+    /// one of other hair.
+    ///
+    /// Returns whether it has closed one.
+    pub fn open_editor(&mut self, hair: &Hair, editor: Option<(GroomEditor, Settings)>) -> bool {
+        // The hair on the screen is new, and may be older than the last stroke.
+        self.posed = true;
+        if let Some((editor, settings)) = editor {
+            let label = hair.step_from(self.settings.hair());
+            self.settings.change_both(settings, hair.clone(), &label);
+            self.groomer = Some(Groomer::new(editor));
+            #[cfg(not(target_arch = "wasm32"))]
+            {
+                self.journal = None;
+            }
+        } else if !self.is_version(hair) {
+            return self.groomer.take().is_some();
+        }
+        false
+    }
+
+    /// Whether `hair` is a version of the hair under the brush.
+    fn is_version(&self, hair: &Hair) -> bool {
+        let of = |document: &GroomDocument| {
+            self.groomer.as_ref().is_some_and(|it| document.is_version_of(it.document()))
+        };
+        hair.source.document().is_some_and(of)
+    }
+
     /// Records `hair` as the shown hair, as one undo step. If a color map was loaded for it, the same step switches the
     /// hair color to that map.
     pub fn arrived(&mut self, hair: &Hair) {
         let painted = self.painted.take();
+        if self.is_version(hair) && self.settings.hair().companions == hair.companions {
+            // The history has it, and may have newer ones.
+            return;
+        }
         if self.shown.is_none() {
             // The first hair is the start of the history, not an undo step.
             self.settings.set_hair(hair.clone());
@@ -246,18 +416,44 @@ impl Document {
         }
     }
 
+    /// Whether a job runs, or is due once the brush rests.
+    pub fn works(&self) -> bool {
+        let shown = self.shown.as_ref().and_then(|shown| shown.hair.source.document());
+        let is_old =
+            shown.zip(self.groomer.as_ref()).is_some_and(|(shown, it)| it.settles(Some(shown)).is_some());
+        self.job.is_some() || is_old
+    }
+
     /// Starts the job that changed settings need, once the pointer is released.
     pub fn work_off(&mut self, messages: &mut Messages) {
         if self.context.input(|input| input.pointer.any_down()) {
             return;
         }
         self.settings.settle();
-        if !self.stale || self.job.is_some() {
+        let Some(shown) = self.shown.as_ref().filter(|_| self.job.is_none()) else { return };
+        let mut hair = shown.hair.clone();
+        if let Some(groomer) = &self.groomer
+            && let Source::Edited { document, .. } = &mut hair.source
+            && let Some(wait) = groomer.settles(Some(document))
+        {
+            if wait > 0.0 && !self.stale {
+                return self.context.request_repaint_after(Duration::from_secs_f32(wait));
+            }
+            document.clone_from(groomer.document());
+            return self.make(hair, false, messages);
+        }
+        if !self.stale {
             return;
         }
-        let Some(shown) = &self.shown else { return };
-        let hair = shown.hair.clone();
         self.make(hair, false, messages);
+    }
+}
+
+/// Stops or resumes the animation of the body of `show`.
+fn rest(show: &mut CharacterDisplay, rests: bool, messages: &mut Messages) {
+    let Some(rig) = show.stage.character.rig_mut().filter(|_| rests) else { return };
+    if let Err(error) = rig.set_animation(None) {
+        messages.fail(error);
     }
 }
 

@@ -1,7 +1,8 @@
 //! The hair of a document: its source and its companion files.
 
 use crate::files::Files;
-use tresses::groom::{import::ImportOptions, styles::Style};
+use tresses::character::CharacterFiles;
+use tresses::groom::{edit::GroomDocument, import::ImportOptions, styles::Style};
 use tresses_scene::{Companion, Companions, Settings, settings::HairColor, source};
 
 /// Companion key of the color map on the scalp.
@@ -19,6 +20,13 @@ pub enum Source {
         /// Units and axes.
         options: Box<ImportOptions>,
     },
+    /// A version of groomed hair.
+    Edited {
+        /// Name of the hair before the first stroke.
+        name: String,
+        /// The version.
+        document: GroomDocument,
+    },
 }
 
 impl Source {
@@ -27,6 +35,28 @@ impl Source {
         match self {
             Self::Style(name) => name.clone(),
             Self::Files { files, .. } => files.name(),
+            Self::Edited { name, .. } => name.clone(),
+        }
+    }
+
+    /// Returns the version, if the hair is groomed.
+    pub fn document(&self) -> Option<&GroomDocument> {
+        match self {
+            Self::Edited { document, .. } => Some(document),
+            _ => None,
+        }
+    }
+
+    /// Whether `other` is a version of the same groomed hair.
+    pub fn is_version_of(&self, other: &Self) -> bool {
+        self.document().zip(other.document()).is_some_and(|(a, b)| a.is_version_of(b))
+    }
+
+    /// Returns the files that the hair was read from; none for a built-in style.
+    pub fn files(&self) -> CharacterFiles<'_> {
+        match self {
+            Self::Files { files, .. } => files.borrowed(),
+            _ => CharacterFiles::Given(&[]),
         }
     }
 }
@@ -64,6 +94,9 @@ impl Hair {
 
     /// Returns a label of a few words for the change from `before`.
     pub fn step_from(&self, before: &Self) -> String {
+        if matches!(self.source, Source::Edited { .. }) && before.source.document().is_none() {
+            return "Groom".into();
+        }
         if self.source != before.source {
             return format!("Hair: {}", self.source.name());
         }
@@ -75,7 +108,7 @@ impl Hair {
         }
     }
 
-    /// Returns the source for a preset. Files in a browser have no path, so they are left out.
+    /// Returns the source for a preset. Files in a browser and groomed hair have no path, so they are left out.
     pub fn named(&self) -> source::Source {
         let mut source = self.companions.names().clone();
         match &self.source {
@@ -84,7 +117,7 @@ impl Hair {
                 (source.grooms, source.heads) = (grooms.clone(), heads.clone());
                 source.orientation = (**options).clone();
             }
-            Source::Files { files: Files::Given(_), .. } => {}
+            Source::Files { files: Files::Given(_), .. } | Source::Edited { .. } => {}
         }
         source
     }

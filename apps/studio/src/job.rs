@@ -7,19 +7,23 @@ use crate::{
 };
 use anyhow::{Context, Result};
 use eframe::egui;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::{
+    path::Path,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
+};
 use tresses::{
     PipelineRequest, Progress,
     character::{CharacterSource, Gesture},
     draw::Coverage,
     gpu::{Gpu, Tier},
-    groom::{cards::CardOptions, styles::Style},
+    groom::{cards::CardOptions, edit::GroomEditor, styles::Style},
     view::ViewOptions,
 };
 use tresses_scene::{
     Quality, Scene, Settings, Surroundings,
     cards::{self, CardChain},
     motion::animation,
+    open,
 };
 
 /// Size of the warm-up frame, which is not shown, pixels.
@@ -39,6 +43,8 @@ pub struct Order {
     pub settings: Settings,
     /// Whether camera and motion stay unchanged.
     pub keep: bool,
+    /// Whether the hair becomes a first version to groom.
+    pub groom: bool,
 }
 
 /// The character on the screen.
@@ -61,6 +67,8 @@ pub struct PreparedCharacter {
     pub shown: DisplayedCharacter,
     /// Whether camera and motion stay unchanged.
     pub keep: bool,
+    /// An editor of the hair, if it is to be groomed, and the settings that are left to it.
+    pub editor: Option<(GroomEditor, Settings)>,
 }
 
 /// Result of a job.
@@ -208,7 +216,7 @@ impl Job {
 }
 
 async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<PreparedCharacter> {
-    let Order { hair, base, surroundings, settings, keep } = order;
+    let Order { mut hair, base, surroundings, mut settings, keep, groom } = order;
     let Hair { source, companions } = &hair;
     // Validate the inputs before the expensive work.
     progress.step("reading maps and the environment map", 0.0).await;
@@ -226,8 +234,23 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Prepa
         (None, Source::Files { files, options }) => {
             Arc::new(CharacterSource::imported(&files.borrowed(), options, progress).await?)
         }
+        (None, Source::Edited { name, document }) => {
+            Arc::new(CharacterSource::edited(Path::new(name), document.clone(), progress).await?)
+        }
     };
-    let styling = settings.styling(base.style(), &maps)?;
+    let mut styling = settings.styling(base.style(), &maps)?;
+    let mut base = base;
+    let mut editor = None;
+    if groom {
+        progress.step("preparing the groom", 0.0).await;
+        let document = open::edited(&base, &styling, &source.files(), progress).await?;
+        // The strands of the document have the style already.
+        settings = settings.without_style();
+        styling = settings.styling(None, &maps)?;
+        base = Arc::new(base.with_document(document.clone()));
+        editor = Some((base.editor(document.clone(), progress).await?, settings.clone()));
+        hair.source = Source::Edited { name: hair.source.name(), document };
+    }
     let mut character = base.dress(&styling, progress).await?;
     let notes = std::mem::take(&mut character.notes);
     // Pipelines that are already compiled cost nothing here.
@@ -242,7 +265,8 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Prepa
     stage.set_surroundings(surroundings.clone());
     progress.step("rendering the first frame", 0.0).await;
     first_picture(&mut stage)?;
-    Ok(PreparedCharacter { stage, shown: DisplayedCharacter { hair, notes, base, surroundings }, keep })
+    let shown = DisplayedCharacter { hair, notes, base, surroundings };
+    Ok(PreparedCharacter { stage, shown, keep, editor })
 }
 
 /// Bakes cards of the hair of `order`, which is shown.

@@ -4,6 +4,7 @@
 //! app ──► panels, viewport            user input, frame by frame; each borrows the parts it needs
 //!  ├──► document ──► job ──► task      settings, hair, history; jobs on a thread natively, async tasks in the browser
 //!  ├──► record, picture, hosted        a loop or an image as a file; the host page
+//!  │      ├──► strokes ──► groomer     the brush in the viewport; groomed hair
 //!  │      └──► renderer ──► stage      schedule and quality of frames; only `stage` talks to the renderer
 //!  │             ├──► cards            baked cards, and the level that is shown
 //!  │             └──► playback         transport, hand and ball
@@ -26,10 +27,13 @@ pub mod document;
 pub mod events;
 pub mod files;
 pub mod flight;
+pub mod groomer;
 pub mod hair;
 pub mod head;
 pub mod hosted;
 pub mod job;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod journal;
 pub mod loss;
 pub mod messages;
 
@@ -49,6 +53,7 @@ pub mod renderer;
 pub mod sort;
 pub mod stage;
 pub mod state;
+pub mod strokes;
 pub mod task;
 pub mod theme;
 pub mod tool;

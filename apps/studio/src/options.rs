@@ -3,7 +3,7 @@
 use crate::files::Files;
 use anyhow::{Result, anyhow};
 use std::path::PathBuf;
-use tresses::groom::{import::ImportOptions, styles::Style};
+use tresses::groom::{edit::GroomDocument, import::ImportOptions, styles::Style};
 use tresses_scene::{Companions, Settings, knobs};
 
 /// Options of a studio window.
@@ -25,6 +25,8 @@ pub struct Options {
     pub bare: bool,
     /// Files in memory, used instead of those on disk.
     pub given: Option<Files>,
+    /// Groomed hair and its name, used instead of files.
+    pub edited: Option<(String, GroomDocument)>,
     /// An error to show, from the previous window.
     pub trouble: Option<String>,
 }

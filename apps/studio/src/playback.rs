@@ -29,12 +29,14 @@ pub struct Playback {
     awake: f32,
     /// Start of the last frame, while frames are due.
     last: Option<Instant>,
+    /// Whether the body and its hair are at rest, whatever the transport does, for grooming.
+    pub at_rest: bool,
 }
 
 impl Playback {
     /// Whether a frame is due because something moves.
     pub fn is_due(&self) -> bool {
-        self.play.is_due() || self.is_live()
+        !self.at_rest && (self.play.is_due() || self.is_live())
     }
 
     /// Whether the user is dragging the head or hair, or was until recently.
@@ -44,6 +46,9 @@ impl Playback {
 
     /// Returns the character's gesture; the head turns about `pivot`, meters.
     pub fn gesture(&self, pivot: Vec3) -> Gesture {
+        if self.at_rest {
+            return Gesture::default();
+        }
         self.hand.apply(self.play.gesture(pivot), pivot)
     }
 
@@ -75,6 +80,10 @@ impl Playback {
     /// Advances the transport and the hand to a frame that starts now. Returns the hair's time step, seconds. Its limit
     /// is shorter with a `software` driver.
     pub fn advance(&mut self, software: bool) -> f32 {
+        if self.at_rest {
+            self.last = None;
+            return 0.0;
+        }
         let now = Instant::now();
         let real = self.last.map_or(1.0 / 60.0, |last| now.duration_since(last).as_secs_f32());
         self.last = Some(now);

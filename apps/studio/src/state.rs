@@ -1,5 +1,6 @@
 //! The studio's state, published for host pages and tests.
 
+use crate::groomer::Groomer;
 use serde::Serialize;
 use std::sync::{Mutex, PoisonError};
 
@@ -20,6 +21,10 @@ pub struct State {
     pub companions: Vec<String>,
     /// Name of the level of cards on the screen, or `strands`; empty before a bake.
     pub cards: String,
+    /// The hair under the brush; none unless a brush is active.
+    pub groom: Option<GroomState>,
+    /// Whether groomed hair that an earlier studio has left is offered.
+    pub recovers: bool,
     /// Current step of the running job, or empty.
     pub step: String,
     /// The last error, or empty.
@@ -46,6 +51,34 @@ pub struct State {
     pub lost: bool,
     /// Whether a frame is in flight or due.
     pub busy: bool,
+}
+
+/// State of grooming.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct GroomState {
+    /// Guides of the hair.
+    pub guides: usize,
+    /// Strokes that lead to the current version.
+    pub strokes: usize,
+    /// Hash of the guides.
+    pub hash: String,
+    /// Duration of the last frame's dabs, milliseconds.
+    pub dab_ms: f32,
+    /// Whether a stroke is under way.
+    pub active: bool,
+}
+
+impl GroomState {
+    /// Returns the state of `groomer`.
+    pub fn of(groomer: &Groomer) -> Self {
+        Self {
+            guides: groomer.document().guides().len(),
+            strokes: groomer.script().steps.len(),
+            hash: format!("{:016x}", groomer.hash()),
+            dab_ms: groomer.milliseconds,
+            active: groomer.editor().is_active(),
+        }
+    }
 }
 
 static STATE: Mutex<Option<State>> = Mutex::new(None);

@@ -1,6 +1,7 @@
 //! The tools: the action of a drag in the viewport.
 
 use eframe::egui::Key;
+use tresses::groom::edit::BrushTool;
 
 /// A tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -12,6 +13,8 @@ pub enum Tool {
     Lock,
     /// Turns the camera, wherever the drag starts.
     Camera,
+    /// Strokes hair at rest with a brush; beside the hair, turns the camera.
+    Brush(BrushTool),
 }
 
 impl Tool {
@@ -27,12 +30,38 @@ impl Tool {
         (Self::Camera, "Camera", Key::C, "Drag to orbit the camera. The right button orbits with any tool."),
     ];
 
+    /// All brushes, with name, key and help. The keys work while a brush is active.
+    pub const BRUSHES: [(BrushTool, Key, &'static str); 7] = [
+        (BrushTool::Comb, Key::C, "Drags hair along; it slides through the brush"),
+        (BrushTool::Grab, Key::G, "Holds the hair under the brush and moves it"),
+        (
+            BrushTool::Smooth,
+            Key::S,
+            "Evens out bends and differences between neighbors; any brush does so with Shift",
+        ),
+        (BrushTool::Puff, Key::U, "Raises hair at the root; with Ctrl it lays hair down"),
+        (BrushTool::Lay, Key::D, "Lays hair down at the root, in the direction of the stroke"),
+        (BrushTool::Pinch, Key::N, "Pulls hair towards the line of the stroke; with Ctrl away from it"),
+        (BrushTool::Spread, Key::W, "Pushes hair away from the line of the stroke"),
+    ];
+
+    /// Returns the brush, if the tool is one.
+    pub fn brush(self) -> Option<BrushTool> {
+        match self {
+            Self::Brush(tool) => Some(tool),
+            _ => None,
+        }
+    }
+
     /// Returns a line of help for the pointer.
     pub fn hint(self) -> &'static str {
         match self {
             Self::Hand => "Drag the head to shake it · drag beside it to orbit · wheel to zoom",
             Self::Lock => "Drag hair to pull a lock · right button to orbit · wheel to zoom",
             Self::Camera => "Drag to orbit · middle button or Shift to pan · wheel to zoom",
+            Self::Brush(_) => {
+                "Drag hair · Shift smooths · Ctrl inverts · [ ] radius · Esc takes the stroke back · right button orbits"
+            }
         }
     }
 }

@@ -1,10 +1,13 @@
 //! The viewport: shows the frame and handles the pointer.
 
 use crate::{
+    document::Document,
+    groomer::BrushKit,
     head,
     messages::Messages,
     renderer::Renderer,
     stage::{CharacterDisplay, Picture},
+    strokes::{self, Sight},
     theme,
     tool::Tool,
 };
@@ -30,6 +33,8 @@ const LOCK: f32 = 0.02;
 pub struct Viewport {
     /// The active tool.
     pub tool: Tool,
+    /// The brushes.
+    pub kit: BrushKit,
     /// Last position of the pointer in a drag.
     pointer: Option<Pos2>,
     /// [Number](Picture::number) of the displayed frame, or 0.
@@ -42,6 +47,7 @@ impl Viewport {
     pub fn show(
         &mut self,
         renderer: &mut Renderer,
+        document: &mut Document,
         records: bool,
         messages: &mut Messages,
         ui: &mut Ui,
@@ -53,7 +59,7 @@ impl Viewport {
             (renderer.area, renderer.dirty) = (area, true);
         }
         renderer.orbit.set_aspect(rect.width() / rect.height().max(1.0));
-        self.pointer(renderer, messages, ui, &response);
+        self.pointer(renderer, document, messages, ui, &response);
         let painter = ui.painter_at(rect);
         let picture = renderer.show.as_ref().and_then(CharacterDisplay::picture);
         let place = picture.map(|picture| if records { fitted(picture, rect) } else { rect });
@@ -63,11 +69,24 @@ impl Viewport {
         if let (Some(picture), Some(place)) = (picture, place) {
             painter.add(picture.seen.at(place));
         }
+        if let Some(tool) = self.tool.brush().filter(|_| response.contains_pointer()) {
+            let sight = Sight { renderer, rect };
+            if strokes::ring((tool, &self.kit), document, sight, (&painter, &response)) {
+                ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
+            }
+        }
         self.seen = picture.map_or(0, |picture| picture.number);
         rect
     }
 
-    fn pointer(&mut self, renderer: &mut Renderer, messages: &mut Messages, ui: &Ui, response: &Response) {
+    fn pointer(
+        &mut self,
+        renderer: &mut Renderer,
+        document: &mut Document,
+        messages: &mut Messages,
+        ui: &Ui,
+        response: &Response,
+    ) {
         let rect = response.rect;
         let (shift, press, now, touch) = ui.input(|input| {
             (
@@ -82,13 +101,18 @@ impl Viewport {
         self.pointer = now.filter(|_| response.dragged());
         let delta =
             from.zip(self.pointer).map_or(Vec2::ZERO, |(from, to)| Vec2::new(to.x - from.x, to.y - from.y));
+        let strokes = self.tool.brush().is_some_and(|tool| {
+            strokes::pointer((tool, &self.kit), document, renderer, messages, (ui, response))
+        });
         if response.drag_started_by(PointerButton::Primary)
             && self.tool == Tool::Hand
             && let Some(depth) = press.and_then(|at| head_under(renderer, rect, at))
         {
             renderer.playback.hand.take(depth);
         }
-        if let Some(touch) = touch {
+        if strokes {
+            // The brush has the pointer.
+        } else if let Some(touch) = touch {
             renderer.playback.hand.release();
             renderer.orbit.zoom(touch.zoom_delta);
             let by = touch.translation_delta;
@@ -128,7 +152,7 @@ impl Viewport {
             renderer.orbit.frame(Angle::default());
             renderer.dirty = true;
         }
-        hover(renderer, self.tool, ui, response);
+        hover(renderer, self.tool, &mut self.kit, ui, response);
     }
 }
 
@@ -187,7 +211,7 @@ fn lock(tool: Tool, renderer: &mut Renderer, messages: &mut Messages, ui: &Ui, r
     }
 }
 
-fn hover(renderer: &mut Renderer, tool: Tool, ui: &Ui, response: &Response) {
+fn hover(renderer: &mut Renderer, tool: Tool, kit: &mut BrushKit, ui: &Ui, response: &Response) {
     if !response.contains_pointer() {
         return;
     }
@@ -195,6 +219,11 @@ fn hover(renderer: &mut Renderer, tool: Tool, ui: &Ui, response: &Response) {
         ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta(), input.multi_touch().is_some()));
     // `pointer` handles pinches of fingers.
     if fingers {
+        return;
+    }
+    // egui turns Ctrl and the wheel into a pinch.
+    if tool.brush().is_some() && ui.input(|input| input.modifiers.command) {
+        kit.scale(pinch);
         return;
     }
     if wheel != 0.0 || pinch != 1.0 {

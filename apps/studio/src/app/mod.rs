@@ -20,9 +20,14 @@ use crate::{
     record::Recorder,
     renderer::Renderer,
     stage::CharacterDisplay,
-    state::{self, State},
+    state::{self, GroomState, State},
     theme,
     viewport::{self, Viewport},
+};
+#[cfg(not(target_arch = "wasm32"))]
+use crate::{
+    journal::{self, LeftGroom},
+    tool::Tool,
 };
 use anyhow::{Context, Result};
 use eframe::egui;
@@ -47,6 +52,9 @@ pub struct Studio {
     waiting: EventQueue,
     /// Device loss or errors that the driver reported.
     lost: DeviceLoss,
+    /// Groomed hair that an earlier studio has left.
+    #[cfg(not(target_arch = "wasm32"))]
+    left: Option<LeftGroom>,
 }
 
 impl Studio {
@@ -61,7 +69,9 @@ impl Studio {
         let gpu = device::gpu(&state);
         let lost = DeviceLoss::default();
         loss::listen(gpu.context.device(), context, &lost);
-        let source = if let Some(files) = options.given {
+        let source = if let Some((name, document)) = options.edited {
+            Source::Edited { name, document }
+        } else if let Some(files) = options.given {
             Source::Files { files, options: Box::new(options.import) }
         } else if options.grooms.is_empty() {
             Source::Style(options.style.unwrap_or_else(|| Style::default().name().into()))
@@ -87,6 +97,8 @@ impl Studio {
             host: Host::default(),
             waiting: EventQueue::default(),
             lost,
+            #[cfg(not(target_arch = "wasm32"))]
+            left: (!options.bare).then(journal::left).flatten(),
         })
     }
 
@@ -118,6 +130,10 @@ impl Studio {
             settings: self.document.settings.now().clone(),
             bare: self.bare,
             given: None,
+            edited: match wanted.source {
+                Source::Edited { name, document } => Some((name, document)),
+                _ => None,
+            },
             trouble: None,
         }
     }
@@ -126,7 +142,8 @@ impl Studio {
     fn frame(&mut self, ui: &mut egui::Ui) {
         let Self { document, renderer, viewport, snapshot, dialogs, messages, panels, .. } = self;
         let records = self.recorder.is_busy();
-        panels::keys::answer(panels, document, renderer, &mut viewport.tool, messages, ui.ctx());
+        let tools = (&mut viewport.tool, &mut viewport.kit);
+        panels::keys::answer(panels, document, renderer, tools, messages, ui.ctx());
         let can_record = renderer.show.is_some() && !records;
         panels::top::show(panels, document, snapshot, can_record, dialogs, messages, ui);
         let hint = if renderer.show.is_some() { viewport.tool.hint() } else { "" };
@@ -139,7 +156,7 @@ impl Studio {
     /// Shows the viewport and the controls over it.
     fn picture(&mut self, ui: &mut egui::Ui) {
         let Self { document, renderer, viewport, recorder, messages, .. } = self;
-        let rect = viewport.show(renderer, recorder.is_busy(), messages, ui);
+        let rect = viewport.show(renderer, document, recorder.is_busy(), messages, ui);
         if let Some(sentence) = self.lost.sentence() {
             viewport::alarm(&sentence, ui, rect);
             return;
@@ -149,7 +166,10 @@ impl Studio {
         if shown && !self.bare {
             over.tools(&mut viewport.tool, renderer);
             over.views(renderer);
-            over.wind(&renderer.orbit, document);
+            match viewport.tool.brush() {
+                Some(tool) => over.brush(tool, &mut viewport.kit, document, &self.dialogs),
+                None => over.wind(&renderer.orbit, document),
+            }
         }
         if let Some(job) = &document.job {
             over.job(job, shown);
@@ -164,6 +184,24 @@ impl Studio {
             None => over.legend(renderer),
             error => over.error(error),
         }
+        #[cfg(not(target_arch = "wasm32"))]
+        self.recover(ui, rect);
+    }
+
+    /// Offers groomed hair that an earlier studio has left, until the user answers or begins to groom.
+    #[cfg(not(target_arch = "wasm32"))]
+    fn recover(&mut self, ui: &egui::Ui, rect: egui::Rect) {
+        if self.document.groomer.is_some() {
+            self.left = None;
+        }
+        let Some(left) = self.left.as_ref().filter(|_| self.document.shown.is_some()) else { return };
+        let Some(recovers) = Overlay::new(ui, rect).recovery(left) else { return };
+        match recovers.then(|| self.document.recover(left, &mut self.messages)) {
+            Some(Ok(())) => self.viewport.tool = Tool::Brush(Default::default()),
+            Some(Err(error)) => self.messages.fail(error),
+            None => left.remove(),
+        }
+        self.left = None;
     }
 
     /// Shows the dialogs inside the window.
@@ -181,7 +219,8 @@ impl Studio {
     /// Draws the next frame: of the hair, of a recording, or of an image to save. Does nothing while a frame is in
     /// flight.
     fn draw(&mut self, context: &egui::Context) {
-        let Self { document, renderer, recorder, messages, .. } = self;
+        let Self { document, renderer, viewport, recorder, messages, .. } = self;
+        document.groom(viewport.tool.brush().is_some(), renderer, messages);
         renderer.dirty |= std::mem::take(&mut document.dirty) | renderer.orbit.is_gliding();
         renderer.orbit.advance(context.input(|input| input.stable_dt));
         let due = renderer.dirty || renderer.playback.is_due();
@@ -194,12 +233,21 @@ impl Studio {
         if !renderer.is_free(due) {
             return;
         }
+        document.pose(renderer, messages);
         let settings = document.settings.now();
         if !recorder.go_on(renderer, settings, messages)
             && !self.snapshot.save(renderer, settings, &self.dialogs, messages)
         {
             renderer.draw_next(due, document.job.is_some(), settings, messages);
         }
+    }
+
+    /// Whether groomed hair is offered.
+    fn recovers(&self) -> bool {
+        #[cfg(not(target_arch = "wasm32"))]
+        return self.left.is_some();
+        #[cfg(target_arch = "wasm32")]
+        false
     }
 
     /// Publishes the state for the host page and for tests.
@@ -217,6 +265,8 @@ impl Studio {
             companions: shown.map_or_else(Vec::new, |shown| {
                 shown.hair.companions.all().map(|(what, name)| format!("{}: {name}", what.key)).collect()
             }),
+            recovers: self.recovers(),
+            groom: document.groomer.as_ref().map(GroomState::of),
             cards: renderer.cards.as_ref().map(CardPreview::name).unwrap_or_default(),
             step: document.job.as_ref().map(Job::step).unwrap_or_default().into(),
             lost: lost.is_some(),
@@ -230,7 +280,8 @@ impl Studio {
             distance: renderer.orbit.camera().distance(),
             milliseconds: show.map_or(0.0, |show| show.milliseconds),
             adapter: renderer.gpu.info.name.clone(),
-            busy: renderer.dirty
+            busy: document.works()
+                || renderer.dirty
                 || records
                 || renderer.may_refine(document.job.is_some())
                 || renderer.playback.is_due()

@@ -8,6 +8,7 @@ use crate::{
     hosted::Command,
     job::{JobResult, PreparedCharacter},
     panels::ask::MapChoice,
+    tool::Tool,
 };
 use eframe::egui;
 use std::sync::Arc;
@@ -68,7 +69,11 @@ impl Studio {
     fn present(&mut self, ready: PreparedCharacter) {
         // The recording shows the previous hair.
         self.recorder.stop(&mut self.renderer, &mut self.messages);
-        let PreparedCharacter { mut stage, shown, keep } = ready;
+        let PreparedCharacter { mut stage, shown, keep, editor } = ready;
+        if self.document.open_editor(&shown.hair, editor) {
+            // The brush would prepare the other hair at once, as another step.
+            self.viewport.tool = Tool::Hand;
+        }
         self.document.arrived(&shown.hair);
         if !keep {
             self.renderer.orbit.show(stage.subject());

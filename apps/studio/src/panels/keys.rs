@@ -1,6 +1,8 @@
 //! Keyboard shortcuts.
 
-use crate::{document::Document, messages::Messages, panels::Panels, renderer::Renderer, tool::Tool};
+use crate::{
+    document::Document, groomer::BrushKit, messages::Messages, panels::Panels, renderer::Renderer, tool::Tool,
+};
 use eframe::egui::{self, Key, KeyboardShortcut, Modifiers};
 use tresses_scene::camera::Angle;
 
@@ -22,7 +24,7 @@ pub fn answer(
     panels: &mut Panels,
     document: &mut Document,
     renderer: &mut Renderer,
-    tool: &mut Tool,
+    (tool, kit): (&mut Tool, &mut BrushKit),
     messages: &mut Messages,
     context: &egui::Context,
 ) {
@@ -41,7 +43,28 @@ pub fn answer(
     // Several presses may arrive within one frame.
     let presses = |key| context.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key));
     let pressed = |key| presses(key) > 0;
-    renderer.playback.play.playing ^= presses(Key::Space) % 2 == 1;
+    if presses(Key::Space) % 2 == 1 {
+        // Groomed hair moves once the brush is put away.
+        let groomed = tool.brush().is_some();
+        renderer.playback.play.playing = groomed || !renderer.playback.play.playing;
+        if groomed {
+            *tool = Tool::Hand;
+        }
+    }
+    let groom = KeyboardShortcut::new(Modifiers::COMMAND, Key::G);
+    if context.input_mut(|input| input.consume_shortcut(&groom)) {
+        *tool = if tool.brush().is_some() { Tool::Hand } else { Tool::Brush(Default::default()) };
+    }
+    if tool.brush().is_some() {
+        for (brush, key, _) in Tool::BRUSHES {
+            if pressed(key) {
+                *tool = Tool::Brush(brush);
+            }
+        }
+        for (key, factor) in [(Key::OpenBracket, 1.0 / 1.15), (Key::CloseBracket, 1.15)] {
+            kit.scale(f32::powi(factor, presses(key) as i32));
+        }
+    }
     for _ in 0..presses(Key::Period) {
         renderer.playback.play.step();
     }

@@ -2,6 +2,7 @@
 
 pub mod ask;
 pub mod body;
+pub mod brush;
 pub mod cards;
 pub mod files;
 pub mod frames;

@@ -1,7 +1,11 @@
 //! Controls over the viewport: tools, views, progress, errors.
 
+#[cfg(not(target_arch = "wasm32"))]
+use crate::journal::LeftGroom;
 use crate::{
+    dialog::Dialogs,
     document::Document,
+    groomer::{self, BrushKit},
     job::Job,
     orbit::Orbit,
     panels::{self, keys::VIEWS},
@@ -14,6 +18,7 @@ use eframe::egui::{
     Align, Align2, Area, Id, Label, Layout, Order, ProgressBar, Rect, RichText, Ui, Vec2, vec2,
 };
 use std::time::Duration;
+use tresses::groom::edit::BrushTool;
 
 /// Distance from the viewport's edges, points.
 const GAP: f32 = 12.0;
@@ -55,6 +60,20 @@ impl<'a> Overlay<'a> {
         self.at("tools", Align2::LEFT_TOP, Vec2::ZERO, |ui| {
             ui.with_layout(Layout::top_down_justified(Align::Center), |ui| {
                 ui.set_width(64.0);
+                if let Some(brush) = tool.brush() {
+                    for (each, key, help) in Tool::BRUSHES {
+                        let button = ui.selectable_label(brush == each, groomer::title(each));
+                        if button.on_hover_text(format!("{help}\nKey {}", key.name())).clicked() {
+                            *tool = Tool::Brush(each);
+                        }
+                    }
+                    ui.separator();
+                    let help = "Ends grooming: the hair moves again\nKeys Ctrl G, or Space to play at once";
+                    if ui.button("Done").on_hover_text(help).clicked() {
+                        *tool = Tool::Hand;
+                    }
+                    return;
+                }
                 for (each, name, key, help) in Tool::ALL {
                     let button = ui.selectable_label(*tool == each, name);
                     if button.on_hover_text(format!("{help}\nKey {}", key.name())).clicked() {
@@ -65,6 +84,10 @@ impl<'a> Overlay<'a> {
                 let help = "Drops a ball on the head, which rolls off through the hair\nKey B";
                 if ui.button("Ball").on_hover_text(help).clicked() {
                     renderer.drop_ball();
+                }
+                let help = "Brushes that comb the hair at rest\nKeys Ctrl G";
+                if ui.button("Groom").on_hover_text(help).clicked() {
+                    *tool = Tool::Brush(Default::default());
                 }
             });
         });
@@ -83,6 +106,16 @@ impl<'a> Overlay<'a> {
                     }
                 }
             });
+        });
+    }
+
+    /// Shows the settings of the brush of `tool`, and what there is to save.
+    pub fn brush(&self, tool: BrushTool, kit: &mut BrushKit, document: &mut Document, dialogs: &Dialogs) {
+        self.at("brush", Align2::CENTER_TOP, vec2(0.0, 40.0), |ui| {
+            ui.set_max_width(0.8 * self.rect.width());
+            let mut brush = kit.brush(tool);
+            panels::brush::show(&mut brush, document, dialogs, ui);
+            kit.set(brush);
         });
     }
 
@@ -158,6 +191,20 @@ impl<'a> Overlay<'a> {
             let lift = vec2(0.0, -free.lift);
             self.at("legend", free.anchor, lift, |ui| panels::legend::show(renderer, ui, free.width));
         }
+    }
+
+    /// Asks whether groomed hair that an earlier studio has left is recovered. Returns the answer.
+    #[cfg(not(target_arch = "wasm32"))]
+    pub fn recovery(&self, left: &LeftGroom) -> Option<bool> {
+        self.at("recovery", Align2::CENTER_BOTTOM, Vec2::ZERO, |ui| {
+            let buttons = ui.horizontal(|ui| {
+                ui.label(format!("A groom was not saved: {}, {}.", left.name, left.age()));
+                let recover = ui.button("Recover").on_hover_text("Opens it");
+                let discard = ui.button("Discard").on_hover_text("Deletes it");
+                recover.clicked().then_some(true).or(discard.clicked().then_some(false))
+            });
+            buttons.inner
+        })
     }
 
     /// Shows the last error with a button that dismisses it.

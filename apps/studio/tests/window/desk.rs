@@ -96,6 +96,11 @@ impl Desk {
 
     /// Opens the studio with environment variables.
     pub fn open_with(arguments: &[&str], variables: &[(&str, &str)]) -> Self {
+        Self::open_in(Path::new("."), arguments, variables)
+    }
+
+    /// Opens the studio in a folder, with environment variables.
+    pub fn open_in(folder: &Path, arguments: &[&str], variables: &[(&str, &str)]) -> Self {
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-screen", "0", "1920x1200x24", "-nolisten", "tcp", "-noreset"])
             .stdout(Stdio::piped())
@@ -119,7 +124,9 @@ impl Desk {
         let studio = studio
             .args(words)
             .args(arguments.iter().filter(|_| !given))
+            .current_dir(folder)
             .env("DISPLAY", &display)
+            .env("XDG_STATE_HOME", env!("CARGO_TARGET_TMPDIR"))
             .envs(variables.iter().copied())
             .env("TRESSES_STUDIO_STATE", &state)
             .env_remove("WAYLAND_DISPLAY")
@@ -253,6 +260,14 @@ impl Desk {
         self.fake(xproto::KEY_RELEASE_EVENT, code, 0, 0);
     }
 
+    /// Types the key with `modifier` held.
+    pub fn chord(&mut self, modifier: u32, symbol: u32) {
+        let held = self.code(modifier);
+        self.fake(xproto::KEY_PRESS_EVENT, held, 0, 0);
+        self.key(symbol);
+        self.fake(xproto::KEY_RELEASE_EVENT, held, 0, 0);
+    }
+
     /// Types the key without delays.
     pub fn tap(&mut self, symbol: u32) {
         let code = self.code(symbol);
@@ -291,6 +306,12 @@ impl Desk {
         let size = ConfigureWindowAux::new().width(width).height(height);
         self.connection.configure_window(self.window, &size).unwrap();
         self.connection.flush().unwrap();
+    }
+
+    /// Ends the studio without a chance to tidy up.
+    pub fn kill(mut self) {
+        self.studio.kill().unwrap();
+        self.studio.wait().unwrap();
     }
 
     /// Closes the window as a desktop would, and waits for the studio to end.

@@ -4,6 +4,7 @@
 mod answers;
 mod cards;
 mod desk;
+mod groom;
 
 use desk::{Desk, Shot};
 use std::sync::{Mutex, MutexGuard, PoisonError};

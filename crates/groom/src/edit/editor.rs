@@ -23,6 +23,8 @@ const BEAT: f32 = 0.05;
 const WIDEST: f32 = 0.06;
 /// Passes of FABRIK: enough for 2 mm.
 const PASSES: u32 = 6;
+/// Distance of the nearest guide, relative to the distance at which one is picked, from which a brush is beside the hair.
+const SPARSE: f32 = 2.0;
 /// Number of neighbors.
 const NEIGHBORS: usize = 6;
 /// Number of guides from which several threads are faster.
@@ -242,8 +244,9 @@ impl GroomEditor {
         };
         let begin = sample.at(depth);
         let nearest = self.positions.iter().map(|p| p.distance(begin)).fold(f32::MAX, f32::min);
-        let radius =
-            if nearest > brush.radius { (2.0 * nearest).min(WIDEST).max(brush.radius) } else { brush.radius };
+        // A brush between sparse guides reaches the nearest; one beside the hair does not grow.
+        let sparse = nearest > brush.radius && nearest < SPARSE * self.aside;
+        let radius = if sparse { (2.0 * nearest).min(WIDEST) } else { brush.radius };
         let words = begin.to_array().into_iter().chain(sample.direction.to_array());
         let seed = words.fold(1, |seed, word| pcg(seed ^ word.to_bits()));
         let guides = self.spheres.len();

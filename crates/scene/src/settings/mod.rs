@@ -99,6 +99,15 @@ impl Settings {
         self.given.contains(path)
     }
 
+    /// Returns these settings for hair whose strands already have its style: without growth and restyling.
+    #[must_use]
+    pub fn without_style(&self) -> Self {
+        let style = StyleSettings { face: self.style.face, ..StyleSettings::default() };
+        let mut given = self.given.clone();
+        given.retain(|path| !path.starts_with("style."));
+        Self { style, given, ..self.clone() }
+    }
+
     /// Returns the mean wind speed far from the head, m/s; 0 is calm.
     pub fn wind_speed(&self) -> f32 {
         // Subtract from 0 to avoid returning -0.

@@ -1,0 +1,211 @@
+//! Grooming: the brushes of the window, and the groom under them.
+
+use anyhow::Result;
+use tresses::groom::edit::{
+    Brush, BrushTool, GroomDocument, GroomEditor, ScriptStep, StrokeSample, StrokeScript,
+};
+use web_time::Instant;
+
+/// Time after a stroke until the hair is made anew from it, s.
+pub const SETTLE: f32 = 0.3;
+/// Range of a brush's radius in the window, meters.
+pub const RADII: std::ops::RangeInclusive<f32> = 1e-3..=0.15;
+
+/// A brush for each tool. They share radius, reach and symmetry.
+#[derive(Clone, Debug)]
+pub struct BrushKit([Brush; BrushTool::ALL.len()]);
+
+impl Default for BrushKit {
+    fn default() -> Self {
+        Self(BrushTool::ALL.map(|(tool, _)| Brush::of(tool)))
+    }
+}
+
+impl BrushKit {
+    /// Returns the brush of `tool`.
+    pub fn brush(&self, tool: BrushTool) -> Brush {
+        self.0.iter().find(|brush| brush.tool == tool).copied().unwrap_or_default()
+    }
+
+    /// Sets the brush of its tool.
+    pub fn set(&mut self, changed: Brush) {
+        for brush in &mut self.0 {
+            if brush.tool == changed.tool {
+                *brush = changed;
+            }
+            (brush.radius, brush.reach, brush.mirror) = (changed.radius, changed.reach, changed.mirror);
+        }
+    }
+
+    /// Multiplies the radius of all brushes.
+    pub fn scale(&mut self, factor: f32) {
+        let radius = (self.0[0].radius * factor).clamp(*RADII.start(), *RADII.end());
+        self.0.iter_mut().for_each(|brush| brush.radius = radius);
+    }
+
+    /// Returns the brush that acts: with Shift it smooths, with Ctrl it acts the other way round.
+    pub fn acting(&self, tool: BrushTool, shift: bool, ctrl: bool) -> Brush {
+        let tool = if shift { BrushTool::Smooth } else { tool };
+        Brush { inverted: ctrl, ..self.brush(tool) }
+    }
+}
+
+/// A stroke that has ended.
+#[derive(Debug)]
+struct Step {
+    before: GroomDocument,
+    after: GroomDocument,
+    stroke: ScriptStep,
+}
+
+/// The groom under the brush.
+#[derive(Debug)]
+pub struct Groomer {
+    editor: GroomEditor,
+    steps: Vec<Step>,
+    /// The current stroke: its beginning, brush and samples.
+    begun: Instant,
+    brush: Brush,
+    samples: Vec<StrokeSample>,
+    /// End of the last stroke or undo.
+    ended: Instant,
+    /// Hash of the document.
+    hash: u64,
+    /// Duration of the last frame's dabs, milliseconds.
+    pub milliseconds: f32,
+}
+
+impl Groomer {
+    /// Opens a groom.
+    pub fn new(editor: GroomEditor) -> Self {
+        let now = Instant::now();
+        Self {
+            hash: editor.document().hash(),
+            editor,
+            steps: Vec::new(),
+            begun: now,
+            brush: Brush::default(),
+            samples: Vec::new(),
+            ended: now,
+            milliseconds: 0.0,
+        }
+    }
+
+    /// Returns the version before the current stroke.
+    pub fn document(&self) -> &GroomDocument {
+        self.editor.document()
+    }
+
+    /// Returns the editor.
+    pub fn editor(&self) -> &GroomEditor {
+        &self.editor
+    }
+
+    /// Returns the hash of the guides.
+    pub fn hash(&self) -> u64 {
+        self.hash
+    }
+
+    /// Whether guides have moved since the last call.
+    pub fn take_moved(&mut self) -> bool {
+        self.editor.take_moved()
+    }
+
+    /// Whether the hair on the screen, made from `shown`, is to be made anew. Returns how long to wait, s.
+    pub fn settles(&self, shown: Option<&GroomDocument>) -> Option<f32> {
+        let is_old = shown.is_none_or(|shown| shown != self.document());
+        (is_old && !self.editor.is_active()).then(|| (SETTLE - self.ended.elapsed().as_secs_f32()).max(0.0))
+    }
+
+    /// Begins a stroke; `false` if there is nothing under the sample.
+    ///
+    /// # Errors
+    /// As [`GroomEditor::press`].
+    pub fn press(&mut self, brush: &Brush, sample: &StrokeSample) -> Result<bool> {
+        let begins = self.editor.press(brush, sample)?;
+        if begins {
+            (self.begun, self.brush, self.samples) = (Instant::now(), *brush, vec![*sample]);
+        }
+        Ok(begins)
+    }
+
+    /// Moves the brush.
+    ///
+    /// # Errors
+    /// As [`GroomEditor::drag`].
+    pub fn drag(&mut self, sample: StrokeSample) -> Result<()> {
+        let sample = StrokeSample { time: self.begun.elapsed().as_secs_f32(), ..sample };
+        self.samples.push(sample);
+        Ok(self.editor.drag(&sample)?)
+    }
+
+    /// Ends the stroke. Returns the new version and the name of the tool, if anything has moved.
+    pub fn release(&mut self) -> Option<(GroomDocument, &'static str)> {
+        let before = self.document().clone();
+        let after = self.editor.release()?;
+        let samples = std::mem::take(&mut self.samples);
+        let stroke = ScriptStep::Stroke { brush: self.brush, samples };
+        self.steps.push(Step { before, after: after.clone(), stroke });
+        (self.ended, self.hash) = (Instant::now(), after.hash());
+        Some((after, title(self.brush.tool)))
+    }
+
+    /// Takes the current stroke back.
+    pub fn cancel(&mut self) {
+        self.editor.cancel();
+    }
+
+    /// Shows another version.
+    ///
+    /// # Errors
+    /// As [`GroomEditor::go_to`].
+    pub fn go_to(&mut self, document: GroomDocument) -> Result<()> {
+        self.editor.go_to(document)?;
+        (self.ended, self.hash) = (Instant::now(), self.document().hash());
+        Ok(())
+    }
+
+    /// Returns the strokes that lead to the current version, without those that were undone.
+    pub fn script(&self) -> StrokeScript {
+        let mut steps = Vec::new();
+        let mut at = self.document();
+        while let Some(step) = self.steps.iter().rev().find(|step| step.after == *at) {
+            steps.push(step.stroke.clone());
+            at = &step.before;
+        }
+        steps.reverse();
+        StrokeScript { steps }
+    }
+}
+
+/// Returns the title of a tool on buttons and in the history.
+pub fn title(tool: BrushTool) -> &'static str {
+    match tool {
+        BrushTool::Comb => "Comb",
+        BrushTool::Grab => "Grab",
+        BrushTool::Smooth => "Smooth",
+        BrushTool::Puff => "Puff",
+        BrushTool::Lay => "Lay",
+        BrushTool::Pinch => "Pinch",
+        BrushTool::Spread => "Spread",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn brushes_share_radius_reach_and_symmetry() {
+        let mut kit = BrushKit::default();
+        kit.set(Brush { radius: 0.05, strength: 0.9, mirror: false, ..kit.brush(BrushTool::Comb) });
+        let puff = kit.brush(BrushTool::Puff);
+        assert_eq!((puff.radius, puff.mirror), (0.05, false));
+        assert!(puff.strength < 0.9 && kit.brush(BrushTool::Comb).strength == 0.9);
+        kit.scale(100.0);
+        assert_eq!(kit.brush(BrushTool::Lay).radius, *RADII.end());
+        assert_eq!(kit.acting(BrushTool::Comb, true, false).tool, BrushTool::Smooth);
+        assert!(kit.acting(BrushTool::Puff, false, true).inverted);
+        assert!(BrushTool::ALL.iter().all(|(tool, name)| title(*tool).eq_ignore_ascii_case(name)));
+    }
+}

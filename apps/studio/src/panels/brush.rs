@@ -1,0 +1,103 @@
+//! The strip above the picture: the settings of the brush, and what there is to save.
+
+use crate::{dialog::Dialogs, document::Document, theme};
+use eframe::egui::{ComboBox, DragValue, RichText, Slider, Ui};
+use tresses::groom::edit::{Brush, BrushTool, Falloff, Reach};
+
+/// Shows the strip.
+pub fn show(brush: &mut Brush, document: &mut Document, dialogs: &Dialogs, ui: &mut Ui) {
+    ui.horizontal_wrapped(|ui| {
+        // Fields instead of sliders: the strip lies over the hair.
+        ui.spacing_mut().slider_width = 0.0;
+        number(&mut brush.radius, ("Radius", 1e3, 1.0..=150.0, " mm"), "Keys [ and ], or Ctrl and the wheel", ui);
+        number(&mut brush.strength, percent("Strength"), "Share of the full effect", ui);
+        number(
+            &mut brush.root_tip,
+            ("Root, tip", 1e2, -100.0..=100.0, " %"),
+            "Where along the hair the brush acts: 0 everywhere, above 0 more at the tip, below 0 more at the root",
+            ui,
+        );
+        ui.checkbox(&mut brush.mirror, "Symmetry").on_hover_text("The brush acts on both sides of the head");
+        let reaches = [
+            (Reach::Shell, "near side", "Hair under the brush on the near side of the head"),
+            (Reach::Ball, "ball", "Hair in a ball around the middle of the brush"),
+            (Reach::Through, "through", "All hair under the brush, also on the far side"),
+        ];
+        choice("Which hair the brush reaches", &mut brush.reach, &reaches, ui);
+        let help = "Falloff, share and what hair keeps; strokes as a file";
+        ui.menu_button("More", |ui| more(brush, document, dialogs, ui)).response.on_hover_text(help);
+        let Some(groomer) = &document.groomer else { return };
+        if ui.button("Save…").on_hover_text("Hair and head as a .groom file, to go on later").clicked() {
+            let name = document.settings.hair().source.name();
+            let stem = name.split('.').next().unwrap_or("hair");
+            dialogs.save("Save groom", &format!("{stem}.groom"), groomer.document().write());
+            document.saves_groom();
+        }
+    });
+}
+
+fn percent(name: &'static str) -> (&'static str, f32, std::ops::RangeInclusive<f32>, &'static str) {
+    (name, 1e2, 0.0..=100.0, " %")
+}
+
+/// Shows a number: name, factor to the shown unit, range and unit.
+fn number(
+    value: &mut f32,
+    (name, factor, range, unit): (&str, f32, std::ops::RangeInclusive<f32>, &str),
+    help: &str,
+    ui: &mut Ui,
+) {
+    let mut shown = *value * factor;
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(name).color(theme::QUIET)).on_hover_text(help);
+        let mut changed = false;
+        if ui.spacing().slider_width > 0.0 {
+            let slider = Slider::new(&mut shown, range.clone()).show_value(false);
+            changed = ui.add(slider).on_hover_text(help).changed();
+        }
+        let field = DragValue::new(&mut shown).range(range).speed(0.5).max_decimals(0).suffix(unit);
+        changed |= ui.add(field).on_hover_text(help).changed();
+        if changed {
+            *value = shown / factor;
+        }
+    });
+}
+
+/// Shows values to choose from.
+fn choice<T: PartialEq + Copy>(help: &str, value: &mut T, all: &[(T, &str, &str)], ui: &mut Ui) {
+    let now = all.iter().find(|(each, ..)| each == value).map_or("", |(_, name, _)| name);
+    let shown = ComboBox::from_id_salt(help).selected_text(now).width(86.0).show_ui(ui, |ui| {
+        for (each, name, help) in all {
+            ui.selectable_value(value, *each, *name).on_hover_text(*help);
+        }
+    });
+    shown.response.on_hover_text(help);
+}
+
+/// Shows what is seldom needed.
+fn more(brush: &mut Brush, document: &Document, dialogs: &Dialogs, ui: &mut Ui) {
+    ui.spacing_mut().slider_width = 90.0;
+    let falloffs = [
+        (Falloff::Smooth, "smooth", "Less towards the edge"),
+        (Falloff::Sharp, "sharp", "Only near the middle"),
+        (Falloff::Flat, "flat", "The same everywhere under the brush"),
+    ];
+    ui.horizontal(|ui| {
+        ui.label(RichText::new("Falloff").color(theme::QUIET));
+        choice("How the effect falls off from the middle to the edge", &mut brush.falloff, &falloffs, ui);
+    });
+    ui.spacing_mut().slider_width = 90.0;
+    number(&mut brush.share, percent("Share of hair"), "Share of the hair that takes part", ui);
+    number(&mut brush.keep_shape, percent("Keep shape"), "How far hair keeps its shape beside the brush", ui);
+    let help = "Share of its distance from the skin that hair keeps, so that it is not pasted to the head";
+    number(&mut brush.keep_volume, percent("Keep volume"), help, ui);
+    if brush.tool == BrushTool::Smooth {
+        let help = "How far hair takes on the shape of its neighbors";
+        number(&mut brush.neighbors, percent("Neighbors"), help, ui);
+    }
+    let Some(groomer) = &document.groomer else { return };
+    let help = "The strokes as a .jsonl file, which tresses groom --strokes applies again";
+    if ui.button("Save strokes…").on_hover_text(help).clicked() {
+        dialogs.save("Save strokes", "strokes.jsonl", groomer.script().write().into_bytes());
+    }
+}

@@ -1,0 +1,169 @@
+//! The brush in the viewport: strokes of the pointer, and the ring around it.
+
+use crate::{document::Document, groomer::BrushKit, messages::Messages, renderer::Renderer, theme};
+use eframe::egui::{Color32, Event, Key, Painter, Pos2, Rect, Response, Shape, Stroke, TouchPhase, Ui, pos2};
+use tresses::{
+    Camera,
+    glam::{Vec2, Vec3},
+    groom::edit::{BrushTool, StrokeSample},
+};
+use tresses_scene::camera::VERTICAL_FOV;
+use web_time::Instant;
+
+/// Points of the ring.
+const RING: usize = 48;
+
+/// Where the pointer is in the viewport.
+#[derive(Clone, Copy)]
+pub struct Sight<'a> {
+    /// The camera and the character.
+    pub renderer: &'a Renderer,
+    /// The viewport.
+    pub rect: Rect,
+}
+
+impl Sight<'_> {
+    /// Returns the sample of a pointer at `at`, in groom space.
+    fn sample(&self, at: Pos2, pressure: f32) -> Option<StrokeSample> {
+        let to_groom = self.renderer.show.as_ref()?.stage.character.head().inverse();
+        let p = (at - self.rect.center()) / (0.5 * self.rect.size());
+        let (eye, direction) = self.renderer.orbit.ray(Vec2::new(p.x, -p.y));
+        let ray = StrokeSample::ray(to_groom.point(eye), to_groom.rotation * direction);
+        Some(StrokeSample { pressure, ..ray })
+    }
+
+    /// Returns the place of a point in groom space, if it is before the camera.
+    fn place(&self, point: Vec3) -> Option<Pos2> {
+        let head = self.renderer.show.as_ref()?.stage.character.head();
+        let viewpoint = self.renderer.orbit.camera();
+        let size = [self.rect.width().max(1.0) as u32, self.rect.height().max(1.0) as u32];
+        let camera = Camera::look_at(viewpoint.eye, viewpoint.target, VERTICAL_FOV, size);
+        let clip = camera.projection * camera.view * head.point(point).extend(1.0);
+        let half = 0.5 * self.rect.size();
+        let at = self.rect.center();
+        (clip.w > 0.0).then(|| pos2(at.x + half.x * clip.x / clip.w, at.y - half.y * clip.y / clip.w))
+    }
+}
+
+/// Handles the pointer as the brush of `tool`. Returns whether it works on the hair, so that the camera stays.
+pub fn pointer(
+    (tool, kit): (BrushTool, &BrushKit),
+    document: &mut Document,
+    renderer: &mut Renderer,
+    messages: &mut Messages,
+    (ui, response): (&Ui, &Response),
+) -> bool {
+    let (pressed, down, escaped, shift, ctrl) = ui.input(|input| {
+        let pointer = &input.pointer;
+        (
+            pointer.primary_pressed(),
+            pointer.primary_down(),
+            input.key_pressed(Key::Escape),
+            input.modifiers.shift,
+            input.modifiers.command,
+        )
+    });
+    let Some(groomer) = &mut document.groomer else { return false };
+    let begun = Instant::now();
+    let sight = Sight { renderer, rect: response.rect };
+    let done = (|| -> anyhow::Result<()> {
+        if pressed && response.contains_pointer() && !groomer.editor().is_active() {
+            let from = ui.input(|input| input.pointer.press_origin());
+            let sample = from.and_then(|from| sight.sample(from, pressure(ui)));
+            if let Some(sample) = sample {
+                groomer.press(&kit.acting(tool, shift, ctrl), &sample)?;
+            }
+        }
+        if groomer.editor().is_active() {
+            let moves = ui.input(|input| {
+                let place = |event: &Event| match event {
+                    Event::PointerMoved(at) => Some(*at),
+                    _ => None,
+                };
+                let moves: Vec<_> = input.events.iter().filter_map(place).collect();
+                // A still pointer lets time pass.
+                if moves.is_empty() { input.pointer.latest_pos().into_iter().collect() } else { moves }
+            });
+            let force = pressure(ui);
+            for sample in moves.into_iter().filter_map(|at| sight.sample(at, force)) {
+                groomer.drag(sample)?;
+            }
+        }
+        Ok(())
+    })();
+    if let Err(error) = done {
+        messages.fail(error);
+        groomer.cancel();
+    }
+    let active = groomer.editor().is_active();
+    if active {
+        groomer.milliseconds = begun.elapsed().as_secs_f32() * 1e3;
+        ui.ctx().request_repaint();
+    }
+    if active && escaped {
+        groomer.cancel();
+    } else if active && !down {
+        document.end_stroke(messages);
+    }
+    active
+}
+
+/// Returns the pressure of the pen or finger; 1 for a mouse, and for hardware that does not tell.
+fn pressure(ui: &Ui) -> f32 {
+    let force = |event: &Event| match event {
+        Event::Touch { force, phase: TouchPhase::Start | TouchPhase::Move, .. } => *force,
+        _ => None,
+    };
+    // The least lets a pen begin a stroke.
+    ui.input(|input| input.events.iter().rev().find_map(force))
+        .filter(|force| *force > 0.0)
+        .map_or(1.0, |force| force.clamp(0.1, 1.0))
+}
+
+/// Paints the brush at the pointer: a ring in the plane of the image, with an inner ring where the effect is half, and
+/// its mirror image. Returns whether there is hair or skin under it.
+pub fn ring(
+    (tool, kit): (BrushTool, &BrushKit),
+    document: &Document,
+    sight: Sight<'_>,
+    (painter, response): (&Painter, &Response),
+) -> bool {
+    let Some(groomer) = &document.groomer else { return false };
+    let Some(sample) = response.hover_pos().and_then(|at| sight.sample(at, 1.0)) else { return false };
+    let brush = kit.brush(tool);
+    let at = match groomer.editor().brush_at() {
+        Some((at, radius)) => Some((at, radius)),
+        None => groomer
+            .editor()
+            .hit(&sample)
+            .map(|depth| (sample.origin + sample.direction * depth, brush.radius)),
+    };
+    let Some((center, radius)) = at else { return false };
+    let right = sample.direction.cross(Vec3::Y).normalize_or(Vec3::X);
+    let up = right.cross(sample.direction);
+    let middle = groomer.document().middle();
+    let mirrored = |p: Vec3| Vec3::new(2.0 * middle - p.x, p.y, p.z);
+    let circle = |radius: f32, flip: bool| -> Option<Vec<Pos2>> {
+        let point = |i: usize| {
+            let angle = std::f32::consts::TAU * i as f32 / RING as f32;
+            let p = center + (right * angle.cos() + up * angle.sin()) * radius;
+            sight.place(if flip { mirrored(p) } else { p })
+        };
+        (0..RING).map(point).collect()
+    };
+    // (1 − x²)² is a half at 0.54 radii.
+    for (share, width, flip) in [(1.0, 1.5, false), (0.54, 0.8, false), (1.0, 0.8, true)] {
+        if flip && !brush.mirror {
+            continue;
+        }
+        if let Some(points) = circle(share * radius, flip) {
+            let color = if flip { theme::QUIET } else { Color32::WHITE };
+            painter.add(Shape::closed_line(
+                points.clone(),
+                Stroke::new(width + 1.5, Color32::from_black_alpha(140)),
+            ));
+            painter.add(Shape::closed_line(points, Stroke::new(width, color)));
+        }
+    }
+    true
+}

@@ -1,0 +1,118 @@
+//! Hair is combed with the mouse, undone, redone, saved, and recovered after a crash.
+
+use crate::{SPACE, can_run, desk::Desk, turn};
+use std::{path::Path, time::Duration};
+
+/// Keysyms.
+const CONTROL: u32 = 0xffe3;
+const ESCAPE: u32 = 0xff1b;
+const G: u32 = 0x67;
+const Z: u32 = 0x7a;
+/// Places in a window of 1280 × 720, pixels.
+const HAIR: [i16; 2] = [580, 300];
+const REDO: [i16; 2] = [1158, 18];
+const SAVE: [i16; 2] = [726, 107];
+const RECOVER: [i16; 2] = [542, 619];
+
+/// Returns the state of grooming once `is` holds and no job runs.
+fn groomed(desk: &mut Desk, what: &str, is: impl Fn(&serde_json::Value) -> bool) -> serde_json::Value {
+    desk.wait_for(what, |desk| {
+        let state = desk.state()?;
+        assert_eq!(state["error"], "");
+        let groom = state["groom"].clone();
+        (state["step"] == "" && !groom.is_null() && is(&groom)).then_some(groom)
+    })
+}
+
+/// Opens a bob in a folder of its own, and a brush on it.
+fn open(folder: &Path) -> Desk {
+    let state = folder.to_str().unwrap();
+    let mut desk = Desk::open_in(folder, &["style=bob", "style.strands=4000"], &[("XDG_STATE_HOME", state)]);
+    desk.resize(1280, 720);
+    desk.wait_for("hair", |desk| (desk.state()?["frames"].as_u64()? > 2).then_some(()));
+    desk
+}
+
+#[test]
+fn hair_is_combed_undone_saved_and_recovered() {
+    if !can_run() {
+        return;
+    }
+    let _turn = turn();
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("studio-groom");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    let mut desk = open(&folder);
+    desk.chord(CONTROL, G);
+    let begun = groomed(&mut desk, "the brush", |groom| groom["strokes"] == 0);
+    let before = desk.still();
+    before.keep("groom-before");
+    let to = [HAIR[0] + 70, HAIR[1] + 20];
+    let stroke = |desk: &mut Desk| {
+        desk.drag(1, [HAIR, to], |desk| {
+            groomed(desk, "a stroke", |groom| groom["active"] == true);
+            std::thread::sleep(Duration::from_millis(600));
+        });
+    };
+    stroke(&mut desk);
+    let after = groomed(&mut desk, "the end of the stroke", |groom| groom["strokes"] == 1);
+    assert_ne!(after["hash"], begun["hash"]);
+    let combed = desk.still();
+    combed.keep("groom-after");
+    assert!(combed.change(&before) > 0.01, "{}", combed.change(&before));
+
+    // Undo and redo, to the bit.
+    desk.chord(CONTROL, Z);
+    groomed(&mut desk, "undo", |groom| groom["hash"] == begun["hash"] && groom["strokes"] == 0);
+    let undone = desk.still();
+    undone.keep("groom-undone");
+    assert!(undone.change(&before) < 0.3 * combed.change(&before), "{}", undone.change(&before));
+    desk.click(REDO);
+    groomed(&mut desk, "redo", |groom| groom["hash"] == after["hash"] && groom["strokes"] == 1);
+
+    // Escape takes a stroke back.
+    desk.drag(1, [HAIR, to], |desk| {
+        groomed(desk, "a stroke", |groom| groom["active"] == true);
+        desk.key(ESCAPE);
+    });
+    groomed(&mut desk, "the same hair", |groom| groom["active"] == false && groom["hash"] == after["hash"]);
+
+    // There are no file dialogs here: the file goes to the current folder.
+    desk.click(SAVE);
+    let saved = folder.join("bob.groom");
+    desk.wait_for("the file", |_| {
+        std::fs::metadata(&saved).is_ok_and(|file| file.len() > 100_000).then_some(())
+    });
+
+    // Groomed hair moves.
+    desk.key(SPACE);
+    desk.wait_for("motion", |desk| {
+        let state = desk.state()?;
+        (state["playing"] == true && state["time"].as_f64()? > 0.1).then_some(())
+    });
+    desk.key(SPACE);
+    desk.chord(CONTROL, G);
+    groomed(&mut desk, "the brush again", |groom| groom["hash"] == after["hash"]);
+
+    // A crash after another stroke: the next studio offers it.
+    desk.still();
+    stroke(&mut desk);
+    let last = groomed(&mut desk, "the second stroke", |groom| groom["strokes"] == 2);
+    let journal = folder.join("tresses/groom");
+    let is_there = || {
+        let files = std::fs::read_dir(&journal).ok()?.filter_map(Result::ok);
+        files.into_iter().find(|file| file.path().extension().is_some_and(|end| end == "groom"))
+    };
+    desk.wait_for("the journal", |_| is_there().map(|_| ()));
+    std::thread::sleep(Duration::from_secs(2));
+    desk.kill();
+    let mut desk = open(&folder);
+    desk.wait_for("the offer", |desk| (desk.state()?["recovers"] == true).then_some(()));
+    desk.key(SPACE);
+    desk.shot().keep("groom-recover");
+    desk.click(RECOVER);
+    groomed(&mut desk, "the recovered hair", |groom| groom["hash"] == last["hash"]);
+    desk.still().keep("groom-recovered");
+    assert!(desk.close().success());
+    assert!(is_there().is_some(), "unsaved hair stays");
+}
