@@ -53,11 +53,13 @@ pub fn run(args: &GroomArgs) -> Result<()> {
     drop(preparing);
     let moved = after.guides().differing(before.guides()).filter(|i| after.guide(*i) != before.guide(*i));
     say!(
-        "{}: {} strokes in {seconds:.2} s moved {} of {} guides; {} strands, {:.1} MB",
+        "{}: {} strokes moved {} of {} guides: {} dabs of {:.2} ms; {} strands, {:.1} MB",
         args.out.display(),
         versions.len(),
         moved.count(),
         after.guides().len(),
+        editor.dab_count(),
+        1e3 * seconds / editor.dab_count().max(1) as f64,
         after.base().strands.len(),
         bytes.len() as f64 / 1e6
     );

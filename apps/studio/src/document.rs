@@ -11,7 +11,6 @@ use crate::{
     renderer::Renderer,
     stage::CharacterDisplay,
 };
-use anyhow::Result;
 use eframe::egui;
 use std::{path::Path, sync::Arc, time::Duration};
 use tresses::{
@@ -146,7 +145,7 @@ impl Document {
     /// # Errors
     /// Fails if its file cannot be read.
     #[cfg(not(target_arch = "wasm32"))]
-    pub fn recover(&mut self, left: &LeftGroom, messages: &mut Messages) -> Result<()> {
+    pub fn recover(&mut self, left: &LeftGroom, messages: &mut Messages) -> anyhow::Result<()> {
         let source = Source::Edited { name: left.name.clone(), document: left.read()? };
         self.open(source, messages);
         self.recovered = Some(left.clone());

@@ -14,6 +14,11 @@ use std::{
     thread,
     time::Instant,
 };
+use tresses::groom::{
+    edit::{GroomDocument, GroomEditor, HeadFiles, StrokeScript},
+    mannequin,
+    scalp::GridScalp,
+};
 use tresses_web::{Page, Server, pack};
 
 /// Size of the page, pixels. Narrower pages hide the panel.
@@ -43,6 +48,15 @@ const RECORD: [f64; 2] = [288.0, 172.0];
 const RATE: [f64; 2] = [363.0, 193.0];
 const WISH: [f64; 2] = [500.0, 285.0];
 const GO: [f64; 2] = [278.0, 285.0];
+/// Size of a page with room for the strip of a brush, pixels; there, the button that begins grooming, a stroke on the
+/// hair, and the buttons that undo and save.
+const WINDOW: [u32; 2] = [1280, 720];
+const GROOM: [f64; 2] = [50.0, 195.0];
+const STROKE: [[f64; 2]; 2] = [[560.0, 200.0], [500.0, 170.0]];
+const UNDO: [f64; 2] = [1099.0, 18.0];
+const SAVE: [f64; 2] = [726.0, 107.0];
+const MORE: [f64; 2] = [665.0, 107.0];
+const SAVE_STROKES: [f64; 2] = [700.0, 250.0];
 /// Number of strands in the dropped file.
 const DROPPED: usize = 400;
 
@@ -343,13 +357,7 @@ fn recording(browser: &mut Browser, folder: &Path) {
     browser.click(WISH);
     still(browser).keep("studio-record-2-rate.png");
     browser.click(GO);
-    let (path, begin) = (folder.join("tresses.gif"), Instant::now());
-    while !path.exists() {
-        assert!(begin.elapsed() < browser::PATIENCE, "no loop arrives");
-        assert!(browser.complaints().is_empty(), "{}", browser.complaints().join("\n"));
-        thread::sleep(std::time::Duration::from_millis(200));
-    }
-    let bytes = std::fs::read(&path).unwrap();
+    let bytes = downloaded(browser, &folder.join("tresses.gif"));
     let (frames, differ) = frames(&bytes);
     println!("a loop of {} bytes and {frames} frames", bytes.len());
     // Three seconds at two frames per second.
@@ -498,4 +506,65 @@ fn image_metrics_reject_flat_images() {
     }
     assert!(hair(&strands) > 0.5 && change(&strands, &gray) > 0.2);
     assert!(alarm(&flat([0xe5, 0x73, 0x5f, 255])) > 0.9);
+}
+
+/// Hair is combed, undone and saved in the browser. The recorded strokes give the same guides in the command, bit for
+/// bit.
+#[test]
+fn hair_is_groomed_in_a_browser() {
+    let folder = tempfile::tempdir().unwrap();
+    let opened = open_at(folder.path(), WINDOW, "?style=short&style.strands=1500");
+    let Some((mut browser, server, serving)) = opened else { return };
+    let browser = &mut browser;
+    browser.download_into(folder.path());
+    state(browser, |state| state["strands"] == 1500 && state["frames"].as_u64() > Some(0));
+    browser.click(GROOM);
+    let begun = groomed(browser, |groom| groom["strokes"] == 0);
+    still(browser).keep("studio-groom-1-before.png");
+    browser.drag(STROKE[0], STROKE[1]);
+    let after = groomed(browser, |groom| groom["strokes"] == 1 && groom["active"] == false);
+    assert_ne!(after["hash"], begun["hash"]);
+    println!("{} guides, a dab takes {} ms", after["guides"], after["dab_ms"]);
+    still(browser).keep("studio-groom-2-after.png");
+    browser.drag(STROKE[1], STROKE[0]);
+    groomed(browser, |groom| groom["strokes"] == 2);
+    browser.click(UNDO);
+    groomed(browser, |groom| groom["strokes"] == 1 && groom["hash"] == after["hash"]);
+
+    browser.click(SAVE);
+    let saved = downloaded(browser, &folder.path().join("short.groom"));
+    browser.click(MORE);
+    still(browser).keep("studio-groom-3-more.png");
+    browser.click(SAVE_STROKES);
+    let strokes = downloaded(browser, &folder.path().join("strokes.jsonl"));
+    let document = GroomDocument::read(Path::new("short.groom"), &saved).unwrap();
+    let script =
+        StrokeScript::read(std::str::from_utf8(&strokes).unwrap(), Path::new("strokes.jsonl")).unwrap();
+    assert_eq!((document.head(), script.steps.len()), (&HeadFiles::BuiltIn, 1));
+    let field = GridScalp::of_mannequin(mannequin::sdf(mannequin::FIELD_RESOLUTION)).field;
+    let mut editor = GroomEditor::new(document.original(), Some(field.into()));
+    script.apply(&mut editor).unwrap();
+    let hash = |document: &GroomDocument| format!("{:016x}", document.hash());
+    assert_eq!(after["hash"], hash(&document), "the file holds what the page shows");
+    assert_eq!(after["hash"], hash(editor.document()), "the strokes give the same guides here");
+    assert!(browser.complaints().is_empty(), "{}", browser.complaints().join("\n"));
+    server.stop();
+    serving.join().unwrap();
+}
+
+/// Returns the state of grooming once `is` holds and no job runs.
+fn groomed(browser: &mut Browser, is: impl Fn(&Value) -> bool) -> Value {
+    let done = |state: &Value| state["step"] == "" && !state["groom"].is_null() && is(&state["groom"]);
+    state(browser, done)["groom"].clone()
+}
+
+/// Returns the bytes of a file once it is downloaded.
+fn downloaded(browser: &mut Browser, path: &Path) -> Vec<u8> {
+    let begin = Instant::now();
+    while !path.exists() {
+        assert!(begin.elapsed() < browser::PATIENCE, "{} does not arrive", path.display());
+        assert!(browser.complaints().is_empty(), "{}", browser.complaints().join("\n"));
+        thread::sleep(std::time::Duration::from_millis(200));
+    }
+    std::fs::read(path).unwrap()
 }

@@ -44,13 +44,16 @@ impl SdfGrid {
         let last = (self.size - UVec3::ONE).as_vec3();
         let local = (p - self.origin) / self.cell;
         let q = local.clamp(Vec3::ZERO, last);
-        let base = q.floor().min(last - Vec3::ONE).max(Vec3::ZERO);
-        let f = q - base;
-        let base = base.as_uvec3();
-        let at = |x: u32, y: u32, z: u32| {
-            let c = (base + UVec3::new(x, y, z)).min(self.size - UVec3::ONE);
-            self.distances[(c.x + self.size.x * (c.y + self.size.y * c.z)) as usize]
-        };
+        // No coordinate is below 0, so a conversion rounds down.
+        let base = q.as_uvec3().min(self.size.saturating_sub(UVec3::splat(2)));
+        let f = q - base.as_vec3();
+        let [sx, sy, sz] = self.size.to_array().map(|size| size as usize);
+        // An axis with a single node has no next one.
+        let [dx, dy, dz] =
+            [(sx, 1), (sy, sx), (sz, sx * sy)].map(|(size, step)| if size > 1 { step } else { 0 });
+        let [x, y, z] = base.to_array().map(|place| place as usize);
+        let first = x + sx * (y + sy * z);
+        let at = |x: usize, y: usize, z: usize| self.distances[first + x * dx + y * dy + z * dz];
         let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
         let plane = |z| mix(mix(at(0, 0, z), at(1, 0, z), f.x), mix(at(0, 1, z), at(1, 1, z), f.x), f.y);
         mix(plane(0), plane(1), f.z) + (local - q).length() * self.cell

@@ -114,6 +114,8 @@ pub struct GroomEditor {
     spheres: Vec<(Vec3, f32)>,
     stroke: Option<ActiveStroke>,
     moved: bool,
+    /// Number of dabs so far.
+    dab_count: u64,
 }
 
 impl GroomEditor {
@@ -141,7 +143,18 @@ impl GroomEditor {
         let spacing = nearest.get(nearest.len() / 2).copied().unwrap_or(PICK);
         let (neighbors, stroke) = (OnceLock::new(), None);
         let aside = (1.5 * spacing).clamp(5e-3, PICK);
-        Self { document, field, normals, neighbors, aside, positions, spheres, stroke, moved: false }
+        Self {
+            document,
+            field,
+            normals,
+            neighbors,
+            aside,
+            positions,
+            spheres,
+            stroke,
+            moved: false,
+            dab_count: 0,
+        }
     }
 
     /// Returns the version before the current stroke.
@@ -162,6 +175,11 @@ impl GroomEditor {
     /// Whether guides have moved since the last call.
     pub fn take_moved(&mut self) -> bool {
         std::mem::take(&mut self.moved)
+    }
+
+    /// Returns how often a brush has been applied so far.
+    pub fn dab_count(&self) -> u64 {
+        self.dab_count
     }
 
     /// Whether a stroke has begun.
@@ -394,9 +412,10 @@ impl GroomEditor {
             let guide = self.guide(i);
             let weights = Weights::of(guide, &dabs, brush)?;
             let along = if even { self.mean_edges(i) } else { Vec::new() };
-            let around = Surroundings { brush, dabs: &dabs, field, normal: self.normals[i], along: &along };
-            let (target, first) = around.target(guide, &weights)?;
             let press = self.pressed(stroke, i);
+            let (normal, along) = (self.normals[i], &along[..]);
+            let around = Surroundings { brush, dabs: &dabs, press: &press, field, normal, along };
+            let (target, first) = around.target(guide, &weights)?;
             // Tools that turn edges have decided the shape.
             let near =
                 if matches!(brush.acts(), BrushTool::Comb) { weights.near } else { vec![1.0; guide.len()] };
@@ -417,9 +436,10 @@ impl GroomEditor {
         let moved = self.changed(&held, |k| {
             let (i, weights) = &stroke.grabbed[k];
             let guide = self.document.guide(*i);
-            let around = Surroundings { brush, dabs: &dabs, field, normal: self.normals[*i], along: &[] };
-            let (target, _) = around.target(guide, weights)?;
             let press = self.pressed(stroke, *i);
+            let normal = self.normals[*i];
+            let around = Surroundings { brush, dabs: &dabs, press: &press, field, normal, along: &[] };
+            let (target, _) = around.target(guide, weights)?;
             let (target, near) = reached(guide, target, weights, &press.lengths);
             Some(MovedGuide { vertices: solver.solve(guide, &target, &near, 1, &press), press })
         });
@@ -441,6 +461,7 @@ impl GroomEditor {
     }
 
     fn take(&mut self, moved: Vec<(usize, MovedGuide)>) {
+        self.dab_count += 1;
         for (i, MovedGuide { vertices, press }) in moved {
             self.place(i, &vertices);
             self.moved = true;

@@ -8,12 +8,16 @@ use glam::Vec3;
 pub(super) const CLEARANCE: f32 = 1.5e-3;
 /// Largest distance from the skin that a brush preserves, meters.
 const MOST_VOLUME: f32 = 0.015;
+/// Error of a distance field, meters.
+const SLACK: f32 = 2e-3;
 /// Bisections of a turn out of the head.
 const BISECTIONS: u32 = 6;
 
 /// A guide when the stroke began.
 #[derive(Clone, Debug)]
 pub(super) struct PressState {
+    /// The vertices, meters.
+    pub at: Vec<Vec3>,
     /// Lengths of the edges, meters.
     pub lengths: Vec<f32>,
     /// Distance from the skin that each vertex keeps, meters; below 0 for vertices that began inside.
@@ -29,10 +33,20 @@ impl PressState {
             None => vec![f32::MAX; guide.len()],
         };
         Self {
+            at: guide.to_vec(),
             lengths: guide.windows(2).map(|edge| edge[0].distance(edge[1])).collect(),
             clear: volume.iter().map(|distance| distance.min(CLEARANCE)).collect(),
             volume,
         }
+    }
+}
+
+impl PressState {
+    /// Whether `p`, where vertex `i` is now, is certainly farther from the skin than `distance`, meters: it has not moved
+    /// far enough to be nearer.
+    pub fn is_clear(&self, i: usize, p: Vec3, distance: f32) -> bool {
+        let left = self.volume[i] - distance - SLACK;
+        left > 0.0 && (p - self.at[i]).length_squared() < left * left
     }
 }
 
@@ -109,6 +123,9 @@ impl Solver<'_> {
         let least = press.clear[vertex];
         let wish = least.max((self.keep_volume * press.volume[vertex]).min(MOST_VOLUME));
         let (mut way, mut p) = (direction, end(direction));
+        if press.is_clear(vertex, p, wish) {
+            return p;
+        }
         for _ in 0..3 {
             let depth = wish - field.sample(p);
             if depth <= 0.0 {

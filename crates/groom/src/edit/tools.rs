@@ -2,7 +2,7 @@
 
 use super::{
     Brush, BrushTool, Reach,
-    solve::{turned, unit},
+    solve::{PressState, turned, unit},
 };
 use crate::SdfGrid;
 use glam::Vec3;
@@ -125,6 +125,7 @@ impl Weights {
 pub(super) struct Surroundings<'a> {
     pub brush: &'a Brush,
     pub dabs: &'a [Dab],
+    pub press: &'a PressState,
     pub field: Option<&'a SdfGrid>,
     /// Normal of the skin at the root.
     pub normal: Vec3,
@@ -156,7 +157,8 @@ impl Surroundings<'_> {
     fn combed(&self, guide: &[Vec3], weights: &Weights) -> Vec<Vec3> {
         let moved = |(i, p): (usize, &Vec3)| {
             let mut by = self.dabs[weights.side[i]].motion * weights.weight[i];
-            if let Some(field) = self.field.filter(|field| by != Vec3::ZERO && field.sample(*p) < SKIN) {
+            let near = |field: &&SdfGrid| !self.press.is_clear(i, *p, SKIN) && field.sample(*p) < SKIN;
+            if let Some(field) = self.field.filter(|_| by != Vec3::ZERO).filter(near) {
                 let normal = field.normal(*p);
                 by -= normal * by.dot(normal).min(0.0);
             }
