@@ -105,7 +105,13 @@ impl Document {
         let Some(groomer) = &mut self.groomer else { return };
         self.posed |= groomer.take_moved();
         let Some(show) = &mut renderer.show else { return };
-        if !renderer.playback.at_rest || show.frames == 0 || !std::mem::take(&mut self.posed) {
+        if !renderer.playback.at_rest || show.frames == 0 {
+            return;
+        }
+        // Hair with other lengths is made anew.
+        let shown = self.shown.as_ref().and_then(|shown| shown.hair.source.document());
+        let is_pose = shown.is_some_and(|shown| shown.is_pose_of(groomer.document()));
+        if !is_pose || !std::mem::take(&mut self.posed) {
             return;
         }
         if let Err(error) = show.stage.character.hair_mut().pose_guides(groomer.editor().positions()) {

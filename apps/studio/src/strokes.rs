@@ -1,6 +1,12 @@
 //! The brush in the viewport: strokes of the pointer, and the ring around it.
 
-use crate::{document::Document, groomer::BrushKit, messages::Messages, renderer::Renderer, theme};
+use crate::{
+    document::Document,
+    groomer::{BrushKit, Groomer},
+    messages::Messages,
+    renderer::Renderer,
+    theme,
+};
 use eframe::egui::{Color32, Event, Key, Painter, Pos2, Rect, Response, Shape, Stroke, TouchPhase, Ui, pos2};
 use tresses::{
     Camera,
@@ -120,6 +126,24 @@ fn pressure(ui: &Ui) -> f32 {
         .map_or(1.0, |force| force.clamp(0.1, 1.0))
 }
 
+/// Paints the line of a cut, and its mirror image.
+fn cut_line(groomer: &Groomer, mirror: bool, sight: Sight<'_>, painter: &Painter) {
+    let Some(ends) = groomer.editor().line() else { return };
+    let distance = (sight.renderer.orbit.camera().eye - sight.renderer.orbit.camera().target).length();
+    let middle = groomer.document().middle();
+    for flip in [false, true].into_iter().take(1 + usize::from(mirror)) {
+        let place = |sample: &StrokeSample| {
+            let p = sample.origin + sample.direction * distance;
+            sight.place(if flip { Vec3::new(2.0 * middle - p.x, p.y, p.z) } else { p })
+        };
+        if let [Some(from), Some(to)] = [place(&ends[0]), place(&ends[1])] {
+            let color = if flip { theme::QUIET } else { Color32::WHITE };
+            painter.line_segment([from, to], Stroke::new(3.0, Color32::from_black_alpha(140)));
+            painter.line_segment([from, to], Stroke::new(1.5, color));
+        }
+    }
+}
+
 /// Paints the brush at the pointer: a ring in the plane of the image, with an inner ring where the effect is half, and
 /// its mirror image. Returns whether there is hair or skin under it.
 pub fn ring(
@@ -131,6 +155,10 @@ pub fn ring(
     let Some(groomer) = &document.groomer else { return false };
     let Some(sample) = response.hover_pos().and_then(|at| sight.sample(at, 1.0)) else { return false };
     let brush = kit.brush(tool);
+    if tool == BrushTool::Line {
+        cut_line(groomer, brush.mirror, sight, painter);
+        return true;
+    }
     let at = match groomer.editor().brush_at() {
         Some((at, radius)) => Some((at, radius)),
         None => groomer

@@ -31,7 +31,7 @@ impl Tool {
     ];
 
     /// All brushes, with name, key and help. The keys work while a brush is active.
-    pub const BRUSHES: [(BrushTool, Key, &'static str); 7] = [
+    pub const BRUSHES: [(BrushTool, Key, &'static str); 10] = [
         (BrushTool::Comb, Key::C, "Drags hair along; it slides through the brush"),
         (BrushTool::Grab, Key::G, "Holds the hair under the brush and moves it"),
         (
@@ -43,6 +43,13 @@ impl Tool {
         (BrushTool::Lay, Key::D, "Lays hair down at the root, in the direction of the stroke"),
         (BrushTool::Pinch, Key::N, "Pulls hair towards the line of the stroke; with Ctrl away from it"),
         (BrushTool::Spread, Key::W, "Pushes hair away from the line of the stroke"),
+        (
+            BrushTool::Cut,
+            Key::K,
+            "Cuts hair where it enters the brush; hair with its root under the brush stays",
+        ),
+        (BrushTool::Line, Key::J, "Cuts hair along a straight line, from the press to the release"),
+        (BrushTool::Length, Key::L, "Makes hair longer; with Ctrl shorter"),
     ];
 
     /// Returns the brush, if the tool is one.

@@ -23,11 +23,17 @@ pub enum BrushTool {
     Pinch,
     /// Pushes hair away from the line of the stroke.
     Spread,
+    /// Cuts strands where they enter the brush. Hair with its root under the brush stays.
+    Cut,
+    /// Cuts strands where they cross the straight line from the press to the release.
+    Line,
+    /// Makes hair longer; inverted, shorter.
+    Length,
 }
 
 impl BrushTool {
     /// All tools with their names.
-    pub const ALL: [(Self, &'static str); 7] = [
+    pub const ALL: [(Self, &'static str); 10] = [
         (Self::Comb, "comb"),
         (Self::Grab, "grab"),
         (Self::Smooth, "smooth"),
@@ -35,6 +41,9 @@ impl BrushTool {
         (Self::Lay, "lay"),
         (Self::Pinch, "pinch"),
         (Self::Spread, "spread"),
+        (Self::Cut, "cut"),
+        (Self::Line, "line"),
+        (Self::Length, "length"),
     ];
 
     /// Returns the name, as in files and commands.
@@ -42,9 +51,14 @@ impl BrushTool {
         Self::ALL.iter().find(|(tool, _)| *tool == self).map_or("", |(_, name)| name)
     }
 
+    /// Whether the tool keeps the lengths of all hair.
+    pub fn keeps_lengths(self) -> bool {
+        !matches!(self, Self::Cut | Self::Line | Self::Length)
+    }
+
     /// Whether the tool also acts while the brush stands still.
     pub fn acts_in_place(self) -> bool {
-        matches!(self, Self::Smooth | Self::Puff | Self::Pinch | Self::Spread)
+        matches!(self, Self::Smooth | Self::Puff | Self::Pinch | Self::Spread | Self::Length)
     }
 }
 
@@ -56,7 +70,7 @@ impl FromStr for BrushTool {
             Error::Parameter {
                 name: "the tool",
                 value: text.into(),
-                range: "comb, grab, smooth, puff, lay, pinch or spread",
+                range: "comb, grab, smooth, puff, lay, pinch, spread, cut, line or length",
             }
         })
     }
@@ -112,7 +126,7 @@ pub struct Brush {
     pub tool: BrushTool,
     /// Radius, meters, 0.001 to 0.15.
     pub radius: f32,
-    /// Share of the full effect, 0 to 1.
+    /// Share of the full effect, 0 to 1; of strands, for a cut.
     pub strength: f32,
     /// Falloff towards the edge.
     pub falloff: Falloff,
@@ -159,7 +173,7 @@ impl Brush {
         let base = Self { tool, ..Self::default() };
         match tool {
             BrushTool::Lay => Self { keep_volume: 0.0, ..base },
-            BrushTool::Grab => Self { strength: 1.0, ..base },
+            BrushTool::Grab | BrushTool::Cut | BrushTool::Line => Self { strength: 1.0, ..base },
             _ => base,
         }
     }

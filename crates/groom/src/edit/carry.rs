@@ -5,16 +5,17 @@
 
 use super::guide_blocks::GuideBlocks;
 use crate::{
-    BoundStrands, Groom, Guides,
+    Groom, Guides,
     bound::{PackedRest, StrandBinding},
     curve::spline_at,
     progress::in_parallel,
     rotation::{minimal_rotation, nlerp},
 };
 use glam::{Quat, Vec3};
+use std::sync::Arc;
 
 /// A point of a guide: position, rotation since the original pose, original position.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct GuidePoint {
     at: Vec3,
     turn: Quat,
@@ -28,23 +29,25 @@ impl GuidePoint {
 }
 
 /// A guide that has moved.
-struct MovedGuide<'a> {
-    now: &'a [Vec3],
-    from: &'a [Vec3],
+#[derive(Debug)]
+struct MovedGuide {
+    now: Vec<Vec3>,
+    from: Vec<Vec3>,
     /// Rotation of each edge: minimal rotations from edge to edge.
     turns: Vec<Quat>,
     /// Points at equal steps, if strands blend between them.
     samples: Vec<GuidePoint>,
 }
 
-impl<'a> MovedGuide<'a> {
-    fn new(from: &'a [Vec3], now: &'a [Vec3], samples: usize) -> Self {
+impl MovedGuide {
+    fn new(from: &[Vec3], now: &[Vec3], samples: usize) -> Self {
         let mut turn = Quat::IDENTITY;
         let turns = from.windows(2).zip(now.windows(2)).map(|(from, now)| {
             turn = (minimal_rotation(turn * (from[1] - from[0]), now[1] - now[0]) * turn).normalize();
             turn
         });
-        let mut guide = Self { now, from, turns: turns.collect(), samples: Vec::new() };
+        let turns = turns.collect();
+        let mut guide = Self { now: now.to_vec(), from: from.to_vec(), turns, samples: Vec::new() };
         let span = (now.len() - 1) as f32 / (samples.max(2) - 1) as f32;
         guide.samples = (0..samples).map(|i| guide.on_spline(i as f32 * span)).collect();
         guide
@@ -58,7 +61,7 @@ impl<'a> MovedGuide<'a> {
         let (before, here, after) =
             (self.turns[k.saturating_sub(1)], self.turns[k], self.turns[(k + 1).min(last)]);
         let turn = if u > 0.5 { nlerp(here, after, u - 0.5) } else { nlerp(before, here, u + 0.5) };
-        GuidePoint { at: spline_at(self.now, x), turn, from: spline_at(self.from, x) }
+        GuidePoint { at: spline_at(&self.now, x), turn, from: spline_at(&self.from, x) }
     }
 
     /// Returns the point at the fraction `t` of the guide.
@@ -74,35 +77,84 @@ impl<'a> MovedGuide<'a> {
     }
 }
 
-/// Returns `base` with the guides `now`, and with the strands that they carry there from `from`. Strands of guides that
-/// have not moved are the same to the bit.
-pub(super) fn groom(base: &Groom, now: &GuideBlocks, from: &GuideBlocks) -> Groom {
-    let strands = &base.strands;
-    let single = |binding: &StrandBinding| binding.weight_b == 0.0 && binding.weight_c == 0.0;
-    let follows = base.guides.len() >= strands.len() && strands.bindings.iter().all(single);
-    let samples = if follows { 0 } else { base.guides.vertex_count.max(strands.vertex_count) as usize };
-    let mut moved: Vec<Option<MovedGuide<'_>>> = (0..now.len()).map(|_| None).collect();
-    for i in now.differing(from).filter(|i| now.guide(*i) != from.guide(*i)) {
-        moved[i] = Some(MovedGuide::new(from.guide(i), now.guide(i), samples));
-    }
-    let carries = |i: &usize| {
-        let binding = &strands.bindings[*i];
-        influences(binding).any(|(guide, ..)| moved[guide].is_some())
-    };
-    let carried: Vec<usize> = (0..strands.len()).filter(carries).collect();
-    let lines = in_parallel(&carried, |i| strand(strands, *i, &moved));
-    let mut all = strands.clone();
-    let n = strands.vertex_count as usize;
-    for (i, (line, radii)) in carried.into_iter().zip(lines) {
-        let binding = &mut all.bindings[i];
-        let (lo, hi) = bounds(&line);
-        (binding.origin, binding.extent) = (lo, (hi - lo).max_element());
-        for ((packed, p), radius) in all.rest[i * n..(i + 1) * n].iter_mut().zip(&line).zip(radii) {
-            *packed = PackedRest::pack(*p, radius, binding);
+/// The strands of a groom, carried by guides that have moved.
+#[derive(Debug)]
+pub(super) struct CarriedStrands {
+    base: Arc<Groom>,
+    moved: Vec<Option<MovedGuide>>,
+}
+
+impl CarriedStrands {
+    /// Carries the strands of `base` by its guides, from `from` to `now`.
+    pub fn new(base: Arc<Groom>, now: &GuideBlocks, from: &GuideBlocks) -> Self {
+        let strands = &base.strands;
+        let single = |binding: &StrandBinding| binding.weight_b == 0.0 && binding.weight_c == 0.0;
+        let follows = base.guides.len() >= strands.len() && strands.bindings.iter().all(single);
+        let samples = if follows { 0 } else { base.guides.vertex_count.max(strands.vertex_count) as usize };
+        let mut moved: Vec<Option<MovedGuide>> = (0..now.len()).map(|_| None).collect();
+        for i in now.differing(from).filter(|i| now.guide(*i) != from.guide(*i)) {
+            moved[i] = Some(MovedGuide::new(from.guide(i), now.guide(i), samples));
         }
+        Self { base, moved }
     }
-    let guides = Guides { positions: now.positions(), ..base.guides.clone() };
-    Groom { guides, strands: all }
+
+    /// Returns the groom of the strands.
+    pub fn base(&self) -> &Groom {
+        &self.base
+    }
+
+    /// Whether strand `i` has moved.
+    fn has_moved(&self, i: usize) -> bool {
+        influences(&self.base.strands.bindings[i]).any(|(guide, ..)| self.moved[guide].is_some())
+    }
+
+    /// Returns the vertices of strand `i`, and their radii.
+    pub fn strand(&self, i: usize) -> (Vec<Vec3>, Vec<f32>) {
+        let strands = &self.base.strands;
+        let (n, binding) = (strands.vertex_count as usize, &strands.bindings[i]);
+        let rest: (Vec<Vec3>, Vec<f32>) =
+            strands.rest[i * n..(i + 1) * n].iter().map(|rest| rest.unpack(binding)).unzip();
+        if !self.has_moved(i) {
+            return rest;
+        }
+        let step = 1.0 / (n - 1) as f32;
+        let target = |j: usize| {
+            let (p, s) = (rest.0[j], j as f32 * step);
+            let carried = |(at, weight, scale): (usize, f32, f32)| {
+                weight * self.moved[at].as_ref().map_or(p, |guide| guide.at(s * scale).carries(p))
+            };
+            influences(binding).map(carried).sum::<Vec3>()
+        };
+        let mut line = Vec::with_capacity(n);
+        let mut before = target(0);
+        line.push(before);
+        for j in 1..n {
+            let next = target(j);
+            let length = rest.0[j].distance(rest.0[j - 1]);
+            line.push(line[j - 1] + (next - before) / (next - before).length().max(1e-12) * length);
+            before = next;
+        }
+        (line, rest.1)
+    }
+
+    /// Returns the groom with the guides `now`. Strands of guides that have not moved are the same to the bit.
+    pub fn groom(&self, now: &GuideBlocks) -> Groom {
+        let strands = &self.base.strands;
+        let carried: Vec<usize> = (0..strands.len()).filter(|i| self.has_moved(*i)).collect();
+        let lines = in_parallel(&carried, |i| self.strand(*i));
+        let mut all = strands.clone();
+        let n = strands.vertex_count as usize;
+        for (i, (line, radii)) in carried.into_iter().zip(lines) {
+            let binding = &mut all.bindings[i];
+            let (lo, hi) = bounds(&line);
+            (binding.origin, binding.extent) = (lo, (hi - lo).max_element());
+            for ((packed, p), radius) in all.rest[i * n..(i + 1) * n].iter_mut().zip(&line).zip(radii) {
+                *packed = PackedRest::pack(*p, radius, binding);
+            }
+        }
+        let guides = Guides { positions: now.positions(), ..self.base.guides.clone() };
+        Groom { guides, strands: all }
+    }
 }
 
 /// Returns guide, weight and scale of each influence with a weight.
@@ -111,31 +163,6 @@ fn influences(binding: &StrandBinding) -> impl Iterator<Item = (usize, f32, f32)
     let all = binding.guides.into_iter().zip(weights).zip(binding.scale).enumerate();
     all.filter(|(k, ((_, weight), _))| *k == 0 || *weight > 0.0)
         .map(|(_, ((guide, weight), scale))| (guide as usize, weight, scale))
-}
-
-/// Returns the vertices of strand `i`, carried by the guides that have `moved`, and their radii.
-fn strand(strands: &BoundStrands, i: usize, moved: &[Option<MovedGuide<'_>>]) -> (Vec<Vec3>, Vec<f32>) {
-    let (n, binding) = (strands.vertex_count as usize, &strands.bindings[i]);
-    let rest: (Vec<Vec3>, Vec<f32>) =
-        strands.rest[i * n..(i + 1) * n].iter().map(|rest| rest.unpack(binding)).unzip();
-    let step = 1.0 / (n - 1) as f32;
-    let target = |j: usize| {
-        let (p, s) = (rest.0[j], j as f32 * step);
-        let carried = |(at, weight, scale): (usize, f32, f32)| {
-            weight * moved[at].as_ref().map_or(p, |guide| guide.at(s * scale).carries(p))
-        };
-        influences(binding).map(carried).sum::<Vec3>()
-    };
-    let mut line = Vec::with_capacity(n);
-    let mut before = target(0);
-    line.push(before);
-    for j in 1..n {
-        let next = target(j);
-        let length = rest.0[j].distance(rest.0[j - 1]);
-        line.push(line[j - 1] + (next - before) / (next - before).length().max(1e-12) * length);
-        before = next;
-    }
-    (line, rest.1)
 }
 
 fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {

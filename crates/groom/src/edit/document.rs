@@ -1,9 +1,16 @@
 //! Versions of an edited groom.
 
-use super::{carry, guide_blocks::GuideBlocks};
+use super::{
+    carry::CarriedStrands,
+    cuts::{Cuts, LengthChanges},
+    guide_blocks::GuideBlocks,
+};
 use crate::{Error, Groom, Result, orient::Choice};
 use glam::Vec3;
-use std::{path::PathBuf, sync::Arc};
+use std::{
+    path::PathBuf,
+    sync::{Arc, Mutex, PoisonError, Weak},
+};
 
 /// The head under an edited groom, as its file stores it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,14 +31,41 @@ pub enum HeadFiles {
 
 /// What all versions of a groom share.
 #[derive(Debug)]
-pub(super) struct Base {
-    /// The groom before the first stroke.
-    pub groom: Groom,
-    pub head: HeadFiles,
+struct Family {
+    head: HeadFiles,
     /// Plane between left and right: x, meters.
-    pub middle: f32,
-    /// The guides before the first stroke.
-    pub guides: GuideBlocks,
+    middle: f32,
+}
+
+/// What versions with the same lengths share.
+#[derive(Debug)]
+struct Base {
+    family: Arc<Family>,
+    /// The groom before the first stroke, with its lengths.
+    source: Arc<Groom>,
+    cuts: Option<Cuts>,
+    /// The groom before the first stroke, cut; kept while somebody uses it.
+    groom: Mutex<Weak<Groom>>,
+    /// Its guides.
+    guides: GuideBlocks,
+}
+
+impl Base {
+    fn new(family: Arc<Family>, source: Arc<Groom>, cuts: Option<Cuts>) -> Self {
+        let groom = cuts.as_ref().map_or_else(|| source.clone(), |cuts| Arc::new(cuts.apply(&source)));
+        let guides = GuideBlocks::new(&groom.guides.positions, groom.guides.vertex_count as usize);
+        Self { family, source, cuts, groom: Mutex::new(Arc::downgrade(&groom)), guides }
+    }
+
+    fn groom(&self) -> Arc<Groom> {
+        let Some(cuts) = &self.cuts else { return self.source.clone() };
+        let mut kept = self.groom.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.upgrade().unwrap_or_else(|| {
+            let groom = Arc::new(cuts.apply(&self.source));
+            *kept = Arc::downgrade(&groom);
+            groom
+        })
+    }
 }
 
 /// A version of a groom. Clones and other versions share what does not differ.
@@ -55,9 +89,8 @@ impl GroomDocument {
     /// [`Error::Unusable`] for a groom without guides or strands, and for one that its bindings do not fit.
     pub fn new(groom: Groom, head: HeadFiles, middle: f32) -> Result<Self> {
         check(&groom)?;
-        let guides = GuideBlocks::new(&groom.guides.positions, groom.guides.vertex_count as usize);
-        let base = Base { groom, head, middle, guides: guides.clone() };
-        Ok(Self { base: Arc::new(base), guides })
+        let base = Base::new(Arc::new(Family { head, middle }), Arc::new(groom), None);
+        Ok(Self { guides: base.guides.clone(), base: Arc::new(base) })
     }
 
     /// Returns this version with other vertices for the guides in `changed`.
@@ -66,25 +99,40 @@ impl GroomDocument {
         Self { base: self.base.clone(), guides: self.guides.with(changed) }
     }
 
-    /// Returns the version before the first stroke.
+    /// Returns this version with other lengths. `lengths` are factors on those of this version.
+    #[must_use]
+    pub(super) fn with_lengths(&self, lengths: &LengthChanges) -> Self {
+        let Base { family, source, cuts, .. } = &*self.base;
+        let before = cuts.clone().unwrap_or_else(|| Cuts::none(source));
+        let after = before.changed(source, lengths);
+        let base = Base::new(family.clone(), source.clone(), Some(after));
+        let after = base.cuts.as_ref().unwrap_or(&before);
+        let moved: Vec<(usize, Vec<Vec3>)> = (0..self.guides.len())
+            .filter_map(|i| Some((i, before.guide_to(after, i, self.guide(i))?)))
+            .collect();
+        let guides = self.guides.with(moved.iter().map(|(i, guide)| (*i, &guide[..])));
+        Self { base: Arc::new(base), guides }
+    }
+
+    /// Returns this version before the first stroke, with its lengths.
     #[must_use]
     pub fn original(&self) -> Self {
         Self { base: self.base.clone(), guides: self.base.guides.clone() }
     }
 
-    /// Returns the groom before the first stroke.
-    pub fn base(&self) -> &Groom {
-        &self.base.groom
+    /// Returns the groom before the first stroke, with the lengths of this version.
+    pub fn base(&self) -> Arc<Groom> {
+        self.base.groom()
     }
 
     /// Returns the head.
     pub fn head(&self) -> &HeadFiles {
-        &self.base.head
+        &self.base.family.head
     }
 
     /// Returns the plane between left and right: x, meters.
     pub fn middle(&self) -> f32 {
-        self.base.middle
+        self.base.family.middle
     }
 
     /// Returns the guides.
@@ -99,30 +147,43 @@ impl GroomDocument {
 
     /// Returns the number of vertices per guide.
     pub fn vertex_count(&self) -> usize {
-        self.base.groom.guides.vertex_count as usize
+        self.base.source.guides.vertex_count as usize
     }
 
     /// Whether `other` is a version of the same groom.
     pub fn is_version_of(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.base.family, &other.base.family)
+    }
+
+    /// Whether `other` is a version of the same groom with the same guides and lengths, so that only shapes differ.
+    pub fn is_pose_of(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.base, &other.base)
     }
 
     /// Returns the groom: the guides, and the strands that they carry.
     pub fn groom(&self) -> Groom {
-        carry::groom(&self.base.groom, &self.guides, &self.base.guides)
+        self.carried().groom(&self.guides)
     }
 
-    /// Returns a hash of the guides (FNV-1a of their bits): equal for equal positions.
+    /// Returns the strands, carried by the guides.
+    pub(super) fn carried(&self) -> CarriedStrands {
+        CarriedStrands::new(self.base.groom(), &self.guides, &self.base.guides)
+    }
+
+    /// Returns a hash of guides and lengths (FNV-1a of their bits): equal for equal numbers.
     pub fn hash(&self) -> u64 {
-        let bytes = (0..self.guides.len()).flat_map(|i| self.guide(i)).flat_map(|p| p.to_array());
-        bytes
-            .flat_map(|x| x.to_bits().to_le_bytes())
+        let bits = (0..self.guides.len()).flat_map(|i| self.guide(i)).flat_map(|p| p.to_array());
+        let bits = bits.chain(self.base.cuts.iter().flat_map(Cuts::numbers));
+        bits.flat_map(|x| x.to_bits().to_le_bytes())
             .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
     }
 
     /// Returns the bytes that this version needs besides `other`.
     pub fn bytes_beside(&self, other: &Self) -> usize {
-        self.guides.bytes_beside(&other.guides)
+        let is_pose = self.is_pose_of(other);
+        let cuts = self.base.cuts.as_ref().filter(|_| !is_pose).map_or(0, Cuts::bytes);
+        let base = if is_pose { 0 } else { self.base.guides.bytes_beside(&other.base.guides) };
+        self.guides.bytes_beside(&other.guides) + cuts + base
     }
 }
 

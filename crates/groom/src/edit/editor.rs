@@ -1,7 +1,9 @@
 //! The editor: applies strokes to a groom.
 
 use super::{
-    Brush, BrushTool, GroomDocument,
+    Brush, BrushTool, GroomDocument, Reach,
+    carry::CarriedStrands,
+    cuts::LengthChanges,
     solve::{PressState, Solver, unit},
     tools::{Dab, Surroundings, Weights},
 };
@@ -25,6 +27,10 @@ const WIDEST: f32 = 0.06;
 const PASSES: u32 = 6;
 /// Distance of the nearest guide, relative to the distance at which one is picked, from which a brush is beside the hair.
 const SPARSE: f32 = 2.0;
+/// Distance of the eye from a cut without a camera, meters.
+const FAR: f32 = 10.0;
+/// Limits of the growth in one stroke.
+const GROWTH: std::ops::RangeInclusive<f32> = 0.1..=5.0;
 /// Number of neighbors.
 const NEIGHBORS: usize = 6;
 /// Number of guides from which several threads are faster.
@@ -86,15 +92,35 @@ struct ActiveStroke {
     pressed: Vec<Option<Arc<PressState>>>,
     /// Guides that have moved.
     touched: Vec<bool>,
+    /// Changes of lengths.
+    lengths: LengthChanges,
+    /// The strands at the press, and those of each guide, if they are cut.
+    strands: Option<(CarriedStrands, Vec<Vec<u32>>)>,
+    /// The sample of the press.
+    first: StrokeSample,
     /// What [`BrushTool::Grab`] holds, with the weights at the press.
     grabbed: Vec<(usize, Weights)>,
     begin: Vec3,
+}
+
+impl ActiveStroke {
+    /// Returns a random number of a guide or strand, 0 to 1, that stays the same during the stroke.
+    fn chance(&self, i: u32) -> f32 {
+        (pcg(i ^ self.seed) >> 8) as f32 / (1 << 24) as f32
+    }
+
+    /// Whether a cut takes strand `i`.
+    fn takes(&self, i: u32) -> bool {
+        self.brush.strength >= 1.0 || self.chance(i) < self.brush.strength
+    }
 }
 
 /// A guide that a dab has moved, and as it was at the press.
 struct MovedGuide {
     vertices: Vec<Vec3>,
     press: Arc<PressState>,
+    /// Factor of its length.
+    growth: f32,
 }
 
 /// A groom under a brush.
@@ -182,6 +208,12 @@ impl GroomEditor {
         self.dab_count
     }
 
+    /// Returns the sights of the press and of the pointer while a line is drawn.
+    pub fn line(&self) -> Option<[StrokeSample; 2]> {
+        let stroke = self.stroke.as_ref().filter(|stroke| stroke.brush.tool == BrushTool::Line)?;
+        Some([stroke.first, stroke.last])
+    }
+
     /// Whether a stroke has begun.
     pub fn is_active(&self) -> bool {
         self.stroke.is_some()
@@ -201,12 +233,22 @@ impl GroomEditor {
             return Err(Error::Unusable("the version belongs to another groom".into()));
         }
         self.cancel();
+        if !document.is_pose_of(&self.document) {
+            self.open(document);
+            return Ok(());
+        }
         let before = std::mem::replace(&mut self.document, document.clone());
         for i in document.guides().differing(before.guides()) {
             self.place(i, document.guide(i));
         }
         self.moved = true;
         Ok(())
+    }
+
+    /// Shows a version with other lengths.
+    fn open(&mut self, document: GroomDocument) {
+        let count = self.dab_count;
+        *self = Self { dab_count: count, moved: true, ..Self::new(document, self.field.clone()) };
     }
 
     fn place(&mut self, i: usize, guide: &[Vec3]) {
@@ -253,12 +295,12 @@ impl GroomEditor {
         brush.check()?;
         check(sample)?;
         self.cancel();
-        let depth = match sample.direction == Vec3::ZERO {
-            true => 0.0,
-            false => match self.hit(sample) {
-                Some(depth) => depth,
-                None => return Ok(false),
-            },
+        let depth = match self.hit(sample) {
+            _ if sample.direction == Vec3::ZERO => 0.0,
+            Some(depth) => depth,
+            // A line may begin beside the hair.
+            None if brush.tool == BrushTool::Line => 0.0,
+            None => return Ok(false),
         };
         let begin = sample.at(depth);
         let nearest = self.positions.iter().map(|p| p.distance(begin)).fold(f32::MAX, f32::min);
@@ -278,6 +320,9 @@ impl GroomEditor {
             held: 0.0,
             pressed: vec![None; guides],
             touched: vec![false; guides],
+            lengths: LengthChanges::default(),
+            strands: (brush.tool == BrushTool::Cut).then(|| self.strands()),
+            first: *sample,
             grabbed: Vec::new(),
             begin,
         };
@@ -305,6 +350,10 @@ impl GroomEditor {
         if stroke.brush.tool == BrushTool::Grab {
             stroke.last = *sample;
             self.pull();
+            return Ok(());
+        }
+        if stroke.brush.tool == BrushTool::Line {
+            stroke.last = *sample;
             return Ok(());
         }
         let (from, mut t) = (stroke.last, 0.0);
@@ -346,13 +395,22 @@ impl GroomEditor {
 
     /// Ends the stroke. Returns the new version, or `None` if nothing has moved.
     pub fn release(&mut self) -> Option<GroomDocument> {
+        if self.stroke.as_ref()?.brush.tool == BrushTool::Line {
+            self.cut_line();
+        }
         let stroke = self.stroke.take()?;
         let moved = |i: &usize| stroke.touched[*i] && self.guide(*i) != self.document.guide(*i);
         let moved: Vec<_> = (0..stroke.touched.len()).filter(moved).map(|i| (i, self.guide(i))).collect();
-        if moved.is_empty() {
-            return None;
+        let lengths = &stroke.lengths;
+        if lengths.strands.is_empty() && lengths.guides.is_empty() {
+            if moved.is_empty() {
+                return None;
+            }
+            self.document = self.document.with(moved);
+        } else {
+            let document = self.document.with_lengths(lengths).with(moved);
+            self.open(document);
         }
-        self.document = self.document.with(moved);
         Some(self.document.clone())
     }
 
@@ -392,9 +450,8 @@ impl GroomEditor {
         let brush = &stroke.brush;
         let pinned = &self.document.base().guides.tip_pinned;
         let takes_part = |i: &usize| {
-            let chance = (pcg(*i as u32 ^ stroke.seed) >> 8) as f32 / (1 << 24) as f32;
             !pinned[*i]
-                && (brush.share >= 1.0 || chance < brush.share)
+                && (brush.share >= 1.0 || stroke.chance(*i as u32) < brush.share)
                 && dabs.iter().any(|dab| dab.meets(self.spheres[*i], brush.reach))
         };
         (0..self.spheres.len()).filter(takes_part).collect()
@@ -408,6 +465,10 @@ impl GroomEditor {
         let brush = &stroke.brush;
         let solver = Solver { field, keep_shape: brush.keep_shape, keep_volume: brush.keep_volume };
         let even = brush.acts() == BrushTool::Smooth && brush.neighbors > 0.0;
+        if brush.tool == BrushTool::Cut {
+            let cut = self.cut(stroke, &dabs);
+            return self.shorten(cut);
+        }
         let moved = self.changed(&self.under(stroke, &dabs), |i| {
             let guide = self.guide(i);
             let weights = Weights::of(guide, &dabs, brush)?;
@@ -416,12 +477,96 @@ impl GroomEditor {
             let (normal, along) = (self.normals[i], &along[..]);
             let around = Surroundings { brush, dabs: &dabs, press: &press, field, normal, along };
             let (target, first) = around.target(guide, &weights)?;
+            let growth = if brush.tool == BrushTool::Length { around.growth(&weights) } else { 1.0 };
+            let sum = growth * stroke.lengths.guides.get(&i).copied().unwrap_or(1.0);
+            if !GROWTH.contains(&sum) {
+                return None;
+            }
+            let press = if growth == 1.0 { press } else { Arc::new(press.grown(growth)) };
             // Tools that turn edges have decided the shape.
             let near =
                 if matches!(brush.acts(), BrushTool::Comb) { weights.near } else { vec![1.0; guide.len()] };
-            Some(MovedGuide { vertices: solver.solve(guide, &target, &near, first, &press), press })
+            Some(MovedGuide { vertices: solver.solve(guide, &target, &near, first, &press), press, growth })
         });
         self.take(moved);
+    }
+
+    /// Returns the strands at the press, and those of each guide.
+    fn strands(&self) -> (CarriedStrands, Vec<Vec<u32>>) {
+        let strands = self.document.carried();
+        let mut followers = vec![Vec::new(); self.spheres.len()];
+        for (i, binding) in (0u32..).zip(&strands.base().strands.bindings) {
+            followers[binding.guides[0] as usize].push(i);
+        }
+        (strands, followers)
+    }
+
+    /// Returns the strands that `dabs` cut, with the share that is left of each.
+    fn cut(&self, stroke: &ActiveStroke, dabs: &[Dab]) -> Vec<(usize, f32)> {
+        let Some((strands, followers)) = &stroke.strands else { return Vec::new() };
+        let under = self.under(stroke, dabs);
+        let of = |guide: &usize| {
+            let cut = |i: &u32| {
+                let line = strands.strand(*i as usize).0;
+                let entry = |dab: &Dab| dab.entry(&line, &stroke.brush);
+                let entry = dabs.iter().filter_map(entry).reduce(f32::min)?;
+                stroke.takes(*i).then_some((*i as usize, entry / (line.len() - 1) as f32))
+            };
+            followers[*guide].iter().filter_map(cut).collect::<Vec<_>>()
+        };
+        in_parallel(&under, of).concat()
+    }
+
+    /// Cuts the hair that crosses the line of the stroke.
+    fn cut_line(&mut self) {
+        let Some(stroke) = &self.stroke else { return };
+        let (first, last) = (&stroke.first, &stroke.last);
+        let line = CutLine::new(first, last);
+        let mut lines = vec![line];
+        if stroke.brush.mirror {
+            lines.push(line.mirrored(self.document.middle()));
+        }
+        let behind = |p: Vec3, eye: Vec3| {
+            let way = p - eye;
+            let sight = unit(way, Vec3::NEG_Z);
+            let skin = self.field.as_deref().and_then(|field| trace(field, eye, sight));
+            // Without skin under it, hair before the middle of the head is in front.
+            let middle = || (self.center() - eye).dot(sight);
+            way.length() > skin.map_or_else(middle, |skin| skin + SKIN)
+        };
+        let (strands, _) = self.strands();
+        let count: Vec<usize> =
+            (0..strands.base().strands.len()).filter(|i| stroke.takes(*i as u32)).collect();
+        let through = stroke.brush.reach == Reach::Through;
+        let crossing = |i: &usize| {
+            let points = strands.strand(*i).0;
+            let crosses = |line: &CutLine| {
+                let at = |x: f32| {
+                    points[x as usize].lerp(points[(x as usize + 1).min(points.len() - 1)], x.fract())
+                };
+                line.crossings(&points).find(|x| through || !behind(at(*x), line.eye))
+            };
+            let x = lines.iter().filter_map(crosses).reduce(f32::min)?;
+            Some((*i, x / (points.len() - 1) as f32))
+        };
+        let cut = in_parallel(&count, crossing).into_iter().flatten().collect();
+        self.shorten(cut);
+    }
+
+    fn shorten(&mut self, cut: Vec<(usize, f32)>) {
+        self.dab_count += 1;
+        let Some(stroke) = &mut self.stroke else { return };
+        for (i, share) in cut {
+            let left = stroke.lengths.strands.entry(i).or_insert(1.0);
+            *left = left.min(share);
+        }
+    }
+
+    /// Returns the middle of the roots.
+    fn center(&self) -> Vec3 {
+        let n = self.document.vertex_count();
+        let (lo, hi) = sphere_corners(self.positions.iter().step_by(n));
+        0.5 * (lo + hi)
     }
 
     /// Moves the hair that is held: always from the press, so that the way does not matter.
@@ -441,7 +586,7 @@ impl GroomEditor {
             let around = Surroundings { brush, dabs: &dabs, press: &press, field, normal, along: &[] };
             let (target, _) = around.target(guide, weights)?;
             let (target, near) = reached(guide, target, weights, &press.lengths);
-            Some(MovedGuide { vertices: solver.solve(guide, &target, &near, 1, &press), press })
+            Some(MovedGuide { vertices: solver.solve(guide, &target, &near, 1, &press), press, growth: 1.0 })
         });
         let moved = moved.into_iter().map(|(k, solved)| (stroke.grabbed[k].0, solved)).collect();
         self.take(moved);
@@ -462,12 +607,15 @@ impl GroomEditor {
 
     fn take(&mut self, moved: Vec<(usize, MovedGuide)>) {
         self.dab_count += 1;
-        for (i, MovedGuide { vertices, press }) in moved {
+        for (i, MovedGuide { vertices, press, growth }) in moved {
             self.place(i, &vertices);
             self.moved = true;
             if let Some(stroke) = &mut self.stroke {
                 stroke.touched[i] = true;
                 stroke.pressed[i] = Some(press);
+                if growth != 1.0 {
+                    *stroke.lengths.guides.entry(i).or_insert(1.0) *= growth;
+                }
             }
         }
     }
@@ -555,8 +703,53 @@ fn check(sample: &StrokeSample) -> Result<()> {
     Err(Error::Parameter { name: "the stroke", value: format!("{sample:?}"), range: "within a kilometer" })
 }
 
+/// A straight cut between two rays from one eye.
+#[derive(Clone, Copy)]
+struct CutLine {
+    eye: Vec3,
+    from: Vec3,
+    to: Vec3,
+}
+
+impl CutLine {
+    /// Creates the cut between the sights of two samples; without a camera, between points seen from far along z.
+    fn new(first: &StrokeSample, last: &StrokeSample) -> Self {
+        match first.direction == Vec3::ZERO {
+            true => {
+                let eye = 0.5 * (first.origin + last.origin) + Vec3::Z * FAR;
+                Self { eye, from: first.origin - eye, to: last.origin - eye }
+            }
+            false => Self { eye: last.origin, from: first.direction, to: last.direction },
+        }
+    }
+
+    fn mirrored(&self, middle: f32) -> Self {
+        let flip = |v: Vec3| Vec3::new(-v.x, v.y, v.z);
+        let eye = Vec3::new(2.0 * middle - self.eye.x, self.eye.y, self.eye.z);
+        Self { eye, from: flip(self.from), to: flip(self.to) }
+    }
+
+    /// Returns the places where a polyline crosses the cut, in segments.
+    fn crossings(self, points: &[Vec3]) -> impl Iterator<Item = f32> {
+        let normal = self.from.cross(self.to);
+        let within = move |p: Vec3| {
+            let v = p - self.eye;
+            self.from.cross(v).dot(normal) >= 0.0 && v.cross(self.to).dot(normal) >= 0.0
+        };
+        points.windows(2).enumerate().filter_map(move |(i, edge)| {
+            let [a, b] = [edge[0], edge[1]].map(|p| (p - self.eye).dot(normal));
+            let t = a / (a - b);
+            (a * b <= 0.0 && a != b && within(edge[0].lerp(edge[1], t))).then_some(i as f32 + t)
+        })
+    }
+}
+
+fn sphere_corners<'a>(points: impl Iterator<Item = &'a Vec3>) -> (Vec3, Vec3) {
+    points.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)))
+}
+
 fn sphere(guide: &[Vec3]) -> (Vec3, f32) {
-    let (lo, hi) = guide.iter().fold((guide[0], guide[0]), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+    let (lo, hi) = sphere_corners(guide.iter());
     (0.5 * (lo + hi), 0.5 * (hi - lo).length())
 }
 

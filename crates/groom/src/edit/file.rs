@@ -81,8 +81,8 @@ struct Traits {
 impl GroomDocument {
     /// Encodes the version as a file. Versions before it are not kept.
     pub fn write(&self) -> Vec<u8> {
-        let (base, strands) = (self.base(), &self.base().strands);
-        let guides = &base.guides;
+        let base = self.base();
+        let (guides, strands) = (&base.guides, &base.strands);
         let (head, files) = match self.head() {
             HeadFiles::None => (HeadInfo::None, &[][..]),
             HeadFiles::BuiltIn => (HeadInfo::BuiltIn, &[][..]),

@@ -19,6 +19,7 @@
 
 pub mod brush;
 pub mod carry;
+mod cuts;
 pub mod document;
 mod editor;
 pub mod file;

@@ -42,6 +42,12 @@ impl PressState {
 }
 
 impl PressState {
+    /// Returns the state of a guide that grows by `factor`.
+    pub fn grown(&self, factor: f32) -> Self {
+        let lengths = self.lengths.iter().map(|length| length * factor).collect();
+        Self { lengths, ..self.clone() }
+    }
+
     /// Whether `p`, where vertex `i` is now, is certainly farther from the skin than `distance`, meters: it has not moved
     /// far enough to be nearer.
     pub fn is_clear(&self, i: usize, p: Vec3, distance: f32) -> bool {

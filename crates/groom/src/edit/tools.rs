@@ -1,7 +1,7 @@
 //! The effect of each tool on one guide, before the [solve](super::solve).
 
 use super::{
-    Brush, BrushTool, Reach,
+    Brush, BrushTool, Falloff, Reach,
     solve::{PressState, turned, unit},
 };
 use crate::SdfGrid;
@@ -13,6 +13,8 @@ const SKIN: f32 = 5e-3;
 const RAISE: f32 = 0.15;
 /// Part of a guide, from its root, that puff and lay turn.
 const ROOT: f32 = 0.4;
+/// Change of the length per dab.
+const GROWTH: f32 = 0.03;
 /// Share of the way to the line of the stroke per dab.
 const PINCH: f32 = 0.2;
 /// Share of the way to the smooth shape per dab.
@@ -62,6 +64,19 @@ impl Dab {
         let (way, to) = (across(self.motion), across(p - self.center + self.motion));
         let t = (to.dot(way) / way.length_squared().max(1e-18)).clamp(0.0, 1.0);
         (to - way * t).length()
+    }
+
+    /// Returns the place where `line` enters the brush, in segments from the root; `None` if it does not, or begins there.
+    pub fn entry(&self, line: &[Vec3], brush: &Brush) -> Option<f32> {
+        let inside = |p: Vec3| self.near(p, &Brush { falloff: Falloff::Flat, ..*brush }) > 0.0;
+        let first = line.iter().position(|p| inside(*p)).filter(|first| *first > 0)?;
+        let (mut low, mut high) = (0.0f32, 1.0f32);
+        for _ in 0..8 {
+            let middle = 0.5 * (low + high);
+            let is_in = inside(line[first - 1].lerp(line[first], middle));
+            if is_in { high = middle } else { low = middle }
+        }
+        Some((first - 1) as f32 + high)
     }
 
     /// Returns the falloff at `p`, 0 outside.
@@ -151,7 +166,19 @@ impl Surroundings<'_> {
                 let along = motion - self.normal * motion.dot(self.normal);
                 (along.length() > 1e-9).then(|| self.raised(guide, weights, unit(along, motion)))?
             }
+            BrushTool::Length => {
+                let factor = self.growth(weights);
+                let root = guide[0];
+                (factor != 1.0).then(|| (guide.iter().map(|p| root + (*p - root) * factor).collect(), 1))
+            }
+            BrushTool::Cut | BrushTool::Line => None,
         }
+    }
+
+    /// Returns the factor of [`BrushTool::Length`].
+    pub fn growth(&self, weights: &Weights) -> f32 {
+        let weight = weights.weight.iter().copied().fold(0.0, f32::max);
+        1.0 + GROWTH * if self.brush.inverted { -weight } else { weight }
     }
 
     fn combed(&self, guide: &[Vec3], weights: &Weights) -> Vec<Vec3> {

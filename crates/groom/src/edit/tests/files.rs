@@ -89,7 +89,7 @@ fn file_keeps_everything() {
             1 => HeadFiles::BuiltIn,
             _ => HeadFiles::None,
         };
-        let document = GroomDocument::new(fixture.document.base().clone(), head, 0.25).unwrap();
+        let document = GroomDocument::new((*fixture.document.base()).clone(), head, 0.25).unwrap();
         let editor = &mut GroomEditor::new(document.clone(), Some(fixture.field.clone()));
         let after = stroke(editor, &Brush::default(), &fixture.side_stroke()).unwrap();
         let bytes = after.write();

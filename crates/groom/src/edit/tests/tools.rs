@@ -2,24 +2,26 @@
 
 use super::*;
 
-/// Checks lengths, depths and untouched guides of `after`, the result of a stroke on `before`.
+/// Checks lengths (of tools that keep them), depths and untouched guides of `after`, the result of a stroke on `before`.
 fn check(what: &str, fixture: &Fixture, before: &GroomDocument, after: &GroomDocument) {
+    let keeps_lengths = after.is_pose_of(before);
     let mut touched = 0;
     for i in 0..before.guides().len() {
         let (old, new) = (before.guide(i), after.guide(i));
         assert!(new.iter().all(|p| p.is_finite()), "{what}: guide {i} is not finite");
         assert_eq!(old[0], new[0], "{what}: the root of guide {i}");
         touched += usize::from(old != new);
-        for (old, new) in old.windows(2).zip(new.windows(2)) {
+        let edges = old.windows(2).zip(new.windows(2)).filter(|_| keeps_lengths);
+        for (old, new) in edges {
             let (old, new) = (old[0].distance(old[1]), new[0].distance(new[1]));
             assert!((new - old).abs() <= 5e-3 * old + 1e-7, "{what}: an edge of guide {i}: {old} {new}");
         }
-        for (old, new) in old.iter().zip(new) {
+        for (old, new) in old.iter().zip(new).filter(|_| keeps_lengths) {
             let (old, new) = (fixture.field.sample(*old).min(1.5e-3), fixture.field.sample(*new));
             assert!(new >= old - 2e-4, "{what}: guide {i} is at {new}, was at {old}");
         }
     }
-    assert!(touched > 0, "{what}: nothing has moved");
+    assert!(touched > 0 || !keeps_lengths, "{what}: nothing has moved");
 }
 
 #[test]
@@ -31,6 +33,7 @@ fn every_tool_keeps_lengths_and_stays_outside() {
                 let mut editor = fixture.editor();
                 let brush = Brush { strength: 1.0, reach, ..Brush::of(tool) };
                 let after = stroke(&mut editor, &brush, &fixture.side_stroke()).expect(&what);
+                assert_eq!(after.is_pose_of(&fixture.document), tool.keeps_lengths(), "{what}");
                 check(&what, fixture, &fixture.document, &after);
                 // A second stroke begins where the first has ended.
                 let again = stroke(&mut editor, &brush, &fixture.side_stroke());
@@ -74,7 +77,8 @@ fn mirrored_brush_acts_alike_on_both_sides() {
             let pairs = mirrored(after.guide(i)).into_iter().zip(after.guide(j));
             worst = pairs.map(|(a, b)| a.distance(*b)).fold(worst, f32::max);
         }
-        assert!(worst < 1e-6, "{name}: {worst}");
+        // A cut is found by bisection of an edge of 9 mm.
+        assert!(worst < if tool.keeps_lengths() { 1e-6 } else { 1e-4 }, "{name}: {worst}");
     }
 }
 
@@ -148,4 +152,89 @@ fn canceled_stroke_leaves_no_trace() {
     editor.cancel();
     assert!(editor.take_moved() && editor.positions() == fixture.document.guides().positions());
     assert_eq!(editor.document(), &fixture.document);
+}
+
+#[test]
+fn cut_hair_lies_where_it_was_and_ends_at_the_cut() {
+    for fixture in fixtures() {
+        // A horizontal line below the middle of the head, seen from the front.
+        let eye = fixture.center + Vec3::new(0.0, 0.0, 1.0);
+        let level = fixture.center.y - 0.03;
+        let to = |x: f32| Vec3::new(x, level, fixture.center.z) - eye;
+        let samples = [-0.3, 0.3].map(|x| StrokeSample::ray(eye, to(x)));
+        let brush = Brush { reach: Reach::Through, mirror: false, ..Brush::of(BrushTool::Line) };
+        let after = stroke(&mut fixture.editor(), &brush, &samples).expect(fixture.name);
+        let (old, new) = (fixture.document.groom().strands, after.groom().strands);
+        // The eye is at another height than the cut: further back, the plane is lower.
+        let height = |p: Vec3| p.y - (eye.y + (level - eye.y) * (eye.z - p.z) / (eye.z - fixture.center.z));
+        let (mut cut, mut whole) = (0, 0);
+        for i in 0..old.len() {
+            let [before, after]: [Vec<Vec3>; 2] =
+                [&old, &new].map(|strands| strands.rest_positions(i).collect());
+            let crosses = before.windows(2).any(|edge| height(edge[0]) > 0.0 && height(edge[1]) < 0.0);
+            let begins_below = height(before[0]) < 2e-3;
+            if crosses && !begins_below {
+                cut += 1;
+                let tip = after[after.len() - 1];
+                assert!(
+                    height(tip).abs() < 1e-3,
+                    "{}: strand {i} ends {} from the cut",
+                    fixture.name,
+                    height(tip)
+                );
+                // Every point is on the strand as it was.
+                let near = |p: &Vec3| {
+                    let edges = before.windows(2).map(|edge| {
+                        let t = ((*p - edge[0]).dot(edge[1] - edge[0])
+                            / (edge[1] - edge[0]).length_squared().max(1e-12))
+                        .clamp(0.0, 1.0);
+                        p.distance(edge[0].lerp(edge[1], t))
+                    });
+                    edges.fold(f32::MAX, f32::min)
+                };
+                assert!(after.iter().all(|p| near(p) < 2e-4), "{}: strand {i}", fixture.name);
+            } else if !begins_below {
+                whole += 1;
+                assert!(
+                    before.iter().zip(&after).all(|(a, b)| a.distance(*b) < 2e-5),
+                    "{}: {i}",
+                    fixture.name
+                );
+            }
+        }
+        println!("{}: {cut} cut, {whole} whole", fixture.name);
+        assert!(cut > 50, "{}: {cut}", fixture.name);
+        // Guides are not much longer than their hair.
+        let longest = |document: &GroomDocument| {
+            let guides = 0..document.guides().len();
+            guides.map(|i| crate::curve::length(document.guide(i))).fold(0.0, f32::max)
+        };
+        assert!(longest(&after) < longest(&fixture.document), "{}", fixture.name);
+    }
+}
+
+#[test]
+fn hair_grows_and_shrinks_by_the_same_factor() {
+    for fixture in fixtures() {
+        let brush = Brush { strength: 1.0, radius: 0.06, mirror: false, ..Brush::of(BrushTool::Length) };
+        let at = fixture.side_stroke()[8];
+        let held = [at, StrokeSample { time: 0.5, ..at }];
+        let mut editor = fixture.editor();
+        let longer = stroke(&mut editor, &brush, &held).unwrap();
+        let ratio = |document: &GroomDocument, strands: bool| {
+            let length = |document: &GroomDocument, i: usize| match strands {
+                true => crate::curve::length(&document.groom().strands.rest_positions(i).collect::<Vec<_>>()),
+                false => crate::curve::length(document.guide(i)),
+            };
+            let count = if strands { 40 } else { document.guides().len() };
+            let ratios = (0..count).map(|i| length(document, i) / length(&fixture.document, i));
+            ratios.fold(0.0, f32::max)
+        };
+        // Eleven dabs of 3 % where the weight is 1.
+        let grown = ratio(&longer, false);
+        assert!((1.15..1.39).contains(&grown), "{}: {grown}", fixture.name);
+        assert!(ratio(&longer, true) < 1.39, "{}", fixture.name);
+        let shorter = stroke(&mut editor, &Brush { inverted: true, ..brush }, &held).unwrap();
+        assert!(ratio(&shorter, false) < grown, "{}", fixture.name);
+    }
 }

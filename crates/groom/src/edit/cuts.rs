@@ -1,0 +1,181 @@
+//! Lengths of an edited groom: how much is left of each strand, and by how much guides have grown.
+//!
+//! A cut is a share of a strand's length, not a surface in space: hair that is combed later is not cut again. Guides end
+//! a little after the longest strand that follows them.
+
+use crate::{
+    BoundStrands, Groom,
+    bound::{PackedRest, StrandBinding},
+    curve,
+    progress::in_parallel,
+};
+use glam::Vec3;
+use std::collections::BTreeMap;
+
+/// Length of a guide beyond the longest strand that follows it, meters.
+const BEYOND: f32 = 3e-3;
+/// Shortest share of a strand and of a guide that a cut leaves.
+const SHORTEST: f32 = 0.005;
+/// Change of a guide's share below which it stays.
+const SMALL: f32 = 0.02;
+
+/// Changes of a stroke, as factors.
+#[derive(Clone, Debug, Default)]
+pub(super) struct LengthChanges {
+    /// Share that is left of a strand, by index.
+    pub strands: BTreeMap<usize, f32>,
+    /// Factor of the length of a guide and the hair around it, by index.
+    pub guides: BTreeMap<usize, f32>,
+}
+
+/// Lengths relative to the groom before the first stroke.
+#[derive(Clone, Debug)]
+pub(super) struct Cuts {
+    /// Share of each strand that is left.
+    strands: Vec<f32>,
+    /// Share of each guide that is left.
+    guides: Vec<f32>,
+    /// Factor by which each guide has grown, before it is cut.
+    growth: Vec<f32>,
+}
+
+/// Returns the point at `x`, in segments, on a polyline.
+fn at(points: &[Vec3], x: f32) -> Vec3 {
+    let k = (x as usize).min(points.len() - 2);
+    points[k].lerp(points[k + 1], x - k as f32)
+}
+
+/// Returns the first `share` of a polyline, with as many points.
+fn shortened(points: &[Vec3], share: f32) -> Vec<Vec3> {
+    (0..points.len()).map(|i| at(points, share * i as f32)).collect()
+}
+
+/// Returns guide and weight of each influence.
+fn influences(binding: &StrandBinding) -> [(usize, f32); 3] {
+    let first = 1.0 - binding.weight_b - binding.weight_c;
+    let [a, b, c] = binding.guides.map(|guide| guide as usize);
+    [(a, first), (b, binding.weight_b), (c, binding.weight_c)]
+}
+
+impl Cuts {
+    /// Returns lengths without changes.
+    pub fn none(groom: &Groom) -> Self {
+        let guides = vec![1.0; groom.guides.len()];
+        Self { strands: vec![1.0; groom.strands.len()], growth: guides.clone(), guides }
+    }
+
+    /// Returns these lengths of `source` after `changes`.
+    pub fn changed(&self, source: &Groom, changes: &LengthChanges) -> Self {
+        let mut after = self.clone();
+        for (i, share) in &changes.strands {
+            after.strands[*i] = (self.strands[*i] * share).clamp(SHORTEST, 1.0);
+        }
+        for (i, factor) in &changes.guides {
+            after.growth[*i] *= factor;
+        }
+        // Guides of hair whose length is another.
+        let mut is_touched = vec![false; self.guides.len()];
+        changes.guides.keys().for_each(|guide| is_touched[*guide] = true);
+        for i in changes.strands.keys() {
+            for (guide, weight) in influences(&source.strands.bindings[*i]) {
+                is_touched[guide] |= weight > 0.0;
+            }
+        }
+        // The longest strand that follows each guide, as a share of the guide.
+        let mut longest = vec![0.0f32; self.guides.len()];
+        for (binding, keep) in source.strands.bindings.iter().zip(&after.strands) {
+            for ((guide, weight), scale) in influences(binding).into_iter().zip(binding.scale) {
+                if weight > 0.0 {
+                    longest[guide] = longest[guide].max(keep * scale);
+                }
+            }
+        }
+        for i in (0..is_touched.len()).filter(|i| is_touched[*i] && longest[*i] > 0.0) {
+            let length = curve::length(source.guides.guide(i)) * after.growth[i];
+            let share = (longest[i] + BEYOND / length.max(1e-6)).clamp(SHORTEST, 1.0);
+            if (share - self.guides[i]).abs() > SMALL {
+                after.guides[i] = share;
+            }
+        }
+        after
+    }
+
+    /// Returns guide `i`, which is `vertices` with these lengths, with the lengths `after`; `None` if it is the same.
+    pub fn guide_to(&self, after: &Self, i: usize, vertices: &[Vec3]) -> Option<Vec<Vec3>> {
+        let factor = after.growth[i] / self.growth[i];
+        let share = after.guides[i] / self.guides[i];
+        if factor == 1.0 && share == 1.0 {
+            return None;
+        }
+        // A guide that gets its end back continues straight.
+        let root = vertices[0];
+        let last = vertices.len() - 1;
+        let end = vertices[last] - vertices[last - 1];
+        let point = |x: f32| match x > last as f32 {
+            true => vertices[last] + end * (x - last as f32),
+            false => at(vertices, x),
+        };
+        Some((0..=last).map(|k| root + (point(share * k as f32) - root) * factor).collect())
+    }
+
+    /// Returns `source` with these lengths.
+    pub fn apply(&self, source: &Groom) -> Groom {
+        let mut groom = source.clone();
+        let n = source.guides.vertex_count as usize;
+        let none = Self::none(source);
+        for (i, guide) in groom.guides.positions.chunks_exact_mut(n).enumerate() {
+            if let Some(changed) = none.guide_to(self, i, source.guides.guide(i)) {
+                guide.copy_from_slice(&changed);
+            }
+        }
+        let is_changed = |i: &usize| {
+            let binding = &source.strands.bindings[*i];
+            let guide = |(guide, _): (usize, f32)| self.guides[guide] != 1.0 || self.growth[guide] != 1.0;
+            self.strands[*i] != 1.0 || influences(binding).into_iter().any(guide)
+        };
+        let changed: Vec<usize> = (0..source.strands.len()).filter(is_changed).collect();
+        let strands = in_parallel(&changed, |i| self.strand(&source.strands, *i));
+        let m = source.strands.vertex_count as usize;
+        for (i, (binding, rest)) in changed.into_iter().zip(strands) {
+            groom.strands.bindings[i] = binding;
+            groom.strands.rest[i * m..(i + 1) * m].copy_from_slice(&rest);
+        }
+        groom
+    }
+
+    /// Returns binding and vertices of strand `i` with these lengths.
+    fn strand(&self, strands: &BoundStrands, i: usize) -> (StrandBinding, Vec<PackedRest>) {
+        let (m, mut binding, keep) = (strands.vertex_count as usize, strands.bindings[i], self.strands[i]);
+        let (line, radii): (Vec<Vec3>, Vec<f32>) =
+            strands.rest[i * m..(i + 1) * m].iter().map(|rest| rest.unpack(&binding)).unzip();
+        let growth: f32 =
+            influences(&binding).map(|(guide, weight)| weight * self.growth[guide]).iter().sum();
+        let line: Vec<Vec3> =
+            shortened(&line, keep).into_iter().map(|p| line[0] + (p - line[0]) * growth).collect();
+        let guides = binding.guides;
+        for (scale, guide) in binding.scale.iter_mut().zip(guides) {
+            *scale *= keep / self.guides[guide as usize];
+        }
+        let first = line[0];
+        let (lo, hi) = line.iter().fold((first, first), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+        (binding.origin, binding.extent) = (lo, (hi - lo).max_element());
+        let radius = |k: usize| {
+            let x = keep * k as f32;
+            let at = (x as usize).min(m - 2);
+            radii[at] + (radii[at + 1] - radii[at]) * (x - at as f32)
+        };
+        let packed =
+            line.iter().enumerate().map(|(k, p)| PackedRest::pack(*p, radius(k), &binding)).collect();
+        (binding, packed)
+    }
+
+    /// Returns all numbers.
+    pub fn numbers(&self) -> impl Iterator<Item = f32> {
+        self.strands.iter().chain(&self.guides).chain(&self.growth).copied()
+    }
+
+    /// Returns the size of the numbers, bytes.
+    pub fn bytes(&self) -> usize {
+        4 * (self.strands.len() + self.guides.len() + self.growth.len())
+    }
+}
