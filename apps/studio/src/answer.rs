@@ -2,6 +2,7 @@
 
 use crate::{files::Files, hosted::Command};
 use std::path::PathBuf;
+use tresses::glam::Vec3;
 use tresses_scene::{Companion, Shelf};
 
 /// A file's path and content.
@@ -20,6 +21,8 @@ pub enum Answer {
     Picture(String, Shelf),
     /// A command of the host.
     Do(Command),
+    /// Shapes of the simulated guides to keep: groom space, meters.
+    Kept(Vec<Vec3>),
     /// A success message.
     Wrote(String),
     /// An error message.

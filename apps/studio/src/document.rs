@@ -14,6 +14,7 @@ use crate::{
 use eframe::egui;
 use std::{path::Path, sync::Arc, time::Duration};
 use tresses::{
+    glam::Vec3,
     gpu::Gpu,
     groom::{
         cards::CardOptions,
@@ -119,13 +120,30 @@ impl Document {
         }
     }
 
-    /// Ends the stroke of the brush, as one step of the history.
-    pub fn end_stroke(&mut self, messages: &mut Messages) {
-        let Some((document, label)) = self.groomer.as_mut().and_then(Groomer::release) else { return };
+    /// Makes the shapes of simulated guides those of the groom, as one step of the history.
+    pub fn keep_shape(&mut self, guides: &[Vec3], messages: &mut Messages) {
+        match self.groomer.as_mut().map(|groomer| groomer.keep(guides)) {
+            Some(Ok(Some(document))) => {
+                self.step(document, "Keep shape");
+                self.keep(messages);
+            }
+            Some(Err(error)) => messages.fail(error),
+            _ => messages.said = Some("The hair has this shape already".into()),
+        }
+    }
+
+    /// Records a version as a step of the history.
+    fn step(&mut self, document: GroomDocument, label: &str) {
         let now = self.settings.hair();
         let source = Source::Edited { name: now.source.name(), document };
         let hair = Hair { source, companions: now.companions.clone() };
         self.settings.change_both(self.settings.now().clone(), hair, label);
+    }
+
+    /// Ends the stroke of the brush, as one step of the history.
+    pub fn end_stroke(&mut self, messages: &mut Messages) {
+        let Some((document, label)) = self.groomer.as_mut().and_then(Groomer::release) else { return };
+        self.step(document, label);
         self.keep(messages);
     }
 

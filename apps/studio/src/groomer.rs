@@ -1,6 +1,7 @@
 //! Grooming: the brushes of the window, and the groom under them.
 
 use anyhow::Result;
+use tresses::glam::Vec3;
 use tresses::groom::edit::{
     Brush, BrushTool, GroomDocument, GroomEditor, ScriptStep, StrokeSample, StrokeScript,
 };
@@ -150,6 +151,20 @@ impl Groomer {
         self.steps.push(Step { before, after: after.clone(), stroke });
         (self.ended, self.hash) = (Instant::now(), after.hash());
         Some((after, title(self.brush.tool)))
+    }
+
+    /// Gives the guides the shapes of simulated ones. Returns the new version if any differs.
+    ///
+    /// # Errors
+    /// As [`GroomEditor::keep`].
+    pub fn keep(&mut self, positions: &[Vec3]) -> Result<Option<GroomDocument>> {
+        let before = self.document().clone();
+        let Some(after) = self.editor.keep(positions)? else { return Ok(None) };
+        let changed = after.guides().differing(before.guides());
+        let guides = changed.map(|i| (i, after.guide(i).to_vec())).collect();
+        self.steps.push(Step { before, after: after.clone(), stroke: ScriptStep::Pose(guides) });
+        (self.ended, self.hash) = (Instant::now(), after.hash());
+        Ok(Some(after))
     }
 
     /// Takes the current stroke back.

@@ -10,6 +10,7 @@ use anyhow::Result;
 use eframe::{egui, egui_wgpu::RenderState};
 use std::time::Duration;
 use tresses::{
+    Pose,
     character::Gesture,
     glam::Vec3,
     gpu::{Timings, readback::Pending, timings::Rows},
@@ -224,6 +225,16 @@ impl CharacterDisplay {
         self.watcher.watch(&flight);
         self.flight = Some((flight, moment.level));
         Ok(())
+    }
+
+    /// Starts reading back the guides. Returns the vertex-major positions to come, how many guides there are, and the map
+    /// to groom space.
+    pub fn guides(&self) -> (Pending, usize, Pose) {
+        let character = &self.stage.character;
+        let hair = character.hair();
+        let back = character.head().inverse().after(&hair.place());
+        let pending = Pending::buffer(&self.stage.gpu.context, &hair.guides.current);
+        (pending, hair.guides.count as usize, back)
     }
 
     /// Starts reading back the last finished frame.

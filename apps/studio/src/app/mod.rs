@@ -143,7 +143,7 @@ impl Studio {
         let Self { document, renderer, viewport, snapshot, dialogs, messages, panels, .. } = self;
         let records = self.recorder.is_busy();
         let tools = (&mut viewport.tool, &mut viewport.kit);
-        panels::keys::answer(panels, document, renderer, tools, messages, ui.ctx());
+        panels::keys::answer(panels, document, renderer, tools, (dialogs, messages), ui.ctx());
         let can_record = renderer.show.is_some() && !records;
         panels::top::show(panels, document, snapshot, can_record, dialogs, messages, ui);
         let hint = if renderer.show.is_some() { viewport.tool.hint() } else { "" };
@@ -164,7 +164,7 @@ impl Studio {
         let over = Overlay::new(ui, rect);
         let shown = renderer.show.is_some();
         if shown && !self.bare {
-            over.tools(&mut viewport.tool, renderer);
+            over.tools(&mut viewport.tool, document, renderer, &self.dialogs);
             over.views(renderer);
             match viewport.tool.brush() {
                 Some(tool) => over.brush(tool, &mut viewport.kit, document, &self.dialogs),

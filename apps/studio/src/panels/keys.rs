@@ -1,7 +1,8 @@
 //! Keyboard shortcuts.
 
 use crate::{
-    document::Document, groomer::BrushKit, messages::Messages, panels::Panels, renderer::Renderer, tool::Tool,
+    dialog::Dialogs, document::Document, groomer::BrushKit, messages::Messages, panels::Panels,
+    renderer::Renderer, tool::Tool,
 };
 use eframe::egui::{self, Key, KeyboardShortcut, Modifiers};
 use tresses_scene::camera::Angle;
@@ -25,7 +26,7 @@ pub fn answer(
     document: &mut Document,
     renderer: &mut Renderer,
     (tool, kit): (&mut Tool, &mut BrushKit),
-    messages: &mut Messages,
+    (dialogs, messages): (&Dialogs, &mut Messages),
     context: &egui::Context,
 ) {
     if context.egui_wants_keyboard_input() {
@@ -39,6 +40,10 @@ pub fn answer(
     }
     if context.input_mut(|input| input.consume_shortcut(&undo)) {
         document.undo(false, messages);
+    }
+    let keep = KeyboardShortcut::new(Modifiers::SHIFT, Key::Space);
+    if context.input_mut(|input| input.consume_shortcut(&keep)) && document.groomer.is_some() {
+        super::keep(renderer, dialogs);
     }
     // Several presses may arrive within one frame.
     let presses = |key| context.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key));

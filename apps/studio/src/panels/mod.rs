@@ -21,8 +21,30 @@ pub mod top;
 pub mod transport;
 pub mod wind;
 
-use crate::cards::CardForm;
+use crate::{answer::Answer, cards::CardForm, dialog::Dialogs, renderer::Renderer, task};
 use eframe::egui;
+use tresses::glam::Vec3;
+
+/// Reads the simulated guides back and queues their shapes, for the groom to keep.
+pub fn keep(renderer: &Renderer, dialogs: &Dialogs) {
+    let Some(show) = &renderer.show else { return };
+    let (pending, count, back) = show.guides();
+    let dialogs = dialogs.clone();
+    task::spawn(move || async move {
+        dialogs.tell(match pending.wait().await {
+            Ok(bytes) => {
+                let points: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
+                let vertices = points.len() / count.max(1);
+                let at = |i: usize| {
+                    let [x, y, z, _] = points[i % vertices * count + i / vertices];
+                    back.point(Vec3::new(x, y, z))
+                };
+                Answer::Kept((0..vertices * count).map(at).collect())
+            }
+            Err(error) => Answer::Failed(error.to_string()),
+        });
+    });
+}
 
 /// State of the panels.
 #[derive(Debug, Default)]

@@ -56,7 +56,7 @@ impl<'a> Overlay<'a> {
     }
 
     /// Shows the tools.
-    pub fn tools(&self, tool: &mut Tool, renderer: &mut Renderer) {
+    pub fn tools(&self, tool: &mut Tool, document: &Document, renderer: &mut Renderer, dialogs: &Dialogs) {
         self.at("tools", Align2::LEFT_TOP, Vec2::ZERO, |ui| {
             ui.with_layout(Layout::top_down_justified(Align::Center), |ui| {
                 ui.set_width(64.0);
@@ -88,6 +88,13 @@ impl<'a> Overlay<'a> {
                 let help = "Brushes that comb the hair at rest\nKeys Ctrl G";
                 if ui.button("Groom").on_hover_text(help).clicked() {
                     *tool = Tool::Brush(Default::default());
+                }
+                if document.groomer.is_some() {
+                    let help =
+                        "The groomed hair keeps the shape that it has now, pulled or blown\nKeys Shift Space";
+                    if ui.button("Keep").on_hover_text(help).clicked() {
+                        panels::keep(renderer, dialogs);
+                    }
                 }
             });
         });

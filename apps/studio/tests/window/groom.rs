@@ -5,6 +5,7 @@ use std::{path::Path, time::Duration};
 
 /// Keysyms.
 const CONTROL: u32 = 0xffe3;
+const SHIFT: u32 = 0xffe1;
 const ESCAPE: u32 = 0xff1b;
 const G: u32 = 0x67;
 const Z: u32 = 0x7a;
@@ -90,6 +91,13 @@ fn hair_is_combed_undone_saved_and_recovered() {
         let state = desk.state()?;
         (state["playing"] == true && state["time"].as_f64()? > 0.1).then_some(())
     });
+    // It keeps the shape of the moment, until that is undone.
+    desk.chord(SHIFT, SPACE);
+    groomed(&mut desk, "the shape of the moment", |groom| {
+        groom["hash"] != after["hash"] && groom["strokes"] == 2
+    });
+    desk.chord(CONTROL, Z);
+    groomed(&mut desk, "the shape before", |groom| groom["hash"] == after["hash"]);
     desk.key(SPACE);
     desk.chord(CONTROL, G);
     groomed(&mut desk, "the brush again", |groom| groom["hash"] == after["hash"]);

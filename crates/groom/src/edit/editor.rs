@@ -31,6 +31,8 @@ const SPARSE: f32 = 2.0;
 const FAR: f32 = 10.0;
 /// Limits of the growth in one stroke.
 const GROWTH: std::ops::RangeInclusive<f32> = 0.1..=5.0;
+/// Distance from which a shape is another, meters.
+const KEPT: f32 = 1e-4;
 /// Number of neighbors.
 const NEIGHBORS: usize = 6;
 /// Number of guides from which several threads are faster.
@@ -412,6 +414,41 @@ impl GroomEditor {
             self.open(document);
         }
         Some(self.document.clone())
+    }
+
+    /// Gives the guides the shapes of `positions` (groom space, meters, guide after guide), for example of simulated hair.
+    /// Roots and lengths stay, and nothing enters the head. Returns the new version, or `None` if no vertex is farther
+    /// than a tenth of a millimeter from it.
+    ///
+    /// # Errors
+    /// [`Error::Unusable`] for another number of positions, or for one that is not finite.
+    pub fn keep(&mut self, positions: &[Vec3]) -> Result<Option<GroomDocument>> {
+        self.cancel();
+        let n = self.document.vertex_count();
+        if positions.len() != self.positions.len() || !positions.iter().all(|p| p.is_finite()) {
+            return Err(Error::Unusable("the positions do not belong to the guides of this groom".into()));
+        }
+        let differ = |i: &usize| {
+            let pairs = self.guide(*i).iter().zip(&positions[i * n..(i + 1) * n]);
+            pairs.skip(1).any(|(now, kept)| now.distance(*kept) > KEPT)
+        };
+        let changed: Vec<usize> = (0..self.spheres.len()).filter(differ).collect();
+        let field = self.field.as_deref();
+        let solver = Solver { field, keep_shape: 0.0, keep_volume: 0.0 };
+        let near = vec![1.0; n];
+        let solved = self.changed(&changed, |i| {
+            let press = PressState::new(self.guide(i), field);
+            let target = &positions[i * n..(i + 1) * n];
+            let vertices = solver.solve(self.guide(i), target, &near, 1, &press);
+            Some(MovedGuide { vertices, press: press.into(), growth: 1.0 })
+        });
+        let moved = solved.iter().map(|(i, guide)| (*i, &guide.vertices[..]));
+        let document = self.document.with(moved);
+        if document == self.document {
+            return Ok(None);
+        }
+        self.go_to(document)?;
+        Ok(Some(self.document.clone()))
     }
 
     /// Ends the stroke and takes it back.

@@ -5,6 +5,7 @@
 //! {"tool":"comb","set":{"radius":0.03},"samples":[[0,0.1,1.7,0.9,-0.1,0,-0.99,1],[0.02,0.1,1.7,0.9,-0.1,-0.02,-0.99,1]]}
 //! {"tool":"smooth","path":[[0.1,1.6,0],[0.1,1.5,0]]}
 //! {"do":"undo"}
+//! {"do":"pose","guides":[[12,[[0,1.7,0.1],[0,1.71,0.1]]]]}
 //! ```
 //! A sample is time (s), eye (x, y, z, meters), direction of sight (x, y, z) and pressure, in groom space. A path has the
 //! middle of the brush instead, without a camera. Values that `set` does not name are those of [`Brush::of`].
@@ -31,6 +32,8 @@ pub enum ScriptStep {
     },
     /// Takes the last stroke back.
     Undo,
+    /// Puts guides into other shapes: index and vertices of each.
+    Pose(Vec<(usize, Vec<Vec3>)>),
 }
 
 /// A recording of strokes.
@@ -54,6 +57,8 @@ struct Line {
     samples: Vec<[f32; 8]>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     path: Vec<[f32; 3]>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    guides: Vec<(usize, Vec<[f32; 3]>)>,
     #[serde(rename = "do", skip_serializing_if = "Option::is_none")]
     act: Option<String>,
 }
@@ -110,6 +115,18 @@ impl StrokeScript {
                         versions.extend(editor.release());
                     }
                 }
+                ScriptStep::Pose(guides) => {
+                    let n = editor.document().vertex_count();
+                    let mut positions = editor.positions().to_vec();
+                    for (i, vertices) in guides {
+                        let place = positions.get_mut(i * n..(i + 1) * n);
+                        let fits = place.filter(|place| place.len() == vertices.len());
+                        let wrong =
+                            || Error::Unusable(format!("the groom has no guide {i} with so many vertices"));
+                        fits.ok_or_else(wrong)?.copy_from_slice(vertices);
+                    }
+                    versions.extend(editor.keep(&positions)?);
+                }
                 ScriptStep::Undo => {
                     versions.pop();
                     let Some(version) = versions.last() else {
@@ -126,7 +143,7 @@ impl StrokeScript {
 
 impl Line {
     fn step(self) -> std::result::Result<ScriptStep, String> {
-        let Self { version, tool, set, samples, path, act } = self;
+        let Self { version, tool, set, samples, path, guides, act } = self;
         match (version, tool, act.as_deref()) {
             (None, Some(tool), None) => {
                 let mut values = serde_json::to_value(Brush::of(tool)).map_err(|error| error.to_string())?;
@@ -148,14 +165,26 @@ impl Line {
                 Ok(ScriptStep::Stroke { brush, samples })
             }
             (None, None, Some("undo")) => Ok(ScriptStep::Undo),
-            (None, None, Some(other)) => Err(format!("there is nothing to do named {other}; there is undo")),
+            (None, None, Some("pose")) => {
+                let points = |points: Vec<[f32; 3]>| points.into_iter().map(Vec3::from).collect();
+                Ok(ScriptStep::Pose(guides.into_iter().map(|(i, vertices)| (i, points(vertices))).collect()))
+            }
+            (None, None, Some(other)) => {
+                Err(format!("there is nothing to do named {other}; there are undo and pose"))
+            }
             _ => Err("a line has either a tool or something to do".into()),
         }
     }
 
     fn of(step: &ScriptStep) -> Self {
-        let ScriptStep::Stroke { brush, samples } = step else {
-            return Self { act: Some("undo".into()), ..Self::default() };
+        let (brush, samples) = match step {
+            ScriptStep::Stroke { brush, samples } => (brush, samples),
+            ScriptStep::Undo => return Self { act: Some("undo".into()), ..Self::default() },
+            ScriptStep::Pose(guides) => {
+                let points = |points: &Vec<Vec3>| points.iter().map(Vec3::to_array).collect();
+                let guides = guides.iter().map(|(i, vertices)| (*i, points(vertices))).collect();
+                return Self { act: Some("pose".into()), guides, ..Self::default() };
+            }
         };
         let values = |brush: &Brush| match serde_json::to_value(brush) {
             Ok(Value::Object(values)) => values,

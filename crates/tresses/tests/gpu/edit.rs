@@ -14,8 +14,11 @@ use tresses::{
         mannequin::SKULL_CENTER,
         styles::Style,
     },
+    hair::HairFrame,
     lod,
+    simulate::SimulationParams,
     strands::StrandVertex,
+    wind::Wind,
 };
 
 /// Returns an editor of a built-in style with `strands` strands.
@@ -46,8 +49,18 @@ fn combed(editor: &mut GroomEditor, tool: BrushTool) -> GroomDocument {
 }
 
 fn hair(context: &Context, groom: &Groom, mode: AvoidMode, editor: Option<&GroomEditor>) -> Hair {
+    supported(context, groom, (mode, SimulationParams::default()), editor)
+}
+
+/// Returns hair at rest under these physics.
+fn supported(
+    context: &Context,
+    groom: &Groom,
+    (mode, simulation): (AvoidMode, SimulationParams),
+    editor: Option<&GroomEditor>,
+) -> Hair {
     let avoid = AvoidOptions { mode, ..AvoidOptions::default() };
-    let options = HairOptions { avoid, ..HairOptions::default() };
+    let options = HairOptions { avoid, simulation, ..HairOptions::default() };
     Hair::new(context, groom, &options, editor.and_then(GroomEditor::field)).unwrap()
 }
 
@@ -80,7 +93,7 @@ fn drawn_strands_are_those_of_the_document() {
     let head = Pose { translation: Vec3::new(0.3, 1.0, -0.2), rotation: turn };
     for style in ["bob", "curly"] {
         let mut editor = editor(context, style, 3600).unwrap();
-        let base = editor.document().base().clone();
+        let base = editor.document().base();
         let mut hair = hair(context, &base, AvoidMode::Off, None);
         let before = drawn(context, &mut hair, &base, head, 1.0 / 60.0);
         for tool in [BrushTool::Comb, BrushTool::Puff] {
@@ -102,7 +115,7 @@ fn drawn_strands_are_those_of_the_document() {
         editor.go_to(editor.document().original()).unwrap();
         hair.pose_guides(editor.positions()).unwrap();
         let off = off(&drawn(context, &mut hair, &base, head, 0.0), &base, head);
-        assert!(off[off.len() - 1] < 2e-5);
+        assert!(off[off.len() - 1] < 1e-4, "{}", off[off.len() - 1]);
         assert!(hair.pose_guides(&[Vec3::ZERO]).is_err());
     }
 }
@@ -113,7 +126,7 @@ fn combed_hair_keeps_its_shape() {
     let Some(context) = common::context() else { return };
     for style in ["bob", "long"] {
         let mut editor = editor(context, style, 3600).unwrap();
-        let base = editor.document().base().clone();
+        let base = editor.document().base();
         let mut posed = hair(context, &base, AvoidMode::ChangeOver, Some(&editor));
         drawn(context, &mut posed, &base, Pose::IDENTITY, 0.0);
         let groom = combed(&mut editor, BrushTool::Comb).groom();
@@ -139,6 +152,53 @@ fn combed_hair_keeps_its_shape() {
             1e3 * sags
         );
         assert!(mean < 3e-4 && most < 1e-3 && sags < 2e-3, "{style}: {mean} {most} {sags}");
+    }
+}
+
+/// Hair that the wind has blown keeps that shape.
+#[test]
+fn blown_hair_keeps_its_shape() {
+    let Some(context) = common::context() else { return };
+    // Hair in the middle of a swing has sharp bends, which stiffer hair bears.
+    for (support, most) in [(2.0, 1e-2), (6.0, 2e-3)] {
+        let mut editor = editor(context, "bob", 3600).unwrap();
+        let base = editor.document().base();
+        let mut blown = hair(context, &base, AvoidMode::ChangeOver, Some(&editor));
+        let wind = Wind::new(Vec3::new(2.5, 0.5, -1.0));
+        let calm = SimulationParams { support, ..SimulationParams::default() };
+        let physics = SimulationParams { wind, ..calm };
+        for _ in 0..90 {
+            common::advance(
+                &mut blown,
+                &HairFrame { simulation: &physics, ..common::frame(Pose::IDENTITY, 1.0 / 60.0) },
+            );
+        }
+        let points: Vec<[f32; 4]> = readback::buffer(context, &blown.guides.current).unwrap();
+        let (count, n) = (blown.guides.count as usize, blown.guides.vertex_count as usize);
+        let place = blown.place();
+        let at = |i: usize| {
+            let [x, y, z, _] = points[i % n * count + i / n];
+            place.point(Vec3::new(x, y, z))
+        };
+        let now: Vec<Vec3> = (0..count * n).map(at).collect();
+        let kept = editor.keep(&now).unwrap().expect("the hair has moved");
+        let moved =
+            kept.guides().positions().into_iter().zip(&base.guides.positions).map(|(a, b)| a.distance(*b));
+        let moved = moved.fold(0.0, f32::max);
+        let off = kept.guides().positions().iter().zip(&now).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+        assert!(moved > 0.02 && off < 4e-3, "moved {moved}, kept within {off}");
+        assert!(editor.keep(kept.guides().positions().as_slice()).unwrap().is_none(), "nothing new to keep");
+        let groom = kept.groom();
+        let mut anew = supported(context, &groom, (AvoidMode::ChangeOver, calm), Some(&editor));
+        let mut last = Vec::new();
+        for _ in 0..120 {
+            last = drawn(context, &mut anew, &groom, Pose::IDENTITY, 1.0 / 60.0);
+        }
+        let sag = self::off(&last, &groom, Pose::IDENTITY);
+        let sags = sag[sag.len() * 95 / 100];
+        let half = sag[sag.len() / 2];
+        println!("support {support}: sag {:.2} mm for half, {:.2} mm for 95 %", 1e3 * half, 1e3 * sags);
+        assert!(half < 5e-4 && sags < most, "{half} {sags}");
     }
 }
 
