@@ -1,14 +1,16 @@
 //! Input for fuzzing the readers: intact files, and edits that damage them.
 
 use bolero::TypeGenerator;
+use std::path::Path;
 use tresses_groom::{
-    CookedGroom, Look, SdfGrid, Strands, TriMesh,
+    BindOptions, CookedGroom, GuideCount, Look, SdfGrid, Strands, TriMesh, bind,
     cooked::HEADER,
+    edit::{GroomDocument, GroomEditor, HeadFiles, StrokeScript},
     error::Result,
     export::{Hair, Writer},
     glam::{Mat4, Vec2, Vec3},
     import::{FileBytes, ImportOptions, read_given, read_given_body},
-    orient::Unit,
+    orient::{Choice, Unit},
     rig::{Animation, Bind, Channel, Curve, Delta, Joint, Node, Property, Rig, Target},
 };
 
@@ -135,6 +137,68 @@ pub fn strands() -> Strands {
 
 fn writer(name: &str) -> &'static Writer {
     Writer::of(name).expect("a format that is written")
+}
+
+/// Strokes of every tool on [`strands`].
+pub const STROKES: &str = r#"{"version":1}
+{"tool":"comb","set":{"radius":0.03},"samples":[[0,0.02,1.68,0.5,0,0,-1,1],[0.1,0.04,1.66,0.5,0,0,-1,0.5]]}
+{"tool":"grab","path":[[0.02,1.65,0.05],[0.05,1.66,0.08]]}
+{"tool":"smooth","path":[[0.02,1.65,0.05],[0.05,1.66,0.08]]}
+{"tool":"puff","set":{"falloff":"flat"},"path":[[0.02,1.7,0.05],[0.05,1.7,0.05]]}
+{"tool":"pinch","set":{"reach":"ball"},"path":[[0.02,1.65,0.05],[0.05,1.66,0.08]]}
+{"tool":"length","path":[[0.02,1.65,0.05],[0.05,1.66,0.08]]}
+{"tool":"cut","path":[[0.02,1.63,0.05],[0.05,1.63,0.05]]}
+{"tool":"line","path":[[-0.1,1.66,0.05],[0.2,1.65,0.05]]}
+{"do":"pose","guides":[[1,[[0.01,1.7,0.05],[0.02,1.69,0.05],[0.03,1.68,0.05],[0.04,1.67,0.05],[0.05,1.66,0.05]]]]}
+{"do":"undo"}
+"#;
+
+/// Returns an edited groom of [`strands`].
+fn document() -> GroomDocument {
+    let options = BindOptions {
+        guides: GuideCount::All,
+        guide_vertices: Some(5),
+        strand_vertices: Some(5),
+        ..BindOptions::default()
+    };
+    let groom = bind(&strands(), &options).expect("it is valid");
+    let files = vec![("head.obj".into(), b"v 0 0 0"[..].into())];
+    let head = HeadFiles::Files { files, orientation: Choice::METERS };
+    GroomDocument::new(groom, head, 0.0).expect("it is valid")
+}
+
+/// Returns an edited groom as a file.
+pub fn edited() -> Vec<u8> {
+    document().write()
+}
+
+/// Reads an edited groom after its checksums have been corrected, so that damage reaches the contents.
+pub fn opened(name: &str, bytes: &[u8]) -> Result<usize> {
+    let mut bytes = bytes.to_vec();
+    let mut at = 12;
+    while let Some(header) = bytes.get(at..at + 16) {
+        let length = u64::from_le_bytes(header[4..12].try_into().expect("eight bytes"));
+        let Some(end) = usize::try_from(length).ok().and_then(|length| length.checked_add(at + 16)) else {
+            break;
+        };
+        let Some(contents) = bytes.get(at + 16..end) else { break };
+        let sum = crc32fast::hash(contents).to_le_bytes();
+        bytes[at + 12..at + 16].copy_from_slice(&sum);
+        at = end;
+    }
+    let document = GroomDocument::read(Path::new(name), &bytes)?;
+    Ok(document.groom().strands.len())
+}
+
+/// Reads strokes and applies them.
+pub fn stroked(name: &str, bytes: &[u8]) -> Result<usize> {
+    let text = String::from_utf8_lossy(bytes);
+    let script = StrokeScript::read(&text, Path::new(name))?;
+    let mut editor = GroomEditor::new(document(), None);
+    script.apply(&mut editor)?;
+    let groom = editor.document().groom();
+    assert!(groom.guides.positions.iter().all(|p| p.is_finite()), "strokes make no infinite hair");
+    Ok(groom.strands.len())
 }
 
 /// Returns the strands as a file.

@@ -4,7 +4,8 @@ use std::time::{Duration, Instant};
 
 use bolero::check;
 use tresses_fuzz::{
-    Edit, asset, body, cooked, damaged, groom, living, mesh, packed, painted, sealed, written,
+    Edit, STROKES, asset, body, cooked, damaged, edited, groom, living, mesh, opened, packed, painted,
+    sealed, stroked, written,
 };
 use tresses_groom::{
     error::Result,
@@ -107,6 +108,16 @@ fn packed_glb_hair() {
 #[test]
 fn cooked_groom() {
     survives("a.tresses", &cooked(), sealed);
+}
+
+#[test]
+fn edited_groom() {
+    survives("a.groom", &edited(), opened);
+}
+
+#[test]
+fn strokes() {
+    survives("a.jsonl", STROKES.as_bytes(), stroked);
 }
 
 #[test]

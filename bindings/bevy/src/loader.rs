@@ -82,6 +82,15 @@ impl AssetLoader for HairGroomLoader {
             let head = whole.transpose()?.or(cooked.field);
             return Ok(asset(cooked.groom, head, cooked.head));
         }
+        #[cfg(feature = "edit")]
+        if settings.strands.is_none()
+            && settings.guides.is_none()
+            && let Some((_, document)) = import::given_edited(&files, &Default::default())?
+        {
+            let mesh = import::edited_body(&document)?.map(|body| body.mesh);
+            let head = mesh.as_ref().map(|mesh| sdf::build(mesh, &Default::default())).transpose()?;
+            return Ok(asset(document.groom(), head, mesh));
+        }
         let (strands, mesh, report) = import::read_given(&files, &Default::default())?;
         for note in report.files.iter().flat_map(|file| &file.notes) {
             info!("{path}: {note}");
@@ -106,7 +115,7 @@ impl AssetLoader for HairGroomLoader {
 }
 
 /// Extensions of formats that hold nothing but hair.
-const OWN: &[&str] = &["tfx", "hair", "tresses"];
+const OWN: &[&str] = &["tfx", "hair", "tresses", "groom"];
 
 fn asset(groom: Groom, head: Option<SdfGrid>, mesh: Option<TriMesh>) -> HairGroom {
     HairGroom { head: head.map(Arc::new), mesh: mesh.map(Arc::new), ..HairGroom::new(groom) }

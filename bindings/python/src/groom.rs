@@ -1,7 +1,7 @@
 //! Grooms: render strands and their guides, with or without a head.
 
 use crate::{
-    arrays::{array, floats},
+    arrays::{array, floats, given_points},
     cards::Cards,
     device,
     files::{Orientation, paths},
@@ -14,10 +14,18 @@ use crate::{
 };
 use numpy::PyArrayDyn;
 use pyo3::{prelude::*, types::PyDict};
-use std::{path::PathBuf, sync::Arc};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 use tresses::{
     character::{CharacterParts, CharacterSource},
-    groom::{self, cards::CardOptions, import::ImportOptions},
+    groom::{
+        self,
+        cards::CardOptions,
+        edit::{GroomDocument, GroomEditor, HeadFiles, StrokeScript},
+        import::ImportOptions,
+    },
     lod,
 };
 use tresses_scene::{
@@ -262,6 +270,60 @@ impl Groom {
             Arc::make_mut(sheet).strips = strips;
         }
         Ok(Self { character, source: self.source.clone(), settings: self.settings.clone(), order })
+    }
+
+    /// Return the groom after a stroke of a brush without a camera, on both sides of the head.
+    ///
+    /// Parameters
+    /// ----------
+    /// tool : str
+    ///     comb, grab, smooth, puff, lay, pinch, spread, cut, line or length.
+    /// path : array_like, float32 [n, 3]
+    ///     The middle of the brush, meters.
+    /// **brush : optional
+    ///     ``radius`` (meters), ``strength``, ``falloff``, ``reach``, ``root_tip``, ``share``, ``keep_shape``,
+    ///     ``keep_volume``, ``neighbors``, ``mirror``, ``inverted``.
+    #[pyo3(signature = (tool, path, **brush))]
+    fn stroked(
+        &self,
+        py: Python<'_>,
+        tool: &str,
+        path: &Bound<'_, PyAny>,
+        brush: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let (_, points) = given_points(path, "the path")?;
+        let line = PyDict::new(py);
+        line.set_item("tool", tool)?;
+        line.set_item("path", points.iter().map(|p| p.to_array()).collect::<Vec<_>>())?;
+        line.set_item("set", brush.cloned().unwrap_or_else(|| PyDict::new(py)))?;
+        let line: String = py.import("json")?.call_method1("dumps", (line,))?.extract()?;
+        self.groomed(py, &format!("{{\"version\":1}}\n{line}\n"))
+    }
+
+    /// Return the groom after recorded strokes, for example of the studio.
+    ///
+    /// Parameters
+    /// ----------
+    /// strokes : str
+    ///     Content of a ``.jsonl`` file with strokes.
+    fn groomed(&self, py: Python<'_>, strokes: &str) -> PyResult<Self> {
+        let script = StrokeScript::read(strokes, Path::new("strokes")).map_err(raised)?;
+        let (parts, order) = py
+            .detach(|| -> groom::Result<_> {
+                let character = &self.character;
+                let document =
+                    GroomDocument::new(character.groom.clone(), HeadFiles::None, character.neck.x)?;
+                let field = character.whole().cloned().map(Arc::new);
+                let mut editor = GroomEditor::new(document, field);
+                script.apply(&mut editor)?;
+                let mut groom = editor.document().groom();
+                let order: Vec<u32> =
+                    lod::order(&groom.strands).iter().map(|i| self.order[*i as usize]).collect();
+                lod::arrange(&mut groom.strands);
+                Ok((CharacterParts { groom, ..character.clone() }, order))
+            })
+            .map_err(raised)?;
+        Ok(Self { character: parts, source: self.source.clone(), settings: self.settings.clone(), order })
     }
 
     /// Source index of each strand, counted after invalid strands were dropped: int32 [n]. Strands that were filled in

@@ -239,3 +239,40 @@ def test_cards_move_with_the_guides():
             groom.with_cards(*wrong)
     with pytest.raises(tresses.TressesError, match="another groom"):
         other.with_cards(cards)
+
+
+def test_brushes_comb_and_cut_grooms(tmp_path):
+    groom = tresses.Groom.built_in("bob", {"style.strands": 800})
+    path = [[0.1, 0.16, 0.06], [0.1, 0.14, 0.0], [0.09, 0.12, -0.08]]
+    combed = groom.stroked("comb", path, radius=0.04, strength=1.0)
+    assert len(combed) == 800 and combed.guides.shape == groom.guides.shape
+    moved = np.linalg.norm(combed.guides - groom.guides, axis=2)
+    assert moved.max() > 0.01 and moved[:, 0].max() == 0
+    lengths = [np.linalg.norm(np.diff(guides, axis=1), axis=2).sum(1) for guides in (groom.guides, combed.guides)]
+    assert lengths[0] == pytest.approx(lengths[1], rel=5e-3)
+    # The same stroke as a recording.
+    line = '{"tool":"comb","set":{"radius":0.04,"strength":1.0},"path":%s}' % path
+    again = groom.groomed('{"version":1}\n' + line + "\n")
+    assert np.array_equal(again.guides, combed.guides)
+    # A cut below the middle of the head.
+    cut = groom.stroked("line", [[-0.3, 0.06, 0], [0.3, 0.06, 0]], reach="through", mirror=False)
+    assert cut.strands().lengths.max() < groom.strands().lengths.max() - 0.01
+    assert np.array_equal(np.sort(cut.order), np.sort(groom.order))
+    simulation = tresses.Simulation(combed)
+    simulation.step(1 / 60)
+    assert simulation.strands().positions.shape == combed.strands().positions.shape
+    for tool, brush, error in [("rake", {}, "rake"), ("comb", {"radius": 2.0}, "radius"), ("comb", {"rad": 1}, "rad")]:
+        with pytest.raises(tresses.TressesError, match=error):
+            groom.stroked(tool, path, **brush)
+    with pytest.raises(tresses.TressesError, match="line 1"):
+        groom.groomed("nonsense")
+    # A groom of the studio or the command.
+    import os
+    import subprocess
+
+    command = os.environ.get("TRESSES_COMMAND")
+    if command:
+        file = tmp_path / "bob.groom"
+        subprocess.run([command, "groom", "--style", "bob", "--strands", "900", "--out", file], check=True)
+        read = tresses.Groom.read(file)
+        assert len(read) == 900 and read.head is not None

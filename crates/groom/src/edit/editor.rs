@@ -33,6 +33,8 @@ const FAR: f32 = 10.0;
 const GROWTH: std::ops::RangeInclusive<f32> = 0.1..=5.0;
 /// Distance from which a shape is another, meters.
 const KEPT: f32 = 1e-4;
+/// Largest number of dabs between two samples.
+const MOST_DABS: u32 = 4000;
 /// Number of neighbors.
 const NEIGHBORS: usize = 6;
 /// Number of guides from which several threads are faster.
@@ -359,12 +361,14 @@ impl GroomEditor {
             return Ok(());
         }
         let (from, mut t) = (stroke.last, 0.0);
-        while let Some(stroke) = &mut self.stroke {
+        for dab in 0.. {
+            let Some(stroke) = &mut self.stroke else { break };
             let here = from.lerp(sample, t);
             let way = sample.at(stroke.depth) - here.at(stroke.depth);
             let length = way.length();
-            if length < stroke.left || length <= 1e-7 {
-                stroke.left -= length;
+            // A pointer that far away has jumped.
+            if length < stroke.left || length <= 1e-7 || dab == MOST_DABS {
+                stroke.left = (stroke.left - length).max(0.0);
                 stroke.last = *sample;
                 break;
             }
