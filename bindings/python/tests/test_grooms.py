@@ -241,7 +241,7 @@ def test_cards_move_with_the_guides():
         other.with_cards(cards)
 
 
-def test_brushes_comb_and_cut_grooms(tmp_path):
+def test_brushes_comb_and_cut_grooms():
     groom = tresses.Groom.built_in("bob", {"style.strands": 800})
     path = [[0.1, 0.16, 0.06], [0.1, 0.14, 0.0], [0.09, 0.12, -0.08]]
     combed = groom.stroked("comb", path, radius=0.04, strength=1.0)
@@ -266,13 +266,12 @@ def test_brushes_comb_and_cut_grooms(tmp_path):
             groom.stroked(tool, path, **brush)
     with pytest.raises(tresses.TressesError, match="line 1"):
         groom.groomed("nonsense")
-    # A groom of the studio or the command.
-    import os
-    import subprocess
 
-    command = os.environ.get("TRESSES_COMMAND")
-    if command:
-        file = tmp_path / "bob.groom"
-        subprocess.run([command, "groom", "--style", "bob", "--strands", "900", "--out", file], check=True)
-        read = tresses.Groom.read(file)
-        assert len(read) == 900 and read.head is not None
+
+def test_grooms_of_the_command_are_read(command, tmp_path):
+    file = tmp_path / "bob.groom"
+    command("groom", "--style", "bob", "--strands", 900, "--out", file)
+    groom = tresses.Groom.read(file)
+    assert len(groom) == 900 and groom.head is not None
+    with pytest.raises(tresses.TressesError, match="complete|includes"):
+        tresses.Groom.read([file, file])

@@ -35,6 +35,10 @@ const GROWTH: std::ops::RangeInclusive<f32> = 0.1..=5.0;
 const KEPT: f32 = 1e-4;
 /// Largest number of dabs between two samples.
 const MOST_DABS: u32 = 4000;
+/// Parts of a line in which hair hides other hair.
+const BINS: usize = 64;
+/// Thickness of the hair on the near side, meters.
+const CURTAIN: f32 = 0.06;
 /// Number of neighbors.
 const NEIGHBORS: usize = 6;
 /// Number of guides from which several threads are faster.
@@ -561,37 +565,31 @@ impl GroomEditor {
     /// Cuts the hair that crosses the line of the stroke.
     fn cut_line(&mut self) {
         let Some(stroke) = &self.stroke else { return };
-        let (first, last) = (&stroke.first, &stroke.last);
-        let line = CutLine::new(first, last);
+        let line = CutLine::new(&stroke.first, &stroke.last);
         let mut lines = vec![line];
         if stroke.brush.mirror {
             lines.push(line.mirrored(self.document.middle()));
         }
-        let behind = |p: Vec3, eye: Vec3| {
-            let way = p - eye;
-            let sight = unit(way, Vec3::NEG_Z);
-            let skin = self.field.as_deref().and_then(|field| trace(field, eye, sight));
-            // Without skin under it, hair before the middle of the head is in front.
-            let middle = || (self.center() - eye).dot(sight);
-            way.length() > skin.map_or_else(middle, |skin| skin + SKIN)
-        };
         let (strands, _) = self.strands();
-        let count: Vec<usize> =
-            (0..strands.base().strands.len()).filter(|i| stroke.takes(*i as u32)).collect();
-        let through = stroke.brush.reach == Reach::Through;
-        let crossing = |i: &usize| {
-            let points = strands.strand(*i).0;
-            let crosses = |line: &CutLine| {
-                let at = |x: f32| {
-                    points[x as usize].lerp(points[(x as usize + 1).min(points.len() - 1)], x.fract())
-                };
-                line.crossings(&points).find(|x| through || !behind(at(*x), line.eye))
-            };
-            let x = lines.iter().filter_map(crosses).reduce(f32::min)?;
-            Some((*i, x / (points.len() - 1) as f32))
+        let all: Vec<usize> = (0..strands.base().strands.len()).filter(|i| stroke.takes(*i as u32)).collect();
+        let crossings = |line: &CutLine| {
+            in_parallel(&all, |i| line.crossings(&strands.strand(*i).0).collect::<Vec<Crossing>>())
         };
-        let cut = in_parallel(&count, crossing).into_iter().flatten().collect();
-        self.shorten(cut);
+        let through = stroke.brush.reach == Reach::Through;
+        let mut cut = vec![f32::MAX; all.len()];
+        for line in &lines {
+            let crossings = crossings(line);
+            let front = line.front(crossings.iter().flatten(), self.field.as_deref());
+            for (cut, crossings) in cut.iter_mut().zip(&crossings) {
+                let is_cut = |crossing: &&Crossing| through || crossing.depth <= front[crossing.bin()];
+                if let Some(first) = crossings.iter().find(is_cut) {
+                    *cut = cut.min(first.at);
+                }
+            }
+        }
+        let last = (strands.base().strands.vertex_count - 1) as f32;
+        let cut = all.into_iter().zip(cut).filter(|(_, at)| *at < f32::MAX).map(|(i, at)| (i, at / last));
+        self.shorten(cut.collect());
     }
 
     fn shorten(&mut self, cut: Vec<(usize, f32)>) {
@@ -601,13 +599,6 @@ impl GroomEditor {
             let left = stroke.lengths.strands.entry(i).or_insert(1.0);
             *left = left.min(share);
         }
-    }
-
-    /// Returns the middle of the roots.
-    fn center(&self) -> Vec3 {
-        let n = self.document.vertex_count();
-        let (lo, hi) = sphere_corners(self.positions.iter().step_by(n));
-        0.5 * (lo + hi)
     }
 
     /// Moves the hair that is held: always from the press, so that the way does not matter.
@@ -770,18 +761,54 @@ impl CutLine {
         Self { eye, from: flip(self.from), to: flip(self.to) }
     }
 
-    /// Returns the places where a polyline crosses the cut, in segments.
-    fn crossings(self, points: &[Vec3]) -> impl Iterator<Item = f32> {
+    /// Returns the places where a polyline crosses the cut, from its first point.
+    fn crossings(self, points: &[Vec3]) -> impl Iterator<Item = Crossing> {
         let normal = self.from.cross(self.to);
-        let within = move |p: Vec3| {
-            let v = p - self.eye;
-            self.from.cross(v).dot(normal) >= 0.0 && v.cross(self.to).dot(normal) >= 0.0
-        };
-        points.windows(2).enumerate().filter_map(move |(i, edge)| {
+        let crossing = move |(i, edge): (usize, &[Vec3])| {
             let [a, b] = [edge[0], edge[1]].map(|p| (p - self.eye).dot(normal));
             let t = a / (a - b);
-            (a * b <= 0.0 && a != b && within(edge[0].lerp(edge[1], t))).then_some(i as f32 + t)
-        })
+            let way = edge[0].lerp(edge[1], t) - self.eye;
+            let (left, right) = (self.from.cross(way).dot(normal), way.cross(self.to).dot(normal));
+            let crosses = a * b <= 0.0 && a != b && left >= 0.0 && right >= 0.0 && left + right > 0.0;
+            crosses.then(|| Crossing { at: i as f32 + t, along: left / (left + right), depth: way.length() })
+        };
+        points.windows(2).enumerate().filter_map(crossing)
+    }
+
+    /// Returns for each part of the line the depth down to which hair is on the near side: a little more than the
+    /// nearest hair, and not far below the skin.
+    fn front<'a>(&self, crossings: impl Iterator<Item = &'a Crossing>, field: Option<&SdfGrid>) -> Vec<f32> {
+        let mut nearest = vec![f32::MAX; BINS];
+        for crossing in crossings {
+            let nearest = &mut nearest[crossing.bin()];
+            *nearest = nearest.min(crossing.depth);
+        }
+        let depth = |i: usize| {
+            let around = i.saturating_sub(1)..=(i + 1).min(BINS - 1);
+            let hair = around.map(|i| nearest[i]).fold(f32::MAX, f32::min) + CURTAIN;
+            let sight = unit(self.from.lerp(self.to, (i as f32 + 0.5) / BINS as f32), Vec3::NEG_Z);
+            let skin = field.and_then(|field| trace(field, self.eye, sight));
+            skin.map_or(hair, |skin| hair.min(skin + SKIN))
+        };
+        (0..BINS).map(depth).collect()
+    }
+}
+
+/// A place where a strand crosses a cut.
+#[derive(Clone, Copy, Debug)]
+struct Crossing {
+    /// Segments from the root.
+    at: f32,
+    /// Share of the line.
+    along: f32,
+    /// Distance from the eye, meters.
+    depth: f32,
+}
+
+impl Crossing {
+    /// Returns the part of the line.
+    fn bin(&self) -> usize {
+        ((self.along * BINS as f32) as usize).min(BINS - 1)
     }
 }
 

@@ -119,11 +119,13 @@ impl StrokeScript {
                     let n = editor.document().vertex_count();
                     let mut positions = editor.positions().to_vec();
                     for (i, vertices) in guides {
-                        let place = positions.get_mut(i * n..(i + 1) * n);
-                        let fits = place.filter(|place| place.len() == vertices.len());
-                        let wrong =
-                            || Error::Unusable(format!("the groom has no guide {i} with so many vertices"));
-                        fits.ok_or_else(wrong)?.copy_from_slice(vertices);
+                        let fits = *i < editor.document().guides().len() && vertices.len() == n;
+                        if !fits {
+                            let problem =
+                                format!("the groom has no guide {i} with {} vertices", vertices.len());
+                            return Err(Error::Unusable(problem));
+                        }
+                        positions[i * n..(i + 1) * n].copy_from_slice(vertices);
                     }
                     versions.extend(editor.keep(&positions)?);
                 }
