@@ -120,7 +120,7 @@ impl Document {
         }
     }
 
-    /// Makes the shapes of simulated guides those of the groom, as one step of the history.
+    /// Gives the groom the shapes of simulated guides, as one step of the history.
     pub fn keep_shape(&mut self, guides: &[Vec3], messages: &mut Messages) {
         match self.groomer.as_mut().map(|groomer| groomer.keep(guides)) {
             Some(Ok(Some(document))) => {

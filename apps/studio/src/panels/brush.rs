@@ -74,7 +74,7 @@ fn choice<T: PartialEq + Copy>(help: &str, value: &mut T, all: &[(T, &str, &str)
     shown.response.on_hover_text(help);
 }
 
-/// Shows what is seldom needed.
+/// Shows the rare settings, and a button that saves the strokes.
 fn more(brush: &mut Brush, document: &Document, dialogs: &Dialogs, ui: &mut Ui) {
     ui.spacing_mut().slider_width = 90.0;
     let falloffs = [

@@ -62,7 +62,7 @@ fn hair_is_combed_undone_saved_and_recovered() {
     combed.keep("groom-after");
     assert!(combed.change(&before) > 0.01, "{}", combed.change(&before));
 
-    // Undo and redo, to the bit.
+    // Undo and redo are bit-identical.
     desk.chord(CONTROL, Z);
     groomed(&mut desk, "undo", |groom| groom["hash"] == begun["hash"] && groom["strokes"] == 0);
     let undone = desk.still();

@@ -4,7 +4,7 @@ use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 
-/// What a stroke does to the hair under it.
+/// Effect of a stroke on the hair under it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum BrushTool {
@@ -121,7 +121,7 @@ pub enum Reach {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Brush {
-    /// What it does.
+    /// Effect on the hair.
     #[serde(skip)]
     pub tool: BrushTool,
     /// Radius, meters, 0.001 to 0.15.

@@ -137,7 +137,7 @@ impl CarriedStrands {
         (line, rest.1)
     }
 
-    /// Returns the groom with the guides `now`. Strands of guides that have not moved are the same to the bit.
+    /// Returns the groom with the guides `now`. Strands of guides that have not moved are bit-identical.
     pub fn groom(&self, now: &GuideBlocks) -> Groom {
         let strands = &self.base.strands;
         let carried: Vec<usize> = (0..strands.len()).filter(|i| self.has_moved(*i)).collect();

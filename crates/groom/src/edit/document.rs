@@ -29,7 +29,7 @@ pub enum HeadFiles {
     },
 }
 
-/// What all versions of a groom share.
+/// Data that all versions of a groom share.
 #[derive(Debug)]
 struct Family {
     head: HeadFiles,
@@ -37,14 +37,14 @@ struct Family {
     middle: f32,
 }
 
-/// What versions with the same lengths share.
+/// Data that versions with the same lengths share.
 #[derive(Debug)]
 struct Base {
     family: Arc<Family>,
     /// The groom before the first stroke, with its lengths.
     source: Arc<Groom>,
     cuts: Option<Cuts>,
-    /// The groom before the first stroke, cut; kept while somebody uses it.
+    /// The groom before the first stroke, cut; kept while an editor or a caller holds it.
     groom: Mutex<Weak<Groom>>,
     /// Its guides.
     guides: GuideBlocks,
@@ -99,7 +99,7 @@ impl GroomDocument {
         Self { base: self.base.clone(), guides: self.guides.with(changed) }
     }
 
-    /// Returns this version with other lengths. `lengths` are factors on those of this version.
+    /// Returns this version with other lengths. `lengths` are factors on the current lengths.
     #[must_use]
     pub(super) fn with_lengths(&self, lengths: &LengthChanges) -> Self {
         let Base { family, source, cuts, .. } = &*self.base;

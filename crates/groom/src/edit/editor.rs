@@ -1,10 +1,12 @@
 //! The editor: applies strokes to a groom.
 
 use super::{
-    Brush, BrushTool, GroomDocument, Reach,
+    Brush, BrushTool, GroomDocument,
     carry::CarriedStrands,
     cuts::LengthChanges,
-    solve::{PressState, Solver, unit},
+    line::{SKIN, trace},
+    sample::StrokeSample,
+    solve::{PressState, Solver, reached, unit},
     tools::{Dab, Surroundings, Weights},
 };
 use crate::{Error, Result, SdfGrid, hash::pcg, near::PointTree, progress::in_parallel};
@@ -15,83 +17,34 @@ use std::sync::{Arc, OnceLock};
 const ASIDE: f32 = 3.0;
 /// Largest distance from a ray at which hair is picked, meters.
 const PICK: f32 = 0.02;
-/// Depth below the skin to which a shell reaches, meters.
-const SKIN: f32 = 0.02;
 /// Distance between dabs, radii.
 const STEP: f32 = 0.25;
 /// Time between dabs of a brush that stands still, s.
 const BEAT: f32 = 0.05;
 /// Largest radius to which a brush grows where guides are sparse, meters.
 const WIDEST: f32 = 0.06;
-/// Passes of FABRIK: enough for 2 mm.
-const PASSES: u32 = 6;
 /// Distance of the nearest guide, relative to the distance at which one is picked, from which a brush is beside the hair.
 const SPARSE: f32 = 2.0;
-/// Distance of the eye from a cut without a camera, meters.
-const FAR: f32 = 10.0;
 /// Limits of the growth in one stroke.
 const GROWTH: std::ops::RangeInclusive<f32> = 0.1..=5.0;
 /// Distance from which a shape is another, meters.
 const KEPT: f32 = 1e-4;
 /// Largest number of dabs between two samples.
 const MOST_DABS: u32 = 4000;
-/// Parts of a line in which hair hides other hair.
-const BINS: usize = 64;
-/// Thickness of the hair on the near side, meters.
-const CURTAIN: f32 = 0.06;
 /// Number of neighbors.
 const NEIGHBORS: usize = 6;
 /// Number of guides from which several threads are faster.
 const MANY: usize = 48;
 
-/// A point of a stroke.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StrokeSample {
-    /// The eye, or the middle of the brush without a camera; groom space, meters.
-    pub origin: Vec3,
-    /// Direction of sight through the pointer; zero without a camera.
-    pub direction: Vec3,
-    /// Pressure of the pen, 0 to 1; 1 without a pen.
-    pub pressure: f32,
-    /// Time since the press, s. Some tools also act while the brush stands still.
-    pub time: f32,
-}
-
-impl StrokeSample {
-    /// Creates a sample of a mouse: the ray from the eye through the pointer.
-    pub fn ray(origin: Vec3, direction: Vec3) -> Self {
-        Self { origin, direction: unit(direction, Vec3::NEG_Z), pressure: 1.0, time: 0.0 }
-    }
-
-    /// Creates a sample without a camera: the middle of the brush.
-    pub fn point(at: Vec3) -> Self {
-        Self { origin: at, direction: Vec3::ZERO, pressure: 1.0, time: 0.0 }
-    }
-
-    fn at(&self, depth: f32) -> Vec3 {
-        self.origin + self.direction * depth
-    }
-
-    fn lerp(&self, other: &Self, t: f32) -> Self {
-        let direction = self.direction.lerp(other.direction, t);
-        Self {
-            origin: self.origin.lerp(other.origin, t),
-            direction: unit(direction, Vec3::ZERO),
-            pressure: self.pressure + (other.pressure - self.pressure) * t,
-            time: other.time,
-        }
-    }
-}
-
 /// A stroke that has begun.
 #[derive(Debug)]
-struct ActiveStroke {
-    brush: Brush,
+pub(super) struct ActiveStroke {
+    pub brush: Brush,
     /// Radius, larger than the brush's where guides are sparse, meters.
     radius: f32,
     seed: u32,
     /// The last sample, and the way left to the next dab.
-    last: StrokeSample,
+    pub last: StrokeSample,
     left: f32,
     /// Depth of the brush from the eye, meters.
     depth: f32,
@@ -101,12 +54,12 @@ struct ActiveStroke {
     /// Guides that have moved.
     touched: Vec<bool>,
     /// Changes of lengths.
-    lengths: LengthChanges,
-    /// The strands at the press, and those of each guide, if they are cut.
-    strands: Option<(CarriedStrands, Vec<Vec<u32>>)>,
+    pub lengths: LengthChanges,
+    /// For cuts: the strands at the press, and the followers of each guide.
+    pub strands: Option<(CarriedStrands, Vec<Vec<u32>>)>,
     /// The sample of the press.
-    first: StrokeSample,
-    /// What [`BrushTool::Grab`] holds, with the weights at the press.
+    pub first: StrokeSample,
+    /// Guides that [`BrushTool::Grab`] holds, with the weights at the press.
     grabbed: Vec<(usize, Weights)>,
     begin: Vec3,
 }
@@ -118,12 +71,12 @@ impl ActiveStroke {
     }
 
     /// Whether a cut takes strand `i`.
-    fn takes(&self, i: u32) -> bool {
+    pub fn takes(&self, i: u32) -> bool {
         self.brush.strength >= 1.0 || self.chance(i) < self.brush.strength
     }
 }
 
-/// A guide that a dab has moved, and as it was at the press.
+/// A guide that a dab has moved, and its state at the press.
 struct MovedGuide {
     vertices: Vec<Vec3>,
     press: Arc<PressState>,
@@ -134,8 +87,8 @@ struct MovedGuide {
 /// A groom under a brush.
 #[derive(Debug)]
 pub struct GroomEditor {
-    document: GroomDocument,
-    field: Option<Arc<SdfGrid>>,
+    pub(super) document: GroomDocument,
+    pub(super) field: Option<Arc<SdfGrid>>,
     /// Normal of the skin at each root.
     normals: Vec<Vec3>,
     /// Nearest roots of each guide.
@@ -145,11 +98,11 @@ pub struct GroomEditor {
     /// The guides as they move, guide after guide.
     positions: Vec<Vec3>,
     /// A sphere around each guide.
-    spheres: Vec<(Vec3, f32)>,
-    stroke: Option<ActiveStroke>,
+    pub(super) spheres: Vec<(Vec3, f32)>,
+    pub(super) stroke: Option<ActiveStroke>,
     moved: bool,
     /// Number of dabs so far.
-    dab_count: u64,
+    pub(super) dab_count: u64,
 }
 
 impl GroomEditor {
@@ -201,7 +154,7 @@ impl GroomEditor {
         self.field.as_deref()
     }
 
-    /// Returns the guides as they are now, guide after guide.
+    /// Returns the current positions of the guides, guide after guide.
     pub fn positions(&self) -> &[Vec3] {
         &self.positions
     }
@@ -301,7 +254,7 @@ impl GroomEditor {
     /// [`Error::Parameter`] for a brush out of range, and for a sample that is not finite.
     pub fn press(&mut self, brush: &Brush, sample: &StrokeSample) -> Result<bool> {
         brush.check()?;
-        check(sample)?;
+        sample.check()?;
         self.cancel();
         let depth = match self.hit(sample) {
             _ if sample.direction == Vec3::ZERO => 0.0,
@@ -351,7 +304,7 @@ impl GroomEditor {
     /// # Errors
     /// [`Error::Parameter`] for a sample that is not finite.
     pub fn drag(&mut self, sample: &StrokeSample) -> Result<()> {
-        check(sample)?;
+        sample.check()?;
         let Some(stroke) = &self.stroke else { return Ok(()) };
         self.hold(sample.time - stroke.last.time);
         let Some(stroke) = &mut self.stroke else { return Ok(()) };
@@ -491,7 +444,7 @@ impl GroomEditor {
     }
 
     /// Returns the guides that `dabs` may reach and that take part.
-    fn under(&self, stroke: &ActiveStroke, dabs: &[Dab]) -> Vec<usize> {
+    pub(super) fn under(&self, stroke: &ActiveStroke, dabs: &[Dab]) -> Vec<usize> {
         let brush = &stroke.brush;
         let pinned = &self.document.base().guides.tip_pinned;
         let takes_part = |i: &usize| {
@@ -536,71 +489,6 @@ impl GroomEditor {
         self.take(moved);
     }
 
-    /// Returns the strands at the press, and those of each guide.
-    fn strands(&self) -> (CarriedStrands, Vec<Vec<u32>>) {
-        let strands = self.document.carried();
-        let mut followers = vec![Vec::new(); self.spheres.len()];
-        for (i, binding) in (0u32..).zip(&strands.base().strands.bindings) {
-            followers[binding.guides[0] as usize].push(i);
-        }
-        (strands, followers)
-    }
-
-    /// Returns the strands that `dabs` cut, with the share that is left of each.
-    fn cut(&self, stroke: &ActiveStroke, dabs: &[Dab]) -> Vec<(usize, f32)> {
-        let Some((strands, followers)) = &stroke.strands else { return Vec::new() };
-        let under = self.under(stroke, dabs);
-        let of = |guide: &usize| {
-            let cut = |i: &u32| {
-                let line = strands.strand(*i as usize).0;
-                let entry = |dab: &Dab| dab.entry(&line, &stroke.brush);
-                let entry = dabs.iter().filter_map(entry).reduce(f32::min)?;
-                stroke.takes(*i).then_some((*i as usize, entry / (line.len() - 1) as f32))
-            };
-            followers[*guide].iter().filter_map(cut).collect::<Vec<_>>()
-        };
-        in_parallel(&under, of).concat()
-    }
-
-    /// Cuts the hair that crosses the line of the stroke.
-    fn cut_line(&mut self) {
-        let Some(stroke) = &self.stroke else { return };
-        let line = CutLine::new(&stroke.first, &stroke.last);
-        let mut lines = vec![line];
-        if stroke.brush.mirror {
-            lines.push(line.mirrored(self.document.middle()));
-        }
-        let (strands, _) = self.strands();
-        let all: Vec<usize> = (0..strands.base().strands.len()).filter(|i| stroke.takes(*i as u32)).collect();
-        let crossings = |line: &CutLine| {
-            in_parallel(&all, |i| line.crossings(&strands.strand(*i).0).collect::<Vec<Crossing>>())
-        };
-        let through = stroke.brush.reach == Reach::Through;
-        let mut cut = vec![f32::MAX; all.len()];
-        for line in &lines {
-            let crossings = crossings(line);
-            let front = line.front(crossings.iter().flatten(), self.field.as_deref());
-            for (cut, crossings) in cut.iter_mut().zip(&crossings) {
-                let is_cut = |crossing: &&Crossing| through || crossing.depth <= front[crossing.bin()];
-                if let Some(first) = crossings.iter().find(is_cut) {
-                    *cut = cut.min(first.at);
-                }
-            }
-        }
-        let last = (strands.base().strands.vertex_count - 1) as f32;
-        let cut = all.into_iter().zip(cut).filter(|(_, at)| *at < f32::MAX).map(|(i, at)| (i, at / last));
-        self.shorten(cut.collect());
-    }
-
-    fn shorten(&mut self, cut: Vec<(usize, f32)>) {
-        self.dab_count += 1;
-        let Some(stroke) = &mut self.stroke else { return };
-        for (i, share) in cut {
-            let left = stroke.lengths.strands.entry(i).or_insert(1.0);
-            *left = left.min(share);
-        }
-    }
-
     /// Moves the hair that is held: always from the press, so that the way does not matter.
     fn pull(&mut self) {
         let Some(stroke) = &self.stroke else { return };
@@ -617,7 +505,7 @@ impl GroomEditor {
             let normal = self.normals[*i];
             let around = Surroundings { brush, dabs: &dabs, press: &press, field, normal, along: &[] };
             let (target, _) = around.target(guide, weights)?;
-            let (target, near) = reached(guide, target, weights, &press.lengths);
+            let (target, near) = reached(guide, target, (&weights.weight, &weights.near), &press.lengths);
             Some(MovedGuide { vertices: solver.solve(guide, &target, &near, 1, &press), press, growth: 1.0 })
         });
         let moved = moved.into_iter().map(|(k, solved)| (stroke.grabbed[k].0, solved)).collect();
@@ -652,7 +540,7 @@ impl GroomEditor {
         }
     }
 
-    /// Returns guide `i` as it was at the press.
+    /// Returns the state of guide `i` at the press.
     fn pressed(&self, stroke: &ActiveStroke, i: usize) -> Arc<PressState> {
         let new = || Arc::new(PressState::new(self.document.guide(i), self.field.as_deref()));
         stroke.pressed[i].clone().unwrap_or_else(new)
@@ -700,139 +588,7 @@ impl GroomEditor {
     }
 }
 
-/// Returns the targets of held hair after some passes of FABRIK (Aristidou and Lasenby 2011), so that the vertex that is
-/// held most reaches its target if the hair is long enough; and the falloff, 1 up to that vertex.
-fn reached(
-    guide: &[Vec3],
-    mut target: Vec<Vec3>,
-    weights: &Weights,
-    lengths: &[f32],
-) -> (Vec<Vec3>, Vec<f32>) {
-    let most =
-        (1..guide.len()).fold(1, |most, i| if weights.weight[i] >= weights.weight[most] { i } else { most });
-    let goal = target[most];
-    for _ in 0..PASSES {
-        target[most] = goal;
-        for i in (1..most).rev() {
-            target[i] = target[i + 1] + unit(target[i] - target[i + 1], Vec3::Y) * lengths[i];
-        }
-        target[0] = guide[0];
-        for i in 0..most {
-            target[i + 1] = target[i] + unit(target[i + 1] - target[i], Vec3::Y) * lengths[i];
-        }
-    }
-    let near = |(i, near): (usize, &f32)| if i <= most { 1.0 } else { *near };
-    let near = weights.near.iter().enumerate().map(near).collect();
-    (target, near)
-}
-
-fn check(sample: &StrokeSample) -> Result<()> {
-    let StrokeSample { origin, direction, pressure, time } = sample;
-    let is_finite = origin.is_finite() && direction.is_finite() && (pressure + time).is_finite();
-    if is_finite && origin.abs().max_element() < 1e3 {
-        return Ok(());
-    }
-    Err(Error::Parameter { name: "the stroke", value: format!("{sample:?}"), range: "within a kilometer" })
-}
-
-/// A straight cut between two rays from one eye.
-#[derive(Clone, Copy)]
-struct CutLine {
-    eye: Vec3,
-    from: Vec3,
-    to: Vec3,
-}
-
-impl CutLine {
-    /// Creates the cut between the sights of two samples; without a camera, between points seen from far along z.
-    fn new(first: &StrokeSample, last: &StrokeSample) -> Self {
-        match first.direction == Vec3::ZERO {
-            true => {
-                let eye = 0.5 * (first.origin + last.origin) + Vec3::Z * FAR;
-                Self { eye, from: first.origin - eye, to: last.origin - eye }
-            }
-            false => Self { eye: last.origin, from: first.direction, to: last.direction },
-        }
-    }
-
-    fn mirrored(&self, middle: f32) -> Self {
-        let flip = |v: Vec3| Vec3::new(-v.x, v.y, v.z);
-        let eye = Vec3::new(2.0 * middle - self.eye.x, self.eye.y, self.eye.z);
-        Self { eye, from: flip(self.from), to: flip(self.to) }
-    }
-
-    /// Returns the places where a polyline crosses the cut, from its first point.
-    fn crossings(self, points: &[Vec3]) -> impl Iterator<Item = Crossing> {
-        let normal = self.from.cross(self.to);
-        let crossing = move |(i, edge): (usize, &[Vec3])| {
-            let [a, b] = [edge[0], edge[1]].map(|p| (p - self.eye).dot(normal));
-            let t = a / (a - b);
-            let way = edge[0].lerp(edge[1], t) - self.eye;
-            let (left, right) = (self.from.cross(way).dot(normal), way.cross(self.to).dot(normal));
-            let crosses = a * b <= 0.0 && a != b && left >= 0.0 && right >= 0.0 && left + right > 0.0;
-            crosses.then(|| Crossing { at: i as f32 + t, along: left / (left + right), depth: way.length() })
-        };
-        points.windows(2).enumerate().filter_map(crossing)
-    }
-
-    /// Returns for each part of the line the depth down to which hair is on the near side: a little more than the
-    /// nearest hair, and not far below the skin.
-    fn front<'a>(&self, crossings: impl Iterator<Item = &'a Crossing>, field: Option<&SdfGrid>) -> Vec<f32> {
-        let mut nearest = vec![f32::MAX; BINS];
-        for crossing in crossings {
-            let nearest = &mut nearest[crossing.bin()];
-            *nearest = nearest.min(crossing.depth);
-        }
-        let depth = |i: usize| {
-            let around = i.saturating_sub(1)..=(i + 1).min(BINS - 1);
-            let hair = around.map(|i| nearest[i]).fold(f32::MAX, f32::min) + CURTAIN;
-            let sight = unit(self.from.lerp(self.to, (i as f32 + 0.5) / BINS as f32), Vec3::NEG_Z);
-            let skin = field.and_then(|field| trace(field, self.eye, sight));
-            skin.map_or(hair, |skin| hair.min(skin + SKIN))
-        };
-        (0..BINS).map(depth).collect()
-    }
-}
-
-/// A place where a strand crosses a cut.
-#[derive(Clone, Copy, Debug)]
-struct Crossing {
-    /// Segments from the root.
-    at: f32,
-    /// Share of the line.
-    along: f32,
-    /// Distance from the eye, meters.
-    depth: f32,
-}
-
-impl Crossing {
-    /// Returns the part of the line.
-    fn bin(&self) -> usize {
-        ((self.along * BINS as f32) as usize).min(BINS - 1)
-    }
-}
-
-fn sphere_corners<'a>(points: impl Iterator<Item = &'a Vec3>) -> (Vec3, Vec3) {
-    points.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)))
-}
-
 fn sphere(guide: &[Vec3]) -> (Vec3, f32) {
-    let (lo, hi) = sphere_corners(guide.iter());
+    let (lo, hi) = guide.iter().fold((guide[0], guide[0]), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
     (0.5 * (lo + hi), 0.5 * (hi - lo).length())
-}
-
-/// Returns the distance along a ray (`direction` unit) to the skin, meters.
-pub(super) fn trace(field: &SdfGrid, origin: Vec3, direction: Vec3) -> Option<f32> {
-    let mut t = 0.0;
-    for _ in 0..200 {
-        let distance = field.sample(origin + direction * t);
-        if distance < 5e-4 {
-            return Some(t);
-        }
-        t += distance;
-        if t > 20.0 {
-            break;
-        }
-    }
-    None
 }

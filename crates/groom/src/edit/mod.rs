@@ -7,12 +7,12 @@
 //! GroomDocument ─► groom: guides and carried strands      ─► file (`.groom`)
 //! ```
 //!
-//! A [`GroomDocument`] holds the groom that it was made from and the guides as they are now. It never changes: a stroke
+//! A [`GroomDocument`] holds the groom that it was made from and the current guides. It never changes: a stroke
 //! returns another document, which shares all blocks of guides that the stroke has not touched. Undo keeps documents.
 //!
 //! **Strands are carried** ([`carry`]): a strand is always the original one, carried by its guides from their original
-//! pose to the current one, by the formula that the shaders of `tresses` use for moving hair. What a stroke shows is
-//! what remains, and a thousand strokes lose no detail.
+//! pose to the current one, by the formula that the shaders of `tresses` use for moving hair. A
+//! thousand strokes lose no detail.
 //!
 //! **A stroke is data** ([`script`]). It gives the same guides, bit for bit, with any number of threads, natively and in
 //! WebAssembly: the code below uses only additions, multiplications, divisions and square roots of 32-bit floats.
@@ -24,14 +24,18 @@ pub mod document;
 mod editor;
 pub mod file;
 pub mod guide_blocks;
+mod line;
+mod sample;
+mod scissors;
 pub mod script;
 mod solve;
 mod tools;
 
 pub use brush::{Brush, BrushTool, Falloff, Reach};
 pub use document::{GroomDocument, HeadFiles};
-pub use editor::{GroomEditor, StrokeSample};
+pub use editor::GroomEditor;
 pub use guide_blocks::GuideBlocks;
+pub use sample::StrokeSample;
 pub use script::{ScriptStep, StrokeScript};
 
 #[cfg(test)]

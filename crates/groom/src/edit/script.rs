@@ -8,7 +8,7 @@
 //! {"do":"pose","guides":[[12,[[0,1.7,0.1],[0,1.71,0.1]]]]}
 //! ```
 //! A sample is time (s), eye (x, y, z, meters), direction of sight (x, y, z) and pressure, in groom space. A path has the
-//! middle of the brush instead, without a camera. Values that `set` does not name are those of [`Brush::of`].
+//! middle of the brush instead, without a camera. [`Brush::of`] gives the values that `set` does not name.
 
 use super::{Brush, BrushTool, GroomDocument, GroomEditor, StrokeSample};
 use crate::error::{At, Error, Result};

@@ -1,4 +1,4 @@
-//! What every tool leaves to do after it has moved the vertices of a guide: edges get their lengths back, parts beside
+//! The solve after every tool has moved the vertices of a guide: edges get their lengths back, parts beside
 //! the brush keep their shape, and nothing enters the head.
 
 use crate::SdfGrid;
@@ -10,6 +10,8 @@ pub(super) const CLEARANCE: f32 = 1.5e-3;
 const MOST_VOLUME: f32 = 0.015;
 /// Error of a distance field, meters.
 const SLACK: f32 = 2e-3;
+/// Passes of FABRIK: enough for 2 mm.
+const PASSES: u32 = 6;
 /// Bisections of a turn out of the head.
 const BISECTIONS: u32 = 6;
 
@@ -56,7 +58,7 @@ impl PressState {
     }
 }
 
-/// What guides the solve: brush settings and the head.
+/// Inputs of the solve: brush settings and the head.
 #[derive(Clone, Copy)]
 pub(super) struct Solver<'a> {
     pub field: Option<&'a SdfGrid>,
@@ -161,4 +163,28 @@ impl Solver<'_> {
             .reduce(|best, other| if deep(&other) > deep(&best) { other } else { best })
             .unwrap_or(p)
     }
+}
+
+/// Returns the targets of held hair after some passes of FABRIK (Aristidou and Lasenby 2011), so that the vertex that is
+/// held most reaches its target if the hair is long enough; and the falloff, 1 up to that vertex.
+pub(super) fn reached(
+    guide: &[Vec3],
+    mut target: Vec<Vec3>,
+    (weight, near): (&[f32], &[f32]),
+    lengths: &[f32],
+) -> (Vec<Vec3>, Vec<f32>) {
+    let most = (1..guide.len()).fold(1, |most, i| if weight[i] >= weight[most] { i } else { most });
+    let goal = target[most];
+    for _ in 0..PASSES {
+        target[most] = goal;
+        for i in (1..most).rev() {
+            target[i] = target[i + 1] + unit(target[i] - target[i + 1], Vec3::Y) * lengths[i];
+        }
+        target[0] = guide[0];
+        for i in 0..most {
+            target[i + 1] = target[i] + unit(target[i + 1] - target[i], Vec3::Y) * lengths[i];
+        }
+    }
+    let near = near.iter().enumerate().map(|(i, near)| if i <= most { 1.0 } else { *near });
+    (target, near.collect())
 }

@@ -136,7 +136,7 @@ impl Weights {
     }
 }
 
-/// What a tool reads besides the guide.
+/// Inputs of a tool besides the guide.
 pub(super) struct Surroundings<'a> {
     pub brush: &'a Brush,
     pub dabs: &'a [Dab],

@@ -63,7 +63,7 @@ pub struct Format {
     pub(crate) is_groom: Option<fn(&Path, &[u8]) -> bool>,
     /// Returns whether a file with strands also has the mesh that they grow on.
     pub(crate) holds_body: Option<fn(&Path, &[u8]) -> bool>,
-    /// What the file is as a whole, if it is not read by `read` and `read_mesh`.
+    /// Kind of a file that holds a complete groom, instead of `read` and `read_mesh`.
     pub(crate) whole: Option<WholeGroom>,
 }
 

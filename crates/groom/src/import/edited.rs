@@ -63,8 +63,11 @@ pub(super) fn find<'a, P: AsRef<Path>>(
     Ok(Some((path, GroomDocument::read(path, &from.load(path)?)?)))
 }
 
-/// Returns the strands, the head and the report of an edited groom.
-pub(super) fn whole(
+/// Returns the strands, the head and the import report of an edited groom. `path` names it.
+///
+/// # Errors
+/// The errors of [`super::read_body`].
+pub fn edited_whole(
     path: &Path,
     document: &GroomDocument,
 ) -> Result<(Strands, Option<TriMesh>, ImportReport)> {

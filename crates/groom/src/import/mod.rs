@@ -16,7 +16,7 @@ mod parse;
 #[cfg(feature = "cooked")]
 pub use cooked::{cooked, given_cooked};
 #[cfg(feature = "edit")]
-pub use edited::{edited, edited_body, given_edited, given_head_files, head_files};
+pub use edited::{edited, edited_body, edited_whole, given_edited, given_head_files, head_files};
 pub use kind::{FileKind, holds_body, kind};
 pub(crate) use parse::parse;
 #[cfg(test)]
@@ -287,7 +287,7 @@ fn read_all<P: AsRef<Path>>(
     }
     #[cfg(feature = "edit")]
     if let Some((path, document)) = edited::find(from, paths, &heads, options)? {
-        return edited::whole(path, &document);
+        return edited_whole(path, &document);
     }
     let (raw, files) = join::read(from, paths, options)?;
     let (mut strands, mut followers) = (raw.strands, raw.followers);

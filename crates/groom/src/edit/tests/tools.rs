@@ -1,4 +1,4 @@
-//! What every tool promises, on every groom.
+//! Promises of every tool, on every groom.
 
 use super::*;
 
@@ -182,7 +182,7 @@ fn cut_hair_lies_where_it_was_and_ends_at_the_cut() {
                     fixture.name,
                     height(tip)
                 );
-                // Every point is on the strand as it was.
+                // Every point is on the strand before the cut.
                 let near = |p: &Vec3| {
                     let edges = before.windows(2).map(|edge| {
                         let t = ((*p - edge[0]).dot(edge[1] - edge[0])

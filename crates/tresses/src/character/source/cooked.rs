@@ -44,8 +44,16 @@ impl CharacterSource {
     /// # Errors
     /// As [`CookedGroom::new`].
     pub fn cook(&self) -> Result<Option<CookedGroom>> {
-        let (Hair::Imported { strands, field, .. }, Some(report)) = (&self.hair, &self.report) else {
-            return Ok(None);
+        #[cfg(feature = "edit")]
+        let edited;
+        let (strands, field, report, groom) = match (&self.hair, &self.report) {
+            (Hair::Imported { strands, field, .. }, Some(report)) => (strands, field, report, None),
+            #[cfg(feature = "edit")]
+            (Hair::Edited { document, field }, _) => {
+                edited = import::edited_whole(Path::new("the edited groom"), document)?;
+                (&edited.0, field, &edited.2, Some(document.groom()))
+            }
+            _ => return Ok(None),
         };
         let (mut rig, mut parts) = (None, Vec::new());
         if let Some(mut anatomy) = self.anatomy.clone() {
@@ -59,6 +67,9 @@ impl CharacterSource {
         }
         let mut cooked = CookedGroom::new(strands.clone(), self.head.clone(), field.clone(), rig, report)?;
         cooked.parts = parts;
+        if let Some(groom) = groom {
+            cooked.groom = groom;
+        }
         Ok(Some(cooked))
     }
 }

@@ -1,0 +1,111 @@
+//! Straight cuts.
+
+use super::{StrokeSample, solve::unit};
+use crate::SdfGrid;
+use glam::Vec3;
+
+/// Depth below the skin to which a shell reaches, meters.
+pub(super) const SKIN: f32 = 0.02;
+/// Distance of the eye from a cut without a camera, meters.
+const FAR: f32 = 10.0;
+/// Parts of a line in which hair hides other hair.
+const BINS: usize = 64;
+/// Thickness of the hair on the near side, meters.
+const CURTAIN: f32 = 0.06;
+
+/// A straight cut between two rays from one eye.
+#[derive(Clone, Copy)]
+pub(super) struct CutLine {
+    eye: Vec3,
+    from: Vec3,
+    to: Vec3,
+}
+
+impl CutLine {
+    /// Creates the cut between the sights of two samples; without a camera, between points seen from far along z.
+    pub fn new(first: &StrokeSample, last: &StrokeSample) -> Self {
+        match first.direction == Vec3::ZERO {
+            true => {
+                let eye = 0.5 * (first.origin + last.origin) + Vec3::Z * FAR;
+                Self { eye, from: first.origin - eye, to: last.origin - eye }
+            }
+            false => Self { eye: last.origin, from: first.direction, to: last.direction },
+        }
+    }
+
+    pub fn mirrored(&self, middle: f32) -> Self {
+        let flip = |v: Vec3| Vec3::new(-v.x, v.y, v.z);
+        let eye = Vec3::new(2.0 * middle - self.eye.x, self.eye.y, self.eye.z);
+        Self { eye, from: flip(self.from), to: flip(self.to) }
+    }
+
+    /// Returns the places where a polyline crosses the cut, from its first point.
+    pub fn crossings(self, points: &[Vec3]) -> impl Iterator<Item = Crossing> {
+        let normal = self.from.cross(self.to);
+        let crossing = move |(i, edge): (usize, &[Vec3])| {
+            let [a, b] = [edge[0], edge[1]].map(|p| (p - self.eye).dot(normal));
+            let t = a / (a - b);
+            let way = edge[0].lerp(edge[1], t) - self.eye;
+            let (left, right) = (self.from.cross(way).dot(normal), way.cross(self.to).dot(normal));
+            let crosses = a * b <= 0.0 && a != b && left >= 0.0 && right >= 0.0 && left + right > 0.0;
+            crosses.then(|| Crossing { at: i as f32 + t, along: left / (left + right), depth: way.length() })
+        };
+        points.windows(2).enumerate().filter_map(crossing)
+    }
+
+    /// Returns for each part of the line the depth down to which hair is on the near side: a little more than the
+    /// nearest hair, and not far below the skin.
+    pub fn front<'a>(
+        &self,
+        crossings: impl Iterator<Item = &'a Crossing>,
+        field: Option<&SdfGrid>,
+    ) -> Vec<f32> {
+        let mut nearest = vec![f32::MAX; BINS];
+        for crossing in crossings {
+            let nearest = &mut nearest[crossing.bin()];
+            *nearest = nearest.min(crossing.depth);
+        }
+        let depth = |i: usize| {
+            let around = i.saturating_sub(1)..=(i + 1).min(BINS - 1);
+            let hair = around.map(|i| nearest[i]).fold(f32::MAX, f32::min) + CURTAIN;
+            let sight = unit(self.from.lerp(self.to, (i as f32 + 0.5) / BINS as f32), Vec3::NEG_Z);
+            let skin = field.and_then(|field| trace(field, self.eye, sight));
+            skin.map_or(hair, |skin| hair.min(skin + SKIN))
+        };
+        (0..BINS).map(depth).collect()
+    }
+}
+
+/// A place where a strand crosses a cut.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Crossing {
+    /// Segments from the root.
+    pub at: f32,
+    /// Share of the line.
+    along: f32,
+    /// Distance from the eye, meters.
+    pub depth: f32,
+}
+
+impl Crossing {
+    /// Returns the part of the line.
+    pub fn bin(&self) -> usize {
+        ((self.along * BINS as f32) as usize).min(BINS - 1)
+    }
+}
+
+/// Returns the distance along a ray (`direction` unit) to the skin, meters.
+pub(super) fn trace(field: &SdfGrid, origin: Vec3, direction: Vec3) -> Option<f32> {
+    let mut t = 0.0;
+    for _ in 0..200 {
+        let distance = field.sample(origin + direction * t);
+        if distance < 5e-4 {
+            return Some(t);
+        }
+        t += distance;
+        if t > 20.0 {
+            break;
+        }
+    }
+    None
+}
