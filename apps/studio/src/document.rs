@@ -25,6 +25,9 @@ use tresses::{
 };
 use tresses_scene::{Companion, Companions, History, Preset, Settings, Shelf, source};
 
+/// Memory of groomed versions that undo keeps, bytes.
+const UNDO_BYTES: usize = if cfg!(target_arch = "wasm32") { 96 << 20 } else { 256 << 20 };
+
 /// Settings and hair, with undo.
 pub struct Document {
     context: egui::Context,
@@ -138,6 +141,10 @@ impl Document {
         let source = Source::Edited { name: now.source.name(), document };
         let hair = Hair { source, companions: now.companions.clone() };
         self.settings.change_both(self.settings.now().clone(), hair, label);
+        self.settings.limit(UNDO_BYTES, |older, newer| {
+            let pair = older.source.document().zip(newer.source.document());
+            pair.map_or(0, |(older, newer)| older.bytes_beside(newer))
+        });
     }
 
     /// Ends the stroke of the brush, as one step of the history.

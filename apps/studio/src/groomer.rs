@@ -51,11 +51,11 @@ impl BrushKit {
     }
 }
 
-/// A stroke that has ended.
+/// A stroke that has ended, with the hashes of the versions before and after it: versions take memory.
 #[derive(Debug)]
 struct Step {
-    before: GroomDocument,
-    after: GroomDocument,
+    before: u64,
+    after: u64,
     stroke: ScriptStep,
 }
 
@@ -144,13 +144,17 @@ impl Groomer {
 
     /// Ends the stroke. Returns the new version and the name of the tool, if anything has moved.
     pub fn release(&mut self) -> Option<(GroomDocument, &'static str)> {
-        let before = self.document().clone();
         let after = self.editor.release()?;
         let samples = std::mem::take(&mut self.samples);
-        let stroke = ScriptStep::Stroke { brush: self.brush, samples };
-        self.steps.push(Step { before, after: after.clone(), stroke });
-        (self.ended, self.hash) = (Instant::now(), after.hash());
+        self.step(ScriptStep::Stroke { brush: self.brush, samples });
         Some((after, title(self.brush.tool)))
+    }
+
+    /// Records what led to the current version.
+    fn step(&mut self, stroke: ScriptStep) {
+        let (before, after) = (self.hash, self.document().hash());
+        self.steps.push(Step { before, after, stroke });
+        (self.ended, self.hash) = (Instant::now(), after);
     }
 
     /// Gives the guides the shapes of simulated ones. Returns the new version if any differs.
@@ -162,8 +166,7 @@ impl Groomer {
         let Some(after) = self.editor.keep(positions)? else { return Ok(None) };
         let changed = after.guides().differing(before.guides());
         let guides = changed.map(|i| (i, after.guide(i).to_vec())).collect();
-        self.steps.push(Step { before, after: after.clone(), stroke: ScriptStep::Pose(guides) });
-        (self.ended, self.hash) = (Instant::now(), after.hash());
+        self.step(ScriptStep::Pose(guides));
         Ok(Some(after))
     }
 
@@ -185,10 +188,10 @@ impl Groomer {
     /// Returns the strokes that lead to the current version, without those that were undone.
     pub fn script(&self) -> StrokeScript {
         let mut steps = Vec::new();
-        let mut at = self.document();
-        while let Some(step) = self.steps.iter().rev().find(|step| step.after == *at) {
-            steps.push(step.stroke.clone());
-            at = &step.before;
+        let (mut at, mut left) = (self.hash, &self.steps[..]);
+        while let Some(last) = left.iter().rposition(|step| step.after == at) {
+            steps.push(left[last].stroke.clone());
+            (at, left) = (left[last].before, &left[..last]);
         }
         steps.reverse();
         StrokeScript { steps }

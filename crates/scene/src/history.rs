@@ -55,6 +55,20 @@ impl<H: Clone + PartialEq> History<H> {
         self.push(step);
     }
 
+    /// Drops the oldest steps from which on the history needs more than `most` bytes. `bytes` returns the memory of one hair
+    /// besides another.
+    pub fn limit(&mut self, most: usize, bytes: impl Fn(&H, &H) -> usize) {
+        let newer = self.past.iter().skip(1).map(|step| &step.hair).chain([&self.hair]);
+        let pairs: Vec<_> = self.past.iter().map(|step| &step.hair).zip(newer).collect();
+        let mut sum = 0;
+        let kept = pairs.iter().rev().take_while(|(older, newer)| {
+            sum += bytes(older, newer);
+            sum <= most
+        });
+        let kept = kept.count();
+        self.past.drain(..self.past.len() - kept);
+    }
+
     /// Replaces the hair without recording a step, for hair that failed to load.
     pub fn set_hair(&mut self, hair: H) {
         self.hair = hair;
@@ -225,6 +239,21 @@ mod tests {
         assert_eq!((*history.hair(), history.redoes()), ("long", Some("Colors")));
         history.redo();
         assert_eq!((*history.hair(), history.now().wind_speed()), ("painted", 5.0));
+    }
+
+    #[test]
+    fn memory_is_bounded() {
+        let mut history = History::new(Settings::default(), 0usize);
+        for hair in 1..=10 {
+            history.change_both(history.now().clone(), hair, "Comb");
+        }
+        // A version takes as many bytes as its number.
+        history.limit(10 + 9 + 8, |older, newer| if older == newer { 0 } else { older + 1 });
+        assert_eq!(*history.hair(), 10);
+        assert_eq!(std::iter::from_fn(|| history.undo().map(|_| ())).count(), 3);
+        assert_eq!(*history.hair(), 7);
+        history.limit(0, |_, _| 1);
+        assert!(history.undo().is_none() && history.redo().is_some());
     }
 
     #[test]

@@ -8,6 +8,8 @@ use glam::Vec3;
 pub(super) const CLEARANCE: f32 = 1.5e-3;
 /// Largest distance from the skin that a brush preserves, meters.
 const MOST_VOLUME: f32 = 0.015;
+/// Smallest radius to which a stroke bends hair, meters.
+const BEND: f32 = 6e-3;
 /// Error of a distance field, meters.
 const SLACK: f32 = 2e-3;
 /// Passes of FABRIK: enough for 2 mm.
@@ -84,6 +86,18 @@ pub(super) fn unit(v: Vec3, other: Vec3) -> Vec3 {
     if length > 1e-9 && length.is_finite() { v / length } else { other }
 }
 
+/// Returns `direction`, turned towards the edge before it if hair would bend more sharply than a radius of [`BEND`] and
+/// than it already does, which is the cosine `sharpest`.
+fn bent(direction: Vec3, before: Vec3, length: f32, sharpest: f32) -> Vec3 {
+    let angle = length / BEND;
+    let cosine = (1.0 - 0.5 * angle * angle).max(0.0).min(sharpest);
+    if direction.dot(before) >= cosine {
+        return direction;
+    }
+    let across = unit(direction - before * direction.dot(before), Vec3::ZERO);
+    before * cosine + across * (1.0 - cosine * cosine).max(0.0).sqrt()
+}
+
 impl Solver<'_> {
     /// Returns the guide that was at `before` and whose vertices a tool moved to `target`. `near` is the falloff at each
     /// vertex: 1 in the middle of the brush, 0 outside. Vertices before the first with `moved` keep their bits.
@@ -111,6 +125,13 @@ impl Solver<'_> {
             let moved = unit(target[i + 1] - line[i], carried);
             let keep = self.keep_shape * (1.0 - near[i + 1]);
             let direction = unit(moved * (1.0 - keep) + carried * keep, carried);
+            let direction = match i {
+                0 => direction,
+                _ => {
+                    let sharpest = edge_before(i).dot(edge_before(i - 1));
+                    bent(direction, unit(line[i] - line[i - 1], direction), length, sharpest)
+                }
+            };
             line[i + 1] = self.outside(line[i], direction, length, i + 1, press, carried);
         }
         line
