@@ -6,7 +6,7 @@ use super::{
     cuts::LengthChanges,
     line::{SKIN, trace},
     sample::StrokeSample,
-    solve::{PressState, Solver, reached, unit},
+    solve::{BEND, PressState, Solver, reached, unit},
     tools::{Dab, Surroundings, Weights},
 };
 use crate::{Error, Result, SdfGrid, hash::pcg, near::PointTree, progress::in_parallel};
@@ -395,7 +395,7 @@ impl GroomEditor {
         };
         let changed: Vec<usize> = (0..self.spheres.len()).filter(differ).collect();
         let field = self.field.as_deref();
-        let solver = Solver { field, keep_shape: 0.0, keep_volume: 0.0 };
+        let solver = Solver { field, keep_shape: 0.0, keep_volume: 0.0, bend: None };
         let near = vec![1.0; n];
         let solved = self.changed(&changed, |i| {
             let press = PressState::new(self.guide(i), field);
@@ -461,7 +461,8 @@ impl GroomEditor {
         let dabs = self.dabs(stroke, sample.at(stroke.depth), motion, sample);
         let field = self.field.as_deref();
         let brush = &stroke.brush;
-        let solver = Solver { field, keep_shape: brush.keep_shape, keep_volume: brush.keep_volume };
+        let solver =
+            Solver { field, keep_shape: brush.keep_shape, keep_volume: brush.keep_volume, bend: Some(BEND) };
         let even = brush.acts() == BrushTool::Smooth && brush.neighbors > 0.0;
         if brush.tool == BrushTool::Cut {
             let cut = self.cut(stroke, &dabs);
@@ -496,7 +497,8 @@ impl GroomEditor {
         let dabs = self.dabs(stroke, stroke.begin, by, &stroke.last);
         let brush = &stroke.brush;
         let field = self.field.as_deref();
-        let solver = Solver { field, keep_shape: brush.keep_shape, keep_volume: brush.keep_volume };
+        let solver =
+            Solver { field, keep_shape: brush.keep_shape, keep_volume: brush.keep_volume, bend: Some(BEND) };
         let held: Vec<usize> = (0..stroke.grabbed.len()).collect();
         let moved = self.changed(&held, |k| {
             let (i, weights) = &stroke.grabbed[k];

@@ -9,7 +9,7 @@ pub(super) const CLEARANCE: f32 = 1.5e-3;
 /// Largest distance from the skin that a brush preserves, meters.
 const MOST_VOLUME: f32 = 0.015;
 /// Smallest radius to which a stroke bends hair, meters.
-const BEND: f32 = 6e-3;
+pub(super) const BEND: f32 = 6e-3;
 /// Error of a distance field, meters.
 const SLACK: f32 = 2e-3;
 /// Passes of FABRIK: enough for 2 mm.
@@ -66,6 +66,8 @@ pub(super) struct Solver<'a> {
     pub field: Option<&'a SdfGrid>,
     pub keep_shape: f32,
     pub keep_volume: f32,
+    /// Smallest radius to which hair is bent, meters; `None` for any.
+    pub bend: Option<f32>,
 }
 
 /// Returns `v` rotated by the smallest rotation from the direction `a` to the direction `b`, both units.
@@ -86,10 +88,9 @@ pub(super) fn unit(v: Vec3, other: Vec3) -> Vec3 {
     if length > 1e-9 && length.is_finite() { v / length } else { other }
 }
 
-/// Returns `direction`, turned towards the edge before it if hair would bend more sharply than a radius of [`BEND`] and
-/// than it already does, which is the cosine `sharpest`.
-fn bent(direction: Vec3, before: Vec3, length: f32, sharpest: f32) -> Vec3 {
-    let angle = length / BEND;
+/// Returns `direction`, turned towards the edge before it if the angle between them is larger than `angle` and than the
+/// one with the cosine `sharpest`.
+fn bent(direction: Vec3, before: Vec3, angle: f32, sharpest: f32) -> Vec3 {
     let cosine = (1.0 - 0.5 * angle * angle).max(0.0).min(sharpest);
     if direction.dot(before) >= cosine {
         return direction;
@@ -125,12 +126,12 @@ impl Solver<'_> {
             let moved = unit(target[i + 1] - line[i], carried);
             let keep = self.keep_shape * (1.0 - near[i + 1]);
             let direction = unit(moved * (1.0 - keep) + carried * keep, carried);
-            let direction = match i {
-                0 => direction,
-                _ => {
+            let direction = match self.bend {
+                Some(radius) if i > 0 => {
                     let sharpest = edge_before(i).dot(edge_before(i - 1));
-                    bent(direction, unit(line[i] - line[i - 1], direction), length, sharpest)
+                    bent(direction, unit(line[i] - line[i - 1], direction), length / radius, sharpest)
                 }
+                _ => direction,
             };
             line[i + 1] = self.outside(line[i], direction, length, i + 1, press, carried);
         }
