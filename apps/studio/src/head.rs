@@ -112,18 +112,7 @@ impl HeadSpring {
 pub fn hit(field: &SdfGrid, pose: &Pose, eye: Vec3, direction: Vec3) -> Option<f32> {
     let back = pose.inverse();
     let (origin, along) = (back.point(eye), back.rotation * direction);
-    let mut t = 0.0;
-    for _ in 0..200 {
-        let distance = field.sample(origin + along * t) - SKIN;
-        if distance < 5e-4 {
-            return Some(t);
-        }
-        t += distance;
-        if t > 20.0 {
-            break;
-        }
-    }
-    None
+    field.trace(origin, along, SKIN)
 }
 
 #[cfg(test)]

@@ -59,6 +59,23 @@ impl SdfGrid {
         mix(plane(0), plane(1), f.z) + (local - q).length() * self.cell
     }
 
+    /// Returns the distance along a ray (`direction` unit) to the surface that is `thickness` meters above the obstacle,
+    /// by sphere tracing; `None` if there is none within 20 m.
+    pub fn trace(&self, origin: Vec3, direction: Vec3, thickness: f32) -> Option<f32> {
+        let mut t = 0.0;
+        for _ in 0..200 {
+            let distance = self.sample(origin + direction * t) - thickness;
+            if distance < 5e-4 {
+                return Some(t);
+            }
+            t += distance;
+            if t > 20.0 {
+                break;
+            }
+        }
+        None
+    }
+
     /// Returns the normalized gradient of the distance at `p`, which points away from the obstacle.
     pub fn normal(&self, p: Vec3) -> Vec3 {
         let h = 0.5 * self.cell;

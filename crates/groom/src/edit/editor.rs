@@ -4,7 +4,7 @@ use super::{
     Brush, BrushTool, GroomDocument,
     carry::CarriedStrands,
     cuts::LengthChanges,
-    line::{SKIN, trace},
+    line::SKIN,
     sample::StrokeSample,
     solve::{BEND, PressState, Solver, reached, unit},
     tools::{Dab, Surroundings, Weights},
@@ -225,7 +225,7 @@ impl GroomEditor {
 
     fn hit_within(&self, sample: &StrokeSample, aside: f32) -> Option<f32> {
         let (origin, direction) = (sample.origin, sample.direction);
-        let skin = self.field.as_deref().and_then(|field| trace(field, origin, direction));
+        let skin = self.field.as_deref().and_then(|field| field.trace(origin, direction, 0.0));
         let n = self.document.vertex_count();
         let last = skin.map_or(f32::MAX, |skin| skin + self.aside);
         let mut best = (f32::MAX, None);
@@ -433,7 +433,8 @@ impl GroomEditor {
         let mut behind = f32::MAX;
         if let Some(field) = self.field.as_deref().filter(|_| sight != Vec3::ZERO) {
             let before = 3.0 * stroke.radius;
-            behind = trace(field, center - sight * before, sight).map_or(behind, |skin| skin - before + SKIN);
+            behind =
+                field.trace(center - sight * before, sight, 0.0).map_or(behind, |skin| skin - before + SKIN);
         }
         let strength = stroke.brush.strength * sample.pressure.clamp(0.0, 1.0);
         let dab = Dab { center, motion, sight, behind, radius: stroke.radius, strength };

@@ -69,7 +69,7 @@ impl CutLine {
             let around = i.saturating_sub(1)..=(i + 1).min(BINS - 1);
             let hair = around.map(|i| nearest[i]).fold(f32::MAX, f32::min) + CURTAIN;
             let sight = unit(self.from.lerp(self.to, (i as f32 + 0.5) / BINS as f32), Vec3::NEG_Z);
-            let skin = field.and_then(|field| trace(field, self.eye, sight));
+            let skin = field.and_then(|field| field.trace(self.eye, sight, 0.0));
             skin.map_or(hair, |skin| hair.min(skin + SKIN))
         };
         (0..BINS).map(depth).collect()
@@ -92,20 +92,4 @@ impl Crossing {
     pub fn bin(&self) -> usize {
         ((self.along * BINS as f32) as usize).min(BINS - 1)
     }
-}
-
-/// Returns the distance along a ray (`direction` unit) to the skin, meters.
-pub(super) fn trace(field: &SdfGrid, origin: Vec3, direction: Vec3) -> Option<f32> {
-    let mut t = 0.0;
-    for _ in 0..200 {
-        let distance = field.sample(origin + direction * t);
-        if distance < 5e-4 {
-            return Some(t);
-        }
-        t += distance;
-        if t > 20.0 {
-            break;
-        }
-    }
-    None
 }
