@@ -479,7 +479,7 @@ impl Document {
     }
 }
 
-/// Stops or resumes the animation of the body of `show`.
+/// Stops the animation of the body of `show` if it `rests`.
 fn rest(show: &mut CharacterDisplay, rests: bool, messages: &mut Messages) {
     let Some(rig) = show.stage.character.rig_mut().filter(|_| rests) else { return };
     if let Err(error) = rig.set_animation(None) {

@@ -185,14 +185,25 @@ impl Groomer {
         Ok(())
     }
 
+    /// Returns the strokes that lead to the current version, without those that were undone, the last first.
+    fn strokes(&self) -> impl Iterator<Item = &ScriptStep> {
+        let (mut at, mut left) = (self.hash, &self.steps[..]);
+        std::iter::from_fn(move || {
+            let last = left.iter().rposition(|step| step.after == at)?;
+            let step = &left[last];
+            (at, left) = (step.before, &left[..last]);
+            Some(&step.stroke)
+        })
+    }
+
+    /// Returns the number of strokes that lead to the current version.
+    pub fn stroke_count(&self) -> usize {
+        self.strokes().count()
+    }
+
     /// Returns the strokes that lead to the current version, without those that were undone.
     pub fn script(&self) -> StrokeScript {
-        let mut steps = Vec::new();
-        let (mut at, mut left) = (self.hash, &self.steps[..]);
-        while let Some(last) = left.iter().rposition(|step| step.after == at) {
-            steps.push(left[last].stroke.clone());
-            (at, left) = (left[last].before, &left[..last]);
-        }
+        let mut steps: Vec<_> = self.strokes().cloned().collect();
         steps.reverse();
         StrokeScript { steps }
     }

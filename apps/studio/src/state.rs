@@ -73,7 +73,7 @@ impl GroomState {
     pub fn of(groomer: &Groomer) -> Self {
         Self {
             guides: groomer.document().guides().len(),
-            strokes: groomer.script().steps.len(),
+            strokes: groomer.stroke_count(),
             hash: format!("{:016x}", groomer.hash()),
             dab_ms: groomer.milliseconds,
             active: groomer.editor().is_active(),

@@ -9,7 +9,7 @@ use super::{
     solve::{BEND, PressState, Solver, reached, unit},
     tools::{Dab, Surroundings, Weights},
 };
-use crate::{Error, Result, SdfGrid, hash::pcg, near::PointTree, progress::in_parallel};
+use crate::{Error, Groom, Result, SdfGrid, hash::pcg, near::PointTree, progress::in_parallel};
 use glam::Vec3;
 use std::sync::{Arc, OnceLock};
 
@@ -88,6 +88,8 @@ struct MovedGuide {
 #[derive(Debug)]
 pub struct GroomEditor {
     pub(super) document: GroomDocument,
+    /// The groom before the first stroke, with its current lengths: held, because every dab reads it.
+    base: Arc<Groom>,
     pub(super) field: Option<Arc<SdfGrid>>,
     /// Normal of the skin at each root.
     normals: Vec<Vec3>,
@@ -131,6 +133,7 @@ impl GroomEditor {
         let (neighbors, stroke) = (OnceLock::new(), None);
         let aside = (1.5 * spacing).clamp(5e-3, PICK);
         Self {
+            base: document.base(),
             document,
             field,
             normals,
@@ -447,7 +450,7 @@ impl GroomEditor {
     /// Returns the guides that `dabs` may reach and that take part.
     pub(super) fn under(&self, stroke: &ActiveStroke, dabs: &[Dab]) -> Vec<usize> {
         let brush = &stroke.brush;
-        let pinned = &self.document.base().guides.tip_pinned;
+        let pinned = &self.base.guides.tip_pinned;
         let takes_part = |i: &usize| {
             !pinned[*i]
                 && (brush.share >= 1.0 || stroke.chance(*i as u32) < brush.share)

@@ -10,7 +10,7 @@ use super::{
 use crate::progress::in_parallel;
 
 impl GroomEditor {
-    /// Returns the strands at the press, and those of each guide.
+    /// Returns the carried strands, and the followers of each guide.
     pub(super) fn strands(&self) -> (CarriedStrands, Vec<Vec<u32>>) {
         let strands = self.document.carried();
         let mut followers = vec![Vec::new(); self.spheres.len()];
