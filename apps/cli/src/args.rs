@@ -22,7 +22,7 @@ pub struct SourceArgs {
     #[arg(value_name = "GROOM", help_heading = None, help = grooms_help("joined into one groom; if omitted, a built-in style"))]
     pub grooms: Vec<PathBuf>,
     /// Mesh that the groom grows on and collides with
-    #[arg(long, value_name = "MESH", requires = "grooms", help = head_help("may be repeated, for eyes and clothes"))]
+    #[arg(long, value_name = "MESH", help = head_help("without a groom, a built-in style grows on it; may be repeated, for eyes and clothes"))]
     pub head: Vec<PathBuf>,
     /// Built-in hairstyle: long, bob, curly or short
     #[arg(long, value_name = "NAME", conflicts_with = "grooms")]
@@ -53,6 +53,8 @@ impl SourceArgs {
             source.grooms.clone_from(&self.grooms);
             source.heads.clone_from(&self.head);
             source.orientation = Default::default();
+        } else if !self.head.is_empty() {
+            source.heads.clone_from(&self.head);
         }
         self.orientation.apply(&mut source.orientation);
     }
@@ -171,6 +173,10 @@ mod tests {
         args.apply(&mut other);
         assert_eq!(other.source.grooms, args.grooms);
         assert!(other.source.heads.is_empty() && other.source.orientation == Default::default());
+        // A head alone goes under the preset's hair.
+        let args = SourceArgs { head: vec!["c.obj".into()], ..Default::default() };
+        args.apply(&mut other);
+        assert_eq!((other.source.grooms.len(), &other.source.heads), (1, &args.head));
     }
 
     #[test]

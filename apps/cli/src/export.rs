@@ -101,7 +101,7 @@ impl RestingCharacter {
         let gpu = pollster::block_on(Gpu::open())?;
         let character = pollster::block_on(preset.character(&gpu.context, preparing))?;
         let (head, guides) = (character.head.clone(), character.groom.guides.clone());
-        let rig = motion::animation::rig_of(&character, preset.source.grooms.is_empty());
+        let rig = motion::animation::rig_of(&character, preset.source.is_mannequin());
         let colliders = Companions::of(&preset.source, Shelf::default()).colliders()?;
         let (physics, quality) = (preset.settings.physics(), preset.settings.quality([16, 16], 1)?);
         let scene = Scene::new(gpu, character, colliders, &physics, &quality, preparing);

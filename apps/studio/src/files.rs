@@ -2,7 +2,7 @@
 
 use std::{path::PathBuf, sync::Arc};
 use tresses::character::CharacterFiles;
-use tresses::groom::import::FileBytes;
+use tresses::groom::import::{self, FileBytes, FileKind};
 
 /// The files of a groom and its head.
 #[derive(Clone, Debug)]
@@ -38,9 +38,22 @@ impl Files {
         }
     }
 
+    /// Whether there is a groom among the files, or one of unknown kind, which the groom reader reports.
+    pub fn hold_groom(&self) -> bool {
+        match self {
+            Self::Disk { grooms, .. } => !grooms.is_empty(),
+            Self::Given(files) => {
+                let kinds = || files.iter().map(|(name, bytes)| import::kind(name, bytes));
+                kinds().any(|kind| matches!(kind, None | Some(FileKind::Groom)))
+                    || !kinds().any(|kind| kind == Some(FileKind::Mesh))
+            }
+        }
+    }
+
     /// Returns a short name for titles.
     pub fn name(&self) -> String {
         let paths: Vec<&PathBuf> = match self {
+            Self::Disk { grooms, heads } if grooms.is_empty() => heads.iter().collect(),
             Self::Disk { grooms, .. } => grooms.iter().collect(),
             Self::Given(files) => files.iter().map(|(path, _)| path).collect(),
         };

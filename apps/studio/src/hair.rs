@@ -13,6 +13,15 @@ pub const COLORS: &str = "color_map";
 pub enum Source {
     /// Name of a built-in style.
     Style(String),
+    /// A built-in style on the head of files.
+    Head {
+        /// Name of the style.
+        style: String,
+        /// The head.
+        files: Files,
+        /// Units and axes.
+        options: Box<ImportOptions>,
+    },
     /// The files of one groom, and of its head if there is one.
     Files {
         /// The files.
@@ -34,8 +43,35 @@ impl Source {
     pub fn name(&self) -> String {
         match self {
             Self::Style(name) => name.clone(),
+            Self::Head { style, files, .. } => format!("{style} on {}", files.name()),
             Self::Files { files, .. } => files.name(),
             Self::Edited { name, .. } => name.clone(),
+        }
+    }
+
+    /// Returns the source of `files`: their groom or, if they hold a head alone, the built-in style named `style` on it.
+    pub fn of_files(files: Files, style: &str, options: Box<ImportOptions>) -> Self {
+        match files.hold_groom() {
+            true => Self::Files { files, options },
+            false => Self::Head { style: style.into(), files, options },
+        }
+    }
+
+    /// Returns the built-in style named `style`, on the same head if it is a file's.
+    pub fn with_style(&self, style: &str) -> Self {
+        match self {
+            Self::Head { files, options, .. } => {
+                Self::Head { style: style.into(), files: files.clone(), options: options.clone() }
+            }
+            _ => Self::Style(style.into()),
+        }
+    }
+
+    /// Returns the name of the built-in style, if it is one.
+    pub fn style(&self) -> Option<&str> {
+        match self {
+            Self::Style(style) | Self::Head { style, .. } => Some(style),
+            _ => None,
         }
     }
 
@@ -55,7 +91,7 @@ impl Source {
     /// Returns the files that the hair was read from; none for a built-in style.
     pub fn files(&self) -> CharacterFiles<'_> {
         match self {
-            Self::Files { files, .. } => files.borrowed(),
+            Self::Head { files, .. } | Self::Files { files, .. } => files.borrowed(),
             _ => CharacterFiles::Given(&[]),
         }
     }
@@ -117,7 +153,13 @@ impl Hair {
                 (source.grooms, source.heads) = (grooms.clone(), heads.clone());
                 source.orientation = (**options).clone();
             }
-            Source::Files { files: Files::Given(_), .. } | Source::Edited { .. } => {}
+            Source::Head { style, files: Files::Disk { heads, .. }, options } => {
+                (source.style, source.heads) = (Some(style.clone()), heads.clone());
+                source.orientation = (**options).clone();
+            }
+            Source::Files { files: Files::Given(_), .. }
+            | Source::Head { files: Files::Given(_), .. }
+            | Source::Edited { .. } => {}
         }
         source
     }

@@ -231,6 +231,10 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Prepa
         (None, Source::Style(name)) => {
             Arc::new(CharacterSource::built_in(&gpu.context, &name.parse::<Style>()?, progress).await?)
         }
+        (None, Source::Head { style, files, options }) => {
+            let (style, files) = (style.parse::<Style>()?, files.borrowed());
+            Arc::new(CharacterSource::styled(&gpu.context, &style, &files, options, progress).await?)
+        }
         (None, Source::Files { files, options }) => {
             Arc::new(CharacterSource::imported(&files.borrowed(), options, progress).await?)
         }
@@ -287,7 +291,7 @@ async fn baked(
     let quality = Quality { view, lod: settings.lod(), ..Quality::new([1; 2]) };
     let physics = (&settings.physics(), &quality);
     let chain = CardChain::new(&gpu.context, (&parts, cards), &colliders, physics, progress).await?;
-    let rig = animation::rig_of(&parts, base.style().is_some());
+    let rig = animation::rig_of(&parts, base.is_mannequin());
     Ok(BakedCards { chain, rig, strands: parts.groom.strands.len(), head: parts.head })
 }
 

@@ -92,20 +92,24 @@ impl Groom {
     ///     number of strands and ``style.seed`` the random seed.
     /// progress : callable, optional
     ///     Called with the current task (str) and the fraction of it that is done (0 to 1).
+    /// head : path or list of paths, optional
+    ///     Mesh that the style grows on, in place of the built-in head. The style is scaled to the head.
     /// **files : path
     ///     Companion files: density_map, thickness_map, length_map, curl_map, stiffness_map, color_map, curl_curve,
     ///     lod_maps, colliders, ties, environment.
     #[staticmethod]
-    #[pyo3(signature = (style="long", settings=None, *, progress=None, **files))]
+    #[pyo3(signature = (style="long", settings=None, *, head=None, progress=None, **files))]
     fn built_in(
         py: Python<'_>,
         style: &str,
         settings: Option<&Bound<'_, PyAny>>,
+        head: Option<&Bound<'_, PyAny>>,
         progress: Option<Py<PyAny>>,
         files: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let style: groom::styles::Style = style.parse().map_err(raised)?;
-        let mut source = Source { style: Some(style.name().to_owned()), ..Default::default() };
+        let heads = head.map(paths).transpose()?.unwrap_or_default();
+        let mut source = Source { style: Some(style.name().to_owned()), heads, ..Default::default() };
         companions_of(&mut source, files)?;
         Self::open(py, Preset { name: None, source, settings: settings_of(settings)? }, progress)
     }

@@ -55,7 +55,12 @@ impl Preset {
         };
         let styling = self.settings.styling(style.as_ref(), &maps)?;
         let base = match &style {
-            Some(style) => CharacterSource::built_in(context, style, progress).await?,
+            Some(style) if source.is_mannequin() => {
+                CharacterSource::built_in(context, style, progress).await?
+            }
+            Some(style) => {
+                CharacterSource::styled(context, style, &self.files(), &source.orientation, progress).await?
+            }
             None => CharacterSource::imported(&self.files(), &source.orientation, progress).await?,
         };
         Ok((base, styling))

@@ -7,7 +7,7 @@ use tresses::groom::{formats, import::ImportOptions};
 /// Groom, head and companion files, or a built-in style. All fields are optional.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Source {
-    /// Name of a built-in hairstyle.
+    /// Name of a built-in hairstyle, on the head of `heads` if there is one.
     pub style: Option<String>,
     /// Groom files.
     pub grooms: Vec<PathBuf>,
@@ -37,6 +37,13 @@ pub struct Source {
     pub ties: Option<String>,
     /// Environment map.
     pub environment: Option<String>,
+}
+
+impl Source {
+    /// Whether the hair is a built-in style on the built-in body.
+    pub fn is_mannequin(&self) -> bool {
+        self.grooms.is_empty() && self.heads.is_empty()
+    }
 }
 
 /// File type of a companion.

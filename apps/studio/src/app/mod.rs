@@ -71,13 +71,14 @@ impl Studio {
         loss::listen(gpu.context.device(), context, &lost);
         let source = if let Some((name, document)) = options.edited {
             Source::Edited { name, document }
-        } else if let Some(files) = options.given {
-            Source::Files { files, options: Box::new(options.import) }
-        } else if options.grooms.is_empty() {
-            Source::Style(options.style.unwrap_or_else(|| Style::default().name().into()))
         } else {
-            let files = Files::Disk { grooms: options.grooms, heads: options.heads };
-            Source::Files { files, options: Box::new(options.import) }
+            let style = options.style.unwrap_or_else(|| Style::default().name().into());
+            let on_disk = !options.grooms.is_empty() || !options.heads.is_empty();
+            let disk = on_disk.then_some(Files::Disk { grooms: options.grooms, heads: options.heads });
+            match options.given.or(disk) {
+                Some(files) => Source::of_files(files, &style, Box::new(options.import)),
+                None => Source::Style(style),
+            }
         };
         let hair = Hair { source, companions: options.companions };
         let mut messages = Messages::default();

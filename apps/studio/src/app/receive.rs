@@ -12,7 +12,7 @@ use crate::{
 };
 use eframe::egui;
 use std::sync::Arc;
-use tresses::groom::import::ImportOptions;
+use tresses::groom::{import::ImportOptions, styles::Style};
 use tresses_scene::Surroundings;
 
 impl Studio {
@@ -48,22 +48,18 @@ impl Studio {
         }
     }
 
-    /// Opens a groom, a head for the current groom, or both.
+    /// Opens a groom, a head, or both. A head alone goes under the current groom or built-in style.
     fn open_files(&mut self, mut files: Files) {
+        let wanted = self.document.wanted().source;
         let mut choice = Box::<ImportOptions>::default();
         if let Files::Disk { grooms, .. } = &mut files
             && grooms.is_empty()
+            && let Source::Files { files: Files::Disk { grooms: shown, .. }, options } = &wanted
         {
-            let Hair { source: Source::Files { files: Files::Disk { grooms: shown, .. }, options }, .. } =
-                self.document.wanted()
-            else {
-                let help = "a head needs a groom: open a groom first, or open both together";
-                self.messages.error = Some(help.into());
-                return;
-            };
-            (*grooms, choice) = (shown, options);
+            (*grooms, choice) = (shown.clone(), options.clone());
         }
-        self.document.open(Source::Files { files, options: choice }, &mut self.messages);
+        let source = Source::of_files(files, wanted.style().unwrap_or(Style::default().name()), choice);
+        self.document.open(source, &mut self.messages);
     }
 
     /// Shows a new character.

@@ -75,7 +75,8 @@ fn source(document: &mut Document, messages: &mut Messages, ui: &mut Ui) {
         document.job.as_ref().map(|job| &job.hair).or(document.shown.as_ref().map(|shown| &shown.hair));
     let shown = shown.map(|hair| &hair.source);
     let name = shown.map(Source::name).unwrap_or_default();
-    let built_in = matches!(shown, Some(Source::Style(_)));
+    let current = shown.and_then(Source::style);
+    let (built_in, on_head) = (current.is_some(), matches!(shown, Some(Source::Head { .. })));
     let mut chosen = None;
     ComboBox::from_id_salt("style")
         .selected_text(if built_in { format!("Style: {name}") } else { name.clone() })
@@ -83,15 +84,21 @@ fn source(document: &mut Document, messages: &mut Messages, ui: &mut Ui) {
         .truncate()
         .show_ui(ui, |ui| {
             for style in Style::NAMES {
-                if ui.selectable_label(built_in && style == name, style).clicked() {
-                    chosen = Some(style);
+                if ui.selectable_label(current == Some(style), style).clicked() {
+                    chosen = shown.map(|source| source.with_style(style));
+                }
+            }
+            if let Some(style) = current.filter(|_| on_head) {
+                ui.separator();
+                if ui.selectable_label(false, "built-in head").clicked() {
+                    chosen = Some(Source::Style(style.into()));
                 }
             }
         })
         .response
         .on_hover_text(if built_in { "Built-in styles".into() } else { name.clone() });
-    if let Some(style) = chosen {
-        document.open(Source::Style(style.into()), messages);
+    if let Some(source) = chosen {
+        document.open(source, messages);
     }
 }
 

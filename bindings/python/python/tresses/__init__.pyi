@@ -171,7 +171,12 @@ class Binding(TypedDict):
 class Groom:
     @staticmethod
     def built_in(
-        style: str = "long", settings: Values = None, *, progress: Optional[Progress] = None, **files: Path
+        style: str = "long",
+        settings: Values = None,
+        *,
+        head: Optional[Paths] = None,
+        progress: Optional[Progress] = None,
+        **files: Path,
     ) -> Groom: ...
     @staticmethod
     def read(

@@ -112,7 +112,9 @@ impl Field<'_> {
             self.marks.chin.y - below + recipe.hem_softness * uneven
         });
         let mut along = 0.0;
-        while along < longest {
+        // Where the head holds a path up, it gets no longer.
+        let most = (2.0 * longest / STEP) as usize;
+        while along < longest && path.len() < most {
             let d = self.scalp.distance(p);
             let n = self.broad_normal(p);
             let up = smoothstep(-0.35, 0.5, n.y) * smoothstep(self.marks.chin.y, self.marks.ear.y, p.y);

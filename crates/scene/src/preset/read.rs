@@ -159,9 +159,6 @@ fn source(entries: &[Entry], source: &mut Source) -> Result<(), (Range<usize>, S
     if source.style.is_some() && !source.grooms.is_empty() {
         return refuse("source has a style and a groom; give one of them");
     }
-    if source.grooms.is_empty() && !source.heads.is_empty() {
-        return refuse("source has a head, but no groom");
-    }
     for choice in [source.orientation.orient, source.orientation.orient_head] {
         choice.check().map_err(|error| (at.clone(), format!("source: {error}")))?;
     }

@@ -158,7 +158,6 @@ fn invalid_presets_report_line_and_key() {
     refuses(&with("[source]\nstyle = \"beehive\""), Some(4), "long, bob, curly or short");
     refuses(&with("[source]\nstlye = \"long\""), Some(4), "the nearest is source.style");
     refuses(&with("[source]\nstyle = \"long\"\ngroom = \"a.tfx\""), Some(4), "give one of them");
-    refuses(&with("[source]\nhead = \"a.obj\""), Some(4), "no groom");
     refuses(&with("[source]\ngroom = 3"), Some(4), "a file or a list of files");
     refuses(&with("[source]\nup = \"w\""), Some(4), "x, y, z");
     refuses(&with("[source]\nup = \"y\"\nfront = \"-y\""), Some(4), "right angle");

@@ -5,6 +5,7 @@
 //! Style ─drape─►   (slow)             (fast)
 //! ```
 
+mod bare;
 #[cfg(feature = "cooked")]
 mod cooked;
 #[cfg(feature = "edit")]
@@ -43,6 +44,7 @@ use crate::{
     lod::LodLevel,
     simulate::Tie,
 };
+use bare::OwnHead;
 use glam::Vec3;
 use std::{borrow::Cow, path::PathBuf};
 
@@ -137,8 +139,8 @@ pub struct CharacterSource {
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant)] // One instance per source.
 enum Hair {
-    /// Draped guides.
-    BuiltIn { style: Style, styled: StyledGuides, scalp: GridScalp },
+    /// Draped guides, on a head of a file if it is given.
+    BuiltIn { style: Style, styled: StyledGuides, scalp: GridScalp, own: Option<OwnHead> },
     /// A version of an edited groom.
     #[cfg(feature = "edit")]
     Edited { document: GroomDocument, field: Option<SdfGrid> },
@@ -166,7 +168,7 @@ impl CharacterSource {
             anatomy: Some(Anatomy::built_in(&head, &scalp.field)),
             head: Some(head),
             neck: mannequin::NECK_JOINT,
-            hair: Hair::BuiltIn { style: *style, styled, scalp },
+            hair: Hair::BuiltIn { style: *style, styled, scalp, own: None },
             notes: Vec::new(),
             report: None,
         })
@@ -263,6 +265,11 @@ impl CharacterSource {
         }
     }
 
+    /// Whether the body is the built-in one, under a built-in style.
+    pub fn is_mannequin(&self) -> bool {
+        matches!(self.hair, Hair::BuiltIn { own: None, .. })
+    }
+
     /// Creates the character with strands styled by `styling`.
     ///
     /// # Errors
@@ -272,20 +279,28 @@ impl CharacterSource {
         let mut notes = self.notes.clone();
         let mut face = Vec::new();
         let (mut groom, field) = match &self.hair {
-            Hair::BuiltIn { style, styled, scalp } => {
+            Hair::BuiltIn { style, styled, scalp, own } => {
                 let growth = styling.growth.clone().unwrap_or_else(|| Growth::for_style(style));
                 let grown = grow::grow_with(styled, &growth, scalp, progress).await?;
                 let groom = grown.bind(styled);
-                let groom = match styling.guides {
+                let mut groom = match styling.guides {
                     None => groom,
                     Some(guides) => rebound(&groom, guides)?,
                 };
                 notes.extend(note(&growth.curls, &groom));
-                if let Some(head) = &self.head {
-                    face = styling.face.grow(head)?;
-                }
                 notes.extend(styling.fill.unused());
-                (groom, Some(scalp.field.clone()))
+                match own {
+                    None => {
+                        if let Some(head) = &self.head {
+                            face = styling.face.grow(head)?;
+                        }
+                        (groom, Some(scalp.field.clone()))
+                    }
+                    Some(OwnHead { fit, field, .. }) => {
+                        fit.place(&mut groom);
+                        (groom, field.clone())
+                    }
+                }
             }
             #[cfg(feature = "edit")]
             Hair::Edited { document, field } => {

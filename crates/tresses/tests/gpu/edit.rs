@@ -1,6 +1,7 @@
 //! Edited grooms: a stroke shows what its document holds, and the hair keeps it.
 
 use crate::common;
+use std::{borrow::Cow, fmt::Write, path::PathBuf};
 use tresses::{
     Context, Hair, HairOptions, Pose, Result,
     avoid::{AvoidMode, AvoidOptions},
@@ -11,7 +12,9 @@ use tresses::{
         Groom, GuideCount, bind,
         edit::{Brush, BrushTool, GroomDocument, GroomEditor, HeadFiles, StrokeSample},
         grow::Growth,
-        mannequin::SKULL_CENTER,
+        import::ImportOptions,
+        mannequin::{self, SKULL_CENTER},
+        orient::{Choice, Unit},
         styles::Style,
     },
     hair::HairFrame,
@@ -219,4 +222,51 @@ fn every_strand_may_be_a_guide() {
     hair.pose_guides(&guides.concat()).unwrap();
     let off = off(&drawn(context, &mut hair, &groom, Pose::IDENTITY, 0.0), &after.groom(), Pose::IDENTITY);
     assert!(off[off.len() - 1] < 2e-5, "{}", off[off.len() - 1]);
+}
+
+#[test]
+fn built_in_style_grows_on_the_head_of_a_file() {
+    let Some(context) = common::context() else { return };
+    // The built-in head elsewhere, larger and without its name.
+    let (scale, offset) = (1.2, Vec3::new(0.05, 1.5, 0.1));
+    let mut text = String::new();
+    let mesh = mannequin::mesh(64);
+    for p in &mesh.positions {
+        let p = *p * scale + offset;
+        writeln!(text, "v {} {} {}", p.x, p.y, p.z).unwrap();
+    }
+    for [a, b, c] in &mesh.triangles {
+        writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1).unwrap();
+    }
+    let files = [(PathBuf::from("head.obj"), Cow::Owned(text.into_bytes()))];
+    let files = CharacterFiles::Given(&files);
+    let orient_head = Choice { unit: Some(Unit(1.0)), ..Choice::default() };
+    let options = ImportOptions { orient_head, ..ImportOptions::default() };
+    let style: Style = "bob".parse().unwrap();
+    let run = async {
+        let source = CharacterSource::styled(context, &style, &files, &options, &()).await?;
+        assert!(source.style() == Some(&style) && !source.is_mannequin());
+        let growth = Some(Growth::for_style(&style).with_strands(400));
+        let styling = Styling { growth, ..Styling::default() };
+        let groom = source.dress(&styling, &()).await?.groom;
+        let document = source.edit(groom.clone(), &files)?;
+        assert!(matches!(document.head(), HeadFiles::Files { files, .. } if files.len() == 1));
+        let built_in = CharacterSource::built_in(context, &style, &()).await?.dress(&styling, &()).await?;
+        Ok::<_, tresses::Error>((groom, source.editor(document, &()).await?, built_in.groom))
+    };
+    let (groom, editor, built_in) = pollster::block_on(run).unwrap();
+    let field = editor.field().unwrap();
+    assert_eq!(groom.strands.len(), 400);
+    for i in 0..groom.strands.len() {
+        let line: Vec<Vec3> = groom.strands.rest_positions(i).collect();
+        let root = field.sample(line[0]);
+        let deepest = line.iter().map(|p| field.sample(*p)).fold(0.0, f32::min);
+        assert!(root.abs() < 3e-3 && deepest > -3e-3, "strand {i}: root {root}, deepest {deepest}");
+    }
+    // As on the built-in head, in proportion: hem, sides and top.
+    let (is, should) = (groom.bounds().unwrap(), built_in.bounds().unwrap());
+    for (is, should) in [(is.0, should.0), (is.1, should.1)] {
+        let is = (is - offset) / scale;
+        assert!(is.distance(should) < 0.025, "{is} {should}");
+    }
 }

@@ -9,6 +9,7 @@ use crate::{
         import::{self, ImportOptions},
         mannequin,
         mesh::sdf::{self, SdfOptions},
+        orient::Placement,
         rig::anatomy::Anatomy,
         scalp::GridScalp,
     },
@@ -81,19 +82,12 @@ impl CharacterSource {
     /// An error when a file of the head cannot be read again, and when the groom is empty.
     pub fn edit(&self, groom: Groom, files: &CharacterFiles<'_>) -> Result<GroomDocument> {
         let head = match &self.hair {
-            Hair::BuiltIn { .. } => HeadFiles::BuiltIn,
+            Hair::BuiltIn { own: None, .. } => HeadFiles::BuiltIn,
+            Hair::BuiltIn { own: Some(own), .. } => head_files(files, &own.placement)?,
             Hair::Edited { document, .. } => document.head().clone(),
             Hair::Imported { .. } => {
                 let report = self.report.as_ref().and_then(|report| report.head_placement.as_ref());
-                match (report, files) {
-                    (None, _) => HeadFiles::None,
-                    (Some(placement), CharacterFiles::Disk { grooms, heads }) => {
-                        import::head_files(grooms, heads, placement)?
-                    }
-                    (Some(placement), CharacterFiles::Given(files)) => {
-                        import::given_head_files(files, placement)?
-                    }
-                }
+                report.map_or(Ok(HeadFiles::None), |placement| head_files(files, placement))?
             }
         };
         let more = GuideCount::OneIn(STRANDS_PER_GUIDE);
@@ -131,10 +125,19 @@ impl CharacterSource {
     /// Returns the distance field of the head.
     pub fn field(&self) -> Option<&SdfGrid> {
         match &self.hair {
-            Hair::BuiltIn { scalp, .. } => Some(&scalp.field),
+            Hair::BuiltIn { scalp, own: None, .. } => Some(&scalp.field),
+            Hair::BuiltIn { own: Some(own), .. } => own.field.as_ref(),
             Hair::Edited { field, .. } | Hair::Imported { field, .. } => field.as_ref(),
         }
     }
+}
+
+/// Returns the files of the head of `files`, which the import has placed as in `placement`.
+fn head_files(files: &CharacterFiles<'_>, placement: &Placement) -> Result<HeadFiles> {
+    Ok(match files {
+        CharacterFiles::Disk { grooms, heads } => import::head_files(grooms, heads, placement)?,
+        CharacterFiles::Given(files) => import::given_head_files(files, placement)?,
+    })
 }
 
 impl Styling {
