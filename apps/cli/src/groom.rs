@@ -51,13 +51,17 @@ pub fn run(args: &GroomArgs) -> Result<()> {
     let bytes = after.write();
     files::write(&args.out, &bytes)?;
     drop(preparing);
-    let moved = after.guides().differing(before.guides()).filter(|i| after.guide(*i) != before.guide(*i));
+    let (now, was) = (after.guides().len(), before.guides().len());
+    let moved = (0..now).filter(|i| now == was && after.guide(*i) != before.guide(*i)).count();
+    let guides = if now == was {
+        format!("{moved} of {now} guides moved")
+    } else {
+        format!("{now} guides instead of {was}")
+    };
     say!(
-        "{}: {} strokes moved {} of {} guides: {} dabs of {:.2} ms; {} strands, {:.1} MB",
+        "{}: {} strokes, {guides}: {} dabs of {:.2} ms; {} strands, {:.1} MB",
         args.out.display(),
         versions.len(),
-        moved.count(),
-        after.guides().len(),
         editor.dab_count(),
         1e3 * seconds / editor.dab_count().max(1) as f64,
         after.base().strands.len(),

@@ -222,6 +222,10 @@ pub fn title(tool: BrushTool) -> &'static str {
         BrushTool::Cut => "Cut",
         BrushTool::Line => "Line cut",
         BrushTool::Length => "Length",
+        BrushTool::Plant => "Plant",
+        BrushTool::Remove => "Remove",
+        BrushTool::Refine => "Refine",
+        BrushTool::Part => "Part",
     }
 }
 

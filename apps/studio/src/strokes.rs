@@ -144,6 +144,18 @@ fn cut_line(groomer: &Groomer, mirror: bool, sight: Sight<'_>, painter: &Painter
     }
 }
 
+/// Paints guides that the stroke plants, and the roots that it removes.
+fn root_marks(groomer: &Groomer, sight: Sight<'_>, painter: &Painter) {
+    let (planted, removed) = groomer.editor().root_marks();
+    for line in planted {
+        let points: Vec<Pos2> = line.iter().filter_map(|p| sight.place(*p)).collect();
+        painter.add(Shape::line(points, Stroke::new(1.0, theme::ACCENT)));
+    }
+    for at in removed.into_iter().filter_map(|root| sight.place(root)) {
+        painter.circle_filled(at, 1.5, theme::ALARM);
+    }
+}
+
 /// Paints the brush at the pointer: a ring in the plane of the image, with an inner ring where the effect is half, and
 /// its mirror image. Returns whether there is hair or skin under it.
 pub fn ring(
@@ -163,10 +175,11 @@ pub fn ring(
         Some((at, radius)) => Some((at, radius)),
         None => groomer
             .editor()
-            .hit(&sample)
+            .hit(tool, &sample)
             .map(|depth| (sample.origin + sample.direction * depth, brush.radius)),
     };
     let Some((center, radius)) = at else { return false };
+    root_marks(groomer, sight, painter);
     let right = sample.direction.cross(Vec3::Y).normalize_or(Vec3::X);
     let up = right.cross(sample.direction);
     let middle = groomer.document().middle();

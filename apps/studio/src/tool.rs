@@ -31,7 +31,7 @@ impl Tool {
     ];
 
     /// All brushes, with name, key and help. The keys work while a brush is active.
-    pub const BRUSHES: [(BrushTool, Key, &'static str); 10] = [
+    pub const BRUSHES: [(BrushTool, Key, &'static str); 14] = [
         (BrushTool::Comb, Key::C, "Drags hair along; it slides through the brush"),
         (BrushTool::Grab, Key::G, "Holds the hair under the brush and moves it"),
         (
@@ -50,6 +50,10 @@ impl Tool {
         ),
         (BrushTool::Line, Key::J, "Cuts hair along a straight line, from the press to the release"),
         (BrushTool::Length, Key::L, "Makes hair longer; with Ctrl shorter"),
+        (BrushTool::Plant, Key::A, "Plants hair on the skin"),
+        (BrushTool::Remove, Key::E, "Removes hair with its root under the brush"),
+        (BrushTool::Part, Key::I, "Parts hair along the stroke"),
+        (BrushTool::Refine, Key::Y, "Makes guides of strands, for finer strokes; no hair moves"),
     ];
 
     /// Returns the brush, if the tool is one.

@@ -15,12 +15,11 @@
 //! mesh random range scalp                              │ triangle meshes; the scalp and maps on it
 //! guides lint look rig                                 │ simulated strands; checks; materials; rigs of skinned meshes
 //! bound mannequin orient                               │ render strands; the built-in character; units and axes
-//! bind edit formats report styles                      │ guides for strands; brushes; files; recipes of hairstyles
-//! cooked export                                        │ precomputed grooms; writers
-//! import                                               │ readers
-//! grow                                                 │ strands from guides
+//! bind formats head report styles                      │ guides for strands; files; other heads; recipes of hairstyles
+//! cooked export grow                                   │ precomputed grooms; writers; strands from guides
 //! fill restyle                                         │ strands between strands; their curls and clumps
-//! cards                                                │ textured ribbons in place of strands
+//! cards edit                                           │ textured ribbons in place of strands; brushes
+//! import                                               │ readers
 //! ```
 //!
 //! Everything in this crate runs on the CPU. The crate `tresses` simulates and renders a [`Groom`]; it re-exports this
@@ -44,6 +43,7 @@ pub mod formats;
 pub mod grow;
 pub mod guides;
 pub mod hash;
+pub mod head;
 pub mod import;
 pub mod lint;
 pub mod look;

@@ -10,13 +10,26 @@ pub fn show(brush: &mut Brush, document: &mut Document, dialogs: &Dialogs, ui: &
         // Fields instead of sliders: the strip lies over the hair.
         ui.spacing_mut().slider_width = 0.0;
         number(&mut brush.radius, ("Radius", 1e3, 1.0..=150.0, " mm"), "Keys [ and ], or Ctrl and the wheel", ui);
-        number(&mut brush.strength, percent("Strength"), "Share of the full effect", ui);
-        number(
-            &mut brush.root_tip,
-            ("Root, tip", 1e2, -100.0..=100.0, " %"),
-            "Where along the hair the brush acts: 0 everywhere, above 0 more at the tip, below 0 more at the root",
-            ui,
-        );
+        match brush.tool {
+            BrushTool::Plant => {
+                number(&mut brush.length, ("Length", 1e3, 2.0..=1000.0, " mm"), "Length of new hair", ui);
+                let help = "New strands per square centimeter; a head of 24,000 strands has 40";
+                number(&mut brush.density, ("Density", 1.0, 1.0..=300.0, " /cm²"), help, ui);
+            }
+            BrushTool::Refine => {}
+            _ => number(&mut brush.strength, percent("Strength"), "Share of the full effect", ui),
+        }
+        if matches!(brush.tool, BrushTool::Plant | BrushTool::Refine) {
+            let help = "Distance between guides: strands follow these";
+            number(&mut brush.spacing, ("Guides every", 1e3, 1.0..=50.0, " mm"), help, ui);
+        } else if !brush.tool.acts_on_roots() {
+            number(
+                &mut brush.root_tip,
+                ("Root, tip", 1e2, -100.0..=100.0, " %"),
+                "Where along the hair the brush acts: 0 everywhere, above 0 more at the tip, below 0 more at the root",
+                ui,
+            );
+        }
         ui.checkbox(&mut brush.mirror, "Symmetry").on_hover_text("The brush acts on both sides of the head");
         let reaches = [
             (Reach::Shell, "near side", "Hair under the brush on the near side of the head"),
@@ -91,7 +104,7 @@ fn more(brush: &mut Brush, document: &Document, dialogs: &Dialogs, ui: &mut Ui) 
     number(&mut brush.keep_shape, percent("Keep shape"), "How far hair keeps its shape beside the brush", ui);
     let help = "Share of its distance from the skin that hair keeps, so that it is not pasted to the head";
     number(&mut brush.keep_volume, percent("Keep volume"), help, ui);
-    if brush.tool == BrushTool::Smooth {
+    if matches!(brush.tool, BrushTool::Smooth | BrushTool::Plant) {
         let help = "How far hair takes on the shape of its neighbors";
         number(&mut brush.neighbors, percent("Neighbors"), help, ui);
     }

@@ -26,6 +26,42 @@ pub struct StrandBinding {
     pub weight_c: f32,
 }
 
+/// Influence of one guide on a render strand.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Influence {
+    /// Index of the guide.
+    pub guide: u32,
+    /// Weight of the guide; the weights of a strand sum to 1.
+    pub weight: f32,
+    /// Parameter of the guide (0 root, 1 tip) that the strand's tip follows.
+    pub scale: f32,
+}
+
+impl StrandBinding {
+    /// Follows other guides, at most three. The rest vertices stay.
+    pub(crate) fn follow(&mut self, influences: &[Influence]) {
+        let mut sorted = [Influence::default(); 3];
+        sorted[..influences.len()].copy_from_slice(influences);
+        sorted[..influences.len()].sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        self.guides = sorted.map(|influence| influence.guide);
+        (self.weight_b, self.weight_c) = (sorted[1].weight, sorted[2].weight);
+        self.scale = sorted.map(|influence| influence.scale);
+    }
+
+    /// Returns the influences that have a weight.
+    pub(crate) fn influences(&self) -> impl Iterator<Item = Influence> {
+        let weights = [1.0 - self.weight_b - self.weight_c, self.weight_b, self.weight_c];
+        let all = self.guides.into_iter().zip(weights).zip(self.scale);
+        let all = all.map(|((guide, weight), scale)| Influence { guide, weight, scale });
+        all.enumerate().filter(|(k, it)| *k == 0 || it.weight > 0.0).map(|(_, it)| it)
+    }
+
+    /// Returns each guide that has a weight, with the weight.
+    pub(crate) fn weighted(&self) -> impl Iterator<Item = (usize, f32)> {
+        self.influences().map(|it| (it.guide as usize, it.weight))
+    }
+}
+
 /// A packed rest vertex: three 16-bit fractions of the strand's bounding cube, an 8-bit radius fraction, and an 8-bit
 /// depth inside the clearance that strands keep from obstacles.
 #[repr(C)]

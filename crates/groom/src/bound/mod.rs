@@ -3,22 +3,11 @@
 pub mod binding;
 pub mod strand;
 
-pub use binding::{PackedRest, StrandBinding};
+pub use binding::{Influence, PackedRest, StrandBinding};
 pub use strand::Strand;
 
 use crate::{Guides, Strands};
 use glam::Vec3;
-
-/// Influence of one guide on a render strand.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Influence {
-    /// Index of the guide.
-    pub guide: u32,
-    /// Weight of the guide; the weights of a strand sum to 1.
-    pub weight: f32,
-    /// Parameter of the guide (0 root, 1 tip) that the strand's tip follows.
-    pub scale: f32,
-}
 
 /// Render strands with a fixed number of vertices each, in GPU layout.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -58,17 +47,9 @@ impl BoundStrands {
     pub fn push(&mut self, strand: Strand, rest: &[Vec3], radii: &[f32], influences: &[Influence]) {
         let (lo, hi) =
             rest.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
-        let mut sorted = [Influence::default(); 3];
-        sorted[..influences.len()].copy_from_slice(influences);
-        sorted[..influences.len()].sort_by(|a, b| b.weight.total_cmp(&a.weight));
-        let binding = StrandBinding {
-            origin: lo,
-            extent: (hi - lo).max_element(),
-            guides: sorted.map(|influence| influence.guide),
-            weight_b: sorted[1].weight,
-            scale: sorted.map(|influence| influence.scale),
-            weight_c: sorted[2].weight,
-        };
+        let mut binding =
+            StrandBinding { origin: lo, extent: (hi - lo).max_element(), ..StrandBinding::default() };
+        binding.follow(influences);
         self.rest.extend(rest.iter().zip(radii).map(|(p, radius)| PackedRest::pack(*p, *radius, &binding)));
         self.strands.push(strand);
         self.bindings.push(binding);

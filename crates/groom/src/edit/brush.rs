@@ -29,11 +29,19 @@ pub enum BrushTool {
     Line,
     /// Makes hair longer; inverted, shorter.
     Length,
+    /// Plants guides on the skin, and grows strands between them.
+    Plant,
+    /// Removes strands with their roots under the brush.
+    Remove,
+    /// Makes guides of strands, for finer strokes. No hair moves.
+    Refine,
+    /// Parts hair along the stroke.
+    Part,
 }
 
 impl BrushTool {
     /// All tools with their names.
-    pub const ALL: [(Self, &'static str); 10] = [
+    pub const ALL: [(Self, &'static str); 14] = [
         (Self::Comb, "comb"),
         (Self::Grab, "grab"),
         (Self::Smooth, "smooth"),
@@ -44,6 +52,10 @@ impl BrushTool {
         (Self::Cut, "cut"),
         (Self::Line, "line"),
         (Self::Length, "length"),
+        (Self::Plant, "plant"),
+        (Self::Remove, "remove"),
+        (Self::Refine, "refine"),
+        (Self::Part, "part"),
     ];
 
     /// Returns the name, as in files and commands.
@@ -54,6 +66,11 @@ impl BrushTool {
     /// Whether the tool keeps the lengths of all hair.
     pub fn keeps_lengths(self) -> bool {
         !matches!(self, Self::Cut | Self::Line | Self::Length)
+    }
+
+    /// Whether the tool acts on the skin, and changes roots.
+    pub fn acts_on_roots(self) -> bool {
+        matches!(self, Self::Plant | Self::Remove | Self::Refine | Self::Part)
     }
 
     /// Whether the tool also acts while the brush stands still.
@@ -70,7 +87,7 @@ impl FromStr for BrushTool {
             Error::Parameter {
                 name: "the tool",
                 value: text.into(),
-                range: "comb, grab, smooth, puff, lay, pinch, spread, cut, line or length",
+                range: "comb, grab, smooth, puff, lay, pinch, spread, cut, line, length, plant, remove, refine or part",
             }
         })
     }
@@ -140,8 +157,14 @@ pub struct Brush {
     pub keep_shape: f32,
     /// Share of its distance from the skin (up to 15 mm) that hair keeps, 0 to 1.
     pub keep_volume: f32,
-    /// Share of the neighbors in [`BrushTool::Smooth`], 0 to 1.
+    /// Share of the neighbors in [`BrushTool::Smooth`] and [`BrushTool::Plant`], 0 to 1.
     pub neighbors: f32,
+    /// Distance between guides that are planted or refined, meters, 0.001 to 0.05.
+    pub spacing: f32,
+    /// Length of planted hair, meters, 0.002 to 1.
+    pub length: f32,
+    /// Planted strands per square centimeter, 1 to 300.
+    pub density: f32,
     /// Whether it acts on both sides of the head.
     pub mirror: bool,
     /// Whether it acts the other way round: puff and lay, pinch and spread.
@@ -161,6 +184,9 @@ impl Default for Brush {
             keep_shape: 0.3,
             keep_volume: 0.5,
             neighbors: 0.5,
+            spacing: 8e-3,
+            length: 0.1,
+            density: 40.0,
             mirror: true,
             inverted: false,
         }
@@ -173,7 +199,11 @@ impl Brush {
         let base = Self { tool, ..Self::default() };
         match tool {
             BrushTool::Lay => Self { keep_volume: 0.0, ..base },
-            BrushTool::Grab | BrushTool::Cut | BrushTool::Line => Self { strength: 1.0, ..base },
+            BrushTool::Plant => Self { neighbors: 0.0, ..base },
+            BrushTool::Refine => Self { spacing: 3e-3, ..base },
+            BrushTool::Grab | BrushTool::Cut | BrushTool::Line | BrushTool::Remove => {
+                Self { strength: 1.0, ..base }
+            }
             _ => base,
         }
     }
@@ -185,6 +215,9 @@ impl Brush {
     pub fn check(&self) -> Result<()> {
         Error::unless_within("brush.radius", self.radius, 1e-3, 0.15, "from 0.001 to 0.15 m")?;
         Error::unless_within("brush.root_tip", self.root_tip, -1.0, 1.0, "from -1 to 1")?;
+        Error::unless_within("brush.spacing", self.spacing, 1e-3, 0.05, "from 0.001 to 0.05 m")?;
+        Error::unless_within("brush.length", self.length, 2e-3, 1.0, "from 0.002 to 1 m")?;
+        Error::unless_within("brush.density", self.density, 1.0, 300.0, "from 1 to 300 per cm²")?;
         let shares = [
             ("brush.strength", self.strength),
             ("brush.share", self.share),

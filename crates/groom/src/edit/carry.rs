@@ -6,7 +6,7 @@
 use super::guide_blocks::GuideBlocks;
 use crate::{
     Groom, Guides,
-    bound::{PackedRest, StrandBinding},
+    bound::{Influence, PackedRest, StrandBinding},
     curve::spline_at,
     progress::in_parallel,
     rotation::{minimal_rotation, nlerp},
@@ -105,7 +105,7 @@ impl CarriedStrands {
 
     /// Whether strand `i` has moved.
     fn has_moved(&self, i: usize) -> bool {
-        influences(&self.base.strands.bindings[i]).any(|(guide, ..)| self.moved[guide].is_some())
+        self.base.strands.bindings[i].weighted().any(|(guide, _)| self.moved[guide].is_some())
     }
 
     /// Returns the vertices of strand `i`, and their radii.
@@ -120,10 +120,11 @@ impl CarriedStrands {
         let step = 1.0 / (n - 1) as f32;
         let target = |j: usize| {
             let (p, s) = (rest.0[j], j as f32 * step);
-            let carried = |(at, weight, scale): (usize, f32, f32)| {
-                weight * self.moved[at].as_ref().map_or(p, |guide| guide.at(s * scale).carries(p))
+            let carried = |Influence { guide, weight, scale }: Influence| {
+                let moved = self.moved[guide as usize].as_ref();
+                weight * moved.map_or(p, |guide| guide.at(s * scale).carries(p))
             };
-            influences(binding).map(carried).sum::<Vec3>()
+            binding.influences().map(carried).sum::<Vec3>()
         };
         let mut line = Vec::with_capacity(n);
         let mut before = target(0);
@@ -155,14 +156,6 @@ impl CarriedStrands {
         let guides = Guides { positions: now.positions(), ..self.base.guides.clone() };
         Groom { guides, strands: all }
     }
-}
-
-/// Returns guide, weight and scale of each influence with a weight.
-fn influences(binding: &StrandBinding) -> impl Iterator<Item = (usize, f32, f32)> {
-    let weights = [1.0 - binding.weight_b - binding.weight_c, binding.weight_b, binding.weight_c];
-    let all = binding.guides.into_iter().zip(weights).zip(binding.scale).enumerate();
-    all.filter(|(k, ((_, weight), _))| *k == 0 || *weight > 0.0)
-        .map(|(_, ((guide, weight), scale))| (guide as usize, weight, scale))
 }
 
 fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {

@@ -5,7 +5,7 @@
 
 use crate::{
     BoundStrands, Groom,
-    bound::{PackedRest, StrandBinding},
+    bound::{Influence, PackedRest, StrandBinding},
     curve,
     progress::in_parallel,
 };
@@ -50,13 +50,6 @@ fn shortened(points: &[Vec3], share: f32) -> Vec<Vec3> {
     (0..points.len()).map(|i| at(points, share * i as f32)).collect()
 }
 
-/// Returns guide and weight of each influence.
-fn influences(binding: &StrandBinding) -> [(usize, f32); 3] {
-    let first = 1.0 - binding.weight_b - binding.weight_c;
-    let [a, b, c] = binding.guides.map(|guide| guide as usize);
-    [(a, first), (b, binding.weight_b), (c, binding.weight_c)]
-}
-
 impl Cuts {
     /// Returns lengths without changes.
     pub fn none(groom: &Groom) -> Self {
@@ -77,17 +70,16 @@ impl Cuts {
         let mut is_touched = vec![false; self.guides.len()];
         changes.guides.keys().for_each(|guide| is_touched[*guide] = true);
         for i in changes.strands.keys() {
-            for (guide, weight) in influences(&source.strands.bindings[*i]) {
-                is_touched[guide] |= weight > 0.0;
+            for (guide, _) in source.strands.bindings[*i].weighted() {
+                is_touched[guide] = true;
             }
         }
         // The longest strand that follows each guide, as a share of the guide.
         let mut longest = vec![0.0f32; self.guides.len()];
         for (binding, keep) in source.strands.bindings.iter().zip(&after.strands) {
-            for ((guide, weight), scale) in influences(binding).into_iter().zip(binding.scale) {
-                if weight > 0.0 {
-                    longest[guide] = longest[guide].max(keep * scale);
-                }
+            for Influence { guide, scale, .. } in binding.influences() {
+                let longest = &mut longest[guide as usize];
+                *longest = longest.max(keep * scale);
             }
         }
         for i in (0..is_touched.len()).filter(|i| is_touched[*i] && longest[*i] > 0.0) {
@@ -131,7 +123,7 @@ impl Cuts {
         let is_changed = |i: &usize| {
             let binding = &source.strands.bindings[*i];
             let guide = |(guide, _): (usize, f32)| self.guides[guide] != 1.0 || self.growth[guide] != 1.0;
-            self.strands[*i] != 1.0 || influences(binding).into_iter().any(guide)
+            self.strands[*i] != 1.0 || binding.weighted().any(guide)
         };
         let changed: Vec<usize> = (0..source.strands.len()).filter(is_changed).collect();
         let strands = in_parallel(&changed, |i| self.strand(&source.strands, *i));
@@ -148,8 +140,7 @@ impl Cuts {
         let (m, mut binding, keep) = (strands.vertex_count as usize, strands.bindings[i], self.strands[i]);
         let (line, radii): (Vec<Vec3>, Vec<f32>) =
             strands.rest[i * m..(i + 1) * m].iter().map(|rest| rest.unpack(&binding)).unzip();
-        let growth: f32 =
-            influences(&binding).map(|(guide, weight)| weight * self.growth[guide]).iter().sum();
+        let growth: f32 = binding.weighted().map(|(guide, weight)| weight * self.growth[guide]).sum();
         let line: Vec<Vec3> =
             shortened(&line, keep).into_iter().map(|p| line[0] + (p - line[0]) * growth).collect();
         let guides = binding.guides;

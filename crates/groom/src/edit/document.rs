@@ -31,7 +31,7 @@ pub enum HeadFiles {
 
 /// Data that all versions of a groom share.
 #[derive(Debug)]
-struct Family {
+pub(super) struct Family {
     head: HeadFiles,
     /// Plane between left and right: x, meters.
     middle: f32,
@@ -39,7 +39,7 @@ struct Family {
 
 /// Data that versions with the same lengths share.
 #[derive(Debug)]
-struct Base {
+pub(super) struct Base {
     family: Arc<Family>,
     /// The groom before the first stroke, with its lengths.
     source: Arc<Groom>,
@@ -51,10 +51,18 @@ struct Base {
 }
 
 impl Base {
-    fn new(family: Arc<Family>, source: Arc<Groom>, cuts: Option<Cuts>) -> Self {
+    pub fn new(family: Arc<Family>, source: Arc<Groom>, cuts: Option<Cuts>) -> Self {
         let groom = cuts.as_ref().map_or_else(|| source.clone(), |cuts| Arc::new(cuts.apply(&source)));
         let guides = GuideBlocks::new(&groom.guides.positions, groom.guides.vertex_count as usize);
         Self { family, source, cuts, groom: Mutex::new(Arc::downgrade(&groom)), guides }
+    }
+
+    /// Returns the size of the groom, bytes.
+    fn bytes(&self) -> usize {
+        let Groom { guides, strands } = &*self.source;
+        let strands =
+            size_of_val(&*strands.rest) + size_of_val(&*strands.bindings) + size_of_val(&*strands.strands);
+        size_of_val(&*guides.positions) + strands
     }
 
     fn groom(&self) -> Arc<Groom> {
@@ -89,8 +97,7 @@ impl GroomDocument {
     /// [`Error::Unusable`] for a groom without guides or strands, and for one that its bindings do not fit.
     pub fn new(groom: Groom, head: HeadFiles, middle: f32) -> Result<Self> {
         check(&groom)?;
-        let base = Base::new(Arc::new(Family { head, middle }), Arc::new(groom), None);
-        Ok(Self { guides: base.guides.clone(), base: Arc::new(base) })
+        Ok(Self::at_base(Base::new(Arc::new(Family { head, middle }), Arc::new(groom), None)))
     }
 
     /// Returns this version with other vertices for the guides in `changed`.
@@ -112,6 +119,15 @@ impl GroomDocument {
             .collect();
         let guides = self.guides.with(moved.iter().map(|(i, guide)| (*i, &guide[..])));
         Self { base: Arc::new(base), guides }
+    }
+
+    pub(super) fn family(&self) -> Arc<Family> {
+        self.base.family.clone()
+    }
+
+    /// Returns the version of `base` before the first stroke.
+    pub(super) fn at_base(base: Base) -> Self {
+        Self { guides: base.guides.clone(), base: Arc::new(base) }
     }
 
     /// Returns this version before the first stroke, with its lengths.
@@ -170,11 +186,13 @@ impl GroomDocument {
         CarriedStrands::new(self.base.groom(), &self.guides, &self.base.guides)
     }
 
-    /// Returns a hash of guides and lengths (FNV-1a of their bits): equal for equal numbers.
+    /// Returns a hash of guides, lengths and the number of strands (FNV-1a of their bits): equal for equal numbers.
     pub fn hash(&self) -> u64 {
         let bits = (0..self.guides.len()).flat_map(|i| self.guide(i)).flat_map(|p| p.to_array());
         let bits = bits.chain(self.base.cuts.iter().flat_map(Cuts::numbers));
+        let count = self.base.source.strands.len() as u64;
         bits.flat_map(|x| x.to_bits().to_le_bytes())
+            .chain(count.to_le_bytes())
             .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
     }
 
@@ -182,8 +200,12 @@ impl GroomDocument {
     pub fn bytes_beside(&self, other: &Self) -> usize {
         let is_pose = self.is_pose_of(other);
         let cuts = self.base.cuts.as_ref().filter(|_| !is_pose).map_or(0, Cuts::bytes);
+        if self.guides.len() != other.guides.len() {
+            return cuts + self.base.bytes() + self.guides.bytes();
+        }
+        let source = if Arc::ptr_eq(&self.base.source, &other.base.source) { 0 } else { self.base.bytes() };
         let base = if is_pose { 0 } else { self.base.guides.bytes_beside(&other.base.guides) };
-        self.guides.bytes_beside(&other.guides) + cuts + base
+        self.guides.bytes_beside(&other.guides) + cuts + base + source
     }
 }
 

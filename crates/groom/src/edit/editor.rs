@@ -4,12 +4,16 @@ use super::{
     Brush, BrushTool, GroomDocument,
     carry::CarriedStrands,
     cuts::LengthChanges,
+    ground::Ground,
     line::SKIN,
+    roots::RootStroke,
     sample::StrokeSample,
     solve::{BEND, PressState, Solver, reached, unit},
     tools::{Dab, Surroundings, Weights},
 };
-use crate::{Error, Groom, Result, SdfGrid, hash::pcg, near::PointTree, progress::in_parallel};
+use crate::{
+    Error, Groom, Result, SdfGrid, TriMesh, hash::pcg, mesh::Bvh, near::PointTree, progress::in_parallel,
+};
 use glam::Vec3;
 use std::sync::{Arc, OnceLock};
 
@@ -41,8 +45,8 @@ const MANY: usize = 48;
 pub(super) struct ActiveStroke {
     pub brush: Brush,
     /// Radius, larger than the brush's where guides are sparse, meters.
-    radius: f32,
-    seed: u32,
+    pub radius: f32,
+    pub seed: u32,
     /// The last sample, and the way left to the next dab.
     pub last: StrokeSample,
     left: f32,
@@ -53,6 +57,8 @@ pub(super) struct ActiveStroke {
     pressed: Vec<Option<Arc<PressState>>>,
     /// Guides that have moved.
     touched: Vec<bool>,
+    /// Changes of roots.
+    pub roots: RootStroke,
     /// Changes of lengths.
     pub lengths: LengthChanges,
     /// For cuts: the strands at the press, and the followers of each guide.
@@ -90,7 +96,7 @@ pub struct GroomEditor {
     pub(super) document: GroomDocument,
     /// The groom before the first stroke, with its current lengths: held, because every dab reads it.
     base: Arc<Groom>,
-    pub(super) field: Option<Arc<SdfGrid>>,
+    pub(super) ground: Ground,
     /// Normal of the skin at each root.
     normals: Vec<Vec3>,
     /// Nearest roots of each guide.
@@ -135,7 +141,7 @@ impl GroomEditor {
         Self {
             base: document.base(),
             document,
-            field,
+            ground: Ground { field, mesh: None },
             normals,
             neighbors,
             aside,
@@ -147,6 +153,13 @@ impl GroomEditor {
         }
     }
 
+    /// Plants hair on `body`, the mesh of the distance field. Without it, roots lie where the field is zero.
+    #[must_use]
+    pub fn on_skin(mut self, body: &TriMesh) -> Self {
+        self.ground.mesh = Some(Arc::new((body.clone(), Bvh::new(body))));
+        self
+    }
+
     /// Returns the version before the current stroke.
     pub fn document(&self) -> &GroomDocument {
         &self.document
@@ -154,7 +167,7 @@ impl GroomEditor {
 
     /// Returns the distance field that no hair enters.
     pub fn field(&self) -> Option<&SdfGrid> {
-        self.field.as_deref()
+        self.ground.field.as_deref()
     }
 
     /// Returns the current positions of the guides, guide after guide.
@@ -212,7 +225,9 @@ impl GroomEditor {
     /// Shows a version with other lengths.
     fn open(&mut self, document: GroomDocument) {
         let count = self.dab_count;
-        *self = Self { dab_count: count, moved: true, ..Self::new(document, self.field.clone()) };
+        let ground = std::mem::take(&mut self.ground);
+        let new = Self::new(document, ground.field.clone());
+        *self = Self { dab_count: count, moved: true, ground, ..new };
     }
 
     fn place(&mut self, i: usize, guide: &[Vec3]) {
@@ -221,14 +236,17 @@ impl GroomEditor {
         self.spheres[i] = sphere(guide);
     }
 
-    /// Returns the distance along the ray to the hair or skin under it, meters; `None` beside both.
-    pub fn hit(&self, sample: &StrokeSample) -> Option<f32> {
-        self.hit_within(sample, self.aside)
+    /// Returns the distance along the ray to what `tool` acts on under it, hair or skin, meters; `None` beside both.
+    pub fn hit(&self, tool: BrushTool, sample: &StrokeSample) -> Option<f32> {
+        match tool.acts_on_roots() {
+            true => self.skin_depth(sample),
+            false => self.hit_within(sample, self.aside),
+        }
     }
 
     fn hit_within(&self, sample: &StrokeSample, aside: f32) -> Option<f32> {
         let (origin, direction) = (sample.origin, sample.direction);
-        let skin = self.field.as_deref().and_then(|field| field.trace(origin, direction, 0.0));
+        let skin = self.ground.field.as_deref().and_then(|field| field.trace(origin, direction, 0.0));
         let n = self.document.vertex_count();
         let last = skin.map_or(f32::MAX, |skin| skin + self.aside);
         let mut best = (f32::MAX, None);
@@ -259,7 +277,8 @@ impl GroomEditor {
         brush.check()?;
         sample.check()?;
         self.cancel();
-        let depth = match self.hit(sample) {
+        let on_roots = brush.tool.acts_on_roots();
+        let depth = match self.hit(brush.tool, sample) {
             _ if sample.direction == Vec3::ZERO => 0.0,
             Some(depth) => depth,
             // A line may begin beside the hair.
@@ -269,7 +288,7 @@ impl GroomEditor {
         let begin = sample.at(depth);
         let nearest = self.positions.iter().map(|p| p.distance(begin)).fold(f32::MAX, f32::min);
         // A brush between sparse guides reaches the nearest; one beside the hair does not grow.
-        let sparse = nearest > brush.radius && nearest < SPARSE * self.aside;
+        let sparse = !on_roots && nearest > brush.radius && nearest < SPARSE * self.aside;
         let radius = if sparse { (2.0 * nearest).min(WIDEST) } else { brush.radius };
         let words = begin.to_array().into_iter().chain(sample.direction.to_array());
         let seed = words.fold(1, |seed, word| pcg(seed ^ word.to_bits()));
@@ -284,6 +303,7 @@ impl GroomEditor {
             held: 0.0,
             pressed: vec![None; guides],
             touched: vec![false; guides],
+            roots: self.root_stroke(brush),
             lengths: LengthChanges::default(),
             strands: (brush.tool == BrushTool::Cut).then(|| self.strands()),
             first: *sample,
@@ -296,7 +316,7 @@ impl GroomEditor {
             stroke.grabbed = self.under(&stroke, &dabs).iter().filter_map(weights).collect();
         }
         self.stroke = Some(stroke);
-        if brush.tool.acts_in_place() {
+        if brush.tool.acts_in_place() || on_roots {
             self.dab(sample, Vec3::ZERO);
         }
         Ok(true)
@@ -365,10 +385,15 @@ impl GroomEditor {
             self.cut_line();
         }
         let stroke = self.stroke.take()?;
+        let replanted = self.with_root_changes(&stroke);
         let moved = |i: &usize| stroke.touched[*i] && self.guide(*i) != self.document.guide(*i);
         let moved: Vec<_> = (0..stroke.touched.len()).filter(moved).map(|i| (i, self.guide(i))).collect();
         let lengths = &stroke.lengths;
-        if lengths.strands.is_empty() && lengths.guides.is_empty() {
+        if let Some(document) = replanted {
+            // Guides that a parting has moved are the same guides.
+            let document = document.with(moved);
+            self.open(document);
+        } else if lengths.strands.is_empty() && lengths.guides.is_empty() {
             if moved.is_empty() {
                 return None;
             }
@@ -397,7 +422,7 @@ impl GroomEditor {
             pairs.skip(1).any(|(now, kept)| now.distance(*kept) > KEPT)
         };
         let changed: Vec<usize> = (0..self.spheres.len()).filter(differ).collect();
-        let field = self.field.as_deref();
+        let field = self.ground.field.as_deref();
         let solver = Solver { field, keep_shape: 0.0, keep_volume: 0.0, bend: None };
         let near = vec![1.0; n];
         let solved = self.changed(&changed, |i| {
@@ -425,7 +450,7 @@ impl GroomEditor {
         }
     }
 
-    fn guide(&self, i: usize) -> &[Vec3] {
+    pub(super) fn guide(&self, i: usize) -> &[Vec3] {
         let n = self.document.vertex_count();
         &self.positions[i * n..(i + 1) * n]
     }
@@ -434,7 +459,7 @@ impl GroomEditor {
     fn dabs(&self, stroke: &ActiveStroke, center: Vec3, motion: Vec3, sample: &StrokeSample) -> Vec<Dab> {
         let sight = sample.direction;
         let mut behind = f32::MAX;
-        if let Some(field) = self.field.as_deref().filter(|_| sight != Vec3::ZERO) {
+        if let Some(field) = self.ground.field.as_deref().filter(|_| sight != Vec3::ZERO) {
             let before = 3.0 * stroke.radius;
             behind =
                 field.trace(center - sight * before, sight, 0.0).map_or(behind, |skin| skin - before + SKIN);
@@ -463,7 +488,15 @@ impl GroomEditor {
     fn dab(&mut self, sample: &StrokeSample, motion: Vec3) {
         let Some(stroke) = &self.stroke else { return };
         let dabs = self.dabs(stroke, sample.at(stroke.depth), motion, sample);
-        let field = self.field.as_deref();
+        if stroke.brush.tool.acts_on_roots() {
+            let turns = stroke.brush.tool == BrushTool::Part;
+            self.dab_roots(&dabs);
+            if !turns {
+                return;
+            }
+        }
+        let Some(stroke) = &self.stroke else { return };
+        let field = self.ground.field.as_deref();
         let brush = &stroke.brush;
         let solver =
             Solver { field, keep_shape: brush.keep_shape, keep_volume: brush.keep_volume, bend: Some(BEND) };
@@ -500,7 +533,7 @@ impl GroomEditor {
         let by = stroke.last.at(stroke.depth) - stroke.begin;
         let dabs = self.dabs(stroke, stroke.begin, by, &stroke.last);
         let brush = &stroke.brush;
-        let field = self.field.as_deref();
+        let field = self.ground.field.as_deref();
         let solver =
             Solver { field, keep_shape: brush.keep_shape, keep_volume: brush.keep_volume, bend: Some(BEND) };
         let held: Vec<usize> = (0..stroke.grabbed.len()).collect();
@@ -548,7 +581,7 @@ impl GroomEditor {
 
     /// Returns the state of guide `i` at the press.
     fn pressed(&self, stroke: &ActiveStroke, i: usize) -> Arc<PressState> {
-        let new = || Arc::new(PressState::new(self.document.guide(i), self.field.as_deref()));
+        let new = || Arc::new(PressState::new(self.document.guide(i), self.ground.field.as_deref()));
         stroke.pressed[i].clone().unwrap_or_else(new)
     }
 
@@ -558,9 +591,13 @@ impl GroomEditor {
         if sample.direction == Vec3::ZERO {
             return;
         }
-        let hit = self.hit_within(sample, self.aside.max(0.5 * radius));
+        let on_roots = self.stroke.as_ref().is_some_and(|stroke| stroke.brush.tool.acts_on_roots());
+        let (hit, share) = match on_roots {
+            true => (self.skin_depth(sample), 1.0),
+            false => (self.hit_within(sample, self.aside.max(0.5 * radius)), 0.5),
+        };
         if let (Some(stroke), Some(hit)) = (&mut self.stroke, hit) {
-            stroke.depth += 0.5 * (hit - stroke.depth);
+            stroke.depth += share * (hit - stroke.depth);
         }
     }
 

@@ -98,6 +98,11 @@ impl GuideBlocks {
         differ.flat_map(|(_, guides)| guides.iter().map(|guide| *guide as usize))
     }
 
+    /// Returns the bytes of the blocks.
+    pub fn bytes(&self) -> usize {
+        self.blocks.iter().map(|block| size_of_val(&**block)).sum()
+    }
+
     /// Returns the bytes of the blocks that `other` does not share.
     pub fn bytes_beside(&self, other: &Self) -> usize {
         let pairs = self.blocks.iter().zip(&other.blocks);

@@ -53,7 +53,7 @@ impl GroomEditor {
         let mut cut = vec![f32::MAX; all.len()];
         for line in &lines {
             let crossings = crossings(line);
-            let front = line.front(crossings.iter().flatten(), self.field.as_deref());
+            let front = line.front(crossings.iter().flatten(), self.ground.field.as_deref());
             for (cut, crossings) in cut.iter_mut().zip(&crossings) {
                 let is_cut = |crossing: &&Crossing| through || crossing.depth <= front[crossing.bin()];
                 if let Some(first) = crossings.iter().find(is_cut) {

@@ -2,6 +2,7 @@
 
 use super::{
     Brush, BrushTool, Falloff, Reach,
+    roots::across,
     solve::{PressState, turned, unit},
 };
 use crate::SdfGrid;
@@ -19,6 +20,8 @@ const GROWTH: f32 = 0.03;
 const PINCH: f32 = 0.2;
 /// Share of the way to the smooth shape per dab.
 const SMOOTH: f32 = 0.5;
+/// Rise of parted hair at its root, relative to its way along the skin.
+const PART_RISE: f32 = 0.45;
 /// Extent of a shell before and behind the brush, radii.
 const BEFORE: f32 = 3.0;
 const BEHIND: f32 = 1.5;
@@ -80,7 +83,7 @@ impl Dab {
     }
 
     /// Returns the falloff at `p`, 0 outside.
-    fn near(&self, p: Vec3, brush: &Brush) -> f32 {
+    pub fn near(&self, p: Vec3, brush: &Brush) -> f32 {
         if brush.reach == Reach::Shell && self.is_across(Reach::Shell) {
             let depth = (p - self.center).dot(self.sight);
             if !(-BEFORE * self.radius..=self.behind.min(BEHIND * self.radius)).contains(&depth) {
@@ -171,7 +174,16 @@ impl Surroundings<'_> {
                 let root = guide[0];
                 (factor != 1.0).then(|| (guide.iter().map(|p| root + (*p - root) * factor).collect(), 1))
             }
-            BrushTool::Cut | BrushTool::Line => None,
+            BrushTool::Part => {
+                let dab = &self.dabs[weights.side[0]];
+                let across = across(self.normal, dab.motion);
+                let side = if (guide[0] - dab.center).dot(across) < 0.0 { -across } else { across };
+                let to = unit(side + self.normal * PART_RISE, side);
+                (across != Vec3::ZERO).then(|| self.turned_root(guide, weights.weight[0], to))?
+            }
+            BrushTool::Cut | BrushTool::Line | BrushTool::Plant | BrushTool::Remove | BrushTool::Refine => {
+                None
+            }
         }
     }
 
@@ -225,9 +237,13 @@ impl Surroundings<'_> {
         line
     }
 
-    /// Turns the root towards `towards`, and less the part after it.
+    /// Turns the root towards `towards` by the weight near it.
     fn raised(&self, guide: &[Vec3], weights: &Weights, towards: Vec3) -> Option<(Vec<Vec3>, usize)> {
-        let (weight, _) = weights.at_root();
+        self.turned_root(guide, weights.at_root().0, towards)
+    }
+
+    /// Turns the root towards `towards`, and less the part after it.
+    fn turned_root(&self, guide: &[Vec3], weight: f32, towards: Vec3) -> Option<(Vec<Vec3>, usize)> {
         let root = unit(guide[1] - guide[0], towards);
         let to = unit(root * (1.0 - RAISE * weight) + towards * (RAISE * weight), root);
         if weight <= 0.0 || to == root {

@@ -19,6 +19,7 @@ pub(crate) mod faces;
 pub(crate) mod gltf;
 mod hair;
 mod obj;
+pub(crate) mod parse;
 mod ply;
 pub(crate) mod raw;
 pub(crate) mod source;

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::{FileReport, ImportOptions, parse::parse_source};
+use super::{FileReport, ImportOptions};
+use crate::formats::parse::parse_source;
 use crate::{
     MAX_VERTICES,
     error::{Error, Result},

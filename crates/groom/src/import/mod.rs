@@ -11,16 +11,12 @@ mod edited;
 mod join;
 mod kind;
 pub mod mesh;
-mod parse;
 
 #[cfg(feature = "cooked")]
 pub use cooked::{cooked, given_cooked};
 #[cfg(feature = "edit")]
 pub use edited::{edited, edited_body, edited_whole, given_edited, given_head_files, head_files};
 pub use kind::{FileKind, holds_body, kind};
-pub(crate) use parse::parse;
-#[cfg(test)]
-pub(crate) use parse::parse_at;
 
 pub use crate::{
     formats::{raw::Moment, source::FileBytes},

@@ -5,7 +5,8 @@ use std::path::Path;
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 
-use super::{parse, *};
+use super::*;
+use crate::formats::parse::parse;
 use crate::{
     Followers, Strands,
     export::Writer,

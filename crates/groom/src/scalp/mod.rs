@@ -1,11 +1,7 @@
 //! The head that hair grows on: its distance field and landmarks, directions over the scalp, and maps painted on it.
 
-mod find;
-mod fit;
 mod map;
 
-pub use find::HeadShape;
-pub use fit::HeadFit;
 pub use map::ScalpMap;
 
 use crate::SdfGrid;

@@ -2,6 +2,7 @@
 
 mod files;
 mod forms;
+mod roots;
 mod tools;
 
 use super::*;

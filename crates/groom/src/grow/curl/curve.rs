@@ -1,7 +1,10 @@
 //! Curls drawn by an artist.
 
 use crate::error::{At, Error, Result};
-use crate::{curve, formats::source::Files, import};
+use crate::{
+    curve,
+    formats::{parse::parse, source::Files},
+};
 use glam::Vec3;
 use std::path::Path;
 
@@ -80,7 +83,7 @@ impl CurlCurve {
     /// # Errors
     /// As [`read`](Self::read).
     pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self> {
-        let raw = import::parse(path, bytes, false)?;
+        let raw = parse(path, bytes, false)?;
         let wrong = |problem| Error::File { path: path.to_path_buf(), at: At::File, problem };
         if raw.strands.len() != 1 {
             return Err(wrong(format!("the file has {} curves, but a curl is one curve", raw.strands.len())));

@@ -5,9 +5,9 @@ use crate::{
     Context, Error, Progress, Result, drape,
     groom::{
         SdfGrid,
+        head::{HeadFit, HeadShape},
         import::{self, ImportOptions},
         orient::Placement,
-        scalp::{HeadFit, HeadShape},
         styles::Style,
     },
 };

@@ -119,7 +119,11 @@ impl CharacterSource {
             Some(body) if is_part => Some(sdf::build_with(body, &SdfOptions::default(), progress).await?),
             _ => self.field().cloned(),
         };
-        Ok(GroomEditor::new(document, field.map(Arc::new)))
+        let editor = GroomEditor::new(document, field.map(Arc::new));
+        Ok(match &self.head {
+            Some(body) => editor.on_skin(body),
+            None => editor,
+        })
     }
 
     /// Returns the distance field of the head.

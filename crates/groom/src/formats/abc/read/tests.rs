@@ -6,8 +6,9 @@ use glam::Vec3;
 
 use crate::{
     Strands,
+    formats::parse::{parse, parse_at},
     formats::raw::Raw,
-    import::{FileKind, Moment, kind, parse_at},
+    import::{FileKind, Moment, kind},
     strands::Mark,
 };
 
@@ -126,7 +127,7 @@ fn wrong_file_types_are_reported() {
     let mut open = REFERENCE.to_vec();
     open[5] = 0;
     assert!(says(&open).contains("did not finish"));
-    let hair = crate::import::parse(Path::new("a.hair"), b"HAIR", false).err();
+    let hair = parse(Path::new("a.hair"), b"HAIR", false).err();
     assert!(hair.is_some());
     let frame = parse_at(Path::new("a.obj"), b"v 0 0 0\nv 1 0 0\nl 1 2\n", false, Moment::Frame(1));
     assert!(frame.err().unwrap().to_string().contains("no frames"));

@@ -3,11 +3,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use super::{writer::Cache as _, *};
-use crate::{
-    import::{Moment, parse_at},
-    orient::Choice,
-    strands::Mark,
-};
+use crate::{formats::parse::parse_at, import::Moment, orient::Choice, strands::Mark};
 
 fn groom() -> Strands {
     let mut strands = Strands::default();

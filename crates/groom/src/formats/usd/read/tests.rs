@@ -10,10 +10,11 @@ use crate::{
     Strands,
     export::{CacheOptions, Writer},
     formats::{
+        parse::parse_at,
         raw::Raw,
         source::{Files, Source},
     },
-    import::{FileBytes, FileKind, Moment, kind, mesh, parse_at, read_given},
+    import::{FileBytes, FileKind, Moment, kind, mesh, read_given},
     orient::{Axis, Choice, Unit},
     strands::Mark,
 };

@@ -1,13 +1,11 @@
 //! Parses one groom file.
 
-use crate::{
-    error::{At, Result},
-    formats::{
-        self, Content, Format,
-        raw::{Moment, Raw},
-        source::{Files, Source},
-    },
+use super::{
+    Content, Format, GROOMS,
+    raw::{Moment, Raw},
+    source::{Files, Source},
 };
+use crate::error::{At, Result};
 use std::path::Path;
 
 /// Parses one groom file at its first frame. `path` decides the format and is named in errors.
@@ -21,7 +19,7 @@ pub(crate) fn parse_at(path: &Path, bytes: &[u8], lenient: bool, moment: Moment)
 }
 
 /// Parses one groom file and the files that it refers to.
-pub(super) fn parse_source(source: &Source, moment: Moment) -> Result<Raw> {
+pub(crate) fn parse_source(source: &Source, moment: Moment) -> Result<Raw> {
     let Source { path, bytes, .. } = *source;
     if bytes.is_empty() {
         return Err(source.problem(At::Byte(0), "the file is empty"));
@@ -32,7 +30,7 @@ pub(super) fn parse_source(source: &Source, moment: Moment) -> Result<Raw> {
             true => {
                 source.problem(At::File, "the file is a mesh, not a groom; use it as the head of a groom")
             }
-            false => Format::unread(path, "a groom", formats::GROOMS),
+            false => Format::unread(path, "a groom", GROOMS),
         });
     };
     let raw = read(source, moment)?;

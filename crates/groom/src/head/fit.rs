@@ -1,7 +1,12 @@
 //! Fits heads to the size and place of the built-in one, for which hairstyles are designed.
 
-use super::{GridScalp, HeadShape, Landmarks};
-use crate::{Groom, Progress, Result, TriMesh, mannequin::SKULL_CENTER, mesh::sdf};
+use super::HeadShape;
+use crate::{
+    Groom, Progress, Result, TriMesh,
+    mannequin::SKULL_CENTER,
+    mesh::sdf,
+    scalp::{GridScalp, Landmarks},
+};
 use glam::{Quat, Vec3};
 
 /// Depth below the chin to which the body supports hair, meters at the built-in head's size.

@@ -5,8 +5,7 @@
 //! is smallest below the head. The tip of the nose is where the profile is farthest in front, and the chin where it recedes
 //! to the throat. The other landmarks follow from these by the proportions of the built-in head.
 
-use super::Landmarks;
-use crate::{Error, Result, TriMesh, mannequin};
+use crate::{Error, Result, TriMesh, mannequin, scalp::Landmarks};
 use glam::Vec3;
 use std::ops::Range;
 
