@@ -31,6 +31,7 @@ mod render;
 mod sample;
 mod settings_args;
 mod studio;
+mod timelapse;
 
 use clap::{
     Parser,

@@ -68,6 +68,11 @@ impl Photographer {
         Self::with_samples(None, preset, size, Opening { fewer: true, cards, ..Opening::default() })
     }
 
+    /// Takes pictures of `scene`.
+    pub fn of(scene: Scene) -> Self {
+        Self { scene, debug: None }
+    }
+
     /// Opens a scene on an existing GPU.
     pub fn on(gpu: Gpu, preset: &Preset, size: Size) -> Result<Self> {
         Self::with_samples(Some(gpu), preset, size, Opening { fewer: true, ..Opening::default() })
@@ -128,7 +133,7 @@ impl Photographer {
         }
         scene.apply(settings)?;
         scene.set_surroundings(surroundings.map(Arc::new));
-        Ok(Self { scene, debug: None })
+        Ok(Self::of(scene))
     }
 
     /// Shows the debug view of `args` from now on.

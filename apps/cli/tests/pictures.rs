@@ -163,3 +163,40 @@ fn videos_are_encoded_with_ffmpeg() {
         assert!(same < 6.0 && same < other, "{name}: {same} {other}");
     }
 }
+
+#[test]
+fn film_shows_the_strokes() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    // Hair is cut to the chin, taken back, and combed.
+    let strokes = r#"{"version":1}
+{"tool":"line","set":{"reach":"through","mirror":false},"path":[[-0.3,0.03,0],[0.3,0.03,0]]}
+{"do":"undo"}
+{"tool":"comb","set":{"radius":0.05,"strength":1},"samples":[[0,0.7,0.13,0,-1,0,0,1],[0.1,0.7,0.13,-0.06,-1,0,0,1]]}
+"#;
+    std::fs::write(at.join("s.jsonl"), strokes).unwrap();
+    let groom = |more: &[&'static str]| {
+        let words =
+            ["groom", "--style", "long", "--strands", "300", "--strokes", "s.jsonl", "--samples", "1"];
+        [&words[..], more].concat()
+    };
+    let (done, said) = run(at, &groom(&["--film", "a.png"]), None);
+    assert!(
+        !done && (tresses_testing::lacks_gpu(&said) || said.contains("a film is an animation")),
+        "{said}"
+    );
+    let plain = groom(&["--hash", "--out", "a.groom"]);
+    let Some(plain) = drawn(at, &plain) else { return };
+    let film = groom(&["--hash", "--out", "b.groom", "--film", "a.###.png", "--size", "48x48"]);
+    let film = drawn(at, &film).unwrap();
+    let hash = |said: &str| said.lines().last().unwrap().to_owned();
+    assert_eq!(hash(&plain), hash(&film), "the film shows the same hair");
+    let frames: Vec<Vec<u8>> = (0..40)
+        .map(|k| at.join(format!("a.{k:03}.png")))
+        .take_while(|path| path.exists())
+        .map(|path| pixels(&path).1)
+        .collect();
+    assert!(frames.len() > 30, "{film}");
+    let differ = frames.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    assert!(differ > 26, "{differ} of {} frames differ from the one before", frames.len());
+}

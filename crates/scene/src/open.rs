@@ -22,14 +22,21 @@ impl Preset {
         Ok(base.dress(&styling, progress).await?)
     }
 
-    /// Opens this preset's character to edit its hair, as styled by the settings.
+    /// Opens this preset's character to edit its hair, as styled by the settings. Also returns the character with the first
+    /// version of the hair.
     ///
     /// # Errors
     /// As [`character`](Self::character).
-    pub async fn editor(&self, context: &Context, progress: &impl Progress) -> Result<GroomEditor> {
+    pub async fn editor(
+        &self,
+        context: &Context,
+        progress: &impl Progress,
+    ) -> Result<(CharacterSource, GroomEditor)> {
         let (base, styling) = self.open_source(context, progress).await?;
         let document = edited(&base, &styling, &self.files(), progress).await?;
-        Ok(base.editor(document, progress).await?)
+        let base = base.with_document(document.clone());
+        let editor = base.editor(document, progress).await?;
+        Ok((base, editor))
     }
 
     fn files(&self) -> CharacterFiles<'_> {

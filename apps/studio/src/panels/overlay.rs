@@ -59,7 +59,7 @@ impl<'a> Overlay<'a> {
     pub fn tools(&self, tool: &mut Tool, document: &Document, renderer: &mut Renderer, dialogs: &Dialogs) {
         self.at("tools", Align2::LEFT_TOP, Vec2::ZERO, |ui| {
             ui.with_layout(Layout::top_down_justified(Align::Center), |ui| {
-                ui.set_width(64.0);
+                ui.set_width(72.0);
                 if let Some(brush) = tool.brush() {
                     for (each, key, help) in Tool::BRUSHES {
                         let button = ui.selectable_label(brush == each, groomer::title(each));

@@ -1,7 +1,8 @@
 //! Hair is combed with the mouse, undone, redone, saved, and recovered after a crash.
 
 use crate::{SPACE, can_run, desk::Desk, turn};
-use std::{path::Path, time::Duration};
+use std::{fmt::Write, path::Path, time::Duration};
+use tresses::groom::mannequin;
 
 /// Keysyms.
 const CONTROL: u32 = 0xffe3;
@@ -9,11 +10,14 @@ const SHIFT: u32 = 0xffe1;
 const ESCAPE: u32 = 0xff1b;
 const G: u32 = 0x67;
 const Z: u32 = 0x7a;
+const A: u32 = 0x61;
+const E: u32 = 0x65;
 /// Places in a window of 1280 × 720, pixels.
 const HAIR: [i16; 2] = [580, 300];
 const REDO: [i16; 2] = [1158, 18];
 const SAVE: [i16; 2] = [726, 107];
 const RECOVER: [i16; 2] = [542, 619];
+const CHEEK: [i16; 2] = [455, 470];
 
 /// Returns the state of grooming once `is` holds and no job runs.
 fn groomed(desk: &mut Desk, what: &str, is: impl Fn(&serde_json::Value) -> bool) -> serde_json::Value {
@@ -123,4 +127,51 @@ fn hair_is_combed_undone_saved_and_recovered() {
     desk.still().keep("groom-recovered");
     assert!(desk.close().success());
     assert!(is_there().is_some(), "unsaved hair stays");
+}
+
+#[test]
+fn hair_is_planted_and_removed_on_the_head_of_a_file() {
+    if !can_run() {
+        return;
+    }
+    let _turn = turn();
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("studio-plant");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    let (mesh, mut text) = (mannequin::mesh(64), String::new());
+    mesh.positions.iter().for_each(|p| writeln!(text, "v {} {} {}", p.x, p.y + 1.5, p.z).unwrap());
+    mesh.triangles.iter().for_each(|[a, b, c]| writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1).unwrap());
+    std::fs::write(folder.join("head.obj"), text).unwrap();
+    let state = folder.to_str().unwrap();
+    let words = ["head.obj", "style=short", "style.strands=3000"];
+    let mut desk = Desk::open_in(&folder, &words, &[("XDG_STATE_HOME", state)]);
+    desk.resize(1280, 720);
+    desk.wait_for("hair", |desk| (desk.state()?["frames"].as_u64()? > 2).then_some(()));
+    assert_eq!(desk.state().unwrap()["file"], "short on head.obj");
+    desk.chord(CONTROL, G);
+    let begun = groomed(&mut desk, "the brush", |groom| groom["strokes"] == 0);
+    let strands = |desk: &mut Desk| desk.state().unwrap()["strands"].as_u64().unwrap();
+    let stroke = |desk: &mut Desk, count: u64| {
+        desk.drag(1, [CHEEK, [CHEEK[0] + 40, CHEEK[1] + 40]], |desk| {
+            groomed(desk, "a stroke", |groom| groom["active"] == true);
+            desk.shot().keep(&format!("groom-roots-{count}"));
+        });
+        groomed(desk, "the end of the stroke", |groom| groom["strokes"] == count);
+        desk.still().keep(&format!("groom-rooted-{count}"));
+    };
+    desk.key(A);
+    stroke(&mut desk, 1);
+    let planted = groomed(&mut desk, "new hair", |groom| groom["guides"].as_u64() > begun["guides"].as_u64());
+    let all = strands(&mut desk);
+    assert!(all > 3200, "{all} strands");
+    desk.key(E);
+    stroke(&mut desk, 2);
+    let left = strands(&mut desk);
+    assert!(left < all - 100, "{left} of {all} strands");
+    desk.chord(CONTROL, Z);
+    groomed(&mut desk, "planted hair", |groom| groom["hash"] == planted["hash"]);
+    desk.chord(CONTROL, Z);
+    groomed(&mut desk, "the hair before", |groom| groom["hash"] == begun["hash"]);
+    desk.wait_for("its strands", |desk| (desk.state()?["strands"] == 3000).then_some(()));
+    assert!(desk.close().success());
 }

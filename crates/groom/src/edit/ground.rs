@@ -5,6 +5,10 @@ use crate::{SdfGrid, TriMesh, mesh::Bvh};
 use glam::Vec3;
 use std::sync::Arc;
 
+/// Largest number of steps along a ray, the distance at which one ends, and the largest distance, meters.
+const TRACES: u32 = 256;
+const TOUCH: f32 = 2e-4;
+const FAR: f32 = 20.0;
 /// Steps along the gradient of a distance field to its surface.
 const STEPS: u32 = 4;
 
@@ -16,6 +20,23 @@ pub(super) struct Ground {
 }
 
 impl Ground {
+    /// Returns the distance along a ray to the skin, meters. Sphere tracing on the mesh does not enter gaps that a distance
+    /// field resolves, as between lips.
+    pub fn trace(&self, origin: Vec3, direction: Vec3) -> Option<f32> {
+        let Some(mesh) = &self.mesh else {
+            return self.field.as_deref()?.trace(origin, direction, 0.0);
+        };
+        let mut along = 0.0;
+        for _ in 0..TRACES {
+            let distance = mesh.1.closest_point_within(origin + direction * along, FAR)?.distance;
+            if distance < TOUCH {
+                return Some(along);
+            }
+            along += distance;
+        }
+        None
+    }
+
     /// Returns the point of the skin nearest to `p` and its outward normal; `None` if there is no skin within `reach`
     /// meters.
     pub fn nearest(&self, p: Vec3, reach: f32) -> Option<(Vec3, Vec3)> {

@@ -51,7 +51,7 @@ impl GroomEditor {
 
     /// Returns the depth of the skin under `sample`, meters.
     pub(super) fn skin_depth(&self, sample: &StrokeSample) -> Option<f32> {
-        self.ground.field.as_deref()?.trace(sample.origin, sample.direction, 0.0)
+        self.ground.trace(sample.origin, sample.direction)
     }
 
     /// Applies a tool for roots once.
@@ -133,7 +133,7 @@ impl GroomEditor {
         }
     }
 
-    /// Returns `line` with edges between its own and those of the guides beside it.
+    /// Returns `line` with edges that are a mean of its edges and of the edges of guides beside it.
     fn like_neighbors<'a>(
         &self,
         line: Vec<Vec3>,

@@ -24,7 +24,7 @@ pub struct HeadFit {
 }
 
 impl HeadFit {
-    /// Returns the similarity that maps the built-in skull to that of `head`.
+    /// Returns the similarity that maps the skull of the built-in head to the skull of `head`.
     pub fn of(head: &HeadShape) -> Self {
         let scale = head.size();
         Self { scale, offset: head.landmarks.skull - SKULL_CENTER * scale }

@@ -116,7 +116,7 @@ fn removed_hair_is_gone_and_the_rest_stays() {
         let groom = after.groom();
         let guides = groom.guides.len() as u32;
         assert!(groom.strands.bindings.iter().all(|it| it.guides.iter().all(|guide| *guide < guides)));
-        // Nobody removes everything.
+        // A stroke that would remove all hair does nothing.
         let all = Brush { radius: 0.15, reach: Reach::Through, ..brush };
         let everywhere: Vec<_> = [-0.1, 0.0, 0.1]
             .map(|y| StrokeSample::point(fixture.center + Vec3::new(0.0, y, 0.0)))
