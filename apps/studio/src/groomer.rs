@@ -12,7 +12,7 @@ pub const SETTLE: f32 = 0.3;
 /// Range of a brush's radius in the window, meters.
 pub const RADII: std::ops::RangeInclusive<f32> = 1e-3..=0.15;
 
-/// A brush for each tool. They share radius, reach and symmetry.
+/// A brush for each tool. They share radius, reach, symmetry and layer.
 #[derive(Clone, Debug)]
 pub struct BrushKit([Brush; BrushTool::ALL.len()]);
 
@@ -34,7 +34,8 @@ impl BrushKit {
             if brush.tool == changed.tool {
                 *brush = changed;
             }
-            (brush.radius, brush.reach, brush.mirror) = (changed.radius, changed.reach, changed.mirror);
+            (brush.radius, brush.reach, brush.mirror, brush.layer) =
+                (changed.radius, changed.reach, changed.mirror, changed.layer);
         }
     }
 
@@ -95,6 +96,14 @@ impl Groomer {
     /// Returns the version before the current stroke.
     pub fn document(&self) -> &GroomDocument {
         self.editor.document()
+    }
+
+    /// Returns the groups of hair, in order.
+    pub fn groups(&self) -> Vec<i32> {
+        let mut groups = self.document().base().guides.groups.clone();
+        groups.sort_unstable();
+        groups.dedup();
+        if groups.is_empty() { vec![0] } else { groups }
     }
 
     /// Returns the editor.
@@ -226,6 +235,9 @@ pub fn title(tool: BrushTool) -> &'static str {
         BrushTool::Remove => "Remove",
         BrushTool::Refine => "Refine",
         BrushTool::Part => "Part",
+        BrushTool::Width => "Width",
+        BrushTool::Stiffness => "Stiffness",
+        BrushTool::Color => "Color",
     }
 }
 

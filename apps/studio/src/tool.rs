@@ -31,7 +31,7 @@ impl Tool {
     ];
 
     /// All brushes, with name, key and help. The keys work while a brush is active.
-    pub const BRUSHES: [(BrushTool, Key, &'static str); 14] = [
+    pub const BRUSHES: [(BrushTool, Key, &'static str); 17] = [
         (BrushTool::Comb, Key::C, "Drags hair along; it slides through the brush"),
         (BrushTool::Grab, Key::G, "Holds the hair under the brush and moves it"),
         (
@@ -53,6 +53,13 @@ impl Tool {
         (BrushTool::Plant, Key::A, "Plants hair on the skin"),
         (BrushTool::Remove, Key::E, "Removes hair with its root under the brush"),
         (BrushTool::Part, Key::I, "Parts hair along the stroke"),
+        (BrushTool::Width, Key::T, "Makes strands wider; with Ctrl narrower"),
+        (
+            BrushTool::Stiffness,
+            Key::O,
+            "Makes hair stiffer; with Ctrl softer. Dots show the stiffness of guides",
+        ),
+        (BrushTool::Color, Key::B, "Colors strands; with Ctrl they get their color back"),
         (BrushTool::Refine, Key::Y, "Makes guides of strands, for finer strokes; no hair moves"),
     ];
 

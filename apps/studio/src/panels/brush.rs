@@ -1,6 +1,6 @@
 //! The strip above the picture: the settings of the brush, and what there is to save.
 
-use crate::{dialog::Dialogs, document::Document, theme};
+use crate::{dialog::Dialogs, document::Document, groomer::Groomer, theme};
 use eframe::egui::{ComboBox, DragValue, RichText, Slider, Ui};
 use tresses::groom::edit::{Brush, BrushTool, Falloff, Reach};
 
@@ -17,12 +17,16 @@ pub fn show(brush: &mut Brush, document: &mut Document, dialogs: &Dialogs, ui: &
                 number(&mut brush.density, ("Density", 1.0, 1.0..=300.0, " /cm²"), help, ui);
             }
             BrushTool::Refine => {}
+            BrushTool::Color => {
+                number(&mut brush.strength, percent("Strength"), "Share of the full effect", ui);
+                ui.color_edit_button_rgb(&mut brush.color).on_hover_text("Color of the hair");
+            }
             _ => number(&mut brush.strength, percent("Strength"), "Share of the full effect", ui),
         }
         if matches!(brush.tool, BrushTool::Plant | BrushTool::Refine) {
             let help = "Distance between guides: strands follow these";
             number(&mut brush.spacing, ("Guides every", 1e3, 1.0..=50.0, " mm"), help, ui);
-        } else if !brush.tool.acts_on_roots() {
+        } else if !brush.tool.acts_on_roots() || brush.tool == BrushTool::Color {
             number(
                 &mut brush.root_tip,
                 ("Root, tip", 1e2, -100.0..=100.0, " %"),
@@ -87,6 +91,27 @@ fn choice<T: PartialEq + Copy>(help: &str, value: &mut T, all: &[(T, &str, &str)
     shown.response.on_hover_text(help);
 }
 
+/// Shows the groups of hair, of which the brush acts on one or all, and another for new hair.
+fn layers(brush: &mut Brush, groomer: &Groomer, ui: &mut Ui) {
+    let groups = &groomer.groups();
+    let free = groups.last().map_or(1, |last| last + 1);
+    let name = |layer: Option<i32>| match layer {
+        None => "all hair".into(),
+        Some(group) if groups.contains(&group) => format!("group {group}"),
+        Some(group) => format!("new group {group}"),
+    };
+    ui.horizontal(|ui| {
+        ui.label(RichText::new("Layer").color(theme::QUIET));
+        let shown = ComboBox::from_id_salt("layer").selected_text(name(brush.layer)).show_ui(ui, |ui| {
+            for layer in std::iter::once(None).chain(groups.iter().copied().map(Some)).chain([Some(free)]) {
+                ui.selectable_value(&mut brush.layer, layer, name(layer));
+            }
+        });
+        let help = "Groups of hair, which files keep apart. The brush acts on this one, and plants in it";
+        shown.response.on_hover_text(help);
+    });
+}
+
 /// Shows the rare settings, and a button that saves the strokes.
 fn more(brush: &mut Brush, document: &Document, dialogs: &Dialogs, ui: &mut Ui) {
     ui.spacing_mut().slider_width = 90.0;
@@ -109,6 +134,7 @@ fn more(brush: &mut Brush, document: &Document, dialogs: &Dialogs, ui: &mut Ui) 
         number(&mut brush.neighbors, percent("Neighbors"), help, ui);
     }
     let Some(groomer) = &document.groomer else { return };
+    layers(brush, groomer, ui);
     let help = "The strokes as a .jsonl file, which tresses groom --strokes applies again";
     if ui.button("Save strokes…").on_hover_text(help).clicked() {
         dialogs.save("Save strokes", "strokes.jsonl", groomer.script().write().into_bytes());

@@ -14,7 +14,7 @@ pub struct Strand {
     pub seed: u32,
     /// Color at the root from the groom file, see [`pack_color`]; 0 for none.
     pub root_color: u32,
-    /// Color at the tip from the groom file; 0 for none.
+    /// Color at the tip from the groom file; 0 for none. Without it, the color of the material.
     pub tip_color: u32,
 }
 

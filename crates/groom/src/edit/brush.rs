@@ -37,11 +37,17 @@ pub enum BrushTool {
     Refine,
     /// Parts hair along the stroke.
     Part,
+    /// Makes strands wider; inverted, narrower.
+    Width,
+    /// Makes guides stiffer; inverted, softer.
+    Stiffness,
+    /// Colors strands; inverted, gives them their color before the first stroke.
+    Color,
 }
 
 impl BrushTool {
     /// All tools with their names.
-    pub const ALL: [(Self, &'static str); 14] = [
+    pub const ALL: [(Self, &'static str); 17] = [
         (Self::Comb, "comb"),
         (Self::Grab, "grab"),
         (Self::Smooth, "smooth"),
@@ -56,6 +62,9 @@ impl BrushTool {
         (Self::Remove, "remove"),
         (Self::Refine, "refine"),
         (Self::Part, "part"),
+        (Self::Width, "width"),
+        (Self::Stiffness, "stiffness"),
+        (Self::Color, "color"),
     ];
 
     /// Returns the name, as in files and commands.
@@ -68,9 +77,14 @@ impl BrushTool {
         !matches!(self, Self::Cut | Self::Line | Self::Length)
     }
 
-    /// Whether the tool acts on the skin, and changes roots.
+    /// Whether the tool is aimed at the skin: it acts on hair whose root is under the brush.
     pub fn acts_on_roots(self) -> bool {
-        matches!(self, Self::Plant | Self::Remove | Self::Refine | Self::Part)
+        matches!(self, Self::Plant | Self::Remove | Self::Refine | Self::Part) || self.paints()
+    }
+
+    /// Whether the tool changes values of strands or guides, and no shapes.
+    pub fn paints(self) -> bool {
+        matches!(self, Self::Width | Self::Stiffness | Self::Color)
     }
 
     /// Whether the tool also acts while the brush stands still.
@@ -87,7 +101,7 @@ impl FromStr for BrushTool {
             Error::Parameter {
                 name: "the tool",
                 value: text.into(),
-                range: "comb, grab, smooth, puff, lay, pinch, spread, cut, line, length, plant, remove, refine or part",
+                range: "comb, grab, smooth, puff, lay, pinch, spread, cut, line, length, plant, remove, refine, part, width, stiffness or color",
             }
         })
     }
@@ -165,6 +179,10 @@ pub struct Brush {
     pub length: f32,
     /// Planted strands per square centimeter, 1 to 300.
     pub density: f32,
+    /// Color of [`BrushTool::Color`]: sRGB, 0 to 1.
+    pub color: [f32; 3],
+    /// Group of guides that the brush acts on, and that it plants; `None` for all.
+    pub layer: Option<i32>,
     /// Whether it acts on both sides of the head.
     pub mirror: bool,
     /// Whether it acts the other way round: puff and lay, pinch and spread.
@@ -187,6 +205,8 @@ impl Default for Brush {
             spacing: 8e-3,
             length: 0.1,
             density: 40.0,
+            color: [0.75, 0.3, 0.2],
+            layer: None,
             mirror: true,
             inverted: false,
         }
@@ -218,6 +238,9 @@ impl Brush {
         Error::unless_within("brush.spacing", self.spacing, 1e-3, 0.05, "from 0.001 to 0.05 m")?;
         Error::unless_within("brush.length", self.length, 2e-3, 1.0, "from 0.002 to 1 m")?;
         Error::unless_within("brush.density", self.density, 1.0, 300.0, "from 1 to 300 per cm²")?;
+        for channel in self.color {
+            Error::unless_within("brush.color", channel, 0.0, 1.0, "from 0 to 1 per channel")?;
+        }
         let shares = [
             ("brush.strength", self.strength),
             ("brush.share", self.share),

@@ -4,6 +4,7 @@ use super::{
     carry::CarriedStrands,
     cuts::{Cuts, LengthChanges},
     guide_blocks::GuideBlocks,
+    looks::StrandLooks,
 };
 use crate::{Error, Groom, Result, orient::Choice};
 use glam::Vec3;
@@ -81,12 +82,14 @@ impl Base {
 pub struct GroomDocument {
     base: Arc<Base>,
     guides: GuideBlocks,
+    /// Painted values; `None` for those of the base.
+    looks: Option<Arc<StrandLooks>>,
 }
 
 impl PartialEq for GroomDocument {
     /// Whether both are the same version.
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.base, &other.base) && self.guides == other.guides
+        self.is_pose_of(other) && self.guides == other.guides
     }
 }
 
@@ -103,7 +106,7 @@ impl GroomDocument {
     /// Returns this version with other vertices for the guides in `changed`.
     #[must_use]
     pub fn with<'a>(&self, changed: impl IntoIterator<Item = (usize, &'a [Vec3])>) -> Self {
-        Self { base: self.base.clone(), guides: self.guides.with(changed) }
+        Self { guides: self.guides.with(changed), ..self.clone() }
     }
 
     /// Returns this version with other lengths. `lengths` are factors on the current lengths.
@@ -118,7 +121,7 @@ impl GroomDocument {
             .filter_map(|i| Some((i, before.guide_to(after, i, self.guide(i))?)))
             .collect();
         let guides = self.guides.with(moved.iter().map(|(i, guide)| (*i, &guide[..])));
-        Self { base: Arc::new(base), guides }
+        Self { base: Arc::new(base), guides, looks: self.looks.clone() }
     }
 
     pub(super) fn family(&self) -> Arc<Family> {
@@ -127,13 +130,13 @@ impl GroomDocument {
 
     /// Returns the version of `base` before the first stroke.
     pub(super) fn at_base(base: Base) -> Self {
-        Self { guides: base.guides.clone(), base: Arc::new(base) }
+        Self { guides: base.guides.clone(), base: Arc::new(base), looks: None }
     }
 
     /// Returns this version before the first stroke, with its lengths.
     #[must_use]
     pub fn original(&self) -> Self {
-        Self { base: self.base.clone(), guides: self.base.guides.clone() }
+        Self { guides: self.base.guides.clone(), ..self.clone() }
     }
 
     /// Returns the groom before the first stroke, with the lengths of this version.
@@ -171,14 +174,37 @@ impl GroomDocument {
         Arc::ptr_eq(&self.base.family, &other.base.family)
     }
 
-    /// Whether `other` is a version of the same groom with the same guides and lengths, so that only shapes differ.
+    /// Whether `other` is a version of the same groom with the same guides, lengths and painted values, so that only shapes
+    /// differ.
     pub fn is_pose_of(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.base, &other.base)
+        let same_looks = match (&self.looks, &other.looks) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        Arc::ptr_eq(&self.base, &other.base) && same_looks
     }
 
     /// Returns the groom: the guides, and the strands that they carry.
     pub fn groom(&self) -> Groom {
-        self.carried().groom(&self.guides)
+        let mut groom = self.carried().groom(&self.guides);
+        if let Some(looks) = &self.looks {
+            groom.strands.strands.clone_from(&looks.strands);
+            groom.guides.stiffness.clone_from(&looks.stiffness);
+        }
+        groom
+    }
+
+    /// Returns the painted values.
+    pub(super) fn looks(&self) -> StrandLooks {
+        let Groom { guides, strands } = &*self.base.source;
+        let unpainted =
+            || StrandLooks { strands: strands.strands.clone(), stiffness: guides.stiffness.clone() };
+        self.looks.as_deref().cloned().unwrap_or_else(unpainted)
+    }
+
+    /// Returns this version with other painted values.
+    pub(super) fn with_looks(&self, looks: StrandLooks) -> Self {
+        Self { looks: Some(Arc::new(looks)), ..self.clone() }
     }
 
     /// Returns the strands, carried by the guides.
@@ -192,20 +218,24 @@ impl GroomDocument {
         let bits = bits.chain(self.base.cuts.iter().flat_map(Cuts::numbers));
         let count = self.base.source.strands.len() as u64;
         bits.flat_map(|x| x.to_bits().to_le_bytes())
+            .chain(self.looks.iter().flat_map(|looks| looks.bits()).flat_map(u32::to_le_bytes))
             .chain(count.to_le_bytes())
             .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
     }
 
     /// Returns the bytes that this version needs besides `other`.
     pub fn bytes_beside(&self, other: &Self) -> usize {
-        let is_pose = self.is_pose_of(other);
+        let is_pose = Arc::ptr_eq(&self.base, &other.base);
+        let shares =
+            |looks: &&Arc<StrandLooks>| other.looks.as_ref().is_some_and(|it| Arc::ptr_eq(it, looks));
+        let looks = self.looks.as_ref().filter(|looks| !shares(looks)).map_or(0, |looks| looks.bytes());
         let cuts = self.base.cuts.as_ref().filter(|_| !is_pose).map_or(0, Cuts::bytes);
         if self.guides.len() != other.guides.len() {
-            return cuts + self.base.bytes() + self.guides.bytes();
+            return looks + cuts + self.base.bytes() + self.guides.bytes();
         }
         let source = if Arc::ptr_eq(&self.base.source, &other.base.source) { 0 } else { self.base.bytes() };
         let base = if is_pose { 0 } else { self.base.guides.bytes_beside(&other.base.guides) };
-        self.guides.bytes_beside(&other.guides) + cuts + base + source
+        self.guides.bytes_beside(&other.guides) + looks + cuts + base + source
     }
 }
 

@@ -6,6 +6,7 @@ use super::{
     cuts::LengthChanges,
     ground::Ground,
     line::SKIN,
+    looks::StrandLooks,
     roots::RootStroke,
     sample::StrokeSample,
     solve::{BEND, PressState, Solver, reached, unit},
@@ -59,6 +60,9 @@ pub(super) struct ActiveStroke {
     touched: Vec<bool>,
     /// Changes of roots.
     pub roots: RootStroke,
+    /// Painted values, and whether they differ from those before.
+    pub looks: Option<StrandLooks>,
+    pub painted: bool,
     /// Changes of lengths.
     pub lengths: LengthChanges,
     /// For cuts: the strands at the press, and the followers of each guide.
@@ -95,10 +99,10 @@ struct MovedGuide {
 pub struct GroomEditor {
     pub(super) document: GroomDocument,
     /// The groom before the first stroke, with its current lengths: held, because every dab reads it.
-    base: Arc<Groom>,
+    pub(super) base: Arc<Groom>,
     pub(super) ground: Ground,
     /// Normal of the skin at each root.
-    normals: Vec<Vec3>,
+    pub(super) normals: Vec<Vec3>,
     /// Nearest roots of each guide.
     neighbors: OnceLock<Vec<Vec<u32>>>,
     /// Largest distance from a ray at which a guide is picked, meters.
@@ -304,6 +308,8 @@ impl GroomEditor {
             pressed: vec![None; guides],
             touched: vec![false; guides],
             roots: self.root_stroke(brush),
+            looks: None,
+            painted: false,
             lengths: LengthChanges::default(),
             strands: (brush.tool == BrushTool::Cut).then(|| self.strands()),
             first: *sample,
@@ -385,7 +391,7 @@ impl GroomEditor {
             self.cut_line();
         }
         let stroke = self.stroke.take()?;
-        let replanted = self.with_root_changes(&stroke);
+        let replanted = self.with_root_changes(&stroke).or_else(|| self.with_paint(&stroke));
         let moved = |i: &usize| stroke.touched[*i] && self.guide(*i) != self.document.guide(*i);
         let moved: Vec<_> = (0..stroke.touched.len()).filter(moved).map(|i| (i, self.guide(i))).collect();
         let lengths = &stroke.lengths;
@@ -478,10 +484,17 @@ impl GroomEditor {
         let pinned = &self.base.guides.tip_pinned;
         let takes_part = |i: &usize| {
             !pinned[*i]
+                && self.is_in_layer(brush, *i)
                 && (brush.share >= 1.0 || stroke.chance(*i as u32) < brush.share)
                 && dabs.iter().any(|dab| dab.meets(self.spheres[*i], brush.reach))
         };
         (0..self.spheres.len()).filter(takes_part).collect()
+    }
+
+    /// Whether `brush` acts on guide `i` and the strands that follow it most.
+    pub(super) fn is_in_layer(&self, brush: &Brush, i: usize) -> bool {
+        let group = || self.base.guides.groups.get(i).copied().unwrap_or_default();
+        brush.layer.is_none_or(|layer| group() == layer)
     }
 
     /// Applies the brush once.

@@ -83,6 +83,7 @@ impl GroomDocument {
     pub fn write(&self) -> Vec<u8> {
         let base = self.base();
         let (guides, strands) = (&base.guides, &base.strands);
+        let looks = self.looks();
         let (head, files) = match self.head() {
             HeadFiles::None => (HeadInfo::None, &[][..]),
             HeadFiles::BuiltIn => (HeadInfo::BuiltIn, &[][..]),
@@ -108,7 +109,7 @@ impl GroomDocument {
         };
         let traits: Vec<_> = (0..guides.len())
             .map(|i| Traits {
-                stiffness: guides.stiffness[i],
+                stiffness: looks.stiffness[i],
                 strands: guides.strands[i],
                 pinned: guides.tip_pinned[i].into(),
                 group: guides.groups.get(i).copied().unwrap_or_default(),
@@ -120,7 +121,7 @@ impl GroomDocument {
         push(&mut file, *b"GPOS", &packed(&guides.positions));
         push(&mut file, *b"GNOW", &packed(&self.guides().positions()));
         push(&mut file, *b"GTRA", &packed(&traits));
-        push(&mut file, *b"STRA", &packed(&strands.strands));
+        push(&mut file, *b"STRA", &packed(&looks.strands));
         push(&mut file, *b"BIND", &packed(&strands.bindings));
         push(&mut file, *b"REST", &packed(&strands.rest));
         files.iter().for_each(|(_, bytes)| push(&mut file, *b"FILE", bytes));

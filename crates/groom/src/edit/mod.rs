@@ -26,6 +26,8 @@ pub mod file;
 mod ground;
 pub mod guide_blocks;
 mod line;
+mod looks;
+mod paint;
 mod plant;
 mod roots;
 mod sample;

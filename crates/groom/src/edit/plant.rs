@@ -31,8 +31,10 @@ impl GroomEditor {
     pub(super) fn root_stroke(&self, brush: &Brush) -> RootStroke {
         let (spacing, reach) = (brush.spacing, brush.radius);
         let density = if brush.tool == BrushTool::Plant { brush.density * 1e4 } else { 0.0 };
-        let changes = RootChanges { spacing, density, reach, ..RootChanges::default() };
-        let needs_roots = matches!(brush.tool, BrushTool::Remove | BrushTool::Refine);
+        let group = brush.layer;
+        let changes = RootChanges { spacing, density, reach, group, ..RootChanges::default() };
+        let needs_roots =
+            matches!(brush.tool, BrushTool::Remove | BrushTool::Refine | BrushTool::Width | BrushTool::Color);
         RootStroke { changes, roots: if needs_roots { self.strand_roots() } else { Vec::new() } }
     }
 
@@ -63,8 +65,11 @@ impl GroomEditor {
             BrushTool::Refine => self.refine(&mut stroke, dabs),
             BrushTool::Remove => {
                 let RootStroke { changes, roots } = &mut stroke.roots;
-                let brush = &stroke.brush;
+                let (brush, bindings) = (&stroke.brush, &self.base.strands.bindings);
                 for (i, root) in roots.iter().enumerate() {
+                    if !self.is_in_layer(brush, bindings[i].guides[0] as usize) {
+                        continue;
+                    }
                     let chance = (pcg(i as u32 ^ stroke.seed) >> 8) as f32 / (1 << 24) as f32;
                     let takes = brush.strength >= 1.0 || chance < brush.strength;
                     if takes && dabs.iter().any(|dab| dab.near(*root, brush) > 0.0) {
@@ -79,6 +84,7 @@ impl GroomEditor {
                     stroke.roots.changes.parting.push(PartingPoint { at, across });
                 }
             }
+            BrushTool::Width | BrushTool::Stiffness | BrushTool::Color => self.paint(&mut stroke, dabs),
             _ => {}
         }
         self.stroke = Some(stroke);

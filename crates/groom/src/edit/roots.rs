@@ -45,6 +45,8 @@ pub(super) struct RootChanges {
     pub planted: Vec<Vec<Vec3>>,
     /// Distance between new guides, meters.
     pub spacing: f32,
+    /// Group of new guides; `None` for the group of their neighbors.
+    pub group: Option<i32>,
     /// New strands around new guides, per square meter; 0 for none.
     pub density: f32,
     /// A parting that strands do not follow guides across.
@@ -86,7 +88,7 @@ impl GroomDocument {
             return Ok(None);
         }
         let old = groom.guides.len();
-        plant(&mut groom.guides, &changes.planted);
+        plant(&mut groom.guides, &changes.planted, changes.group);
         let finder = (!changes.planted.is_empty() || !changes.parting.is_empty())
             .then(|| GuideFinder::new(&groom.guides));
         if let Some(finder) = &finder {
@@ -138,15 +140,20 @@ fn without(groom: &Groom, removed: &BTreeSet<usize>) -> Groom {
     Groom { guides, strands: left }
 }
 
-/// Adds guides, of the group of their nearest neighbor.
-fn plant(guides: &mut Guides, planted: &[Vec<Vec3>]) {
+/// Adds guides of a group; without one, of the group of their nearest neighbor.
+fn plant(guides: &mut Guides, planted: &[Vec<Vec3>], group: Option<i32>) {
+    if group.is_some_and(|group| group != 0) && guides.groups.is_empty() {
+        guides.groups = vec![0; guides.len()];
+    }
     let roots: Vec<Vec3> = (0..guides.len()).map(|i| guides.guide(i)[0]).collect();
     let (tree, mut found) = (PointTree::new(&roots), Vec::new());
     let old = guides.groups.clone();
     for line in planted {
         guides.push(line, 1.0, false);
         tree.nearest(line[0], 1, f32::MAX, &mut found);
-        guides.groups.extend(found.first().and_then(|(_, i)| old.get(*i as usize)));
+        // Guides have groups all, or none.
+        let nearest = found.first().and_then(|(_, i)| old.get(*i as usize)).copied();
+        guides.groups.extend(nearest.map(|nearest| group.unwrap_or(nearest)));
     }
 }
 

@@ -45,7 +45,12 @@ impl GroomEditor {
             lines.push(line.mirrored(self.document.middle()));
         }
         let (strands, _) = self.strands();
-        let all: Vec<usize> = (0..strands.base().strands.len()).filter(|i| stroke.takes(*i as u32)).collect();
+        let all: Vec<usize> = (0..strands.base().strands.len())
+            .filter(|i| {
+                let guide = strands.base().strands.bindings[*i].guides[0] as usize;
+                stroke.takes(*i as u32) && self.is_in_layer(&stroke.brush, guide)
+            })
+            .collect();
         let crossings = |line: &CutLine| {
             in_parallel(&all, |i| line.crossings(&strands.strand(*i).0).collect::<Vec<Crossing>>())
         };

@@ -181,9 +181,8 @@ impl Surroundings<'_> {
                 let to = unit(side + self.normal * PART_RISE, side);
                 (across != Vec3::ZERO).then(|| self.turned_root(guide, weights.weight[0], to))?
             }
-            BrushTool::Cut | BrushTool::Line | BrushTool::Plant | BrushTool::Remove | BrushTool::Refine => {
-                None
-            }
+            // These change no shapes before the stroke ends.
+            _ => None,
         }
     }
 

@@ -3,6 +3,7 @@
 use super::{Attributes, Body, FileBytes, FileReport, Heads, ImportOptions, ImportReport, SortedFiles};
 use crate::{
     Strands, TriMesh,
+    bound::StrandBinding,
     edit::{GroomDocument, HeadFiles, file::EXTENSION},
     error::Result,
     formats::{
@@ -11,9 +12,11 @@ use crate::{
     },
     lint, mannequin,
     orient::{Choice, Placement},
+    strands::Mark,
 };
 use std::{
     borrow::Cow,
+    collections::BTreeMap,
     path::{Path, PathBuf},
     sync::{Arc, Mutex, PoisonError},
 };
@@ -73,6 +76,7 @@ pub fn edited_whole(
 ) -> Result<(Strands, Option<TriMesh>, ImportReport)> {
     let mut strands = document.groom().strands.unbound();
     strands.tip_pinned = pinned(document);
+    strands.marks = marks(document);
     let body = edited_body(document)?;
     let file = FileReport {
         path: path.to_path_buf(),
@@ -93,11 +97,21 @@ pub fn edited_whole(
         lint: lint::check(&strands, head.as_ref()),
         repaired: lint::RepairReport::default(),
         followers: Vec::new(),
-        groups: Vec::new(),
+        groups: super::groups(&strands, &BTreeMap::new()),
         attributes: Attributes::of(&strands),
         look: None,
     };
     Ok((strands, head, report))
+}
+
+/// Returns the group of each strand, which is the group of its first guide; empty without groups.
+fn marks(document: &GroomDocument) -> Vec<Mark> {
+    let base = document.base();
+    let group = |guides: [u32; 3]| base.guides.groups.get(guides[0] as usize).copied();
+    let mark = |(id, binding): (i32, &StrandBinding)| {
+        Some(Mark { id, group: group(binding.guides)?, closest: [-1; 3], ..Mark::default() })
+    };
+    (0..).zip(&base.strands.bindings).filter_map(mark).collect()
 }
 
 /// Returns whether the tip of each strand is fixed: that of its first guide is; empty if none is.

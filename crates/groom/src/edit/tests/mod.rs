@@ -2,6 +2,7 @@
 
 mod files;
 mod forms;
+mod paint;
 mod roots;
 mod tools;
 

@@ -1,0 +1,89 @@
+//! Strokes that paint: widths and colors of strands, stiffness of guides.
+
+use super::{BrushTool, GroomDocument, GroomEditor, editor::ActiveStroke, tools::Dab};
+use crate::{
+    bound::strand::{pack_color, unpack_color},
+    hash::pcg,
+    srgb::linear,
+};
+use glam::Vec3;
+
+/// Change of width and stiffness per dab.
+const CHANGE: f32 = 0.1;
+/// Smallest and largest width and stiffness, relative to those before the first stroke.
+const RANGE: (f32, f32) = (0.2, 5.0);
+/// Share of the way to a color per dab.
+const TINT: f32 = 0.3;
+
+impl GroomEditor {
+    /// Paints strands or guides with their roots under `dabs`.
+    pub(super) fn paint(&self, stroke: &mut ActiveStroke, dabs: &[Dab]) {
+        let brush = stroke.brush;
+        let looks = stroke.looks.get_or_insert_with(|| self.document.looks());
+        let weight = |root: Vec3| {
+            let weights = dabs.iter().map(|dab| dab.near(root, &brush) * dab.strength);
+            weights.fold(0.0, f32::max)
+        };
+        let changed = |value: f32, first: f32, weight: f32| {
+            let factor = 1.0 + CHANGE * weight;
+            let after = if brush.inverted { value / factor } else { value * factor };
+            after.clamp(first * RANGE.0, first * RANGE.1)
+        };
+        if brush.tool == BrushTool::Stiffness {
+            for (i, stiffness) in
+                looks.stiffness.iter_mut().enumerate().filter(|(i, _)| self.is_in_layer(&brush, *i))
+            {
+                let weight = weight(self.guide(i)[0]);
+                if weight > 0.0 {
+                    *stiffness = changed(*stiffness, self.base.guides.stiffness[i], weight);
+                    stroke.painted = true;
+                }
+            }
+            return;
+        }
+        let color = Vec3::from(brush.color.map(linear));
+        let base = &self.base.strands;
+        let strands = looks.strands.iter_mut().zip(&base.bindings).zip(&base.strands);
+        for (i, (((strand, binding), first), root)) in strands.zip(&stroke.roots.roots).enumerate() {
+            let weight = weight(*root);
+            if weight <= 0.0 || !self.is_in_layer(&brush, binding.guides[0] as usize) {
+                continue;
+            }
+            stroke.painted = true;
+            if brush.tool == BrushTool::Width {
+                strand.radius = changed(strand.radius, first.radius, weight);
+                continue;
+            }
+            if brush.inverted {
+                (strand.root_color, strand.tip_color) = (first.root_color, first.tip_color);
+                continue;
+            }
+            // Strands without a color have the pigment's, which is not known here: these take the color one by one.
+            let chance = stroke.seed ^ i as u32;
+            let chance = (pcg(chance) >> 8) as f32 / (1 << 24) as f32;
+            let mixed = |now: u32, share: f32| match unpack_color(now) {
+                Some(now) => pack_color(now.lerp(color, (TINT * weight * share).min(1.0))),
+                None if chance < weight * share => pack_color(color),
+                None => 0,
+            };
+            let tip = if strand.tip_color == 0 { strand.root_color } else { strand.tip_color };
+            strand.root_color = mixed(strand.root_color, brush.along(0.0));
+            strand.tip_color = mixed(tip, brush.along(1.0));
+        }
+    }
+
+    /// Returns root, normal of the skin and stiffness of each guide. The last is relative to that before the first stroke.
+    pub fn stiffness(&self) -> Vec<(Vec3, Vec3, f32)> {
+        let document = self.document.looks();
+        let now = self.stroke.as_ref().and_then(|stroke| stroke.looks.as_ref()).unwrap_or(&document);
+        let first = &self.base.guides.stiffness;
+        let of = |i: usize| (self.guide(i)[0], self.normals[i], now.stiffness[i] / first[i].max(1e-6));
+        (0..first.len()).map(of).collect()
+    }
+
+    /// Returns the version with the painted values of a stroke, if it has any.
+    pub(super) fn with_paint(&self, stroke: &ActiveStroke) -> Option<GroomDocument> {
+        let looks = stroke.looks.as_ref().filter(|_| stroke.painted)?;
+        Some(self.document.with_looks(looks.clone()))
+    }
+}

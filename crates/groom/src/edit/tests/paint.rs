@@ -1,0 +1,122 @@
+//! Tools that paint values, and groups.
+
+use super::*;
+use crate::bound::strand::unpack_color;
+
+/// Returns what a stroke over the left side paints, with the x of each root relative to the middle.
+fn painted(fixture: &Fixture, brush: &Brush) -> (GroomDocument, Vec<f32>) {
+    let after = stroke(&mut fixture.editor(), brush, &fixture.side_stroke()).expect(fixture.name);
+    let strands = &fixture.document.base().strands;
+    let root = |i: usize| strands.rest_positions(i).next().map_or(0.0, |root| root.x - fixture.center.x);
+    (after, (0..strands.len()).map(root).collect())
+}
+
+#[test]
+fn painted_hair_keeps_its_shape() {
+    for fixture in fixtures() {
+        for tool in [BrushTool::Width, BrushTool::Stiffness, BrushTool::Color] {
+            let brush = Brush { strength: 1.0, ..Brush::of(tool) };
+            let (after, _) = painted(fixture, &brush);
+            let (old, new) = (fixture.document.groom(), after.groom());
+            assert!(after.is_version_of(&fixture.document) && !after.is_pose_of(&fixture.document));
+            assert_eq!(old.guides.positions, new.guides.positions);
+            assert_eq!(old.strands.rest, new.strands.rest);
+            assert_ne!(after.hash(), fixture.document.hash());
+            assert!(old != new, "{tool:?} on {}", fixture.name);
+            // A version costs its values, not its strands.
+            let bytes = after.bytes_beside(&fixture.document);
+            assert!(bytes < 20 * old.strands.len() + 8 * old.guides.len(), "{bytes} bytes");
+            // Shapes change on, and keep what is painted.
+            let mut editor = fixture.editor();
+            editor.go_to(after.clone()).unwrap();
+            let combed = stroke(&mut editor, &Brush::default(), &fixture.side_stroke()).unwrap().groom();
+            assert_eq!(
+                (combed.strands.strands, combed.guides.stiffness),
+                (new.strands.strands, new.guides.stiffness)
+            );
+            // As a file.
+            let file = GroomDocument::read(std::path::Path::new("a.groom"), &after.write()).unwrap();
+            assert_eq!(file.groom().strands.strands, after.groom().strands.strands);
+            assert_eq!(file.groom().guides.stiffness, after.groom().guides.stiffness);
+        }
+    }
+}
+
+#[test]
+fn width_and_stiffness_change_both_ways_within_limits() {
+    let fixture = &fixtures()[1];
+    for tool in [BrushTool::Width, BrushTool::Stiffness] {
+        let values = |document: &GroomDocument| -> Vec<f32> {
+            let groom = document.groom();
+            match tool {
+                BrushTool::Width => groom.strands.strands.iter().map(|strand| strand.radius).collect(),
+                _ => groom.guides.stiffness,
+            }
+        };
+        let mut editor = fixture.editor();
+        let more = Brush { strength: 1.0, mirror: false, ..Brush::of(tool) };
+        for (brush, wanted) in [(more, 5.0f32), (Brush { inverted: true, ..more }, 0.2)] {
+            for _ in 0..40 {
+                stroke(&mut editor, &brush, &fixture.side_stroke());
+            }
+            let pairs = values(editor.document()).into_iter().zip(values(&fixture.document));
+            let ratios: Vec<f32> = pairs.map(|(now, first)| now / first).collect();
+            let end = ratios.iter().copied().fold(1.0, if wanted > 1.0 { f32::max } else { f32::min });
+            assert!((end / wanted - 1.0).abs() < 1e-3, "{tool:?}: {end}");
+            assert!(ratios.contains(&1.0), "the other side stays");
+        }
+    }
+}
+
+#[test]
+fn color_reaches_strands_under_the_brush_and_goes_again() {
+    let fixture = &fixtures()[0];
+    let brush = Brush { strength: 1.0, mirror: false, color: [1.0, 0.0, 0.0], ..Brush::of(BrushTool::Color) };
+    let (after, roots) = painted(fixture, &brush);
+    let strands = after.groom().strands.strands;
+    let colored = |i: usize| unpack_color(strands[i].root_color).is_some();
+    let count = (0..strands.len()).filter(|i| colored(*i)).count();
+    assert!(count > 20 && count < strands.len() / 2, "{count} of {}", strands.len());
+    assert!((0..strands.len()).all(|i| !colored(i) || roots[i] > -0.01), "the far side stays");
+    let red = |packed: u32| unpack_color(packed).is_none_or(|color| color.x > 0.9 && color.y < 0.1);
+    assert!(strands.iter().all(|strand| red(strand.root_color) && red(strand.tip_color)));
+    // Only tips.
+    let (tips, _) = painted(fixture, &Brush { root_tip: 1.0, ..brush });
+    let strands = tips.groom().strands.strands;
+    assert!(
+        strands.iter().any(|strand| strand.tip_color != 0)
+            && strands.iter().all(|strand| strand.root_color == 0)
+    );
+    let mut editor = fixture.editor();
+    editor.go_to(after).unwrap();
+    let wide = Brush { radius: 0.15, reach: Reach::Through, inverted: true, ..brush };
+    let gone = stroke(&mut editor, &wide, &fixture.side_stroke()).unwrap();
+    assert_eq!(gone.groom(), fixture.document.groom());
+}
+
+#[test]
+fn brush_of_a_layer_leaves_others_alone() {
+    let fixture = &fixtures()[1];
+    let mut editor = fixture.editor();
+    let samples = fixture.side_stroke();
+    let brush = Brush { layer: Some(1), length: 0.03, ..Brush::of(BrushTool::Plant) };
+    let planted = stroke(&mut editor, &Brush { spacing: 3e-3, density: 200.0, ..brush }, &samples).unwrap();
+    let groom = planted.groom();
+    let old = fixture.document.guides().len();
+    assert_eq!(groom.guides.groups.len(), groom.guides.len());
+    assert!(groom.guides.groups[..old].iter().all(|group| *group == 0));
+    assert!(groom.guides.groups[old..].iter().all(|group| *group == 1));
+    let combed =
+        stroke(&mut editor, &Brush { tool: BrushTool::Comb, strength: 1.0, ..brush }, &samples).unwrap();
+    let moved = |i: &usize| combed.guide(*i) != planted.guide(*i);
+    assert!((0..old).filter(moved).count() == 0 && (old..groom.guides.len()).filter(moved).count() > 3);
+    let removed =
+        stroke(&mut editor, &Brush { tool: BrushTool::Remove, strength: 1.0, ..brush }, &samples).unwrap();
+    assert!(removed.groom().strands.len() >= fixture.document.groom().strands.len());
+    // Groups are kept in files and for exports.
+    let file = GroomDocument::read(std::path::Path::new("a.groom"), &combed.write()).unwrap();
+    assert_eq!(file.base().guides.groups, groom.guides.groups);
+    let (strands, _, report) = crate::import::edited_whole(std::path::Path::new("a.groom"), &file).unwrap();
+    assert_eq!(strands.marks.len(), strands.len());
+    assert_eq!(report.groups.iter().map(|group| group.id).collect::<Vec<_>>(), [0, 1]);
+}
