@@ -38,7 +38,7 @@ const WHITE: [u8; 3] = [255; 3];
 struct View(Vec2);
 
 impl View {
-    /// Returns the direction from which `samples` were drawn; without a camera, that of their middle as seen from
+    /// Returns the direction from which `samples` were drawn; without a camera, the direction of their middle from
     /// `center`.
     fn of(samples: &[StrokeSample], center: Vec3) -> Self {
         let back: Vec3 = samples.iter().map(|sample| -sample.direction).sum();
@@ -175,7 +175,7 @@ impl<'a> Timelapse<'a> {
         Ok(())
     }
 
-    /// Shows the hair as it is under the brush.
+    /// Shows the hair with the current positions of the guides.
     fn pose(&mut self, scene: &mut Photographer, editor: &GroomEditor) -> Result<()> {
         scene.character.hair_mut().pose_guides(editor.positions())?;
         scene.advance(&Gesture::default(), 0.0)?;

@@ -144,7 +144,7 @@ fn missing_files_are_named() {
     refuses(&["render", "--motion", "nowhere.json"], "nowhere.json");
     refuses(&["render", "--length-map", "nowhere.png"], "nowhere.png");
     refuses(&["render", "--curl-curve", "nowhere.obj"], "nowhere.obj");
-    refuses(&["render", "--head", "nowhere.obj"], "GROOM");
+    refuses(&["render", "--head", "nowhere.obj"], "nowhere.obj");
 }
 
 #[test]

@@ -238,6 +238,7 @@ pub fn title(tool: BrushTool) -> &'static str {
         BrushTool::Width => "Width",
         BrushTool::Stiffness => "Stiffness",
         BrushTool::Color => "Color",
+        BrushTool::Hold => "Hold",
     }
 }
 

@@ -144,23 +144,17 @@ fn cut_line(groomer: &Groomer, mirror: bool, sight: Sight<'_>, painter: &Painter
     }
 }
 
-/// Paints the stiffness of each guide at its root: blue for soft, orange for stiff, which color-blind people can tell
-/// apart.
-fn stiffness(groomer: &Groomer, (sight, direction): (Sight<'_>, Vec3), painter: &Painter) {
-    for (root, normal, stiffness) in groomer.editor().stiffness() {
-        if normal.dot(direction) > 0.0 {
-            continue;
-        }
-        // From a fifth to five times.
-        let share = (stiffness.max(1e-3).ln() / 5f32.ln()).clamp(-1.0, 1.0);
-        let end = if share < 0.0 {
-            Color32::from_rgb(0x2b, 0x7b, 0xe0)
-        } else {
-            Color32::from_rgb(0xf0, 0x8a, 0x1d)
+/// Paints values from -1 to 1 at the roots of guides, given with the normals of the skin: from blue over white to orange,
+/// which color-blind people can tell apart.
+fn dots(guides: &[(Vec3, Vec3, f32)], (sight, direction): (Sight<'_>, Vec3), painter: &Painter) {
+    for (root, _, value) in guides.iter().filter(|(_, normal, _)| normal.dot(direction) < 0.0) {
+        let end = match *value < 0.0 {
+            true => Color32::from_rgb(0x2b, 0x7b, 0xe0),
+            false => Color32::from_rgb(0xf0, 0x8a, 0x1d),
         };
-        if let Some(at) = sight.place(root) {
+        if let Some(at) = sight.place(*root) {
             painter.circle_filled(at, 3.0, Color32::from_black_alpha(140));
-            painter.circle_filled(at, 2.2, Color32::WHITE.lerp_to_gamma(end, share.abs()));
+            painter.circle_filled(at, 2.2, Color32::WHITE.lerp_to_gamma(end, value.abs()));
         }
     }
 }
@@ -201,9 +195,20 @@ pub fn ring(
     };
     let Some((center, radius)) = at else { return false };
     root_marks(groomer, sight, painter);
-    if tool == BrushTool::Stiffness {
-        stiffness(groomer, (sight, sample.direction), painter);
-    }
+    let guides: Vec<(Vec3, Vec3, f32)> = match tool {
+        // From a fifth to five times.
+        BrushTool::Stiffness => {
+            let share = |stiffness: f32| (stiffness.max(1e-3).ln() / 5f32.ln()).clamp(-1.0, 1.0);
+            let all = groomer.editor().stiffness().into_iter();
+            all.map(|(root, normal, stiffness)| (root, normal, share(stiffness))).collect()
+        }
+        BrushTool::Hold => {
+            let held = groomer.editor().held().filter(|(.., held)| *held);
+            held.map(|(root, normal, _)| (root, normal, 1.0)).collect()
+        }
+        _ => Vec::new(),
+    };
+    dots(&guides, (sight, sample.direction), painter);
     let right = sample.direction.cross(Vec3::Y).normalize_or(Vec3::X);
     let up = right.cross(sample.direction);
     let middle = groomer.document().middle();

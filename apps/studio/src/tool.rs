@@ -31,7 +31,7 @@ impl Tool {
     ];
 
     /// All brushes, with name, key and help. The keys work while a brush is active.
-    pub const BRUSHES: [(BrushTool, Key, &'static str); 17] = [
+    pub const BRUSHES: [(BrushTool, Key, &'static str); 18] = [
         (BrushTool::Comb, Key::C, "Drags hair along; it slides through the brush"),
         (BrushTool::Grab, Key::G, "Holds the hair under the brush and moves it"),
         (
@@ -60,6 +60,7 @@ impl Tool {
             "Makes hair stiffer; with Ctrl softer. Dots show the stiffness of guides",
         ),
         (BrushTool::Color, Key::B, "Colors strands; with Ctrl they get their color back"),
+        (BrushTool::Hold, Key::M, "Holds hair, so that no other tool changes it; with Ctrl lets it go"),
         (BrushTool::Refine, Key::Y, "Makes guides of strands, for finer strokes; no hair moves"),
     ];
 

@@ -43,11 +43,13 @@ pub enum BrushTool {
     Stiffness,
     /// Colors strands; inverted, gives them their color before the first stroke.
     Color,
+    /// Holds hair, so that no other tool changes it; inverted, lets it go.
+    Hold,
 }
 
 impl BrushTool {
     /// All tools with their names.
-    pub const ALL: [(Self, &'static str); 17] = [
+    pub const ALL: [(Self, &'static str); 18] = [
         (Self::Comb, "comb"),
         (Self::Grab, "grab"),
         (Self::Smooth, "smooth"),
@@ -65,6 +67,7 @@ impl BrushTool {
         (Self::Width, "width"),
         (Self::Stiffness, "stiffness"),
         (Self::Color, "color"),
+        (Self::Hold, "hold"),
     ];
 
     /// Returns the name, as in files and commands.
@@ -84,7 +87,7 @@ impl BrushTool {
 
     /// Whether the tool changes values of strands or guides, and no shapes.
     pub fn paints(self) -> bool {
-        matches!(self, Self::Width | Self::Stiffness | Self::Color)
+        matches!(self, Self::Width | Self::Stiffness | Self::Color | Self::Hold)
     }
 
     /// Whether the tool also acts while the brush stands still.
@@ -101,7 +104,7 @@ impl FromStr for BrushTool {
             Error::Parameter {
                 name: "the tool",
                 value: text.into(),
-                range: "comb, grab, smooth, puff, lay, pinch, spread, cut, line, length, plant, remove, refine, part, width, stiffness or color",
+                range: "comb, grab, smooth, puff, lay, pinch, spread, cut, line, length, plant, remove, refine, part, width, stiffness, color or hold",
             }
         })
     }

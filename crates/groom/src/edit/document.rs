@@ -82,7 +82,7 @@ impl Base {
 pub struct GroomDocument {
     base: Arc<Base>,
     guides: GuideBlocks,
-    /// Painted values; `None` for those of the base.
+    /// Painted values; `None` for the values of the base.
     looks: Option<Arc<StrandLooks>>,
 }
 
@@ -197,8 +197,11 @@ impl GroomDocument {
     /// Returns the painted values.
     pub(super) fn looks(&self) -> StrandLooks {
         let Groom { guides, strands } = &*self.base.source;
-        let unpainted =
-            || StrandLooks { strands: strands.strands.clone(), stiffness: guides.stiffness.clone() };
+        let unpainted = || StrandLooks {
+            strands: strands.strands.clone(),
+            stiffness: guides.stiffness.clone(),
+            held: vec![false; guides.len()],
+        };
         self.looks.as_deref().cloned().unwrap_or_else(unpainted)
     }
 

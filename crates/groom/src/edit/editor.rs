@@ -103,6 +103,8 @@ pub struct GroomEditor {
     pub(super) ground: Ground,
     /// Normal of the skin at each root.
     pub(super) normals: Vec<Vec3>,
+    /// Whether each guide is held.
+    pub(super) held: Vec<bool>,
     /// Nearest roots of each guide.
     neighbors: OnceLock<Vec<Vec<u32>>>,
     /// Largest distance from a ray at which a guide is picked, meters.
@@ -144,6 +146,7 @@ impl GroomEditor {
         let aside = (1.5 * spacing).clamp(5e-3, PICK);
         Self {
             base: document.base(),
+            held: document.looks().held,
             document,
             ground: Ground { field, mesh: None },
             normals,
@@ -484,17 +487,18 @@ impl GroomEditor {
         let pinned = &self.base.guides.tip_pinned;
         let takes_part = |i: &usize| {
             !pinned[*i]
-                && self.is_in_layer(brush, *i)
+                && self.is_open(brush, *i)
                 && (brush.share >= 1.0 || stroke.chance(*i as u32) < brush.share)
                 && dabs.iter().any(|dab| dab.meets(self.spheres[*i], brush.reach))
         };
         (0..self.spheres.len()).filter(takes_part).collect()
     }
 
-    /// Whether `brush` acts on guide `i` and the strands that follow it most.
-    pub(super) fn is_in_layer(&self, brush: &Brush, i: usize) -> bool {
+    /// Whether `brush` acts on guide `i` and the strands that follow it most: they are of its layer, and not held.
+    pub(super) fn is_open(&self, brush: &Brush, i: usize) -> bool {
         let group = || self.base.guides.groups.get(i).copied().unwrap_or_default();
-        brush.layer.is_none_or(|layer| group() == layer)
+        let held = self.held[i] && brush.tool != BrushTool::Hold;
+        !held && brush.layer.is_none_or(|layer| group() == layer)
     }
 
     /// Applies the brush once.

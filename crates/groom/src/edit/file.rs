@@ -11,7 +11,7 @@
 //! |---|---|
 //! | `GPOS` | position before the first stroke, 3 floats per guide vertex |
 //! | `GNOW` | position now, 3 floats per guide vertex |
-//! | `GTRA` | stiffness (float), strands (float), pinned tip (u32), group (i32) per guide |
+//! | `GTRA` | stiffness (float), strands (float), flags (u32: 1 pinned tip, 2 held), group (i32) per guide |
 //! | `STRA` | [`Strand`], per strand |
 //! | `BIND` | [`StrandBinding`], per strand |
 //! | `REST` | [`PackedRest`], per strand vertex |
@@ -19,7 +19,7 @@
 //!
 //! Later versions read this version. Unknown chunks are skipped.
 
-use super::{GroomDocument, HeadFiles};
+use super::{GroomDocument, HeadFiles, looks::StrandLooks};
 use crate::{
     BoundStrands, Groom, Guides, MAX_VERTICES,
     bound::{PackedRest, Strand, StrandBinding},
@@ -74,7 +74,8 @@ enum HeadInfo {
 struct Traits {
     stiffness: f32,
     strands: f32,
-    pinned: u32,
+    /// 1: pinned tip, 2: held.
+    flags: u32,
     group: i32,
 }
 
@@ -111,7 +112,7 @@ impl GroomDocument {
             .map(|i| Traits {
                 stiffness: looks.stiffness[i],
                 strands: guides.strands[i],
-                pinned: guides.tip_pinned[i].into(),
+                flags: u32::from(guides.tip_pinned[i]) | u32::from(looks.held[i]) << 1,
                 group: guides.groups.get(i).copied().unwrap_or_default(),
             })
             .collect();
@@ -150,7 +151,7 @@ impl GroomDocument {
             positions: file.array(&chunks, *b"GPOS", count * n)?,
             stiffness: traits.iter().map(|traits| traits.stiffness).collect(),
             strands: traits.iter().map(|traits| traits.strands).collect(),
-            tip_pinned: traits.iter().map(|traits| traits.pinned != 0).collect(),
+            tip_pinned: traits.iter().map(|traits| traits.flags & 1 != 0).collect(),
             groups: traits.iter().map(|traits| traits.group).filter(|_| info.has_groups).collect(),
         };
         let strands = BoundStrands {
@@ -168,7 +169,12 @@ impl GroomDocument {
         }
         let n = n as usize;
         let moved = now.chunks_exact(n).enumerate().filter(|(i, guide)| original.guide(*i) != *guide);
-        Ok(original.with(moved))
+        let document = original.with(moved);
+        let held: Vec<bool> = traits.iter().map(|traits| traits.flags & 2 != 0).collect();
+        Ok(match held.contains(&true) {
+            true => document.with_looks(StrandLooks { held, ..document.looks() }),
+            false => document,
+        })
     }
 }
 

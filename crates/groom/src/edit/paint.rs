@@ -31,7 +31,7 @@ impl GroomEditor {
         };
         if brush.tool == BrushTool::Stiffness {
             for (i, stiffness) in
-                looks.stiffness.iter_mut().enumerate().filter(|(i, _)| self.is_in_layer(&brush, *i))
+                looks.stiffness.iter_mut().enumerate().filter(|(i, _)| self.is_open(&brush, *i))
             {
                 let weight = weight(self.guide(i)[0]);
                 if weight > 0.0 {
@@ -41,12 +41,20 @@ impl GroomEditor {
             }
             return;
         }
+        if brush.tool == BrushTool::Hold {
+            for (i, held) in looks.held.iter_mut().enumerate().filter(|(i, _)| self.is_open(&brush, *i)) {
+                let changes = *held == brush.inverted && weight(self.guide(i)[0]) > 0.0;
+                *held ^= changes;
+                stroke.painted |= changes;
+            }
+            return;
+        }
         let color = Vec3::from(brush.color.map(linear));
         let base = &self.base.strands;
         let strands = looks.strands.iter_mut().zip(&base.bindings).zip(&base.strands);
         for (i, (((strand, binding), first), root)) in strands.zip(&stroke.roots.roots).enumerate() {
             let weight = weight(*root);
-            if weight <= 0.0 || !self.is_in_layer(&brush, binding.guides[0] as usize) {
+            if weight <= 0.0 || !self.is_open(&brush, binding.guides[0] as usize) {
                 continue;
             }
             stroke.painted = true;
@@ -79,6 +87,13 @@ impl GroomEditor {
         let first = &self.base.guides.stiffness;
         let of = |i: usize| (self.guide(i)[0], self.normals[i], now.stiffness[i] / first[i].max(1e-6));
         (0..first.len()).map(of).collect()
+    }
+
+    /// Returns root and normal of the skin of each guide, and whether it is held.
+    pub fn held(&self) -> impl Iterator<Item = (Vec3, Vec3, bool)> {
+        let held =
+            self.stroke.as_ref().and_then(|stroke| stroke.looks.as_ref()).map_or(&self.held, |it| &it.held);
+        held.iter().enumerate().map(|(i, held)| (self.guide(i)[0], self.normals[i], *held))
     }
 
     /// Returns the version with the painted values of a stroke, if it has any.

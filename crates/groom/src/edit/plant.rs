@@ -67,7 +67,7 @@ impl GroomEditor {
                 let RootStroke { changes, roots } = &mut stroke.roots;
                 let (brush, bindings) = (&stroke.brush, &self.base.strands.bindings);
                 for (i, root) in roots.iter().enumerate() {
-                    if !self.is_in_layer(brush, bindings[i].guides[0] as usize) {
+                    if !self.is_open(brush, bindings[i].guides[0] as usize) {
                         continue;
                     }
                     let chance = (pcg(i as u32 ^ stroke.seed) >> 8) as f32 / (1 << 24) as f32;
@@ -84,7 +84,7 @@ impl GroomEditor {
                     stroke.roots.changes.parting.push(PartingPoint { at, across });
                 }
             }
-            BrushTool::Width | BrushTool::Stiffness | BrushTool::Color => self.paint(&mut stroke, dabs),
+            tool if tool.paints() => self.paint(&mut stroke, dabs),
             _ => {}
         }
         self.stroke = Some(stroke);

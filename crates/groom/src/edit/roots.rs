@@ -83,7 +83,7 @@ impl GroomDocument {
     /// # Errors
     /// As [`fill`].
     pub(super) fn with_roots(&self, changes: &RootChanges, ground: &Ground) -> Result<Option<Self>> {
-        let mut groom = without(&self.groom(), &changes.removed);
+        let (mut groom, stays) = without(&self.groom(), &changes.removed);
         if groom.strands.is_empty() && changes.planted.is_empty() {
             return Ok(None);
         }
@@ -99,14 +99,21 @@ impl GroomDocument {
         }
         count_followers(&mut groom);
         let base = Base::new(self.family(), Arc::new(groom), None);
-        Ok(Some(Self::at_base(base)))
+        let document = Self::at_base(base);
+        let (before, mut looks) = (self.looks().held, document.looks());
+        if !before.contains(&true) {
+            return Ok(Some(document));
+        }
+        looks.held.iter_mut().zip(stays).for_each(|(held, was)| *held = before[was]);
+        Ok(Some(document.with_looks(looks)))
     }
 }
 
-/// Returns `groom` without the strands in `removed`, and without guides that no strand follows any more.
-fn without(groom: &Groom, removed: &BTreeSet<usize>) -> Groom {
+/// Returns `groom` without the strands in `removed`, and without guides that no strand follows any more; and the guides
+/// that stay.
+fn without(groom: &Groom, removed: &BTreeSet<usize>) -> (Groom, Vec<usize>) {
     if removed.is_empty() {
-        return groom.clone();
+        return (groom.clone(), (0..groom.guides.len()).collect());
     }
     let (strands, m) = (&groom.strands, groom.strands.vertex_count as usize);
     let mut followed = vec![[false; 2]; groom.guides.len()];
@@ -137,7 +144,7 @@ fn without(groom: &Groom, removed: &BTreeSet<usize>) -> Groom {
         tip_pinned: stays.iter().map(|i| all.tip_pinned[*i]).collect(),
         groups: stays.iter().filter_map(|i| all.groups.get(*i)).copied().collect(),
     };
-    Groom { guides, strands: left }
+    (Groom { guides, strands: left }, stays)
 }
 
 /// Adds guides of a group; without one, of the group of their nearest neighbor.

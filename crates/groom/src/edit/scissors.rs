@@ -48,7 +48,7 @@ impl GroomEditor {
         let all: Vec<usize> = (0..strands.base().strands.len())
             .filter(|i| {
                 let guide = strands.base().strands.bindings[*i].guides[0] as usize;
-                stroke.takes(*i as u32) && self.is_in_layer(&stroke.brush, guide)
+                stroke.takes(*i as u32) && self.is_open(&stroke.brush, guide)
             })
             .collect();
         let crossings = |line: &CutLine| {

@@ -120,3 +120,65 @@ fn brush_of_a_layer_leaves_others_alone() {
     assert_eq!(strands.marks.len(), strands.len());
     assert_eq!(report.groups.iter().map(|group| group.id).collect::<Vec<_>>(), [0, 1]);
 }
+
+#[test]
+fn held_hair_stays_whatever_the_tool() {
+    for fixture in fixtures() {
+        let samples = fixture.side_stroke();
+        let hold = Brush { radius: 0.04, mirror: false, ..Brush::of(BrushTool::Hold) };
+        let mut editor = fixture.editor();
+        let held = stroke(&mut editor, &hold, &samples).expect(fixture.name);
+        let is_held: Vec<bool> = editor.held().map(|(.., held)| held).collect();
+        let count = is_held.iter().filter(|held| **held).count();
+        assert!(count > 2 && count < is_held.len(), "{}: {count} of {}", fixture.name, is_held.len());
+        assert!(stroke(&mut editor, &hold, &samples).is_none(), "it is held already");
+        let was = held.groom();
+        for (tool, name) in BrushTool::ALL {
+            if tool == BrushTool::Hold || tool == BrushTool::Plant {
+                continue;
+            }
+            editor.go_to(held.clone()).unwrap();
+            let brush = Brush { strength: 1.0, radius: 0.05, mirror: false, ..Brush::of(tool) };
+            let Some(after) = stroke(&mut editor, &brush, &samples) else { continue };
+            let now = after.groom();
+            // A guide ends where the longest strand does that follows it, which may follow others more.
+            let cuts = matches!(tool, BrushTool::Cut | BrushTool::Line);
+            if now.guides.len() == was.guides.len() && !cuts {
+                for i in (0..is_held.len()).filter(|i| is_held[*i]) {
+                    assert_eq!(after.guide(i), held.guide(i), "{name} on {}", fixture.name);
+                    assert_eq!(
+                        now.guides.stiffness[i], was.guides.stiffness[i],
+                        "{name} on {}",
+                        fixture.name
+                    );
+                }
+            }
+            let strands = |groom: &Groom, held: &dyn Fn(usize) -> bool| {
+                let leads = groom.strands.bindings.iter().map(|binding| binding.guides[0] as usize);
+                leads.filter(|guide| held(*guide)).count()
+            };
+            let now_held: Vec<bool> = editor.held().map(|(.., held)| held).collect();
+            assert_eq!(now_held.iter().filter(|held| **held).count(), count, "{name} on {}", fixture.name);
+            if tool == BrushTool::Remove {
+                assert_eq!(
+                    strands(&was, &|i| is_held[i]),
+                    strands(&now, &|i| now_held[i]),
+                    "{}",
+                    fixture.name
+                );
+            }
+        }
+        // Planting keeps it, and files do.
+        editor.go_to(held.clone()).unwrap();
+        let plant = Brush { spacing: 2e-3, length: 0.02, ..Brush::of(BrushTool::Plant) };
+        if stroke(&mut editor, &plant, &samples).is_some() {
+            assert_eq!(editor.held().filter(|(.., held)| *held).count(), count);
+        }
+        let file = GroomDocument::read(std::path::Path::new("a.groom"), &held.write()).unwrap();
+        let read = GroomEditor::new(file, Some(fixture.field.clone()));
+        assert!(read.held().map(|(.., held)| held).eq(is_held.iter().copied()));
+        editor.go_to(held).unwrap();
+        let free = stroke(&mut editor, &Brush { inverted: true, radius: 0.06, ..hold }, &samples).unwrap();
+        assert!(editor.held().all(|(.., held)| !held) && free.groom() == fixture.document.groom());
+    }
+}
