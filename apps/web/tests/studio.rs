@@ -56,7 +56,7 @@ const STROKE: [[f64; 2]; 2] = [[560.0, 200.0], [500.0, 170.0]];
 const UNDO: [f64; 2] = [1099.0, 18.0];
 const SAVE: [f64; 2] = [726.0, 107.0];
 const MORE: [f64; 2] = [665.0, 107.0];
-const SAVE_STROKES: [f64; 2] = [700.0, 250.0];
+const SAVE_STROKES: [f64; 2] = [700.0, 278.0];
 /// Number of strands in the dropped file.
 const DROPPED: usize = 400;
 

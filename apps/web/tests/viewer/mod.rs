@@ -112,8 +112,6 @@ fn element_shows_hair_and_reports_errors() {
     let load = |file: &str| format!("document.getElementById('viewer').load('{file}')");
     let broken = awaited(browser, &load("broken.glb"));
     assert!(broken[0] == "failed" && broken[1].as_str().unwrap().contains("broken.glb"), "{broken}");
-    let bare = awaited(browser, &load("mesh.glb"));
-    assert!(bare[1].as_str().unwrap().contains("mesh.glb: the file is a mesh, not a groom"), "{bare}");
     let missing = awaited(browser, &load("nothing.glb"));
     assert!(missing[0] == "failed" && missing[1].as_str().unwrap().contains("404"), "{missing}");
     assert_eq!(state(browser)["file"], "head of hair.glb");
@@ -129,6 +127,9 @@ fn element_shows_hair_and_reports_errors() {
     })";
     let second = awaited(browser, second);
     assert_eq!(second, json!(["done", {"file": "short", "strands": 500}]));
+    // A head without hair gets the style.
+    let bare = awaited(browser, "document.querySelectorAll('tresses-viewer')[1].load('mesh.glb')");
+    assert_eq!(bare, json!(["done", {"file": "short on mesh.glb", "strands": 500}]));
     browser.value("document.querySelectorAll('tresses-viewer').forEach(viewer => viewer.remove())");
     let gone = browser.until("document.querySelectorAll('canvas').length", |count| count == 0);
     assert_eq!(gone, 0);

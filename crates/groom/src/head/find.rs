@@ -167,7 +167,9 @@ impl Outlines {
     }
 
     fn head(&self) -> Result<HeadShape> {
-        let neck = self.neck().ok_or_else(|| unusable("it is not narrower anywhere below its upper end"))?;
+        let neck = self
+            .neck()
+            .ok_or_else(|| unusable("it has no neck, a part that is narrower than the head above it"))?;
         let part = |x: f32| (x * neck as f32) as usize;
         let front = |row: usize| self.front(row);
         let is_whole = |row: &usize| self.profile[*row].0 < self.profile[*row].1;
@@ -239,7 +241,7 @@ mod tests {
     fn meshes_without_a_head_are_refused() {
         let problem = |mesh: &TriMesh| HeadShape::of(mesh).unwrap_err().to_string();
         assert!(problem(&TriMesh::default()).contains("no triangles"));
-        assert!(problem(&shapes::cuboid(Vec3::splat(0.1))).contains("not narrower"));
+        assert!(problem(&shapes::cuboid(Vec3::splat(0.1))).contains("no neck"));
         let mut flat = shapes::cuboid(Vec3::splat(0.1));
         flat.positions.iter_mut().for_each(|p| p.y = 0.0);
         assert!(HeadShape::of(&flat).is_err());
