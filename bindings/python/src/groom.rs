@@ -281,12 +281,14 @@ impl Groom {
     /// Parameters
     /// ----------
     /// tool : str
-    ///     comb, grab, smooth, puff, lay, pinch, spread, cut, line or length.
+    ///     comb, grab, smooth, puff, lay, pinch, spread, cut, line, length, plant, remove, refine, part, width,
+    ///     stiffness, color or hold.
     /// path : array_like, float32 [n, 3]
     ///     The middle of the brush, meters.
     /// **brush : optional
     ///     ``radius`` (meters), ``strength``, ``falloff``, ``reach``, ``root_tip``, ``share``, ``keep_shape``,
-    ///     ``keep_volume``, ``neighbors``, ``mirror``, ``inverted``.
+    ///     ``keep_volume``, ``neighbors``, ``spacing`` (meters), ``length`` (meters), ``density`` (per cm²), ``color``,
+    ///     ``layer``, ``mirror``, ``inverted``.
     #[pyo3(signature = (tool, path, **brush))]
     fn stroked(
         &self,
@@ -319,10 +321,19 @@ impl Groom {
                     GroomDocument::new(character.groom.clone(), HeadFiles::None, character.neck.x)?;
                 let field = character.whole().cloned().map(Arc::new);
                 let mut editor = GroomEditor::new(document, field);
+                if let Some(body) = &character.head {
+                    editor = editor.on_skin(body);
+                }
                 script.apply(&mut editor)?;
                 let mut groom = editor.document().groom();
-                let order: Vec<u32> =
-                    lod::order(&groom.strands).iter().map(|i| self.order[*i as usize]).collect();
+                // New strands have indices after those of the source.
+                let (origins, known) = (editor.document().origins(), self.order.len() as u32);
+                let last = self.order.iter().max().map_or(0, |last| last + 1);
+                let source = |i: &u32| match origins[*i as usize] {
+                    origin if origin < known => self.order[origin as usize],
+                    new => last + new - known,
+                };
+                let order: Vec<u32> = lod::order(&groom.strands).iter().map(source).collect();
                 lod::arrange(&mut groom.strands);
                 Ok((CharacterParts { groom, ..character.clone() }, order))
             })

@@ -275,3 +275,17 @@ def test_grooms_of_the_command_are_read(command, tmp_path):
     assert len(groom) == 900 and groom.head is not None
     with pytest.raises(tresses.TressesError, match="complete|includes"):
         tresses.Groom.read([file, file])
+
+
+def test_planted_and_removed_strands_keep_their_order():
+    """Strands that stay keep their indices; new ones have others."""
+    groom = tresses.Groom.built_in("bob", {"style.strands": 400})
+    beard = dict(radius=0.02, length=0.02, spacing=0.004, density=60.0)
+    planted = groom.stroked("plant", [[0, 0.01, 0.085], [0, 0.02, 0.09]], **beard)
+    order = planted.order
+    assert len(order) > 450 and len(set(order)) == len(order)
+    assert set(groom.order) < set(order)
+    bald = planted.stroked("remove", [[0, 0.2236, -0.01]], radius=0.05)
+    assert set(bald.order) < set(order)
+    with pytest.raises(tresses.TressesError, match="brush.spacing"):
+        groom.stroked("plant", [[0, 0.2, 0]], spacing=9)

@@ -44,6 +44,8 @@ pub(super) struct Base {
     family: Arc<Family>,
     /// The groom before the first stroke, with its lengths.
     source: Arc<Groom>,
+    /// Index of each strand before any stroke; `None` if they are the same strands.
+    origins: Option<Arc<[u32]>>,
     cuts: Option<Cuts>,
     /// The groom before the first stroke, cut; kept while an editor or a caller holds it.
     groom: Mutex<Weak<Groom>>,
@@ -55,7 +57,12 @@ impl Base {
     pub fn new(family: Arc<Family>, source: Arc<Groom>, cuts: Option<Cuts>) -> Self {
         let groom = cuts.as_ref().map_or_else(|| source.clone(), |cuts| Arc::new(cuts.apply(&source)));
         let guides = GuideBlocks::new(&groom.guides.positions, groom.guides.vertex_count as usize);
-        Self { family, source, cuts, groom: Mutex::new(Arc::downgrade(&groom)), guides }
+        Self { family, source, origins: None, cuts, groom: Mutex::new(Arc::downgrade(&groom)), guides }
+    }
+
+    /// Returns the base with these origins of its strands.
+    pub fn with_origins(self, origins: Option<Arc<[u32]>>) -> Self {
+        Self { origins, ..self }
     }
 
     /// Returns the size of the groom, bytes.
@@ -115,7 +122,8 @@ impl GroomDocument {
         let Base { family, source, cuts, .. } = &*self.base;
         let before = cuts.clone().unwrap_or_else(|| Cuts::none(source));
         let after = before.changed(source, lengths);
-        let base = Base::new(family.clone(), source.clone(), Some(after));
+        let base =
+            Base::new(family.clone(), source.clone(), Some(after)).with_origins(self.base.origins.clone());
         let after = base.cuts.as_ref().unwrap_or(&before);
         let moved: Vec<(usize, Vec<Vec3>)> = (0..self.guides.len())
             .filter_map(|i| Some((i, before.guide_to(after, i, self.guide(i))?)))
@@ -142,6 +150,12 @@ impl GroomDocument {
     /// Returns the groom before the first stroke, with the lengths of this version.
     pub fn base(&self) -> Arc<Groom> {
         self.base.groom()
+    }
+
+    /// Returns the index of each strand before any stroke. New strands have indices of their own, which follow these.
+    pub fn origins(&self) -> Vec<u32> {
+        let same = || (0..self.base.source.strands.len() as u32).collect();
+        self.base.origins.as_deref().map_or_else(same, <[u32]>::to_vec)
     }
 
     /// Returns the head.

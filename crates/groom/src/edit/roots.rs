@@ -98,7 +98,19 @@ impl GroomDocument {
             grow(&mut groom, old, changes, ground)?;
         }
         count_followers(&mut groom);
-        let base = Base::new(self.family(), Arc::new(groom), None);
+        // Strands that stay are in their order, and new ones come after them.
+        let mut origins = self.origins();
+        let mut fresh = origins.iter().max().map_or(0, |last| last + 1);
+        let mut index = 0;
+        origins.retain(|_| {
+            index += 1;
+            !changes.removed.contains(&(index - 1))
+        });
+        while origins.len() < groom.strands.len() {
+            origins.push(fresh);
+            fresh += 1;
+        }
+        let base = Base::new(self.family(), Arc::new(groom), None).with_origins(Some(origins.into()));
         let document = Self::at_base(base);
         let (before, mut looks) = (self.looks().held, document.looks());
         if !before.contains(&true) {

@@ -61,6 +61,7 @@ fn planted_hair_keeps_its_distances_and_stays_outside() {
     for (i, (was, now)) in was.iter().zip(&now).enumerate() {
         assert!(was[0].distance(now[0]) < 1e-5 && was[1].distance(now[1]) < 1e-5, "strand {i}");
     }
+    assert!(after.origins().into_iter().eq(0..now.len() as u32));
     let new = &now[was.len()..];
     let middle = Vec3::new(-0.5f32.sin(), 0.5f32.cos(), 0.1).normalize() * BALL;
     let count = new.iter().filter(|ends| ends[0].distance(middle) < 0.01).count() as f32;
@@ -112,6 +113,9 @@ fn removed_hair_is_gone_and_the_rest_stays() {
             }
         }
         assert!(left.next().is_none(), "{}: the rest is in the same order", fixture.name);
+        let origins = after.origins();
+        assert!(origins.len() == now.len() && origins.is_sorted());
+        assert!(origins.iter().zip(&now).all(|(origin, ends)| was[*origin as usize] == *ends));
         // All strands follow a guide that is there; no guide is without a strand that had one.
         let groom = after.groom();
         let guides = groom.guides.len() as u32;
