@@ -326,7 +326,7 @@ impl Groom {
                 }
                 script.apply(&mut editor)?;
                 let mut groom = editor.document().groom();
-                // New strands have indices after those of the source.
+                // Indices of new strands follow the indices of the source.
                 let (origins, known) = (editor.document().origins(), self.order.len() as u32);
                 let last = self.order.iter().max().map_or(0, |last| last + 1);
                 let source = |i: &u32| match origins[*i as usize] {

@@ -219,6 +219,16 @@ impl GroomDocument {
         self.looks.as_deref().cloned().unwrap_or_else(unpainted)
     }
 
+    /// Returns the stiffness of each guide.
+    pub(super) fn stiffness(&self) -> &[f32] {
+        self.looks.as_ref().map_or(&self.base.source.guides.stiffness, |looks| &looks.stiffness)
+    }
+
+    /// Returns whether each guide is held.
+    pub(super) fn held(&self) -> Vec<bool> {
+        self.looks.as_ref().map_or_else(|| vec![false; self.guides.len()], |looks| looks.held.clone())
+    }
+
     /// Returns this version with other painted values.
     pub(super) fn with_looks(&self, looks: StrandLooks) -> Self {
         Self { looks: Some(Arc::new(looks)), ..self.clone() }

@@ -65,7 +65,7 @@ pub(super) struct ActiveStroke {
     pub painted: bool,
     /// Changes of lengths.
     pub lengths: LengthChanges,
-    /// For cuts: the strands at the press, and the followers of each guide.
+    /// For cuts and refining: the strands at the press, and the followers of each guide.
     pub strands: Option<(CarriedStrands, Vec<Vec<u32>>)>,
     /// The sample of the press.
     pub first: StrokeSample,
@@ -80,7 +80,7 @@ impl ActiveStroke {
         (pcg(i ^ self.seed) >> 8) as f32 / (1 << 24) as f32
     }
 
-    /// Whether a cut takes strand `i`.
+    /// Whether a tool that takes a share of the strands takes strand `i`.
     pub fn takes(&self, i: u32) -> bool {
         self.brush.strength >= 1.0 || self.chance(i) < self.brush.strength
     }
@@ -146,7 +146,7 @@ impl GroomEditor {
         let aside = (1.5 * spacing).clamp(5e-3, PICK);
         Self {
             base: document.base(),
-            held: document.looks().held,
+            held: document.held(),
             document,
             ground: Ground { field, mesh: None },
             normals,
@@ -314,7 +314,7 @@ impl GroomEditor {
             looks: None,
             painted: false,
             lengths: LengthChanges::default(),
-            strands: (brush.tool == BrushTool::Cut).then(|| self.strands()),
+            strands: matches!(brush.tool, BrushTool::Cut | BrushTool::Refine).then(|| self.strands()),
             first: *sample,
             grabbed: Vec::new(),
             begin,

@@ -66,7 +66,7 @@ impl GroomEditor {
                 (strand.root_color, strand.tip_color) = (first.root_color, first.tip_color);
                 continue;
             }
-            // Strands without a color have the pigment's, which is not known here: these take the color one by one.
+            // The pigment of strands without a color is not known here, so a random share of them takes the color whole.
             let chance = stroke.seed ^ i as u32;
             let chance = (pcg(chance) >> 8) as f32 / (1 << 24) as f32;
             let mixed = |now: u32, share: f32| match unpack_color(now) {
@@ -82,10 +82,10 @@ impl GroomEditor {
 
     /// Returns root, normal of the skin and stiffness of each guide. The last is relative to that before the first stroke.
     pub fn stiffness(&self) -> Vec<(Vec3, Vec3, f32)> {
-        let document = self.document.looks();
-        let now = self.stroke.as_ref().and_then(|stroke| stroke.looks.as_ref()).unwrap_or(&document);
+        let looks = self.stroke.as_ref().and_then(|stroke| stroke.looks.as_ref());
+        let now = looks.map_or(self.document.stiffness(), |looks| &looks.stiffness);
         let first = &self.base.guides.stiffness;
-        let of = |i: usize| (self.guide(i)[0], self.normals[i], now.stiffness[i] / first[i].max(1e-6));
+        let of = |i: usize| (self.guide(i)[0], self.normals[i], now[i] / first[i].max(1e-6));
         (0..first.len()).map(of).collect()
     }
 

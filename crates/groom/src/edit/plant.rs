@@ -64,18 +64,15 @@ impl GroomEditor {
             BrushTool::Plant => self.plant(&mut stroke, dabs),
             BrushTool::Refine => self.refine(&mut stroke, dabs),
             BrushTool::Remove => {
-                let RootStroke { changes, roots } = &mut stroke.roots;
                 let (brush, bindings) = (&stroke.brush, &self.base.strands.bindings);
-                for (i, root) in roots.iter().enumerate() {
-                    if !self.is_open(brush, bindings[i].guides[0] as usize) {
-                        continue;
-                    }
-                    let chance = (pcg(i as u32 ^ stroke.seed) >> 8) as f32 / (1 << 24) as f32;
-                    let takes = brush.strength >= 1.0 || chance < brush.strength;
-                    if takes && dabs.iter().any(|dab| dab.near(*root, brush) > 0.0) {
-                        changes.removed.insert(i);
-                    }
-                }
+                let goes = |(i, root): &(usize, &Vec3)| {
+                    self.is_open(brush, bindings[*i].guides[0] as usize)
+                        && stroke.takes(*i as u32)
+                        && dabs.iter().any(|dab| dab.near(**root, brush) > 0.0)
+                };
+                let removed: Vec<usize> =
+                    stroke.roots.roots.iter().enumerate().filter(goes).map(|(i, _)| i).collect();
+                stroke.roots.changes.removed.extend(removed);
             }
             BrushTool::Part => {
                 for dab in dabs.iter().filter(|dab| dab.motion != Vec3::ZERO) {
@@ -105,12 +102,13 @@ impl GroomEditor {
         let (brush, n) = (stroke.brush, self.document.vertex_count());
         let ratio = stroke.radius / brush.spacing;
         let tries = ((TRIES * ratio * ratio) as usize).clamp(1, MOST_TRIES);
+        let middles: Vec<_> = dabs.iter().map(|dab| self.ground.nearest(dab.center, dab.radius)).collect();
         for k in 0..tries {
             let random = pcg(stroke.seed ^ pcg(self.dab_count as u32) ^ pcg(k as u32));
             // The first candidate is in the middle: a click plants there.
             let place = if k == 0 { [0.0; 2] } else { in_disc(random) };
             for (side, dab) in dabs.iter().enumerate() {
-                let Some((middle, normal)) = self.ground.nearest(dab.center, dab.radius) else { continue };
+                let Some((middle, normal)) = middles[side] else { continue };
                 let right = unit(normal.cross(Vec3::Y), Vec3::X);
                 let up = right.cross(normal);
                 // A mirror image turns the other way round.
@@ -167,7 +165,7 @@ impl GroomEditor {
     /// Makes guides of strands under `dabs`, where guides are farther apart than the brush asks.
     fn refine(&self, stroke: &mut ActiveStroke, dabs: &[Dab]) {
         let (brush, n) = (stroke.brush, self.document.vertex_count());
-        let strands = self.document.carried();
+        let Some((strands, _)) = &stroke.strands else { return };
         let guides: Vec<Vec3> = (0..self.spheres.len()).map(|i| self.guide(i)[0]).collect();
         let (tree, mut found) = (PointTree::new(&guides), Vec::new());
         let RootStroke { changes, roots } = &mut stroke.roots;

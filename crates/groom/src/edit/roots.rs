@@ -83,7 +83,7 @@ impl GroomDocument {
     /// # Errors
     /// As [`fill`].
     pub(super) fn with_roots(&self, changes: &RootChanges, ground: &Ground) -> Result<Option<Self>> {
-        let (mut groom, stays) = without(&self.groom(), &changes.removed);
+        let (mut groom, stays) = without(self.groom(), &changes.removed);
         if groom.strands.is_empty() && changes.planted.is_empty() {
             return Ok(None);
         }
@@ -112,10 +112,11 @@ impl GroomDocument {
         }
         let base = Base::new(self.family(), Arc::new(groom), None).with_origins(Some(origins.into()));
         let document = Self::at_base(base);
-        let (before, mut looks) = (self.looks().held, document.looks());
+        let before = self.held();
         if !before.contains(&true) {
             return Ok(Some(document));
         }
+        let mut looks = document.looks();
         looks.held.iter_mut().zip(stays).for_each(|(held, was)| *held = before[was]);
         Ok(Some(document.with_looks(looks)))
     }
@@ -123,9 +124,10 @@ impl GroomDocument {
 
 /// Returns `groom` without the strands in `removed`, and without guides that no strand follows any more; and the guides
 /// that stay.
-fn without(groom: &Groom, removed: &BTreeSet<usize>) -> (Groom, Vec<usize>) {
+fn without(groom: Groom, removed: &BTreeSet<usize>) -> (Groom, Vec<usize>) {
     if removed.is_empty() {
-        return (groom.clone(), (0..groom.guides.len()).collect());
+        let all = (0..groom.guides.len()).collect();
+        return (groom, all);
     }
     let (strands, m) = (&groom.strands, groom.strands.vertex_count as usize);
     let mut followed = vec![[false; 2]; groom.guides.len()];

@@ -26,7 +26,7 @@ fn painted_hair_keeps_its_shape() {
             // A version costs its values, not its strands.
             let bytes = after.bytes_beside(&fixture.document);
             assert!(bytes < 20 * old.strands.len() + 8 * old.guides.len(), "{bytes} bytes");
-            // Shapes change on, and keep what is painted.
+            // Combing keeps painted values.
             let mut editor = fixture.editor();
             editor.go_to(after.clone()).unwrap();
             let combed = stroke(&mut editor, &Brush::default(), &fixture.side_stroke()).unwrap().groom();
