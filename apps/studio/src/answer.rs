@@ -1,6 +1,6 @@
 //! Events from dialogs and the host page. The window handles them in its next frame.
 
-use crate::{files::Files, hosted::Command};
+use crate::{files::Files, hosted::Command, journal::LeftGroom};
 use std::path::PathBuf;
 use tresses::glam::Vec3;
 use tresses_scene::{Companion, Shelf};
@@ -23,6 +23,8 @@ pub enum Answer {
     Do(Command),
     /// Shapes of the simulated guides to keep: groom space, meters.
     Kept(Vec<Vec3>),
+    /// Groomed hair that an earlier studio has left.
+    Left(LeftGroom),
     /// A success message.
     Wrote(String),
     /// An error message.

@@ -1,12 +1,11 @@
 //! The document: settings and hair with undo history, the character built from them, and the running job.
 
-#[cfg(not(target_arch = "wasm32"))]
-use crate::journal::{Journal, LeftGroom};
 use crate::{
     files::Files,
     groomer::Groomer,
     hair::{COLORS, Hair, Source},
     job::{DisplayedCharacter, Job, JobResult, Order},
+    journal::{Journal, LeftGroom},
     messages::Messages,
     renderer::Renderer,
     stage::CharacterDisplay,
@@ -42,11 +41,9 @@ pub struct Document {
     painted: Option<String>,
     /// The hair under the brush, while there is one.
     pub groomer: Option<Groomer>,
-    /// The last version of the hair under the brush, on disk.
-    #[cfg(not(target_arch = "wasm32"))]
+    /// Copies of the last version of the hair under the brush.
     journal: Option<Journal>,
     /// Recovered hair, until it is saved or changed.
-    #[cfg(not(target_arch = "wasm32"))]
     recovered: Option<LeftGroom>,
     /// Whether guides have moved since they were last put into the hair on the screen.
     posed: bool,
@@ -67,9 +64,7 @@ impl Document {
             job: None,
             painted: None,
             groomer: None,
-            #[cfg(not(target_arch = "wasm32"))]
             journal: None,
-            #[cfg(not(target_arch = "wasm32"))]
             recovered: None,
             posed: false,
             stale: false,
@@ -77,15 +72,21 @@ impl Document {
         }
     }
 
-    /// Prepares the hair on the screen for brushes if one `is_active`, and puts the body to rest meanwhile.
-    pub fn groom(&mut self, is_active: bool, renderer: &mut Renderer, messages: &mut Messages) {
-        if renderer.playback.at_rest != is_active {
-            renderer.playback.at_rest = is_active;
+    /// Prepares the hair on the screen for brushes if one `is_active`, and puts the body to rest meanwhile unless it is
+    /// `live`.
+    pub fn groom(&mut self, is_active: bool, live: bool, renderer: &mut Renderer, messages: &mut Messages) {
+        let at_rest = is_active && !live;
+        if live && !renderer.playback.live {
+            renderer.playback.play.playing = false;
+        }
+        renderer.playback.live = is_active && live;
+        if renderer.playback.at_rest != at_rest {
+            renderer.playback.at_rest = at_rest;
             renderer.dirty = true;
-            self.posed |= is_active;
+            self.posed |= at_rest;
             if let Some(show) = &mut renderer.show {
                 show.stage.character.reset();
-                rest(show, is_active, messages);
+                rest(show, at_rest, messages);
             }
         }
         let Some(shown) = self.shown.as_ref().filter(|_| is_active && self.job.is_none()) else { return };
@@ -155,7 +156,6 @@ impl Document {
     }
 
     /// Writes the hair under the brush to the journal.
-    #[cfg(not(target_arch = "wasm32"))]
     fn keep(&mut self, messages: &mut Messages) {
         let Some(groomer) = &self.groomer else { return };
         let name = self.settings.hair().source.name();
@@ -167,15 +167,10 @@ impl Document {
         }
     }
 
-    /// Browsers have no journal.
-    #[cfg(target_arch = "wasm32")]
-    fn keep(&mut self, _: &mut Messages) {}
-
     /// Opens groomed hair that an earlier studio has left.
     ///
     /// # Errors
     /// Fails if its file cannot be read.
-    #[cfg(not(target_arch = "wasm32"))]
     pub fn recover(&mut self, left: &LeftGroom, messages: &mut Messages) -> anyhow::Result<()> {
         let source = Source::Edited { name: left.name.clone(), document: left.read()? };
         self.open(source, messages);
@@ -185,9 +180,7 @@ impl Document {
 
     /// Notes that the user saves the hair under the brush.
     pub fn saves_groom(&mut self) {
-        #[cfg(not(target_arch = "wasm32"))]
         self.recovered.take().iter().for_each(LeftGroom::remove);
-        #[cfg(not(target_arch = "wasm32"))]
         if let (Some(journal), Some(groomer)) = (&mut self.journal, &self.groomer) {
             journal.saved(groomer.hash());
         }
@@ -334,10 +327,7 @@ impl Document {
             let label = hair.step_from(self.settings.hair());
             self.settings.change_both(settings, hair.clone(), &label);
             self.groomer = Some(Groomer::new(editor));
-            #[cfg(not(target_arch = "wasm32"))]
-            {
-                self.journal = None;
-            }
+            self.journal = None;
         } else if !self.is_version(hair) {
             return self.groomer.take().is_some();
         }

@@ -32,7 +32,6 @@ pub mod hair;
 pub mod head;
 pub mod hosted;
 pub mod job;
-#[cfg(not(target_arch = "wasm32"))]
 pub mod journal;
 pub mod loss;
 pub mod messages;
@@ -45,6 +44,8 @@ pub mod pace;
 #[cfg(target_arch = "wasm32")]
 mod page;
 pub mod panels;
+#[cfg(target_arch = "wasm32")]
+mod pen;
 pub mod picture;
 pub mod play;
 pub mod playback;

@@ -31,6 +31,8 @@ pub struct Playback {
     last: Option<Instant>,
     /// Whether the body and its hair are at rest, whatever the transport does, for grooming.
     pub at_rest: bool,
+    /// Whether hair moves while the transport is paused and the body is at rest, for brushes on moving hair.
+    pub live: bool,
 }
 
 impl Playback {
@@ -39,9 +41,9 @@ impl Playback {
         !self.at_rest && (self.play.is_due() || self.is_live())
     }
 
-    /// Whether the user is dragging the head or hair, or was until recently.
+    /// Whether hair moves while the transport is paused: the user is dragging it or the head, or was until recently.
     pub fn is_live(&self) -> bool {
-        self.awake > 0.0 || !self.hand.is_still()
+        self.live || self.awake > 0.0 || !self.hand.is_still()
     }
 
     /// Returns the character's gesture; the head turns about `pivot`, meters.
@@ -49,7 +51,9 @@ impl Playback {
         if self.at_rest {
             return Gesture::default();
         }
-        self.hand.apply(self.play.gesture(pivot), pivot)
+        let is_held = self.live && !self.play.playing;
+        let gesture = if is_held { Gesture::default() } else { self.play.gesture(pivot) };
+        self.hand.apply(gesture, pivot)
     }
 
     /// Stops the clock until a frame is due.
@@ -67,7 +71,7 @@ impl Playback {
     /// Pauses the transport and ends the motion of touched hair.
     pub fn stop(&mut self) {
         self.play.playing = false;
-        self.awake = 0.0;
+        (self.awake, self.live) = (0.0, false);
     }
 
     /// Drops a ball on `subject`.

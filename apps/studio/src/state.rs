@@ -23,6 +23,8 @@ pub struct State {
     pub cards: String,
     /// The hair under the brush; none unless a brush is active.
     pub groom: Option<GroomState>,
+    /// Whether brushes push moving hair.
+    pub live: bool,
     /// Whether groomed hair that an earlier studio has left is offered.
     pub recovers: bool,
     /// Current step of the running job, or empty.

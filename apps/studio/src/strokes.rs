@@ -11,7 +11,9 @@ use eframe::egui::{Color32, Event, Key, Painter, Pos2, Rect, Response, Shape, St
 use tresses::{
     Camera,
     glam::{Vec2, Vec3},
-    groom::edit::{BrushTool, StrokeSample},
+    groom::edit::{Brush, BrushTool, StrokeSample},
+    math::Ray,
+    simulate::{BrushEffect, MotionBrush, Target},
 };
 use tresses_scene::camera::VERTICAL_FOV;
 use web_time::Instant;
@@ -29,12 +31,18 @@ pub struct Sight<'a> {
 }
 
 impl Sight<'_> {
+    /// Returns the ray from the eye through the pointer at `at`.
+    fn ray(&self, at: Pos2) -> Ray {
+        let p = (at - self.rect.center()) / (0.5 * self.rect.size());
+        let (origin, direction) = self.renderer.orbit.ray(Vec2::new(p.x, -p.y));
+        Ray { origin, direction }
+    }
+
     /// Returns the sample of a pointer at `at`, in groom space.
     fn sample(&self, at: Pos2, pressure: f32) -> Option<StrokeSample> {
         let to_groom = self.renderer.show.as_ref()?.stage.character.head().inverse();
-        let p = (at - self.rect.center()) / (0.5 * self.rect.size());
-        let (eye, direction) = self.renderer.orbit.ray(Vec2::new(p.x, -p.y));
-        let ray = StrokeSample::ray(to_groom.point(eye), to_groom.rotation * direction);
+        let Ray { origin, direction } = self.ray(at);
+        let ray = StrokeSample::ray(to_groom.point(origin), to_groom.rotation * direction);
         Some(StrokeSample { pressure, ..ray })
     }
 
@@ -114,21 +122,81 @@ pub fn pointer(
     active
 }
 
+/// Pushes moving hair with the brush of `tool` while the primary button is down. Returns whether it is.
+pub fn push(
+    (tool, kit): (BrushTool, &BrushKit),
+    document: &Document,
+    renderer: &mut Renderer,
+    messages: &mut Messages,
+    (ui, response): (&Ui, &Response),
+) -> bool {
+    let is_down = response.is_pointer_button_down_on() && ui.input(|input| input.pointer.primary_down());
+    let sight = Sight { renderer, rect: response.rect };
+    let ray = |at: Pos2| sight.ray(at);
+    let (pressed, from, to, ctrl) = ui.input(|input| {
+        let pointer = &input.pointer;
+        let [from, to] = [pointer.press_origin(), pointer.latest_pos()].map(|at| at.map(ray));
+        (pointer.primary_pressed(), from, to, input.modifiers.command)
+    });
+    let brush = kit.acting(tool, false, ctrl);
+    let middle = document.groomer.as_ref().map_or(0.0, |groomer| groomer.document().middle());
+    let strength = brush.strength * pressure(ui);
+    let Some(character) = renderer.show.as_mut().map(|show| &mut show.stage.character) else { return false };
+    let head = character.head();
+    let hair = character.hair_mut();
+    let Some(ray) = to.filter(|_| is_down) else {
+        hair.release();
+        return false;
+    };
+    let done = match (motion_effect(&brush), from) {
+        (Some(effect), _) => {
+            let mirror = (head.point(Vec3::X * middle), head.rotation * Vec3::X);
+            let mirror = brush.mirror.then_some(mirror);
+            let (radius, root_tip) = (brush.radius, brush.root_tip);
+            hair.brush(&MotionBrush { effect, radius, strength, root_tip, mirror }, &ray)
+        }
+        (None, Some(from)) if pressed => hair.grab(&from, brush.radius),
+        _ => hair.drag_to(&Target::Ray(ray)),
+    };
+    if let Err(error) = done {
+        messages.fail(error);
+    }
+    ui.ctx().request_repaint();
+    true
+}
+
+/// Returns the effect of `brush` on moving hair; `None` for a grab.
+fn motion_effect(brush: &Brush) -> Option<BrushEffect> {
+    match (brush.acts(), brush.inverted) {
+        (BrushTool::Puff, _) => Some(BrushEffect::Puff),
+        (BrushTool::Lay, _) => Some(BrushEffect::Lay),
+        (BrushTool::Pinch, _) => Some(BrushEffect::Pinch),
+        (BrushTool::Spread, _) => Some(BrushEffect::Spread),
+        (BrushTool::Blow, false) => Some(BrushEffect::Blow),
+        (BrushTool::Blow, true) => Some(BrushEffect::Draw),
+        (BrushTool::Grab, _) => None,
+        _ => Some(BrushEffect::Comb),
+    }
+}
+
 /// Returns the pressure of the pen or finger; 1 for a mouse, and for hardware that does not tell.
 fn pressure(ui: &Ui) -> f32 {
     let force = |event: &Event| match event {
         Event::Touch { force, phase: TouchPhase::Start | TouchPhase::Move, .. } => *force,
         _ => None,
     };
+    #[cfg(target_arch = "wasm32")]
+    let pen = crate::pen::pressure();
+    #[cfg(not(target_arch = "wasm32"))]
+    let pen = None;
     // The least lets a pen begin a stroke.
-    ui.input(|input| input.events.iter().rev().find_map(force))
+    pen.or_else(|| ui.input(|input| input.events.iter().rev().find_map(force)))
         .filter(|force| *force > 0.0)
         .map_or(1.0, |force| force.clamp(0.1, 1.0))
 }
 
-/// Paints the line of a cut, and its mirror image.
-fn cut_line(groomer: &Groomer, mirror: bool, sight: Sight<'_>, painter: &Painter) {
-    let Some(ends) = groomer.editor().line() else { return };
+/// Paints the line or the outline of a cut, and its mirror image.
+fn cut_path(groomer: &Groomer, (tool, mirror): (BrushTool, bool), sight: Sight<'_>, painter: &Painter) {
     let distance = (sight.renderer.orbit.camera().eye - sight.renderer.orbit.camera().target).length();
     let middle = groomer.document().middle();
     for flip in [false, true].into_iter().take(1 + usize::from(mirror)) {
@@ -136,10 +204,14 @@ fn cut_line(groomer: &Groomer, mirror: bool, sight: Sight<'_>, painter: &Painter
             let p = sample.origin + sample.direction * distance;
             sight.place(if flip { Vec3::new(2.0 * middle - p.x, p.y, p.z) } else { p })
         };
-        if let [Some(from), Some(to)] = [place(&ends[0]), place(&ends[1])] {
-            let color = if flip { theme::QUIET } else { Color32::WHITE };
-            painter.line_segment([from, to], Stroke::new(3.0, Color32::from_black_alpha(140)));
-            painter.line_segment([from, to], Stroke::new(1.5, color));
+        let points: Vec<Pos2> = groomer.editor().drawn().iter().filter_map(place).collect();
+        let color = if flip { theme::QUIET } else { Color32::WHITE };
+        for (width, color) in [(3.0, Color32::from_black_alpha(140)), (1.5, color)] {
+            let stroke = Stroke::new(width, color);
+            painter.add(match tool {
+                BrushTool::Lasso => Shape::closed_line(points.clone(), stroke),
+                _ => Shape::line(points.clone(), stroke),
+            });
         }
     }
 }
@@ -174,7 +246,7 @@ fn root_marks(groomer: &Groomer, sight: Sight<'_>, painter: &Painter) {
 /// Paints the brush at the pointer: a ring in the plane of the image, with an inner ring where the effect is half, and
 /// its mirror image. Returns whether there is hair or skin under it.
 pub fn ring(
-    (tool, kit): (BrushTool, &BrushKit),
+    (tool, kit, live): (BrushTool, &BrushKit, bool),
     document: &Document,
     sight: Sight<'_>,
     (painter, response): (&Painter, &Response),
@@ -182,8 +254,8 @@ pub fn ring(
     let Some(groomer) = &document.groomer else { return false };
     let Some(sample) = response.hover_pos().and_then(|at| sight.sample(at, 1.0)) else { return false };
     let brush = kit.brush(tool);
-    if tool == BrushTool::Line {
-        cut_line(groomer, brush.mirror, sight, painter);
+    if tool.draws() {
+        cut_path(groomer, (tool, brush.mirror), sight, painter);
         return true;
     }
     let at = match groomer.editor().brush_at() {
@@ -191,6 +263,8 @@ pub fn ring(
         None => groomer
             .editor()
             .hit(tool, &sample)
+            // Moving hair may be anywhere.
+            .or_else(|| live.then(|| sight.renderer.orbit.camera().distance()))
             .map(|depth| (sample.origin + sample.direction * depth, brush.radius)),
     };
     let Some((center, radius)) = at else { return false };
@@ -202,6 +276,7 @@ pub fn ring(
             let all = groomer.editor().stiffness().into_iter();
             all.map(|(root, normal, stiffness)| (root, normal, share(stiffness))).collect()
         }
+        BrushTool::Clump | BrushTool::Curl | BrushTool::Frizz => groomer.editor().amounts(tool),
         BrushTool::Hold => {
             let held = groomer.editor().held().filter(|(.., held)| *held);
             held.map(|(root, normal, _)| (root, normal, 1.0)).collect()

@@ -23,10 +23,16 @@ pub async fn breathe() {}
 /// Lets the page draw before the work continues.
 #[cfg(target_arch = "wasm32")]
 pub async fn breathe() {
+    // Two frames at 60 Hz: the page paints in between.
+    pause(32).await;
+}
+
+/// Waits for some milliseconds.
+#[cfg(target_arch = "wasm32")]
+pub async fn pause(milliseconds: i32) {
     let promise = js_sys::Promise::new(&mut |resolve, _| {
         if let Some(window) = web_sys::window() {
-            // Two frames at 60 Hz: the page paints in between.
-            let _ = window.set_timeout_with_callback_and_timeout_and_arguments_0(&resolve, 32);
+            let _ = window.set_timeout_with_callback_and_timeout_and_arguments_0(&resolve, milliseconds);
         }
     });
     let _ = wasm_bindgen_futures::JsFuture::from(promise).await;

@@ -35,6 +35,8 @@ pub struct Viewport {
     pub tool: Tool,
     /// The brushes.
     pub kit: BrushKit,
+    /// Whether brushes act on moving hair.
+    pub live: bool,
     /// Last position of the pointer in a drag.
     pointer: Option<Pos2>,
     /// [Number](Picture::number) of the displayed frame, or 0.
@@ -71,7 +73,7 @@ impl Viewport {
         }
         if let Some(tool) = self.tool.brush().filter(|_| response.contains_pointer()) {
             let sight = Sight { renderer, rect };
-            if strokes::ring((tool, &self.kit), document, sight, (&painter, &response)) {
+            if strokes::ring((tool, &self.kit, self.live), document, sight, (&painter, &response)) {
                 ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
             }
         }
@@ -101,8 +103,9 @@ impl Viewport {
         self.pointer = now.filter(|_| response.dragged());
         let delta =
             from.zip(self.pointer).map_or(Vec2::ZERO, |(from, to)| Vec2::new(to.x - from.x, to.y - from.y));
-        let strokes = self.tool.brush().is_some_and(|tool| {
-            strokes::pointer((tool, &self.kit), document, renderer, messages, (ui, response))
+        let strokes = self.tool.brush().is_some_and(|tool| match self.live {
+            true => strokes::push((tool, &self.kit), document, renderer, messages, (ui, response)),
+            false => strokes::pointer((tool, &self.kit), document, renderer, messages, (ui, response)),
         });
         if response.drag_started_by(PointerButton::Primary)
             && self.tool == Tool::Hand
@@ -144,7 +147,9 @@ impl Viewport {
             renderer.orbit.pan(delta, rect.height());
             renderer.dirty |= delta != Vec2::ZERO;
         }
-        lock(self.tool, renderer, messages, ui, response);
+        if self.tool.brush().is_none() {
+            lock(self.tool, renderer, messages, ui, response);
+        }
         if renderer.playback.hand.held().is_some() && !response.dragged_by(PointerButton::Primary) {
             renderer.playback.hand.release();
         }

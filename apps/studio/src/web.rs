@@ -7,7 +7,7 @@ use crate::{
     dialog::Dialogs,
     hosted::Command,
     options::Options,
-    page, sort,
+    page, pen, sort,
     state::{self, State},
 };
 use std::{cell::RefCell, panic, rc::Rc};
@@ -61,6 +61,7 @@ impl Viewer {
                 Ok(Box::new(studio) as Box<dyn eframe::App>)
             })
         };
+        pen::follow(&canvas)?;
         let runner = eframe::WebRunner::new();
         runner.start(canvas, web, create).await?;
         let dialogs = opened.take().ok_or("the studio did not open")?;

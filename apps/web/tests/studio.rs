@@ -15,7 +15,7 @@ use std::{
     time::Instant,
 };
 use tresses::groom::{
-    edit::{GroomDocument, GroomEditor, HeadFiles, StrokeScript},
+    edit::{GroomDocument, GroomEditor, HeadFiles, ScriptStep, StrokeScript},
     mannequin,
     scalp::GridScalp,
 };
@@ -54,9 +54,10 @@ const WINDOW: [u32; 2] = [1280, 720];
 const GROOM: [f64; 2] = [50.0, 195.0];
 const STROKE: [[f64; 2]; 2] = [[560.0, 200.0], [500.0, 170.0]];
 const UNDO: [f64; 2] = [1099.0, 18.0];
-const SAVE: [f64; 2] = [726.0, 107.0];
-const MORE: [f64; 2] = [665.0, 107.0];
-const SAVE_STROKES: [f64; 2] = [700.0, 278.0];
+const SAVE: [f64; 2] = [831.0, 107.0];
+const MORE: [f64; 2] = [770.0, 107.0];
+const SAVE_STROKES: [f64; 2] = [805.0, 278.0];
+const RECOVER: [f64; 2] = [542.0, 619.0];
 /// Number of strands in the dropped file.
 const DROPPED: usize = 400;
 
@@ -521,7 +522,8 @@ fn hair_is_groomed_in_a_browser() {
     browser.click(GROOM);
     let begun = groomed(browser, |groom| groom["strokes"] == 0);
     still(browser).keep("studio-groom-1-before.png");
-    browser.drag(STROKE[0], STROKE[1]);
+    // A pen that presses lightly.
+    browser.stroke(Some(0.3), STROKE[0], STROKE[1]);
     let after = groomed(browser, |groom| groom["strokes"] == 1 && groom["active"] == false);
     assert_ne!(after["hash"], begun["hash"]);
     println!("{} guides, a dab takes {} ms", after["guides"], after["dab_ms"]);
@@ -541,12 +543,24 @@ fn hair_is_groomed_in_a_browser() {
     let script =
         StrokeScript::read(std::str::from_utf8(&strokes).unwrap(), Path::new("strokes.jsonl")).unwrap();
     assert_eq!((document.head(), script.steps.len()), (&HeadFiles::BuiltIn, 1));
+    let ScriptStep::Stroke { samples, .. } = &script.steps[0] else { panic!("{:?}", script.steps) };
+    assert!(samples.iter().all(|sample| (sample.pressure - 0.3).abs() < 0.01), "{samples:?}");
     let field = GridScalp::of_mannequin(mannequin::sdf(mannequin::FIELD_RESOLUTION)).field;
     let mut editor = GroomEditor::new(document.original(), Some(field.into()));
     script.apply(&mut editor).unwrap();
     let hash = |document: &GroomDocument| format!("{:016x}", document.hash());
     assert_eq!(after["hash"], hash(&document), "the file holds what the page shows");
     assert_eq!(after["hash"], hash(editor.document()), "the strokes give the same guides here");
+
+    // A page that is left without saving offers the last version, once.
+    browser.drag(STROKE[1], STROKE[0]);
+    let last = groomed(browser, |groom| groom["strokes"] == 2 && groom["active"] == false);
+    thread::sleep(std::time::Duration::from_secs(5));
+    browser.value("location.reload()");
+    state(browser, |state| state["recovers"] == true && state["frames"].as_u64() > Some(0));
+    still(browser).keep("studio-groom-4-recover.png");
+    browser.click(RECOVER);
+    groomed(browser, |groom| groom["hash"] == last["hash"]);
     assert!(browser.complaints().is_empty(), "{}", browser.complaints().join("\n"));
     server.stop();
     serving.join().unwrap();

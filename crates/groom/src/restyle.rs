@@ -1,4 +1,5 @@
-//! Curls, clumps, stray hairs and widths for existing grooms, mostly imported ones.
+//! Curls, clumps, stray hairs and widths for existing grooms: imported ones ([`Restyle`]) and edited ones, where a brush
+//! paints how much of each a strand has ([`shaped`]).
 //!
 //! Guides do not change. They are chosen and bound in the original hair, and then the rest curves of the render strands
 //! change. A curled guide would be simulated as a spring, and the strands of three such guides would be their mean,
@@ -16,13 +17,14 @@ use super::{
     bound::BoundStrands,
     curve,
     grow::{Clumps, CurlStrand, Curls, Growth, Twist, Unrest, frames_from, unrest},
-    random::{Rng, smoothstep},
+    random::{Rng, lerp, smoothstep},
     scalp::{ScalpMap, scalp_uv},
 };
 use crate::{
     Result,
     bound::{PackedRest, StrandBinding},
     hash::pcg,
+    progress::in_parallel,
 };
 use glam::{IVec3, Vec3};
 use std::collections::HashMap;
@@ -107,7 +109,17 @@ impl Restyle {
         self.curls.fits(median(&lengths), groom.strands.vertex_count)?;
         let usual = median(&groom.strands.strands.iter().map(|s| s.radius).collect::<Vec<_>>()).max(1e-9);
         let shaped = self.curls.any() || self.clumps.is_some() || self.unrest.is_some();
-        let locks = if shaped { Locks::new(&lines, clumps.spacing) } else { Locks::default() };
+        let ids: Vec<u32> = (0..lines.len() as u32).collect();
+        let locks = if shaped { Locks::new(&lines, clumps.spacing, &ids) } else { Locks::default() };
+        let shaper = Shaper {
+            curls: &self.curls,
+            clumps,
+            unruly,
+            locks: &locks,
+            lines: &lines,
+            skull,
+            seed: self.seed,
+        };
         let old = std::mem::take(&mut groom.strands);
         groom.strands = BoundStrands::new(old.vertex_count);
         for (i, line) in lines.iter().enumerate() {
@@ -122,20 +134,11 @@ impl Restyle {
             let mut line = line.clone();
             let held = groom.guides.tip_pinned.get(binding.guides[0] as usize) == Some(&true);
             if shaped && !held && lengths[i] > 0.0 {
-                let lock = locks.of[i] as usize;
-                let center = locks.centers[lock] as usize;
-                let share = if flyaway { 0.3 } else { 1.0 };
-                gather(&mut line, &lines[center], &clumps, share, self.seed, lock as u32, &mut rng);
-                if self.curls.any() {
-                    let uv = scalp_uv(line[0] - skull);
-                    let strength = self.curl_map.as_ref().map_or(1.0, |map| map.sample(uv));
-                    let twist = Twist::new(&self.curls, self.seed, lock as u32, lines[center][0]);
-                    let outward = lines[center][0] - skull;
-                    let own = CurlStrand::new(&self.curls, flyaway, &mut rng);
-                    let f = wind(&mut line, &self.curls, &twist, &own, strength, outward);
-                    binding.scale = binding.scale.map(|scale| scale * f);
-                }
-                unrest(&unruly, stray, &mut rng, &mut line);
+                let uv = scalp_uv(line[0] - skull);
+                let curl = self.curl_map.as_ref().map_or(1.0, |map| map.sample(uv));
+                let lock = locks.of[i];
+                let f = shaper.shape((&mut line, lock, lock), (1.0, curl), stray, &mut rng);
+                binding.scale = binding.scale.map(|scale| scale * f);
             }
             if let Some(diameter) = self.diameter {
                 strand.radius *= 0.5 * diameter / usual;
@@ -153,6 +156,178 @@ impl Restyle {
     }
 }
 
+/// Shapes the strands of a groom, each by its lock.
+struct Shaper<'a> {
+    curls: &'a Curls,
+    clumps: Clumps,
+    unruly: Unrest,
+    locks: &'a Locks,
+    lines: &'a [Vec<Vec3>],
+    skull: Vec3,
+    seed: u32,
+}
+
+impl Shaper<'_> {
+    /// Changes the shape of `line`, of a strand in `lock`, whose random numbers come from `name`. The factors are on the
+    /// strength of clumps and on the radius of curls. Returns the fraction of its path that the strand covers.
+    fn shape(
+        &self,
+        (line, lock, name): (&mut [Vec3], u32, u32),
+        (gathers, curl): (f32, f32),
+        stray: f32,
+        rng: &mut Rng,
+    ) -> f32 {
+        let center = &self.lines[self.locks.centers[lock as usize] as usize];
+        let flyaway = stray < self.unruly.flyaways;
+        let share = if flyaway { 0.3 } else { 1.0 };
+        gather(line, center, &self.clumps, share * gathers, self.seed, name, rng);
+        let mut fraction = 1.0;
+        if self.curls.any() {
+            let twist = Twist::new(self.curls, self.seed, name, center[0]);
+            let own = CurlStrand::new(self.curls, flyaway, rng);
+            fraction = wind(line, self.curls, &twist, &own, curl, center[0] - self.skull);
+        }
+        unrest(&self.unruly, stray, rng, line);
+        fraction
+    }
+}
+
+/// How much of clumps, curls and frizz a brush has painted on a strand: 0 for none, 255 for all.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct StrandShape {
+    pub clump: u8,
+    pub curl: u8,
+    pub frizz: u8,
+    /// Index into [`Curls::NAMES`].
+    pub curls: u8,
+}
+
+impl StrandShape {
+    /// Whether the strand has its own shape.
+    pub fn any(self) -> bool {
+        self.clump > 0 || self.curl > 0 || self.frizz > 0
+    }
+}
+
+/// Painted clumps.
+const CLUMPS: Clumps = Clumps { spacing: 0.008, strength: 0.95, start: 0.0, lock: 0.0, tip_spread: 1.0 };
+/// Painted frizz.
+const FRIZZ: Unrest =
+    Unrest { frizz: 0.0018, strays: 0.3, stray: 0.006, flyaways: 0.06, flyaway: 0.015, shorter: 0.0 };
+/// Strength of the clumps of painted curls: nearly all strands of a lock lie in its middle.
+const TIGHT: f32 = 1.4;
+/// Vertices of strands with painted curls.
+const CURLED: u32 = crate::MAX_STRAND_VERTICES;
+/// Seed of painted shapes.
+const SEED: u32 = 0x9a17;
+
+/// Returns `groom` with the painted `shapes` of its strands. Random numbers come from the seeds of strands, so hair that
+/// is planted or removed elsewhere changes none. Curls too small for the vertices of a lock are wider and longer.
+pub(crate) fn shaped(groom: &Groom, shapes: &[StrandShape]) -> Groom {
+    let mut groom = groom.clone();
+    let is_curled = |strand: &StrandShape| strand.curl > 0;
+    if shapes.iter().any(is_curled) {
+        refine(&mut groom);
+    }
+    let ids: Vec<u32> = groom.strands.strands.iter().map(|strand| strand.seed).collect();
+    let n = groom.strands.vertex_count as usize;
+    let all: Vec<usize> = (0..groom.strands.len()).collect();
+    let lines = in_parallel(&all, |i| groom.strands.rest_positions(*i).collect::<Vec<_>>());
+    for (kind, name) in (0u8..).zip(Curls::NAMES) {
+        let curls = Curls::named(name).unwrap_or_default();
+        // Strands without curls are shaped with the first kind.
+        let is_of = |shape: &StrandShape| match shape.curl {
+            0 => kind == 0,
+            _ => shape.curls == kind,
+        };
+        let of: Vec<usize> = (0..shapes.len()).filter(|i| shapes[*i].any() && is_of(&shapes[*i])).collect();
+        if of.is_empty() {
+            continue;
+        }
+        let has_curls = of.iter().any(|i| is_curled(&shapes[*i]));
+        let curled = CLUMPS.curled(&curls);
+        let spacing = if has_curls { curled.spacing } else { CLUMPS.spacing };
+        let locks = Locks::new(&lines, spacing, &ids);
+        // A lock curls as one.
+        let mut sums = vec![(0.0, 0.0f32); locks.centers.len()];
+        for i in &of {
+            let sum = &mut sums[locks.of[*i] as usize];
+            *sum = (sum.0 + f32::from(shapes[*i].curl), sum.1 + 255.0);
+        }
+        let pinned = |i: usize| groom.guides.tip_pinned[groom.strands.bindings[i].guides[0] as usize];
+        let changed = in_parallel(&of, |i| {
+            let (shape, mut line) = (shapes[*i], lines[*i].clone());
+            if pinned(*i) || curve::length(&line) <= 0.0 {
+                return (line, 1.0);
+            }
+            let [clump, curl, frizz] = [shape.clump, shape.curl, shape.frizz].map(|x| f32::from(x) / 255.0);
+            let lock = locks.of[*i];
+            let curl = if curl > 0.0 { sums[lock as usize].0 / sums[lock as usize].1 } else { 0.0 };
+            let center = locks.centers[lock as usize] as usize;
+            let own = match curl > 0.0 {
+                true => curls.wide_enough(curve::length(&lines[center]), n as u32),
+                false => Curls::default(),
+            };
+            // A curl needs its lock; hair that is only clumped stays free at the root.
+            let clumps = if curl > clump { Clumps { spacing, strength: TIGHT, ..curled } } else { CLUMPS };
+            let unruly = Unrest {
+                frizz: FRIZZ.frizz * frizz,
+                stray: FRIZZ.stray * frizz,
+                flyaway: FRIZZ.flyaway * frizz,
+                ..FRIZZ
+            };
+            let shaper = Shaper {
+                curls: &own,
+                clumps,
+                unruly,
+                locks: &locks,
+                lines: &lines,
+                skull: Vec3::ZERO,
+                seed: SEED,
+            };
+            let mut rng = Rng::new(pcg(SEED ^ pcg(ids[*i])), 1);
+            let stray = if frizz > 0.0 { rng.unit() } else { 1.0 };
+            let f = shaper.shape((&mut line, lock, ids[center]), (clump.max(curl), curl), stray, &mut rng);
+            (line, f)
+        });
+        for (i, (line, f)) in of.into_iter().zip(changed) {
+            let radii: Vec<f32> = groom.strands.rest[i * n..(i + 1) * n]
+                .iter()
+                .map(|rest| rest.unpack(&groom.strands.bindings[i]).1)
+                .collect();
+            let binding = &mut groom.strands.bindings[i];
+            binding.scale = binding.scale.map(|scale| scale * f);
+            binding.cover(&line);
+            let packed = line.iter().zip(radii).map(|(p, radius)| PackedRest::pack(*p, radius, binding));
+            let packed: Vec<_> = packed.collect();
+            groom.strands.rest[i * n..(i + 1) * n].copy_from_slice(&packed);
+        }
+    }
+    groom
+}
+
+/// Gives all strands [`CURLED`] vertices.
+fn refine(groom: &mut Groom) {
+    let old = std::mem::replace(&mut groom.strands, BoundStrands::new(CURLED));
+    let n = old.vertex_count as usize;
+    let all: Vec<usize> = (0..old.len()).collect();
+    let fine = in_parallel(&all, |i| {
+        let binding = &old.bindings[*i];
+        let (line, radii): (Vec<Vec3>, Vec<f32>) =
+            old.rest[i * n..(i + 1) * n].iter().map(|rest| rest.unpack(binding)).unzip();
+        let at = |k: u32| k as f32 / (CURLED - 1) as f32 * (n - 1) as f32;
+        let radius = |x: f32| {
+            let k = (x as usize).min(n - 2);
+            lerp(radii[k], radii[k + 1], x - k as f32)
+        };
+        (curve::subdivide(&line, CURLED as usize), (0..CURLED).map(|k| radius(at(k))).collect::<Vec<f32>>())
+    });
+    for (i, (line, radii)) in fine.iter().enumerate() {
+        push(&mut groom.strands, old.strands[i], old.bindings[i], line, radii);
+    }
+}
+
 fn median(values: &[f32]) -> f32 {
     let mut values = values.to_vec();
     values.sort_by(f32::total_cmp);
@@ -167,9 +342,8 @@ fn push(
     line: &[Vec3],
     radii: &[f32],
 ) {
-    let (lo, hi) =
-        line.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
-    let binding = StrandBinding { origin: lo, extent: (hi - lo).max_element(), ..binding };
+    let mut binding = binding;
+    binding.cover(line);
     out.rest.extend(line.iter().zip(radii).map(|(p, radius)| PackedRest::pack(*p, *radius, &binding)));
     out.strands.push(strand);
     out.bindings.push(binding);
@@ -188,6 +362,7 @@ fn gather(
 ) {
     let mut shared = Rng::new(seed ^ 0xbeef, lock);
     let strength = clumps.strength * shared.range(0.45, 1.0).sqrt() * rng.range(0.75, 1.0) * share;
+    let strength = strength.min(1.0);
     if strength <= 0.0 {
         return;
     }
@@ -263,7 +438,8 @@ struct Locks {
 }
 
 impl Locks {
-    fn new(lines: &[Vec<Vec3>], spacing: f32) -> Self {
+    /// Assigns strands to locks. `ids` give the order in which strands become centers.
+    fn new(lines: &[Vec<Vec3>], spacing: f32, ids: &[u32]) -> Self {
         let spacing = spacing.max(5e-4);
         let cell = |p: Vec3| (p / spacing).floor().as_ivec3();
         let mut cells: HashMap<IVec3, Vec<u32>> = HashMap::new();
@@ -279,7 +455,7 @@ impl Locks {
         // In random order, every strand that is far enough from all centers becomes one. Centers are thus spread
         // evenly, and every strand has one within the spacing.
         let mut order: Vec<u32> = (0..lines.len() as u32).collect();
-        order.sort_by_key(|&i| (pcg(i ^ 0x10c5), i));
+        order.sort_by_key(|&i| (pcg(ids[i as usize] ^ 0x10c5), i));
         for i in order {
             let root = lines[i as usize][0];
             let near = |k: &u32| lines[centers[*k as usize] as usize][0].distance(root) < spacing;

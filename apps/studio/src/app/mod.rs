@@ -3,6 +3,7 @@
 mod receive;
 
 use crate::{
+    answer::Answer,
     cards::CardPreview,
     device,
     dialog::Dialogs,
@@ -24,7 +25,6 @@ use crate::{
     theme,
     viewport::{self, Viewport},
 };
-#[cfg(not(target_arch = "wasm32"))]
 use crate::{
     journal::{self, LeftGroom},
     tool::Tool,
@@ -32,7 +32,7 @@ use crate::{
 use anyhow::{Context, Result};
 use eframe::egui;
 use std::time::Duration;
-use tresses::groom::styles::Style;
+use tresses::groom::{edit::BrushTool, styles::Style};
 
 /// The studio.
 pub struct Studio {
@@ -53,7 +53,6 @@ pub struct Studio {
     /// Device loss or errors that the driver reported.
     lost: DeviceLoss,
     /// Groomed hair that an earlier studio has left.
-    #[cfg(not(target_arch = "wasm32"))]
     left: Option<LeftGroom>,
 }
 
@@ -85,21 +84,25 @@ impl Studio {
         let mut document = Document::new(context, gpu.clone(), options.settings, hair.clone());
         document.make(hair, true, &mut messages);
         messages.error = options.trouble;
+        let dialogs = Dialogs::new(context);
+        if !options.bare {
+            let dialogs = dialogs.clone();
+            journal::find(move |left| dialogs.tell(Answer::Left(left)));
+        }
         Ok(Self {
             document,
             renderer: Renderer::new(context, state, gpu),
             viewport: Viewport::default(),
             recorder: Recorder::default(),
             snapshot: Snapshot::default(),
-            dialogs: Dialogs::new(context),
+            dialogs,
             messages,
             panels: Panels::default(),
             bare: options.bare,
             host: Host::default(),
             waiting: EventQueue::default(),
             lost,
-            #[cfg(not(target_arch = "wasm32"))]
-            left: (!options.bare).then(journal::left).flatten(),
+            left: None,
         })
     }
 
@@ -143,11 +146,10 @@ impl Studio {
     fn frame(&mut self, ui: &mut egui::Ui) {
         let Self { document, renderer, viewport, snapshot, dialogs, messages, panels, .. } = self;
         let records = self.recorder.is_busy();
-        let tools = (&mut viewport.tool, &mut viewport.kit);
-        panels::keys::answer(panels, document, renderer, tools, (dialogs, messages), ui.ctx());
+        panels::keys::answer(panels, document, renderer, viewport, (dialogs, messages), ui.ctx());
         let can_record = renderer.show.is_some() && !records;
         panels::top::show(panels, document, snapshot, can_record, dialogs, messages, ui);
-        let hint = if renderer.show.is_some() { viewport.tool.hint() } else { "" };
+        let hint = if renderer.show.is_some() { viewport.tool.hint(viewport.live) } else { "" };
         let hint = messages.said.as_deref().unwrap_or(hint);
         panels::status::show(hint, &panels.frames, renderer, ui);
         panels::transport::show(renderer, records, messages, ui);
@@ -165,7 +167,7 @@ impl Studio {
         let over = Overlay::new(ui, rect);
         let shown = renderer.show.is_some();
         if shown && !self.bare {
-            over.tools(&mut viewport.tool, document, renderer, &self.dialogs);
+            over.tools(viewport, document, renderer, &self.dialogs);
             over.views(renderer);
             match viewport.tool.brush() {
                 Some(tool) => over.brush(tool, &mut viewport.kit, document, &self.dialogs),
@@ -185,12 +187,10 @@ impl Studio {
             None => over.legend(renderer),
             error => over.error(error),
         }
-        #[cfg(not(target_arch = "wasm32"))]
         self.recover(ui, rect);
     }
 
     /// Offers groomed hair that an earlier studio has left, until the user answers or begins to groom.
-    #[cfg(not(target_arch = "wasm32"))]
     fn recover(&mut self, ui: &egui::Ui, rect: egui::Rect) {
         if self.document.groomer.is_some() {
             self.left = None;
@@ -221,7 +221,8 @@ impl Studio {
     /// flight.
     fn draw(&mut self, context: &egui::Context) {
         let Self { document, renderer, viewport, recorder, messages, .. } = self;
-        document.groom(viewport.tool.brush().is_some(), renderer, messages);
+        viewport.live &= viewport.tool.brush().is_some_and(BrushTool::acts_in_motion);
+        document.groom(viewport.tool.brush().is_some(), viewport.live, renderer, messages);
         renderer.dirty |= std::mem::take(&mut document.dirty) | renderer.orbit.is_gliding();
         renderer.orbit.advance(context.input(|input| input.stable_dt));
         let due = renderer.dirty || renderer.playback.is_due();
@@ -245,10 +246,7 @@ impl Studio {
 
     /// Whether groomed hair is offered.
     fn recovers(&self) -> bool {
-        #[cfg(not(target_arch = "wasm32"))]
-        return self.left.is_some();
-        #[cfg(target_arch = "wasm32")]
-        false
+        self.left.is_some()
     }
 
     /// Publishes the state for the host page and for tests.
@@ -268,6 +266,7 @@ impl Studio {
             }),
             recovers: self.recovers(),
             groom: document.groomer.as_ref().map(GroomState::of),
+            live: self.viewport.live,
             cards: renderer.cards.as_ref().map(CardPreview::name).unwrap_or_default(),
             step: document.job.as_ref().map(Job::step).unwrap_or_default().into(),
             lost: lost.is_some(),

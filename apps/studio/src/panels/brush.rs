@@ -2,7 +2,7 @@
 
 use crate::{dialog::Dialogs, document::Document, groomer::Groomer, theme};
 use eframe::egui::{ComboBox, DragValue, RichText, Slider, Ui};
-use tresses::groom::edit::{Brush, BrushTool, Falloff, Reach};
+use tresses::groom::edit::{Brush, BrushTool, CurlType, Falloff, Reach};
 
 /// Shows the strip.
 pub fn show(brush: &mut Brush, document: &mut Document, dialogs: &Dialogs, ui: &mut Ui) {
@@ -17,6 +17,15 @@ pub fn show(brush: &mut Brush, document: &mut Document, dialogs: &Dialogs, ui: &
                 number(&mut brush.density, ("Density", 1.0, 1.0..=300.0, " /cm²"), help, ui);
             }
             BrushTool::Refine => {}
+            BrushTool::Curl => {
+                number(&mut brush.strength, percent("Strength"), "Share of the full effect", ui);
+                let types = [
+                    (CurlType::Waves, "waves", "Loose flat waves"),
+                    (CurlType::Ringlets, "ringlets", "As wide as a piece of chalk"),
+                    (CurlType::Coils, "coils", "As wide as a pencil"),
+                ];
+                choice("Which curls", &mut brush.curls, &types, ui);
+            }
             BrushTool::Color => {
                 number(&mut brush.strength, percent("Strength"), "Share of the full effect", ui);
                 ui.color_edit_button_rgb(&mut brush.color).on_hover_text("Color of the hair");

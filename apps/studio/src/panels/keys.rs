@@ -1,8 +1,8 @@
 //! Keyboard shortcuts.
 
 use crate::{
-    dialog::Dialogs, document::Document, groomer::BrushKit, messages::Messages, panels::Panels,
-    renderer::Renderer, tool::Tool,
+    dialog::Dialogs, document::Document, messages::Messages, panels::Panels, renderer::Renderer, tool::Tool,
+    viewport::Viewport,
 };
 use eframe::egui::{self, Key, KeyboardShortcut, Modifiers};
 use tresses_scene::camera::Angle;
@@ -25,7 +25,7 @@ pub fn answer(
     panels: &mut Panels,
     document: &mut Document,
     renderer: &mut Renderer,
-    (tool, kit): (&mut Tool, &mut BrushKit),
+    Viewport { tool, kit, live, .. }: &mut Viewport,
     (dialogs, messages): (&Dialogs, &mut Messages),
     context: &egui::Context,
 ) {
@@ -44,16 +44,19 @@ pub fn answer(
     let keep = KeyboardShortcut::new(Modifiers::SHIFT, Key::Space);
     if context.input_mut(|input| input.consume_shortcut(&keep)) && document.groomer.is_some() {
         super::keep(renderer, dialogs);
+        *live = false;
     }
     // Several presses may arrive within one frame.
     let presses = |key| context.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key));
     let pressed = |key| presses(key) > 0;
     if presses(Key::Space) % 2 == 1 {
-        // Groomed hair moves once the brush is put away.
-        let groomed = tool.brush().is_some();
-        renderer.playback.play.playing = groomed || !renderer.playback.play.playing;
-        if groomed {
-            *tool = Tool::Hand;
+        if let Some(brush) = tool.brush() {
+            *live = !*live;
+            if !brush.acts_in_motion() {
+                *tool = Tool::Brush(Default::default());
+            }
+        } else {
+            renderer.playback.play.playing = !renderer.playback.play.playing;
         }
     }
     let groom = KeyboardShortcut::new(Modifiers::COMMAND, Key::G);

@@ -13,6 +13,7 @@ pub mod keys;
 pub mod knobs;
 pub mod legend;
 pub mod overlay;
+pub mod palette;
 pub mod record;
 pub mod side;
 pub mod status;

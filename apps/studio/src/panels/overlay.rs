@@ -1,18 +1,18 @@
 //! Controls over the viewport: tools, views, progress, errors.
 
-#[cfg(not(target_arch = "wasm32"))]
-use crate::journal::LeftGroom;
 use crate::{
     dialog::Dialogs,
     document::Document,
-    groomer::{self, BrushKit},
+    groomer::BrushKit,
     job::Job,
+    journal::LeftGroom,
     orbit::Orbit,
-    panels::{self, keys::VIEWS},
+    panels::{self, keys::VIEWS, palette},
     record::Recording,
     renderer::Renderer,
     theme::{self, plate},
     tool::Tool,
+    viewport::Viewport,
 };
 use eframe::egui::{
     Align, Align2, Area, Id, Label, Layout, Order, ProgressBar, Rect, RichText, Ui, Vec2, vec2,
@@ -55,48 +55,48 @@ impl<'a> Overlay<'a> {
         area.show(self.ui.ctx(), |ui| plate().show(ui, show).inner).inner
     }
 
-    /// Shows the tools.
-    pub fn tools(&self, tool: &mut Tool, document: &Document, renderer: &mut Renderer, dialogs: &Dialogs) {
-        self.at("tools", Align2::LEFT_TOP, Vec2::ZERO, |ui| {
-            ui.with_layout(Layout::top_down_justified(Align::Center), |ui| {
-                ui.set_width(72.0);
-                if let Some(brush) = tool.brush() {
-                    for (each, key, help) in Tool::BRUSHES {
-                        let button = ui.selectable_label(brush == each, groomer::title(each));
-                        if button.on_hover_text(format!("{help}\nKey {}", key.name())).clicked() {
-                            *tool = Tool::Brush(each);
-                        }
-                    }
-                    ui.separator();
-                    let help = "Ends grooming: the hair moves again\nKeys Ctrl G, or Space to play at once";
-                    if ui.button("Done").on_hover_text(help).clicked() {
-                        *tool = Tool::Hand;
-                    }
-                    return;
-                }
-                for (each, name, key, help) in Tool::ALL {
-                    let button = ui.selectable_label(*tool == each, name);
-                    if button.on_hover_text(format!("{help}\nKey {}", key.name())).clicked() {
-                        *tool = each;
-                    }
-                }
-                ui.separator();
-                let help = "Drops a ball on the head, which rolls off through the hair\nKey B";
-                if ui.button("Ball").on_hover_text(help).clicked() {
-                    renderer.drop_ball();
-                }
-                let help = "Brushes that comb the hair at rest\nKeys Ctrl G";
-                if ui.button("Groom").on_hover_text(help).clicked() {
+    /// Shows the tools: the palette of brushes while one is active.
+    pub fn tools(
+        &self,
+        viewport: &mut Viewport,
+        document: &Document,
+        renderer: &mut Renderer,
+        dialogs: &Dialogs,
+    ) {
+        self.at("tools", Align2::LEFT_TOP, Vec2::ZERO, |ui| match viewport.tool.brush() {
+            Some(brush) => self.brushes(brush, viewport, renderer, dialogs, ui),
+            None => hands(viewport, document, renderer, dialogs, ui),
+        });
+    }
+
+    /// Shows the palette of brushes.
+    fn brushes(
+        &self,
+        brush: BrushTool,
+        Viewport { tool, live, .. }: &mut Viewport,
+        renderer: &Renderer,
+        dialogs: &Dialogs,
+        ui: &mut Ui,
+    ) {
+        if let Some(chosen) = palette::show(brush, *live, self.rect, ui) {
+            *tool = Tool::Brush(chosen);
+        }
+        ui.separator();
+        ui.horizontal(|ui| {
+            ui.set_max_width(palette::width(self.rect));
+            let help = "The hair moves, and brushes push it\nKey Space";
+            if ui.selectable_label(*live, "Live").on_hover_text(help).clicked() {
+                *live = !*live;
+                if !brush.acts_in_motion() {
                     *tool = Tool::Brush(Default::default());
                 }
-                if document.groomer.is_some() {
-                    let help =
-                        "The groomed hair keeps the shape that it has now, pulled or blown\nKeys Shift Space";
-                    if ui.button("Keep").on_hover_text(help).clicked() {
-                        panels::keep(renderer, dialogs);
-                    }
-                }
-            });
+            }
+            if *live {
+                keep_button(live, renderer, dialogs, ui);
+            }
+            if ui.button("Done").on_hover_text("Ends grooming\nKeys Ctrl G").clicked() {
+                *tool = Tool::Hand;
+            }
         });
     }
 
@@ -118,8 +118,9 @@ impl<'a> Overlay<'a> {
 
     /// Shows the settings of the brush of `tool`, and what there is to save.
     pub fn brush(&self, tool: BrushTool, kit: &mut BrushKit, document: &mut Document, dialogs: &Dialogs) {
-        self.at("brush", Align2::CENTER_TOP, vec2(0.0, 40.0), |ui| {
-            ui.set_max_width(0.8 * self.rect.width());
+        let left = palette::width(self.rect) + 3.0 * GAP;
+        self.at("brush", Align2::LEFT_TOP, vec2(left, 40.0), |ui| {
+            ui.set_max_width(self.rect.width() - left - 3.0 * GAP);
             let mut brush = kit.brush(tool);
             panels::brush::show(&mut brush, document, dialogs, ui);
             kit.set(brush);
@@ -201,7 +202,6 @@ impl<'a> Overlay<'a> {
     }
 
     /// Asks whether groomed hair that an earlier studio has left is recovered. Returns the answer.
-    #[cfg(not(target_arch = "wasm32"))]
     pub fn recovery(&self, left: &LeftGroom) -> Option<bool> {
         self.at("recovery", Align2::CENTER_BOTTOM, Vec2::ZERO, |ui| {
             let buttons = ui.horizontal(|ui| {
@@ -230,6 +230,46 @@ impl<'a> Overlay<'a> {
             ui.set_max_width(free.width);
             plate().show(ui, show);
         });
+    }
+}
+
+/// Shows the tools besides brushes.
+fn hands(
+    Viewport { tool, live, .. }: &mut Viewport,
+    document: &Document,
+    renderer: &mut Renderer,
+    dialogs: &Dialogs,
+    ui: &mut Ui,
+) {
+    ui.with_layout(Layout::top_down_justified(Align::Center), |ui| {
+        ui.set_width(72.0);
+        for (each, name, key, help) in Tool::ALL {
+            let button = ui.selectable_label(*tool == each, name);
+            if button.on_hover_text(format!("{help}\nKey {}", key.name())).clicked() {
+                *tool = each;
+            }
+        }
+        ui.separator();
+        let help = "Drops a ball on the head, which rolls off through the hair\nKey B";
+        if ui.button("Ball").on_hover_text(help).clicked() {
+            renderer.drop_ball();
+        }
+        let help = "Brushes that comb, cut and plant hair\nKeys Ctrl G";
+        if ui.button("Groom").on_hover_text(help).clicked() {
+            *tool = Tool::Brush(Default::default());
+        }
+        if document.groomer.is_some() {
+            keep_button(live, renderer, dialogs, ui);
+        }
+    });
+}
+
+/// Shows the button that keeps the shape of moving hair, which ends brushes on it.
+fn keep_button(live: &mut bool, renderer: &Renderer, dialogs: &Dialogs, ui: &mut Ui) {
+    let help = "The groomed hair keeps the shape that it has now, pulled or blown\nKeys Shift Space";
+    if ui.button("Keep").on_hover_text(help).clicked() {
+        panels::keep(renderer, dialogs);
+        *live = false;
     }
 }
 

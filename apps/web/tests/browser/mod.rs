@@ -199,9 +199,20 @@ impl Browser {
     }
 
     /// Sends a mouse event for the left button. `kind` is a type of the protocol, such as `mousePressed`.
-    pub fn mouse(&mut self, kind: &str, [x, y]: [f64; 2]) {
+    pub fn mouse(&mut self, kind: &str, place: [f64; 2]) {
+        self.pointer(kind, None, place);
+    }
+
+    /// Sends an event of the mouse, or of a pen with this pressure.
+    fn pointer(&mut self, kind: &str, pressure: Option<f64>, [x, y]: [f64; 2]) {
         let button = if kind == "mouseMoved" { "none" } else { "left" };
-        let event = json!({"type": kind, "x": x, "y": y, "button": button, "clickCount": 1});
+        let mut event = json!({"type": kind, "x": x, "y": y, "button": button, "clickCount": 1});
+        if let Some(pressure) = pressure {
+            let held = u32::from(kind != "mouseReleased");
+            event["pointerType"] = json!("pen");
+            event["force"] = json!(pressure * f64::from(held));
+            event["buttons"] = json!(held);
+        }
         self.call("Input.dispatchMouseEvent", event);
     }
 
@@ -214,13 +225,18 @@ impl Browser {
 
     /// Drags the mouse from `from` to `to`.
     pub fn drag(&mut self, from: [f64; 2], to: [f64; 2]) {
+        self.stroke(None, from, to);
+    }
+
+    /// Drags the mouse, or a pen with this pressure, from `from` to `to`.
+    pub fn stroke(&mut self, pressure: Option<f64>, from: [f64; 2], to: [f64; 2]) {
         self.mouse("mouseMoved", from);
-        self.mouse("mousePressed", from);
+        self.pointer("mousePressed", pressure, from);
         for i in 1..=4 {
             let between = |c: usize| from[c] + (to[c] - from[c]) * f64::from(i) / 4.0;
-            self.mouse("mouseMoved", [between(0), between(1)]);
+            self.pointer("mouseMoved", pressure, [between(0), between(1)]);
         }
-        self.mouse("mouseReleased", to);
+        self.pointer("mouseReleased", pressure, to);
     }
 
     /// Types `text`.

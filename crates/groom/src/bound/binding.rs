@@ -48,6 +48,13 @@ impl StrandBinding {
         self.scale = sorted.map(|influence| influence.scale);
     }
 
+    /// Sets the cube to one that holds `line`.
+    pub(crate) fn cover(&mut self, line: &[Vec3]) {
+        let empty = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        let (lo, hi) = line.iter().fold(empty, |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+        (self.origin, self.extent) = (lo, (hi - lo).max_element());
+    }
+
     /// Returns the influences that have a weight.
     pub(crate) fn influences(&self) -> impl Iterator<Item = Influence> {
         let weights = [1.0 - self.weight_b - self.weight_c, self.weight_b, self.weight_c];

@@ -23,22 +23,34 @@ pub enum BrushTool {
     Pinch,
     /// Pushes hair away from the line of the stroke.
     Spread,
+    /// Blows hair away from the middle of the brush; inverted, draws it in.
+    Blow,
     /// Cuts strands where they enter the brush. Hair with its root under the brush stays.
     Cut,
     /// Cuts strands where they cross the straight line from the press to the release.
     Line,
+    /// Cuts strands where they enter the region that the stroke surrounds. Hair with its root in it stays.
+    Lasso,
     /// Makes hair longer; inverted, shorter.
     Length,
     /// Plants guides on the skin, and grows strands between them.
     Plant,
     /// Removes strands with their roots under the brush.
     Remove,
+    /// Moves roots over the skin, with their hair.
+    Slide,
     /// Makes guides of strands, for finer strokes. No hair moves.
     Refine,
     /// Parts hair along the stroke.
     Part,
     /// Makes strands wider; inverted, narrower.
     Width,
+    /// Gathers strands into clumps; inverted, frees them.
+    Clump,
+    /// Curls strands; inverted, straightens them.
+    Curl,
+    /// Makes strands frizzy; inverted, calms them.
+    Frizz,
     /// Makes guides stiffer; inverted, softer.
     Stiffness,
     /// Colors strands; inverted, gives them their color before the first stroke.
@@ -49,7 +61,7 @@ pub enum BrushTool {
 
 impl BrushTool {
     /// All tools with their names.
-    pub const ALL: [(Self, &'static str); 18] = [
+    pub const ALL: [(Self, &'static str); 24] = [
         (Self::Comb, "comb"),
         (Self::Grab, "grab"),
         (Self::Smooth, "smooth"),
@@ -57,13 +69,19 @@ impl BrushTool {
         (Self::Lay, "lay"),
         (Self::Pinch, "pinch"),
         (Self::Spread, "spread"),
+        (Self::Blow, "blow"),
         (Self::Cut, "cut"),
         (Self::Line, "line"),
+        (Self::Lasso, "lasso"),
         (Self::Length, "length"),
         (Self::Plant, "plant"),
         (Self::Remove, "remove"),
+        (Self::Slide, "slide"),
         (Self::Refine, "refine"),
         (Self::Part, "part"),
+        (Self::Clump, "clump"),
+        (Self::Curl, "curl"),
+        (Self::Frizz, "frizz"),
         (Self::Width, "width"),
         (Self::Stiffness, "stiffness"),
         (Self::Color, "color"),
@@ -77,22 +95,44 @@ impl BrushTool {
 
     /// Whether the tool keeps the lengths of all hair.
     pub fn keeps_lengths(self) -> bool {
-        !matches!(self, Self::Cut | Self::Line | Self::Length)
+        !matches!(self, Self::Cut | Self::Line | Self::Lasso | Self::Length)
     }
 
     /// Whether the tool is aimed at the skin: it acts on hair whose root is under the brush.
     pub fn acts_on_roots(self) -> bool {
-        matches!(self, Self::Plant | Self::Remove | Self::Refine | Self::Part) || self.paints()
+        matches!(self, Self::Plant | Self::Remove | Self::Slide | Self::Refine | Self::Part) || self.paints()
     }
 
-    /// Whether the tool changes values of strands or guides, and no shapes.
+    /// Whether the stroke draws a line or an outline, which the tool then acts on.
+    pub fn draws(self) -> bool {
+        matches!(self, Self::Line | Self::Lasso)
+    }
+
+    /// Whether the tool changes values of strands or guides, and no guide's shape.
     pub fn paints(self) -> bool {
-        matches!(self, Self::Width | Self::Stiffness | Self::Color | Self::Hold)
+        self.paints_strands() || matches!(self, Self::Stiffness | Self::Hold)
+    }
+
+    /// Whether the tool changes values of strands.
+    pub(super) fn paints_strands(self) -> bool {
+        self.paints_shapes() || matches!(self, Self::Width | Self::Color)
+    }
+
+    /// Whether the tool paints clumps, curls or frizz.
+    pub(super) fn paints_shapes(self) -> bool {
+        matches!(self, Self::Clump | Self::Curl | Self::Frizz)
+    }
+
+    /// Whether the tool also pushes moving hair.
+    pub fn acts_in_motion(self) -> bool {
+        use BrushTool::{Blow, Comb, Grab, Lay, Pinch, Puff, Spread};
+        matches!(self, Comb | Grab | Puff | Lay | Pinch | Spread | Blow)
     }
 
     /// Whether the tool also acts while the brush stands still.
     pub fn acts_in_place(self) -> bool {
-        matches!(self, Self::Smooth | Self::Puff | Self::Pinch | Self::Spread | Self::Length)
+        use BrushTool::{Blow, Length, Pinch, Puff, Smooth, Spread};
+        matches!(self, Smooth | Puff | Pinch | Spread | Blow | Length)
     }
 }
 
@@ -104,7 +144,7 @@ impl FromStr for BrushTool {
             Error::Parameter {
                 name: "the tool",
                 value: text.into(),
-                range: "comb, grab, smooth, puff, lay, pinch, spread, cut, line, length, plant, remove, refine, part, width, stiffness, color or hold",
+                range: "comb, grab, smooth, puff, lay, pinch, spread, blow, cut, line, lasso, length, plant, remove, slide, refine, part, clump, curl, frizz, width, stiffness, color or hold",
             }
         })
     }
@@ -136,6 +176,20 @@ impl Falloff {
         };
         side * side
     }
+}
+
+/// Curls that [`BrushTool::Curl`] paints.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[repr(u8)]
+pub enum CurlType {
+    /// Loose flat waves.
+    #[default]
+    Waves,
+    /// Ringlets as wide as a piece of chalk.
+    Ringlets,
+    /// Tight coils as wide as a pencil.
+    Coils,
 }
 
 /// Which hair the brush reaches.
@@ -184,6 +238,8 @@ pub struct Brush {
     pub density: f32,
     /// Color of [`BrushTool::Color`]: sRGB, 0 to 1.
     pub color: [f32; 3],
+    /// Curls of [`BrushTool::Curl`].
+    pub curls: CurlType,
     /// Group of guides that the brush acts on, and that it plants; `None` for all.
     pub layer: Option<i32>,
     /// Whether it acts on both sides of the head.
@@ -209,6 +265,7 @@ impl Default for Brush {
             length: 0.1,
             density: 40.0,
             color: [0.75, 0.3, 0.2],
+            curls: CurlType::Waves,
             layer: None,
             mirror: true,
             inverted: false,
@@ -224,7 +281,8 @@ impl Brush {
             BrushTool::Lay => Self { keep_volume: 0.0, ..base },
             BrushTool::Plant => Self { neighbors: 0.0, ..base },
             BrushTool::Refine => Self { spacing: 3e-3, ..base },
-            BrushTool::Grab | BrushTool::Cut | BrushTool::Line | BrushTool::Remove => {
+            BrushTool::Slide => Self { strength: 1.0, ..base },
+            BrushTool::Grab | BrushTool::Cut | BrushTool::Line | BrushTool::Lasso | BrushTool::Remove => {
                 Self { strength: 1.0, ..base }
             }
             _ => base,
@@ -263,7 +321,7 @@ impl Brush {
     }
 
     /// Returns the tool that acts, after [`inverted`](Self::inverted).
-    pub(super) fn acts(&self) -> BrushTool {
+    pub fn acts(&self) -> BrushTool {
         match (self.inverted, self.tool) {
             (true, BrushTool::Puff) => BrushTool::Lay,
             (true, BrushTool::Lay) => BrushTool::Puff,

@@ -147,8 +147,7 @@ impl CarriedStrands {
         let n = strands.vertex_count as usize;
         for (i, (line, radii)) in carried.into_iter().zip(lines) {
             let binding = &mut all.bindings[i];
-            let (lo, hi) = bounds(&line);
-            (binding.origin, binding.extent) = (lo, (hi - lo).max_element());
+            binding.cover(&line);
             for ((packed, p), radius) in all.rest[i * n..(i + 1) * n].iter_mut().zip(&line).zip(radii) {
                 *packed = PackedRest::pack(*p, radius, binding);
             }
@@ -156,8 +155,4 @@ impl CarriedStrands {
         let guides = Guides { positions: now.positions(), ..self.base.guides.clone() };
         Groom { guides, strands: all }
     }
-}
-
-fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
-    points.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)))
 }

@@ -147,9 +147,7 @@ impl Cuts {
         for (scale, guide) in binding.scale.iter_mut().zip(guides) {
             *scale *= keep / self.guides[guide as usize];
         }
-        let first = line[0];
-        let (lo, hi) = line.iter().fold((first, first), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
-        (binding.origin, binding.extent) = (lo, (hi - lo).max_element());
+        binding.cover(&line);
         let radius = |k: usize| {
             let x = keep * k as f32;
             let at = (x as usize).min(m - 2);

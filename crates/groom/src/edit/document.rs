@@ -6,7 +6,11 @@ use super::{
     guide_blocks::GuideBlocks,
     looks::StrandLooks,
 };
-use crate::{Error, Groom, Result, orient::Choice};
+use crate::{
+    Error, Groom, Result,
+    orient::Choice,
+    restyle::{self, StrandShape},
+};
 use glam::Vec3;
 use std::{
     path::PathBuf,
@@ -200,7 +204,16 @@ impl GroomDocument {
 
     /// Returns the groom: the guides, and the strands that they carry.
     pub fn groom(&self) -> Groom {
-        let mut groom = self.carried().groom(&self.guides);
+        self.looking(self.carried())
+    }
+
+    /// Returns the groom without painted clumps, curls and frizz.
+    pub(super) fn unshaped_groom(&self) -> Groom {
+        self.looking(self.unshaped())
+    }
+
+    fn looking(&self, carried: CarriedStrands) -> Groom {
+        let mut groom = carried.groom(&self.guides);
         if let Some(looks) = &self.looks {
             groom.strands.strands.clone_from(&looks.strands);
             groom.guides.stiffness.clone_from(&looks.stiffness);
@@ -213,6 +226,7 @@ impl GroomDocument {
         let Groom { guides, strands } = &*self.base.source;
         let unpainted = || StrandLooks {
             strands: strands.strands.clone(),
+            shapes: Vec::new(),
             stiffness: guides.stiffness.clone(),
             held: vec![false; guides.len()],
         };
@@ -236,7 +250,24 @@ impl GroomDocument {
 
     /// Returns the strands, carried by the guides.
     pub(super) fn carried(&self) -> CarriedStrands {
+        let shapes = self.shapes();
+        match shapes.iter().any(|shape| shape.any()) {
+            true => {
+                let base = Arc::new(restyle::shaped(&self.base.groom(), shapes));
+                CarriedStrands::new(base, &self.guides, &self.base.guides)
+            }
+            false => self.unshaped(),
+        }
+    }
+
+    /// Returns the strands without painted clumps, curls and frizz, carried by the guides.
+    pub(super) fn unshaped(&self) -> CarriedStrands {
         CarriedStrands::new(self.base.groom(), &self.guides, &self.base.guides)
+    }
+
+    /// Returns clumps, curls and frizz of each strand; empty for none.
+    pub(super) fn shapes(&self) -> &[StrandShape] {
+        self.looks.as_ref().map_or(&[], |looks| &looks.shapes)
     }
 
     /// Returns a hash of guides, lengths and the number of strands (FNV-1a of their bits): equal for equal numbers.

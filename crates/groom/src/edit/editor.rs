@@ -9,14 +9,17 @@ use super::{
     looks::StrandLooks,
     roots::RootStroke,
     sample::StrokeSample,
-    solve::{BEND, PressState, Solver, reached, unit},
+    solve::{BEND, PressState, Solver, reached, turned, unit},
     tools::{Dab, Surroundings, Weights},
 };
 use crate::{
     Error, Groom, Result, SdfGrid, TriMesh, hash::pcg, mesh::Bvh, near::PointTree, progress::in_parallel,
 };
 use glam::Vec3;
-use std::sync::{Arc, OnceLock};
+use std::{
+    collections::BTreeSet,
+    sync::{Arc, OnceLock},
+};
 
 /// Weight of the distance from a ray relative to the depth along it, when hair is picked.
 const ASIDE: f32 = 3.0;
@@ -36,6 +39,8 @@ const GROWTH: std::ops::RangeInclusive<f32> = 0.1..=5.0;
 const KEPT: f32 = 1e-4;
 /// Largest number of dabs between two samples.
 const MOST_DABS: u32 = 4000;
+/// Largest number of corners of an outline.
+const MOST_CORNERS: usize = 96;
 /// Number of neighbors.
 const NEIGHBORS: usize = 6;
 /// Number of guides from which several threads are faster.
@@ -69,6 +74,8 @@ pub(super) struct ActiveStroke {
     pub strands: Option<(CarriedStrands, Vec<Vec<u32>>)>,
     /// The sample of the press.
     pub first: StrokeSample,
+    /// The outline of [`BrushTool::Lasso`].
+    pub outline: Vec<StrokeSample>,
     /// Guides that [`BrushTool::Grab`] holds, with the weights at the press.
     grabbed: Vec<(usize, Weights)>,
     begin: Vec3,
@@ -129,7 +136,7 @@ impl GroomEditor {
             Some(field) => field.normal(guide[0]),
             None => unit(guide[1] - guide[0], Vec3::Y),
         };
-        let normals = document.original().guides().positions().chunks_exact(n).map(normal).collect();
+        let normals = positions.chunks_exact(n).map(normal).collect();
         let roots: Vec<Vec3> = positions.chunks_exact(n).map(|guide| guide[0]).collect();
         let tree = PointTree::new(&roots);
         let mut found = Vec::new();
@@ -192,10 +199,13 @@ impl GroomEditor {
         self.dab_count
     }
 
-    /// Returns the sights of the press and of the pointer while a line is drawn.
-    pub fn line(&self) -> Option<[StrokeSample; 2]> {
-        let stroke = self.stroke.as_ref().filter(|stroke| stroke.brush.tool == BrushTool::Line)?;
-        Some([stroke.first, stroke.last])
+    /// Returns the sights of the line or outline that is being drawn; empty without one.
+    pub fn drawn(&self) -> Vec<StrokeSample> {
+        match self.stroke.as_ref().map(|stroke| (stroke, stroke.brush.tool)) {
+            Some((stroke, BrushTool::Line)) => vec![stroke.first, stroke.last],
+            Some((stroke, BrushTool::Lasso)) => stroke.outline.clone(),
+            _ => Vec::new(),
+        }
     }
 
     /// Whether a stroke has begun.
@@ -239,6 +249,9 @@ impl GroomEditor {
 
     fn place(&mut self, i: usize, guide: &[Vec3]) {
         let n = guide.len();
+        if let Some(field) = self.ground.field.as_deref().filter(|_| self.positions[i * n] != guide[0]) {
+            self.normals[i] = field.normal(guide[0]);
+        }
         self.positions[i * n..(i + 1) * n].copy_from_slice(guide);
         self.spheres[i] = sphere(guide);
     }
@@ -289,7 +302,7 @@ impl GroomEditor {
             _ if sample.direction == Vec3::ZERO => 0.0,
             Some(depth) => depth,
             // A line may begin beside the hair.
-            None if brush.tool == BrushTool::Line => 0.0,
+            None if brush.tool.draws() => 0.0,
             None => return Ok(false),
         };
         let begin = sample.at(depth);
@@ -316,6 +329,7 @@ impl GroomEditor {
             lengths: LengthChanges::default(),
             strands: matches!(brush.tool, BrushTool::Cut | BrushTool::Refine).then(|| self.strands()),
             first: *sample,
+            outline: vec![*sample],
             grabbed: Vec::new(),
             begin,
         };
@@ -345,8 +359,18 @@ impl GroomEditor {
             self.pull();
             return Ok(());
         }
-        if stroke.brush.tool == BrushTool::Line {
+        if stroke.brush.tool.draws() {
             stroke.last = *sample;
+            if stroke.outline.last().is_some_and(|last| last.is_apart(sample)) {
+                stroke.outline.push(*sample);
+                if stroke.outline.len() > MOST_CORNERS {
+                    let mut index = 0;
+                    stroke.outline.retain(|_| {
+                        index += 1;
+                        index % 2 == 1
+                    });
+                }
+            }
             return Ok(());
         }
         let (from, mut t) = (stroke.last, 0.0);
@@ -390,8 +414,8 @@ impl GroomEditor {
 
     /// Ends the stroke. Returns the new version, or `None` if nothing has moved.
     pub fn release(&mut self) -> Option<GroomDocument> {
-        if self.stroke.as_ref()?.brush.tool == BrushTool::Line {
-            self.cut_line();
+        if self.stroke.as_ref()?.brush.tool.draws() {
+            self.cut_path();
         }
         let stroke = self.stroke.take()?;
         let replanted = self.with_root_changes(&stroke).or_else(|| self.with_paint(&stroke));
@@ -406,7 +430,12 @@ impl GroomEditor {
             if moved.is_empty() {
                 return None;
             }
-            self.document = self.document.with(moved);
+            let guides: BTreeSet<usize> = moved.iter().map(|(i, _)| *i).collect();
+            let document = self.document.with(moved);
+            match stroke.brush.tool {
+                BrushTool::Slide => self.open(document.rooted(&guides, &self.ground)),
+                _ => self.document = document,
+            }
         } else {
             let document = self.document.with_lengths(lengths).with(moved);
             self.open(document);
@@ -505,6 +534,9 @@ impl GroomEditor {
     fn dab(&mut self, sample: &StrokeSample, motion: Vec3) {
         let Some(stroke) = &self.stroke else { return };
         let dabs = self.dabs(stroke, sample.at(stroke.depth), motion, sample);
+        if stroke.brush.tool == BrushTool::Slide {
+            return self.slide(&dabs);
+        }
         if stroke.brush.tool.acts_on_roots() {
             let turns = stroke.brush.tool == BrushTool::Part;
             self.dab_roots(&dabs);
@@ -540,6 +572,32 @@ impl GroomEditor {
             let near =
                 if matches!(brush.acts(), BrushTool::Comb) { weights.near } else { vec![1.0; guide.len()] };
             Some(MovedGuide { vertices: solver.solve(guide, &target, &near, first, &press), press, growth })
+        });
+        self.take(moved);
+    }
+
+    /// Moves roots over the skin, with their hair.
+    fn slide(&mut self, dabs: &[Dab]) {
+        let Some(stroke) = &self.stroke else { return };
+        let (brush, field) = (&stroke.brush, self.ground.field.as_deref());
+        let solver = Solver { field, keep_shape: 0.0, keep_volume: 0.0, bend: None };
+        let near = vec![1.0; self.document.vertex_count()];
+        let moved = self.changed(&self.under(stroke, dabs), |i| {
+            let guide = self.guide(i);
+            let weight = |dab: &Dab| dab.near(guide[0], brush) * dab.strength;
+            let dab = dabs.iter().reduce(|a, b| if weight(b) > weight(a) { b } else { a })?;
+            let way = dab.motion * weight(dab);
+            if way == Vec3::ZERO {
+                return None;
+            }
+            let reach = SKIN + way.length();
+            let (_, before) = self.ground.nearest(guide[0], SKIN)?;
+            let (root, normal) = self.ground.nearest(guide[0] + way, reach)?;
+            let line: Vec<Vec3> =
+                guide.iter().map(|p| root + turned(*p - guide[0], before, normal)).collect();
+            let press = self.pressed(stroke, i);
+            let vertices = solver.solve(&line, &line, &near, 1, &press);
+            Some(MovedGuide { vertices, press, growth: 1.0 })
         });
         self.take(moved);
     }

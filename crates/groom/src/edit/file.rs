@@ -12,6 +12,7 @@
 //! | `GPOS` | position before the first stroke, 3 floats per guide vertex |
 //! | `GNOW` | position now, 3 floats per guide vertex |
 //! | `GTRA` | stiffness (float), strands (float), flags (u32: 1 pinned tip, 2 held), group (i32) per guide |
+//! | `SHAP` | painted clumps, curls and frizz, type of curls (4 bytes), per strand; missing without any |
 //! | `STRA` | [`Strand`], per strand |
 //! | `BIND` | [`StrandBinding`], per strand |
 //! | `REST` | [`PackedRest`], per strand vertex |
@@ -25,6 +26,7 @@ use crate::{
     bound::{PackedRest, Strand, StrandBinding},
     error::{At, Error, Result},
     orient::{Choice, Unit},
+    restyle::StrandShape,
 };
 use bytemuck::Pod;
 use glam::Vec3;
@@ -123,6 +125,9 @@ impl GroomDocument {
         push(&mut file, *b"GNOW", &packed(&self.guides().positions()));
         push(&mut file, *b"GTRA", &packed(&traits));
         push(&mut file, *b"STRA", &packed(&looks.strands));
+        if !looks.shapes.is_empty() {
+            push(&mut file, *b"SHAP", &packed(&looks.shapes));
+        }
         push(&mut file, *b"BIND", &packed(&strands.bindings));
         push(&mut file, *b"REST", &packed(&strands.rest));
         files.iter().for_each(|(_, bytes)| push(&mut file, *b"FILE", bytes));
@@ -171,8 +176,12 @@ impl GroomDocument {
         let moved = now.chunks_exact(n).enumerate().filter(|(i, guide)| original.guide(*i) != *guide);
         let document = original.with(moved);
         let held: Vec<bool> = traits.iter().map(|traits| traits.flags & 2 != 0).collect();
-        Ok(match held.contains(&true) {
-            true => document.with_looks(StrandLooks { held, ..document.looks() }),
+        let shapes = match chunks.iter().any(|(name, _)| *name == *b"SHAP") {
+            true => file.array::<StrandShape>(&chunks, *b"SHAP", info.strands)?,
+            false => Vec::new(),
+        };
+        Ok(match held.contains(&true) || !shapes.is_empty() {
+            true => document.with_looks(StrandLooks { held, shapes, ..document.looks() }),
             false => document,
         })
     }

@@ -36,7 +36,7 @@ pub mod script;
 mod solve;
 mod tools;
 
-pub use brush::{Brush, BrushTool, Falloff, Reach};
+pub use brush::{Brush, BrushTool, CurlType, Falloff, Reach};
 pub use document::{GroomDocument, HeadFiles};
 pub use editor::GroomEditor;
 pub use guide_blocks::GuideBlocks;

@@ -1,9 +1,10 @@
-//! Strokes that paint: widths and colors of strands, stiffness of guides.
+//! Strokes that paint: widths, colors, clumps, curls and frizz of strands, stiffness of guides.
 
 use super::{BrushTool, GroomDocument, GroomEditor, editor::ActiveStroke, tools::Dab};
 use crate::{
     bound::strand::{pack_color, unpack_color},
     hash::pcg,
+    restyle::StrandShape,
     srgb::linear,
 };
 use glam::Vec3;
@@ -12,6 +13,8 @@ use glam::Vec3;
 const CHANGE: f32 = 0.1;
 /// Smallest and largest width and stiffness, relative to those before the first stroke.
 const RANGE: (f32, f32) = (0.2, 5.0);
+/// Change of clumps, curls and frizz per dab, of 255.
+const AMOUNT: f32 = 40.0;
 /// Share of the way to a color per dab.
 const TINT: f32 = 0.3;
 
@@ -50,6 +53,9 @@ impl GroomEditor {
             return;
         }
         let color = Vec3::from(brush.color.map(linear));
+        if brush.tool.paints_shapes() && looks.shapes.is_empty() {
+            looks.shapes = vec![StrandShape::default(); looks.strands.len()];
+        }
         let base = &self.base.strands;
         let strands = looks.strands.iter_mut().zip(&base.bindings).zip(&base.strands);
         for (i, (((strand, binding), first), root)) in strands.zip(&stroke.roots.roots).enumerate() {
@@ -60,6 +66,21 @@ impl GroomEditor {
             stroke.painted = true;
             if brush.tool == BrushTool::Width {
                 strand.radius = changed(strand.radius, first.radius, weight);
+                continue;
+            }
+            if brush.tool.paints_shapes() {
+                let shape = &mut looks.shapes[i];
+                let amount = match brush.tool {
+                    BrushTool::Clump => &mut shape.clump,
+                    BrushTool::Curl => &mut shape.curl,
+                    _ => &mut shape.frizz,
+                };
+                let step = (AMOUNT * weight).round() as u8;
+                *amount =
+                    if brush.inverted { amount.saturating_sub(step) } else { amount.saturating_add(step) };
+                if brush.tool == BrushTool::Curl && !brush.inverted {
+                    shape.curls = brush.curls as u8;
+                }
                 continue;
             }
             if brush.inverted {
@@ -94,6 +115,24 @@ impl GroomEditor {
         let held =
             self.stroke.as_ref().and_then(|stroke| stroke.looks.as_ref()).map_or(&self.held, |it| &it.held);
         held.iter().enumerate().map(|(i, held)| (self.guide(i)[0], self.normals[i], *held))
+    }
+
+    /// Returns root and normal of the skin of each guide, and how much of the effect of `tool` its hair has, 0 to 1.
+    pub fn amounts(&self, tool: BrushTool) -> Vec<(Vec3, Vec3, f32)> {
+        let looks = self.stroke.as_ref().and_then(|stroke| stroke.looks.as_ref());
+        let shapes = looks.map_or(self.document.shapes(), |looks| &looks.shapes);
+        let mut sums = vec![(0.0, 0.0f32); self.spheres.len()];
+        for (shape, binding) in shapes.iter().zip(&self.base.strands.bindings) {
+            let amount = match tool {
+                BrushTool::Clump => shape.clump,
+                BrushTool::Curl => shape.curl,
+                _ => shape.frizz,
+            };
+            let sum = &mut sums[binding.guides[0] as usize];
+            *sum = (sum.0 + f32::from(amount) / 255.0, sum.1 + 1.0);
+        }
+        let of = |i: usize| (self.guide(i)[0], self.normals[i], sums[i].0 / sums[i].1.max(1.0));
+        (0..sums.len()).map(of).collect()
     }
 
     /// Returns the version with the painted values of a stroke, if it has any.

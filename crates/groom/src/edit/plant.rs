@@ -34,12 +34,12 @@ impl GroomEditor {
         let group = brush.layer;
         let changes = RootChanges { spacing, density, reach, group, ..RootChanges::default() };
         let needs_roots =
-            matches!(brush.tool, BrushTool::Remove | BrushTool::Refine | BrushTool::Width | BrushTool::Color);
+            matches!(brush.tool, BrushTool::Remove | BrushTool::Refine) || brush.tool.paints_strands();
         RootStroke { changes, roots: if needs_roots { self.strand_roots() } else { Vec::new() } }
     }
 
     fn strand_roots(&self) -> Vec<Vec3> {
-        let strands = self.document.carried();
+        let strands = self.document.unshaped();
         let all: Vec<usize> = (0..strands.base().strands.len()).collect();
         in_parallel(&all, |i| strands.strand(*i).0[0])
     }

@@ -12,10 +12,14 @@ use crate::{
     grow::Growth,
     hash::pcg,
     near::PointTree,
+    progress::in_parallel,
+    restyle::StrandShape,
 };
 use glam::Vec3;
 use std::{collections::BTreeSet, sync::Arc};
 
+/// Largest distance of a strand from the skin after its guides have moved, meters.
+const OFF_SKIN: f32 = 0.03;
 /// Area of a head with hair, m²: strands per area are as wide as on a head that is covered as densely.
 const HEAD_AREA: f32 = 0.06;
 /// Radius at the tip of a new strand relative to its root.
@@ -83,7 +87,7 @@ impl GroomDocument {
     /// # Errors
     /// As [`fill`].
     pub(super) fn with_roots(&self, changes: &RootChanges, ground: &Ground) -> Result<Option<Self>> {
-        let (mut groom, stays) = without(self.groom(), &changes.removed);
+        let (mut groom, stays) = without(self.unshaped_groom(), &changes.removed);
         if groom.strands.is_empty() && changes.planted.is_empty() {
             return Ok(None);
         }
@@ -99,13 +103,13 @@ impl GroomDocument {
         }
         count_followers(&mut groom);
         // Strands that stay are in their order, and new ones come after them.
-        let mut origins = self.origins();
+        let origins = self.origins();
         let mut fresh = origins.iter().max().map_or(0, |last| last + 1);
-        let mut index = 0;
-        origins.retain(|_| {
-            index += 1;
-            !changes.removed.contains(&(index - 1))
-        });
+        let stays_at = |i: &usize| !changes.removed.contains(i);
+        let left = |i: usize| stays_at(&i).then_some(origins[i]);
+        let mut origins: Vec<u32> = (0..origins.len()).filter_map(left).collect();
+        let shapes = self.shapes();
+        let mut shapes: Vec<StrandShape> = (0..shapes.len()).filter(stays_at).map(|i| shapes[i]).collect();
         while origins.len() < groom.strands.len() {
             origins.push(fresh);
             fresh += 1;
@@ -113,12 +117,37 @@ impl GroomDocument {
         let base = Base::new(self.family(), Arc::new(groom), None).with_origins(Some(origins.into()));
         let document = Self::at_base(base);
         let before = self.held();
-        if !before.contains(&true) {
+        if !before.contains(&true) && shapes.is_empty() {
             return Ok(Some(document));
         }
         let mut looks = document.looks();
+        if !shapes.is_empty() {
+            shapes.resize(looks.strands.len(), StrandShape::default());
+            looks.shapes = shapes;
+        }
         looks.held.iter_mut().zip(stays).for_each(|(held, was)| *held = before[was]);
         Ok(Some(document.with_looks(looks)))
+    }
+}
+
+impl GroomDocument {
+    /// Returns this version with the strands that follow `moved` guides rooted in the skin: each is moved there as a
+    /// whole.
+    pub(super) fn rooted(&self, moved: &BTreeSet<usize>, ground: &Ground) -> Self {
+        let mut groom = self.unshaped_groom();
+        let strands = &groom.strands;
+        let follows = |i: &usize| strands.bindings[*i].weighted().any(|(guide, _)| moved.contains(&guide));
+        let of: Vec<usize> = (0..strands.len()).filter(follows).collect();
+        let ways = in_parallel(&of, |i| {
+            let root = strands.rest_positions(*i).next()?;
+            Some(ground.nearest(root, OFF_SKIN)?.0 - root)
+        });
+        for (i, way) in of.into_iter().zip(ways).filter_map(|(i, way)| Some((i, way?))) {
+            groom.strands.bindings[i].origin += way;
+        }
+        let origins = Some(self.origins().into());
+        let base = Base::new(self.family(), Arc::new(groom), None).with_origins(origins);
+        Self::at_base(base).with_looks(self.looks())
     }
 }
 

@@ -32,6 +32,12 @@ impl StrokeSample {
         self.origin + self.direction * depth
     }
 
+    /// Whether the pointer has moved since `self` to `other`, by a thousandth of the distance.
+    pub(super) fn is_apart(&self, other: &Self) -> bool {
+        let is_at = |a: Vec3, b: Vec3, near: f32| a.distance_squared(b) < near * near;
+        !(is_at(self.direction, other.direction, 1e-3) && is_at(self.origin, other.origin, 1e-3))
+    }
+
     pub(super) fn lerp(&self, other: &Self, t: f32) -> Self {
         let direction = self.direction.lerp(other.direction, t);
         Self {

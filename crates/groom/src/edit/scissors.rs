@@ -1,18 +1,20 @@
 //! Strokes that cut.
 
 use super::{
-    GroomEditor, Reach,
+    BrushTool, GroomEditor, Reach,
     carry::CarriedStrands,
     editor::ActiveStroke,
-    line::{Crossing, CutLine},
+    line::{Crossing, CutPath},
     tools::Dab,
 };
 use crate::progress::in_parallel;
 
 impl GroomEditor {
     /// Returns the carried strands, and the followers of each guide.
+    ///
+    /// Painted curls are left out: guides have none, and sines are not the same on all machines.
     pub(super) fn strands(&self) -> (CarriedStrands, Vec<Vec<u32>>) {
-        let strands = self.document.carried();
+        let strands = self.document.unshaped();
         let mut followers = vec![Vec::new(); self.spheres.len()];
         for (i, binding) in (0u32..).zip(&strands.base().strands.bindings) {
             followers[binding.guides[0] as usize].push(i);
@@ -36,14 +38,16 @@ impl GroomEditor {
         in_parallel(&under, of).concat()
     }
 
-    /// Cuts the hair that crosses the line of the stroke.
-    pub(super) fn cut_line(&mut self) {
+    /// Cuts the hair that crosses the line of the stroke, or enters its outline.
+    pub(super) fn cut_path(&mut self) {
         let Some(stroke) = &self.stroke else { return };
-        let line = CutLine::new(&stroke.first, &stroke.last);
-        let mut lines = vec![line];
-        if stroke.brush.mirror {
-            lines.push(line.mirrored(self.document.middle()));
-        }
+        let path = match stroke.brush.tool {
+            BrushTool::Lasso => CutPath::outline(&stroke.outline),
+            _ => Some(CutPath::line(&stroke.first, &stroke.last)),
+        };
+        let Some(path) = path else { return };
+        let mirrored = stroke.brush.mirror.then(|| path.mirrored(self.document.middle()));
+        let paths: Vec<CutPath> = std::iter::once(path).chain(mirrored).collect();
         let (strands, _) = self.strands();
         let all: Vec<usize> = (0..strands.base().strands.len())
             .filter(|i| {
@@ -51,14 +55,14 @@ impl GroomEditor {
                 stroke.takes(*i as u32) && self.is_open(&stroke.brush, guide)
             })
             .collect();
-        let crossings = |line: &CutLine| {
-            in_parallel(&all, |i| line.crossings(&strands.strand(*i).0).collect::<Vec<Crossing>>())
+        let crossings = |path: &CutPath| -> Vec<Vec<Crossing>> {
+            in_parallel(&all, |i| path.crossings(&strands.strand(*i).0))
         };
         let through = stroke.brush.reach == Reach::Through;
         let mut cut = vec![f32::MAX; all.len()];
-        for line in &lines {
-            let crossings = crossings(line);
-            let front = line.front(crossings.iter().flatten(), self.ground.field.as_deref());
+        for path in &paths {
+            let crossings = crossings(path);
+            let front = path.front(crossings.iter().flatten(), self.ground.field.as_deref());
             for (cut, crossings) in cut.iter_mut().zip(&crossings) {
                 let is_cut = |crossing: &&Crossing| through || crossing.depth <= front[crossing.bin()];
                 if let Some(first) = crossings.iter().find(is_cut) {

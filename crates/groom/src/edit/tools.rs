@@ -18,6 +18,8 @@ const ROOT: f32 = 0.4;
 const GROWTH: f32 = 0.03;
 /// Share of the way to the line of the stroke per dab.
 const PINCH: f32 = 0.2;
+/// Way of blown hair per dab, radii.
+const BLOW: f32 = 0.1;
 /// Share of the way to the smooth shape per dab.
 const SMOOTH: f32 = 0.5;
 /// Rise of parted hair at its root, relative to its way along the skin.
@@ -162,6 +164,7 @@ impl Surroundings<'_> {
             }
             BrushTool::Pinch => Some((self.pinched(guide, weights, -PINCH), weights.first)),
             BrushTool::Spread => Some((self.pinched(guide, weights, PINCH), weights.first)),
+            BrushTool::Blow => Some((self.blown(guide, weights), weights.first)),
             BrushTool::Smooth => Some((self.smoothed(guide, weights), weights.first)),
             BrushTool::Puff => self.raised(guide, weights, self.normal),
             BrushTool::Lay => {
@@ -213,6 +216,19 @@ impl Surroundings<'_> {
             // Depth is no distance from the line that is drawn.
             let off = off - dab.sight * off.dot(dab.sight);
             *p + (off - along * off.dot(along)) * (share * weights.weight[i])
+        };
+        guide.iter().enumerate().map(moved).collect()
+    }
+
+    /// Pushes vertices away from the middle of the brush and along the sight.
+    fn blown(&self, guide: &[Vec3], weights: &Weights) -> Vec<Vec3> {
+        let sign = if self.brush.inverted { -BLOW } else { BLOW };
+        let moved = |(i, p): (usize, &Vec3)| {
+            let dab = &self.dabs[weights.side[i]];
+            let off = *p - dab.center;
+            let off = off - dab.sight * off.dot(dab.sight);
+            let way = unit(off + dab.sight * dab.radius, Vec3::ZERO);
+            *p + way * (sign * dab.radius * weights.weight[i])
         };
         guide.iter().enumerate().map(moved).collect()
     }

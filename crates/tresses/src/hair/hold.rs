@@ -1,11 +1,11 @@
-//! Constraints on hair besides its roots: ties and grabs.
+//! Constraints on hair besides its roots, and hands on it: ties, grabs and brushes.
 
 use super::Hair;
 use crate::{
     Error, Result,
     groom::Groom,
     math::Ray,
-    simulate::{Grab, Target, Tie, TieReport},
+    simulate::{Grab, MotionBrush, Target, Tie, TieReport},
 };
 
 impl Hair {
@@ -44,12 +44,22 @@ impl Hair {
         self.effects.grab.drag(target)
     }
 
-    /// Releases the grabbed lock.
+    /// Puts a brush on the hair that `ray` hits first, or moves it there from its last place. It acts in every frame
+    /// until [`release`](Self::release), until the head jumps or until [`reset`](Self::reset). The ray is as in
+    /// [`grab`](Self::grab); where it hits no hair, the brush keeps its depth.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a ray without a direction, and for values out of range.
+    pub fn brush(&mut self, brush: &MotionBrush, ray: &Ray) -> Result<()> {
+        self.effects.grab.brush(brush, ray)
+    }
+
+    /// Releases the grabbed lock, or takes the brush away.
     pub fn release(&mut self) {
         self.effects.grab.end();
     }
 
-    /// Returns the grab: whether it is active, and its GPU state.
+    /// Returns the grab or brush: whether it is active, and its GPU state.
     pub fn grabbed(&self) -> &Grab {
         &self.effects.grab
     }

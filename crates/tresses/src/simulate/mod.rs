@@ -111,7 +111,7 @@ use std::sync::Arc;
 use step::StepKernels;
 
 pub use forces::{AirUniforms, Forces};
-pub use grab::{Grab, Target};
+pub use grab::{BrushEffect, Grab, MotionBrush, Target};
 pub(crate) use lead::Tree;
 pub use links::Links;
 pub use params::{RootToTip, SimulationParams};

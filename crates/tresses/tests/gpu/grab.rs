@@ -1,5 +1,7 @@
 //! Grabbing hair: held hair follows, other hair stays, nothing stretches or jumps.
 
+mod brush;
+
 use crate::common;
 
 use tresses::{

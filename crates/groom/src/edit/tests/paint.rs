@@ -142,7 +142,7 @@ fn held_hair_stays_whatever_the_tool() {
             let Some(after) = stroke(&mut editor, &brush, &samples) else { continue };
             let now = after.groom();
             // A guide ends where the longest strand does that follows it, which may follow others more.
-            let cuts = matches!(tool, BrushTool::Cut | BrushTool::Line);
+            let cuts = matches!(tool, BrushTool::Cut | BrushTool::Line | BrushTool::Lasso);
             if now.guides.len() == was.guides.len() && !cuts {
                 for i in (0..is_held.len()).filter(|i| is_held[*i]) {
                     assert_eq!(after.guide(i), held.guide(i), "{name} on {}", fixture.name);
@@ -180,5 +180,72 @@ fn held_hair_stays_whatever_the_tool() {
         editor.go_to(held).unwrap();
         let free = stroke(&mut editor, &Brush { inverted: true, radius: 0.06, ..hold }, &samples).unwrap();
         assert!(editor.held().all(|(.., held)| !held) && free.groom() == fixture.document.groom());
+    }
+}
+
+#[test]
+fn clumps_curls_and_frizz_are_painted_and_taken_back() {
+    for fixture in fixtures() {
+        for tool in [BrushTool::Clump, BrushTool::Curl, BrushTool::Frizz] {
+            let brush = Brush { strength: 1.0, mirror: false, radius: 0.06, ..Brush::of(tool) };
+            let (after, roots) = painted(fixture, &brush);
+            let (old, new) = (fixture.document.groom(), after.groom());
+            assert_eq!(old.guides, new.guides);
+            let mut moved = 0;
+            for (i, x) in roots.iter().enumerate() {
+                let [from, to]: [Vec<Vec3>; 2] =
+                    [&old, &new].map(|groom| groom.strands.rest_positions(i).collect());
+                // Curled strands have more vertices.
+                let step = (to.len() - 1) as f32 / (from.len() - 1) as f32;
+                let same = |k: usize| {
+                    let (x, last) = (k as f32 * step, to.len() - 1);
+                    let at = (x as usize).min(last - 1);
+                    to[at].lerp(to[at + 1], x - at as f32)
+                };
+                let most = (0..from.len()).map(|k| from[k].distance(same(k))).fold(0.0, f32::max);
+                assert!(most < 0.04 && to.iter().all(|p| p.is_finite()), "{tool:?} moves by {most}");
+                assert!(from[0].distance(to[0]) < 1e-3, "roots stay");
+                assert!(*x > -0.01 || most < 5e-4, "{tool:?} moves the other side by {most}");
+                moved += usize::from(most > 5e-4);
+            }
+            assert!(moved > 20, "{tool:?} moves {moved} strands of {}", fixture.name);
+            // As a file, and combed after that.
+            let file = GroomDocument::read(std::path::Path::new("a.groom"), &after.write()).unwrap();
+            assert_eq!(file.groom(), new, "{tool:?}");
+            assert_eq!(file.hash(), after.hash());
+            let mut editor = fixture.editor();
+            editor.go_to(after.clone()).unwrap();
+            let comb = Brush { mirror: false, ..Brush::default() };
+            let combed = stroke(&mut editor, &comb, &fixture.side_stroke()).unwrap();
+            assert_eq!(combed.shapes(), after.shapes());
+            // Hair that is removed elsewhere leaves the rest as it is.
+            editor.go_to(after.clone()).unwrap();
+            let flip = |v: Vec3, middle: f32| Vec3::new(2.0 * middle - v.x, v.y, v.z);
+            let other = |it: &StrokeSample| StrokeSample {
+                origin: flip(it.origin, fixture.center.x),
+                direction: flip(it.direction, 0.0),
+                ..*it
+            };
+            let other: Vec<StrokeSample> = fixture.side_stroke().iter().map(other).collect();
+            let remove = Brush { mirror: false, radius: 0.01, ..Brush::of(BrushTool::Remove) };
+            if let Some(thinner) = stroke(&mut editor, &remove, &other) {
+                let (kept, origins) = (thinner.groom(), thinner.origins());
+                assert!(kept.strands.len() < new.strands.len());
+                let same = |(k, was): (usize, &u32)| {
+                    let [a, b] = [(&kept, k), (&new, *was as usize)]
+                        .map(|(groom, i)| groom.strands.rest_positions(i).collect::<Vec<_>>());
+                    a.iter().zip(&b).all(|(a, b)| a.distance(*b) < 1e-4)
+                };
+                let count = origins.iter().enumerate().filter(|it| same(*it)).count();
+                assert!(count > origins.len() * 95 / 100, "{tool:?}: {count} of {}", origins.len());
+            }
+            // Taken back to the bit.
+            editor.go_to(after).unwrap();
+            let back = Brush { inverted: true, ..brush };
+            for _ in 0..60 {
+                stroke(&mut editor, &back, &fixture.side_stroke());
+            }
+            assert_eq!(editor.document().groom(), old, "{tool:?} on {}", fixture.name);
+        }
     }
 }

@@ -243,3 +243,76 @@ fn hair_grows_and_shrinks_by_the_same_factor() {
         assert!(ratio(&shorter, false) < grown, "{}", fixture.name);
     }
 }
+
+#[test]
+fn lasso_cuts_hair_that_enters_the_outline() {
+    for fixture in fixtures() {
+        let eye = fixture.center + Vec3::new(0.0, 0.0, 1.0);
+        let to = |[x, y]: [f32; 2]| StrokeSample::ray(eye, fixture.center + Vec3::new(x, y, 0.0) - eye);
+        let cut = |tool, corners: &[[f32; 2]]| {
+            let samples: Vec<StrokeSample> = corners.iter().copied().map(to).collect();
+            let brush = Brush { reach: Reach::Through, mirror: false, ..Brush::of(tool) };
+            stroke(&mut fixture.editor(), &brush, &samples)
+        };
+        let level = -0.03;
+        let line = cut(BrushTool::Line, &[[-0.3, level], [0.3, level]]).expect(fixture.name);
+        let all = cut(BrushTool::Lasso, &[[-0.3, level], [0.3, level], [0.3, -0.6], [-0.3, -0.6]]).unwrap();
+        let (line, all) = (line.groom(), all.groom());
+        let old = fixture.document.groom();
+        let lengths = |groom: &Groom, i: usize| {
+            crate::curve::length(&groom.strands.rest_positions(i).collect::<Vec<_>>())
+        };
+        let (mut same, mut within) = (0, 0);
+        for i in 0..old.strands.len() {
+            let root = old.strands.rest_positions(i).next().unwrap();
+            // As seen from the eye.
+            let y = eye.y + (root.y - eye.y) / (eye.z - root.z) - fixture.center.y;
+            if y < level {
+                within += 1;
+                assert!((lengths(&all, i) - lengths(&old, i)).abs() < 2e-4, "roots within: {i}");
+            } else {
+                same += usize::from((lengths(&all, i) - lengths(&line, i)).abs() < 1e-3);
+            }
+        }
+        let outside = old.strands.len() - within;
+        assert!(same > outside * 97 / 100, "{}: {same} of {outside}", fixture.name);
+        // A part of the hem.
+        let left = cut(BrushTool::Lasso, &[[0.02, level], [0.3, level], [0.3, -0.6], [0.02, -0.6]]).unwrap();
+        let left = left.groom();
+        let shorter: Vec<usize> =
+            (0..old.strands.len()).filter(|i| lengths(&left, *i) < lengths(&old, *i) - 2e-3).collect();
+        assert!(shorter.len() > 20, "{}: {}", fixture.name, shorter.len());
+        let right = |i: &&usize| old.strands.rest_positions(**i).all(|p| p.x < fixture.center.x);
+        assert_eq!(shorter.iter().filter(right).count(), 0, "{}", fixture.name);
+        // Two points are no outline.
+        assert!(cut(BrushTool::Lasso, &[[-0.3, level], [0.3, level]]).is_none());
+    }
+}
+
+#[test]
+fn slid_roots_stay_on_the_skin_and_take_their_hair_along() {
+    for fixture in fixtures() {
+        let brush = Brush { mirror: false, ..Brush::of(BrushTool::Slide) };
+        let before = &fixture.document;
+        let after = stroke(&mut fixture.editor(), &brush, &fixture.side_stroke()).expect(fixture.name);
+        let mut moved = 0;
+        for i in 0..before.guides().len() {
+            let (old, new) = (before.guide(i), after.guide(i));
+            let off = (fixture.field.sample(new[0]) - fixture.field.sample(old[0])).abs();
+            assert!(off < 1e-3, "{}: root {i} is off the skin by {off}", fixture.name);
+            moved += usize::from(old[0].distance(new[0]) > 2e-3);
+            let lengths = [old, new].map(crate::curve::length);
+            assert!((lengths[1] / lengths[0] - 1.0).abs() < 5e-3, "{}: {lengths:?}", fixture.name);
+        }
+        assert!(moved > 1 && moved < before.guides().len(), "{}: {moved}", fixture.name);
+        // Strands come along.
+        let [old, new] = [before, &after].map(|document| document.groom().strands);
+        let mut worst = 0.0f32;
+        for i in 0..old.len() {
+            let [a, b] = [&old, &new].map(|strands| strands.rest_positions(i).next().unwrap());
+            worst = worst.max((fixture.field.sample(b) - fixture.field.sample(a)).abs());
+        }
+        println!("{}: {moved} roots moved, strands are off by {:.2} mm", fixture.name, 1e3 * worst);
+        assert!(worst < 1e-3, "{}: {worst}", fixture.name);
+    }
+}

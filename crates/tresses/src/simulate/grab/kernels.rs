@@ -1,4 +1,4 @@
-//! The six kernels of a grab.
+//! The kernels of grabs and brushes.
 
 use super::GrabUniform;
 use crate::{
@@ -16,6 +16,7 @@ pub(crate) struct GrabKernels {
     hold: Kernel,
     aim: Kernel,
     pull: Kernel,
+    sweep: Kernel,
 }
 
 /// Bind groups of each kernel for one groom.
@@ -27,6 +28,7 @@ pub(crate) struct Groups {
     hold: wgpu::BindGroup,
     aim: wgpu::BindGroup,
     pull: wgpu::BindGroup,
+    sweep: wgpu::BindGroup,
 }
 
 impl GrabKernels {
@@ -46,6 +48,10 @@ impl GrabKernels {
             pull: beside(
                 "simulate::grab::pull",
                 &[UniformDynamic, Storage, Storage, Storage, Storage, StorageMut],
+            ),
+            sweep: beside(
+                "simulate::grab::sweep",
+                &[UniformDynamic, StorageMut, Storage, Storage, Storage, StorageMut],
             ),
         }
     }
@@ -69,18 +75,19 @@ impl GrabKernels {
             hold: bind(&self.hold, &[marks, state, &guides.current, holds]),
             aim: bind(&self.aim, &[state]),
             pull: bind(&self.pull, &[state, holds, &guides.current, &guides.velocity, &guides.forces]),
+            sweep: bind(&self.sweep, &[marks, state, &guides.current, &guides.velocity, &guides.forces]),
         }
     }
 
     /// Records the kernels of a step. `workgroups` are the counts for strand vertices and for guide vertices; `picks`
-    /// starts the grab.
+    /// casts the ray, `sweeps` is true for a brush.
     pub fn record(
         &self,
         pass: &mut crate::gpu::ComputePass<'_>,
         groups: &Groups,
         workgroups: [u32; 2],
         offset: u32,
-        picks: bool,
+        (picks, sweeps): (bool, bool),
     ) {
         let at = &[offset];
         let [strands, guides] = workgroups;
@@ -88,9 +95,15 @@ impl GrabKernels {
             self.pick.record(pass, &groups.pick, at, strands);
             self.hit.record(pass, &groups.hit, at, 1);
             self.reach.record(pass, &groups.reach, at, guides);
-            self.hold.record(pass, &groups.hold, at, guides);
+            if !sweeps {
+                self.hold.record(pass, &groups.hold, at, guides);
+            }
         }
         self.aim.record(pass, &groups.aim, at, 1);
-        self.pull.record(pass, &groups.pull, at, guides);
+        if sweeps {
+            self.sweep.record(pass, &groups.sweep, at, guides);
+        } else {
+            self.pull.record(pass, &groups.pull, at, guides);
+        }
     }
 }

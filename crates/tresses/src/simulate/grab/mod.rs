@@ -1,10 +1,11 @@
-//! Grabbing and pulling a lock of hair.
+//! Grabbing and pulling a lock of hair, and [brushes](MotionBrush) on moving hair.
 //!
 //! ```text
 //! at the grab:  ray, strand vertices ─► pick ─► marks ─► hit ─► state: hit point on hair
 //!               guides ─► reach ─► marks ─► hold ─► holds: offset from the hit point and weight, per vertex
 //! each step:    ray or point ─► aim ─► state: motion of the target in this step
 //!               holds, guides, obstacles ─► pull ─► GuideForce ─► simulate::step
+//! a brush:      pick, hit and reach in each frame; in each step aim, then guides, obstacles ─► sweep ─► GuideForce
 //! ```
 //!
 //! **Picking.** `pick` is an atomic minimum over the drawn segments near the ray, because the user sees those. It
@@ -43,8 +44,10 @@
 //!
 //! **Untried.** Rotating a lock by hand; grabbing single drawn strands, which follow the guides.
 
+mod brush;
 mod kernels;
 
+pub use brush::{BrushEffect, MotionBrush};
 pub(crate) use kernels::GrabKernels;
 
 use super::{Pipelines, SimulationParams};
@@ -65,6 +68,8 @@ use std::sync::Arc;
 pub const ASIDE: f32 = 3.0;
 /// Time constant with which a held vertex's remaining offset decays, s; at least two steps.
 pub const SETTLE: f32 = 0.03;
+/// Time constant with which a brush follows the hair in depth, s.
+pub const FOLLOW: f32 = 0.04;
 /// Largest acceleration of a guide vertex by the pull, m/s².
 pub const STRONGEST: f32 = 2000.0;
 
@@ -115,24 +120,32 @@ pub struct GrabUniform {
     pub strongest: f32,
     /// Origin of the ray of the grab in the space in which obstacles are drawn, meters.
     pub seen_origin: Vec3,
-    /// Unused.
-    pub _pad_a: u32,
+    /// [`BrushEffect`] of a brush, 0 for a grab.
+    pub effect: u32,
     /// Direction of that ray, unit.
     pub seen_direction: Vec3,
-    /// Unused.
-    pub _pad_b: u32,
+    /// Strength of a brush.
+    pub strength: f32,
     /// Origin of the ray of the grab in the space in which strands were last drawn, meters.
     pub drawn_origin: Vec3,
-    /// Unused.
-    pub _pad_c: u32,
+    /// [`MotionBrush::root_tip`].
+    pub root_tip: f32,
     /// Direction of that ray, unit.
     pub drawn_direction: Vec3,
-    /// Unused.
-    pub _pad_d: u32,
+    /// 1 in the first step of a brush.
+    pub begins: u32,
     /// Displacement of the state before the step, meters, when the carrier's origin has moved.
     pub shift: Vec3,
+    /// 1 if a brush is mirrored.
+    pub mirrors: u32,
+    /// Point on the plane of the mirror, meters.
+    pub mirror_at: Vec3,
+    /// Share of the change of depth that a brush follows in this frame.
+    pub follow: f32,
+    /// Normal of that plane, unit.
+    pub mirror_normal: Vec3,
     /// Unused.
-    pub _pad_e: u32,
+    pub _pad_a: u32,
 }
 
 /// Maps from the space of the drawn frame, in which rays are given.
@@ -170,9 +183,7 @@ const STRIDE: u32 = 256;
 /// The grab of one groom.
 #[derive(Debug, Default)]
 pub struct Grab {
-    /// Ray and radius of the grab, while it lasts.
-    ray: Option<(Ray, f32)>,
-    target: Option<Target>,
+    hand: Option<Hand>,
     /// Whether the ray has not been cast yet.
     fresh: bool,
     /// Whether this frame casts the ray.
@@ -180,6 +191,15 @@ pub struct Grab {
     pub(super) buffers: Option<Buffers>,
     /// Number of strand vertices and of guide vertices.
     threads: [u32; 2],
+}
+
+/// A grab or a brush, while it lasts.
+#[derive(Clone, Copy, Debug)]
+enum Hand {
+    /// Ray, radius and target of a grab.
+    Lock(Ray, f32, Target),
+    /// A brush and its current ray.
+    Brush(MotionBrush, Ray),
 }
 
 /// GPU resources of a grab.
@@ -214,13 +234,23 @@ impl Grab {
     pub fn begin(&mut self, ray: &Ray, radius: f32) -> Result<()> {
         Error::unless_within("grab radius", radius, 1e-3, 1.0, "from 0.001 to 1 m")?;
         let ray = unit(ray)?;
-        self.ray = Some((ray, radius));
-        self.target = Some(Target::Ray(ray));
+        self.hand = Some(Hand::Lock(ray, radius, Target::Ray(ray)));
         self.fresh = true;
         Ok(())
     }
 
-    /// Moves the target. Does nothing without a grab.
+    /// Puts `brush` on the hair under `ray`, or moves it there from its last place.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a ray without a direction, and as [`MotionBrush::check`].
+    pub fn brush(&mut self, brush: &MotionBrush, ray: &Ray) -> Result<()> {
+        brush.check()?;
+        self.fresh |= !matches!(self.hand, Some(Hand::Brush(..)));
+        self.hand = Some(Hand::Brush(*brush, unit(ray)?));
+        Ok(())
+    }
+
+    /// Moves the target of a grab. Does nothing without one.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a target that is not finite.
@@ -236,20 +266,20 @@ impl Grab {
                 });
             }
         };
-        if self.ray.is_some() {
-            self.target = Some(target);
+        if let Some(Hand::Lock(.., now)) = &mut self.hand {
+            *now = target;
         }
         Ok(())
     }
 
     /// Releases the hair.
     pub fn end(&mut self) {
-        (self.ray, self.target, self.fresh, self.picks) = (None, None, false, false);
+        (self.hand, self.fresh, self.picks) = (None, false, false);
     }
 
-    /// Returns whether a grab is active, even if its ray has hit nothing.
+    /// Returns whether a grab or a brush is active, even if its ray has hit nothing.
     pub fn is_active(&self) -> bool {
-        self.ray.is_some()
+        self.hand.is_some()
     }
 
     /// Returns the buffer with the [`GrabState`], after the first grab.
@@ -288,13 +318,18 @@ impl Grab {
         if steps.iter().any(|step| step.mode != Mode::Step) {
             self.end();
         }
-        let (Some((ray, radius)), Some(target)) = (self.ray, self.target) else { return Ok(false) };
+        let Some(hand) = self.hand else { return Ok(false) };
         let steps = &steps[steps.len().saturating_sub(MAX_STEPS as usize)..];
-        self.picks = self.fresh && !steps.is_empty();
         if steps.is_empty() {
+            self.picks = false;
             return Ok(false);
         }
-        self.fresh = false;
+        let (brush, ray, radius, target) = match hand {
+            Hand::Lock(ray, radius, target) => (None, ray, radius, target),
+            Hand::Brush(brush, ray) => (Some(brush), ray, brush.radius, Target::Ray(ray)),
+        };
+        let begins = std::mem::take(&mut self.fresh);
+        self.picks = begins || brush.is_some();
         if self.buffers.is_none() {
             self.buffers = Some(Buffers::new(context, guides, strands)?);
         }
@@ -306,6 +341,8 @@ impl Grab {
         let (seen, drawn) = (ray, sights.to_last.ray(&ray));
         let ray = sights.to_carrier.ray(&ray);
         let (target, toward) = (sights.to_carrier.at(target), sights.to_carrier.turned(toward));
+        let (mirror_at, mirror_normal) = brush.and_then(|brush| brush.mirror).unwrap_or_default();
+        let follow = 1.0 - (-(steps.len() as f32) * physics.step / FOLLOW).exp();
         let substeps = physics.substeps.clamp(1, MAX_SUBSTEPS);
         let mut bytes = vec![0u8; STRIDE as usize * steps.len()];
         for (i, (step, slot)) in steps.iter().zip(bytes.chunks_mut(STRIDE as usize)).enumerate() {
@@ -330,8 +367,16 @@ impl Grab {
                 seen_direction: seen.direction,
                 drawn_origin: drawn.origin,
                 drawn_direction: drawn.direction,
-                // A hit in this step is already relative to the new origin.
-                shift: if i == 0 && !self.picks { sights.shift } else { Vec3::ZERO },
+                effect: brush.map_or(0, |brush| brush.effect as u32),
+                strength: brush.map_or(0.0, |brush| brush.strength),
+                root_tip: brush.map_or(0.0, |brush| brush.root_tip),
+                begins: u32::from(begins && i == 0),
+                mirrors: u32::from(mirror_normal != Vec3::ZERO),
+                follow,
+                mirror_at: sights.to_carrier.at(mirror_at),
+                mirror_normal: sights.to_carrier.turned(mirror_normal),
+                // A hit in the first step of a grab is already relative to the new origin.
+                shift: if i == 0 && !begins { sights.shift } else { Vec3::ZERO },
                 ..Zeroable::zeroed()
             };
             slot[..size_of::<GrabUniform>()].copy_from_slice(bytemuck::bytes_of(&uniform));
@@ -356,7 +401,7 @@ impl Grab {
                 &buffers.groups,
                 workgroups,
                 i * STRIDE,
-                self.picks && i == 0,
+                (self.picks && i == 0, matches!(self.hand, Some(Hand::Brush(..)))),
             );
         }
     }

@@ -1,9 +1,10 @@
-//! The journal: the last version of groomed hair, on disk, for the case that the studio ends before the user saves it.
+//! The journal on disk.
 //!
 //! After each stroke a thread writes the version as a `.groom` file into the user's state folder. The file is written
 //! under another name and renamed, so it is always whole. A lock beside it shows whether the studio that writes it still
 //! runs. A studio that ends with everything saved removes both.
 
+use super::age;
 use std::{
     fs::{self, File, TryLockError},
     path::{Path, PathBuf},
@@ -123,8 +124,14 @@ fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     fs::rename(part, path)
 }
 
-/// Returns the newest groomed hair that a studio has left which no longer runs.
-pub fn left() -> Option<LeftGroom> {
+/// Calls `tell` with the newest groomed hair that a studio has left which no longer runs, if there is any.
+pub fn find(tell: impl FnOnce(LeftGroom) + 'static) {
+    if let Some(left) = left() {
+        tell(left);
+    }
+}
+
+fn left() -> Option<LeftGroom> {
     let files = fs::read_dir(folder()).ok()?.filter_map(|entry| Some(entry.ok()?.path()));
     let orphan = |path: PathBuf| {
         let is_groom = path.extension().is_some_and(|extension| extension == EXTENSION);
@@ -143,14 +150,7 @@ pub fn left() -> Option<LeftGroom> {
 impl LeftGroom {
     /// Returns how long ago the last stroke was, in words.
     pub fn age(&self) -> String {
-        let minutes = self.written.elapsed().unwrap_or_default().as_secs() / 60;
-        match minutes {
-            0 => "less than a minute ago".into(),
-            1 => "a minute ago".into(),
-            minutes @ 2..120 => format!("{minutes} minutes ago"),
-            minutes @ 120..2880 => format!("{} hours ago", minutes / 60),
-            minutes => format!("{} days ago", minutes / 1440),
-        }
+        age(self.written.elapsed().unwrap_or_default())
     }
 
     /// Reads the hair.
