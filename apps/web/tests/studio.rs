@@ -552,13 +552,17 @@ fn hair_is_groomed_in_a_browser() {
     assert_eq!(after["hash"], hash(&document), "the file holds what the page shows");
     assert_eq!(after["hash"], hash(editor.document()), "the strokes give the same guides here");
 
-    // A page that is left without saving offers the last version, once.
+    // A page that is left without saving offers the last version.
     browser.drag(STROKE[1], STROKE[0]);
     let last = groomed(browser, |groom| groom["strokes"] == 2 && groom["active"] == false);
-    thread::sleep(std::time::Duration::from_secs(5));
-    browser.value("location.reload()");
+    let kept = "caches.open('tresses').then(it => it.keys()).then(keys => keys.length)";
+    browser.until(kept, |count| count == 1);
+    let address = browser.value("location.href").as_str().unwrap_or_default().to_owned();
+    browser.go("about:blank");
+    browser.go(&address);
+    browser.until("typeof window.tresses_state", |kind| kind == "function");
     state(browser, |state| state["recovers"] == true && state["frames"].as_u64() > Some(0));
-    still(browser).keep("studio-groom-4-recover.png");
+    browser.picture().keep("studio-groom-4-recover.png");
     browser.click(RECOVER);
     groomed(browser, |groom| groom["hash"] == last["hash"]);
     assert!(browser.complaints().is_empty(), "{}", browser.complaints().join("\n"));
