@@ -76,9 +76,6 @@ impl Document {
     /// `live`.
     pub fn groom(&mut self, is_active: bool, live: bool, renderer: &mut Renderer, messages: &mut Messages) {
         let at_rest = is_active && !live;
-        if live && !renderer.playback.live {
-            renderer.playback.play.playing = false;
-        }
         renderer.playback.live = is_active && live;
         if renderer.playback.at_rest != at_rest {
             renderer.playback.at_rest = at_rest;
@@ -130,6 +127,7 @@ impl Document {
             Some(Ok(Some(document))) => {
                 self.step(document, "Keep shape");
                 self.keep(messages);
+                messages.said = Some("The hair keeps this shape, and is at rest".into());
             }
             Some(Err(error)) => messages.fail(error),
             _ => messages.said = Some("The hair has this shape already".into()),

@@ -118,8 +118,10 @@ impl Orbit {
     /// Divides the distance by `factor`.
     pub fn zoom(&mut self, factor: f32) {
         self.taken();
-        self.now.distance = (self.now.distance / factor.max(1e-3)).clamp(DISTANCE.0, DISTANCE.1);
-        self.goal = self.now;
+        // A move to a named view goes on.
+        for view in [&mut self.now, &mut self.goal] {
+            view.distance = (view.distance / factor.max(1e-3)).clamp(DISTANCE.0, DISTANCE.1);
+        }
     }
 
     /// Sets the distance to the target, meters, within the limits of zooming.

@@ -1,4 +1,4 @@
-//! Pressure of pens on a page. egui reports that of fingers alone.
+//! Pressure of pens on a page: egui reports the pressure of fingers alone.
 
 use std::cell::Cell;
 use wasm_bindgen::{JsCast, JsValue, prelude::*};

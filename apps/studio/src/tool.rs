@@ -87,6 +87,9 @@ impl Tool {
             Self::Brush(_) if live => {
                 "Drag moving hair · Ctrl inverts · [ ] radius · Shift Space keeps the shape · Space stops · right button orbits"
             }
+            Self::Brush(tool) if tool.draws() => {
+                "Draw a line over hair: it cuts in the direction of sight · Esc takes the stroke back · right button orbits"
+            }
             Self::Brush(_) => {
                 "Drag hair · Shift smooths · Ctrl inverts · [ ] radius · Esc takes the stroke back · Space lets the hair move · right button orbits"
             }

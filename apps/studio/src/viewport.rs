@@ -16,6 +16,7 @@ use eframe::egui::{
 };
 use tresses::{
     glam::{Vec2, Vec3},
+    groom::edit::BrushTool,
     math::Ray,
     simulate::grab::Target,
 };
@@ -37,6 +38,8 @@ pub struct Viewport {
     pub kit: BrushKit,
     /// Whether brushes act on moving hair.
     pub live: bool,
+    /// Whether a brush was active in the last frame.
+    grooms: bool,
     /// Last position of the pointer in a drag.
     pointer: Option<Pos2>,
     /// [Number](Picture::number) of the displayed frame, or 0.
@@ -81,6 +84,34 @@ impl Viewport {
         rect
     }
 
+    /// Agrees on whether hair moves: grooming begins with the motion paused, and playing it while a brush is active makes
+    /// that live. Brushes that need hair at rest stop both.
+    pub fn lead(&mut self, renderer: &mut Renderer) {
+        let play = &mut renderer.playback.play;
+        let brush = self.tool.brush();
+        if brush.is_some() && !self.grooms {
+            (self.live, play.playing) = (false, false);
+        }
+        self.grooms = brush.is_some();
+        if self.grooms && play.playing {
+            self.live = true;
+        }
+        self.live &= brush.is_some_and(BrushTool::acts_in_motion);
+        if self.grooms && !self.live {
+            play.playing = false;
+        }
+    }
+
+    /// Lets hair move under the brush, or ends that.
+    pub fn set_live(&mut self, live: bool, renderer: &mut Renderer) {
+        self.live = live;
+        if !live {
+            renderer.playback.play.playing = false;
+        } else if !self.tool.brush().is_some_and(BrushTool::acts_in_motion) {
+            self.tool = Tool::Brush(Default::default());
+        }
+    }
+
     fn pointer(
         &mut self,
         renderer: &mut Renderer,
@@ -90,6 +121,10 @@ impl Viewport {
         response: &Response,
     ) {
         let rect = response.rect;
+        if response.is_pointer_button_down_on() {
+            // Keys belong to the tools again.
+            ui.memory_mut(|memory| memory.focused().into_iter().for_each(|id| memory.surrender_focus(id)));
+        }
         let (shift, press, now, touch) = ui.input(|input| {
             (
                 input.modifiers.shift,

@@ -1,6 +1,7 @@
 //! Binding of imported strands: chooses guides among them and binds every strand to up to three guides.
 
 mod marked;
+mod short;
 
 use crate::{
     BoundStrands, Error, Groom, Guides, MAX_GUIDE_VERTICES, MAX_STRAND_VERTICES, Result, Strands,
@@ -28,9 +29,11 @@ pub enum GuideCount {
 pub struct BindOptions {
     /// Number of guides.
     pub guides: GuideCount,
-    /// Vertices per guide, 3 to 64. `None`: 32, or the median vertex count of the strands if all are guides.
+    /// Vertices per guide, 3 to 64. `None`: 32, 8 for short hair, or the median vertex count of the strands if all are
+    /// guides.
     pub guide_vertices: Option<u32>,
-    /// Vertices per render strand, 2 to 64. `None`: about 32, chosen so that the input vertices are among them.
+    /// Vertices per render strand, 2 to 64. `None`: about 32, chosen so that the input vertices are among them. Short
+    /// hair (to 8 input vertices and 5 cm) has 4 to 8, by the error of the curve.
     pub strand_vertices: Option<u32>,
     /// Radius at root and tip, meters. `None`: the radii in the file, or a radius that covers a head.
     pub radius: Option<(f32, f32)>,
@@ -119,12 +122,13 @@ pub(crate) fn bind_any(
     }
     let given = origins.map_or(strands.len(), |origins| origins.given);
     let typical = typical_vertices(&strands.offsets[..=given]);
-    let guide_vertices = options.guide_vertices.unwrap_or(if options.guides == GuideCount::All {
-        typical.clamp(8, MAX_GUIDE_VERTICES)
-    } else {
-        32
+    let short = short::drawn_vertices(strands, given, typical);
+    let guide_vertices = options.guide_vertices.unwrap_or(match (options.guides, short) {
+        (GuideCount::All, _) => typical.clamp(8, MAX_GUIDE_VERTICES),
+        (_, Some(_)) => short::GUIDE,
+        _ => 32,
     });
-    let strand_vertices = options.strand_vertices.unwrap_or_else(|| drawn_vertices(typical));
+    let strand_vertices = options.strand_vertices.or(short).unwrap_or_else(|| drawn_vertices(typical));
     in_range("guide_vertices", guide_vertices, 3, MAX_GUIDE_VERTICES, "3 to 64")?;
     in_range("strand_vertices", strand_vertices, 2, MAX_STRAND_VERTICES, "2 to 64")?;
 

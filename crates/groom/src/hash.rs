@@ -6,3 +6,8 @@ pub fn pcg(seed: u32) -> u32 {
     let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
     word >> 22 ^ word
 }
+
+/// Returns a number from 0 to 1, without 1, from the upper bits of `bits`.
+pub(crate) fn unit(bits: u32) -> f32 {
+    (bits >> 8) as f32 / (1 << 24) as f32
+}

@@ -119,6 +119,7 @@ impl Restyle {
             lines: &lines,
             skull,
             seed: self.seed,
+            farthest: f32::MAX,
         };
         let old = std::mem::take(&mut groom.strands);
         groom.strands = BoundStrands::new(old.vertex_count);
@@ -165,6 +166,8 @@ struct Shaper<'a> {
     lines: &'a [Vec<Vec3>],
     skull: Vec3,
     seed: u32,
+    /// Largest way to the middle of a lock, meters.
+    farthest: f32,
 }
 
 impl Shaper<'_> {
@@ -180,7 +183,7 @@ impl Shaper<'_> {
         let center = &self.lines[self.locks.centers[lock as usize] as usize];
         let flyaway = stray < self.unruly.flyaways;
         let share = if flyaway { 0.3 } else { 1.0 };
-        gather(line, center, &self.clumps, share * gathers, self.seed, name, rng);
+        gather(line, center, &self.clumps, (share * gathers, self.farthest), (self.seed, name), rng);
         let mut fraction = 1.0;
         if self.curls.any() {
             let twist = Twist::new(self.curls, self.seed, name, center[0]);
@@ -212,6 +215,8 @@ impl StrandShape {
 
 /// Painted clumps.
 const CLUMPS: Clumps = Clumps { spacing: 0.008, strength: 0.95, start: 0.0, lock: 0.0, tip_spread: 1.0 };
+/// Largest way to the middle of a painted clump, meters.
+const FARTHEST: f32 = 0.02;
 /// Painted frizz.
 const FRIZZ: Unrest =
     Unrest { frizz: 0.0018, strays: 0.3, stray: 0.006, flyaways: 0.06, flyaway: 0.015, shorter: 0.0 };
@@ -285,6 +290,7 @@ pub(crate) fn shaped(groom: &Groom, shapes: &[StrandShape]) -> Groom {
                 lines: &lines,
                 skull: Vec3::ZERO,
                 seed: SEED,
+                farthest: FARTHEST,
             };
             let mut rng = Rng::new(pcg(SEED ^ pcg(ids[*i])), 1);
             let stray = if frizz > 0.0 { rng.unit() } else { 1.0 };
@@ -355,9 +361,8 @@ fn gather(
     line: &mut [Vec3],
     center: &[Vec3],
     clumps: &Clumps,
-    share: f32,
-    seed: u32,
-    lock: u32,
+    (share, farthest): (f32, f32),
+    (seed, lock): (u32, u32),
     rng: &mut Rng,
 ) {
     let mut shared = Rng::new(seed ^ 0xbeef, lock);
@@ -375,7 +380,8 @@ fn gather(
         // A strand longer than the center continues beside its end.
         let there = 1.0 - smoothstep(0.85 * reach, 1.05 * reach, along);
         let middle = walk.at(along.min(reach));
-        *p = p.lerp(middle, strength * smoothstep(clumps.start, 0.85, t) * there);
+        let share = strength * smoothstep(clumps.start, 0.85, t) * there;
+        *p = p.lerp(middle, share.min(farthest / p.distance(middle).max(1e-9)));
     }
 }
 

@@ -32,7 +32,7 @@ use crate::{
 use anyhow::{Context, Result};
 use eframe::egui;
 use std::time::Duration;
-use tresses::groom::{edit::BrushTool, styles::Style};
+use tresses::groom::styles::Style;
 
 /// The studio.
 pub struct Studio {
@@ -164,7 +164,7 @@ impl Studio {
             viewport::alarm(&sentence, ui, rect);
             return;
         }
-        let over = Overlay::new(ui, rect);
+        let over = Overlay::new(ui, rect, viewport.tool.brush().is_some());
         let shown = renderer.show.is_some();
         if shown && !self.bare {
             over.tools(viewport, document, renderer, &self.dialogs);
@@ -196,7 +196,10 @@ impl Studio {
             self.left = None;
         }
         let Some(left) = self.left.as_ref().filter(|_| self.document.shown.is_some()) else { return };
-        let Some(recovers) = Overlay::new(ui, rect).recovery(left) else { return };
+        let Some(recovers) = Overlay::new(ui, rect, self.viewport.tool.brush().is_some()).recovery(left)
+        else {
+            return;
+        };
         match recovers.then(|| self.document.recover(left, &mut self.messages)) {
             Some(Ok(())) => self.viewport.tool = Tool::Brush(Default::default()),
             Some(Err(error)) => self.messages.fail(error),
@@ -221,7 +224,7 @@ impl Studio {
     /// flight.
     fn draw(&mut self, context: &egui::Context) {
         let Self { document, renderer, viewport, recorder, messages, .. } = self;
-        viewport.live &= viewport.tool.brush().is_some_and(BrushTool::acts_in_motion);
+        viewport.lead(renderer);
         document.groom(viewport.tool.brush().is_some(), viewport.live, renderer, messages);
         renderer.dirty |= std::mem::take(&mut document.dirty) | renderer.orbit.is_gliding();
         renderer.orbit.advance(context.input(|input| input.stable_dt));

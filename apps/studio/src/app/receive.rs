@@ -37,7 +37,12 @@ impl Studio {
                 }
                 Answer::Picture(name, files) => self.panels.asked.push(MapChoice::new(name, files)),
                 Answer::Do(command) => self.obey(command),
-                Answer::Kept(guides) => document.keep_shape(&guides, messages),
+                Answer::Kept(guides) => {
+                    document.keep_shape(&guides, messages);
+                    if self.viewport.live {
+                        self.viewport.set_live(false, &mut self.renderer);
+                    }
+                }
                 Answer::Left(left) => self.left = Some(left),
                 Answer::Wrote(sentence) => messages.said = Some(sentence),
                 Answer::Failed(sentence) => messages.error = Some(sentence),

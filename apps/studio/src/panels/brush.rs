@@ -1,15 +1,18 @@
-//! The strip above the picture: the settings of the brush, and what there is to save.
+//! The strip below the head: the settings of the brush. Also the button that saves.
 
 use crate::{dialog::Dialogs, document::Document, groomer::Groomer, theme};
 use eframe::egui::{ComboBox, DragValue, RichText, Slider, Ui};
 use tresses::groom::edit::{Brush, BrushTool, CurlType, Falloff, Reach};
 
 /// Shows the strip.
-pub fn show(brush: &mut Brush, document: &mut Document, dialogs: &Dialogs, ui: &mut Ui) {
+pub fn show(brush: &mut Brush, document: &Document, dialogs: &Dialogs, ui: &mut Ui) {
     ui.horizontal_wrapped(|ui| {
         // Fields instead of sliders: the strip lies over the hair.
         ui.spacing_mut().slider_width = 0.0;
-        number(&mut brush.radius, ("Radius", 1e3, 1.0..=150.0, " mm"), "Keys [ and ], or Ctrl and the wheel", ui);
+        if !brush.tool.draws() {
+            let help = "Keys [ and ], or Ctrl and the wheel";
+            number(&mut brush.radius, ("Radius", 1e3, 1.0..=150.0, " mm"), help, ui);
+        }
         match brush.tool {
             BrushTool::Plant => {
                 number(&mut brush.length, ("Length", 1e3, 2.0..=1000.0, " mm"), "Length of new hair", ui);
@@ -35,7 +38,9 @@ pub fn show(brush: &mut Brush, document: &mut Document, dialogs: &Dialogs, ui: &
         if matches!(brush.tool, BrushTool::Plant | BrushTool::Refine) {
             let help = "Distance between guides: strands follow these";
             number(&mut brush.spacing, ("Guides every", 1e3, 1.0..=50.0, " mm"), help, ui);
-        } else if !brush.tool.acts_on_roots() || brush.tool == BrushTool::Color {
+        } else if brush.tool == BrushTool::Color
+            || !(brush.tool.acts_on_roots() || brush.tool.paints() || brush.tool.draws())
+        {
             number(
                 &mut brush.root_tip,
                 ("Root, tip", 1e2, -100.0..=100.0, " %"),
@@ -52,14 +57,18 @@ pub fn show(brush: &mut Brush, document: &mut Document, dialogs: &Dialogs, ui: &
         choice("Which hair the brush reaches", &mut brush.reach, &reaches, ui);
         let help = "Falloff, share and what hair keeps; strokes as a file";
         ui.menu_button("More", |ui| more(brush, document, dialogs, ui)).response.on_hover_text(help);
-        let Some(groomer) = &document.groomer else { return };
-        if ui.button("Save…").on_hover_text("Hair and head as a .groom file, to go on later").clicked() {
-            let name = document.settings.hair().source.name();
-            let stem = name.split('.').next().unwrap_or("hair");
-            dialogs.save("Save groom", &format!("{stem}.groom"), groomer.document().write());
-            document.saves_groom();
-        }
     });
+}
+
+/// Shows the button that saves the groom.
+pub fn save(document: &mut Document, dialogs: &Dialogs, ui: &mut Ui) {
+    let Some(groomer) = &document.groomer else { return };
+    if ui.button("Save…").on_hover_text("Hair and head as a .groom file, to go on later").clicked() {
+        let name = document.settings.hair().source.name();
+        let stem = name.split('.').next().unwrap_or("hair");
+        dialogs.save("Save groom", &format!("{stem}.groom"), groomer.document().write());
+        document.saves_groom();
+    }
 }
 
 fn percent(name: &'static str) -> (&'static str, f32, std::ops::RangeInclusive<f32>, &'static str) {

@@ -25,7 +25,7 @@ pub fn answer(
     panels: &mut Panels,
     document: &mut Document,
     renderer: &mut Renderer,
-    Viewport { tool, kit, live, .. }: &mut Viewport,
+    viewport: &mut Viewport,
     (dialogs, messages): (&Dialogs, &mut Messages),
     context: &egui::Context,
 ) {
@@ -44,21 +44,17 @@ pub fn answer(
     let keep = KeyboardShortcut::new(Modifiers::SHIFT, Key::Space);
     if context.input_mut(|input| input.consume_shortcut(&keep)) && document.groomer.is_some() {
         super::keep(renderer, dialogs);
-        *live = false;
     }
     // Several presses may arrive within one frame.
     let presses = |key| context.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key));
     let pressed = |key| presses(key) > 0;
     if presses(Key::Space) % 2 == 1 {
-        if let Some(brush) = tool.brush() {
-            *live = !*live;
-            if !brush.acts_in_motion() {
-                *tool = Tool::Brush(Default::default());
-            }
-        } else {
-            renderer.playback.play.playing = !renderer.playback.play.playing;
+        match viewport.tool.brush() {
+            Some(_) => viewport.set_live(!viewport.live, renderer),
+            None => renderer.playback.play.playing = !renderer.playback.play.playing,
         }
     }
+    let Viewport { tool, kit, .. } = viewport;
     let groom = KeyboardShortcut::new(Modifiers::COMMAND, Key::G);
     if context.input_mut(|input| input.consume_shortcut(&groom)) {
         *tool = if tool.brush().is_some() { Tool::Hand } else { Tool::Brush(Default::default()) };

@@ -29,6 +29,9 @@ const DIAL: f32 = 130.0;
 /// Viewport height below which the dial does not fit under the tools, points.
 const LOW: f32 = 290.0;
 
+/// Height of the strip with the settings of a brush, points.
+const STRIP: f32 = 48.0;
+
 /// Maximum width of the hair's name in the progress of a job, points.
 const WORDS: f32 = 260.0;
 
@@ -37,12 +40,14 @@ pub struct Overlay<'a> {
     ui: &'a Ui,
     /// The viewport.
     rect: Rect,
+    /// Height of the strip at the bottom, points.
+    strip: f32,
 }
 
 impl<'a> Overlay<'a> {
-    /// Creates the controls over the viewport at `rect`.
-    pub fn new(ui: &'a Ui, rect: Rect) -> Self {
-        Self { ui, rect }
+    /// Creates the controls over the viewport at `rect`; with room for a strip at the bottom if a brush `grooms`.
+    pub fn new(ui: &'a Ui, rect: Rect, grooms: bool) -> Self {
+        Self { ui, rect, strip: if grooms { STRIP } else { 0.0 } }
     }
 
     fn area(&self, name: &str, anchor: Align2, offset: Vec2) -> Area {
@@ -59,12 +64,12 @@ impl<'a> Overlay<'a> {
     pub fn tools(
         &self,
         viewport: &mut Viewport,
-        document: &Document,
+        document: &mut Document,
         renderer: &mut Renderer,
         dialogs: &Dialogs,
     ) {
         self.at("tools", Align2::LEFT_TOP, Vec2::ZERO, |ui| match viewport.tool.brush() {
-            Some(brush) => self.brushes(brush, viewport, renderer, dialogs, ui),
+            Some(brush) => self.brushes(brush, viewport, (document, renderer), dialogs, ui),
             None => hands(viewport, document, renderer, dialogs, ui),
         });
     }
@@ -73,29 +78,28 @@ impl<'a> Overlay<'a> {
     fn brushes(
         &self,
         brush: BrushTool,
-        Viewport { tool, live, .. }: &mut Viewport,
-        renderer: &Renderer,
+        viewport: &mut Viewport,
+        (document, renderer): (&mut Document, &mut Renderer),
         dialogs: &Dialogs,
         ui: &mut Ui,
     ) {
-        if let Some(chosen) = palette::show(brush, *live, self.rect, ui) {
-            *tool = Tool::Brush(chosen);
+        if let Some(chosen) = palette::show(brush, viewport.live, self.rect, ui) {
+            viewport.tool = Tool::Brush(chosen);
         }
         ui.separator();
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             ui.set_max_width(palette::width(self.rect));
+            ui.spacing_mut().item_spacing.x = 4.0;
             let help = "The hair moves, and brushes push it\nKey Space";
-            if ui.selectable_label(*live, "Live").on_hover_text(help).clicked() {
-                *live = !*live;
-                if !brush.acts_in_motion() {
-                    *tool = Tool::Brush(Default::default());
-                }
+            if ui.selectable_label(viewport.live, "Live").on_hover_text(help).clicked() {
+                viewport.set_live(!viewport.live, renderer);
             }
-            if *live {
-                keep_button(live, renderer, dialogs, ui);
+            if viewport.live {
+                keep_button(renderer, dialogs, ui);
             }
+            panels::brush::save(document, dialogs, ui);
             if ui.button("Done").on_hover_text("Ends grooming\nKeys Ctrl G").clicked() {
-                *tool = Tool::Hand;
+                viewport.tool = Tool::Hand;
             }
         });
     }
@@ -116,11 +120,10 @@ impl<'a> Overlay<'a> {
         });
     }
 
-    /// Shows the settings of the brush of `tool`, and what there is to save.
+    /// Shows the settings of the brush of `tool`, below the head.
     pub fn brush(&self, tool: BrushTool, kit: &mut BrushKit, document: &mut Document, dialogs: &Dialogs) {
-        let left = palette::width(self.rect) + 3.0 * GAP;
-        self.at("brush", Align2::LEFT_TOP, vec2(left, 40.0), |ui| {
-            ui.set_max_width(self.rect.width() - left - 3.0 * GAP);
+        self.at("brush", Align2::CENTER_BOTTOM, Vec2::ZERO, |ui| {
+            ui.set_max_width(self.rect.width() - 4.0 * GAP);
             let mut brush = kit.brush(tool);
             panels::brush::show(&mut brush, document, dialogs, ui);
             kit.set(brush);
@@ -196,14 +199,14 @@ impl<'a> Overlay<'a> {
     pub fn legend(&self, renderer: &Renderer) {
         if renderer.show.is_some() && renderer.debug.is_some() {
             let free = free(self.rect);
-            let lift = vec2(0.0, -free.lift);
+            let lift = vec2(0.0, -free.lift - self.strip);
             self.at("legend", free.anchor, lift, |ui| panels::legend::show(renderer, ui, free.width));
         }
     }
 
     /// Asks whether groomed hair that an earlier studio has left is recovered. Returns the answer.
     pub fn recovery(&self, left: &LeftGroom) -> Option<bool> {
-        self.at("recovery", Align2::CENTER_BOTTOM, Vec2::ZERO, |ui| {
+        self.at("recovery", Align2::CENTER_BOTTOM, vec2(0.0, -self.strip), |ui| {
             let buttons = ui.horizontal(|ui| {
                 ui.label(format!("A groom was not saved: {}, {}.", left.name, left.age()));
                 let recover = ui.button("Recover").on_hover_text("Opens it");
@@ -226,7 +229,7 @@ impl<'a> Overlay<'a> {
                 }
             });
         };
-        self.area("error", free.anchor, vec2(0.0, -free.lift)).show(self.ui.ctx(), |ui| {
+        self.area("error", free.anchor, vec2(0.0, -free.lift - self.strip)).show(self.ui.ctx(), |ui| {
             ui.set_max_width(free.width);
             plate().show(ui, show);
         });
@@ -235,7 +238,7 @@ impl<'a> Overlay<'a> {
 
 /// Shows the tools besides brushes.
 fn hands(
-    Viewport { tool, live, .. }: &mut Viewport,
+    Viewport { tool, .. }: &mut Viewport,
     document: &Document,
     renderer: &mut Renderer,
     dialogs: &Dialogs,
@@ -259,17 +262,16 @@ fn hands(
             *tool = Tool::Brush(Default::default());
         }
         if document.groomer.is_some() {
-            keep_button(live, renderer, dialogs, ui);
+            keep_button(renderer, dialogs, ui);
         }
     });
 }
 
-/// Shows the button that keeps the shape of moving hair, which ends brushes on it.
-fn keep_button(live: &mut bool, renderer: &Renderer, dialogs: &Dialogs, ui: &mut Ui) {
+/// Shows the button that keeps the shape of moving hair.
+fn keep_button(renderer: &Renderer, dialogs: &Dialogs, ui: &mut Ui) {
     let help = "The groomed hair keeps the shape that it has now, pulled or blown\nKeys Shift Space";
     if ui.button("Keep").on_hover_text(help).clicked() {
         panels::keep(renderer, dialogs);
-        *live = false;
     }
 }
 

@@ -116,3 +116,34 @@ fn invalid_input_is_rejected() {
     let options = BindOptions { guide_vertices: Some(1000), ..Default::default() };
     assert!(bind(&groom(10), &options).unwrap_err().to_string().contains("guide_vertices is 1000"));
 }
+
+#[test]
+fn fur_is_drawn_with_as_many_vertices_as_its_curve_needs() {
+    // Arcs of 3 cm that bend by `angle`, of four vertices.
+    let fur = |angle: f32, length: f32| {
+        let mut strands = Strands::default();
+        for i in 0..500 {
+            let root = Vec3::new(0.002 * (i % 25) as f32, 0.0, 0.002 * (i / 25) as f32);
+            let at = |k: usize| {
+                let s = k as f32 / 3.0;
+                let (radius, turn) = (length / angle, angle * s);
+                root + radius * Vec3::new(1.0 - turn.cos(), turn.sin(), 0.0)
+            };
+            strands.push(&[0, 1, 2, 3].map(at));
+        }
+        strands
+    };
+    let count = |strands: &Strands| {
+        let groom = bind(strands, &BindOptions::default()).unwrap();
+        (groom.strands.vertex_count, groom.guides.vertex_count)
+    };
+    assert_eq!(count(&fur(0.2, 0.03)), (4, 8));
+    let bent = count(&fur(1.8, 0.03));
+    assert!((5..=8).contains(&bent.0), "{bent:?}");
+    // Long hair.
+    assert_eq!(count(&fur(0.2, 0.3)), (31, 32));
+    // What is asked for is done.
+    let options = BindOptions { strand_vertices: Some(20), guide_vertices: Some(12), ..Default::default() };
+    let groom = bind(&fur(0.2, 0.03), &options).unwrap();
+    assert_eq!((groom.strands.vertex_count, groom.guides.vertex_count), (20, 12));
+}

@@ -100,7 +100,7 @@ impl BrushTool {
 
     /// Whether the tool is aimed at the skin: it acts on hair whose root is under the brush.
     pub fn acts_on_roots(self) -> bool {
-        matches!(self, Self::Plant | Self::Remove | Self::Slide | Self::Refine | Self::Part) || self.paints()
+        matches!(self, Self::Plant | Self::Remove | Self::Slide | Self::Refine | Self::Part)
     }
 
     /// Whether the stroke draws a line or an outline, which the tool then acts on.
@@ -184,9 +184,9 @@ impl Falloff {
 #[repr(u8)]
 pub enum CurlType {
     /// Loose flat waves.
-    #[default]
     Waves,
     /// Ringlets as wide as a piece of chalk.
+    #[default]
     Ringlets,
     /// Tight coils as wide as a pencil.
     Coils,
@@ -265,7 +265,7 @@ impl Default for Brush {
             length: 0.1,
             density: 40.0,
             color: [0.75, 0.3, 0.2],
-            curls: CurlType::Waves,
+            curls: CurlType::Ringlets,
             layer: None,
             mirror: true,
             inverted: false,
@@ -281,7 +281,10 @@ impl Brush {
             BrushTool::Lay => Self { keep_volume: 0.0, ..base },
             BrushTool::Plant => Self { neighbors: 0.0, ..base },
             BrushTool::Refine => Self { spacing: 3e-3, ..base },
-            BrushTool::Slide => Self { strength: 1.0, ..base },
+            BrushTool::Comb => Self { strength: 0.8, ..base },
+            BrushTool::Slide | BrushTool::Clump | BrushTool::Curl | BrushTool::Frizz => {
+                Self { strength: 1.0, ..base }
+            }
             BrushTool::Grab | BrushTool::Cut | BrushTool::Line | BrushTool::Lasso | BrushTool::Remove => {
                 Self { strength: 1.0, ..base }
             }

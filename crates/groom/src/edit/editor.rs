@@ -9,11 +9,15 @@ use super::{
     looks::StrandLooks,
     roots::RootStroke,
     sample::StrokeSample,
-    solve::{BEND, PressState, Solver, reached, turned, unit},
+    solve::{BEND, PressState, Solver, reached, unit},
     tools::{Dab, Surroundings, Weights},
 };
 use crate::{
-    Error, Groom, Result, SdfGrid, TriMesh, hash::pcg, mesh::Bvh, near::PointTree, progress::in_parallel,
+    Error, Groom, Result, SdfGrid, TriMesh,
+    hash::{self, pcg},
+    mesh::Bvh,
+    near::PointTree,
+    progress::in_parallel,
 };
 use glam::Vec3;
 use std::{
@@ -84,7 +88,7 @@ pub(super) struct ActiveStroke {
 impl ActiveStroke {
     /// Returns a random number of a guide or strand, 0 to 1, that stays the same during the stroke.
     fn chance(&self, i: u32) -> f32 {
-        (pcg(i ^ self.seed) >> 8) as f32 / (1 << 24) as f32
+        hash::unit(pcg(i ^ self.seed))
     }
 
     /// Whether a tool that takes a share of the strands takes strand `i`.
@@ -94,11 +98,11 @@ impl ActiveStroke {
 }
 
 /// A guide that a dab has moved, and its state at the press.
-struct MovedGuide {
-    vertices: Vec<Vec3>,
-    press: Arc<PressState>,
+pub(super) struct MovedGuide {
+    pub vertices: Vec<Vec3>,
+    pub press: Arc<PressState>,
     /// Factor of its length.
-    growth: f32,
+    pub growth: f32,
 }
 
 /// A groom under a brush.
@@ -339,7 +343,7 @@ impl GroomEditor {
             stroke.grabbed = self.under(&stroke, &dabs).iter().filter_map(weights).collect();
         }
         self.stroke = Some(stroke);
-        if brush.tool.acts_in_place() || on_roots {
+        if brush.tool.acts_in_place() || on_roots || brush.tool.paints() {
             self.dab(sample, Vec3::ZERO);
         }
         Ok(true)
@@ -537,7 +541,7 @@ impl GroomEditor {
         if stroke.brush.tool == BrushTool::Slide {
             return self.slide(&dabs);
         }
-        if stroke.brush.tool.acts_on_roots() {
+        if stroke.brush.tool.acts_on_roots() || stroke.brush.tool.paints() {
             let turns = stroke.brush.tool == BrushTool::Part;
             self.dab_roots(&dabs);
             if !turns {
@@ -576,32 +580,6 @@ impl GroomEditor {
         self.take(moved);
     }
 
-    /// Moves roots over the skin, with their hair.
-    fn slide(&mut self, dabs: &[Dab]) {
-        let Some(stroke) = &self.stroke else { return };
-        let (brush, field) = (&stroke.brush, self.ground.field.as_deref());
-        let solver = Solver { field, keep_shape: 0.0, keep_volume: 0.0, bend: None };
-        let near = vec![1.0; self.document.vertex_count()];
-        let moved = self.changed(&self.under(stroke, dabs), |i| {
-            let guide = self.guide(i);
-            let weight = |dab: &Dab| dab.near(guide[0], brush) * dab.strength;
-            let dab = dabs.iter().reduce(|a, b| if weight(b) > weight(a) { b } else { a })?;
-            let way = dab.motion * weight(dab);
-            if way == Vec3::ZERO {
-                return None;
-            }
-            let reach = SKIN + way.length();
-            let (_, before) = self.ground.nearest(guide[0], SKIN)?;
-            let (root, normal) = self.ground.nearest(guide[0] + way, reach)?;
-            let line: Vec<Vec3> =
-                guide.iter().map(|p| root + turned(*p - guide[0], before, normal)).collect();
-            let press = self.pressed(stroke, i);
-            let vertices = solver.solve(&line, &line, &near, 1, &press);
-            Some(MovedGuide { vertices, press, growth: 1.0 })
-        });
-        self.take(moved);
-    }
-
     /// Moves the hair that is held: always from the press, so that the way does not matter.
     fn pull(&mut self) {
         let Some(stroke) = &self.stroke else { return };
@@ -627,7 +605,7 @@ impl GroomEditor {
     }
 
     /// Returns `of` for each of `guides` that it changes, in order.
-    fn changed(
+    pub(super) fn changed(
         &self,
         guides: &[usize],
         of: impl Fn(usize) -> Option<MovedGuide> + Sync,
@@ -639,7 +617,7 @@ impl GroomEditor {
         }
     }
 
-    fn take(&mut self, moved: Vec<(usize, MovedGuide)>) {
+    pub(super) fn take(&mut self, moved: Vec<(usize, MovedGuide)>) {
         self.dab_count += 1;
         for (i, MovedGuide { vertices, press, growth }) in moved {
             self.place(i, &vertices);
@@ -655,7 +633,7 @@ impl GroomEditor {
     }
 
     /// Returns the state of guide `i` at the press.
-    fn pressed(&self, stroke: &ActiveStroke, i: usize) -> Arc<PressState> {
+    pub(super) fn pressed(&self, stroke: &ActiveStroke, i: usize) -> Arc<PressState> {
         let new = || Arc::new(PressState::new(self.document.guide(i), self.ground.field.as_deref()));
         stroke.pressed[i].clone().unwrap_or_else(new)
     }
@@ -706,7 +684,8 @@ impl GroomEditor {
     }
 }
 
-fn sphere(guide: &[Vec3]) -> (Vec3, f32) {
-    let (lo, hi) = guide.iter().fold((guide[0], guide[0]), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+/// Returns a sphere around `line`.
+pub(super) fn sphere(line: &[Vec3]) -> (Vec3, f32) {
+    let (lo, hi) = line.iter().fold((line[0], line[0]), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
     (0.5 * (lo + hi), 0.5 * (hi - lo).length())
 }

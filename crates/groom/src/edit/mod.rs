@@ -33,6 +33,7 @@ mod roots;
 mod sample;
 mod scissors;
 pub mod script;
+mod slide;
 mod solve;
 mod tools;
 

@@ -3,7 +3,7 @@
 use super::{BrushTool, GroomDocument, GroomEditor, editor::ActiveStroke, tools::Dab};
 use crate::{
     bound::strand::{pack_color, unpack_color},
-    hash::pcg,
+    hash::{self, pcg},
     restyle::StrandShape,
     srgb::linear,
 };
@@ -19,14 +19,19 @@ const AMOUNT: f32 = 40.0;
 const TINT: f32 = 0.3;
 
 impl GroomEditor {
-    /// Paints strands or guides with their roots under `dabs`.
+    /// Paints strands or guides under `dabs`.
     pub(super) fn paint(&self, stroke: &mut ActiveStroke, dabs: &[Dab]) {
         let brush = stroke.brush;
         let looks = stroke.looks.get_or_insert_with(|| self.document.looks());
-        let weight = |root: Vec3| {
-            let weights = dabs.iter().map(|dab| dab.near(root, &brush) * dab.strength);
-            weights.fold(0.0, f32::max)
+        let weight = |sphere: (Vec3, f32), line: &[Vec3]| {
+            let of = |dab: &Dab| {
+                let near = line.iter().map(|p| dab.near(*p, &brush)).fold(0.0, f32::max);
+                near * dab.strength
+            };
+            let near = dabs.iter().filter(|dab| dab.meets(sphere, brush.reach));
+            near.map(of).fold(0.0, f32::max)
         };
+        let guide = |i: usize| weight(self.spheres[i], self.guide(i));
         let changed = |value: f32, first: f32, weight: f32| {
             let factor = 1.0 + CHANGE * weight;
             let after = if brush.inverted { value / factor } else { value * factor };
@@ -36,7 +41,7 @@ impl GroomEditor {
             for (i, stiffness) in
                 looks.stiffness.iter_mut().enumerate().filter(|(i, _)| self.is_open(&brush, *i))
             {
-                let weight = weight(self.guide(i)[0]);
+                let weight = guide(i);
                 if weight > 0.0 {
                     *stiffness = changed(*stiffness, self.base.guides.stiffness[i], weight);
                     stroke.painted = true;
@@ -46,7 +51,7 @@ impl GroomEditor {
         }
         if brush.tool == BrushTool::Hold {
             for (i, held) in looks.held.iter_mut().enumerate().filter(|(i, _)| self.is_open(&brush, *i)) {
-                let changes = *held == brush.inverted && weight(self.guide(i)[0]) > 0.0;
+                let changes = *held == brush.inverted && guide(i) > 0.0;
                 *held ^= changes;
                 stroke.painted |= changes;
             }
@@ -58,8 +63,9 @@ impl GroomEditor {
         }
         let base = &self.base.strands;
         let strands = looks.strands.iter_mut().zip(&base.bindings).zip(&base.strands);
-        for (i, (((strand, binding), first), root)) in strands.zip(&stroke.roots.roots).enumerate() {
-            let weight = weight(*root);
+        for (i, (((strand, binding), first), (sphere, line))) in strands.zip(&stroke.roots.lines).enumerate()
+        {
+            let weight = weight(*sphere, line);
             if weight <= 0.0 || !self.is_open(&brush, binding.guides[0] as usize) {
                 continue;
             }
@@ -88,8 +94,7 @@ impl GroomEditor {
                 continue;
             }
             // The pigment of strands without a color is not known here, so a random share of them takes the color whole.
-            let chance = stroke.seed ^ i as u32;
-            let chance = (pcg(chance) >> 8) as f32 / (1 << 24) as f32;
+            let chance = hash::unit(pcg(stroke.seed ^ i as u32));
             let mixed = |now: u32, share: f32| match unpack_color(now) {
                 Some(now) => pack_color(now.lerp(color, (TINT * weight * share).min(1.0))),
                 None if chance < weight * share => pack_color(color),

@@ -2,13 +2,17 @@
 
 use super::{
     Brush, BrushTool, GroomDocument, GroomEditor, StrokeSample,
-    editor::ActiveStroke,
+    editor::{ActiveStroke, sphere},
     ground::Ground,
     roots::{PartingPoint, RootChanges, RootStroke, across},
     solve::unit,
     tools::Dab,
 };
-use crate::{hash::pcg, near::PointTree, progress::in_parallel};
+use crate::{
+    hash::{self, pcg},
+    near::PointTree,
+    progress::in_parallel,
+};
 use glam::Vec3;
 
 /// Candidates per dab, relative to the places that the brush has for guides; and the most.
@@ -33,21 +37,26 @@ impl GroomEditor {
         let density = if brush.tool == BrushTool::Plant { brush.density * 1e4 } else { 0.0 };
         let group = brush.layer;
         let changes = RootChanges { spacing, density, reach, group, ..RootChanges::default() };
-        let needs_roots =
-            matches!(brush.tool, BrushTool::Remove | BrushTool::Refine) || brush.tool.paints_strands();
-        RootStroke { changes, roots: if needs_roots { self.strand_roots() } else { Vec::new() } }
+        let needs_roots = matches!(brush.tool, BrushTool::Remove | BrushTool::Refine);
+        let roots = if needs_roots { self.strand_lines(|line| line[0]) } else { Vec::new() };
+        let lines = match brush.tool.paints_strands() {
+            true => self.strand_lines(|line| (sphere(line), line.to_vec())),
+            false => Vec::new(),
+        };
+        RootStroke { changes, roots, lines }
     }
 
-    fn strand_roots(&self) -> Vec<Vec3> {
+    /// Returns what `of` finds of each strand.
+    fn strand_lines<T: Send>(&self, of: impl Fn(&[Vec3]) -> T + Sync) -> Vec<T> {
         let strands = self.document.unshaped();
         let all: Vec<usize> = (0..strands.base().strands.len()).collect();
-        in_parallel(&all, |i| strands.strand(*i).0[0])
+        in_parallel(&all, |i| of(&strands.strand(*i).0))
     }
 
     /// Returns the new guides of the current stroke, and the roots of strands that it removes.
     pub fn root_marks(&self) -> (&[Vec<Vec3>], Vec<Vec3>) {
         let Some(stroke) = &self.stroke else { return (&[], Vec::new()) };
-        let RootStroke { changes, roots } = &stroke.roots;
+        let RootStroke { changes, roots, .. } = &stroke.roots;
         (&changes.planted, changes.removed.iter().filter_map(|i| roots.get(*i)).copied().collect())
     }
 
@@ -126,7 +135,7 @@ impl GroomEditor {
                 if !faces || dab.near(root, &brush) <= 0.0 || lines().any(near) {
                     continue;
                 }
-                let layer = (pcg(random ^ 0x51ed) >> 8) as f32 / (1 << 24) as f32;
+                let layer = hash::unit(pcg(random ^ 0x51ed));
                 let fallen = fallen(&self.ground, root, normal, self.document.middle(), &brush, layer, n);
                 let line = match brush.neighbors > 0.0 {
                     true => self.like_neighbors(fallen, lines(), &brush),
@@ -168,7 +177,7 @@ impl GroomEditor {
         let Some((strands, _)) = &stroke.strands else { return };
         let guides: Vec<Vec3> = (0..self.spheres.len()).map(|i| self.guide(i)[0]).collect();
         let (tree, mut found) = (PointTree::new(&guides), Vec::new());
-        let RootStroke { changes, roots } = &mut stroke.roots;
+        let RootStroke { changes, roots, .. } = &mut stroke.roots;
         for (i, root) in roots.iter().enumerate() {
             if !dabs.iter().any(|dab| dab.near(*root, &brush) > 0.0) {
                 continue;
@@ -188,7 +197,7 @@ fn in_disc(seed: u32) -> [f32; 2] {
     loop {
         let [u, v] = [0, 1].map(|_| {
             bits = pcg(bits);
-            (bits >> 8) as f32 / (1 << 23) as f32 - 1.0
+            2.0 * hash::unit(bits) - 1.0
         });
         if u * u + v * v <= 1.0 {
             return [u, v];

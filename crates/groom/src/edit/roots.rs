@@ -65,6 +65,8 @@ pub(super) struct RootStroke {
     pub changes: RootChanges,
     /// The root of each strand at the press; empty unless the tool needs them.
     pub roots: Vec<Vec3>,
+    /// Each strand at the press, with a sphere around it; empty unless the tool needs them.
+    pub lines: Vec<((Vec3, f32), Vec<Vec3>)>,
 }
 
 impl RootChanges {

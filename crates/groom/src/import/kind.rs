@@ -15,7 +15,7 @@ pub enum FileKind {
 }
 
 /// Returns whether the groom `name` also holds a mesh, which is its head if no other is given. Such grooms are glTF
-/// files, USD files with hair and mesh on a skeleton, and USD files that this crate wrote.
+/// and USD files with hair and a visible mesh.
 pub fn holds_body(name: &Path, bytes: &[u8]) -> bool {
     Format::of(name).and_then(|format| format.holds_body).is_some_and(|holds| holds(name, bytes))
 }

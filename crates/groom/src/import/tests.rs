@@ -245,6 +245,50 @@ proptest! {
     }
 }
 
+/// Returns a `.ply` of points without edges, strand after strand.
+fn ply_points(strands: &[Vec<Vec3>], color: impl Fn(usize) -> Option<[u8; 3]>) -> Vec<u8> {
+    let count = strands.iter().map(Vec::len).sum::<usize>();
+    let colors = color(0).map_or("", |_| "property uchar red\nproperty uchar green\nproperty uchar blue\n");
+    let mut text = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {count}\nproperty float x\nproperty float y\nproperty float z\n{colors}end_header\n"
+    )
+    .into_bytes();
+    for (i, strand) in strands.iter().enumerate() {
+        for p in strand {
+            text.extend(p.to_array().into_iter().flat_map(f32::to_le_bytes));
+            text.extend(color(i).into_iter().flatten());
+        }
+    }
+    text
+}
+
+#[test]
+fn points_without_edges_are_cut_into_strands() {
+    let strand = |i: usize| {
+        let root = Vec3::new(0.013 * (i % 7) as f32, 0.1, 0.017 * (i / 7) as f32);
+        (0..100).map(|k| root - Vec3::Y * (1.5e-3 * k as f32)).collect::<Vec<_>>()
+    };
+    let strands: Vec<Vec<Vec3>> = (0..40).map(strand).collect();
+    let of = |i: usize| Some([(i * 37 % 251) as u8, (i * 91 % 255) as u8, 7]);
+    // By distances, and by colors where roots and tips are near each other.
+    let joined: Vec<Vec<Vec3>> =
+        (0..40).map(|i| (0..100).map(|k| Vec3::X * (1e-3 * (100 * i + k) as f32)).collect()).collect();
+    for (strands, bytes) in [
+        (&strands, ply_points(&strands, |_| None)),
+        (&strands, ply_points(&strands, of)),
+        (&joined, ply_points(&joined, of)),
+    ] {
+        let read = parse(Path::new("pc.ply"), &bytes, false).unwrap();
+        assert_eq!(read.strands.len(), 40);
+        assert!(read.strands.iter().zip(strands).all(|(read, given)| read == given));
+        assert!(read.notes.iter().any(|note| note.contains("strands of 100")), "{:?}", read.notes);
+    }
+    let says = |bytes: &[u8]| parse(Path::new("pc.ply"), bytes, false).err().unwrap().to_string();
+    assert!(says(&ply_points(&joined, |_| None)).contains("which strands they form"));
+    assert!(says(&ply_points(&joined, |_| Some([1, 2, 3]))).contains("which strands they form"));
+    assert!(says(&ply_points(&strands[..1], |_| None)).contains("without edges"));
+}
+
 #[test]
 fn nan_errors_state_their_position() {
     let mut groom = Strands::default();

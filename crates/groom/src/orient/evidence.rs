@@ -10,6 +10,11 @@ use glam::Vec3;
 use super::{Sphere, frame::Frame, likeness};
 use crate::{Strands, TriMesh, mesh::bvh::Bvh};
 
+/// Least mean direction of the roots on a head: 0.5 on a hemisphere, 0 all around.
+const ONE_SIDED: f32 = 0.3;
+/// Distance from their sphere, in radii, that four in five roots on a head keep.
+const OFF_SPHERE: f32 = 0.4;
+
 /// Features of hair.
 #[derive(Clone, Debug)]
 pub(super) struct HairFacts {
@@ -55,6 +60,19 @@ impl HairFacts {
             - 0.5 * self.fall.dot(up)
             - 0.8 * self.mean.dot(front)
             - 0.5 * self.mean.dot(side).abs()
+    }
+
+    /// Returns the length of the body, in the file's unit, if the roots lie all around it, as fur does, or on no sphere;
+    /// `None` if they lie on one side of a sphere, as on a head.
+    pub fn body(&self) -> Option<f32> {
+        let Sphere { center, radius } = self.sphere;
+        let mut off: Vec<f32> =
+            self.roots.iter().map(|root| (root.distance(center) / radius - 1.0).abs()).collect();
+        off.sort_unstable_by(f32::total_cmp);
+        let is_round = off[(off.len() - 1) * 4 / 5] < OFF_SPHERE;
+
+        let (lo, hi) = self.roots.iter().fold((Vec3::MAX, Vec3::MIN), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+        (self.mean.length() < ONE_SIDED || !is_round).then_some((hi - lo).max_element())
     }
 
     /// Returns half the breadth of the rooted area along `side`, without the outermost 2 % at both ends.

@@ -127,6 +127,9 @@ fn unit_of_hair(placement: &mut Placement, facts: &HairFacts, known: &KnownOrien
     // A strip or a single tuft has no breadth; use its sphere.
     let breadth = if breadth > 0.1 * facts.sphere.radius { breadth } else { facts.sphere.radius };
     let (unit, known) = size::unit(breadth, HALF_BREADTH);
+    if !known && explain_body(placement, facts.body()) {
+        return;
+    }
     placement.unit = unit;
     let seen = format!(
         "the area with roots is {:.3} units wide; on a head it is {} cm",
@@ -134,6 +137,21 @@ fn unit_of_hair(placement: &mut Placement, facts: &HairFacts, known: &KnownOrien
         200.0 * HALF_BREADTH
     );
     explain_unit(placement, known, &seen);
+}
+
+/// Sets the unit of a `body` of this length, if hair lies around one. Returns whether a known unit fits.
+fn explain_body(placement: &mut Placement, body: Option<f32>) -> bool {
+    let Some((length, unit)) = body.and_then(|length| Some((length, size::unit_of_body(length)?))) else {
+        return false;
+    };
+    placement.unit = unit;
+    placement.reasons.push(format!(
+        "1 unit is 1 {}: the roots lie all around a body, which is then {:.2} m long",
+        unit.name(),
+        length * unit.0
+    ));
+    placement.doubts.push("the size is a guess; set the unit to be sure".into());
+    true
 }
 
 fn explain_unit(placement: &mut Placement, known: bool, seen: &str) {
@@ -166,11 +184,12 @@ pub fn head(mesh: &TriMesh, known: &KnownOrientation) -> Placement {
     placement
 }
 
-/// Sets the unit from crown and chin, from the breadth of the rooted area, or from both.
+/// Sets the unit from crown and chin, from the breadth of the rooted area, or from both. `hair` is half that breadth, and
+/// the length of the body if it is no head.
 fn unit_of_head(
     placement: &mut Placement,
     mesh: &TriMesh,
-    half_breadth: Option<f32>,
+    hair: Option<(f32, Option<f32>)>,
     choice: &Choice,
     source: &str,
 ) {
@@ -179,6 +198,10 @@ fn unit_of_head(
         placement.reasons.push(format!("1 unit is {} m: {source}", unit.0));
         return;
     }
+    if hair.is_some_and(|(_, body)| explain_body(placement, body)) {
+        return;
+    }
+    let half_breadth = hair.map(|(breadth, _)| breadth);
     let found = size::head(mesh, placement.axes(), half_breadth);
     let found = found.filter(|h| half_breadth.is_none_or(|b| (2.0..3.6).contains(&(h.height / b))));
     let (known, seen) = match (found, half_breadth) {

@@ -66,7 +66,7 @@ pub fn pair(
     unit_of_head(
         &mut upright,
         mesh,
-        Some(breadth),
+        Some((breadth, facts.body().map(|length| length * relation.unit.0))),
         &sized,
         source(of_head.given.unit, of_head.declared.unit, "stated by the format", "from the groom"),
     );

@@ -7,6 +7,8 @@ use crate::TriMesh;
 
 /// Half the breadth of the rooted area of a human head, meters.
 pub(super) const HALF_BREADTH: f32 = 0.08;
+/// Length of an animal with fur, meters.
+const BODY: std::ops::RangeInclusive<f32> = 0.1..=5.0;
 /// Crown to chin of a human head, meters.
 pub(super) const HEAD_HEIGHT: f32 = 0.22;
 
@@ -23,6 +25,12 @@ pub(super) fn unit(measured: f32, real: f32) -> (Unit, bool) {
         Some((_, meters)) => (Unit(*meters), true),
         None => (Unit(scale), false),
     }
+}
+
+/// Returns the first known metric unit in which an animal may be `measured` units long.
+pub(super) fn unit_of_body(measured: f32) -> Option<Unit> {
+    let fits = |meters: f32| BODY.contains(&(measured * meters));
+    Unit::KNOWN[..4].iter().find(|(_, meters)| fits(*meters)).map(|(_, meters)| Unit(*meters))
 }
 
 /// Crown and chin of a head, in the mesh's unit.
@@ -94,5 +102,7 @@ mod tests {
         assert_eq!(unit(8.3, HALF_BREADTH), (Unit(0.01), true));
         let (free, known) = unit(24.0, HALF_BREADTH);
         assert!(!known && (free.0 - 0.08 / 24.0).abs() < 1e-6);
+        assert_eq!([1.2, 120.0, 1200.0].map(unit_of_body), [1.0, 0.01, 0.001].map(|m| Some(Unit(m))));
+        assert_eq!(unit_of_body(1e9), None);
     }
 }

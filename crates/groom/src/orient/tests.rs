@@ -90,3 +90,23 @@ fn partial_declarations_leave_the_rest_to_guess() {
     .join("; ");
     assert!(told.contains("up x: given; face"), "{told}");
 }
+
+#[test]
+fn fur_around_a_body_keeps_its_size() {
+    let around = |unit: f32| {
+        let mut fur = Strands::default();
+        for i in 0..2000 {
+            let (turn, z) = (2.399_963 * i as f32, 1.2 * (i as f32 / 2000.0 - 0.5));
+            let radius = 0.2 * (1.0 - (z / 0.62) * (z / 0.62)).sqrt();
+            let out = Vec3::new(turn.cos(), turn.sin(), 0.0);
+            let root = Vec3::new(0.0, 0.5, z) + radius * out;
+            fur.push(&[root * unit, (root + 0.02 * (out - Vec3::Z)) * unit]);
+        }
+        groom(&fur, &KnownOrientation::default())
+    };
+    for (unit, meters) in [(1.0, 1.0), (100.0, 0.01), (1000.0, 0.001)] {
+        let placement = around(unit);
+        assert_eq!(placement.unit, Unit(meters), "{:?}", placement.reasons);
+        assert!(placement.doubts.iter().any(|doubt| doubt.contains("set the unit")));
+    }
+}

@@ -218,7 +218,7 @@ fn clumps_curls_and_frizz_are_painted_and_taken_back() {
             let comb = Brush { mirror: false, ..Brush::default() };
             let combed = stroke(&mut editor, &comb, &fixture.side_stroke()).unwrap();
             assert_eq!(combed.shapes(), after.shapes());
-            // Hair that is removed elsewhere leaves the rest as it is.
+            // Removing hair elsewhere changes no other strand.
             editor.go_to(after.clone()).unwrap();
             let flip = |v: Vec3, middle: f32| Vec3::new(2.0 * middle - v.x, v.y, v.z);
             let other = |it: &StrokeSample| StrokeSample {
@@ -239,7 +239,7 @@ fn clumps_curls_and_frizz_are_painted_and_taken_back() {
                 let count = origins.iter().enumerate().filter(|it| same(*it)).count();
                 assert!(count > origins.len() * 95 / 100, "{tool:?}: {count} of {}", origins.len());
             }
-            // Taken back to the bit.
+            // Inverted strokes make the hair bit-identical again.
             editor.go_to(after).unwrap();
             let back = Brush { inverted: true, ..brush };
             for _ in 0..60 {

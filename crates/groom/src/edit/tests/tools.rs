@@ -4,7 +4,7 @@ use super::*;
 
 /// Returns the tools that keep roots.
 fn shaping() -> impl Iterator<Item = (BrushTool, &'static str)> {
-    BrushTool::ALL.into_iter().filter(|(tool, _)| !tool.acts_on_roots())
+    BrushTool::ALL.into_iter().filter(|(tool, _)| !tool.acts_on_roots() && !tool.paints())
 }
 
 /// Checks lengths (of tools that keep them), depths and untouched guides of `after`, the result of a stroke on `before`.

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::runs;
 use crate::{
     error::{At, Result},
     formats::{
@@ -148,6 +149,7 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
     let mut raw = Raw::new("ply lines");
     let (elements, mut body) = header(source, &mut raw)?;
     let (mut points, mut radii, mut edges): (Vec<Vec3>, Vec<f32>, Vec<Vec<usize>>) = Default::default();
+    let mut colors: Vec<[u8; 3]> = Vec::new();
     for element in &elements {
         let mut row = vec![0.0; element.properties.len()];
         let places = |names: &[&str]| -> Result<Vec<usize>> {
@@ -162,7 +164,8 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
             "vertex" => {
                 source.check_vertices(0, element.count)?;
                 let (xyz, radius) = (places(&["x", "y", "z"])?, element.place("radius"));
-                if element.place("red").is_some() {
+                let rgb = places(&["red", "green", "blue"]).ok();
+                if rgb.is_some() {
                     raw.notes.push("colors per vertex are ignored".into());
                 }
                 for _ in 0..element.count {
@@ -175,6 +178,7 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
                     }
                     points.push(Vec3::from_slice(&read));
                     radii.extend(read.get(3));
+                    colors.extend(rgb.iter().map(|rgb| [0, 1, 2].map(|i| row[rgb[i]] as u8)));
                 }
             }
             "edge" => {
@@ -200,13 +204,24 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
             }
         }
     }
+    let has_faces = elements.iter().any(|element| element.name == "face" && element.count > 0);
+    if edges.is_empty()
+        && !has_faces
+        && let Some(length) = runs::length(&points, &colors)
+    {
+        raw.notes.push(format!("the file has no edges; its points form strands of {length}"));
+        points.chunks(length).for_each(|strand| raw.strands.push(strand));
+        raw.strands.radii = radii;
+        return Ok(raw);
+    }
     if edges.is_empty() {
-        let faces = elements.iter().any(|element| element.name == "face" && element.count > 0);
-        let what = if faces { "a mesh without edges" } else { "points without edges" };
-        return Err(source.problem(
-            At::File,
-            format!("the file holds {what}, so it has no strands; strands need the element “edge”"),
-        ));
+        let what = match has_faces {
+            true => "the file holds a mesh without edges, so it has no strands",
+            false => {
+                "the file holds points without edges, and they do not show which strands they form: neither by colors nor by distances"
+            }
+        };
+        return Err(source.problem(At::File, what));
     }
     for strand in chain(edges, points.len()) {
         raw.strands.push(&strand.iter().map(|i| points[*i]).collect::<Vec<_>>());

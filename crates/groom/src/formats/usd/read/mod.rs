@@ -42,7 +42,7 @@ use crate::{
     orient::{Axis, Choice, Unit},
 };
 use layers::Layers;
-use tree::{Schema, Tree};
+use tree::{Object, Purpose, Schema, Tree, when};
 
 /// Maximum vertices to read per byte of the file. Objects may be instanced, but a few bytes must not fill the memory.
 const READS_PER_BYTE: u64 = 16;
@@ -144,21 +144,22 @@ pub(crate) fn is_groom(path: &Path, bytes: &[u8]) -> bool {
     .unwrap_or(true)
 }
 
-/// Returns whether a file has curves and the mesh that they grow on: both on a skeleton, or written by this crate.
+/// Returns whether a file has curves, and a visible mesh that they grow on.
 pub(crate) fn holds_body(path: &Path, bytes: &[u8]) -> bool {
     // Text files are large; searching for keywords avoids parsing most of them.
     let says = |word: &[u8]| bytes.windows(word.len()).any(|window| window == word);
-    let text = bytes.starts_with(b"#usda");
-    if text && !(says(b"def Mesh") && (says(b"def Skeleton") || says(DOC.as_bytes()))) {
+    if bytes.starts_with(b"#usda") && !says(b"Mesh ") {
         return false;
     }
     let source = Source { path, bytes, files: Files::Given(&[]), lenient: true };
     guarded(&source, || {
         let scene = Scene::open(&source)?;
         let tree = Tree::read(&scene)?;
-        let meshes = tree.objects.iter().filter(|object| object.schema == Schema::Mesh).count();
-        let belongs = !tree.skeletons.is_empty() || scene.is_ours()?;
-        Ok(meshes > 0 && meshes < tree.objects.len() && belongs)
+        let meshes: Vec<_> = tree.objects.iter().filter(|object| object.schema == Schema::Mesh).collect();
+        let (time, _) = when(&scene, &tree.times(&scene, &meshes)?, Moment::First)?;
+        let places = tree.places(&scene, time)?;
+        let is_shown = |mesh: &&Object| mesh.purpose == Purpose::Shown && Tree::of(mesh, &places).1;
+        Ok(meshes.iter().any(is_shown) && meshes.len() < tree.objects.len())
     })
     .unwrap_or(false)
 }
