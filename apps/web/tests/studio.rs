@@ -54,9 +54,9 @@ const WINDOW: [u32; 2] = [1280, 720];
 const GROOM: [f64; 2] = [50.0, 195.0];
 const STROKE: [[f64; 2]; 2] = [[560.0, 200.0], [500.0, 170.0]];
 const UNDO: [f64; 2] = [1099.0, 18.0];
-const SAVE: [f64; 2] = [831.0, 107.0];
-const MORE: [f64; 2] = [770.0, 107.0];
-const SAVE_STROKES: [f64; 2] = [805.0, 278.0];
+const SAVE: [f64; 2] = [91.0, 455.0];
+const MORE: [f64; 2] = [698.0, 619.0];
+const SAVE_STROKES: [f64; 2] = [720.0, 584.0];
 const RECOVER: [f64; 2] = [542.0, 619.0];
 /// Number of strands in the dropped file.
 const DROPPED: usize = 400;

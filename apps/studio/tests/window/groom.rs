@@ -17,7 +17,7 @@ const E: u32 = 0x65;
 /// Places in a window of 1280 × 720, pixels.
 const HAIR: [i16; 2] = [580, 300];
 const REDO: [i16; 2] = [1158, 18];
-const SAVE: [i16; 2] = [831, 107];
+const SAVE: [i16; 2] = [91, 455];
 const RECOVER: [i16; 2] = [542, 619];
 const CHEEK: [i16; 2] = [455, 470];
 
