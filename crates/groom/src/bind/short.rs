@@ -9,7 +9,7 @@ use glam::Vec3;
 /// Largest number of given vertices, and largest median length in meters, of short hair.
 const MOST_GIVEN: u32 = 8;
 const LONGEST: f32 = 0.05;
-/// Numbers of drawn vertices.
+/// Numbers of drawn vertices. More than the last show no finer curve at the width of fur.
 const DRAWN: std::ops::RangeInclusive<u32> = 4..=8;
 /// Vertices of a guide.
 pub(super) const GUIDE: u32 = 8;
@@ -39,10 +39,11 @@ pub(super) fn drawn_vertices(strands: &Strands, given: usize, typical: u32) -> O
         let most = ERROR * curve::length(strand);
         fine.iter().all(|p| coarse.windows(2).any(|edge| distance(*p, edge) <= most))
     };
-    DRAWN.into_iter().find(|vertices| {
+    let enough = DRAWN.into_iter().find(|vertices| {
         let near = sample.iter().filter(|strand| is_near(strand, *vertices)).count();
         near as f32 >= SHARE * sample.len() as f32
-    })
+    });
+    Some(enough.unwrap_or(*DRAWN.end()))
 }
 
 /// Returns the distance of `p` from an edge.
