@@ -1,5 +1,5 @@
 //! Curls, clumps, stray hairs and widths for existing grooms: imported ones ([`Restyle`]) and edited ones, where a brush
-//! paints how much of each a strand has ([`shaped`]).
+//! paints how much of each a strand has.
 //!
 //! Guides do not change. They are chosen and bound in the original hair, and then the rest curves of the render strands
 //! change. A curled guide would be simulated as a spring, and the strands of three such guides would be their mean,
