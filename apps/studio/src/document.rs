@@ -73,10 +73,9 @@ impl Document {
     }
 
     /// Prepares the hair on the screen for brushes if one `is_active`, and puts the body to rest meanwhile unless it is
-    /// `live`.
-    pub fn groom(&mut self, is_active: bool, live: bool, renderer: &mut Renderer, messages: &mut Messages) {
-        let at_rest = is_active && !live;
-        renderer.playback.live = is_active && live;
+    /// [live](crate::playback::Playback::live).
+    pub fn groom(&mut self, is_active: bool, renderer: &mut Renderer, messages: &mut Messages) {
+        let at_rest = is_active && !renderer.playback.live;
         if renderer.playback.at_rest != at_rest {
             renderer.playback.at_rest = at_rest;
             renderer.dirty = true;

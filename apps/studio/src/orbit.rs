@@ -118,7 +118,7 @@ impl Orbit {
     /// Divides the distance by `factor`.
     pub fn zoom(&mut self, factor: f32) {
         self.taken();
-        // A move to a named view goes on.
+        // A move to a named view continues.
         for view in [&mut self.now, &mut self.goal] {
             view.distance = (view.distance / factor.max(1e-3)).clamp(DISTANCE.0, DISTANCE.1);
         }

@@ -5,6 +5,7 @@ use crate::{
     groomer::BrushKit,
     head,
     messages::Messages,
+    playback::Playback,
     renderer::Renderer,
     stage::{CharacterDisplay, Picture},
     strokes::{self, Sight},
@@ -36,8 +37,6 @@ pub struct Viewport {
     pub tool: Tool,
     /// The brushes.
     pub kit: BrushKit,
-    /// Whether brushes act on moving hair.
-    pub live: bool,
     /// Whether a brush was active in the last frame.
     grooms: bool,
     /// Last position of the pointer in a drag.
@@ -76,7 +75,12 @@ impl Viewport {
         }
         if let Some(tool) = self.tool.brush().filter(|_| response.contains_pointer()) {
             let sight = Sight { renderer, rect };
-            if strokes::ring((tool, &self.kit, self.live), document, sight, (&painter, &response)) {
+            if strokes::ring(
+                (tool, &self.kit, renderer.playback.live),
+                document,
+                sight,
+                (&painter, &response),
+            ) {
                 ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
             }
         }
@@ -87,24 +91,20 @@ impl Viewport {
     /// Agrees on whether hair moves: grooming begins with the motion paused, and playing it while a brush is active makes
     /// that live. Brushes that need hair at rest stop both.
     pub fn lead(&mut self, renderer: &mut Renderer) {
-        let play = &mut renderer.playback.play;
+        let Playback { live, play, .. } = &mut renderer.playback;
         let brush = self.tool.brush();
         if brush.is_some() && !self.grooms {
-            (self.live, play.playing) = (false, false);
+            (*live, play.playing) = (false, false);
         }
         self.grooms = brush.is_some();
-        if self.grooms && play.playing {
-            self.live = true;
-        }
-        self.live &= brush.is_some_and(BrushTool::acts_in_motion);
-        if self.grooms && !self.live {
-            play.playing = false;
-        }
+        *live |= self.grooms && play.playing;
+        *live &= brush.is_some_and(BrushTool::acts_in_motion);
+        play.playing &= *live || !self.grooms;
     }
 
     /// Lets hair move under the brush, or ends that.
     pub fn set_live(&mut self, live: bool, renderer: &mut Renderer) {
-        self.live = live;
+        renderer.playback.live = live;
         if !live {
             renderer.playback.play.playing = false;
         } else if !self.tool.brush().is_some_and(BrushTool::acts_in_motion) {
@@ -138,7 +138,7 @@ impl Viewport {
         self.pointer = now.filter(|_| response.dragged());
         let delta =
             from.zip(self.pointer).map_or(Vec2::ZERO, |(from, to)| Vec2::new(to.x - from.x, to.y - from.y));
-        let strokes = self.tool.brush().is_some_and(|tool| match self.live {
+        let strokes = self.tool.brush().is_some_and(|tool| match renderer.playback.live {
             true => strokes::push((tool, &self.kit), document, renderer, messages, (ui, response)),
             false => strokes::pointer((tool, &self.kit), document, renderer, messages, (ui, response)),
         });

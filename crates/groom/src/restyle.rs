@@ -128,15 +128,14 @@ impl Restyle {
             let mut rng = Rng::new(id, 1);
             let mut strand = old.strands[i];
             let mut binding = old.bindings[i];
-            let mut radii: Vec<f32> =
-                old.rest[i * n..(i + 1) * n].iter().map(|rest| rest.unpack(&old.bindings[i]).1).collect();
+            let mut radii = old.vertices(i).1;
             let stray = rng.unit();
             let flyaway = stray < unruly.flyaways;
             let mut line = line.clone();
             let held = groom.guides.tip_pinned.get(binding.guides[0] as usize) == Some(&true);
             if shaped && !held && lengths[i] > 0.0 {
-                let uv = scalp_uv(line[0] - skull);
-                let curl = self.curl_map.as_ref().map_or(1.0, |map| map.sample(uv));
+                let painted = |map: &ScalpMap| map.sample(scalp_uv(line[0] - skull));
+                let curl = self.curl_map.as_ref().map_or(1.0, painted);
                 let lock = locks.of[i];
                 let f = shaper.shape((&mut line, lock, lock), (1.0, curl), stray, &mut rng);
                 binding.scale = binding.scale.map(|scale| scale * f);
@@ -298,16 +297,10 @@ pub(crate) fn shaped(groom: &Groom, shapes: &[StrandShape]) -> Groom {
             (line, f)
         });
         for (i, (line, f)) in of.into_iter().zip(changed) {
-            let radii: Vec<f32> = groom.strands.rest[i * n..(i + 1) * n]
-                .iter()
-                .map(|rest| rest.unpack(&groom.strands.bindings[i]).1)
-                .collect();
+            let radii = groom.strands.vertices(i).1;
             let binding = &mut groom.strands.bindings[i];
             binding.scale = binding.scale.map(|scale| scale * f);
-            binding.cover(&line);
-            let packed = line.iter().zip(radii).map(|(p, radius)| PackedRest::pack(*p, radius, binding));
-            let packed: Vec<_> = packed.collect();
-            groom.strands.rest[i * n..(i + 1) * n].copy_from_slice(&packed);
+            groom.strands.reshape(i, &line, &radii);
         }
     }
     groom
@@ -319,9 +312,7 @@ fn refine(groom: &mut Groom) {
     let n = old.vertex_count as usize;
     let all: Vec<usize> = (0..old.len()).collect();
     let fine = in_parallel(&all, |i| {
-        let binding = &old.bindings[*i];
-        let (line, radii): (Vec<Vec3>, Vec<f32>) =
-            old.rest[i * n..(i + 1) * n].iter().map(|rest| rest.unpack(binding)).unzip();
+        let (line, radii) = old.vertices(*i);
         let at = |k: u32| k as f32 / (CURLED - 1) as f32 * (n - 1) as f32;
         let radius = |x: f32| {
             let k = (x as usize).min(n - 2);

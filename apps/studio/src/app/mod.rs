@@ -13,6 +13,7 @@ use crate::{
     hair::{Hair, Source},
     hosted::Host,
     job::Job,
+    journal::{self, LeftGroom},
     loss::{self, DeviceLoss},
     messages::Messages,
     options::Options,
@@ -23,11 +24,8 @@ use crate::{
     stage::CharacterDisplay,
     state::{self, GroomState, State},
     theme,
-    viewport::{self, Viewport},
-};
-use crate::{
-    journal::{self, LeftGroom},
     tool::Tool,
+    viewport::{self, Viewport},
 };
 use anyhow::{Context, Result};
 use eframe::egui;
@@ -149,7 +147,7 @@ impl Studio {
         panels::keys::answer(panels, document, renderer, viewport, (dialogs, messages), ui.ctx());
         let can_record = renderer.show.is_some() && !records;
         panels::top::show(panels, document, snapshot, can_record, dialogs, messages, ui);
-        let hint = if renderer.show.is_some() { viewport.tool.hint(viewport.live) } else { "" };
+        let hint = if renderer.show.is_some() { viewport.tool.hint(renderer.playback.live) } else { "" };
         let hint = messages.said.as_deref().unwrap_or(hint);
         panels::status::show(hint, &panels.frames, renderer, ui);
         panels::transport::show(renderer, records, messages, ui);
@@ -225,7 +223,7 @@ impl Studio {
     fn draw(&mut self, context: &egui::Context) {
         let Self { document, renderer, viewport, recorder, messages, .. } = self;
         viewport.lead(renderer);
-        document.groom(viewport.tool.brush().is_some(), viewport.live, renderer, messages);
+        document.groom(viewport.tool.brush().is_some(), renderer, messages);
         renderer.dirty |= std::mem::take(&mut document.dirty) | renderer.orbit.is_gliding();
         renderer.orbit.advance(context.input(|input| input.stable_dt));
         let due = renderer.dirty || renderer.playback.is_due();
@@ -247,11 +245,6 @@ impl Studio {
         }
     }
 
-    /// Whether groomed hair is offered.
-    fn recovers(&self) -> bool {
-        self.left.is_some()
-    }
-
     /// Publishes the state for the host page and for tests.
     fn publish(&self, context: &egui::Context) {
         let Self { document, renderer, .. } = self;
@@ -267,9 +260,9 @@ impl Studio {
             companions: shown.map_or_else(Vec::new, |shown| {
                 shown.hair.companions.all().map(|(what, name)| format!("{}: {name}", what.key)).collect()
             }),
-            recovers: self.recovers(),
+            recovers: self.left.is_some(),
             groom: document.groomer.as_ref().map(GroomState::of),
-            live: self.viewport.live,
+            live: renderer.playback.live,
             cards: renderer.cards.as_ref().map(CardPreview::name).unwrap_or_default(),
             step: document.job.as_ref().map(Job::step).unwrap_or_default().into(),
             lost: lost.is_some(),

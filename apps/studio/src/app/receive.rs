@@ -39,7 +39,7 @@ impl Studio {
                 Answer::Do(command) => self.obey(command),
                 Answer::Kept(guides) => {
                     document.keep_shape(&guides, messages);
-                    if self.viewport.live {
+                    if self.renderer.playback.live {
                         self.viewport.set_live(false, &mut self.renderer);
                     }
                 }

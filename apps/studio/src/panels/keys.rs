@@ -50,7 +50,7 @@ pub fn answer(
     let pressed = |key| presses(key) > 0;
     if presses(Key::Space) % 2 == 1 {
         match viewport.tool.brush() {
-            Some(_) => viewport.set_live(!viewport.live, renderer),
+            Some(_) => viewport.set_live(!renderer.playback.live, renderer),
             None => renderer.playback.play.playing = !renderer.playback.play.playing,
         }
     }

@@ -83,7 +83,7 @@ impl<'a> Overlay<'a> {
         dialogs: &Dialogs,
         ui: &mut Ui,
     ) {
-        if let Some(chosen) = palette::show(brush, viewport.live, self.rect, ui) {
+        if let Some(chosen) = palette::show(brush, renderer.playback.live, self.rect, ui) {
             viewport.tool = Tool::Brush(chosen);
         }
         ui.separator();
@@ -91,10 +91,10 @@ impl<'a> Overlay<'a> {
             ui.set_max_width(palette::width(self.rect));
             ui.spacing_mut().item_spacing.x = 4.0;
             let help = "The hair moves, and brushes push it\nKey Space";
-            if ui.selectable_label(viewport.live, "Live").on_hover_text(help).clicked() {
-                viewport.set_live(!viewport.live, renderer);
+            if ui.selectable_label(renderer.playback.live, "Live").on_hover_text(help).clicked() {
+                viewport.set_live(!renderer.playback.live, renderer);
             }
-            if viewport.live {
+            if renderer.playback.live {
                 keep_button(renderer, dialogs, ui);
             }
             panels::brush::save(document, dialogs, ui);

@@ -142,7 +142,7 @@ fn fur_is_drawn_with_as_many_vertices_as_its_curve_needs() {
     assert!((5..=8).contains(&bent.0), "{bent:?}");
     // Long hair.
     assert_eq!(count(&fur(0.2, 0.3)), (31, 32));
-    // What is asked for is done.
+    // Options override both counts.
     let options = BindOptions { strand_vertices: Some(20), guide_vertices: Some(12), ..Default::default() };
     let groom = bind(&fur(0.2, 0.03), &options).unwrap();
     assert_eq!((groom.strands.vertex_count, groom.guides.vertex_count), (20, 12));

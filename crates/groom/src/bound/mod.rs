@@ -45,10 +45,8 @@ impl BoundStrands {
     /// Adds a strand from `vertex_count` rest positions (groom space, meters), the radius at each as a fraction of
     /// `strand.radius`, and one to three influences in any order.
     pub fn push(&mut self, strand: Strand, rest: &[Vec3], radii: &[f32], influences: &[Influence]) {
-        let (lo, hi) =
-            rest.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
-        let mut binding =
-            StrandBinding { origin: lo, extent: (hi - lo).max_element(), ..StrandBinding::default() };
+        let mut binding = StrandBinding::default();
+        binding.cover(rest);
         binding.follow(influences);
         self.rest.extend(rest.iter().zip(radii).map(|(p, radius)| PackedRest::pack(*p, *radius, &binding)));
         self.strands.push(strand);
@@ -60,15 +58,27 @@ impl BoundStrands {
         let mut strands = Strands::default();
         let count = self.vertex_count as usize;
         for (i, strand) in self.strands.iter().enumerate() {
-            let rest =
-                self.rest[i * count..(i + 1) * count].iter().map(|rest| rest.unpack(&self.bindings[i]));
-            let (positions, radii): (Vec<_>, Vec<_>) = rest.unzip();
+            let (positions, radii) = self.vertices(i);
             strands.push(&positions);
             strands.radii.extend(radii.iter().map(|radius| strand.radius * radius));
         }
         let colors: Option<Vec<_>> = self.strands.iter().map(|strand| strand.colors(count)).collect();
         strands.colors = colors.into_iter().flatten().flatten().collect();
         strands
+    }
+
+    /// Returns the rest positions of strand `i` (groom space, meters), and the radius at each as a fraction.
+    pub(crate) fn vertices(&self, i: usize) -> (Vec<Vec3>, Vec<f32>) {
+        let n = self.vertex_count as usize;
+        self.rest[i * n..(i + 1) * n].iter().map(|rest| rest.unpack(&self.bindings[i])).unzip()
+    }
+
+    /// Replaces what [`vertices`](Self::vertices) returns of strand `i`.
+    pub(crate) fn reshape(&mut self, i: usize, line: &[Vec3], radii: &[f32]) {
+        let (n, binding) = (self.vertex_count as usize, &mut self.bindings[i]);
+        binding.cover(line);
+        let vertices = self.rest[i * n..(i + 1) * n].iter_mut().zip(line).zip(radii);
+        vertices.for_each(|((packed, p), radius)| *packed = PackedRest::pack(*p, *radius, binding));
     }
 
     /// Returns the rest positions of strand `i`, groom space, meters.

@@ -282,12 +282,10 @@ impl Brush {
             BrushTool::Plant => Self { neighbors: 0.0, ..base },
             BrushTool::Refine => Self { spacing: 3e-3, ..base },
             BrushTool::Comb => Self { strength: 0.8, ..base },
-            BrushTool::Slide | BrushTool::Clump | BrushTool::Curl | BrushTool::Frizz => {
+            BrushTool::Grab | BrushTool::Cut | BrushTool::Remove | BrushTool::Slide => {
                 Self { strength: 1.0, ..base }
             }
-            BrushTool::Grab | BrushTool::Cut | BrushTool::Line | BrushTool::Lasso | BrushTool::Remove => {
-                Self { strength: 1.0, ..base }
-            }
+            tool if tool.draws() || tool.paints_shapes() => Self { strength: 1.0, ..base },
             _ => base,
         }
     }

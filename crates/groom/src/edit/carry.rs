@@ -6,7 +6,7 @@
 use super::guide_blocks::GuideBlocks;
 use crate::{
     Groom, Guides,
-    bound::{Influence, PackedRest, StrandBinding},
+    bound::{Influence, StrandBinding},
     curve::spline_at,
     progress::in_parallel,
     rotation::{minimal_rotation, nlerp},
@@ -112,8 +112,7 @@ impl CarriedStrands {
     pub fn strand(&self, i: usize) -> (Vec<Vec3>, Vec<f32>) {
         let strands = &self.base.strands;
         let (n, binding) = (strands.vertex_count as usize, &strands.bindings[i]);
-        let rest: (Vec<Vec3>, Vec<f32>) =
-            strands.rest[i * n..(i + 1) * n].iter().map(|rest| rest.unpack(binding)).unzip();
+        let rest = strands.vertices(i);
         if !self.has_moved(i) {
             return rest;
         }
@@ -144,13 +143,8 @@ impl CarriedStrands {
         let carried: Vec<usize> = (0..strands.len()).filter(|i| self.has_moved(*i)).collect();
         let lines = in_parallel(&carried, |i| self.strand(*i));
         let mut all = strands.clone();
-        let n = strands.vertex_count as usize;
         for (i, (line, radii)) in carried.into_iter().zip(lines) {
-            let binding = &mut all.bindings[i];
-            binding.cover(&line);
-            for ((packed, p), radius) in all.rest[i * n..(i + 1) * n].iter_mut().zip(&line).zip(radii) {
-                *packed = PackedRest::pack(*p, radius, binding);
-            }
+            all.reshape(i, &line, &radii);
         }
         let guides = Guides { positions: now.positions(), ..self.base.guides.clone() };
         Groom { guides, strands: all }

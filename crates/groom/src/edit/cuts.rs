@@ -138,8 +138,7 @@ impl Cuts {
     /// Returns binding and vertices of strand `i` with these lengths.
     fn strand(&self, strands: &BoundStrands, i: usize) -> (StrandBinding, Vec<PackedRest>) {
         let (m, mut binding, keep) = (strands.vertex_count as usize, strands.bindings[i], self.strands[i]);
-        let (line, radii): (Vec<Vec3>, Vec<f32>) =
-            strands.rest[i * m..(i + 1) * m].iter().map(|rest| rest.unpack(&binding)).unzip();
+        let (line, radii) = strands.vertices(i);
         let growth: f32 = binding.weighted().map(|(guide, weight)| weight * self.growth[guide]).sum();
         let line: Vec<Vec3> =
             shortened(&line, keep).into_iter().map(|p| line[0] + (p - line[0]) * growth).collect();
