@@ -39,6 +39,9 @@ pub struct BenchArgs {
     /// Measure only a crowd of this many heads with one groom at 2 to 40 m, and one head in a portrait
     #[arg(long, value_name = "HEADS", value_parser = clap::value_parser!(u32).range(1..=1000), conflicts_with_all = ["grooms", "lod", "preset"])]
     pub crowd: Option<u32>,
+    /// Measure only brushes on 5,000 guides, and 20,000 strands made anew after a stroke
+    #[arg(long, conflicts_with_all = ["grooms", "lod", "preset", "crowd"])]
+    pub groom: bool,
     /// Measurement and output.
     #[command(flatten)]
     pub timing: TimingArgs,

@@ -12,6 +12,7 @@ mod report;
 pub mod results;
 mod sitting;
 pub mod statistics;
+mod strokes;
 pub mod table;
 pub mod workload;
 
@@ -33,7 +34,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
 
     let mut groups = Vec::new();
     let mut counts = Vec::new();
-    if !args.lod && args.crowd.is_none() && own.is_none() {
+    if !args.lod && !args.groom && args.crowd.is_none() && own.is_none() {
         groups.extend(workload::seed());
         groups.extend(workload::peer(&args.grooms, &args.head).into_iter().flatten());
         counts.extend(workload::strand_counts(args.quick));
@@ -72,6 +73,11 @@ pub(crate) fn run(args: &BenchArgs) -> Result<()> {
         let crowd = crowd::measure(heads, sitting)?;
         print(crowd::text(&crowd));
         report.crowd = Some(crowd);
+    }
+    if args.groom {
+        let strokes = strokes::measure(sitting)?;
+        print(strokes::text(&strokes));
+        report.strokes = Some(strokes);
     }
     bar.finish_and_clear();
     if args.timing.json {

@@ -5,6 +5,7 @@ use super::{
     crowd, lod,
     results::{Group, StrandPoint},
     statistics::line,
+    strokes,
     table::{ms, table},
 };
 use serde::Serialize;
@@ -22,6 +23,9 @@ pub struct Report {
     /// Cost of a crowd.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub crowd: Option<crowd::CrowdTimes>,
+    /// Times of grooming.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub strokes: Option<strokes::GroomTimes>,
     /// Cost against the strand count.
     pub line: Vec<StrandPoint>,
 }

@@ -518,11 +518,12 @@ impl GroomEditor {
     pub(super) fn under(&self, stroke: &ActiveStroke, dabs: &[Dab]) -> Vec<usize> {
         let brush = &stroke.brush;
         let pinned = &self.base.guides.tip_pinned;
+        let meets: Vec<_> = dabs.iter().map(|dab| dab.meets(brush.reach)).collect();
         let takes_part = |i: &usize| {
             !pinned[*i]
                 && self.is_open(brush, *i)
                 && (brush.share >= 1.0 || stroke.chance(*i as u32) < brush.share)
-                && dabs.iter().any(|dab| dab.meets(self.spheres[*i], brush.reach))
+                && meets.iter().any(|meets| meets(self.spheres[*i]))
         };
         (0..self.spheres.len()).filter(takes_part).collect()
     }

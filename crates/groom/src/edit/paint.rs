@@ -23,13 +23,12 @@ impl GroomEditor {
     pub(super) fn paint(&self, stroke: &mut ActiveStroke, dabs: &[Dab]) {
         let brush = stroke.brush;
         let looks = stroke.looks.get_or_insert_with(|| self.document.looks());
+        let reach = |dab: &Dab| (dab.meets(brush.reach), dab.falloff(&brush), dab.strength);
+        let reaches: Vec<_> = dabs.iter().map(reach).collect();
         let weight = |sphere: (Vec3, f32), line: &[Vec3]| {
-            let of = |dab: &Dab| {
-                let near = line.iter().map(|p| dab.near(*p, &brush)).fold(0.0, f32::max);
-                near * dab.strength
-            };
-            let near = dabs.iter().filter(|dab| dab.meets(sphere, brush.reach));
-            near.map(of).fold(0.0, f32::max)
+            let met = reaches.iter().filter(|(meets, ..)| meets(sphere));
+            let most = |near: &dyn Fn(Vec3) -> f32| line.iter().map(|p| near(*p)).fold(0.0, f32::max);
+            met.map(|(_, near, strength)| most(near) * strength).fold(0.0, f32::max)
         };
         let guide = |i: usize| weight(self.spheres[i], self.guide(i));
         let changed = |value: f32, first: f32, weight: f32| {

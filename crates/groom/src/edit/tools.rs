@@ -58,17 +58,22 @@ impl Dab {
         reach != Reach::Ball && self.sight != Vec3::ZERO
     }
 
-    /// Whether a sphere may be in reach.
-    pub fn meets(&self, (center, radius): (Vec3, f32), reach: Reach) -> bool {
-        self.distance(center, reach) <= self.radius + radius
+    /// Returns the function of a sphere that tells whether it may be in reach.
+    pub fn meets(&self, reach: Reach) -> impl Fn((Vec3, f32)) -> bool + use<> {
+        let (off, own) = (self.off(reach), self.radius);
+        move |(center, radius)| off(center).length() <= own + radius
     }
 
-    /// Returns the distance of `p` from the way of the brush, meters.
-    fn distance(&self, p: Vec3, reach: Reach) -> f32 {
-        let across = |v: Vec3| if self.is_across(reach) { v - self.sight * v.dot(self.sight) } else { v };
-        let (way, to) = (across(self.motion), across(p - self.center + self.motion));
-        let t = (to.dot(way) / way.length_squared().max(1e-18)).clamp(0.0, 1.0);
-        (to - way * t).length()
+    /// Returns the function from a place to its offset from the way of the brush, meters.
+    fn off(&self, reach: Reach) -> impl Fn(Vec3) -> Vec3 + use<> {
+        let (is_across, sight) = (self.is_across(reach), self.sight);
+        let across = move |v: Vec3| if is_across { v - sight * v.dot(sight) } else { v };
+        let way = across(self.motion);
+        let (begin, length_squared) = (self.center - self.motion, way.length_squared().max(1e-18));
+        move |p| {
+            let to = across(p - begin);
+            to - way * (to.dot(way) / length_squared).clamp(0.0, 1.0)
+        }
     }
 
     /// Returns the place where `line` enters the brush, in segments from the root; `None` if it does not, or begins there.
@@ -84,15 +89,23 @@ impl Dab {
         Some((first - 1) as f32 + high)
     }
 
-    /// Returns the falloff at `p`, 0 outside.
-    pub fn near(&self, p: Vec3, brush: &Brush) -> f32 {
-        if brush.reach == Reach::Shell && self.is_across(Reach::Shell) {
-            let depth = (p - self.center).dot(self.sight);
-            if !(-BEFORE * self.radius..=self.behind.min(BEHIND * self.radius)).contains(&depth) {
+    /// Returns the falloff of `brush` as a function of a place, 0 outside.
+    pub fn falloff(&self, brush: &Brush) -> impl Fn(Vec3) -> f32 + use<> {
+        let (off, radius, falloff) = (self.off(brush.reach), self.radius, brush.falloff);
+        let is_shell = brush.reach == Reach::Shell && self.is_across(Reach::Shell);
+        let depths = -BEFORE * radius..=self.behind.min(BEHIND * radius);
+        let (center, sight) = (self.center, self.sight);
+        move |p| {
+            if is_shell && !depths.contains(&(p - center).dot(sight)) {
                 return 0.0;
             }
+            falloff.at(off(p).length() / radius)
         }
-        brush.falloff.at(self.distance(p, brush.reach) / self.radius)
+    }
+
+    /// Returns the falloff of `brush` at `p`.
+    pub fn near(&self, p: Vec3, brush: &Brush) -> f32 {
+        self.falloff(brush)(p)
     }
 }
 
@@ -112,12 +125,14 @@ pub(super) struct Weights {
 impl Weights {
     /// Returns the weights of `guide` under `dabs`; `None` if no vertex besides the root has one.
     pub fn of(guide: &[Vec3], dabs: &[Dab], brush: &Brush) -> Option<Self> {
-        let last = (guide.len() - 1) as f32;
-        let mut weights = Self { weight: Vec::new(), near: Vec::new(), side: Vec::new(), first: guide.len() };
+        let (n, last) = (guide.len(), (guide.len() - 1) as f32);
+        let near: Vec<_> = dabs.iter().map(|dab| dab.falloff(brush)).collect();
+        let (weight, side) = (Vec::with_capacity(n), Vec::with_capacity(n));
+        let mut weights = Self { weight, near: Vec::with_capacity(n), side, first: n };
         for (i, p) in guide.iter().enumerate() {
             let mut best = (0.0f32, 0);
-            for (side, dab) in dabs.iter().enumerate() {
-                let near = dab.near(*p, brush);
+            for (side, near) in near.iter().enumerate() {
+                let near = near(*p);
                 if near > best.0 {
                     best = (near, side);
                 }
