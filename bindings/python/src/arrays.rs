@@ -4,7 +4,7 @@ use crate::TressesError;
 use bytemuck::Pod;
 use numpy::{Element, IntoPyArray, PyArrayDyn, PyReadonlyArrayDyn, PyUntypedArrayMethods, ndarray::ArrayD};
 use pyo3::{intern, prelude::*};
-use tresses::glam::{Vec2, Vec3};
+use tresses::glam::{Mat4, Vec2, Vec3};
 
 /// Returns an array of `shape` that holds `values`.
 pub fn array<'py, T: Element>(
@@ -87,6 +87,38 @@ pub fn given_numbers_for(of: &Bound<'_, PyAny>, what: &str, count: usize) -> PyR
         1 if shape.is_empty() => Ok(vec![numbers[0]; count]),
         n => Err(TressesError::new_err(format!("there are {n} {what}, but must be {count}, or one for all"))),
     }
+}
+
+/// Returns matrices for column vectors, from an array [n, 4, 4].
+pub fn given_matrices(of: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<Mat4>> {
+    let (shape, values) = given_floats(of, what)?;
+    if shape.len() != 3 || shape[1..] != [4, 4] {
+        return Err(TressesError::new_err(format!(
+            "{what} have the shape {shape:?}, but must have [n, 4, 4]"
+        )));
+    }
+    Ok(values.as_chunks().0.iter().map(|rows: &[f32; 16]| Mat4::from_cols_array(rows).transpose()).collect())
+}
+
+/// Returns up to three values per strand, from an array [n, k] of `count` rows with k from 1 to 3. The others are
+/// `rest`.
+pub fn given_triples<T: Copy>(
+    (shape, values): (Vec<usize>, Vec<T>),
+    what: &str,
+    count: usize,
+    rest: T,
+) -> PyResult<Vec<[T; 3]>> {
+    let each = match shape[..] {
+        [n] if n == count => 1,
+        [n, k @ 1..=3] if n == count => k,
+        _ => {
+            return Err(TressesError::new_err(format!(
+                "{what} have the shape {shape:?}, but must have [{count}, k] with k from 1 to 3"
+            )));
+        }
+    };
+    let triple = |row: &[T]| std::array::from_fn(|i| row.get(i).copied().unwrap_or(rest));
+    Ok(values.chunks(each).map(triple).collect())
 }
 
 /// Returns `count` pairs of numbers.

@@ -1,6 +1,7 @@
 //! Grooms: render strands and their guides, with or without a head.
 
 use crate::{
+    TressesError,
     arrays::{array, floats, given_points},
     cards::Cards,
     device,
@@ -8,6 +9,7 @@ use crate::{
     mesh::Mesh,
     raised,
     reading::unknown,
+    rig::Rig,
     settings::{self, settings_of},
     strands::Strands,
     work::run,
@@ -48,7 +50,9 @@ pub struct Groom {
     /// Settings the groom was made with.
     pub settings: Settings,
     /// Source index of each strand.
-    order: Vec<u32>,
+    pub order: Vec<u32>,
+    /// The strands of `of`, before their repair.
+    pub given: Option<groom::Strands>,
 }
 
 /// Sets the companion files that the keyword arguments name in `source`.
@@ -69,7 +73,7 @@ impl Groom {
         // The upload sorts strands the same way; sorting sorted strands has no effect.
         let order = lod::order(strands);
         lod::arrange(strands);
-        Self { character, source: preset.source, settings: preset.settings, order }
+        Self { character, source: preset.source, settings: preset.settings, order, given: None }
     }
 
     fn open(py: Python<'_>, preset: Preset, progress: Option<Py<PyAny>>) -> PyResult<Self> {
@@ -156,27 +160,35 @@ impl Groom {
     /// Create a groom from strands in arrays, with or without a head.
     ///
     /// Coordinates are meters, Y up, face toward +Z. Invalid strands are repaired as by `Strands.repaired`. The groom
-    /// keeps the widths and colors of the strands. `built_in` describes the other parameters.
+    /// keeps the widths and colors of the strands, and simulates those that are guides. `rig` makes the head, or the whole
+    /// body, follow `joints` or `skin` of `Simulation.step`. `built_in` describes the other parameters.
     #[staticmethod]
-    #[pyo3(signature = (strands, head=None, settings=None, *, progress=None, **files))]
+    #[pyo3(signature = (strands, head=None, settings=None, *, rig=None, progress=None, **files))]
     fn of(
         py: Python<'_>,
         strands: &Strands,
         head: Option<&Mesh>,
         settings: Option<&Bound<'_, PyAny>>,
+        rig: Option<&Rig>,
         progress: Option<Py<PyAny>>,
         files: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
+        let rig = match (rig, head) {
+            (Some(rig), Some(head)) => Some(rig.of(head)?),
+            (Some(_), None) => return Err(TressesError::new_err("a rig needs the head that it moves")),
+            (None, _) => None,
+        };
         let mut source = Source::default();
         companions_of(&mut source, files)?;
         let settings = settings_of(settings)?;
         let character = run(py, progress, async |teller| {
             let maps = Companions::of(&source, Shelf::default()).maps()?;
-            let base =
-                CharacterSource::given(strands.0.clone(), head.map(|head| head.0.clone()), teller).await?;
+            let head = head.map(|head| head.0.clone());
+            let base = CharacterSource::given(strands.0.clone(), head, rig, teller).await?;
             Ok(base.dress(&settings.styling(None, &maps)?, teller).await?)
         })?;
-        Ok(Self::new(character, Preset { name: None, source, settings }))
+        let groom = Self::new(character, Preset { name: None, source, settings });
+        Ok(Self { given: Some(strands.0.clone()), ..groom })
     }
 
     /// Create the groom of a preset file (.toml): hair, head, companion files and settings. `settings` take precedence
@@ -273,7 +285,13 @@ impl Groom {
             let strips = sheet.strips_in(&order).map_err(raised)?;
             Arc::make_mut(sheet).strips = strips;
         }
-        Ok(Self { character, source: self.source.clone(), settings: self.settings.clone(), order })
+        Ok(Self {
+            character,
+            source: self.source.clone(),
+            settings: self.settings.clone(),
+            order,
+            given: None,
+        })
     }
 
     /// Return the groom after a stroke of a brush without a camera, on both sides of the head.
@@ -338,7 +356,13 @@ impl Groom {
                 Ok((CharacterParts { groom, ..character.clone() }, order))
             })
             .map_err(raised)?;
-        Ok(Self { character: parts, source: self.source.clone(), settings: self.settings.clone(), order })
+        Ok(Self {
+            character: parts,
+            source: self.source.clone(),
+            settings: self.settings.clone(),
+            order,
+            given: None,
+        })
     }
 
     /// Source index of each strand, counted after invalid strands were dropped: int32 [n]. Strands that were filled in

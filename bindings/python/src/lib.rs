@@ -5,15 +5,18 @@
 //! callers must not see half updated.
 
 mod arrays;
+mod cache;
 mod cards;
 mod device;
 mod files;
+mod given;
 mod groom;
 mod mesh;
 mod motion;
 mod picture;
 mod pose;
 mod reading;
+mod rig;
 mod settings;
 mod simulation;
 mod strands;
@@ -64,6 +67,8 @@ mod _tresses {
     #[pymodule_export]
     use crate::TressesError;
     #[pymodule_export]
+    use crate::cache::Cache;
+    #[pymodule_export]
     use crate::cards::{CardLevel, Cards};
     #[pymodule_export]
     use crate::device::adapter;
@@ -75,6 +80,8 @@ mod _tresses {
     use crate::motion::Motion;
     #[pymodule_export]
     use crate::reading::{Import, formats, read};
+    #[pymodule_export]
+    use crate::rig::Rig;
     #[pymodule_export]
     use crate::settings::{Parameter, Settings, parameters};
     #[pymodule_export]

@@ -5,8 +5,9 @@
 
 use crate::{
     TressesError,
-    arrays::floats,
+    arrays::{floats, given_matrices, given_points, points},
     device,
+    given::GivenPlaces,
     groom::Groom,
     picture::{self, OutputNames, matrix, viewpoint},
     pose::{PoseTuple, pose, told, vector},
@@ -14,11 +15,18 @@ use crate::{
     strands::Strands,
     work::run,
 };
-use anyhow::ensure;
+use anyhow::{Context, ensure};
 use numpy::PyArrayDyn;
 use pyo3::{prelude::*, types::PyDict};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use tresses::{Camera, character::Gesture, clock::MAX_STEPS, glam::Vec3, gpu::Gpu, present::Background};
+use tresses::{
+    Camera,
+    character::Gesture,
+    clock::MAX_STEPS,
+    glam::{Mat4, Vec3},
+    gpu::Gpu,
+    present::Background,
+};
 use tresses_scene::{
     Companions, Quality, Scene, Shelf, camera::VERTICAL_FOV, scene::OutputRequest,
     settings::Settings as Values,
@@ -32,8 +40,54 @@ struct Inner {
     scene: Scene,
     settings: Values,
     gesture: Gesture,
+    /// Vertices of the body and transforms of its joints, in place of the gesture.
+    body: BodyInput,
     /// Whether the hair has been put at rest, by `reset` or on first use.
     begun: bool,
+    /// The given strands, until their places are needed.
+    given: Option<Arc<GivenStrands>>,
+    places: Option<Arc<GivenPlaces>>,
+}
+
+/// Given strands, the drawn ones at rest, and the index of each.
+struct GivenStrands {
+    given: tresses::groom::Strands,
+    drawn: tresses::groom::Strands,
+    order: Vec<u32>,
+}
+
+/// What deforms the body, as passed by the caller.
+#[derive(Clone, Default)]
+struct BodyInput {
+    skin: Option<Vec<Vec3>>,
+    joints: Option<Vec<Mat4>>,
+}
+
+impl BodyInput {
+    /// Returns the input between this one and `other`.
+    fn lerp(&self, other: &Self, t: f32) -> Self {
+        let point = |(a, b): (&Vec3, &Vec3)| a.lerp(*b, t);
+        let skin = other.skin.as_ref().map(|to| match &self.skin {
+            Some(from) => from.iter().zip(to).map(point).collect(),
+            None => to.clone(),
+        });
+        let matrix = |(a, b): (&Mat4, &Mat4)| {
+            let ([scale, to_scale], [turn, to_turn], [place, to_place]) = {
+                let (a, b) = (a.to_scale_rotation_translation(), b.to_scale_rotation_translation());
+                ([a.0, b.0], [a.1, b.1], [a.2, b.2])
+            };
+            Mat4::from_scale_rotation_translation(
+                scale.lerp(to_scale, t),
+                turn.slerp(to_turn, t),
+                place.lerp(to_place, t),
+            )
+        };
+        let joints = other.joints.as_ref().map(|to| match &self.joints {
+            Some(from) => from.iter().zip(to).map(matrix).collect(),
+            None => to.clone(),
+        });
+        Self { skin, joints }
+    }
 }
 
 /// Hair simulation on the GPU.
@@ -57,6 +111,7 @@ pub struct Simulation {
 /// Pose of the character and wind, as passed by the caller.
 struct PoseInput {
     gesture: Gesture,
+    body: BodyInput,
     wind: Option<Vec3>,
 }
 
@@ -74,8 +129,18 @@ impl Simulation {
         body: Option<&Bound<'_, PyAny>>,
         shapes: Option<&Bound<'_, PyDict>>,
         wind: Option<&Bound<'_, PyAny>>,
+        [skin, joints]: [Option<&Bound<'_, PyAny>>; 2],
     ) -> PyResult<PoseInput> {
-        let mut gesture = py.detach(|| self.lock().gesture.clone());
+        let (mut gesture, mut deformed) = py.detach(|| {
+            let inner = self.lock();
+            (inner.gesture.clone(), inner.body.clone())
+        });
+        if skin.is_some() || joints.is_some() {
+            // Both describe one pose: the last one of the other would be stale.
+            let skin = skin.map(|skin| given_points(skin, "skin")).transpose()?;
+            let joints = joints.map(|joints| given_matrices(joints, "joints")).transpose()?;
+            deformed = BodyInput { skin: skin.map(|(_, points)| points), joints };
+        }
         if let Some(head) = head {
             gesture.head = pose(head, "head")?;
         }
@@ -95,7 +160,7 @@ impl Simulation {
             }
         }
         let wind = wind.map(|wind| vector(wind, "wind")).transpose()?;
-        Ok(PoseInput { gesture, wind })
+        Ok(PoseInput { gesture, body: deformed, wind })
     }
 }
 
@@ -115,10 +180,27 @@ impl Inner {
         Ok(())
     }
 
+    /// Poses the body by vertices or joints.
+    fn deform(&mut self, body: &BodyInput) -> anyhow::Result<()> {
+        let BodyInput { skin, joints } = body;
+        if skin.is_none() && joints.is_none() {
+            return Ok(());
+        }
+        let rigged = self.scene.character.rig_mut();
+        let rigged = rigged.context("skin and joints need a rig: give Groom.of a Rig, or Rig.single()")?;
+        let pose = joints.as_ref().map(|joints| rigged.pose_of(joints)).transpose()?;
+        match skin {
+            Some(skin) => rigged.set_vertices(skin, pose.as_ref())?,
+            None => rigged.set_pose(pose),
+        }
+        Ok(())
+    }
+
     fn rest(&mut self, said: PoseInput) -> anyhow::Result<()> {
         self.take(&said)?;
+        self.deform(&said.body)?;
         self.scene.reset(&said.gesture)?;
-        (self.gesture, self.begun) = (said.gesture, true);
+        (self.gesture, self.body, self.begun) = (said.gesture, said.body, true);
         Ok(())
     }
 
@@ -127,7 +209,8 @@ impl Inner {
         if self.begun {
             return Ok(());
         }
-        self.rest(PoseInput { gesture: self.gesture.clone(), wind: None })
+        let (gesture, body) = (self.gesture.clone(), self.body.clone());
+        self.rest(PoseInput { gesture, body, wind: None })
     }
 }
 
@@ -146,6 +229,10 @@ impl Simulation {
             all.update(values)?;
         }
         let settings = settings_of_groom(all.0, groom)?;
+        let given = groom.given.as_ref().map(|given| {
+            let (drawn, order) = (groom.character.groom.strands.unbound(), groom.order.clone());
+            Arc::new(GivenStrands { given: given.clone(), drawn, order })
+        });
         let inner = run(py, progress, async |teller| {
             let gpu = device::open()?;
             let companions = Companions::of(&groom.source, Shelf::default());
@@ -159,7 +246,15 @@ impl Simulation {
             let mut scene = scene.await?;
             scene.apply(&settings)?;
             scene.set_surroundings(surroundings.map(Arc::new));
-            Ok(Inner { scene, settings: settings.clone(), gesture: Gesture::default(), begun: false })
+            Ok(Inner {
+                scene,
+                settings: settings.clone(),
+                gesture: Gesture::default(),
+                body: BodyInput::default(),
+                begun: false,
+                given,
+                places: None,
+            })
         })?;
         Ok(Self { inner: Mutex::new(inner) })
     }
@@ -181,7 +276,14 @@ impl Simulation {
     ///     Weights of blend shapes by name (see the property `shapes`). Replaces all previous weights.
     /// wind : array [3], optional
     ///     Wind velocity far from the head, m/s. It stays in effect until the next `wind` argument or call of `apply`.
-    #[pyo3(signature = (dt, head=None, *, body=None, shapes=None, wind=None))]
+    /// skin : array [v, 3], optional
+    ///     Vertices of the head mesh at the end of the step, as the caller has deformed them, relative to `body`, meters.
+    ///     Replaces `head` and `shapes`. Requires a groom with a `Rig`.
+    /// joints : array [j, 4, 4], optional
+    ///     Transforms of the rig's joints at the end of the step, relative to `body`. They deform the mesh; beside `skin`
+    ///     they only tell how its parts move, which is otherwise fitted to the vertices.
+    #[pyo3(signature = (dt, head=None, *, body=None, shapes=None, wind=None, skin=None, joints=None))]
+    #[allow(clippy::too_many_arguments)] // Python keyword arguments.
     fn step(
         &self,
         py: Python<'_>,
@@ -190,11 +292,13 @@ impl Simulation {
         body: Option<&Bound<'_, PyAny>>,
         shapes: Option<&Bound<'_, PyDict>>,
         wind: Option<&Bound<'_, PyAny>>,
+        skin: Option<&Bound<'_, PyAny>>,
+        joints: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
         if !(0.0..=LONGEST).contains(&dt) {
             return Err(TressesError::new_err(format!("dt is {dt} s, but must be from 0 to {LONGEST}")));
         }
-        let said = self.said(py, head, body, shapes, wind)?;
+        let said = self.said(py, head, body, shapes, wind, [skin, joints])?;
         run(py, None, async |teller| {
             let mut inner = self.lock();
             inner.begin()?;
@@ -202,8 +306,13 @@ impl Simulation {
             // The library runs at most `MAX_STEPS` fixed steps per frame and drops the rest, so split long steps.
             let most = MAX_STEPS as f32 * inner.scene.character.physics.step;
             let parts = (dt / most).ceil().max(1.0) as u32;
-            let from = inner.gesture.clone();
+            let (from, first) = (inner.gesture.clone(), inner.body.clone());
             for part in 1..=parts {
+                if part == parts {
+                    inner.deform(&said.body)?;
+                } else {
+                    inner.deform(&first.lerp(&said.body, part as f32 / parts as f32))?;
+                }
                 let gesture = match part == parts {
                     true => said.gesture.clone(),
                     false => from.lerp(&said.gesture, part as f32 / parts as f32),
@@ -212,6 +321,7 @@ impl Simulation {
                 inner.gesture = gesture;
                 tresses::Progress::step(teller, "simulating", part as f32 / parts as f32).await;
             }
+            inner.body = said.body;
             Ok(())
         })
     }
@@ -219,7 +329,8 @@ impl Simulation {
     /// Put the hair at rest on the posed character and set the time to 0.
     ///
     /// `step` describes the parameters. Omitted parameters keep their last value.
-    #[pyo3(signature = (head=None, *, body=None, shapes=None, wind=None))]
+    #[pyo3(signature = (head=None, *, body=None, shapes=None, wind=None, skin=None, joints=None))]
+    #[allow(clippy::too_many_arguments)] // Python keyword arguments.
     fn reset(
         &self,
         py: Python<'_>,
@@ -227,8 +338,10 @@ impl Simulation {
         body: Option<&Bound<'_, PyAny>>,
         shapes: Option<&Bound<'_, PyDict>>,
         wind: Option<&Bound<'_, PyAny>>,
+        skin: Option<&Bound<'_, PyAny>>,
+        joints: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
-        let said = self.said(py, head, body, shapes, wind)?;
+        let said = self.said(py, head, body, shapes, wind, [skin, joints])?;
         run(py, None, async |_| self.lock().rest(said))
     }
 
@@ -262,6 +375,26 @@ impl Simulation {
             inner.scene.drawn([&inner.scene.character.hair().strands]).await
         })
         .map(Strands)
+    }
+
+    /// Return the strands given to `Groom.of` in their current state, in world space, meters: float32 [all, 3], vertex by
+    /// vertex in the given order. Strands that the repair has dropped move with the head. Curls, length and other settings
+    /// that restyle strands do not show.
+    fn given<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
+        let carried = run(py, None, async |_| {
+            let mut inner = self.lock();
+            inner.begin()?;
+            if inner.places.is_none() {
+                let GivenStrands { given, drawn, order } =
+                    &**inner.given.as_ref().context("the groom was not made by Groom.of")?;
+                inner.places = Some(Arc::new(GivenPlaces::new(given, drawn, order)?));
+                inner.given = None;
+            }
+            let drawn = inner.scene.drawn([&inner.scene.character.hair().strands]).await?;
+            let places = inner.places.as_ref().context("the places of the strands are known")?;
+            places.carried(&drawn.positions, &inner.scene.character.head())
+        })?;
+        points(py, &carried)
     }
 
     /// Return brows, lashes and beard in their current state, one Strands each. Outputs of `render` number them as

@@ -3,7 +3,8 @@
 use crate::{
     TressesError,
     arrays::{
-        array, floats, given_integers, given_numbers_for, given_pairs, given_points, given_points_for, points,
+        array, floats, given_floats, given_integers, given_numbers_for, given_pairs, given_points,
+        given_points_for, given_triples, points,
     },
     mesh::Mesh,
     raised,
@@ -15,7 +16,7 @@ use pyo3::{
     types::{PyDict, PyList},
 };
 use std::path::PathBuf;
-use tresses::groom::{self, MAX_VERTICES, export::Writer, lint, orient::Unit};
+use tresses::groom::{self, MAX_VERTICES, export::Writer, lint, orient::Unit, strands::Mark};
 
 /// Hair strands as polylines, root first.
 ///
@@ -33,19 +34,36 @@ use tresses::groom::{self, MAX_VERTICES, export::Writer, lint, orient::Unit};
 ///     Linear sRGB.
 /// root_uvs : array [n, 2], optional
 ///     Texture coordinates of the roots on the scalp.
+/// guides : array of bool [n], optional
+///     Strands that are guides, which the others follow. They are simulated.
+/// ids : array of int [n], optional
+///     Number of each strand, to which `closest` refers. The index by default.
+/// groups : array of int [n], optional
+///     Group of each strand, 0 by default.
+/// closest : array of int [n, k], optional
+///     Numbers of up to three guides that each strand follows. A strand without them follows the nearest.
+/// weights : array [n, k], optional
+///     Share of each guide in `closest`; equal by default.
 #[pyclass(frozen, module = "tresses")]
 pub struct Strands(pub groom::Strands);
 
 #[pymethods]
 impl Strands {
     #[new]
-    #[pyo3(signature = (positions, offsets=None, widths=None, colors=None, root_uvs=None))]
+    #[pyo3(signature = (positions, offsets=None, widths=None, colors=None, root_uvs=None, *, guides=None, ids=None,
+        groups=None, closest=None, weights=None))]
+    #[allow(clippy::too_many_arguments)] // Python keyword arguments.
     fn new(
         positions: &Bound<'_, PyAny>,
         offsets: Option<&Bound<'_, PyAny>>,
         widths: Option<&Bound<'_, PyAny>>,
         colors: Option<&Bound<'_, PyAny>>,
         root_uvs: Option<&Bound<'_, PyAny>>,
+        guides: Option<&Bound<'_, PyAny>>,
+        ids: Option<&Bound<'_, PyAny>>,
+        groups: Option<&Bound<'_, PyAny>>,
+        closest: Option<&Bound<'_, PyAny>>,
+        weights: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let (shape, positions) = given_points(positions, "positions")?;
         let count = positions.len();
@@ -72,6 +90,9 @@ impl Strands {
         }
         if let Some(uvs) = root_uvs {
             strands.root_uvs = given_pairs(uvs, "root_uvs", strands.len())?;
+        }
+        if [guides, ids, groups, closest, weights].iter().any(Option::is_some) {
+            strands.marks = marks(strands.len(), [guides, ids, groups, closest], weights)?;
         }
         Ok(Self(strands))
     }
@@ -193,6 +214,36 @@ impl Strands {
         (!uvs.is_empty()).then(|| floats(py, &[uvs.len(), 2], uvs)).transpose()
     }
 
+    /// Whether each strand is a guide: bool [n], or None.
+    #[getter]
+    fn guides<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<bool>>>> {
+        self.marked(py, &[], |mark| [mark.guide])
+    }
+
+    /// Numbers of the strands, to which `closest` refers: int32 [n], or None.
+    #[getter]
+    fn ids<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<i32>>>> {
+        self.marked(py, &[], |mark| [mark.id])
+    }
+
+    /// Groups of the strands: int32 [n], or None.
+    #[getter]
+    fn groups<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<i32>>>> {
+        self.marked(py, &[], |mark| [mark.group])
+    }
+
+    /// Numbers of the guides that each strand follows: int32 [n, 3], or None.
+    #[getter]
+    fn closest<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<i32>>>> {
+        self.marked(py, &[3], |mark| mark.closest)
+    }
+
+    /// Share of each guide in `closest`: float32 [n, 3], or None.
+    #[getter]
+    fn weights<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f32>>>> {
+        self.marked(py, &[3], |mark| mark.weights)
+    }
+
     /// Lengths of the polylines, meters: float32 [n].
     #[getter]
     fn lengths<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
@@ -234,6 +285,73 @@ impl Strands {
     fn __repr__(&self) -> String {
         format!("Strands({} strands, {} vertices)", self.0.len(), self.0.positions.len())
     }
+}
+
+impl Strands {
+    /// Returns a mark of each strand, with further axes `each`; `None` without marks.
+    fn marked<'py, T: numpy::Element, const N: usize>(
+        &self,
+        py: Python<'py>,
+        each: &[usize],
+        of: impl Fn(&Mark) -> [T; N],
+    ) -> PyResult<Option<Bound<'py, PyArrayDyn<T>>>> {
+        let marks = &self.0.marks;
+        let shape = [&[marks.len()], each].concat();
+        (!marks.is_empty()).then(|| array(py, &shape, marks.iter().flat_map(of).collect())).transpose()
+    }
+}
+
+/// Converts marks of `count` strands: guides, ids, groups and closest guides, and the weights of these.
+fn marks(
+    count: usize,
+    [guides, ids, groups, closest]: [Option<&Bound<'_, PyAny>>; 4],
+    weights: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<Mark>> {
+    let number = |number: i64, what: &str| {
+        i32::try_from(number)
+            .map_err(|_| TressesError::new_err(format!("{what} has the number {number}, which is too large")))
+    };
+    let given = |of: &Bound<'_, PyAny>, what: &str| -> PyResult<Vec<i32>> {
+        let (shape, values) = given_integers(of, what)?;
+        if shape != [count] {
+            let why = format!("{what} have the shape {shape:?}, but must have [{count}]");
+            return Err(TressesError::new_err(why));
+        }
+        values.into_iter().map(|value| number(value, what)).collect()
+    };
+    let mut marks: Vec<Mark> = (0..count as i32).map(|id| Mark { id, ..Mark::default() }).collect();
+    if let Some(guides) = guides {
+        marks.iter_mut().zip(given(guides, "guides")?).for_each(|(mark, guide)| mark.guide = guide != 0);
+    }
+    if let Some(ids) = ids {
+        marks.iter_mut().zip(given(ids, "ids")?).for_each(|(mark, id)| mark.id = id);
+    }
+    if let Some(groups) = groups {
+        marks.iter_mut().zip(given(groups, "groups")?).for_each(|(mark, group)| mark.group = group);
+    }
+    match (closest, weights) {
+        (Some(closest), weights) => {
+            let (shape, numbers) = given_integers(closest, "closest")?;
+            let each = shape.get(1).copied().unwrap_or(1);
+            let numbers =
+                numbers.into_iter().map(|value| number(value, "closest")).collect::<PyResult<Vec<_>>>()?;
+            let share = 1.0 / each.max(1) as f32;
+            let weights = match weights {
+                Some(weights) => given_floats(weights, "weights")?,
+                None => (shape.clone(), vec![share; numbers.len()]),
+            };
+            let closest = given_triples((shape, numbers), "closest", count, 0)?;
+            let weights = given_triples(weights, "weights", count, 0.0)?;
+            for ((mark, mut closest), weights) in marks.iter_mut().zip(closest).zip(weights) {
+                // Unused places repeat the first guide: 0 could be the number of another.
+                (each..3).for_each(|place| closest[place] = closest[0]);
+                (mark.closest, mark.weights) = (closest, weights);
+            }
+        }
+        (None, Some(_)) => return Err(TressesError::new_err("weights need the guides in closest")),
+        (None, None) => {}
+    }
+    Ok(marks)
 }
 
 /// Checks the offsets of strands among `count` vertices.

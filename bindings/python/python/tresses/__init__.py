@@ -11,6 +11,7 @@ repository.
 """
 
 from ._tresses import (
+    Cache,
     CardLevel,
     Cards,
     Finding,
@@ -20,6 +21,7 @@ from ._tresses import (
     MissingFileError,
     Motion,
     Parameter,
+    Rig,
     Settings,
     Simulation,
     Strands,
@@ -33,6 +35,7 @@ from ._tresses import (
 from ._npz import load_npz, save_npz
 
 __all__ = [
+    "Cache",
     "CardLevel",
     "Cards",
     "Finding",
@@ -42,6 +45,7 @@ __all__ = [
     "MissingFileError",
     "Motion",
     "Parameter",
+    "Rig",
     "Settings",
     "Simulation",
     "Strands",

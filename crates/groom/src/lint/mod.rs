@@ -9,8 +9,7 @@ mod repair;
 mod stats;
 
 pub use check::{Finding, FindingKind, Report, Severity, check};
-pub(crate) use repair::repair_kept;
-pub use repair::{RepairReport, repair};
+pub use repair::{RepairReport, repair, repair_kept};
 pub use stats::Spread;
 
 /// Minimum length of a segment after repair, meters: a seventh of a hair's diameter.

@@ -24,7 +24,7 @@ pub fn repair(strands: &mut Strands) -> RepairReport {
 }
 
 /// [`repair`] that also returns the indices of the strands that are left.
-pub(crate) fn repair_kept(strands: &mut Strands) -> (RepairReport, Vec<u32>) {
+pub fn repair_kept(strands: &mut Strands) -> (RepairReport, Vec<u32>) {
     let mut done = RepairReport::default();
     let mut left = Vec::with_capacity(strands.len());
     let limit = MAX_STRAND_VERTICES as usize;

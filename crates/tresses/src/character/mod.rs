@@ -35,6 +35,7 @@ mod motion;
 mod obstacles;
 mod parts;
 mod rigged;
+mod skinned;
 pub mod source;
 
 pub use create::CharacterOptions;

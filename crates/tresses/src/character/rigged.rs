@@ -1,6 +1,6 @@
 //! A body that a rig deforms.
 
-use super::Gesture;
+use super::{Gesture, skinned::HostSkin};
 use crate::{
     Context, Error, Pose, Result,
     body::Body,
@@ -10,12 +10,15 @@ use crate::{
     },
     groom::{
         RigPose, TriMesh,
-        rig::anatomy::{Anatomy, Flesh},
+        rig::{
+            Joint,
+            anatomy::{Anatomy, Flesh},
+        },
     },
     hair::Hair,
     skinning::Skinning,
 };
-use glam::Quat;
+use glam::{Mat4, Quat, Vec3};
 use std::sync::{Arc, OnceLock};
 
 /// A skinned body: its rig, its animation and its blend shape weights.
@@ -33,8 +36,8 @@ pub struct RiggedBody {
     animation: Option<usize>,
     /// Weights by blend shape that override animations and gestures.
     shapes: Vec<(usize, f32)>,
-    /// A pose set by the host, which replaces animation and gesture.
-    host: Option<BodyPose>,
+    /// What the host sets in place of animation and gesture.
+    host: Option<HostPose>,
     /// Whether the body has not moved since the last frame.
     pub(super) is_still: bool,
 }
@@ -45,6 +48,13 @@ struct DeformingSkin {
     places: Option<DeformPlaces>,
     /// Whether the field of each solid deforms; the head is first.
     deforms: Vec<bool>,
+}
+
+/// What a host sets in place of animation and gesture.
+#[derive(Clone, Debug)]
+enum HostPose {
+    Joints(BodyPose),
+    Vertices(HostSkin),
 }
 
 /// The pose of a skinned body's joints.
@@ -183,7 +193,42 @@ impl RiggedBody {
 
     /// Sets the pose from an engine's own joints, in place of animation and gesture; `None` returns to these.
     pub fn set_pose(&mut self, pose: Option<BodyPose>) {
-        self.host = pose;
+        self.host = pose.map(HostPose::Joints);
+    }
+
+    /// Sets the vertices that a host has deformed, from the next frame on, in place of animation and gesture.
+    /// `positions` are those of the body's mesh, relative to the pose of the body, meters. `joints` has the poses of the
+    /// joints ([`pose_of`](Self::pose_of)); without it they are fitted to the vertices.
+    ///
+    /// # Errors
+    /// [`crate::groom::Error::Unusable`] for another number of vertices, for vertices that are not finite, and if the
+    /// body has bent by its joints before.
+    pub fn set_vertices(&mut self, positions: &[Vec3], joints: Option<&BodyPose>) -> Result<()> {
+        if !matches!(self.host, Some(HostPose::Vertices(_))) {
+            let mesh = self.mesh.as_ref().filter(|_| !self.has_bent);
+            let mesh = mesh.ok_or_else(|| Error::unusable("the body has been moved by its joints before"))?;
+            self.host = Some(HostPose::Vertices(HostSkin::new(mesh, &self.anatomy)));
+        }
+        match &mut self.host {
+            Some(HostPose::Vertices(skin)) => skin.set(positions, joints),
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns the pose of the body in which its nodes have the transforms `globals`, in the space of the rig's file.
+    ///
+    /// # Errors
+    /// [`crate::groom::Error::Unusable`] for another number of nodes.
+    pub fn pose_of(&self, globals: &[Mat4]) -> Result<BodyPose> {
+        let rig = &self.anatomy.rig;
+        if globals.len() != rig.nodes.len() {
+            let problem =
+                format!("there are {} transforms, but the rig has {} nodes", globals.len(), rig.nodes.len());
+            return Err(Error::unusable(problem));
+        }
+        let entry = |joint: &Joint| rig.to_groom * globals[joint.node as usize] * joint.inverse_bind;
+        let palette = rig.joints.iter().map(entry).collect();
+        Ok(self.posed(RigPose { globals: globals.to_vec(), palette, weights: self.rest.weights.clone() }))
     }
 
     /// Takes over the animation and shapes of `other`, as far as this body has them.
@@ -203,8 +248,13 @@ impl RiggedBody {
     /// # Errors
     /// As [`Skinning::pose`].
     pub(super) fn pose(&mut self, time: f64, gesture: &Gesture, body: &mut Body) -> Result<BodyPose> {
-        let pose = match &self.host {
-            Some(pose) => pose.clone(),
+        let pose = match &mut self.host {
+            Some(HostPose::Vertices(skin)) => {
+                self.is_still = !skin.upload(body);
+                self.skinning.forget();
+                return Ok(skin.pose().clone());
+            }
+            Some(HostPose::Joints(pose)) => pose.clone(),
             None => self.pose_at(time, gesture),
         };
         self.is_still = !self.skinning.pose(&pose.rig, body)?;
@@ -222,7 +272,12 @@ impl RiggedBody {
         let turns: Vec<_> = self.anatomy.turns.iter().filter(|_| is_turned).map(share).collect();
         let named = gesture.shapes.iter().filter_map(|(name, weight)| Some((rig.target(name)?, *weight)));
         let shapes: Vec<_> = named.chain(self.shapes.iter().copied()).collect();
-        let pose = rig.pose_turned(animation, &shapes, &turns);
+        self.posed(rig.pose_turned(animation, &shapes, &turns))
+    }
+
+    /// Adds the poses of head and parts.
+    fn posed(&self, pose: RigPose) -> BodyPose {
+        let rig = &self.anatomy.rig;
         let node = |node: u32| {
             let [rest, now] = [&*self.rest, &pose].map(|pose| rig.to_groom * pose.globals[node as usize]);
             Pose::between(&rest, &now)
@@ -252,7 +307,8 @@ impl RiggedBody {
                 Some(known) => known,
                 None => {
                     let mesh = self.mesh.as_ref().ok_or_else(|| Error::unusable("the body has no mesh"))?;
-                    let flesh = Flesh::new(&self.anatomy, mesh, has_head);
+                    let is_free = matches!(self.host, Some(HostPose::Vertices(_)));
+                    let flesh = Flesh::new(&self.anatomy, mesh, has_head, is_free);
                     let fields = DeformingField::of(&flesh, fields.iter().copied());
                     let places = hair.colliders.deform_places(mesh, &fields)?;
                     self.skin.get_or_init(|| DeformingSkin { places, deforms: flesh.deforms() })

@@ -214,13 +214,15 @@ impl CharacterSource {
         self.report = Some(report);
     }
 
-    /// Creates a source from `strands` in meters, Y up, face towards +Z, on `head` if given. Repairs the strands first.
+    /// Creates a source from `strands` in meters, Y up, face towards +Z, on `head` if given, which `rig` deforms. Repairs
+    /// the strands first.
     ///
     /// # Errors
     /// [`Error::Groom`] when the strands or the head are invalid.
     pub async fn given(
         mut strands: Strands,
         head: Option<TriMesh>,
+        rig: Option<Rig>,
         progress: &impl Progress,
     ) -> Result<Self> {
         lint::repair(&mut strands);
@@ -228,7 +230,7 @@ impl CharacterSource {
             let why = "no strand is usable: each has zero length or a single vertex";
             return Err(Error::unusable(why));
         }
-        Self::of(strands, head, None, "the head", progress).await
+        Self::of(strands, head, rig, "the head", progress).await
     }
 
     /// Creates a source from valid strands. `name` names the head in errors.

@@ -1,6 +1,6 @@
 //! Rigid poses of heads and colliders.
 
-use glam::{Mat4, Quat, Vec3};
+use glam::{DMat3, DMat4, DQuat, DVec3, Mat4, Quat, Vec3};
 
 /// A rotation followed by a translation, from groom space to the world, in meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,6 +62,49 @@ impl Pose {
         Self { rotation, translation: to - rotation * from }
     }
 
+    /// Returns the rigid motion from the points `rest` to the points `now` with the least sum of squared errors (Horn 1987,
+    /// *Closed-form solution of absolute orientation using unit quaternions*). Surplus points are ignored.
+    pub fn fit(rest: &[Vec3], now: &[Vec3]) -> Self {
+        let count = rest.len().min(now.len());
+        let mean = |points: &[Vec3]| {
+            points[..count].iter().map(|p| p.as_dvec3()).sum::<DVec3>() / count.max(1) as f64
+        };
+        let (from, to) = (mean(rest), mean(now));
+        let mut s = DMat3::ZERO;
+        for (a, b) in rest.iter().zip(now) {
+            let (a, b) = (a.as_dvec3() - from, b.as_dvec3() - to);
+            s += DMat3::from_cols(a * b.x, a * b.y, a * b.z);
+        }
+        // Columns of `s` are the sums of `a` times one component of `b`.
+        let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = s.to_cols_array_2d();
+        let n = DMat4::from_cols_array_2d(&[
+            [xx + yy + zz, yz - zy, zx - xz, xy - yx],
+            [yz - zy, xx - yy - zz, xy + yx, zx + xz],
+            [zx - xz, xy + yx, yy - xx - zz, yz + zy],
+            [xy - yx, zx + xz, yz + zy, zz - xx - yy],
+        ]);
+        let size = n.to_cols_array().iter().map(|v| v * v).sum::<f64>().sqrt();
+        // The rotation is the eigenvector of the largest eigenvalue. Squaring leaves it alone.
+        let mut power = n * (1.0 / size.max(1e-300)) + DMat4::IDENTITY;
+        for _ in 0..16 {
+            power = power * power;
+            power =
+                power * (1.0 / power.to_cols_array().iter().fold(1e-300, |most: f64, v| most.max(v.abs())));
+        }
+        let columns = [power.x_axis, power.y_axis, power.z_axis, power.w_axis];
+        let best = columns.into_iter().fold(columns[0], |best, column| {
+            if column.length_squared() > best.length_squared() { column } else { best }
+        });
+        let [w, x, y, z] = best.to_array();
+        let rotation = DQuat::from_xyzw(x, y, z, w);
+        let rotation = match rotation.is_finite() && rotation.length_squared() > 0.0 && size > 0.0 {
+            true => rotation.normalize(),
+            false => DQuat::IDENTITY,
+        };
+        let rotation = if rotation.w < 0.0 { -rotation } else { rotation };
+        Self { rotation: rotation.as_quat(), translation: (to - rotation * from).as_vec3() }
+    }
+
     /// Returns the pose as a column-major matrix.
     pub fn matrix(&self) -> Mat4 {
         Mat4::from_rotation_translation(self.rotation, self.translation)
@@ -94,6 +137,30 @@ mod tests {
         let pose = Pose::between(&rest, &stretched);
         assert!(pose.point(Vec3::Y).distance(Vec3::X) < 1e-6 && pose.rotation.is_normalized());
         assert!(Pose::between(&rest, &Mat4::from_scale(Vec3::ZERO)).rotation.is_finite());
+    }
+
+    #[test]
+    fn fit_is_the_motion_of_points() {
+        let points: Vec<Vec3> = (0..40u32)
+            .map(|i| Vec3::new((i as f32).sin(), (1.7 * i as f32).cos(), (2.3 * i as f32).sin()) * 0.1)
+            .collect();
+        for angle in [0.0, 0.01, 1.2, std::f32::consts::PI, -2.9] {
+            let rotation = Quat::from_axis_angle(Vec3::new(0.6, -0.48, 0.64).normalize(), angle);
+            let pose = Pose { rotation, translation: Vec3::new(3.0, -0.2, 0.7) };
+            let moved: Vec<Vec3> = points.iter().map(|p| pose.point(*p)).collect();
+            let found = Pose::fit(&points, &moved);
+            let off = points.iter().map(|p| found.point(*p).distance(pose.point(*p))).fold(0.0, f32::max);
+            assert!(off < 1e-6, "{angle}: {off} m");
+        }
+        let still = Pose::fit(&points, &points);
+        assert!(still.rotation.angle_between(Quat::IDENTITY) < 1e-6 && still.translation.length() < 1e-7);
+        // Too few points for a rotation still give the translation.
+        for few in [&points[..0], &points[..1]] {
+            let moved: Vec<Vec3> = few.iter().map(|p| *p + Vec3::X).collect();
+            let found = Pose::fit(few, &moved);
+            assert!(found.rotation.is_normalized());
+            few.iter().for_each(|p| assert!(found.point(*p).distance(*p + Vec3::X) < 1e-6));
+        }
     }
 
     #[test]

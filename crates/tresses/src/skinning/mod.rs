@@ -196,6 +196,11 @@ impl Skinning {
         Ok(true)
     }
 
+    /// Makes the next pose due: the body's vertices have been overwritten.
+    pub(crate) fn forget(&mut self) {
+        self.pose = RigPose::default();
+    }
+
     /// Bounding box of the body in `pose`, groom space, meters. A vertex is a weighted mean of its positions under each
     /// joint.
     fn bounds(&self, pose: &RigPose) -> [Vec3; 2] {

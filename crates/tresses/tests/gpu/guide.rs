@@ -2,13 +2,13 @@
 
 use crate::common;
 use crate::embed::{HostScene, target};
-use tresses::character::{BodyPose, CharacterFiles, CharacterOptions, CharacterParts, CharacterSource};
+use tresses::character::{CharacterFiles, CharacterOptions, CharacterParts, CharacterSource};
 use tresses::character::{CrowdBudget, Obstacle};
 use tresses::character::{FaceHair, FillOptions, Styling};
 use tresses::collide::{Collider, Shape};
 use tresses::draw::{Compositor, Shade, Surroundings};
 use tresses::glam::{DVec3, Mat4, Quat, Vec3, Vec4};
-use tresses::groom::rig::{Animation, Channel, Curve, Property, RigPose};
+use tresses::groom::rig::{Animation, Channel, Curve, Property};
 use tresses::groom::{grow::Growth, import::ImportOptions, mannequin::facial::Beard, styles::Style};
 use tresses::light::{Directional, Environment, Lights, MAX_LIGHTS, SceneShadow, ShadingRate, Sky};
 use tresses::simulate::{Tie, TieTarget};
@@ -122,17 +122,32 @@ async fn character(guide: &Guide) -> Result<()> {
     let rigged = bob.rig_mut().expect("a rig");
     let mut globals = rigged.anatomy().rig.rest_pose().globals;
     globals[2] *= Mat4::from_rotation_y(0.5);
-    let (anatomy, rig) = (rigged.anatomy(), &rigged.anatomy().rig);
-    let rest = rig.rest_pose();
-    let place = |globals: &[Mat4], node: u32| rig.to_groom * globals[node as usize];
-    let motion = |node: u32| Pose::between(&place(&rest.globals, node), &place(&globals, node));
-    let head = motion(anatomy.head.node);
-    let parts = anatomy.solids().map(|part| motion(part.node)).collect();
-    let palette = rig.joints.iter().map(|joint| place(&globals, joint.node) * joint.inverse_bind).collect();
-    let rig = RigPose { palette, weights: rest.weights, globals };
-    rigged.set_pose(Some(BodyPose { rig, head, parts }));
+    let pose = rigged.pose_of(&globals)?;
+    rigged.set_pose(Some(pose));
     moved(guide, &mut bob).await?;
     assert!((turned(&bob) - 0.5).abs() < 0.01, "{} rad", turned(&bob));
+
+    // Vertices that turn as one take the head and its hair along.
+    let mut cat = guide.ann.instance()?;
+    let mesh = parts.head.as_ref().expect("a head");
+    let pose = Pose::about(cat.neck(), Quat::from_rotation_y(0.3));
+    let positions: Vec<Vec3> = mesh.positions.iter().map(|p| pose.point(*p)).collect();
+    let rigged = cat.rig_mut().expect("a rig");
+    rigged.set_vertices(&positions, None)?;
+    assert!(rigged.set_vertices(&positions[1..], None).is_err());
+    assert!(rigged.set_vertices(&vec![Vec3::NAN; positions.len()], None).is_err());
+    let there = moved(guide, &mut cat).await?;
+    assert!((turned(&cat) - 0.3).abs() < 1e-4, "{} rad", turned(&cat));
+    let each = guide.ann.hair().strands.vertex_count as usize;
+    let roots = |all: &[Vec3]| all.iter().step_by(each).copied().collect::<Vec<_>>();
+    let carried: Vec<Vec3> = roots(&rest).iter().map(|p| pose.point(*p)).collect();
+    let off = apart(&roots(&there), &carried);
+    assert!(off < 1e-4, "roots are {off} m off");
+    // The gesture counts again afterwards.
+    cat.rig_mut().expect("a rig").set_pose(None);
+    cat.reset();
+    let back = moved(guide, &mut cat).await?;
+    assert!(apart(&roots(&rest), &roots(&back)) < 1e-4 && turned(&cat) < 1e-3);
     Ok(())
 }
 

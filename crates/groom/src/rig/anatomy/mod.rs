@@ -158,6 +158,15 @@ impl Anatomy {
         self.parts.iter().filter(|part| part.form != PartForm::Nothing)
     }
 
+    /// Returns the vertices that follow the head most, then those of each of the [`solids`](Self::solids).
+    pub fn owned(&self) -> Vec<Vec<u32>> {
+        let owners = owners(&self.rig, self.head.node);
+        let nodes = std::iter::once(self.head.node).chain(self.solids().map(|part| part.node));
+        let of =
+            |node: u32| (0..owners.len() as u32).filter(|vertex| owners[*vertex as usize] == node).collect();
+        nodes.map(of).collect()
+    }
+
     /// Builds the fields of parts that hair collides with. A part that encloses nothing, such as cards of lashes, stays
     /// a mesh: it is left to the builder on the GPU, which accepts it.
     pub fn measure(&mut self) {

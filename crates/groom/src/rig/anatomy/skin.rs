@@ -17,8 +17,9 @@ const BEYOND: f32 = 0.04;
 pub struct Flesh(Vec<Vec<[u32; 3]>>);
 
 impl Flesh {
-    /// Collects the skin of a body with the mesh `mesh`; `has_head` is whether the head is a field at all.
-    pub fn new(anatomy: &Anatomy, mesh: &TriMesh, has_head: bool) -> Self {
+    /// Collects the skin of a body with the mesh `mesh`; `has_head` is whether the head is a field at all. `is_free` is
+    /// whether vertices move in other ways than the rig says, so that no part is rigid.
+    pub fn new(anatomy: &Anatomy, mesh: &TriMesh, has_head: bool, is_free: bool) -> Self {
         let rig = &anatomy.rig;
         let head = anatomy.head.node;
         let owners = owners(rig, head);
@@ -37,7 +38,7 @@ impl Flesh {
         let own = by_node(mesh, of);
         let around = |node: u32| {
             let own = own.get(&node).map_or(&[][..], |own| own);
-            match own.iter().flatten().any(|vertex| leaves(node, *vertex)) {
+            match own.iter().flatten().any(|vertex| is_free || leaves(node, *vertex)) {
                 true => surface.beyond(mesh, |vertex| of(vertex) == node),
                 false => Vec::new(),
             }
