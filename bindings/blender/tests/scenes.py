@@ -7,7 +7,7 @@ RADIUS, LENGTH = 0.1, 0.25
 
 
 def empty(fps=24, last=24):
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     scene = bpy.context.scene
     scene.render.fps, scene.frame_start, scene.frame_end = fps, 1, last
     scene.frame_set(1)
@@ -38,6 +38,7 @@ def ball(degrees=40, shape_key=False):
         for frame, value in ((1, 0.0), (scene.frame_end, 1.0)):
             key.value = value
             key.keyframe_insert("value", frame=frame)
+    scene.frame_set(scene.frame_start)
     return body, armature
 
 

@@ -64,3 +64,14 @@ def copied(curves, target):
         own.data.foreach_set("vector", uvs.ravel())
     for material in curves.materials:
         target.materials.append(material)
+
+
+def select_curve(curves, index):
+    """Select a single curve."""
+    found = curves.attributes.get(".selection")
+    if found is not None:
+        curves.attributes.remove(found)
+    selected = np.zeros(len(curves.curves), bool)
+    selected[index] = True
+    curves.attributes.new(".selection", "BOOLEAN", "CURVE").data.foreach_set("value", selected)
+    curves.selection_domain = "CURVE"

@@ -5,19 +5,18 @@
 """
 
 import os
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 
 import bpy
 import numpy as np
 import tresses
+from tresses import TressesError
 
 from . import cache, hair, nodes, versions
 from .body import Body, BodyError
 from .space import Space
 from .tripods import Tripods, deforms, is_attached
-
-# Largest distance between a root in Blender and in the simulation that is no mistake, meters.
-ROOT_REACH = 5e-3
 
 
 @dataclass
@@ -28,6 +27,8 @@ class Options:
     last: int
     # Frames that hair takes to come to rest in the pose of the first frame.
     settle: int = 24
+    # Whether hair and body are at rest in the pose of the first frame, instead of the body's own rest pose.
+    posed: bool = False
     # Values of Tresses' parameters by name.
     settings: dict = field(default_factory=dict)
 
@@ -37,9 +38,9 @@ class Hair:
 
     def __init__(self, thing, scene):
         self.object = thing
-        self.starts, self.rest = hair.offsets(thing.data), hair.positions(thing.data)
-        if len(self.starts) < 2:
+        if len(thing.data.curves) == 0:
             raise BodyError(f"{thing.name} has no curves")
+        self.starts, self.rest = hair.offsets(thing.data), hair.positions(thing.data)
         self.tripods = None
         self.attached = is_attached(thing)
         if self.attached:
@@ -88,7 +89,8 @@ class Run:
         self.before = self.scene.frame_current
         self.scene.frame_set(options.first)
         try:
-            self.hair = [Hair(thing, self.scene) for thing in things]
+            for thing in things:
+                self.hair.append(Hair(thing, self.scene))
             self._build(meshes)
         except BaseException:
             self.end()
@@ -97,9 +99,11 @@ class Run:
     def _build(self, meshes):
         depsgraph = bpy.context.evaluated_depsgraph_get
         self.body = Body(meshes, self.space) if meshes else None
+        # Hair without a body moves with its object.
+        self.placed = self.hair[0].object.matrix_world.copy()
         mesh = rig = None
         if self.body:
-            with self.body.at_rest(self.view_layer):
+            with nullcontext() if self.options.posed else self.body.at_rest(self.view_layer):
                 triangles = self.body.triangles(depsgraph())
                 mesh = tresses.Mesh(self.body.vertices(depsgraph()), triangles)
                 rig = tresses.Rig(*self.body.rig(depsgraph()))
@@ -117,7 +121,8 @@ class Run:
 
     def _pose(self):
         if not self.body:
-            return {}
+            now = self.hair[0].object.matrix_world @ self.placed.inverted()
+            return dict(body=rigid(self.space.matrices(now)))
         return dict(skin=self.body.vertices(bpy.context.evaluated_depsgraph_get()), joints=self.body.joints())
 
     def _mute(self):
@@ -137,25 +142,36 @@ class Run:
         self.caches = [
             cache.Cache.create(cache.folder(one.object), options.first, count, len(one.rest)) for one in self.hair
         ]
-        seconds = self.scene.render.fps_base / self.scene.render.fps
-        pose = self._pose()
-        self.simulation.reset(**pose)
+        self.reset(0)
         for i in range(options.settle):
-            self.simulation.step(seconds, **pose)
+            self.step()
             yield i / (options.settle + count)
         for i in range(count):
             if i > 0:
                 self.scene.frame_set(options.first + i)
-                self.simulation.step(seconds, **self._pose())
-            self._store()
+                self.step()
+            for kept, (_, points) in zip(self.caches, self.positions()):
+                kept.append(points)
             yield (options.settle + i + 1) / (options.settle + count)
 
-    def _store(self):
+    def reset(self, settle=None):
+        """Put the hair at rest in the pose of the scene, and let it hang for some frames."""
+        self.simulation.reset(**self._pose())
+        for _ in range(self.options.settle if settle is None else settle):
+            self.step()
+
+    def step(self):
+        """Advance to the pose of the scene, by a frame."""
+        render = self.scene.render
+        self.simulation.step(render.fps_base / render.fps, **self._pose())
+
+    def positions(self):
+        """Yield each hair object with the positions that its modifier must give now."""
         given, first = self.simulation.given(), 0
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        for one, kept in zip(self.hair, self.caches):
+        for one in self.hair:
             points = self.space.back(given[first : first + len(one.rest)], one.object.matrix_world)
-            kept.append(one.stored(points, depsgraph))
+            yield one, one.stored(points, depsgraph)
             first += len(one.rest)
 
     def end(self):
@@ -167,6 +183,15 @@ class Run:
             one.end()
         self.hair = []
         self.scene.frame_set(self.before)
+
+
+def rigid(matrix):
+    """Return the rigid motion that is nearest to an affine one, [4, 4]."""
+    left, _, right = np.linalg.svd(matrix[:3, :3])
+    turn = left @ np.diag([1, 1, np.linalg.det(left @ right)]) @ right
+    out = np.eye(4)
+    out[:3, :3], out[:3, 3] = turn, matrix[:3, 3]
+    return out
 
 
 def bake(context, thing):
@@ -190,10 +215,17 @@ def bake(context, thing):
         )
     finally:
         bpy.app.handlers.frame_change_pre.remove(write)
-        found = thing.data.attributes.get(nodes.ATTRIBUTE)
-        if found is not None:
-            thing.data.attributes.remove(found)
+        remove_attribute(thing.data)
+        # Blender learns here that the hair now depends on time.
+        m.node_group = m.node_group
         context.scene.frame_set(current)
+
+
+def remove_attribute(curves):
+    """Remove the positions that a simulation has written."""
+    found = curves.attributes.get(nodes.ATTRIBUTE)
+    if found is not None:
+        curves.attributes.remove(found)
 
 
 def clear(thing):
@@ -201,6 +233,12 @@ def clear(thing):
     m = nodes.modifier(thing)
     if m is not None:
         thing.modifiers.remove(m)
-    found = thing.data.attributes.get(nodes.ATTRIBUTE)
-    if found is not None:
-        thing.data.attributes.remove(found)
+    remove_attribute(thing.data)
+
+
+def findings(context, thing):
+    """Return what is wrong with the curves of a hair object: a list of tresses.Finding."""
+    one = Hair.__new__(Hair)
+    one.object, one.starts, one.rest = thing, hair.offsets(thing.data), hair.positions(thing.data)
+    points, widths = one.strands(Space(context.scene))
+    return tresses.Strands(points, one.starts, widths).lint()

@@ -1,0 +1,71 @@
+"""Simulation while the timeline plays."""
+
+import bpy
+
+from . import hair, nodes, run
+
+_current = None
+
+
+def is_on():
+    return _current is not None
+
+
+def start(context, things, meshes, options):
+    """Simulate at each new frame from now on, and show the result without a bake."""
+    global _current
+    stop()
+    for thing in things:
+        _forget_bake(context, thing)
+    live = run.Run(context, things, meshes, options)
+    for thing in things:
+        nodes.add_modifier(thing)
+    live.reset()
+    live.frame = context.scene.frame_current
+    _show(live)
+    _current = live
+    bpy.app.handlers.frame_change_post.append(_advance)
+
+
+def stop():
+    """End the live simulation. The hair keeps its groom."""
+    global _current
+    live, _current = _current, None
+    if _advance in bpy.app.handlers.frame_change_post:
+        bpy.app.handlers.frame_change_post.remove(_advance)
+    if live is None:
+        return
+    for one in live.hair:
+        run.remove_attribute(one.object.data)
+    live.end()
+
+
+def _forget_bake(context, thing):
+    m = nodes.modifier(thing)
+    if m is not None and m.bakes:
+        bpy.ops.object.geometry_node_bake_delete_single(
+            session_uid=thing.session_uid, modifier_name=m.name, bake_id=m.bakes[0].bake_id
+        )
+
+
+def _advance(scene, depsgraph):
+    live = _current
+    if live is None or scene.frame_current == live.frame:
+        return
+    try:
+        # A jump begins anew; it is no motion.
+        if scene.frame_current == live.frame + 1:
+            live.step()
+        else:
+            live.reset()
+        live.frame = scene.frame_current
+        _show(live)
+    except (ReferenceError, run.BodyError, run.TressesError) as error:
+        print(f"Tresses: {error}")
+        stop()
+
+
+def _show(live):
+    for one, points in live.positions():
+        hair.write_vectors(one.object.data, nodes.ATTRIBUTE, points)
+        one.object.data.update_tag()

@@ -1,0 +1,263 @@
+"""Operators of the panel."""
+
+import bpy
+from bpy_extras.io_utils import ExportHelper
+
+from . import cache, export, hair, live, nodes, run, strands
+from .body import BodyError
+
+# Seconds of simulation between two updates of the window.
+PACE = 0.1
+ERRORS = (BodyError, run.TressesError, OSError)
+
+
+def chosen(context):
+    """Return the selected objects of hair, or the active one."""
+    things = [thing for thing in context.selected_objects if thing.type == "CURVES"]
+    active = context.active_object
+    return things or ([active] if active and active.type == "CURVES" else [])
+
+
+def prepared(context, things):
+    """Return the objects to simulate, their meshes and the options, from the properties of the first."""
+    first = things[0].tresses
+    scene = context.scene
+    begin, end = first.range(scene)
+    posed = False
+    if any(thing.tresses.mode == "STRANDS" for thing in things):
+        scene.frame_set(begin)
+        things = [strands.evaluated(thing, context) if thing.tresses.mode == "STRANDS" else thing for thing in things]
+        posed = True
+    meshes = list(dict.fromkeys(mesh for thing in things for mesh in thing.tresses.meshes()))
+    return things, meshes, run.Options(begin, end, first.settle, posed, first.settings(scene))
+
+
+class HairOperator:
+    @classmethod
+    def poll(cls, context):
+        return bool(chosen(context)) and context.mode == "OBJECT"
+
+
+class TRESSES_OT_simulate(HairOperator, bpy.types.Operator):
+    """Simulate the selected hair over the frames of the scene, and bake the result. Esc stops and keeps what is done"""
+
+    bl_idname = "tresses.simulate"
+    bl_label = "Simulate"
+    bl_options = {"REGISTER"}
+
+    def invoke(self, context, _event):
+        if not self._begin(context):
+            return {"CANCELLED"}
+        self.timer = context.window_manager.event_timer_add(0.01, window=context.window)
+        context.window_manager.progress_begin(0, 100)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context):
+        if not self._begin(context):
+            return {"CANCELLED"}
+        try:
+            for _ in self.frames:
+                pass
+        except ERRORS as error:
+            return self._fail(context, error)
+        return self._finish(context)
+
+    def modal(self, context, event):
+        if event.type == "ESC":
+            return self._finish(context)
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        try:
+            share = next(self.frames)
+        except StopIteration:
+            return self._finish(context)
+        except ERRORS as error:
+            return self._fail(context, error)
+        context.window_manager.progress_update(int(100 * share))
+        context.workspace.status_text_set(f"Tresses: {100 * share:.0f} %, Esc stops")
+        return {"RUNNING_MODAL"}
+
+    def _begin(self, context):
+        live.stop()
+        self.timer, self.run = None, None
+        try:
+            self.things, meshes, options = prepared(context, chosen(context))
+            for thing in self.things:
+                run.clear(thing)
+            self.run = run.Run(context, self.things, meshes, options)
+        except ERRORS as error:
+            self._fail(context, error)
+            return False
+        for note in self.run.notes:
+            self.report({"WARNING"}, note)
+        self.frames = self.run.frames()
+        return True
+
+    def _end(self, context):
+        if self.run:
+            self.run.end()
+        if self.timer:
+            context.window_manager.event_timer_remove(self.timer)
+            context.window_manager.progress_end()
+            context.workspace.status_text_set(None)
+
+    def _fail(self, context, error):
+        self._end(context)
+        self.report({"ERROR"}, _sentence(error))
+        return {"CANCELLED"}
+
+    def _finish(self, context):
+        self.frames.close()
+        self._end(context)
+        try:
+            for thing in self.things:
+                run.bake(context, thing)
+        except ERRORS as error:
+            self.report({"ERROR"}, _sentence(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class TRESSES_OT_bake(HairOperator, bpy.types.Operator):
+    """Bake the frames that an interrupted simulation has left on disk"""
+
+    bl_idname = "tresses.bake"
+    bl_label = "Bake What Is There"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        for thing in chosen(context):
+            if not cache.Cache.exists(cache.folder(thing)):
+                self.report({"ERROR"}, f"There are no simulated frames of {thing.name}")
+                return {"CANCELLED"}
+            try:
+                run.bake(context, thing)
+            except ERRORS as error:
+                self.report({"ERROR"}, _sentence(error))
+                return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class TRESSES_OT_live(HairOperator, bpy.types.Operator):
+    """Simulate the selected hair while the timeline plays. A second click ends it"""
+
+    bl_idname = "tresses.live"
+    bl_label = "Live"
+
+    def execute(self, context):
+        if live.is_on():
+            live.stop()
+            return {"FINISHED"}
+        try:
+            things, meshes, options = prepared(context, chosen(context))
+            options.first = context.scene.frame_current
+            live.start(context, things, meshes, options)
+        except ERRORS as error:
+            self.report({"ERROR"}, _sentence(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class TRESSES_OT_clear(HairOperator, bpy.types.Operator):
+    """Remove the motion from the selected hair. The groom is unchanged"""
+
+    bl_idname = "tresses.clear"
+    bl_label = "Clear"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        live.stop()
+        for thing in chosen(context):
+            source = thing.tresses.source
+            run.clear(thing)
+            if source is not None:
+                source.hide_render = False
+                source.hide_set(False)
+                bpy.data.objects.remove(thing)
+        return {"FINISHED"}
+
+
+class TRESSES_OT_from_particles(bpy.types.Operator):
+    """Make curves from the particle hair of the active mesh, to simulate them"""
+
+    bl_idname = "tresses.from_particles"
+    bl_label = "Curves from Particle Hair"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        thing = context.active_object
+        hairy = lambda system: system.settings.type == "HAIR"
+        return context.mode == "OBJECT" and thing and thing.type == "MESH" and any(map(hairy, thing.particle_systems))
+
+    def execute(self, context):
+        made = strands.of_particles(context.active_object, context)
+        if not made:
+            self.report({"ERROR"}, "The particle systems have no hair")
+            return {"CANCELLED"}
+        for thing in made:
+            thing.select_set(True)
+        return {"FINISHED"}
+
+
+class TRESSES_OT_check(HairOperator, bpy.types.Operator):
+    """List what is wrong with the selected hair, and select the first curve that is"""
+
+    bl_idname = "tresses.check"
+    bl_label = "Check"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        found = 0
+        for thing in chosen(context):
+            for finding in run.findings(context, thing):
+                found += 1
+                kind = {"error": "ERROR", "warning": "WARNING"}.get(finding.severity, "INFO")
+                self.report({kind}, f"{thing.name}: {finding.detail}")
+                if finding.first_strand is not None:
+                    hair.select_curve(thing.data, finding.first_strand)
+        if not found:
+            self.report({"INFO"}, "Nothing is wrong")
+        return {"FINISHED"}
+
+
+class TRESSES_OT_export(HairOperator, bpy.types.Operator, ExportHelper):
+    """Write the selected hair as an Alembic groom with guides, groups and root UVs, for Unreal"""
+
+    bl_idname = "tresses.export"
+    bl_label = "Export Groom"
+    filename_ext = ".abc"
+    filter_glob: bpy.props.StringProperty(default="*.abc;*.usda", options={"HIDDEN"})
+    animated: bpy.props.BoolProperty(
+        name="Animated", description="Write all frames of the scene, as a groom cache", default=False
+    )
+    unit: bpy.props.EnumProperty(
+        name="Unit", items=[("cm", "Centimeters", "For Unreal"), ("m", "Meters", "")], description="Unit of the file"
+    )
+
+    def execute(self, context):
+        try:
+            write = export.cache if self.animated else export.groom
+            for note in write(context, chosen(context), self.filepath, self.unit):
+                self.report({"WARNING"}, note)
+        except ERRORS as error:
+            self.report({"ERROR"}, _sentence(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+def _sentence(error):
+    text = str(error)
+    return text[:1].upper() + text[1:]
+
+
+CLASSES = (
+    TRESSES_OT_simulate,
+    TRESSES_OT_bake,
+    TRESSES_OT_live,
+    TRESSES_OT_clear,
+    TRESSES_OT_from_particles,
+    TRESSES_OT_check,
+    TRESSES_OT_export,
+)

@@ -1,0 +1,82 @@
+"""Grooms and caches in files."""
+
+import bpy
+import numpy as np
+import scenes
+from test_simulation import arrays, select
+
+
+def test_groups_and_root_uvs_reach_the_file(tresses, saved, tmp_path):
+    scenes.empty(last=2)
+    body, _ = scenes.ball()
+    things = [scenes.hair(body, 20), scenes.hair(body, 12)]
+    select(*things)
+    file = str(tmp_path / "groom.abc")
+    assert bpy.ops.tresses.export(filepath=file) == {"FINISHED"}
+    back = tresses.read(file).strands
+    assert len(back) == 32 and sorted(np.bincount(back.groups).tolist()) == [12, 20]
+    assert back.root_uvs.shape == (32, 2) and np.allclose(back.widths, 8e-5)
+    assert np.ptp(back.positions[:, 1]) < 1, "meters, not centimeters"
+
+
+def test_strands_name_the_guides_that_they_follow(tresses, tmp_path):
+    # In the middle of a turn; the file has the rest pose.
+    scene = scenes.empty(last=24)
+    body, _ = scenes.ball()
+    thing = scenes.hair(body, 10)
+    scene.frame_set(7)
+    # A node group that doubles each curve and says which it came from, as Interpolate Hair Curves does.
+    group = bpy.data.node_groups.new("Children", "GeometryNodeTree")
+    for side in ("INPUT", "OUTPUT"):
+        group.interface.new_socket("Geometry", in_out=side, socket_type="NodeSocketGeometry")
+    make = group.nodes.new
+    into, double, store, out = map(
+        make,
+        ("NodeGroupInput", "GeometryNodeDuplicateElements", "GeometryNodeStoreNamedAttribute", "NodeGroupOutput"),
+    )
+    double.domain = "SPLINE"
+    double.inputs["Amount"].default_value = 3
+    index = make("GeometryNodeInputIndex")
+    store.data_type, store.domain = "INT", "CURVE"
+    store.inputs["Name"].default_value = "guide_curve_index"
+    divide = make("ShaderNodeMath")
+    divide.operation, divide.inputs[1].default_value = "DIVIDE", 3
+    floor = make("ShaderNodeMath")
+    floor.operation = "FLOOR"
+    link = group.links.new
+    link(into.outputs[0], double.inputs[0])
+    link(double.outputs[0], store.inputs[0])
+    link(index.outputs[0], divide.inputs[0])
+    link(divide.outputs[0], floor.inputs[0])
+    value = next(s for s in store.inputs if s.name == "Value" and s.enabled)
+    link(floor.outputs[0], value)
+    link(store.outputs[0], out.inputs[0])
+    thing.modifiers.new("Children", "NODES").node_group = group
+    select(thing)
+    file = str(tmp_path / "groom.abc")
+    assert bpy.ops.tresses.export(filepath=file) == {"FINISHED"}
+    back = tresses.read(file).strands
+    assert back.guides.sum() == 10 and len(back) == 40
+    guides = {int(back.ids[i]): back[i] for i in np.flatnonzero(back.guides)}
+    for i in np.flatnonzero(~back.guides):
+        assert np.abs(back[i] - guides[int(back.closest[i][0])]).max() < 1e-4
+        assert np.allclose(back.weights[i], [1, 0, 0])
+    assert len(tresses.Groom.of(back).guides) == 10
+
+
+def test_a_cache_has_all_frames(tresses, saved, tmp_path):
+    scene = scenes.empty(last=5)
+    body, _ = scenes.ball()
+    thing = scenes.hair(body, 10)
+    saved()
+    select(thing)
+    assert bpy.ops.tresses.simulate() == {"FINISHED"}
+    file = str(tmp_path / "cache.abc")
+    assert bpy.ops.tresses.export(filepath=file, animated=True, unit="m") == {"FINISHED"}
+    for frame in (1, 5):
+        scene.frame_set(frame)
+        now = arrays(thing)
+        back = tresses.read(file, frame=frame - 1, up="y", front="z", mirror=False).strands
+        matrix = np.array(thing.evaluated_get(bpy.context.evaluated_depsgraph_get()).matrix_world)
+        world = now @ matrix[:3, :3].T + matrix[:3, 3]
+        assert np.abs(back.positions - world @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])).max() < 1e-5
