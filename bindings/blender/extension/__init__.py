@@ -4,13 +4,17 @@
     panel, operators ─► run ─┬─ body, tripods, hair: what Blender deforms, as arrays
                              ├─ tresses.Simulation
                              └─ cache ─► nodes: a bake in the hair's own modifiers
+    export, gltf: grooms in files
 """
 
 import bpy
 
-from . import live, operators, panel, properties
+from . import gltf, live, operators, panel, properties
 
 CLASSES = (*properties.CLASSES, *operators.CLASSES, *panel.CLASSES)
+
+# Blender's glTF exporter looks for this name.
+glTF2ExportUserExtension = gltf.Exporter
 
 
 @bpy.app.handlers.persistent

@@ -53,10 +53,12 @@ class _Parts:
 
 
 def groom(context, things, path, unit="cm"):
-    """Write the hair at rest. Each object is a group; its own curves are the guides of what its modifiers make.
+    """Write the hair at rest. Returns what the file cannot hold, as sentences."""
+    return at_rest(context, things).strands().write(path, unit=unit)
 
-    Returns what the file cannot hold, as sentences.
-    """
+
+def at_rest(context, things):
+    """Return the hair at rest. Each object is a group; its own curves are the guides of what its modifiers make."""
     space, parts = Space(context.scene), _Parts()
     bodies = dict.fromkeys(thing.data.surface for thing in things if thing.data.surface)
     moved = [m for m in map(nodes.modifier, things) if m and m.show_viewport]
@@ -68,7 +70,7 @@ def groom(context, things, path, unit="cm"):
     finally:
         for m in moved:
             m.show_viewport = True
-    return parts.strands().write(path, unit=unit)
+    return parts
 
 
 def _add(things, space, depsgraph, parts):

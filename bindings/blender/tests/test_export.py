@@ -80,3 +80,43 @@ def test_a_cache_has_all_frames(tresses, saved, tmp_path):
         matrix = np.array(thing.evaluated_get(bpy.context.evaluated_depsgraph_get()).matrix_world)
         world = now @ matrix[:3, :3].T + matrix[:3, 3]
         assert np.abs(back.positions - world @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])).max() < 1e-5
+
+
+def test_gltf_holds_body_skin_and_hair(tresses, saved, tmp_path):
+    scene = scenes.empty(last=24)
+    body, armature = scenes.ball()
+    things = [scenes.hair(body, 20), scenes.hair(body, 12)]
+    material = bpy.data.materials.new("Hair")
+    material.use_nodes = True
+    shader = material.node_tree.nodes.new("ShaderNodeBsdfHairPrincipled")
+    shader.parametrization = "MELANIN"
+    shader.inputs["Melanin"].default_value, shader.inputs["Melanin Redness"].default_value = 0.8, 0.25
+    things[0].data.materials.append(material)
+    scene.frame_set(7)
+    file = str(tmp_path / "both.glb")
+    if not hasattr(bpy.ops.export_scene, "gltf") or "io_scene_gltf2" not in bpy.context.preferences.addons:
+        bpy.ops.preferences.addon_enable(module="io_scene_gltf2")
+    bpy.ops.export_scene.gltf(filepath=file)
+    back = tresses.read(file)
+    assert len(back.strands) == 32 and back.head is not None
+    assert np.bincount(back.strands.groups).tolist() == [20, 12]
+    assert np.allclose(back.strands.widths, 8e-5) and back.strands.root_uvs.shape == (32, 2)
+    # At rest: roots lie on the ball that the file has.
+    roots = back.strands.positions[back.strands.offsets[:-1]]
+    assert np.abs(np.linalg.norm(roots, axis=1) - scenes.RADIUS).max() < 1e-3
+    import json
+    import struct
+
+    with open(file, "rb") as binary:
+        binary.seek(12)
+        size = struct.unpack("<I", binary.read(4))[0]
+        binary.seek(20)
+        said = json.loads(binary.read(size))
+    assert "EXT_tresses_hair" in said["extensionsUsed"] and len(said["skins"]) == 1 and said["animations"]
+    found = said["extensions"]["EXT_tresses_hair"]["grooms"][0]["material"]
+    amount = -np.log(0.2)
+    assert np.isclose(found["eumelanin"], 1.208 * amount * 0.75, rtol=1e-4)
+    assert np.isclose(found["pheomelanin"], 1.831 * amount * 0.25, rtol=1e-4)
+    # It moves: the animation of the file turns the body, and the hair with it.
+    groom = tresses.Groom.read(file)
+    assert len(groom) == 32 and groom.head is not None
