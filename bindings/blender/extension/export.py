@@ -8,13 +8,41 @@ from .body import Body, BodyError
 from .space import Space
 
 
-def _strands(evaluated, space):
-    """Return points in Tresses' space, offsets, diameters in meters and root UVs of evaluated curves."""
-    curves = evaluated.data
+def _strands(thing, space):
+    """Return points in Tresses' space, offsets, diameters in meters and root UVs of the curves of an object."""
+    curves, matrix = thing.data, thing.matrix_world
     widths = hair.diameters(curves)
-    points = space.points(hair.positions(curves), evaluated.matrix_world)
-    scale = space.unit * np.mean(evaluated.matrix_world.to_scale())
-    return points, hair.offsets(curves), None if widths is None else widths * scale, hair.root_uvs(curves)
+    points = space.points(hair.positions(curves), matrix)
+    scale = space.unit * np.mean(matrix.to_scale())
+    uvs = next((uvs for uvs in (hair.root_uvs(curves), _own(curves, "groom_root_uv", 2)) if uvs is not None), None)
+    return points, hair.offsets(curves), None if widths is None else widths * scale, uvs
+
+
+def _own(curves, name, width=1, dtype=np.float32):
+    """Return an attribute of the curves in Unreal's naming, which USD files have, or None."""
+    return hair.attribute(curves, name, "CURVE", width, dtype)
+
+
+def _marks(curves, group, first):
+    """Return guides, ids, groups, closest guides and weights of curves that have them from a file, or None.
+
+    `first` is the number of strands before, which keeps ids of several objects apart.
+    """
+    guides, ids = _own(curves, "groom_guide", 1, np.int32), _own(curves, "groom_id", 1, np.int32)
+    groups, closest = _own(curves, "groom_group_id", 1, np.int32), _own(curves, "groom_closest_guides", 3)
+    if all(values is None for values in (guides, ids, groups)):
+        return None
+    count = len(curves.curves)
+    ids = np.arange(count) if ids is None else ids.astype(np.int64)
+    weights = _own(curves, "groom_guide_weights", 3)
+    known = closest is not None
+    return dict(
+        guide=np.zeros(count, bool) if guides is None else guides != 0,
+        ids=first + ids,
+        group=group + (0 if groups is None else groups.astype(np.int64)),
+        closest=first + closest.astype(np.int64) if known else np.full((count, 3), first),
+        weights=np.zeros((count, 3)) if not known else np.tile([1.0, 0, 0], (count, 1)) if weights is None else weights,
+    )
 
 
 class _Parts:
@@ -22,33 +50,51 @@ class _Parts:
 
     def __init__(self):
         self.points, self.starts, self.widths, self.uvs = [], [0], [], []
-        self.guides, self.groups, self.closest, self.count = [], [], [], 0
+        self.marks, self.count = {name: [] for name in ("guide", "ids", "group", "closest", "weights")}, 0
 
-    def add(self, of, guide, group, closest):
+    def next_id(self):
+        """Return a number above all ids."""
+        return max((int(ids.max()) + 1 for ids in self.marks["ids"] if len(ids)), default=0)
+
+    def add(self, of, marks):
+        """Add strands with the marks of `_marks`."""
         points, starts, widths, uvs = of
         count = len(starts) - 1
         self.points.append(points)
         self.starts.extend((starts[1:] + self.starts[-1]).tolist())
         self.widths.append(np.full(len(points), 7e-5, np.float32) if widths is None else widths)
         self.uvs.append(np.full((count, 2), np.nan, np.float32) if uvs is None else uvs)
-        self.guides.append(np.full(count, guide))
-        self.groups.append(np.full(count, group))
-        self.closest.append(np.zeros(count, np.int64) if closest is None else closest)
+        for name, values in marks.items():
+            self.marks[name].append(values)
         self.count += count
 
+    def add_plain(self, of, guide, group, closest=None):
+        """Add strands that all are guides or none, of one group. Each follows one guide, by its id, or none."""
+        count, first = len(of[1]) - 1, self.next_id()
+        known = closest is not None
+        self.add(
+            of,
+            dict(
+                guide=np.full(count, guide),
+                ids=first + np.arange(count),
+                group=np.full(count, group),
+                closest=np.repeat((closest if known else np.full(count, first))[:, None], 3, 1),
+                weights=np.tile([1.0 if known else 0.0, 0, 0], (count, 1)),
+            ),
+        )
+
     def strands(self):
-        uvs = np.concatenate(self.uvs)
-        marks = {}
-        if any(guides.any() for guides in self.guides):
-            marks = dict(closest=np.concatenate(self.closest)[:, None])
+        uvs, marks = np.concatenate(self.uvs), {name: np.concatenate(all) for name, all in self.marks.items()}
         return tresses.Strands(
             np.concatenate(self.points),
             self.starts,
             np.concatenate(self.widths),
             root_uvs=uvs if np.isfinite(uvs).all() else None,
-            guides=np.concatenate(self.guides),
-            groups=np.concatenate(self.groups),
-            **marks,
+            guides=marks["guide"],
+            ids=marks["ids"],
+            groups=marks["group"],
+            closest=marks["closest"],
+            weights=marks["weights"],
         )
 
 
@@ -74,29 +120,23 @@ def at_rest(context, things):
 
 
 def _add(things, space, depsgraph, parts):
-    for group, thing in enumerate(things):
-        now = thing.evaluated_get(depsgraph)
+    group = 0
+    for thing in things:
+        now, first = thing.evaluated_get(depsgraph), parts.next_id()
         of = hair.attribute(now.data, "guide_curve_index", "CURVE", 1, np.int32)
-        first = parts.count
-        if of is None:
+        marks = _marks(now.data, group, first)
+        if of is not None:
+            count = len(thing.data.curves)
+            if not ((of >= 0) & (of < count)).all():
+                raise BodyError(f"strands of {thing.name} follow guides that it does not have")
+            parts.add_plain(_strands(thing, space), True, group, first + np.arange(count))
+            parts.add_plain(_strands(now, space), False, group, first + of)
+        elif marks is not None:
+            parts.add(_strands(now, space), marks)
+        else:
             # No strand says which guide it follows, so none is a guide.
-            parts.add(_strands(now, space), False, group, None)
-            continue
-        own = _guides(thing, space)
-        count = len(own[1]) - 1
-        if not ((of >= 0) & (of < count)).all():
-            raise BodyError(f"strands of {thing.name} follow guides that it does not have")
-        parts.add(own, True, group, first + np.arange(count))
-        parts.add(_strands(now, space), False, group, first + of)
-
-
-def _guides(thing, space):
-    """Return the curves of an object without its modifiers."""
-    curves = thing.data
-    widths, matrix = hair.diameters(curves), thing.matrix_world
-    scale = space.unit * np.mean(matrix.to_scale())
-    points = space.points(hair.positions(curves), matrix)
-    return points, hair.offsets(curves), None if widths is None else widths * scale, hair.root_uvs(curves)
+            parts.add_plain(_strands(now, space), False, group)
+        group = int(parts.marks["group"][-1].max()) + 1
 
 
 def cache(context, things, path, unit="cm"):
@@ -109,7 +149,7 @@ def cache(context, things, path, unit="cm"):
             scene.frame_set(scene.frame_start + i)
             depsgraph, parts = context.evaluated_depsgraph_get(), _Parts()
             for group, thing in enumerate(things):
-                parts.add(_strands(thing.evaluated_get(depsgraph), space), False, group, None)
+                parts.add_plain(_strands(thing.evaluated_get(depsgraph), space), False, group)
             strands = parts.strands()
             if writer is None:
                 count = len(strands.positions)

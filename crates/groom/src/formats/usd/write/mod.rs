@@ -155,7 +155,10 @@ impl Curves<'_> {
         layer.list("int[] primvars:groom_group_id", marks.iter().map(|m| m.group), &each);
         if marks.iter().any(|mark| mark.weights != [0.0; 3]) {
             let closest = marks.iter().map(|m| m.closest).map(|[a, b, c]| format!("({a}, {b}, {c})"));
-            layer.list("int3[] primvars:groom_closest_guides", closest, &each);
+            // Blender drops `int3[]`. Floats are exact up to this number.
+            let is_exact = marks.iter().flat_map(|m| m.closest).all(|id| id.unsigned_abs() < 1 << 24);
+            let kind = if is_exact { "float3" } else { "int3" };
+            layer.list(&format!("{kind}[] primvars:groom_closest_guides"), closest, &each);
             let weights = marks.iter().map(|m| m.weights).map(|[a, b, c]| format!("({a}, {b}, {c})"));
             layer.list("float3[] primvars:groom_guide_weights", weights, &each);
         }

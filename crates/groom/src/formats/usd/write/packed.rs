@@ -6,6 +6,10 @@ use crate::{
     orient::Unit,
 };
 
+/// Version of the files. The writer states 0.12, which Blender 4.2 refuses; what is new since 0.8 are types of values that
+/// hair and bodies do not have.
+const VERSION: [u8; 3] = [0, 8, 0];
+
 /// Encodes strands.
 pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<EncodedFile> {
     packed(&super::encode(strands, unit)?.bytes).map(EncodedFile::from)
@@ -28,5 +32,9 @@ fn packed(text: &[u8]) -> Result<Vec<u8>> {
     let data = openusd::usda::parse(text).map_err(|error| broken(error.to_string()))?;
     let mut bytes = std::io::Cursor::new(Vec::new());
     openusd::usdc::CrateWriter::write(&data, &mut bytes).map_err(|error| broken(error.to_string()))?;
-    Ok(bytes.into_inner())
+    let mut bytes = bytes.into_inner();
+    if let Some(version) = bytes.get_mut(8..11) {
+        version.copy_from_slice(&VERSION);
+    }
+    Ok(bytes)
 }
