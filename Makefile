@@ -23,7 +23,7 @@ ifeq ($(XDG_RUNTIME_DIR),)
 export NODEVICE_SELECT ?= 1
 endif
 
-.PHONY: help setup setup-viewer setup-tests demo test proof semver fuzz truth bench benchmarks book gallery web viewer web-serve python bevy package release clean
+.PHONY: help setup setup-viewer setup-tests demo test proof semver fuzz truth bench benchmarks book gallery web viewer web-serve python blender bevy package release clean
 
 help: ## Show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 14
@@ -93,6 +93,21 @@ python: setup ## Build the wheel for Python into dist/python/, install it in tar
 	$(PYTHON)/bin/pip install --quiet --force-reinstall --no-deps dist/python/*.whl
 	TRESSES_COMMAND=$(CURDIR)/target/debug/tresses TRESSES_WHEEL=$$(echo dist/python/*.whl) \
 		$(PYTHON)/bin/python -m pytest -q -p no:cacheprovider bindings/python/tests
+
+# Blender's Python module wants one version of Python: 3.13 since Blender 5.1, 3.11 before.
+BLENDER := target/blender
+BLENDER_PYTHON ?= $(or $(shell for it in python3.13 python3.11; do $$it -c '' 2>/dev/null && echo $$it && break; done),python3)
+BPY ?= bpy
+
+blender: setup ## Pack the extension for Blender into dist/blender/, and test it in Blender's Python module (0.4 GB)
+	test -x $(BLENDER)/bin/python || $(BLENDER_PYTHON) -m venv $(BLENDER)
+	$(BLENDER)/bin/pip install --quiet maturin==1.16.0 pytest "$(BPY)"
+	rm -rf $(BLENDER)/wheel
+	$(BLENDER)/bin/maturin build --release --strip --manifest-path bindings/python/Cargo.toml \
+		--interpreter $(BLENDER)/bin/python --out $(BLENDER)/wheel
+	$(BLENDER)/bin/python bindings/blender/pack.py $(BLENDER)/wheel/*.whl dist/blender
+	$(DRIVER) TRESSES_EXTENSION=$(CURDIR)/dist/blender/tresses-blender.zip \
+		$(BLENDER)/bin/python -m pytest -q -p no:cacheprovider bindings/blender/tests
 
 fuzz: setup ## Give readers damaged files, a minute each and 8 GB for all
 	cd fuzz && $(CARGO) fmt --check && ulimit -v 8388608 && \

@@ -206,7 +206,9 @@ impl RiggedBody {
     pub fn set_vertices(&mut self, positions: &[Vec3], joints: Option<&BodyPose>) -> Result<()> {
         if !matches!(self.host, Some(HostPose::Vertices(_))) {
             let mesh = self.mesh.as_ref().filter(|_| !self.has_bent);
-            let mesh = mesh.ok_or_else(|| Error::unusable("the body has been moved by its joints before"))?;
+            let mesh = mesh.ok_or_else(|| {
+                Error::unusable("the body has been moved by its joints: set vertices from the first frame on")
+            })?;
             self.host = Some(HostPose::Vertices(HostSkin::new(mesh, &self.anatomy)));
         }
         match &mut self.host {
