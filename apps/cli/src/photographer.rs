@@ -187,7 +187,7 @@ impl Photographer {
             return Ok(Frame::Shown(self.picture(camera)?));
         }
         let asked = OutputRequest { linear: true, hair: true, bare: false };
-        let captured = pollster::block_on(self.scene.capture(camera, asked))?;
+        let captured = pollster::block_on(self.scene.capture(*camera, asked))?;
         let (size, projection) = (self.scene.targets().size, self.scene.picture.camera.projection);
         Ok(Frame::File(layers::encode(&captured, size, &projection)?, size))
     }
@@ -196,7 +196,7 @@ impl Photographer {
     pub fn hair_pixels(&mut self, camera: &Viewpoint) -> Result<f64> {
         let asked = OutputRequest { bare: true, ..OutputRequest::default() };
         let background = std::mem::replace(&mut self.scene.picture.background, Background::transparent());
-        let captured = pollster::block_on(self.scene.capture(camera, asked));
+        let captured = pollster::block_on(self.scene.capture(*camera, asked));
         self.scene.picture.background = background;
         Ok(captured?.color.as_chunks::<4>().0.iter().map(|[.., alpha]| f64::from(*alpha) / 255.0).sum())
     }

@@ -7,15 +7,19 @@ from . import hair, nodes
 from .body import Body, BodyError
 from .space import Space
 
+# Diameter of curves that have none, meters.
+WIDTH = 7e-5
 
-def _strands(thing, space):
-    """Return points in Tresses' space, offsets, diameters in meters and root UVs of the curves of an object."""
+
+def strands(thing, space):
+    """Return points in Tresses' space, offsets, diameters in meters and root UVs (or None) of an object's curves."""
     curves, matrix = thing.data, thing.matrix_world
     widths = hair.diameters(curves)
     points = space.points(hair.positions(curves), matrix)
     scale = space.unit * np.mean(matrix.to_scale())
     uvs = next((uvs for uvs in (hair.root_uvs(curves), _own(curves, "groom_root_uv", 2)) if uvs is not None), None)
-    return points, hair.offsets(curves), None if widths is None else widths * scale, uvs
+    widths = np.full(len(points), WIDTH, np.float32) if widths is None else widths * scale
+    return points, hair.offsets(curves), widths, uvs
 
 
 def _own(curves, name, width=1, dtype=np.float32):
@@ -62,7 +66,7 @@ class _Parts:
         count = len(starts) - 1
         self.points.append(points)
         self.starts.extend((starts[1:] + self.starts[-1]).tolist())
-        self.widths.append(np.full(len(points), 7e-5, np.float32) if widths is None else widths)
+        self.widths.append(widths)
         self.uvs.append(np.full((count, 2), np.nan, np.float32) if uvs is None else uvs)
         for name, values in marks.items():
             self.marks[name].append(values)
@@ -129,13 +133,13 @@ def _add(things, space, depsgraph, parts):
             count = len(thing.data.curves)
             if not ((of >= 0) & (of < count)).all():
                 raise BodyError(f"strands of {thing.name} follow guides that it does not have")
-            parts.add_plain(_strands(thing, space), True, group, first + np.arange(count))
-            parts.add_plain(_strands(now, space), False, group, first + of)
+            parts.add_plain(strands(thing, space), True, group, first + np.arange(count))
+            parts.add_plain(strands(now, space), False, group, first + of)
         elif marks is not None:
-            parts.add(_strands(now, space), marks)
+            parts.add(strands(now, space), marks)
         else:
             # No strand says which guide it follows, so none is a guide.
-            parts.add_plain(_strands(now, space), False, group)
+            parts.add_plain(strands(now, space), False, group)
         group = int(parts.marks["group"][-1].max()) + 1
 
 
@@ -149,15 +153,15 @@ def cache(context, things, path, unit="cm"):
             scene.frame_set(scene.frame_start + i)
             depsgraph, parts = context.evaluated_depsgraph_get(), _Parts()
             for group, thing in enumerate(things):
-                parts.add_plain(_strands(thing.evaluated_get(depsgraph), space), False, group)
-            strands = parts.strands()
+                parts.add_plain(strands(thing.evaluated_get(depsgraph), space), False, group)
+            now = parts.strands()
             if writer is None:
-                count = len(strands.positions)
+                count = len(now.positions)
                 fps = scene.render.fps / scene.render.fps_base
-                writer = tresses.Cache(path, strands, frames, fps, unit=unit)
-            if len(strands.positions) != count:
+                writer = tresses.Cache(path, now, frames, fps, unit=unit)
+            if len(now.positions) != count:
                 raise BodyError(f"the number of vertices changes at frame {scene.frame_current}")
-            writer.frame(strands.positions)
+            writer.frame(now.positions)
         writer.close()
     finally:
         scene.frame_set(before)

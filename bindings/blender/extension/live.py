@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import hair, nodes, run
+from . import hair, nodes, picture, run
 
 _current = None
 
@@ -11,8 +11,8 @@ def is_on():
     return _current is not None
 
 
-def start(context, things, meshes, options):
-    """Simulate at each new frame from now on, and show the result without a bake."""
+def start(context, things, meshes, options, drawn=False):
+    """Simulate at each new frame from now on, and show the result without a bake. If `drawn`, Tresses draws it."""
     global _current
     stop()
     for thing in things:
@@ -24,6 +24,8 @@ def start(context, things, meshes, options):
     live.frame = context.scene.frame_current
     _show(live)
     _current = live
+    if drawn:
+        picture.start(live)
     bpy.app.handlers.frame_change_post.append(_advance)
 
 
@@ -34,7 +36,9 @@ def stop():
     if _advance in bpy.app.handlers.frame_change_post:
         bpy.app.handlers.frame_change_post.remove(_advance)
     if live is None:
+        picture.stop()
         return
+    picture.stop(live)
     for one in live.hair:
         run.remove_attribute(one.object.data)
     live.end()

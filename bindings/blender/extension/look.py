@@ -32,3 +32,16 @@ def fiber(thing):
         "ior": float(np.clip(value("IOR", 1.55), 1.05, 2.5)),
         "cuticleTilt": float(np.clip(value("Offset", 0.0349), -0.2, 0.2)),
     }
+
+
+def settings(thing):
+    """Return the same material as values of Tresses' parameters."""
+    names = {
+        "eumelanin": "shading.eumelanin",
+        "pheomelanin": "shading.pheomelanin",
+        "longitudinalRoughness": "shading.roughness_along",
+        "azimuthalRoughness": "shading.roughness_around",
+        "ior": "shading.refraction",
+    }
+    out = {names[name]: value for name, value in fiber(thing).items() if name in names}
+    return {"shading.color": "melanin", **out} if out else {}

@@ -152,7 +152,7 @@ class TRESSES_OT_live(HairOperator, bpy.types.Operator):
         try:
             things, meshes, options = prepared(context, chosen(context))
             options.first = context.scene.frame_current
-            live.start(context, things, meshes, options)
+            live.start(context, things, meshes, options, things[0].tresses.drawn)
         except ERRORS as error:
             self.report({"ERROR"}, _sentence(error))
             return {"CANCELLED"}
@@ -211,12 +211,17 @@ class TRESSES_OT_check(HairOperator, bpy.types.Operator):
     def execute(self, context):
         found = 0
         for thing in chosen(context):
-            for finding in run.findings(context, thing):
+            try:
+                findings = run.findings(context, thing)
+            except ERRORS as error:
+                self.report({"ERROR"}, _sentence(error))
+                return {"CANCELLED"}
+            for finding in findings:
                 found += 1
-                kind = {"error": "ERROR", "warning": "WARNING"}.get(finding.severity, "INFO")
-                self.report({kind}, f"{thing.name}: {finding.detail}")
-                if finding.first_strand is not None:
-                    hair.select_curve(thing.data, finding.first_strand)
+                self.report({"INFO" if finding.severity == "note" else "WARNING"}, f"{thing.name}: {finding.detail}")
+            strands = [finding.first_strand for finding in findings if finding.first_strand is not None]
+            if strands:
+                hair.select_curve(thing.data, strands[0])
         if not found:
             self.report({"INFO"}, "Nothing is wrong")
         return {"FINISHED"}

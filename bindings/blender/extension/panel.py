@@ -40,6 +40,7 @@ class TRESSES_PT_hair(TressesPanel, bpy.types.Panel):
         column = layout.column(align=True)
         column.operator("tresses.simulate", icon="PLAY")
         column.operator("tresses.live", text="End Live" if live.is_on() else "Live", depress=live.is_on())
+        layout.prop(own, "drawn")
         row = layout.row(align=True)
         row.operator("tresses.check")
         row.operator("tresses.clear")

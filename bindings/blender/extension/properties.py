@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import parameters
+from . import look, parameters
 
 
 def _is_mesh(_, thing):
@@ -38,6 +38,9 @@ class TressesHair(bpy.types.PropertyGroup):
     use_scene_gravity: bpy.props.BoolProperty(
         name="Scene Gravity", default=True, description="Take the strength of gravity from the scene"
     )
+    drawn: bpy.props.BoolProperty(
+        name="Drawn by Tresses", default=False, description="Live: draw the hair by Tresses in place of Blender"
+    )
     use_scene_range: bpy.props.BoolProperty(
         name="Scene Range", default=True, description="Simulate the frames of the scene"
     )
@@ -55,7 +58,7 @@ class TressesHair(bpy.types.PropertyGroup):
 
     def settings(self, scene):
         """Return values of Tresses' parameters by name."""
-        out = parameters.changed(self.values)
+        out = {**look.settings(self.id_data), **parameters.changed(self.values)}
         if self.use_scene_gravity:
             strength = -scene.gravity.z * (scene.unit_settings.scale_length or 1.0) if scene.use_gravity else 0.0
             out["simulation.gravity"] = min(max(strength, 0.0), 50.0)

@@ -13,10 +13,10 @@ import numpy as np
 import tresses
 from tresses import TressesError
 
-from . import cache, hair, nodes, versions
+from . import cache, export, hair, nodes, versions
 from .body import Body, BodyError
-from .space import Space
-from .tripods import Tripods, deforms, is_attached
+from .space import TURN, Space
+from .tripods import Tripods, is_attached
 
 
 @dataclass
@@ -47,12 +47,6 @@ class Hair:
             if thing.data.surface is None or hair.root_uvs(thing.data) is None:
                 raise BodyError(f"{thing.name} is not attached: use Curves > Snap to Nearest Surface")
             self.tripods = Tripods(thing, scene)
-
-    def strands(self, space):
-        """Return the curves as `tresses.Strands`, in the pose of the objects now."""
-        widths = hair.diameters(self.object.data)
-        points = space.points(self.rest, self.object.matrix_world)
-        return points, None if widths is None else widths * space.unit
 
     def stored(self, points, depsgraph):
         """Return what the modifier must give for vertices at `points` (of the object) to end there."""
@@ -109,9 +103,9 @@ class Run:
                 rig = tresses.Rig(*self.body.rig(depsgraph()))
         points, widths, starts = [], [], [0]
         for one in self.hair:
-            own, width = one.strands(self.space)
+            own, _, width, _ = export.strands(one.object, self.space)
             points.append(own)
-            widths.append(np.full(len(own), 7e-5, np.float32) if width is None else width)
+            widths.append(width)
             starts.extend((one.starts[1:] + starts[-1]).tolist())
         strands = tresses.Strands(np.concatenate(points), starts, np.concatenate(widths))
         settings = {"lod.mode": "off", "style.all_guides": len(strands) <= 20_000, **self.options.settings}
@@ -124,6 +118,14 @@ class Run:
             now = self.hair[0].object.matrix_world @ self.placed.inverted()
             return dict(body=rigid(self.space.matrices(now)))
         return dict(skin=self.body.vertices(bpy.context.evaluated_depsgraph_get()), joints=self.body.joints())
+
+    def _wind(self):
+        """Return the sum of the scene's wind force fields, as m/s; nothing without them."""
+        fields = [o for o in self.scene.objects if o.field and o.field.type == "WIND" and o.visible_get()]
+        if not fields:
+            return {}
+        blown = sum(np.array(o.matrix_world.col[2][:3]) * o.field.strength for o in fields)
+        return dict(wind=TURN @ blown)
 
     def _mute(self):
         """Switch off the modifiers that only shape the result: they take time in each frame."""
@@ -163,7 +165,7 @@ class Run:
     def step(self):
         """Advance to the pose of the scene, by a frame."""
         render = self.scene.render
-        self.simulation.step(render.fps_base / render.fps, **self._pose())
+        self.simulation.step(render.fps_base / render.fps, **self._pose(), **self._wind())
 
     def positions(self):
         """Yield each hair object with the positions that its modifier must give now."""
@@ -238,7 +240,7 @@ def clear(thing):
 
 def findings(context, thing):
     """Return what is wrong with the curves of a hair object: a list of tresses.Finding."""
-    one = Hair.__new__(Hair)
-    one.object, one.starts, one.rest = thing, hair.offsets(thing.data), hair.positions(thing.data)
-    points, widths = one.strands(Space(context.scene))
-    return tresses.Strands(points, one.starts, widths).lint()
+    if len(thing.data.curves) == 0:
+        raise BodyError(f"{thing.name} has no curves")
+    points, starts, widths, _ = export.strands(thing, Space(context.scene))
+    return tresses.Strands(points, starts, widths).lint()

@@ -298,3 +298,24 @@ def test_what_is_wrong_is_selected(package, saved):
     chosen = np.zeros(5, bool)
     thing.data.attributes[".selection"].data.foreach_get("value", chosen)
     assert chosen.tolist() == [False, False, True, False, False]
+
+
+def test_wind_of_the_scene_blows(package, saved):
+    scene = scenes.empty(last=10)
+    body, _ = scenes.ball(degrees=0)
+    thing = scenes.hair(body, 30)
+
+    def tips():
+        one = package.run.Run(bpy.context, [thing], [body], package.run.Options(1, 10, settle=0))
+        for _ in one.frames():
+            pass
+        out = one.space.back(one.simulation.given(), thing.matrix_world).reshape(30, 16, 3)[:, -1].mean(0)
+        one.end()
+        return out
+
+    saved()
+    calm = tips()
+    bpy.ops.object.effector_add(type="WIND", rotation=(0, np.pi / 2, 0))
+    bpy.context.object.field.strength = 8
+    bpy.context.view_layer.update()
+    assert (tips() - calm)[0] > 0.02, "the arrow points along X"

@@ -100,6 +100,14 @@ pub fn given_matrices(of: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<Mat4>> 
     Ok(values.as_chunks().0.iter().map(|rows: &[f32; 16]| Mat4::from_cols_array(rows).transpose()).collect())
 }
 
+/// Returns a matrix for column vectors, from an array [4, 4].
+pub fn given_matrix(of: &Bound<'_, PyAny>, what: &str) -> PyResult<Mat4> {
+    let (shape, values) = given_floats(of, what)?;
+    let rows = <[f32; 16]>::try_from(values).ok().filter(|_| shape == [4, 4]);
+    let rows = rows.ok_or_else(|| TressesError::new_err(format!("{what} must be a matrix [4, 4]")))?;
+    Ok(Mat4::from_cols_array(&rows).transpose())
+}
+
 /// Returns up to three values per strand, from an array [n, k] of `count` rows with k from 1 to 3. The others are
 /// `rest`.
 pub fn given_triples<T: Copy>(

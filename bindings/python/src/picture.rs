@@ -1,11 +1,15 @@
 //! Outputs of `Simulation.render` as arrays.
 
-use crate::{TressesError, arrays::array, pose::vector};
+use crate::{
+    TressesError,
+    arrays::{array, given_matrix},
+    pose::vector,
+};
 use numpy::PyArrayDyn;
 use pyo3::{prelude::*, types::PyDict};
 use tresses::{character::Bounds, glam::Mat4, groom::Strands};
 use tresses_scene::{
-    Viewpoint,
+    Sight, Viewpoint,
     camera::Angle,
     scene::{Capture, OutputRequest},
 };
@@ -46,8 +50,28 @@ impl OutputNames {
     }
 }
 
-/// Converts a camera from Python: the name of an angle, or eye and target.
-pub fn viewpoint(
+/// Converts a camera from Python: the name of an angle, eye and target, or view and projection.
+pub fn sight(
+    camera: &Bound<'_, PyAny>,
+    subject: Bounds,
+    size: [u32; 2],
+    zoom: f32,
+    distance: Option<f32>,
+) -> PyResult<Sight> {
+    if let Ok(pair) = camera.extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>)>()
+        && let Ok(view) = given_matrix(&pair.0, "the camera's view")
+    {
+        let projection = given_matrix(&pair.1, "the camera's projection")?;
+        let both = projection * view;
+        if !both.is_finite() || both.determinant() == 0.0 {
+            return Err(TressesError::new_err("view and projection of the camera need an inverse"));
+        }
+        return Ok(Sight::Matrices(view, projection));
+    }
+    viewpoint(camera, subject, size, zoom, distance).map(Sight::Viewpoint)
+}
+
+fn viewpoint(
     camera: &Bound<'_, PyAny>,
     subject: Bounds,
     size: [u32; 2],
@@ -60,7 +84,7 @@ pub fn viewpoint(
             let all = Angle::ALL.map(|(_, name)| name).join(", ");
             let none = || {
                 TressesError::new_err(format!(
-                    "there is no camera {name}; choose {all}, or give (eye, target)"
+                    "there is no camera {name}; choose {all}, or give (eye, target) or (view, projection)"
                 ))
             };
             if !(zoom.is_finite() && zoom > 0.0) {

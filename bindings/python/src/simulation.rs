@@ -9,7 +9,7 @@ use crate::{
     device,
     given::GivenPlaces,
     groom::Groom,
-    picture::{self, OutputNames, matrix, viewpoint},
+    picture::{self, OutputNames, matrix, sight},
     pose::{PoseTuple, pose, told, vector},
     raised, settings,
     strands::Strands,
@@ -20,7 +20,6 @@ use numpy::PyArrayDyn;
 use pyo3::{prelude::*, types::PyDict};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tresses::{
-    Camera,
     character::Gesture,
     clock::MAX_STEPS,
     glam::{Mat4, Vec3},
@@ -28,8 +27,7 @@ use tresses::{
     present::Background,
 };
 use tresses_scene::{
-    Companions, Quality, Scene, Shelf, camera::VERTICAL_FOV, scene::OutputRequest,
-    settings::Settings as Values,
+    Companions, Quality, Scene, Shelf, Sight, scene::OutputRequest, settings::Settings as Values,
 };
 
 /// Maximum length of a step, seconds.
@@ -428,9 +426,10 @@ impl Simulation {
     ///
     /// Parameters
     /// ----------
-    /// camera : str, or (eye, target), optional
+    /// camera : str, (eye, target) or (view, projection), optional
     ///     ``"front"``, ``"three-quarter"`` (the default), ``"side"`` or ``"back"``, or position and target of the
-    ///     camera in meters. The vertical field of view is 30°.
+    ///     camera in meters. The vertical field of view is 30°. Or the matrices (view, projection) of any camera, as
+    ///     `camera` returns them.
     /// size : (int, int)
     ///     Width and height, pixels.
     /// outputs : list of str, optional
@@ -497,7 +496,7 @@ impl Simulation {
             scene.set_quality(&quality)?;
             scene.gpu.context.prepare(&settings.pipelines(quality.view), &()).await?;
             scene.picture.background = background;
-            let captured = scene.capture(&view, asked).await?;
+            let captured = scene.capture(view, asked).await?;
             let mut strands = Vec::new();
             if wanted.needs_strands() {
                 for hair in scene.character.grooms() {
@@ -528,7 +527,7 @@ impl Simulation {
     ) -> PyResult<Bound<'py, PyDict>> {
         let size = sized(size)?;
         let view = self.look(py, camera, size, zoom, distance)?;
-        let camera = Camera::look_at(view.eye, view.target, VERTICAL_FOV, size);
+        let camera = view.camera(size);
         let dict = PyDict::new(py);
         dict.set_item("view", matrix(py, camera.view)?)?;
         dict.set_item("projection", matrix(py, camera.projection)?)?;
@@ -588,10 +587,10 @@ impl Simulation {
         size: [u32; 2],
         zoom: f32,
         distance: Option<f32>,
-    ) -> PyResult<tresses_scene::Viewpoint> {
+    ) -> PyResult<Sight> {
         let subject = py.detach(|| self.lock().scene.subject());
         let usual = pyo3::types::PyString::new(py, "three-quarter").into_any();
-        viewpoint(camera.unwrap_or(&usual), subject, size, zoom, distance)
+        sight(camera.unwrap_or(&usual), subject, size, zoom, distance)
     }
 }
 

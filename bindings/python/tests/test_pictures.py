@@ -130,3 +130,21 @@ def test_invalid_render_arguments_fail(sim):
         sim.render("front", SIZE, ["depth"])
     sim.apply({"edges.coverage": "tiles"})
     assert np.isfinite(sim.render("front", SIZE, ["depth"])["depth"]).any()
+
+
+def test_matrices_of_a_camera_give_its_picture(sim):
+    size = (96, 80)
+    of_name = sim.render("side", size)["color"]
+    matrices = sim.camera("side", size)
+    of_matrices = sim.render((matrices["view"], matrices["projection"]), size)["color"]
+    assert np.array_equal(of_name, of_matrices)
+    # Shifted by a quarter of the width, as no position and target can.
+    shifted = matrices["projection"].copy()
+    shifted[0] += 0.5 * shifted[3]
+    moved = sim.render((matrices["view"], shifted), size, ["coverage"])["coverage"]
+    still = sim.render("side", size, ["coverage"])["coverage"]
+    assert np.abs(moved[:, 24:] - still[:, :-24]).mean() < 5e-3 and still.max() > 0.9
+    with pytest.raises(tresses.TressesError, match="need an inverse"):
+        sim.render((np.zeros((4, 4)), shifted), size)
+    with pytest.raises(tresses.TressesError, match="projection must be a matrix"):
+        sim.render((matrices["view"], [0, 0, 0]), size)

@@ -1,6 +1,11 @@
 //! Portrait cameras, which frame the head and its hair.
 
-use tresses::{Pose, camera::framing_distance, character::Bounds, glam::Vec3};
+use tresses::{
+    Camera, Pose,
+    camera::framing_distance,
+    character::Bounds,
+    glam::{Mat4, Vec3},
+};
 
 /// Vertical field of view of every camera, radians, like a portrait lens.
 pub const VERTICAL_FOV: f32 = 30.0 / 180.0 * std::f32::consts::PI;
@@ -70,6 +75,39 @@ impl Viewpoint {
     pub fn moved(&self, distance: f32) -> Self {
         let back = (self.eye - self.target).normalize_or(Vec3::Z);
         Self { eye: self.target + back * distance, ..*self }
+    }
+}
+
+/// A camera of a capture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sight {
+    /// Position and target, with [`VERTICAL_FOV`].
+    Viewpoint(Viewpoint),
+    /// View and projection of [`tresses::Camera`].
+    Matrices(Mat4, Mat4),
+}
+
+impl From<Viewpoint> for Sight {
+    fn from(viewpoint: Viewpoint) -> Self {
+        Self::Viewpoint(viewpoint)
+    }
+}
+
+impl Sight {
+    /// Returns the camera for an image of `size` pixels.
+    pub fn camera(&self, size: [u32; 2]) -> Camera {
+        match *self {
+            Self::Viewpoint(Viewpoint { eye, target }) => Camera::look_at(eye, target, VERTICAL_FOV, size),
+            Self::Matrices(view, projection) => Camera { view, projection, size },
+        }
+    }
+
+    /// Returns the direction towards the camera, of any length.
+    pub fn back(&self) -> Vec3 {
+        match self {
+            Self::Viewpoint(viewpoint) => viewpoint.eye - viewpoint.target,
+            Self::Matrices(view, _) => view.row(2).truncate(),
+        }
     }
 }
 

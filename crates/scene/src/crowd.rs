@@ -149,7 +149,7 @@ impl Crowd {
         motion: &Motion,
         (time, seconds): (f64, f32),
     ) -> Result<()> {
-        scene.look_from(&self.camera);
+        scene.look_from(self.camera);
         let eye = [scene.eye(&self.camera)];
         let neck = scene.character.neck();
         for Head { character, place, phase } in &mut self.heads {

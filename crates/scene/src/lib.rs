@@ -47,7 +47,7 @@ mod shelf;
 pub mod source;
 pub mod words;
 
-pub use camera::{Shot, Viewpoint};
+pub use camera::{Shot, Sight, Viewpoint};
 pub use colliders::Colliders;
 pub use companions::{Companions, Surroundings};
 pub use crowd::{Crowd, CrowdOptions};

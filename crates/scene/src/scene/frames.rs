@@ -1,7 +1,7 @@
 //! Frames of a scene: advance the character, then draw it.
 
 use super::{OutputRequest, Scene};
-use crate::camera::{self, Viewpoint};
+use crate::camera::{Sight, Viewpoint};
 use anyhow::{Context as _, Result};
 use tresses::{
     character::{Drawing, Gesture},
@@ -47,15 +47,15 @@ impl Scene {
 
     /// Returns the library's camera for `camera`.
     pub(crate) fn eye(&self, camera: &Viewpoint) -> tresses::Camera {
-        let size = self.targets().size;
-        tresses::Camera::look_at(camera.eye, camera.target, camera::VERTICAL_FOV, size)
+        Sight::from(*camera).camera(self.targets().size)
     }
 
     /// Sets camera and lights. Key and rim light follow the camera unless the settings fix them or an environment map
     /// lights the scene.
-    pub(crate) fn look_from(&mut self, camera: &Viewpoint) {
-        self.picture.camera = self.eye(camera);
-        let back = camera.eye - camera.target;
+    pub(crate) fn look_from(&mut self, camera: impl Into<Sight>) {
+        let camera = camera.into();
+        self.picture.camera = camera.camera(self.targets().size);
+        let back = camera.back();
         let surroundings = self.surroundings.as_ref().map(|(.., lights)| lights);
         self.picture.lights = self.lighting.lights(back.x.atan2(back.z), surroundings);
     }
@@ -89,7 +89,7 @@ impl Scene {
         timings: Option<&mut Timings>,
         camera: &Viewpoint,
     ) -> Result<()> {
-        self.look_from(camera);
+        self.look_from(*camera);
         self.record_picture(encoder, timings, false, OutputRequest::default())
     }
 

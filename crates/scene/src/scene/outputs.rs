@@ -2,7 +2,7 @@
 //! labels.
 
 use super::Scene;
-use crate::camera::Viewpoint;
+use crate::camera::Sight;
 use anyhow::{Result, ensure};
 use tresses::{
     camera::ToneMap,
@@ -73,7 +73,7 @@ impl Scene {
     /// # Errors
     /// Fails if the adapter cannot allocate what the view needs, if the GPU is lost, or if [`OutputRequest::hair`] is set and
     /// the hair is not tiled, or drawn as cards.
-    pub async fn capture(&mut self, camera: &Viewpoint, asked: OutputRequest) -> Result<Capture> {
+    pub async fn capture(&mut self, camera: impl Into<Sight>, asked: OutputRequest) -> Result<Capture> {
         ensure!(
             !asked.hair || !self.character.hair().is_cards(),
             "depth, coverage, motion and strands of the hair are known for strands, not for cards"
