@@ -53,6 +53,11 @@ fn ply() {
 }
 
 #[test]
+fn npz() {
+    survives("a.npz", include_bytes!("../files/strands.npz"), groom);
+}
+
+#[test]
 fn alembic() {
     survives("a.abc", &written("a.abc"), groom);
 }

@@ -1,7 +1,14 @@
 //! The table of formats in the documentation.
 
 // A disabled feature changes the rows of its formats.
-#![cfg(all(feature = "alembic", feature = "cooked", feature = "edit", feature = "gltf", feature = "usd"))]
+#![cfg(all(
+    feature = "alembic",
+    feature = "cooked",
+    feature = "edit",
+    feature = "gltf",
+    feature = "npz",
+    feature = "usd"
+))]
 
 use tresses_groom::formats::{Content, FORMATS, listed, markdown};
 

@@ -18,6 +18,8 @@ pub(crate) mod faces;
 #[cfg(feature = "gltf")]
 pub(crate) mod gltf;
 mod hair;
+#[cfg(feature = "npz")]
+mod npz;
 mod obj;
 pub(crate) mod parse;
 mod ply;
@@ -147,6 +149,15 @@ pub const FORMATS: &[Format] = &[
         reads: &[Strands],
         read: Some(|source, _| data::read(source)),
         writers: &[Writer::new("data", &[Strands], data::encode)],
+        ..NONE
+    },
+    Format {
+        name: "NumPy arrays, DiffLocks",
+        extensions: &["npz"],
+        feature: Some("npz"),
+        in_browsers: false,
+        reads: &[Strands, Widths, Colors, RootUvs, Look, Units],
+        read: with!("npz", |source, _| npz::read(source)),
         ..NONE
     },
     Format {
