@@ -28,6 +28,7 @@ mod preset;
 mod preset_args;
 pub mod progress;
 mod render;
+mod retarget;
 mod sample;
 mod settings_args;
 mod studio;
@@ -59,6 +60,8 @@ enum Command {
     Info(info::InfoArgs),
     /// Convert a groom to another format
     Convert(convert::ConvertArgs),
+    /// Fit a groom that was made on one head to another
+    Retarget(Box<retarget::RetargetArgs>),
     /// Write the strands of a groom or a built-in style as drawn at rest
     Export(Box<export::ExportArgs>),
     /// Apply recorded strokes of a brush to a groom or a built-in style, and write it as .groom
@@ -112,6 +115,7 @@ pub fn run() -> ExitCode {
         Command::Studio(args) => studio::run(&args),
         Command::Info(args) => info::run(args),
         Command::Convert(args) => convert::run(args),
+        Command::Retarget(args) => retarget::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Groom(args) => groom::run(&args),
         Command::Sample(args) => sample::run(&args),

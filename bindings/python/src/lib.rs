@@ -16,6 +16,7 @@ mod motion;
 mod picture;
 mod pose;
 mod reading;
+mod retargeting;
 mod rig;
 mod settings;
 mod simulation;
@@ -80,6 +81,8 @@ mod _tresses {
     use crate::motion::Motion;
     #[pymodule_export]
     use crate::reading::{Import, formats, read};
+    #[pymodule_export]
+    use crate::retargeting::retarget;
     #[pymodule_export]
     use crate::rig::Rig;
     #[pymodule_export]

@@ -198,3 +198,18 @@ def test_caches_hold_every_frame(tmp_path, ending):
             cache.frame(hair()[:3])
     with pytest.raises(tresses.TressesError, match="cache can be written as"):
         tresses.Cache(tmp_path / "a.obj", strands, frames=2)
+
+
+def test_strands_fit_another_head(tmp_path):
+    points, triangles = ball()
+    other = tresses.Mesh(*ball(0.11, 31))
+    strands = tresses.Strands(hair(), widths=8e-5, groups=np.arange(120) % 2)
+    fitted, report = tresses.retarget(strands, tresses.Mesh(points, triangles), other)
+    assert not report["same_topology"] and report["inside"] < 0.005 and report["skin_error"] < 1.5e-3
+    assert np.allclose(fitted.lengths, strands.lengths, rtol=1e-4) and np.array_equal(fitted.groups, strands.groups)
+    roots = fitted.positions[fitted.offsets[:-1]]
+    assert np.abs(np.linalg.norm(roots, axis=1) - 0.11).max() < 2e-3
+    with pytest.raises(tresses.TressesError, match="1 landmarks of the head, but 2"):
+        tresses.retarget(strands, other, other, ([[0, 0, 0]], [[0, 0, 0], [1, 1, 1]]))
+    with pytest.raises(tresses.TressesError, match="no strands"):
+        tresses.retarget(tresses.Strands.of([]), other, other)

@@ -17,7 +17,7 @@
 //! bound mannequin orient                               │ render strands; the built-in character; units and axes
 //! bind formats head report styles                      │ guides for strands; files; other heads; recipes of hairstyles
 //! cooked export grow                                   │ precomputed grooms; writers; strands from guides
-//! fill restyle                                         │ strands between strands; their curls and clumps
+//! fill restyle retarget                                │ strands between strands; their curls and clumps; other heads
 //! cards edit                                           │ textured ribbons in place of strands; brushes
 //! import                                               │ readers
 //! ```
@@ -56,6 +56,7 @@ mod random;
 pub mod range;
 mod report;
 pub mod restyle;
+pub mod retarget;
 pub mod rig;
 pub mod rotation;
 pub mod scalp;
@@ -76,6 +77,7 @@ pub use look::Look;
 pub use mesh::TriMesh;
 pub use progress::Progress;
 pub use restyle::Restyle;
+pub use retarget::retarget;
 pub use rig::{Rig, RigPose};
 pub use sdf::SdfGrid;
 pub use strands::{Followers, Strands};

@@ -31,6 +31,7 @@ from ._tresses import (
     formats,
     parameters,
     read,
+    retarget,
 )
 from ._npz import load_npz, save_npz
 
@@ -55,5 +56,6 @@ __all__ = [
     "load_npz",
     "parameters",
     "read",
+    "retarget",
     "save_npz",
 ]

@@ -381,6 +381,17 @@ class Formats(TypedDict):
     meshes_written: List[str]
     any_unit: List[str]
 
+class Retargeted(TypedDict):
+    same_topology: bool
+    skin_error: float
+    inside: float
+    inside_before: float
+    bend: float
+    apart: float
+
+def retarget(
+    strands: Strands, head: Mesh, other: Mesh, landmarks: Optional[Tuple[ArrayLike, ArrayLike]] = None
+) -> Tuple[Strands, Retargeted]: ...
 def adapter() -> dict[str, Any]: ...
 def formats() -> Formats: ...
 def parameters() -> List[Parameter]: ...

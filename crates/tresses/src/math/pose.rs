@@ -1,6 +1,7 @@
 //! Rigid poses of heads and colliders.
 
-use glam::{DMat3, DMat4, DQuat, DVec3, Mat4, Quat, Vec3};
+use crate::groom::rotation::nearest_rotation;
+use glam::{DVec3, Mat4, Quat, Vec3};
 
 /// A rotation followed by a translation, from groom space to the world, in meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,39 +71,12 @@ impl Pose {
             points[..count].iter().map(|p| p.as_dvec3()).sum::<DVec3>() / count.max(1) as f64
         };
         let (from, to) = (mean(rest), mean(now));
-        let mut s = DMat3::ZERO;
-        for (a, b) in rest.iter().zip(now) {
-            let (a, b) = (a.as_dvec3() - from, b.as_dvec3() - to);
-            s += DMat3::from_cols(a * b.x, a * b.y, a * b.z);
-        }
-        // Columns of `s` are the sums of `a` times one component of `b`.
-        let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = s.to_cols_array_2d();
-        let n = DMat4::from_cols_array_2d(&[
-            [xx + yy + zz, yz - zy, zx - xz, xy - yx],
-            [yz - zy, xx - yy - zz, xy + yx, zx + xz],
-            [zx - xz, xy + yx, yy - xx - zz, yz + zy],
-            [xy - yx, zx + xz, yz + zy, zz - xx - yy],
-        ]);
-        let size = n.to_cols_array().iter().map(|v| v * v).sum::<f64>().sqrt();
-        // The rotation is the eigenvector of the largest eigenvalue. Squaring leaves it alone.
-        let mut power = n * (1.0 / size.max(1e-300)) + DMat4::IDENTITY;
-        for _ in 0..16 {
-            power = power * power;
-            power =
-                power * (1.0 / power.to_cols_array().iter().fold(1e-300, |most: f64, v| most.max(v.abs())));
-        }
-        let columns = [power.x_axis, power.y_axis, power.z_axis, power.w_axis];
-        let best = columns.into_iter().fold(columns[0], |best, column| {
-            if column.length_squared() > best.length_squared() { column } else { best }
-        });
-        let [w, x, y, z] = best.to_array();
-        let rotation = DQuat::from_xyzw(x, y, z, w);
-        let rotation = match rotation.is_finite() && rotation.length_squared() > 0.0 && size > 0.0 {
-            true => rotation.normalize(),
-            false => DQuat::IDENTITY,
-        };
-        let rotation = if rotation.w < 0.0 { -rotation } else { rotation };
-        Self { rotation: rotation.as_quat(), translation: (to - rotation * from).as_vec3() }
+        let centered = rest
+            .iter()
+            .zip(now)
+            .map(|(a, b)| ((a.as_dvec3() - from).as_vec3(), (b.as_dvec3() - to).as_vec3()));
+        let rotation = nearest_rotation(centered);
+        Self { rotation, translation: (to - rotation.as_dquat() * from).as_vec3() }
     }
 
     /// Returns the pose as a column-major matrix.
