@@ -57,7 +57,7 @@ class Body:
             view_layer.update()
 
     def vertices(self, depsgraph):
-        """Return the vertices of all meshes as they are now, [v, 3], in Tresses' space."""
+        """Return the evaluated vertices of all meshes, [v, 3], in Tresses' space."""
         parts = []
         for i, mesh in enumerate(self.objects):
             evaluated = mesh.evaluated_get(depsgraph)

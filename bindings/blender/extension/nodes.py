@@ -42,7 +42,7 @@ def group():
     link(bake.outputs[0], sample.inputs["Geometry"])
     link(position.outputs[0], _input(sample, "Value"))
     link(index.outputs[0], sample.inputs["Index"])
-    # A groom that has been edited since has other vertices: it stays as it is.
+    # An edited groom has another number of vertices, and passes unchanged.
     sizes = [node("GeometryNodeAttributeDomainSize", component="CURVE") for _ in range(2)]
     link(into.outputs[0], sizes[0].inputs[0])
     link(bake.outputs[0], sizes[1].inputs[0])

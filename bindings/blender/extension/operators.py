@@ -39,7 +39,7 @@ class HairOperator:
 
 
 class TRESSES_OT_simulate(HairOperator, bpy.types.Operator):
-    """Simulate the selected hair over the frames of the scene, and bake the result. Esc stops and keeps what is done"""
+    """Simulate the selected hair over the frames of the scene, and bake the result. Esc stops and keeps the finished frames"""
 
     bl_idname = "tresses.simulate"
     bl_label = "Simulate"
@@ -202,7 +202,7 @@ class TRESSES_OT_from_particles(bpy.types.Operator):
 
 
 class TRESSES_OT_check(HairOperator, bpy.types.Operator):
-    """List what is wrong with the selected hair, and select the first curve that is"""
+    """List the problems of the selected hair, and select the first curve with one"""
 
     bl_idname = "tresses.check"
     bl_label = "Check"

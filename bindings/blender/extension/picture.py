@@ -49,7 +49,7 @@ def render(simulation, view, projection, size, unit=1.0):
     # Blender's framebuffer is linear. Alpha is already.
     tone = color[..., :3]
     color[..., :3] = np.where(tone <= 0.04045, tone / 12.92, ((tone + 0.055) / 1.055) ** 2.4)
-    # What has no depth cannot be hidden.
+    # A pixel without depth cannot be hidden behind an object.
     color[~seen] = 0
     return np.ascontiguousarray(color[::-1]), np.ascontiguousarray(depth[::-1].astype(np.float32))
 

@@ -177,7 +177,7 @@ class Run:
             first += len(one.rest)
 
     def end(self):
-        """Restore the scene. What is in the caches stays."""
+        """Restore the scene. The caches stay."""
         for m in self.muted:
             m.show_viewport = True
         self.muted = []
@@ -239,7 +239,7 @@ def clear(thing):
 
 
 def findings(context, thing):
-    """Return what is wrong with the curves of a hair object: a list of tresses.Finding."""
+    """Return the problems of the curves of a hair object: a list of tresses.Finding."""
     if len(thing.data.curves) == 0:
         raise BodyError(f"{thing.name} has no curves")
     points, starts, widths, _ = export.strands(thing, Space(context.scene))

@@ -1,4 +1,4 @@
-"""Blender's space (Z up, any unit) and that of Tresses (meters, Y up, face toward +Z)."""
+"""Blender's space (Z up, any unit) and Tresses' space (meters, Y up, face toward +Z)."""
 
 import numpy as np
 

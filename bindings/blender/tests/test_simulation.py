@@ -23,7 +23,7 @@ def groom(thing):
 
 
 def center(body):
-    """Return the middle and the mean radius of a ball as it is now."""
+    """Return the middle and the mean radius of an evaluated ball."""
     data = body.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     out = np.empty(3 * len(data.vertices), np.float32)
     data.attributes["position"].data.foreach_get("vector", out)

@@ -25,7 +25,7 @@ use tresses::groom::retarget::{Landmark, retarget as fitted};
 /// dict
 ///     ``same_topology``; ``skin_error``, the mean distance of the matched skins (meters); ``inside``, the share of vertices
 ///     deeper than 1 mm, and ``inside_before`` they were pushed out; ``bend``, the mean change of the angles between
-///     segments (radians); ``apart``, that of distances between neighbors (meters).
+///     segments (radians); ``apart``, the mean change of distances between neighbors (meters).
 #[pyfunction]
 #[pyo3(signature = (strands, head, other, landmarks=None))]
 pub fn retarget<'py>(

@@ -16,7 +16,7 @@ use tresses::{
 
 /// The joints of a skinned body, and the shares of each vertex that follow them.
 ///
-/// Coordinates are those of the body's `Mesh`.
+/// Coordinates are in the space of the body's `Mesh`.
 ///
 /// Parameters
 /// ----------

@@ -54,7 +54,7 @@ struct GivenStrands {
     order: Vec<u32>,
 }
 
-/// What deforms the body, as passed by the caller.
+/// Vertices or joints that deform the body, as passed by the caller.
 #[derive(Clone, Default)]
 struct BodyInput {
     skin: Option<Vec<Vec3>>,
@@ -279,7 +279,7 @@ impl Simulation {
     ///     Replaces `head` and `shapes`. Requires a groom with a `Rig`.
     /// joints : array [j, 4, 4], optional
     ///     Transforms of the rig's joints at the end of the step, relative to `body`. They deform the mesh; beside `skin`
-    ///     they only tell how its parts move, which is otherwise fitted to the vertices.
+    ///     they tell only how the parts of the mesh move, which `step` otherwise fits to the vertices.
     #[pyo3(signature = (dt, head=None, *, body=None, shapes=None, wind=None, skin=None, joints=None))]
     #[allow(clippy::too_many_arguments)] // Python keyword arguments.
     fn step(

@@ -18,7 +18,7 @@ use zip::ZipArchive;
 
 /// Largest array, bytes.
 const MOST: u64 = 1 << 32;
-/// Files beside those of DiffLocks.
+/// Files that DiffLocks writes beside the strands.
 const UVS: &str = "roots_uv01.npz";
 const MATERIAL: &str = "hair.json";
 const METADATA: &str = "metadata.json";
@@ -79,7 +79,7 @@ pub(super) fn read(source: &Source<'_>) -> Result<Raw> {
         (None, Some(bytes)) => Archive::open(source, &bytes)?.array("uv_coords")?,
         (uvs, _) => uvs,
     };
-    // NumPy's own arrays of this program say no axes; DiffLocks' are those of SMPL-X.
+    // Files of `save_npz` do not state their axes. DiffLocks uses SMPL-X's.
     let is_smplx = shape.len() == 3 && (shape[1] == 256 || archive.has("root_normal"));
     if is_smplx {
         (raw.format, raw.declared) = ("DiffLocks", Choice::METERS);
@@ -101,7 +101,7 @@ pub(super) fn read(source: &Source<'_>) -> Result<Raw> {
     Ok(raw)
 }
 
-/// Returns the pigments of DiffLocks' melanin and redness, which are those of Blender's *Principled Hair BSDF*.
+/// Returns the pigments of DiffLocks' melanin and redness, two inputs of Blender's *Principled Hair BSDF*.
 fn look(material: &Value) -> Option<Look> {
     let number =
         |name: &str| material.get(name).and_then(Value::as_f64).map(|value| value.clamp(0.0, 1.0) as f32);

@@ -3,7 +3,7 @@
 //! ```text
 //! head ─ warp ─► other head: a place on the skin of one is a place on the skin of the other
 //! roots        ─► their places there, with the turn of the skin around them, smoothed over neighbors
-//! strands      ─► turned about their roots as they are: lengths, curls and clumps stay
+//! strands      ─► turned about their roots: lengths, curls and clumps stay
 //! distance fields ─► pushed out of the other head, from root to tip
 //! ```
 //!
@@ -39,7 +39,7 @@ const ROUNDS: u32 = 3;
 /// Depth that counts as inside, meters.
 const INSIDE: f32 = 1e-3;
 
-/// What a retargeting did.
+/// Quality of a retargeting.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RetargetReport {
     /// Whether the heads have the same triangles, so that their vertices correspond.
@@ -185,7 +185,7 @@ fn mean_turn(turns: impl Iterator<Item = (Quat, f32)>) -> Quat {
 }
 
 /// Returns `line` out of the head of the field `target`: each vertex is at least as far from it as the vertex of `before` was
-/// from its own head, up to [`CLEARANCE`]. Lengths are those of `before`.
+/// from its own head, up to [`CLEARANCE`]. Edges keep their lengths in `before`.
 fn pushed(before: &[Vec3], line: &[Vec3], field: &SdfGrid, target: &SdfGrid) -> Vec<Vec3> {
     let Some(first) = line.first() else { return Vec::new() };
     let mut out = vec![*first];

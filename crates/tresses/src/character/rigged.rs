@@ -36,7 +36,7 @@ pub struct RiggedBody {
     animation: Option<usize>,
     /// Weights by blend shape that override animations and gestures.
     shapes: Vec<(usize, f32)>,
-    /// What the host sets in place of animation and gesture.
+    /// A pose by the host, in place of animation and gesture.
     host: Option<HostPose>,
     /// Whether the body has not moved since the last frame.
     pub(super) is_still: bool,
@@ -50,7 +50,7 @@ struct DeformingSkin {
     deforms: Vec<bool>,
 }
 
-/// What a host sets in place of animation and gesture.
+/// A pose by a host, in place of animation and gesture.
 #[derive(Clone, Debug)]
 enum HostPose {
     Joints(BodyPose),
@@ -197,7 +197,7 @@ impl RiggedBody {
     }
 
     /// Sets the vertices that a host has deformed, from the next frame on, in place of animation and gesture.
-    /// `positions` are those of the body's mesh, relative to the pose of the body, meters. `joints` has the poses of the
+    /// `positions` has one point per vertex of the body's mesh, relative to the pose of the body, meters. `joints` has the poses of the
     /// joints ([`pose_of`](Self::pose_of)); without it they are fitted to the vertices.
     ///
     /// # Errors

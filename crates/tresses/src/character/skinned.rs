@@ -14,7 +14,7 @@ use std::sync::Arc;
 pub(super) struct HostSkin {
     rest: Arc<TriMesh>,
     now: TriMesh,
-    /// Vertices of the head, then those of each solid.
+    /// Vertices of the head, then of each solid.
     owned: Arc<[Vec<u32>]>,
     pose: BodyPose,
     /// Whether vertices have moved since the last upload.

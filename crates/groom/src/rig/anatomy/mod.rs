@@ -158,7 +158,7 @@ impl Anatomy {
         self.parts.iter().filter(|part| part.form != PartForm::Nothing)
     }
 
-    /// Returns the vertices that follow the head most, then those of each of the [`solids`](Self::solids).
+    /// Returns the vertices that follow the head most, then the vertices of each of the [`solids`](Self::solids).
     pub fn owned(&self) -> Vec<Vec<u32>> {
         let owners = owners(&self.rig, self.head.node);
         let nodes = std::iter::once(self.head.node).chain(self.solids().map(|part| part.node));

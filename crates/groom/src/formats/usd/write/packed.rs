@@ -6,8 +6,8 @@ use crate::{
     orient::Unit,
 };
 
-/// Version of the files. The writer states 0.12, which Blender 4.2 refuses; what is new since 0.8 are types of values that
-/// hair and bodies do not have.
+/// Version of the files. The writer states 0.12, which Blender 4.2 refuses. Versions after 0.8 only add types of values
+/// that hair and bodies do not have.
 const VERSION: [u8; 3] = [0, 8, 0];
 
 /// Encodes strands.
