@@ -33,6 +33,7 @@ from ._tresses import (
     read,
     retarget,
 )
+from ._labels import calibration, camera_of, gaussians, labels, orthographic
 from ._npz import load_npz, save_npz
 
 __all__ = [
@@ -52,8 +53,13 @@ __all__ = [
     "Strands",
     "TressesError",
     "adapter",
+    "calibration",
+    "camera_of",
     "formats",
+    "gaussians",
+    "labels",
     "load_npz",
+    "orthographic",
     "parameters",
     "read",
     "retarget",
