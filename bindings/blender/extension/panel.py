@@ -30,6 +30,7 @@ class TRESSES_PT_hair(TressesPanel, bpy.types.Panel):
         layout.prop(own, "mode", expand=True)
         layout.prop(own, "body", text="Body" if own.body or not thing.data.surface else thing.data.surface.name)
         layout.prop(own, "colliders")
+        layout.prop_search(own, "stiffness", thing.data, "attributes")
         layout.prop(own, "settle")
         layout.prop(own, "use_scene_range")
         if not own.use_scene_range:

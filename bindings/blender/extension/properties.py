@@ -32,6 +32,9 @@ class TressesHair(bpy.types.PropertyGroup):
     colliders: bpy.props.PointerProperty(
         type=bpy.types.Collection, name="Colliders", description="Further meshes that hair meets"
     )
+    stiffness: bpy.props.StringProperty(
+        name="Stiffness", description="Attribute of the curves or points: a factor on the stiffness of each curve"
+    )
     settle: bpy.props.IntProperty(
         name="Settle", default=24, min=0, max=1000, description="Frames before the first in which hair comes to rest"
     )

@@ -41,6 +41,7 @@ class Hair:
         if len(thing.data.curves) == 0:
             raise BodyError(f"{thing.name} has no curves")
         self.starts, self.rest = hair.offsets(thing.data), hair.positions(thing.data)
+        self.stiffness = stiffness(thing, self.starts)
         self.tripods = None
         self.attached = is_attached(thing)
         if self.attached:
@@ -109,7 +110,8 @@ class Run:
             starts.extend((one.starts[1:] + starts[-1]).tolist())
         strands = tresses.Strands(np.concatenate(points), starts, np.concatenate(widths))
         settings = {"lod.mode": "off", "style.all_guides": len(strands) <= 20_000, **self.options.settings}
-        groom = tresses.Groom.of(strands, mesh, settings, rig=rig)
+        factors = np.concatenate([one.stiffness for one in self.hair])
+        groom = tresses.Groom.of(strands, mesh, settings, rig=rig, stiffness=factors)
         self.notes = list(groom.notes)
         self.simulation = tresses.Simulation(groom)
 
@@ -185,6 +187,17 @@ class Run:
             one.end()
         self.hair = []
         self.scene.frame_set(self.before)
+
+
+def stiffness(thing, starts):
+    """Return the factor on the stiffness of each curve, [n], from the attribute that the object names."""
+    name, counts = thing.tresses.stiffness, np.diff(starts)
+    if not name:
+        return np.ones(len(counts), np.float32)
+    whole, points = (hair.attribute(thing.data, name, domain) for domain in ("CURVE", "POINT"))
+    if whole is None and points is None:
+        raise BodyError(f"{thing.name} has no attribute {name} of numbers")
+    return np.maximum(whole if whole is not None else np.add.reduceat(points, starts[:-1]) / counts, 0)
 
 
 def rigid(matrix):

@@ -319,3 +319,26 @@ def test_wind_of_the_scene_blows(package, saved):
     bpy.context.object.field.strength = 8
     bpy.context.view_layer.update()
     assert (tips() - calm)[0] > 0.02, "the arrow points along X"
+
+
+def test_an_attribute_stiffens(package, saved):
+    scenes.empty(last=12)
+    body, _ = scenes.ball(degrees=60)
+    thing = scenes.hair(body, 30)
+    saved()
+
+    def bent():
+        one = package.run.Run(bpy.context, [thing], [body], package.run.Options(1, 12, settle=0))
+        for _ in one.frames():
+            pass
+        now = np.concatenate([points for _, points in one.positions()]).reshape(30, 16, 3)
+        one.end()
+        return np.linalg.norm(now - groom(thing).reshape(30, 16, 3), axis=2)[:, -1].mean()
+
+    plain = bent()
+    thing.data.attributes.new("stiff", "FLOAT", "CURVE").data.foreach_set("value", np.full(30, 40, np.float32))
+    thing.tresses.stiffness = "stiff"
+    assert bent() < 0.6 * plain
+    thing.tresses.stiffness = "missing"
+    with pytest.raises(Exception, match="has no attribute missing"):
+        bent()

@@ -2,7 +2,7 @@
 
 use crate::{
     TressesError,
-    arrays::{array, floats, given_points},
+    arrays::{array, floats, given_numbers_for, given_points},
     cards::Cards,
     device,
     files::{Orientation, paths},
@@ -27,6 +27,7 @@ use tresses::{
         cards::CardOptions,
         edit::{GroomDocument, GroomEditor, HeadFiles, StrokeScript},
         import::ImportOptions,
+        lint,
     },
     lod,
 };
@@ -74,6 +75,25 @@ impl Groom {
         let order = lod::order(strands);
         lod::arrange(strands);
         Self { character, source: preset.source, settings: preset.settings, order, given: None }
+    }
+
+    /// Multiplies the stiffness of each guide by the mean of `factors`, one per strand of `given`, over the strands that
+    /// follow it.
+    fn stiffen(&mut self, given: &groom::Strands, factors: &[f32]) {
+        let (_, kept) = lint::repair_kept(&mut given.clone());
+        let groom = &mut self.character.groom;
+        let mut sums = vec![(0.0, 0.0); groom.guides.len()];
+        for (binding, source) in groom.strands.bindings.iter().zip(&self.order) {
+            let Some(factor) = kept.get(*source as usize).map(|i| factors[*i as usize]) else { continue };
+            let weights = [1.0 - binding.weight_b - binding.weight_c, binding.weight_b, binding.weight_c];
+            for (guide, weight) in binding.guides.iter().zip(weights) {
+                let sum: &mut (f32, f32) = &mut sums[*guide as usize];
+                (sum.0, sum.1) = (sum.0 + weight * factor, sum.1 + weight);
+            }
+        }
+        for (stiffness, (sum, weight)) in groom.guides.stiffness.iter_mut().zip(sums) {
+            *stiffness *= if weight > 0.0 { sum / weight } else { 1.0 };
+        }
     }
 
     fn open(py: Python<'_>, preset: Preset, progress: Option<Py<PyAny>>) -> PyResult<Self> {
@@ -161,18 +181,26 @@ impl Groom {
     ///
     /// Coordinates are meters, Y up, face toward +Z. Invalid strands are repaired as by `Strands.repaired`. The groom
     /// keeps the widths and colors of the strands, and simulates those that are guides. `rig` makes the head, or the whole
-    /// body, follow `joints` or `skin` of `Simulation.step`. `built_in` describes the other parameters.
+    /// body, follow `joints` or `skin` of `Simulation.step`. `stiffness`, array [n], has a factor on the stiffness of each
+    /// strand. `built_in` describes the other parameters.
     #[staticmethod]
-    #[pyo3(signature = (strands, head=None, settings=None, *, rig=None, progress=None, **files))]
+    #[pyo3(signature = (strands, head=None, settings=None, *, rig=None, stiffness=None, progress=None, **files))]
+    #[allow(clippy::too_many_arguments)] // Python keyword arguments.
     fn of(
         py: Python<'_>,
         strands: &Strands,
         head: Option<&Mesh>,
         settings: Option<&Bound<'_, PyAny>>,
         rig: Option<&Rig>,
+        stiffness: Option<&Bound<'_, PyAny>>,
         progress: Option<Py<PyAny>>,
         files: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
+        let stiffness =
+            stiffness.map(|of| given_numbers_for(of, "stiffness", strands.0.len())).transpose()?;
+        if stiffness.iter().flatten().any(|factor| !(factor.is_finite() && *factor >= 0.0)) {
+            return Err(TressesError::new_err("factors of stiffness must be finite and not below 0"));
+        }
         let rig = match (rig, head) {
             (Some(rig), Some(head)) => Some(rig.of(head)?),
             (Some(_), None) => return Err(TressesError::new_err("a rig needs the head that it moves")),
@@ -187,7 +215,10 @@ impl Groom {
             let base = CharacterSource::given(strands.0.clone(), head, rig, teller).await?;
             Ok(base.dress(&settings.styling(None, &maps)?, teller).await?)
         })?;
-        let groom = Self::new(character, Preset { name: None, source, settings });
+        let mut groom = Self::new(character, Preset { name: None, source, settings });
+        if let Some(factors) = stiffness {
+            groom.stiffen(&strands.0, &factors);
+        }
         Ok(Self { given: Some(strands.0.clone()), ..groom })
     }
 

@@ -213,3 +213,25 @@ def test_strands_fit_another_head(tmp_path):
         tresses.retarget(strands, other, other, ([[0, 0, 0]], [[0, 0, 0], [1, 1, 1]]))
     with pytest.raises(tresses.TressesError, match="no strands"):
         tresses.retarget(tresses.Strands.of([]), other, other)
+
+
+def test_stiff_strands_bend_less():
+    def swung(stiffness):
+        points, triangles = ball()
+        groom = tresses.Groom.of(
+            tresses.Strands(hair(length=0.2)), tresses.Mesh(points, triangles),
+            {"lod.mode": "off", "style.all_guides": True}, stiffness=stiffness,
+        )  # fmt: skip
+        sim = tresses.Simulation(groom)
+        for _ in range(12):
+            sim.step(FRAME, wind=[-6, 0, 0])
+        return np.linalg.norm(sim.given().reshape(120, 9, 3) - hair(length=0.2), axis=2)[:, -1]
+
+    half = np.where(np.arange(120) % 2, 30.0, 1.0)
+    plain, stiff = swung(None), swung(half)
+    assert stiff[1::2].mean() < 0.6 * plain[1::2].mean() and abs(stiff[::2].mean() / plain[::2].mean() - 1) < 0.2
+    assert np.allclose(swung(1.0), plain)
+    with pytest.raises(tresses.TressesError, match="3 stiffness, but must be 120"):
+        swung([1, 2, 3])
+    with pytest.raises(tresses.TressesError, match="not below 0"):
+        swung(-1.0)

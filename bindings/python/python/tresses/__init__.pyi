@@ -231,6 +231,7 @@ class Groom:
         settings: Values = None,
         *,
         rig: Optional[Rig] = None,
+        stiffness: Optional[ArrayLike] = None,
         progress: Optional[Progress] = None,
         **files: Path,
     ) -> Groom: ...
