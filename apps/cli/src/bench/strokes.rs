@@ -41,12 +41,12 @@ pub struct GroomTimes {
     /// Number of strands made anew.
     pub strands: usize,
     /// Times of each operation.
-    pub rows: Vec<Row>,
+    pub rows: Vec<OperationTime>,
 }
 
 /// Times of an operation.
 #[derive(Debug, Serialize)]
-pub struct Row {
+pub struct OperationTime {
     /// Name of the brush or of the operation.
     pub name: String,
     /// Number of measurements.
@@ -58,7 +58,7 @@ pub struct Row {
     pub goal: f64,
 }
 
-impl Row {
+impl OperationTime {
     fn of(name: &str, times: Vec<f64>, goal: f64) -> Self {
         Self { name: name.into(), count: times.len(), time: Summary::of(times), goal }
     }
@@ -79,7 +79,7 @@ pub fn measure(sitting: Sitting<'_>) -> Result<GroomTimes> {
         let mut dabs = Vec::new();
         for stroke in path(&editor) {
             let (begin, others) = stroke.split_first().context("a stroke has samples")?;
-            let clock = Clocked(sitting);
+            let clock = Stopwatch(sitting);
             picks.push(clock.ms(|| editor.hit(tool, begin)).1);
             editor.press(&Brush::of(tool), begin)?;
             for sample in others {
@@ -98,14 +98,14 @@ pub fn measure(sitting: Sitting<'_>) -> Result<GroomTimes> {
                 undos.push(time);
             }
         }
-        rows.push(Row::of(&format!("a dab of {}", tool.name()), dabs, DAB));
+        rows.push(OperationTime::of(&format!("a dab of {}", tool.name()), dabs, DAB));
         editor.go_to(first.clone())?;
     }
-    rows.push(Row::of("a pick", picks, PICK));
-    rows.push(Row::of("undo", undos, UNDO));
+    rows.push(OperationTime::of("a pick", picks, PICK));
+    rows.push(OperationTime::of("undo", undos, UNDO));
     let (strands, times) =
         settle(&gpu, &workload::style(Some(STRANDS), workload::Edges::default()), sitting)?;
-    rows.push(Row::of("strands made anew", times, SETTLE));
+    rows.push(OperationTime::of("strands made anew", times, SETTLE));
     Ok(GroomTimes { guides, strands, rows })
 }
 
@@ -122,7 +122,7 @@ fn settle(gpu: &Gpu, preset: &Preset, sitting: Sitting<'_>) -> Result<(usize, Ve
         editor.press(&Brush::of(BrushTool::Comb), begin)?;
         others.iter().try_for_each(|sample| editor.drag(sample))?;
         let Some(after) = editor.release() else { continue };
-        let (parts, time) = Clocked(sitting)
+        let (parts, time) = Stopwatch(sitting)
             .ms(|| pollster::block_on(source.with_document(after.clone()).dress(&styling, &())));
         parts?;
         strands = after.base().strands.len();
@@ -149,9 +149,9 @@ fn path(editor: &GroomEditor) -> Vec<Vec<StrokeSample>> {
 }
 
 /// Measures with the clock of a sitting.
-struct Clocked<'a>(Sitting<'a>);
+struct Stopwatch<'a>(Sitting<'a>);
 
-impl Clocked<'_> {
+impl Stopwatch<'_> {
     fn ms<T>(&self, work: impl FnOnce() -> T) -> (T, f64) {
         let begin = (self.0.clock)();
         let done = work();
@@ -163,7 +163,7 @@ impl Clocked<'_> {
 pub fn text(times: &GroomTimes) -> String {
     let [guides, vertices] = times.guides;
     let mut rows = vec![["", "times", "median", "p95", "goal"].map(String::from).to_vec()];
-    for Row { name, count, time, goal } in &times.rows {
+    for OperationTime { name, count, time, goal } in &times.rows {
         let verdict = if time.median <= *goal { "" } else { " missed" };
         rows.push(vec![
             name.clone(),
@@ -187,7 +187,7 @@ mod tests {
 
     #[test]
     fn a_median_above_its_goal_is_marked() {
-        let row = |name, time| Row::of(name, vec![time], 10.0);
+        let row = |name, time| OperationTime::of(name, vec![time], 10.0);
         let times = GroomTimes {
             guides: [5000, 32],
             strands: 20_000,

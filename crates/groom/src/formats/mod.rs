@@ -451,6 +451,7 @@ mod tests {
                 Some("usd") => cfg!(feature = "usd"),
                 Some("cooked") => cfg!(feature = "cooked"),
                 Some("edit") => cfg!(feature = "edit"),
+                Some("npz") => cfg!(feature = "npz"),
                 Some(other) => panic!("{name}: no feature {other}"),
                 None => true,
             };

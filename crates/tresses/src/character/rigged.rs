@@ -212,7 +212,11 @@ impl RiggedBody {
             self.host = Some(HostPose::Vertices(HostSkin::new(mesh, &self.anatomy)));
         }
         match &mut self.host {
-            Some(HostPose::Vertices(skin)) => skin.set(positions, joints),
+            Some(HostPose::Vertices(skin)) => {
+                let all =
+                    |pose: &BodyPose| std::iter::once(pose.head).chain(pose.parts.iter().copied()).collect();
+                skin.set(positions, joints.map(all))
+            }
             _ => Ok(()),
         }
     }
@@ -254,7 +258,8 @@ impl RiggedBody {
             Some(HostPose::Vertices(skin)) => {
                 self.is_still = !skin.upload(body);
                 self.skinning.forget();
-                return Ok(skin.pose().clone());
+                let (head, parts) = skin.poses().split_first().unwrap_or((&Pose::IDENTITY, &[]));
+                return Ok(BodyPose { head: *head, parts: parts.to_vec(), ..BodyPose::default() });
             }
             Some(HostPose::Joints(pose)) => pose.clone(),
             None => self.pose_at(time, gesture),

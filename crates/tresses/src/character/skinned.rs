@@ -1,6 +1,5 @@
 //! A body whose vertices the host deforms.
 
-use super::BodyPose;
 use crate::{
     Error, Pose, Result,
     body::Body,
@@ -16,19 +15,21 @@ pub(super) struct HostSkin {
     now: TriMesh,
     /// Vertices of the head, then of each solid.
     owned: Arc<[Vec<u32>]>,
-    pose: BodyPose,
+    /// Motion of the head from its rest pose, then of each solid.
+    poses: Vec<Pose>,
     /// Whether vertices have moved since the last upload.
     is_new: bool,
 }
 
 impl HostSkin {
     pub fn new(mesh: &Arc<TriMesh>, anatomy: &Anatomy) -> Self {
-        let (owned, pose) = (anatomy.owned().into(), BodyPose::default());
-        Self { rest: mesh.clone(), now: TriMesh::clone(mesh), owned, pose, is_new: true }
+        let (owned, poses) = (anatomy.owned().into(), Vec::new());
+        Self { rest: mesh.clone(), now: TriMesh::clone(mesh), owned, poses, is_new: true }
     }
 
-    /// Sets the vertices. Without `joints`, the pose of each part is the rigid motion nearest to that of its vertices.
-    pub fn set(&mut self, positions: &[Vec3], joints: Option<&BodyPose>) -> Result<()> {
+    /// Sets the vertices, and the motion of the head and of each solid. Without `poses`, each is the rigid motion nearest to
+    /// the motion of its vertices.
+    pub fn set(&mut self, positions: &[Vec3], poses: Option<Vec<Pose>>) -> Result<()> {
         let count = self.rest.positions.len();
         if positions.len() != count {
             let problem = format!("the skin has {} vertices, but the mesh has {count}", positions.len());
@@ -42,18 +43,13 @@ impl HostSkin {
             self.now.compute_normals();
             self.is_new = true;
         }
-        if let Some(joints) = joints {
-            self.pose = joints.clone();
-            return Ok(());
-        }
-        let mut poses = self.owned.iter().map(|owned| {
+        let fit = |owned: &Vec<u32>| {
             let of = |mesh: &TriMesh| -> Vec<Vec3> {
                 owned.iter().map(|vertex| mesh.positions[*vertex as usize]).collect()
             };
             Pose::fit(&of(&self.rest), &of(&self.now))
-        });
-        let head = poses.next().unwrap_or_default();
-        self.pose = BodyPose { head, parts: poses.collect(), ..BodyPose::default() };
+        };
+        self.poses = poses.unwrap_or_else(|| self.owned.iter().map(fit).collect());
         Ok(())
     }
 
@@ -69,7 +65,7 @@ impl HostSkin {
         is_new
     }
 
-    pub fn pose(&self) -> &BodyPose {
-        &self.pose
+    pub fn poses(&self) -> &[Pose] {
+        &self.poses
     }
 }
