@@ -8,10 +8,10 @@
 //! ```
 //!
 //! Heads of one topology (SMPL-X, FLAME, MetaHuman) correspond by their vertices. Others are matched by their landmarks and
-//! by nearest points in both directions, and the head is warped, coarse to fine ([`warp`]).
+//! by nearest points in both directions, and the head is warped, coarse to fine (`warp`).
 //!
 //! **Why rigid per strand?** A warp of space changes lengths by 13 % in the mean (AMD's head to ICT-FaceKit's), and bends
-//! curls. A rigid motion changes neither; turns that are smoothed over [`NEIGHBORS`] keep neighbors together.
+//! curls. A rigid motion changes neither; turns that are smoothed over 24 neighbors keep these together.
 
 mod warp;
 
