@@ -43,7 +43,7 @@ class TRESSES_OT_simulate(HairOperator, bpy.types.Operator):
 
     bl_idname = "tresses.simulate"
     bl_label = "Simulate"
-    bl_options = {"REGISTER"}
+    bl_options = {"REGISTER", "UNDO"}
 
     def invoke(self, context, _event):
         if not self._begin(context):
