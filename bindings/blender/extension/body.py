@@ -94,7 +94,6 @@ class Body:
         """Return the arguments of `tresses.Rig` for the body at rest. `joints` follows the same order."""
         self.places, names, parents, first = [], [], [], {}
         for armature in dict.fromkeys(a for a in self.armatures() if a):
-            first[armature] = len(names)
             # Parents first.
             bones = sorted(armature.data.bones, key=lambda bone: len(bone.parent_recursive))
             index = {bone.name: len(names) + i for i, bone in enumerate(bones)}

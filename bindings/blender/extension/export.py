@@ -49,12 +49,22 @@ def _marks(curves, group, first):
     )
 
 
+def joined(sources):
+    """Return points, offsets and diameters of several results of `strands`, as one."""
+    points, starts, widths = [], [0], []
+    for own, offsets, diameters, _ in sources:
+        points.append(own)
+        starts.extend((offsets[1:] + starts[-1]).tolist())
+        widths.append(diameters)
+    return np.concatenate(points), starts, np.concatenate(widths)
+
+
 class _Parts:
     """Strands of several sources, as one."""
 
     def __init__(self):
-        self.points, self.starts, self.widths, self.uvs = [], [0], [], []
-        self.marks, self.count = {name: [] for name in ("guide", "ids", "group", "closest", "weights")}, 0
+        self.sources = []
+        self.marks = {name: [] for name in ("guide", "ids", "group", "closest", "weights")}
 
     def next_id(self):
         """Return a number above all ids."""
@@ -62,15 +72,9 @@ class _Parts:
 
     def add(self, of, marks):
         """Add strands with the marks of `_marks`."""
-        points, starts, widths, uvs = of
-        count = len(starts) - 1
-        self.points.append(points)
-        self.starts.extend((starts[1:] + self.starts[-1]).tolist())
-        self.widths.append(widths)
-        self.uvs.append(np.full((count, 2), np.nan, np.float32) if uvs is None else uvs)
+        self.sources.append(of)
         for name, values in marks.items():
             self.marks[name].append(values)
-        self.count += count
 
     def add_plain(self, of, guide, group, closest=None):
         """Add strands that all are guides or none, of one group. Each follows one guide, by its id, or none."""
@@ -88,12 +92,12 @@ class _Parts:
         )
 
     def strands(self):
-        uvs, marks = np.concatenate(self.uvs), {name: np.concatenate(all) for name, all in self.marks.items()}
+        marks = {name: np.concatenate(all) for name, all in self.marks.items()}
+        uvs = [uvs for *_, uvs in self.sources]
+        known = all(one is not None and np.isfinite(one).all() for one in uvs)
         return tresses.Strands(
-            np.concatenate(self.points),
-            self.starts,
-            np.concatenate(self.widths),
-            root_uvs=uvs if np.isfinite(uvs).all() else None,
+            *joined(self.sources),
+            root_uvs=np.concatenate(uvs) if known else None,
             guides=marks["guide"],
             ids=marks["ids"],
             groups=marks["group"],

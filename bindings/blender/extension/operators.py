@@ -6,8 +6,6 @@ from bpy_extras.io_utils import ExportHelper
 from . import cache, export, hair, live, nodes, run, strands
 from .body import BodyError
 
-# Seconds of simulation between two updates of the window.
-PACE = 0.1
 ERRORS = (BodyError, run.TressesError, OSError)
 
 

@@ -37,7 +37,6 @@ def matrices(view, projection, unit):
 def render(simulation, view, projection, size, unit=1.0):
     """Return a picture [h, w, 4], linear and premultiplied, and Blender's window depth [h, w]; rows from the bottom."""
     ours = matrices(view, projection, unit)
-    simulation.apply({"edges.coverage": "tiles", "edges.ssaa": 1})
     out = simulation.render(ours, size, ["color", "depth"], background="transparent", head=False)
     far = -out["depth"].astype(np.float64) / unit
     projection = np.array(projection, np.float64)
@@ -113,6 +112,7 @@ def start(live):
             _last = (state, render(live.simulation, view, projection, size, live.space.unit))
         draw(*_last[1])
 
+    live.simulation.apply({"edges.coverage": "tiles", "edges.ssaa": 1})
     for one in live.hair:
         one.object.display_type = "BOUNDS"
     _handle = bpy.types.SpaceView3D.draw_handler_add(show, (), "WINDOW", "POST_VIEW")

@@ -102,13 +102,7 @@ class Run:
                 triangles = self.body.triangles(depsgraph())
                 mesh = tresses.Mesh(self.body.vertices(depsgraph()), triangles)
                 rig = tresses.Rig(*self.body.rig(depsgraph()))
-        points, widths, starts = [], [], [0]
-        for one in self.hair:
-            own, _, width, _ = export.strands(one.object, self.space)
-            points.append(own)
-            widths.append(width)
-            starts.extend((one.starts[1:] + starts[-1]).tolist())
-        strands = tresses.Strands(np.concatenate(points), starts, np.concatenate(widths))
+        strands = tresses.Strands(*export.joined(export.strands(one.object, self.space) for one in self.hair))
         settings = {"lod.mode": "off", "style.all_guides": len(strands) <= 20_000, **self.options.settings}
         factors = np.concatenate([one.stiffness for one in self.hair])
         groom = tresses.Groom.of(strands, mesh, settings, rig=rig, stiffness=factors)

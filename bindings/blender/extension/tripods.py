@@ -42,11 +42,9 @@ class Tripods:
     def __init__(self, thing, scene):
         curves = thing.data
         starts, points = hair.offsets(curves), hair.positions(curves)
-        roots = points[starts[:-1]]
-        self.count = len(roots)
-        self.roots = roots
+        self.roots = roots = points[starts[:-1]]
         data = bpy.data.hair_curves.new("Tresses roots")
-        data.add_curves([4] * self.count)
+        data.add_curves([4] * len(roots))
         legs = np.concatenate([np.zeros((1, 3)), STEP * np.eye(3)])
         data.position_data.foreach_set("vector", (roots[:, None] + legs[None]).astype(np.float32).ravel())
         uvs = hair.root_uvs(curves)

@@ -6,7 +6,7 @@ from test_simulation import select
 
 
 class Layout:
-    """Stands for Blender's layout, and checks what it is given."""
+    """A stand-in for Blender's layout that checks the names it gets."""
 
     def __init__(self, shown):
         self.shown = shown

@@ -85,9 +85,8 @@ impl Groom {
         let mut sums = vec![(0.0, 0.0); groom.guides.len()];
         for (binding, source) in groom.strands.bindings.iter().zip(&self.order) {
             let Some(factor) = kept.get(*source as usize).map(|i| factors[*i as usize]) else { continue };
-            let weights = [1.0 - binding.weight_b - binding.weight_c, binding.weight_b, binding.weight_c];
-            for (guide, weight) in binding.guides.iter().zip(weights) {
-                let sum: &mut (f32, f32) = &mut sums[*guide as usize];
+            for (guide, weight) in binding.weighted() {
+                let sum: &mut (f32, f32) = &mut sums[guide];
                 (sum.0, sum.1) = (sum.0 + weight * factor, sum.1 + weight);
             }
         }

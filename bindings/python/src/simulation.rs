@@ -5,7 +5,8 @@
 
 use crate::{
     TressesError,
-    arrays::{floats, given_matrices, given_points, points},
+    arrays::{floats, points},
+    body::BodyInput,
     device,
     given::GivenPlaces,
     groom::Groom,
@@ -19,13 +20,7 @@ use anyhow::{Context, ensure};
 use numpy::PyArrayDyn;
 use pyo3::{prelude::*, types::PyDict};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use tresses::{
-    character::Gesture,
-    clock::MAX_STEPS,
-    glam::{Mat4, Vec3},
-    gpu::Gpu,
-    present::Background,
-};
+use tresses::{character::Gesture, clock::MAX_STEPS, glam::Vec3, gpu::Gpu, present::Background};
 use tresses_scene::{
     Companions, Quality, Scene, Shelf, Sight, scene::OutputRequest, settings::Settings as Values,
 };
@@ -42,50 +37,9 @@ struct Inner {
     body: BodyInput,
     /// Whether the hair has been put at rest, by `reset` or on first use.
     begun: bool,
-    /// The given strands, until their places are needed.
-    given: Option<Arc<GivenStrands>>,
-    places: Option<Arc<GivenPlaces>>,
-}
-
-/// Given strands, the drawn ones at rest, and the index of each.
-struct GivenStrands {
-    given: tresses::groom::Strands,
-    drawn: tresses::groom::Strands,
-    order: Vec<u32>,
-}
-
-/// Vertices or joints that deform the body, as passed by the caller.
-#[derive(Clone, Default)]
-struct BodyInput {
-    skin: Option<Vec<Vec3>>,
-    joints: Option<Vec<Mat4>>,
-}
-
-impl BodyInput {
-    /// Returns the input between this one and `other`.
-    fn lerp(&self, other: &Self, t: f32) -> Self {
-        let point = |(a, b): (&Vec3, &Vec3)| a.lerp(*b, t);
-        let skin = other.skin.as_ref().map(|to| match &self.skin {
-            Some(from) => from.iter().zip(to).map(point).collect(),
-            None => to.clone(),
-        });
-        let matrix = |(a, b): (&Mat4, &Mat4)| {
-            let ([scale, to_scale], [turn, to_turn], [place, to_place]) = {
-                let (a, b) = (a.to_scale_rotation_translation(), b.to_scale_rotation_translation());
-                ([a.0, b.0], [a.1, b.1], [a.2, b.2])
-            };
-            Mat4::from_scale_rotation_translation(
-                scale.lerp(to_scale, t),
-                turn.slerp(to_turn, t),
-                place.lerp(to_place, t),
-            )
-        };
-        let joints = other.joints.as_ref().map(|to| match &self.joints {
-            Some(from) => from.iter().zip(to).map(matrix).collect(),
-            None => to.clone(),
-        });
-        Self { skin, joints }
-    }
+    /// The groom, if it was made from given strands, until their places are known.
+    groom: Option<Py<Groom>>,
+    places: Option<GivenPlaces>,
 }
 
 /// Hair simulation on the GPU.
@@ -129,16 +83,11 @@ impl Simulation {
         wind: Option<&Bound<'_, PyAny>>,
         [skin, joints]: [Option<&Bound<'_, PyAny>>; 2],
     ) -> PyResult<PoseInput> {
-        let (mut gesture, mut deformed) = py.detach(|| {
-            let inner = self.lock();
-            (inner.gesture.clone(), inner.body.clone())
-        });
-        if skin.is_some() || joints.is_some() {
-            // Both describe one pose: the last one of the other would be stale.
-            let skin = skin.map(|skin| given_points(skin, "skin")).transpose()?;
-            let joints = joints.map(|joints| given_matrices(joints, "joints")).transpose()?;
-            deformed = BodyInput { skin: skin.map(|(_, points)| points), joints };
-        }
+        let mut gesture = py.detach(|| self.lock().gesture.clone());
+        let deformed = match BodyInput::new(skin, joints)? {
+            Some(deformed) => deformed,
+            None => py.detach(|| self.lock().body.clone()),
+        };
         if let Some(head) = head {
             gesture.head = pose(head, "head")?;
         }
@@ -218,19 +167,17 @@ impl Simulation {
     #[pyo3(signature = (groom, settings=None, *, progress=None))]
     fn new(
         py: Python<'_>,
-        groom: &Groom,
+        groom: &Bound<'_, Groom>,
         settings: Option<&Bound<'_, PyAny>>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
+        let made = groom.get().given.is_some().then(|| groom.clone().unbind());
+        let groom = groom.get();
         let mut all = settings::Settings(groom.settings.clone());
         if let Some(values) = settings {
             all.update(values)?;
         }
         let settings = settings_of_groom(all.0, groom)?;
-        let given = groom.given.as_ref().map(|given| {
-            let (drawn, order) = (groom.character.groom.strands.unbound(), groom.order.clone());
-            Arc::new(GivenStrands { given: given.clone(), drawn, order })
-        });
         let inner = run(py, progress, async |teller| {
             let gpu = device::open()?;
             let companions = Companions::of(&groom.source, Shelf::default());
@@ -250,7 +197,7 @@ impl Simulation {
                 gesture: Gesture::default(),
                 body: BodyInput::default(),
                 begun: false,
-                given,
+                groom: made,
                 places: None,
             })
         })?;
@@ -383,10 +330,13 @@ impl Simulation {
             let mut inner = self.lock();
             inner.begin()?;
             if inner.places.is_none() {
-                let GivenStrands { given, drawn, order } =
-                    &**inner.given.as_ref().context("the groom was not made by Groom.of")?;
-                inner.places = Some(Arc::new(GivenPlaces::new(given, drawn, order)?));
-                inner.given = None;
+                let groom = inner.groom.as_ref().map(Py::get);
+                let (groom, given) = groom
+                    .and_then(|groom| Some((groom, groom.given.as_ref()?)))
+                    .context("the groom was not made by Groom.of")?;
+                let rest = groom.character.groom.strands.unbound();
+                inner.places = Some(GivenPlaces::new(given, &rest, &groom.order)?);
+                inner.groom = None;
             }
             let drawn = inner.scene.drawn([&inner.scene.character.hair().strands]).await?;
             let places = inner.places.as_ref().context("the places of the strands are known")?;

@@ -86,10 +86,7 @@ def labels(simulation, camera=None, size=(1280, 720), **view):
         the direction in green and blue; ``strand``, ``groom`` and ``share`` as for `Simulation.render`; ``view`` and ``projection``;
         ``K`` [3, 3] and ``RT`` [3, 4], for perspective cameras.
     """
-    matrices = (
-        simulation.camera(camera, size, **view) if camera is None or isinstance(camera, str) else
-        simulation.camera(camera, size)
-    )  # fmt: skip
+    matrices = simulation.camera(camera, size, **view)
     given = (matrices["view"], matrices["projection"])
     wanted = ["color", "coverage", "depth", "tangent", "strand", "groom", "share"]
     out = simulation.render(given, size, wanted, background="transparent")

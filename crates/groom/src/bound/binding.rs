@@ -64,7 +64,7 @@ impl StrandBinding {
     }
 
     /// Returns each guide that has a weight, with the weight.
-    pub(crate) fn weighted(&self) -> impl Iterator<Item = (usize, f32)> {
+    pub fn weighted(&self) -> impl Iterator<Item = (usize, f32)> {
         self.influences().map(|it| (it.guide as usize, it.weight))
     }
 }

@@ -76,11 +76,8 @@ pub fn retarget(
     if strands.is_empty() {
         return Err(Error::Unusable("there are no strands to retarget".into()));
     }
-    let fields = [head, other].map(|mesh| sdf::build(mesh, &SdfOptions::default()));
-    let [field, target] = match fields {
-        [Ok(field), Ok(target)] => [field, target],
-        [Err(error), _] | [_, Err(error)] => return Err(error),
-    };
+    let options = SdfOptions::default();
+    let (field, target) = (sdf::build(head, &options)?, sdf::build(other, &options)?);
     let roots: Vec<Vec3> = strands.iter().map(|strand| strand.first().copied().unwrap_or_default()).collect();
     let bvh = Bvh::new(head);
     let on_skin = |root: &Vec3| bvh.closest_point(*root);

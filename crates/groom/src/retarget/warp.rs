@@ -3,8 +3,10 @@
 //! A similarity first: the landmarks of both heads, then nearest points in both directions. With one direction only, heads
 //! shrink: every point of the one has a near point on the other. Then sums of Gaussians move the skin, with radii that fall.
 
-use super::super::{Error, Result, TriMesh};
-use crate::{head::HeadShape, mesh::Bvh, near::PointTree, progress::in_parallel, rotation::nearest_rotation};
+use crate::{
+    Error, Result, TriMesh, head::HeadShape, mesh::Bvh, near::PointTree, progress::in_parallel,
+    rotation::nearest_rotation,
+};
 use glam::{Quat, Vec3};
 
 /// Points of each head that are matched, and rounds of matching.

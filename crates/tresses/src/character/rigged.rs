@@ -10,10 +10,7 @@ use crate::{
     },
     groom::{
         RigPose, TriMesh,
-        rig::{
-            Joint,
-            anatomy::{Anatomy, Flesh},
-        },
+        rig::anatomy::{Anatomy, Flesh},
     },
     hair::Hair,
     skinning::Skinning,
@@ -232,9 +229,7 @@ impl RiggedBody {
                 format!("there are {} transforms, but the rig has {} nodes", globals.len(), rig.nodes.len());
             return Err(Error::unusable(problem));
         }
-        let entry = |joint: &Joint| rig.to_groom * globals[joint.node as usize] * joint.inverse_bind;
-        let palette = rig.joints.iter().map(entry).collect();
-        Ok(self.posed(RigPose { globals: globals.to_vec(), palette, weights: self.rest.weights.clone() }))
+        Ok(self.posed(rig.pose_of(globals.to_vec(), self.rest.weights.clone())))
     }
 
     /// Takes over the animation and shapes of `other`, as far as this body has them.
