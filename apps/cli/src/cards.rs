@@ -1,7 +1,7 @@
 //! `tresses cards`: bakes a groom or a built-in style to textured cards.
 
 use crate::{
-    export::{RestingCharacter, drawn},
+    export::{RestingCharacter, colored},
     files,
     progress::Preparing,
     say,
@@ -102,8 +102,7 @@ pub fn run(args: &CardsArgs) -> Result<()> {
     let preset = args.settings.preset()?;
     let preparing = Preparing::new("opening the GPU");
     let RestingCharacter { mut scene, head, rig, .. } = RestingCharacter::new(&preset, &preparing)?;
-    let mut strands = drawn(&scene, [&scene.character.hair().strands])?;
-    strands.colors = pollster::block_on(scene.drawn_colors(&scene.character.hair().strands))?;
+    let strands = colored(&scene)?;
     let begin = Instant::now();
     let baked = pollster::block_on(bake_with(&strands, head.as_ref(), &options, &preparing))?;
     let seconds = begin.elapsed().as_secs_f64();

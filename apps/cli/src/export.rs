@@ -50,7 +50,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     let preparing = Preparing::new("opening the GPU");
     let RestingCharacter { scene, head, rig, .. } = RestingCharacter::new(&preset, &preparing)?;
     ensure!(args.head_out.is_none() || head.is_some(), "this hair has no body: remove --head-out");
-    let strands = drawn(&scene, [&scene.character.hair().strands])?;
+    let strands = colored(&scene)?;
     let body = head.as_ref().map(|head| (head, rig.as_ref()));
     let whole = match writer.holds(Content::Rig) {
         true => {
@@ -152,6 +152,14 @@ pub fn write_strands(path: &Path, writer: &Writer, strands: &Strands) -> Result<
 /// Describes a file of strands.
 fn counted(path: &Path, strands: &Strands) -> String {
     format!("{}: {} strands, {} vertices", path.display(), strands.len(), strands.positions.len())
+}
+
+/// Returns the hair's strands as [`drawn`], with their colors.
+pub fn colored(scene: &Scene) -> Result<Strands> {
+    let hair = &scene.character.hair().strands;
+    let mut strands = drawn(scene, [hair])?;
+    strands.colors = pollster::block_on(scene.drawn_colors(hair))?;
+    Ok(strands)
 }
 
 /// Returns the strands of `all` as `scene` draws them now. Blocks.

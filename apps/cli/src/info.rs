@@ -83,7 +83,7 @@ fn as_json(report: &ImportReport, anatomy: Option<&Anatomy>) -> Value {
             "widths": report.attributes.widths, "colors": report.attributes.colors,
             "root_uvs": report.attributes.root_uvs, "ids": report.attributes.ids,
             "guides": report.attributes.guides, "bound_to_guides": report.attributes.bound,
-            "simulated": simulated(report),
+            "simulated": simulated(report), "attributes": report.attributes.custom,
         },
         "groups": report.groups.iter().map(|group| json!({
             "id": group.id, "name": group.name, "strands": group.strands, "guides": group.guides,
@@ -182,6 +182,9 @@ fn attributes(out: &mut String, report: &ImportReport) {
         if some.is_empty() { "none".into() } else { some.join(", ") }
     };
     line(out, "has", format!("{} (missing: {})", list(true), list(false)));
+    if !has.custom.is_empty() {
+        line(out, "attributes", has.custom.join(", "));
+    }
     let bound = match has.bound {
         0 => String::new(),
         count => format!("; {count} strands name the guide they follow"),

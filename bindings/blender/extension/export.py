@@ -12,14 +12,15 @@ WIDTH = 7e-5
 
 
 def strands(thing, space):
-    """Return points in Tresses' space, offsets, diameters in meters and root UVs (or None) of an object's curves."""
+    """Return what an object's curves have: points in Tresses' space, offsets, diameters in meters, root UVs (or None),
+    colors (or None) and custom attributes."""
     curves, matrix = thing.data, thing.matrix_world
     widths = hair.diameters(curves)
     points = space.points(hair.positions(curves), matrix)
     scale = space.unit * np.mean(matrix.to_scale())
     uvs = next((uvs for uvs in (hair.root_uvs(curves), _own(curves, "groom_root_uv", 2)) if uvs is not None), None)
     widths = np.full(len(points), WIDTH, np.float32) if widths is None else widths * scale
-    return points, hair.offsets(curves), widths, uvs
+    return points, hair.offsets(curves), widths, uvs, hair.colors(curves), hair.custom(curves)
 
 
 def _own(curves, name, width=1, dtype=np.float32):
@@ -52,7 +53,7 @@ def _marks(curves, group, first):
 def joined(sources):
     """Return points, offsets and diameters of several results of `strands`, as one."""
     points, starts, widths = [], [0], []
-    for own, offsets, diameters, _ in sources:
+    for own, offsets, diameters, *_ in sources:
         points.append(own)
         starts.extend((offsets[1:] + starts[-1]).tolist())
         widths.append(diameters)
@@ -93,17 +94,29 @@ class _Parts:
 
     def strands(self):
         marks = {name: np.concatenate(all) for name, all in self.marks.items()}
-        uvs = [uvs for *_, uvs in self.sources]
-        known = all(one is not None and np.isfinite(one).all() for one in uvs)
+        uvs, colors = ([of[place] for of in self.sources] for place in (3, 4))
+        known = lambda all_of: all(one is not None and np.isfinite(one).all() for one in all_of)
         return tresses.Strands(
             *joined(self.sources),
-            root_uvs=np.concatenate(uvs) if known else None,
+            root_uvs=np.concatenate(uvs) if known(uvs) else None,
+            colors=np.concatenate(colors) if known(colors) else None,
             guides=marks["guide"],
             ids=marks["ids"],
             groups=marks["group"],
             closest=marks["closest"],
             weights=marks["weights"],
+            attributes=self._attributes(),
         )
+
+    def _attributes(self):
+        """Return the custom attributes that all sources have."""
+        first, *others = (of[5] for of in self.sources)
+        kind = lambda one: one and (one[1], one[0].shape[1:])
+        return {
+            name: np.concatenate([one[0], *(other[name][0] for other in others)])
+            for name, one in first.items()
+            if all(kind(other.get(name)) == kind(one) for other in others)
+        }
 
 
 def groom(context, things, path, unit="cm"):

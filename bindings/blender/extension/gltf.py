@@ -33,6 +33,15 @@ def _accessor(values, kind):
     )  # fmt: skip
 
 
+def _attribute(values, count):
+    """Return a custom attribute of `count` strands."""
+    kind = ("SCALAR", "VEC2", "VEC3", "VEC4")[values.shape[1] - 1 if values.ndim > 1 else 0]
+    said = {"accessor": _accessor(values.astype(np.float32), kind), "per": "strand" if len(values) == count else "vertex"}
+    if np.issubdtype(values.dtype, np.integer):
+        said["integer"] = True
+    return said
+
+
 def groom(context, things):
     """Return the members of the extension for hair objects at rest."""
     strands = export.at_rest(context, things).strands()
@@ -45,6 +54,10 @@ def groom(context, things):
         said["vertexCounts"] = _accessor(counts, "SCALAR")
     if strands.root_uvs is not None:
         said["rootUvs"] = _accessor(strands.root_uvs, "VEC2")
+    if strands.colors is not None:
+        said["colors"] = _accessor(strands.colors, "VEC3")
+    if strands.attributes:
+        said["attributes"] = {name: _attribute(values, len(strands)) for name, values in strands.attributes.items()}
     said["groups"] = _accessor(strands.groups, "SCALAR")
     if strands.guides.any():
         said["flags"] = _accessor(strands.guides, "SCALAR")

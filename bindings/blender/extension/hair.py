@@ -26,10 +26,49 @@ def attribute(curves, name, domain, width=1, dtype=np.float32):
     if found is None or found.domain != domain or len(found.data) == 0:
         return None
     field = {"FLOAT_VECTOR": "vector", "FLOAT2": "vector", "FLOAT_COLOR": "color", "BYTE_COLOR": "color"}
+    # `foreach_get` fills Booleans only into an array of them.
+    dtype = bool if found.data_type == "BOOLEAN" else dtype
     try:
         return read(found.data, field.get(found.data_type, "value"), width, dtype)
     except (TypeError, RuntimeError):
         return None
+
+
+# Numbers per value of each data type.
+WIDTHS = {
+    "FLOAT": 1, "INT": 1, "INT8": 1, "BOOLEAN": 1, "FLOAT2": 2, "INT32_2D": 2, "FLOAT_VECTOR": 3, "FLOAT_COLOR": 4,
+    "BYTE_COLOR": 4, "QUATERNION": 4,
+}  # fmt: skip
+INTEGERS = ("INT", "INT8", "BOOLEAN", "INT32_2D")
+# Attributes of curves that Blender or this extension interprets, and beginnings of such names.
+KNOWN = (
+    "position", "radius", "resolution", "curve_type", "cyclic", "tilt", "normal_mode", "custom_normal", "nurbs_weight",
+    "nurbs_order", "knots_mode", "surface_uv_coordinate", "guide_curve_index", "velocity", "material_index",
+)  # fmt: skip
+BEGINNINGS = (".", "handle_", "groom_", "tresses_")
+COLORS = ("groom_color", "Cd", "displayColor", "color")
+
+
+def colors(curves):
+    """Return the linear colors of the vertices, [n, 3], or None."""
+    for name in COLORS:
+        found = curves.attributes.get(name)
+        if found is not None and found.domain == "POINT" and WIDTHS.get(found.data_type, 0) >= 3:
+            return attribute(curves, name, "POINT", WIDTHS[found.data_type])[:, :3]
+    return None
+
+
+def custom(curves):
+    """Return the custom attributes: a dict of names to arrays and whether they have a value per vertex."""
+    out = {}
+    for found in curves.attributes:
+        name, width = found.name, WIDTHS.get(found.data_type)
+        if width is None or name in (*KNOWN, *COLORS) or name.startswith(BEGINNINGS):
+            continue
+        values = attribute(curves, name, found.domain, width, np.int32 if found.data_type in INTEGERS else np.float32)
+        if values is not None and found.domain in ("POINT", "CURVE"):
+            out[name] = values, found.domain == "POINT"
+    return out
 
 
 def diameters(curves):

@@ -249,5 +249,5 @@ def findings(context, thing):
     """Return the problems of the curves of a hair object: a list of tresses.Finding."""
     if len(thing.data.curves) == 0:
         raise BodyError(f"{thing.name} has no curves")
-    points, starts, widths, _ = export.strands(thing, Space(context.scene))
+    points, starts, widths, *_ = export.strands(thing, Space(context.scene))
     return tresses.Strands(points, starts, widths).lint()

@@ -64,6 +64,36 @@ def test_strands_name_the_guides_that_they_follow(tresses, tmp_path):
     assert len(tresses.Groom.of(back).guides) == 10
 
 
+def test_custom_attributes_reach_the_files(tresses, saved, tmp_path):
+    scenes.empty(last=2)
+    body, _ = scenes.ball()
+    things = [scenes.hair(body, 20), scenes.hair(body, 12)]
+    for thing in things:
+        curves = thing.data
+        new = curves.attributes.new
+        count, vertices = len(curves.curves), len(curves.points)
+        new("age", "INT", "CURVE").data.foreach_set("value", np.arange(count) - 3)
+        new("soft", "BOOLEAN", "CURVE").data.foreach_set("value", np.arange(count) % 2 == 0)
+        new("wet", "FLOAT", "POINT").data.foreach_set("value", np.linspace(0, 1, vertices))
+        new("flow", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", np.full(3 * vertices, 0.25))
+        new("Cd", "FLOAT_COLOR", "POINT").data.foreach_set("color", np.tile([0.5, 0.25, 0.125, 1], vertices))
+    things[0].data.attributes.new("alone", "FLOAT", "CURVE")
+    select(*things)
+    file = str(tmp_path / "groom.abc")
+    assert bpy.ops.tresses.export(filepath=file) == {"FINISHED"}
+    if "io_scene_gltf2" not in bpy.context.preferences.addons:
+        bpy.ops.preferences.addon_enable(module="io_scene_gltf2")
+    both = str(tmp_path / "groom.glb")
+    bpy.ops.export_scene.gltf(filepath=both)
+    for file in (file, both):
+        back = tresses.read(file).strands
+        found = back.attributes
+        assert set(found) == {"age", "soft", "wet", "flow"}
+        assert sorted(found["age"]) == sorted([*range(-3, 17), *range(-3, 9)]) and found["age"].dtype == np.int32
+        assert found["soft"].sum() == 16 and found["flow"].shape == (len(back.positions), 3)
+        assert np.isclose(found["wet"].max(), 1) and np.allclose(back.colors, [0.5, 0.25, 0.125], atol=1e-4)
+
+
 def test_a_cache_has_all_frames(tresses, saved, tmp_path):
     scene = scenes.empty(last=5)
     body, _ = scenes.ball()

@@ -30,6 +30,7 @@ def test_sintels_groom_keeps_guides_groups_uvs_and_widths(tresses, saved, tmp_pa
     given = tresses.Strands(
         lines, widths=9e-5, root_uvs=roots[:, ::2] * 3 + 0.5,
         guides=guides, ids=ids, groups=groups, closest=ids[guides][near], weights=weights,
+        colors=np.clip(lines.reshape(-1, 3), 0, 1), attributes={"age": ids % 7, "height": lines[..., 1].ravel()},
     )  # fmt: skip
     file, head = str(tmp_path / "hair.usdc"), str(tmp_path / "head.obj")
     given.write(file)
@@ -61,4 +62,7 @@ def test_sintels_groom_keeps_guides_groups_uvs_and_widths(tresses, saved, tmp_pa
     assert np.array_equal(np.sort(back.ids), back.ids) and len(set(back.ids.tolist())) == count
     assert np.allclose(back.root_uvs, given.root_uvs, atol=1e-6) and np.allclose(back.widths, 9e-5, rtol=1e-3)
     assert np.array_equal(back.closest, given.closest) and np.allclose(back.weights, weights, atol=1e-6)
+    assert np.array_equal(back.attributes["age"], ids % 7)
+    assert np.allclose(back.attributes["height"], given.attributes["height"], atol=1e-6)
+    assert np.allclose(back.colors, given.colors, atol=1e-5)
     assert np.abs(back.positions - given.positions).max() < 1e-4

@@ -5,6 +5,7 @@
 //! callers must not see half updated.
 
 mod arrays;
+mod attributes;
 mod body;
 mod cache;
 mod cards;

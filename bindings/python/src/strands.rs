@@ -6,6 +6,7 @@ use crate::{
         array, floats, given_floats, given_integers, given_numbers_for, given_pairs, given_points,
         given_points_for, given_triples, points,
     },
+    attributes,
     mesh::Mesh,
     raised,
 };
@@ -44,6 +45,9 @@ use tresses::groom::{self, MAX_VERTICES, export::Writer, lint, orient::Unit, str
 ///     Numbers of up to three guides that each strand follows. A strand without them follows the nearest.
 /// weights : array [n, k], optional
 ///     Share of each guide in `closest`; equal by default.
+/// attributes : dict of str to array, optional
+///     Custom attributes, which files keep by name: [n] or [n, k] per strand, [all] or [all, k] per vertex, with up to
+///     4 numbers a value.
 #[pyclass(frozen, module = "tresses")]
 pub struct Strands(pub groom::Strands);
 
@@ -51,7 +55,7 @@ pub struct Strands(pub groom::Strands);
 impl Strands {
     #[new]
     #[pyo3(signature = (positions, offsets=None, widths=None, colors=None, root_uvs=None, *, guides=None, ids=None,
-        groups=None, closest=None, weights=None))]
+        groups=None, closest=None, weights=None, attributes=None))]
     #[allow(clippy::too_many_arguments)] // Python keyword arguments.
     fn new(
         positions: &Bound<'_, PyAny>,
@@ -64,6 +68,7 @@ impl Strands {
         groups: Option<&Bound<'_, PyAny>>,
         closest: Option<&Bound<'_, PyAny>>,
         weights: Option<&Bound<'_, PyAny>>,
+        attributes: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let (shape, positions) = given_points(positions, "positions")?;
         let count = positions.len();
@@ -93,6 +98,9 @@ impl Strands {
         }
         if [guides, ids, groups, closest, weights].iter().any(Option::is_some) {
             strands.marks = marks(strands.len(), [guides, ids, groups, closest], weights)?;
+        }
+        if let Some(attributes) = attributes {
+            strands.attributes = attributes::given(attributes, &strands)?;
         }
         Ok(Self(strands))
     }
@@ -242,6 +250,12 @@ impl Strands {
     #[getter]
     fn weights<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArrayDyn<f32>>>> {
         self.marked(py, &[3], |mark| mark.weights)
+    }
+
+    /// Custom attributes: a dict of names to arrays, [n] or [n, k] per strand, [all] or [all, k] per vertex.
+    #[getter]
+    fn attributes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        attributes::dict(py, &self.0.attributes)
     }
 
     /// Lengths of the polylines, meters: float32 [n].

@@ -148,6 +148,25 @@ def test_invalid_bodies_fail_in_a_sentence():
         tresses.Groom.of(tresses.Strands(hair()), rig=tresses.Rig.single())
 
 
+@pytest.mark.parametrize("ending", ["abc", "usda", "glb"])
+def test_attributes_keep_name_kind_and_values(tmp_path, ending):
+    strands = tresses.Strands(hair())
+    given = {
+        "age": np.arange(120) - 4,
+        "curl": np.linspace(0, 1, len(strands.positions)),
+        "tint": np.tile(np.float32([0.1, 0.2, 0.3]), (120, 1)),
+    }
+    strands = tresses.Strands(hair(), attributes=given)
+    file = tmp_path / f"groom.{ending}"
+    assert strands.write(file) == []
+    back = tresses.read(file).strands.attributes
+    assert back.keys() == given.keys() and back["age"].dtype == np.int32
+    assert all(np.allclose(back[name], values, atol=1e-6) for name, values in given.items())
+    assert any("“curl” is not written" in note for note in strands.write(tmp_path / "groom.hair"))
+    with pytest.raises(tresses.TressesError, match="has 3 values for 120 strands"):
+        tresses.Strands(hair(), attributes={"a": [1, 2, 3]})
+
+
 @pytest.mark.parametrize("ending", ["abc", "usda"])
 def test_marks_and_groups_reach_files_and_come_back(tmp_path, ending):
     guides = np.arange(120) < 30

@@ -1,9 +1,6 @@
 //! Guides on the CPU: the simulated strands.
 
-use crate::{
-    curve,
-    scalp::{ScalpMap, scalp_uv},
-};
+use crate::{curve, scalp::ScalpMap, skin::MapProjection};
 use glam::Vec3;
 
 /// Guides with a fixed number of vertices each.
@@ -58,14 +55,14 @@ impl Guides {
         self.tip_pinned.push(tip_pinned);
     }
 
-    /// Multiplies the stiffness of every guide by the value of `map` at its root, seen from `skull`, the center of the
-    /// braincase (groom space, meters; [`SKULL_CENTER`](crate::mannequin::SKULL_CENTER) for the built-in head). The
-    /// factor applies to bending and to the pull toward the rest pose. The simulation parameters define how both vary
+    /// Multiplies the stiffness of every guide by the value of `map` at its root. `on` may be the center of the braincase
+    /// (groom space, meters; [`SKULL_CENTER`](crate::mannequin::SKULL_CENTER) for the built-in head). The factor applies to bending and to the pull toward the rest pose. The simulation parameters define how both vary
     /// along the strand. The rest shape does not change.
-    pub fn stiffen(&mut self, map: &ScalpMap, skull: Vec3) {
+    pub fn stiffen<'a>(&mut self, map: &ScalpMap, on: impl Into<MapProjection<'a>>) {
+        let on = on.into();
         let n = self.vertex_count as usize;
         for (stiffness, guide) in self.stiffness.iter_mut().zip(self.positions.chunks_exact(n)) {
-            *stiffness *= map.sample(scalp_uv(guide[0] - skull));
+            *stiffness *= map.sample(on.at(guide[0]));
         }
     }
 }

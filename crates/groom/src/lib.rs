@@ -11,8 +11,9 @@
 //! A module uses only modules of the lines above its own (`tests/modules.rs` checks this list):
 //!
 //! ```text
-//! bulk columns curve error hash near progress rotation sdf srgb strands │ plain data; columns of integers
-//! mesh random range scalp                              │ triangle meshes; the scalp and maps on it
+//! attribute bulk columns curve error hash near progress rotation sdf srgb │ plain data; columns of integers
+//! mesh random range scalp strands                      │ triangle meshes; the scalp and maps on it; explicit strands
+//! skin                                                 │ the skin under roots
 //! guides lint look rig                                 │ simulated strands; checks; materials; rigs of skinned meshes
 //! bound mannequin orient                               │ render strands; the built-in character; units and axes
 //! bind formats head report styles                      │ guides for strands; files; other heads; recipes of hairstyles
@@ -25,6 +26,7 @@
 //! Everything in this crate runs on the CPU. The crate `tresses` simulates and renders a [`Groom`]; it re-exports this
 //! crate as `tresses::groom`.
 
+pub mod attribute;
 pub mod bind;
 pub mod bound;
 #[cfg(feature = "cooked")]
@@ -61,6 +63,7 @@ pub mod rig;
 pub mod rotation;
 pub mod scalp;
 pub mod sdf;
+pub mod skin;
 pub mod srgb;
 pub mod strands;
 pub mod styles;

@@ -1,19 +1,23 @@
 //! Points in space: nearest neighbors, and an order in which neighbors are near each other.
 
 use glam::{UVec3, Vec3};
+use std::borrow::Cow;
 
 /// Points in a balanced k-d tree: the median of every part of [`order`](Self::order) splits it along the axis of its
 /// largest extent.
+#[derive(Debug)]
 pub(crate) struct PointTree<'a> {
-    points: &'a [Vec3],
+    points: Cow<'a, [Vec3]>,
     order: Vec<u32>,
     axes: Vec<u8>,
 }
 
 impl<'a> PointTree<'a> {
-    pub(crate) fn new(points: &'a [Vec3]) -> Self {
-        let mut near =
-            Self { points, order: (0..points.len() as u32).collect(), axes: vec![0; points.len()] };
+    pub(crate) fn new(points: impl Into<Cow<'a, [Vec3]>>) -> Self {
+        let points = points.into();
+        let (order, axes) = ((0..points.len() as u32).collect(), vec![0; points.len()]);
+        let mut near = Self { points, order, axes };
+        let points = &near.points;
         let mut parts = Vec::from([(0, points.len())]);
         while let Some((start, end)) = parts.pop() {
             let part = start..end;
@@ -36,7 +40,6 @@ impl<'a> PointTree<'a> {
         near
     }
 
-    #[cfg(feature = "textures")]
     /// Returns the index of the point nearest to `p`, if there are points.
     pub(crate) fn closest(&self, p: Vec3) -> Option<usize> {
         let mut found = Vec::new();

@@ -58,7 +58,7 @@ pub struct Group {
 }
 
 /// Attributes that the files contain.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Attributes {
     /// Whether there is a width at each vertex.
@@ -73,6 +73,8 @@ pub struct Attributes {
     pub guides: usize,
     /// Number of strands that name the guides they follow.
     pub bound: usize,
+    /// Names of the custom attributes.
+    pub custom: Vec<String>,
 }
 
 impl Attributes {
@@ -84,6 +86,7 @@ impl Attributes {
             ids: !strands.marks.is_empty(),
             guides: strands.marks.iter().filter(|mark| mark.guide).count(),
             bound: strands.marks.iter().filter(|mark| mark.weights != [0.0; 3]).count(),
+            custom: strands.attributes.iter().map(|attribute| attribute.name.clone()).collect(),
         }
     }
 }

@@ -18,7 +18,8 @@ use super::{
     curve,
     grow::{Clumps, CurlStrand, Curls, Growth, Twist, Unrest, frames_from, unrest},
     random::{Rng, lerp, smoothstep},
-    scalp::{ScalpMap, scalp_uv},
+    scalp::ScalpMap,
+    skin::MapProjection,
 };
 use crate::{
     Result,
@@ -92,15 +93,16 @@ impl Restyle {
         .check()
     }
 
-    /// Changes the strands of `groom` (meters, groom space); `skull` is the center of the braincase. Strands on guides
-    /// with pinned tips keep their shape.
+    /// Changes the strands of `groom` (meters, groom space); `skull` is the center of the braincase, and the map of curls
+    /// lies `on` the hair. Strands on guides with pinned tips keep their shape.
     ///
     /// # Errors
     /// [`Error::Parameter`](crate::Error::Parameter) for values out of range.
     /// [`Error::Unusable`](crate::Error::Unusable) if the strands have too few vertices for the curls: bind with
     /// [`BindOptions::strand_vertices`](super::BindOptions) of 64.
-    pub fn apply(&self, groom: &mut Groom, skull: Vec3) -> Result<()> {
+    pub fn apply<'a>(&self, groom: &mut Groom, skull: Vec3, on: impl Into<MapProjection<'a>>) -> Result<()> {
         self.check()?;
+        let on = on.into();
         let (clumps, unruly) = (self.clumps(), self.unruly());
         let n = groom.strands.vertex_count as usize;
         let lines: Vec<Vec<Vec3>> =
@@ -134,7 +136,7 @@ impl Restyle {
             let mut line = line.clone();
             let held = groom.guides.tip_pinned.get(binding.guides[0] as usize) == Some(&true);
             if shaped && !held && lengths[i] > 0.0 {
-                let painted = |map: &ScalpMap| map.sample(scalp_uv(line[0] - skull));
+                let painted = |map: &ScalpMap| map.sample(on.at(line[0]));
                 let curl = self.curl_map.as_ref().map_or(1.0, painted);
                 let lock = locks.of[i];
                 let f = shaper.shape((&mut line, lock, lock), (1.0, curl), stray, &mut rng);

@@ -31,7 +31,7 @@ fn imported_strands_curl_and_guides_stay() {
     let before = ball(800);
     let mut after = before.clone();
     let restyle = Restyle { curls: regular(), clumps: Some(LOOSE), ..Restyle::default() };
-    restyle.apply(&mut after, Vec3::ZERO).unwrap();
+    restyle.apply(&mut after, Vec3::ZERO, Vec3::ZERO).unwrap();
     assert_eq!(after.guides, before.guides);
     let curled = |groom: &Groom, radius: f32| {
         (0..800).step_by(7).all(|i| {
@@ -52,7 +52,9 @@ fn shrunken_strands_keep_length_and_end_higher_on_guides() {
     let before = ball(300);
     let mut after = before.clone();
     let curls = Curls { shrink: 1.0, ..regular() };
-    Restyle { curls, clumps: Some(LOOSE), ..Restyle::default() }.apply(&mut after, Vec3::ZERO).unwrap();
+    Restyle { curls, clumps: Some(LOOSE), ..Restyle::default() }
+        .apply(&mut after, Vec3::ZERO, Vec3::ZERO)
+        .unwrap();
     for i in 0..300 {
         let [old, new] = [&before, &after].map(|groom| curve::length(&line(groom, i)));
         // Chords cut the corners, at six vertices per turn.
@@ -71,7 +73,7 @@ fn curl_map_affects_only_painted_side() {
         let mut after = before.clone();
         let restyle =
             Restyle { curls: regular(), clumps: Some(LOOSE), curl_map: Some(map), ..Restyle::default() };
-        restyle.apply(&mut after, Vec3::ZERO).unwrap();
+        restyle.apply(&mut after, Vec3::ZERO, Vec3::ZERO).unwrap();
         [1.0, -1.0].map(|side| {
             let there = (0..800).filter(|i| line(&before, *i)[0].x * side > 0.02);
             there.map(|i| line(&before, i)[40].distance(line(&after, i)[40])).fold(0.0, f32::max)
@@ -93,7 +95,7 @@ fn strands_gather_to_locks() {
     };
     let mut after = before.clone();
     let clumps = Clumps { strength: 0.9, spacing: 0.02, ..NO_CLUMPS };
-    Restyle { clumps: Some(clumps), ..Restyle::default() }.apply(&mut after, Vec3::ZERO).unwrap();
+    Restyle { clumps: Some(clumps), ..Restyle::default() }.apply(&mut after, Vec3::ZERO, Vec3::ZERO).unwrap();
     assert!(nearest(&after) < 0.6 * nearest(&before), "{} {}", nearest(&after), nearest(&before));
 }
 
@@ -104,7 +106,7 @@ fn widths_vary_and_narrow() {
     let restyle =
         Restyle { diameter: Some(1e-4), width_variation: 0.2, tip_width: Some(0.3), ..Restyle::default() };
     assert!(restyle.any() && !Restyle::default().any());
-    restyle.apply(&mut after, Vec3::ZERO).unwrap();
+    restyle.apply(&mut after, Vec3::ZERO, Vec3::ZERO).unwrap();
     let radii: Vec<f32> = after.strands.strands.iter().map(|s| s.radius).collect();
     let mean = radii.iter().sum::<f32>() / 2000.0;
     let spread = (radii.iter().map(|r| (r - mean).powi(2)).sum::<f32>() / 2000.0).sqrt() / mean;
@@ -122,8 +124,12 @@ fn invalid_options_leave_groom_unchanged() {
     let mut groom = bind(&strands, &BindOptions { strand_vertices: Some(16), ..Default::default() }).unwrap();
     let kept = groom.clone();
     let curls = Restyle { curls: regular(), ..Restyle::default() };
-    let error = curls.apply(&mut groom, Vec3::ZERO).unwrap_err().to_string();
+    let error = curls.apply(&mut groom, Vec3::ZERO, Vec3::ZERO).unwrap_err().to_string();
     assert!(error.contains("16 vertices"), "{error}");
-    assert!(Restyle { width_variation: -1.0, ..Restyle::default() }.apply(&mut groom, Vec3::ZERO).is_err());
+    assert!(
+        Restyle { width_variation: -1.0, ..Restyle::default() }
+            .apply(&mut groom, Vec3::ZERO, Vec3::ZERO)
+            .is_err()
+    );
     assert_eq!(groom, kept);
 }

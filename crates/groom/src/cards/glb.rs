@@ -64,7 +64,7 @@ impl Cards {
         let mut skin = None;
         let tint = if self.textures.has_colors { Vec3::ONE } else { look.color };
         let (head, rig) = body.map_or((None, None), |(head, rig)| (Some(head), rig));
-        let vertices = PointTree::new(head.map_or(&[], |head| &head.positions));
+        let vertices = PointTree::new(head.map_or(&[][..], |head| &head.positions));
         if let Some(mesh) = head {
             let mesh = self.painted(mesh, tint)?;
             if self.chains.is_empty() {

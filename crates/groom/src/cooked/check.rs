@@ -84,6 +84,7 @@ fn strands(strands: &Strands) -> Result<(), String> {
     let per_strand = [strands.root_uvs.len(), strands.tip_pinned.len(), strands.marks.len()];
     let fits = per_vertex.iter().all(|n| all_or_none(*n, vertices))
         && per_strand.iter().all(|n| all_or_none(*n, count));
+    let fits = fits && strands.attributes.iter().all(|attribute| attribute.fits(count, vertices));
     ensure(fits, "the attribute counts do not match the strands")?;
     let finite = strands.positions.iter().chain(&strands.colors).all(|p| p.is_finite())
         && strands.radii.iter().all(|radius| radius.is_finite() && *radius >= 0.0)

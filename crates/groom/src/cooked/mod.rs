@@ -30,7 +30,7 @@ use std::path::Path;
 
 /// Version of the format. Increase it when a type in [`CookedGroom`] changes and, between releases, when a stored value is
 /// computed differently.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 /// Version of this crate.
 const TRESSES: &str = env!("CARGO_PKG_VERSION");
 /// Magic bytes. Text cannot begin with `\x89`, and a transfer in text mode would change the line ending.
@@ -102,7 +102,7 @@ impl CookedGroom {
             repaired: report.repaired,
             followers: report.followers.clone(),
             groups: report.groups.clone(),
-            attributes: report.attributes,
+            attributes: report.attributes.clone(),
             look: report.look,
         };
         Ok(Self { strands, head, levels, field, rig, parts: Vec::new(), groom, said })

@@ -85,7 +85,9 @@ impl Writer {
         ];
         let lost = lost.into_iter().filter(|(content, any, _)| *any && !self.holds(*content));
         let notes = lost.map(|(.., what)| format!("{what} are not written: the format cannot store them"));
-        encoded.notes = notes.chain(encoded.notes).collect();
+        let custom = (!self.holds(Content::Attributes)).then_some(&strands.attributes).into_iter().flatten();
+        let custom = custom.map(|it| format!("“{}” is not written: the format cannot store it", it.name));
+        encoded.notes = notes.chain(custom).chain(encoded.notes).collect();
         Ok(encoded)
     }
 

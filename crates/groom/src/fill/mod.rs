@@ -41,9 +41,9 @@ pub use followers::follow_with;
 use crate::grow::{Growth, ScalpPaint, Unrest};
 use crate::random::Rng;
 use crate::scalp::ScalpMap;
+use crate::skin::MapProjection;
 use crate::{
     BindOptions, Error, Groom, Progress, Result, SdfGrid, Strands, TriMesh, hash::pcg, progress::at_once,
-    strands::Mark,
 };
 use crate::{
     bind::{Origins, Parents, bind_any},
@@ -151,9 +151,14 @@ impl FilledStrands {
     ///
     /// # Errors
     /// [`Error::Unusable`] if no strand is left.
-    pub fn painted(self, paint: &ScalpPaint, skull: Vec3, seed: u32) -> Result<Self> {
+    pub fn painted<'a>(
+        self,
+        paint: &ScalpPaint,
+        on: impl Into<MapProjection<'a>>,
+        seed: u32,
+    ) -> Result<Self> {
         let dense = if self.painted { self.given } else { self.strands.len() };
-        let (strands, kept) = paint.apply_kept(&self.strands, skull, seed, dense)?;
+        let (strands, kept) = paint.apply_kept(&self.strands, on.into(), seed, dense)?;
         let given = kept.partition_point(|i| (*i as usize) < self.given);
         let parents = kept[given..].iter().map(|i| self.parents[*i as usize - self.given]).collect();
         let original = kept[..given].iter().map(|i| self.original[*i as usize]).collect();
@@ -310,13 +315,15 @@ impl NewStrands {
         let lead = parents.strands[0] as usize;
         let range = given.range(lead);
         let strands = &mut self.strands;
-        strands.push(line);
+        strands.positions.extend(line);
         strands.radii.extend(given.radii.get(range.clone()).into_iter().flatten());
-        strands.colors.extend(given.colors.get(range).into_iter().flatten());
-        strands.root_uvs.extend(given.root_uvs.get(lead));
-        strands.tip_pinned.extend(given.tip_pinned.get(lead));
+        strands.colors.extend(given.colors.get(range.clone()).into_iter().flatten());
+        range.for_each(|vertex| strands.push_custom(given, [vertex, vertex], 0.0));
+        strands.end_like(given, lead);
         // New strands belong to the group of their parent and are no guides.
-        strands.marks.extend(given.marks.get(lead).map(|mark| Mark { guide: false, ..*mark }));
+        if let Some(mark) = strands.marks.last_mut() {
+            mark.guide = false;
+        }
         self.parents.push(parents);
     }
 

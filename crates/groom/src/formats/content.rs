@@ -15,6 +15,8 @@ pub enum Content {
     PinnedTips,
     /// Guide marks, ids and groups of strands, and the guides that each strand follows.
     Guides,
+    /// Custom attributes of strands and vertices, by name.
+    Attributes,
     /// Number of child strands around each strand.
     Followers,
     /// Hair material.
@@ -45,6 +47,7 @@ impl Content {
             Self::RootUvs => "scalp texture coordinates",
             Self::PinnedTips => "pinned tips",
             Self::Guides => "guides and groups",
+            Self::Attributes => "custom attributes",
             Self::Followers => "child strand counts",
             Self::Look => "hair material",
             Self::Units => "unit and axes",

@@ -173,8 +173,8 @@ pub const FORMATS: &[Format] = &[
         extensions: &["glb", "gltf"],
         feature: Some("gltf"),
         reads: &[
-            Strands, Widths, Colors, RootUvs, PinnedTips, Guides, Look, Units, Mesh, Textures, Rig,
-            Animations,
+            Strands, Widths, Colors, RootUvs, PinnedTips, Guides, Attributes, Look, Units, Mesh, Textures,
+            Rig, Animations,
         ],
         read: with!("gltf", |source, _| gltf::read(source)),
         read_mesh: with!("gltf", gltf::read_mesh),
@@ -190,8 +190,8 @@ pub const FORMATS: &[Format] = &[
                 ..Writer::new(
                     "glb",
                     &[
-                        Strands, Widths, Colors, RootUvs, PinnedTips, Guides, Look, Units, Mesh, Rig,
-                        Animations,
+                        Strands, Widths, Colors, RootUvs, PinnedTips, Guides, Attributes, Look, Units, Mesh,
+                        Rig, Animations,
                     ],
                     gltf::encode,
                 )
@@ -203,7 +203,7 @@ pub const FORMATS: &[Format] = &[
         name: "Alembic (Ogawa)",
         extensions: &["abc"],
         feature: Some("alembic"),
-        reads: &[Strands, Widths, Colors, RootUvs, Guides, Units, Frames, Mesh],
+        reads: &[Strands, Widths, Colors, RootUvs, Guides, Attributes, Units, Frames, Mesh],
         read: with!("alembic", abc::read),
         read_mesh: with!("alembic", abc::read_mesh),
         is_groom: with!("alembic", abc::is_groom),
@@ -212,7 +212,11 @@ pub const FORMATS: &[Format] = &[
             Writer {
                 any_unit: true,
                 cache: Some(abc::cache),
-                ..Writer::new("abc", &[Strands, Widths, Colors, RootUvs, Guides, Units, Frames], abc::encode)
+                ..Writer::new(
+                    "abc",
+                    &[Strands, Widths, Colors, RootUvs, Guides, Attributes, Units, Frames],
+                    abc::encode,
+                )
             },
         ],
         ..NONE
@@ -222,7 +226,7 @@ pub const FORMATS: &[Format] = &[
         extensions: &["usd", "usda", "usdc", "usdz"],
         feature: Some("usd"),
         in_browsers: false,
-        reads: &[Strands, Widths, Colors, RootUvs, Guides, Units, Frames, Mesh, Rig, Animations],
+        reads: &[Strands, Widths, Colors, RootUvs, Guides, Attributes, Units, Frames, Mesh, Rig, Animations],
         read: with!("usd", usd::read),
         read_mesh: with!("usd", usd::read_mesh),
         is_groom: with!("usd", usd::is_groom),
@@ -235,7 +239,10 @@ pub const FORMATS: &[Format] = &[
                 cache: Some(usd::cache),
                 ..Writer::new(
                     "usda",
-                    &[Strands, Widths, Colors, RootUvs, Guides, Units, Frames, Mesh, Rig, Animations],
+                    &[
+                        Strands, Widths, Colors, RootUvs, Guides, Attributes, Units, Frames, Mesh, Rig,
+                        Animations,
+                    ],
                     usd::encode,
                 )
             },
@@ -246,7 +253,7 @@ pub const FORMATS: &[Format] = &[
                 mesh: Some(usd::packed::body),
                 ..Writer::new(
                     "usdc",
-                    &[Strands, Widths, Colors, RootUvs, Guides, Units, Mesh, Rig, Animations],
+                    &[Strands, Widths, Colors, RootUvs, Guides, Attributes, Units, Mesh, Rig, Animations],
                     usd::packed::encode,
                 )
             },
@@ -258,8 +265,8 @@ pub const FORMATS: &[Format] = &[
         extensions: &["tresses"],
         feature: Some("cooked"),
         reads: &[
-            Strands, Widths, Colors, RootUvs, PinnedTips, Guides, Followers, Look, Units, Mesh, Textures,
-            Rig, Animations, Computed,
+            Strands, Widths, Colors, RootUvs, PinnedTips, Guides, Attributes, Followers, Look, Units, Mesh,
+            Textures, Rig, Animations, Computed,
         ],
         read: with!("cooked", |source, _| {
             let alone = "a cooked groom is complete and cannot be part of another";

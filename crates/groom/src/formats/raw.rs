@@ -2,6 +2,7 @@
 
 use crate::{
     Followers, Look, Rig, Strands, TriMesh,
+    attribute::StrandAttribute,
     orient::{Choice, Unit},
     strands::Mark,
 };
@@ -87,6 +88,17 @@ impl Raw {
         join(&mut a.radii, b.radii, "widths", &mut notes);
         join(&mut a.colors, b.colors, "colors", &mut notes);
         join(&mut a.root_uvs, b.root_uvs, "texture coordinates", &mut notes);
+        let shared = |of: &StrandAttribute, others: &[StrandAttribute]| others.iter().any(|it| it.joins(of));
+        for (of, others) in [(&a.attributes, &b.attributes), (&b.attributes, &a.attributes)] {
+            let alone = of.iter().filter(|attribute| !shared(attribute, others));
+            notes.extend(alone.map(|it| format!("“{}” is ignored: not every file has it", it.name)));
+        }
+        a.attributes.retain(|attribute| shared(attribute, &b.attributes));
+        for attribute in &mut a.attributes {
+            let more = b.attributes.iter().find(|more| more.joins(attribute));
+            attribute.numbers.extend(more.iter().flat_map(|more| &more.numbers));
+            attribute.is_integer &= more.is_some_and(|more| more.is_integer);
+        }
         if !a.tip_pinned.is_empty() || !b.tip_pinned.is_empty() {
             a.tip_pinned.resize(before, false);
             a.tip_pinned.extend(b.tip_pinned);

@@ -2,7 +2,8 @@
 
 use crate::bound::strand::pack_color;
 use crate::random::Rng;
-use crate::scalp::{ScalpMap, scalp_uv};
+use crate::scalp::ScalpMap;
+use crate::skin::MapProjection;
 use crate::{Error, Result};
 use crate::{Strands, bound::covering_radius, curve};
 use glam::{Vec2, Vec3};
@@ -73,13 +74,18 @@ impl ScalpPaint {
     }
 
     /// Thins out, cuts, scales and colors the imported `strands` (groom space, meters) by the position of their roots
-    /// seen from `skull`, the center of the braincase. `seed` selects the strands that are thinned out.
+    /// on the maps. `seed` selects the strands that are thinned out.
     /// [`restyle`](crate::restyle) applies the map of curls.
     ///
     /// # Errors
     /// [`Error::Unusable`] if no strand is left.
-    pub fn apply(&self, strands: &Strands, skull: Vec3, seed: u32) -> Result<Strands> {
-        self.apply_kept(strands, skull, seed, strands.len()).map(|(strands, _)| strands)
+    pub fn apply<'a>(
+        &self,
+        strands: &Strands,
+        on: impl Into<MapProjection<'a>>,
+        seed: u32,
+    ) -> Result<Strands> {
+        self.apply_kept(strands, on.into(), seed, strands.len()).map(|(strands, _)| strands)
     }
 
     /// [`apply`](Self::apply) that thins out only the first `dense` strands. Also returns the indices of the remaining
@@ -87,18 +93,18 @@ impl ScalpPaint {
     pub(crate) fn apply_kept(
         &self,
         strands: &Strands,
-        skull: Vec3,
+        on: MapProjection<'_>,
         seed: u32,
         dense: usize,
     ) -> Result<(Strands, Vec<u32>)> {
         let all = strands.len();
         let mut kept = Vec::with_capacity(all);
-        let mut out = Strands { offsets: vec![0], ..Strands::default() };
+        let mut out = strands.emptied();
         let covering = covering_radius(all);
         for i in 0..all {
             let line = strands.strand(i);
             let Some(root) = line.first() else { continue };
-            let uv = scalp_uv(*root - skull);
+            let uv = on.at(*root);
             let chance = if i < dense { Rng::new(seed ^ 0xd09, i as u32).unit() } else { -1.0 };
             let Some([length, width]) = self.strand(uv, chance) else { continue };
             kept.push(i as u32);
@@ -113,7 +119,10 @@ impl ScalpPaint {
                 let (k, f) = lerp_at(*x);
                 line[k].lerp(line[(k + 1).min(n - 1)], f)
             }));
-            out.offsets.push(out.positions.len() as u32);
+            places.iter().for_each(|x| {
+                let (k, f) = lerp_at(*x);
+                out.push_custom(strands, [k, (k + 1).min(n - 1)].map(|k| range.start + k), f);
+            });
             if let Some(radii) = strands.radii.get(range.clone()).filter(|r| !r.is_empty()) {
                 out.radii.extend(places.iter().map(|x| {
                     let (k, f) = lerp_at(*x);
@@ -130,10 +139,11 @@ impl ScalpPaint {
             } else {
                 out.colors.extend(strands.colors.get(range).into_iter().flatten());
             }
-            out.root_uvs.extend(strands.root_uvs.get(i));
-            out.marks.extend(strands.marks.get(i));
+            out.end_like(strands, i);
             // A cut strand no longer has a pinned tip.
-            out.tip_pinned.extend(strands.tip_pinned.get(i).map(|pinned| *pinned && length >= 1.0));
+            if let Some(pinned) = out.tip_pinned.last_mut() {
+                *pinned &= length >= 1.0;
+            }
         }
         if out.is_empty() {
             return Err(Error::Unusable("the maps remove all strands: they are black at every root".into()));

@@ -9,6 +9,7 @@ use super::*;
 use crate::formats::parse::parse;
 use crate::{
     Followers, Strands,
+    attribute::StrandAttribute,
     export::Writer,
     formats::{Content, FORMATS},
     orient::Unit,
@@ -21,7 +22,7 @@ fn grooms() -> impl Strategy<Value = Strands> {
         prop::collection::vec(strand(2..9), 1..12),
         (2usize..9).prop_flat_map(move |n| prop::collection::vec(strand(n..n + 1), 1..12)),
     ];
-    (strands, any::<[bool; 4]>()).prop_map(|(list, [radii, colors, uvs, pins])| {
+    (strands, any::<[bool; 5]>()).prop_map(|(list, [radii, colors, uvs, pins, custom])| {
         let mut out = Strands::default();
         for s in &list {
             out.push(&s.iter().map(|p| Vec3::from(*p)).collect::<Vec<_>>());
@@ -38,6 +39,17 @@ fn grooms() -> impl Strategy<Value = Strands> {
         }
         if pins {
             out.tip_pinned = (0..list.len()).map(|i| i % 2 == 0).collect();
+        }
+        if custom {
+            let row = |name: &str, per_vertex, is_integer, width: u32| {
+                let count = if per_vertex { n } else { list.len() };
+                let number = |i: usize| if is_integer { i as f32 - 3.0 } else { 0.3 * i as f32 };
+                let numbers = (0..count * width as usize).map(number).collect();
+                StrandAttribute { name: name.into(), per_vertex, is_integer, width, numbers }
+            };
+            out.attributes =
+                vec![row("age", false, true, 1), row("curl", true, false, 1), row("tint", true, false, 3)];
+            out.attributes.push(row("uv2", false, false, 2));
         }
         out
     })
@@ -154,6 +166,9 @@ proptest! {
             }
             if !keeps(Content::RootUvs) {
                 expected.root_uvs.clear();
+            }
+            if !keeps(Content::Attributes) {
+                expected.attributes.clear();
             }
             if !keeps(Content::PinnedTips) || expected.tip_pinned.iter().all(|p| !p) {
                 expected.tip_pinned.clear();

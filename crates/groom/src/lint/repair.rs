@@ -28,7 +28,7 @@ pub fn repair_kept(strands: &mut Strands) -> (RepairReport, Vec<u32>) {
     let mut done = RepairReport::default();
     let mut left = Vec::with_capacity(strands.len());
     let limit = MAX_STRAND_VERTICES as usize;
-    let mut out = Strands { offsets: vec![0], ..Default::default() };
+    let mut out = strands.emptied();
     for i in 0..strands.len() {
         let range = strands.range(i);
         let kept = keep(&strands.positions[range.clone()]);
@@ -55,20 +55,11 @@ pub fn repair_kept(strands: &mut Strands) -> (RepairReport, Vec<u32>) {
             kept.iter().map(|k| (at(k), at(k), 0.0)).collect()
         };
         for (a, b, t) in samples {
-            out.positions.push(strands.positions[a].lerp(strands.positions[b], t));
-            if let (Some(ra), Some(rb)) = (strands.radii.get(a), strands.radii.get(b)) {
-                out.radii.push(ra + (rb - ra) * t);
-            }
-            if let (Some(ca), Some(cb)) = (strands.colors.get(a), strands.colors.get(b)) {
-                out.colors.push(ca.lerp(*cb, t));
-            }
+            out.push_between(strands, [a, b], t);
         }
-        out.offsets.push(out.positions.len() as u32);
-        out.root_uvs.extend(strands.root_uvs.get(i));
-        out.tip_pinned.extend(strands.tip_pinned.get(i));
-        out.marks.extend(strands.marks.get(i));
+        out.end_like(strands, i);
     }
-    // Discard impossible widths, and colors or texture coordinates that are not finite.
+    // Discard impossible widths, and attributes that are not finite.
     if out.radii.iter().any(|r| !r.is_finite() || *r < 0.0) || out.radii.iter().all(|r| *r == 0.0) {
         out.radii.clear();
     }
@@ -78,6 +69,8 @@ pub fn repair_kept(strands: &mut Strands) -> (RepairReport, Vec<u32>) {
     if out.root_uvs.iter().any(|uv| !uv.is_finite()) {
         out.root_uvs.clear();
     }
+    let (count, vertices) = (out.len(), out.positions.len());
+    out.attributes.retain(|attribute| attribute.fits(count, vertices));
     *strands = out;
     (done, left)
 }

@@ -127,9 +127,26 @@ impl Paint {
 
     /// Returns the linear albedo of a vertex, if its coat has one.
     pub fn color(&self, vertex: usize) -> Option<Vec3> {
-        let coat = self.coats.get(usize::from(*self.of.get(vertex)?))?;
-        let [r, g, b, _] = coat.base.texel(self.places[vertex])?;
+        self.color_at([vertex as u32; 3], Vec3::X)
+    }
+
+    /// Returns the linear albedo of the point with barycentric weights in the triangle of three vertices, if its coat
+    /// has one.
+    pub fn color_at(&self, triangle: [u32; 3], barycentric: Vec3) -> Option<Vec3> {
+        let [a, b, c] = self.corners(triangle)?;
+        let place = a * barycentric.x + b * barycentric.y + c * barycentric.z;
+        let coat = &self.coats[usize::from(self.of[triangle[0] as usize])];
+        let [r, g, b, _] = coat.base.texel(place)?;
         Some(Vec3::from([r, g, b].map(|byte| linear(f32::from(byte) / 255.0))))
+    }
+
+    /// Returns the texture coordinates of the corners of a triangle, if it has an image.
+    pub(crate) fn corners(&self, triangle: [u32; 3]) -> Option<[Vec2; 3]> {
+        let of = *self.of.get(triangle[0] as usize)?;
+        let is_painted = usize::from(of) < self.coats.len();
+        let all = triangle.map(|i| self.places.get(i as usize).copied().filter(|_| is_painted));
+        let [a, b, c] = all;
+        Some([a?, b?, c?])
     }
 
     /// Joins the paint of two meshes with `vertices` and `more` vertices.

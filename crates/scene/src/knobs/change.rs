@@ -1,7 +1,7 @@
 //! Cost of changing settings.
 
 use super::{Refusal, Value, all, find};
-use crate::settings::Settings;
+use crate::settings::{HairColor, Settings};
 
 /// Cost of changing a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -63,6 +63,9 @@ impl Settings {
                 Change::Rebuild => changes.rebuild = true,
             }
         }
+        // The color of the skin is part of the strands.
+        let of_skin = |settings: &Self| settings.shading.color == HairColor::Skin;
+        changes.regrow |= of_skin(self) != of_skin(before);
         changes
     }
 }

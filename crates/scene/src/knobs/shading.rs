@@ -17,7 +17,7 @@ const KNOBS: &[Knob] = rows! { "shading";
         flag(flag("color", "NAME|RRGGBB").common().first(COLOR)
             .about("Hair color: a name, or an sRGB color such as 5a3b28")),
         also("hair color; base color"),
-        "Source of the hair color: the file, a preset, the sRGB color below, or the pigments below.";
+        "Source of the hair color: the file, the skin at the roots, a preset, or the values below.";
     "srgb" "sRGB color" [shading.srgb] ValueKind::Color,
         "Color of dense hair in neutral light, if Color is srgb.";
     "eumelanin" "Eumelanin" [shading.eumelanin] number(PLAIN, 0.0, 100.0).log(),

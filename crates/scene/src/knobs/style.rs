@@ -7,6 +7,7 @@ use super::{
     value::*,
 };
 use crate::settings::Curl;
+use tresses::character::MapCoordinates;
 use tresses::groom::{
     grow::{Clumps, Curls, Growth, Unrest},
     mannequin::facial::Beard,
@@ -64,6 +65,9 @@ const KNOBS: &[Knob] = rows! { "style";
         auto, regrow, flag(flag("tip-width", "SHARE")),
         also("hair tip scale; taper; thin tip; tip radius"),
         "Width at the tip relative to the root; low for soft ends, 100 % for a blunt cut.";
+    "maps" "Map coordinates" [style.maps] choice::<MapCoordinates>(), advanced, regrow,
+        also("uv map; texture coordinates"),
+        "Coordinates of maps on the hair of a groom file: the view from above the head, or UVs.";
     "beard" "Beard" [style.face.beard] choice::<Beard>(), regrow, flag(flag("beard", "KIND").common()),
         "Beard on chin and cheeks of the built-in character.";
     "brows" "Brows" [style.face.brows] ValueKind::Toggle, regrow,

@@ -7,6 +7,7 @@ use crate::{
 };
 use tresses::{
     avoid::AvoidMode,
+    character::MapCoordinates,
     draw::Coverage,
     glam::Vec3,
     groom::mannequin::facial::Beard,
@@ -317,6 +318,10 @@ named! {
         "short" Short "trimmed, 1 cm";
         "full" Full "half a year old, 4 cm at the chin";
     }
+    MapCoordinates {
+        "scalp" Scalp "the view from above and behind the head";
+        "uv" Uv "root UVs of the groom, or texture coordinates of the body";
+    }
     HairHairMode {
         "off" Off "strands pass through each other";
         "fixed" Fixed "a fixed acceleration out of cells that are too dense";
@@ -329,6 +334,7 @@ named! {
     }
     HairColor {
         "file" File "the colors of the groom file, or brown if it has none";
+        "skin" Skin "the color of the body at the root of each strand";
         "blond" Blond "light blond";
         "brown" Brown "brown";
         "red" Red "copper red";

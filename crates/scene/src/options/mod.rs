@@ -4,6 +4,7 @@ mod edges;
 mod shading;
 mod style;
 
+use crate::settings::HairColor;
 use crate::{
     companions::Maps,
     knobs::{self, Refusal},
@@ -114,6 +115,8 @@ impl Settings {
             fill: self.growing(),
             guides: self.guides(),
             paint: self.paint(maps),
+            coordinates: self.style.maps,
+            skin_color: self.shading.color == HairColor::Skin,
             restyle: if style.is_none() { self.restyle(maps)? } else { None },
             stiffness: maps.stiffness.clone(),
             levels: maps.levels.clone(),

@@ -57,7 +57,7 @@ impl Settings {
     }
 
     /// Returns the pigments and fiber shape of these settings. `file` is the material stored in the groom's file.
-    /// Returns `None` for an sRGB color, and for [`HairColor::File`] without a `file`.
+    /// Returns `None` for an sRGB color and the skin's, and for [`HairColor::File`] without a `file`.
     pub fn look(&self, file: Option<&Look>) -> Option<Look> {
         let mut shape = self.shading.material.fiber.shape;
         let (eumelanin, pheomelanin) = match self.shading.color {
@@ -66,7 +66,7 @@ impl Settings {
                 shape = self.shape_of(file);
                 (file.eumelanin, file.pheomelanin)
             }
-            HairColor::Srgb => return None,
+            HairColor::Srgb | HairColor::Skin => return None,
             HairColor::Blond => (0.25, 0.05),
             HairColor::Brown => (1.3, 0.2),
             HairColor::Red => (0.12, 1.5),

@@ -149,7 +149,7 @@ fn invalid_presets_report_line_and_key() {
     refuses(&with("[wind]\nspeed = \"auto\""), Some(4), "wind.speed is \"auto\"");
     refuses(&with("[wind]\ncells = 33"), Some(4), "a multiple of 8");
     refuses(&with("[wind]\nseed = -1"), Some(4), "a whole number from 0 to 9999");
-    refuses(&with("[shading]\ncolor = \"green\""), Some(4), "one of file, blond, brown");
+    refuses(&with("[shading]\ncolor = \"green\""), Some(4), "one of file, skin, blond, brown");
     refuses(&with("[shading]\nsrgb = \"#12345\""), Some(4), "a color such as #5a3b28");
     refuses(&with("[edges]\nsamples = 3"), Some(4), "one of auto, 1, 4, 8, 16");
     refuses(&with("[edges]\nsamples = 4\ncoverage = \"peel\""), None, "peel");

@@ -8,6 +8,8 @@ pub enum HairColor {
     /// The file's strand colors if present, otherwise the file's material, otherwise brown.
     #[default]
     File,
+    /// The body's color at the root of each strand.
+    Skin,
     /// Light blond.
     Blond,
     /// Brown.
@@ -66,7 +68,7 @@ impl ShadingSettings {
     pub(crate) fn of_color(&self) -> HairMaterial {
         let [r, g, b] = self.srgb;
         let material = match self.color {
-            HairColor::File => HairMaterial::default(),
+            HairColor::File | HairColor::Skin => HairMaterial::default(),
             HairColor::Blond => HairMaterial::blond(),
             HairColor::Brown => HairMaterial::brown(),
             HairColor::Red => HairMaterial::red(),
@@ -77,6 +79,6 @@ impl ShadingSettings {
                 ..HairMaterial::default()
             },
         };
-        HairMaterial { file_colors: self.color == HairColor::File, ..material }
+        HairMaterial { file_colors: matches!(self.color, HairColor::File | HairColor::Skin), ..material }
     }
 }

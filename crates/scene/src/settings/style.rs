@@ -1,7 +1,7 @@
 //! Settings for growing strands on a built-in style, and for restyling a groom from files.
 
 use tresses::{
-    character::FaceHair,
+    character::{FaceHair, MapCoordinates},
     groom::{
         Fill,
         grow::{Curls, Growth},
@@ -55,6 +55,8 @@ pub struct StyleSettings {
     pub curl_stretch: bool,
     /// Share of their length to which strands are cut.
     pub length: f32,
+    /// Coordinates in maps.
+    pub maps: MapCoordinates,
     /// Hair on the face of the built-in character.
     pub face: FaceHair,
 }
@@ -70,6 +72,7 @@ impl Default for StyleSettings {
             curl: Curl::default(),
             curl_stretch: false,
             length: 1.0,
+            maps: MapCoordinates::default(),
             face: FaceHair::default(),
         }
     }

@@ -46,7 +46,7 @@ pub use light::Foci;
 pub use obstacles::Obstacle;
 pub use parts::{Bounds, CharacterParts, subject};
 pub use rigged::{BodyPose, RiggedBody};
-pub use source::{CharacterFiles, CharacterSource, FillOptions, Styling};
+pub use source::{CharacterFiles, CharacterSource, FillOptions, MapCoordinates, Styling};
 
 use crate::{
     Error, Pose, Result,

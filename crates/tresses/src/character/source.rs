@@ -11,10 +11,12 @@ mod cooked;
 #[cfg(feature = "edit")]
 mod edited;
 mod fill;
+mod skin;
 
 #[cfg(feature = "edit")]
 pub use edited::LEAST_GUIDES;
 pub use fill::FillOptions;
+pub use skin::MapCoordinates;
 
 use super::{
     CharacterParts,
@@ -39,6 +41,7 @@ use crate::{
         orient::Placement,
         rig::anatomy::{Anatomy, Field},
         scalp::{GridScalp, ScalpMap},
+        skin::MapProjection,
         styles::{Style, StyledGuides},
     },
     lod::LodLevel,
@@ -46,6 +49,7 @@ use crate::{
 };
 use bare::OwnHead;
 use glam::Vec3;
+use skin::color_by_skin;
 use std::{borrow::Cow, path::PathBuf};
 
 /// Vertices per turn below which curls look angular.
@@ -64,6 +68,10 @@ pub struct Styling {
     pub guides: Option<GuideCount>,
     /// Maps applied to a file's strands before they are bound.
     pub paint: ScalpPaint,
+    /// Coordinates in all maps except [`levels`](Self::levels).
+    pub coordinates: MapCoordinates,
+    /// Whether strands have the color of the skin at their roots.
+    pub skin_color: bool,
     /// Changes to a file's strands after they are bound.
     pub restyle: Option<Restyle>,
     /// Factors on stiffness over the scalp.
@@ -279,6 +287,9 @@ impl CharacterSource {
     pub async fn dress(&self, styling: &Styling, progress: &impl Progress) -> Result<CharacterParts> {
         let skull = self.neck + SKULL_ABOVE_NECK;
         let mut notes = self.notes.clone();
+        let texture = self.texture_coordinates(styling)?;
+        let on = texture.as_ref().map_or(MapProjection::Scalp(skull), MapProjection::Texture);
+        notes.extend(self.scalp_note(styling));
         let mut face = Vec::new();
         let (mut groom, field) = match &self.hair {
             Hair::BuiltIn { style, styled, scalp, own } => {
@@ -308,7 +319,7 @@ impl CharacterSource {
             Hair::Edited { document, field } => {
                 let mut groom = document.groom();
                 if let Some(restyle) = &styling.restyle {
-                    restyle.apply(&mut groom, skull)?;
+                    restyle.apply(&mut groom, skull, on)?;
                 }
                 if let Some(head) = self.head.as_ref().filter(|_| *document.head() == HeadFiles::BuiltIn) {
                     face = styling.face.grow(head)?;
@@ -321,9 +332,9 @@ impl CharacterSource {
                 if let Some(count) = styling.strands {
                     strands = Cow::Owned(thinned(&strands, count as usize));
                 }
-                let filled = self.filled(&strands, styling, progress).await?;
+                let filled = self.filled(&strands, styling, on, progress).await?;
                 if filled.is_none() && styling.paint != ScalpPaint::default() {
-                    strands = Cow::Owned(styling.paint.apply(&strands, skull, 1)?);
+                    strands = Cow::Owned(styling.paint.apply(&strands, on, 1)?);
                 }
                 let guides = styling.guides.unwrap_or(BindOptions::default().guides);
                 let restyle = styling.restyle.as_ref();
@@ -338,14 +349,17 @@ impl CharacterSource {
                 };
                 notes.extend(filled.map(|filled| styling.fill.told(&filled)));
                 if let Some(restyle) = restyle {
-                    restyle.apply(&mut groom, skull)?;
+                    restyle.apply(&mut groom, skull, on)?;
                     notes.extend(note(&restyle.curls, &groom));
                 }
                 (groom, field.clone())
             }
         };
         if let Some(map) = &styling.stiffness {
-            groom.guides.stiffen(map, skull);
+            groom.guides.stiffen(map, on);
+        }
+        if styling.skin_color {
+            color_by_skin(&mut groom, self.head.as_ref())?;
         }
         let (head, levels, anatomy) = (self.head.clone(), styling.levels.clone(), self.anatomy.clone());
         let ties = styling.ties.clone();
@@ -464,20 +478,7 @@ fn thinned(strands: &Strands, count: usize) -> Strands {
     if count >= all {
         return strands.clone();
     }
-    let mut few = Strands { offsets: vec![0], ..Strands::default() };
-    for k in 0..count {
-        let i = k * all / count;
-        let range = strands.range(i);
-        few.positions.extend_from_slice(&strands.positions[range.clone()]);
-        few.offsets.push(few.positions.len() as u32);
-        // Attributes exist for all strands or for none.
-        few.radii.extend(strands.radii.get(range.clone()).into_iter().flatten());
-        few.colors.extend(strands.colors.get(range).into_iter().flatten());
-        few.root_uvs.extend(strands.root_uvs.get(i));
-        few.tip_pinned.extend(strands.tip_pinned.get(i));
-        few.marks.extend(strands.marks.get(i));
-    }
-    few
+    strands.subset((0..count).map(|k| k * all / count))
 }
 
 #[cfg(test)]

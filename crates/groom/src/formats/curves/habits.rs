@@ -71,6 +71,12 @@ impl CurveWarnings {
                 raw.notes.push(format!("{what} are ignored: not all objects have them"));
             }
         }
+        strands.attributes.retain(|attribute| {
+            let is_whole = attribute.fits(curves, vertices);
+            let name = &attribute.name;
+            raw.notes.extend((!is_whole).then(|| format!("“{name}” is ignored: not all objects have it")));
+            is_whole
+        });
     }
 }
 

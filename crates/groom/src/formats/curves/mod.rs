@@ -4,10 +4,12 @@
 //! converts them to strands with widths, colors, texture coordinates and marks.
 
 pub(super) mod basis;
+mod custom;
 mod habits;
 mod knots;
 mod param;
 
+pub(super) use custom::is_custom;
 pub(super) use habits::CurveWarnings;
 #[cfg(feature = "alembic")]
 pub(super) use knots::clamped;
@@ -53,6 +55,8 @@ pub(super) struct Object<'o> {
     pub matrix: DMat4,
     /// Group names, one for all curves or one per curve; may be empty.
     pub group_names: &'o [String],
+    /// Names of the custom attributes.
+    pub custom: &'o [String],
 }
 
 /// The format's names of parameters.
@@ -105,7 +109,9 @@ impl Groom {
             strands.offsets.push(strands.positions.len() as u32);
         }
         self.habits.without_width += usize::from(widths.is_none());
-        self.marks(object, values)
+        self.marks(object, values)?;
+        self.custom(object, values);
+        Ok(())
     }
 
     /// Returns one value per control point, from the first parameter that fits: `own` names are stored with the points,

@@ -11,6 +11,8 @@ pub(in crate::formats) struct Param {
     pub width: usize,
     /// Scope, as the file states.
     pub scope: Option<AttributeScope>,
+    /// Whether the file stores integers.
+    pub is_integer: bool,
     /// Position in the file.
     pub at: At,
 }
@@ -132,7 +134,7 @@ mod tests {
     use super::*;
 
     fn param(flat: &[f32], scope: Option<AttributeScope>) -> Param {
-        Param { flat: flat.to_vec(), width: 1, scope, at: At::File }
+        Param { flat: flat.to_vec(), width: 1, scope, is_integer: false, at: At::File }
     }
 
     #[test]

@@ -7,6 +7,7 @@ use crate::{
         Fill, FilledStrands, Head, Strands,
         fill::{fill_with, follow_with},
         grow::ScalpPaint,
+        skin::MapProjection,
     },
 };
 
@@ -55,6 +56,7 @@ impl CharacterSource {
         &self,
         strands: &Strands,
         styling: &Styling,
+        on: MapProjection<'_>,
         progress: &impl Progress,
     ) -> Result<Option<FilledStrands>> {
         let Hair::Imported { field, .. } = &self.hair else { return Ok(None) };
@@ -73,7 +75,11 @@ impl CharacterSource {
         }
         let filled = match wanted {
             Some(wanted) => {
-                let density = styling.paint.density.clone();
+                // New strands follow a map over the scalp; by UV, they are thinned out afterwards.
+                let density = match on {
+                    MapProjection::Scalp(_) => styling.paint.density.clone(),
+                    MapProjection::Texture(_) => None,
+                };
                 let fill =
                     Fill { strands: wanted.min(most), density, skull, parting, seed, ..Fill::default() };
                 fill_with(strands, head, &fill, progress).await?
@@ -81,7 +87,7 @@ impl CharacterSource {
             None => follow_with(strands, head, followers, most, seed, progress).await?,
         };
         Ok(Some(match styling.paint != ScalpPaint::default() {
-            true => filled.painted(&styling.paint, skull, 1)?,
+            true => filled.painted(&styling.paint, on, 1)?,
             false => filled,
         }))
     }

@@ -57,6 +57,7 @@ pub(crate) fn read(source: &Source, moment: Moment) -> Result<Raw> {
             inner: false,
             matrix: Tree::of(object, &matrices),
             group_names: &groom::text(&archive, &places, "groom_group_name", time)?,
+            custom: &groom::custom(&archive, object)?,
         };
         reading.object(object, &places, shared)?;
     }

@@ -3,7 +3,7 @@
 use super::{Archive, property::Compound, tree::Object};
 use crate::{
     error::Result,
-    formats::curves::{AttributeScope, Param},
+    formats::curves::{AttributeScope, Param, is_custom},
 };
 
 /// Returns the first nonempty parameter `name` of the compounds `places`.
@@ -49,7 +49,8 @@ fn read<'a>(archive: &Archive<'_, 'a>, place: &Compound<'a>, name: &str, time: f
         Some("vtx" | "var" | "fvr") => Some(AttributeScope::Point),
         _ => None,
     };
-    Ok(Some(Param { flat, width: extent.saturating_mul(flattened.max(1)), scope, at: values.at() }))
+    let (width, is_integer) = (extent.saturating_mul(flattened.max(1)), values.is_integer());
+    Ok(Some(Param { flat, width, scope, is_integer, at: values.at() }))
 }
 
 /// Returns the compounds that may hold an object's parameters: beside its geometry, then on the transform above it.
@@ -65,6 +66,13 @@ pub(super) fn places<'a>(
         }
     }
     Ok(all)
+}
+
+/// Returns the names of an object's custom attributes.
+pub(super) fn custom<'a>(archive: &Archive<'_, 'a>, object: &Object<'a>) -> Result<Vec<String>> {
+    let params = object.shape.compound(archive, ".arbGeomParams")?;
+    let names = params.iter().flat_map(Compound::names);
+    Ok(names.filter(|name| is_custom(name)).map(str::to_owned).collect())
 }
 
 /// Returns the values of the first text property `name`.

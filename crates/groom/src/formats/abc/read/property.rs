@@ -111,6 +111,11 @@ impl<'a> Compound<'a> {
         Ok(Self { headers, group })
     }
 
+    /// Returns the names of all properties.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.headers.iter().map(|header| header.name.as_str())
+    }
+
     fn find(&self, name: &str) -> Option<usize> {
         self.headers.iter().position(|header| header.name == name)
     }
@@ -215,6 +220,11 @@ impl<'a> Property<'a> {
     /// Returns whether the samples differ.
     pub fn moves(&self) -> bool {
         self.header.samples > 1 && self.header.changes != (0, 0)
+    }
+
+    /// Returns whether the numbers are integers or Booleans.
+    pub fn is_integer(&self) -> bool {
+        !matches!(self.header.pod, Pod::F16 | Pod::F32 | Pod::F64)
     }
 
     /// Returns the count of numbers per value.

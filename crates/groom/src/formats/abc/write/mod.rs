@@ -239,6 +239,16 @@ fn shape<W: Write + Seek>(
             put("groom_guide_weights", F32, 3, "uni", "vector", &weights)?;
         }
     }
+    for attribute in &strands.attributes {
+        let scope = if attribute.per_vertex { "vtx" } else { "uni" };
+        let mut numbers = attribute.numbers.iter().copied();
+        let (pod, bytes) = match attribute.is_integer {
+            true => (I32, integers(&mut numbers.map(|number| number as i32))),
+            false => (F32, floats(&mut numbers)),
+        };
+        let property = SampledProperty::param(attribute.name.clone(), pod, attribute.width, scope, "");
+        groom.constant(out, property, &bytes)?;
+    }
     shape.inside(out, ".arbGeomParams", "", groom)?;
     Ok(shape)
 }

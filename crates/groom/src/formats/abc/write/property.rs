@@ -1,6 +1,9 @@
 //! Writes properties: samples in a group, descriptions in the list of the compound.
 
-use std::io::{Result, Seek, Write};
+use std::{
+    borrow::Cow,
+    io::{Result, Seek, Write},
+};
 
 use super::ogawa::{Ogawa, Place};
 
@@ -29,7 +32,7 @@ pub(super) struct Compound {
 
 /// A property being written, sample by sample.
 pub(super) struct SampledProperty {
-    name: &'static str,
+    name: Cow<'static, str>,
     meta: String,
     pod: Pod,
     extent: u32,
@@ -39,17 +42,23 @@ pub(super) struct SampledProperty {
 
 impl SampledProperty {
     /// Returns a scalar property of `extent` numbers.
-    pub fn scalar(name: &'static str, meta: &str, pod: Pod, extent: u32) -> Self {
-        Self { name, meta: meta.to_owned(), pod, extent, array: false, places: Vec::new() }
+    pub fn scalar(name: impl Into<Cow<'static, str>>, meta: &str, pod: Pod, extent: u32) -> Self {
+        Self { name: name.into(), meta: meta.to_owned(), pod, extent, array: false, places: Vec::new() }
     }
 
     /// Returns an array property of `extent` numbers per element.
-    pub fn array(name: &'static str, meta: &str, pod: Pod, extent: u32) -> Self {
+    pub fn array(name: impl Into<Cow<'static, str>>, meta: &str, pod: Pod, extent: u32) -> Self {
         Self { array: true, ..Self::scalar(name, meta, pod, extent) }
     }
 
     /// Returns a parameter beside the geometry, of scope `con`, `uni` or `vtx`.
-    pub fn param(name: &'static str, pod: Pod, extent: u32, scope: &str, interpretation: &str) -> Self {
+    pub fn param(
+        name: impl Into<Cow<'static, str>>,
+        pod: Pod,
+        extent: u32,
+        scope: &str,
+        interpretation: &str,
+    ) -> Self {
         let interpretation = match interpretation {
             "" => String::new(),
             name => format!("interpretation={name};"),
@@ -98,7 +107,7 @@ impl Compound {
         let mut numbers = vec![count];
         numbers.extend((sampling > 0).then_some(sampling));
         let group = out.group(&places)?;
-        self.entry(out, group, info, &numbers, name, &meta);
+        self.entry(out, group, info, &numbers, &name, &meta);
         Ok(())
     }
 

@@ -7,11 +7,12 @@ use serde_json::{Map, Value};
 use super::{file::File, packed};
 use crate::{
     Look, Strands,
+    attribute::{MAX_WIDTH, StrandAttribute},
     error::{At, Result},
     formats::{
         gltf::{GUIDE, HAIR, TIP_PINNED},
         raw::Raw,
-        source::Source,
+        source::{Source, excerpt},
     },
     orient,
     strands::Mark,
@@ -73,12 +74,15 @@ impl GroomStrands<'_> {
 
     /// Returns the accessor of `key`, which must have `count` items.
     fn accessor(&self, key: &str, count: usize) -> Result<Option<Accessor<'_>>> {
-        let Some(value) = self.of.get(key) else { return Ok(None) };
+        self.of.get(key).map(|value| self.accessor_of(key, value, count)).transpose()
+    }
+
+    fn accessor_of(&self, key: &str, value: &Value, count: usize) -> Result<Accessor<'_>> {
         let index = value.as_u64().ok_or_else(|| self.problem(format!("{key} is not an accessor index")))?;
         let accessor = self.file.document.accessors().nth(index as usize);
         let accessor = accessor.ok_or_else(|| self.problem(format!("accessor {index} does not exist")))?;
         match accessor.count() {
-            have if have == count => Ok(Some(accessor)),
+            have if have == count => Ok(accessor),
             have => Err(self.problem(format!("{key} has {have} items, but should have {count}"))),
         }
     }
@@ -159,7 +163,36 @@ impl GroomStrands<'_> {
             strands.root_uvs = values.as_chunks().0.iter().map(|uv| Vec2::from_array(*uv)).collect();
         }
         self.marks(&mut strands, count, lenient)?;
+        strands.attributes = self.attributes(&strands, lenient)?;
         Ok(strands)
+    }
+
+    /// Reads the custom attributes.
+    fn attributes(&self, strands: &Strands, lenient: bool) -> Result<Vec<StrandAttribute>> {
+        let mut all = Vec::new();
+        for (name, about) in self.of.get("attributes").and_then(Value::as_object).into_iter().flatten() {
+            let key = format!("attribute “{}”", excerpt(name));
+            let per_vertex = match about.get("per").and_then(Value::as_str) {
+                Some("vertex") => true,
+                Some("strand") => false,
+                _ => return Err(self.problem(format!("{key} is neither per vertex nor per strand"))),
+            };
+            let count = if per_vertex { strands.positions.len() } else { strands.len() };
+            let accessor =
+                about.get("accessor").map(|index| self.accessor_of(&key, index, count)).transpose()?;
+            let Some(accessor) = accessor else {
+                return Err(self.problem(format!("{key} has no accessor")));
+            };
+            let width = accessor.dimensions().multiplicity();
+            if width > MAX_WIDTH as usize {
+                return Err(self.file.wrong_kind(&accessor));
+            }
+            let numbers = self.file.numbers_of(&accessor, width, lenient)?;
+            let is_integer = about.get("integer").and_then(Value::as_bool).unwrap_or(false);
+            let (name, width) = (name.clone(), width as u32);
+            all.push(StrandAttribute { name, per_vertex, is_integer, width, numbers });
+        }
+        Ok(all)
     }
 
     fn offset(&self) -> Result<Vec3> {

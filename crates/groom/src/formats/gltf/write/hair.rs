@@ -114,6 +114,22 @@ fn strands(file: &mut File, hair: &Hair<'_>) -> Result<Value> {
             Items { component: FLOAT, kind: "VEC3", bytes: bytes.collect(), stride: 12 },
         )?;
     }
+    let mut attributes = serde_json::Map::new();
+    for attribute in &strands.attributes {
+        let width = attribute.width as usize;
+        let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][width - 1];
+        let bytes = attribute.numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+        let items = Items { component: FLOAT, kind, bytes, stride: 4 * width };
+        let mut about = json!({"accessor": file.items(items, hair.packed)?});
+        about["per"] = json!(if attribute.per_vertex { "vertex" } else { "strand" });
+        if attribute.is_integer {
+            about["integer"] = json!(true);
+        }
+        attributes.insert(attribute.name.clone(), about);
+    }
+    if !attributes.is_empty() {
+        out["attributes"] = attributes.into();
+    }
     Ok(out)
 }
 

@@ -1,7 +1,7 @@
 //! Round trips of meshes and hair.
 
 use super::*;
-use crate::{Look, Strands, import, mannequin, strands::Mark};
+use crate::{Look, Strands, attribute::StrandAttribute, import, mannequin, strands::Mark};
 use glam::Vec3;
 use std::{borrow::Cow, path::PathBuf};
 
@@ -92,7 +92,18 @@ fn groom_of(bytes: &[u8]) -> import::FileBytes<'_> {
 
 #[test]
 fn hair_and_body_survive_round_trip() {
-    let (mesh, strands) = (mannequin::mesh(60), strands());
+    let (mesh, mut strands) = (mannequin::mesh(60), strands());
+    let row = |name: &str, per_vertex, is_integer, width: u32, count: usize| StrandAttribute {
+        name: name.into(),
+        per_vertex,
+        is_integer,
+        width,
+        numbers: (0..count * width as usize).map(|i| i as f32 - 7.0).collect(),
+    };
+    strands.attributes = vec![
+        row("age, years", false, true, 1, strands.len()),
+        row("curl", true, false, 2, strands.positions.len()),
+    ];
     let rig = mannequin::rig::rig(&mesh);
     let look = Look { eumelanin: 0.3, roughness: [0.2, 0.4], ..Default::default() };
     let mut sizes = Vec::new();
@@ -112,7 +123,7 @@ fn hair_and_body_survive_round_trip() {
             (&back.offsets, &back.tip_pinned, &back.marks),
             (&strands.offsets, &strands.tip_pinned, &strands.marks)
         );
-        assert_eq!(back.root_uvs, strands.root_uvs);
+        assert_eq!((&back.root_uvs, &back.attributes), (&strands.root_uvs, &strands.attributes));
         // Within half a step of 16 bits.
         let far = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
         assert!(far(&back.positions, &strands.positions) < 0.39 / 65535.0, "positions");

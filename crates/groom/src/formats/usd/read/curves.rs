@@ -10,7 +10,7 @@ use openusd::{
 
 use super::{
     Moment, Scene, Source, guarded,
-    param::param,
+    param::{custom, param},
     skel::{SkelBinding, Skeleton, Skeletons},
     tree::{Object, Purpose, Schema, Tree, when},
     value,
@@ -92,6 +92,7 @@ impl<'r> CurveReader<'r> {
                 inner: false,
                 matrix: Tree::of(object, &places).0,
                 group_names: &reading.texts(object, "groom_group_name")?,
+                custom: &custom(scene, &object.prim)?,
             };
             reading.object(object, shared)?;
         }

@@ -9,7 +9,7 @@ use super::{READS_PER_BYTE, Scene, value};
 use crate::{
     error::{At, Result},
     formats::{
-        curves::{AttributeScope, Param},
+        curves::{AttributeScope, Param, is_custom},
         source::excerpt,
     },
 };
@@ -55,8 +55,16 @@ pub(super) fn param<'p>(
                 Some("varying" | "vertex" | "faceVarying") => Some(AttributeScope::Point),
                 _ => None,
             };
-            return Ok(Some(Param { flat, width, scope, at: At::File }));
+            let is_integer = value.as_ref().is_some_and(value::is_integer);
+            return Ok(Some(Param { flat, width, scope, is_integer, at: At::File }));
         }
     }
     Ok(None)
+}
+
+/// Returns the names of a prim's custom attributes.
+pub(super) fn custom(scene: &Scene, prim: &Prim) -> Result<Vec<String>> {
+    let all = scene.say(prim.authored_attributes_in_namespace("primvars"))?;
+    let names = all.iter().filter_map(|attribute| attribute.name().strip_prefix("primvars:"));
+    Ok(names.filter(|name| is_custom(name)).map(str::to_owned).collect())
 }

@@ -53,6 +53,40 @@ fn point(i: usize, k: usize, frame: usize) -> Vec3 {
 }
 
 #[test]
+fn custom_attributes_follow_curves() {
+    let curves = |name: &str, own: &str| {
+        format!(
+            "def BasisCurves \"{name}\" {{ uniform token type = \"cubic\"\nuniform token basis = \"bezier\"\n
+             int[] curveVertexCounts = [4, 4]\n
+             point3f[] points = [(0,0,0), (0,1,0), (0,2,0), (0,3,0), (1,0,0), (1,1,0), (1,2,0), (1,3,0)]\n
+             float[] primvars:length = [0, 3, 6, 9, 10, 13, 16, 19] (interpolation = \"vertex\")\n
+             int[] primvars:part = [4] (interpolation = \"constant\")\n{own} }}\n"
+        )
+    };
+    let own = "bool[] primvars:kept = [1, 0] (interpolation = \"uniform\")\n
+        float[] primvars:odd = [1, 2, 3]\nfloat[] primvars:nan = [nan, 1]\nstring primvars:maker = \"me\"\n
+        matrix4d[] primvars:frame = [((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,0,1))]\n";
+    let raw = text(&curves("a", own)).unwrap();
+    let names: Vec<_> = raw.strands.attributes.iter().map(|it| (it.name.as_str(), it.per_vertex)).collect();
+    assert_eq!(names, [("length", true), ("part", false), ("kept", false)]);
+    let [length, part, kept] = &raw.strands.attributes[..] else { unreachable!() };
+    assert_eq!((&kept.numbers[..], kept.is_integer), (&[1.0, 0.0][..], true));
+    assert_eq!((&part.numbers[..], part.is_integer), (&[4.0, 4.0][..], true));
+    // Bézier curves of evenly spaced points have even values.
+    for (value, p) in length.numbers.iter().zip(&raw.strands.positions) {
+        assert!((value - 3.0 * p.y - 10.0 * p.x).abs() < 1e-4, "{value} {p}");
+    }
+    for name in ["odd", "nan", "frame"] {
+        assert!(raw.notes.iter().any(|note| note.starts_with(&format!("“{name}” is ignored"))), "{name}");
+    }
+    // Two objects keep what both have.
+    let raw = text(&(curves("a", own) + &curves("b", ""))).unwrap();
+    let names: Vec<_> = raw.strands.attributes.iter().map(|it| it.name.as_str()).collect();
+    assert_eq!((raw.strands.len(), names), (4, vec!["length", "part"]));
+    assert!(raw.notes.contains(&"“kept” is ignored: not all objects have it".into()), "{:?}", raw.notes);
+}
+
+#[test]
 fn reads_reference_file() {
     for (moment, frame) in [(Moment::First, 0), (Moment::Frame(1), 1), (Moment::Seconds(1.03), 1)] {
         let raw = read("a.usdc", REFERENCE, moment).unwrap();

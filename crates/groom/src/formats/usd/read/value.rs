@@ -71,6 +71,15 @@ pub(super) fn row<T>(value: &Value, of: impl Fn(f64) -> T) -> Option<(Vec<T>, us
     }
 }
 
+/// Returns whether a value is of integers or Booleans.
+pub(super) fn is_integer(value: &Value) -> bool {
+    macro_rules! any {
+        ($($kind:ident)*) => { matches!(value, $(Value::$kind(_))|*) };
+    }
+    any!(Bool BoolVec Uchar UcharVec Int IntVec Uint UintVec Int64 Int64Vec Uint64 Uint64Vec
+        Vec2i Vec2iVec Vec3i Vec3iVec Vec4i Vec4iVec)
+}
+
 /// Returns the first number of a value.
 pub(super) fn number(value: &Value) -> Option<f64> {
     row(value, |number| number)?.0.first().copied()

@@ -145,6 +145,7 @@ impl Curves<'_> {
             layer.list("texCoord2f[] primvars:st", &uvs, &per("uniform"));
             layer.list("float2[] primvars:groom_root_uv", &uvs, &per("uniform"));
         }
+        self.custom(layer);
         let marks = &strands.marks;
         if marks.is_empty() {
             return;
@@ -161,6 +162,25 @@ impl Curves<'_> {
             layer.list(&format!("{kind}[] primvars:groom_closest_guides"), closest, &each);
             let weights = marks.iter().map(|m| m.weights).map(|[a, b, c]| format!("({a}, {b}, {c})"));
             layer.list("float3[] primvars:groom_guide_weights", weights, &each);
+        }
+    }
+
+    /// Writes the custom attributes. Their names become identifiers.
+    fn custom(&self, layer: &mut Layer) {
+        let mut used = HashMap::new();
+        for attribute in &self.strands.attributes {
+            let kind = if attribute.is_integer { "int" } else { "float" };
+            let width = match attribute.width {
+                1 => String::new(),
+                width => width.to_string(),
+            };
+            let name = skel::unique(&mut used, "", &attribute.name);
+            let values = attribute.numbers.chunks_exact(attribute.width as usize).map(|value| match value {
+                [number] => number.to_string(),
+                many => format!("({})", many.iter().map(f32::to_string).collect::<Vec<_>>().join(", ")),
+            });
+            let each = per(if attribute.per_vertex { "vertex" } else { "uniform" });
+            layer.list(&format!("{kind}{width}[] primvars:{name}"), values, &each);
         }
     }
 }
