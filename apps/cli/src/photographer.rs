@@ -186,7 +186,7 @@ impl Photographer {
         if !kind.has_layers() {
             return Ok(Frame::Shown(self.picture(camera)?));
         }
-        let asked = OutputRequest { linear: true, hair: true, bare: false };
+        let asked = OutputRequest { linear: true, hair: true, ..Default::default() };
         let captured = pollster::block_on(self.scene.capture(*camera, asked))?;
         let (size, projection) = (self.scene.targets().size, self.scene.picture.camera.projection);
         Ok(Frame::File(layers::encode(&captured, size, &projection)?, size))

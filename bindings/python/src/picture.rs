@@ -15,8 +15,20 @@ use tresses_scene::{
 };
 
 /// Names of the outputs, in the order of the documentation.
-pub const OUTPUTS: [&str; 10] =
-    ["color", "linear", "coverage", "depth", "motion", "strand", "groom", "share", "along", "tangent"];
+pub const OUTPUTS: [&str; 12] = [
+    "color",
+    "linear",
+    "body_depth",
+    "body_normal",
+    "coverage",
+    "depth",
+    "motion",
+    "strand",
+    "groom",
+    "share",
+    "along",
+    "tangent",
+];
 
 /// Requested outputs.
 pub struct OutputNames(Vec<String>);
@@ -39,7 +51,8 @@ impl OutputNames {
     pub fn asked(&self) -> OutputRequest {
         OutputRequest {
             linear: self.has("linear"),
-            hair: OUTPUTS[2..].iter().any(|name| self.has(name)),
+            hair: OUTPUTS[4..].iter().any(|name| self.has(name)),
+            body: self.has("body_depth") || self.has("body_normal"),
             bare: false,
         }
     }
@@ -140,6 +153,13 @@ pub fn outputs<'py>(
             "linear" => array(py, &[h, w, 4], captured.linear.as_flattened().to_vec())?.into_any(),
             "coverage" => array(py, &plane, captured.coverages())?.into_any(),
             "depth" => array(py, &plane, captured.depths(&projection))?.into_any(),
+            "body_depth" => {
+                array(py, &plane, captured.surface.iter().map(|sample| sample.depth).collect())?.into_any()
+            }
+            "body_normal" => {
+                let normals = captured.surface.iter().flat_map(|sample| sample.normal.to_array());
+                array(py, &[h, w, 3], normals.collect())?.into_any()
+            }
             "motion" => array(py, &[h, w, 2], captured.motions().into_flattened())?.into_any(),
             "strand" => whole(&|i| labels[i].map_or(-1, |label| label.strand as i32))?,
             "groom" => whole(&|i| labels[i].map_or(-1, |label| label.groom as i32))?,

@@ -399,16 +399,18 @@ impl Simulation {
     ///     Arrays by output name, rows from the top:
     ///     ``color`` uint8 [h, w, 4], sRGB and alpha (premultiplied before encoding);
     ///     ``linear`` float32 [h, w, 4], radiance before exposure and tone mapping, premultiplied;
+    ///     ``body_depth`` float32 [h, w], view-space depth of the body in meters, also behind hair, inf without body;
+    ///     ``body_normal`` float32 [h, w, 3], unit normal of the body in world space, 0 without body;
     ///     ``coverage`` float32 [h, w], opacity of the hair;
     ///     ``depth`` float32 [h, w], view-space depth of the visible hair in meters, inf without hair;
     ///     ``motion`` float32 [h, w, 2], motion in pixels to the right and down since the last render that had any
-    ///     output except ``color`` and ``linear``, nan if unknown;
+    ///     output from ``coverage`` on, nan if unknown;
     ///     ``groom`` int32 [h, w], 0 for the hair, 1 and up for the items of ``face()``, -1 without hair;
     ///     ``strand`` int32 [h, w], index in this groom of the strand that covers most of the pixel, -1 without hair;
     ///     ``share`` float32 [h, w], share of the pixel that this strand covers;
     ///     ``along`` float32 [h, w], position along this strand from 0 (root) to 1 (tip), nan without hair;
     ///     ``tangent`` float32 [h, w, 3], direction of this strand from root to tip in world space, 0 without hair.
-    ///     All outputs except ``color`` and ``linear`` require tiled hair (``edges.coverage``) without supersampling
+    ///     The outputs from ``coverage`` on require tiled hair (``edges.coverage``) without supersampling
     ///     (``edges.ssaa``).
     #[pyo3(signature = (camera=None, size=(1280, 720), outputs=None, *, zoom=1.0, distance=None, background=None, head=true))]
     #[allow(clippy::too_many_arguments)] // Python keyword arguments.

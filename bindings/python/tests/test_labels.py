@@ -65,6 +65,24 @@ def test_labels_fit_together(groom):
     found = tresses.labels(sim, "front", SIZE)
     mask, body = found["mask"], found["body"]
     assert mask.max() > 0.5 and body.max() > 0.99 and (mask + body).max() < 1.01
+    # The body behind the hair, and its outline.
+    inside = np.isfinite(found["body_depth"])
+    assert inside[body > 0.99].mean() > 0.999 and not inside[(mask + body) < 0.01].any()
+    normals = found["body_normal"]
+    assert np.allclose(np.linalg.norm(normals[inside], axis=-1), 1, atol=1e-4) and (normals[~inside] == 0).all()
+    # Visible surfaces face the camera, and depths lead to points on the head.
+    eye = np.linalg.inv(found["view"])[:3, 3]
+    y, x = np.nonzero(inside)
+    far = found["body_depth"][inside]
+    K, RT = found["K"], found["RT"]
+    seen = np.stack([(x + 0.5 - K[0, 2]) / K[0, 0] * far, (y + 0.5 - K[1, 2]) / K[1, 1] * far, far], -1)
+    points = (seen - RT[:, 3]) @ RT[:, :3]
+    toward = eye - points
+    assert ((normals[inside] * toward).sum(-1) > 0).mean() > 0.97
+    sample = np.random.default_rng(1).choice(len(points), 300, replace=False)
+    vertices = groom.head.positions
+    gap = np.linalg.norm(points[sample, None] - vertices[None], axis=-1).min(1)
+    assert np.quantile(gap, 0.95) < 0.006
     hair = np.isfinite(found["orientation"])
     assert np.array_equal(hair, found["strand"] >= 0) or (hair != (found["strand"] >= 0)).mean() < 1e-3
     assert np.allclose(np.linalg.norm(found["direction"][hair], axis=-1), 1, atol=1e-5)

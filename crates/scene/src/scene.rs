@@ -2,8 +2,10 @@
 
 mod frames;
 mod outputs;
+mod surface;
 
 pub use outputs::{Capture, OutputRequest};
+pub use surface::SurfaceSample;
 
 use crate::{
     camera::Viewpoint,

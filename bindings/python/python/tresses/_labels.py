@@ -79,7 +79,8 @@ def labels(simulation, camera=None, size=(1280, 720), **view):
     -------
     dict
         Arrays, rows from the top: ``color`` uint8 [h, w, 4]; ``mask``, opacity of the hair, and ``body``, share of the
-        pixel that shows the body, [h, w]; ``depth`` of the hair, meters, inf without; ``direction`` [h, w, 2], the
+        pixel that shows the body, [h, w]; ``body_depth`` [h, w], meters, inf without body, and ``body_normal`` [h, w, 3],
+        world space, 0 without body, both also behind the hair; ``depth`` of the hair, meters, inf without; ``direction`` [h, w, 2], the
         projected direction from root to tip, pixels to the right and down, length 1, 0 without hair; ``orientation``
         [h, w], degrees from 0 to 180, 0 vertical and 90 horizontal, as the filters of NeuralHaircut and GaussianHaircut
         answer, nan without hair; ``strand_map`` uint8 [h, w, 3], the picture of HairStep: hair and half the body in red,
@@ -88,7 +89,7 @@ def labels(simulation, camera=None, size=(1280, 720), **view):
     """
     matrices = simulation.camera(camera, size, **view)
     given = (matrices["view"], matrices["projection"])
-    wanted = ["color", "coverage", "depth", "tangent", "strand", "groom", "share"]
+    wanted = ["color", "body_depth", "body_normal", "coverage", "depth", "tangent", "strand", "groom", "share"]
     out = simulation.render(given, size, wanted, background="transparent")
     direction = _projected(out["tangent"], out["depth"], *given)
     seen = numpy.abs(direction).sum(-1) > 0
@@ -102,6 +103,8 @@ def labels(simulation, camera=None, size=(1280, 720), **view):
         "color": out["color"],
         "mask": mask,
         "body": body,
+        "body_depth": out["body_depth"],
+        "body_normal": out["body_normal"],
         "depth": out["depth"],
         "direction": direction,
         "orientation": numpy.where(seen, angle, numpy.nan).astype(numpy.float32),

@@ -1,7 +1,10 @@
 //! Data read back from a scene: strands and guides in their current state, linear radiance, hair geometry and strand
 //! labels.
 
-use super::Scene;
+use super::{
+    Scene,
+    surface::{self, SurfaceSample},
+};
 use crate::camera::Sight;
 use anyhow::{Result, ensure};
 use tresses::{
@@ -21,6 +24,8 @@ pub struct OutputRequest {
     pub linear: bool,
     /// Hair geometry and strand labels. Requires tiled hair ([`Coverage::Tiles`](tresses::draw::Coverage::Tiles)).
     pub hair: bool,
+    /// Depth and normals of the bodies.
+    pub body: bool,
     /// Draws only the hair, without bodies and their shadows.
     pub bare: bool,
 }
@@ -38,6 +43,8 @@ pub struct Capture {
     pub knows_motion: bool,
     /// [`Targets::labels`](tresses::draw::Targets::labels). Empty unless requested.
     pub labels: Vec<Option<Label>>,
+    /// Bodies behind the hair. Empty unless requested.
+    pub surface: Vec<SurfaceSample>,
 }
 
 impl Capture {
@@ -93,6 +100,9 @@ impl Scene {
         if asked.linear {
             captured.linear = self.linear().await?;
         }
+        if asked.body {
+            captured.surface = self.surface(asked.bare).await?;
+        }
         if asked.hair {
             let texels = targets.size.map(|side| (side * targets.ssaa) as usize).iter().product();
             let known = targets.geometry().await?;
@@ -101,6 +111,17 @@ impl Scene {
             captured.knows_motion = targets.knows_motion();
         }
         Ok(captured)
+    }
+
+    /// Returns the bodies in the last frame; none if it is `bare`.
+    async fn surface(&self, bare: bool) -> Result<Vec<SurfaceSample>> {
+        let mut meshes = Vec::new();
+        let bodies = self.character.body().into_iter().chain(&self.character.props);
+        for body in bodies.filter(|_| !bare) {
+            meshes.push(body.read().await?);
+        }
+        let camera = &self.picture.camera;
+        Ok(surface::rasterized(&meshes, [camera.view, camera.projection], self.targets().size))
     }
 
     /// Reads back the radiance of the last frame.

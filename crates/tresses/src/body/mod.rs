@@ -15,8 +15,8 @@ use std::ops::Range;
 use wgpu::util::DeviceExt;
 
 use crate::{
-    Camera, Context, Pose,
-    gpu::{Binding, bindings},
+    Camera, Context, Pose, Result,
+    gpu::{Binding, bindings, readback},
     groom::{TriMesh, mesh::Level},
 };
 
@@ -146,7 +146,11 @@ impl Body {
             surface_group: device.group("surface", &surface_layout(device), &buffers),
             surface,
             vertices,
-            triangles: buffer("body triangles", bytemuck::cast_slice(&triangles), wgpu::BufferUsages::INDEX),
+            triangles: buffer(
+                "body triangles",
+                bytemuck::cast_slice(&triangles),
+                wgpu::BufferUsages::INDEX | wgpu::BufferUsages::COPY_SRC,
+            ),
             levels: ranges,
             bounds: mesh.bounds().map_or([Vec3::ZERO; 2], |(lo, hi)| [lo, hi]),
             group: device.group("body", &layout(device), &[uniform.as_entire_binding()]),
@@ -200,6 +204,24 @@ impl Body {
     /// four bytes of color. Code that deforms the body writes to it.
     pub fn vertices(&self) -> &wgpu::Buffer {
         &self.vertices
+    }
+
+    /// Reads back the full mesh as it is drawn, deformed and posed: positions, normals and triangles, world space.
+    ///
+    /// # Errors
+    /// Fails if the GPU is lost.
+    pub async fn read(&self) -> Result<TriMesh> {
+        let words: Vec<u32> = readback::buffer(&self.context, &self.vertices).await?;
+        let indices: Vec<u32> = readback::buffer(&self.context, &self.triangles).await?;
+        let full = &self.levels[0].1;
+        let vertices = words.chunks_exact(Self::WORDS as usize);
+        let vector = |words: &[u32]| Vec3::from_array([0, 1, 2].map(|k| f32::from_bits(words[k])));
+        Ok(TriMesh {
+            positions: vertices.clone().map(|words| self.pose.point(vector(words))).collect(),
+            normals: vertices.map(|words| self.pose.rotation * vector(&words[3..])).collect(),
+            triangles: indices[full.start as usize..full.end as usize].as_chunks().0.to_vec(),
+            ..TriMesh::default()
+        })
     }
 
     /// Sets the bounding box of the vertices, in the body's own space, meters.

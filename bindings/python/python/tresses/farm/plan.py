@@ -15,7 +15,10 @@ from .cameras import Camera, cameras
 from .checks import PlanError, Table, kind, unlike
 from .grooms import Groom, grooms
 
-OUTPUTS = ("color", "linear", "coverage", "depth", "motion", "strand", "groom", "share", "along", "tangent")
+OUTPUTS = (
+    "color", "linear", "body_depth", "body_normal", "coverage", "depth", "motion", "strand", "groom", "share", "along",
+    "tangent",
+)  # fmt: skip
 # Outputs per frame instead of per image: the geometry of the hair.
 SHAPES = ("guides", "strands")
 _MOST_SHOTS = 1_000_000
