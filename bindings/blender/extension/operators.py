@@ -21,7 +21,8 @@ def prepared(context, things):
     first = things[0].tresses
     scene = context.scene
     begin, end = first.range(scene)
-    posed = False
+    # Strands made by modifiers are in the pose of the first frame.
+    posed = any(thing.tresses.source is not None for thing in things)
     if any(thing.tresses.mode == "STRANDS" for thing in things):
         scene.frame_set(begin)
         things = [strands.evaluated(thing, context) if thing.tresses.mode == "STRANDS" else thing for thing in things]
@@ -42,6 +43,9 @@ class TRESSES_OT_simulate(HairOperator, bpy.types.Operator):
     bl_idname = "tresses.simulate"
     bl_label = "Simulate"
     bl_options = {"REGISTER", "UNDO"}
+    resume: bpy.props.BoolProperty(
+        name="Go On", description="Go on from the last stored state", options={"HIDDEN", "SKIP_SAVE"}
+    )
 
     def invoke(self, context, _event):
         if not self._begin(context):
@@ -89,7 +93,7 @@ class TRESSES_OT_simulate(HairOperator, bpy.types.Operator):
             return False
         for note in self.run.notes:
             self.report({"WARNING"}, note)
-        self.frames = self.run.frames()
+        self.frames = self.run.frames(self.resume)
         return True
 
     def _end(self, context):

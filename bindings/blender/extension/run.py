@@ -4,7 +4,9 @@
 2. The cache goes through Blender's own bake, so that the file plays without this extension.
 """
 
+import json
 import os
+import time
 from contextlib import nullcontext
 from dataclasses import dataclass, field
 
@@ -17,6 +19,10 @@ from . import cache, export, hair, nodes, versions
 from .body import Body, BodyError
 from .space import TURN, Space
 from .tripods import Tripods, is_attached
+
+
+# Seconds between stored states.
+KEEP = 3.0
 
 
 @dataclass
@@ -131,26 +137,61 @@ class Run:
                     m.show_viewport = False
                     self.muted.append(m)
 
-    def frames(self):
-        """Simulate all frames. Yields the share that is done after each."""
+    def frames(self, resume=False):
+        """Simulate all frames, or with `resume` those that an interrupted simulation left out. Yields the share that is
+        done after each."""
         options = self.options
         count = options.last - options.first + 1
         self._mute()
-        self.scene.frame_set(options.first)
-        self.caches = [
-            cache.Cache.create(cache.folder(one.object), options.first, count, len(one.rest)) for one in self.hair
-        ]
-        self.reset(0)
-        for i in range(options.settle):
-            self.step()
-            yield i / (options.settle + count)
-        for i in range(count):
-            if i > 0:
-                self.scene.frame_set(options.first + i)
+        done = self._resume() if resume else 0
+        if done == 0:
+            self.scene.frame_set(options.first)
+            self.caches = [
+                cache.Cache.create(cache.folder(one.object), options.first, count, len(one.rest), self._made())
+                for one in self.hair
+            ]
+            self.reset(0)
+            for i in range(options.settle):
                 self.step()
-            for kept, (_, points) in zip(self.caches, self.positions()):
-                kept.append(points)
-            yield (options.settle + i + 1) / (options.settle + count)
+                yield i / (options.settle + count)
+        saved = time.monotonic()
+        try:
+            for i in range(done, count):
+                if i > 0:
+                    self.scene.frame_set(options.first + i)
+                    self.step()
+                for kept, (_, points) in zip(self.caches, self.positions()):
+                    kept.append(points)
+                if time.monotonic() - saved >= KEEP:
+                    self.caches[0].keep(self.simulation.state())
+                    saved = time.monotonic()
+                yield (options.settle + i + 1) / (options.settle + count)
+        except GeneratorExit:
+            # Esc: the simulation can go on from here.
+            self.caches[0].keep(self.simulation.state())
+            raise
+
+    def _made(self):
+        """Return a text that differs if the simulation would."""
+        options = self.options
+        things = [(one.object.name, len(one.rest)) for one in self.hair]
+        return json.dumps([things, options.first, options.last, options.settle, options.posed, options.settings])
+
+    def _resume(self):
+        """Continue from the state on disk. Returns the number of frames that are done."""
+        folders = [cache.folder(one.object) for one in self.hair]
+        if not all(map(cache.Cache.exists, folders)):
+            raise BodyError("There are no frames to go on from")
+        self.caches = [cache.Cache(folder) for folder in folders]
+        state, made = self.caches[0].state(), self._made()
+        if state is None or any(kept.made != made for kept in self.caches):
+            raise BodyError("The hair or its settings have changed since: simulate it again")
+        done = self.caches[0].state_at
+        for kept in self.caches:
+            kept.done = done
+        self.scene.frame_set(self.options.first + done - 1)
+        self.simulation.reset(**self._pose(), **self._wind(), state=state)
+        return done
 
     def reset(self, settle=None):
         """Put the hair at rest in the pose of the scene, and let it hang for some frames."""

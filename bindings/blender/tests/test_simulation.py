@@ -224,6 +224,39 @@ def test_an_interrupted_simulation_keeps_its_frames(package, saved):
     assert np.abs(arrays(thing) - third).max() < 0.4 and package.nodes.modifier(thing)
 
 
+def test_an_interrupted_simulation_goes_on(package, saved, monkeypatch):
+    monkeypatch.setattr(package.run, "KEEP", 0.0)
+    scene = scenes.empty(last=10)
+    body, _ = scenes.ball()
+    thing = scenes.hair(body, 20)
+    saved()
+    select(thing)
+    assert bpy.ops.tresses.simulate() == {"FINISHED"}
+    whole = package.cache.Cache(package.cache.folder(thing)).values.copy()
+    assert package.cache.unfinished(thing) is None
+    with pytest.raises(RuntimeError, match="changed since"):
+        bpy.ops.tresses.simulate(resume=True)
+    things, meshes, options = package.operators.prepared(bpy.context, [thing])
+    one = package.run.Run(bpy.context, things, meshes, options)
+    frames = one.frames()
+    for _ in range(options.settle + 6):
+        next(frames)
+    # The process ends here: nothing is closed.
+    one.end()
+    left = package.cache.unfinished(thing)
+    assert (left.done, left.state_at) == (6, 6)
+    left.values[6:] = 0
+    thing.tresses.values.simulation__drag = 7
+    with pytest.raises(RuntimeError, match="changed since"):
+        bpy.ops.tresses.simulate(resume=True)
+    thing.tresses.values.property_unset("simulation__drag")
+    assert bpy.ops.tresses.simulate(resume=True) == {"FINISHED"}
+    kept = package.cache.Cache(package.cache.folder(thing))
+    assert kept.done == 10 and np.abs(kept.values - whole).max() < 1e-4
+    scene.frame_set(10)
+    assert np.abs(arrays(thing) - groom(thing)).max() > 1e-3
+
+
 def test_live_hair_follows_the_timeline(saved):
     scene = scenes.empty(last=10)
     body, _ = scenes.ball()

@@ -18,9 +18,14 @@ use crate::{
 };
 use anyhow::{Context, ensure};
 use numpy::PyArrayDyn;
-use pyo3::{prelude::*, types::PyDict};
+use pyo3::{
+    prelude::*,
+    types::{PyBytes, PyDict},
+};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use tresses::{character::Gesture, clock::MAX_STEPS, glam::Vec3, gpu::Gpu, present::Background};
+use tresses::{
+    character::Gesture, clock::MAX_STEPS, glam::Vec3, gpu::Gpu, hair::GuideState, present::Background,
+};
 use tresses_scene::{
     Companions, Quality, Scene, Shelf, Sight, scene::OutputRequest, settings::Settings as Values,
 };
@@ -274,7 +279,12 @@ impl Simulation {
     /// Put the hair at rest on the posed character and set the time to 0.
     ///
     /// `step` describes the parameters. Omitted parameters keep their last value.
-    #[pyo3(signature = (head=None, *, body=None, shapes=None, wind=None, skin=None, joints=None))]
+    ///
+    /// Parameters
+    /// ----------
+    /// state : bytes, optional
+    ///     Result of `state`, from which the hair continues instead of resting. Pose the character as it was then.
+    #[pyo3(signature = (head=None, *, body=None, shapes=None, wind=None, skin=None, joints=None, state=None))]
     #[allow(clippy::too_many_arguments)] // Python keyword arguments.
     fn reset(
         &self,
@@ -285,9 +295,32 @@ impl Simulation {
         wind: Option<&Bound<'_, PyAny>>,
         skin: Option<&Bound<'_, PyAny>>,
         joints: Option<&Bound<'_, PyAny>>,
+        state: Option<&[u8]>,
     ) -> PyResult<()> {
         let said = self.said(py, head, body, shapes, wind, [skin, joints])?;
-        run(py, None, async |_| self.lock().rest(said))
+        run(py, None, async |_| {
+            let mut inner = self.lock();
+            let words = state.map(bytemuck::pod_collect_to_vec::<u8, u32>);
+            let states = words.map(|words| GuideState::all_of(&words)).transpose()?;
+            inner.rest(said)?;
+            let Some(states) = states else { return Ok(()) };
+            inner.scene.character.set_state(&states)?;
+            // A frame without time draws the strands anew.
+            let gesture = inner.gesture.clone();
+            inner.scene.advance(&gesture, 0.0)
+        })
+    }
+
+    /// Return the state of the hair, for `reset` of a Simulation of the same Groom with the same settings. The motion of
+    /// the air is not part of it.
+    fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let words = run(py, None, async |_| {
+            let mut inner = self.lock();
+            inner.begin()?;
+            let states = inner.scene.character.state().await?;
+            Ok(states.iter().flat_map(GuideState::words).collect::<Vec<u32>>())
+        })?;
+        Ok(PyBytes::new(py, bytemuck::cast_slice(&words)))
     }
 
     /// Change the settings.

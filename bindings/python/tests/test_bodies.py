@@ -120,6 +120,37 @@ def test_joints_and_vertices_pose_the_same_body():
     assert by_joints.head[1] == pytest.approx([0, 0, np.sin(0.25), np.cos(0.25)], abs=1e-5)
 
 
+def test_state_continues_in_another_process():
+    points, triangles = ball()
+    groom = tresses.Groom.of(
+        tresses.Strands(hair()), tresses.Mesh(points, triangles), {"lod.mode": "off", "style.all_guides": True},
+        rig=tresses.Rig.single(),
+    )  # fmt: skip
+    skin = lambda i: points @ turned(0.8 * np.sin(0.4 * i)).T
+    whole = tresses.Simulation(groom)
+    whole.reset(skin=skin(0))
+    for i in range(1, 13):
+        whole.step(FRAME, skin=skin(i))
+        if i == 6:
+            state, kept = whole.state(), whole.given()
+    rest = tresses.Simulation(groom)
+    rest.reset(skin=skin(6), state=state)
+    assert np.abs(rest.given() - kept).max() < 1e-6
+    assert rest.state() == state
+    for i in range(7, 13):
+        rest.step(FRAME, skin=skin(i))
+    assert np.abs(whole.given() - kept).max() > 0.01
+    assert np.abs(rest.given() - whole.given()).max() < 2e-4
+    cold = tresses.Simulation(groom)
+    cold.reset(skin=skin(6))
+    for i in range(7, 13):
+        cold.step(FRAME, skin=skin(i))
+    assert np.abs(cold.given() - whole.given()).max() > 0.005, "without the state it differs"
+    for wrong in (b"", state[:-8], b"x" * 400, bytes(len(state))):
+        with pytest.raises(tresses.TressesError, match="of other hair|damaged"):
+            rest.reset(skin=skin(6), state=wrong)
+
+
 def test_invalid_bodies_fail_in_a_sentence():
     points, sim = simulated(None)
     with pytest.raises(tresses.TressesError, match="need a rig"):

@@ -108,6 +108,16 @@ impl StepClock {
         self.state.as_ref().filter(|_| !self.reset)
     }
 
+    /// Returns the time since the last step, s, and the head's pose at its end.
+    pub(crate) fn progress(&self) -> (f64, Pose) {
+        (self.accumulator, self.state.unwrap_or(Pose::IDENTITY))
+    }
+
+    /// Sets what [`progress`](Self::progress) returns.
+    pub(crate) fn set_progress(&mut self, rest: f64, head: Pose) {
+        (self.accumulator, self.state) = (rest, Some(head));
+    }
+
     /// Converts the stored pose to another space; `map` leads there.
     pub(crate) fn enter(&mut self, map: &Map) {
         self.state = self.state.map(|state| map.pose(&state));

@@ -35,9 +35,11 @@ mod pose;
 mod record;
 mod share;
 mod sleep;
+mod state;
 
 pub(crate) use curves::Curves;
 pub use frame::HairFrame;
+pub use state::GuideState;
 
 /// Options for uploading a groom.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -55,6 +55,7 @@ use crate::{
         Look, SdfGrid,
         rig::anatomy::{Field, PartForm},
     },
+    hair::GuideState,
     hair::Hair,
     light::{HairMaterial, Sphere},
     lod::LodOptions,
@@ -239,6 +240,29 @@ impl Character {
 
     fn grooms_mut(&mut self) -> impl Iterator<Item = &mut Hair> {
         std::iter::once(&mut self.hair).chain(self.face.iter_mut().map(|face| &mut face.hair))
+    }
+
+    /// Reads back the state of all grooms after the last frame, in the order of [`grooms`](Self::grooms).
+    ///
+    /// # Errors
+    /// Fails if the GPU is lost.
+    pub async fn state(&self) -> Result<Vec<GuideState>> {
+        let mut all = Vec::new();
+        for hair in self.grooms() {
+            all.push(hair.state().await?);
+        }
+        Ok(all)
+    }
+
+    /// Continues from a [`state`](Self::state), as [`Hair::set_state`].
+    ///
+    /// # Errors
+    /// As [`Hair::set_state`].
+    pub fn set_state(&mut self, all: &[GuideState]) -> Result<()> {
+        if all.len() != self.grooms().count() {
+            return Err(Error::unusable("the state is of other hair"));
+        }
+        self.grooms_mut().zip(all).try_for_each(|(hair, state)| hair.set_state(state))
     }
 
     /// Removes brows, lashes and beard.
