@@ -97,7 +97,7 @@ def unfinished(thing):
     """Return the cache of an object whose simulation was interrupted and can go on, or None."""
     path = folder(thing)
     kept = Cache(path) if Cache.exists(path) else None
-    return kept if kept and 0 < kept.state_at < kept.count else None
+    return kept if kept and 0 < kept.state_at and kept.done < kept.count else None
 
 
 def _replace(path, text):

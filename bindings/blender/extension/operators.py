@@ -48,7 +48,10 @@ class TRESSES_OT_simulate(HairOperator, bpy.types.Operator):
     )
 
     def invoke(self, context, _event):
-        if not self._begin(context):
+        context.window.cursor_modal_set("WAIT")
+        begun = self._begin(context)
+        context.window.cursor_modal_restore()
+        if not begun:
             return {"CANCELLED"}
         self.timer = context.window_manager.event_timer_add(0.01, window=context.window)
         context.window_manager.progress_begin(0, 100)

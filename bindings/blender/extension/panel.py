@@ -28,7 +28,11 @@ class TRESSES_PT_hair(TressesPanel, bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         layout.prop(own, "mode", expand=True)
-        layout.prop(own, "body", text="Body" if own.body or not thing.data.surface else thing.data.surface.name)
+        layout.prop(own, "body")
+        if own.body is None and thing.data.surface is not None:
+            row = layout.split(factor=0.4)
+            row.label(text="")
+            row.label(text=thing.data.surface.name, icon="MESH_DATA")
         layout.prop(own, "colliders")
         layout.prop_search(own, "stiffness", thing.data, "attributes")
         layout.prop(own, "settle")
@@ -65,7 +69,8 @@ class TRESSES_PT_parameters(TressesPanel, bpy.types.Panel):
         return bool(chosen(context))
 
     def draw(self, context):
-        self.layout.label(text=f"Version {tresses.__version__}. Right-click resets a value to its default.")
+        self.layout.label(text=f"Tresses {tresses.__version__}")
+        self.layout.label(text="Right-click resets a value")
 
 
 def _group_panel(group, title, advanced):

@@ -37,7 +37,7 @@ def matrices(view, projection, unit):
 def render(simulation, view, projection, size, unit=1.0):
     """Return a picture [h, w, 4], linear and premultiplied, and Blender's window depth [h, w]; rows from the bottom."""
     ours = matrices(view, projection, unit)
-    out = simulation.render(ours, size, ["color", "depth"], background="transparent", head=False)
+    out = simulation.render(ours, size, ["color", "depth"], background="transparent", head="holdout")
     far = -out["depth"].astype(np.float64) / unit
     projection = np.array(projection, np.float64)
     seen = np.isfinite(far)
@@ -64,7 +64,9 @@ def _program():
         info.sampler(0, "FLOAT_2D", "image")
         info.sampler(1, "FLOAT_2D", "depth")
         info.fragment_out(0, "VEC4", "color")
-        info.depth_write("ANY")
+        # Before Blender 5, a shader need not say that it writes depth.
+        if hasattr(info, "depth_write"):
+            info.depth_write("ANY")
         info.vertex_source(VERTEX)
         info.fragment_source(FRAGMENT)
         _shader = gpu.shader.create_from_info(info)
@@ -107,10 +109,15 @@ def start(live):
             return
         view, projection = np.array(data.view_matrix), np.array(data.window_matrix)
         state = (view.tobytes(), projection.tobytes(), region.width, region.height, live.frame)
-        if _last is None or _last[0] != state:
-            size = (region.width, region.height)
-            _last = (state, render(live.simulation, view, projection, size, live.space.unit))
-        draw(*_last[1])
+        try:
+            if _last is None or _last[0] != state:
+                size = (region.width, region.height)
+                _last = (state, render(live.simulation, view, projection, size, live.space.unit))
+            draw(*_last[1])
+        except Exception:
+            # The curves must not stay boxes. Blender prints the error.
+            stop(live)
+            raise
 
     live.simulation.apply({"edges.coverage": "tiles", "edges.ssaa": 1})
     for one in live.hair:

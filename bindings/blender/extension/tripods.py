@@ -53,6 +53,8 @@ class Tripods:
         data.surface, data.surface_uv_map = curves.surface, curves.surface_uv_map
         self.object = bpy.data.objects.new("Tresses roots", data)
         self.object.parent, self.object.matrix_world = thing.parent, thing.matrix_world
+        # Blender evaluates no hidden object, but it does not draw one that only shows instances.
+        self.object.instance_type, self.object.show_instancer_for_viewport = "FACES", False
         self.object.hide_render = True
         scene.collection.objects.link(self.object)
         group = bpy.data.node_groups.new("Tresses roots", "GeometryNodeTree")

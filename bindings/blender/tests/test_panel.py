@@ -1,5 +1,7 @@
 """The panels: they name only properties and operators that exist. Drawing itself needs a window."""
 
+from types import SimpleNamespace
+
 import bpy
 import scenes
 from test_simulation import select
@@ -19,10 +21,11 @@ class Layout:
         assert name in data.bl_rna.properties and hasattr(source, names)
         self.shown.append(name)
 
-    def operator(self, name, **_):
+    def operator(self, name, text="", **_):
         group, own = name.split(".")
         assert own in dir(getattr(bpy.ops, group)), name
-        self.shown.append(name)
+        self.shown.extend([name, text])
+        return SimpleNamespace()
 
     def label(self, text="", **_):
         self.shown.append(text)
@@ -30,7 +33,7 @@ class Layout:
     def row(self, **_):
         return self
 
-    column = row
+    column = split = row
 
 
 def drawn(package):

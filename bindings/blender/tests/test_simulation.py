@@ -245,6 +245,9 @@ def test_an_interrupted_simulation_goes_on(package, saved, monkeypatch):
     one.end()
     left = package.cache.unfinished(thing)
     assert (left.done, left.state_at) == (6, 6)
+    from test_panel import drawn
+
+    assert "Go On from Frame 7" in drawn(package)
     left.values[6:] = 0
     thing.tresses.values.simulation__drag = 7
     with pytest.raises(RuntimeError, match="changed since"):

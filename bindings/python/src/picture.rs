@@ -30,6 +30,28 @@ pub const OUTPUTS: [&str; 12] = [
     "tangent",
 ];
 
+/// How the head is drawn.
+#[derive(FromPyObject)]
+pub enum HeadDrawing {
+    /// Whether it is drawn.
+    Shown(bool),
+    /// A word: `holdout`.
+    Word(String),
+}
+
+impl HeadDrawing {
+    /// Returns `asked` with this drawing of the head.
+    pub fn request(&self, asked: OutputRequest) -> PyResult<OutputRequest> {
+        match self {
+            Self::Shown(shown) => Ok(OutputRequest { bare: !shown, ..asked }),
+            Self::Word(word) if word == "holdout" => Ok(OutputRequest { holdout: true, ..asked }),
+            Self::Word(word) => {
+                Err(TressesError::new_err(format!("head is {word}, but must be True, False or \"holdout\"")))
+            }
+        }
+    }
+}
+
 /// Requested outputs.
 pub struct OutputNames(Vec<String>);
 
@@ -53,7 +75,7 @@ impl OutputNames {
             linear: self.has("linear"),
             hair: OUTPUTS[4..].iter().any(|name| self.has(name)),
             body: self.has("body_depth") || self.has("body_normal"),
-            bare: false,
+            ..Default::default()
         }
     }
 

@@ -10,7 +10,7 @@ use crate::{
     device,
     given::GivenPlaces,
     groom::Groom,
-    picture::{self, OutputNames, matrix, sight},
+    picture::{self, HeadDrawing, OutputNames, matrix, sight},
     pose::{PoseTuple, pose, told, vector},
     raised, settings,
     strands::Strands,
@@ -27,7 +27,7 @@ use tresses::{
     character::Gesture, clock::MAX_STEPS, glam::Vec3, gpu::Gpu, hair::GuideState, present::Background,
 };
 use tresses_scene::{
-    Companions, Quality, Scene, Shelf, Sight, scene::OutputRequest, settings::Settings as Values,
+    Companions, Quality, Scene, Shelf, Sight, settings::Settings as Values,
 };
 
 /// Maximum length of a step, seconds.
@@ -423,8 +423,9 @@ impl Simulation {
     ///     Distance of the camera from its target, meters.
     /// background : ``"transparent"`` or array [3], optional
     ///     No background, or its linear radiance. The default is a grayish blue.
-    /// head : bool
-    ///     Whether to draw the head. Without it, the head neither occludes hair nor casts shadows.
+    /// head : bool or ``"holdout"``
+    ///     Whether to draw the head. With False, the head neither occludes hair nor casts shadows. A holdout does, but is
+    ///     itself transparent.
     ///
     /// Returns
     /// -------
@@ -445,7 +446,7 @@ impl Simulation {
     ///     ``tangent`` float32 [h, w, 3], direction of this strand from root to tip in world space, 0 without hair.
     ///     The outputs from ``coverage`` on require tiled hair (``edges.coverage``) without supersampling
     ///     (``edges.ssaa``).
-    #[pyo3(signature = (camera=None, size=(1280, 720), outputs=None, *, zoom=1.0, distance=None, background=None, head=true))]
+    #[pyo3(signature = (camera=None, size=(1280, 720), outputs=None, *, zoom=1.0, distance=None, background=None, head=HeadDrawing::Shown(true)))]
     #[allow(clippy::too_many_arguments)] // Python keyword arguments.
     fn render<'py>(
         &self,
@@ -456,7 +457,7 @@ impl Simulation {
         zoom: f32,
         distance: Option<f32>,
         background: Option<&Bound<'py, PyAny>>,
-        head: bool,
+        head: HeadDrawing,
     ) -> PyResult<Bound<'py, PyDict>> {
         let wanted = OutputNames::new(outputs.unwrap_or_else(|| vec!["color".into()]))?;
         let size = sized(size)?;
@@ -468,7 +469,7 @@ impl Simulation {
             Some(of) => Background::flat(vector(of, "background")?),
         };
         let view = self.look(py, camera, size, zoom, distance)?;
-        let asked = OutputRequest { bare: !head, ..wanted.asked() };
+        let asked = head.request(wanted.asked())?;
         let (captured, projection, strands) = run(py, None, async |_| {
             let mut inner = self.lock();
             inner.begin()?;

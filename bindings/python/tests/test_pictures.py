@@ -98,6 +98,27 @@ def test_hair_without_head_is_not_occluded(sim):
     assert np.array_equal(sim.render("front", SIZE, ["coverage"])["coverage"], behind)
 
 
+def test_a_holdout_hides_hair_and_is_transparent(groom):
+    sim = tresses.Simulation(groom)
+    names = ["color", "coverage"]
+    drawn = sim.render("three-quarter", SIZE, names, background="transparent")
+    held = sim.render("three-quarter", SIZE, names, background="transparent", head="holdout")
+    free = sim.render("three-quarter", SIZE, names, background="transparent", head=False)
+    assert np.array_equal(held["coverage"], drawn["coverage"])
+    assert (free["coverage"] - held["coverage"]).max() > 0.5, "the head hides hair"
+    alpha = held["color"][..., 3] / 255
+    assert np.abs(alpha - held["coverage"]).max() < 0.02
+    # Where hair is dense, the pictures agree; where there is none, only the head is missing.
+    dense = held["coverage"] > 0.995
+    difference = np.abs(held["color"].astype(int) - drawn["color"])
+    assert dense.sum() > 50 and difference[dense].max() <= 4
+    assert (held["color"][held["coverage"] == 0] == 0).all()
+    again = sim.render("three-quarter", SIZE, names, background="transparent")
+    assert np.array_equal(again["color"], drawn["color"])
+    with pytest.raises(tresses.TressesError, match="head is gone"):
+        sim.render("front", SIZE, head="gone")
+
+
 def test_cameras_and_backgrounds(sim):
     named = sim.render("front", SIZE)["color"]
     view = sim.camera("front", SIZE)["view"]

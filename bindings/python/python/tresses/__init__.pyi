@@ -357,7 +357,7 @@ class Simulation:
         zoom: float = 1.0,
         distance: Optional[float] = None,
         background: Union[str, ArrayLike, None] = None,
-        head: bool = True,
+        head: Union[bool, str] = True,
     ) -> dict[str, NDArray[Any]]: ...
     def camera(
         self,

@@ -28,6 +28,8 @@ pub struct OutputRequest {
     pub body: bool,
     /// Draws only the hair, without bodies and their shadows.
     pub bare: bool,
+    /// Bodies hide hair behind them, but are not drawn.
+    pub holdout: bool,
 }
 
 /// A captured frame. Rows run from the top.
@@ -87,14 +89,10 @@ impl Scene {
         );
         self.place_colliders();
         self.look_from(camera);
-        loop {
-            let mut encoder = self.gpu.context.device().create_command_encoder(&Default::default());
-            self.record_picture(&mut encoder, None, false, asked)?;
-            self.gpu.context.queue().submit([encoder.finish()]);
-            if self.is_complete().await? {
-                break;
-            }
-        }
+        self.hold_out(asked.holdout);
+        let drawn = self.draw_whole(asked).await;
+        self.hold_out(false);
+        drawn?;
         let targets = self.targets();
         let mut captured = Capture { color: targets.read().await?, ..Default::default() };
         if asked.linear {
@@ -111,6 +109,26 @@ impl Scene {
             captured.knows_motion = targets.knows_motion();
         }
         Ok(captured)
+    }
+
+    /// Draws until the frame is complete.
+    async fn draw_whole(&mut self, asked: OutputRequest) -> Result<()> {
+        loop {
+            let mut encoder = self.gpu.context.device().create_command_encoder(&Default::default());
+            self.record_picture(&mut encoder, None, false, asked)?;
+            self.gpu.context.queue().submit([encoder.finish()]);
+            if self.is_complete().await? {
+                return Ok(());
+            }
+        }
+    }
+
+    fn hold_out(&mut self, holdout: bool) {
+        let character = &mut self.character;
+        character.props.iter_mut().for_each(|prop| prop.material.holdout = holdout);
+        if let Some(body) = character.body_mut() {
+            body.material.holdout = holdout;
+        }
     }
 
     /// Returns the bodies in the last frame; none if it is `bare`.

@@ -31,12 +31,20 @@ pub struct BodyMaterial {
     pub gloss_exponent: f32,
     /// How far light wraps around the edge of the shadow: 0 for stone, 0.3 for skin.
     pub wrap: f32,
+    /// Whether the body only hides what is behind it: it is drawn with opacity 0 (a holdout).
+    pub holdout: bool,
 }
 
 impl Default for BodyMaterial {
     /// A matte grayish beige for mannequins, more muted than any hair.
     fn default() -> Self {
-        Self { color: Vec3::new(0.31, 0.27, 0.24), gloss: 0.25, gloss_exponent: 14.0, wrap: 0.2 }
+        Self {
+            color: Vec3::new(0.31, 0.27, 0.24),
+            gloss: 0.25,
+            gloss_exponent: 14.0,
+            wrap: 0.2,
+            holdout: false,
+        }
     }
 }
 
@@ -78,8 +86,8 @@ pub struct BodyUniform {
     pub gloss_exponent: f32,
     /// [`Surface::outward`].
     pub outward: f32,
-    /// Unused.
-    pub _pad: f32,
+    /// 0 for a [holdout](BodyMaterial::holdout), else 1.
+    pub shown: f32,
 }
 
 /// A vertex of a body.
@@ -206,7 +214,7 @@ impl Body {
         &self.vertices
     }
 
-    /// Reads back the full mesh as it is drawn, deformed and posed: positions, normals and triangles, world space.
+    /// Reads back the full mesh in its deformed shape and pose: positions, normals and triangles, world space.
     ///
     /// # Errors
     /// Fails if the GPU is lost.
@@ -214,11 +222,11 @@ impl Body {
         let words: Vec<u32> = readback::buffer(&self.context, &self.vertices).await?;
         let indices: Vec<u32> = readback::buffer(&self.context, &self.triangles).await?;
         let full = &self.levels[0].1;
-        let vertices = words.chunks_exact(Self::WORDS as usize);
+        let (vertices, _) = words.as_chunks::<{ Self::WORDS as usize }>();
         let vector = |words: &[u32]| Vec3::from_array([0, 1, 2].map(|k| f32::from_bits(words[k])));
         Ok(TriMesh {
-            positions: vertices.clone().map(|words| self.pose.point(vector(words))).collect(),
-            normals: vertices.map(|words| self.pose.rotation * vector(&words[3..])).collect(),
+            positions: vertices.iter().map(|words| self.pose.point(vector(words))).collect(),
+            normals: vertices.iter().map(|words| self.pose.rotation * vector(&words[3..])).collect(),
             triangles: indices[full.start as usize..full.end as usize].as_chunks().0.to_vec(),
             ..TriMesh::default()
         })
@@ -334,7 +342,7 @@ impl BodyMaterial {
             wrap: self.wrap,
             gloss_exponent: self.gloss_exponent,
             outward,
-            _pad: 0.0,
+            shown: if self.holdout { 0.0 } else { 1.0 },
         }
     }
 }

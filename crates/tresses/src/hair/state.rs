@@ -45,7 +45,7 @@ impl GuideState {
     /// Decodes all states in `words`.
     ///
     /// # Errors
-    /// [`crate::groom::Error::Unusable`] if the words are not those of states.
+    /// [`crate::groom::Error::Unusable`] for other words.
     pub fn all_of(mut words: &[u32]) -> Result<Vec<Self>> {
         let mut all = Vec::new();
         while !words.is_empty() {
