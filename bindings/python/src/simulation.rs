@@ -26,9 +26,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tresses::{
     character::Gesture, clock::MAX_STEPS, glam::Vec3, gpu::Gpu, hair::GuideState, present::Background,
 };
-use tresses_scene::{
-    Companions, Quality, Scene, Shelf, Sight, settings::Settings as Values,
-};
+use tresses_scene::{Companions, Quality, Scene, Shelf, Sight, settings::Settings as Values};
 
 /// Maximum length of a step, seconds.
 const LONGEST: f32 = 3600.0;

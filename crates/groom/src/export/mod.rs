@@ -8,6 +8,7 @@ pub use crate::formats::writer::{Cache, CacheOptions, EncodedFile, Hair, Output,
 
 use crate::{
     Rig, Strands, TriMesh,
+    attribute::StrandAttribute,
     error::{At, Error, Result},
     formats::{self, Content},
     orient::Unit,
@@ -63,11 +64,12 @@ impl Writer {
     ///
     /// # Errors
     /// [`Error::Unusable`] if there are no strands, if `unit` is not meters and the format has no units, or if the
-    /// strands exceed the format's counts.
+    /// strands exceed the format's counts, or for a custom attribute of another number of strands or vertices.
     pub fn strands(&self, strands: &Strands, unit: Option<Unit>) -> Result<EncodedFile> {
         if strands.is_empty() {
             return Err(Error::Unusable("a groom without strands cannot be written".into()));
         }
+        check_attributes(strands)?;
         if unit.is_some_and(|unit| unit.0 != 1.0) && !self.any_unit {
             let others: Vec<_> = writers().filter(|it| it.any_unit).map(|it| it.extension).collect();
             let others = formats::listed(&others, "and");
@@ -98,6 +100,7 @@ impl Writer {
     /// [`Error::Unusable`] for a format without characters, for a rig of another mesh and for hair without strands; in
     /// USD also for a joint whose bind matrix has no inverse, and for animations of more than 100,000 frames.
     pub fn character(&self, body: Option<(&TriMesh, Option<&Rig>)>, hair: &[Hair<'_>]) -> Result<Vec<u8>> {
+        hair.iter().try_for_each(|hair| check_attributes(hair.strands))?;
         self.character.ok_or_else(|| self.cannot("a character"))?(body, hair)
     }
 
@@ -126,5 +129,39 @@ impl Writer {
 
     fn cannot(&self, what: &str) -> Error {
         Error::Unusable(format!("a .{} file cannot hold {what}", self.extension))
+    }
+}
+
+/// Checks that custom attributes have a value for each strand or vertex.
+fn check_attributes(strands: &Strands) -> Result<()> {
+    let (count, vertices) = (strands.len(), strands.positions.len());
+    match strands.attributes.iter().find(|attribute| !attribute.fits(count, vertices)) {
+        None => Ok(()),
+        Some(StrandAttribute { name, per_vertex, .. }) => {
+            let (of, all) = if *per_vertex { ("vertices", vertices) } else { ("strands", count) };
+            let problem =
+                format!("attribute “{name}” does not have one to four finite numbers for each of {all} {of}");
+            Err(Error::Unusable(problem))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn attributes_that_do_not_fit_are_refused() {
+        let mut strands = Strands::default();
+        strands.push(&[Vec3::ZERO, Vec3::Y]);
+        for (width, numbers) in [(0, vec![]), (5, vec![0.0; 5]), (1, vec![]), (2, vec![f32::NAN; 2])] {
+            strands.attributes =
+                vec![StrandAttribute { name: "odd".into(), width, numbers, ..StrandAttribute::default() }];
+            for writer in writers() {
+                let refused = writer.strands(&strands, None).unwrap_err().to_string();
+                assert!(refused.contains("“odd”"), "{refused}");
+            }
+        }
     }
 }

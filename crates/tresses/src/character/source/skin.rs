@@ -52,15 +52,18 @@ impl CharacterSource {
     }
 }
 
-/// Gives all strands of `groom` the color of the skin of `head` at their roots.
+/// Gives the strands of `groom` the color of the skin of `head` at their roots. Strands on parts without color keep theirs.
 pub(super) fn color_by_skin(groom: &mut Groom, head: Option<&TriMesh>) -> Result<()> {
     let skin = head.and_then(SkinColors::new);
     let skin =
         skin.ok_or_else(|| Error::unusable("the color of the skin needs a body with textures or colors"))?;
     for i in 0..groom.strands.len() {
-        let color = groom.strands.rest_positions(i).next().and_then(|root| skin.at(root));
-        let color = pack_color(color.unwrap_or_default());
-        (groom.strands.strands[i].root_color, groom.strands.strands[i].tip_color) = (color, color);
+        let Some(color) = groom.strands.rest_positions(i).next().and_then(|root| skin.at(root)) else {
+            continue;
+        };
+        let strand = &mut groom.strands.strands[i];
+        strand.root_color = pack_color(color);
+        strand.tip_color = strand.root_color;
     }
     Ok(())
 }
