@@ -129,9 +129,10 @@ def stop(live=None):
     """End drawing, and show the curves again."""
     import bpy
 
-    global _handle, _last
+    global _handle, _last, _shader
     if _handle is not None:
         bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
-    _handle = _last = None
+    # Blender frees its GPU before Python's modules: nothing of it may stay in them.
+    _handle = _last = _shader = None
     for one in live.hair if live else ():
         one.object.display_type = "TEXTURED"

@@ -47,4 +47,9 @@ def saved(package, tmp_path):
 def pytest_sessionfinish():
     import shutil
 
+    if "bpy" in sys.modules:
+        import bpy
+
+        # bpy crashes at its end with classes of an extension still registered.
+        bpy.ops.preferences.addon_disable(module="bl_ext.user_default.tresses")
     shutil.rmtree(FOLDER, ignore_errors=True)
