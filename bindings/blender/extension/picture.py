@@ -64,7 +64,7 @@ def _program():
         info.sampler(0, "FLOAT_2D", "image")
         info.sampler(1, "FLOAT_2D", "depth")
         info.fragment_out(0, "VEC4", "color")
-        # Before Blender 5, a shader need not say that it writes depth.
+        # Blender 4.3 lacks this call, and its shaders write depth without it.
         if hasattr(info, "depth_write"):
             info.depth_write("ANY")
         info.vertex_source(VERTEX)
