@@ -1,7 +1,7 @@
 """Simulated frames on disk, so that memory does not grow and a crash loses nothing.
 
 A cache is a description (`frames.json`), the positions of all frames as float32 (`frames.f32`), and the state of the
-simulation after one of them (`state.bin`).
+simulation after frame N (`state-N.bin`, counted from 1).
 """
 
 import json
@@ -28,10 +28,9 @@ class Cache:
 
     def __init__(self, path):
         self.path = path
-        with open(os.path.join(path, "frames.json"), encoding="utf8") as file:
-            head = json.load(file)
+        head = _head(path)
         self.first, self.count, self.vertices, self.done = (head[k] for k in ("first", "count", "vertices", "done"))
-        # What was simulated, and the number of frames at the stored state.
+        # A text that describes the simulation, and the number of frames at the stored state, 0 without one.
         self.made, self.state_at = head.get("made"), head.get("state_at", 0)
         self.values = np.memmap(self._file(), np.float32, "r+", shape=(self.count, self.vertices, 3))
 
@@ -39,7 +38,7 @@ class Cache:
         return os.path.join(self.path, "frames.f32")
 
     def _state(self):
-        return os.path.join(self.path, "state.bin")
+        return os.path.join(self.path, f"state-{self.state_at}.bin")
 
     @classmethod
     def create(cls, path, first, count, vertices, made=None):
@@ -47,12 +46,14 @@ class Cache:
         os.makedirs(path, exist_ok=True)
         with open(os.path.join(path, "frames.f32"), "wb") as file:
             file.truncate(count * vertices * 12)
-        _replace(path, json.dumps(dict(first=first, count=count, vertices=vertices, done=0, made=made)))
+        for name in os.listdir(path):
+            if name.startswith("state-"):
+                os.remove(os.path.join(path, name))
+        _write(path, dict(first=first, count=count, vertices=vertices, done=0, made=made))
         return cls(path)
 
     def _write(self):
-        head = {k: getattr(self, k) for k in ("first", "count", "vertices", "done", "made", "state_at")}
-        _replace(self.path, json.dumps(head))
+        _write(self.path, {k: getattr(self, k) for k in ("first", "count", "vertices", "done", "made", "state_at")})
 
     def append(self, positions):
         """Store the next frame."""
@@ -63,14 +64,15 @@ class Cache:
 
     def keep(self, state):
         """Store the state of the simulation after the last frame."""
-        with open(self._state() + ".new", "wb") as file:
+        if self.state_at == self.done:
+            return
+        before, self.state_at = self._state(), self.done
+        with open(self._state(), "wb") as file:
             file.write(state)
-        # Without a state in between, a crash here cannot leave one of another frame.
-        self.state_at = 0
+        # A crash before this line leaves the state before.
         self._write()
-        os.replace(self._state() + ".new", self._state())
-        self.state_at = self.done
-        self._write()
+        if os.path.exists(before):
+            os.remove(before)
 
     def state(self):
         """Return the stored state, or None."""
@@ -93,15 +95,21 @@ class Cache:
         return os.path.exists(os.path.join(path, "frames.json"))
 
 
-def unfinished(thing):
-    """Return the cache of an object whose simulation was interrupted and can go on, or None."""
+def next_frame(thing):
+    """Return the frame of the scene with which an interrupted simulation of an object resumes, or None."""
     path = folder(thing)
-    kept = Cache(path) if Cache.exists(path) else None
-    return kept if kept and 0 < kept.state_at and kept.done < kept.count else None
+    head = _head(path) if Cache.exists(path) else {}
+    at = head.get("state_at", 0)
+    return head["first"] + at if 0 < at and head["done"] < head["count"] else None
 
 
-def _replace(path, text):
+def _head(path):
+    with open(os.path.join(path, "frames.json"), encoding="utf8") as file:
+        return json.load(file)
+
+
+def _write(path, head):
     file = os.path.join(path, "frames.json")
     with open(file + ".new", "w", encoding="utf8") as new:
-        new.write(text)
+        json.dump(head, new)
     os.replace(file + ".new", file)

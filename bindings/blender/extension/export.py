@@ -1,5 +1,8 @@
 """Grooms in files: guides, strands, groups and root UVs, as Unreal reads them."""
 
+from dataclasses import dataclass
+from typing import Optional
+
 import numpy as np
 import tresses
 
@@ -12,15 +15,39 @@ WIDTH = 7e-5
 
 
 def strands(thing, space):
-    """Return what an object's curves have: points in Tresses' space, offsets, diameters in meters, root UVs (or None),
-    colors (or None) and custom attributes."""
+    """Return points in Tresses' space, offsets and diameters in meters of an object's curves."""
     curves, matrix = thing.data, thing.matrix_world
     widths = hair.diameters(curves)
-    points = space.points(hair.positions(curves), matrix)
+    points = _points(thing, space)
     scale = space.unit * np.mean(matrix.to_scale())
-    uvs = next((uvs for uvs in (hair.root_uvs(curves), _own(curves, "groom_root_uv", 2)) if uvs is not None), None)
     widths = np.full(len(points), WIDTH, np.float32) if widths is None else widths * scale
-    return points, hair.offsets(curves), widths, uvs, hair.colors(curves), hair.custom(curves)
+    return points, hair.offsets(curves), widths
+
+
+def _points(thing, space):
+    return space.points(hair.positions(thing.data), thing.matrix_world)
+
+
+@dataclass
+class Source:
+    """Curves of one object with their attributes."""
+
+    # Points, offsets and diameters of `strands`.
+    strands: tuple
+    root_uvs: Optional[np.ndarray]
+    colors: Optional[np.ndarray]
+    # Custom attributes, as `hair.custom` returns them.
+    attributes: dict
+
+    @classmethod
+    def of(cls, thing, space):
+        curves = thing.data
+        uvs = hair.root_uvs(curves)
+        uvs = _own(curves, "groom_root_uv", 2) if uvs is None else uvs
+        return cls(strands(thing, space), uvs, hair.colors(curves), hair.custom(curves))
+
+    def __len__(self):
+        return len(self.strands[1]) - 1
 
 
 def _own(curves, name, width=1, dtype=np.float32):
@@ -53,7 +80,7 @@ def _marks(curves, group, first):
 def joined(sources):
     """Return points, offsets and diameters of several results of `strands`, as one."""
     points, starts, widths = [], [0], []
-    for own, offsets, diameters, *_ in sources:
+    for own, offsets, diameters in sources:
         points.append(own)
         starts.extend((offsets[1:] + starts[-1]).tolist())
         widths.append(diameters)
@@ -79,7 +106,7 @@ class _Parts:
 
     def add_plain(self, of, guide, group, closest=None):
         """Add strands that all are guides or none, of one group. Each follows one guide, by its id, or none."""
-        count, first = len(of[1]) - 1, self.next_id()
+        count, first = len(of), self.next_id()
         known = closest is not None
         self.add(
             of,
@@ -94,12 +121,10 @@ class _Parts:
 
     def strands(self):
         marks = {name: np.concatenate(all) for name, all in self.marks.items()}
-        uvs, colors = ([of[place] for of in self.sources] for place in (3, 4))
-        known = lambda all_of: all(one is not None and np.isfinite(one).all() for one in all_of)
         return tresses.Strands(
-            *joined(self.sources),
-            root_uvs=np.concatenate(uvs) if known(uvs) else None,
-            colors=np.concatenate(colors) if known(colors) else None,
+            *joined(of.strands for of in self.sources),
+            root_uvs=_whole([of.root_uvs for of in self.sources]),
+            colors=_whole([of.colors for of in self.sources]),
             guides=marks["guide"],
             ids=marks["ids"],
             groups=marks["group"],
@@ -110,13 +135,19 @@ class _Parts:
 
     def _attributes(self):
         """Return the custom attributes that all sources have."""
-        first, *others = (of[5] for of in self.sources)
+        first, *others = (of.attributes for of in self.sources)
         kind = lambda one: one and (one[1], one[0].shape[1:])
         return {
             name: np.concatenate([one[0], *(other[name][0] for other in others)])
             for name, one in first.items()
             if all(kind(other.get(name)) == kind(one) for other in others)
         }
+
+
+def _whole(arrays):
+    """Return arrays as one, or None if one is missing or not finite."""
+    known = all(one is not None and np.isfinite(one).all() for one in arrays)
+    return np.concatenate(arrays) if known else None
 
 
 def groom(context, things, path, unit="cm"):
@@ -150,13 +181,13 @@ def _add(things, space, depsgraph, parts):
             count = len(thing.data.curves)
             if not ((of >= 0) & (of < count)).all():
                 raise BodyError(f"strands of {thing.name} follow guides that it does not have")
-            parts.add_plain(strands(thing, space), True, group, first + np.arange(count))
-            parts.add_plain(strands(now, space), False, group, first + of)
+            parts.add_plain(Source.of(thing, space), True, group, first + np.arange(count))
+            parts.add_plain(Source.of(now, space), False, group, first + of)
         elif marks is not None:
-            parts.add(strands(now, space), marks)
+            parts.add(Source.of(now, space), marks)
         else:
             # No strand says which guide it follows, so none is a guide.
-            parts.add_plain(strands(now, space), False, group)
+            parts.add_plain(Source.of(now, space), False, group)
         group = int(parts.marks["group"][-1].max()) + 1
 
 
@@ -168,17 +199,19 @@ def cache(context, things, path, unit="cm"):
         writer = None
         for i in range(frames):
             scene.frame_set(scene.frame_start + i)
-            depsgraph, parts = context.evaluated_depsgraph_get(), _Parts()
-            for group, thing in enumerate(things):
-                parts.add_plain(strands(thing.evaluated_get(depsgraph), space), False, group)
-            now = parts.strands()
+            depsgraph = context.evaluated_depsgraph_get()
+            now = [thing.evaluated_get(depsgraph) for thing in things]
+            points = np.concatenate([_points(one, space) for one in now])
             if writer is None:
-                count = len(now.positions)
+                parts = _Parts()
+                for group, one in enumerate(now):
+                    parts.add_plain(Source.of(one, space), False, group)
+                count = len(points)
                 fps = scene.render.fps / scene.render.fps_base
-                writer = tresses.Cache(path, now, frames, fps, unit=unit)
-            if len(now.positions) != count:
+                writer = tresses.Cache(path, parts.strands(), frames, fps, unit=unit)
+            if len(points) != count:
                 raise BodyError(f"the number of vertices changes at frame {scene.frame_current}")
-            writer.frame(now.positions)
+            writer.frame(points)
         writer.close()
     finally:
         scene.frame_set(before)

@@ -63,10 +63,12 @@ def custom(curves):
     out = {}
     for found in curves.attributes:
         name, width = found.name, WIDTHS.get(found.data_type)
-        if width is None or name in (*KNOWN, *COLORS) or name.startswith(BEGINNINGS):
+        if width is None or found.domain not in ("POINT", "CURVE"):
+            continue
+        if name in (*KNOWN, *COLORS) or name.startswith(BEGINNINGS):
             continue
         values = attribute(curves, name, found.domain, width, np.int32 if found.data_type in INTEGERS else np.float32)
-        if values is not None and found.domain in ("POINT", "CURVE"):
+        if values is not None:
             out[name] = values, found.domain == "POINT"
     return out
 

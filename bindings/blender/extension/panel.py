@@ -44,10 +44,9 @@ class TRESSES_PT_hair(TressesPanel, bpy.types.Panel):
         layout.prop(own, "use_scene_gravity")
         column = layout.column(align=True)
         column.operator("tresses.simulate", icon="PLAY")
-        left = cache.unfinished(thing)
-        if left is not None:
-            name = f"Go On from Frame {left.first + left.state_at}"
-            column.operator("tresses.simulate", text=name, icon="FRAME_NEXT").resume = True
+        frame = cache.next_frame(thing)
+        if frame is not None:
+            column.operator("tresses.simulate", text=f"Go On from Frame {frame}", icon="FRAME_NEXT").resume = True
         column.operator("tresses.live", text="End Live" if live.is_on() else "Live", depress=live.is_on())
         layout.prop(own, "drawn")
         row = layout.row(align=True)

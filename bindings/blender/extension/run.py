@@ -167,7 +167,7 @@ class Run:
                     saved = time.monotonic()
                 yield (options.settle + i + 1) / (options.settle + count)
         except GeneratorExit:
-            # Esc: the simulation can go on from here.
+            # Esc: *Go On* resumes after this frame.
             self.caches[0].keep(self.simulation.state())
             raise
 
@@ -290,5 +290,5 @@ def findings(context, thing):
     """Return the problems of the curves of a hair object: a list of tresses.Finding."""
     if len(thing.data.curves) == 0:
         raise BodyError(f"{thing.name} has no curves")
-    points, starts, widths, *_ = export.strands(thing, Space(context.scene))
+    points, starts, widths = export.strands(thing, Space(context.scene))
     return tresses.Strands(points, starts, widths).lint()

@@ -233,7 +233,7 @@ def test_an_interrupted_simulation_goes_on(package, saved, monkeypatch):
     select(thing)
     assert bpy.ops.tresses.simulate() == {"FINISHED"}
     whole = package.cache.Cache(package.cache.folder(thing)).values.copy()
-    assert package.cache.unfinished(thing) is None
+    assert package.cache.next_frame(thing) is None
     with pytest.raises(RuntimeError, match="changed since"):
         bpy.ops.tresses.simulate(resume=True)
     things, meshes, options = package.operators.prepared(bpy.context, [thing])
@@ -243,8 +243,8 @@ def test_an_interrupted_simulation_goes_on(package, saved, monkeypatch):
         next(frames)
     # The process ends here: nothing is closed.
     one.end()
-    left = package.cache.unfinished(thing)
-    assert (left.done, left.state_at) == (6, 6)
+    left = package.cache.Cache(package.cache.folder(thing))
+    assert (left.done, left.state_at, package.cache.next_frame(thing)) == (6, 6, 7)
     from test_panel import drawn
 
     assert "Go On from Frame 7" in drawn(package)

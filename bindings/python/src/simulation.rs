@@ -281,7 +281,7 @@ impl Simulation {
     /// Parameters
     /// ----------
     /// state : bytes, optional
-    ///     Result of `state`, from which the hair continues instead of resting. Pose the character as it was then.
+    ///     Result of `state`: the hair starts with it instead of at rest. Give the pose of that moment too.
     #[pyo3(signature = (head=None, *, body=None, shapes=None, wind=None, skin=None, joints=None, state=None))]
     #[allow(clippy::too_many_arguments)] // Python keyword arguments.
     fn reset(

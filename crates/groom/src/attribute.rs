@@ -36,6 +36,12 @@ impl StrandAttribute {
         (&self.name, self.per_vertex, self.width) == (&other.name, other.per_vertex, other.width)
     }
 
+    /// Appends the values of an attribute that [joins](Self::joins) it.
+    pub(crate) fn append(&mut self, more: &Self) {
+        self.is_integer &= more.is_integer;
+        self.numbers.extend(&more.numbers);
+    }
+
     /// Returns the numbers of the values in `range`.
     pub fn values(&self, range: Range<usize>) -> &[f32] {
         let width = self.width as usize;

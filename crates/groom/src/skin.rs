@@ -2,7 +2,7 @@
 
 use crate::{
     Strands, TriMesh,
-    mesh::{Bvh, bvh::Closest},
+    mesh::{Bvh, bvh::Closest, triangle::mean},
     near::PointTree,
     scalp::scalp_uv,
 };
@@ -29,7 +29,7 @@ impl<'a> SkinColors<'a> {
         let texture = self.mesh.paint.as_ref().and_then(|paint| paint.color_at(corners, barycentric));
         texture.or_else(|| {
             let [a, b, c] = corners.map(|i| self.mesh.colors.get(i as usize).copied());
-            Some(a? * barycentric.x + b? * barycentric.y + c? * barycentric.z)
+            Some(mean([a?, b?, c?], barycentric))
         })
     }
 }
@@ -60,11 +60,13 @@ impl TextureCoordinates {
     /// Returns the texture coordinates of the textured triangles of `mesh`, or `None` if there are none.
     pub fn of_skin(mesh: &TriMesh) -> Option<Self> {
         let paint = mesh.paint.as_ref()?;
-        let corners: Vec<_> = mesh.triangles.iter().map(|triangle| paint.corners(*triangle)).collect();
-        let corners = corners.into_iter().map(|uvs| uvs.map(|uvs| uvs.map(|uv| Vec2::new(uv.x, 1.0 - uv.y))));
+        let upward = |uvs: [Vec2; 3]| uvs.map(|uv| Vec2::new(uv.x, 1.0 - uv.y));
+        let corners = mesh.triangles.iter().map(|triangle| paint.corners(*triangle).map(upward));
         let corners: Vec<_> = corners.collect();
-        let any = corners.iter().any(Option::is_some);
-        any.then(|| Self(CoordinateSource::Skin { bvh: Bvh::new(mesh), corners }))
+        corners
+            .iter()
+            .any(Option::is_some)
+            .then(|| Self(CoordinateSource::Skin { bvh: Bvh::new(mesh), corners }))
     }
 
     /// Returns the texture coordinates of the given root or place of the skin that is nearest to `root`. Coordinates
@@ -72,11 +74,9 @@ impl TextureCoordinates {
     pub fn at(&self, root: Vec3) -> Vec2 {
         let uv = match &self.0 {
             CoordinateSource::Roots { tree, uvs } => tree.closest(root).map(|i| uvs[i]),
-            CoordinateSource::Skin { bvh, corners } => bvh.closest_point(root).and_then(|closest| {
-                let [a, b, c] = corners[closest.triangle as usize]?;
-                let weights = closest.barycentric;
-                Some(a * weights.x + b * weights.y + c * weights.z)
-            }),
+            CoordinateSource::Skin { bvh, corners } => bvh
+                .closest_point(root)
+                .and_then(|closest| Some(mean(corners[closest.triangle as usize]?, closest.barycentric))),
         };
         uv.unwrap_or_default().map(|x| if (0.0..=1.0).contains(&x) { x } else { x.rem_euclid(1.0) })
     }

@@ -95,9 +95,9 @@ impl Raw {
         }
         a.attributes.retain(|attribute| shared(attribute, &b.attributes));
         for attribute in &mut a.attributes {
-            let more = b.attributes.iter().find(|more| more.joins(attribute));
-            attribute.numbers.extend(more.iter().flat_map(|more| &more.numbers));
-            attribute.is_integer &= more.is_some_and(|more| more.is_integer);
+            if let Some(more) = b.attributes.iter().find(|more| more.joins(attribute)) {
+                attribute.append(more);
+            }
         }
         if !a.tip_pinned.is_empty() || !b.tip_pinned.is_empty() {
             a.tip_pinned.resize(before, false);

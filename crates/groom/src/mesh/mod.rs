@@ -7,7 +7,7 @@ mod parts;
 pub mod sdf;
 pub mod shapes;
 mod simplify;
-mod triangle;
+pub(crate) mod triangle;
 
 use glam::Vec3;
 use std::sync::Arc;

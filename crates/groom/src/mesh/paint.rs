@@ -1,5 +1,6 @@
 //! Textures of a mesh: images of its materials, and texture coordinates of each vertex.
 
+use super::triangle::mean;
 use crate::srgb::linear;
 use glam::{Vec2, Vec3};
 
@@ -133,8 +134,7 @@ impl Paint {
     /// Returns the linear albedo of the point with barycentric weights in the triangle of three vertices, if its coat
     /// has one.
     pub fn color_at(&self, triangle: [u32; 3], barycentric: Vec3) -> Option<Vec3> {
-        let [a, b, c] = self.corners(triangle)?;
-        let place = a * barycentric.x + b * barycentric.y + c * barycentric.z;
+        let place = mean(self.corners(triangle)?, barycentric);
         let coat = &self.coats[usize::from(self.of[triangle[0] as usize])];
         let [r, g, b, _] = coat.base.texel(place)?;
         Some(Vec3::from([r, g, b].map(|byte| linear(f32::from(byte) / 255.0))))
@@ -144,8 +144,7 @@ impl Paint {
     pub(crate) fn corners(&self, triangle: [u32; 3]) -> Option<[Vec2; 3]> {
         let of = *self.of.get(triangle[0] as usize)?;
         let is_painted = usize::from(of) < self.coats.len();
-        let all = triangle.map(|i| self.places.get(i as usize).copied().filter(|_| is_painted));
-        let [a, b, c] = all;
+        let [a, b, c] = triangle.map(|i| self.places.get(i as usize).copied().filter(|_| is_painted));
         Some([a?, b?, c?])
     }
 

@@ -3,6 +3,12 @@
 use std::f32::consts::TAU;
 
 use glam::Vec3;
+use std::ops::{Add, Mul};
+
+/// Returns the mean of the values at the corners of a triangle, by barycentric weights.
+pub fn mean<T: Mul<f32, Output = T> + Add<Output = T>>([a, b, c]: [T; 3], weights: Vec3) -> T {
+    a * weights.x + b * weights.y + c * weights.z
+}
 
 /// Returns the point of triangle `[a, b, c]` closest to `p` and its barycentric coordinates (sum 1, none negative). A
 /// triangle without area is treated as its longest edge or its point.

@@ -19,7 +19,7 @@ pub use warp::Landmark;
 
 use crate::{
     Error, Result, SdfGrid, Strands, TriMesh,
-    mesh::{Bvh, SdfOptions, sdf},
+    mesh::{Bvh, SdfOptions, sdf, triangle::mean},
     near::PointTree,
     progress::in_parallel,
     rotation::nearest_rotation,
@@ -152,7 +152,7 @@ pub fn retarget(
 
 fn point_at(mesh: &TriMesh, place: &SkinPlace) -> Vec3 {
     let [a, b, c] = corners(mesh, place.triangle);
-    a * place.barycentric.x + b * place.barycentric.y + c * place.barycentric.z
+    mean([a, b, c], place.barycentric)
 }
 
 fn corners(mesh: &TriMesh, triangle: u32) -> [Vec3; 3] {
@@ -165,7 +165,7 @@ fn normal_at(mesh: &TriMesh, triangle: u32, barycentric: Vec3) -> Vec3 {
         let [a, b, c] = corners(mesh, triangle);
         (b - a).cross(c - a)
     };
-    let smooth = a.zip(b).zip(c).map(|((a, b), c)| a * barycentric.x + b * barycentric.y + c * barycentric.z);
+    let smooth = a.zip(b).zip(c).map(|((a, b), c)| mean([a, b, c], barycentric));
     smooth.unwrap_or_else(flat).normalize_or(Vec3::Y)
 }
 

@@ -1,7 +1,7 @@
 //! The surface of bodies in a picture: depth and normal per pixel, computed on the CPU from the vertices on the GPU.
 
 use tresses::{
-    glam::{Mat4, Vec2, Vec3, Vec4},
+    glam::{Mat3, Mat4, Vec2, Vec3, Vec4},
     groom::TriMesh,
 };
 
@@ -107,12 +107,11 @@ fn fill(samples: &mut [SurfaceSample], [width, height]: [u32; 2], triangle: [Cor
             // Weights in the picture become weights on the surface.
             let weights = weights / Vec3::from(triangle.map(|corner| corner.clip.w));
             let weights = weights / weights.element_sum();
-            let mean = |of: [f32; 3]| weights.dot(Vec3::from(of));
-            let depth = mean(triangle.map(|corner| corner.depth));
+            let depth = weights.dot(Vec3::from(triangle.map(|corner| corner.depth)));
             let sample = &mut samples[(y * width + x) as usize];
             if depth < sample.depth {
-                let normals = triangle.map(|corner| corner.normal);
-                let normal = normals[0] * weights.x + normals[1] * weights.y + normals[2] * weights.z;
+                let [a, b, c] = triangle.map(|corner| corner.normal);
+                let normal = Mat3::from_cols(a, b, c) * weights;
                 *sample = SurfaceSample { depth, normal: normal.normalize_or_zero() };
             }
         }

@@ -31,7 +31,7 @@ pub struct BodyMaterial {
     pub gloss_exponent: f32,
     /// How far light wraps around the edge of the shadow: 0 for stone, 0.3 for skin.
     pub wrap: f32,
-    /// Whether the body only hides what is behind it: it is drawn with opacity 0 (a holdout).
+    /// Whether the body is a holdout: drawn with opacity 0, so that it only hides other objects.
     pub holdout: bool,
 }
 

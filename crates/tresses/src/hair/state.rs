@@ -124,18 +124,14 @@ impl Hair {
         // The origin of the simulation may have moved.
         let shift = place.translation - self.motion.to_drawn.translation;
         let shift = self.motion.to_drawn.rotation.inverse() * shift;
-        match shift == Vec3::ZERO {
-            true => queue.write_buffer(&self.guides.current, 0, bytemuck::cast_slice(current)),
-            false => {
-                let moved = |[x, y, z, lag]: &[u32; 4]| {
-                    let p = Vec3::from([x, y, z].map(|word| f32::from_bits(*word))) + shift;
-                    let [x, y, z] = p.to_array().map(f32::to_bits);
-                    [x, y, z, *lag]
-                };
-                let moved: Vec<[u32; 4]> = current.iter().map(moved).collect();
-                queue.write_buffer(&self.guides.current, 0, bytemuck::cast_slice(&moved));
+        let mut current = current.clone();
+        if shift != Vec3::ZERO {
+            for [x, y, z, _] in &mut current {
+                let p = Vec3::from([*x, *y, *z].map(f32::from_bits)) + shift;
+                [*x, *y, *z] = p.to_array().map(f32::to_bits);
             }
         }
+        queue.write_buffer(&self.guides.current, 0, bytemuck::cast_slice(&current));
         queue.write_buffer(&self.guides.velocity, 0, bytemuck::cast_slice(velocity));
         let [before, after] = [0, 1].map(|k| Pose { translation: heads[k].translation + shift, ..heads[k] });
         self.motion.states = (before, after, blend[0]);

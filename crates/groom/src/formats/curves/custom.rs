@@ -6,26 +6,20 @@ use crate::{
     error::Result,
 };
 
-/// Parameters with a meaning of their own. Names that begin with `groom_` also have one.
-const KNOWN: [&str; 12] = [
-    "Cd",
-    "N",
-    "P",
-    "color",
-    "displayColor",
-    "displayOpacity",
-    "normals",
-    "st",
-    "uv",
-    "velocities",
-    "width",
-    "widths",
-];
+/// Names of widths and of colors among the attributes that exporters add, the preferred first.
+pub(super) const WIDTHS: [&str; 3] = ["groom_width", "width", "widths"];
+pub(super) const COLORS: [&str; 4] = ["groom_color", "Cd", "displayColor", "color"];
+/// Further parameters with a meaning of their own. Names that begin with `groom_` also have one.
+const KNOWN: [&str; 7] = ["N", "P", "displayOpacity", "normals", "st", "uv", "velocities"];
 
 /// Returns whether a parameter of this name is a custom attribute.
 pub(in crate::formats) fn is_custom(name: &str) -> bool {
     // A colon separates namespaces, for example the joints of a skeleton; a dot begins a name that the format reserves.
-    !KNOWN.contains(&name) && !name.starts_with("groom_") && !name.contains(':') && !name.starts_with('.')
+    let known = [&KNOWN[..], &WIDTHS, &COLORS];
+    !known.iter().any(|names| names.contains(&name))
+        && !name.starts_with("groom_")
+        && !name.contains(':')
+        && !name.starts_with('.')
 }
 
 impl Groom {
@@ -89,8 +83,7 @@ impl Groom {
         let all = &mut self.raw.strands.attributes;
         match all.iter_mut().find(|attribute| attribute.name == more.name) {
             Some(attribute) if attribute.joins(&more) => {
-                attribute.is_integer &= more.is_integer;
-                attribute.numbers.extend(more.numbers);
+                attribute.append(&more);
             }
             Some(_) => {}
             None => all.push(more),

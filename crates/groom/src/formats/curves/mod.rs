@@ -85,10 +85,8 @@ impl Groom {
         let moved = *matrix != DMat4::IDENTITY;
         self.habits.moved += usize::from(moved);
         let scale = matrix.determinant().abs().cbrt() as f32;
-        let widths =
-            self.per_point(object, values, &[self.names.width], &["groom_width", "width", "widths"], 1)?;
-        let colors =
-            self.per_point(object, values, &[], &["groom_color", "Cd", "displayColor", "color"], 3)?;
+        let widths = self.per_point(object, values, &[self.names.width], &custom::WIDTHS, 1)?;
+        let colors = self.per_point(object, values, &[], &custom::COLORS, 3)?;
         let strands = &mut self.raw.strands;
         if strands.offsets.is_empty() {
             strands.offsets.push(0);
