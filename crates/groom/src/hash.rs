@@ -8,6 +8,7 @@ pub fn pcg(seed: u32) -> u32 {
 }
 
 /// Returns a number from 0 to 1, without 1, from the upper bits of `bits`.
+#[cfg(feature = "edit")]
 pub(crate) fn unit(bits: u32) -> f32 {
     (bits >> 8) as f32 / (1 << 24) as f32
 }

@@ -74,6 +74,7 @@ impl BoundStrands {
     }
 
     /// Replaces what [`vertices`](Self::vertices) returns of strand `i`.
+    #[cfg(feature = "edit")]
     pub(crate) fn reshape(&mut self, i: usize, line: &[Vec3], radii: &[f32]) {
         let (n, binding) = (self.vertex_count as usize, &mut self.bindings[i]);
         binding.cover(line);

@@ -9,7 +9,7 @@ use super::{
 use crate::{
     Error, Groom, Result,
     orient::Choice,
-    restyle::{self, StrandShape},
+    restyle::painted::{self, StrandShape},
 };
 use glam::Vec3;
 use std::{
@@ -253,7 +253,7 @@ impl GroomDocument {
         let shapes = self.shapes();
         match shapes.iter().any(|shape| shape.any()) {
             true => {
-                let base = Arc::new(restyle::shaped(&self.base.groom(), shapes));
+                let base = Arc::new(painted::shaped(&self.base.groom(), shapes));
                 CarriedStrands::new(base, &self.guides, &self.base.guides)
             }
             false => self.unshaped(),

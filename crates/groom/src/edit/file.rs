@@ -26,7 +26,7 @@ use crate::{
     bound::{PackedRest, Strand, StrandBinding},
     error::{At, Error, Result},
     orient::{Choice, Unit},
-    restyle::StrandShape,
+    restyle::painted::StrandShape,
 };
 use bytemuck::Pod;
 use glam::Vec3;

@@ -1,6 +1,6 @@
 //! Painted values of a version.
 
-use crate::{bound::Strand, restyle::StrandShape};
+use crate::{bound::Strand, restyle::painted::StrandShape};
 
 /// Painted values of a version.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use super::{BrushTool, GroomDocument, GroomEditor, editor::ActiveStroke, tools::
 use crate::{
     bound::strand::{pack_color, unpack_color},
     hash::{self, pcg},
-    restyle::StrandShape,
+    restyle::painted::StrandShape,
     srgb::linear,
 };
 use glam::Vec3;

@@ -5,7 +5,7 @@
 use super::{GroomDocument, document::Base, ground::Ground, solve::unit};
 use crate::{
     BoundStrands, Fill, Groom, Guides, Head, Result, Strands,
-    bind::GuideFinder,
+    bind::finder::GuideFinder,
     bound::{self, Influence, Strand},
     curve,
     fill::fill,
@@ -13,7 +13,7 @@ use crate::{
     hash::pcg,
     near::PointTree,
     progress::in_parallel,
-    restyle::StrandShape,
+    restyle::painted::StrandShape,
 };
 use glam::Vec3;
 use std::{collections::BTreeSet, sync::Arc};

@@ -4,7 +4,7 @@
 //! decide loops and branches: it compiles a copy of the shader for each bind, and keeps all copies as long as the
 //! pipeline lives. That costs 1 to 4 MB and some milliseconds per draw, without limit. The driver does not do so if
 //! inlining hardly changes the shader. Affected shaders bind such values as [`Binding::Storage`] instead, which the
-//! driver does not inline. `apps/cli/tests/memory.rs` tests this.
+//! driver does not inline. `apps/cli/tests/command/memory.rs` tests this.
 
 use super::handle::Device;
 use wgpu::{BindingType, BufferBindingType, SamplerBindingType, TextureSampleType, TextureViewDimension};

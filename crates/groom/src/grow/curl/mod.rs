@@ -128,12 +128,6 @@ impl Curls {
         vertices.saturating_sub(1) as f32 / (repeats * turns).max(1e-6)
     }
 
-    /// Returns these curls, wide and long enough that `vertices` vertices over `length` meters represent them.
-    pub(crate) fn wide_enough(&self, length: f32, vertices: u32) -> Self {
-        let factor = (Self::ROUND / self.vertices_per_turn(length, vertices).max(1e-6)).max(1.0);
-        Self { radius: self.radius * factor, wavelength: self.wavelength * factor, ..self.clone() }
-    }
-
     /// Returns the turns per wavelength.
     fn turns(&self) -> f32 {
         self.curve.as_ref().map_or(1.0, CurlCurve::turns)
@@ -146,9 +140,6 @@ impl Curls {
         let slope = std::f32::consts::TAU * self.radius * round * self.turns() / self.wavelength.max(1e-6);
         length * (1.0 + self.shrink * (1.0 / (1.0 + slope * slope).sqrt() - 1.0))
     }
-
-    /// Number of vertices per turn from which curls look round.
-    const ROUND: f32 = 5.0;
 
     /// Minimum number of vertices per turn.
     pub const LEAST: f32 = 3.0;

@@ -7,7 +7,6 @@ use crate::{
         SdfGrid,
         head::{HeadFit, HeadShape},
         import::{self, ImportOptions},
-        orient::Placement,
         styles::Style,
     },
 };
@@ -20,7 +19,8 @@ pub(super) struct OwnHead {
     /// Distance field in groom space.
     pub field: Option<SdfGrid>,
     /// From the files to groom space.
-    pub placement: Placement,
+    #[cfg(feature = "edit")]
+    pub placement: crate::groom::orient::Placement,
 }
 
 impl CharacterSource {
@@ -64,7 +64,12 @@ impl CharacterSource {
                 style: *style,
                 styled,
                 scalp,
-                own: Some(OwnHead { fit, field, placement: body.placement }),
+                own: Some(OwnHead {
+                    fit,
+                    field,
+                    #[cfg(feature = "edit")]
+                    placement: body.placement,
+                }),
             },
             notes,
             report: None,

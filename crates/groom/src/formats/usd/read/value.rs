@@ -31,8 +31,8 @@ impl Number for bool {
 }
 
 /// Returns all numbers of a value, flattened, and how many form one element; `None` if it has no numbers.
-pub(super) fn row<T>(value: &Value, of: impl Fn(f64) -> T) -> Option<(Vec<T>, usize)> {
-    fn all<N: Number, T>(numbers: &[N], of: impl Fn(f64) -> T) -> Vec<T> {
+pub(super) fn row<T>(value: &Value, of: fn(f64) -> T) -> Option<(Vec<T>, usize)> {
+    fn all<N: Number, T>(numbers: &[N], of: fn(f64) -> T) -> Vec<T> {
         numbers.iter().map(|n| of(n.number())).collect()
     }
     macro_rules! rows {
