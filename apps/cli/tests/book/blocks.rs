@@ -28,7 +28,7 @@ const QUOTED: [&str; 7] = [
     "bindings/bevy/examples",
     "bindings/bevy/tests/headless",
     "apps/web/component",
-    "apps/web/tests/viewer",
+    "apps/web/tests/page/viewer",
 ];
 
 /// Returns the fenced blocks of `text`.

@@ -1,5 +1,6 @@
 //! Special outputs of `tresses render`: layers, alpha, videos.
 
+use crate::pixels;
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read};
 use std::{collections::BTreeMap, path::Path, process::Command};
 
@@ -38,14 +39,6 @@ fn channels(path: &Path) -> BTreeMap<String, Vec<f64>> {
     };
     let list = image.layer_data.channel_data.list.iter();
     list.map(|channel| (channel.name.to_string(), numbers(&channel.sample_data))).collect()
-}
-
-fn pixels(path: &Path) -> (png::ColorType, Vec<u8>) {
-    let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
-    let mut reader = png::Decoder::new(file).read_info().unwrap();
-    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-    let info = reader.next_frame(&mut pixels).unwrap();
-    (info.color_type, pixels)
 }
 
 #[test]

@@ -1,18 +1,6 @@
 //! `tresses export` as a process.
 
-use std::{path::Path, process::Command};
-
-/// Runs the command. Returns whether it succeeded, and its output.
-fn tresses(folder: &Path, args: &[&str]) -> (bool, String) {
-    let out = Command::new(env!("CARGO_BIN_EXE_tresses")).current_dir(folder).args(args).output().unwrap();
-    (out.status.success(), String::from_utf8_lossy(&[out.stdout, out.stderr].concat()).into_owned())
-}
-
-/// Runs a command that needs a GPU. Returns `None` if there is none and none is required.
-fn drawn(folder: &Path, args: &[&str]) -> Option<(bool, String)> {
-    let (done, said) = tresses(folder, args);
-    (!tresses_testing::lacks_gpu(&said)).then_some((done, said))
-}
+use crate::{drawn, tresses};
 
 #[test]
 fn export_writes_drawn_strands_and_head() {
@@ -75,7 +63,7 @@ fn one_file_contains_body_and_hair() {
     let bytes = std::fs::read(folder.path().join("all.glb")).unwrap();
     let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
     let json: serde_json::Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
-    let schema = include_str!("../../../docs/reference/schema/EXT_tresses_hair.schema.json");
+    let schema = include_str!("../../../../docs/reference/schema/EXT_tresses_hair.schema.json");
     let schema: serde_json::Value = serde_json::from_str(schema).unwrap();
     let groom = &json["extensions"]["EXT_tresses_hair"]["grooms"][0];
     let material = &schema["$defs"]["groom"]["properties"]["material"]["properties"];

@@ -3,8 +3,6 @@
 //!
 //! Each measurement runs in a child process of this executable, so that memory of other tests does not count.
 
-#![cfg(target_os = "linux")]
-
 use std::{process::Command, str::FromStr};
 use tresses::{
     character::CharacterSource,
@@ -37,7 +35,7 @@ const WORK: [&str; 3] = ["TRESSES_MEMORY_FRAMES", "TRESSES_MEMORY_SAMPLES", "TRE
 /// leaks `leak` bytes per frame; `None` without a GPU.
 fn growth(frames: u32, samples: u32, leak: u32) -> Option<i64> {
     let mut child = Command::new(std::env::current_exe().expect("this runs"));
-    child.args(["--exact", "work", "--ignored", "--nocapture"]);
+    child.args(["--exact", "memory::work", "--ignored", "--nocapture"]);
     for (name, value) in WORK.iter().zip([frames, samples, leak]) {
         child.env(name, value.to_string());
     }

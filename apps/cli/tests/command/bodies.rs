@@ -1,5 +1,6 @@
 //! Hair on skinned characters, tested through the command and the library. The characters are in the optional assets.
 
+use crate::tresses;
 use std::{
     path::{Path, PathBuf},
     process::Command,
@@ -12,11 +13,6 @@ use tresses::{
     groom::{TriMesh, mesh::Bvh, styles::Style},
 };
 use tresses_scene::{Colliders, Motion, Preset, Quality, Scene};
-
-fn tresses(folder: &Path, args: &[&str]) -> (bool, String) {
-    let out = Command::new(env!("CARGO_BIN_EXE_tresses")).current_dir(folder).args(args).output().unwrap();
-    (out.status.success(), String::from_utf8_lossy(&[out.stdout, out.stderr].concat()).into_owned())
-}
 
 /// Returns the folder of the assets, if there is one.
 fn assets() -> Option<PathBuf> {

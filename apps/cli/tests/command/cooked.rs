@@ -1,25 +1,13 @@
 //! Cooked grooms: `tresses convert` writes them, and other commands open them like any groom.
 
-use std::{path::Path, process::Command};
-
-/// Runs the command. Returns whether it succeeded, and its output.
-fn tresses(folder: &Path, args: &[&str]) -> (bool, String) {
-    let out = Command::new(env!("CARGO_BIN_EXE_tresses")).current_dir(folder).args(args).output().unwrap();
-    (out.status.success(), String::from_utf8_lossy(&[out.stdout, out.stderr].concat()).into_owned())
-}
+use crate::{pixels, tresses};
+use std::path::Path;
 
 /// Returns the largest difference between two images, of 255.
 fn apart(folder: &Path, names: [&str; 2]) -> u8 {
-    let pixels = names.map(|name| {
-        let file = std::io::BufReader::new(std::fs::File::open(folder.join(name)).unwrap());
-        let mut reader = png::Decoder::new(file).read_info().unwrap();
-        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-        reader.next_frame(&mut pixels).unwrap();
-        pixels
-    });
-    let [a, b] = &pixels;
+    let [a, b] = names.map(|name| pixels(&folder.join(name)).1);
     assert_eq!(a.len(), b.len());
-    a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap()
+    a.iter().zip(&b).map(|(a, b)| a.abs_diff(*b)).max().unwrap()
 }
 
 /// Writes a patch of hair on a slab.
