@@ -23,7 +23,7 @@ ifeq ($(XDG_RUNTIME_DIR),)
 export NODEVICE_SELECT ?= 1
 endif
 
-.PHONY: help setup setup-viewer setup-tests demo test proof semver fuzz truth bench benchmarks book gallery web viewer web-serve python blender bevy package release clean
+.PHONY: help setup setup-viewer setup-tests setup-web-tests demo test web-test check-features proof semver fuzz truth bench benchmarks book gallery web viewer web-serve python blender bevy package release clean
 
 help: ## Show this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 14
@@ -36,7 +36,7 @@ comma := ,
 WINDOW := $(or $(DISPLAY),$(WAYLAND_DISPLAY),$(filter Windows_NT,$(OS)),$(filter Darwin,$(shell uname -s)))
 
 demo: setup ## Open the studio; without a display, draw out/demo.png and out/demo.webp
-	@echo "demo: compiling; about six minutes the first time on two cores, seconds afterwards"
+	@echo "demo: compiling; about DEMO minutes the first time on two cores, seconds afterwards"
 	$(CARGO) build --bin tresses
 	@echo "demo: $(if $(WINDOW),opening the studio,drawing out/demo.png$(comma) then the loop out/demo.webp)"
 	$(CARGO) run --quiet --bin tresses -- $(if $(WINDOW),studio,demo)
@@ -47,6 +47,9 @@ setup-viewer:
 setup-tests:
 	@scripts/setup --tests
 
+setup-web-tests:
+	@scripts/setup --web-tests
+
 # Lints while compiling, so that dependencies are compiled once. A separate check would compile them a second time.
 LINTED := RUSTC_WORKSPACE_WRAPPER=clippy-driver CARGO_BUILD_WARNINGS=deny $(CARGO)
 
@@ -54,11 +57,17 @@ LINTED := RUSTC_WORKSPACE_WRAPPER=clippy-driver CARGO_BUILD_WARNINGS=deny $(CARG
 MESA := $(CURDIR)/target/tools/mesa/lvp_icd.json
 DRIVER = $(if $(VK_DRIVER_FILES)$(VK_ICD_FILENAMES),,$(shell test -e '$(MESA)' && echo "VK_DRIVER_FILES='$(MESA)'"))
 
-test: setup-tests ## Format, lints, then every test; one of them builds the web page
+test: setup-tests ## Check the format, lint, then run every test that needs no browser
 	$(CARGO) fmt --all --check
-	$(DRIVER) $(LINTED) test --workspace
+	$(DRIVER) $(LINTED) test --workspace --exclude tresses-web
 
-proof: setup-tests ## The docs of the code, the library alone for browsers, the slow evidence behind docs/, which it prints, and damaged files
+web-test: setup-web-tests ## Build the web pages and test them in Chromium
+	$(DRIVER) $(LINTED) test --workspace --test page
+
+check-features: setup ## Check the library and the plugin for Bevy with each feature alone
+	scripts/check-features
+
+proof: setup-tests setup-web-tests ## The docs of the code, the library alone for browsers, the slow evidence behind docs/, which it prints, and damaged files
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --workspace --no-deps --quiet
 	$(CARGO) check --package tresses --lib --example minimal --target wasm32-unknown-unknown --quiet
 	@failed=0; set -x; \

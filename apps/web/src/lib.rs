@@ -3,10 +3,10 @@
 //! A page consists of a program for `wasm32-unknown-unknown`, the bindings that wasm-bindgen generates for it, and
 //! files from `pages/` or `component/`. wasm-bindgen is linked as a library, so building needs no tools besides Rust.
 
-mod book;
+pub mod book;
 mod pack;
-mod serve;
-mod three;
+pub mod serve;
+pub mod three;
 
 pub use book::build_book;
 pub use pack::{CARDS_LIMIT, LIMIT, Page, Sizes, pack};

@@ -70,26 +70,11 @@ impl Server {
 }
 
 /// Returns the path of a URL inside `folder`, never one outside of it.
-fn file(folder: &Path, url: &str) -> Option<PathBuf> {
+pub fn file(folder: &Path, url: &str) -> Option<PathBuf> {
     let name = percent_decode_str(url.split(['?', '#']).next()?).decode_utf8().ok()?;
     let name = name.trim_start_matches('/');
     let name = Path::new(if name.is_empty() { "index.html" } else { name });
     let inside = name.components().all(|part| matches!(part, Component::Normal(_)));
     let path = folder.join(name);
     (inside && path.is_file()).then_some(path)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn files_outside_the_folder_are_not_served() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-        assert_eq!(file(&folder, "/serve.rs?x=1"), Some(folder.join("serve.rs")));
-        assert_eq!(file(&folder, "/s%65rve.rs"), Some(folder.join("serve.rs")));
-        for url in ["/../Cargo.toml", "/%2e%2e/Cargo.toml", "/..", "//etc/passwd", "/", "/none"] {
-            assert_eq!(file(&folder, url), None, "{url}");
-        }
-    }
 }

@@ -1,10 +1,10 @@
 //! The studio in a browser: its page opens, shows moving hair, handles mouse, keys and files, and neither the browser
 //! nor WebGPU reports an error.
 
-mod browser;
-mod viewer;
-
-use browser::{Browser, Picture};
+use crate::{
+    browser::{Browser, Picture},
+    serve,
+};
 use serde_json::Value;
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -72,16 +72,6 @@ const VIEWS: [[f64; 2]; 4] = [[495.0, 98.0], [470.0, 231.0], [475.0, 312.0], [58
 const WHEEL: f64 = 300.0;
 /// Number of rounds after which every size was shown with every view.
 const ROUNDS: usize = 12;
-
-/// Starts a server of `folder` that runs until it is stopped.
-fn serve(folder: &Path) -> (Server, thread::JoinHandle<()>) {
-    let server = Server::new(folder, 0).unwrap();
-    let serving = thread::spawn({
-        let server = server.clone();
-        move || server.run()
-    });
-    (server, serving)
-}
 
 /// Opens the studio's page and waits for hair. `how` is appended to the query.
 fn open(folder: &Path, how: &str) -> Option<(Browser, Server, thread::JoinHandle<()>)> {
@@ -422,7 +412,7 @@ fn state(browser: &mut Browser, enough: impl Fn(&Value) -> bool) -> Value {
 }
 
 /// Returns a screenshot once `is` holds for it.
-fn picture(browser: &mut Browser, what: &str, is: impl Fn(&Picture) -> bool) -> Picture {
+pub fn picture(browser: &mut Browser, what: &str, is: impl Fn(&Picture) -> bool) -> Picture {
     let begin = Instant::now();
     loop {
         let picture = browser.picture();

@@ -4,7 +4,7 @@ mod cards;
 
 use crate::{
     browser::{Browser, Picture},
-    picture,
+    studio::picture,
 };
 use serde_json::{Value, json};
 use std::path::Path;

@@ -3,7 +3,8 @@
 use super::{SIZE, awaited, change, character, turning};
 use crate::{
     browser::{Browser, Picture},
-    picture, serve,
+    serve,
+    studio::picture,
 };
 use serde_json::{Value, json};
 use std::{path::Path, sync::OnceLock};
