@@ -7,6 +7,7 @@ use clap::CommandFactory;
 const SETTINGS: &[&str] = &[
     "ambient",
     "avoid",
+    "classic-shadows",
     "clump",
     "colliders",
     "color",
@@ -40,6 +41,7 @@ const SETTINGS: &[&str] = &[
     "melanin",
     "mirror",
     "preset",
+    "renderer",
     "roughness",
     "samples",
     "save-preset",
@@ -49,7 +51,6 @@ const SETTINGS: &[&str] = &[
     "shadow-resolution",
     "shadow-softness",
     "shadows",
-    "shadows-per-pixel",
     "ssaa",
     "stiffness-map",
     "strands",
@@ -96,6 +97,7 @@ const DEMO: &[&str] = &[
     "lightness-spread",
     "out",
     "preset",
+    "renderer",
     "samples",
     "save-preset",
     "set",
@@ -109,19 +111,8 @@ const DEMO: &[&str] = &[
     "width",
     "width-variation",
 ];
-const COMPARE: &[&str] = &[
-    "ambient",
-    "assets",
-    "json",
-    "melanin",
-    "only",
-    "out",
-    "roughness",
-    "samples",
-    "shade-per",
-    "shading",
-    "shadows",
-];
+const COMPARE: &[&str] =
+    &["ambient", "assets", "json", "melanin", "only", "out", "roughness", "samples", "shading", "shadows"];
 
 /// Returns the flags in `names` that `command` lacks.
 fn missing<'a>(command: &str, names: &[&'a str]) -> Vec<&'a str> {

@@ -6,7 +6,7 @@ use std::{marker::PhantomData, str::FromStr};
 use tresses_scene::{
     Companion, Settings, Source,
     companions::{ColorSource, MapSource},
-    knobs::{Flag, Knob, SECTIONS, ValueKind, flags::Assignment},
+    knobs::{Flag, Knob, SECTIONS, ValueKind, flags::Assignment, removed},
     source::{COMPANIONS, CompanionKind as Companionship},
 };
 
@@ -54,7 +54,12 @@ impl<R: Rows> RowFlags<R> {
 
 impl<R: Rows> Args for RowFlags<R> {
     fn augment_args(command: Command) -> Command {
-        Self::rows().fold(command, |command, (title, row, flag)| command.arg(argument(title, row, flag)))
+        let command =
+            Self::rows().fold(command, |command, (title, row, flag)| command.arg(argument(title, row, flag)));
+        // Hidden; an error names the successor.
+        removed::FLAGS.iter().fold(command, |command, (name, _)| {
+            command.arg(Arg::new(*name).long(*name).hide(true).action(ArgAction::SetTrue))
+        })
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -66,6 +71,9 @@ impl<R: Rows> FromArgMatches for RowFlags<R> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
         let mut given = Vec::new();
         let refuse = |kind, sentence: String| Error::raw(kind, sentence + "\n");
+        if let Some((name, successor)) = removed::FLAGS.iter().find(|(name, _)| matches.get_flag(name)) {
+            return Err(refuse(ErrorKind::UnknownArgument, format!("there is no --{name}; use {successor}")));
+        }
         for (_, row, flag) in Self::rows() {
             let texts: Vec<&str> = match flag.value {
                 "" => matches.get_flag(flag.name).then_some("on").into_iter().collect(),

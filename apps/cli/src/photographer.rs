@@ -93,12 +93,12 @@ impl Photographer {
         let most = gpu.context.tier().max_samples;
         let mut quality = settings.quality([size.width, size.height], most)?;
         ensure!(
-            quality.view.samples <= most || fewer,
+            quality.view.renderer.samples() <= most || fewer,
             "{} samples per pixel were requested, but {} supports at most {most}",
-            quality.view.samples,
+            quality.view.renderer.samples(),
             gpu.info.name
         );
-        quality.view.samples = quality.view.samples.min(most);
+        quality.view.renderer = quality.view.renderer.with_max_samples(most);
         let context = gpu.context.clone();
         let compile = |requests: Vec<PipelineRequest>| pollster::block_on(context.prepare(&requests, &()));
         // Compile shaders while the character is built.

@@ -11,9 +11,9 @@ use crate::{
 use anyhow::{Result, bail, ensure};
 use std::path::PathBuf;
 use tresses::{
-    draw::Coverage,
     groom::cards::CardOptions,
     present::Background,
+    renderer::Renderer,
     views::DebugView,
     volume::{HairHair, HairHairMode},
 };
@@ -121,12 +121,12 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         Film::check(&args.out)?;
     }
     if kind.has_layers() {
-        let (_, coverage) = preset.settings.sampling(16)?;
+        let renderer = preset.settings.renderer(16)?;
         ensure!(args.debug.debug.is_none(), "--debug does not support .exr: choose .png");
         ensure!(args.cards.is_none(), "--cards does not support .exr: choose .png");
         ensure!(
-            coverage == Coverage::Tiles && preset.settings.ssaa == 1,
-            ".exr layers need tiles without supersampling: remove --coverage and --ssaa"
+            matches!(renderer, Renderer::Tiles(_)) && preset.settings.ssaa == 1,
+            ".exr layers need tiles without supersampling: remove --renderer and --ssaa"
         );
     }
     if args.crowd.is_given() {

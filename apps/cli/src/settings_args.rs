@@ -6,8 +6,10 @@ use crate::{
     preset_args::PresetArgs,
 };
 use anyhow::{Result, ensure};
-use tresses::draw::Coverage;
-use tresses_scene::{Preset, Settings, Value, knobs, settings::HairColor};
+use tresses_scene::{
+    Preset, Settings, Value, knobs,
+    settings::{ClassicBlending, HairColor},
+};
 
 /// Options for everything that a preset stores. Options override the preset, and the preset overrides the defaults.
 #[derive(clap::Args, Debug, Default)]
@@ -69,11 +71,9 @@ pub fn apply(companions: &CompanionFlags, rows: &RowFlags<All>, preset: &mut Pre
             || !(rows.gives("environment-turn") || rows.gives("environment-strength")),
         "--environment-turn and --environment-strength need --environment"
     );
-    let (_, coverage) = settings.sampling(16)?;
-    ensure!(
-        !rows.gives("layers") || matches!(coverage, Coverage::DepthPeeling { .. }),
-        "--layers needs --coverage peel"
-    );
+    let peels = settings.renderer.coverage == ClassicBlending::Peel;
+    ensure!(!rows.gives("layers") || peels, "--layers needs --coverage peel");
+    settings.renderer(16)?;
     Ok(())
 }
 
@@ -81,6 +81,7 @@ pub fn apply(companions: &CompanionFlags, rows: &RowFlags<All>, preset: &mut Pre
 mod tests {
     use super::*;
     use clap::Parser;
+    use tresses::renderer::{MaskOptions, Renderer};
     use tresses_scene::preset::Extent;
 
     #[derive(Parser)]
@@ -122,11 +123,13 @@ mod tests {
         (&["--melanin", "3,1"], &["shading.color", "shading.eumelanin", "shading.pheomelanin"]),
         (&["--roughness", "0.5,0.6"], &["shading.roughness_along", "shading.roughness_around"]),
         (&["--shading", "kajiya-kay"], &["shading.model"]),
-        (&["--shade-per", "pixel"], &["shading.rate"]),
-        (&["--samples", "4"], &["edges.samples"]),
-        (&["--coverage", "mask"], &["edges.coverage"]),
-        (&["--layers", "7"], &["edges.layers"]),
-        (&["--ssaa", "2"], &["edges.ssaa"]),
+        (&["--renderer", "masks"], &["renderer.kind"]),
+        (&["--samples", "4"], &["renderer.samples"]),
+        (&["--coverage", "peel"], &["renderer.coverage"]),
+        (&["--layers", "7"], &["renderer.layers"]),
+        (&["--shade-per", "pixel"], &["renderer.rate"]),
+        (&["--classic-shadows", "opaque"], &["renderer.shadows"]),
+        (&["--ssaa", "2"], &["renderer.ssaa"]),
         (&["--hair-hair", "off"], &["simulation.hair_hair"]),
         (&["--wind", "8,90"], &["wind.speed", "wind.direction"]),
         (&["--gusts", "0.5"], &["wind.gusts"]),
@@ -134,10 +137,9 @@ mod tests {
         (&["--avoid", "off"], &["avoidance.mode"]),
         (&["--lod", "0.5"], &["lod.mode", "lod.fraction"]),
         (&["--lod-bias", "-1"], &["lod.bias"]),
-        (&["--shadows", "opaque"], &["shadows.method"]),
+        (&["--shadows", "off"], &["shadows.enabled"]),
         (&["--shadow-resolution", "512"], &["shadows.resolution"]),
         (&["--shadow-softness", "5"], &["shadows.softness"]),
-        (&["--shadows-per-pixel"], &["shadows.per_pixel"]),
         (&["--ambient", "off"], &["shadows.ambient"]),
         (
             &["--light", "10,20,3"],
@@ -232,7 +234,13 @@ mod tests {
             &["--color", "red", "--color-map", "a.png"],
             &["--shading", "kajiya-kay", "--roughness", "0.3"],
             &["--layers", "2", "--samples", "4"],
-            &["--layers", "2", "--coverage", "mask"],
+            &["--layers", "2", "--renderer", "masks"],
+            &["--layers", "2", "--coverage", "alpha"],
+            &["--renderer", "tiles", "--shade-per", "pixel"],
+            &["--renderer", "masks", "--coverage", "alpha"],
+            &["--coverage", "mask"],
+            &["--shadows", "opaque"],
+            &["--shadows-per-pixel"],
             &["--coverage", "alpha", "--samples", "1"],
             &["--coverage", "peel", "--samples", "4"],
             &["--light", "1,2", "--light", "1,2", "--light", "1,2"],
@@ -240,12 +248,13 @@ mod tests {
         ] {
             assert!(parse(words).is_err(), "{words:?}");
         }
-        let both = parse(&["--coverage", "mask", "--samples", "4", "--color-map", "a.png"]).unwrap();
-        assert_eq!(both.settings.sampling(16).unwrap(), (4, Coverage::SampleMask));
+        let both = parse(&["--renderer", "masks", "--samples", "4", "--color-map", "a.png"]).unwrap();
+        let masks = MaskOptions { samples: 4, ..MaskOptions::default() };
+        assert_eq!(both.settings.renderer(16).unwrap(), Renderer::Masks(masks));
     }
 
     #[test]
-    fn curl_and_coverage_replace_those_of_a_preset() {
+    fn curl_and_renderer_replace_those_of_a_preset() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("preset.toml");
         let file = path.to_str().unwrap();
@@ -253,11 +262,18 @@ mod tests {
         let words = [&curls[..], &["--coverage", "peel", "--layers", "8", "--ssaa", "2"]].concat();
         parse(&[&words[..], &["--save-preset", file]].concat()).unwrap();
         let shrunk = ["--preset", file, "--set", "style.curl_shrink=20%"];
-        let other = parse(&[&shrunk[..], &["--curl", "waves", "--samples", "4"]].concat()).unwrap();
+        let other =
+            parse(&[&shrunk[..], &["--curl", "waves", "--renderer", "masks", "--samples", "4"]].concat())
+                .unwrap();
         let settings = &other.settings;
         assert!(settings.gives("style.curl_shrink") && !settings.gives("style.curl_flatness"));
-        assert_eq!(settings.sampling(4).unwrap(), (4, Coverage::SampleMask));
-        assert_eq!((settings.peeled_layers, settings.ssaa), (8, 2), "not given, so they stay");
+        let masks = MaskOptions { samples: 4, ..MaskOptions::default() };
+        assert_eq!(settings.renderer(4).unwrap(), Renderer::Masks(masks));
+        assert_eq!(
+            (settings.renderer.layers, settings.ssaa),
+            (4, 2),
+            "options of the other renderer are reset"
+        );
         let varied = parse(&shrunk).unwrap();
         assert!(varied.settings.gives("style.curl_flatness"), "the same curl, varied");
     }

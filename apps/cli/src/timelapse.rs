@@ -149,7 +149,7 @@ impl<'a> Timelapse<'a> {
         let parts = pollster::block_on(source.dress(&settings.styling(None, &companions.maps()?)?, &()))?;
         let most = self.gpu.context.tier().max_samples;
         let mut quality = settings.quality([self.size.width, self.size.height], most)?;
-        quality.view.samples = quality.view.samples.min(most);
+        quality.view.renderer = quality.view.renderer.with_max_samples(most);
         let (physics, gpu) = (settings.physics(), self.gpu.clone());
         let scene = Scene::new(gpu, parts, companions.colliders()?, &physics, &quality, &());
         let mut scene = pollster::block_on(scene)?;

@@ -14,9 +14,9 @@ use std::{
 use tresses::{
     PipelineRequest, Progress,
     character::{CharacterSource, Gesture},
-    draw::Coverage,
     gpu::{Gpu, Tier},
     groom::{cards::CardOptions, edit::GroomEditor, styles::Style},
+    renderer::{MaskOptions, Renderer},
     view::ViewOptions,
 };
 use tresses_scene::{
@@ -287,7 +287,7 @@ async fn baked(
     let parts = base.dress(&settings.styling(base.style(), &maps)?, progress).await?;
     let colored = settings.material().file_colors;
     let cards = cards::of_parts(&parts, options, colored, progress).await?;
-    gpu.context.prepare(&[PipelineRequest::Cards(view.samples)], progress).await?;
+    gpu.context.prepare(&[PipelineRequest::Cards(view.renderer.samples())], progress).await?;
     let quality = Quality { view, lod: settings.lod(), ..Quality::new([1; 2]) };
     let physics = (&settings.physics(), &quality);
     let chain = CardChain::new(&gpu.context, (&parts, cards), &colliders, physics, progress).await?;
@@ -297,12 +297,15 @@ async fn baked(
 
 /// Returns the view options: from `settings` where they set the sampling, else fast defaults.
 pub fn view_options(settings: &Settings, tier: Tier) -> tresses::Result<ViewOptions> {
-    if settings.gives("edges.samples") || settings.gives("edges.coverage") {
-        return settings.view_options(tier.max_samples);
+    let own = settings.view_options(tier.max_samples)?;
+    let is_given = settings.gives("renderer.samples") || settings.gives("renderer.kind");
+    if is_given || matches!(own.renderer, Renderer::Classic(_)) {
+        return Ok(own);
     }
-    let mut fast = ViewOptions { samples: 4, coverage: Coverage::SampleMask, ..settings.view };
+    let samples = if tier.software { 1 } else { 4 };
+    let masks = MaskOptions { shading: own.renderer.shading(), samples };
+    let mut fast = ViewOptions { renderer: Renderer::Masks(masks), ..settings.view };
     if tier.software {
-        fast.samples = 1;
         fast.shadow_resolution = fast.shadow_resolution.min(256);
         // 12³ cells instead of 24³: their cost does not fall with the strand count.
         fast.ambient_cells = fast.ambient_cells.min(12);

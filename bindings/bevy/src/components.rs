@@ -96,7 +96,7 @@ pub struct HairView(pub ViewOptions);
 
 /// Makes hair write depth for this camera, in pixels where it covers more than half of the background. For depth of
 /// field, volumetric fog and other effects that read depth after the main pass. Needs hair drawn [by
-/// tiles](tresses::draw::Coverage::Tiles), the default.
+/// tiles](tresses::renderer::Renderer::Tiles), the default.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct HairDepth;
 

@@ -21,7 +21,7 @@ use tresses::view::ViewOptions;
 #[derive(Clone, Debug)]
 pub struct TressesPlugin {
     /// Rendering options of cameras without a [`HairView`](crate::HairView). Their `output` is ignored. [Depth
-    /// peeling](tresses::draw::Coverage::DepthPeeling) is not supported.
+    /// peeling](tresses::renderer::ClassicCoverage::DepthPeeling) is not supported.
     pub view: ViewOptions,
     /// Strength of the shadows that hair casts on meshes, 0 (none) to 1, in lights with `shadow_maps_enabled`. A
     /// screen-space pass darkens meshes up to 2.5 m behind the hair by the fraction of the light that hair blocks. It

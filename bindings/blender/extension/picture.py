@@ -119,7 +119,7 @@ def start(live):
             stop(live)
             raise
 
-    live.simulation.apply({"edges.coverage": "tiles", "edges.ssaa": 1})
+    live.simulation.apply({"renderer.kind": "tiles", "renderer.ssaa": 1})
     for one in live.hair:
         one.object.display_type = "BOUNDS"
     _handle = bpy.types.SpaceView3D.draw_handler_add(show, (), "WINDOW", "POST_VIEW")

@@ -442,7 +442,7 @@ impl Simulation {
     ///     ``share`` float32 [h, w], share of the pixel that this strand covers;
     ///     ``along`` float32 [h, w], position along this strand from 0 (root) to 1 (tip), nan without hair;
     ///     ``tangent`` float32 [h, w, 3], direction of this strand from root to tip in world space, 0 without hair.
-    ///     The outputs from ``coverage`` on require tiled hair (``edges.coverage``) without supersampling
+    ///     The outputs from ``coverage`` on require tiled hair (``renderer.kind``) without supersampling
     ///     (``edges.ssaa``).
     #[pyo3(signature = (camera=None, size=(1280, 720), outputs=None, *, zoom=1.0, distance=None, background=None, head=HeadDrawing::Shown(true)))]
     #[allow(clippy::too_many_arguments)] // Python keyword arguments.
@@ -583,9 +583,9 @@ fn sampled(settings: &Values, size: [u32; 2], gpu: &Gpu) -> anyhow::Result<Quali
     let most = gpu.context.tier().max_samples;
     let quality = settings.quality(size, most)?;
     ensure!(
-        quality.view.samples <= most,
-        "edges.samples is {}, but {} supports at most {most}",
-        quality.view.samples,
+        quality.view.renderer.samples() <= most,
+        "renderer.samples is {}, but {} supports at most {most}",
+        quality.view.renderer.samples(),
         gpu.info.name
     );
     Ok(quality)

@@ -145,11 +145,11 @@ def test_invalid_render_arguments_fail(sim):
     ]:
         with pytest.raises(tresses.TressesError, match=clause):
             sim.render(**{"size": SIZE, **words})
-    sim.apply({"edges.coverage": "mask"})
+    sim.apply({"renderer.kind": "masks"})
     assert sim.render("front", SIZE)["color"].any()
     with pytest.raises(tresses.TressesError, match="tiles"):
         sim.render("front", SIZE, ["depth"])
-    sim.apply({"edges.coverage": "tiles"})
+    sim.apply({"renderer.kind": "tiles"})
     assert np.isfinite(sim.render("front", SIZE, ["depth"])["depth"]).any()
 
 

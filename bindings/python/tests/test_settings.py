@@ -34,12 +34,12 @@ def test_values_convert_to_python_types():
     settings = tresses.Settings({"wind.speed": 4, "style.curl_radius": "0.9 cm", "shading.srgb": (1, 2, 254)})
     assert settings.changed() == {"wind.speed": 4.0, "style.curl_radius": 9.0, "shading.srgb": "#0102fe"}
     settings["wind.speed"] = np.float32(2.5)
-    settings["edges.samples"] = 4
+    settings["renderer.samples"] = 4
     settings["style.strands"] = np.int64(1234)
-    assert settings["wind.speed"] == 2.5 and settings["edges.samples"] == "4" and settings["style.strands"] == 1234
+    assert settings["wind.speed"] == 2.5 and settings["renderer.samples"] == "4" and settings["style.strands"] == 1234
     settings["style.strands"] = None
     assert settings["style.strands"] is None
-    for name, value in [("wind.speed", -1), ("wind.speed", "fast"), ("wind.speed", [1]), ("edges.samples", 3)]:
+    for name, value in [("wind.speed", -1), ("wind.speed", "fast"), ("wind.speed", [1]), ("renderer.samples", 3)]:
         with pytest.raises(tresses.TressesError, match=name):
             settings[name] = value
     with pytest.raises(KeyError, match="the nearest is wind.speed"):

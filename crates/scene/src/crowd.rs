@@ -244,10 +244,10 @@ fn pigments(own: HairMaterial, several: bool) -> Vec<HairMaterial> {
     if several {
         let named =
             [HairMaterial::black(), HairMaterial::brown(), HairMaterial::blond(), HairMaterial::red()];
-        // Keep the shading model, the fiber and the minimum width of the settings.
+        // Keep the fiber and the minimum width of the settings.
         all.extend(named.map(|other| {
-            let HairMaterial { model, file_colors, min_width, .. } = own;
-            let mut material = HairMaterial { model, file_colors, min_width, ..other };
+            let HairMaterial { file_colors, min_width, .. } = own;
+            let mut material = HairMaterial { file_colors, min_width, ..other };
             material.fiber = FiberMaterial {
                 root_absorption: other.fiber.root_absorption,
                 tip_absorption: other.fiber.tip_absorption,

@@ -36,7 +36,7 @@ async fn picture(path: &str) -> Result<(), Box<dyn std::error::Error>> {
     ann.set_pose(body);
     let options = ViewOptions::default();
     let mut view = View::new(&tresses, &options, SIZE, 1)?;
-    let embed = Compositor::new(&tresses, (options.samples, options.coverage), COLOR)?;
+    let embed = Compositor::new(&tresses, options.renderer, COLOR)?;
     let picture = Picture { camera, lights, ..Default::default() };
     let source = wgpu::ShaderSource::Wgsl((shade::wgsl(1) + include_str!("embed.wgsl")).into());
 

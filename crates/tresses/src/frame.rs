@@ -16,7 +16,8 @@ use crate::{
     draw::{Compositor, Surroundings, record::Canvas},
     gpu::{Commands, Timings},
     hair::HairFrame,
-    light::{self, HairSet, HairShading, HairView, Part, SceneShadow, ShadingRate},
+    light::{self, HairSet, HairShading, HairView, Part, SceneShadow},
+    renderer::ShadingRate,
     skinning::Skinning,
     stage::Stage,
     view::{Picture, View},
@@ -38,7 +39,7 @@ pub struct ViewPass<'a> {
     pub shows: ViewContent<'a>,
     /// Whether to write hair geometry and strand labels as well: [`Targets::geometry`](crate::draw::Targets::geometry),
     /// [`Targets::labels`](crate::draw::Targets::labels). Applies to [`ViewContent::Hair`] and [`ViewContent::Again`], and requires
-    /// [`Coverage::Tiles`](crate::draw::Coverage::Tiles).
+    /// [`Renderer::Tiles`].
     pub asks: bool,
 }
 
@@ -234,7 +235,7 @@ impl Recorder<'_> {
         scene: &[SceneShadow<'_>],
     ) -> Result<()> {
         let parts = view.parts(picture.focus, [strands.len(), bodies.len()], true);
-        let shares = shares(view, strands, &parts, picture.shading)?;
+        let shares = shares(view, strands, &parts, view.options().renderer.rate())?;
         let seen = seen(strands, &shares, &parts);
         bodies.iter().for_each(|body| body.prepare());
         let lit = view.prepare(picture, &seen, &parts);
@@ -257,7 +258,10 @@ impl Recorder<'_> {
         };
         let picture = &inside.map_or(*picture, |shown| shown.picture(picture));
         let parts = view.parts(picture.focus, [sets.len(), bodies.len()], inside.is_none());
-        let shares = shares(view, sets, &parts, picture.shading)?;
+        // Debug views write a color per vertex.
+        let renderer = view.options().renderer;
+        let renderer = if inside.is_some() { renderer.per_vertex() } else { renderer };
+        let shares = shares(view, sets, &parts, renderer.rate())?;
         let seen = seen(sets, &shares, &parts);
         // Hides the hair where it would cover what a debug view shows.
         let hides = inside.is_some_and(|shown| shown.view.hides_hair());
@@ -282,9 +286,8 @@ impl Recorder<'_> {
             camera: &picture.camera,
             lights: &picture.lights,
             focus: &picture.focus,
-            coverage: view.options().coverage,
-            rate: picture.shading,
-            geometry: Compositor::known(view.options().coverage, asks)?,
+            renderer,
+            geometry: Compositor::known(renderer, asks)?,
             labels: asks,
             space: hair.first().map(|hair| hair.motion.drawn_in).unwrap_or_default(),
         };
@@ -294,7 +297,7 @@ impl Recorder<'_> {
             ViewContent::Hair => paint(canvas, view, bodies, grooms, |canvas| shade(canvas, view, &strands))?,
             // Shades the segments that the last image found visible. With tiles, a finer image shows other segments.
             ViewContent::Again => {
-                paint(canvas, view, bodies, grooms, |canvas| match canvas.coverage.is_tiled() {
+                paint(canvas, view, bodies, grooms, |canvas| match canvas.renderer.is_tiles() {
                     true => shade(canvas, view, &strands),
                     false => Ok(()),
                 })?
@@ -304,7 +307,7 @@ impl Recorder<'_> {
                     // Debug views show all segments.
                     match views.shade(canvas.commands, shown, picture, hair, &seen)? {
                         true => Ok(()),
-                        false => view.light.shade(canvas.commands, &strands, canvas.rate),
+                        false => view.light.shade(canvas.commands, &strands, canvas.renderer.rate()),
                     }
                 })?;
                 view.present().record(&mut self.commands, view.targets(), output)?;
@@ -364,7 +367,7 @@ fn paint<'a, 'c>(
     shade: impl FnOnce(&mut Canvas<'a, 'c>) -> Result<()>,
 ) -> Result<()> {
     let draw = &view.draw;
-    let body_first = draw.body_first(canvas.coverage);
+    let body_first = canvas.renderer.draws_bodies_first();
     if body_first {
         draw.record_bodies(canvas, bodies)?;
         canvas.commands.lap(Stage::Body);
@@ -390,7 +393,7 @@ fn composite(
     (embed, into): (&Compositor, &Surroundings<'_>),
     [strands, cards]: [&[HairView<'_>]; 2],
 ) -> Result<()> {
-    canvas.geometry = Compositor::asked(canvas.coverage, canvas.camera.projection, into)?;
+    canvas.geometry = Compositor::asked(canvas.renderer, canvas.camera.projection, into)?;
     embed.record_depth(canvas, canvas.camera.projection, into);
     view.draw.cards.record(canvas, cards)?;
     view.draw.record_seen(canvas, strands)?;
@@ -409,7 +412,7 @@ fn shade(canvas: &mut Canvas<'_, '_>, view: &View, hair: &[HairView<'_>]) -> Res
     if view.draw.shade_seen(canvas, hair)? {
         return Ok(());
     }
-    view.light.shade(canvas.commands, hair, canvas.rate)
+    view.light.shade(canvas.commands, hair, canvas.renderer.rate())
 }
 
 /// Returns the buffers of `view` for each of `sets`, lit by the light of its part.

@@ -75,6 +75,7 @@ pub mod clock;
 pub mod frame;
 pub mod hair;
 pub mod prepare;
+pub mod renderer;
 pub mod space;
 pub mod stage;
 pub mod view;

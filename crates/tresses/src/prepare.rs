@@ -4,8 +4,7 @@ use crate::{
     Context, Progress, Result, avoid, collide, draw,
     gpu::{kernel::Job, pipeline::Scopes},
     hair::Curves,
-    light::{self, ShadingRate},
-    lod, present, roots, simulate, skinning,
+    light, lod, present, roots, simulate, skinning,
     view::ViewOptions,
     volume, wind,
 };
@@ -34,8 +33,8 @@ pub enum PipelineRequest {
     Avoid,
     /// Cards in a view with this number of samples per pixel.
     Cards(u32),
-    /// All pipelines of a view with these options, for hair shaded at this rate.
-    View(ViewOptions, ShadingRate),
+    /// All pipelines of a view with these options.
+    View(ViewOptions),
 }
 
 /// Pipeline sets of a view.
@@ -99,13 +98,13 @@ fn jobs<'a>(context: &Context, request: &PipelineRequest, sets: &'a ViewSets) ->
         }
         PipelineRequest::Avoid => context.jobs::<avoid::Pipelines>(),
         PipelineRequest::Cards(samples) => sets.1.cards.jobs(samples),
-        PipelineRequest::View(options, rate) => {
+        PipelineRequest::View(options) => {
             let (light, draw, present) = sets;
-            let ViewOptions { samples, coverage, output, strand_map, .. } = options;
-            let mut jobs = light.jobs(coverage.is_tiled(), strand_map > 0);
-            jobs.extend(draw.jobs(coverage, samples, rate));
+            let ViewOptions { renderer, output, strand_map, .. } = options;
+            let mut jobs = light.jobs(renderer.is_tiles(), strand_map > 0);
+            jobs.extend(draw.jobs(renderer));
             // The supersampling factor is not known yet; 1 is the usual one.
-            jobs.push(Box::new(move || present.get(coverage, (samples, 1), output).map(|_| ())));
+            jobs.push(Box::new(move || present.get(renderer, 1, output).map(|_| ())));
             jobs
         }
     }

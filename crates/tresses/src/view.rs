@@ -4,13 +4,14 @@
 use crate::{
     Context, Result,
     camera::{Camera, CameraUniform, ToneMap},
-    draw::{self, Coverage, Targets, targets::PICTURE_FORMAT},
+    draw::{self, Targets, targets::PICTURE_FORMAT},
     gpu::bindings,
     light::{
-        self, FrameLight, HairSet, HairShading, HairView, Lights, Part, ShadingRate, ShadingSubset, Shadows,
-        Sphere, Zone, Zones,
+        self, FrameLight, HairSet, HairShading, HairView, Lights, Part, ShadingSubset, Shadows, Sphere, Zone,
+        Zones,
     },
     present::{self, Background},
+    renderer::{Renderer, ShadingRate},
 };
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -25,8 +26,6 @@ pub struct Picture {
     pub shadows: Shadows,
     /// The sphere that shadow maps cover.
     pub focus: Sphere,
-    /// Where hair is shaded: per vertex or per pixel.
-    pub shading: ShadingRate,
     /// The background.
     pub background: Background,
     /// Tone mapping.
@@ -36,17 +35,15 @@ pub struct Picture {
 /// Options of a [`View`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ViewOptions {
-    /// Samples per pixel: 1, 4, 8 or 16, as far as the adapter and [`Coverage::check`] allow.
-    pub samples: u32,
-    /// How strands are rasterized.
-    pub coverage: Coverage,
+    /// How hair is drawn.
+    pub renderer: Renderer,
     /// Texels along each edge of a shadow map, clamped to 4 to 2048. Deep opacity maps have a third of it, or less for
     /// soft shadows. Five maps take 43 bytes per texel ([`View::shadow_bytes`]).
     pub shadow_resolution: u32,
     /// Texels along each edge of the strand maps, which store the strand nearest to each light; clamped to 256 to 2048,
     /// 0 for none. With them, shadows between strands follow their geometry instead of being stochastic
-    /// ([`Shadows::strand_by_strand`]). Takes effect with deep opacity maps, when every strand is drawn and the head is
-    /// near. Takes 16 bytes per texel.
+    /// ([`Shadows::strand_by_strand`]). Takes effect in [`ShadingModel::Fiber`](crate::renderer::ShadingModel::Fiber),
+    /// when every strand is drawn and the head is near. Takes 16 bytes per texel.
     pub strand_map: u32,
     /// Cells along each edge of the grid of ambient light, clamped to 4 to 64 ([`crate::light::ambient`]). Takes 300
     /// bytes per cell.
@@ -56,11 +53,10 @@ pub struct ViewOptions {
 }
 
 impl Default for ViewOptions {
-    /// [Tiles](Coverage::Tiles) for strands, four samples per pixel for meshes.
+    /// [Tiles](Renderer::Tiles) for strands, four samples per pixel for meshes.
     fn default() -> Self {
         Self {
-            samples: 4,
-            coverage: Coverage::default(),
+            renderer: Renderer::default(),
             shadow_resolution: 1024,
             strand_map: 0,
             ambient_cells: 24,
@@ -100,11 +96,11 @@ impl View {
     /// # Errors
     /// As [`Targets::new`].
     pub fn new(context: &Context, options: &ViewOptions, size: [u32; 2], ssaa: u32) -> Result<Self> {
-        let targets = Targets::new(context, size, (options.samples, options.coverage), ssaa)?;
+        let targets = Targets::new(context, size, options.renderer, ssaa)?;
         let camera = bindings::uniform(&context.device, "camera", size_of::<CameraUniform>());
         Ok(Self {
             light: light(context, options, &camera),
-            present: present::PresentState::new(context, &targets, options.coverage, options.output),
+            present: present::PresentState::new(context, &targets, options.renderer, options.output),
             draw: context.pipelines(),
             context: context.clone(),
             options: *options,
@@ -130,7 +126,7 @@ impl View {
         let light = (lit(options) != lit(&self.options)).then(|| light(&self.context, options, &self.camera));
         let before = std::mem::replace(&mut self.options, *options);
         let Targets { size, ssaa, .. } = self.targets;
-        let drawn = |options: &ViewOptions| (options.samples, options.coverage, options.output);
+        let drawn = |options: &ViewOptions| (options.renderer.targets(), options.output);
         if drawn(options) != drawn(&before)
             && let Err(error) = self.resize(size, ssaa)
         {
@@ -149,9 +145,9 @@ impl View {
     /// # Errors
     /// As [`new`](Self::new). The view is unchanged after an error.
     pub fn resize(&mut self, size: [u32; 2], ssaa: u32) -> Result<()> {
-        let ViewOptions { samples, coverage, output, .. } = self.options;
-        self.targets = Targets::new(&self.context, size, (samples, coverage), ssaa)?;
-        self.present = present::PresentState::new(&self.context, &self.targets, coverage, output);
+        let ViewOptions { renderer, output, .. } = self.options;
+        self.targets = Targets::new(&self.context, size, renderer, ssaa)?;
+        self.present = present::PresentState::new(&self.context, &self.targets, renderer, output);
         Ok(())
     }
 
@@ -166,14 +162,14 @@ impl View {
         (output, format): (&wgpu::TextureView, wgpu::TextureFormat),
         (background, tone): (&Background, &ToneMap),
     ) -> Result<()> {
-        let present = present::PresentState::new(&self.context, &self.targets, self.options.coverage, format);
+        let present = present::PresentState::new(&self.context, &self.targets, self.options.renderer, format);
         present.prepare(&self.context, background, tone, &self.targets);
         present.record(&mut self.context.commands(encoder), &self.targets, output)
     }
 
-    /// Whether the last image, which must have been submitted, contains all hair. With [`Coverage::Tiles`], a sudden
+    /// Whether the last image, which must have been submitted, contains all hair. With [`Renderer::Tiles`], a sudden
     /// close-up may exceed the tile lists, which leaves some tiles of its first image without hair. The lists then
-    /// grow, and the image must be drawn again. Other coverage always returns `true`. Views that are drawn continuously
+    /// grow, and the image must be drawn again. Other renderers always return `true`. Views that are drawn continuously
     /// detect this on their own a few frames later.
     ///
     /// # Errors
@@ -319,14 +315,16 @@ impl View {
         let camera = picture.camera.uniform(self.targets.samples, self.targets.ssaa);
         self.context.queue.write_buffer(&self.camera, 0, bytemuck::bytes_of(&camera));
         self.present.prepare(&self.context, &picture.background, &picture.tone, &self.targets);
+        let renderer = self.options.renderer;
         let mut first = 0;
         for seen in hair {
-            seen.shaded.prepare(&self.context, seen.hair, first);
+            seen.shaded.prepare(&self.context, seen.hair, renderer.shading(), first);
             first += seen.hair.strands.count;
         }
         let lit = |part: &Part<'_>| {
             let lights = (&picture.lights, &picture.shadows, &part.focus);
-            let mut lit = part.light.prepare(&self.context, lights, &Part::of(&part.hair, hair), part.number);
+            let hair = Part::of(&part.hair, hair);
+            let mut lit = part.light.prepare(&self.context, lights, renderer, &hair, part.number);
             lit.ambient &= part.fresh;
             lit
         };

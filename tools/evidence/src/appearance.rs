@@ -2,17 +2,17 @@
 
 use anyhow::{Context, Result};
 use serde::Serialize;
-use tresses::light::{ShadingModel, ShadingRate, ShadowMethod};
 use tresses_cli::{
     args::Size,
     bench::{
         Adapter, Sitting,
         results::{Run, measured},
         table::{ms, table},
-        workload::{self, Edges, masks},
+        workload::{self, Drawing},
     },
     photographer::Photographer,
 };
+use tresses_scene::Value::{self, Choice, Integer};
 use tresses_scene::{settings::Lamp, words::grouped};
 
 /// Image size and number of drawn strands.
@@ -21,16 +21,13 @@ const FULL: (Size, u32) = (Size { width: 1280, height: 720 }, 20_000);
 const SOFTWARE: (Size, u32) = (Size { width: 640, height: 360 }, 5_000);
 /// Default number of measured frames on software adapters.
 pub const SOFTWARE_FRAMES: u32 = 3;
-/// Samples per pixel of variants that do not compare sample counts.
-const SAMPLES: &str = "4";
-
 /// One method of drawing the character.
 pub struct Variant {
     /// Topic of the comparison, a heading.
     topic: &'static str,
     /// Name of the method.
     name: &'static str,
-    edges: Edges,
+    drawing: Drawing,
     set: fn(&mut Photographer),
 }
 
@@ -54,71 +51,77 @@ pub struct Look {
 impl Variant {
     /// Whether an adapter with at most `most` samples per pixel supports the method.
     pub fn fits(&self, most: u32) -> bool {
-        self.edges
-            .modes
-            .and_then(|(samples, _)| samples.parse().ok())
-            .is_none_or(|samples: u32| samples <= most)
+        let samples = self.drawing.iter().find(|(path, _)| *path == "renderer.samples");
+        let count = |(_, value): &(_, Value)| match value {
+            Choice(count) => count.parse().ok(),
+            _ => None,
+        };
+        samples.and_then(count).is_none_or(|samples: u32| samples <= most)
     }
 }
 
+const TILES: (&str, Value) = ("renderer.kind", Choice("tiles"));
+const MASKS: (&str, Value) = ("renderer.kind", Choice("masks"));
+const CLASSIC: (&str, Value) = ("renderer.kind", Choice("classic"));
+const ALPHA: (&str, Value) = ("renderer.coverage", Choice("alpha"));
+const PER_PIXEL: (&str, Value) = ("renderer.rate", Choice("pixel"));
+const KAJIYA_KAY: (&str, Value) = ("shading.model", Choice("kajiya-kay"));
+const ONE: (&str, Value) = ("renderer.samples", Choice("1"));
+const FOUR: (&str, Value) = ("renderer.samples", Choice("4"));
+const EIGHT: (&str, Value) = ("renderer.samples", Choice("8"));
+const SSAA: (&str, Value) = ("renderer.ssaa", Integer(2));
+
+const ONE_LAYER: (&str, Value) = ("renderer.layers", Integer(1));
+const EIGHT_LAYERS: (&str, Value) = ("renderer.layers", Integer(8));
+const ABSORPTION: (&str, Value) = ("renderer.shadows", Choice("absorption"));
+const OPAQUE: (&str, Value) = ("renderer.shadows", Choice("opaque"));
+
 /// Returns all methods by topic. The first of a topic is the default.
 pub fn variants() -> Vec<Variant> {
-    let light = |topic, name, set| Variant { topic, name, edges: masks(SAMPLES, 1), set };
-    let shading = |name, set| light("shading", name, set);
-    let shadows = |name, set| light("shadows", name, set);
-    let samples =
-        |name, samples, ssaa| Variant { topic: "samples", name, edges: masks(samples, ssaa), set: |_| {} };
-    let coverage = |name, samples, ssaa, mode, layers| Variant {
-        topic: "coverage",
-        name,
-        edges: Edges { modes: Some((samples, mode)), layers, ssaa: Some(ssaa) },
-        set: |_| {},
-    };
+    let variant = |topic, name, drawing| Variant { topic, name, drawing, set: |_| {} };
+    let shading = |name, drawing| variant("shading", name, drawing);
+    let shadows = |name, drawing| variant("shadows", name, drawing);
+    let samples = |name, drawing| variant("samples", name, drawing);
+    let coverage = |name, drawing| variant("coverage", name, drawing);
     vec![
-        shading("fiber, per strand vertex", |_| {}),
-        shading("Kajiya–Kay, per strand vertex", |scene| {
-            scene.character.hair_mut().set.material.model = ShadingModel::KajiyaKay;
-        }),
-        shading("fiber, per pixel", |scene| scene.picture.shading = ShadingRate::PerPixel),
-        shading("Kajiya–Kay, per pixel", |scene| {
-            scene.character.hair_mut().set.material.model = ShadingModel::KajiyaKay;
-            scene.picture.shading = ShadingRate::PerPixel;
-        }),
-        shadows("deep opacity maps", |_| {}),
-        shadows("absorption", |scene| scene.picture.shadows.method = ShadowMethod::Absorption),
-        shadows("opaque", |scene| scene.picture.shadows.method = ShadowMethod::Opaque),
-        shadows("deep opacity maps, four lights", |scene| {
-            let light = |x: f32, z: f32| Lamp {
-                azimuth: x.atan2(z),
-                elevation: 0.5f32.atan2(x.hypot(z)),
-                irradiance: 1.0,
-            };
-            scene.lighting.lamps = [light(1.0, 0.3), light(-1.0, -0.3)];
-        }),
-        shadows("deep opacity maps, per pixel", |scene| {
-            scene.picture.shading = ShadingRate::PerPixel;
-            scene.picture.shadows.per_pixel = true;
-        }),
-        samples("4×MSAA", "4", 1),
-        samples("1 sample", "1", 1),
-        samples("8×MSAA", "8", 1),
-        samples("2×2 SSAA", "1", 2),
-        samples("4×MSAA and 2×2 SSAA", "4", 2),
-        coverage("masks, 4×MSAA", "4", 1, "mask", None),
-        coverage("alpha to coverage, 4×MSAA", "4", 1, "alpha", None),
-        coverage("tiles", "4", 1, "tiles", None),
-        coverage("tiles, 1 sample", "1", 1, "tiles", None),
-        coverage("1 peeled layer", "1", 1, "peel", Some(1)),
-        coverage("4 peeled layers", "1", 1, "peel", Some(4)),
-        coverage("8 peeled layers", "1", 1, "peel", Some(8)),
-        coverage("4 peeled layers and 2×2 SSAA", "1", 2, "peel", Some(4)),
+        shading("fiber, masks", &[MASKS, FOUR]),
+        shading("Kajiya–Kay, masks", &[MASKS, FOUR, KAJIYA_KAY]),
+        shading("Kajiya–Kay, classic, per strand vertex", &[CLASSIC, ALPHA, FOUR]),
+        shading("Kajiya–Kay, classic, per pixel", &[CLASSIC, ALPHA, FOUR, PER_PIXEL]),
+        shadows("deep opacity maps", &[CLASSIC, ALPHA, FOUR]),
+        shadows("absorption", &[CLASSIC, ALPHA, FOUR, ABSORPTION]),
+        shadows("opaque", &[CLASSIC, ALPHA, FOUR, OPAQUE]),
+        Variant {
+            set: |scene| {
+                let light = |x: f32, z: f32| Lamp {
+                    azimuth: x.atan2(z),
+                    elevation: 0.5f32.atan2(x.hypot(z)),
+                    irradiance: 1.0,
+                };
+                scene.lighting.lamps = [light(1.0, 0.3), light(-1.0, -0.3)];
+            },
+            ..shadows("deep opacity maps, four lights", &[CLASSIC, ALPHA, FOUR])
+        },
+        samples("4×MSAA", &[MASKS, FOUR]),
+        samples("1 sample", &[MASKS, ONE]),
+        samples("8×MSAA", &[MASKS, EIGHT]),
+        samples("2×2 SSAA", &[MASKS, ONE, SSAA]),
+        samples("4×MSAA and 2×2 SSAA", &[MASKS, FOUR, SSAA]),
+        coverage("masks, 4×MSAA", &[MASKS, FOUR]),
+        coverage("alpha to coverage, 4×MSAA", &[CLASSIC, ALPHA, FOUR]),
+        coverage("tiles", &[TILES, FOUR]),
+        coverage("tiles, 1 sample", &[TILES, ONE]),
+        coverage("1 peeled layer", &[CLASSIC, ONE_LAYER]),
+        coverage("4 peeled layers", &[CLASSIC]),
+        coverage("8 peeled layers", &[CLASSIC, EIGHT_LAYERS]),
+        coverage("4 peeled layers and 2×2 SSAA", &[CLASSIC, SSAA]),
     ]
 }
 
 /// Measures one method.
 pub fn measure(variant: &Variant, software: bool, sitting: Sitting<'_>) -> Result<Look> {
     let (size, strands) = if software { SOFTWARE } else { FULL };
-    let mut scene = Photographer::open(&workload::style(Some(strands), variant.edges), size)
+    let mut scene = Photographer::open(&workload::style(Some(strands), variant.drawing), size)
         .with_context(|| format!("{}, {}", variant.topic, variant.name))?;
     (variant.set)(&mut scene);
     let camera = workload::camera(&scene, size, None);

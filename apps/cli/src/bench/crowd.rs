@@ -61,7 +61,7 @@ pub struct Row {
 /// Measures a crowd of `heads` heads with the long style in motion.
 pub fn measure(heads: u32, sitting: Sitting<'_>) -> Result<CrowdTimes> {
     let Sitting { frames, bar, .. } = sitting;
-    let mut preset = workload::style(Some(STRANDS), workload::Edges::default());
+    let mut preset = workload::style(Some(STRANDS), workload::TILES);
     // The crowd's options, except that the portrait has full detail and does not sleep.
     preset.settings.lod = LodOptions { mode: LodMode::Off, sleep: false, ..LodOptions::CROWD };
     let mut scene = Photographer::with_samples_at_most(&preset, SIZE, None).context("a crowd")?;

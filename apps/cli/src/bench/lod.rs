@@ -62,7 +62,7 @@ pub struct LodTimes {
 
 /// Measures the long style in motion at all distances.
 pub fn measure(sitting: Sitting<'_>) -> Result<Vec<LodPoint>> {
-    let preset = workload::style(Some(STRANDS), workload::Edges::default());
+    let preset = workload::style(Some(STRANDS), workload::TILES);
     let mut scene = Photographer::with_samples_at_most(&preset, SIZE, None).context("levels of detail")?;
     scene.measure_by(sitting.clock);
     let near = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), SIZE.aspect(), 1.0);

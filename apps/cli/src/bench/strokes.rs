@@ -67,7 +67,7 @@ impl OperationTime {
 /// Measures strokes on the built-in long style.
 pub fn measure(sitting: Sitting<'_>) -> Result<GroomTimes> {
     let gpu = pollster::block_on(Gpu::open())?;
-    let mut preset = workload::style(Some(GUIDES), workload::Edges::default());
+    let mut preset = workload::style(Some(GUIDES), workload::TILES);
     preset.settings.style.all_guides = true;
     let (_, mut editor) = pollster::block_on(preset.editor(&gpu.context, &()))?;
     let guides = [editor.document().guides().len(), editor.document().vertex_count()];
@@ -103,8 +103,7 @@ pub fn measure(sitting: Sitting<'_>) -> Result<GroomTimes> {
     }
     rows.push(OperationTime::of("a pick", picks, PICK));
     rows.push(OperationTime::of("undo", undos, UNDO));
-    let (strands, times) =
-        settle(&gpu, &workload::style(Some(STRANDS), workload::Edges::default()), sitting)?;
+    let (strands, times) = settle(&gpu, &workload::style(Some(STRANDS), workload::TILES), sitting)?;
     rows.push(OperationTime::of("strands made anew", times, SETTLE));
     Ok(GroomTimes { guides, strands, rows })
 }

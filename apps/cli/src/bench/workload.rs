@@ -10,7 +10,7 @@ use crate::{args::Size, photographer::Photographer, preset_args};
 use anyhow::{Context, Result};
 use std::{path::PathBuf, time::Instant};
 use tresses::{character::source::strands_for, lod::LodMode};
-use tresses_scene::{Motion, Preset, Settings, Source, Viewpoint, camera::Angle};
+use tresses_scene::{Motion, Preset, Settings, Source, Value, Viewpoint, camera::Angle};
 
 /// Warm-up frames, in which shaders are compiled.
 pub const WARM_UP: u32 = 2;
@@ -42,75 +42,74 @@ pub struct Workload {
     pub runs: Vec<(&'static str, &'static str)>,
 }
 
-/// Options of antialiasing.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Edges {
-    /// Samples per pixel and coverage, as named by the parameters; `None` for the defaults of the command.
-    pub modes: Option<(&'static str, &'static str)>,
-    /// Number of peeled layers; `None` for the default.
-    pub layers: Option<u32>,
-    /// Supersampling factor per axis; `None` for the default.
-    pub ssaa: Option<u32>,
-}
+/// Parameters of the renderer with values other than the command's defaults.
+pub type Drawing = &'static [(&'static str, Value)];
 
-impl Edges {
-    fn settings(&self) -> Settings {
-        let mut settings = Settings::default();
-        if let Some((samples, coverage)) = self.modes {
-            settings.set("edges.samples", samples).expect("samples of the table");
-            settings.set("edges.coverage", coverage).expect("coverage of the table");
-        }
-        settings.peeled_layers = self.layers.unwrap_or(settings.peeled_layers);
-        settings.ssaa = self.ssaa.unwrap_or(settings.ssaa);
-        settings
+/// The command's default: tiles.
+pub const TILES: Drawing = &[];
+
+/// Sample masks with one sample, as a WebGPU peer draws.
+const ONE_SAMPLE: Drawing =
+    &[("renderer.kind", Value::Choice("masks")), ("renderer.samples", Value::Choice("1"))];
+
+/// The talk of 2008: alpha to coverage with 8×MSAA, or the adapter's maximum.
+const TALK: Drawing = &[
+    ("renderer.kind", Value::Choice("classic")),
+    ("renderer.coverage", Value::Choice("alpha")),
+    ("renderer.samples", Value::Choice("8")),
+];
+/// The second scene of the talk.
+const TALK_SUPERSAMPLED: Drawing = &[
+    ("renderer.kind", Value::Choice("classic")),
+    ("renderer.coverage", Value::Choice("alpha")),
+    ("renderer.samples", Value::Choice("8")),
+    ("renderer.ssaa", Value::Integer(2)),
+];
+
+/// Returns a preset of `source`, drawn by `drawing`, without level of detail.
+pub fn preset(source: Source, drawing: Drawing) -> Preset {
+    let mut settings = Settings::default();
+    for (path, value) in drawing {
+        settings.set(path, *value).expect("values of the table");
     }
-}
-
-/// Returns sample masks with `samples` and supersampling by `ssaa`. Published figures have no supersampling.
-pub fn masks(samples: &'static str, ssaa: u32) -> Edges {
-    Edges { modes: Some((samples, "mask")), ssaa: Some(ssaa), layers: None }
-}
-
-/// Returns a preset of `source` with `edges`, without level of detail.
-pub fn preset(source: Source, edges: Edges) -> Preset {
-    let mut settings = edges.settings();
     settings.lod.mode = LodMode::Off;
     Preset { source, settings, name: None }
 }
 
 /// Returns the built-in long style, with its own or the given number of strands.
-pub fn style(strands: Option<u32>, edges: Edges) -> Preset {
-    let mut preset = preset(Source { style: Some("long".into()), ..Source::default() }, edges);
+pub fn style(strands: Option<u32>, drawing: Drawing) -> Preset {
+    let mut preset = preset(Source { style: Some("long".into()), ..Source::default() }, drawing);
     if let Some(strands) = strands {
         preset.settings.set("style.strands", strands).expect("a number of strands");
     }
     preset
 }
 
-/// Returns the two scenes of the 2008 talk.
+/// Returns the two scenes of the 2008 talk, each by the classic renderer and by tiles.
 pub fn seed() -> Vec<Workload> {
-    let runs = vec![("at rest", "still"), ("in motion", "turn")];
+    let scene = |name: &str, others, drawing, triangles, size| Workload {
+        name: format!("The 2008 talk, {name}"),
+        others,
+        preset: style(None, drawing),
+        triangles: Some(triangles),
+        size,
+        distance: None,
+        cards: None,
+        runs: vec![("at rest", "still"), ("in motion", "turn")],
+    };
+    let first = |name, drawing| {
+        let others = "GeForce 8800 GTX, 2008, 8×MSAA: 15.6 ms at rest, 24.4 ms in motion";
+        scene(name, others, drawing, 990_000, Size { width: 1920, height: 1200 })
+    };
+    let second = |name, drawing| {
+        let others = "GeForce 8800 GTX, 2008, 8×MSAA: 41.7 ms at rest, 57.1 ms in motion";
+        scene(name, others, drawing, 2_100_000, Size { width: 1280, height: 1024 })
+    };
     vec![
-        Workload {
-            name: "The 2008 talk, first scene".into(),
-            others: "GeForce 8800 GTX, 2008, 8×MSAA: 15.6 ms at rest, 24.4 ms in motion",
-            preset: style(None, Edges::default()),
-            triangles: Some(990_000),
-            size: Size { width: 1920, height: 1200 },
-            distance: None,
-            cards: None,
-            runs: runs.clone(),
-        },
-        Workload {
-            name: "The 2008 talk, second scene".into(),
-            others: "GeForce 8800 GTX, 2008, 8×MSAA: 41.7 ms at rest, 57.1 ms in motion",
-            preset: style(None, Edges::default()),
-            triangles: Some(2_100_000),
-            size: Size { width: 1280, height: 1024 },
-            distance: None,
-            cards: None,
-            runs,
-        },
+        first("first scene, classic", TALK),
+        first("first scene, tiles", TILES),
+        second("second scene, classic", TALK_SUPERSAMPLED),
+        second("second scene, tiles", TILES),
     ]
 }
 
@@ -134,8 +133,8 @@ pub fn peer(grooms: &[PathBuf], heads: &[PathBuf]) -> Option<[Workload; 2]> {
         ""
     };
     let source = Source { grooms, heads, ..Source::default() };
-    let drawn = |name: &str, edges| {
-        let mut preset = preset(source.clone(), edges);
+    let drawn = |name: &str, drawing| {
+        let mut preset = preset(source.clone(), drawing);
         preset.settings.style.all_guides = true;
         Workload {
             name: name.into(),
@@ -149,8 +148,8 @@ pub fn peer(grooms: &[PathBuf], heads: &[PathBuf]) -> Option<[Workload; 2]> {
         }
     };
     Some([
-        drawn("Every strand of a groom simulated, masks", masks("1", 1)),
-        drawn("Every strand of a groom simulated, tiles", Edges::default()),
+        drawn("Every strand of a groom simulated, masks", ONE_SAMPLE),
+        drawn("Every strand of a groom simulated, tiles", TILES),
     ])
 }
 
@@ -159,7 +158,7 @@ pub fn long() -> Workload {
     Workload {
         name: "The style long".into(),
         others: "",
-        preset: style(None, Edges::default()),
+        preset: style(None, TILES),
         triangles: None,
         size: Size { width: 1280, height: 720 },
         distance: None,
@@ -236,7 +235,7 @@ pub fn measure(workload: &Workload, sitting: Sitting<'_>) -> Result<Group> {
 /// Measures the long style with `strands` strands.
 pub fn point(strands: u32, sitting: Sitting<'_>) -> Result<StrandPoint> {
     let size = Size { width: 1280, height: 720 };
-    let mut scene = Photographer::with_samples_at_most(&style(Some(strands), Edges::default()), size, None)?;
+    let mut scene = Photographer::with_samples_at_most(&style(Some(strands), TILES), size, None)?;
     let camera = camera(&scene, size, None);
     let run = run(&mut scene, "in motion", "turn", &camera, sitting)?;
     Ok(StrandPoint { strands: scene.facts().strands, gpu: run.gpu, frame: run.frame })

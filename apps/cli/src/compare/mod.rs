@@ -61,7 +61,7 @@ pub struct Shading;
 
 impl Rows for Shading {
     fn has(flag: &Flag) -> bool {
-        ["shading", "melanin", "roughness", "shade-per", "ambient", "ambient-cells", "shadows", "strand-map"]
+        ["shading", "melanin", "roughness", "ambient", "ambient-cells", "shadows", "strand-map"]
             .contains(&flag.name)
     }
 }

@@ -14,7 +14,6 @@ use tresses::{
     camera::ToneMap,
     character,
     collide::ColliderPoses,
-    draw::Coverage,
     frame::{ViewContent, ViewPass},
     glam::{Affine3A, Mat4, Vec3},
     gpu::{Gpu, readback::blocking as readback},
@@ -24,8 +23,9 @@ use tresses::{
         orient::{Axis, Choice, Unit},
     },
     hair::HairFrame,
-    light::{Directional, Lights, MAX_LIGHTS, ShadowMethod, Shadows, Sky, Sphere, material::linear},
+    light::{Directional, Lights, MAX_LIGHTS, Shadows, Sky, Sphere, material::linear},
     present::Background,
+    renderer::{Renderer, TileOptions},
     simulate::SimulationParams,
     view::{Picture as Shot, ViewOptions},
     views::{DebugDisplay, DebugView, DebugViews},
@@ -83,8 +83,8 @@ impl Rig {
         let hair_bounds = groom.bounds().context("the groom is empty")?;
         let subject = character::subject(hair_bounds, head.bounds());
         let [width, height] = view.groom.camera.resolution;
-        let options =
-            ViewOptions { samples, output: FORMAT, coverage: Coverage::Tiles, ..Default::default() };
+        let renderer = Renderer::Tiles(TileOptions { samples, ..TileOptions::default() });
+        let options = ViewOptions { renderer, output: FORMAT, ..Default::default() };
         let eye = View::new(&context, &options, [width, height], 1)?;
         let output = context.device().create_texture(&wgpu::TextureDescriptor {
             label: Some("compared"),
@@ -143,7 +143,7 @@ impl Rig {
         shading: &RowFlags<Shading>,
     ) -> Result<[Linear; 2]> {
         let scene = dim(self.scene(view, scenes, shading)?);
-        let off = Shadows { method: ShadowMethod::Off, ..scene.shadows };
+        let off = Shadows { enabled: false, ..scene.shadows };
         Ok([self.once(scene)?, self.once(Shot { shadows: off, ..scene })?])
     }
 
@@ -176,6 +176,10 @@ impl Rig {
         let options = ViewOptions {
             ambient_cells: settings.view.ambient_cells,
             strand_map: settings.view.strand_map,
+            renderer: Renderer::Tiles(TileOptions {
+                shading: settings.renderer.model,
+                samples: self.view.options().renderer.samples(),
+            }),
             ..*self.view.options()
         };
         self.view.set_options(&options)?;
@@ -187,7 +191,6 @@ impl Rig {
             camera: Camera::look_at(eye, target, camera.vertical_fov_degrees.to_radians(), camera.resolution),
             lights: lights(view, scenes)?,
             focus: self.focus,
-            shading: settings.shading_rate(),
             shadows: Shadows { body_radius: POINT, ..settings.shadows },
             background: Background::flat(Vec3::splat(scenes.background_linear)),
             ..Default::default()

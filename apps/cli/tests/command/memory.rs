@@ -6,10 +6,10 @@
 use std::{process::Command, str::FromStr};
 use tresses::{
     character::CharacterSource,
-    draw::Coverage,
     gpu::Gpu,
     groom::styles::Style,
     lod::{LodMode, LodOptions},
+    renderer::Renderer,
     views::{DebugDisplay, DebugView},
 };
 use tresses_scene::{
@@ -80,7 +80,7 @@ fn work() {
     let mut quality = Quality::new(SIZES[0]);
     (quality.view.shadow_resolution, quality.view.ambient_cells) = (64, 8);
     if samples > 0 {
-        (quality.view.coverage, quality.view.samples) = (Coverage::SampleMask, samples);
+        quality.view.renderer = Renderer::masks(samples);
     }
     let mut settings = Settings::default();
     settings.set("wind.speed", 3.0f32).expect("there is wind");

@@ -43,7 +43,8 @@ pub fn show(document: &mut Document, search: &mut String, ui: &mut Ui) {
     let mut changed = None;
     ScrollArea::vertical().id_salt("knobs").auto_shrink(false).show(ui, |ui| {
         for section in SECTIONS {
-            let found = section.knobs.iter().filter(|knob| matches(knob, section, &words));
+            let read = section.knobs.iter().filter(|knob| knob.is_read(&settings));
+            let found = read.filter(|knob| matches(knob, section, &words));
             let (advanced, first): (Vec<_>, Vec<_>) = found.partition(|knob| knob.advanced);
             if first.is_empty() && advanced.is_empty() {
                 continue;
@@ -131,7 +132,11 @@ pub fn row(knob: &Knob, settings: &mut Settings, resolved: &Settings, ui: &mut U
     });
     let Some(new) = new.filter(|new| *new != value) else { return false };
     // A slider's end, rounded to single precision, may exceed the range.
-    knob.set(settings, new).is_ok()
+    let is_set = knob.set(settings, new).is_ok();
+    if ["renderer.kind", "renderer.coverage"].contains(&knob.path) {
+        settings.fit_renderer();
+    }
+    is_set
 }
 
 fn help(knob: &Knob) -> String {

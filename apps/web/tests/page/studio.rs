@@ -156,7 +156,7 @@ fn memory_is_constant_for_two_thousand_frames_in_a_browser() {
 #[test]
 fn studio_runs_in_a_browser() {
     let folder = tempfile::tempdir().unwrap();
-    let Some((mut browser, server, serving)) = open(folder.path(), "&edges.coverage=tiles") else { return };
+    let Some((mut browser, server, serving)) = open(folder.path(), "&renderer.kind=tiles") else { return };
     let first = picture(&mut browser, "hair", |picture| hair(picture) > 0.05);
     first.keep("studio-1-hair.png");
     picture(&mut browser, "motion", |later| change(later, &first) > 0.03).keep("studio-2-motion.png");
@@ -240,7 +240,7 @@ fn cost_of_a_real_groom_in_a_browser() {
     let (groom, head) =
         (sintel.join("SintelHairOriginal-sintel_hair.16points.tfx"), sintel.join("sintel.obj"));
     let folder = tempfile::tempdir().unwrap();
-    let address = "?style=short&style.strands=11400&style.all_guides=true&lod.mode=off&edges.coverage=tiles";
+    let address = "?style=short&style.strands=11400&style.all_guides=true&lod.mode=off&renderer.kind=tiles";
     let Some((mut browser, server, serving)) = open_at(folder.path(), BROAD, address) else { return };
     let browser = &mut browser;
     state(browser, |state| state["frames"].as_u64() > Some(0));

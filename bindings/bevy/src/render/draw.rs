@@ -30,7 +30,8 @@ use bevy::{
 };
 use tresses::{
     Camera, Character, Context, Result, View,
-    draw::{Compositor, Coverage, Shade, Surroundings},
+    draw::{Compositor, Shade, Surroundings},
+    renderer::Renderer,
     view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages},
 };
@@ -68,7 +69,7 @@ impl CameraViews {
         let fits = |kept: &CameraView| (kept.view.options(), kept.format) == (options, format);
         if !self.0.get(&camera).is_some_and(fits) {
             let view = View::new(context, options, size, 1)?;
-            let embed = Compositor::new(context, (options.samples, options.coverage), format)?;
+            let embed = Compositor::new(context, options.renderer, format)?;
             self.0.insert(camera, CameraView { view, embed, format, overlays: None });
         }
         let kept = self.0.get_mut(&camera).expect("it has just been put there");
@@ -135,12 +136,12 @@ pub(crate) fn draw(
     }
     let options = seen_by.options.unwrap_or(default.options);
     // Only tiles provide depth, motion and opacity of hair.
-    let is_tiled = options.coverage == Coverage::Tiles;
+    let is_tiled = matches!(options.renderer, Renderer::Tiles(_));
     if seen_by.depth && !is_tiled {
-        errors.report(format!("camera {entity} has HairDepth, which needs tiled hair (Coverage::Tiles)"));
+        errors.report(format!("camera {entity} has HairDepth, which needs tiled hair (Renderer::Tiles)"));
     }
     if seen_by.fog.is_some() && !is_tiled {
-        errors.report(format!("the fog of camera {entity} needs tiled hair (Coverage::Tiles)"));
+        errors.report(format!("the fog of camera {entity} needs tiled hair (Renderer::Tiles)"));
     }
     let (color, format) = (target.main_texture_view(), target.main_texture_format());
     let depth_view = &*depth.attachment.texture.default_view;

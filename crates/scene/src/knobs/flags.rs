@@ -6,7 +6,7 @@
 //! unless they carry another unit; shares are from 0 to 1, or have a `%`.
 
 use super::{
-    Knob, Value, ValueKind, find,
+    Knob, Value, ValueKind, find, removed,
     text::{names, with_unit},
     value::PERCENT,
 };
@@ -164,7 +164,10 @@ impl Knob {
         let refused = || format!("expected {}", self.flag_form(&flag));
         let mut texts = text.split(',').map(str::trim);
         let mut text = texts.next().unwrap_or_default();
-        let mut assigned = read_any(first, text).ok_or_else(|| refusal(first))?;
+        let mut assigned = read_any(first, text).ok_or_else(|| match removed::value(flag.name, text) {
+            Some(successor) => format!("use {successor}"),
+            None => refusal(first),
+        })?;
         for place in flag.more {
             text = match (texts.next(), place.missing) {
                 (Some(text), _) | (None, OmittedValue::Is(text)) => text,

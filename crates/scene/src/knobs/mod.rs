@@ -22,10 +22,11 @@
 mod avoidance;
 mod change;
 mod document;
-mod edges;
 pub mod flags;
 mod lights;
 mod lod;
+pub mod removed;
+mod renderer;
 mod shading;
 mod shadows;
 mod simulation;
@@ -41,7 +42,7 @@ pub(crate) use style::CURLS;
 pub use text::color;
 pub use value::{Choice, Refusal, Scale, Unit, Value, ValueKind};
 
-use crate::settings::Settings;
+use crate::settings::{RendererKind, Settings};
 
 /// A group of parameters.
 #[derive(Debug)]
@@ -65,7 +66,7 @@ pub const SECTIONS: &[Section] = &[
     simulation::SECTION,
     avoidance::SECTION,
     shadows::SECTION,
-    edges::SECTION,
+    renderer::SECTION,
     lod::SECTION,
 ];
 
@@ -88,6 +89,8 @@ pub struct Knob {
     pub automatic: bool,
     /// Whether it is rarely needed, such as seeds, grids and tolerances. Interfaces collapse advanced parameters.
     pub advanced: bool,
+    /// The only renderer that reads it; `None` if several do. Interfaces show it only with that renderer.
+    pub renderer: Option<RendererKind>,
     /// Dedicated command-line flag, if it has one besides `--set`.
     pub flag: Option<Flag>,
     field: Access,
@@ -110,6 +113,11 @@ impl Knob {
 
     const fn advanced(mut self) -> Self {
         self.advanced = true;
+        self
+    }
+
+    const fn only(mut self, renderer: RendererKind) -> Self {
+        self.renderer = Some(renderer);
         self
     }
 
@@ -174,6 +182,11 @@ impl Knob {
         }
     }
 
+    /// Whether the renderer of `settings` reads the parameter.
+    pub fn is_read(&self, settings: &Settings) -> bool {
+        self.renderer.is_none_or(|only| only == settings.renderer_kind())
+    }
+
     /// Returns the default value.
     pub fn default(&self) -> Value {
         self.get(&Settings::default())
@@ -216,10 +229,13 @@ pub fn find(path: &str) -> Option<&'static Knob> {
 /// Returns the row with this path.
 ///
 /// # Errors
-/// If there is none with this path, names the row that another program calls so, or else the nearest row.
+/// If there is none with this path, names its successor, the row that another program calls so, or the nearest row.
 pub fn named(path: &str) -> Result<&'static Knob, String> {
     if let Some(knob) = find(path) {
         return Ok(knob);
+    }
+    if let Some(successor) = removed::row(path) {
+        return Err(format!("there is no {path}; use {successor}"));
     }
     let key = path.rsplit_once('.').map_or(path, |(_, key)| key);
     let words = key.replace(['_', '-'], " ").to_lowercase();
@@ -247,6 +263,7 @@ macro_rules! rows {
                 cost: $crate::knobs::Change::Frame,
                 automatic: false,
                 advanced: false,
+                renderer: None,
                 flag: None,
                 field: $crate::knobs::rows!(@ $field),
             }

@@ -7,7 +7,7 @@ use super::{
     value::*,
 };
 use crate::settings::HairColor;
-use tresses::light::{ShadingModel, ShadingRate, fiber::FiberShape};
+use tresses::{light::fiber::FiberShape, renderer::ShadingModel};
 
 pub(super) const SECTION: Section =
     Section { key: "shading", title: "Shading", about: "Hair color and shading model.", knobs: KNOBS };
@@ -46,10 +46,8 @@ const KNOBS: &[Knob] = rows! { "shading";
         within(PLAIN, FiberShape::ROUGHNESS),
         also("radial roughness"),
         "Roughness around the fiber: higher is softer and more opaque (fiber only).";
-    "model" "Model" [shading.material.model] choice::<ShadingModel>(), flag(flag("shading", "MODEL")),
-        "Scattering in and between fibers, or the cheaper Kajiya-Kay model with two highlights.";
-    "rate" "Shade per" [shading.rate] choice::<ShadingRate>(), advanced, flag(flag("shade-per", "WHERE")),
-        "Shading rate: per strand vertex, or per pixel for finer noise at a higher cost.";
+    "model" "Model" [renderer.model] choice::<ShadingModel>(), rebuild, flag(flag("shading", "MODEL")),
+        "Scattering in and between fibers, or the cheaper Kajiya-Kay model, which classic always has.";
     "tilt" "Cuticle angle" [shading.material.fiber.shape.tilt] within(DEGREES, FiberShape::TILT), advanced,
         also("offset; cuticle tilt; scale angle"),
         "Angle of the scales, which separates the white from the colored highlight; 2 to 3° for hair (fiber only).";

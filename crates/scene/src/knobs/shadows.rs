@@ -1,7 +1,7 @@
 //! Parameters of shadows.
 
 use super::{Knob, Section, ValueKind, flags::flag, rows, value::*};
-use tresses::light::ShadowMethod;
+use crate::settings::RendererKind;
 
 pub(super) const SECTION: Section = Section {
     key: "shadows",
@@ -11,9 +11,8 @@ pub(super) const SECTION: Section = Section {
 };
 
 const KNOBS: &[Knob] = rows! { "shadows";
-    "method" "Method" [shadows.method] choice::<ShadowMethod>(), flag(flag("shadows", "METHOD")),
-        also("deep opacity map; self shadowing"),
-        "Method that counts the fibers between a light and a point.";
+    "enabled" "Shadows" [shadows.enabled] ValueKind::Toggle, flag(flag("shadows", "on|off")),
+        "Shadows of hair and bodies; off lets every light reach every point.";
     "softness" "Softness on hair" [shadows.hair_radius] number(MILLIMETERS, 0.1, 50.0).log(),
         flag(flag("shadow-softness", "MM")),
         also("shadow blur"),
@@ -27,8 +26,6 @@ const KNOBS: &[Knob] = rows! { "shadows";
         "Texels along each edge of the maps of lit strands; 1024 for stills, 0 for stochastic shadows (fiber only).";
     "ambient" "Propagate ambient light" [shadows.ambient] ValueKind::Toggle, flag(flag("ambient", "on|off")),
         "Propagates light from the sky and from skin through the hair; off estimates sky visibility.";
-    "per_pixel" "Per pixel" [shadows.per_pixel] ValueKind::Toggle, flag(flag("shadows-per-pixel", "")),
-        "Shades hair and samples its shadows at each pixel; slower.";
     "resolution" "Resolution" [view.shadow_resolution] integer(TEXELS, 64, 2048, 1),
         advanced, rebuild, flag(flag("shadow-resolution", "N")),
         also("shadow map size"),
@@ -39,7 +36,8 @@ const KNOBS: &[Knob] = rows! { "shadows";
     "body_softness" "Softness on skin" [shadows.body_radius] number(MILLIMETERS, 0.1, 50.0).log(), advanced,
         "Radius over which shadows of the body on itself are averaged.";
     "density" "Assumed density" [shadows.density] number(PER_METER, 0.0, 10_000.0).log(), advanced,
-        "Fibers that light hits per meter of hair (absorption only).";
+        only(RendererKind::Classic),
+        "Fibers that light hits per meter of hair (classic only, with absorption).";
     "bias" "Bias" [shadows.bias] number(MILLIMETERS, 0.0, 20.0), advanced,
         also("shadow bias; depth bias"),
         "Offset of skin toward the light; raise it if skin shows stripes.";

@@ -159,7 +159,7 @@ fn values_format_and_parse_with_units() {
     let srgb = find("shading.srgb").unwrap();
     assert_eq!(srgb.text(srgb.default()), "#5a3b28");
     assert!(srgb.parse("5a3b2").is_err() && srgb.parse("+a3b28").is_err());
-    assert!(find("edges.samples").unwrap().parse("3").is_err());
+    assert!(find("renderer.samples").unwrap().parse("3").is_err());
     assert!(find("wind.cells").unwrap().parse("33").is_err());
     for knob in all() {
         for value in ends(knob) {
@@ -234,7 +234,7 @@ fn flags_reject_invalid_values() {
         ("shading.roughness_along", &["", "0", "1.1", "0.3,", "inf"]),
         ("lod.mode", &["", "on", "0", "1.5", "NaN", "-1"]),
         ("lights.lamp1_strength", &["10", "10,100", "400,0", "1,2,-1"]),
-        ("edges.samples", &["3", "0"]),
+        ("renderer.samples", &["3", "0"]),
     ] {
         for text in texts {
             let clause = find(path).unwrap().read_flag(text, 0).unwrap_err();

@@ -3,17 +3,17 @@
 use super::Knob;
 use crate::{
     picture::encoded,
-    settings::{Curl, HairColor},
+    settings::{ClassicBlending, Curl, HairColor, RendererKind},
 };
 use tresses::{
     avoid::AvoidMode,
     character::MapCoordinates,
-    draw::Coverage,
     glam::Vec3,
     groom::mannequin::facial::Beard,
-    light::{ShadingModel, ShadingRate, ShadowMethod, material},
+    light::material,
     lod::LodMode,
     range::Range,
+    renderer::{ShadingModel, ShadingRate, ShadowMethod},
     volume::HairHairMode,
 };
 
@@ -354,13 +354,15 @@ named! {
         "opaque" Opaque "opaque hair: soft edges, black behind the first layer";
         "absorption" Absorption "absorption that grows with the distance behind the nearest hair";
         "deep" DeepOpacity "deep opacity maps: fibers are counted in layers behind the first depth layer";
-        "off" Off "no shadows";
     }
-    Coverage {
-        "mask" SampleMask "sample mask: each strand covers its share of a pixel's samples";
-        "alpha" AlphaToCoverage "alpha to coverage: the adapter turns a strand's opacity into samples";
+    RendererKind {
         "tiles" Tiles "compute shaders blend all strands in order, per tile; the best quality";
-        "peel" DepthPeeling "depth peeling: strands are blended in layers, one pass each" => { .. } Coverage::PEELING;
+        "masks" Masks "sample masks: each strand covers its fraction of a pixel's samples; the fastest";
+        "classic" Classic "the renderer of 2008: Kajiya-Kay shading, alpha to coverage or depth peeling";
+    }
+    ClassicBlending {
+        "peel" Peel "depth peeling: strands are blended in layers, one pass each";
+        "alpha" Alpha "alpha to coverage: the adapter turns a strand's opacity into samples";
     }
     LodMode {
         "auto" Auto "by the pixel size at the hair";

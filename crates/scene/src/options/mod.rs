@@ -1,6 +1,6 @@
 //! Converts [settings](Settings) to the library's options: growth, material, view, pipelines.
 
-mod edges;
+mod renderer;
 mod shading;
 mod style;
 
@@ -49,7 +49,7 @@ impl Settings {
         self.physics().check()?;
         self.avoidance.check()?;
         self.lod().check()?;
-        self.check_edges()?;
+        self.check_renderer()?;
         self.growth(&Style::default(), &Maps::default())?.check()?;
         if let Some(restyle) = self.restyle(&Maps::default())? {
             restyle.check()?;
@@ -64,23 +64,22 @@ impl Settings {
         let mut resolved = self.clone();
         self.resolve_style(style, &mut resolved);
         self.resolve_look(&mut resolved);
-        self.resolve_edges(&mut resolved);
+        self.resolve_renderer(&mut resolved);
         resolved
     }
 
     /// Returns the view's options for an adapter that supports up to `most` samples per pixel.
     ///
     /// # Errors
-    /// Fails if the sample count and the coverage mode exclude each other.
+    /// As [`renderer`](Self::renderer).
     pub fn view_options(&self, most: u32) -> Result<ViewOptions> {
-        let (samples, coverage) = self.sampling(most)?;
-        Ok(ViewOptions { samples, coverage, ..self.view })
+        Ok(ViewOptions { renderer: self.renderer(most)?, ..self.view })
     }
 
     /// Returns the pipelines that render hair at rest in a view with `options`.
     pub fn pipelines(&self, options: ViewOptions) -> Vec<PipelineRequest> {
         use PipelineRequest::{Avoid, Strands, View};
-        vec![Strands, Avoid, View(options, self.shading_rate())]
+        vec![Strands, Avoid, View(options)]
     }
 
     /// Returns the additional pipelines for moving hair, with guides of `guide_vertices` vertices.
@@ -129,7 +128,6 @@ impl Settings {
     /// the camera, come from [`LightSettings::lights`](crate::settings::LightSettings::lights).
     pub fn apply(&self, picture: &mut Picture, material: &mut HairMaterial, look: Option<&Look>) {
         *material = self.material_of(look);
-        picture.shading = self.shading_rate();
         picture.shadows = self.shadows;
         picture.tone.exposure = self.lights.exposure;
     }

@@ -6,7 +6,8 @@ use crate::{
 };
 use tresses::{
     groom::Look,
-    light::{HairMaterial, ShadingModel, fiber::FiberShape},
+    light::{HairMaterial, fiber::FiberShape},
+    renderer::ShadingModel,
 };
 
 /// Spread of the cuticle angle per unit of highlight spread. Highlights of the fiber model then shift half as far as
@@ -79,7 +80,8 @@ impl Settings {
 
     pub(super) fn resolve_look(&self, into: &mut Self) {
         let mut material = self.material();
-        if material.model == ShadingModel::Fiber {
+        // Classic has Kajiya–Kay shading.
+        if self.renderer(8).is_ok_and(|renderer| renderer.shading() == ShadingModel::Fiber) {
             material.lightness_spread = material.fiber.melanin_spread;
             material.shift_spread = material.fiber.tilt_spread / TILT;
         }

@@ -71,6 +71,10 @@ fn preset(entries: &[Entry]) -> Result<Preset, (Range<usize>, String)> {
             (key, DeValue::Table(table)) if SECTIONS.iter().any(|section| section.key == key) => {
                 section(key, &self::entries(table), &mut preset.settings)?;
             }
+            // Each of its keys is an error that names its successor.
+            (key, DeValue::Table(table)) if knobs::removed::has_section(key) => {
+                section(key, &self::entries(table), &mut preset.settings)?;
+            }
             (key, found) => return refuse(stray(key, found)),
         }
     }

@@ -33,8 +33,10 @@ fn any_settings() -> impl Strategy<Value = Settings> {
                 }
             }
             // Each value is valid, but the combination may not be.
-            if settings.sampling(16).is_err() {
-                settings.set("edges.coverage", Value::Auto).unwrap();
+            if settings.renderer(16).is_err() {
+                for path in ["renderer.kind", "renderer.samples"] {
+                    settings.set(path, Value::Auto).unwrap();
+                }
             }
             settings
         },
@@ -55,7 +57,7 @@ proptest! {
     }
 
     #[test]
-    fn arbitrary_text_does_not_panic(text in "(version = 1\n)?(\\[(style|source|edges)\\]\n)?[a-z_]{0,9}( = )?[-0-9a-z.\"\\[\\]]{0,9}") {
+    fn arbitrary_text_does_not_panic(text in "(version = 1\n)?(\\[(style|source|renderer)\\]\n)?[a-z_]{0,9}( = )?[-0-9a-z.\"\\[\\]]{0,9}") {
         let _ = Preset::read(&text, "random.toml");
     }
 }
@@ -85,7 +87,7 @@ fn written_preset_matches_expected_text() {
     preset.source.orientation.orient.mirror = Some(true);
     preset.settings.set("style.curl_radius", 0.009).unwrap();
     preset.settings.wind_direction = 45f32.to_radians();
-    preset.settings.set("edges.samples", "4").unwrap();
+    preset.settings.set("renderer.samples", "4").unwrap();
     let text = preset.write(Extent::Changed);
     let expected = "# Settings of Tresses that differ from the defaults; `tresses knobs` lists all.
 version = 1
@@ -105,7 +107,7 @@ curl_radius = 9 # mm
 [wind]
 direction = 45 # °
 
-[edges]
+[renderer]
 samples = 4
 ";
     assert_eq!(text, expected);
@@ -151,9 +153,11 @@ fn invalid_presets_report_line_and_key() {
     refuses(&with("[wind]\nseed = -1"), Some(4), "a whole number from 0 to 9999");
     refuses(&with("[shading]\ncolor = \"green\""), Some(4), "one of file, skin, blond, brown");
     refuses(&with("[shading]\nsrgb = \"#12345\""), Some(4), "a color such as #5a3b28");
-    refuses(&with("[edges]\nsamples = 3"), Some(4), "one of auto, 1, 4, 8, 16");
-    refuses(&with("[edges]\nsamples = 4\ncoverage = \"peel\""), None, "peel");
-    refuses(&with("[edges]\nsamples = [4]"), Some(4), "edges.samples is a list");
+    refuses(&with("[renderer]\nsamples = 3"), Some(4), "one of auto, 1, 4, 8, 16");
+    refuses(&with("[renderer]\nkind = \"classic\"\nsamples = 4"), None, "depth peeling");
+    refuses(&with("[edges]\ncoverage = \"peel\""), Some(4), "use renderer.kind");
+    refuses(&with("[shadows]\nmethod = \"off\""), Some(4), "use shadows.enabled");
+    refuses(&with("[renderer]\nsamples = [4]"), Some(4), "renderer.samples is a list");
     refuses(&with("[lod]\nmode = true"), Some(4), "lod.mode is true");
     refuses(&with("[source]\nstyle = \"beehive\""), Some(4), "long, bob, curly or short");
     refuses(&with("[source]\nstlye = \"long\""), Some(4), "the nearest is source.style");

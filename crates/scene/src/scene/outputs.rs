@@ -22,7 +22,7 @@ use tresses::{
 pub struct OutputRequest {
     /// Linear radiance.
     pub linear: bool,
-    /// Hair geometry and strand labels. Requires tiled hair ([`Coverage::Tiles`](tresses::draw::Coverage::Tiles)).
+    /// Hair geometry and strand labels. Requires tiled hair ([`Renderer::Tiles`](tresses::renderer::Renderer::Tiles)).
     pub hair: bool,
     /// Depth and normals of the bodies.
     pub body: bool,

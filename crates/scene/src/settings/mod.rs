@@ -5,7 +5,7 @@
 //!           ├─ simulation, wind_direction ► SimulationParams       next frame
 //!           ├─ avoidance ─────────────────► AvoidOptions           next frame
 //!           ├─ shading, lights, shadows ──► Picture, HairMaterial  next frame
-//!           ├─ view, peeled_layers, ssaa ─► ViewOptions            recreates the view
+//!           ├─ view, renderer, ssaa ──────► ViewOptions            recreates the view
 //!           └─ lod, lod_fraction ─────────► LodOptions             next frame
 //! ```
 //! Most fields are the library's option structs, so each parameter and its default are defined once. The other fields
@@ -18,10 +18,12 @@
 //! parameters.
 
 mod lights;
+mod renderer;
 mod shading;
 mod style;
 
 pub use lights::{Lamp, LightSettings};
+pub use renderer::{ClassicBlending, RendererKind, RendererSettings};
 pub(crate) use shading::NATURAL;
 pub use shading::{HairColor, ShadingSettings};
 pub use style::{Curl, StyleSettings};
@@ -29,9 +31,8 @@ pub use style::{Curl, StyleSettings};
 use std::collections::BTreeSet;
 use tresses::{
     avoid::AvoidOptions,
-    draw::Coverage,
     glam::Vec3,
-    light::{ShadingRate, Shadows},
+    light::Shadows,
     lod::{LodMode, LodOptions},
     simulate::SimulationParams,
     view::ViewOptions,
@@ -54,12 +55,10 @@ pub struct Settings {
     pub lights: LightSettings,
     /// Shadows.
     pub shadows: Shadows,
-    /// View options. Sample count and coverage are automatic and apply only if [`gives`](Self::gives) returns true for
-    /// them.
+    /// View options. [`renderer`](Self::renderer) overrides the renderer.
     pub view: ViewOptions,
-    /// Number of peeled layers. Overrides the number in [`view`](Self::view); hair behind the last layer is blended by
-    /// its depth.
-    pub peeled_layers: u32,
+    /// How hair is drawn.
+    pub renderer: RendererSettings,
     /// Supersampling factor along each axis, 1 or 2.
     pub ssaa: u32,
     /// Level of detail. The share of [`LodMode::Fixed`] is [`lod_fraction`](Self::lod_fraction).
@@ -81,10 +80,7 @@ impl Default for Settings {
             lights: LightSettings::default(),
             shadows: Shadows::default(),
             view: ViewOptions::default(),
-            peeled_layers: match Coverage::PEELING {
-                Coverage::DepthPeeling { layers } => layers,
-                _ => 4,
-            },
+            renderer: RendererSettings::default(),
             ssaa: 1,
             lod: LodOptions::default(),
             lod_fraction: 1.0,
@@ -135,10 +131,5 @@ impl Settings {
             mode => mode,
         };
         LodOptions { mode, ..self.lod }
-    }
-
-    /// Returns the shading rate. Per-pixel shadows require per-pixel shading.
-    pub fn shading_rate(&self) -> ShadingRate {
-        if self.shadows.per_pixel { ShadingRate::PerPixel } else { self.shading.rate }
     }
 }

@@ -1,6 +1,6 @@
 //! Hair color and shading settings.
 
-use tresses::light::{FiberMaterial, HairMaterial, ShadingRate, fiber::bsdf::melanin, material::srgb};
+use tresses::light::{FiberMaterial, HairMaterial, fiber::bsdf::melanin, material::srgb};
 
 /// Source of the hair color.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -39,8 +39,6 @@ pub struct ShadingSettings {
     pub root_pigment: f32,
     /// Pigment at the tip relative to the mean.
     pub tip_pigment: f32,
-    /// Shading rate.
-    pub rate: ShadingRate,
     /// Explicitly set material parameters. Automatic ones follow from the color.
     pub(crate) material: HairMaterial,
 }
@@ -57,7 +55,6 @@ impl Default for ShadingSettings {
             pheomelanin: 0.2,
             root_pigment: NATURAL.0,
             tip_pigment: NATURAL.1,
-            rate: ShadingRate::default(),
             material: HairMaterial::default(),
         }
     }

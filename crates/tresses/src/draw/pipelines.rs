@@ -1,11 +1,6 @@
 //! Pipelines of the draw stage, each compiled at first use.
 
-use super::{
-    Coverage, cards, soft,
-    strips::{self, Strips},
-    targets::HDR_FORMAT,
-    tiles,
-};
+use super::{cards, classic, masks, soft, targets::HDR_FORMAT, tiles};
 use crate::{
     Context, Result,
     body::{self, Body, BodyTextures},
@@ -14,7 +9,8 @@ use crate::{
         kernel::Job,
         pipeline::{PipelineCache, Recipe},
     },
-    light::{self, ShadingRate},
+    light,
+    renderer::Renderer,
 };
 
 /// Pipelines of the draw stage.
@@ -25,7 +21,8 @@ pub(crate) struct Pipelines {
     body: PipelineCache<(u32, bool), wgpu::RenderPipeline>,
     pub(super) soft: soft::Pipelines,
     pub(crate) cards: cards::Pipelines,
-    pub(crate) strips: strips::Pipelines,
+    pub(super) masks: masks::Pipelines,
+    pub(super) classic: classic::Pipelines,
     pub(crate) tiles: tiles::Pipelines,
 }
 
@@ -39,7 +36,8 @@ impl PipelineSet for Pipelines {
             body: PipelineCache::default(),
             soft: soft::Pipelines::new(context, light),
             cards: cards::Pipelines::new(context, light),
-            strips: strips::Pipelines::new(context, light),
+            masks: masks::Pipelines::new(context, light),
+            classic: classic::Pipelines::new(context, light),
             tiles: tiles::Pipelines::new(context),
         }
     }
@@ -76,18 +74,15 @@ impl Pipelines {
         })
     }
 
-    /// Returns the pipelines that draw hair as strips.
-    pub(super) fn strips(&self, coverage: Coverage, samples: u32, rate: ShadingRate) -> Result<Strips> {
-        self.strips.get(coverage, samples, rate)
-    }
-
-    /// Returns jobs that compile the pipelines of a view with these options.
-    pub(crate) fn jobs(&self, coverage: Coverage, samples: u32, rate: ShadingRate) -> Vec<Job<'_>> {
+    /// Returns jobs that compile the pipelines of a view with this renderer.
+    pub(crate) fn jobs(&self, renderer: Renderer) -> Vec<Job<'_>> {
+        let samples = renderer.samples();
         let mut jobs: Vec<Job<'_>> = vec![Box::new(move || self.body(samples, false).map(|_| ()))];
-        match coverage {
-            Coverage::Tiles => jobs.extend(self.tiles.jobs(samples)),
-            _ => jobs.extend(self.strips.jobs(coverage, samples, rate)),
-        }
+        jobs.extend(match renderer {
+            Renderer::Tiles(_) => self.tiles.jobs(samples),
+            Renderer::Masks(_) => self.masks.jobs(samples),
+            Renderer::Classic(options) => self.classic.jobs(options),
+        });
         jobs.extend(self.soft.jobs(&self.device));
         jobs
     }

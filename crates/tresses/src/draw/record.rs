@@ -1,11 +1,12 @@
 //! Records the passes that draw bodies and hair into the targets of a view.
 
-use super::{Coverage, Pipelines, Targets, strips};
+use super::{Pipelines, Targets};
 use crate::{
     Camera, Result,
     body::Body,
     gpu::commands::{Commands, colored, deep},
-    light::{self, HairView, Part, ShadingRate, Sphere},
+    light::{self, HairView, Part, Sphere},
+    renderer::Renderer,
     space::Space,
     stage::Stage,
 };
@@ -27,8 +28,7 @@ pub(crate) struct Canvas<'a, 'c> {
     pub lights: &'a light::Lights,
     /// Focus of the view. Sets the spacing of the shading points on bodies (`draw::soft`).
     pub focus: &'a Sphere,
-    pub coverage: Coverage,
-    pub rate: ShadingRate,
+    pub renderer: Renderer,
     /// Coefficients of the map from the view's depth to the scene's, if hair geometry is requested. See
     /// [`super::tiles::geometry::GeometryUniform`].
     pub geometry: Option<[f32; 4]>,
@@ -49,25 +49,20 @@ impl Canvas<'_, '_> {
 }
 
 impl Pipelines {
-    /// Whether bodies are drawn before the hair.
-    pub(crate) fn body_first(&self, coverage: Coverage) -> bool {
-        coverage.is_tiled() || strips::body_first(coverage)
-    }
-
     /// Records the passes that find visible hair before shading. Only tiles have such passes.
     pub(crate) fn record_seen(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<()> {
-        if !canvas.coverage.is_tiled() {
-            return Ok(());
+        match canvas.renderer {
+            Renderer::Tiles(_) => self.tiles.record_bins(canvas, hair),
+            _ => Ok(()),
         }
-        self.tiles.record_bins(canvas, hair)
     }
 
-    /// Shades only the visible hair, where the coverage mode knows it. Returns false if the caller must shade all hair.
+    /// Shades only the visible hair, where the renderer knows it. Returns false if the caller must shade all hair.
     pub(crate) fn shade_seen(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<bool> {
-        if canvas.coverage.is_tiled() {
+        if canvas.renderer.is_tiles() {
             self.tiles.record_shade(canvas, hair)?;
         }
-        Ok(canvas.coverage.is_tiled())
+        Ok(canvas.renderer.is_tiles())
     }
 
     /// Records the hair. `clear` clears the targets first. Tiles and depth peeling draw over bodies and never clear
@@ -78,16 +73,16 @@ impl Pipelines {
         hair: &[HairView<'_>],
         clear: bool,
     ) -> Result<()> {
-        if canvas.coverage.is_tiled() {
-            return self.tiles.record_blend(canvas, hair);
+        match canvas.renderer {
+            Renderer::Tiles(_) => self.tiles.record_blend(canvas, hair),
+            Renderer::Masks(_) => self.masks.record(canvas, hair, clear),
+            Renderer::Classic(options) => self.classic.record(options, canvas, hair, clear),
         }
-        let strips = self.strips(canvas.coverage, canvas.targets.samples, canvas.rate)?;
-        strips::record(&strips, canvas, hair, clear)
     }
 
-    /// Records bodies. Clears the targets if bodies [come first](Self::body_first).
+    /// Records bodies. Clears the targets if bodies [come first](Renderer::draws_bodies_first).
     pub(crate) fn record_bodies(&self, canvas: &mut Canvas<'_, '_>, bodies: &[&Body]) -> Result<()> {
-        let first = self.body_first(canvas.coverage);
+        let first = canvas.renderer.draws_bodies_first();
         if bodies.is_empty() && !first {
             return Ok(());
         }

@@ -1,12 +1,11 @@
 //! Render targets of a view.
 
 use super::{
-    Coverage,
+    classic::Layers,
     soft::SoftTargets,
-    strips::Layers,
     tiles::{Label, Tiles},
 };
-use crate::{Context, Error, Result, gpu::readback};
+use crate::{Context, Error, Result, gpu::readback, renderer::Renderer};
 use std::sync::OnceLock;
 
 /// Label, format and usage of a texture of the HDR target's size.
@@ -44,20 +43,15 @@ pub struct Targets {
 }
 
 impl Targets {
-    /// Creates targets for an image of `size` (width and height, pixels) with `samples` per pixel (1, 4, 8 or 16), hair
-    /// drawn by `coverage`, and `ssaa` (1, 2 or 4) times supersampling along each axis.
+    /// Creates the targets of `renderer` for an image of `size` (width and height, pixels), with `ssaa` (1, 2 or 4)
+    /// times supersampling along each axis.
     ///
     /// # Errors
-    /// [`Error::Parameter`] when the size is 0 or more than the device allows, or when `coverage` does not support
-    /// `samples`.
-    pub fn new(
-        context: &Context,
-        [width, height]: [u32; 2],
-        (samples, coverage): (u32, Coverage),
-        ssaa: u32,
-    ) -> Result<Self> {
+    /// [`Error::Parameter`] when the size is 0 or more than the device allows, and as [`Renderer::check`].
+    pub fn new(context: &Context, [width, height]: [u32; 2], renderer: Renderer, ssaa: u32) -> Result<Self> {
         let Context { device, .. } = context;
-        coverage.check(samples)?;
+        renderer.check()?;
+        let samples = renderer.samples();
         let ssaa = ssaa.clamp(1, 4);
         let most = device.limits().max_texture_dimension_2d;
         if width == 0 || height == 0 || width.max(height) > most / ssaa {
@@ -101,9 +95,9 @@ impl Targets {
             bytes: u64::from(wide) * u64::from(high) * u64::from(samples) * 12
                 + u64::from(width) * u64::from(height) * 4,
         };
-        Ok(match coverage {
-            Coverage::DepthPeeling { .. } => targets.with_layers(),
-            Coverage::Tiles => targets.with_tiles()?,
+        Ok(match renderer {
+            Renderer::Tiles(_) => targets.with_tiles()?,
+            _ if renderer.layers().is_some() => targets.with_layers(),
             _ => targets,
         })
     }

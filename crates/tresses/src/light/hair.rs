@@ -4,11 +4,12 @@ use super::{
     LightState, Pipelines,
     cards::CardBuffers,
     fiber::FiberTables,
-    material::{HairMaterial, HairUniform, ShadingModel, ShadingRate},
+    material::{HairMaterial, HairUniform},
 };
 use crate::{
     Context, Error, Result,
     gpu::bindings,
+    renderer::{ShadingModel, ShadingRate},
     strands::{DrawCount, Room, StrandBuffers, buffers::storage, indices::Chunks},
 };
 use glam::Vec3;
@@ -140,10 +141,10 @@ impl HairSet {
             .or_insert_with(|| Arc::new(Chunks::of(&self.context.device, count, drawn.vertex_count)));
     }
 
-    /// Fills the fiber tables. Returns the fraction of light that a fiber passes on, and the fraction of that light
+    /// Fills the fiber tables, if `model` reads them. Returns the fraction of light that a fiber passes on, and the fraction of that light
     /// which hits other hair.
-    pub(crate) fn passes(&self) -> (Vec3, f32) {
-        if self.material.model == ShadingModel::Fiber {
+    pub(crate) fn passes(&self, model: ShadingModel) -> (Vec3, f32) {
+        if model == ShadingModel::Fiber {
             let fiber = &self.material.fiber;
             let mut tables = self.fiber();
             if Arc::strong_count(&tables) > 1 && tables.holds_others(&fiber.shape, fiber.density_back) {
@@ -290,10 +291,10 @@ impl HairShading {
 
     /// Uploads the uniform of `hair` for the current frame. The earlier grooms of the frame have `first` strands in
     /// total.
-    pub(crate) fn prepare(&self, context: &Context, hair: &HairSet, first: u32) {
+    pub(crate) fn prepare(&self, context: &Context, hair: &HairSet, model: ShadingModel, first: u32) {
         let Context { queue, .. } = context;
-        let uniform =
-            hair.material.uniform(&hair.drawn, hair.strands.vertex_count, [hair.splat, hair.spans], first);
+        let spans = [hair.splat, hair.spans];
+        let uniform = hair.material.uniform(model, &hair.drawn, hair.strands.vertex_count, spans, first);
         queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
     }
 

@@ -1,10 +1,7 @@
 //! Lights: up to four directional lights and a sky, in linear units.
 
-use super::{
-    environment::Environment,
-    shadows::{ShadowMethod, Shadows},
-};
-use crate::Camera;
+use super::{environment::Environment, shadows::Shadows};
+use crate::{Camera, renderer::ShadowMethod};
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3, Vec4};
 
@@ -212,8 +209,8 @@ pub struct LightsUniform {
     pub body_opacity: f32,
     /// [`ShadowMethod`] as a number.
     pub method: u32,
-    /// [`Shadows::per_pixel`].
-    pub per_pixel: u32,
+    /// Texels along each edge of a strand map; 0 for none.
+    pub strand_map: u32,
     /// Cells along an edge of [`super::Ambient`]; 0 where sky visibility is estimated.
     pub ambient: u32,
     /// Number of shadow maps: one per light, and one for the sky where its visibility is estimated.
@@ -234,17 +231,22 @@ pub struct LightsUniform {
     pub zone: u32,
     /// Stride through the sample points of mesh surfaces.
     pub every: u32,
-    /// Texels along each edge of a strand map; 0 for none.
-    pub strand_map: u32,
     /// Unused.
     pub _pad: u32,
+    /// Unused.
+    pub _pad_2: u32,
 }
 
 impl Lights {
     /// Returns the shader data for maps of `resolution`² texels that cover `focus`.
-    pub(crate) fn uniform(&self, shadows: &Shadows, focus: &Sphere, resolution: u32) -> LightsUniform {
+    pub(crate) fn uniform(
+        &self,
+        (shadows, method): (&Shadows, ShadowMethod),
+        focus: &Sphere,
+        resolution: u32,
+    ) -> LightsUniform {
         // Maps move in steps. The margin of one step keeps the focus inside.
-        let step = shadows.hair_texels(2.0 * focus.radius.max(1e-6) / resolution as f32);
+        let step = shadows.hair_texels(method, 2.0 * focus.radius.max(1e-6) / resolution as f32);
         let radius =
             focus.radius.max(1e-6) * resolution as f32 / resolution.saturating_sub(step).max(1) as f32;
         let focus = &Sphere { radius, ..*focus };
@@ -274,20 +276,11 @@ impl Lights {
             bias: shadows.bias,
             density: shadows.density.max(0.0),
             body_opacity: shadows.body_opacity.max(0.0),
-            // Without shadows the maps are empty and let all light through. Empty deep opacity maps are the cheapest to
-            // read.
-            method: match shadows.method {
-                ShadowMethod::Off => ShadowMethod::DeepOpacity as u32,
-                method => method as u32,
-            },
-            per_pixel: u32::from(shadows.per_pixel),
+            method: method as u32,
+            strand_map: 0,
             ambient: 0,
             maps: shadows.maps(count) as u32,
-            strand_by_strand: if shadows.method == ShadowMethod::Off {
-                0.0
-            } else {
-                shadows.strand_by_strand.clamp(0.0, 1.0)
-            },
+            strand_by_strand: if shadows.enabled { shadows.strand_by_strand.clamp(0.0, 1.0) } else { 0.0 },
             environment: self.environment.coefficients.map(|c| c.extend(0.0)),
             ambient_origin: focus.center - focus.radius,
             ambient_scale: 0.5 / focus.radius,
@@ -295,8 +288,8 @@ impl Lights {
             forward: 0.0,
             zone: 0,
             every: 1,
-            strand_map: 0,
             _pad: 0,
+            _pad_2: 0,
         }
     }
 }

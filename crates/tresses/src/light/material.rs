@@ -4,30 +4,9 @@ use super::fiber::{
     FiberShape,
     bsdf::{absorption_of, color_fit, melanin},
 };
-use crate::strands::DrawCount;
+use crate::{renderer::ShadingModel, strands::DrawCount};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3, Vec4};
-
-/// Rate at which hair is shaded.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum ShadingRate {
-    /// Per pixel, with noise finer than the strand vertices.
-    PerPixel,
-    /// Per strand vertex, in a compute kernel. The cost does not depend on image size or samples per pixel.
-    #[default]
-    PerVertex,
-}
-
-/// Shading model of hair.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ShadingModel {
-    /// Kajiya and Kay's fiber with two highlights, set by eye. Colors are albedos.
-    KajiyaKay,
-    /// Physical model: fibers refract, absorb and reflect light, and scatter it among each other. Colors follow from
-    /// melanin ([`fiber`](super::fiber)).
-    #[default]
-    Fiber,
-}
 
 /// Material of [`ShadingModel::Fiber`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,7 +55,8 @@ impl FiberMaterial {
     }
 }
 
-/// Material of hair.
+/// Material of hair. Both [shading models](ShadingModel) use `file_colors`, `warmth_spread` and `min_width`;
+/// [`ShadingModel::Fiber`] uses `fiber`, [`ShadingModel::KajiyaKay`] the other fields.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HairMaterial {
     /// Albedo at the root, linear.
@@ -122,9 +102,6 @@ pub struct HairMaterial {
     pub saturation: f32,
     /// Minimum width drawn, pixels. Thinner hair is drawn with this width and proportionally less coverage.
     pub min_width: f32,
-    /// Shading model. Both use `file_colors`, `warmth_spread` and `min_width`; the other fields above apply to
-    /// [`ShadingModel::KajiyaKay`].
-    pub model: ShadingModel,
     /// Material of [`ShadingModel::Fiber`].
     pub fiber: FiberMaterial,
 }
@@ -226,13 +203,13 @@ impl HairMaterial {
             opacity: 0.52 - 0.3 * lightness,
             saturation: 1.0,
             min_width: 1.0,
-            model: ShadingModel::default(),
             fiber: FiberMaterial::natural(absorption_of(albedo, FiberShape::default().azimuthal)),
         }
     }
 
     pub(crate) fn uniform(
         &self,
+        model: ShadingModel,
         drawn: &DrawCount,
         rest_count: u32,
         [splat, spans]: [[u32; 2]; 2],
@@ -273,7 +250,7 @@ impl HairMaterial {
             turn_sin: turns.map(f32::sin),
             turn_cos: turns.map(f32::cos),
             root_absorption: fiber.root_absorption.max(Vec3::ZERO),
-            model: u32::from(self.model == ShadingModel::Fiber),
+            model: u32::from(model == ShadingModel::Fiber),
             tip_absorption: fiber.tip_absorption.max(Vec3::ZERO),
             melanin_spread: fiber.melanin_spread,
             tilt_spread: fiber.tilt_spread,

@@ -62,7 +62,7 @@ pub(crate) struct Pipelines {
     pub(super) knots: Kernel,
     /// Radiance of vertices, without and with strand maps.
     shade: [Kernel; 2],
-    /// Incoming light of vertices, for shading per pixel.
+    /// Incoming light of vertices, for shading per pixel by [`crate::draw::classic`].
     pub(super) arrive: Kernel,
     /// Selects the visible knots and spans.
     pub(super) choose: Kernel,
@@ -102,7 +102,7 @@ impl PipelineSet for Pipelines {
             gap: device.group("nothing", &nothing, &[]),
             knots: shading("light::knots"),
             shade: ["light::shade::0", "light::shade::1"].map(shading),
-            arrive: shading("light::arrive"),
+            arrive: shading("draw::classic::arrive"),
             choose: Kernel::new(
                 &context.device,
                 "light::choose",

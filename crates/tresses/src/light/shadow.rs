@@ -10,13 +10,14 @@ use glam::Mat4;
 use super::{
     FrameLight, HairView, ImportedShadows, Pipelines,
     lights::{LightsUniform, MAX_LIGHTS, SHADOW_MAPS},
-    shadows::{DEEP_FINEST, ShadowMethod},
+    shadows::DEEP_FINEST,
 };
 use crate::{
     Context, Result,
     body::Body,
     constants::{COVER_STRANDS, COVER_STRIDE, DEEP_LAYERS, SHADOW_BLOCK as BLOCK, STRAND_WORKGROUP},
     gpu::{Commands, Kernel, commands::deep, pipeline::DEPTH_FORMAT},
+    renderer::ShadowMethod,
     strands::DrawCount,
 };
 
@@ -171,8 +172,7 @@ impl ShadowMaps {
         hair: &[HairView<'_>],
         (bodies, scene): (&[&Body], &ImportedShadows),
     ) -> Result<()> {
-        let FrameLight { method, maps, across, stray, strands, .. } = *lit;
-        let casts = method != ShadowMethod::Off;
+        let FrameLight { casts, method, maps, across, stray, strands, .. } = *lit;
         let (hair, bodies) = if casts { (hair, bodies) } else { (&[][..], &[][..]) };
         if maps == 0 {
             return Ok(());
@@ -209,7 +209,7 @@ impl ShadowMaps {
         }
         // Kernels over texels do the same with the bindings of any groom.
         match method {
-            ShadowMethod::DeepOpacity | ShadowMethod::Off => {
+            ShadowMethod::DeepOpacity => {
                 let texels = words / u64::from(DEEP_WORDS);
                 let [front, cover, stack] = &pipelines.deep;
                 run(front, first, texels);
@@ -251,7 +251,7 @@ fn strand_words(lights: usize, texels: u32) -> u64 {
 fn map_words(method: ShadowMethod, resolution: u32, across: u32) -> u64 {
     let words = match method {
         ShadowMethod::Opaque | ShadowMethod::Absorption => 1,
-        ShadowMethod::DeepOpacity | ShadowMethod::Off => u64::from(DEEP_WORDS),
+        ShadowMethod::DeepOpacity => u64::from(DEEP_WORDS),
     };
     u64::from(resolution.div_ceil(across)).pow(2) * words
 }

@@ -1,8 +1,8 @@
 //! Light of one view: its shadow maps, its ambient light, and the uniform of both.
 
 use super::{
-    Ambient, HairSet, HairView, ImportedShadows, Lights, Pipelines, SceneShadow, ShadingRate, ShadingSubset,
-    ShadowMaps, ShadowMethod, Shadows, Sphere,
+    Ambient, HairSet, HairView, ImportedShadows, Lights, Pipelines, SceneShadow, ShadingSubset, ShadowMaps,
+    Shadows, Sphere,
     lights::{LightsUniform, SHADOW_MAPS},
 };
 use crate::{
@@ -10,6 +10,7 @@ use crate::{
     body::Body,
     constants::STRAND_WORKGROUP,
     gpu::{Commands, Kernel, bindings::uniform},
+    renderer::{Renderer, ShadingRate, ShadowMethod},
 };
 use glam::Mat4;
 use std::sync::Arc;
@@ -28,6 +29,8 @@ pub struct LightState {
 /// Parameters of the light passes of a frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FrameLight {
+    /// Whether lights cast shadows.
+    pub casts: bool,
     pub method: ShadowMethod,
     /// Number of shadow maps.
     pub maps: usize,
@@ -81,23 +84,26 @@ impl LightState {
         &self,
         context: &Context,
         (lights, shadows, focus): (&Lights, &Shadows, &Sphere),
+        renderer: Renderer,
         hair: &[HairView<'_>],
         zone: u32,
     ) -> FrameLight {
         let Context { queue, .. } = context;
         let resolution = self.maps.resolution;
-        let mut uniform = lights.uniform(shadows, focus, resolution);
+        // Without shadows the maps stay empty. Empty deep opacity maps are the cheapest to read.
+        let method = if shadows.enabled { renderer.shadows() } else { ShadowMethod::DeepOpacity };
+        let mut uniform = lights.uniform((shadows, method), focus, resolution);
         if shadows.follows_ambient() {
             uniform.ambient = self.ambient.cells();
         }
-        if shadows.method == ShadowMethod::DeepOpacity && shadows.strand_by_strand > 0.0 {
+        if shadows.enabled && method == ShadowMethod::DeepOpacity && shadows.strand_by_strand > 0.0 {
             uniform.strand_map = self.maps.strand_map;
         }
         // Meshes have enough sample points for fine cells. A zone may have coarser ones.
         (uniform.zone, uniform.every) = (zone, if zone > 0 { self.ambient.every() } else { 1 });
         let whole: f32 = hair.iter().map(|seen| seen.hair.area).sum();
         for seen in hair {
-            let (passes, forward) = seen.hair.passes();
+            let (passes, forward) = seen.hair.passes(renderer.shading());
             let share = if whole > 0.0 { seen.hair.area / whole } else { 1.0 / hair.len() as f32 };
             uniform.passes += share * passes;
             uniform.forward += share * forward;
@@ -106,10 +112,11 @@ impl LightState {
         self.maps.prepare(context, &uniform);
         let texel = 2.0 * focus.radius.max(1e-6) / resolution as f32;
         FrameLight {
-            method: shadows.method,
+            casts: shadows.enabled,
+            method,
             maps: shadows.maps(lights.active().count()),
             strands: if uniform.strand_map > 0 { uniform.count as usize } else { 0 },
-            across: shadows.hair_texels(texel),
+            across: shadows.hair_texels(method, texel),
             stray: texel.min(super::shadow::STRAY * shadows.bias),
             ambient: shadows.follows_ambient(),
             every: uniform.every,

@@ -12,7 +12,7 @@
 //! - Sample masks are averaged over a disc that is wider than the pixel if it has few samples (`footprint.rs`).
 //! - A single sample per pixel is blended with its neighbors along the strand or edge that the structure tensor of its
 //!   neighborhood finds (`smooth.wesl`).
-//! - Peeled hair is composited over the rest (`layers.wesl`), hair of tiles over each of the two surfaces of a pixel
+//! - Peeled hair is composited over the rest (`draw/classic/layers.wesl`), hair of tiles over each of the two surfaces of a pixel
 //!   (`tiled.wesl`).
 
 mod background;
@@ -28,13 +28,14 @@ use wgpu::util::DeviceExt;
 use crate::{
     Context, Result,
     camera::ToneMap,
-    draw::{Coverage, Targets},
+    draw::Targets,
     gpu::{
         Binding, Commands, Device, PipelineSet,
         bindings::layout,
         commands::cleared,
         pipeline::{PipelineCache, Recipe},
     },
+    renderer::Renderer,
 };
 use std::sync::Arc;
 
@@ -64,15 +65,15 @@ pub(crate) struct Pipelines {
     made: PipelineCache<(&'static str, bool, wgpu::TextureFormat), wgpu::RenderPipeline>,
 }
 
-/// Returns the shader for targets with `samples` per pixel and hair drawn by `coverage`, and its bindings.
-fn shader(coverage: Coverage, samples: u32) -> (&'static str, &'static [Binding]) {
+/// Returns the shader for the targets of `renderer`, and its bindings.
+fn shader(renderer: Renderer) -> (&'static str, &'static [Binding]) {
     use Binding::{Depth, DepthMultisampled, Storage, Texture2d, TextureMultisampled, Uniform};
-    match (coverage, samples) {
-        (Coverage::DepthPeeling { .. }, _) => {
-            ("present::layers", &[Uniform, Texture2d, Texture2d, Texture2d, Texture2d, Depth])
+    match (renderer, renderer.samples()) {
+        _ if renderer.layers().is_some() => {
+            ("draw::classic::layers", &[Uniform, Texture2d, Texture2d, Texture2d, Texture2d, Depth])
         }
-        (Coverage::Tiles, 1) => ("present::tiled_one", &[Uniform, Texture2d, Texture2d]),
-        (Coverage::Tiles, _) => {
+        (Renderer::Tiles(_), 1) => ("present::tiled_one", &[Uniform, Texture2d, Texture2d]),
+        (Renderer::Tiles(_), _) => {
             ("present::tiled", &[Uniform, TextureMultisampled, DepthMultisampled, Texture2d, Storage])
         }
         (_, 1) => ("present::single", &[Uniform, Texture2d]),
@@ -101,14 +102,14 @@ impl PipelineSet for Pipelines {
 }
 
 impl Pipelines {
-    /// Returns the pipeline from targets with `samples` per pixel, supersampled by `ssaa`, to an output of `format`.
+    /// Returns the pipeline from the targets of `renderer`, supersampled by `ssaa`, to an output of `format`.
     pub(crate) fn get(
         &self,
-        coverage: Coverage,
-        (samples, ssaa): (u32, u32),
+        renderer: Renderer,
+        ssaa: u32,
         format: wgpu::TextureFormat,
     ) -> Result<wgpu::RenderPipeline> {
-        let (module, bindings) = shader(coverage, samples);
+        let (module, bindings) = shader(renderer);
         self.made.get((module, ssaa > 1, format), || {
             let name = module.rsplit("::").next().unwrap_or(module);
             // Two entry points, since a software driver executes both sides of a branch.
@@ -132,24 +133,24 @@ pub struct PresentState {
     pipelines: Arc<Pipelines>,
     uniform: wgpu::Buffer,
     group: wgpu::BindGroup,
-    coverage: Coverage,
+    renderer: Renderer,
     format: wgpu::TextureFormat,
 }
 
 impl PresentState {
-    /// Creates the state for `targets` with hair drawn by `coverage`, and an output of `format`.
+    /// Creates the state for the `targets` of `renderer`, and an output of `format`.
     pub fn new(
         context: &Context,
         targets: &Targets,
-        coverage: Coverage,
+        renderer: Renderer,
         format: wgpu::TextureFormat,
     ) -> Self {
         let Context { device, .. } = context;
         use wgpu::BindingResource::TextureView;
         let uniform = crate::gpu::bindings::uniform(device, "present", size_of::<PresentUniform>());
-        let footprint = (targets.samples > 1 && !coverage.is_tiled()).then(|| {
-            let footprint = match coverage {
-                Coverage::SampleMask => Footprint::disc(targets.samples),
+        let footprint = (targets.samples > 1 && !renderer.is_tiles()).then(|| {
+            let footprint = match renderer {
+                Renderer::Masks(_) => Footprint::disc(targets.samples),
                 _ => Footprint::square(targets.samples),
             };
             device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
@@ -173,13 +174,13 @@ impl PresentState {
                 resources.push(tiles.buffers.surfaces.as_entire_binding());
             }
         }
-        let (module, bindings) = shader(coverage, targets.samples);
+        let (module, bindings) = shader(renderer);
         let layout = layout(device, module, wgpu::ShaderStages::FRAGMENT, bindings);
         Self {
             pipelines: context.pipelines(),
             group: device.group("present", &layout, &resources),
             uniform,
-            coverage,
+            renderer,
             format,
         }
     }
@@ -214,7 +215,7 @@ impl PresentState {
         targets: &Targets,
         output: &wgpu::TextureView,
     ) -> Result<()> {
-        let pipeline = self.pipelines.get(self.coverage, (targets.samples, targets.ssaa), self.format)?;
+        let pipeline = self.pipelines.get(self.renderer, targets.ssaa, self.format)?;
         let mut pass = commands.render("present", &[cleared(output)], None);
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &self.group, &[]);

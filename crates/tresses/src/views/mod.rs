@@ -68,7 +68,6 @@ use crate::{
     Camera, Context, Pose, Result,
     body::{self, Body},
     collide::ColliderSet,
-    draw::Coverage,
     gpu::{
         Binding, Commands, Device,
         bindings::layout,
@@ -76,6 +75,7 @@ use crate::{
         pipeline::{DEPTH_FORMAT, Recipe},
     },
     light::HairView,
+    renderer::Renderer,
     strands::GuideBuffers,
 };
 use wgpu::util::DeviceExt;
@@ -242,7 +242,7 @@ impl DebugStage {
         (view, depth)
     }
 
-    /// Records the number of strips of `hair` that cover each pixel's center in one pass with `coverage`, in front of
+    /// Records the number of strips of `hair` that cover each pixel's center in one pass of `renderer`, in front of
     /// `bodies` and regardless of other hair. `frame` is the bind group of the view that has shaded the strips.
     fn record_overdraw(
         &mut self,
@@ -250,7 +250,7 @@ impl DebugStage {
         camera: &Camera,
         bodies: &[&Body],
         output: &wgpu::TextureView,
-        (frame, coverage, hair): (&wgpu::BindGroup, Coverage, &[HairView<'_>]),
+        (frame, renderer, hair): (&wgpu::BindGroup, Renderer, &[HairView<'_>]),
         paint: &Paint,
     ) -> Result<()> {
         let (view, depth) = self.begin(commands, camera, bodies, output);
@@ -264,7 +264,7 @@ impl DebugStage {
             sampler: &self.sampler,
             encode: self.encode,
         };
-        self.overdraw.record(&mut canvas, (frame, coverage), hair, paint)
+        self.overdraw.record(&mut canvas, (frame, renderer), hair, paint)
     }
 
     /// Returns a depth texture of `size`, the last one if it has this size.

@@ -3,7 +3,6 @@
 use super::{Canvas, Paint, overlay};
 use crate::{
     Context, Result,
-    draw::Coverage,
     gpu::{
         Binding, Device,
         bindings::layout,
@@ -11,6 +10,7 @@ use crate::{
         pipeline::{PipelineCache, Recipe, blended},
     },
     light::{self, HairView},
+    renderer::Renderer,
 };
 use std::sync::Arc;
 
@@ -40,13 +40,11 @@ impl Overdraw {
         }
     }
 
-    /// Returns the counting pipeline for a coverage method, which sets the width of the strips.
-    fn count(&self, coverage: Coverage) -> Result<wgpu::RenderPipeline> {
-        let vertex = match coverage {
-            Coverage::SampleMask => ("draw::hair", "hair_shaded"),
-            Coverage::AlphaToCoverage | Coverage::DepthPeeling { .. } | Coverage::Tiles => {
-                ("draw::alpha", "alpha_shaded")
-            }
+    /// Returns the counting pipeline of a renderer, which sets the width of the strips.
+    fn count(&self, renderer: Renderer) -> Result<wgpu::RenderPipeline> {
+        let vertex = match renderer {
+            Renderer::Masks(_) => ("draw::masks::masked", "masked_vertex"),
+            Renderer::Tiles(_) | Renderer::Classic(_) => ("views::overdraw", "overdraw_strip"),
         };
         self.made.get(vertex.1, || {
             let light::Pipelines { frame, hair, fiber, .. } = &*self.light;
@@ -66,11 +64,11 @@ impl Overdraw {
     pub(super) fn record(
         &self,
         canvas: &mut Canvas<'_, '_>,
-        (frame, coverage): (&wgpu::BindGroup, Coverage),
+        (frame, renderer): (&wgpu::BindGroup, Renderer),
         hair: &[HairView<'_>],
         paint: &Paint,
     ) -> Result<()> {
-        let count = self.count(coverage)?;
+        let count = self.count(renderer)?;
         let show = self.made.get("show", || {
             let topology = wgpu::PrimitiveTopology::TriangleList;
             overlay(canvas.device, "views::overdraw", &[&self.layout], self.format, topology, false)

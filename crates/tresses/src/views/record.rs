@@ -10,7 +10,7 @@ use crate::{
     camera::ToneMap,
     gpu::Commands,
     groom::SdfGrid,
-    light::{HairView, ShadingRate, terms::Terms},
+    light::{HairView, terms::Terms},
     view::{Picture, View},
     wind::Air,
 };
@@ -52,7 +52,7 @@ impl DebugDisplay {
 
     /// Returns the settings of a frame with this view.
     pub(crate) fn picture(&self, picture: &Picture) -> Picture {
-        let mut picture = Picture { shading: ShadingRate::PerVertex, ..*picture };
+        let mut picture = *picture;
         if self.view.strands().is_some() || self.view == DebugView::Shadow {
             // A color that encodes a value is not tone mapped.
             picture.tone = ToneMap { exposure: 1.0, shoulder: 0.99, desaturation: 0.0 };
@@ -149,7 +149,7 @@ impl DebugViews {
         let low = shown.scale().map_or(0.0, |scale| scale.low);
         let paint = |opacity| Paint { low, high, opacity };
         if what == DebugView::Overdraw {
-            let drawn = (&view.light.frame, view.options().coverage, seen);
+            let drawn = (&view.light.frame, view.options().renderer, seen);
             let (stage, paint) = (&mut self.stage, paint(1.0));
             return stage.record_overdraw(commands, camera, bodies, output, drawn, &paint);
         }

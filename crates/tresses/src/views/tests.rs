@@ -4,12 +4,13 @@ use super::{arrows::ArrowsKernel, guides::GuidesKernel, streams::StreamsKernel, 
 use crate::{
     Context, Pose,
     camera::Camera,
-    draw::{Coverage, targets::PICTURE_FORMAT},
+    draw::targets::PICTURE_FORMAT,
     frame::{ViewContent, ViewPass},
     gpu::{for_tests as context, readback::blocking as readback},
     groom::TriMesh,
     light::HairSet,
     present::Background,
+    renderer::Renderer,
     strands::{Guide, GuideRest, GuideSample, PackedGuide, Strand, guide::pack_velocity},
     view::{Picture, View, ViewOptions},
 };
@@ -84,10 +85,9 @@ fn picture(context: &Context, layers: &[Layer<'_>], body: Option<&TriMesh>) -> V
 /// A view of one sample per pixel, with the smallest shadow maps.
 fn empty(context: &Context) -> View {
     let options = ViewOptions {
-        samples: 1,
         shadow_resolution: 4,
         ambient_cells: 4,
-        coverage: Coverage::SampleMask,
+        renderer: Renderer::masks(1),
         ..Default::default()
     };
     View::new(context, &options, [SIZE, SIZE], 1).unwrap()
@@ -102,7 +102,7 @@ fn nothing() -> Picture {
 fn points(context: &Context, record: impl FnOnce(&mut Canvas<'_, '_>) -> wgpu::Buffer) -> Vec<LinePoint> {
     let (device, queue) = (context.device(), context.queue());
     let debug = DebugStage::new(context, PICTURE_FORMAT).unwrap();
-    let targets = crate::draw::Targets::new(context, [16, 16], (1, Coverage::SampleMask), 1).unwrap();
+    let targets = crate::draw::Targets::new(context, [16, 16], Renderer::masks(1), 1).unwrap();
     let uniform = constant(device, "view", &view().uniform(1, 1));
     let group = context.device.group("view", &debug.view_layout, &[uniform.as_entire_binding()]);
     let mut encoder = device.create_command_encoder(&Default::default());

@@ -5,7 +5,6 @@ use crate::common;
 use tresses::{
     Context, View,
     body::Body,
-    draw::Coverage,
     glam::{Quat, Vec3},
     groom::TriMesh,
     light::{
@@ -13,6 +12,7 @@ use tresses::{
         ambient::{AmbientProbe, IncidentLight},
     },
     math::hash::pcg,
+    renderer::Renderer,
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
     view::{Picture, ViewOptions},
 };
@@ -42,10 +42,9 @@ impl<'a> Bench<'a> {
 
     fn with_cells(context: &'a Context, ambient_cells: u32) -> Self {
         let options = ViewOptions {
-            samples: 1,
+            renderer: Renderer::masks(1),
             shadow_resolution: 256,
             ambient_cells,
-            coverage: Coverage::SampleMask,
             ..Default::default()
         };
         let mut scene = Picture { focus: Sphere { center: Vec3::ZERO, radius: HALF }, ..Default::default() };

@@ -4,7 +4,6 @@ use crate::common;
 use tresses::{
     Camera, Character, Context, Pose, View,
     character::{CharacterOptions, CharacterParts, CharacterSource, FaceHair, Gesture, Styling},
-    draw::Coverage,
     glam::{Quat, Vec3},
     groom::{
         cards::{CardOptions, bake},
@@ -14,6 +13,7 @@ use tresses::{
     },
     lod::{LodMode, LodOptions},
     present::Background,
+    renderer::Renderer,
     view::{Picture, ViewOptions},
 };
 
@@ -51,8 +51,8 @@ fn camera(distance: f32) -> Camera {
 }
 
 /// Draws a character without its body before nothing. Returns premultiplied colors, sRGB.
-fn drawn(context: &Context, character: &Character, coverage: Coverage) -> Vec<[u8; 4]> {
-    let options = ViewOptions { coverage, ..common::coarse() };
+fn drawn(context: &Context, character: &Character, renderer: Renderer) -> Vec<[u8; 4]> {
+    let options = ViewOptions { renderer, ..common::coarse() };
     let mut view = View::new(context, &options, SIZE, 1).unwrap();
     let picture =
         Picture { camera: camera(1.4), background: Background::transparent(), ..Picture::default() };
@@ -88,14 +88,14 @@ fn cards_look_like_the_strands_that_they_replace() {
         advance(context, character, 0.0);
     }
     let light = |p: &[u8; 4]| (f32::from(p[0]) + f32::from(p[1]) + f32::from(p[2])) / 3.0;
-    for coverage in [Coverage::Tiles, Coverage::SampleMask] {
-        let [expected, found] = [&strands, &cards].map(|character| drawn(context, character, coverage));
+    for renderer in [Renderer::tiles(4), Renderer::masks(4)] {
+        let [expected, found] = [&strands, &cards].map(|character| drawn(context, character, renderer));
         let off = difference(&expected, &found);
         let [bright, got] = [&expected, &found].map(|picture| mean(picture, light));
         let [alpha, seen] = [&expected, &found].map(|picture| mean(picture, |p| f32::from(p[3])));
-        assert!((seen / alpha - 1.0).abs() < 0.08, "{coverage:?}: coverage {seen} instead of {alpha}");
-        assert!((got / bright - 1.0).abs() < 0.12, "{coverage:?}: brightness {got} instead of {bright}");
-        assert!(off < 3.0, "{coverage:?}: {off}");
+        assert!((seen / alpha - 1.0).abs() < 0.08, "{renderer:?}: coverage {seen} instead of {alpha}");
+        assert!((got / bright - 1.0).abs() < 0.12, "{renderer:?}: brightness {got} instead of {bright}");
+        assert!(off < 3.0, "{renderer:?}: {off}");
         // The comparison notices missing hair.
         assert!(difference(&expected, &vec![[0; 4]; found.len()]) > 9.0);
     }
@@ -115,18 +115,18 @@ fn cards_swing_with_the_guides_and_instances_share_them() {
     for character in all.iter_mut().chain([&mut moved]) {
         advance(context, character, 0.0);
     }
-    let rest = all.each_ref().map(|character| drawn(context, character, Coverage::Tiles));
+    let rest = all.each_ref().map(|character| drawn(context, character, Renderer::tiles(4)));
     for step in 1..6 {
         for character in all.iter_mut().chain([&mut moved]) {
             character.gesture = nod(9.0 * step as f32);
             advance(context, character, 1.0 / 60.0);
         }
     }
-    let [strands, cards] = all.each_ref().map(|character| drawn(context, character, Coverage::Tiles));
+    let [strands, cards] = all.each_ref().map(|character| drawn(context, character, Renderer::tiles(4)));
     assert!(difference(&rest[1], &cards) > 4.0, "cards move");
     let [apart, moves] = [difference(&strands, &cards), difference(&rest[0], &strands)];
     assert!(apart < 0.8 * moves, "cards are {apart} from strands, which changed by {moves}");
-    assert_eq!(drawn(context, &moved, Coverage::Tiles), cards);
+    assert_eq!(drawn(context, &moved, Renderer::tiles(4)), cards);
 }
 
 #[test]

@@ -2,14 +2,14 @@
 
 use crate::{common, golden};
 use tresses::{
-    View, body::Body, draw::Coverage, gpu::readback::blocking as readback, light::HairSet, view::ViewOptions,
+    View, body::Body, gpu::readback::blocking as readback, light::HairSet, renderer::Renderer,
+    view::ViewOptions,
 };
 
 #[test]
 fn visible_vertices_are_shaded_as_in_full_shading() {
     let Some(context) = common::context() else { return };
-    let options =
-        ViewOptions { shadow_resolution: 256, coverage: Coverage::SampleMask, ..Default::default() };
+    let options = ViewOptions { shadow_resolution: 256, renderer: Renderer::masks(4), ..Default::default() };
     let view = View::new(context, &options, golden::SIZE, 1).expect("fits");
     let strands = golden::strands(context, 0..golden::COUNT);
     let hair = HairSet::new(context, &strands).expect("fits");

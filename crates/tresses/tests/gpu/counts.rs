@@ -4,11 +4,11 @@ use crate::common;
 use tresses::{
     View,
     body::Body,
-    draw::Coverage,
     frame::ViewPass,
     gpu::{Counts, Timings, wall},
     groom::TriMesh,
     light::HairSet,
+    renderer::Renderer,
     strands::StrandBuffers,
     view::{Picture, ViewOptions},
 };
@@ -16,9 +16,9 @@ use tresses::{
 const SIZE: [u32; 2] = [64, 40];
 
 /// Returns the counts of a frame with this many grooms and bodies, by row of the timings.
-fn recorded(coverage: Coverage, grooms: usize, bodies: usize) -> Vec<(&'static str, Counts)> {
+fn recorded(renderer: Renderer, grooms: usize, bodies: usize) -> Vec<(&'static str, Counts)> {
     let context = &common::noop();
-    let options = ViewOptions { samples: 1, coverage, ..Default::default() };
+    let options = ViewOptions { renderer, ..Default::default() };
     let view = View::new(context, &options, SIZE, 1).expect("a fair size");
     let strands = StrandBuffers::new(context, 5000, 16).expect("small enough");
     let hair: Vec<_> = (0..grooms).map(|_| HairSet::new(context, &strands).expect("small enough")).collect();
@@ -43,7 +43,7 @@ fn row(rows: &[(&str, Counts)], name: &str) -> Counts {
 
 #[test]
 fn frame_records_the_expected_counts() {
-    let rows = recorded(Coverage::SampleMask, 2, 1);
+    let rows = recorded(Renderer::masks(1), 2, 1);
     let [width, height] = SIZE.map(u64::from);
     // One triangle over the image, 4 bytes per pixel.
     let one = Counts { passes: 1, draws: 1, pipelines: 1, groups: 1, ..Counts::default() };
@@ -60,20 +60,20 @@ fn frame_records_the_expected_counts() {
 
 #[test]
 fn counts_follow_grooms_bodies_and_layers() {
-    let [one, two] = [1, 2].map(|grooms| recorded(Coverage::Tiles, grooms, 1));
+    let [one, two] = [1, 2].map(|grooms| recorded(Renderer::tiles(1), grooms, 1));
     for name in ["shadow", "ambient", "bins", "shade", "hair"] {
         let (one, two) = (row(&one, name), row(&two, name));
         assert!(two.dispatches > one.dispatches && two.groups > one.groups, "{name}: {one:?} {two:?}");
         assert_eq!(two.passes, one.passes, "{name}: no groom has passes of its own");
     }
     // A second body: one draw for its shading points and one into the image.
-    let more = row(&recorded(Coverage::Tiles, 1, 2), "body");
+    let more = row(&recorded(Renderer::tiles(1), 1, 2), "body");
     let less = row(&one, "body");
     assert_eq!((more.draws, more.passes), (less.draws + 2, less.passes));
     // Four buffers are cleared, and the depth bounds of the tiles are copied to a texture twice.
     assert_eq!(row(&one, "bins").transfers, 4 + 2);
     // Another layer adds two passes and a copy of the depth.
-    let [four, five] = [4, 5].map(|layers| row(&recorded(Coverage::DepthPeeling { layers }, 1, 1), "hair"));
+    let [four, five] = [4, 5].map(|layers| row(&recorded(Renderer::peeling(layers), 1, 1), "hair"));
     let [width, height] = SIZE.map(u64::from);
     assert_eq!((five.passes, five.transfers), (four.passes + 2, four.transfers + 1));
     // The depth is copied, loaded and stored. The layer's color is stored. The accumulated color is loaded and stored.

@@ -8,13 +8,13 @@ use tresses::{
     Camera, Context, Hair, HairOptions, Pose, View,
     body::Body,
     budget::{Budget, Costs, ViewBytes},
-    draw::Coverage,
     frame::ViewPass,
     glam::{Quat, Vec3},
     gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, bind},
     light::{HairMaterial, Sphere, Zone},
     lod::{Detail, LodOptions},
+    renderer::Renderer,
     strands::StrandVertex,
     view::{Picture, ViewOptions},
 };
@@ -129,8 +129,8 @@ fn zone_light_equals_view_light() {
         focus,
         ..Default::default()
     };
-    for (samples, coverage) in [(4, Coverage::Tiles), (1, Coverage::PEELING)] {
-        let options = ViewOptions { samples, coverage, shadow_resolution: 256, ..Default::default() };
+    for renderer in [Renderer::tiles(4), Renderer::peeling(4)] {
+        let options = ViewOptions { renderer, shadow_resolution: 256, ..Default::default() };
         let mut view = View::new(context, &options, SIZE, 1).unwrap();
         let zone = |focus: Sphere, i: usize| Zone {
             focus,
@@ -144,23 +144,23 @@ fn zone_light_equals_view_light() {
         let alone = picture(&view, &[&first], &[&body], &scene);
         view.set_zones(&[zone(focus, 0)]);
         let zoned = picture(&view, &[&first], &[&body], &scene);
-        assert!(alone == zoned, "{coverage:?}: {:?}", difference(&alone, &zoned));
+        assert!(alone == zoned, "{renderer:?}: {:?}", difference(&alone, &zoned));
         // The other head, outside the image, is in another zone and casts no shadow here. Without zones it would be in
         // the same grid.
         let there = Sphere { center: aside.translation, ..focus };
         view.set_zones(&[zone(there, 1), zone(focus, 0)]);
         let both = picture(&view, &[&first, &second], &[&body, &other], &scene);
         let (mean, high) = difference(&alone, &both);
-        assert!(mean < 0.05 && high <= 1, "{coverage:?}: {mean} {high}");
+        assert!(mean < 0.05 && high <= 1, "{renderer:?}: {mean} {high}");
         // A zone around another place gives different light.
         view.set_zones(&[zone(there, 0)]);
         let wrong = picture(&view, &[&first], &[&body], &scene);
-        assert!(difference(&alone, &wrong).0 > 0.5, "{coverage:?}");
+        assert!(difference(&alone, &wrong).0 > 0.5, "{renderer:?}");
         // Grooms and bodies in no zone are lit by the view's own maps.
         view.set_zones(&[zone(there, 1)]);
         let rest = picture(&view, &[&first, &second], &[&body, &other], &scene);
         let (mean, high) = difference(&alone, &rest);
-        assert!(mean < 0.05 && high <= 1, "{coverage:?}: {mean} {high}");
+        assert!(mean < 0.05 && high <= 1, "{renderer:?}: {mean} {high}");
         view.set_zones(&[]);
         assert!(picture(&view, &[&first], &[&body], &scene) == alone);
     }
@@ -342,7 +342,7 @@ fn levels_of_detail_keep_the_budget() {
     let zone = |i: usize, bias: f32| Zone::seen(focus(i), &camera, bias, vec![i], Vec::new());
     let held = ViewBytes { vertex: ViewBytes::BY_TILES, head: &|i, bias| zone(i, bias).bytes() };
     // `Zone::bytes` predicts what the view allocates.
-    let options = ViewOptions { coverage: Coverage::SampleMask, ..common::coarse() };
+    let options = ViewOptions { renderer: Renderer::masks(4), ..common::coarse() };
     let mut view = View::new(context, &options, SIZE, 1).unwrap();
     for octaves in [0.0, 2.0] {
         view.set_zones(&[zone(0, octaves)]);
@@ -415,7 +415,7 @@ fn zones_are_as_bright_as_finer_maps() {
             };
             hair.look_from(&camera, &Pose::IDENTITY);
             submit(|recorder| recorder.advance(&mut hair, &frame(Pose::IDENTITY, 0.0)));
-            let options = ViewOptions { samples: 4, coverage: Coverage::Tiles, ..Default::default() };
+            let options = ViewOptions { renderer: Renderer::tiles(4), ..Default::default() };
             let mut view = View::new(context, &options, [height; 2], 1).unwrap();
             let mean = |view: &View| -> f64 {
                 let seen = picture(view, &[&hair], &[&body], &scene);
@@ -472,7 +472,7 @@ fn distant_heads_do_not_flicker() {
             tone: tresses::camera::ToneMap { exposure: 1.0, shoulder: 1.0, desaturation: 0.0 },
             ..Default::default()
         };
-        let options = ViewOptions { samples: 4, coverage: Coverage::Tiles, ..Default::default() };
+        let options = ViewOptions { renderer: Renderer::tiles(4), ..Default::default() };
         let mut view = View::new(context, &options, [height; 2], 1).unwrap();
         let frames = (0..48u32).map(|i| {
             hair.look_from(&camera, &turn(i));

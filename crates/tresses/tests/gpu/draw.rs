@@ -5,10 +5,10 @@ use crate::common;
 use common::{context, meter_is_pixel, picture};
 use tresses::{
     Camera, Context, View,
-    draw::Coverage,
     glam::Vec3,
     gpu::readback::blocking as readback,
-    light::{HairMaterial, HairSet, ShadingModel, ShadingRate, ShadowMethod, Sphere, unpack_radiance},
+    light::{HairMaterial, HairSet, Sphere, unpack_radiance},
+    renderer::{ClassicOptions, Renderer, ShadingModel, ShadingRate, ShadowMethod},
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
     view::{Picture, ViewOptions},
 };
@@ -32,7 +32,7 @@ fn upload(context: &Context, radius: f32, strands: &[[Vec3; 2]]) -> StrandBuffer
 
 /// Creates a view of `size`² pixels with this many samples and, along each axis, `ssaa` texels per pixel.
 fn view(context: &Context, size: u32, samples: u32, ssaa: u32) -> View {
-    let options = ViewOptions { samples, coverage: Coverage::SampleMask, ..common::coarse() };
+    let options = ViewOptions { renderer: Renderer::masks(samples), ..common::coarse() };
     View::new(context, &options, [size, size], ssaa).expect("fits")
 }
 
@@ -103,7 +103,7 @@ fn strips_cover_their_area() {
 #[test]
 fn light_is_finite_and_linear() {
     let Some(context) = context() else { return };
-    let view = view(context, 16, 1, 1);
+    let mut view = view(context, 16, 1, 1);
     // All directions of a sphere, far enough apart that no strand shades another.
     let strands: Vec<_> = (0..600)
         .map(|i| {
@@ -118,13 +118,14 @@ fn light_is_finite_and_linear() {
     let mut hair = HairSet::new(context, &upload(context, 4e-5, &strands)).expect("fits");
     let models = [ShadingModel::KajiyaKay, ShadingModel::Fiber];
     for (name, model) in HairMaterial::NAMES.iter().flat_map(|name| models.map(|model| (name, model))) {
-        hair.material = HairMaterial { model, ..HairMaterial::named(name).expect("a preset") };
+        hair.material = HairMaterial::named(name).expect("a preset");
+        let renderer = Renderer::masks(1).with_shading(model);
+        view.set_options(&ViewOptions { renderer, ..*view.options() }).expect("fits");
         for eye in [Vec3::Z, Vec3::X, Vec3::NEG_Z, Vec3::Y * 0.99 + Vec3::Z * 0.1, Vec3::new(-0.5, 0.6, 0.4)]
         {
             let mut scene = Picture {
                 camera: Camera::look_at(eye, Vec3::ZERO, 0.6, [16, 16]),
                 focus: Sphere { center: Vec3::ZERO, radius: 0.3 },
-                shading: ShadingRate::PerVertex,
                 ..Default::default()
             };
             // Includes strands that are collinear with light and eye.
@@ -151,8 +152,12 @@ fn light_is_finite_and_linear() {
 #[test]
 fn hair_shadows_hair() {
     let Some(context) = context() else { return };
-    let options = ViewOptions { samples: 1, coverage: Coverage::SampleMask, ..Default::default() };
-    let view = View::new(context, &options, [64, 64], 1).expect("fits");
+    let classic = |rate, shadows| {
+        let classic = ClassicOptions { rate, shadows, ..ClassicOptions::default() };
+        ViewOptions { renderer: Renderer::Classic(classic), ..Default::default() }
+    };
+    let options = classic(ShadingRate::PerPixel, ShadowMethod::Opaque);
+    let mut view = View::new(context, &options, [64, 64], 1).expect("fits");
     // Two curtains without gaps. The second is 1 cm behind the first as seen from the key light, and shorter, so that
     // no light reaches it past the ends of the first.
     let curtain = |z: f32, tall: f32| {
@@ -166,7 +171,6 @@ fn hair_shadows_hair() {
     let mut scene = Picture {
         camera: Camera::look_at(Vec3::new(0.0, 0.0, 0.5), Vec3::ZERO, 0.15, [64, 64]),
         focus: Sphere { center: Vec3::ZERO, radius: 0.1 },
-        shading: ShadingRate::PerPixel,
         ..Default::default()
     };
     scene.lights.directional[0].direction = Vec3::Z;
@@ -181,7 +185,7 @@ fn hair_shadows_hair() {
         (ShadowMethod::Absorption, behind, 0.2),
         (ShadowMethod::DeepOpacity, 1.6, 0.15),
     ] {
-        scene.shadows.method = method;
+        view.set_options(&classic(ShadingRate::PerPixel, method)).expect("fits");
         render(context, &view, &scene, &hair);
         let shaded: Vec<u8> = readback::buffer(context, &view.shaded(&hair).unwrap()).expect("values");
         let mean = |strands: std::ops::Range<usize>| {
@@ -198,7 +202,7 @@ fn hair_shadows_hair() {
     }
     let pixels = render(context, &view, &scene, &hair);
 
-    scene.shading = ShadingRate::PerVertex;
+    view.set_options(&classic(ShadingRate::PerVertex, ShadowMethod::DeepOpacity)).expect("fits");
     let vertices = render(context, &view, &scene, &hair);
     let level = |picture: &[u8]| picture.iter().map(|v| f64::from(*v)).sum::<f64>() / picture.len() as f64;
     let (a, b) = (level(&pixels), level(&vertices));

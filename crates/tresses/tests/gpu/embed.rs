@@ -6,7 +6,7 @@ use crate::common;
 use half::f16;
 use tresses::{
     Camera, Context, Error, Hair, Pose, Result, View,
-    draw::{Compositor, Coverage, Surroundings},
+    draw::{Compositor, Surroundings},
     frame::{ViewContent, ViewPass},
     glam::{
         Mat4, Vec3, Vec4,
@@ -18,6 +18,7 @@ use tresses::{
         cards::{CardOptions, bake},
     },
     light::{Lights, Sphere},
+    renderer::Renderer,
     view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages},
 };
@@ -52,8 +53,7 @@ impl<'a> Setup<'a> {
             ..Default::default()
         };
         Self {
-            embed: Compositor::new(context, (options.samples, options.coverage), TextureFormat::Rgba16Float)
-                .unwrap(),
+            embed: Compositor::new(context, options.renderer, TextureFormat::Rgba16Float).unwrap(),
             view: View::new(context, options, SIZE, ssaa).unwrap(),
             hair,
             scene,
@@ -245,16 +245,14 @@ fn scene_geometry_hides_hair() {
     let Some(context) = common::context() else { return };
     let blue = Vec4::new(0.125, 0.25, 0.5, 1.0);
     let usual = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.05, 50.0);
-    use Coverage::{SampleMask, Tiles};
-    let modes = [(4, 1, SampleMask), (1, 1, SampleMask), (1, 2, SampleMask), (4, 1, Tiles), (1, 2, Tiles)];
-    for (samples, ssaa, coverage) in modes {
-        let options = ViewOptions { samples, coverage, ..common::coarse() };
+    let masks = [(1, Renderer::masks(4)), (1, Renderer::masks(1)), (2, Renderer::masks(1))];
+    let tiles = [(1, Renderer::tiles(4)), (2, Renderer::tiles(1))];
+    for (ssaa, renderer) in masks.into_iter().chain(tiles) {
+        let options = ViewOptions { renderer, ..common::coarse() };
         let stage = Setup::new(context, &options, ssaa);
         let [free, halved, hidden] = [20.0, DISTANCE, 0.3].map(|at| stage.wall(blue, usual, at));
         let [some, half, none] = [&free, &halved, &hidden].map(|picture| covered(picture, blue));
-        println!(
-            "{coverage:?}, {samples} samples, {ssaa} texels: {some} pixels of hair, {half} before a wall in its middle"
-        );
+        println!("{renderer:?}, {ssaa} texels: {some} pixels of hair, {half} before a wall in its middle");
         assert_eq!(none, 0, "hair shines through a wall");
         assert!(some > 800, "{some} pixels of hair");
         assert!(half < some && half > some / 2, "{half} of {some} pixels lie before the middle");
@@ -286,8 +284,8 @@ fn image_may_be_a_part_of_the_scene() {
     let Some(context) = common::context() else { return };
     let blue = Vec4::new(0.125, 0.25, 0.5, 1.0);
     let usual = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.05, 50.0);
-    for (samples, ssaa, coverage) in [(4, 1, Coverage::SampleMask), (1, 2, Coverage::Tiles)] {
-        let options = ViewOptions { samples, coverage, ..common::coarse() };
+    for (ssaa, renderer) in [(1, Renderer::masks(4)), (2, Renderer::tiles(1))] {
+        let options = ViewOptions { renderer, ..common::coarse() };
         let mut stage = Setup::new(context, &options, ssaa);
         let alone = stage.wall(blue, usual, DISTANCE);
         stage.origin = [13, 7];
@@ -298,7 +296,7 @@ fn image_may_be_a_part_of_the_scene() {
             rows.map(|[x, y]| whole[(y * width + x) as usize]).collect::<Vec<_>>()
         };
         assert_eq!(whole.len(), (width * height) as usize);
-        assert!(part(13, 7) == alone, "{coverage:?}: the part is not the picture");
+        assert!(part(13, 7) == alone, "{renderer:?}: the part is not the picture");
         assert!(part(12, 7) != alone, "the comparer sees no difference");
         let hair = covered(&alone, blue);
         assert!(hair > 400, "{hair} pixels of hair");
@@ -312,8 +310,8 @@ fn scene_depth_may_be_multisampled() {
     let blue = Vec4::new(0.125, 0.25, 0.5, 1.0);
     let aspect = SIZE[0] as f32 / SIZE[1] as f32;
     for projection in [perspective(FOV, aspect, 0.05, 50.0), Camera::perspective(FOV, aspect, 0.02)] {
-        for (samples, coverage) in [(4, Coverage::SampleMask), (1, Coverage::Tiles)] {
-            let options = ViewOptions { samples, coverage, ..common::coarse() };
+        for renderer in [Renderer::masks(4), Renderer::tiles(1)] {
+            let options = ViewOptions { renderer, ..common::coarse() };
             let mut stage = Setup::new(context, &options, 1);
             let [free, halved] = [20.0, DISTANCE].map(|at| stage.wall(blue, projection, at));
             stage.samples = (4, 0);
@@ -323,10 +321,11 @@ fn scene_depth_may_be_multisampled() {
                 stage.samples = (4, mask);
                 let part = stage.wall(blue, projection, 0.3);
                 // Tiles weight hair by the samples behind it. Masks draw it fully if any sample is behind it.
-                let share = if coverage == Coverage::Tiles { mask.count_ones() as f32 / 4.0 } else { 1.0 };
+                let share =
+                    if matches!(renderer, Renderer::Tiles(_)) { mask.count_ones() as f32 / 4.0 } else { 1.0 };
                 let expected: Vec<Vec4> = free.iter().map(|texel| blue.lerp(*texel, share)).collect();
                 let error = difference(&part, &expected);
-                assert!(error < 4e-3, "{coverage:?}, samples {mask:04b} lie behind the hair: {error}");
+                assert!(error < 4e-3, "{renderer:?}, samples {mask:04b} lie behind the hair: {error}");
                 assert!(
                     share == 1.0 || difference(&free, &expected) > 0.1,
                     "the comparer sees no difference"
@@ -346,8 +345,8 @@ fn cards_are_hidden_and_blended_like_strands() {
     let columns = baked.strands(0, &groom).unwrap();
     let sky = Vec4::new(0.125, 0.25, 0.5, 1.0);
     let projection = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.1, 100.0);
-    for (samples, coverage) in [(1, Coverage::Tiles), (4, Coverage::Tiles), (4, Coverage::SampleMask)] {
-        let options = ViewOptions { samples, coverage, ..common::coarse() };
+    for renderer in [Renderer::tiles(1), Renderer::tiles(4), Renderer::masks(4)] {
+        let options = ViewOptions { renderer, ..common::coarse() };
         let strands = Setup::new(context, &options, 1);
         let expected = covered(&strands.wall(sky, projection, 5.0), sky);
         let mut setup = Setup::new(context, &options, 1);
@@ -356,8 +355,8 @@ fn cards_are_hidden_and_blended_like_strands() {
         common::advance(&mut setup.hair, &common::frame(Pose::IDENTITY, 0.0));
         let free = setup.wall(sky, projection, 5.0);
         let seen = covered(&free, sky);
-        assert!(seen * 4 > expected && seen < expected * 2, "{coverage:?}: {seen} instead of {expected}");
-        assert_eq!(covered(&setup.wall(sky, projection, 0.3), sky), 0, "{coverage:?}: a wall in front");
+        assert!(seen * 4 > expected && seen < expected * 2, "{renderer:?}: {seen} instead of {expected}");
+        assert_eq!(covered(&setup.wall(sky, projection, 0.3), sky), 0, "{renderer:?}: a wall in front");
         // Several depths per pixel: hair is tested against the farthest.
         setup.samples = (4, 0);
         assert!(covered(&setup.wall(sky, projection, 5.0), sky).abs_diff(seen) * 20 < seen);
@@ -369,28 +368,28 @@ fn cards_are_hidden_and_blended_like_strands() {
 fn hair_is_blended_over_the_scene() {
     let Some(context) = common::context() else { return };
     let projection = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.05, 50.0);
-    for coverage in [Coverage::SampleMask, Coverage::AlphaToCoverage, Coverage::Tiles] {
-        let options = ViewOptions { samples: 4, coverage, ..common::coarse() };
+    for renderer in [Renderer::masks(4), Renderer::alpha_to_coverage(4), Renderer::tiles(4)] {
+        let options = ViewOptions { renderer, ..common::coarse() };
         let stage = Setup::new(context, &options, 1);
         let [black, gray, white] =
             [0.0, 0.5, 1.0].map(|c| stage.wall(Vec4::new(c, c, c, 1.0), projection, 20.0));
         // The result is linear in the scene's color ...
         let mean: Vec<Vec4> = black.iter().zip(&white).map(|(a, b)| 0.5 * (*a + *b)).collect();
         let error = difference(&mean, &gray);
-        assert!(error < 2e-3, "{coverage:?}: {error} from linear");
+        assert!(error < 2e-3, "{renderer:?}: {error} from linear");
         assert!(difference(&black, &gray) > 0.1, "the comparer sees no difference");
         // ... with a weight that is a multiple of a quarter, as there are four samples.
         let mut partial = 0;
         for (black, white) in black.iter().zip(&white) {
             let share = 4.0 * (white.x - black.x);
             // The tolerance is for half floats of bright hair. Tiles may have any weight.
-            let whole = (share - share.round()).abs() < 0.02 || coverage == Coverage::Tiles;
-            assert!(whole, "{coverage:?}: {share} of four samples");
+            let whole = (share - share.round()).abs() < 0.02 || matches!(renderer, Renderer::Tiles(_));
+            assert!(whole, "{renderer:?}: {share} of four samples");
             partial += usize::from(share.round() > 0.0 && share.round() < 4.0);
         }
-        assert!(partial > 100, "{coverage:?}: {partial} pixels are partly covered");
+        assert!(partial > 100, "{renderer:?}: {partial} pixels are partly covered");
     }
-    assert!(Compositor::new(context, (1, Coverage::PEELING), TextureFormat::Rgba16Float).is_err());
+    assert!(Compositor::new(context, Renderer::peeling(4), TextureFormat::Rgba16Float).is_err());
 }
 
 /// Returns the distance along the view direction of a depth value in `projection`, meters.
@@ -410,7 +409,7 @@ fn geometry_output_has_motion_depth_and_opacity() {
     let aspect = SIZE[0] as f32 / SIZE[1] as f32;
     let [usual, reversed] = [perspective(FOV, aspect, 0.05, 50.0), Camera::perspective(FOV, aspect, 0.02)];
     for (samples, ssaa) in [(1, 1), (4, 1), (1, 2)] {
-        let options = ViewOptions { samples, coverage: Coverage::Tiles, ..common::coarse() };
+        let options = ViewOptions { renderer: Renderer::tiles(samples), ..common::coarse() };
         let mut stage = Setup::new(context, &options, ssaa);
         let still = stage.known(usual);
         let hair = |known: &[Vec4]| known.iter().copied().filter(|texel| texel.w > 0.05).collect::<Vec<_>>();
@@ -463,7 +462,7 @@ fn geometry_output_has_motion_depth_and_opacity() {
         let far = |texel: &Vec4| *texel == Vec4::ZERO;
         assert!(known.iter().all(far), "{:?}", known.iter().find(|texel| !far(texel)));
     }
-    let options = ViewOptions { samples: 4, coverage: Coverage::SampleMask, ..common::coarse() };
+    let options = ViewOptions { renderer: Renderer::masks(4), ..common::coarse() };
     let refused = Setup::new(context, &options, 1).drawn(Vec4::ZERO, usual, 1.0, true);
     assert!(matches!(refused, Err(Error::Parameter { .. })), "masks know nothing of it");
 }

@@ -8,7 +8,7 @@ use crate::{
 
 use tresses::{
     Camera, Context, Error, Hair, Result, View,
-    draw::{Compositor, Coverage, Shade, Surroundings, embed::shade},
+    draw::{Compositor, Shade, Surroundings, embed::shade},
     frame::{ViewContent, ViewPass},
     glam::{
         Mat4, Vec3, Vec4,
@@ -19,6 +19,7 @@ use tresses::{
     },
     gpu::readback,
     light::{Directional, Lights, SceneShadow, Sky, Sphere},
+    renderer::Renderer,
     view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages, util::DeviceExt},
 };
@@ -57,9 +58,9 @@ impl<'a> Setup<'a> {
         // The second light. The first one is off, so the second one has the first map.
         lights.directional[1] = Directional { direction, irradiance: Vec3::splat(3.0) };
         let options =
-            ViewOptions { samples: 1, coverage: Coverage::Tiles, shadow_resolution: 256, ..common::coarse() };
+            ViewOptions { renderer: Renderer::tiles(1), shadow_resolution: 256, ..common::coarse() };
         Self {
-            embed: Compositor::new(context, (1, Coverage::Tiles), TextureFormat::Rgba16Float).unwrap(),
+            embed: Compositor::new(context, Renderer::tiles(1), TextureFormat::Rgba16Float).unwrap(),
             view: View::new(context, &options, SIZE, 1).unwrap(),
             hair,
             picture: Picture {

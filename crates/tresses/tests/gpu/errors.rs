@@ -9,7 +9,6 @@ use tresses::{
         deform::{DeformTarget, DeformingField},
     },
     drape::{DrapeOptions, drape},
-    draw::Coverage,
     frame::{ViewContent, ViewPass},
     glam::{Mat3, Mat4, Vec3},
     groom::{
@@ -20,6 +19,7 @@ use tresses::{
     hair::HairFrame,
     light::{CubeMap, CubeProbe, HairSet, ShadowProbe, ambient::AmbientProbe},
     lod::Detail,
+    renderer::Renderer,
     simulate::{GuideTraits, SimulationParams},
     skinning::Skinning,
     strands::StrandBuffers,
@@ -125,7 +125,7 @@ fn advance(context: &Context) -> Result<()> {
 
 /// Creates strands that are not simulated, and a view with tiles.
 fn still(context: &Context) -> Result<(HairSet, View)> {
-    let options = ViewOptions { samples: 1, coverage: Coverage::Tiles, ..Default::default() };
+    let options = ViewOptions { renderer: Renderer::tiles(1), ..Default::default() };
     let strands = StrandBuffers::new(context, 50, 16)?;
     Ok((HairSet::new(context, &strands)?, View::new(context, &options, [64, 40], 1)?))
 }

@@ -5,15 +5,15 @@ use crate::common;
 use std::path::Path;
 use tresses::{
     Camera, Context, View,
-    draw::Coverage,
     glam::{DVec3, Mat3, Vec3},
     gpu::readback::blocking as readback,
     light::{
-        Directional, Environment, FiberMaterial, HairMaterial, HairSet, Lights, MAX_LIGHTS, ShadingModel,
-        ShadowMethod, Shadows, Sky, Sphere,
+        Directional, Environment, FiberMaterial, HairMaterial, HairSet, Lights, MAX_LIGHTS, Shadows, Sky,
+        Sphere,
         fiber::{FarField, FiberShape, bsdf},
         unpack_radiance,
     },
+    renderer::Renderer,
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
     view::{Picture, ViewOptions},
 };
@@ -131,19 +131,14 @@ fn on_gpu(context: &Context, view: &View1, material: FiberMaterial) -> Vec<Vec3>
             [0.0, 1e-5].map(|y| StrandVertex { position: at(y), tangent })
         })
         .collect();
-    let options = ViewOptions { samples: 1, coverage: Coverage::SampleMask, ..common::coarse() };
+    let options = ViewOptions { renderer: Renderer::masks(1), ..common::coarse() };
     let eye = View::new(context, &options, [16, 16], 1).expect("fits");
     let strands = StrandBuffers::new(context, count, 2).expect("fits");
     queue.write_buffer(&strands.vertices, 0, bytemuck::cast_slice(&vertices));
     let info = vec![Strand { radius: 1e-4, seed: 7, root_color: 0, tip_color: 0 }; count as usize];
     queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&info));
     let mut hair = HairSet::new(context, &strands).expect("fits");
-    hair.material = HairMaterial {
-        model: ShadingModel::Fiber,
-        fiber: material,
-        warmth_spread: 0.0,
-        ..Default::default()
-    };
+    hair.material = HairMaterial { fiber: material, warmth_spread: 0.0, ..Default::default() };
     let mut lights = Lights {
         directional: [Directional::OFF; MAX_LIGHTS],
         sky: Sky::default(),
@@ -151,7 +146,7 @@ fn on_gpu(context: &Context, view: &View1, material: FiberMaterial) -> Vec<Vec3>
     };
     lights.directional[0] = Directional { direction: to_light, irradiance: Vec3::ONE };
     // Fibers do not shadow each other.
-    let shadows = Shadows { method: ShadowMethod::Off, ..Default::default() };
+    let shadows = Shadows { enabled: false, ..Default::default() };
     let picture = Picture {
         camera: Camera::look_at(Vec3::ZERO, Vec3::Z, 1.0, [16, 16]),
         focus: Sphere { center: Vec3::ZERO, radius: 3.0 },
@@ -260,13 +255,11 @@ fn upright_in(
         ..Default::default()
     };
     let fiber = FiberMaterial { density_back, ..FiberMaterial::uniform(Vec3::splat(0.1)) };
-    hair.material =
-        HairMaterial { model: ShadingModel::Fiber, fiber, warmth_spread: 0.0, ..Default::default() };
+    hair.material = HairMaterial { fiber, warmth_spread: 0.0, ..Default::default() };
     let options = ViewOptions {
-        samples: 1,
+        renderer: Renderer::masks(1),
         shadow_resolution: 256,
         strand_map,
-        coverage: Coverage::SampleMask,
         ..Default::default()
     };
     let eye = View::new(context, &options, [16, 16], 1).expect("fits");

@@ -7,10 +7,10 @@ use std::path::Path;
 use tresses::{
     Camera, Context, View,
     body::Body,
-    draw::Coverage,
     glam::Vec3,
     groom::TriMesh,
-    light::{FiberMaterial, HairMaterial, HairSet, ShadingModel, Sphere},
+    light::{FiberMaterial, HairMaterial, HairSet, Sphere},
+    renderer::{Renderer, ShadingModel},
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
     view::{Picture, ViewOptions},
 };
@@ -78,9 +78,9 @@ pub fn ball() -> TriMesh {
     mesh
 }
 
-pub fn picture(context: &Context, hair_material: HairMaterial) -> Vec<u8> {
-    let options =
-        ViewOptions { shadow_resolution: 256, coverage: Coverage::SampleMask, ..Default::default() };
+pub fn picture(context: &Context, model: ShadingModel, hair_material: HairMaterial) -> Vec<u8> {
+    let renderer = Renderer::masks(4).with_shading(model);
+    let options = ViewOptions { shadow_resolution: 256, renderer, ..Default::default() };
     let view = View::new(context, &options, SIZE, 1).expect("fits");
     let mut hair = HairSet::new(context, &strands(context, 0..COUNT)).expect("fits");
     hair.material = hair_material;
@@ -118,24 +118,28 @@ fn hair_on_a_ball_matches_the_golden_images() {
         // Other drivers place samples and round differently. This test detects changes of the library.
         return println!("skipped: the picture was made by the software driver");
     }
-    let brown = HairMaterial { model: ShadingModel::KajiyaKay, ..HairMaterial::brown() };
+    let brown = HairMaterial::brown();
     let lighter = HairMaterial { diffuse: 1.3 * brown.diffuse, ..brown };
     let flat = HairMaterial { opacity: 0.0, ..brown };
-    compare(context, "ball.png", brown, &[lighter, flat]);
+    compare(context, ("ball.png", ShadingModel::KajiyaKay), brown, &[lighter, flat]);
 
-    let brown = HairMaterial { model: ShadingModel::Fiber, ..brown };
     let fiber = |fiber: FiberMaterial| HairMaterial { fiber, ..brown };
     let lighter = fiber(FiberMaterial { root_absorption: 0.7 * brown.fiber.root_absorption, ..brown.fiber });
     let mut smooth = brown.fiber;
     smooth.shape.longitudinal = 0.2;
     let alone = fiber(FiberMaterial { density_forward: 0.0, density_back: 0.0, ..brown.fiber });
-    compare(context, "ball-fiber.png", brown, &[lighter, fiber(smooth), alone]);
+    compare(context, ("ball-fiber.png", ShadingModel::Fiber), brown, &[lighter, fiber(smooth), alone]);
 }
 
 /// Compares `material` with the image `name`, and checks that the other materials look different.
-fn compare(context: &Context, name: &str, material: HairMaterial, others: &[HairMaterial]) {
+fn compare(
+    context: &Context,
+    (name, model): (&str, ShadingModel),
+    material: HairMaterial,
+    others: &[HairMaterial],
+) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(name);
-    let now = picture(context, material);
+    let now = picture(context, model, material);
     if std::env::var_os("TRESSES_WRITE_GOLDEN").is_some() {
         let file = std::fs::File::create(&path).expect("a writable tree");
         let mut encoder = png::Encoder::new(file, SIZE[0], SIZE[1]);
@@ -150,8 +154,8 @@ fn compare(context: &Context, name: &str, material: HairMaterial, others: &[Hair
 
     // Slightly different hair colors and missing terms are detected.
     for other in others {
-        assert!(!agree(&picture(context, *other), &golden), "{other:?}");
+        assert!(!agree(&picture(context, model, *other), &golden), "{other:?}");
     }
     // Rendering is deterministic.
-    assert_eq!(difference(&now, &picture(context, material)), (0.0, 0));
+    assert_eq!(difference(&now, &picture(context, model, material)), (0.0, 0));
 }

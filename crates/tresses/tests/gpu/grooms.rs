@@ -7,7 +7,6 @@ use crate::{
 use tresses::{
     Camera, Context, Hair, HairOptions, Pose, View,
     body::Body,
-    draw::Coverage,
     frame::ViewPass,
     glam::{Quat, Vec3},
     gpu::readback::blocking as readback,
@@ -15,23 +14,23 @@ use tresses::{
     light::{HairMaterial, HairSet, Lights, Sphere},
     math::hash::pcg,
     present::Background,
+    renderer::Renderer,
     strands::StrandVertex,
     view::{Picture, ViewOptions},
 };
 
-/// Coverage modes with sample counts.
-const MODES: [(u32, Coverage); 7] = [
-    (4, Coverage::SampleMask),
-    (1, Coverage::SampleMask),
-    (4, Coverage::AlphaToCoverage),
-    (1, Coverage::PEELING),
-    (1, Coverage::DepthPeeling { layers: 1 }),
-    (1, Coverage::Tiles),
-    (4, Coverage::Tiles),
+const MODES: [Renderer; 7] = [
+    Renderer::masks(4),
+    Renderer::masks(1),
+    Renderer::alpha_to_coverage(4),
+    Renderer::peeling(4),
+    Renderer::peeling(1),
+    Renderer::tiles(1),
+    Renderer::tiles(4),
 ];
 
-fn view(context: &Context, (samples, coverage): (u32, Coverage), size: [u32; 2]) -> View {
-    let options = ViewOptions { samples, coverage, shadow_resolution: 256, ..common::coarse() };
+fn view(context: &Context, renderer: Renderer, size: [u32; 2]) -> View {
+    let options = ViewOptions { renderer, shadow_resolution: 256, ..common::coarse() };
     View::new(context, &options, size, 1).expect("fits")
 }
 
@@ -54,7 +53,8 @@ fn splitting_a_groom_does_not_change_the_image() {
         let (mean, high) = difference(&exact, &picture(&[&one, &other]));
         println!("{mode:?}: mean {mean:.4} of 255, 99th percentile {high}");
         assert!(mean < 0.01 && high == 0, "{mode:?}: {mean} {high}");
-        if matches!(mode.1, Coverage::DepthPeeling { .. } | Coverage::Tiles) {
+        if matches!(mode, Renderer::Tiles(_)) || [Renderer::peeling(4), Renderer::peeling(1)].contains(&mode)
+        {
             // The order of the grooms has no effect. Masks are left out, because they round by the number of a strand.
             let (mean, high) = difference(&exact, &picture(&[&other, &one]));
             assert!(mean < 0.01 && high == 0, "{mode:?}, the other way round: {mean} {high}");
@@ -94,7 +94,7 @@ fn views_in_one_submission_match_separate_submissions() {
     let mut hair = hair(context);
     submit(|recorder| recorder.advance(&mut hair, &frame(Pose::IDENTITY, 0.0)));
     let pictures = [eye(0.2), eye(1.7)];
-    let modes = [(4, Coverage::Tiles), (4, Coverage::SampleMask)];
+    let modes = [Renderer::tiles(4), Renderer::masks(4)];
     let read = |view: &View| pollster::block_on(view.targets().read()).unwrap();
     let views = || modes.map(|mode| view(context, mode, [96, 80]));
     let apart = views();

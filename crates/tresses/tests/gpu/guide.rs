@@ -10,7 +10,8 @@ use tresses::draw::{Compositor, Shade, Surroundings};
 use tresses::glam::{DVec3, Mat4, Quat, Vec3, Vec4};
 use tresses::groom::rig::{Animation, Channel, Curve, Property};
 use tresses::groom::{grow::Growth, import::ImportOptions, mannequin::facial::Beard, styles::Style};
-use tresses::light::{Directional, Environment, Lights, MAX_LIGHTS, SceneShadow, ShadingRate, Sky};
+use tresses::light::{Directional, Environment, Lights, MAX_LIGHTS, SceneShadow, Sky};
+use tresses::renderer::Renderer;
 use tresses::simulate::{Tie, TieTarget};
 use tresses::view::{Picture, ViewOptions};
 use tresses::wgpu::{TextureFormat, TextureUsages};
@@ -154,15 +155,15 @@ async fn character(guide: &Guide) -> Result<()> {
 async fn engine(guide: &Guide) -> Result<()> {
     let (tresses, parts) = (guide.tresses.clone(), &guide.parts);
     let (color_format, size, dt) = (TextureFormat::Rgba16Float, [96, 80], 1.0 / 60.0);
-    let options = ViewOptions { samples: 1, ..Default::default() };
+    let options = ViewOptions { renderer: Renderer::tiles(1), ..Default::default() };
     let mut view = View::new(&tresses, &options, size, 1)?;
-    let embed = Compositor::new(&tresses, (options.samples, options.coverage), color_format)?;
+    let embed = Compositor::new(&tresses, options.renderer, color_format)?;
 
     use tresses::PipelineRequest as Request;
     let mut requests = vec![Request::Skinning, Request::Roots, Request::Strands, Request::Avoid];
     requests.extend([Request::Volume, Request::Forces]);
     requests.extend(parts.guide_vertices().into_iter().map(Request::Step));
-    requests.push(Request::View(options, ShadingRate::default()));
+    requests.push(Request::View(options));
     tresses.prepare(&requests, &()).await?;
 
     let (mut ann, lamp) = (guide.ann.instance()?, Vec3::new(0.5, 1.0, 1.0));

@@ -7,12 +7,12 @@ use half::f16;
 use tresses::{
     Camera, Context, Error, Hair, Result, View,
     camera::ToneMap,
-    draw::Coverage,
     frame::ViewPass,
     glam::{Vec2, Vec3},
     gpu::readback::blocking as readback,
     light::{Lights, Sphere},
     present::Background,
+    renderer::Renderer,
     strands::StrandVertex,
     view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages},
@@ -28,9 +28,9 @@ struct Setup<'a> {
 }
 
 impl<'a> Setup<'a> {
-    fn new(context: &'a Context, samples: u32, coverage: Coverage) -> Self {
+    fn new(context: &'a Context, renderer: Renderer) -> Self {
         let hair = common::hair_on_a_ball(300);
-        let options = ViewOptions { samples, coverage, ..common::coarse() };
+        let options = ViewOptions { renderer, ..common::coarse() };
         let scene = Picture {
             camera: Camera::look_at(Vec3::Z * 0.8, Vec3::ZERO, 0.15, SIZE),
             focus: Sphere { center: Vec3::ZERO, radius: 0.3 },
@@ -56,7 +56,7 @@ impl<'a> Setup<'a> {
 fn labels_name_the_visible_strand() {
     let Some(context) = common::context() else { return };
     for samples in [1, 4] {
-        let stage = Setup::new(context, samples, Coverage::Tiles);
+        let stage = Setup::new(context, Renderer::tiles(samples));
         let targets = stage.view.targets();
         let plain = stage.drawn(false).unwrap();
         assert_eq!(pollster::block_on(targets.labels()).unwrap(), None, "nobody asked");
@@ -103,7 +103,7 @@ fn labels_name_the_visible_strand() {
         }
         assert!(count > 300 && wrong > count * 9 / 10, "{count} {wrong}");
     }
-    let refused = Setup::new(context, 4, Coverage::SampleMask).drawn(true);
+    let refused = Setup::new(context, Renderer::masks(4)).drawn(true);
     assert!(matches!(refused, Err(Error::Parameter { .. })), "masks do not know");
 }
 
@@ -111,8 +111,8 @@ fn labels_name_the_visible_strand() {
 fn image_is_the_same_in_another_output() {
     let Some(context) = common::context() else { return };
     let (device, queue) = (context.device(), context.queue());
-    for (samples, coverage) in [(1, Coverage::Tiles), (4, Coverage::Tiles), (4, Coverage::SampleMask)] {
-        let stage = Setup::new(context, samples, coverage);
+    for renderer in [Renderer::tiles(1), Renderer::tiles(4), Renderer::masks(4)] {
+        let stage = Setup::new(context, renderer);
         let plain = stage.drawn(false).unwrap();
         let into = |tone: &ToneMap| -> Vec<[f32; 4]> {
             let texture = device.create_texture(&wgpu::TextureDescriptor {
@@ -140,7 +140,7 @@ fn image_is_the_same_in_another_output() {
         };
         // Half a step of rounding, half a step of dither, and the precision of half floats.
         let same = off(&into(&stage.scene.tone));
-        assert!(same < 1.2, "{coverage:?}: {same} of 255");
+        assert!(same < 1.2, "{renderer:?}: {same} of 255");
         let brighter = ToneMap { exposure: 1.2 * stage.scene.tone.exposure, ..stage.scene.tone };
         assert!(off(&into(&brighter)) > 3.0, "the comparer sees a factor");
     }

@@ -41,6 +41,7 @@ mod pipelines;
 mod pipelines_draw;
 mod present;
 mod radiance;
+mod renderers;
 mod roots;
 mod second_driver;
 mod shadows;

@@ -4,7 +4,6 @@ use crate::common;
 use tresses::{
     Camera, Context, View,
     body::Body,
-    draw::Coverage,
     glam::{Vec2, Vec3},
     groom::{
         TriMesh,
@@ -14,6 +13,7 @@ use tresses::{
         },
     },
     light::{Directional, Lights, MAX_LIGHTS},
+    renderer::Renderer,
     view::{Picture, ViewOptions},
 };
 
@@ -47,7 +47,7 @@ fn quarters(context: &Context, body: &Body, light: Vec3) -> [[f32; 3]; 4] {
     lights.directional[0] = Directional { direction: light.normalize(), irradiance: Vec3::splat(1.5) };
     let camera = Camera::look_at(3.0 * Vec3::Z, Vec3::ZERO, 0.62, SIZE);
     let picture = Picture { camera, lights, ..common::dark() };
-    let options = ViewOptions { samples: 1, coverage: Coverage::SampleMask, ..common::coarse() };
+    let options = ViewOptions { renderer: Renderer::masks(1), ..common::coarse() };
     let view = View::new(context, &options, SIZE, 1).expect("fits");
     let pixels = common::picture(context, &view, &picture, &[], &[body]);
     [(16, 16), (48, 16), (16, 48), (48, 48)].map(|(x, y)| {

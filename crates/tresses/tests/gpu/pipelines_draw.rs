@@ -1,66 +1,63 @@
 //! Every pipeline of light, draw and present is valid within baseline limits. Needs no GPU.
 
-use crate::common;
+use crate::{common, renderers};
 use tresses::{
     Camera, View,
     body::Body,
-    draw::{Compositor, Coverage, Surroundings, Targets},
+    draw::{Compositor, Surroundings, Targets},
     frame::{ViewContent, ViewPass},
     glam::Mat4,
     groom::TriMesh,
-    light::{HairSet, SceneShadow, ShadingRate},
+    light::{HairSet, SceneShadow},
+    renderer::{ClassicCoverage, Renderer},
     strands::StrandBuffers,
     view::{Picture, ViewOptions},
 };
 
-/// Builds and records a whole frame with `samples` per pixel. Returns the validation error of wgpu, if any.
-fn frame(samples: u32, coverage: Coverage) -> Option<wgpu::Error> {
+/// Builds and records a whole frame by `renderer`. Returns the validation error of wgpu, if any.
+fn frame(renderer: Renderer) -> Option<wgpu::Error> {
     let context = &common::noop();
     let scope = context.device().push_error_scope(wgpu::ErrorFilter::Validation);
-    let options = ViewOptions { samples, coverage, ..Default::default() };
+    let options = ViewOptions { renderer, ..Default::default() };
     let view = View::new(context, &options, [64, 40], 2).expect("a fair size");
     let strands = StrandBuffers::new(context, 5000, 16).expect("small enough");
     let hair = [(); 2].map(|()| HairSet::new(context, &strands).expect("small enough"));
     let body = Body::new(context, &TriMesh::default());
-    for shading in [ShadingRate::PerPixel, ShadingRate::PerVertex] {
-        let picture = Picture { shading, ..Default::default() };
-        let mut encoder = context.device().create_command_encoder(&Default::default());
-        context
-            .recorder(&mut encoder)
-            .draw_strands(&hair.each_ref(), &[&body, &body], ViewPass::new(&view, &picture))
-            .expect("every pipeline is made");
-        context.queue().submit([encoder.finish()]);
-    }
+    let picture = Picture::default();
+    let mut encoder = context.device().create_command_encoder(&Default::default());
+    context
+        .recorder(&mut encoder)
+        .draw_strands(&hair.each_ref(), &[&body, &body], ViewPass::new(&view, &picture))
+        .expect("every pipeline is made");
+    context.queue().submit([encoder.finish()]);
     pollster::block_on(scope.pop())
 }
 
 #[test]
-fn frame_is_valid_in_every_coverage_mode() {
-    for (samples, coverage) in [
-        (1, Coverage::SampleMask),
-        (4, Coverage::SampleMask),
-        (4, Coverage::AlphaToCoverage),
-        (1, Coverage::DepthPeeling { layers: 1 }),
-        (1, Coverage::Tiles),
-        (4, Coverage::Tiles),
-        (1, Coverage::DepthPeeling { layers: Coverage::MAX_LAYERS }),
-    ] {
-        let error = frame(samples, coverage);
-        assert!(error.is_none(), "{samples} samples, {coverage:?}: {error:?}");
+fn frame_is_valid_with_every_renderer() {
+    let counts = [
+        Renderer::masks(1),
+        Renderer::tiles(1),
+        Renderer::peeling(1),
+        Renderer::peeling(ClassicCoverage::MAX_LAYERS),
+    ];
+    for renderer in renderers::all().into_iter().chain(counts) {
+        let error = frame(renderer);
+        assert!(error.is_none(), "{renderer:?}: {error:?}");
     }
 }
 
 #[test]
-fn mismatched_samples_and_coverage_are_errors() {
+fn unsupported_counts_are_errors() {
     let context = &common::noop();
-    let options = ViewOptions { samples: 4, coverage: Coverage::PEELING, ..Default::default() };
+    let options = ViewOptions { renderer: Renderer::alpha_to_coverage(1), ..Default::default() };
     let error = View::new(context, &options, [64, 40], 1).unwrap_err().to_string();
     assert!(error.contains("samples"), "{error}");
     // A view keeps its options if the new ones are invalid.
     let mut view = View::new(context, &ViewOptions::default(), [64, 40], 1).unwrap();
     assert!(view.set_options(&options).is_err());
     assert_eq!(*view.options(), ViewOptions::default());
-    let fits = ViewOptions { samples: 1, ..options };
+    let fits = ViewOptions { renderer: Renderer::peeling(4), ..options };
     view.set_options(&fits).unwrap();
     assert_eq!((view.options(), view.targets().samples), (&fits, 1));
 }
@@ -70,9 +67,9 @@ fn mismatched_samples_and_coverage_are_errors() {
 fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureFormat) -> Option<wgpu::Error> {
     let context = &common::noop();
     let scope = context.device().push_error_scope(wgpu::ErrorFilter::Validation);
-    let options = ViewOptions { samples, ..Default::default() };
+    let options = ViewOptions { renderer: Renderer::tiles(samples), ..Default::default() };
     let view = View::new(context, &options, [64, 40], 2).expect("a fair size");
-    let embed = Compositor::new(context, (samples, options.coverage), format).expect("masks");
+    let embed = Compositor::new(context, options.renderer, format).expect("masks");
     let strands = StrandBuffers::new(context, 5000, 16).expect("small enough");
     let hair = HairSet::new(context, &strands).expect("small enough");
     let texture = |format, usage| {
@@ -88,7 +85,7 @@ fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureForma
         };
         context.device().create_texture(&descriptor).create_view(&Default::default())
     };
-    let geometry = (options.coverage == Coverage::Tiles)
+    let geometry = matches!(options.renderer, Renderer::Tiles(_))
         .then(|| texture(Compositor::GEOMETRY, wgpu::TextureUsages::RENDER_ATTACHMENT));
     let map = texture(wgpu::TextureFormat::Depth24Plus, wgpu::TextureUsages::TEXTURE_BINDING);
     let into = Surroundings {
@@ -202,6 +199,6 @@ fn debug_views_are_valid() {
 #[test]
 fn empty_and_huge_images_are_errors() {
     let context = &common::noop();
-    assert!(Targets::new(context, [0, 10], (1, Coverage::SampleMask), 1).is_err());
-    assert!(Targets::new(context, [1_000_000, 10], (1, Coverage::SampleMask), 1).is_err());
+    assert!(Targets::new(context, [0, 10], Renderer::masks(1), 1).is_err());
+    assert!(Targets::new(context, [1_000_000, 10], Renderer::masks(1), 1).is_err());
 }

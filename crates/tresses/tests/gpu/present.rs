@@ -6,15 +6,12 @@ use tresses::{
     Context, View,
     body::{Body, BodyMaterial},
     camera::ToneMap,
-    draw::Coverage,
     frame::ViewPass,
     glam::Vec3,
     gpu::readback,
-    light::{
-        Directional, HairMaterial, HairSet, Lights, MAX_LIGHTS, ShadingModel, ShadowMethod, Shadows, Sky,
-        material::linear,
-    },
+    light::{Directional, HairMaterial, HairSet, Lights, MAX_LIGHTS, Shadows, Sky, material::linear},
     present::Background,
+    renderer::{Renderer, ShadingModel},
     view::{Picture, ViewOptions},
     wgpu::{
         self,
@@ -38,17 +35,18 @@ fn pixels_are_tone_mapped_once() {
     let Some(context) = common::context() else { return };
     let mut hair =
         HairSet::new(context, &golden::strands(context, (0..golden::COUNT).step_by(40))).expect("fits");
-    hair.material = HairMaterial { model: ShadingModel::KajiyaKay, ..HairMaterial::brown() };
+    hair.material = HairMaterial::brown();
     let mut body = Body::new(context, &golden::ball());
     body.material = BodyMaterial { color: Vec3::ZERO, ..Default::default() };
     let sky = Sky { zenith: Vec3::ZERO, horizon: Vec3::ZERO, ground: Vec3::ZERO };
     let unlit = Picture {
         lights: Lights { directional: [Directional::OFF; MAX_LIGHTS], sky, ..Default::default() },
-        shadows: Shadows { ambient: false, method: ShadowMethod::Off, ..Default::default() },
+        shadows: Shadows { ambient: false, enabled: false, ..Default::default() },
         ..golden::scene()
     };
-    for coverage in [Coverage::Tiles, Coverage::SampleMask] {
-        let options = ViewOptions { coverage, ..common::coarse() };
+    for renderer in [Renderer::tiles(4), Renderer::masks(4)] {
+        let renderer = renderer.with_shading(ShadingModel::KajiyaKay);
+        let options = ViewOptions { renderer, ..common::coarse() };
         let view = View::new(context, &options, golden::SIZE, 1).expect("fits");
         let shown = |radiance: f32, tone: ToneMap| -> Vec<f32> {
             let scene = Picture { background: Background::flat(Vec3::splat(radiance)), tone, ..unlit };
@@ -64,9 +62,9 @@ fn pixels_are_tone_mapped_once() {
         };
         let once = worst(&|open| mapped(&tone, BRIGHT * open));
         let each = worst(&|open| open * mapped(&tone, BRIGHT));
-        println!("{coverage:?}: {once:.3} off, {each:.3} were samples and strands mapped each");
-        assert!(once < 0.03, "{coverage:?}: {once}");
-        assert!(each > 0.3, "{coverage:?}: the comparison sees no difference: {each}");
+        println!("{renderer:?}: {once:.3} off, {each:.3} were samples and strands mapped each");
+        assert!(once < 0.03, "{renderer:?}: {once}");
+        assert!(each > 0.3, "{renderer:?}: the comparison sees no difference: {each}");
     }
 }
 
@@ -94,8 +92,8 @@ fn output_of(
 fn srgb_formats_give_the_same_image() {
     let Some(context) = common::context() else { return };
     let body = Body::new(context, &golden::ball());
-    let bytes = |coverage, ssaa, made_for, output: TextureFormat| {
-        let options = ViewOptions { coverage, output: made_for, ..common::coarse() };
+    let bytes = |renderer, ssaa, made_for, output: TextureFormat| {
+        let options = ViewOptions { renderer, output: made_for, ..common::coarse() };
         let view = View::new(context, &options, golden::SIZE, ssaa).expect("fits");
         let texture = output_of(context, &view, Rgba8Unorm, &[Rgba8UnormSrgb]);
         let into = texture.create_view(&wgpu::TextureViewDescriptor {
@@ -111,11 +109,11 @@ fn srgb_formats_give_the_same_image() {
         pollster::block_on(readback::texture(context, &texture)).expect("it is there")
     };
     let most = |a: &[u8], b: &[u8]| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max();
-    for (coverage, ssaa) in [(Coverage::Tiles, 1), (Coverage::Tiles, 2), (Coverage::SampleMask, 1)] {
-        let plain = bytes(coverage, ssaa, Rgba8Unorm, Rgba8Unorm);
-        let curved = bytes(coverage, ssaa, Rgba8UnormSrgb, Rgba8UnormSrgb);
+    for (renderer, ssaa) in [(Renderer::tiles(4), 1), (Renderer::tiles(4), 2), (Renderer::masks(4), 1)] {
+        let plain = bytes(renderer, ssaa, Rgba8Unorm, Rgba8Unorm);
+        let curved = bytes(renderer, ssaa, Rgba8UnormSrgb, Rgba8UnormSrgb);
         assert!(plain.iter().max() > Some(&100), "there is a ball");
-        assert!(most(&plain, &curved) <= Some(1), "{coverage:?}: {:?}", most(&plain, &curved));
+        assert!(most(&plain, &curved) <= Some(1), "{renderer:?}: {:?}", most(&plain, &curved));
         // A curve that is applied once too often is detected.
         let swapped = curved.iter().map(|byte| (255.0 * linear(f32::from(*byte) / 255.0)) as u8);
         assert!(most(&plain, &swapped.collect::<Vec<_>>()) > Some(20));
@@ -129,9 +127,9 @@ fn floats_are_not_dithered() {
     let Some(context) = common::context() else { return };
     let radiance = 1e-4;
     let scene = Picture { background: Background::flat(Vec3::splat(radiance)), ..golden::scene() };
-    for coverage in [Coverage::Tiles, Coverage::SampleMask, Coverage::DepthPeeling { layers: 2 }] {
+    for renderer in [Renderer::tiles(1), Renderer::masks(1), Renderer::peeling(2)] {
         let seen = |output| {
-            let options = ViewOptions { samples: 1, coverage, output, ..common::coarse() };
+            let options = ViewOptions { renderer, output, ..common::coarse() };
             let view = View::new(context, &options, golden::SIZE, 1).expect("fits");
             let texture = output_of(context, &view, output, &[]);
             let into = texture.create_view(&Default::default());
@@ -146,12 +144,12 @@ fn floats_are_not_dithered() {
             for channel in [r, g, b] {
                 assert!(
                     (channel.to_f32() - expected).abs() < 1e-3 * expected,
-                    "{coverage:?}: {channel} instead of {expected}"
+                    "{renderer:?}: {channel} instead of {expected}"
                 );
             }
         }
         let bytes = seen(Rgba8Unorm);
         let bright = bytes.as_chunks::<4>().0.iter().filter(|rgba| rgba[0] > 0).count();
-        assert!(bright > 0, "{coverage:?}: a third of a step is a step in some pixels");
+        assert!(bright > 0, "{renderer:?}: a third of a step is a step in some pixels");
     }
 }

@@ -16,7 +16,8 @@ use tresses::{
     avoid::{AvoidMode, AvoidOptions},
     glam::Vec3,
     groom::bind,
-    light::{FiberMaterial, HairMaterial, ShadingModel},
+    light::{FiberMaterial, HairMaterial},
+    renderer::ShadingModel,
 };
 
 /// Environment variable with the folder for the results of the run on the other driver.
@@ -30,7 +31,7 @@ struct DriverOutput {
 }
 
 fn make(context: &Context) -> DriverOutput {
-    let picture = golden::picture(context, brown());
+    let picture = golden::picture(context, ShadingModel::Fiber, brown());
     let groom = bind(&common::hanging(200, 16, 0.16), &Default::default()).unwrap();
     let character = Character { groom, field: common::ball(0.09, 48), neck: Vec3::new(0.0, 0.0, -0.02) };
     let mut hair = character.hair(context, AvoidOptions::default());
@@ -47,7 +48,7 @@ fn make(context: &Context) -> DriverOutput {
 }
 
 fn brown() -> HairMaterial {
-    HairMaterial { model: ShadingModel::Fiber, ..HairMaterial::brown() }
+    HairMaterial::brown()
 }
 
 /// Brown hair with a third more pigment.
@@ -147,7 +148,8 @@ fn swiftshader_draws_and_moves_the_same() {
     assert!(alike(mean) && moved < 1e-4, "{mean} {moved}");
     // Another image and another moment are detected.
     let darker = HairMaterial { fiber: darker(), ..brown() };
-    let (mean, high) = golden::difference(&golden::picture(context, darker), &other.picture);
+    let (mean, high) =
+        golden::difference(&golden::picture(context, ShadingModel::Fiber, darker), &other.picture);
     println!("a picture of hair with a third more pigment: {mean:.3} / 255, 99 of 100 within {high}");
     assert!(!alike(mean), "{mean}");
     assert!(apart(&made.motion[1..], &other.motion[..other.motion.len() - 1]) > 1e-3);

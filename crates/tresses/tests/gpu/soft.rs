@@ -7,10 +7,10 @@ use crate::{
 use tresses::{
     Camera, View,
     body::Body,
-    draw::Coverage,
     glam::Vec3,
     groom::TriMesh,
     light::{Directional, HairSet, Lights, MAX_LIGHTS, Sphere},
+    renderer::Renderer,
     view::{Picture, ViewOptions},
 };
 
@@ -41,7 +41,7 @@ fn few_shading_points_match_many() {
         lights,
         ..golden::scene()
     };
-    let options = ViewOptions { samples: 1, coverage: Coverage::SampleMask, ..Default::default() };
+    let options = ViewOptions { renderer: Renderer::masks(1), ..Default::default() };
     let draw = |ssaa: u32, hair: &[&HairSet]| {
         let view = View::new(context, &options, SIZE, ssaa).expect("fits");
         common::picture(context, &view, &picture, hair, &[&body])

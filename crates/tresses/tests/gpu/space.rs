@@ -8,13 +8,13 @@ use crate::{
 use tresses::{
     Camera, Context, Hair, HairOptions, Pose, Space, View,
     collide::{Anchor, Collider, ColliderDescriptor, ColliderPoses, Shape},
-    draw::Coverage,
     frame::ViewPass,
     glam::{DQuat, DVec3, Quat, Vec3},
     gpu::readback::blocking as readback,
     groom::{BindOptions, GuideCount, bind},
     hair::HairFrame,
     light::Sphere,
+    renderer::Renderer,
     simulate::SimulationParams,
     space::Velocity,
     strands::StrandVertex,
@@ -184,7 +184,7 @@ fn hair_at_several_places_is_drawn_together() {
         focus: Sphere { center: Vec3::ZERO, radius: 0.5 },
         ..Default::default()
     };
-    let options = ViewOptions { shadow_resolution: 256, coverage: Coverage::SampleMask, ..common::coarse() };
+    let options = ViewOptions { shadow_resolution: 256, renderer: Renderer::masks(4), ..common::coarse() };
     let see = |far: DVec3, seen: bool| {
         let (mut pair, view) =
             ([hair(context, 1.0), hair(context, 1.0)], View::new(context, &options, [128, 96], 1).unwrap());

@@ -6,13 +6,13 @@ use tresses::{
     Camera, Context, Hair, HairOptions, Pose, View,
     body::Body,
     collide::ColliderPoses,
-    draw::Coverage,
     frame::{ViewContent, ViewPass},
     glam::Vec3,
     gpu::readback,
     groom::{BindOptions, bind},
     hair::HairFrame,
-    light::{Lights, ShadingModel, Sphere, Term, unpack_radiance},
+    light::{Lights, Sphere, Term, unpack_radiance},
+    renderer::{Renderer, ShadingModel},
     simulate::SimulationParams,
     view::{Picture, ViewOptions},
     views::{DebugDisplay, DebugView, DebugViews},
@@ -55,7 +55,7 @@ impl Setup {
         let scene = Picture { camera, focus, lights: Lights::around(0.3), ..Default::default() };
         let body = Body::new(context, &common::cube(0.05));
         let options =
-            ViewOptions { shadow_resolution: 128, coverage: Coverage::SampleMask, ..common::coarse() };
+            ViewOptions { shadow_resolution: 128, renderer: Renderer::masks(4), ..common::coarse() };
         let view = View::new(context, &options, [120, 96], 1).unwrap();
         Some(Self { views, hair, body, view, scene, context })
     }
@@ -133,7 +133,9 @@ fn panels_show_the_first_groom() {
 fn shading_terms_add_up() {
     let Some(mut stage) = Setup::new() else { return };
     for model in [ShadingModel::Fiber, ShadingModel::KajiyaKay] {
-        stage.hair.set.material.model = model;
+        let renderer = Renderer::masks(4).with_shading(model);
+        let options = ViewOptions { renderer, ..*stage.view.options() };
+        stage.view.set_options(&options).unwrap();
         let all = stage.picture(None).1;
         let terms = Term::ALL.map(|term| stage.term(term));
         let [reflection, transmission, inner, multiple, sky, direct, shadow] =

@@ -9,7 +9,7 @@ use tresses_cli::{
         PROCESSOR, Sitting,
         results::Run,
         statistics::Summary,
-        workload::{self, Edges, FPS, WARM_UP},
+        workload::{self, FPS, WARM_UP},
     },
     photographer::Photographer,
 };
@@ -67,7 +67,7 @@ pub fn measure(
     sitting: Sitting<'_>,
 ) -> Result<FrameCase> {
     let source = Source { style: Some(style.into()), ..Source::default() };
-    let mut preset = workload::preset(source, Edges::default());
+    let mut preset = workload::preset(source, workload::TILES);
     if let Some(strands) = strands {
         preset.settings.set("style.strands", strands)?;
     }

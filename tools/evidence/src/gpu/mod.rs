@@ -13,7 +13,7 @@ use std::path::Path;
 use tresses::gpu::wall;
 use tresses_cli::{
     args::Size,
-    bench::workload::{self, Edges, Workload},
+    bench::workload::{self, Workload},
 };
 
 /// Where the inputs of the model lie, from the root of the repository.
@@ -88,7 +88,7 @@ fn inputs() -> Result<Inputs> {
 fn scenes() -> Vec<Workload> {
     let mut many = workload::long();
     many.name = "100,000 strands of the style long".into();
-    many.preset = workload::style(Some(100_000), Edges::default());
+    many.preset = workload::style(Some(100_000), workload::TILES);
     many.size = Size { width: 1920, height: 1080 };
     let mut scenes = vec![workload::long()];
     scenes.extend(workload::seed());

@@ -33,7 +33,7 @@ const PAGE: &str = r#"<!doctype html><title>A page</title>
   });
 </script>
 <script type="module" src="tresses-viewer.js"></script>
-<tresses-viewer id="viewer" src="head%20of%20hair.glb" cards="cards.glb" query="edges.coverage=tiles" animation="Turn" camera="front"></tresses-viewer>"#;
+<tresses-viewer id="viewer" src="head%20of%20hair.glb" cards="cards.glb" query="renderer.kind=tiles" animation="Turn" camera="front"></tresses-viewer>"#;
 
 /// Returns the built-in body with hair that stands out from its head.
 fn character() -> (TriMesh, Strands) {

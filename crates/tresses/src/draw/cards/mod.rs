@@ -20,7 +20,8 @@ use crate::{
         kernel::Job,
         pipeline::{PipelineCache, Recipe, blended},
     },
-    light::{self, HairView, ShadingRate},
+    light::{self, HairView},
+    renderer::ShadingRate,
     stage::Stage,
 };
 

@@ -9,7 +9,7 @@
 //! and blended over the scene's color, resolved to one sample, so that thin hair stays thin.
 //!
 //! If a pixel of the scene has several depths, the hair is tested against the farthest. The nearest would leave an
-//! outline of the background around every object in front of the hair. Hair drawn by [`Coverage::Tiles`], whose depth
+//! outline of the background around every object in front of the hair. Hair drawn by [`Renderer::Tiles`], whose depth
 //! is known, is also weighted by the fraction of the samples that it is in front of, so that edges in front of hair
 //! stay smooth.
 //!
@@ -27,7 +27,7 @@ pub mod shade;
 pub use shade::Shade;
 
 use super::{
-    Coverage, Targets,
+    Targets,
     record::{Canvas, pass},
     targets::HDR_FORMAT,
     tiles::geometry,
@@ -41,6 +41,7 @@ use crate::{
         commands::{cleared, colored},
         pipeline::{Recipe, blended},
     },
+    renderer::Renderer,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
@@ -101,7 +102,7 @@ pub struct Surroundings<'a> {
     /// since the view's previous frame (x to the right and y down, pixels), its depth in the scene's projection, and
     /// its opacity. Motion and depth are means weighted by opacity; pixels without hair are zero. If nothing is known
     /// of the previous frame, as after a change of the level of detail, hair counts as static and only the camera
-    /// moves. Requires [`Coverage::Tiles`].
+    /// moves. Requires [`Renderer::Tiles`].
     pub geometry: Option<&'a wgpu::TextureView>,
     /// The scene's shadow maps, which shade hair and the bodies around it ([`crate::light::scene`]). At most 16.
     pub shadows: &'a [SceneShadow<'a>],
@@ -164,30 +165,27 @@ impl Compositor {
     /// The format of [`Surroundings::geometry`].
     pub const GEOMETRY: wgpu::TextureFormat = geometry::FORMAT;
 
-    /// Creates the pipelines for hair drawn with `samples` per pixel and `coverage`, and for scenes with linear color
-    /// of `format`, which must be blendable.
+    /// Creates the pipelines for hair drawn by `renderer`, and for scenes with linear color of `format`, which must be
+    /// blendable.
     ///
     /// # Errors
     /// [`Error::Parameter`] for depth peeling, whose layers only `present` can composite. [`Error::Gpu`] if wgpu
     /// rejects the format.
-    pub fn new(
-        context: &Context,
-        (samples, coverage): (u32, Coverage),
-        format: wgpu::TextureFormat,
-    ) -> Result<Self> {
+    pub fn new(context: &Context, renderer: Renderer, format: wgpu::TextureFormat) -> Result<Self> {
         let Context { device, .. } = context;
-        if matches!(coverage, Coverage::DepthPeeling { .. }) {
+        if renderer.layers().is_some() {
             return Err(Error::Parameter {
-                name: "the coverage of hair in a scene",
+                name: "the renderer of hair in a scene",
                 value: "depth peeling".into(),
                 range: "tiles, sample mask or alpha to coverage",
             });
         }
+        let samples = renderer.samples();
         use wgpu::{BlendFactor::*, ShaderStages as Stages};
         let bound = |label, entries: &[Binding]| layout(device, label, Stages::FRAGMENT, entries);
         let layout = |label, texture| bound(label, &[Binding::Uniform, texture]);
         // Tiles leave hair in their own texture with one sample per pixel.
-        let many = samples > 1 && !coverage.is_tiled();
+        let many = samples > 1 && !renderer.is_tiles();
         let hdr = if many { Binding::TextureMultisampled } else { Binding::Texture2d };
         let composite_layout = layout("embed", hdr);
         let geometry_layout = layout("embed geometry", Binding::Texels2d);
@@ -239,7 +237,7 @@ impl Compositor {
             let layout = layout("embed cards", Binding::TextureMultisampled);
             Ok::<_, Error>((blend(true, &layout)?, layout))
         };
-        let cards = (coverage.is_tiled() && samples > 1).then(cards).transpose()?;
+        let cards = (renderer.is_tiles() && samples > 1).then(cards).transpose()?;
         let edges = || {
             use Binding::{DepthMultisampled, Texels2d, Texture2d, Uniform};
             let layout = bound("embed edges", &[Uniform, Texture2d, Texels2d, DepthMultisampled]);
@@ -253,7 +251,7 @@ impl Compositor {
             };
             Ok::<_, Error>((recipe.build(device)?, layout))
         };
-        let edges = coverage.is_tiled().then(edges).transpose()?;
+        let edges = renderer.is_tiles().then(edges).transpose()?;
         Ok(Self {
             depths,
             edges,
@@ -281,9 +279,9 @@ impl Compositor {
     ///
     /// # Errors
     /// [`Error::Parameter`] if hair is not drawn by tiles.
-    pub(crate) fn known(coverage: Coverage, asks: bool) -> Result<Option<[f32; 4]>> {
-        if asks && !coverage.is_tiled() {
-            return Err(unknown("hair with a geometry output", coverage));
+    pub(crate) fn known(renderer: Renderer, asks: bool) -> Result<Option<[f32; 4]>> {
+        if asks && !renderer.is_tiles() {
+            return Err(unknown("hair with a geometry output", renderer));
         }
         Ok(asks.then_some([1.0, 0.0, 0.0, 1.0]))
     }
@@ -293,9 +291,9 @@ impl Compositor {
     /// # Errors
     /// [`Error::Parameter`] if geometry is requested and hair is not drawn by tiles, or if `lit` is set and `shadows`
     /// is not empty.
-    pub(crate) fn asked(coverage: Coverage, of: Mat4, into: &Surroundings<'_>) -> Result<Option<[f32; 4]>> {
-        if into.geometry.is_some() && !coverage.is_tiled() {
-            return Err(unknown("hair with a geometry output in a scene", coverage));
+    pub(crate) fn asked(renderer: Renderer, of: Mat4, into: &Surroundings<'_>) -> Result<Option<[f32; 4]>> {
+        if into.geometry.is_some() && !renderer.is_tiles() {
+            return Err(unknown("hair with a geometry output in a scene", renderer));
         }
         if into.lit && !into.shadows.is_empty() {
             return Err(Error::Parameter {
@@ -305,7 +303,7 @@ impl Compositor {
             });
         }
         // The depth of the hair is also needed to compare it with each sample of the scene.
-        let asks = into.geometry.is_some() || (coverage.is_tiled() && has_samples(into.depth));
+        let asks = into.geometry.is_some() || (renderer.is_tiles() && has_samples(into.depth));
         Ok(asks.then(|| EmbedUniform::map(of, into.projection)))
     }
 
@@ -378,8 +376,8 @@ fn has_samples(depth: &wgpu::TextureView) -> bool {
 }
 
 /// Error for outputs that only tiles have.
-fn unknown(name: &'static str, coverage: Coverage) -> Error {
-    Error::Parameter { name, value: format!("drawn with {coverage:?}"), range: "drawn with tiles" }
+fn unknown(name: &'static str, renderer: Renderer) -> Error {
+    Error::Parameter { name, value: format!("drawn with {renderer:?}"), range: "drawn with tiles" }
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use tresses::{
     frame::ViewPass,
     glam::{Mat4, Vec3},
     groom::{Groom, SdfGrid, Strands, TriMesh, bind},
-    light::{Directional, HairSet, Lights, MAX_LIGHTS, ShadowMethod, Shadows},
+    light::{Directional, HairSet, Lights, MAX_LIGHTS, Shadows},
     present::Background,
     view::{Picture, ViewOptions},
 };
@@ -76,7 +76,7 @@ pub fn cube(half: f32) -> TriMesh {
 pub fn dark() -> Picture {
     Picture {
         lights: Lights { directional: [Directional::OFF; MAX_LIGHTS], ..Lights::default() },
-        shadows: Shadows { method: ShadowMethod::Off, ambient: false, ..Shadows::default() },
+        shadows: Shadows { enabled: false, ambient: false, ..Shadows::default() },
         background: Background::transparent(),
         ..Default::default()
     }

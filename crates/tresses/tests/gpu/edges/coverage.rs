@@ -7,14 +7,7 @@ use super::{
     picture::{Studio, total},
 };
 use crate::common;
-use tresses::{
-    Camera, Context,
-    draw::Coverage,
-    glam::Vec3,
-    light::{ShadingModel, Sphere},
-    present::Background,
-    view::Picture,
-};
+use tresses::{Camera, Context, glam::Vec3, light::Sphere, present::Background, view::Picture};
 
 const SIZE: [u32; 2] = [384, 320];
 
@@ -35,8 +28,7 @@ pub fn scene(distance: f32, size: [u32; 2]) -> Picture {
 /// Returns the relative error of the covered area at each of [`DISTANCES`].
 fn errors(context: &Context, mode: Mode, groom: &Groom, exact: &[f64]) -> Vec<f64> {
     let studio = Studio::new(context, mode, SIZE);
-    let (mut hair, _strands) = studio.hair(groom);
-    hair.material.model = ShadingModel::KajiyaKay;
+    let (hair, _strands) = studio.hair(groom);
     let drawn = DISTANCES.map(|distance| {
         let Picture { camera, focus, .. } = scene(distance, SIZE);
         total(&studio.picture(&Picture { camera, focus, ..common::dark() }, &hair))
@@ -85,7 +77,7 @@ fn judge(context: &Context, modes: &[Mode], perturbed: &[Mode]) {
     for &mode in modes {
         let errors = errors(context, mode, &groom, &exact);
         say(mode.name, &errors);
-        if mode.coverage == Coverage::AlphaToCoverage {
+        if mode.is_alpha() {
             // Equal alpha selects equal samples, so strands hide each other. The test detects that.
             assert!(!good(mode, &errors));
         } else {

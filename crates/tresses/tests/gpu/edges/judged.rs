@@ -40,7 +40,7 @@ struct GrayImage {
 
 /// Renders `hair` from `radii` radii of its bounding sphere, averaging `finer`² pixels per pixel of the result.
 fn shown(context: &Context, mode: Mode, hair: &Hair, radii: f32, finer: u32) -> GrayImage {
-    let options = ViewOptions { samples: mode.samples, coverage: mode.coverage, ..Default::default() };
+    let options = ViewOptions { renderer: mode.renderer, ..Default::default() };
     let size = SIZE.map(|side| side * finer);
     let view = View::new(context, &options, size, mode.ssaa).expect("fits");
     let (middle, radius) = hair.lod.sphere;

@@ -8,7 +8,8 @@ use super::{
     picture::{Studio, write},
 };
 use crate::common;
-use tresses::{Context, draw::Coverage, present::Background, view::Picture};
+use tresses::renderer::Renderer;
+use tresses::{Context, present::Background, view::Picture};
 
 const SIZE: [u32; 2] = [192, 160];
 const FRAMES: u32 = 4;
@@ -18,7 +19,7 @@ const DISTANCES: [f32; 2] = [0.5, 1.5];
 const STEP: f32 = 0.003;
 
 /// Sixteen pixels with four samples each, per pixel of the result.
-const REFERENCE: Mode = mode("4×MSAA, 4× SSAA", 4, Coverage::SampleMask, 4);
+const REFERENCE: Mode = mode("4×MSAA, 4× SSAA", Renderer::masks(4), 4);
 
 type Frames = Vec<Vec<[u8; 4]>>;
 

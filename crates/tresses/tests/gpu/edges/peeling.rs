@@ -3,12 +3,12 @@
 use super::{groom::Groom, mode, picture::Studio};
 use crate::common;
 use tresses::{
-    draw::Coverage,
     glam::{DVec2, DVec3, Vec3},
     gpu::readback::blocking as readback,
-    light::{HairMaterial, HairSet, ShadingModel, ShadingRate, Sphere, unpack_radiance},
+    light::{HairMaterial, HairSet, Sphere, unpack_radiance},
     math::hash::pcg,
     present::Background,
+    renderer::Renderer,
     view::Picture,
 };
 
@@ -43,7 +43,6 @@ fn scene() -> Picture {
         camera,
         focus: Sphere { center: Vec3::splat(half), radius: SIZE as f32 },
         background: Background::flat(Vec3::splat(BACKGROUND as f32)),
-        shading: ShadingRate::PerVertex,
         ..Default::default()
     };
     // Below the shoulder, tone mapping changes nothing.
@@ -55,7 +54,6 @@ fn scene() -> Picture {
 /// Returns a flat material with a different lightness for each strand.
 fn plain() -> HairMaterial {
     HairMaterial {
-        model: ShadingModel::KajiyaKay,
         lightness_spread: 0.9,
         opacity: 0.0,
         primary: 0.0,
@@ -67,7 +65,7 @@ fn plain() -> HairMaterial {
 
 /// Uploads `groom` with that material, for peeling `layers` layers.
 fn peeled<'a>(context: &'a tresses::Context, groom: &Groom, layers: u32) -> (Studio<'a>, HairSet) {
-    let studio = Studio::new(context, mode("", 1, Coverage::DepthPeeling { layers }, 1), [SIZE; 2]);
+    let studio = Studio::new(context, mode("", Renderer::peeling(layers), 1), [SIZE; 2]);
     let (mut hair, _strands) = studio.hair(groom);
     hair.material = plain();
     (studio, hair)

@@ -8,6 +8,7 @@ use tresses::{
     frame::ViewPass,
     gpu::{Timings, wall},
     light::HairSet,
+    renderer::ShadingModel,
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
     view::{Picture, ViewOptions},
 };
@@ -23,8 +24,8 @@ pub struct Studio<'a> {
 impl<'a> Studio<'a> {
     pub fn new(context: &'a Context, mode: Mode, size: [u32; 2]) -> Self {
         let options = ViewOptions {
-            samples: mode.samples,
-            coverage: mode.coverage,
+            // The model of the classic renderer, with which the others are compared.
+            renderer: mode.renderer.with_shading(ShadingModel::KajiyaKay),
             shadow_resolution: 256,
             ..common::coarse()
         };

@@ -6,10 +6,10 @@ use crate::{common, golden::difference};
 use tresses::{
     Camera, Context,
     body::Body,
-    draw::Coverage,
     glam::{Quat, Vec2, Vec3},
     light::{Directional, Sphere},
     present::Background,
+    renderer::Renderer,
     strands::Strand,
     view::Picture,
 };
@@ -169,7 +169,7 @@ fn strands_are_clipped_at_the_near_plane() {
         let sum: u32 = a.iter().zip(b).map(|(a, b)| u32::from(a[3].abs_diff(b[3]))).sum();
         f64::from(sum) / a.len() as f64
     };
-    let exact = shown(mode("16 layers", 1, Coverage::DepthPeeling { layers: 16 }, 1), &groom);
+    let exact = shown(mode("16 layers", Renderer::peeling(16), 1), &groom);
     let mean = difference(&shown(TILES_1, &groom), &exact);
     let less = Groom { points: groom.points[..16 * 1400].to_vec(), ..groom.clone() };
     let other = difference(&shown(TILES_1, &less), &exact);
@@ -300,7 +300,7 @@ fn body_outlines_in_front_of_hair_are_smooth() {
         let (hair, _strands) = studio.hair(&groom);
         studio.with(&view, &hair, &[&cube]).as_flattened().to_vec()
     };
-    let exact = shown(mode("64 samples", 4, Coverage::SampleMask, 4));
+    let exact = shown(mode("64 samples", Renderer::masks(4), 4));
     let [many, one, peeled, masks] =
         [TILES, TILES_1, PEEL, MASK_4_2X].map(|m| difference(&shown(m), &exact).0);
     println!(

@@ -5,7 +5,6 @@ use tresses::{
     Camera, Context, Hair, HairOptions, Pose, View,
     camera::ToneMap,
     drape,
-    draw::Coverage,
     frame::ViewPass,
     glam::Vec3,
     gpu::readback::blocking as readback,
@@ -13,6 +12,7 @@ use tresses::{
     light::{Lights, Sphere, material::linear},
     lod::{Detail, LodOptions},
     present::Background,
+    renderer::Renderer,
     strands::StrandVertex,
     view::{Picture, ViewOptions},
 };
@@ -78,7 +78,7 @@ impl Setup {
         hair.set_detail(detail);
         self.advance(hair, Pose::IDENTITY, 0.0);
         // As in the command.
-        let options = ViewOptions { samples: 1, coverage: Coverage::Tiles, ..Default::default() };
+        let options = ViewOptions { renderer: Renderer::tiles(1), ..Default::default() };
         let mut view = View::new(context, &options, [size; 2], ssaa).unwrap();
         let eye = middle + shot.direction.normalize() * shot.distance;
         let scene = Picture {

@@ -10,11 +10,11 @@ use tangle::Tangle;
 use tresses::{
     Camera, Context, View,
     body::Body,
-    draw::Coverage,
     frame::ViewPass,
     glam::{Quat, Vec3},
-    light::{Directional, HairSet, Lights, Shadow, ShadowMethod, ShadowProbe, Shadows},
+    light::{Directional, HairSet, Lights, Shadow, ShadowProbe, Shadows},
     math::hash::pcg,
+    renderer::{ClassicOptions, Renderer, ShadowMethod},
     view::{Picture, ViewOptions},
 };
 
@@ -47,7 +47,7 @@ struct Bench<'a> {
 
 impl<'a> Bench<'a> {
     fn new(context: &'a Context, tangle: &Tangle, points: &[(Vec3, u32)]) -> Self {
-        let options = ViewOptions { samples: 1, coverage: Coverage::SampleMask, ..Default::default() };
+        let options = ViewOptions { renderer: Renderer::masks(1), ..Default::default() };
         let view = View::new(context, &options, [64, 64], 1).expect("fits");
         let hair = HairSet::new(context, &tangle.upload(context)).expect("fits");
         let probe = probe(context, &view, points, None);
@@ -70,10 +70,16 @@ impl<'a> Bench<'a> {
         (pollster::block_on(view.targets().read()).expect("a picture"), answers)
     }
 
+    fn set_method(&mut self, method: ShadowMethod) {
+        let classic = ClassicOptions { shadows: method, ..ClassicOptions::default() };
+        let options = ViewOptions { renderer: Renderer::Classic(classic), ..*self.view.options() };
+        self.view.set_options(&options).expect("fits");
+    }
+
     /// Returns the number of fibers in front of each point, in light from `direction`.
     fn fibers(&mut self, direction: Vec3, method: ShadowMethod) -> Vec<f32> {
         self.scene.lights.directional = lights(&[direction]);
-        self.scene.shadows.method = method;
+        self.set_method(method);
         self.frame().1.iter().map(|lights| lights[0].fibers).collect()
     }
 }
@@ -293,7 +299,7 @@ fn shadows_do_not_depend_on_the_camera() {
     let points = points(&tangle, 500);
     let mut bench = Bench::new(context, &tangle, &points);
     for method in METHODS {
-        bench.scene.shadows.method = method;
+        bench.set_method(method);
         let middle = bench.scene.focus.center;
         let look = |x: f32| Camera::look_at(middle + Vec3::new(x, 0.1, 0.6), middle, 0.5, [64, 64]);
         bench.scene.camera = look(0.0);

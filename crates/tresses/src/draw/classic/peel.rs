@@ -1,6 +1,6 @@
 //! Depth peeling: blends strands from front to back, one layer per pass.
 
-use super::{Canvas, Pipelines, layers, named};
+use super::{Canvas, Pipelines, vertex};
 use crate::{
     Result,
     draw::targets::{HDR_FORMAT, TextureKind},
@@ -10,7 +10,8 @@ use crate::{
         commands::{colored, deep},
         pipeline::{DEPTH_FORMAT, Recipe, blended},
     },
-    light::{HairView, ShadingRate},
+    light::HairView,
+    renderer::ShadingRate,
     stage::Stage,
 };
 
@@ -48,7 +49,7 @@ pub(super) fn part(
     rate: ShadingRate,
 ) -> Result<wgpu::RenderPipeline> {
     use wgpu::{BlendFactor as Factor, CompareFunction::Greater};
-    let device = &pipelines.device;
+    let device = &pipelines.layouts.device;
     let [before, layer, behind] = layouts(device);
     let sums = || blended(HDR_FORMAT, Factor::One, Factor::One);
     let (last, write, targets) = match name {
@@ -56,8 +57,8 @@ pub(super) fn part(
             let targets = &[blended(HDR_FORMAT, Factor::OneMinusDstAlpha, Factor::One)];
             return pipelines.parts.get((name, ShadingRate::default()), || {
                 Recipe {
-                    vertex: ("draw::under", "under_vertex"),
-                    fragment: Some(("draw::under", "under_fragment")),
+                    vertex: ("draw::classic::under", "under_vertex"),
+                    fragment: Some(("draw::classic::under", "under_fragment")),
                     layouts: &[&layer],
                     targets,
                     ..Recipe::PLAIN
@@ -72,12 +73,12 @@ pub(super) fn part(
             (behind, false, vec![sums(), passes])
         }
     };
-    let [frame, hair, fiber] = &pipelines.groups;
-    let vertex = format!("alpha_{}", named(rate));
+    let [frame, hair, fiber] = &pipelines.layouts.groups;
+    let vertex = vertex(rate);
     pipelines.parts.get((name, rate), || {
         Recipe {
-            vertex: ("draw::alpha", &vertex),
-            fragment: Some(("draw::alpha", &format!("{vertex}_{name}"))),
+            vertex: ("draw::classic::alpha", vertex),
+            fragment: Some(("draw::classic::alpha", &format!("{vertex}_{name}"))),
             layouts: &[frame, hair, fiber, &last],
             targets: &targets,
             depth: Some((write, Greater)),
@@ -101,7 +102,12 @@ impl Peel {
     /// Records the hair. The body is already in the targets.
     pub(super) fn record(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<()> {
         let (targets, frame) = (canvas.targets, canvas.frame);
-        let layers = layers(targets)?;
+        let layers = targets.layers.as_ref().ok_or_else(|| crate::Error::Parameter {
+            name: "targets",
+            value: "without layers".into(),
+            range: "made for depth peeling",
+        })?;
+        let count = canvas.renderer.layers().unwrap_or(1) as usize;
         let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
         let white = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
         if hair.is_empty() {
@@ -113,7 +119,7 @@ impl Peel {
         let nearest = wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store };
         let depth = Some((&layers.depth_views[1], Some(nearest)));
         canvas.begin("hair", &[(&layers.front, clear)], depth);
-        for i in 0..canvas.coverage.layers() as usize {
+        for i in 0..count {
             let now = &layers.depths[i % 2];
             // Starting from the body's depth keeps hair behind the body from taking up a layer.
             canvas.commands.copy_texture(&targets.depth_texture, now);
@@ -133,7 +139,7 @@ impl Peel {
             canvas.commands.lap(Stage::Hair);
         }
         // Index of the depth texture of the last layer.
-        let last = (canvas.coverage.layers() as usize + 1) % 2;
+        let last = (count + 1) % 2;
         // Optical thickness of the hair behind the last layer.
         let colors = layers.thickness.each_ref().map(|texture| (texture, clear));
         let mut pass = canvas.begin("thickness", &colors, Some((&targets.depth, None)));
