@@ -87,6 +87,8 @@ class Run:
         self.scene, self.view_layer, self.options = context.scene, context.view_layer, options
         self.space = Space(self.scene)
         self.hair, self.caches, self.muted = [], [], []
+        # Whether a wind field has been seen.
+        self.has_wind = False
         self.before = self.scene.frame_current
         self.scene.frame_set(options.first)
         try:
@@ -122,12 +124,14 @@ class Run:
         return dict(skin=self.body.vertices(bpy.context.evaluated_depsgraph_get()), joints=self.body.joints())
 
     def _wind(self):
-        """Return the sum of the scene's wind force fields, as m/s; nothing without them."""
+        """Return the sum of the scene's visible wind force fields, as m/s. A scene that never had one keeps the wind of
+        the settings; once all are hidden, the air is calm."""
         fields = [o for o in self.scene.objects if o.field and o.field.type == "WIND" and o.visible_get()]
-        if not fields:
+        self.has_wind |= bool(fields)
+        if not self.has_wind:
             return {}
-        blown = sum(np.array(o.matrix_world.col[2][:3]) * o.field.strength for o in fields)
-        return dict(wind=TURN @ blown)
+        velocity = sum((np.array(o.matrix_world.col[2][:3]) * o.field.strength for o in fields), np.zeros(3))
+        return dict(wind=TURN @ velocity)
 
     def _mute(self):
         """Switch off the modifiers that only shape the result: they take time in each frame."""

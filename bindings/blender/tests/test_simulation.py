@@ -337,14 +337,16 @@ def test_what_is_wrong_is_selected(package, saved):
 
 
 def test_wind_of_the_scene_blows(package, saved):
-    scene = scenes.empty(last=10)
+    last = 10
+    scene = scenes.empty(last=60)
     body, _ = scenes.ball(degrees=0)
     thing = scenes.hair(body, 30)
 
-    def tips():
-        one = package.run.Run(bpy.context, [thing], [body], package.run.Options(1, 10, settle=0))
-        for _ in one.frames():
-            pass
+    def tips(hidden_after=None):
+        one = package.run.Run(bpy.context, [thing], [body], package.run.Options(1, last, settle=0))
+        for i, _ in enumerate(one.frames()):
+            if i == hidden_after:
+                bpy.context.object.hide_set(True)
         out = one.space.back(one.simulation.given(), thing.matrix_world).reshape(30, 16, 3)[:, -1].mean(0)
         one.end()
         return out
@@ -354,7 +356,12 @@ def test_wind_of_the_scene_blows(package, saved):
     bpy.ops.object.effector_add(type="WIND", rotation=(0, np.pi / 2, 0))
     bpy.context.object.field.strength = 8
     bpy.context.view_layer.update()
-    assert (tips() - calm)[0] > 0.02, "the arrow points along X"
+    blown = (tips() - calm)[0]
+    assert blown > 0.02, "the arrow points along X"
+    last = 60
+    stays = (tips() - calm)[0]
+    falls = (tips(hidden_after=10) - calm)[0]
+    assert stays > 0.02 and falls < 0.25 * stays, f"a hidden field blows no more: {falls} of {stays}"
 
 
 def test_an_attribute_stiffens(package, saved):
