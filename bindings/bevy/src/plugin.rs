@@ -15,7 +15,7 @@ use bevy::{
         view::prepare_view_targets,
     },
 };
-use tresses::view::ViewOptions;
+use tresses::{renderer::Renderer, view::ViewOptions};
 
 /// Adds hair to an app. Add it after [`DefaultPlugins`].
 #[derive(Clone, Debug)]
@@ -33,7 +33,7 @@ impl Default for TressesPlugin {
     /// Returns tiles for all strands, with full shadows.
     fn default() -> Self {
         // The sample count is for meshes that the view draws; here Bevy draws them.
-        Self { view: ViewOptions { samples: 1, ..ViewOptions::default() }, casts: 1.0 }
+        Self { view: ViewOptions { renderer: Renderer::tiles(1), ..ViewOptions::default() }, casts: 1.0 }
     }
 }
 

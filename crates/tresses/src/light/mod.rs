@@ -13,7 +13,8 @@
 //! estimated instead of computed. Meshes are rasterized into a depth texture. Hair is thinner than a texel; kernels
 //! draw it into a buffer, one thread per segment. The result is a fiber count, not a transmittance: the mean number of
 //! fibers between a light and a point, from which each shading model derives its terms (`transmittance.wesl`). Meshes
-//! on the way are a separate factor. There are three methods ([`ShadowMethod`](crate::renderer::ShadowMethod)), which use the same buffer:
+//! on the way are a separate factor. There are three methods ([`ShadowMethod`](crate::renderer::ShadowMethod)), which
+//! use the same buffer:
 //!
 //! - *Deep opacity maps*: `splat` stores the nearest hair in each texel. `front` smooths it into the first depth layer,
 //!   which no single hair moves. `cover` adds the width times length of every segment over the texel area, in fixed
@@ -43,10 +44,10 @@
 //! With [`ShadingSubset`], only visible hair is shaded: `choose.wesl` lists samples and spans, and both kernels run over the
 //! lists. For shading per pixel, `arrive.wesl` looks up the shadows of every vertex instead.
 //!
-//! **Shading models** (`shading.wesl`, [`ShadingModel`](crate::renderer::ShadingModel)): both have the same inputs, fiber, eye, light and fiber count,
-//! so that a kernel and a fragment shader share the code. *Fiber* refracts, absorbs and scatters: see [`fiber`].
-//! *Kajiya and Kay* is set by eye: two highlights whose tangents are shifted per lock and per strand, sharp glints in
-//! the first, and a lobe of light from behind.
+//! **Shading models** (`shading.wesl`, [`ShadingModel`](crate::renderer::ShadingModel)): both have the same inputs,
+//! fiber, eye, light and fiber count, so that a kernel and a fragment shader share the code. *Fiber* refracts, absorbs
+//! and scatters: see [`fiber`]. *Kajiya and Kay* is set by eye: two highlights whose tangents are shifted per lock and
+//! per strand, sharp glints in the first, and a lobe of light from behind.
 //!
 //! **Environments** ([`Environment`], [`Sky`]): three colors by elevation, or an environment map as spherical
 //! harmonics, of which bright regions become directional lights with shadows. The GPU measures cube maps of

@@ -12,16 +12,14 @@ pub struct Shadows {
     pub hair_radius: f32,
     /// Radius over which the shadows of meshes on themselves are averaged, meters.
     pub body_radius: f32,
-    /// Fibers that light hits per meter of its way through hair, 1/m. [`ShadowMethod::Absorption`]
-    /// uses it.
+    /// Fibers that light hits per meter of its way through hair, 1/m. Used by [`ShadowMethod::Absorption`].
     pub density: f32,
     /// Weight of the shadow of hair on meshes. At 1, a fiber removes as much light from a mesh as from other hair.
     pub body_opacity: f32,
     /// Distance by which a surface is moved towards the light before the comparison, meters.
     pub bias: f32,
     /// Variation of light and shadow from strand to strand, where maps have only a mean: 0 for none, 1 as in real hair.
-    /// Only for
-    /// [`ShadingModel::Fiber`](crate::renderer::ShadingModel::Fiber).
+    /// Only for [`ShadingModel::Fiber`](crate::renderer::ShadingModel::Fiber).
     pub strand_by_strand: f32,
     /// Whether light from the sky and from meshes is propagated through the hair ([`super::ambient`]). Otherwise sky
     /// visibility is estimated from the zenith and the lights that are on, and meshes reflect no light.

@@ -91,7 +91,8 @@ fn scenes() -> Vec<Workload> {
     many.preset = workload::style(Some(100_000), workload::TILES);
     many.size = Size { width: 1920, height: 1080 };
     let mut scenes = vec![workload::long()];
-    scenes.extend(workload::seed());
+    // The model has kernels only, no rasterizer.
+    scenes.extend(workload::seed().into_iter().filter(|scene| scene.name.ends_with("tiles")));
     scenes.extend(workload::peer(&[], &[]).into_iter().flatten().skip(1));
     scenes.push(many);
     scenes
