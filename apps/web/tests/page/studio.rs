@@ -2,7 +2,7 @@
 //! nor WebGPU reports an error.
 
 use crate::{
-    browser::{Browser, Picture},
+    browser::{Browser, PATIENCE, Picture},
     serve,
 };
 use serde_json::Value;
@@ -222,7 +222,7 @@ fn studio_runs_in_a_browser() {
     browser.value(REFUSED);
     let begin = Instant::now();
     while browser.complaints().is_empty() {
-        assert!(begin.elapsed() < browser::PATIENCE, "a buffer without a use is no error");
+        assert!(begin.elapsed() < PATIENCE, "a buffer without a use is no error");
     }
     server.stop();
     serving.join().unwrap();
@@ -421,7 +421,7 @@ pub fn picture(browser: &mut Browser, what: &str, is: impl Fn(&Picture) -> bool)
         }
         assert!(browser.complaints().is_empty(), "{}", browser.complaints().join("\n"));
         picture.keep("studio-last.png");
-        assert!(begin.elapsed() < browser::PATIENCE, "no {what} is seen");
+        assert!(begin.elapsed() < PATIENCE, "no {what} is seen");
     }
 }
 
@@ -438,7 +438,7 @@ fn still(browser: &mut Browser) -> Picture {
             return now;
         }
         last = Some(now);
-        assert!(begin.elapsed() < browser::PATIENCE, "the page does not come to rest");
+        assert!(begin.elapsed() < PATIENCE, "the page does not come to rest");
     }
 }
 
@@ -570,7 +570,7 @@ fn groomed(browser: &mut Browser, is: impl Fn(&Value) -> bool) -> Value {
 fn downloaded(browser: &mut Browser, path: &Path) -> Vec<u8> {
     let begin = Instant::now();
     while !path.exists() {
-        assert!(begin.elapsed() < browser::PATIENCE, "{} does not arrive", path.display());
+        assert!(begin.elapsed() < PATIENCE, "{} does not arrive", path.display());
         assert!(browser.complaints().is_empty(), "{}", browser.complaints().join("\n"));
         thread::sleep(std::time::Duration::from_millis(200));
     }
