@@ -39,7 +39,7 @@ pub struct ViewPass<'a> {
     pub shows: ViewContent<'a>,
     /// Whether to write hair geometry and strand labels as well: [`Targets::geometry`](crate::draw::Targets::geometry),
     /// [`Targets::labels`](crate::draw::Targets::labels). Applies to [`ViewContent::Hair`] and [`ViewContent::Again`], and requires
-    /// [`Renderer::Tiles`].
+    /// [`Renderer::Tiles`](crate::renderer::Renderer::Tiles).
     pub asks: bool,
 }
 
