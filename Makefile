@@ -36,7 +36,7 @@ comma := ,
 WINDOW := $(or $(DISPLAY),$(WAYLAND_DISPLAY),$(filter Windows_NT,$(OS)),$(filter Darwin,$(shell uname -s)))
 
 demo: setup ## Open the studio; without a display, draw out/demo.png and out/demo.webp
-	@echo "demo: compiling; about four minutes the first time on two cores, seconds afterwards"
+	@echo "demo: compiling; four to five minutes the first time on two cores, seconds afterwards"
 	$(CARGO) build --bin tresses
 	@echo "demo: $(if $(WINDOW),opening the studio,drawing out/demo.png$(comma) then the loop out/demo.webp)"
 	$(CARGO) run --quiet --bin tresses -- $(if $(WINDOW),studio,demo)

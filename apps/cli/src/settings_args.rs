@@ -81,7 +81,7 @@ pub fn apply(companions: &CompanionFlags, rows: &RowFlags<All>, preset: &mut Pre
 mod tests {
     use super::*;
     use clap::Parser;
-    use tresses::renderer::{MaskOptions, Renderer};
+    use tresses::renderer::Renderer;
     use tresses_scene::preset::Extent;
 
     #[derive(Parser)]
@@ -249,8 +249,7 @@ mod tests {
             assert!(parse(words).is_err(), "{words:?}");
         }
         let both = parse(&["--renderer", "masks", "--samples", "4", "--color-map", "a.png"]).unwrap();
-        let masks = MaskOptions { samples: 4, ..MaskOptions::default() };
-        assert_eq!(both.settings.renderer(16).unwrap(), Renderer::Masks(masks));
+        assert_eq!(both.settings.renderer(16).unwrap(), Renderer::masks(4));
     }
 
     #[test]
@@ -267,8 +266,7 @@ mod tests {
                 .unwrap();
         let settings = &other.settings;
         assert!(settings.gives("style.curl_shrink") && !settings.gives("style.curl_flatness"));
-        let masks = MaskOptions { samples: 4, ..MaskOptions::default() };
-        assert_eq!(settings.renderer(4).unwrap(), Renderer::Masks(masks));
+        assert_eq!(settings.renderer(4).unwrap(), Renderer::masks(4));
         assert_eq!(
             (settings.renderer.layers, settings.ssaa),
             (4, 2),

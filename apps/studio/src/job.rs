@@ -16,7 +16,7 @@ use tresses::{
     character::{CharacterSource, Gesture},
     gpu::{Gpu, Tier},
     groom::{cards::CardOptions, edit::GroomEditor, styles::Style},
-    renderer::{MaskOptions, Renderer},
+    renderer::Renderer,
     view::ViewOptions,
 };
 use tresses_scene::{
@@ -303,8 +303,8 @@ pub fn view_options(settings: &Settings, tier: Tier) -> tresses::Result<ViewOpti
         return Ok(own);
     }
     let samples = if tier.software { 1 } else { 4 };
-    let masks = MaskOptions { shading: own.renderer.shading(), samples };
-    let mut fast = ViewOptions { renderer: Renderer::Masks(masks), ..settings.view };
+    let renderer = Renderer::masks(samples).with_shading(own.renderer.shading());
+    let mut fast = ViewOptions { renderer, ..settings.view };
     if tier.software {
         fast.shadow_resolution = fast.shadow_resolution.min(256);
         // 12³ cells instead of 24³: their cost does not fall with the strand count.

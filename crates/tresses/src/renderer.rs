@@ -269,15 +269,8 @@ impl Renderer {
     /// Returns this renderer with the options that its render targets do not depend on at their defaults.
     pub(crate) fn targets(self) -> Self {
         match self {
-            Self::Tiles(TileOptions { samples, .. }) => {
-                Self::Tiles(TileOptions { samples, ..TileOptions::default() })
-            }
-            Self::Masks(MaskOptions { samples, .. }) => {
-                Self::Masks(MaskOptions { samples, ..MaskOptions::default() })
-            }
-            Self::Classic(ClassicOptions { coverage, .. }) => {
-                Self::Classic(ClassicOptions { coverage, ..ClassicOptions::default() })
-            }
+            Self::Tiles(_) | Self::Masks(_) => self.with_shading(ShadingModel::Fiber),
+            Self::Classic(ClassicOptions { coverage, .. }) => Self::classic(coverage),
         }
     }
 

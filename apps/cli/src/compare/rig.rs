@@ -25,7 +25,7 @@ use tresses::{
     hair::HairFrame,
     light::{Directional, Lights, MAX_LIGHTS, Shadows, Sky, Sphere, material::linear},
     present::Background,
-    renderer::{Renderer, TileOptions},
+    renderer::Renderer,
     simulate::SimulationParams,
     view::{Picture as Shot, ViewOptions},
     views::{DebugDisplay, DebugView, DebugViews},
@@ -83,7 +83,7 @@ impl Rig {
         let hair_bounds = groom.bounds().context("the groom is empty")?;
         let subject = character::subject(hair_bounds, head.bounds());
         let [width, height] = view.groom.camera.resolution;
-        let renderer = Renderer::Tiles(TileOptions { samples, ..TileOptions::default() });
+        let renderer = Renderer::tiles(samples);
         let options = ViewOptions { renderer, output: FORMAT, ..Default::default() };
         let eye = View::new(&context, &options, [width, height], 1)?;
         let output = context.device().create_texture(&wgpu::TextureDescriptor {
@@ -176,10 +176,7 @@ impl Rig {
         let options = ViewOptions {
             ambient_cells: settings.view.ambient_cells,
             strand_map: settings.view.strand_map,
-            renderer: Renderer::Tiles(TileOptions {
-                shading: settings.renderer.model,
-                samples: self.view.options().renderer.samples(),
-            }),
+            renderer: self.view.options().renderer.with_shading(settings.renderer.model),
             ..*self.view.options()
         };
         self.view.set_options(&options)?;

@@ -1,7 +1,9 @@
 //! The renderer, with the samples that an adapter supports.
 
-use crate::knobs;
-use crate::settings::{ClassicBlending, RendererKind, RendererSettings, Settings};
+use crate::{
+    knobs,
+    settings::{ClassicBlending, RendererKind, RendererSettings, Settings},
+};
 use tresses::{
     Error, Result,
     renderer::{ClassicCoverage, ClassicOptions, MaskOptions, Renderer, TileOptions},
@@ -89,17 +91,12 @@ impl Settings {
     pub(super) fn check_renderer(&self) -> Result<()> {
         self.renderer(16)?;
         // Checked even if depth peeling is not the current coverage.
-        let coverage = ClassicCoverage::DepthPeeling { layers: self.renderer.layers };
-        Renderer::Classic(ClassicOptions { coverage, ..ClassicOptions::default() }).check()
+        Renderer::peeling(self.renderer.layers).check()
     }
 
     pub(super) fn resolve_renderer(&self, into: &mut Self) {
         let Ok(renderer) = self.renderer(8) else { return };
-        into.renderer.kind = match renderer {
-            Renderer::Tiles(_) => RendererKind::Tiles,
-            Renderer::Masks(_) => RendererKind::Masks,
-            Renderer::Classic(_) => RendererKind::Classic,
-        };
+        into.renderer.kind = self.renderer_kind();
         into.renderer.samples = renderer.samples();
         into.take_as_given(["renderer.kind", "renderer.samples", "renderer.coverage"].into_iter());
     }
