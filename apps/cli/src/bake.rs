@@ -54,8 +54,8 @@ pub fn run(args: &BakeArgs) -> Result<()> {
         preparing.suspend(|| eprintln!("note: {note}"));
     }
     let colliders = Companions::of(&preset.source, Shelf::default()).colliders()?;
-    let (physics, quality) = (preset.settings.physics(), preset.settings.quality([16, 16], 1)?);
-    let scene = Scene::new(gpu, character, colliders, &physics, &quality, &preparing);
+    let quality = preset.settings.quality([16, 16], 1)?;
+    let scene = Scene::new(gpu, character, colliders, &preset.settings, &quality, &preparing);
     let mut scene = pollster::block_on(scene)?;
     scene.apply(&preset.settings)?;
     // Write all strands, whatever their level of detail.

@@ -103,8 +103,8 @@ impl RestingCharacter {
         let (head, guides) = (character.head.clone(), character.groom.guides.clone());
         let rig = motion::animation::rig_of(&character, preset.source.is_mannequin());
         let colliders = Companions::of(&preset.source, Shelf::default()).colliders()?;
-        let (physics, quality) = (preset.settings.physics(), preset.settings.quality([16, 16], 1)?);
-        let scene = Scene::new(gpu, character, colliders, &physics, &quality, preparing);
+        let quality = preset.settings.quality([16, 16], 1)?;
+        let scene = Scene::new(gpu, character, colliders, &preset.settings, &quality, preparing);
         let mut scene = pollster::block_on(scene)?;
         scene.apply(&preset.settings)?;
         scene.set_lod(LodOptions { mode: LodMode::Off, ..Default::default() })?;

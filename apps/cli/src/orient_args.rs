@@ -5,57 +5,36 @@ use tresses::groom::{
     orient::{Axis, Unit},
 };
 
+/// Heading of these options in help.
+const HEADING: &str = "Unit and axes";
+
 /// Unit and axes of the files.
 #[derive(clap::Args, Clone, Debug, Default)]
 pub struct OrientArgs {
     /// Groom's unit: m, cm, mm, dm, in, ft or meters per unit [default: guessed]
-    #[arg(long, value_name = "UNIT", help_heading = "Unit and axes", hide_short_help = true)]
+    #[arg(long, value_name = "UNIT", help_heading = HEADING, hide_short_help = true)]
     unit: Option<Unit>,
     /// Groom's axis that points up, such as y, z or -z [default: guessed]
-    #[arg(
-        long,
-        value_name = "AXIS",
-        allow_hyphen_values = true,
-        help_heading = "Unit and axes",
-        hide_short_help = true
-    )]
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = HEADING, hide_short_help = true)]
     up: Option<Axis>,
     /// Groom's axis that the face points along [default: guessed]
-    #[arg(
-        long,
-        value_name = "AXIS",
-        allow_hyphen_values = true,
-        help_heading = "Unit and axes",
-        hide_short_help = true
-    )]
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = HEADING, hide_short_help = true)]
     front: Option<Axis>,
     /// Whether to swap left and right of the groom [default: guessed, with a head]
     #[arg(
         long, value_name = "BOOL", num_args = 0..=1, require_equals = true,
         default_missing_value = "true",
-        help_heading = "Unit and axes", hide_short_help = true
+        help_heading = HEADING, hide_short_help = true
     )]
     mirror: Option<bool>,
     /// Head's unit [default: guessed]
-    #[arg(long, value_name = "UNIT", help_heading = "Unit and axes", hide_short_help = true)]
+    #[arg(long, value_name = "UNIT", help_heading = HEADING, hide_short_help = true)]
     head_unit: Option<Unit>,
     /// Head's axis that points up [default: guessed]
-    #[arg(
-        long,
-        value_name = "AXIS",
-        allow_hyphen_values = true,
-        help_heading = "Unit and axes",
-        hide_short_help = true
-    )]
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = HEADING, hide_short_help = true)]
     head_up: Option<Axis>,
     /// Head's axis that the face points along [default: guessed]
-    #[arg(
-        long,
-        value_name = "AXIS",
-        allow_hyphen_values = true,
-        help_heading = "Unit and axes",
-        hide_short_help = true
-    )]
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = HEADING, hide_short_help = true)]
     head_front: Option<Axis>,
 }
 

@@ -117,10 +117,9 @@ impl Photographer {
                 preparing.suspend(|| eprintln!("note: {note}"));
             }
             let colliders = companions.colliders()?;
-            let physics = settings.physics();
             let in_motion = settings.pipelines_of_motion(&character.guide_vertices());
             let in_motion = moves.then(|| scope.spawn(move || compile(in_motion)));
-            let scene = Scene::new(gpu, character, colliders, &physics, &quality, &preparing);
+            let scene = Scene::new(gpu, character, colliders, settings, &quality, &preparing);
             let scene = pollster::block_on(scene)?;
             for compiling in [Some(at_rest), in_motion].into_iter().flatten() {
                 compiling.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;

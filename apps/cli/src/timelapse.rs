@@ -150,8 +150,7 @@ impl<'a> Timelapse<'a> {
         let most = self.gpu.context.tier().max_samples;
         let mut quality = settings.quality([self.size.width, self.size.height], most)?;
         quality.view.renderer = quality.view.renderer.with_max_samples(most);
-        let (physics, gpu) = (settings.physics(), self.gpu.clone());
-        let scene = Scene::new(gpu, parts, companions.colliders()?, &physics, &quality, &());
+        let scene = Scene::new(self.gpu.clone(), parts, companions.colliders()?, &settings, &quality, &());
         let mut scene = pollster::block_on(scene)?;
         scene.apply(&settings)?;
         scene.set_surroundings(companions.surroundings()?.map(Into::into));

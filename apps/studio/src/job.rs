@@ -262,8 +262,7 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Prepa
     wanted.extend(settings.pipelines_of_motion(&character.guide_vertices()));
     gpu.context.prepare(&wanted, progress).await?;
     let quality = Quality { size: FIRST, view: options, ssaa: settings.ssaa, lod: settings.lod() };
-    let physics = settings.physics();
-    let stage = Scene::new(gpu, character, colliders, &physics, &quality, progress).await;
+    let stage = Scene::new(gpu, character, colliders, &settings, &quality, progress).await;
     let mut stage = stage?;
     stage.dress(&settings);
     stage.set_surroundings(surroundings.clone());
@@ -289,8 +288,8 @@ async fn baked(
     let cards = cards::of_parts(&parts, options, colored, progress).await?;
     gpu.context.prepare(&[PipelineRequest::Cards(view.renderer.samples())], progress).await?;
     let quality = Quality { view, lod: settings.lod(), ..Quality::new([1; 2]) };
-    let physics = (&settings.physics(), &quality);
-    let chain = CardChain::new(&gpu.context, (&parts, cards), &colliders, physics, progress).await?;
+    let resting = (&settings, &quality);
+    let chain = CardChain::new(&gpu.context, (&parts, cards), &colliders, resting, progress).await?;
     let rig = animation::rig_of(&parts, base.is_mannequin());
     Ok(BakedCards { chain, rig, strands: parts.groom.strands.len(), head: parts.head })
 }

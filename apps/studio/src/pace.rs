@@ -48,7 +48,7 @@ impl Level {
     /// # Errors
     /// Fails if the level-of-detail options are out of range.
     pub fn dress(&self, stage: &mut Scene, settings: &Settings) -> Result<()> {
-        stage.take(settings);
+        stage.take(settings)?;
         if stage.gpu.context.tier().software {
             // Its coarse shadow maps self-shadow more, so they need a larger bias.
             stage.picture.shadows.bias *= 2.0;
@@ -62,7 +62,7 @@ impl Level {
     }
 
     /// Estimates the cost of a frame at `other` relative to this level. The pixel count dominates. Four times the
-    /// samples of full hair take two to three times as long (`tresses-evidence appearance`), less if the lighting is
+    /// samples of full hair take two to three times as long, less if the lighting is
     /// reused.
     fn cost_of(&self, other: &Self) -> f32 {
         let ratio = other.scale / self.scale;

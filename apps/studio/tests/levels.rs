@@ -31,9 +31,8 @@ fn stage() -> Option<(Scene, Settings)> {
         let base = CharacterSource::built_in(&gpu.context, &Style::default(), &()).await.unwrap();
         let styling = settings.styling(base.style(), &Default::default()).unwrap();
         let character = base.dress(&styling, &()).await.unwrap();
-        let physics = settings.physics();
         let (colliders, progress) = (Colliders::default(), &());
-        Scene::new(gpu, character, colliders, &physics, &quality, progress).await.unwrap()
+        Scene::new(gpu, character, colliders, &settings, &quality, progress).await.unwrap()
     });
     Some((stage, settings))
 }

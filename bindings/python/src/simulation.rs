@@ -189,8 +189,7 @@ impl Simulation {
             let quality = sampled(&settings, [16, 16], &gpu)?;
             let motion = settings.pipelines_of_motion(&character.guide_vertices());
             gpu.context.prepare(&motion, teller).await?;
-            let physics = settings.physics();
-            let scene = Scene::new(gpu, character, colliders, &physics, &quality, teller);
+            let scene = Scene::new(gpu, character, colliders, &settings, &quality, teller);
             let mut scene = scene.await?;
             scene.apply(&settings)?;
             scene.set_surroundings(surroundings.map(Arc::new));

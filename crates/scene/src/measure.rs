@@ -100,12 +100,6 @@ impl Scene {
         Ok((self.clock)().saturating_sub(start).as_secs_f64() * 1e3)
     }
 
-    /// Returns the GPU memory of the render targets per pixel, bytes.
-    pub fn bytes_per_pixel(&self) -> f64 {
-        let [width, height] = self.targets().size;
-        self.targets().bytes() as f64 / (f64::from(width) * f64::from(height))
-    }
-
     /// Reads the stage timings of the last frame.
     fn read_timings(&mut self) -> Result<Vec<(&'static str, f64)>> {
         Ok(pollster::block_on(self.timings.read(&self.gpu.context))?)

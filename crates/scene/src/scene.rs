@@ -17,7 +17,7 @@ use crate::{
 use anyhow::{Context as _, Result, ensure};
 use std::sync::Arc;
 use tresses::{
-    Character, HairOptions, Progress, View,
+    Character, CharacterAsset, HairOptions, Progress, View,
     body::Body,
     character::{Bounds, CharacterOptions, CharacterParts},
     collide::FieldBuilder,
@@ -26,7 +26,7 @@ use tresses::{
     groom::Look,
     light::Lights,
     lod::{Detail, LodMode, LodOptions},
-    simulate::SimulationParams,
+    simulate::RestOptions,
     view::Picture,
     views::{DebugDisplay, DebugViews},
 };
@@ -79,16 +79,25 @@ pub struct Scene {
     colliders: Colliders,
     /// Viewpoint that the level of detail is chosen for.
     watcher: Option<Viewpoint>,
+    rest: RestKey,
 }
 
-/// Uploads the character of `parts`, at rest under `physics`, with `colliders`.
+/// The settings that the rest shape is computed for, besides gravity and stiffness, which hair must show: options, and
+/// whether hair twists.
+type RestKey = (RestOptions, bool);
+
+fn rest_key(settings: &Settings) -> RestKey {
+    (settings.rest, settings.simulation.twist > 0.0)
+}
+
+/// Uploads the character of `parts`, at rest under the physics of `settings`, with `colliders`.
 ///
 /// # Errors
 /// As [`Scene::new`].
 pub(crate) async fn uploaded(
     context: &tresses::Context,
     mut parts: CharacterParts,
-    (colliders, physics, quality): (&Colliders, &SimulationParams, &Quality),
+    (colliders, settings, quality): (&Colliders, &Settings, &Quality),
     progress: &impl Progress,
 ) -> Result<Character> {
     match (&mut parts.anatomy, &parts.head) {
@@ -98,20 +107,26 @@ pub(crate) async fn uploaded(
     let builder = FieldBuilder::new(context);
     let fields = colliders.fields(&builder);
     let options = CharacterOptions {
-        hair: HairOptions { simulation: *physics, lod: quality.lod, ..Default::default() },
+        hair: HairOptions {
+            simulation: settings.physics(),
+            rest: settings.rest,
+            lod: quality.lod,
+            ..Default::default()
+        },
         obstacles: &colliders.list,
         fields: &fields,
         ambient_cells: quality.view.ambient_cells,
         ..Default::default()
     };
-    let mut character = Character::new(context, parts, &options, progress).await?;
+    let mut character = Character::new(&CharacterAsset::new(context, parts, &options, progress).await?)?;
     // Draw full detail until the caller requests less.
     character.set_lod(LodOptions { mode: LodMode::Off, ..quality.lod });
     Ok(character)
 }
 
 impl Scene {
-    /// Uploads the character of `parts`, at rest under `physics`, with `colliders`.
+    /// Uploads the character of `parts`, at rest under the physics of `settings`, with `colliders`.
+    /// [`apply`](Self::apply) sets the others.
     ///
     /// # Errors
     /// Fails if the adapter cannot allocate the character or `parts` are invalid.
@@ -119,13 +134,13 @@ impl Scene {
         gpu: Gpu,
         parts: CharacterParts,
         colliders: Colliders,
-        physics: &SimulationParams,
+        settings: &Settings,
         quality: &Quality,
         progress: &impl Progress,
     ) -> Result<Self> {
         let context = &gpu.context;
         let view = View::new(context, &quality.view, quality.size, quality.ssaa)?;
-        let character = uploaded(context, parts, (&colliders, physics, quality), progress).await?;
+        let character = uploaded(context, parts, (&colliders, settings, quality), progress).await?;
         #[cfg(not(target_arch = "wasm32"))]
         let timings = match context.tier().timestamps && !context.tier().software {
             true => tresses::gpu::Timings::new(context),
@@ -145,6 +160,7 @@ impl Scene {
             lighting: LightSettings::default(),
             colliders,
             watcher: None,
+            rest: rest_key(settings),
             gpu,
         };
         scene.make_obstacles();
@@ -165,13 +181,19 @@ impl Scene {
     /// Returns the first parameter that is out of range.
     pub fn apply(&mut self, settings: &Settings) -> Result<()> {
         settings.check()?;
-        self.take(settings);
-        Ok(())
+        self.take(settings)
     }
 
     /// As [`apply`](Self::apply), for settings that are already validated. Cheap enough to call every frame.
-    pub fn take(&mut self, settings: &Settings) {
+    ///
+    /// # Errors
+    /// As [`apply`](Self::apply).
+    pub fn take(&mut self, settings: &Settings) -> Result<()> {
         self.character.physics = settings.physics();
+        if self.rest != rest_key(settings) {
+            self.character.set_rest(&settings.physics(), &settings.rest)?;
+            self.rest = rest_key(settings);
+        }
         self.character.set_avoidance(settings.avoidance);
         self.character.set_lod(settings.lod());
         self.lighting = settings.lights;
@@ -181,6 +203,7 @@ impl Scene {
             (*as_then, *lights) = (turned(&settings.lights), surroundings.lights(&settings.lights));
         }
         self.dress(settings);
+        Ok(())
     }
 
     /// Applies the settings of the hair's and the frame's appearance.

@@ -4,7 +4,7 @@
 //! `cargo run --example character -- picture.png`
 
 use tresses::{
-    Camera, Character, Pose, View,
+    Camera, Character, CharacterAsset, Pose, View,
     body::{Body, Skin, Words},
     character::{CharacterOptions, CharacterSource, Drawing, Styling},
     collide::{Collider, FieldId, FieldSource, Shape},
@@ -59,12 +59,12 @@ async fn render(path: &str) -> Result<(), Box<dyn std::error::Error>> {
         ..Default::default()
     };
     let mesh = parts.head.clone().ok_or("the character has no mesh")?;
-    let mut ann = Character::new(&tresses, parts.clone(), &options, &()).await?;
+    let mut ann = Character::new(&CharacterAsset::new(&tresses, parts, &options, &()).await?)?;
 
     // Once: attach the roots to the engine's skin, none more than a centimeter away.
     let engine = Engine::new(device, &mesh, ann.body().ok_or("the character has no body")?);
     let at = |first| (&engine.vertices, Words { first, stride: WORDS });
-    let report = ann.skinned_by(&parts, &Skin { positions: at(0), normals: at(3) }, 0.01)?;
+    let report = ann.skinned_by(&mesh, &Skin { positions: at(0), normals: at(3) }, 0.01)?;
     println!("mean distance of the roots from the mesh: {:.2} mm", 1e3 * report.mean);
 
     let size = [480, 600];

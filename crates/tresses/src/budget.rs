@@ -23,7 +23,7 @@
 //!
 //! ```no_run
 //! use tresses::{
-//!     Character, Context, HairOptions, Pose, Result, View,
+//!     Character, CharacterAsset, Context, HairOptions, Pose, Result, View,
 //!     character::{CharacterOptions, CharacterSource, CrowdBudget, Styling},
 //!     lod::LodOptions,
 //!     view::Picture,
@@ -35,8 +35,8 @@
 //!     let parts = source.dress(&Styling::default(), &()).await?;
 //!     let hair = HairOptions { lod: LodOptions::CROWD, ..Default::default() };
 //!     let options = CharacterOptions { hair, ..Default::default() };
-//!     let first = Character::new(tresses, parts, &options, &()).await?;
-//!     (0..count).map(|_| first.instance()).collect()
+//!     let asset = CharacterAsset::new(tresses, parts, &options, &()).await?;
+//!     (0..count).map(|_| Character::new(&asset)).collect()
 //! }
 //!
 //! /// Each frame. `milliseconds` is the time of the last frame.
@@ -63,7 +63,6 @@
 use crate::{
     Camera, Hair, Pose,
     lod::{Detail, LodOptions},
-    strands::Room,
 };
 
 /// Limits for all heads of a frame.
@@ -94,8 +93,6 @@ pub struct ViewBytes<'a> {
 impl ViewBytes<'_> {
     /// Bytes per vertex drawn by tiles: points, lists, colors and shading.
     pub const BY_TILES: u64 = 63;
-    /// Bytes per vertex drawn as strips: its color.
-    pub const BY_STRIPS: u64 = 4;
 }
 
 /// Maximum change of the bias per frame, octaves.
@@ -317,11 +314,8 @@ impl Hair {
         let vertices = detail.segments.ceil() as u32 + 1;
         let [guides, substeps] = self.motion_at(detail);
         let need = if seen { [detail.strands, detail.strands * vertices] } else { [0; 2] };
-        let whole = self.strands.whole();
-        let room = if self.shares_room() { Room::of(need, whole) } else { whole };
-        let per_view = view_bytes * u64::from(room.vertices);
-        let bytes =
-            self.own_bytes() - self.strand_bytes(self.strands.room) + self.strand_bytes(room) + per_view;
+        let (room, own) = self.sized_for(need);
+        let bytes = own + view_bytes * u64::from(room.vertices);
         let asleep = self.is_asleep();
         let head = HeadDetail {
             seen,

@@ -78,11 +78,20 @@ pub struct StepClock {
     /// Pose of the head at the end of the last step.
     state: Option<Pose>,
     reset: bool,
+    /// Whether the next frame is a teleport, whatever the distance.
+    carries: bool,
 }
 
 impl Default for StepClock {
     fn default() -> Self {
-        Self { teleport_distance: 0.3, teleport_angle: 1.0, accumulator: 0.0, state: None, reset: false }
+        Self {
+            teleport_distance: 0.3,
+            teleport_angle: 1.0,
+            accumulator: 0.0,
+            state: None,
+            reset: false,
+            carries: false,
+        }
     }
 }
 
@@ -101,6 +110,11 @@ impl StepClock {
     /// Makes the next frame start from the rest pose.
     pub fn reset(&mut self) {
         self.reset = true;
+    }
+
+    /// Makes the next frame a teleport, whatever the distance.
+    pub fn carry(&mut self) {
+        self.carries = true;
     }
 
     /// Returns the head's pose at the end of the last step, or `None` if the next frame starts from the rest pose.
@@ -132,7 +146,8 @@ impl StepClock {
     pub(crate) fn jumps(&self, at: &Pose, head: &Pose, steps: f32) -> bool {
         let distance = at.translation.distance(head.translation);
         let angle = at.rotation.angle_between(head.rotation);
-        distance > self.teleport_distance * steps
+        self.carries
+            || distance > self.teleport_distance * steps
             || angle > self.teleport_angle * steps
             || !distance.is_finite()
     }
@@ -150,7 +165,7 @@ impl StepClock {
     pub fn tick(&mut self, dt: f32, step: f32, head: &Pose) -> Ticks {
         let whole = |mode| Step { mode, begin: *head, end: *head, from: 0.0, to: 1.0 };
         let Some(at) = self.state.filter(|_| !self.reset) else {
-            self.reset = false;
+            (self.reset, self.carries) = (false, false);
             self.accumulator = 0.0;
             self.state = Some(*head);
             return Ticks { steps: vec![whole(Mode::Reset)], alpha: 1.0, skipped: 0.0 };
@@ -167,7 +182,9 @@ impl StepClock {
         let lag = self.accumulator;
         let span = (before + dt - skipped).max(1e-9);
         let mut steps = Vec::with_capacity(count as usize);
-        if self.jumps(&at, head, (span / step).max(1.0) as f32) {
+        let jumps = self.jumps(&at, head, (span / step).max(1.0) as f32);
+        self.carries = false;
+        if jumps {
             steps.push(Step { mode: Mode::Carry, begin: at, end: *head, from: 0.0, to: 0.0 });
             self.state = Some(*head);
             self.accumulator = 0.0;

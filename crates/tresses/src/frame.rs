@@ -266,7 +266,7 @@ impl Recorder<'_> {
         // Hides the hair where it would cover what a debug view shows.
         let hides = inside.is_some_and(|shown| shown.view.hides_hair());
         let visible = if hides { &[][..] } else { &seen[..] };
-        let (cards, strands): (Vec<_>, Vec<_>) = seen.iter().partition(|seen| seen.hair.cards.is_some());
+        let (cards, strands): (Vec<_>, Vec<_>) = seen.iter().partition(|seen| seen.hair.cards().is_some());
         let grooms = [&strands, &cards].map(|grooms| if hides { &[][..] } else { &grooms[..] });
 
         self.commands.start();

@@ -88,12 +88,12 @@ pub mod math;
 pub mod shaders;
 
 pub use camera::Camera;
-pub use character::{Character, Frame};
+pub use character::{Character, CharacterAsset, Frame};
 pub use error::{Error, Result};
 pub use glam;
 pub use gpu::Context;
 pub use groom::{Progress, progress, range};
-pub use hair::{Hair, HairOptions};
+pub use hair::{Hair, HairAsset, HairDescriptor, HairOptions};
 pub use math::pose::Pose;
 pub use prepare::PipelineRequest;
 pub use space::Space;

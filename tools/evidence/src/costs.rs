@@ -5,7 +5,7 @@ use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use tresses::{
-    Context, Hair, HairOptions, Pose,
+    Context, Hair, HairAsset, HairDescriptor, HairOptions, Pose,
     character::CharacterParts,
     collide::{Anchor, Collider, ColliderDescriptor, ColliderPoses, Shape},
     glam::{Quat, Vec3},
@@ -201,10 +201,10 @@ impl Rig {
 
     fn hair(&self, variant: &Variant) -> Result<Hair> {
         let colliders: Vec<_> = variant.colliders.iter().map(|(collider, _)| *collider).collect();
-        let descriptor =
+        let colliders =
             ColliderDescriptor { head: self.character.whole(), colliders: &colliders, ..Default::default() };
-        let groom = &self.character.groom;
-        Ok(Hair::with_colliders(&self.context, groom, &variant.options, &descriptor)?)
+        let what = HairDescriptor { options: variant.options, colliders, ..Default::default() };
+        Ok(Hair::new(&HairAsset::new(&self.context, self.character.groom.clone(), &what)?)?)
     }
 
     /// Returns `count` finger-sized capsules around the neck and shoulders, where the hair hangs.

@@ -1,8 +1,6 @@
 //! Measurements behind the documentation: the page of benchmarks, the roofline of each stage, the costs of the parts of
-//! the simulation, the costs of the ways to light, shade and draw hair, the kernels as GPUs' compilers see them, and a
-//! model of frames on GPUs. `tresses bench` measures whole scenes.
+//! the simulation, the kernels as GPUs' compilers see them, and a model of frames on GPUs. `tresses bench` measures whole scenes.
 
-mod appearance;
 mod benchmarks;
 mod costs;
 mod gpu;
@@ -46,8 +44,6 @@ enum Measurement {
     },
     /// The parts of the simulation, and their ratios (docs/validation/motion.md)
     Costs,
-    /// The ways to light, shade and draw hair (docs/validation/README.md)
-    Appearance,
     /// Frames, strand counts, memory and start-up, as the page docs/benchmarks.md
     Benchmarks(benchmarks::PageArgs),
     /// Registers, spills and waves of each compute kernel, by a GPU's compiler without the GPU; fails when one spills. Needs Mesa's
@@ -95,18 +91,10 @@ fn main() -> Result<()> {
         _ => {}
     }
     let adapter = timing.adapter()?;
-    let usual = if adapter.software && matches!(what, Measurement::Appearance) {
-        appearance::SOFTWARE_FRAMES
-    } else {
-        30
-    };
-    let frames = timing.frames.unwrap_or(usual);
-    let variants = appearance::variants().into_iter().filter(|variant| variant.fits(adapter.max_samples));
-    let variants: Vec<_> = variants.collect();
+    let frames = timing.frames.unwrap_or(30);
     let runs = match &what {
         Measurement::Roofline { .. } => 1,
         Measurement::Costs => costs::RUNS,
-        Measurement::Appearance => variants.len() as u64,
         Measurement::Benchmarks(_) => benchmarks::RUNS,
         Measurement::Kernels { .. } | Measurement::Record | Measurement::Model { .. } => {
             unreachable!("returned above")
@@ -126,11 +114,6 @@ fn main() -> Result<()> {
         Measurement::Costs => {
             let costs = costs::measure(sitting)?;
             (costs.text(), serde_json::to_value(costs)?)
-        }
-        Measurement::Appearance => {
-            let look = |variant| appearance::measure(variant, adapter.software, sitting);
-            let looks = variants.iter().map(look).collect::<Result<Vec<_>>>()?;
-            (appearance::text(&looks, &adapter), serde_json::to_value(looks)?)
         }
         Measurement::Benchmarks(args) => benchmarks::run(&args, &timing, &adapter, sitting)?,
         Measurement::Kernels { .. } | Measurement::Record | Measurement::Model { .. } => {

@@ -5,7 +5,7 @@ use std::{collections::BTreeSet, process::Command};
 /// Returns the dependencies that Cargo selects with `arguments`, each with its version and features.
 fn selected(arguments: &[&str]) -> BTreeSet<String> {
     let mut command = Command::new(env!("CARGO"));
-    command.args(["tree", "--offline", "--prefix", "none", "--format", "{p} {f}"]);
+    command.args(["tree", "--locked", "--prefix", "none", "--format", "{p} {f}"]);
     let output = command.args(arguments).current_dir(env!("CARGO_MANIFEST_DIR")).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout)

@@ -9,7 +9,7 @@ use crate::{flags::RowFlags, picture::Picture, settings_args::apply_rows};
 use anyhow::{Context as _, Error, Result, ensure};
 use half::f16;
 use tresses::{
-    Camera, Context, Hair, HairOptions, Pose, View,
+    Camera, Context, Hair, HairAsset, HairDescriptor, Pose, View,
     body::{Body, BodyMaterial},
     camera::ToneMap,
     character,
@@ -77,10 +77,10 @@ impl Rig {
         let vertices = strands.range(0).len() as u32;
         let groom = bind(&strands, &BindOptions { strand_vertices: Some(vertices), ..Default::default() })?;
         let head = head(view.groom, folders, &options, unit)?;
-        let hair = Hair::new(&context, &groom, &HairOptions::default(), None)?;
+        let hair_bounds = groom.bounds().context("the groom is empty")?;
+        let hair = Hair::new(&HairAsset::new(&context, groom, &HairDescriptor::default())?)?;
         let mut body = Body::new(&context, &head);
         body.material = BodyMaterial { gloss: 0.0, wrap: 0.0, ..Default::default() };
-        let hair_bounds = groom.bounds().context("the groom is empty")?;
         let subject = character::subject(hair_bounds, head.bounds());
         let [width, height] = view.groom.camera.resolution;
         let renderer = Renderer::tiles(samples);

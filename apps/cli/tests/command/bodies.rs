@@ -137,8 +137,7 @@ fn danced(name: &str, seconds: f32, deforms: bool, grown: f32) -> Option<(f32, u
     let character = pollster::block_on(character).unwrap();
     let mesh = character.head.clone().unwrap();
     let (settings, quality) = (&preset.settings, Quality::new([16, 16]));
-    let physics = settings.physics();
-    let scene = Scene::new(gpu, character, Colliders::default(), &physics, &quality, &());
+    let scene = Scene::new(gpu, character, Colliders::default(), settings, &quality, &());
     let mut scene = pollster::block_on(scene).unwrap();
     scene.apply(settings).unwrap();
     if let Some(rig) = scene.character.rig_mut().filter(|_| walks) {

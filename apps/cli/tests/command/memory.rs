@@ -92,8 +92,7 @@ fn work() {
     let styling = settings.styling(Some(&style), &maps).expect("a styling");
     let base = pollster::block_on(CharacterSource::built_in(&gpu.context, &style, &())).expect("a base");
     let character = pollster::block_on(base.dress(&styling, &())).expect("a character");
-    let physics = settings.physics();
-    let scene = Scene::new(gpu, character, Colliders::default(), &physics, &quality, &());
+    let scene = Scene::new(gpu, character, Colliders::default(), &settings, &quality, &());
     let mut scene = pollster::block_on(scene).expect("a scene");
     scene.apply(&settings).expect("settings are in their ranges");
     let motion = Motion::named("turn").expect("a built-in motion");

@@ -15,7 +15,7 @@ use bevy::{
 };
 use std::sync::{Arc, atomic::Ordering};
 use tresses::{
-    Character, Context, HairOptions, Result,
+    Character, CharacterAsset, Context, HairOptions, Result,
     character::{CharacterOptions, CharacterParts, Obstacle},
     collide::FieldSource,
     constants::MAX_COLLIDERS,
@@ -124,7 +124,7 @@ impl Recipe {
                 root_reach: skin.as_ref().map_or(0.0, |skin| skin.reach),
                 ..Default::default()
             };
-            let mut character = Character::new(&context, parts, &options, &()).await?;
+            let mut character = Character::new(&CharacterAsset::new(&context, parts, &options, &()).await?)?;
             character.prepare_to_bend()?;
             // Hair and brows on one skin cast the skin's shadow only once.
             character.body_id = skin.map(|skin| skin.entity.to_bits());

@@ -1,10 +1,8 @@
 //! Baked cards as characters: a level at a time takes the place of the strands.
 
-use crate::{Colliders, Quality, Scene, scene::uploaded};
+use crate::{Colliders, Quality, Scene, Settings, scene::uploaded};
 use anyhow::Result;
-use tresses::{
-    Character, Context, Progress, character::CharacterParts, groom::cards::Cards, simulate::SimulationParams,
-};
+use tresses::{Character, Context, Progress, character::CharacterParts, groom::cards::Cards};
 
 /// Share by which hair may be larger than the switch size before a level that is shown gives way.
 const SLACK: f32 = 0.1;
@@ -20,7 +18,7 @@ pub struct CardChain {
 }
 
 impl CardChain {
-    /// Uploads all levels of `cards`, baked from `parts`, at rest under `physics` with `colliders`.
+    /// Uploads all levels of `cards`, baked from `parts`, at rest under the physics of `settings` with `colliders`.
     ///
     /// # Errors
     /// As [`Scene::new`] and [`Cards::strands`].
@@ -28,7 +26,7 @@ impl CardChain {
         context: &Context,
         (parts, cards): (&CharacterParts, Cards),
         colliders: &Colliders,
-        (physics, quality): (&SimulationParams, &Quality),
+        (settings, quality): (&Settings, &Quality),
         progress: &impl Progress,
     ) -> Result<Self> {
         let mut characters = Vec::new();
@@ -37,7 +35,7 @@ impl CardChain {
                 true => None,
                 false => {
                     let parts = parts.clone().with_cards(&cards, i)?;
-                    Some(uploaded(context, parts, (colliders, physics, quality), progress).await?)
+                    Some(uploaded(context, parts, (colliders, settings, quality), progress).await?)
                 }
             });
         }

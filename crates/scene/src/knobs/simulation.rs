@@ -4,7 +4,7 @@ use super::{Access, Knob, Section, Value, flags::flag, rows, value::*};
 use tresses::{
     clock::MAX_SUBSTEPS,
     glam::Vec3,
-    simulate::{RootToTip, SimulationParams as Params},
+    simulate::{RestOptions, RootToTip, SimulationParams as Params},
     volume::{HairHair, HairHairMode},
 };
 
@@ -42,19 +42,19 @@ const KNOBS: &[Knob] = rows! { "simulation";
         within(PER_SECOND, HairHair::FRICTION).log(),
         also("strands viscosity; internal friction; hair viscosity"),
         "Rate at which hair takes on the motion of nearby hair; raise it for hair that moves as one.";
-    "support" "Support" [simulation.support] within(PLAIN, Params::SUPPORT).log(), regrow,
+    "support" "Support" [rest.support] within(PLAIN, RestOptions::SUPPORT).log(),
         "Extra stiffness of upright hair; raise it if an afro sways too much.";
-    "twist" "Twist" [simulation.twist] within(PLAIN, Params::TWIST).log(), regrow,
+    "twist" "Twist" [simulation.twist] within(PLAIN, Params::TWIST).log(),
         also("torsion; twist stiffness"),
         "Torsional stiffness over bending stiffness, 0.5 for round hair; makes curls spring. 0 turns it off.";
     "cohesion" "Cohesion" [simulation.hair_hair.cohesion]
-        within(PER_SECOND_SQUARED, HairHair::COHESION).log(), regrow,
+        within(PER_SECOND_SQUARED, HairHair::COHESION).log(),
         "Stiffness of springs between neighboring guides, for afros, buns and ponytails; 0 for none.";
     "cohesion_limit" "Cohesion limit" [simulation.hair_hair.cohesion_limit]
         within(ACCELERATION, HairHair::COHESION_LIMIT).log(), advanced,
         "Maximum acceleration by one cohesion spring; beyond it, hair slides along hair.";
     "cohesion_reach" "Cohesion distance" [simulation.hair_hair.cohesion_reach]
-        within(CENTIMETERS, HairHair::COHESION_REACH).log(), advanced, regrow,
+        within(CENTIMETERS, HairHair::COHESION_REACH).log(), advanced,
         "Maximum distance of guides that a cohesion spring connects.";
     "line_density" "Mass per length" [simulation.line_density] within(LINE_DENSITY, Params::LINE_DENSITY).log(), advanced,
         also("hair mass; vertex mass; strands density; linear density"),

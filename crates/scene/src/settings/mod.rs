@@ -34,7 +34,7 @@ use tresses::{
     glam::Vec3,
     light::Shadows,
     lod::{LodMode, LodOptions},
-    simulate::SimulationParams,
+    simulate::{RestOptions, SimulationParams},
     view::ViewOptions,
 };
 
@@ -45,6 +45,8 @@ pub struct Settings {
     pub style: StyleSettings,
     /// Physics, with wind from the front along -Z. [`wind_direction`](Self::wind_direction) rotates it.
     pub simulation: SimulationParams,
+    /// Rest state of the guides.
+    pub rest: RestOptions,
     /// Direction the wind comes from, radians: front (0), the head's left (π/2), back (π).
     pub wind_direction: f32,
     /// Collision of render strands with head and colliders.
@@ -74,6 +76,7 @@ impl Default for Settings {
         Self {
             style: StyleSettings::default(),
             simulation: SimulationParams::default(),
+            rest: RestOptions::default(),
             wind_direction: 0.0,
             avoidance: AvoidOptions::default(),
             shading: ShadingSettings::default(),

@@ -167,25 +167,11 @@ impl Avoidance {
         Ok(Self { pipelines, options, clearance, params, states, groups })
     }
 
-    /// Creates the stage for another head with the same groom, with an initial state.
-    ///
-    /// # Errors
-    /// [`crate::Error::Limit`].
-    pub(crate) fn another(
-        &self,
-        context: &Context,
-        guides: &GuideBuffers,
-        strands: &StrandBuffers,
-    ) -> Result<Self> {
-        let Self { options, clearance, .. } = *self;
-        Self::new(context, options, clearance, guides, strands)
-    }
-
     /// Rebinds to `strands`, which have another capacity. Strands that fit into both keep their state.
     ///
     /// # Errors
     /// [`crate::Error::Limit`].
-    pub(crate) fn move_into(
+    pub(crate) fn resize(
         &mut self,
         context: &Context,
         guides: &GuideBuffers,

@@ -11,7 +11,7 @@ pub(crate) use surface::points_for;
 
 use bytemuck::{NoUninit, Pod, Zeroable};
 use glam::{Mat4, Vec3};
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 use wgpu::util::DeviceExt;
 
 use crate::{
@@ -48,23 +48,29 @@ impl Default for BodyMaterial {
     }
 }
 
+/// The parts of a mesh on the GPU that never change.
+#[derive(Debug)]
+struct BodyAsset {
+    context: Context,
+    triangles: wgpu::Buffer,
+    /// Simplification error (meters) and index range of each level of detail, the full mesh first.
+    levels: Vec<(f32, Range<u32>)>,
+    surface: Surface,
+}
+
 /// A mesh on the GPU.
 #[derive(Debug)]
 pub struct Body {
-    context: Context,
+    asset: Arc<BodyAsset>,
     /// Material.
     pub material: BodyMaterial,
     /// Pose in the world.
     pub pose: Pose,
     vertices: wgpu::Buffer,
-    triangles: wgpu::Buffer,
-    /// Simplification error (meters) and index range of each level of detail, the full mesh first.
-    levels: Vec<(f32, Range<u32>)>,
     /// Two corners of the bounding box of the mesh, meters; see [`set_bounds`](Self::set_bounds).
     bounds: [Vec3; 2],
     uniform: wgpu::Buffer,
     group: wgpu::BindGroup,
-    pub(crate) surface: Surface,
     pub(crate) surface_group: wgpu::BindGroup,
     /// Material textures, if the body [is painted](Self::paint).
     painted: Option<BodyTextures>,
@@ -129,7 +135,6 @@ impl Body {
                 usage,
             })
         };
-        let uniform = bindings::uniform(device, "body", size_of::<BodyUniform>());
         let vertices = buffer(
             "body vertices",
             bytemuck::cast_slice(&vertices),
@@ -138,7 +143,6 @@ impl Body {
                 | wgpu::BufferUsages::COPY_DST
                 | wgpu::BufferUsages::COPY_SRC,
         );
-        let surface = Surface::new(device, mesh, cells);
         let (mut triangles, mut ranges) = (Vec::new(), Vec::new());
         let own = (0.0, &mesh.triangles);
         for (stray, level) in std::iter::once(own).chain(levels.iter().map(|l| (l.stray, &l.triangles))) {
@@ -146,63 +150,60 @@ impl Body {
             triangles.extend_from_slice(level.as_flattened());
             ranges.push((stray, first..triangles.len() as u32));
         }
-        let buffers = [&uniform, &vertices, &surface.buffer].map(wgpu::Buffer::as_entire_binding);
-        Self {
+        let asset = BodyAsset {
             context: context.clone(),
-            material: BodyMaterial::default(),
-            pose: Pose::IDENTITY,
-            surface_group: device.group("surface", &surface_layout(device), &buffers),
-            surface,
-            vertices,
             triangles: buffer(
                 "body triangles",
                 bytemuck::cast_slice(&triangles),
                 wgpu::BufferUsages::INDEX | wgpu::BufferUsages::COPY_SRC,
             ),
             levels: ranges,
-            bounds: mesh.bounds().map_or([Vec3::ZERO; 2], |(lo, hi)| [lo, hi]),
+            surface: Surface::new(device, mesh, cells),
+        };
+        let bounds = mesh.bounds().map_or([Vec3::ZERO; 2], |(lo, hi)| [lo, hi]);
+        Self { bounds, ..Self::of(asset.into(), vertices) }
+    }
+
+    fn of(asset: Arc<BodyAsset>, vertices: wgpu::Buffer) -> Self {
+        let device = &asset.context.device;
+        let uniform = bindings::uniform(device, "body", size_of::<BodyUniform>());
+        let buffers = [&uniform, &vertices, &asset.surface.buffer].map(wgpu::Buffer::as_entire_binding);
+        Self {
+            material: BodyMaterial::default(),
+            pose: Pose::IDENTITY,
+            surface_group: device.group("surface", &surface_layout(device), &buffers),
+            vertices,
+            bounds: [Vec3::ZERO; 2],
             group: device.group("body", &layout(device), &[uniform.as_entire_binding()]),
             uniform,
             painted: None,
+            asset,
         }
     }
 
-    /// Another body that shares this one's buffers. Deforming one deforms both.
-    pub fn another(&self) -> Self {
-        self.with_vertices(self.vertices.clone())
-    }
-
-    fn with_vertices(&self, vertices: wgpu::Buffer) -> Self {
-        let device = &self.context.device;
-        let uniform = bindings::uniform(device, "body", size_of::<BodyUniform>());
-        let buffers = [&uniform, &vertices, &self.surface.buffer].map(wgpu::Buffer::as_entire_binding);
-        Self {
-            surface_group: device.group("surface", &surface_layout(device), &buffers),
-            surface: self.surface.clone(),
-            vertices,
-            triangles: self.triangles.clone(),
-            levels: self.levels.clone(),
-            group: device.group("body", &layout(device), &[uniform.as_entire_binding()]),
-            uniform,
-            painted: self.painted.clone(),
-            context: self.context.clone(),
-            ..*self
+    /// Creates another body of the same mesh, at the same pose. If it `deforms`, it has its own copy of the vertices;
+    /// otherwise it shares them, and deforming one body deforms both.
+    pub fn instance(&self, deforms: bool) -> Self {
+        let Context { device, queue, .. } = &self.asset.context;
+        let mut vertices = self.vertices.clone();
+        if deforms {
+            vertices = device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("body vertices"),
+                size: self.vertices.size(),
+                usage: self.vertices.usage(),
+                mapped_at_creation: false,
+            });
+            let mut encoder = device.create_command_encoder(&Default::default());
+            encoder.copy_buffer_to_buffer(&self.vertices, 0, &vertices, 0, None);
+            queue.submit([encoder.finish()]);
         }
+        let (material, pose, bounds, painted) = (self.material, self.pose, self.bounds, self.painted.clone());
+        Self { material, pose, bounds, painted, ..Self::of(self.asset.clone(), vertices) }
     }
 
-    /// Another body of the same mesh with its own copy of the vertices, which can be deformed separately.
-    pub fn unshared(&self) -> Self {
-        let Context { device, queue, .. } = &self.context;
-        let vertices = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("body vertices"),
-            size: self.vertices.size(),
-            usage: self.vertices.usage(),
-            mapped_at_creation: false,
-        });
-        let mut encoder = device.create_command_encoder(&Default::default());
-        encoder.copy_buffer_to_buffer(&self.vertices, 0, &vertices, 0, None);
-        queue.submit([encoder.finish()]);
-        self.with_vertices(vertices)
+    /// Returns the points of the surface that receive light.
+    pub(crate) fn surface(&self) -> &Surface {
+        &self.asset.surface
     }
 
     /// Words of a vertex in [`vertices`](Self::vertices): position, normal, color.
@@ -219,9 +220,9 @@ impl Body {
     /// # Errors
     /// Fails if the GPU is lost.
     pub async fn read(&self) -> Result<TriMesh> {
-        let words: Vec<u32> = readback::buffer(&self.context, &self.vertices).await?;
-        let indices: Vec<u32> = readback::buffer(&self.context, &self.triangles).await?;
-        let full = &self.levels[0].1;
+        let words: Vec<u32> = readback::buffer(&self.asset.context, &self.vertices).await?;
+        let indices: Vec<u32> = readback::buffer(&self.asset.context, &self.asset.triangles).await?;
+        let full = &self.asset.levels[0].1;
         let (vertices, _) = words.as_chunks::<{ Self::WORDS as usize }>();
         let vector = |words: &[u32]| Vec3::from_array([0, 1, 2].map(|k| f32::from_bits(words[k])));
         Ok(TriMesh {
@@ -239,8 +240,8 @@ impl Body {
 
     /// Uploads pose and material for the frame being recorded.
     pub(crate) fn prepare(&self) {
-        let uniform = self.material.uniform(&self.pose, self.surface.outward);
-        self.context.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        let uniform = self.material.uniform(&self.pose, self.asset.surface.outward);
+        self.asset.context.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
     }
 
     /// Replaces positions, normals and colors of the vertices from `mesh`, for frames submitted from now on. The
@@ -250,7 +251,7 @@ impl Body {
         let vertices = vertices(mesh);
         let bytes: &[u8] = bytemuck::cast_slice(&vertices);
         let room = self.vertices.size().min(bytes.len() as u64) as usize;
-        self.context.queue.write_buffer(&self.vertices, 0, &bytes[..room]);
+        self.asset.context.queue.write_buffer(&self.vertices, 0, &bytes[..room]);
     }
 
     /// Smallest clip coordinate `w` of the body's points for `camera`: for a perspective camera, the distance of the
@@ -289,15 +290,15 @@ impl Body {
     pub(crate) fn record(&self, pass: &mut crate::gpu::RenderPass<'_>, stray: f32) {
         pass.set_bind_group(1, &self.group, &[]);
         pass.set_vertex_buffer(0, self.vertices.slice(..));
-        pass.set_index_buffer(self.triangles.slice(..), wgpu::IndexFormat::Uint32);
+        pass.set_index_buffer(self.asset.triangles.slice(..), wgpu::IndexFormat::Uint32);
         pass.draw_indexed(self.level(stray), 0, 0..1);
     }
 
     /// Index range of the coarsest level with an error of at most `stray`; the full mesh if there is none, as for
     /// negative `stray` or NaN.
     fn level(&self, stray: f32) -> Range<u32> {
-        let level = self.levels.iter().rev().find(|(strays, _)| *strays <= stray);
-        level.unwrap_or(&self.levels[0]).1.clone()
+        let level = self.asset.levels.iter().rev().find(|(strays, _)| *strays <= stray);
+        level.unwrap_or(&self.asset.levels[0]).1.clone()
     }
 
     /// Bytes of GPU memory.
@@ -305,10 +306,10 @@ impl Body {
         self.uniform.size() + self.shared_bytes()
     }
 
-    /// Bytes of GPU memory that [other bodies](Self::another) of the same mesh share.
+    /// Bytes of GPU memory that [instances](Self::instance) share.
     pub fn shared_bytes(&self) -> u64 {
         let painted = self.painted.as_ref().map_or(0, BodyTextures::bytes);
-        self.vertices.size() + self.triangles.size() + self.surface.buffer.size() + painted
+        self.vertices.size() + self.asset.triangles.size() + self.asset.surface.buffer.size() + painted
     }
 }
 

@@ -68,22 +68,22 @@ impl Body {
             coat: u32::from(*of) | cutout(*of) << 8,
         };
         let vertices: Vec<_> = paint.places.iter().zip(&paint.of).map(vertex).collect();
-        let vertices = self.context.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        let vertices = self.asset.context.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("painted vertices"),
             contents: bytemuck::cast_slice(&vertices),
             usage: wgpu::BufferUsages::VERTEX,
         });
         let bases: Vec<_> = paint.coats.iter().map(|coat| &coat.base).collect();
         let reliefs: Vec<_> = paint.coats.iter().map(|coat| &coat.relief).collect();
-        let bases = layers(&self.context, &bases, wgpu::TextureFormat::Rgba8UnormSrgb)?;
-        let reliefs = layers(&self.context, &reliefs, wgpu::TextureFormat::Rgba8Unorm)?;
+        let bases = layers(&self.asset.context, &bases, wgpu::TextureFormat::Rgba8UnormSrgb)?;
+        let reliefs = layers(&self.asset.context, &reliefs, wgpu::TextureFormat::Rgba8Unorm)?;
         let views = [&bases, &reliefs].map(|texture| {
             texture.create_view(&wgpu::TextureViewDescriptor {
                 dimension: Some(wgpu::TextureViewDimension::D2Array),
                 ..Default::default()
             })
         });
-        let sampler = self.context.device.create_sampler(&wgpu::SamplerDescriptor {
+        let sampler = self.asset.context.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("pictures"),
             address_mode_u: wgpu::AddressMode::Repeat,
             address_mode_v: wgpu::AddressMode::Repeat,
@@ -100,7 +100,7 @@ impl Body {
         let bytes = vertices.size() + bytes(&bases) + bytes(&reliefs);
         self.painted = Some(BodyTextures {
             vertices,
-            group: self.context.device.group("paint", &layout(&self.context.device), &resources),
+            group: self.asset.context.device.group("paint", &layout(&self.asset.context.device), &resources),
             bytes,
         });
         Ok(())

@@ -1,63 +1,28 @@
-//! Creating characters: from files, built in, from parts, as an instance of another.
+//! Creating characters: from files, built in, from an asset, as an instance of another.
 
 use super::{
-    Character, CharacterFiles, CharacterParts, CharacterSource, FaceGroom, Fringe, Gesture, RiggedBody,
-    Styling, aside::BackgroundTask, facial, obstacles::Obstacles, subject,
+    Character, CharacterAsset, CharacterFiles, CharacterOptions, CharacterSource, Fringe, Gesture,
+    RiggedBody, Styling,
+    asset::{FACE_REACH, GroomAsset},
 };
 use crate::{
-    Context, Error, Pose, Progress, Result,
-    body::{Body, Skin},
-    collide::{Collider, ColliderDescriptor, FieldBuilder, FieldSource},
+    Context, Pose, Result,
+    body::Skin,
+    collide::Collider,
     groom::{
         TriMesh,
         import::{self, FileBytes, ImportOptions},
-        rig::anatomy::{Field, PartForm},
         styles::Style,
     },
-    hair::{Hair, HairOptions},
-    light::Sphere,
+    hair::Hair,
+    light::HairMaterial,
     roots::RootReport,
     space::Space,
-    volume::VolumeOptions,
 };
 use std::{
     path::{Path, PathBuf},
     sync::Arc,
 };
-
-/// Maximum distance of a face groom's roots from the skin, meters.
-const FACE_REACH: f32 = 0.01;
-/// Radius of the sphere covered by shadow maps, relative to the hair at rest. Keeps moving hair inside.
-const SWING: f32 = 1.15;
-
-/// Options for uploading a character.
-#[derive(Clone, Copy, Debug)]
-pub struct CharacterOptions<'a> {
-    /// Options of the hair. Face grooms use its physics and level of detail.
-    pub hair: HairOptions,
-    /// Colliders besides the body; [`Character::place_obstacles`] moves them.
-    pub obstacles: &'a [Collider],
-    /// Distance fields that colliders refer to by [`FieldId`](crate::collide::FieldId).
-    pub fields: &'a [FieldSource<'a>],
-    /// Maximum resolution of the grid of ambient light that the body is drawn with, cells per edge
-    /// ([`ViewOptions::ambient_cells`](crate::view::ViewOptions::ambient_cells)).
-    pub ambient_cells: u32,
-    /// Maximum distance of a root of the hair from a skinned mesh, meters. Grooms made for another head may be
-    /// centimeters off.
-    pub root_reach: f32,
-}
-
-impl Default for CharacterOptions<'_> {
-    fn default() -> Self {
-        Self {
-            hair: HairOptions::default(),
-            obstacles: &[],
-            fields: &[],
-            ambient_cells: u32::MAX,
-            root_reach: 0.2,
-        }
-    }
-}
 
 impl Character {
     /// Reads and uploads the groom and the body in `files` with default options. `files` is, for example, a `.glb` with
@@ -98,7 +63,7 @@ impl Character {
     /// Creates the built-in character with hair of the named style ([`Style::NAMES`]), brows and lashes.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an unknown style, and the errors of [`new`](Self::new).
+    /// [`crate::Error::Parameter`] for an unknown style, and the errors of [`new`](Self::new).
     pub async fn built_in(context: &Context, style: &str) -> Result<Self> {
         let source = CharacterSource::built_in(context, &style.parse::<Style>()?, &()).await?;
         Self::of_source(context, &source).await
@@ -106,191 +71,89 @@ impl Character {
 
     async fn of_source(context: &Context, source: &CharacterSource) -> Result<Self> {
         let parts = source.dress(&Styling::default(), &()).await?;
-        Self::new(context, parts, &CharacterOptions::default(), &()).await
+        Self::new(&CharacterAsset::new(context, parts, &CharacterOptions::default(), &()).await?)
     }
 
-    /// Uploads a character, at rest at the origin of its space.
+    /// Creates a character at rest at the origin of its space.
     ///
     /// # Errors
-    /// [`Error::Limit`] when the adapter cannot hold it; [`Error::Groom`], [`Error::Parameter`] and
-    /// [`Error::Colliders`] when parts or options are invalid.
-    pub async fn new(
-        context: &Context,
-        mut parts: CharacterParts,
-        options: &CharacterOptions<'_>,
-        progress: &impl Progress,
-    ) -> Result<Self> {
-        let hair_bounds = parts.groom.bounds().ok_or_else(|| Error::unusable("the groom is empty"))?;
-        let head = parts.head.take().map(Arc::new);
-        let head_bounds = head.as_ref().and_then(|head| head.bounds());
-        // Collapsing edges takes as long as everything else for a small character, so it runs on its own thread.
-        let known = parts.levels_of_head.take();
-        let levels =
-            head.clone().map(|head| BackgroundTask::start(move || known.unwrap_or_else(|| head.levels())));
-        if let Some(anatomy) = &mut parts.anatomy
-            && context.tier().software
-            && !cfg!(target_arch = "wasm32")
-        {
-            // A software driver is many times slower at building fields than CPU threads.
-            anatomy.measure();
-        }
-        let anatomy = parts.anatomy.take().map(Arc::new);
-        let obstacles = Obstacles::new(options.obstacles, anatomy.as_deref(), options.fields.len());
-        let builder = FieldBuilder::new(context);
-        let solids = anatomy.iter().flat_map(|anatomy| anatomy.solids());
-        let part_fields = solids.filter(|part| part.form == PartForm::Field).map(|part| match &part.field {
-            Field::Mesh(mesh, options) => FieldSource::Mesh { builder: &builder, mesh, options },
-            Field::Grid(grid) => FieldSource::Grid(grid),
-        });
-        let fields: Vec<_> = options.fields.iter().copied().chain(part_fields).collect();
-        let what = ColliderDescriptor {
-            head: parts.field.as_ref(),
-            rest: parts.rest.as_ref(),
-            fields: &fields,
-            colliders: &obstacles.list,
+    /// [`crate::Error::Limit`] when the adapter cannot hold it.
+    pub fn new(asset: &Arc<CharacterAsset>) -> Result<Self> {
+        // A skinned mesh needs its own vertices.
+        let body = asset.body.as_ref().map(|body| body.instance(asset.rig.is_some()));
+        let skin = body.as_ref().filter(|_| asset.rig.is_some()).map(Skin::from);
+        let create = |GroomAsset { hair, roots, .. }: &GroomAsset, colliders: &[Collider]| {
+            Hair::on(hair, colliders, roots.as_ref().zip(skin.as_ref()))
         };
-        let groom = &parts.groom;
-        let mut hair = Hair::with_progress(context, groom, &options.hair, &what, progress).await?;
-        if let Some(sheet) = &parts.cards {
-            hair.set_cards(&groom.strands, sheet)?;
-        }
-        if !parts.levels.is_empty() {
-            hair.paint_levels(groom, &parts.levels, parts.skull())?;
-        }
-        let subject = subject(hair_bounds, head_bounds);
-        let mut focus = Sphere::around(subject.0, subject.1);
-        focus.radius *= SWING;
-        let levels = levels.map(BackgroundTask::get).unwrap_or_default();
-        let cells = options.ambient_cells;
-        let mut body = head.as_ref().map(|head| Body::with_levels(context, head, &levels, cells));
-        let (mut face, mut rigged, mut roots) = (Vec::new(), None, None);
-        if let (Some(body), Some(head)) = (&mut body, head) {
-            if let Some(paint) = &head.paint {
-                body.paint(paint)?;
-            }
-            for groom in &parts.face {
-                face.push(Fringe::new(context, groom, &options.hair, &what, (body, &head), progress).await?);
-            }
-            if let Some(anatomy) = anatomy {
-                if !anatomy.is_rigid {
-                    roots = Some(hair.attach(groom, &head, &Skin::from(&*body), options.root_reach)?);
-                }
-                rigged = Some(RiggedBody::new(context, anatomy, body, head)?);
-            }
-        }
-        hair.tie(groom, &parts.ties)?;
-        Ok(Self {
-            hair,
-            face,
+        let face = asset.face.iter().map(|face| {
+            let colliders = if face.hangs { &asset.obstacles.list[..] } else { &[] };
+            Ok(Fringe { hair: create(face, colliders)?, hangs: face.hangs })
+        });
+        let rig = asset.rig.as_ref().zip(body.as_ref());
+        let mut character = Self {
+            hair: create(&asset.hair, &asset.obstacles.list)?,
+            face: face.collect::<Result<_>>()?,
+            rigged: rig.map(|(rig, body)| RiggedBody::new(rig, body)).transpose()?,
             body,
             props: Vec::new(),
-            physics: options.hair.simulation,
+            physics: asset.physics,
             gesture: Gesture::default(),
             space: Space::WORLD,
             drawn_in: None,
             body_id: None,
-            rigged,
-            roots,
-            obstacles,
-            field: parts.field.map(Arc::new),
-            look: parts.look,
-            neck: parts.neck,
-            subject,
-            focus,
+            roots: asset.hair.roots.as_ref().map(|roots| roots.report),
+            obstacles: asset.obstacles.clone(),
             time: 0.0,
             pose: Pose::IDENTITY,
             head: Pose::IDENTITY,
             parts: Vec::new(),
             bias: 0.0,
-        })
-    }
-
-    /// Creates another character with the same grooms and body, at rest, that shares with this one everything that does
-    /// not move. Its pose, animation, material, level of detail and obstacles are its own and start as copies of this
-    /// one's. Obstacles that come and go ([`set_obstacles`](Self::set_obstacles)) and props are not copied.
-    ///
-    /// # Errors
-    /// [`Error::Limit`] when the adapter cannot hold it.
-    pub fn instance(&self) -> Result<Self> {
-        let mut obstacles = self.obstacles.clone();
-        obstacles.set_free(&[]);
-        let list = &obstacles.list;
-        // A skinned mesh needs its own vertices.
-        let body = self.body.as_ref().map(|body| match &self.rigged {
-            Some(_) => body.unshared(),
-            None => body.another(),
-        });
-        let skin = body.as_ref().filter(|_| self.rigged.is_some()).map(Skin::from);
-        let another = |hair: &Hair, list: &[Collider]| -> Result<Hair> {
-            let mut other = hair.another_on(list, skin.as_ref())?;
-            other.set.material = hair.set.material;
-            other.lod.options = hair.lod.options;
-            other.avoidance.options = hair.avoidance.options;
-            Ok(other)
+            asset: asset.clone(),
         };
-        let face = self.face.iter().map(|face| {
-            let list = if face.hangs { &list[..] } else { &[] };
-            Ok(Fringe { hair: another(&face.hair, list)?, hangs: face.hangs })
-        });
-        Ok(Self {
-            hair: another(&self.hair, list)?,
-            face: face.collect::<Result<_>>()?,
-            props: Vec::new(),
-            physics: self.physics,
-            gesture: self.gesture.clone(),
-            space: self.space,
-            drawn_in: self.drawn_in,
-            body_id: None,
-            rigged: self.rigged.as_ref().zip(body.as_ref()).map(|(rigged, body)| rigged.instance(body)),
-            roots: self.roots,
-            obstacles,
-            field: self.field.clone(),
-            look: self.look,
-            neck: self.neck,
-            subject: self.subject,
-            focus: self.focus,
-            time: self.time,
-            pose: self.pose,
-            head: self.head,
-            parts: Vec::new(),
-            bias: 0.0,
-            body,
-        })
+        character.set_material(HairMaterial::default());
+        Ok(character)
     }
 
-    /// Makes the roots follow a mesh that the host deforms. `skin` holds the vertices of `parts.head` in each frame, in
-    /// a space whose pose is set by [`set_pose`](Self::set_pose). `parts` are those that the character was created
-    /// from. No root may be farther than `reach` meters from the mesh.
+    /// Creates another character of the same asset, at rest. Its pose, animation, material, level of detail, ties and
+    /// the poses of its obstacles start as copies of this one's. Obstacles that come and go
+    /// ([`set_obstacles`](Self::set_obstacles)) and props are not copied.
     ///
     /// # Errors
-    /// [`crate::groom::Error::Unusable`] for other parts, parts without a mesh, or a root that is too far away;
-    /// [`Error::Limit`].
-    pub fn skinned_by(&mut self, parts: &CharacterParts, skin: &Skin<'_>, reach: f32) -> Result<RootReport> {
-        let mesh = parts
-            .head
-            .as_ref()
-            .ok_or_else(|| Error::unusable("roots need a mesh to follow, but parts.head is None"))?;
-        let report = self.hair.attach(&parts.groom, mesh, skin, reach)?;
-        for (face, groom) in self.face.iter_mut().zip(&parts.face) {
-            face.hair.attach(&groom.groom, mesh, skin, reach.max(FACE_REACH))?;
+    /// [`crate::Error::Limit`] when the adapter cannot hold it.
+    pub fn instance(&self) -> Result<Self> {
+        let mut other = Self::new(&self.asset)?;
+        other.continue_from(self);
+        (other.body_id, other.pose, other.head) = (None, self.pose, self.head);
+        if let (Some(body), Some(own)) = (&mut other.body, &self.body) {
+            body.material = own.material;
+        }
+        other.hair.tie_as(&self.hair)?;
+        Ok(other)
+    }
+
+    /// Makes the roots follow a mesh that the host deforms. `mesh` is the mesh at rest (groom space). `skin` holds its
+    /// vertices in each frame, in a space whose pose is set by [`set_pose`](Self::set_pose). No root may be farther than
+    /// `reach` meters from the mesh.
+    ///
+    /// # Errors
+    /// [`crate::groom::Error::Unusable`] for a root that is too far away and for a skin that does not fit the mesh;
+    /// [`crate::Error::Limit`].
+    pub fn skinned_by(&mut self, mesh: &TriMesh, skin: &Skin<'_>, reach: f32) -> Result<RootReport> {
+        let report = self.hair.attach(mesh, skin, reach)?;
+        for face in &mut self.face {
+            face.hair.attach(mesh, skin, reach.max(FACE_REACH))?;
         }
         self.roots = Some(report);
         Ok(report)
     }
 
-    /// Replaces the grooms and the body by those of `parts`. Keeps pose, animation, time and material. The hair begins
-    /// at rest.
+    /// Replaces the grooms and the body by those of `asset`. Keeps pose, animation, time, material and props. The hair
+    /// begins at rest.
     ///
     /// # Errors
     /// As [`new`](Self::new). The character is unchanged after an error.
-    pub async fn replace(
-        &mut self,
-        context: &Context,
-        parts: CharacterParts,
-        options: &CharacterOptions<'_>,
-        progress: &impl Progress,
-    ) -> Result<()> {
-        let mut other = Self::new(context, parts, options, progress).await?;
+    pub fn replace(&mut self, asset: &Arc<CharacterAsset>) -> Result<()> {
+        let mut other = Self::new(asset)?;
         other.continue_from(self);
         other.props = std::mem::take(&mut self.props);
         *self = other;
@@ -313,31 +176,5 @@ impl Character {
         self.set_material(other.hair.set.material);
         self.set_lod(other.hair.lod.options);
         self.set_avoidance(other.hair.avoidance.options);
-    }
-}
-
-impl Fringe {
-    /// Creates a face groom on the skin of `body`, whose mesh at rest is `mesh`. A groom that hangs collides as
-    /// described by `what`.
-    async fn new(
-        context: &Context,
-        face: &FaceGroom,
-        like: &HairOptions,
-        what: &ColliderDescriptor<'_>,
-        (body, mesh): (&Body, &TriMesh),
-        progress: &impl Progress,
-    ) -> Result<Self> {
-        // A groom that lies on the skin reads its grid only with wind, which it does not have.
-        let volume = match face.hangs {
-            true => VolumeOptions::default(),
-            false => VolumeOptions { resolution: 8, ..Default::default() },
-        };
-        let simulation = facial::physics(&like.simulation, face.hangs);
-        let options = HairOptions { simulation, volume, ..Default::default() };
-        let nothing = ColliderDescriptor::default();
-        let what = if face.hangs { what } else { &nothing };
-        let mut hair = Hair::with_progress(context, &face.groom, &options, what, progress).await?;
-        hair.attach(&face.groom, mesh, &Skin::from(body), FACE_REACH)?;
-        Ok(Self { hair, hangs: face.hangs })
     }
 }

@@ -1,8 +1,8 @@
 //! Characters: the grooms on one body, and the per-frame work that every host of hair would otherwise repeat.
 //!
 //! ```text
-//! files, style ─► CharacterSource ─ dress ─► CharacterParts ─► Character ─ instance ─► Character
-//!                                                                  │
+//! files, style ─► CharacterSource ─ dress ─► CharacterParts ─► CharacterAsset ─► Character, Character, …
+//!                                                                                   │
 //! each frame:  set_pose, animate …  ─► Frame::advance: pose the skin, deform fields, move roots, choose detail, step
 //!                                   ─► Frame::draw, composite: shadow focus and zones, then the stages of an image
 //! ```
@@ -14,18 +14,19 @@
 //!   ([`RiggedBody::set_pose`]);
 //! - deformed by the host: [`Character::skinned_by`] reads the host's vertex buffer.
 //!
-//! [`Character::instance`] shares everything that does not move: a crowd is a `Vec<Character>`, and a [`CrowdBudget`]
-//! keeps it within a time and a memory limit. The layer below is public as well: [`Hair`], [`View`](crate::View) and
+//! Characters of one [`CharacterAsset`] share everything that does not move: a crowd is a `Vec<Character>`, and a
+//! [`CrowdBudget`] keeps it within a time and a memory limit. The layer below is public as well: [`Hair`], [`View`](crate::View) and
 //! [`Recorder`](crate::frame::Recorder).
 //!
 //! **Why not an entity per groom?** Brows follow the hair's clock, color and detail. A beard collides with the same
 //! body. Shadow focus and zones belong to the head. With one object per groom, every host reimplemented these rules,
 //! each a little differently.
 //!
-//! **A lost device** takes all buffers with it. The host keeps the [`CharacterParts`], creates a new [`Context`](crate::Context), calls
-//! [`Character::new`], then [`Character::continue_from`].
+//! **A lost device** takes all buffers with it. The host keeps the [`CharacterParts`], creates a new
+//! [`Context`](crate::Context), a [`CharacterAsset`] and a [`Character`], and calls [`Character::continue_from`].
 
 mod aside;
+mod asset;
 mod create;
 pub mod facial;
 mod frame;
@@ -38,7 +39,7 @@ mod rigged;
 mod skinned;
 pub mod source;
 
-pub use create::CharacterOptions;
+pub use asset::{CharacterAsset, CharacterOptions};
 pub use facial::{FaceGroom, FaceHair};
 pub use frame::{CrowdBudget, Drawing, Frame};
 pub use gesture::Gesture;
@@ -60,7 +61,7 @@ use crate::{
     light::{HairMaterial, Sphere},
     lod::LodOptions,
     roots::RootReport,
-    simulate::SimulationParams,
+    simulate::{RestOptions, SimulationParams},
     space::Space,
 };
 use glam::Vec3;
@@ -77,6 +78,7 @@ struct Fringe {
 /// The grooms on one body, on the GPU, with their state of motion.
 #[derive(Debug)]
 pub struct Character {
+    asset: Arc<CharacterAsset>,
     hair: Hair,
     face: Vec<Fringe>,
     body: Option<Body>,
@@ -95,11 +97,6 @@ pub struct Character {
     rigged: Option<RiggedBody>,
     roots: Option<RootReport>,
     obstacles: Obstacles,
-    field: Option<Arc<SdfGrid>>,
-    look: Option<Look>,
-    neck: Vec3,
-    subject: Bounds,
-    focus: Sphere,
     /// Time of animations: seconds since the hair was at rest.
     time: f64,
     /// Poses of body, head and the other parts in the frame that is recorded.
@@ -111,6 +108,11 @@ pub struct Character {
 }
 
 impl Character {
+    /// Returns what this character shares with its other instances.
+    pub fn asset(&self) -> &Arc<CharacterAsset> {
+        &self.asset
+    }
+
     /// Sets the pose of the body: from groom space to the world. A rigid body and its hair move there with the head
     /// straight.
     pub fn set_pose(&mut self, body: Pose) {
@@ -209,7 +211,7 @@ impl Character {
 
     /// Returns the distance fields of the head and of other body parts that exist on the CPU, with their poses.
     pub fn solids(&self) -> Vec<(&SdfGrid, Pose)> {
-        let head = self.field.as_deref().map(|field| (field, self.head));
+        let head = self.field().map(|field| (field, self.head));
         let solids = self.rigged.iter().flat_map(|rigged| rigged.anatomy().solids());
         let parts = solids.zip(&self.parts).filter_map(|(part, pose)| match (&part.form, &part.field) {
             (PartForm::Field, Field::Grid(grid)) => Some((grid, *pose)),
@@ -220,7 +222,7 @@ impl Character {
 
     /// Returns the distance field of the head, groom space.
     pub fn field(&self) -> Option<&SdfGrid> {
-        self.field.as_deref()
+        self.asset.field.as_ref()
     }
 
     /// Returns the hair.
@@ -287,6 +289,15 @@ impl Character {
         self.face.iter_mut().for_each(|face| face.hair.set.material = darker);
     }
 
+    /// Computes the rest shape of the hair again, as [`HairAsset::set_rest`](crate::hair::HairAsset::set_rest), for all
+    /// instances.
+    ///
+    /// # Errors
+    /// As [`HairAsset::set_rest`](crate::hair::HairAsset::set_rest).
+    pub fn set_rest(&mut self, physics: &SimulationParams, options: &RestOptions) -> Result<()> {
+        self.hair.set_rest(physics, options)
+    }
+
     /// Sets the level-of-detail options of all grooms.
     pub fn set_lod(&mut self, options: LodOptions) {
         self.grooms_mut().for_each(|hair| hair.lod.options = options);
@@ -299,7 +310,7 @@ impl Character {
 
     /// Returns the fiber that the groom's file describes.
     pub fn look(&self) -> Option<&Look> {
-        self.look.as_ref()
+        self.asset.look.as_ref()
     }
 
     /// Returns the distances of the roots from the skinned mesh, if there is one.
@@ -309,12 +320,12 @@ impl Character {
 
     /// Returns the box that a portrait shows, for the character at rest, meters.
     pub fn subject(&self) -> Bounds {
-        self.subject
+        self.asset.subject
     }
 
     /// Returns the joint that the head turns about, groom space, meters.
     pub fn neck(&self) -> Vec3 {
-        self.neck
+        self.asset.neck
     }
 
     /// Returns the pose of the head in the last frame, relative to its rest pose.
@@ -331,7 +342,8 @@ impl Character {
     pub fn focus(&self) -> Sphere {
         // A rigid head turns within its sphere.
         let pose = if self.rigged.is_some() { &self.head } else { &self.gesture.body };
-        Sphere { center: pose.point(self.focus.center), ..self.focus }
+        let focus = self.asset.focus;
+        Sphere { center: pose.point(focus.center), ..focus }
     }
 
     /// Returns the GPU memory of all grooms, bytes.

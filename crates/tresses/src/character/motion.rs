@@ -12,7 +12,7 @@ impl Character {
     pub fn prepare_to_bend(&mut self) -> Result<()> {
         let (Some(rigged), Some(body)) = (&mut self.rigged, &self.body) else { return Ok(()) };
         let hair = colliding(&mut self.hair, &mut self.face);
-        rigged.deform(body, self.field.is_some(), &self.obstacles.part_fields(), hair)
+        rigged.deform(body, self.asset.field.is_some(), &self.obstacles.part_fields(), hair)
     }
 
     /// Computes the poses at the end of a frame of `dt` seconds: the first part of a frame.
@@ -29,7 +29,7 @@ impl Character {
             self.parts.extend(pose.parts.iter().map(|part| self.pose.after(part)));
             if rigged.bends(&pose) {
                 let hair = colliding(&mut self.hair, &mut self.face);
-                rigged.deform(body, self.field.is_some(), &self.obstacles.part_fields(), hair)?;
+                rigged.deform(body, self.asset.field.is_some(), &self.obstacles.part_fields(), hair)?;
             }
             for hair in colliding(&mut self.hair, &mut self.face) {
                 if let Some(deformation) = &mut hair.colliders.deformation {

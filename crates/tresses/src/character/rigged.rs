@@ -13,23 +13,41 @@ use crate::{
         rig::anatomy::{Anatomy, Flesh},
     },
     hair::Hair,
-    skinning::Skinning,
+    skinning::{SkinAsset, Skinning},
 };
 use glam::{Mat4, Quat, Vec3};
 use std::sync::{Arc, OnceLock};
 
+/// The rig of a body on the GPU, shared by instances.
+#[derive(Debug)]
+pub(super) struct RigAsset {
+    anatomy: Arc<Anatomy>,
+    skin: Arc<SkinAsset>,
+    rest: RigPose,
+    /// The mesh at rest.
+    mesh: Arc<TriMesh>,
+    /// How fields deform with the skin; computed when the first instance bends.
+    deforming: OnceLock<DeformingSkin>,
+}
+
+impl RigAsset {
+    /// Uploads the rig of `anatomy`, whose mesh at rest is `mesh`, on the GPU `body`.
+    ///
+    /// # Errors
+    /// As [`SkinAsset::new`].
+    pub fn new(context: &Context, anatomy: Arc<Anatomy>, mesh: Arc<TriMesh>, body: &Body) -> Result<Self> {
+        let skin = SkinAsset::new(context, &anatomy.rig, body)?.into();
+        Ok(Self { rest: anatomy.rig.rest_pose(), anatomy, skin, mesh, deforming: OnceLock::new() })
+    }
+}
+
 /// A skinned body: its rig, its animation and its blend shape weights.
 #[derive(Debug)]
 pub struct RiggedBody {
-    anatomy: Arc<Anatomy>,
+    asset: Arc<RigAsset>,
     skinning: Skinning,
-    /// The mesh at rest; dropped once the deforming skin is computed.
-    mesh: Option<Arc<TriMesh>>,
     /// Whether this instance has bent. Its fields deform from then on.
     has_bent: bool,
-    rest: Arc<RigPose>,
-    /// How fields deform with the skin; computed when the first instance bends.
-    skin: Arc<OnceLock<DeformingSkin>>,
     animation: Option<usize>,
     /// Weights by blend shape that override animations and gestures.
     shapes: Vec<(usize, f32)>,
@@ -66,62 +84,35 @@ pub struct BodyPose {
 }
 
 impl RiggedBody {
-    /// Deforms `body`, which was created from the anatomy's mesh.
+    /// Deforms `body`, which has vertices of its own.
     ///
     /// # Errors
-    /// As [`Skinning::new`].
-    pub(super) fn new(
-        context: &Context,
-        anatomy: Arc<Anatomy>,
-        body: &Body,
-        mesh: Arc<TriMesh>,
-    ) -> Result<Self> {
-        let skinning = Skinning::new(context, &anatomy.rig, body)?;
-        let rest = Arc::new(anatomy.rig.rest_pose());
-        let (skin, shapes) = (Arc::default(), Vec::new());
+    /// As [`Skinning::of`].
+    pub(super) fn new(asset: &Arc<RigAsset>, body: &Body) -> Result<Self> {
         Ok(Self {
-            skinning,
-            mesh: Some(mesh),
+            skinning: Skinning::of(&asset.skin, body)?,
             has_bent: false,
-            rest,
-            skin,
             animation: None,
-            shapes,
+            shapes: Vec::new(),
             host: None,
             is_still: false,
-            anatomy,
+            asset: asset.clone(),
         })
-    }
-
-    /// Creates the same rig for another `body` of the same mesh, with the same animation and shapes.
-    pub(super) fn instance(&self, body: &Body) -> Self {
-        Self {
-            anatomy: self.anatomy.clone(),
-            skinning: self.skinning.instance(body),
-            mesh: self.mesh.clone(),
-            has_bent: false,
-            rest: self.rest.clone(),
-            skin: self.skin.clone(),
-            is_still: false,
-            animation: self.animation,
-            shapes: self.shapes.clone(),
-            host: self.host.clone(),
-        }
     }
 
     /// Returns the rig and the parts of the body.
     pub fn anatomy(&self) -> &Anatomy {
-        &self.anatomy
+        &self.asset.anatomy
     }
 
     /// Returns the names of the animations.
     pub fn animations(&self) -> impl Iterator<Item = &str> {
-        self.anatomy.rig.animations.iter().map(|animation| animation.name.as_str())
+        self.asset.anatomy.rig.animations.iter().map(|animation| animation.name.as_str())
     }
 
     /// Returns the names of the blend shapes.
     pub fn shapes(&self) -> impl Iterator<Item = &str> {
-        self.anatomy.rig.targets.iter().map(|target| target.name.as_str())
+        self.asset.anatomy.rig.targets.iter().map(|target| target.name.as_str())
     }
 
     /// Plays the animation of this name from the next frame on; `None` stops it.
@@ -129,7 +120,7 @@ impl RiggedBody {
     /// # Errors
     /// [`crate::groom::Error::Unusable`] with a list of the available names.
     pub fn set_animation(&mut self, name: Option<&str>) -> Result<()> {
-        let rig = &self.anatomy.rig;
+        let rig = &self.asset.anatomy.rig;
         let Some(name) = name else {
             self.animation = None;
             return Ok(());
@@ -165,12 +156,12 @@ impl RiggedBody {
             let there = listed(self.shapes());
             Error::unusable(format!("the body has no blend shape {name:?}; it has {there}"))
         };
-        self.anatomy.rig.target(name).ok_or_else(missing)
+        self.asset.anatomy.rig.target(name).ok_or_else(missing)
     }
 
     /// Returns the name of the current animation; `None` without one.
     pub fn animation(&self) -> Option<&str> {
-        self.animation.map(|i| self.anatomy.rig.animations[i].name.as_str())
+        self.animation.map(|i| self.asset.anatomy.rig.animations[i].name.as_str())
     }
 
     /// Returns the weight that [`set_shape`](Self::set_shape) set for a blend shape, by its index.
@@ -185,7 +176,7 @@ impl RiggedBody {
 
     /// Returns the length of the current animation, s; `None` without one.
     pub fn duration(&self) -> Option<f32> {
-        self.animation.map(|i| self.anatomy.rig.animations[i].length)
+        self.animation.map(|i| self.asset.anatomy.rig.animations[i].length)
     }
 
     /// Sets the pose from an engine's own joints, in place of animation and gesture; `None` returns to these.
@@ -202,11 +193,11 @@ impl RiggedBody {
     /// body has bent by its joints before.
     pub fn set_vertices(&mut self, positions: &[Vec3], joints: Option<&BodyPose>) -> Result<()> {
         if !matches!(self.host, Some(HostPose::Vertices(_))) {
-            let mesh = self.mesh.as_ref().filter(|_| !self.has_bent);
-            let mesh = mesh.ok_or_else(|| {
-                Error::unusable("the body has been moved by its joints: set vertices from the first frame on")
-            })?;
-            self.host = Some(HostPose::Vertices(HostSkin::new(mesh, &self.anatomy)));
+            if self.has_bent {
+                let problem = "the body has been moved by its joints: set vertices from the first frame on";
+                return Err(Error::unusable(problem));
+            }
+            self.host = Some(HostPose::Vertices(HostSkin::new(&self.asset.mesh, &self.asset.anatomy)));
         }
         match &mut self.host {
             Some(HostPose::Vertices(skin)) => {
@@ -223,24 +214,28 @@ impl RiggedBody {
     /// # Errors
     /// [`crate::groom::Error::Unusable`] for another number of nodes.
     pub fn pose_of(&self, globals: &[Mat4]) -> Result<BodyPose> {
-        let rig = &self.anatomy.rig;
+        let rig = &self.asset.anatomy.rig;
         if globals.len() != rig.nodes.len() {
             let problem =
                 format!("there are {} transforms, but the rig has {} nodes", globals.len(), rig.nodes.len());
             return Err(Error::unusable(problem));
         }
-        Ok(self.posed(rig.pose_of(globals.to_vec(), self.rest.weights.clone())))
+        Ok(self.posed(rig.pose_of(globals.to_vec(), self.asset.rest.weights.clone())))
     }
 
-    /// Takes over the animation and shapes of `other`, as far as this body has them.
+    /// Takes over the animation and shapes of `other`, as far as this body has them, and its pose if it is of the same
+    /// asset.
     pub(super) fn continue_from(&mut self, other: &Self) {
+        if Arc::ptr_eq(&self.asset, &other.asset) {
+            self.host = other.host.clone();
+        }
         self.animation = None;
         if let Some(name) = other.animation() {
             let _ = self.set_animation(Some(name));
         }
         self.shapes.clear();
         for (shape, weight) in &other.shapes {
-            let _ = self.set_shape(&other.anatomy.rig.targets[*shape].name, *weight);
+            let _ = self.set_shape(&other.asset.anatomy.rig.targets[*shape].name, *weight);
         }
     }
 
@@ -264,14 +259,14 @@ impl RiggedBody {
     }
 
     fn pose_at(&self, time: f64, gesture: &Gesture) -> BodyPose {
-        let rig = &self.anatomy.rig;
+        let rig = &self.asset.anatomy.rig;
         let animation = self.animation.map(|i| &rig.animations[i]);
         // Take the remainder in double precision: a long time has few digits left within a loop.
         let animation = animation.map(|it| (it, time.rem_euclid(f64::from(it.length.max(1e-3))) as f32));
         let turn = gesture.head.rotation;
         let is_turned = turn != Quat::IDENTITY;
         let share = |(node, share): &(u32, f32)| (*node, Quat::IDENTITY.slerp(turn, *share));
-        let turns: Vec<_> = self.anatomy.turns.iter().filter(|_| is_turned).map(share).collect();
+        let turns: Vec<_> = self.asset.anatomy.turns.iter().filter(|_| is_turned).map(share).collect();
         let named = gesture.shapes.iter().filter_map(|(name, weight)| Some((rig.target(name)?, *weight)));
         let shapes: Vec<_> = named.chain(self.shapes.iter().copied()).collect();
         self.posed(rig.pose_turned(animation, &shapes, &turns))
@@ -279,18 +274,19 @@ impl RiggedBody {
 
     /// Adds the poses of head and parts.
     fn posed(&self, pose: RigPose) -> BodyPose {
-        let rig = &self.anatomy.rig;
+        let rig = &self.asset.anatomy.rig;
         let node = |node: u32| {
-            let [rest, now] = [&*self.rest, &pose].map(|pose| rig.to_groom * pose.globals[node as usize]);
+            let [rest, now] =
+                [&self.asset.rest, &pose].map(|pose| rig.to_groom * pose.globals[node as usize]);
             Pose::between(&rest, &now)
         };
-        let parts = self.anatomy.solids().map(|part| node(part.node)).collect();
-        BodyPose { head: node(self.anatomy.head.node), parts, rig: pose }
+        let parts = self.asset.anatomy.solids().map(|part| node(part.node)).collect();
+        BodyPose { head: node(self.asset.anatomy.head.node), parts, rig: pose }
     }
 
     /// Whether `pose` bends the body for the first time, so that fields must deform from now on.
     pub(super) fn bends(&self, pose: &BodyPose) -> bool {
-        !self.has_bent && (self.host.is_some() || pose.rig != *self.rest)
+        !self.has_bent && (self.host.is_some() || pose.rig != self.asset.rest)
     }
 
     /// Makes the fields of `hair`'s colliders deform with the skin of `body`. `fields` are the fields of the solids.
@@ -304,28 +300,28 @@ impl RiggedBody {
         if self.has_bent {
             return Ok(());
         }
+        let asset = &self.asset;
         for hair in hair {
-            let known = match self.skin.get() {
+            let known = match asset.deforming.get() {
                 Some(known) => known,
                 None => {
-                    let mesh = self.mesh.as_ref().ok_or_else(|| Error::unusable("the body has no mesh"))?;
                     let is_free = matches!(self.host, Some(HostPose::Vertices(_)));
-                    let flesh = Flesh::new(&self.anatomy, mesh, has_head, is_free);
+                    let flesh = Flesh::new(&asset.anatomy, &asset.mesh, has_head, is_free);
                     let fields = DeformingField::of(&flesh, fields.iter().copied());
-                    let places = hair.colliders.deform_places(mesh, &fields)?;
-                    self.skin.get_or_init(|| DeformingSkin { places, deforms: flesh.deforms() })
+                    let places = hair.colliders.deform_places(&asset.mesh, &fields)?;
+                    asset.deforming.get_or_init(|| DeformingSkin { places, deforms: flesh.deforms() })
                 }
             };
             hair.colliders.deform_with(known.places.as_ref(), &body.into())?;
         }
-        (self.has_bent, self.mesh) = (true, None);
+        self.has_bent = true;
         Ok(())
     }
 
     /// Returns the poses of the fields that [deform](crate::collide::deform), the head's first, relative to the body.
     pub(super) fn deforming<'a>(&'a self, pose: &'a BodyPose) -> impl Iterator<Item = Pose> + 'a {
         let all = std::iter::once(&pose.head).chain(&pose.parts);
-        let deforms = self.skin.get().map_or(&[][..], |skin| &skin.deforms);
+        let deforms = self.asset.deforming.get().map_or(&[][..], |skin| &skin.deforms);
         all.zip(deforms).filter(|(_, deforms)| **deforms).map(|(pose, _)| *pose)
     }
 

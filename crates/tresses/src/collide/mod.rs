@@ -64,7 +64,7 @@ pub use build::FieldBuilder;
 pub(crate) use places::Journey;
 pub use places::{Moments, Place, PlacesHead};
 pub use set::ColliderSet;
-pub(crate) use set::layout;
+pub(crate) use set::{FieldAtlas, layout};
 pub use shape::{ShapeData, ShapeTable};
 pub use volume::{FieldVolume, SolidBounds};
 

@@ -21,6 +21,7 @@ use crate::{
 };
 use bytemuck::Zeroable;
 use glam::{UVec3, Vec3};
+use std::sync::Arc;
 
 /// Bindings of `nearest.wesl`, in order.
 const BINDINGS: [Binding; 5] =
@@ -77,115 +78,106 @@ struct Tile {
     bias: Vec3,
     scale: Vec3,
     bounds: SolidBounds,
-    /// Index among the deforming fields.
-    deforms: Option<usize>,
 }
 
-/// The colliders of one groom and their state of motion.
-#[derive(Debug)]
-pub struct ColliderSet {
+/// The distance fields that colliders refer to, on the GPU. Clones share them.
+#[derive(Clone, Debug)]
+pub(crate) struct FieldAtlas {
     context: Context,
-    /// Deformation of fields with skin, after [`deform`](Self::deform).
-    pub deformation: Option<Deformation>,
-    track: Track,
-    /// The colliders without the head's field.
-    list: Vec<Collider>,
-    /// Bounding spheres in the colliders' frames.
-    spheres: Vec<(Vec3, f32)>,
     has_head: bool,
-    count: u32,
     atlas: Atlas,
     /// Tiles of all fields, the head's first.
-    tiles: Vec<Tile>,
-    table: wgpu::Buffer,
-    places: wgpu::Buffer,
-    group: wgpu::BindGroup,
+    tiles: Arc<[Tile]>,
 }
 
-impl ColliderSet {
-    /// Uploads the colliders.
+impl FieldAtlas {
+    /// Uploads or builds the fields of `what`.
     ///
     /// # Errors
-    /// [`Error::Colliders`] for more than [`MAX_COLLIDERS`], a missing field, or fields that are too large for a
-    /// texture of the adapter; [`Error::Parameter`] for an invalid size.
+    /// [`Error::Colliders`] for more than [`MAX_COLLIDERS`], and for fields that are too large for a texture of the
+    /// adapter.
     pub fn new(context: &Context, what: &ColliderDescriptor<'_>) -> Result<Self> {
-        let Context { device, .. } = context;
         let has_head = what.head.is_some();
         // Check the list before fields are built.
         total(has_head, what.colliders)?;
         let sources = what.head.map(FieldSource::Grid).into_iter().chain(what.fields.iter().copied());
         let fields = sources.map(Field::new).collect::<Result<Vec<_>>>()?;
         let sizes: Vec<_> = fields.iter().map(|f| f.size).collect();
-        let (tiles, size) = pack(&sizes);
-        let atlas = Atlas::new(device, size)?;
-        for (field, at) in fields.iter().zip(&tiles) {
+        let (places, size) = pack(&sizes);
+        let atlas = Atlas::new(&context.device, size)?;
+        for (field, at) in fields.iter().zip(&places) {
             match &field.texels {
                 Texels::Ready(volume) => atlas.write(context, *at, volume),
                 Texels::Planned(builder, plan) => builder.write(plan, &atlas.texture, *at)?,
             }
         }
-        let tiles = fields.iter().zip(tiles).map(|(field, at)| Tile {
+        let tiles = fields.iter().zip(places).map(|(field, at)| Tile {
             at,
             size: field.size,
             bias: field.bias,
             scale: field.scale,
             bounds: field.bounds,
-            deforms: None,
         });
-        let table = bindings::uniform(device, "collider shapes", size_of::<ShapeTable>());
-        let places = storage::<Place>(device, "collider places", most_places(1))?;
-        let mut set = Self {
-            deformation: None,
-            track: Track::default(),
-            list: Vec::new(),
-            spheres: Vec::new(),
-            has_head,
-            count: 0,
-            tiles: tiles.collect(),
-            group: bind(device, &table, &places, &atlas, &deform::none(device)),
-            context: context.clone(),
-            atlas,
-            table,
-            places,
-        };
-        set.replace(what.colliders)?;
-        Ok(set)
+        Ok(Self { context: context.clone(), has_head, atlas, tiles: tiles.collect() })
     }
 
-    /// Creates the colliders of another head, with `colliders` besides the head's own field. All fields are shared.
+    /// Bytes of GPU memory: 8 per texel.
+    pub fn bytes(&self) -> u64 {
+        self.atlas.bytes()
+    }
+}
+
+/// The colliders of one head and their state of motion.
+#[derive(Debug)]
+pub struct ColliderSet {
+    fields: FieldAtlas,
+    /// Deformation of fields with skin, after [`deform`](Self::deform).
+    pub deformation: Option<Deformation>,
+    /// Indices of the deforming fields, the head's first.
+    deforming: Vec<usize>,
+    track: Track,
+    /// The colliders without the head's field.
+    list: Vec<Collider>,
+    /// Bounding spheres in the colliders' frames.
+    spheres: Vec<(Vec3, f32)>,
+    count: u32,
+    table: wgpu::Buffer,
+    places: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
+impl ColliderSet {
+    /// Uploads the fields and creates the colliders.
+    ///
+    /// # Errors
+    /// [`Error::Colliders`] for more than [`MAX_COLLIDERS`], a missing field, or fields that are too large for a
+    /// texture of the adapter; [`Error::Parameter`] for an invalid size.
+    pub fn new(context: &Context, what: &ColliderDescriptor<'_>) -> Result<Self> {
+        Self::of(&FieldAtlas::new(context, what)?, what.colliders)
+    }
+
+    /// Creates `colliders` besides the head's own field.
     ///
     /// # Errors
     /// The errors of [`replace`](Self::replace).
-    pub(crate) fn another(&self, colliders: &[Collider]) -> Result<Self> {
-        let table = bindings::uniform(&self.context.device, "collider shapes", size_of::<ShapeTable>());
-        let places = storage::<Place>(&self.context.device, "collider places", most_places(1))?;
+    pub(crate) fn of(fields: &FieldAtlas, colliders: &[Collider]) -> Result<Self> {
+        let device = &fields.context.device;
+        let table = bindings::uniform(device, "collider shapes", size_of::<ShapeTable>());
+        let places = storage::<Place>(device, "collider places", most_places(1))?;
         let mut set = Self {
+            group: bind(device, &table, &places, &fields.atlas, &deform::none(device)),
+            fields: fields.clone(),
             deformation: None,
+            deforming: Vec::new(),
             track: Track::default(),
             list: Vec::new(),
             spheres: Vec::new(),
-            has_head: self.has_head,
             count: 0,
-            tiles: self.tiles.iter().map(|tile| Tile { deforms: None, ..*tile }).collect(),
-            group: bind(
-                &self.context.device,
-                &table,
-                &places,
-                &self.atlas,
-                &deform::none(&self.context.device),
-            ),
-            context: self.context.clone(),
-            atlas: self.atlas.clone(),
             table,
             places,
         };
         set.replace(colliders)?;
         Ok(set)
-    }
-
-    /// Bytes of GPU memory that heads share: the fields.
-    pub(crate) fn shared_bytes(&self) -> u64 {
-        self.atlas.bytes()
     }
 
     /// Replaces all colliders except the head's field, from the next frame on. The new list may have any length and
@@ -196,7 +188,7 @@ impl ColliderSet {
     /// # Errors
     /// The errors of [`new`](Self::new); the previous colliders then remain.
     pub fn replace(&mut self, colliders: &[Collider]) -> Result<()> {
-        let has_head = self.has_head;
+        let has_head = self.fields.has_head;
         let count = total(has_head, colliders)?;
         let mut table = Box::new(ShapeTable::zeroed());
         let mut anchors = Vec::with_capacity(count);
@@ -211,16 +203,16 @@ impl ColliderSet {
             if let Shape::Field(FieldId(id)) = collider.shape {
                 // The head's field precedes the indexed ones.
                 let at = if slot < first { 0 } else { id as usize + first };
-                let tile = self.tiles.get(at).ok_or_else(|| {
+                let tile = self.fields.tiles.get(at).ok_or_else(|| {
                     Error::Colliders(format!(
                         "field {id} does not exist; the number of fields is {}",
-                        self.tiles.len() - first
+                        self.fields.tiles.len() - first
                     ))
                 })?;
                 let SolidBounds { center, half, radius } = tile.bounds;
                 (data.center, data.size, data.bound) = (center, half, radius);
-                self.atlas.place(data, tile.at, tile.size, tile.bias, tile.scale);
-                if let Some(part) = tile.deforms {
+                self.fields.atlas.place(data, tile.at, tile.size, tile.bias, tile.scale);
+                if let Some(part) = self.deforming.iter().position(|field| *field == at) {
                     Deformation::widen(data, part);
                 }
             }
@@ -228,14 +220,15 @@ impl ColliderSet {
         }
         let most = most_places(count);
         if self.places.size() < most * size_of::<Place>() as u64 {
-            self.places = storage::<Place>(&self.context.device, "collider places", most)?;
+            self.places = storage::<Place>(&self.fields.context.device, "collider places", most)?;
             self.regroup();
         }
-        self.context.queue.write_buffer(&self.table, 0, bytemuck::bytes_of(&*table));
+        let queue = &self.fields.context.queue;
+        queue.write_buffer(&self.table, 0, bytemuck::bytes_of(&*table));
         let count_at = std::mem::offset_of!(PlacesHead, count) as u64;
         let side = self.deformation.as_ref().map_or(0, Deformation::side);
         // The count and `side`, which follows it.
-        self.context.queue.write_buffer(&self.places, count_at, bytemuck::bytes_of(&[count as u32, side]));
+        queue.write_buffer(&self.places, count_at, bytemuck::bytes_of(&[count as u32, side]));
         self.track.replace(anchors);
         self.list = colliders.to_vec();
         (self.spheres, self.count) = (spheres, count as u32);
@@ -244,8 +237,9 @@ impl ColliderSet {
 
     fn regroup(&mut self) {
         let deformed = self.deformation.as_ref().map(|deformation| deformation.texture.clone());
-        let deformed = deformed.unwrap_or_else(|| deform::none(&self.context.device));
-        self.group = bind(&self.context.device, &self.table, &self.places, &self.atlas, &deformed);
+        let device = &self.fields.context.device;
+        let deformed = deformed.unwrap_or_else(|| deform::none(device));
+        self.group = bind(device, &self.table, &self.places, &self.fields.atlas, &deformed);
     }
 
     /// Lets `fields` deform with a skin from the next frame on; an empty slice stops all deformation. `mesh` is the
@@ -268,14 +262,14 @@ impl ColliderSet {
         mesh: &TriMesh,
         fields: &[DeformingField<'_>],
     ) -> Result<Option<DeformPlaces>> {
-        let first = usize::from(self.has_head);
+        let first = usize::from(self.fields.has_head);
         let (mut numbers, mut grids) = (Vec::new(), Vec::with_capacity(fields.len()));
         for field in fields {
             let at = match field.which {
-                DeformTarget::Head => self.has_head.then_some(0),
+                DeformTarget::Head => self.fields.has_head.then_some(0),
                 DeformTarget::Field(FieldId(id)) => Some(id as usize + first),
             };
-            let found = at.and_then(|at| Some((at, self.tiles.get(at)?)));
+            let found = at.and_then(|at| Some((at, self.fields.tiles.get(at)?)));
             let (at, tile) = found
                 .ok_or_else(|| Error::Colliders(format!("there is no field {:?} to deform", field.which)))?;
             numbers.push(at);
@@ -286,16 +280,15 @@ impl ColliderSet {
         if grids.is_empty() {
             return Ok(None);
         }
-        DeformPlaces::new(&self.context, mesh, &grids, numbers).map(Some)
+        DeformPlaces::new(&self.fields.context, mesh, &grids, numbers).map(Some)
     }
 
     /// Lets fields deform at precomputed `places` with `skin`; `None` stops all deformation.
     pub(crate) fn deform_with(&mut self, places: Option<&DeformPlaces>, skin: &Skin<'_>) -> Result<()> {
-        let deformation = places.map(|places| Deformation::new(&self.context, places, skin)).transpose()?;
+        let deformation =
+            places.map(|places| Deformation::new(&self.fields.context, places, skin)).transpose()?;
         self.deformation = deformation;
-        for (i, tile) in self.tiles.iter_mut().enumerate() {
-            tile.deforms = places.and_then(|places| places.fields.iter().position(|field| *field == i));
-        }
+        self.deforming = places.map_or_else(Vec::new, |places| places.fields.clone());
         self.regroup();
         self.replace(&self.list.clone())
     }
@@ -318,10 +311,11 @@ impl ColliderSet {
     ) -> Result<()> {
         let steps = &frame.steps[frame.steps.len().saturating_sub(MAX_STEPS as usize)..];
         let frame = Moments { steps, substeps: frame.substeps.clamp(1, MAX_SUBSTEPS), ..*frame };
-        self.track.advance(self.has_head, poses, &frame, journey)?;
+        self.track.advance(self.fields.has_head, poses, &frame, journey)?;
         let jumps = steps.iter().any(|step| step.mode != Mode::Step);
         let deformation = self.deformation.as_mut();
-        let side = deformation.map(|it| it.prepare(&self.context, !steps.is_empty(), jumps)).transpose()?;
+        let side =
+            deformation.map(|it| it.prepare(&self.fields.context, !steps.is_empty(), jumps)).transpose()?;
         if self.count == 0 {
             return Ok(());
         }
@@ -331,14 +325,14 @@ impl ColliderSet {
         };
         let header = size_of::<PlacesHead>() as u64;
         let now = list(&self.track.now);
-        self.context.queue.write_buffer(&self.places, header, bytemuck::cast_slice(&now));
+        self.fields.context.queue.write_buffer(&self.places, header, bytemuck::cast_slice(&now));
         if !steps.is_empty() {
             let interval = frame.step / frame.substeps as f32;
             let moments = steps.len() as u32 * frame.substeps;
             let places = PlacesHead { interval, moments, count: self.count, side: side.unwrap_or(0) };
-            self.context.queue.write_buffer(&self.places, 0, bytemuck::bytes_of(&places));
+            self.fields.context.queue.write_buffer(&self.places, 0, bytemuck::bytes_of(&places));
             let at = header + size_of_val(&*now) as u64;
-            self.context.queue.write_buffer(
+            self.fields.context.queue.write_buffer(
                 &self.places,
                 at,
                 bytemuck::cast_slice(&list(&self.track.moments)),
@@ -380,10 +374,10 @@ impl ColliderSet {
         &self.track.moments
     }
 
-    /// Bytes of GPU memory; distance fields take 8 per texel of their atlas.
-    pub fn bytes(&self) -> u64 {
+    /// Bytes of GPU memory of this head alone.
+    pub(crate) fn own_bytes(&self) -> u64 {
         let deformation = self.deformation.as_ref().map_or(0, Deformation::bytes);
-        self.atlas.bytes() + self.table.size() + self.places.size() + deformation
+        self.table.size() + self.places.size() + deformation
     }
 }
 

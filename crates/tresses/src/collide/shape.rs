@@ -1,6 +1,6 @@
 //! Table of shapes, and distances in a shape's own frame: the CPU versions of `shape.wesl`.
 
-use super::{Collider, FieldVolume, Shape};
+use super::{Collider, Shape};
 use crate::{Error, Result, constants::MAX_COLLIDERS};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
@@ -105,17 +105,6 @@ pub fn ellipsoid(p: Vec3, radii: Vec3) -> Vec4 {
         return Vec3::Y.extend(-radii.min_element());
     }
     (b / k2).extend(k1 * (k1 - 1.0) / k2)
-}
-
-/// Returns unit normal (xyz) and distance (w, meters) of a field at `p` in its frame; CPU version of `rest_field`.
-pub fn field(p: Vec3, volume: &FieldVolume) -> Vec4 {
-    let size = volume.size.as_vec3();
-    let c = p * volume.scale + volume.bias;
-    let inside = c.clamp(0.5 / size, 1.0 - 0.5 / size);
-    let beyond = ((c - inside) / volume.scale).length();
-    let found = volume.sample(inside);
-    let n = found.truncate().normalize_or(Vec3::Y);
-    n.extend(if beyond > 0.0 { found.w.max(0.0) + beyond } else { found.w })
 }
 
 #[cfg(test)]

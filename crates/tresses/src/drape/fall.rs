@@ -47,7 +47,8 @@ pub async fn drape(
     options: &DrapeOptions,
 ) -> Result<Vec<Vec3>> {
     let Context { device, queue, .. } = context;
-    let rest_options = RestOptions { shape: RestShape::Natural, clearance: options.clearance };
+    let rest_options =
+        RestOptions { shape: RestShape::Natural, clearance: options.clearance, ..Default::default() };
     let params = SimulationParams { drag: options.drag, ..*params };
     let rest = rest::guides(positions, n, traits, &params, &rest_options, field)?;
     let count = rest.info.len();

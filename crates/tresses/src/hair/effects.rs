@@ -1,10 +1,11 @@
 //! Forces on the guides besides their own physics.
 
 use crate::{
-    Context,
+    Context, Result,
     simulate::{Forces, Grab, Links},
     strands::GuideBuffers,
     volume::Volume,
+    wind::Air,
 };
 
 /// Forces of grids, links and grabs.
@@ -22,9 +23,24 @@ pub(super) struct Effects {
 }
 
 impl Effects {
-    /// Creates the effects without wind and without a grab.
-    pub fn new(context: &Context, guides: &GuideBuffers, volume: &Volume, links: Option<Links>) -> Self {
+    /// Creates the effects without wind, without links and without a grab.
+    pub fn new(context: &Context, guides: &GuideBuffers, volume: &Volume) -> Self {
         let forces = Forces::new(context, guides, volume, None);
-        Self { forces, links, grab: Grab::default(), windy: false, forced: false }
+        Self { forces, links: None, grab: Grab::default(), windy: false, forced: false }
+    }
+
+    /// Binds other buffers of the same guides.
+    pub fn bind(
+        &mut self,
+        context: &Context,
+        guides: &GuideBuffers,
+        volume: &Volume,
+        air: Option<&Air>,
+    ) -> Result<()> {
+        self.forces = Forces::new(context, guides, volume, air);
+        let links = self.links.take().map(|links| Links::new(context, guides, links.asset));
+        self.links = links.transpose()?;
+        self.grab.forget_buffers();
+        Ok(())
     }
 }

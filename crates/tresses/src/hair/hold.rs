@@ -2,25 +2,31 @@
 
 use super::Hair;
 use crate::{
-    Error, Result,
-    groom::Groom,
+    Result,
     math::Ray,
-    simulate::{Grab, MotionBrush, Target, Tie, TieReport},
+    simulate::{Grab, MotionBrush, Target, Tie, TieAsset, TieReport},
 };
 
 impl Hair {
     /// Replaces the ties that hold the hair from the next frame on: bands, braids and pins. Their positions refer to
-    /// the resting `groom`, which must be the one that the hair was made from. See [`crate::simulate::ties`].
+    /// the resting groom. See [`crate::simulate::ties`].
     ///
     /// # Errors
-    /// [`Error::Parameter`] for an invalid tie, [`crate::groom::Error::Unusable`] for a tie that holds nothing, for
-    /// more than [`crate::simulate::ties::MAX_RINGS`] rings and for another groom; [`Error::Limit`].
-    pub fn tie(&mut self, groom: &Groom, ties: &[Tie]) -> Result<TieReport> {
-        if groom.guides.len() != self.guides.count as usize {
-            return Err(Error::unusable("ties need the groom that the hair was created from"));
-        }
+    /// [`Error::Parameter`](crate::Error::Parameter) for an invalid tie, [`crate::groom::Error::Unusable`] for a tie
+    /// that holds nothing and for more than [`crate::simulate::ties::MAX_RINGS`] rings;
+    /// [`Error::Limit`](crate::Error::Limit).
+    pub fn tie(&mut self, ties: &[Tie]) -> Result<TieReport> {
+        let context = &self.asset.context;
+        let ties = TieAsset::new(context, &self.asset.rest, ties)?;
         self.sleep.wake();
-        self.simulation.tie(&self.context, &self.guides, &groom.guides, ties)
+        self.simulation.tie(context, &self.guides, ties.as_ref())?;
+        Ok(ties.map(|ties| ties.report()).unwrap_or_default())
+    }
+
+    /// Takes over the ties of `other`, which has the same asset.
+    pub(crate) fn tie_as(&mut self, other: &Self) -> Result<()> {
+        let ties = other.simulation.ties().map(|ties| &ties.asset);
+        self.simulation.tie(&self.asset.context, &self.guides, ties)
     }
 
     /// Grabs the lock that `ray` hits first. The ray starts at the eye, passes through the cursor and is in the
@@ -30,7 +36,7 @@ impl Hair {
     /// [`crate::simulate::grab`].
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a ray without a direction, and for a radius outside 1 mm to 1 m.
+    /// [`Error::Parameter`](crate::Error::Parameter) for a ray without a direction, and for a radius outside 1 mm to 1 m.
     pub fn grab(&mut self, ray: &Ray, radius: f32) -> Result<()> {
         self.effects.grab.begin(ray, radius)
     }
@@ -39,7 +45,7 @@ impl Hair {
     /// without a grab.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a target that is not finite.
+    /// [`Error::Parameter`](crate::Error::Parameter) for a target that is not finite.
     pub fn drag_to(&mut self, target: &Target) -> Result<()> {
         self.effects.grab.drag(target)
     }
@@ -49,7 +55,7 @@ impl Hair {
     /// [`grab`](Self::grab); where it hits no hair, the brush keeps its depth.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a ray without a direction, and for values out of range.
+    /// [`Error::Parameter`](crate::Error::Parameter) for a ray without a direction, and for values out of range.
     pub fn brush(&mut self, brush: &MotionBrush, ray: &Ray) -> Result<()> {
         self.effects.grab.brush(brush, ray)
     }

@@ -29,7 +29,7 @@ impl Hair {
                 closing: self.motion.carrier.faster_than(&other.motion.carrier),
             })
             .collect();
-        self.volume.meet(&self.context, others.into_iter());
+        self.volume.meet(&self.asset.context, others.into_iter());
     }
 
     /// Makes each of `hair` [meet](Self::meet) the others that are near it. Call it before the frame in which they
@@ -47,7 +47,7 @@ impl Hair {
     /// Whether this hair may touch the hair of `other`, by bounding spheres.
     fn is_near(&self, other: &Self) -> bool {
         let [own, theirs] = [self, other].map(|hair| {
-            let (middle, radius) = hair.lod.sphere;
+            let (middle, radius) = hair.lod.sphere();
             (hair.motion.head.point(middle), ROOM * radius)
         });
         own.0.distance(theirs.0) < own.1 + theirs.1

@@ -29,8 +29,6 @@ pub(crate) struct Motion {
     pub head: Pose,
     /// Whether the last frame carried or reset the hair.
     pub moved_away: bool,
-    /// Whether the next frame carries the hair rigidly, whatever the distance.
-    pub teleports: bool,
     /// Whether the skin below the hair has not changed since the last frame.
     pub skin_is_still: bool,
 }
@@ -49,7 +47,6 @@ impl Default for Motion {
             span: 0.0,
             head: Pose::IDENTITY,
             moved_away: false,
-            teleports: false,
             skin_is_still: false,
         }
     }

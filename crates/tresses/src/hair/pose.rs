@@ -30,9 +30,9 @@ impl Hair {
             [x, y, z, still]
         };
         let states: Vec<[u32; 4]> = (0..count * n).map(state).collect();
-        let queue = self.context.queue();
+        let queue = self.asset.context.queue();
         queue.write_buffer(&self.guides.current, 0, bytemuck::cast_slice(&states));
-        let mut encoder = self.context.device().create_command_encoder(&Default::default());
+        let mut encoder = self.asset.context.device().create_command_encoder(&Default::default());
         encoder.clear_buffer(&self.guides.velocity, 0, None);
         queue.submit([encoder.finish()]);
         Ok(())

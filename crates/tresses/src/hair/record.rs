@@ -4,10 +4,10 @@
 use super::{Hair, HairFrame, sleep::Back};
 use crate::{
     Result,
-    clock::{Mode, Steps},
+    clock::{Mode, Step, Steps},
     collide::{Journey, Moments},
     lod::Detail,
-    simulate::{Forces, Shifting, SimulationParams, grab::RayTransforms},
+    simulate::{Forces, Links, Shifting, SimulationParams, grab::RayTransforms},
     space::{CarrierFrame, Field, Shift},
     tessellate::TessellateParams,
     volume::HairHairMode,
@@ -17,94 +17,140 @@ use crate::{
 impl Hair {
     /// Begins a frame: writes the inputs of its fixed steps. Returns the number of steps.
     pub(crate) fn begin(&mut self, frame: &HairFrame<'_>) -> Result<u32> {
-        self.volume.begin();
         frame.simulation.check()?;
         frame.space.check()?;
         frame.drawn_in.map_or(Ok(()), |space| space.check())?;
+        self.volume.begin();
         self.substeps = frame.simulation.substeps;
-        let back = self.sleep.carried(frame);
-        let teleports = std::mem::take(&mut self.motion.teleports);
-        if self.dozes(frame) {
-            if let Some(deformation) = &mut self.colliders.deformation {
-                deformation.forget();
-            }
+        if !self.wakes(frame) {
             self.motion.shifts = false;
             return Ok(0);
         }
         let physics = &self.coarse(frame.simulation);
-        self.lead()?;
-        let usual = self.motion.clock.teleport_distance;
+        self.fit_to(physics)?;
+        let carried = self.tick(frame, physics)?;
+        self.shift(carried.shift.as_ref());
+        self.blow(physics, &carried.fields)?;
+        let is_forced = self.prepare_forces(physics, &carried);
+        let is_held = self.prepare_grab(frame, physics, &carried, is_forced)?;
+        self.prepare_roots(frame, &carried.steps);
+        let context = &self.asset.context;
+        self.simulation.prepare_in(context, physics, &carried.steps, &carried.fields, is_forced || is_held)
+    }
+
+    /// Whether the frame moves the hair. Hair that comes back into view continues where its head is now.
+    fn wakes(&mut self, frame: &HairFrame<'_>) -> bool {
+        let back = self.sleep.carried(frame);
+        if self.dozes(frame) {
+            if let Some(deformation) = &mut self.colliders.deformation {
+                deformation.forget();
+            }
+            return false;
+        }
         match back {
-            Back::Here if teleports => self.motion.clock.teleport_distance = -1.0,
             Back::Here => {}
-            // Treat any motion of a head that was out of view as a jump.
-            Back::Moved => self.motion.clock.teleport_distance = -1.0,
+            Back::Moved => self.motion.clock.carry(),
             Back::Elsewhere => self.motion.clock.reset(),
         }
-        let carried = self.tick(frame, physics);
-        self.motion.clock.teleport_distance = usual;
-        let CarrierFrame { steps, fields, passage, shift } = carried?;
-        // Motion through the air is felt as wind.
+        true
+    }
+
+    /// Creates what `physics` need for the first time, and chooses the guides to simulate.
+    fn fit_to(&mut self, physics: &SimulationParams) -> Result<()> {
+        let asset = self.asset.clone();
+        let context = &asset.context;
+        if physics.twist > 0.0 && !self.guides.can_twist() {
+            self.guides.add_twist(context)?;
+            self.bind_guides()?;
+        }
+        let reach = (physics.hair_hair.cohesion > 0.0).then_some(physics.hair_hair.cohesion_reach);
+        if self.effects.links.as_ref().map(|links| links.asset.reach) != reach {
+            let links = reach.map(|reach| Links::new(context, &self.guides, asset.links(reach)?));
+            self.effects.links = links.transpose()?;
+        }
+        let [enough, _] = self.motion_at(self.lod.current());
+        if enough < self.guides.count {
+            let tree = asset.order.tree(context, &self.guides.info)?;
+            self.simulation.simulate_first(&self.guides, &tree, enough);
+        } else {
+            self.simulation.simulate_all();
+        }
+        Ok(())
+    }
+
+    /// Creates the air if it moves relative to the hair in a step, by wind or by motion.
+    fn blow(&mut self, physics: &SimulationParams, fields: &[Field]) -> Result<()> {
         let felt = fields.last().map(|field| Wind { velocity: field.wind, ..physics.wind });
         self.effects.windy = felt.map_or(self.effects.windy, |wind| wind.blows());
         if self.effects.windy {
-            self.make_air(&physics.wind)?;
+            return self.make_air(&physics.wind);
         }
-        self.motion.passage = passage;
-        let way = shift.map(|shift| shift.way).unwrap_or_default();
-        self.shift(shift);
-        self.effects.forced = self.effects.windy
-            || physics.hair_hair.mode != HairHairMode::Off
-            || self.effects.links.is_some()
-            || self.simulation.ties().is_some();
-        if let Some(links) = &self.effects.links {
-            links.prepare(&self.context, &physics.hair_hair, physics.step);
-        }
-        if self.effects.forced {
-            let due = Steps { steps: &steps, length: physics.step, substeps: physics.substeps };
-            self.volume.prepare(&self.context, &physics.hair_hair, &due, &self.colliders);
-            self.volume.prepare_others(&self.context, &physics.hair_hair, &due, way);
-            if let Some(air) = self.air.as_mut().filter(|_| self.effects.windy) {
-                let grid = &self.volume.grid;
-                let hair = HairGrid { bias: grid.bias, scale: grid.scale };
-                air.prepare_in(&self.context, &physics.wind, physics.diameter, &due, &fields, Some(hair));
-            }
-            let air = self.air.as_ref().filter(|_| self.effects.windy);
-            self.effects.forces.prepare(&self.context, physics, air, steps.len());
-        }
-        if let Some(air) = self.air.as_mut().filter(|_| !self.effects.windy) {
+        if let Some(air) = &mut self.air {
             // The next wind starts with still air.
             air.reset();
         }
-        let buffers = (&self.guides, &self.strands);
-        let seen = frame.way_to_view();
-        let sights = RayTransforms {
-            to_carrier: passage.at(1.0).after(&seen.inverse()),
+        Ok(())
+    }
+
+    /// Writes the inputs of the grids, links and forces. Returns whether any of them acts.
+    fn prepare_forces(&mut self, physics: &SimulationParams, carried: &CarrierFrame) -> bool {
+        let Self { asset, volume, effects, air, colliders, simulation, .. } = self;
+        let CarrierFrame { steps, fields, .. } = carried;
+        let context = &asset.context;
+        let mut air = air.as_mut().filter(|_| effects.windy);
+        effects.forced = effects.windy
+            || physics.hair_hair.mode != HairHairMode::Off
+            || effects.links.is_some()
+            || simulation.ties().is_some();
+        if let Some(links) = &effects.links {
+            links.prepare(context, &physics.hair_hair, physics.step);
+        }
+        if effects.forced {
+            let due = Steps { steps, length: physics.step, substeps: physics.substeps };
+            volume.prepare(context, &physics.hair_hair, &due, colliders);
+            volume.prepare_others(context, &physics.hair_hair, &due, carried.displacement());
+            if let Some(air) = &mut air {
+                let hair = HairGrid { bias: volume.grid.bias, scale: volume.grid.scale };
+                air.prepare_in(context, &physics.wind, physics.diameter, &due, fields, Some(hair));
+            }
+            effects.forces.prepare(context, physics, air.as_deref(), steps.len());
+        }
+        effects.forced
+    }
+
+    /// Writes the inputs of a grab or brush. Returns whether it acts.
+    fn prepare_grab(
+        &mut self,
+        frame: &HairFrame<'_>,
+        physics: &SimulationParams,
+        carried: &CarrierFrame,
+        is_forced: bool,
+    ) -> Result<bool> {
+        let rays = RayTransforms {
+            to_carrier: carried.passage.at(1.0).after(&frame.way_to_view().inverse()),
             to_last: self.motion.drawn_in.from(&frame.seen()),
-            shift: way,
+            shift: carried.displacement(),
         };
-        let held = self.effects.grab.prepare(
-            &self.context,
-            physics,
-            &steps,
-            buffers,
-            &sights,
-            self.effects.forced,
-        )?;
+        let buffers = (&self.guides, &self.strands);
+        let context = &self.asset.context;
+        self.effects.grab.prepare(context, physics, &carried.steps, buffers, &rays, is_forced)
+    }
+
+    /// Writes the inputs of roots on skin.
+    fn prepare_roots(&mut self, frame: &HairFrame<'_>, steps: &[Step]) {
         if let Some(roots) = &mut self.roots {
             let counts = [self.guides.count, self.strands.drawn.count];
             let fresh = steps.first().is_some_and(|step| step.mode == Mode::Reset);
-            roots.prepare(&self.context, (&frame.head, &seen), counts, fresh);
+            roots.prepare(&self.asset.context, (&frame.head, &frame.way_to_view()), counts, fresh);
         }
-        self.simulation.prepare_in(&self.context, physics, &steps, &fields, self.effects.forced || held)
     }
 
     /// Prepares the shift to another origin, if the frame starts with one.
-    fn shift(&mut self, shift: Option<Shift>) {
+    fn shift(&mut self, shift: Option<&Shift>) {
         self.motion.shifts = shift.is_some();
         let Some(shift) = shift else { return };
-        let make = || Shifting::new(&self.context, &self.guides);
-        self.motion.shifting.get_or_insert_with(make).prepare(&self.context, &shift);
+        let make = || Shifting::new(&self.asset.context, &self.guides);
+        self.motion.shifting.get_or_insert_with(make).prepare(&self.asset.context, shift);
         if let Some(air) = &mut self.air {
             air.shift(shift.way);
         }
@@ -168,7 +214,7 @@ impl Hair {
         let guides = match detail.reach {
             // Roots on skin and grabbed guides are individual: none of them can follow another guide.
             reach if reach > 0.0 && self.roots.is_none() && !self.effects.grab.is_active() => {
-                self.order.enough(reach)
+                self.asset.order.enough(reach)
             }
             _ => self.guides.count,
         };
@@ -176,26 +222,14 @@ impl Hair {
         [guides, (substeps.round() as u32).max(1)]
     }
 
-    /// Chooses the guides to simulate.
-    fn lead(&mut self) -> Result<()> {
-        let [enough, _] = self.motion_at(self.lod.current());
-        if enough < self.guides.count {
-            let tree = self.order.tree(&self.context, &self.guides.info)?;
-            self.simulation.simulate_first(&self.guides, &tree, enough);
-        } else {
-            self.simulation.simulate_all();
-        }
-        Ok(())
-    }
-
     /// Creates the air for `wind` unless it exists.
     fn make_air(&mut self, wind: &Wind) -> Result<()> {
-        let (middle, side) = self.extent;
+        let (middle, side) = self.asset.extent;
         let size = side * wind.room;
         let fits = |air: &Air| air.cells == wind.cells && air.cell == size / wind.cells as f32;
         if !self.air.as_ref().is_some_and(fits) {
-            let air = Air::new(&self.context, wind.cells, (middle, size), &self.volume.hair)?;
-            self.effects.forces = Forces::new(&self.context, &self.guides, &self.volume, Some(&air));
+            let air = Air::new(&self.asset.context, wind.cells, (middle, size), &self.volume.hair)?;
+            self.effects.forces = Forces::new(&self.asset.context, &self.guides, &self.volume, Some(&air));
             self.air = Some(air);
         }
         Ok(())
@@ -247,8 +281,13 @@ impl Hair {
         }
         let ticks = self.motion.clock.tick(frame.dt, params.step, head);
         let world = Field::of(params.gravity, params.wind.velocity);
-        let carried =
-            self.motion.carrier.carry(&space, (&self.motion.clock, &ticks), times, self.extent.0, &world);
+        let carried = self.motion.carrier.carry(
+            &space,
+            (&self.motion.clock, &ticks),
+            times,
+            self.asset.extent.0,
+            &world,
+        );
         let moments = Moments {
             steps: &carried.steps,
             substeps: params.substeps,
@@ -258,6 +297,7 @@ impl Hair {
         };
         let journey = Journey { head: *head, passage: carried.passage };
         self.colliders.journey(frame.colliders, &moments, &journey)?;
+        self.motion.passage = carried.passage;
         self.motion.states.2 = ticks.alpha;
         if !ticks.steps.is_empty() {
             self.motion.span = params.step;
@@ -286,11 +326,11 @@ impl Hair {
             &self.motion.head,
             drawn,
         );
-        self.curves.tessellation.prepare(&self.context, &params);
-        self.curves.interpolation.prepare(&self.context, &self.guides, &self.strands);
+        self.curves.tessellation.prepare(&self.asset.context, &params);
+        self.curves.interpolation.prepare(&self.asset.context, &self.guides, &self.strands);
         let counts = (&self.guides, &self.strands);
         let fresh = self.lod.begin();
-        self.avoidance.prepare(&self.context, counts, frame.dt, self.motion.moved_away, fresh);
+        self.avoidance.prepare(&self.asset.context, counts, frame.dt, self.motion.moved_away, fresh);
     }
 
     /// Records step `i` of the guides: forces, links and grab, then the step itself.

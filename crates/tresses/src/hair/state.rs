@@ -91,9 +91,9 @@ impl Hair {
     /// Fails if the GPU is lost.
     pub async fn state(&self) -> Result<GuideState> {
         let vertices = (self.guides.count * self.guides.vertex_count) as usize;
-        let mut current: Vec<[u32; 4]> = readback::buffer(&self.context, &self.guides.current).await?;
+        let mut current: Vec<[u32; 4]> = readback::buffer(&self.asset.context, &self.guides.current).await?;
         current.truncate(vertices);
-        let velocity = readback::buffer(&self.context, &self.guides.velocity).await?;
+        let velocity = readback::buffer(&self.asset.context, &self.guides.velocity).await?;
         let motion = &self.motion;
         let (before, after, blend) = motion.states;
         let (rest, head) = motion.clock.progress();
@@ -120,7 +120,7 @@ impl Hair {
             return Err(Error::unusable("the state is of other hair"));
         }
         self.sleep.wake();
-        let queue = self.context.queue();
+        let queue = self.asset.context.queue();
         // The origin of the simulation may have moved.
         let shift = place.translation - self.motion.to_drawn.translation;
         let shift = self.motion.to_drawn.rotation.inverse() * shift;

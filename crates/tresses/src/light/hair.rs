@@ -16,7 +16,7 @@ use glam::Vec3;
 use std::{
     collections::BTreeMap,
     ops::Range,
-    sync::{Arc, Mutex, MutexGuard, PoisonError},
+    sync::{Arc, Mutex, MutexGuard, PoisonError, Weak},
 };
 
 /// A groom as the light and draw stages need it, shared by all views: strands, material and index lists.
@@ -31,18 +31,53 @@ pub struct HairSet {
     /// Strands and vertices that are drawn.
     pub drawn: DrawCount,
     pub(crate) strands: StrandBuffers,
-    /// Index lists by number of vertices, created when a level of detail first needs them.
-    strips: Arc<Mutex<BTreeMap<u32, Arc<Chunks>>>>,
     /// Stride and number of the segments in the shadow maps.
     pub(crate) splat: [u32; 2],
     /// Vertices between the shading samples (knots) of a strand, and number of the spans between the samples.
     pub(crate) spans: [u32; 2],
     /// Shared with other heads whose fibers are alike.
     fiber: Mutex<Arc<FiberTables>>,
+    asset: Arc<SetAsset>,
+}
+
+/// Data of a groom for lighting and drawing that all heads share.
+#[derive(Debug, Default)]
+pub(crate) struct SetAsset {
+    /// Index lists by number of vertices, created when a level of detail first needs them.
+    strips: Mutex<BTreeMap<u32, Arc<Chunks>>>,
+    /// The first head's tables, while a head uses them.
+    fiber: Mutex<Weak<FiberTables>>,
     /// Draws the strands as the columns of cards.
-    pub(crate) cards: Option<Arc<CardBuffers>>,
+    cards: Option<CardBuffers>,
     /// Memory for the shading samples of every view. They are not needed once a groom is shaded.
     scratch: Option<wgpu::Buffer>,
+}
+
+impl SetAsset {
+    /// Creates the data of a groom that is drawn as `cards`, if any, with its samples in `scratch` if they fit there.
+    pub fn new(cards: Option<CardBuffers>, scratch: wgpu::Buffer) -> Self {
+        Self { cards, scratch: Some(scratch), ..Self::default() }
+    }
+
+    /// Returns the fiber tables that heads start with.
+    fn fiber(&self, context: &Context) -> Arc<FiberTables> {
+        let mut fiber = self.fiber.lock().unwrap_or_else(PoisonError::into_inner);
+        fiber.upgrade().unwrap_or_else(|| {
+            let tables = Arc::new(FiberTables::new(context));
+            *fiber = Arc::downgrade(&tables);
+            tables
+        })
+    }
+
+    fn strips(&self) -> MutexGuard<'_, BTreeMap<u32, Arc<Chunks>>> {
+        self.strips.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Bytes of GPU memory, without the scratch memory.
+    pub fn bytes(&self) -> u64 {
+        let cards = self.cards.as_ref().map_or(0, CardBuffers::bytes);
+        self.strips().values().map(|strips| strips.bytes()).sum::<u64>() + cards
+    }
 }
 
 /// Area of a strand if the host has not set one, m²: 80 µm by 20 cm.
@@ -54,6 +89,11 @@ impl HairSet {
     /// # Errors
     /// [`Error::Limit`] when there are too many strand vertices.
     pub fn new(context: &Context, strands: &StrandBuffers) -> Result<Self> {
+        Self::of(context, &Arc::default(), strands)
+    }
+
+    /// [`new`](Self::new) with the data that all heads with the same groom share.
+    pub(crate) fn of(context: &Context, asset: &Arc<SetAsset>, strands: &StrandBuffers) -> Result<Self> {
         let vertices = u64::from(strands.count) * u64::from(strands.vertex_count);
         if vertices * 2 > i32::MAX as u64 {
             return Err(Error::Limit {
@@ -69,40 +109,22 @@ impl HairSet {
             area: strands.count as f32 * STRAND_AREA,
             drawn: strands.drawn,
             strands: strands.clone(),
-            strips: Arc::default(),
             splat: [1; 2],
             spans: [1; 2],
-            fiber: Mutex::new(Arc::new(FiberTables::new(context))),
-            cards: None,
-            scratch: None,
+            fiber: Mutex::new(asset.fiber(context)),
+            asset: asset.clone(),
         };
         set.show(&strands.drawn);
         Ok(set)
     }
 
-    /// Puts the shading samples into `scratch` if they fit there.
-    pub(crate) fn within(self, scratch: &wgpu::Buffer) -> Self {
-        Self { scratch: Some(scratch.clone()), ..self }
+    /// Returns the cards that are drawn in place of the strands, if any.
+    pub(crate) fn cards(&self) -> Option<&CardBuffers> {
+        self.asset.cards.as_ref()
     }
 
-    /// Creates the set of another head with the same groom, which has its own `strands`. Data that depends only on the
-    /// groom and its fibers is shared.
-    pub(crate) fn another(&self, strands: &StrandBuffers) -> Self {
-        let mut set = Self {
-            strands: strands.clone(),
-            strips: self.strips.clone(),
-            fiber: Mutex::new(self.fiber().clone()),
-            scratch: self.scratch.clone(),
-            cards: self.cards.clone(),
-            context: self.context.clone(),
-            ..*self
-        };
-        set.show(&strands.drawn);
-        set
-    }
-
-    /// Replaces the strand buffers by others of the same groom, or of another capacity.
-    pub(crate) fn move_into(&mut self, strands: &StrandBuffers) {
+    /// Replaces the strand buffers by others of another capacity.
+    pub(crate) fn resize(&mut self, strands: &StrandBuffers) {
         self.strands = strands.clone();
         self.show(&strands.drawn);
     }
@@ -123,10 +145,6 @@ impl HairSet {
         self.fiber.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn strips(&self) -> MutexGuard<'_, BTreeMap<u32, Arc<Chunks>>> {
-        self.strips.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     /// Limits shading, shadow maps and drawing to `drawn`.
     pub(crate) fn show(&mut self, drawn: &DrawCount) {
         self.drawn = *drawn;
@@ -136,7 +154,11 @@ impl HairSet {
         self.splat = [stride, last.div_ceil(stride)];
         self.spans = spans(drawn.vertex_count, stands_for(self.strands.count, drawn.count));
         let count = self.strands.count;
-        self.strips()
+        if drawn.count == 0 {
+            return;
+        }
+        self.asset
+            .strips()
             .entry(drawn.vertex_count)
             .or_insert_with(|| Arc::new(Chunks::of(&self.context.device, count, drawn.vertex_count)));
     }
@@ -158,24 +180,15 @@ impl HairSet {
         }
     }
 
-    /// Bytes of GPU memory, without the strand buffers.
-    pub fn bytes(&self) -> u64 {
-        let cards = self.cards.as_ref().map_or(0, |cards| cards.bytes());
-        self.fiber().bytes() + self.strips().values().map(|strips| strips.bytes()).sum::<u64>() + cards
-    }
-
-    /// Bytes of GPU memory shared with other heads.
-    pub(crate) fn shared_bytes(&self) -> u64 {
+    /// Bytes of the fiber tables, if they are shared with other heads or not.
+    pub(crate) fn fiber_bytes(&self, shared: bool) -> u64 {
         let fiber = self.fiber();
-        let fiber = if Arc::strong_count(&fiber) > 1 { fiber.bytes() } else { 0 };
-        let cards = self.cards.as_ref().filter(|cards| Arc::strong_count(cards) > 1);
-        let cards = cards.map_or(0, |cards| cards.bytes());
-        fiber + self.strips().values().map(|strips| strips.bytes()).sum::<u64>() + cards
+        if (Arc::strong_count(&fiber) > 1) == shared { fiber.bytes() } else { 0 }
     }
 
     /// Triangles of the strips or cards.
     pub fn triangles(&self) -> u64 {
-        if let Some(cards) = &self.cards {
+        if let Some(cards) = self.cards() {
             return cards.triangles(self.drawn.vertex_count);
         }
         u64::from(self.drawn.count) * 2 * u64::from(self.drawn.vertex_count.saturating_sub(1))
@@ -267,7 +280,7 @@ impl HairShading {
         let words = words_for(rate) * u64::from(room.vertices);
         let colors = storage::<u32>(device, "shaded strands", words)?;
         let most_knots = most_knots([*count, *vertex_count], room);
-        let lent = hair.scratch.clone().filter(|scratch| scratch.size() >= most_knots * KNOT);
+        let lent = hair.asset.scratch.clone().filter(|scratch| scratch.size() >= most_knots * KNOT);
         let own = || storage::<u8>(device, "knots of strands", most_knots * KNOT);
         let (lent, knots) = (lent.is_some(), lent.map_or_else(own, Ok)?);
         let uniform = bindings::uniform(device, "hair", size_of::<HairUniform>());
@@ -334,7 +347,7 @@ pub(crate) struct HairView<'a> {
 impl HairView<'_> {
     /// Records all cards. The caller has set the pipeline and bound the group of the frame.
     pub fn record_cards(&self, pass: &mut crate::gpu::RenderPass<'_>) {
-        let Some(cards) = &self.hair.cards else { return };
+        let Some(cards) = self.hair.cards() else { return };
         if self.zoned {
             pass.set_bind_group(0, &self.light.frame, &[]);
         }
@@ -354,7 +367,7 @@ impl HairView<'_> {
         }
         pass.set_bind_group(1, &self.shaded.group, &[]);
         pass.set_bind_group(2, &self.hair.fiber().group, &[]);
-        if let Some(strips) = self.hair.strips().get(&self.hair.drawn.vertex_count) {
+        if let Some(strips) = self.hair.asset.strips().get(&self.hair.drawn.vertex_count) {
             strips.record(pass, strands);
         }
     }

@@ -11,12 +11,12 @@
 
 use crate::{
     Context, Result,
-    groom::{BoundStrands, Groom, Guides},
+    groom::{BoundStrands, Guides},
     simulate::Tree,
     strands::Guide,
 };
 use glam::Vec3;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Maximum number of guides for farthest-point sampling, which compares all pairs.
 const COMPARED: usize = 2048;
@@ -30,12 +30,11 @@ pub const LEAST_GUIDES: u32 = 12;
 pub(crate) struct GuideOrder {
     /// Rest positions of each guide's root, middle and tip, meters.
     places: Vec<[Vec3; 3]>,
-    /// GPU data of each guide.
-    infos: Vec<Guide>,
     /// The order given by the strands, for guides that are not ordered by distance.
     strands: Vec<u32>,
     made: OnceLock<GuidePrefixes>,
-    tree: Mutex<Option<Tree>>,
+    /// GPU data of each guide, and of the order once it is needed.
+    data: Mutex<(Vec<Guide>, Option<Tree>)>,
 }
 
 /// The order, and the distances for each prefix.
@@ -58,7 +57,7 @@ impl GuideOrder {
             .filter(|i| seen.get_mut(*i as usize).is_some_and(|seen| !std::mem::replace(seen, true)))
             .collect();
         strands.extend((0..places.len() as u32).filter(|i| !seen[*i as usize]));
-        Self { places, infos, strands, made: OnceLock::new(), tree: Mutex::default() }
+        Self { places, strands, made: OnceLock::new(), data: Mutex::new((infos, None)) }
     }
 
     /// Returns the order.
@@ -73,26 +72,42 @@ impl GuideOrder {
     /// # Errors
     /// [`crate::Error::Limit`].
     pub fn tree(&self, context: &Context, info: &wgpu::Buffer) -> Result<Tree> {
-        let Context { queue, .. } = context;
-        // The value stays consistent if a holder panics.
-        let mut tree = self.tree.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(tree) = &*tree {
+        let mut data = self.data();
+        if let (_, Some(tree)) = &*data {
             return Ok(tree.clone());
         }
-        let made = self.get();
-        let infos = self.infos.iter().zip(&made.tree);
-        let infos: Vec<_> = infos
+        let tree = Tree::new(context, &self.get().tree)?;
+        data.1 = Some(tree.clone());
+        self.write(context, &data.0, info);
+        Ok(tree)
+    }
+
+    /// Replaces the data of the guides, which `info` has on the GPU.
+    pub fn set_infos(&self, context: &Context, infos: Vec<Guide>, info: &wgpu::Buffer) {
+        let mut data = self.data();
+        data.0 = infos;
+        if data.1.is_some() {
+            self.write(context, &data.0, info);
+        }
+    }
+
+    /// Writes `infos` with the order.
+    fn write(&self, context: &Context, infos: &[Guide], info: &wgpu::Buffer) {
+        let ordered = infos.iter().zip(&self.get().tree);
+        let ordered: Vec<_> = ordered
             .map(|(info, [guide, _])| Guide { flags: info.flags & 0xff | guide << 8, ..*info })
             .collect();
-        let new = Tree::new(context, &made.tree)?;
-        queue.write_buffer(info, 0, bytemuck::cast_slice(&infos));
-        *tree = Some(new.clone());
-        Ok(new)
+        context.queue.write_buffer(info, 0, bytemuck::cast_slice(&ordered));
+    }
+
+    fn data(&self) -> MutexGuard<'_, (Vec<Guide>, Option<Tree>)> {
+        // The value stays consistent if a holder panics.
+        self.data.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Returns the GPU memory, bytes.
     pub fn bytes(&self) -> u64 {
-        self.tree.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map_or(0, Tree::bytes)
+        self.data().1.as_ref().map_or(0, Tree::bytes)
     }
 
     fn apart(&self, a: u32, b: u32) -> f32 {
@@ -158,9 +173,9 @@ impl GuideOrder {
     }
 }
 
-/// Returns the order of the guides of `groom`, whose strands are `arranged`.
-pub(crate) fn order(groom: &Groom, infos: Vec<Guide>, arranged: &BoundStrands) -> GuideOrder {
-    GuideOrder::new(&groom.guides, infos, arranged.bindings.iter().map(|binding| binding.guides[0]))
+/// Returns the order of `guides`, whose strands are `arranged`.
+pub(crate) fn order(guides: &Guides, infos: Vec<Guide>, arranged: &BoundStrands) -> GuideOrder {
+    GuideOrder::new(guides, infos, arranged.bindings.iter().map(|binding| binding.guides[0]))
 }
 
 #[cfg(test)]

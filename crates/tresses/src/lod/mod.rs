@@ -71,7 +71,7 @@ pub(crate) use widths::Widths;
 pub use widths::{StrandLod, WidthParams};
 
 use crate::{
-    Camera, Context, Error, Pose, Progress, Result,
+    Camera, Context, Pose, Progress, Result,
     groom::BoundStrands,
     strands::{DrawCount, Strand, StrandBuffers},
 };
@@ -82,7 +82,7 @@ use std::sync::Arc;
 use later::CancelToken;
 use later::Promise;
 use maps::PaintedFactors;
-use widths::WidthBuffers;
+use widths::WidthStage;
 
 /// The level of detail of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -136,37 +136,44 @@ const LEAST_REST: f32 = 0.02;
 const PACKED: [f32; 2] = [3.0, 5.0];
 const MOST_PACKED: f32 = 2.0;
 
-/// Level of detail of one groom: measured tables and the current choice.
+/// Levels of detail of a groom, as measured: how the strands change with fewer and wider ones.
+#[derive(Debug)]
+pub(crate) struct LodTables {
+    /// Options for which the tables are measured.
+    options: LodOptions,
+    /// Error of fewer segments.
+    curve: CurveTable,
+    /// Coverage of wider strands.
+    cover: Promise<CoverTable>,
+    /// Bounding sphere of the hair at rest: center (groom space) and radius, meters.
+    pub sphere: (Vec3, f32),
+    /// Mean diameter of the strands, meters.
+    diameter: f32,
+    /// See [`DrawCount::dense`].
+    dense: f32,
+    /// See [`DrawCount::packed`].
+    packed: f32,
+    /// Number of strands up to the end of each bucket.
+    ends: Vec<u32>,
+    /// Area of the strands up to the end of each bucket, m².
+    areas: Vec<f64>,
+    strands: Vec<Strand>,
+    painted: PaintedFactors,
+    segments: u32,
+    /// The strands per strand of the groom, if they are columns of cards. All of them are drawn with all segments at
+    /// any distance.
+    columns: Option<f32>,
+    lods: wgpu::Buffer,
+}
+
+/// Level of detail of one head.
 #[derive(Debug)]
 pub struct Lod {
     /// Options; [`LodOptions::check`] describes the valid ranges. The cost of fewer strands is measured for the options
     /// that the hair was created with ([`HairOptions::lod`](crate::HairOptions::lod)).
     pub options: LodOptions,
-    /// Error of fewer segments.
-    pub curve: Arc<CurveTable>,
-    /// Coverage of wider strands.
-    cover: Arc<Promise<CoverTable>>,
-    /// Bounding sphere of the hair at rest: center (groom space) and radius, meters.
-    pub sphere: (Vec3, f32),
-    /// Mean diameter of the strands, meters.
-    pub diameter: f32,
-    /// See [`Drawn::dense`].
-    dense: f32,
-    /// See [`Drawn::packed`].
-    packed: f32,
-    /// Largest pixel with full detail when `cover` was measured, meters.
-    measured: f32,
-    /// Number of strands up to the end of each bucket.
-    ends: Arc<[u32]>,
-    /// Area of the strands up to the end of each bucket, m².
-    areas: Arc<[f64]>,
-    strands: Arc<[Strand]>,
-    painted: Arc<PaintedFactors>,
-    segments: u32,
-    /// The strands per strand of the groom, if they are columns of cards. All of them are drawn with all segments at
-    /// any distance.
-    pub(crate) columns: Option<f32>,
-    buffers: WidthBuffers,
+    tables: Arc<LodTables>,
+    widths: WidthStage,
     detail: Detail,
     /// Number of strands drawn in the last frame.
     before: u32,
@@ -175,22 +182,24 @@ pub struct Lod {
     sets: bool,
 }
 
-impl Lod {
-    /// Creates the level of detail of `strands`, which must be in the order of [`arrange`]. `infos` are the strands as
-    /// on the GPU.
+impl LodTables {
+    /// Measures `strands`, which must be in the order of [`arrange`]. `infos` are the strands as on the GPU, `painted`
+    /// the levels and the center of the braincase. `columns` is the number of strands per strand of the groom where
+    /// they are columns of cards.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`]; [`crate::Error::Parameter`] for invalid options.
-    pub(crate) async fn new(
+    /// [`crate::Error::Limit`]; [`crate::Error::Parameter`] for invalid options or levels.
+    pub async fn new(
         context: &Context,
         strands: BoundStrands,
-        infos: &[Strand],
-        buffers: &StrandBuffers,
+        infos: Vec<Strand>,
         options: &LodOptions,
+        (levels, skull): (&[LodLevel], Vec3),
+        columns: Option<f32>,
         progress: &impl Progress,
     ) -> Result<Self> {
         options.check()?;
-        let ends = buckets(buffers.count, LEAST);
+        let ends = buckets(infos.len() as u32, LEAST);
         let n = strands.vertex_count as usize;
         let (mut areas, mut area, mut length) = (Vec::new(), 0.0f64, 0.0f64);
         let (mut lo, mut hi) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
@@ -208,204 +217,66 @@ impl Lod {
             }
         }
         let radius = 0.5 * lo.distance(hi);
-        let mut lod = Self {
+        let painted = PaintedFactors::bake(&strands, levels, skull)?;
+        let mut tables = Self {
             options: *options,
-            curve: CurveTable::new(&strands).into(),
-            cover: Promise::known(CoverTable::none()).into(),
+            curve: CurveTable::new(&strands),
+            cover: Promise::known(CoverTable::none()),
             sphere: (0.5 * (lo + hi), radius),
             diameter: (area / length.max(1e-12)).max(1e-9) as f32,
             dense: lit::dense(length as f32 / infos.len().max(1) as f32, radius),
             packed: ((lit::dense(area as f32, radius) - PACKED[0]) / (PACKED[1] - PACKED[0]))
                 .clamp(0.0, MOST_PACKED),
-            measured: f32::INFINITY,
-            painted: PaintedFactors::none(infos.len()).into(),
             segments: strands.vertex_count.saturating_sub(1).max(1),
-            columns: None,
-            buffers: WidthBuffers::new(context, buffers)?,
-            detail: Detail {
-                pixel: 0.0,
-                size: f32::INFINITY,
-                fraction: 1.0,
-                strands: buffers.count,
-                width: 1.0,
-                area: 1.0,
-                deeper: [1.0; 2],
-                sunk: 0.0,
-                segments: (strands.vertex_count.saturating_sub(1).max(1)) as f32,
-                step: 1.0,
-                reach: 0.0,
-                substeps: 1.0,
-                together: 1.0,
-                levels: [1.0, 0.0, 0.0, 0.0],
-            },
-            before: buffers.count,
-            stale: false,
-            sets: false,
-            strands: infos.into(),
-            ends: ends.into(),
-            areas: areas.into(),
+            columns,
+            lods: widths::upload(context, &infos, &ends, &painted)?,
+            painted,
+            strands: infos.clone(),
+            ends,
+            areas,
         };
-        let first = span(&lod.ends, 0)[1];
-        lod.measured = lod.limit();
-        let levels = cover::levels(first, lod.measured, &lod.curve, |f| lod.widening(f), |p| lod.segments(p));
-        let (infos, sphere) = (infos.to_vec(), lod.sphere);
+        let first = span(&tables.ends, 0)[1];
+        let (sphere, measured) = (tables.sphere, tables.limit(options));
+        let levels = cover::levels(
+            first,
+            measured,
+            &tables.curve,
+            |fraction| tables.widening(fraction),
+            |pixel| tables.segments(options, pixel),
+        );
         #[cfg(not(target_arch = "wasm32"))]
         {
             let _ = progress;
-            lod.cover = Arc::new(Promise::start(async move |wanted: &CancelToken| {
+            tables.cover = Promise::start(async move |wanted: &CancelToken| {
                 CoverTable::new(&strands, &infos, sphere, &levels, wanted).await
-            }));
+            });
         }
         #[cfg(target_arch = "wasm32")]
         {
-            let table = CoverTable::new(&strands, &infos, sphere, &levels, progress).await;
-            lod.cover = Arc::new(Promise::known(table));
+            tables.cover = Promise::known(CoverTable::new(&strands, &infos, sphere, &levels, progress).await);
         }
-        lod.buffers.upload(context, &lod.strands, &lod.ends, &lod.painted);
-        lod.buffers.prepare(context, &lod.detail);
-        Ok(lod)
-    }
-
-    /// Creates the level of detail of another head with the same groom, whose strands are in `buffers`. Shares all
-    /// measurements.
-    pub(crate) fn another(&self, context: &Context, buffers: &StrandBuffers) -> Self {
-        Self {
-            curve: self.curve.clone(),
-            cover: self.cover.clone(),
-            ends: self.ends.clone(),
-            areas: self.areas.clone(),
-            strands: self.strands.clone(),
-            painted: self.painted.clone(),
-            buffers: self.buffers.another(context, buffers),
-            before: 0,
-            stale: true,
-            sets: false,
-            ..*self
-        }
-    }
-
-    /// Switches to `buffers` of another capacity.
-    pub(crate) fn move_into(&mut self, context: &Context, buffers: &StrandBuffers) {
-        let Context { queue, .. } = context;
-        let infos = &self.strands[..self.strands.len().min(buffers.room.strands as usize)];
-        queue.write_buffer(&buffers.strands, 0, bytemuck::cast_slice(infos));
-        self.buffers = self.buffers.another(context, buffers);
-        self.buffers.prepare(context, &self.detail);
-        self.stale = true;
+        Ok(tables)
     }
 
     /// Returns the area of all strands, width times length, m².
-    pub(crate) fn area(&self) -> f32 {
+    pub fn area(&self) -> f32 {
         self.areas.last().map_or(0.0, |area| *area as f32)
     }
 
-    /// Returns the coverage of wider strands. Blocks while it is being measured, soon after the hair is created.
-    pub fn cover(&self) -> &CoverTable {
-        self.cover.get()
-    }
-
-    /// Returns the level of detail of the frame that is being recorded.
-    pub fn current(&self) -> &Detail {
-        &self.detail
-    }
-
-    /// Returns the level of detail for hair that `camera` sees on a head at `head`.
-    pub fn seen(&self, camera: &Camera, head: &Pose) -> Detail {
-        self.seen_coarser(camera, head, 0.0)
-    }
-
-    /// [`seen`](Self::seen) with [`LodOptions::bias`] raised by `bias` octaves.
-    pub(crate) fn seen_coarser(&self, camera: &Camera, head: &Pose, bias: f32) -> Detail {
-        let (middle, radius) = self.sphere;
-        let clip = camera.projection * camera.view;
-        let w = (clip * head.point(middle).extend(1.0)).w;
-        // For a perspective camera w is the distance, for an orthographic one it is 1.
-        let per_meter = camera.projection.z_axis.w.abs();
-        let nearest = if per_meter > 0.0 { (w - radius * per_meter).max(0.01) } else { w };
-        let pixel = camera.pixel();
-        let size = 2.0 * radius / (pixel * w.max(nearest));
-        self.with(&self.options.coarser(bias), pixel * nearest, size)
-    }
-
-    /// Returns the level of detail where a pixel is `pixel` meters high and the hair has a diameter of `size` pixels.
-    pub fn detail(&self, pixel: f32, size: f32) -> Detail {
-        self.with(&self.options, pixel, size)
-    }
-
-    fn with(&self, options: &LodOptions, pixel: f32, size: f32) -> Detail {
-        let limit = self.limit();
-        let (fraction, coarse) = match options.mode {
-            LodMode::Off => (1.0, 0.0),
-            LodMode::Auto => {
-                let coarse = pixel * options.bias.exp2();
-                ((limit / coarse.max(1e-12)).min(1.0), coarse)
-            }
-            LodMode::Fixed(fraction) => {
-                let fraction = if fraction > 0.0 { fraction.min(1.0) } else { 1.0 };
-                (fraction, limit / fraction)
-            }
-        };
-        let levels = self.painted.weights(size);
-        let (fraction, segments, drawn) = match self.columns {
-            Some(_) => (1.0, self.segments as f32, LodMode::Off),
-            None => (fraction, self.segments(coarse), options.mode),
-        };
-        let step = match options.mode {
-            LodMode::Auto => (coarse / options.slow_pixel.max(1e-9)).clamp(1.0, options.slowest.max(1.0)),
-            LodMode::Off | LodMode::Fixed(_) => 1.0,
-        };
-        let auto = options.mode == LodMode::Auto;
-        let substeps = match options.substep_pixel {
-            from if auto && from > 0.0 && coarse >= 2.0 * from => 0.25,
-            from if auto && from > 0.0 && coarse >= from => 0.5,
-            _ => 1.0,
-        };
-        let together = match options.alone_pixel {
-            from if auto && from > 0.0 => (2.0 - coarse / from).clamp(0.0, 1.0),
-            _ => 1.0,
-        };
-        // The share that the table associates with this pixel, whatever width strands have now.
-        let automatic = (self.measured / pixel.max(1e-12)).min(1.0);
-        // Full detail must not wait for the measurements.
-        let [cover, before, behind, sunk] = match drawn {
-            LodMode::Auto | LodMode::Fixed(_) if fraction < 1.0 || automatic < 1.0 => {
-                self.cover().factors(fraction, automatic)
-            }
-            _ => cover::NONE,
-        };
-        Detail {
-            pixel,
-            size,
-            fraction,
-            strands: self.ends[self.bucket(fraction * self.painted.most(&levels))],
-            width: match drawn {
-                LodMode::Off => 1.0,
-                _ => self.widening(fraction) * cover / self.curve.length(segments),
-            },
-            area: cover.recip(),
-            deeper: [before, behind],
-            sunk,
-            segments,
-            step,
-            reach: if auto { options.guides * coarse } else { 0.0 },
-            substeps,
-            together,
-            levels,
-        }
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        self.lods.size()
     }
 
     /// Returns the largest pixel with full detail, meters: strands are dropped above it.
-    fn limit(&self) -> f32 {
-        self.diameter / self.options.strand_width.max(1e-6)
+    fn limit(&self, options: &LodOptions) -> f32 {
+        self.diameter / options.strand_width.max(1e-6)
     }
 
-    /// Returns the number of segments where a pixel is `pixel` meters high.
-    fn segments(&self, pixel: f32) -> f32 {
-        self.whole(self.curve.segments(self.options.curve_error * (pixel - self.limit()).max(0.0)))
-    }
-
-    /// Clamps `segments` and drops a last segment that is too short to have a reliable direction.
-    fn whole(&self, segments: f32) -> f32 {
+    /// Returns the number of segments where a pixel is `pixel` meters high. Drops a last segment that is too short to
+    /// have a reliable direction.
+    fn segments(&self, options: &LodOptions, pixel: f32) -> f32 {
+        let segments = self.curve.segments(options.curve_error * (pixel - self.limit(options)).max(0.0));
         let least = LEAST_SEGMENTS.min(self.segments as f32);
         let segments = segments.clamp(least, self.segments as f32);
         if segments.fract() < LEAST_REST { segments.floor() } else { segments }
@@ -430,26 +301,172 @@ impl Lod {
         let all = self.areas[self.areas.len() - 1];
         if area > 0.0 { (all / area) as f32 } else { 1.0 }
     }
+}
+
+impl Lod {
+    /// Creates the level of detail of one head at full detail. [`resize`](Self::resize) fills its strand buffers.
+    pub(crate) fn new(context: &Context, tables: &Arc<LodTables>, buffers: &StrandBuffers) -> Self {
+        Self {
+            options: tables.options,
+            tables: tables.clone(),
+            widths: WidthStage::new(context, &tables.lods, buffers),
+            detail: Detail {
+                pixel: 0.0,
+                size: f32::INFINITY,
+                fraction: 1.0,
+                strands: buffers.count,
+                width: 1.0,
+                area: 1.0,
+                deeper: [1.0; 2],
+                sunk: 0.0,
+                segments: tables.segments as f32,
+                step: 1.0,
+                reach: 0.0,
+                substeps: 1.0,
+                together: 1.0,
+                levels: [1.0, 0.0, 0.0, 0.0],
+            },
+            before: 0,
+            stale: true,
+            sets: false,
+        }
+    }
+
+    /// Switches to `buffers` of another capacity.
+    pub(crate) fn resize(&mut self, context: &Context, buffers: &StrandBuffers) {
+        let infos = &self.tables.strands;
+        let infos = &infos[..infos.len().min(buffers.room.strands as usize)];
+        context.queue.write_buffer(&buffers.strands, 0, bytemuck::cast_slice(infos));
+        self.widths = WidthStage::new(context, &self.tables.lods, buffers);
+        self.widths.prepare(context, &self.detail);
+        self.stale = true;
+    }
+
+    /// Returns the bounding sphere of the hair at rest: center (groom space) and radius, meters.
+    pub fn sphere(&self) -> (Vec3, f32) {
+        self.tables.sphere
+    }
+
+    /// Returns the mean diameter of the strands, meters.
+    pub fn diameter(&self) -> f32 {
+        self.tables.diameter
+    }
+
+    /// Returns the coverage of wider strands. Blocks while it is being measured, soon after the hair is created.
+    pub fn cover(&self) -> &CoverTable {
+        self.tables.cover.get()
+    }
+
+    /// Returns the level of detail of the frame that is being recorded.
+    pub fn current(&self) -> &Detail {
+        &self.detail
+    }
+
+    /// Returns the level of detail for hair that `camera` sees on a head at `head`.
+    pub fn seen(&self, camera: &Camera, head: &Pose) -> Detail {
+        self.seen_coarser(camera, head, 0.0)
+    }
+
+    /// [`seen`](Self::seen) with [`LodOptions::bias`] raised by `bias` octaves.
+    pub(crate) fn seen_coarser(&self, camera: &Camera, head: &Pose, bias: f32) -> Detail {
+        let (middle, radius) = self.tables.sphere;
+        let clip = camera.projection * camera.view;
+        let w = (clip * head.point(middle).extend(1.0)).w;
+        // For a perspective camera w is the distance, for an orthographic one it is 1.
+        let per_meter = camera.projection.z_axis.w.abs();
+        let nearest = if per_meter > 0.0 { (w - radius * per_meter).max(0.01) } else { w };
+        let pixel = camera.pixel();
+        let size = 2.0 * radius / (pixel * w.max(nearest));
+        self.with(&self.options.coarser(bias), pixel * nearest, size)
+    }
+
+    /// Returns the level of detail where a pixel is `pixel` meters high and the hair has a diameter of `size` pixels.
+    pub fn detail(&self, pixel: f32, size: f32) -> Detail {
+        self.with(&self.options, pixel, size)
+    }
+
+    fn with(&self, options: &LodOptions, pixel: f32, size: f32) -> Detail {
+        let tables = &*self.tables;
+        let limit = tables.limit(&self.options);
+        let (fraction, coarse) = match options.mode {
+            LodMode::Off => (1.0, 0.0),
+            LodMode::Auto => {
+                let coarse = pixel * options.bias.exp2();
+                ((limit / coarse.max(1e-12)).min(1.0), coarse)
+            }
+            LodMode::Fixed(fraction) => {
+                let fraction = if fraction > 0.0 { fraction.min(1.0) } else { 1.0 };
+                (fraction, limit / fraction)
+            }
+        };
+        let levels = tables.painted.weights(size);
+        let (fraction, segments, drawn) = match tables.columns {
+            Some(_) => (1.0, tables.segments as f32, LodMode::Off),
+            None => (fraction, tables.segments(&self.options, coarse), options.mode),
+        };
+        let step = match options.mode {
+            LodMode::Auto => (coarse / options.slow_pixel.max(1e-9)).clamp(1.0, options.slowest.max(1.0)),
+            LodMode::Off | LodMode::Fixed(_) => 1.0,
+        };
+        let auto = options.mode == LodMode::Auto;
+        let substeps = match options.substep_pixel {
+            from if auto && from > 0.0 && coarse >= 2.0 * from => 0.25,
+            from if auto && from > 0.0 && coarse >= from => 0.5,
+            _ => 1.0,
+        };
+        let together = match options.alone_pixel {
+            from if auto && from > 0.0 => (2.0 - coarse / from).clamp(0.0, 1.0),
+            _ => 1.0,
+        };
+        // The share that the table associates with this pixel, whatever width strands have now.
+        let automatic = (tables.limit(&tables.options) / pixel.max(1e-12)).min(1.0);
+        // Full detail must not wait for the measurements.
+        let [cover, before, behind, sunk] = match drawn {
+            LodMode::Auto | LodMode::Fixed(_) if fraction < 1.0 || automatic < 1.0 => {
+                self.cover().factors(fraction, automatic)
+            }
+            _ => cover::NONE,
+        };
+        Detail {
+            pixel,
+            size,
+            fraction,
+            strands: tables.ends[tables.bucket(fraction * tables.painted.most(&levels))],
+            width: match drawn {
+                LodMode::Off => 1.0,
+                _ => tables.widening(fraction) * cover / tables.curve.length(segments),
+            },
+            area: cover.recip(),
+            deeper: [before, behind],
+            sunk,
+            segments,
+            step,
+            reach: if auto { options.guides * coarse } else { 0.0 },
+            substeps,
+            together,
+            levels,
+        }
+    }
 
     /// Sets the level of detail and updates what `buffers` draws.
     pub(crate) fn set(&mut self, context: &Context, buffers: &mut StrandBuffers, detail: Detail) {
         self.stale |= self.detail != detail;
         self.detail = detail;
-        self.buffers.prepare(context, &detail);
+        self.widths.prepare(context, &detail);
         buffers.drawn = self.drawn();
     }
 
     /// Returns the drawn part of the strands at the current level of detail.
     pub(crate) fn drawn(&self) -> DrawCount {
         let detail = &self.detail;
-        let drawn = DrawCount::new(detail.strands, self.segments + 1, detail.segments);
+        let drawn = DrawCount::new(detail.strands, self.tables.segments + 1, detail.segments);
         DrawCount {
             area: detail.area,
             deeper: detail.deeper,
             sunk: detail.sunk,
-            single: self.columns.unwrap_or(detail.fraction).min(1.0).sqrt(),
-            dense: self.dense,
-            packed: self.packed,
+            single: self.tables.columns.unwrap_or(detail.fraction).min(1.0).sqrt(),
+            dense: self.tables.dense,
+            packed: self.tables.packed,
             ..drawn
         }
     }
@@ -465,37 +482,15 @@ impl Lod {
         std::mem::replace(&mut self.before, self.detail.strands)
     }
 
-    /// Sets painted levels: at most [`MAX_LEVELS`] with descending sizes; an empty slice removes them.
-    pub(crate) fn paint(
-        &mut self,
-        context: &Context,
-        strands: &BoundStrands,
-        levels: &[LodLevel],
-        skull: Vec3,
-    ) -> Result<()> {
-        if Arc::strong_count(&self.strands) > 1 {
-            return Err(Error::unusable("levels of detail must be painted before instances share the hair"));
-        }
-        self.painted = PaintedFactors::bake(strands, levels, skull)?.into();
-        self.buffers.upload(context, &self.strands, &self.ends, &self.painted);
-        self.stale = true;
-        Ok(())
-    }
-
     pub(crate) fn record(&self, pass: &mut crate::gpu::ComputePass<'_>) {
         if self.sets {
-            self.buffers.record(pass, self.detail.strands);
+            self.widths.record(pass, self.detail.strands);
         }
     }
 
-    /// Returns the GPU memory, bytes.
-    pub fn bytes(&self) -> u64 {
-        self.buffers.bytes()
-    }
-
-    /// Returns the GPU memory that heads share, bytes.
-    pub(crate) fn shared_bytes(&self) -> u64 {
-        self.buffers.shared_bytes()
+    /// Bytes of GPU memory of this head alone.
+    pub(crate) fn own_bytes(&self) -> u64 {
+        self.widths.bytes()
     }
 }
 

@@ -5,7 +5,7 @@ use crate::{
     Context, Result,
     constants::STRAND_WORKGROUP,
     gpu::{Binding, Kernel, PipelineSet, bindings},
-    strands::{Strand, StrandBuffers, buffers::storage},
+    strands::{Strand, StrandBuffers, buffers::filled},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec4;
@@ -57,59 +57,46 @@ impl PipelineSet for Widths {
     }
 }
 
-/// The buffers of one groom.
+/// Data of the strands of a groom that does not depend on the current level.
+pub(super) fn upload(
+    context: &Context,
+    strands: &[Strand],
+    ends: &[u32],
+    painted: &PaintedFactors,
+) -> Result<wgpu::Buffer> {
+    let mut bucket = 0;
+    let lods: Vec<_> = strands
+        .iter()
+        .enumerate()
+        .map(|(i, strand)| {
+            bucket += usize::from(i as u32 >= ends[bucket]);
+            StrandLod {
+                radius: strand.radius,
+                span: span(ends, bucket),
+                density: painted.density[i],
+                thickness: painted.thickness[i],
+            }
+        })
+        .collect();
+    filled(context, "strand levels of detail", bytemuck::cast_slice(&lods))
+}
+
+/// The kernel's state for one head.
 #[derive(Debug)]
-pub(super) struct WidthBuffers {
+pub(super) struct WidthStage {
     pipeline: Arc<Widths>,
     params: wgpu::Buffer,
-    lods: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
 
-impl WidthBuffers {
-    pub fn new(context: &Context, buffers: &StrandBuffers) -> Result<Self> {
-        let Context { device, .. } = context;
+impl WidthStage {
+    /// Binds `lods` to the strands of one head.
+    pub fn new(context: &Context, lods: &wgpu::Buffer, buffers: &StrandBuffers) -> Self {
         let pipeline: Arc<Widths> = context.pipelines();
-        let params = bindings::uniform(device, "widths", size_of::<WidthParams>());
-        let lods = storage::<StrandLod>(device, "strand levels of detail", buffers.count.into())?;
-        let all = [&params, &lods, &buffers.strands, &buffers.widening];
+        let params = bindings::uniform(&context.device, "widths", size_of::<WidthParams>());
+        let all = [&params, lods, &buffers.strands, &buffers.widening];
         let group = pipeline.0.bind(&all.map(|buffer| buffer.as_entire_binding()));
-        Ok(Self { pipeline, params, lods, group })
-    }
-
-    /// Creates the buffers for another head, whose strands are in `buffers`. Shares constant data.
-    pub fn another(&self, context: &Context, buffers: &StrandBuffers) -> Self {
-        let Context { device, .. } = context;
-        let pipeline: Arc<Widths> = context.pipelines();
-        let params = bindings::uniform(device, "widths", size_of::<WidthParams>());
-        let all = [&params, &self.lods, &buffers.strands, &buffers.widening];
-        let group = pipeline.0.bind(&all.map(|buffer| buffer.as_entire_binding()));
-        Self { pipeline, params, lods: self.lods.clone(), group }
-    }
-
-    /// Returns the GPU memory that heads share, bytes.
-    pub fn shared_bytes(&self) -> u64 {
-        self.lods.size()
-    }
-
-    /// Writes the data that does not depend on the current level.
-    pub fn upload(&self, context: &Context, strands: &[Strand], ends: &[u32], painted: &PaintedFactors) {
-        let Context { queue, .. } = context;
-        let mut bucket = 0;
-        let lods: Vec<_> = strands
-            .iter()
-            .enumerate()
-            .map(|(i, strand)| {
-                bucket += usize::from(i as u32 >= ends[bucket]);
-                StrandLod {
-                    radius: strand.radius,
-                    span: span(ends, bucket),
-                    density: painted.density[i],
-                    thickness: painted.thickness[i],
-                }
-            })
-            .collect();
-        queue.write_buffer(&self.lods, 0, bytemuck::cast_slice(&lods));
+        Self { pipeline, params, group }
     }
 
     pub fn prepare(&self, context: &Context, detail: &Detail) {
@@ -129,7 +116,7 @@ impl WidthBuffers {
     }
 
     pub fn bytes(&self) -> u64 {
-        self.params.size() + self.lods.size()
+        self.params.size()
     }
 }
 

@@ -1,6 +1,7 @@
 //! Math shared by several stages.
 
-pub mod ldl;
+#[cfg(test)]
+pub(crate) mod ldl;
 pub(crate) mod map;
 pub mod pose;
 pub mod ray;

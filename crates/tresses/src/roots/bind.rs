@@ -2,7 +2,7 @@
 
 use crate::{
     Error, Result,
-    groom::{BoundStrands, Groom, TriMesh, mesh::Bvh},
+    groom::{TriMesh, mesh::Bvh},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat3, Quat, Vec3};
@@ -71,11 +71,9 @@ fn skin(mesh: &TriMesh, triangle: [u32; 3], b: f32, c: f32) -> Place {
     Place { triangle, b, c, at: corner + b * edge + c * other, rotation }
 }
 
-/// Binds the roots of `groom`'s guides and of its strands, in the order of `arranged`, to the nearest point on `mesh`,
-/// at most `reach` meters away.
+/// Binds the roots of guides and of strands to the nearest point on `mesh`, at most `reach` meters away.
 pub(super) fn bind(
-    groom: &Groom,
-    arranged: &BoundStrands,
+    [guides, strands]: [&[Vec3]; 2],
     mesh: &TriMesh,
     reach: f32,
 ) -> Result<(Vec<GuideRoot>, Vec<StrandRoot>, RootReport)> {
@@ -85,7 +83,7 @@ pub(super) fn bind(
     if mesh.triangles.is_empty() {
         return Err(Error::unusable("the mesh has no triangles to attach roots to"));
     }
-    let near = near(mesh, roots(groom, arranged), reach);
+    let near = near(mesh, guides.iter().chain(strands).copied(), reach);
     let bvh = Bvh::new(&near);
     let mut report = RootReport::default();
     let mut sum = 0.0f64;
@@ -106,27 +104,18 @@ pub(super) fn bind(
         let [_, b, c] = closest.barycentric.to_array();
         Ok(skin(mesh, near.triangles[closest.triangle as usize], b, c))
     };
-    let guides = (0..groom.guides.len()).map(|i| {
-        let place = find(groom.guides.guide(i)[0])?;
-        let Place { triangle, b, c, at, rotation } = place;
+    let guides = guides.iter().map(|root| {
+        let Place { triangle, b, c, at, rotation } = find(*root)?;
         Ok(GuideRoot { triangle, b, rest_at: at, c, rest_back: rotation.conjugate() })
     });
     let guides = guides.collect::<Result<Vec<_>>>()?;
-    let strands = (0..arranged.len()).map(|i| {
-        let root = arranged.rest_positions(i).next().unwrap_or_default();
-        let place = find(root)?;
-        let Place { triangle, b, c, at, rotation } = place;
-        Ok(StrandRoot { triangle, b, offset: rotation.conjugate() * (root - at), c })
+    let strands = strands.iter().map(|root| {
+        let Place { triangle, b, c, at, rotation } = find(*root)?;
+        Ok(StrandRoot { triangle, b, offset: rotation.conjugate() * (*root - at), c })
     });
     let strands = strands.collect::<Result<Vec<_>>>()?;
     report.mean = (sum / f64::from(report.roots.max(1))) as f32;
     Ok((guides, strands, report))
-}
-
-/// Iterates over the first vertices of guides and strands.
-fn roots<'a>(groom: &'a Groom, arranged: &'a BoundStrands) -> impl Iterator<Item = Vec3> + 'a {
-    let guides = (0..groom.guides.len()).map(|i| groom.guides.guide(i)[0]);
-    guides.chain((0..arranged.len()).map(|i| arranged.rest_positions(i).next().unwrap_or_default()))
 }
 
 /// Returns the triangles of `mesh` that may be within `reach` of any root, so that binding brows does not build a

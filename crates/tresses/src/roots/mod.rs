@@ -36,7 +36,7 @@ use crate::{
     body::{Skin, Words},
     constants::{GUIDE_WORKGROUP, STRAND_WORKGROUP},
     gpu::{Binding, Kernel, PipelineSet, bindings},
-    groom::{BoundStrands, Groom, TriMesh},
+    groom::TriMesh,
     math::map::Map,
     strands::{
         GuideBuffers, RootMotion, StrandBuffers,
@@ -97,7 +97,43 @@ pub struct RootsUniform {
     pub _pad: [u32; 3],
 }
 
-/// Roots of one groom on a surface.
+/// The roots of a groom, bound to points of a mesh.
+#[derive(Clone, Debug)]
+pub(crate) struct RootAsset {
+    /// [`GuideRoot`]s.
+    guides: wgpu::Buffer,
+    /// [`StrandRoot`]s; `None` if strands use the roots of their guides.
+    strands: Option<wgpu::Buffer>,
+    /// Distances of the roots from the mesh.
+    pub report: RootReport,
+}
+
+impl RootAsset {
+    /// Binds the roots of guides and strands to `mesh`, the surface at rest (groom space). No root may be farther from
+    /// the surface than `reach` meters. `follows` if strands are their own guides.
+    ///
+    /// # Errors
+    /// [`crate::groom::Error::Unusable`] for a root that is farther away and for a mesh without triangles;
+    /// [`crate::Error::Limit`].
+    pub fn new(
+        context: &Context,
+        roots: [&[Vec3]; 2],
+        follows: bool,
+        mesh: &TriMesh,
+        reach: f32,
+    ) -> Result<Self> {
+        let (guides, strands, report) = bind::bind(roots, mesh, reach)?;
+        let strands = (!follows).then(|| filled(context, "bound strands", bytemuck::cast_slice(&strands)));
+        let guides = filled(context, "bound guides", bytemuck::cast_slice(&guides))?;
+        Ok(Self { guides, strands: strands.transpose()?, report })
+    }
+
+    pub fn bytes(&self) -> u64 {
+        self.guides.size() + self.strands.as_ref().map_or(0, wgpu::Buffer::size)
+    }
+}
+
+/// Roots of one head on a surface.
 #[derive(Debug)]
 pub struct Roots {
     pipelines: Arc<Pipelines>,
@@ -107,54 +143,19 @@ pub struct Roots {
     uniform: wgpu::Buffer,
     guides: wgpu::BindGroup,
     strands: Option<wgpu::BindGroup>,
-    /// Skin points of guides and strands, shared by instances.
-    bound: (wgpu::Buffer, Option<wgpu::Buffer>),
+    pub(crate) asset: RootAsset,
     words: [Words; 2],
     fresh: bool,
 }
 
 impl Roots {
-    /// Binds the roots of `groom` to `mesh`, the surface at rest (groom space); `skin` has its vertices in each frame.
-    /// `arranged` are the groom's strands in drawing order. No root may be farther from the surface than `reach`
-    /// meters.
+    /// Moves the roots with `skin`, the current vertices of the mesh that they are bound to.
     ///
     /// # Errors
-    /// [`crate::groom::Error::Unusable`] for a root that is farther away, for a mesh without triangles, and for buffers
-    /// that are too short for the mesh; [`crate::Error::Limit`].
+    /// [`crate::Error::Limit`].
     pub(crate) fn new(
         context: &Context,
-        (groom, arranged): (&Groom, &BoundStrands),
-        (guides, strands): (&mut GuideBuffers, &mut StrandBuffers),
-        mesh: &TriMesh,
-        skin: &Skin<'_>,
-        reach: f32,
-    ) -> Result<(Self, RootReport)> {
-        for (buffer, words) in [skin.positions, skin.normals] {
-            words.hold(buffer, mesh)?;
-        }
-        let (bound_guides, bound_strands, report) = bind::bind(groom, arranged, mesh, reach)?;
-        let of_guides = filled(context, "bound guides", bytemuck::cast_slice(&bound_guides))?;
-        // Strands that are their own guides use the guides' roots.
-        let of_strands = (guides.sample_count > 0)
-            .then(|| filled(context, "bound strands", bytemuck::cast_slice(&bound_strands)))
-            .transpose()?;
-        Ok((Self::bound(context, (of_guides, of_strands), (guides, strands), skin)?, report))
-    }
-
-    /// Creates the same roots on another body with the same mesh, for other guides and strands of the same groom.
-    pub(crate) fn instance(
-        &self,
-        context: &Context,
-        buffers: (&mut GuideBuffers, &mut StrandBuffers),
-        skin: &Skin<'_>,
-    ) -> Result<Self> {
-        Self::bound(context, self.bound.clone(), buffers, skin)
-    }
-
-    /// Creates the roots for skin points on a mesh.
-    fn bound(
-        context: &Context,
-        bound: (wgpu::Buffer, Option<wgpu::Buffer>),
+        asset: &RootAsset,
         (guides, strands): (&mut GuideBuffers, &mut StrandBuffers),
         skin: &Skin<'_>,
     ) -> Result<Self> {
@@ -167,12 +168,11 @@ impl Roots {
             let buffers = [&uniform, skin.positions.0, skin.normals.0, bound, out];
             kernel.bind(&buffers.map(|buffer| buffer.as_entire_binding()))
         };
-        let (of_guides, of_strands) = &bound;
-        let guide_group = group(&pipelines.guides, of_guides, &guides.roots);
+        let guide_group = group(&pipelines.guides, &asset.guides, &guides.roots);
         let mut strand_group = None;
-        if let Some(of_strands) = of_strands {
+        if let Some(bound) = &asset.strands {
             strands.roots = storage::<[f32; 4]>(device, "strand roots", u64::from(strands.count) + 1)?;
-            strand_group = Some(group(&pipelines.strands, of_strands, &strands.roots));
+            strand_group = Some(group(&pipelines.strands, bound, &strands.roots));
         }
         Ok(Self {
             pipelines,
@@ -180,7 +180,7 @@ impl Roots {
             uniform,
             guides: guide_group,
             strands: strand_group,
-            bound,
+            asset: asset.clone(),
             words: [skin.positions.1, skin.normals.1],
             fresh: true,
         })
@@ -225,9 +225,8 @@ impl Roots {
         }
     }
 
-    /// Bytes of GPU memory, without the buffers of guides and strands.
-    pub fn bytes(&self) -> u64 {
-        let (guides, strands) = &self.bound;
-        self.uniform.size() + guides.size() + strands.as_ref().map_or(0, wgpu::Buffer::size)
+    /// Bytes of GPU memory of this head alone, without the buffers of guides and strands.
+    pub(crate) fn own_bytes(&self) -> u64 {
+        self.uniform.size()
     }
 }

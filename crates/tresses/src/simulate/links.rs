@@ -3,7 +3,7 @@
 //! Hair that stands out, as in an afro or a teased bun, is supported by its neighbors rather than by its own stiffness.
 //! Hairs that lean together cannot slide along each other before the friction between them yields. When two parallel
 //! hairs bend together, they must slide along each other by their distance times the angle; the resistance to that
-//! carries the lock like a beam. When hair is created, guides are therefore linked to nearby guides by springs along
+//! carries the lock like a beam. Guides are therefore linked to nearby guides by springs along
 //! the line between two vertices. Links preserve distances, so rotating hair as a whole has no effect, and no link
 //! pulls at rest. Each link pulls equally at both ends, so links neither move nor turn hair as a whole.
 //!
@@ -35,7 +35,10 @@ use crate::{
     Context, Result,
     constants::{LINKS, VOLUME_WORKGROUP},
     gpu::Binding,
-    strands::{GuideBuffers, RestGuides, buffers::storage},
+    strands::{
+        GuideBuffers, RestGuides,
+        buffers::{filled, storage},
+    },
     volume::HairHair,
 };
 use bytemuck::{Pod, Zeroable};
@@ -97,50 +100,50 @@ impl LinkUniforms {
     }
 }
 
+/// Links of a groom on the GPU.
+#[derive(Clone, Debug)]
+pub(crate) struct LinkAsset {
+    /// Distance at which vertices are linked, meters.
+    pub reach: f32,
+    /// [`Link`]s.
+    links: wgpu::Buffer,
+}
+
+impl LinkAsset {
+    /// Links guides that have the rest state `rest`.
+    ///
+    /// # Errors
+    /// [`Error::Limit`](crate::Error::Limit).
+    pub fn new(context: &Context, rest: &RestGuides, reach: f32) -> Result<Self> {
+        Ok(Self { reach, links: filled(context, "links", bytemuck::cast_slice(&find(rest, reach)))? })
+    }
+
+    pub fn bytes(&self) -> u64 {
+        self.links.size()
+    }
+}
+
 /// The links of one head on the GPU.
 #[derive(Debug)]
 pub struct Links {
     pipelines: Arc<Pipelines>,
     uniforms: wgpu::Buffer,
-    /// [`Link`]s, shared by heads with the same groom.
-    links: wgpu::Buffer,
+    pub(crate) asset: LinkAsset,
     group: wgpu::BindGroup,
     vertices: u32,
 }
 
 impl Links {
-    /// Links `guides`, which have the rest state `rest`.
+    /// Binds the links to the guides of one head.
     ///
     /// # Errors
     /// [`Error::Limit`](crate::Error::Limit).
-    pub fn new(
-        context: &Context,
-        guides: &GuideBuffers,
-        rest: &RestGuides,
-        params: &HairHair,
-    ) -> Result<Self> {
-        let Context { device, queue, .. } = context;
-        let vertices = u64::from(guides.count) * u64::from(guides.vertex_count);
-        let links = storage::<Link>(device, "links", vertices * u64::from(LINKS))?;
-        queue.write_buffer(&links, 0, bytemuck::cast_slice(&find(rest, params.cohesion_reach)));
-        Self::of(context, guides, links)
-    }
-
-    /// Creates the same links for another head with the same groom.
-    ///
-    /// # Errors
-    /// [`Error::Limit`](crate::Error::Limit).
-    pub(crate) fn another(&self, context: &Context, guides: &GuideBuffers) -> Result<Self> {
-        Self::of(context, guides, self.links.clone())
-    }
-
-    fn of(context: &Context, guides: &GuideBuffers, links: wgpu::Buffer) -> Result<Self> {
-        let Context { device, .. } = context;
+    pub(crate) fn new(context: &Context, guides: &GuideBuffers, asset: LinkAsset) -> Result<Self> {
         let pipelines: Arc<Pipelines> = context.pipelines();
-        let uniforms = storage::<LinkUniforms>(device, "link uniforms", 1)?;
-        let buffers = [&uniforms, &links, &guides.current, &guides.velocity, &guides.forces];
+        let uniforms = storage::<LinkUniforms>(&context.device, "link uniforms", 1)?;
+        let buffers = [&uniforms, &asset.links, &guides.current, &guides.velocity, &guides.forces];
         let group = pipelines.links.bind(&buffers.map(|buffer| buffer.as_entire_binding()));
-        Ok(Self { pipelines, uniforms, links, group, vertices: guides.count * guides.vertex_count })
+        Ok(Self { pipelines, uniforms, asset, group, vertices: guides.count * guides.vertex_count })
     }
 
     /// Writes the uniforms of a frame with steps of `span` seconds.
@@ -155,14 +158,9 @@ impl Links {
         self.pipelines.links.record(pass, &self.group, &[], self.vertices.div_ceil(VOLUME_WORKGROUP));
     }
 
-    /// Bytes of GPU memory that heads share.
-    pub(crate) fn shared_bytes(&self) -> u64 {
-        self.links.size()
-    }
-
-    /// Bytes of GPU memory, shared ones included.
-    pub fn bytes(&self) -> u64 {
-        self.uniforms.size() + self.links.size()
+    /// Bytes of GPU memory of this head alone.
+    pub(crate) fn own_bytes(&self) -> u64 {
+        self.uniforms.size()
     }
 }
 
@@ -338,7 +336,8 @@ mod tests {
         queue.write_buffer(&guides.forces, 0, bytemuck::cast_slice(&forces));
         let params =
             HairHair { cohesion: 900.0, cohesion_limit: 5.0, cohesion_reach: 0.02, ..Default::default() };
-        let links = Links::new(context, &guides, &rest, &params).unwrap();
+        let asset = LinkAsset::new(context, &rest, params.cohesion_reach).unwrap();
+        let links = Links::new(context, &guides, asset).unwrap();
         links.prepare(context, &params, 1.0 / 60.0);
         crate::gpu::compute(context, |pass| links.record(pass));
         let found: Vec<GuideForce> = readback::buffer(context, &guides.forces).unwrap();

@@ -54,9 +54,9 @@
 //! visible.
 //!
 //! **Rounding.** A strand is thousands of times stiffer along an edge than across it. Blocks are therefore factored
-//! (see [`crate::math::ldl`]), not inverted. In four steps of a turning head, the kernel and the CPU reference differ
-//! by 0.01 mm (16 vertices), 0.1 mm (32) and 2 mm (64). A strand with a segment of zero length differs by millimeters,
-//! because the direction of that segment is rounding error.
+//! (`math/ldl.wesl`), not inverted. In four steps of a turning head, rounding moves vertices by 0.01 mm (16 vertices),
+//! 0.1 mm (32) and 2 mm (64), and those of a strand with a segment of zero length by millimeters: the direction of that
+//! segment is rounding error.
 //!
 //! **State.** 40 bytes per vertex, 48 with twist. The rest state takes 16 (`PackedGuide`: position as 16-bit fractions
 //! of the guide's cube, contact, and the deviation of bends and edges from the rest pose). The position takes 12 and
@@ -89,10 +89,6 @@ pub mod ties;
 
 #[cfg(test)]
 mod gpu_tests;
-#[cfg(test)]
-mod physics;
-#[cfg(test)]
-mod reference;
 
 use crate::{
     Context, Result,
@@ -100,7 +96,6 @@ use crate::{
     collide::ColliderSet,
     constants::{STEP_BYTES, TWIST_BYTES},
     gpu::{Kernel, PipelineSet},
-    groom::Guides,
     space::Field,
     strands::GuideBuffers,
     wind::Wind,
@@ -113,10 +108,12 @@ use step::StepKernels;
 pub use forces::{AirUniforms, Forces};
 pub use grab::{BrushEffect, Grab, MotionBrush, Target};
 pub(crate) use lead::Tree;
+pub(crate) use links::LinkAsset;
 pub use links::Links;
 pub use params::{RootToTip, SimulationParams};
 pub use rest::{GuideTraits, RestOptions, RestShape};
 pub(crate) use shift::Shifting;
+pub(crate) use ties::TieAsset;
 pub use ties::{Tie, TieReport, TieTarget, Ties};
 
 /// Stride between the uniforms of consecutive steps, bytes: a multiple of every adapter's alignment.
@@ -219,32 +216,18 @@ impl Simulation {
         self.simulated.0 = count.clamp(1, self.guide_count.max(1));
     }
 
-    /// Replaces all ties by `ties`, from the next frame on. `rest` are the guides' rest poses. An empty slice removes
-    /// all ties.
-    ///
-    /// # Errors
-    /// [`crate::Error::Parameter`] for a tie with invalid values, [`crate::groom::Error::Unusable`] for a tie that
-    /// holds nothing and for more than [`ties::MAX_RINGS`] rings; [`crate::Error::Limit`].
-    pub fn tie(
-        &mut self,
-        context: &Context,
-        guides: &GuideBuffers,
-        rest: &Guides,
-        ties: &[Tie],
-    ) -> Result<TieReport> {
-        let step = &slot(&self.uniforms);
-        let make = || Ties::new(context, step, guides, rest, ties);
-        self.ties = (!ties.is_empty()).then(make).transpose()?;
-        Ok(self.ties.as_ref().map(Ties::report).unwrap_or_default())
-    }
-
-    /// Gives these guides the ties of `other`, which has the same groom, from the next frame on.
+    /// Replaces all ties, from the next frame on.
     ///
     /// # Errors
     /// [`crate::Error::Limit`].
-    pub(crate) fn tie_as(&mut self, context: &Context, guides: &GuideBuffers, other: &Self) -> Result<()> {
+    pub(crate) fn tie(
+        &mut self,
+        context: &Context,
+        guides: &GuideBuffers,
+        ties: Option<&TieAsset>,
+    ) -> Result<()> {
         let step = &slot(&self.uniforms);
-        self.ties = other.ties.as_ref().map(|ties| ties.another(context, step, guides)).transpose()?;
+        self.ties = ties.map(|ties| Ties::new(context, step, guides, ties)).transpose()?;
         Ok(())
     }
 
@@ -269,9 +252,9 @@ impl Simulation {
         self.simulated.0
     }
 
-    /// Bytes of GPU memory, without the guides.
-    pub fn bytes(&self) -> u64 {
-        self.uniforms.size() + self.ties.as_ref().map_or(0, Ties::bytes)
+    /// Bytes of GPU memory of this head alone, without the guides.
+    pub(crate) fn own_bytes(&self) -> u64 {
+        self.uniforms.size() + self.ties.as_ref().map_or(0, Ties::own_bytes)
     }
 
     /// Records a frame's `steps` into `pass`, at most the last [`MAX_STEPS`]. The caller has

@@ -46,8 +46,7 @@ pub struct SimulationParams {
     /// Multiplied by [`crate::strands::Guide::stiffness`].
     pub goal: RootToTip,
     /// Torsional stiffness as a multiple of bending stiffness, GJ / EI: about 0.5 for a round keratin fiber. Curls
-    /// yield and spring back by it. 0 disables twist; a step then takes two thirds of the time. Hair created with 0
-    /// cannot twist later.
+    /// yield and spring back by it. 0 disables twist; a step then takes two thirds of the time.
     pub twist: f32,
     /// Bending viscosity: relaxation time of a bend on its own, s. 0 for none.
     pub bending_damping: f32,
@@ -63,10 +62,6 @@ pub struct SimulationParams {
     /// Strain under gravity of a strand that hangs from its root; it determines the stiffness along the hair. Real hair
     /// has about 1e-6, which single precision cannot represent.
     pub stretch: f32,
-    /// Safety margin of the stiffening of guides that do not hang ([`rest::support`](super::rest::support)), as a
-    /// multiple of the stiffness at which they just stay upright. Applied when the hair is created. Hairs that lean on
-    /// each other bend as one beam: together they are as many times stiffer as there are hairs.
-    pub support: f32,
     /// Hair–hair interaction.
     pub hair_hair: HairHair,
     /// Length of one fixed step, s.
@@ -89,7 +84,6 @@ impl Default for SimulationParams {
             wind: Wind::default(),
             friction: 0.4,
             stretch: 5e-4,
-            support: 2.0,
             hair_hair: HairHair::default(),
             step: 1.0 / 60.0,
             substeps: 4,
@@ -103,10 +97,6 @@ pub const MAX_BENDING_RATE: f32 = 1e9;
 /// Largest product of bending rate, squared substep and squared sine of the rest angle. Beyond it, the twist that a
 /// bend exerts on the hair above is too stiff for an explicit force.
 pub(crate) const MAX_CURL: f32 = 20.0;
-/// Artificial stiffness of an edge in the solve, per bending rate and squared sine of the bend, in place of the
-/// stiffness of that twist. It exerts no force and vanishes at rest.
-#[cfg_attr(not(test), allow(dead_code))] // Only the CPU reference reads it; the kernel has its own.
-pub(crate) const BRAKE: f32 = 4.0;
 impl SimulationParams {
     /// The range of [`line_density`](Self::line_density).
     pub const LINE_DENSITY: Range = range!("line density", 1e-9 to 1.0, "kg/m"; usually 5e-7 to 1e-4);
@@ -126,8 +116,6 @@ impl SimulationParams {
     pub const FRICTION: Range = range!("friction", 0.0 to 100.0; usually 0.0 to 10.0);
     /// The range of [`stretch`](Self::stretch).
     pub const STRETCH: Range = range!("stretch", 1e-5 to 0.1);
-    /// The range of [`support`](Self::support).
-    pub const SUPPORT: Range = range!("support", 1.0 to 1000.0; usually 1.0 to 50.0);
     /// The range of [`step`](Self::step).
     pub const STEP: Range = range!("step", 0.0001 to 0.1, "s"; usually 0.001 to 0.05);
 
@@ -151,7 +139,6 @@ impl SimulationParams {
         Self::DRAG.check(self.drag)?;
         Self::FRICTION.check(self.friction)?;
         Self::STRETCH.check(self.stretch)?;
-        Self::SUPPORT.check(self.support)?;
         self.hair_hair.check()?;
         Self::STEP.check(self.step)?;
         Error::unless_within("substeps", self.substeps as f32, 1.0, MAX_SUBSTEPS as f32, "from 1 to 32")

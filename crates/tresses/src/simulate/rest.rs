@@ -18,7 +18,8 @@
 use super::params::SimulationParams;
 use crate::{
     Error, Result,
-    groom::SdfGrid,
+    groom::{SdfGrid, range},
+    range::Range,
     strands::{
         Guide, GuideRest, GuideShape, PackedGuide, RestGuides,
         guide::{MOST_GIVE, MOST_SHORTER, TIP_PINNED, rounded_give},
@@ -32,10 +33,10 @@ pub const MOST_COMPENSATION: f32 = MOST_GIVE;
 /// Largest compensation from which a shaken bend recovers its shape by itself, as a fraction of the edge.
 pub const EASY_COMPENSATION: f32 = 0.35;
 
-/// Value of [`SimulationParams::support`] at which bends recover up to [`EASY_COMPENSATION`].
+/// Value of [`RestOptions::support`] at which bends recover up to [`EASY_COMPENSATION`].
 pub const USUAL_SUPPORT: f32 = 2.0;
 
-/// Largest factor of a guide's stiffness, per unit of [`SimulationParams::support`]; see [`support`].
+/// Largest factor of a guide's stiffness, per unit of [`RestOptions::support`]; see [`support`].
 pub const MOST_SUPPORT: f32 = 10.0;
 
 /// Interpretation of the authored pose.
@@ -70,14 +71,23 @@ impl Default for GuideTraits {
 pub struct RestOptions {
     /// Interpretation of the authored pose.
     pub shape: RestShape,
-    /// Distance that hair keeps from colliders, meters. A vertex that rests closer keeps that smaller distance.
+    /// Distance that guides and strands keep from the head, meters. Hair that rests closer keeps that smaller distance.
     pub clearance: f32,
+    /// Safety margin of the stiffening of guides that do not hang ([`support`]), as a multiple of the stiffness at which
+    /// they just stay upright. Hairs that lean on each other bend as one beam: together they are as many times stiffer
+    /// as there are hairs.
+    pub support: f32,
 }
 
 impl Default for RestOptions {
     fn default() -> Self {
-        Self { shape: RestShape::SagFree, clearance: 1e-3 }
+        Self { shape: RestShape::SagFree, clearance: 1.5e-3, support: 2.0 }
     }
+}
+
+impl RestOptions {
+    /// The range of [`support`](Self::support).
+    pub const SUPPORT: Range = range!("support", 1.0 to 1000.0; usually 1.0 to 50.0);
 }
 
 /// Builds guides from `positions` (groom space, meters). Guide `g` has the vertices `g * n..(g + 1) * n`, root first,
@@ -94,7 +104,20 @@ pub fn guides(
     options: &RestOptions,
     field: Option<&SdfGrid>,
 ) -> Result<RestGuides> {
+    guides_at(positions, n, traits, params, options, &distances(positions, field))
+}
+
+/// [`guides`] with the [`distances`] of the vertices from what they rest on.
+pub(crate) fn guides_at(
+    positions: &[Vec3],
+    n: u32,
+    traits: &[GuideTraits],
+    params: &SimulationParams,
+    options: &RestOptions,
+    distances: &[f32],
+) -> Result<RestGuides> {
     params.check()?;
+    RestOptions::SUPPORT.check(options.support)?;
     if !(2..=crate::constants::MAX_GUIDE_VERTICES).contains(&n) {
         return Err(Error::Parameter {
             name: "vertices per guide",
@@ -133,9 +156,9 @@ pub fn guides(
         // The rest is computed from the pose as the GPU rounds it, micrometers from the authored one, so that this pose
         // is at rest.
         let rounded = |(i, p): (usize, &Vec3)| {
-            // Rounding to half floats and texels must not create contacts in the rest pose.
-            let has = field.map_or(f32::MAX, |field| field.sample(*p) - 2e-4);
-            let rest = GuideRest { position: *p, contact: options.clearance.min(has) };
+            let contact =
+                distances.get(g * n + i).map_or(options.clearance, |has| has.min(options.clearance));
+            let rest = GuideRest { position: *p, contact };
             let rest = PackedGuide::pack(&rest, Vec3::ZERO, 0.0, 1.0, &info).rest(&info);
             out.rest[i * count + g] = rest;
             rest.position
@@ -149,7 +172,7 @@ pub fn guides(
             ..info
         };
         if options.shape == RestShape::SagFree {
-            info.stiffness *= support(guide, &info, params);
+            info.stiffness *= support(guide, &info, params, options.support);
         }
         for (i, shape) in shape(guide, &info, params, options.shape).into_iter().enumerate() {
             out.shape[i * count + g] = shape;
@@ -157,6 +180,12 @@ pub fn guides(
         out.info.push(info);
     }
     Ok(out)
+}
+
+/// Returns the distances of `positions` from the surface of `field`, meters; none without a field.
+pub(crate) fn distances(positions: &[Vec3], field: Option<&SdfGrid>) -> Vec<f32> {
+    // Rounding to half floats and texels must not create contacts in the rest pose.
+    field.map_or_else(Vec::new, |field| positions.iter().map(|p| field.sample(*p) - 2e-4).collect())
 }
 
 /// Returns the rest shape of one guide.
@@ -222,22 +251,22 @@ fn loads(n: usize, info: &Guide, params: &SimulationParams) -> impl Iterator<Ite
 }
 
 /// Returns the factor by which a guide's stiffness must be raised to make its authored pose a stable equilibrium: 1 if
-/// it is stable already, at most [`MOST_SUPPORT`] times [`SimulationParams::support`].
+/// it is stable already, at most [`MOST_SUPPORT`] times `margin` ([`RestOptions::support`]).
 ///
 /// Hair that stands out or up is stiff, or rests on other hair; a single guide has neither. The pose must meet two
-/// conditions. First, no bend needs more compensation than [`EASY_COMPENSATION`], scaled by [`USUAL_SUPPORT`] over the
-/// margin [`SimulationParams::support`]. Raising the stiffness until the compensation is feasible is the condition of
+/// conditions. First, no bend needs more compensation than [`EASY_COMPENSATION`], scaled by [`USUAL_SUPPORT`] over
+/// `margin`. Raising the stiffness until the compensation is feasible is the condition of
 /// sag-free rods (Hsu and others, 2022 and 2023). Second, the second variation of the energy, `∫ EI φ'² + (F·t) φ²`
 /// with the weight `F` below and the tangent `t`, is positive with that margin; for an upright hair this is Greenhill's
 /// condition on its height.
-pub fn support(p: &[Vec3], info: &Guide, params: &SimulationParams) -> f32 {
+pub fn support(p: &[Vec3], info: &Guide, params: &SimulationParams, margin: f32) -> f32 {
     let n = p.len();
     if n < 3 || info.stiffness <= 0.0 || info.flags & TIP_PINNED != 0 {
         return 1.0;
     }
     let edge = info.length / (n - 1) as f32;
-    let most = MOST_SUPPORT * params.support;
-    let easy = EASY_COMPENSATION * USUAL_SUPPORT / params.support;
+    let most = MOST_SUPPORT * margin;
+    let easy = EASY_COMPENSATION * USUAL_SUPPORT / margin;
     let mut factor = 1.0f32;
     for _ in 0..8 {
         let raised = Guide { stiffness: info.stiffness * factor, ..*info };
@@ -254,7 +283,7 @@ pub fn support(p: &[Vec3], info: &Guide, params: &SimulationParams) -> f32 {
         }
         factor = (factor * need.clamp(1.05, 4.0)).min(most);
     }
-    while factor < most && !stands(p, info, params, factor) {
+    while factor < most && !stands(p, info, params, factor / margin) {
         factor = (factor * 1.1).min(most);
     }
     factor
@@ -268,7 +297,7 @@ fn stands(p: &[Vec3], info: &Guide, params: &SimulationParams, factor: f32) -> b
     let mut below = 0f32;
     for (i, load) in loads(n, info, params) {
         let (before, e) = (p[i] - p[i - 1], p[i + 1] - p[i]);
-        let rate = params.bending_rate(i, info.stiffness * factor / params.support, edge, before, e);
+        let rate = params.bending_rate(i, info.stiffness * factor, edge, before, e);
         let bend = rate * e.length_squared();
         let pivot = bend + below + load.dot(e);
         if pivot <= 0.0 {
@@ -300,17 +329,18 @@ mod tests {
     fn support_of_upright_hair_matches_greenhill() {
         let n = 32;
         let along = |v| super::super::RootToTip { root: v, tip: v, falloff: 1.0 };
+        let margin = RestOptions::default().support;
         let params = SimulationParams { bending: along(8e-9), goal: along(0.0), ..Default::default() };
         let need = |length: f32, direction: Vec3| {
             let edge = length / (n - 2) as f32;
             let p: Vec<_> = (0..n).map(|i| direction * edge * (i as f32 - 1.0)).collect();
             let info =
                 Guide { length: edge * (n - 1) as f32, stiffness: 1.0, strands: 1.0, ..Guide::default() };
-            support(&p, &info, &params)
+            support(&p, &info, &params, margin)
         };
         for length in [0.05f32, 0.15, 0.2] {
             let gamma = params.line_density * 9.81 * length.powi(3) / 8e-9;
-            let exact = (params.support * gamma / 7.837_35).max(1.0);
+            let exact = (margin * gamma / 7.837_35).max(1.0);
             // The factor is found in steps of a tenth.
             let found = need(length, Vec3::Y);
             assert!(found >= exact * 0.97 && found < exact * 1.13, "{length}: {found}, {exact}");

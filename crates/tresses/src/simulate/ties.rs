@@ -45,7 +45,7 @@ use crate::{
     gpu::Binding,
     groom::{Guides, curve, range},
     range::Range,
-    strands::{GuideBuffers, buffers::storage},
+    strands::{GuideBuffers, buffers::filled},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -266,86 +266,38 @@ impl TieVertices {
     }
 }
 
-/// The ties of one head on the GPU.
-#[derive(Debug)]
-pub struct Ties {
-    pipelines: Arc<Pipelines>,
-    /// [`Ring`]s and [`Member`]s, shared by heads with the same groom.
+/// Ties of a groom on the GPU.
+#[derive(Clone, Debug)]
+pub(crate) struct TieAsset {
+    /// [`Ring`]s and [`Member`]s.
     rings: wgpu::Buffer,
     members: wgpu::Buffer,
     pins: wgpu::Buffer,
-    /// Rotation of each ring relative to the head, quaternions.
-    turns: wgpu::Buffer,
-    together: wgpu::BindGroup,
-    to_head: wgpu::BindGroup,
     report: TieReport,
 }
 
-impl Ties {
-    /// Creates the ties of guides with the rest poses `rest`. `step` are the uniforms of a step of their simulation.
+impl TieAsset {
+    /// Finds what `ties` hold of guides with the rest poses `rest`; `None` without ties.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a tie with invalid values, [`crate::groom::Error::Unusable`] for a tie that holds
     /// nothing and for more than [`MAX_RINGS`] rings; [`Error::Limit`].
-    pub(crate) fn new(
-        context: &Context,
-        step: &wgpu::BindingResource<'_>,
-        guides: &GuideBuffers,
-        rest: &Guides,
-        ties: &[Tie],
-    ) -> Result<Self> {
-        let Context { device, queue, .. } = context;
+    pub fn new(context: &Context, rest: &Guides, ties: &[Tie]) -> Result<Option<Self>> {
+        if ties.is_empty() {
+            return Ok(None);
+        }
         let found = TieVertices::of(rest, ties)?;
-        let rings = storage::<Ring>(device, "rings of ties", found.rings.len().max(1) as u64)?;
-        let members =
-            storage::<Member>(device, "what ties hold together", found.members.len().max(1) as u64)?;
-        let pins = storage::<Member>(device, "what pins hold", found.pins.len().max(1) as u64)?;
-        queue.write_buffer(&rings, 0, bytemuck::cast_slice(&found.rings));
-        queue.write_buffer(&members, 0, bytemuck::cast_slice(&found.members));
-        queue.write_buffer(&pins, 0, bytemuck::cast_slice(&found.pins));
-        Self::of(context, step, guides, [rings, members, pins], found.report())
-    }
-
-    /// Creates the same ties for another head with the same groom.
-    ///
-    /// # Errors
-    /// [`Error::Limit`].
-    pub(crate) fn another(
-        &self,
-        context: &Context,
-        step: &wgpu::BindingResource<'_>,
-        guides: &GuideBuffers,
-    ) -> Result<Self> {
-        let shared = [&self.rings, &self.members, &self.pins].map(Clone::clone);
-        Self::of(context, step, guides, shared, self.report)
-    }
-
-    fn of(
-        context: &Context,
-        step: &wgpu::BindingResource<'_>,
-        guides: &GuideBuffers,
-        [rings, members, pins]: [wgpu::Buffer; 3],
-        report: TieReport,
-    ) -> Result<Self> {
-        let Context { device, queue, .. } = context;
-        let pipelines: Arc<Pipelines> = context.pipelines();
-        let turns = storage::<[f32; 4]>(device, "turns of ties", report.rings.max(1) as u64)?;
-        queue.write_buffer(
-            &turns,
-            0,
-            bytemuck::cast_slice(&vec![[0f32, 0.0, 0.0, 1.0]; report.rings.max(1)]),
-        );
-        let bind = |kernel: &crate::gpu::Kernel, buffers: &[&wgpu::Buffer]| {
-            let mut all = vec![step.clone()];
-            all.extend(buffers.iter().map(|buffer| buffer.as_entire_binding()));
-            kernel.bind(&all)
-        };
-        let together = bind(
-            &pipelines.ties,
-            &[&rings, &members, &guides.current, &guides.velocity, &guides.forces, &turns],
-        );
-        let to_head = bind(&pipelines.pins, &[&pins, &guides.current, &guides.forces]);
-        Ok(Self { pipelines, rings, members, pins, turns, together, to_head, report })
+        // A bound buffer has at least one element.
+        fn upload<T: Pod>(context: &Context, what: &'static str, list: &[T]) -> Result<wgpu::Buffer> {
+            let none = [T::zeroed()];
+            filled(context, what, bytemuck::cast_slice(if list.is_empty() { &none } else { list }))
+        }
+        Ok(Some(Self {
+            rings: upload(context, "rings of ties", &found.rings)?,
+            members: upload(context, "what ties hold together", &found.members)?,
+            pins: upload(context, "what pins hold", &found.pins)?,
+            report: found.report(),
+        }))
     }
 
     /// Returns the number of rings and held vertices.
@@ -353,9 +305,56 @@ impl Ties {
         self.report
     }
 
+    pub fn bytes(&self) -> u64 {
+        self.rings.size() + self.members.size() + self.pins.size()
+    }
+}
+
+/// The ties of one head on the GPU.
+#[derive(Debug)]
+pub struct Ties {
+    pipelines: Arc<Pipelines>,
+    pub(crate) asset: TieAsset,
+    /// Rotation of each ring relative to the head, quaternions.
+    turns: wgpu::Buffer,
+    together: wgpu::BindGroup,
+    to_head: wgpu::BindGroup,
+}
+
+impl Ties {
+    /// Binds the ties to the guides of one head. `step` are the uniforms of a step of their simulation.
+    ///
+    /// # Errors
+    /// [`Error::Limit`].
+    pub(crate) fn new(
+        context: &Context,
+        step: &wgpu::BindingResource<'_>,
+        guides: &GuideBuffers,
+        asset: &TieAsset,
+    ) -> Result<Self> {
+        let pipelines: Arc<Pipelines> = context.pipelines();
+        let TieAsset { rings, members, pins, report } = asset;
+        let still = vec![[0f32, 0.0, 0.0, 1.0]; report.rings.max(1)];
+        let turns = filled(context, "turns of ties", bytemuck::cast_slice(&still))?;
+        let bind = |kernel: &crate::gpu::Kernel, buffers: &[&wgpu::Buffer]| {
+            let mut all = vec![step.clone()];
+            all.extend(buffers.iter().map(|buffer| buffer.as_entire_binding()));
+            kernel.bind(&all)
+        };
+        let GuideBuffers { current, velocity, forces, .. } = guides;
+        let together = bind(&pipelines.ties, &[rings, members, current, velocity, forces, &turns]);
+        let to_head = bind(&pipelines.pins, &[pins, current, forces]);
+        Ok(Self { pipelines, asset: asset.clone(), turns, together, to_head })
+    }
+
+    /// Returns the number of rings and held vertices.
+    pub fn report(&self) -> TieReport {
+        self.asset.report
+    }
+
     /// Records the forces for the step whose uniforms are at `offset`, after all other forces.
     pub(crate) fn record(&self, pass: &mut crate::gpu::ComputePass<'_>, offset: u32) {
-        let TieReport { rings, to_head, .. } = self.report;
+        let TieReport { rings, to_head, .. } = self.asset.report;
         if rings > 0 {
             self.pipelines.ties.record(pass, &self.together, &[offset], rings as u32);
         }
@@ -369,14 +368,9 @@ impl Ties {
         }
     }
 
-    /// Bytes of GPU memory that heads share.
-    pub(crate) fn shared_bytes(&self) -> u64 {
-        self.rings.size() + self.members.size() + self.pins.size()
-    }
-
-    /// Bytes of GPU memory, shared ones included.
-    pub fn bytes(&self) -> u64 {
-        self.shared_bytes() + self.turns.size()
+    /// Bytes of GPU memory of this head alone.
+    pub(crate) fn own_bytes(&self) -> u64 {
+        self.turns.size()
     }
 }
 

@@ -94,8 +94,9 @@ fn kernel(context: &Context, false_mass: f32) -> [f32; 3] {
     let mut simulation = Simulation::new(context, &guides);
     let middle = Vec3::new(0.025, 0.05, 0.025);
     let band = tie(middle, middle, 0.03, TieTarget::Together);
-    let report = simulation.tie(context, &guides, &hairs, &[band]).unwrap();
-    assert_eq!(report.rings, 1);
+    let ties = TieAsset::new(context, &hairs, &[band]).unwrap();
+    simulation.tie(context, &guides, ties.as_ref()).unwrap();
+    assert_eq!(simulation.ties().unwrap().report().rings, 1);
     let head = Pose { rotation: Quat::from_rotation_y(0.1), ..Pose::IDENTITY };
     let step = Step { mode: Mode::Step, begin: head, end: head, from: 0.0, to: 1.0 };
     simulation.prepare(context, &params, &[step], true).unwrap();

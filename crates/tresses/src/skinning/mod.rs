@@ -80,21 +80,67 @@ impl PipelineSet for Pipelines {
     }
 }
 
-/// Skins one body.
+/// The rig of a mesh on the GPU.
 #[derive(Debug)]
-pub struct Skinning {
+pub(crate) struct SkinAsset {
     context: Context,
-    pipelines: Arc<Pipelines>,
-    /// Buffers of the rig, shared by instances: counts, vertices, deltas.
-    rig: [wgpu::Buffer; 3],
-    palette: wgpu::Buffer,
-    shapes: wgpu::Buffer,
-    group: wgpu::BindGroup,
+    /// Counts, vertices, deltas.
+    buffers: [wgpu::Buffer; 3],
     vertices: u32,
     /// Bounding box of each joint's vertices, in the space of the file's mesh; inverted for joints without vertices.
     boxes: Vec<[Vec3; 2]>,
     /// Largest displacement by each blend shape.
     reaches: Vec<f32>,
+}
+
+impl SkinAsset {
+    /// Uploads `rig`, which bends the mesh of `body`.
+    ///
+    /// # Errors
+    /// As [`Skinning::new`].
+    pub fn new(context: &Context, rig: &Rig, body: &Body) -> Result<Self> {
+        let count = rig.vertices.len() as u64;
+        if count * u64::from(Body::WORDS) * 4 != body.vertices().size() || count == 0 {
+            return Err(Error::unusable(format!("the rig has {count} vertices and does not match the body")));
+        }
+        let joints = rig.joints.len();
+        let lost = |v: &crate::groom::rig::Bind| v.joints.iter().any(|joint| usize::from(*joint) >= joints);
+        if rig.vertices.iter().any(lost) {
+            return Err(Error::unusable("a vertex of the rig refers to a missing joint"));
+        }
+        let (vertices, deltas) = packed(rig)?;
+        let upload = |what, bytes: &[u8]| filled(context, what, bytes);
+        let counts = [count as u32, Body::WORDS];
+        let reach = |target: &crate::groom::rig::Target| {
+            target.deltas.iter().map(|delta| delta.position.length()).fold(0.0, f32::max)
+        };
+        Ok(Self {
+            context: context.clone(),
+            buffers: [
+                upload("skin counts", bytemuck::cast_slice(&counts))?,
+                upload("skin vertices", bytemuck::cast_slice(&vertices))?,
+                upload("skin deltas", bytemuck::cast_slice(&deltas))?,
+            ],
+            vertices: counts[0],
+            boxes: boxes(rig),
+            reaches: rig.targets.iter().map(reach).collect(),
+        })
+    }
+
+    /// Bytes of GPU memory.
+    pub fn bytes(&self) -> u64 {
+        self.buffers.iter().map(wgpu::Buffer::size).sum()
+    }
+}
+
+/// Skins one body.
+#[derive(Debug)]
+pub struct Skinning {
+    pipelines: Arc<Pipelines>,
+    asset: Arc<SkinAsset>,
+    palette: wgpu::Buffer,
+    shapes: wgpu::Buffer,
+    group: wgpu::BindGroup,
     /// Current pose.
     pose: RigPose,
     /// Whether the pose has changed since the last recording.
@@ -108,72 +154,19 @@ impl Skinning {
     /// [`crate::groom::Error::Unusable`] for the rig of another mesh, and for a rig with vertices that refer to missing
     /// joints; [`Error::Limit`] if a buffer exceeds the device's limits.
     pub fn new(context: &Context, rig: &Rig, body: &Body) -> Result<Self> {
-        let Context { device, .. } = context;
-        let pipelines: Arc<Pipelines> = context.pipelines();
-        let count = rig.vertices.len() as u64;
-        if count * u64::from(Body::WORDS) * 4 != body.vertices().size() || count == 0 {
-            return Err(Error::unusable(format!("the rig has {count} vertices and does not match the body")));
-        }
-        let joints = rig.joints.len();
-        let lost = |v: &crate::groom::rig::Bind| v.joints.iter().any(|joint| usize::from(*joint) >= joints);
-        if rig.vertices.iter().any(lost) {
-            return Err(Error::unusable("a vertex of the rig refers to a missing joint"));
-        }
-        let (vertices, deltas) = packed(rig)?;
-        let upload = |what, bytes: &[u8]| filled(context, what, bytes);
-        let counts = [count as u32, Body::WORDS];
-        let counts = upload("skin counts", bytemuck::cast_slice(&counts))?;
-        let bound = upload("skin vertices", bytemuck::cast_slice(&vertices))?;
-        let moves = upload("skin deltas", bytemuck::cast_slice(&deltas))?;
-        let palette = storage::<Mat4>(device, "skin palette", joints as u64)?;
-        let shapes = storage::<f32>(device, "skin shapes", rig.targets.len() as u64)?;
-        let buffers = [&counts, &bound, &moves, &palette, &shapes, body.vertices()];
-        let group = pipelines.skin.bind(&buffers.map(|buffer| buffer.as_entire_binding()));
-        let reach = |target: &crate::groom::rig::Target| {
-            target.deltas.iter().map(|delta| delta.position.length()).fold(0.0, f32::max)
-        };
-        Ok(Self {
-            context: context.clone(),
-            pipelines,
-            rig: [counts, bound, moves],
-            palette,
-            shapes,
-            group,
-            vertices: count as u32,
-            boxes: boxes(rig),
-            reaches: rig.targets.iter().map(reach).collect(),
-            pose: RigPose::default(),
-            due: AtomicBool::new(false),
-        })
+        Self::of(&Arc::new(SkinAsset::new(context, rig, body)?), body)
     }
 
-    /// Skins another `body` of the same mesh, which has its own vertices ([`Body::unshared`]) and is at rest.
-    pub(crate) fn instance(&self, body: &Body) -> Self {
-        let own = |buffer: &wgpu::Buffer, label| {
-            self.context.device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: buffer.size(),
-                usage: buffer.usage(),
-                mapped_at_creation: false,
-            })
-        };
-        let (palette, shapes) = (own(&self.palette, "skin palette"), own(&self.shapes, "skin shapes"));
-        let [counts, bound, moves] = &self.rig;
-        let buffers = [counts, bound, moves, &palette, &shapes, body.vertices()];
-        let group = self.pipelines.skin.bind(&buffers.map(|buffer| buffer.as_entire_binding()));
-        Self {
-            context: self.context.clone(),
-            pipelines: self.pipelines.clone(),
-            rig: self.rig.clone(),
-            palette,
-            shapes,
-            group,
-            vertices: self.vertices,
-            boxes: self.boxes.clone(),
-            reaches: self.reaches.clone(),
-            pose: RigPose::default(),
-            due: AtomicBool::new(false),
-        }
+    /// Skins `body`, an instance of the one that the asset was created for, with vertices of its own.
+    pub(crate) fn of(asset: &Arc<SkinAsset>, body: &Body) -> Result<Self> {
+        let SkinAsset { context, buffers: [counts, bound, moves], boxes, reaches, .. } = &**asset;
+        let pipelines: Arc<Pipelines> = context.pipelines();
+        let palette = storage::<Mat4>(&context.device, "skin palette", boxes.len() as u64)?;
+        let shapes = storage::<f32>(&context.device, "skin shapes", reaches.len() as u64)?;
+        let all = [counts, bound, moves, &palette, &shapes, body.vertices()];
+        let group = pipelines.skin.bind(&all.map(|buffer| buffer.as_entire_binding()));
+        let (pose, due) = (RigPose::default(), AtomicBool::new(false));
+        Ok(Self { pipelines, asset: asset.clone(), palette, shapes, group, pose, due })
     }
 
     /// Sets the pose of `body` from the next frame on. Returns whether it differs from the current one. A pose is
@@ -182,7 +175,7 @@ impl Skinning {
     /// # Errors
     /// [`crate::groom::Error::Unusable`] for the pose of another rig.
     pub fn pose(&mut self, pose: &RigPose, body: &mut Body) -> Result<bool> {
-        if pose.palette.len() != self.boxes.len() || pose.weights.len() != self.reaches.len() {
+        if pose.palette.len() != self.asset.boxes.len() || pose.weights.len() != self.asset.reaches.len() {
             return Err(Error::unusable("the pose does not match the body's rig"));
         }
         if (&pose.palette, &pose.weights) == (&self.pose.palette, &self.pose.weights) {
@@ -190,8 +183,9 @@ impl Skinning {
         }
         self.due.store(true, Ordering::Relaxed);
         self.pose.clone_from(pose);
-        self.context.queue.write_buffer(&self.palette, 0, bytemuck::cast_slice(&pose.palette));
-        self.context.queue.write_buffer(&self.shapes, 0, bytemuck::cast_slice(&pose.weights));
+        let queue = &self.asset.context.queue;
+        queue.write_buffer(&self.palette, 0, bytemuck::cast_slice(&pose.palette));
+        queue.write_buffer(&self.shapes, 0, bytemuck::cast_slice(&pose.weights));
         body.set_bounds(self.bounds(pose));
         Ok(true)
     }
@@ -204,9 +198,10 @@ impl Skinning {
     /// Bounding box of the body in `pose`, groom space, meters. A vertex is a weighted mean of its positions under each
     /// joint.
     fn bounds(&self, pose: &RigPose) -> [Vec3; 2] {
-        let further: f32 = pose.weights.iter().zip(&self.reaches).map(|(w, reach)| w.abs() * reach).sum();
+        let further: f32 =
+            pose.weights.iter().zip(&self.asset.reaches).map(|(w, reach)| w.abs() * reach).sum();
         let mut out = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-        for (matrix, [lo, hi]) in pose.palette.iter().zip(&self.boxes) {
+        for (matrix, [lo, hi]) in pose.palette.iter().zip(&self.asset.boxes) {
             if lo.cmpgt(*hi).any() {
                 continue;
             }
@@ -225,12 +220,12 @@ impl Skinning {
         if !self.due.swap(false, Ordering::Relaxed) {
             return;
         }
-        self.pipelines.skin.record(pass, &self.group, &[], self.vertices.div_ceil(STRAND_WORKGROUP));
+        self.pipelines.skin.record(pass, &self.group, &[], self.asset.vertices.div_ceil(STRAND_WORKGROUP));
     }
 
     /// Bytes of GPU memory, excluding the body.
     pub fn bytes(&self) -> u64 {
-        self.rig.iter().chain([&self.palette, &self.shapes]).map(wgpu::Buffer::size).sum()
+        self.asset.bytes() + self.palette.size() + self.shapes.size()
     }
 }
 

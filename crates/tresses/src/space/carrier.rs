@@ -82,6 +82,13 @@ pub(crate) struct CarrierFrame {
     pub shift: Option<Shift>,
 }
 
+impl CarrierFrame {
+    /// Returns the displacement of all positions by the shift, meters.
+    pub fn displacement(&self) -> Vec3 {
+        self.shift.as_ref().map_or(Vec3::ZERO, |shift| shift.way)
+    }
+}
+
 /// The carrier of one groom.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Carrier {

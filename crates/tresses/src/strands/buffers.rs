@@ -60,8 +60,8 @@ pub struct StrandBuffers {
     pub roots: wgpu::Buffer,
     /// Strands and vertices to draw; fewer than all at a lower level of detail.
     pub drawn: DrawCount,
-    /// Capacity of `strands`, `vertices` and `widening`: the whole groom, except for a head that [shares its
-    /// groom](crate::Hair::another).
+    /// Capacity of `strands`, `vertices` and `widening`. [`Hair`](crate::Hair) has room for what its level of detail
+    /// draws.
     pub room: Room,
 }
 
@@ -89,7 +89,7 @@ impl Room {
     }
 
     /// Returns the new capacity if this one is smaller than `need` or more than three times too large.
-    pub fn another(&self, need: [u32; 2], all: Self) -> Option<Self> {
+    pub fn resized(&self, need: [u32; 2], all: Self) -> Option<Self> {
         let fits = self.strands >= need[0] && self.vertices >= need[1];
         let room = Self::of(need, all);
         let wastes = self.strands / 3 > room.strands || self.vertices / 3 > room.vertices;
@@ -187,37 +187,80 @@ pub(crate) fn filled(context: &Context, what: &'static str, bytes: &[u8]) -> Res
     Ok(buffer)
 }
 
+/// Buffers of the guides that never change, shared by all hair of a groom.
+#[derive(Clone, Debug)]
+pub(crate) struct GuideAsset {
+    pub count: u32,
+    pub vertex_count: u32,
+    pub sample_count: u32,
+    pub info: wgpu::Buffer,
+    pub rest: wgpu::Buffer,
+    pub forces: wgpu::Buffer,
+}
+
+impl GuideAsset {
+    /// Creates empty buffers. `forces` holds [`GuideForce`]s during a step.
+    pub fn new(
+        context: &Context,
+        [count, vertex_count, sample_count]: [u32; 3],
+        forces: wgpu::Buffer,
+    ) -> Result<Self> {
+        let Context { device, .. } = context;
+        let info = storage::<Guide>(device, "guide info", count.into())?;
+        let rest = storage::<PackedGuide>(device, "guide rest", u64::from(count) * u64::from(vertex_count))?;
+        Ok(Self { count, vertex_count, sample_count, info, rest, forces })
+    }
+
+    pub fn bytes(&self) -> u64 {
+        self.info.size() + self.rest.size() + self.forces.size()
+    }
+}
+
 impl GuideBuffers {
     /// Creates empty buffers.
     ///
     /// # Errors
     /// [`Error::Limit`].
     pub fn new(context: &Context, count: u32, vertex_count: u32, sample_count: u32) -> Result<Self> {
+        let vertices = u64::from(count) * u64::from(vertex_count);
+        let forces = storage::<GuideForce>(&context.device, "guide forces", vertices)?;
+        Self::of(context, &GuideAsset::new(context, [count, vertex_count, sample_count], forces)?)
+    }
+
+    /// Creates empty buffers for the state of one head's guides.
+    pub(crate) fn of(context: &Context, asset: &GuideAsset) -> Result<Self> {
         let Context { device, .. } = context;
+        let GuideAsset { count, vertex_count, sample_count, info, rest, forces } = asset.clone();
         let vertices = u64::from(count) * u64::from(vertex_count);
         let samples = u64::from(count) * u64::from(sample_count);
         Ok(Self {
             count,
             vertex_count,
             sample_count,
-            info: storage::<Guide>(device, "guide info", count.into())?,
-            rest: storage::<PackedGuide>(device, "guide rest", vertices)?,
+            info,
+            rest,
             current: storage::<[u32; 4]>(device, "guide current", vertices)?,
             velocity: storage::<[u32; 2]>(device, "guide velocity", vertices)?,
-            forces: storage::<GuideForce>(device, "guide forces", vertices)?,
+            forces,
             samples: storage::<GuideSample>(device, "guide samples", samples.max(1))?,
             roots: storage::<RootMotion>(device, "guide roots", 1)?,
         })
     }
 
-    /// Adds room for twist ([`SimulationParams::twist`](crate::simulate::SimulationParams::twist)).
+    /// Adds room for twist ([`SimulationParams::twist`](crate::simulate::SimulationParams::twist)), without twist. The
+    /// velocities stay.
     ///
     /// # Errors
     /// [`Error::Limit`].
-    pub fn with_twist(self, context: &Context) -> Result<Self> {
-        let Context { device, .. } = context;
+    pub fn add_twist(&mut self, context: &Context) -> Result<()> {
+        let Context { device, queue, .. } = context;
         let entries = 2 * u64::from(self.count) * u64::from(self.vertex_count);
-        Ok(Self { velocity: storage::<[u32; 2]>(device, "guide velocity", entries)?, ..self })
+        let velocity = storage::<[u32; 2]>(device, "guide velocity", entries)?;
+        let mut encoder = device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(&self.velocity, 0, &velocity, 0, self.velocity.size());
+        queue.submit([encoder.finish()]);
+        self.velocity = velocity;
+        Ok(())
     }
 
     /// Returns whether the buffers have room for twist.
@@ -226,104 +269,80 @@ impl GuideBuffers {
             > u64::from(self.count) * u64::from(self.vertex_count) * size_of::<[u32; 2]>() as u64
     }
 
-    /// Creates the buffers of another head with the same groom. Rest states and the force buffer are shared; the
-    /// current state is not.
-    ///
-    /// # Errors
-    /// [`Error::Limit`].
-    pub(crate) fn another(&self, context: &Context) -> Result<Self> {
-        let Context { device, queue, .. } = context;
-        let like = |what, buffer: &wgpu::Buffer| storage::<u8>(device, what, buffer.size());
-        let samples = like("guide samples", &self.samples)?;
-        // Samples also hold their rest positions: copy them.
-        let mut encoder = device.create_command_encoder(&Default::default());
-        encoder.copy_buffer_to_buffer(&self.samples, 0, &samples, 0, samples.size());
-        queue.submit([encoder.finish()]);
-        Ok(Self {
-            info: self.info.clone(),
-            rest: self.rest.clone(),
-            current: like("guide current", &self.current)?,
-            velocity: like("guide velocity", &self.velocity)?,
-            forces: self.forces.clone(),
-            samples,
-            roots: storage::<RootMotion>(device, "guide roots", 1)?,
-            ..*self
-        })
-    }
-
-    /// Bytes of GPU memory that heads share.
-    pub(crate) fn shared_bytes(&self) -> u64 {
-        self.info.size() + self.rest.size() + self.forces.size()
-    }
-
     /// Returns the number of points of a line along a guide: its samples, or else its vertices.
     pub(crate) fn line_count(&self) -> u32 {
         if self.sample_count == 0 { self.vertex_count } else { self.sample_count }
     }
 
-    /// Bytes of GPU memory.
-    pub fn bytes(&self) -> u64 {
-        [&self.info, &self.rest, &self.current, &self.velocity, &self.forces, &self.samples, &self.roots]
-            .iter()
-            .map(|buffer| buffer.size())
-            .sum()
+    /// Bytes of GPU memory of this head alone.
+    pub(crate) fn own_bytes(&self) -> u64 {
+        [&self.current, &self.velocity, &self.samples, &self.roots].iter().map(|buffer| buffer.size()).sum()
     }
 }
 
-impl StrandBuffers {
+/// Buffers of the strands that never change, shared by all hair of a groom.
+#[derive(Clone, Debug)]
+pub(crate) struct StrandAsset {
+    pub count: u32,
+    pub vertex_count: u32,
+    pub bindings: wgpu::Buffer,
+    pub rest: wgpu::Buffer,
+}
+
+impl StrandAsset {
     /// Creates empty buffers.
-    ///
-    /// # Errors
-    /// [`Error::Limit`].
     pub fn new(context: &Context, count: u32, vertex_count: u32) -> Result<Self> {
         let Context { device, .. } = context;
+        let bindings = storage::<StrandBinding>(device, "strand bindings", count.into())?;
         let vertices = u64::from(count) * u64::from(vertex_count);
         Ok(Self {
             count,
             vertex_count,
-            strands: storage::<Strand>(device, "strands", count.into())?,
-            bindings: storage::<StrandBinding>(device, "strand bindings", count.into())?,
+            bindings,
             rest: storage::<PackedRest>(device, "strand rest", vertices)?,
-            vertices: storage::<StrandVertex>(device, "strand vertices", vertices)?,
-            widening: storage::<f32>(device, "strand widening", count.into())?,
-            roots: storage::<[f32; 4]>(device, "strand roots", 1)?,
-            drawn: DrawCount::new(count, vertex_count, f32::INFINITY),
-            room: Room { strands: count, vertices: count.saturating_mul(vertex_count) },
         })
     }
 
-    /// Returns the capacity for the whole groom.
+    /// Returns the capacity for all strands.
     pub fn whole(&self) -> Room {
         Room { strands: self.count, vertices: self.count.saturating_mul(self.vertex_count) }
     }
 
-    /// Creates the buffers of another head with the same groom. Constant data is shared; the rest has the capacity
-    /// `room`.
+    pub fn bytes(&self) -> u64 {
+        self.bindings.size() + self.rest.size()
+    }
+}
+
+impl StrandBuffers {
+    /// Creates empty buffers for all strands.
     ///
     /// # Errors
     /// [`Error::Limit`].
-    pub(crate) fn another(&self, context: &Context, room: Room) -> Result<Self> {
+    pub fn new(context: &Context, count: u32, vertex_count: u32) -> Result<Self> {
+        let asset = StrandAsset::new(context, count, vertex_count)?;
+        Self::of(context, &asset, asset.whole())
+    }
+
+    /// Creates empty buffers of one head with the capacity `room`.
+    pub(crate) fn of(context: &Context, asset: &StrandAsset, room: Room) -> Result<Self> {
         let Context { device, .. } = context;
+        let StrandAsset { count, vertex_count, bindings, rest } = asset.clone();
         Ok(Self {
+            count,
+            vertex_count,
             strands: storage::<Strand>(device, "strands", room.strands.into())?,
+            bindings,
+            rest,
             vertices: storage::<StrandVertex>(device, "strand vertices", room.vertices.into())?,
             widening: storage::<f32>(device, "strand widening", room.strands.into())?,
             roots: storage::<[f32; 4]>(device, "strand roots", 1)?,
+            drawn: DrawCount::new(count, vertex_count, f32::INFINITY),
             room,
-            ..self.clone()
         })
     }
 
-    /// Bytes of GPU memory that heads share.
-    pub(crate) fn shared_bytes(&self) -> u64 {
-        self.bindings.size() + self.rest.size()
-    }
-
-    /// Bytes of GPU memory.
-    pub fn bytes(&self) -> u64 {
-        [&self.strands, &self.bindings, &self.rest, &self.vertices, &self.widening, &self.roots]
-            .iter()
-            .map(|buffer| buffer.size())
-            .sum()
+    /// Bytes of GPU memory of this head alone.
+    pub(crate) fn own_bytes(&self) -> u64 {
+        [&self.strands, &self.vertices, &self.widening, &self.roots].iter().map(|buffer| buffer.size()).sum()
     }
 }

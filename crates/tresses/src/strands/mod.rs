@@ -29,6 +29,7 @@ pub use crate::groom::bound::{
     strand::{self, Strand},
 };
 pub use buffers::{DrawCount, GuideBuffers, Room, StrandBuffers};
+pub(crate) use buffers::{GuideAsset, StrandAsset};
 pub use force::{Force, GuideForce};
 pub use guide::{Guide, GuideRest, GuideSample, GuideShape, PackedGuide};
 pub use rest::RestGuides;

@@ -36,12 +36,17 @@ impl RestGuides {
             )));
         }
         let positions: Vec<[f32; 4]> = self.rest.iter().map(|r| r.position.extend(0.0).into()).collect();
-        queue.write_buffer(&buffers.info, 0, bytemuck::cast_slice(&self.info));
-        let packed: Vec<_> = (0..self.rest.len()).map(|at| self.packed(at)).collect();
-        queue.write_buffer(&buffers.rest, 0, bytemuck::cast_slice(&packed));
+        self.write(context, &buffers.info, &buffers.rest);
         queue.write_buffer(&buffers.current, 0, bytemuck::cast_slice(&positions));
         queue.write_buffer(&buffers.velocity, 0, &vec![0; buffers.velocity.size() as usize]);
         Ok(())
+    }
+
+    /// Writes properties and rest state.
+    pub(crate) fn write(&self, Context { queue, .. }: &Context, info: &wgpu::Buffer, rest: &wgpu::Buffer) {
+        queue.write_buffer(info, 0, bytemuck::cast_slice(&self.info));
+        let packed: Vec<_> = (0..self.rest.len()).map(|at| self.packed(at)).collect();
+        queue.write_buffer(rest, 0, bytemuck::cast_slice(&packed));
     }
 
     /// Returns vertex `at` in GPU layout.

@@ -60,7 +60,7 @@ impl StrandsKernel {
         (eye, quantity, high): (Vec3, StrandQuantity, f32),
     ) -> Result<()> {
         let uniform = StrandsUniform { eye, quantity: quantity as u32, high: high.max(1e-9), _pad: [0; 3] };
-        let uniform = constant(&hair.context.device, "debug strands", &uniform);
+        let uniform = constant(&hair.asset.context.device, "debug strands", &uniform);
         let (set, strands) = (seen.hair, &hair.strands);
         let buffers = [
             &uniform,

@@ -7,7 +7,6 @@ use crate::{
     draw::targets::PICTURE_FORMAT,
     frame::{ViewContent, ViewPass},
     gpu::{for_tests as context, readback::blocking as readback},
-    groom::TriMesh,
     light::HairSet,
     present::Background,
     renderer::Renderer,
@@ -65,23 +64,6 @@ fn view() -> Camera {
     }
 }
 
-/// Renders `layers` over an empty frame with an optional mesh. Returns RGBA, rows from the top.
-fn picture(context: &Context, layers: &[Layer<'_>], body: Option<&TriMesh>) -> Vec<[u8; 4]> {
-    let (device, queue) = (context.device(), context.queue());
-    let mut debug = DebugStage::new(context, PICTURE_FORMAT).unwrap();
-    let view = empty(context);
-    let body = body.map(|mesh| Body::new(context, mesh));
-    let picture = nothing();
-    let mut encoder = device.create_command_encoder(&Default::default());
-    context.recorder(&mut encoder).draw_strands(&[], &[], ViewPass::new(&view, &picture)).unwrap();
-    body.iter().for_each(|body| body.prepare());
-    let bodies: Vec<_> = body.iter().collect();
-    let output = view.targets().picture();
-    debug.record(&mut context.commands(&mut encoder), &picture.camera, &bodies, output, layers).unwrap();
-    queue.submit([encoder.finish()]);
-    pollster::block_on(view.targets().read()).unwrap().as_chunks().0.to_vec()
-}
-
 /// A view of one sample per pixel, with the smallest shadow maps.
 fn empty(context: &Context) -> View {
     let options = ViewOptions {
@@ -120,73 +102,10 @@ fn points(context: &Context, record: impl FnOnce(&mut Canvas<'_, '_>) -> wgpu::B
     readback::buffer(context, &buffer).unwrap()
 }
 
-/// Returns the optical depth of a pixel, from its coverage.
-fn thickness(pixel: &[u8; 4]) -> f64 {
-    -(1.0 - f64::from(pixel[3]) / 255.0).ln()
-}
-
-/// Returns the integral of the optical depth over the image, m², and its centroid, pixels.
-fn integral(picture: &[[u8; 4]]) -> (f64, [f64; 2]) {
-    let mut sums = [0.0; 3];
-    for (i, pixel) in picture.iter().enumerate() {
-        let t = thickness(pixel);
-        let place = [i % SIZE as usize, i / SIZE as usize].map(|x| x as f64 + 0.5);
-        sums = [sums[0] + t, sums[1] + t * place[0], sums[2] + t * place[1]];
-    }
-    let area = (0.3 / f64::from(SIZE)).powi(2);
-    (sums[0] * area, [sums[1] / sums[0], sums[2] / sums[0]])
-}
-
 const PLACE: Vec3 = Vec3::new(0.02, -0.03, 0.04);
 
 fn turned() -> Pose {
     Pose { rotation: Quat::from_euler(glam::EulerRot::YXZ, 0.6, 0.4, -0.3), translation: PLACE }
-}
-
-/// A ball of radius 7 cm and density 3, for a rotated and translated box.
-fn ball(context: &Context) -> wgpu::TextureView {
-    texture(context, 64, |c| Vec4::W * if (c - 0.5).length() < 0.35 { 3.0 } else { 0.0 })
-}
-
-#[test]
-fn volume_emission_matches_a_ball() {
-    let Some(context) = context() else { return };
-    let texture = ball(context);
-    let paint = Paint { low: 0.0, high: 6.0, opacity: 20.0 };
-    let layer = Layer::Volume(grid(&texture, turned(), Quantity::Channel(3)), paint);
-    let seen = picture(context, &[layer], None);
-    // Half of the range: an optical depth of 10 per meter.
-    let volume = |radius: f64| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
-    let (sum, center) = integral(&seen);
-    let error = |radius| (sum / (10.0 * volume(radius)) - 1.0).abs();
-    println!("integrated emission of a ball: {:+.2} %", 100.0 * (sum / (10.0 * volume(0.07)) - 1.0));
-    assert!(error(0.07) < 0.02 && error(0.072) > 0.05, "{}", error(0.07));
-    // The largest thickness is a diameter, at the center of the ball's image.
-    let pixel = |x: f32| f64::from((x / 0.3 + 0.5) * SIZE as f32);
-    let expected = [pixel(PLACE.x), pixel(-PLACE.y)];
-    assert!((center[0] - expected[0]).abs() < 0.3 && (center[1] - expected[1]).abs() < 0.3, "{center:?}");
-    let middle = thickness(&seen[expected[1] as usize * SIZE as usize + expected[0] as usize]);
-    assert!((middle / 1.4 - 1.0).abs() < 0.04, "{middle}");
-}
-
-#[test]
-fn mesh_occludes_volume() {
-    let Some(context) = context() else { return };
-    let texture = ball(context);
-    let paint = Paint { low: 0.0, high: 6.0, opacity: 20.0 };
-    let layers = [Layer::Volume(grid(&texture, turned(), Quantity::Channel(3)), paint)];
-    let wall = |z: f32| TriMesh {
-        positions: [(-1.0, -1.0), (3.0, -1.0), (-1.0, 3.0)].map(|(x, y)| Vec3::new(x, y, z)).to_vec(),
-        normals: vec![Vec3::Z; 3],
-        triangles: vec![[0, 1, 2]],
-        ..Default::default()
-    };
-    let sum = |body: Option<&TriMesh>| integral(&picture(context, &layers, body)).0;
-    let whole = sum(None);
-    let half = sum(Some(&wall(PLACE.z))) / whole;
-    assert!((half - 0.5).abs() < 0.01, "{half}");
-    assert!(sum(Some(&wall(PLACE.z + 0.08))) < 1e-3 * whole);
-    assert!((sum(Some(&wall(PLACE.z - 0.08))) / whole - 1.0).abs() < 1e-3);
 }
 
 /// Returns the color of a value on the ramp, sRGB bytes.
@@ -200,56 +119,6 @@ fn byte_color(t: f32) -> [u8; 3] {
 /// Returns the largest difference of a channel between a pixel and the color of a value.
 fn off(pixel: [u8; 4], t: f32) -> u8 {
     byte_color(t).iter().zip(pixel).map(|(a, b)| a.abs_diff(b)).max().unwrap_or(0)
-}
-
-#[test]
-fn slices_show_values_at_their_position() {
-    let Some(context) = context() else { return };
-    // Each axis has its own channel, so that the test finds swapped axes.
-    let texture = texture(context, 32, |c| c.extend(1.0));
-    let paint = Paint { low: 0.0, high: 1.0, opacity: 1.0 };
-    let at = Vec3::new(0.3, 0.6, 0.8);
-    let pixel = |picture: &[[u8; 4]], x: f32, y: f32| {
-        // Meters from the middle, y up.
-        let (x, y) = ((x / 0.3 + 0.5) * SIZE as f32, (0.5 - y / 0.3) * SIZE as f32);
-        picture[y as usize * SIZE as usize + x as usize]
-    };
-    for channel in 0..3 {
-        let grid = grid(&texture, Pose::IDENTITY, Quantity::Channel(channel));
-        // Seen along z, the other two planes are lines.
-        let seen = picture(context, &[Layer::Slices(grid, paint, Slices { at, ..Default::default() })], None);
-        // The center of a pixel of the panels, which are 32 pixels wide.
-        let (u, v) = (22.5 / 32.0, 6.5 / 32.0);
-        let found = pixel(&seen, (u - 0.5) * 0.2, (v - 0.5) * 0.2);
-        let value = [u, v, at.z][channel as usize];
-        assert!(off(found, value) < 4, "channel {channel}: {found:?} for {value}");
-        assert!(off(found, value + 0.1) > 6);
-        assert_eq!(pixel(&seen, 0.12, 0.0)[3], 0, "outside of the box");
-        // Panels: at the left and top of the image, 0.5 high in clip space, 0.625 apart.
-        let panel = Vec4::new(-0.9375, 0.375, 0.5, 0.625);
-        let slices = Slices { at, panels: Some(panel), ..Default::default() };
-        let seen = picture(context, &[Layer::Slices(grid, paint, slices)], None);
-        for axis in 0..3 {
-            let (x, y) = (panel.x + u * panel.z, panel.y - axis as f32 * panel.w + v * panel.z);
-            let found = pixel(&seen, x * 0.15, y * 0.15);
-            let place =
-                [Vec3::new(at.x, v, 1.0 - u), Vec3::new(u, at.y, 1.0 - v), Vec3::new(u, v, at.z)][axis];
-            assert!(off(found, place[channel as usize]) < 4, "panel {axis}, channel {channel}: {found:?}");
-        }
-    }
-}
-
-#[test]
-fn panels_cover_their_area() {
-    let Some(context) = context() else { return };
-    let texture = texture(context, 8, |_| Vec4::ONE);
-    let paint = Paint { low: 0.0, high: 1.0, opacity: 0.5 };
-    let slices = Slices { panels: Some(Vec4::new(-1.0, 0.5, 0.5, 0.6)), ..Default::default() };
-    let layer = Layer::Slices(grid(&texture, Pose::IDENTITY, Quantity::Length), paint, slices);
-    let seen = picture(context, &[layer], None);
-    let covered: f64 = seen.iter().map(|p| f64::from(p[3]) / 255.0).sum::<f64>() / f64::from(SIZE * SIZE);
-    // Three squares of a quarter of the image's height, half opaque.
-    assert!((covered / (3.0 * 0.0625 * 0.5) - 1.0).abs() < 0.02, "{covered}");
 }
 
 #[test]
@@ -428,32 +297,6 @@ fn guides_show_speed_strain_and_index() {
             assert!((point.value - expected).abs() < 1e-4, "{quantity:?} {i}: {}", point.value);
             assert_eq!(point.position, Vec3::splat(i as f32));
         }
-    }
-}
-
-#[test]
-fn lines_have_requested_width() {
-    let Some(context) = context() else { return };
-    let paint = Paint { low: 0.0, high: 1.0, opacity: 1.0 };
-    let line = |width: f32, hole: f32| -> f64 {
-        let point = |x: f32, alpha| LinePoint {
-            position: Vec3::new(x, 0.3 * x, 0.0),
-            value: 1.0,
-            width,
-            alpha,
-            ..Default::default()
-        };
-        let points = [point(-0.1, 1.0), point(0.0, 1.0), point(0.01, hole), point(0.1, 1.0)];
-        let seen = picture(context, &[Layer::Lines(&points, paint)], None);
-        // The end of the ramp is bright, the rim is black.
-        seen.iter().map(|p| f64::from(p[1]) / f64::from(byte_color(1.0)[1])).sum()
-    };
-    let length = 0.2 * (1.0f64 + 0.09).sqrt() / 0.3 * f64::from(SIZE);
-    for width in [2.0, 4.0] {
-        let drawn = line(width, 1.0);
-        assert!((drawn / (length * f64::from(width)) - 1.0).abs() < 0.04, "{drawn}");
-        let half = line(width, -1.0);
-        assert!((half / drawn - 0.5).abs() < 0.02, "a point that is not shown interrupts: {half}");
     }
 }
 

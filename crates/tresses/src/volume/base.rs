@@ -7,7 +7,7 @@ use super::{
 use crate::{
     Pose,
     constants::VOLUME_WORKGROUP,
-    strands::{Guide, GuideBuffers, RestGuides},
+    strands::{Guide, RestGuides},
 };
 use glam::{Quat, Vec3};
 
@@ -19,21 +19,17 @@ const MOST_TOGETHER: u32 = 4;
 
 impl VolumeUniforms {
     /// Returns the uniforms that depend only on the groom and its grid.
-    pub(super) fn of(
-        grid: &VolumeGrid,
-        guides: &GuideBuffers,
-        rest: &RestGuides,
-        most_splatted: u32,
-    ) -> Self {
+    pub(super) fn of(grid: &VolumeGrid, rest: &RestGuides, most_splatted: u32) -> Self {
+        let (guide_count, vertex_count) = (rest.info.len() as u32, rest.vertex_count);
         // The blur hides gaps of up to one and a half cells between samples.
-        let edges = guides.vertex_count.saturating_sub(1).max(1) as f32;
+        let edges = vertex_count.saturating_sub(1).max(1) as f32;
         let lengths = rest.info.iter().map(|guide| (guide.strands * guide.length, guide.strands));
         let (meters_of, strands_of) = lengths.fold((0f32, 0f32), |sum, x| (sum.0 + x.0, sum.1 + x.1));
         let edge = meters_of / strands_of / edges;
         // Clamped also without hair, where the ratio is NaN.
         let vertices_per_sample = ((1.5 * grid.cell / edge) as u32).clamp(1, MOST_TOGETHER);
-        let samples = guides.vertex_count.div_ceil(vertices_per_sample);
-        let stride = guides.count.saturating_mul(samples).div_ceil(most_splatted).max(1);
+        let samples = vertex_count.div_ceil(vertices_per_sample);
+        let stride = guide_count.saturating_mul(samples).div_ceil(most_splatted).max(1);
         let meters = |guide: &Guide| {
             let meters = f64::from(guide.strands) * f64::from(guide.length);
             if meters.is_finite() { meters.max(0.0) } else { 0.0 }
@@ -48,10 +44,10 @@ impl VolumeUniforms {
             bias: grid.bias,
             scale: grid.scale,
             cell: grid.cell,
-            guide_count: guides.count,
-            vertex_count: guides.vertex_count,
+            guide_count,
+            vertex_count,
             stride,
-            splat_count: guides.count.div_ceil(stride),
+            splat_count: guide_count.div_ceil(stride),
             vertices_per_sample,
             samples,
             one: 1,

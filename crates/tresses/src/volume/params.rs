@@ -37,7 +37,7 @@ pub struct HairHair {
     /// Magnitude of the push of [`HairHairMode::Fixed`], m/s².
     pub fixed: f32,
     /// Stiffness of the [links](crate::simulate::links) between neighboring guides, as acceleration per distance, 1/s²;
-    /// 0 for none. Only hair [created](crate::HairOptions::simulation) with links has them.
+    /// 0 for none.
     pub cohesion: f32,
     /// Largest acceleration by one link, m/s². Beyond it, hair slides along hair.
     pub cohesion_limit: f32,

@@ -96,9 +96,6 @@ pub struct Volume {
     written_blur: Option<u32>,
 }
 
-/// Buffers and textures of a grid for binding.
-type Scratch<'a> = ([&'a wgpu::Buffer; 4], [&'a wgpu::TextureView; 4]);
-
 #[derive(Debug)]
 pub(super) struct Groups {
     pub(super) obstacles: wgpu::BindGroup,
@@ -110,113 +107,95 @@ pub(super) struct Groups {
     pub(super) settle: wgpu::BindGroup,
 }
 
-impl Volume {
-    /// Creates the grid of `guides` with the rest state `rest`.
+/// Textures and buffers that the grids of all hair of a groom use in turn. They hold a head's hair during one of its
+/// steps, so steps of two heads must not interleave; [`Recorder`](crate::frame::Recorder) ensures this.
+#[derive(Debug)]
+pub(crate) struct VolumeAsset {
+    grid: VolumeGrid,
+    /// Hair and push.
+    textures: [(wgpu::Texture, wgpu::TextureView); 2],
+    cells: wgpu::Buffer,
+    /// Whether the cells are in memory that others use between steps.
+    lent: bool,
+    scratch: [wgpu::TextureView; 2],
+    base: VolumeUniforms,
+}
+
+impl VolumeAsset {
+    /// Creates the grid around guides with the rest state `rest`, in `cells` that others use between steps, or in its
+    /// own.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a resolution out of range, [`Error::Limit`] if the adapter cannot hold the grid.
     pub fn new(
         context: &Context,
-        guides: &GuideBuffers,
         rest: &RestGuides,
         options: &VolumeOptions,
-    ) -> Result<Self> {
-        let Context { device, .. } = context;
-        let cells = storage::<i32>(device, "volume cells", u64::from(options.cells()?) * CHANNELS)?;
-        Ok(Self { lent: false, ..Self::within(context, guides, rest, options, cells)? })
-    }
-
-    /// Creates the grid in `cells` that others use between steps; the caller calls [`clear`](Self::clear) before each
-    /// step.
-    pub(crate) fn within(
-        context: &Context,
-        guides: &GuideBuffers,
-        rest: &RestGuides,
-        options: &VolumeOptions,
-        cells: wgpu::Buffer,
+        cells: Option<wgpu::Buffer>,
     ) -> Result<Self> {
         let Context { device, .. } = context;
         let VolumeOptions { resolution, most_splatted } = *options;
         let n = u64::from(options.cells()?);
+        let (lent, own) = (cells.is_some(), || storage::<i32>(device, "volume cells", n * CHANNELS));
         let grid = VolumeGrid::around(rest.rest.iter().map(|r| r.position), resolution);
-        let vertices = u64::from(guides.count) * u64::from(guides.vertex_count);
         let texture = |label, format| grid_texture(device, label, format, [resolution; 3]);
         use wgpu::TextureFormat::{Rgba16Float, Rgba32Uint};
-        let (hair_texture, hair) = texture("volume hair", Rgba16Float);
-        let (push_texture, push) = texture("volume push", Rgba16Float);
-        let [(_, first), (_, second)] =
-            [texture("volume sums a", Rgba32Uint), texture("volume sums b", Rgba32Uint)];
-        let uniforms = bindings::uniform(device, "volume steps", (STRIDE * (MAX_STEPS + 1)) as usize);
-        let obstacles = storage::<f32>(device, "volume obstacles", n)?;
-        let rest_density = storage::<f32>(device, "volume rest", n)?;
-        let blur = bindings::uniform(device, "volume blur", size_of::<Blur>());
-        let rested = storage::<f32>(device, "volume rested", vertices)?;
-        let shared = ([&cells, &obstacles, &rest_density, &rested], [&hair, &push, &first, &second]);
-        let groups = groups(context, guides, [&uniforms, &blur], shared);
-        let base = VolumeUniforms::of(&grid, guides, rest, most_splatted.max(1));
         Ok(Self {
-            pipelines: context.pipelines(),
+            base: VolumeUniforms::of(&grid, rest, most_splatted.max(1)),
             grid,
+            textures: [texture("volume hair", Rgba16Float), texture("volume push", Rgba16Float)],
+            cells: cells.map_or_else(own, Ok)?,
+            lent,
+            scratch: ["volume sums a", "volume sums b"].map(|label| texture(label, Rgba32Uint).1),
+        })
+    }
+
+    /// Bytes of GPU memory, without lent cells.
+    pub fn bytes(&self) -> u64 {
+        // Hair and push, and two textures of sums.
+        let texels = (2 * 8 + 2 * 16) * u64::from(self.grid.resolution).pow(3);
+        texels + if self.lent { 0 } else { self.cells.size() }
+    }
+}
+
+impl Volume {
+    /// Creates the grid of one head with `guides`.
+    ///
+    /// # Errors
+    /// [`Error::Limit`].
+    pub(crate) fn new(context: &Context, asset: &VolumeAsset, guides: &GuideBuffers) -> Result<Self> {
+        let Context { device, .. } = context;
+        let pipelines: Arc<Pipelines> = context.pipelines();
+        let n = u64::from(asset.grid.resolution).pow(3);
+        let vertices = u64::from(guides.count) * u64::from(guides.vertex_count);
+        let uniforms = bindings::uniform(device, "volume steps", (STRIDE * (MAX_STEPS + 1)) as usize);
+        let blur = bindings::uniform(device, "volume blur", size_of::<Blur>());
+        let obstacles = storage::<f32>(device, "volume obstacles", n)?;
+        let rest = storage::<f32>(device, "volume rest", n)?;
+        let rested = storage::<f32>(device, "volume rested", vertices)?;
+        let [(hair_texture, hair), (push_texture, push)] = asset.textures.clone();
+        let (cells, scratch) = (asset.cells.clone(), asset.scratch.clone());
+        let buffers = [&uniforms, &blur, &cells, &obstacles, &rest, &rested];
+        let groups = Groups::new(&pipelines, guides, buffers, [&hair, &push, &scratch[0], &scratch[1]]);
+        Ok(Self {
+            pipelines,
+            grid: asset.grid,
             hair_texture,
             hair,
             push_texture,
             push,
             uniforms,
             cells,
-            lent: true,
-            obstacles,
-            rest: rest_density,
-            blur,
-            rested,
-            others: Vec::new(),
-            meets_next: false,
-            scratch: [first, second],
-            groups,
-            base,
-            modes: Vec::new(),
-            obstacles_moved: Vec::new(),
-            obstacles_at: None,
-            rest_blur: (None, 0),
-            written_blur: None,
-        })
-    }
-
-    /// Creates the grid of another head with the same groom. Its `guides` share the cells, which hold a head's hair
-    /// during one of its steps. Steps of two heads must therefore not interleave; [`Recorder`](crate::frame::Recorder)
-    /// ensures this.
-    ///
-    /// # Errors
-    /// [`Error::Limit`].
-    pub(crate) fn another(&self, context: &Context, guides: &GuideBuffers) -> Result<Self> {
-        let Context { device, .. } = context;
-        // Each head computes its rest density and obstacles once, at its own pose, so it has its own buffers.
-        let like = |what, buffer: &wgpu::Buffer| storage::<u8>(device, what, buffer.size());
-        let obstacles = like("volume obstacles", &self.obstacles)?;
-        let rest = like("volume rest", &self.rest)?;
-        let rested = like("volume rested", &self.rested)?;
-        let uniforms = bindings::uniform(device, "volume steps", (STRIDE * (MAX_STEPS + 1)) as usize);
-        let blur = bindings::uniform(device, "volume blur", size_of::<Blur>());
-        let [first, second] = &self.scratch;
-        let shared = ([&self.cells, &obstacles, &rest, &rested], [&self.hair, &self.push, first, second]);
-        Ok(Self {
-            pipelines: self.pipelines.clone(),
-            groups: groups(context, guides, [&uniforms, &blur], shared),
-            grid: self.grid,
-            hair_texture: self.hair_texture.clone(),
-            hair: self.hair.clone(),
-            push_texture: self.push_texture.clone(),
-            push: self.push.clone(),
-            uniforms,
-            cells: self.cells.clone(),
-            lent: self.lent,
+            lent: asset.lent,
             obstacles,
             rest,
             blur,
             rested,
             others: Vec::new(),
             meets_next: false,
-            scratch: self.scratch.clone(),
-            base: self.base,
+            scratch,
+            groups,
+            base: asset.base,
             modes: Vec::new(),
             obstacles_moved: Vec::new(),
             obstacles_at: None,
@@ -225,19 +204,17 @@ impl Volume {
         })
     }
 
-    /// Bytes of GPU memory that heads share.
-    pub(crate) fn shared_bytes(&self) -> u64 {
-        let own = [&self.uniforms, &self.obstacles, &self.rest, &self.blur, &self.rested];
-        self.bytes() - own.iter().map(|buffer| buffer.size()).sum::<u64>()
+    /// Binds other buffers of the same guides.
+    pub(crate) fn bind(&mut self, guides: &GuideBuffers) {
+        let buffers = [&self.uniforms, &self.blur, &self.cells, &self.obstacles, &self.rest, &self.rested];
+        let views = [&self.hair, &self.push, &self.scratch[0], &self.scratch[1]];
+        self.groups = Groups::new(&self.pipelines, guides, buffers, views);
     }
 
-    /// Bytes of GPU memory, without lent cells.
-    pub fn bytes(&self) -> u64 {
-        let buffers = [&self.uniforms, &self.obstacles, &self.rest, &self.blur, &self.rested];
-        // Hair and push, and two textures of sums.
-        let texels = (2 * 8 + 2 * 16) * u64::from(self.grid.resolution).pow(3);
-        let cells = if self.lent { 0 } else { self.cells.size() };
-        buffers.iter().map(|buffer| buffer.size()).sum::<u64>() + cells + texels
+    /// Bytes of GPU memory of this head alone.
+    pub(crate) fn own_bytes(&self) -> u64 {
+        let own = [&self.uniforms, &self.obstacles, &self.rest, &self.blur, &self.rested];
+        own.iter().map(|buffer| buffer.size()).sum()
     }
 
     /// Clears cells that others have used since the last step. The caller calls this before a step, outside of passes.
@@ -379,51 +356,53 @@ impl Volume {
     }
 }
 
-/// Binds the kernels to the `guides` of one head.
-fn groups(
-    context: &Context,
-    guides: &GuideBuffers,
-    [uniforms, blur]: [&wgpu::Buffer; 2],
-    ([cells, obstacles, rest, rested], [hair, push, first, second]): Scratch<'_>,
-) -> Groups {
-    let pipelines: Arc<Pipelines> = context.pipelines();
-    let step = || slot(uniforms);
-    let view = wgpu::BindingResource::TextureView;
-    Groups {
-        obstacles: pipelines.obstacles.bind(&[step(), obstacles.as_entire_binding()]),
-        splat: pipelines.splat.bind(&[
-            step(),
-            guides.info.as_entire_binding(),
-            guides.rest.as_entire_binding(),
-            guides.current.as_entire_binding(),
-            guides.velocity.as_entire_binding(),
-            rested.as_entire_binding(),
-            cells.as_entire_binding(),
-        ]),
-        sum: pipelines.sum.bind(&[
-            step(),
-            cells.as_entire_binding(),
-            obstacles.as_entire_binding(),
-            view(first),
-        ]),
-        blur: [(&pipelines.blur[0], first, second), (&pipelines.blur[1], second, first)]
-            .map(|(kernel, from, to)| kernel.bind(&[step(), blur.as_entire_binding(), view(from), view(to)])),
-        density: pipelines.density.bind(&[
-            step(),
-            blur.as_entire_binding(),
-            view(first),
-            rest.as_entire_binding(),
-            view(second),
-            view(hair),
-        ]),
-        push: pipelines.push.bind(&[step(), view(second), view(push)]),
-        settle: pipelines.settle.bind(&[
-            step(),
-            guides.rest.as_entire_binding(),
-            rest.as_entire_binding(),
-            rested.as_entire_binding(),
-            guides.info.as_entire_binding(),
-        ]),
+impl Groups {
+    /// Binds the kernels to the `guides` of one head.
+    fn new(
+        pipelines: &Pipelines,
+        guides: &GuideBuffers,
+        [uniforms, blur, cells, obstacles, rest, rested]: [&wgpu::Buffer; 6],
+        [hair, push, first, second]: [&wgpu::TextureView; 4],
+    ) -> Self {
+        let step = || slot(uniforms);
+        let view = wgpu::BindingResource::TextureView;
+        Self {
+            obstacles: pipelines.obstacles.bind(&[step(), obstacles.as_entire_binding()]),
+            splat: pipelines.splat.bind(&[
+                step(),
+                guides.info.as_entire_binding(),
+                guides.rest.as_entire_binding(),
+                guides.current.as_entire_binding(),
+                guides.velocity.as_entire_binding(),
+                rested.as_entire_binding(),
+                cells.as_entire_binding(),
+            ]),
+            sum: pipelines.sum.bind(&[
+                step(),
+                cells.as_entire_binding(),
+                obstacles.as_entire_binding(),
+                view(first),
+            ]),
+            blur: [(&pipelines.blur[0], first, second), (&pipelines.blur[1], second, first)].map(
+                |(kernel, from, to)| kernel.bind(&[step(), blur.as_entire_binding(), view(from), view(to)]),
+            ),
+            density: pipelines.density.bind(&[
+                step(),
+                blur.as_entire_binding(),
+                view(first),
+                rest.as_entire_binding(),
+                view(second),
+                view(hair),
+            ]),
+            push: pipelines.push.bind(&[step(), view(second), view(push)]),
+            settle: pipelines.settle.bind(&[
+                step(),
+                guides.rest.as_entire_binding(),
+                rest.as_entire_binding(),
+                rested.as_entire_binding(),
+                guides.info.as_entire_binding(),
+            ]),
+        }
     }
 }
 

@@ -110,7 +110,7 @@ fn drift(
     let n = GUIDE_VERTICES as u32;
     let traits: Vec<_> =
         stiffness.iter().map(|&stiffness| GuideTraits { stiffness, ..GuideTraits::default() }).collect();
-    let options = RestOptions { clearance: 1.5e-3, shape };
+    let options = RestOptions { shape, ..Default::default() };
     let at_rest = rest::guides(positions, n, &traits, &params, &options, Some(field)).unwrap();
     let count = at_rest.info.len();
     let guides = GuideBuffers::new(context, count as u32, n, n).unwrap();

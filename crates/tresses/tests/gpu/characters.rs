@@ -3,7 +3,7 @@
 use crate::common;
 use std::sync::OnceLock;
 use tresses::{
-    Camera, Character, Context, Pose, View,
+    Camera, Character, CharacterAsset, Context, Pose, View,
     body::Body,
     budget::Budget,
     character::{
@@ -31,7 +31,8 @@ fn bearded(context: &Context) -> Character {
         pollster::block_on(source.dress(&styling, &())).unwrap()
     });
     let options = CharacterOptions::default();
-    let mut character = pollster::block_on(Character::new(context, parts.clone(), &options, &())).unwrap();
+    let asset = pollster::block_on(CharacterAsset::new(context, parts.clone(), &options, &())).unwrap();
+    let mut character = Character::new(&asset).unwrap();
     character.set_lod(LodOptions { mode: LodMode::Off, ..LodOptions::default() });
     character
 }
@@ -226,7 +227,9 @@ fn replaced_groom_keeps_time_material_and_gesture() {
     let growth = Growth::for_style(&"bob".parse().unwrap()).with_strands(200);
     let styling = Styling { growth: Some(growth), ..Styling::default() };
     let parts = pollster::block_on(source.dress(&styling, &())).unwrap();
-    pollster::block_on(character.replace(context, parts, &CharacterOptions::default(), &())).unwrap();
+    let asset =
+        pollster::block_on(CharacterAsset::new(context, parts, &CharacterOptions::default(), &())).unwrap();
+    character.replace(&asset).unwrap();
     assert_eq!((character.time(), character.hair().set.material), (time, material));
     assert_eq!((character.gesture.clone(), character.hair().strands.count), (nod(15.0), 200));
     assert!(character.animate("Walk", 0.0).unwrap_err().to_string().contains("Walk"));

@@ -133,7 +133,7 @@ impl Run<'_> {
 fn run<'a>(context: &'a Context, character: &Character, colliders: &[Collider]) -> Run<'a> {
     let what = ColliderDescriptor { head: Some(&character.field), colliders, ..Default::default() };
     let options = HairOptions::default();
-    let hair = Hair::with_colliders(context, &character.groom, &options, &what).unwrap();
+    let hair = common::hair_among(context, &character.groom, &options, &what).unwrap();
     Run { context, hair, params: options.simulation }
 }
 
@@ -203,7 +203,7 @@ fn sweep(context: &Context, character: &Character, speed: f32) -> RunStatistics 
         character.field.sample(hand(t).point(Vec3::Y * along)) - HAND
     };
     let distance = |x: Vec3, t: f32| match room(x, t) {
-        room if room < 2.0 * HairOptions::default().clearance => 1.0,
+        room if room < 2.0 * HairOptions::default().rest.clearance => 1.0,
         _ => shape::capsule(hand(t).inverse().point(x), HAND, 0.15).w,
     };
     // In the forearm's frame: the vertex passed within half a radius of its axis.
@@ -256,7 +256,7 @@ fn moved_by_capsules(context: &Context, spared: Option<usize>) -> Vec<f32> {
         Pose { translation: root(i) + Vec3::new(0.004 + away, -0.12, 0.0), ..Pose::IDENTITY }
     };
     let colliders = ColliderPoses { head: None, colliders: (0..64).map(pose).collect() };
-    let mut hair = Hair::with_colliders(context, &groom, &HairOptions::default(), &what).unwrap();
+    let mut hair = common::hair_among(context, &groom, &HairOptions::default(), &what).unwrap();
     // No self-collision, so that strands are independent.
     let physics = SimulationParams { hair_hair: HairHair::OFF, ..Default::default() };
     let mut read = |dt: f32| {

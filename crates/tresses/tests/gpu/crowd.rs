@@ -33,7 +33,7 @@ fn grown(strands: usize) -> Groom {
 
 fn hair(context: &Context, groom: &Groom) -> Hair {
     let field = common::ball(0.085, 32);
-    Hair::new(context, groom, &HairOptions::default(), Some(&field)).unwrap()
+    common::hair(context, groom, &HairOptions::default(), Some(&field)).unwrap()
 }
 
 /// Reads the drawn vertices.
@@ -60,7 +60,7 @@ fn sharing_heads_are_bit_identical_to_separate_heads() {
     let Some(context) = common::context() else { return };
     let groom = groom();
     let mut first = hair(context, &groom);
-    let mut sharing = first.another(&[]).unwrap();
+    let mut sharing = Hair::new(first.asset()).unwrap();
     let [mut first_alone, mut alone] = [(); 2].map(|()| hair(context, &groom));
     // Advance two heads in turn, each with its own pose, while the levels change.
     for i in 0..24u32 {
@@ -89,7 +89,7 @@ fn sharing_heads_are_bit_identical_to_separate_heads() {
 fn distant_heads_use_little_memory() {
     let Some(context) = common::context() else { return };
     let first = hair(context, &grown(5760));
-    let mut far = first.another(&[]).unwrap();
+    let mut far = Hair::new(first.asset()).unwrap();
     let mut own = |pixel: f32| {
         let detail = far.lod.detail(pixel, 100.0);
         far.set_detail(detail);
@@ -114,14 +114,14 @@ fn zone_light_equals_view_light() {
     let Some(context) = common::context() else { return };
     let mut first = hair(context, &groom());
     first.set.material = HairMaterial::blond();
-    let mut second = first.another(&[]).unwrap();
+    let mut second = Hair::new(first.asset()).unwrap();
     let aside = Pose { translation: Vec3::X * 0.8, ..Pose::IDENTITY };
     submit(|recorder| {
         recorder.advance(&mut first, &frame(Pose::IDENTITY, 0.0))?;
         recorder.advance(&mut second, &frame(aside, 0.0))
     });
     let body = Body::new(context, &common::cube(0.06));
-    let mut other = body.another();
+    let mut other = body.instance(false);
     other.pose = aside;
     let focus = Sphere { center: Vec3::ZERO, radius: 0.35 };
     let scene = Picture {
@@ -278,7 +278,7 @@ fn hair_at_rest_sleeps_and_wakes() {
 fn unseen_hair_pauses_and_resumes_with_its_head() {
     let Some(context) = common::context() else { return };
     let first = hair(context, &groom());
-    let mut hair = first.another(&[]).unwrap();
+    let mut hair = Hair::new(first.asset()).unwrap();
     hair.lod.options = LodOptions { sleep: true, ..LodOptions::default() };
     let look = |hair: &mut Hair, target: Vec3, pose: &Pose| {
         let camera = Camera::look_at(Vec3::Z, target, 0.5, SIZE);
@@ -314,7 +314,7 @@ fn unseen_hair_pauses_and_resumes_with_its_head() {
         most = most.max(mean_distance(&last, &now));
         last = now;
     }
-    let mut seen = first.another(&[]).unwrap();
+    let mut seen = Hair::new(first.asset()).unwrap();
     let (mut last, mut usual) = (Vec::new(), 0f32);
     for i in 0..90 {
         look(&mut seen, here, &turning(i, 0));
@@ -333,7 +333,7 @@ fn unseen_hair_pauses_and_resumes_with_its_head() {
 fn levels_of_detail_keep_the_budget() {
     let Some(context) = common::context() else { return };
     let first = hair(context, &groom());
-    let mut heads: Vec<_> = (0..4).map(|_| first.another(&[]).unwrap()).collect();
+    let mut heads: Vec<_> = (0..4).map(|_| Hair::new(first.asset()).unwrap()).collect();
     heads.iter_mut().for_each(|hair| hair.lod.options = LodOptions::CROWD);
     let camera = Camera::look_at(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 0.5, [640, 400]);
     let place = |i: usize| Pose { translation: Vec3::new(0.5 * i as f32 - 0.75, 0.0, 0.0), ..Pose::IDENTITY };
@@ -391,7 +391,7 @@ fn zones_are_as_bright_as_finer_maps() {
     let made = common::character("long", 5000).expect("there is a GPU");
     let options = HairOptions::default();
     let field = Some(&made.field);
-    let mut hair = Hair::new(context, &made.groom, &options, field).unwrap();
+    let mut hair = common::hair(context, &made.groom, &options, field).unwrap();
     let body = Body::new(context, &made.mesh);
     let (lo, hi) = made.groom.bounds().unwrap();
     let focus = Sphere { center: 0.5 * (lo + hi), radius: 0.62 * lo.distance(hi) };
@@ -448,7 +448,7 @@ fn distant_heads_do_not_flicker() {
     let Some(context) = common::context() else { return };
     let made = common::character("long", 10_000).expect("there is a GPU");
     let options = HairOptions { lod: LodOptions::CROWD, ..Default::default() };
-    let first = Hair::new(context, &made.groom, &options, Some(&made.field)).unwrap();
+    let first = common::hair(context, &made.groom, &options, Some(&made.field)).unwrap();
     let mut body = Body::new(context, &made.mesh);
     let (lo, hi) = made.groom.bounds().unwrap();
     let focus = Sphere { center: 0.5 * (lo + hi), radius: 0.62 * lo.distance(hi) };
@@ -459,7 +459,7 @@ fn distant_heads_do_not_flicker() {
         Pose::about(focus.center, Quat::from_rotation_y(angle))
     };
     let mut run = |away: f32, azimuth: f32, every: Option<u32>| -> Vec<f64> {
-        let mut hair = first.another(&[]).unwrap();
+        let mut hair = Hair::new(first.asset()).unwrap();
         let height = (2.0 * focus.radius / (away * 0.000_744_3)).ceil() as u32;
         let eye =
             focus.center + Quat::from_rotation_y(azimuth) * Vec3::new(0.0, 0.02, 1.0).normalize() * away;

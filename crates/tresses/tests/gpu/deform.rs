@@ -64,7 +64,7 @@ impl<'a> Stage<'a> {
             colliders: &[Collider::new(Shape::Field(FieldId(0)))],
             ..Default::default()
         };
-        let mut hair = Hair::with_colliders(context, &groom(), &options, &what).unwrap();
+        let mut hair = common::hair_among(context, &groom(), &options, &what).unwrap();
         if deforms {
             let fields = [DeformingField { which: BALL, triangles: &rest.triangles }];
             let skin = Skin::from(&body);

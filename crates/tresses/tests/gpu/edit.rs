@@ -19,7 +19,7 @@ use tresses::{
     },
     hair::HairFrame,
     lod,
-    simulate::SimulationParams,
+    simulate::{RestOptions, SimulationParams},
     strands::StrandVertex,
     wind::Wind,
 };
@@ -52,19 +52,18 @@ fn combed(editor: &mut GroomEditor, tool: BrushTool) -> GroomDocument {
 }
 
 fn hair(context: &Context, groom: &Groom, mode: AvoidMode, editor: Option<&GroomEditor>) -> Hair {
-    supported(context, groom, (mode, SimulationParams::default()), editor)
+    supported(context, groom, (mode, RestOptions::default()), editor)
 }
 
-/// Returns hair at rest under these physics.
 fn supported(
     context: &Context,
     groom: &Groom,
-    (mode, simulation): (AvoidMode, SimulationParams),
+    (mode, rest): (AvoidMode, RestOptions),
     editor: Option<&GroomEditor>,
 ) -> Hair {
     let avoid = AvoidOptions { mode, ..AvoidOptions::default() };
-    let options = HairOptions { avoid, simulation, ..HairOptions::default() };
-    Hair::new(context, groom, &options, editor.and_then(GroomEditor::field)).unwrap()
+    let options = HairOptions { avoid, rest, ..HairOptions::default() };
+    common::hair(context, groom, &options, editor.and_then(GroomEditor::field)).unwrap()
 }
 
 /// Draws a frame of `dt` seconds. Returns the strands in the order of their groom.
@@ -168,8 +167,7 @@ fn blown_hair_keeps_its_shape() {
         let base = editor.document().base();
         let mut blown = hair(context, &base, AvoidMode::ChangeOver, Some(&editor));
         let wind = Wind::new(Vec3::new(2.5, 0.5, -1.0));
-        let calm = SimulationParams { support, ..SimulationParams::default() };
-        let physics = SimulationParams { wind, ..calm };
+        let physics = SimulationParams { wind, ..SimulationParams::default() };
         for _ in 0..90 {
             common::advance(
                 &mut blown,
@@ -192,7 +190,8 @@ fn blown_hair_keeps_its_shape() {
         assert!(moved > 0.02 && off < 4e-3, "moved {moved}, kept within {off}");
         assert!(editor.keep(kept.guides().positions().as_slice()).unwrap().is_none(), "nothing new to keep");
         let groom = kept.groom();
-        let mut anew = supported(context, &groom, (AvoidMode::ChangeOver, calm), Some(&editor));
+        let rest = RestOptions { support, ..RestOptions::default() };
+        let mut anew = supported(context, &groom, (AvoidMode::ChangeOver, rest), Some(&editor));
         let mut last = Vec::new();
         for _ in 0..120 {
             last = drawn(context, &mut anew, &groom, Pose::IDENTITY, 1.0 / 60.0);

@@ -5,7 +5,7 @@ use crate::common;
 
 use half::f16;
 use tresses::{
-    Camera, Context, Error, Hair, Pose, Result, View,
+    Camera, Context, Error, Hair, HairAsset, HairDescriptor, Pose, Result, View,
     draw::{Compositor, Surroundings},
     frame::{ViewContent, ViewPass},
     glam::{
@@ -350,8 +350,9 @@ fn cards_are_hidden_and_blended_like_strands() {
         let strands = Setup::new(context, &options, 1);
         let expected = covered(&strands.wall(sky, projection, 5.0), sky);
         let mut setup = Setup::new(context, &options, 1);
-        setup.hair = Hair::new(context, &columns.groom, &Default::default(), None).unwrap();
-        setup.hair.set_cards(&columns.groom.strands, &columns.sheet).unwrap();
+        let what = HairDescriptor { cards: Some(&columns.sheet), ..Default::default() };
+        let asset = HairAsset::new(context, columns.groom.clone(), &what).unwrap();
+        setup.hair = Hair::new(&asset).unwrap();
         common::advance(&mut setup.hair, &common::frame(Pose::IDENTITY, 0.0));
         let free = setup.wall(sky, projection, 5.0);
         let seen = covered(&free, sky);

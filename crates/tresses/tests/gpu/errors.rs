@@ -2,7 +2,7 @@
 
 use crate::common;
 use tresses::{
-    Context, Error, Hair, HairOptions, Pose, Result, View,
+    Context, Error, HairOptions, Pose, Result, View,
     body::{Body, Skin},
     collide::{
         ColliderDescriptor, ColliderPoses, ColliderSet, FieldBuilder, FieldId, FieldSource,
@@ -103,10 +103,10 @@ fn advance(context: &Context) -> Result<()> {
         colliders: &[tresses::collide::Collider::new(tresses::collide::Shape::Field(FieldId(0)))],
         ..Default::default()
     };
-    let mut hair = Hair::with_colliders(context, &groom, &HairOptions::default(), &what)?;
+    let mut hair = common::hair_among(context, &groom, &HairOptions::default(), &what)?;
     let body = Body::with_levels(context, &mesh, &[], 4);
     let skin = Skin::from(&body);
-    hair.attach(&groom, &mesh, &skin, 0.1)?;
+    hair.attach(&mesh, &skin, 0.1)?;
     let deforming = DeformingField { which: DeformTarget::Field(FieldId(0)), triangles: &mesh.triangles };
     hair.colliders.deform(&mesh, &skin, &[deforming])?;
     hair.set_detail(Detail { strands: 20, ..*hair.lod.current() });
@@ -207,7 +207,8 @@ fn measure_cube(context: &Context) -> Result<()> {
 
 fn debug_view(context: &Context) -> Result<()> {
     let groom = bind(&common::hanging(50, 16, 0.12), &Default::default())?;
-    let hair = Hair::new(context, &groom, &HairOptions::default(), None)?;
+    let mut hair = common::hair(context, &groom, &HairOptions::default(), None)?;
+    context.recorder(&mut encoder(context)).advance(&mut hair, &HairFrame::default())?;
     let (_, view) = still(context)?;
     let mut views = DebugViews::new(context, tresses::draw::targets::PICTURE_FORMAT)?;
     let (shown, picture) = (DebugDisplay::new(DebugView::Locks), Picture::default());

@@ -37,7 +37,7 @@ impl Setup {
     fn hair(&self) -> Hair {
         let context = self.context;
         let options = HairOptions::default();
-        Hair::new(context, &self.groom, &options, Some(&self.field)).unwrap()
+        common::hair(context, &self.groom, &options, Some(&self.field)).unwrap()
     }
 
     fn advance(&self, hair: &mut Hair, head: Pose, dt: f32) {

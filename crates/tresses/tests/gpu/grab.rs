@@ -56,7 +56,7 @@ impl Setup {
     fn hair(&self) -> Hair {
         let context = self.context;
         let options = HairOptions { simulation: self.physics, ..Default::default() };
-        let mut hair = Hair::new(context, &self.groom, &options, Some(&self.field)).unwrap();
+        let mut hair = common::hair(context, &self.groom, &options, Some(&self.field)).unwrap();
         for _ in 0..31 {
             self.advance(&mut hair, Pose::IDENTITY, 1.0 / 60.0, &[]);
         }

@@ -75,7 +75,7 @@ fn hair(context: &Context) -> Hair {
     let groom = bind(&common::hanging(300, 16, 0.15), &BindOptions::default()).unwrap();
     let field = common::ball(0.085, 32);
     let options = HairOptions::default();
-    Hair::new(context, &groom, &options, Some(&field)).unwrap()
+    common::hair(context, &groom, &options, Some(&field)).unwrap()
 }
 
 fn eye(azimuth: f32) -> Picture {

@@ -15,7 +15,7 @@ use tresses::renderer::Renderer;
 use tresses::simulate::{Tie, TieTarget};
 use tresses::view::{Picture, ViewOptions};
 use tresses::wgpu::{TextureFormat, TextureUsages};
-use tresses::{Camera, Character, Context, HairOptions, Pose, Result, Space, View};
+use tresses::{Camera, Character, CharacterAsset, Context, HairOptions, Pose, Result, Space, View};
 use tresses::{budget::Budget, gpu::readback, lod::LodOptions, present::Background, strands::StrandVertex};
 
 /// The built-in character with 500 strands and an animation, at rest.
@@ -50,7 +50,8 @@ async fn load(tresses: Context) -> Result<Guide> {
     let walk = Animation { name: "Walk".into(), length: 1.0, channels };
     parts.anatomy.as_mut().expect("a rig").rig.animations.push(walk);
     parts.levels_of_head = parts.head.as_ref().map(|head| head.levels());
-    let ann = Character::new(&tresses, parts.clone(), &CharacterOptions::default(), &()).await?;
+    let asset = CharacterAsset::new(&tresses, parts.clone(), &CharacterOptions::default(), &()).await?;
+    let ann = Character::new(&asset)?;
     assert_eq!((ann.grooms().count(), ann.hair().strands.count), (3, 500));
     Ok(Guide { tresses, parts, ann })
 }
@@ -62,7 +63,8 @@ async fn filled(tresses: Context) -> Result<Character> {
     let source = CharacterSource::imported(&files, &ImportOptions::default(), &()).await?;
     let fill = FillOptions { strands: Some(20_000), ..Default::default() };
     let parts = source.dress(&Styling { fill, ..Default::default() }, &()).await?;
-    let ann = Character::new(&tresses, parts, &CharacterOptions::default(), &()).await?;
+    let asset = CharacterAsset::new(&tresses, parts, &CharacterOptions::default(), &()).await?;
+    let ann = Character::new(&asset)?;
     Ok(ann)
 }
 
@@ -94,7 +96,8 @@ async fn character(guide: &Guide) -> Result<()> {
 
     let old = ann;
     let tresses = Context::new(device, queue);
-    let mut ann = Character::new(&tresses, parts.clone(), &CharacterOptions::default(), &()).await?;
+    let asset = CharacterAsset::new(&tresses, parts.clone(), &CharacterOptions::default(), &()).await?;
+    let mut ann = Character::new(&asset)?;
     ann.continue_from(&old);
     assert_eq!(ann.time(), old.time());
 
@@ -107,7 +110,7 @@ async fn character(guide: &Guide) -> Result<()> {
     let mut ann = guide.ann.instance()?;
     let at = Vec3::new(0.0, 0.03, -0.11);
     let band = Tie { from: at, to: at, radius: 0.06, held: TieTarget::Together, gather: 0.3, group: None };
-    let report = ann.hair_mut().tie(&parts.groom, &[band])?;
+    let report = ann.hair_mut().tie(&[band])?;
     assert!(report.rings == 1 && report.together > 1, "{report:?}");
     let collider = Collider { friction: 2.0, ..Collider::new(Shape::sphere(0.06)) };
     let pose = Pose { translation: Vec3::new(0.1, 0.05, 0.0), ..Pose::IDENTITY };
@@ -209,8 +212,8 @@ async fn engine(guide: &Guide) -> Result<()> {
     let poses = [0.0, 0.5, -0.5].map(|x| Pose { translation: Vec3::X * x, ..Pose::IDENTITY });
     let hair = HairOptions { lod: LodOptions::CROWD, ..Default::default() };
     let options = CharacterOptions { hair, ..Default::default() };
-    let first = Character::new(&tresses, parts, &options, &()).await?;
-    let mut crowd = (0..3).map(|_| first.instance()).collect::<Result<Vec<_>>>()?;
+    let asset = CharacterAsset::new(&tresses, parts, &options, &()).await?;
+    let mut crowd = (0..3).map(|_| Character::new(&asset)).collect::<Result<Vec<_>>>()?;
     let budget = Budget { milliseconds: 4.0, bytes: 500_000_000 };
     let mut budget = CrowdBudget { budget, ..Default::default() };
     budget.costs.fit(&budget.chosen.work, milliseconds);

@@ -41,8 +41,10 @@ fn draw_twisted(
     // Strands that are their own guides need no samples.
     let follows = groom.guides.len() == groom.strands.len();
     let samples = if follows { 0 } else { groom.strands.vertex_count.max(groom.guides.vertex_count) };
-    let guides = GuideBuffers::new(context, groom.guides.len() as u32, n as u32, samples).unwrap();
-    let guides = if twist == [0.0; 2] { guides } else { guides.with_twist(context).unwrap() };
+    let mut guides = GuideBuffers::new(context, groom.guides.len() as u32, n as u32, samples).unwrap();
+    if twist != [0.0; 2] {
+        guides.add_twist(context).unwrap();
+    }
     let strands =
         StrandBuffers::new(context, groom.strands.len() as u32, groom.strands.vertex_count).unwrap();
     let params = SimulationParams::default();

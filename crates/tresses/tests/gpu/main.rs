@@ -4,6 +4,7 @@
 //! tables of `docs/`; `make proof` runs them.
 
 mod ambient;
+mod asset;
 mod avoid;
 mod avoid_grooms;
 mod cards;

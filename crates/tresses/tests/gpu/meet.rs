@@ -43,8 +43,8 @@ impl Pair {
         let options =
             BindOptions { guides: GuideCount::OneIn(5), strand_vertices: Some(12), ..Default::default() };
         let groom = bind(&block(), &options).unwrap();
-        let first = Hair::new(context, &groom, &HairOptions::default(), None).unwrap();
-        let second = first.another(&[]).unwrap();
+        let first = common::hair(context, &groom, &HairOptions::default(), None).unwrap();
+        let second = Hair::new(first.asset()).unwrap();
         Some(Self { context, hair: [first, second] })
     }
 

@@ -41,7 +41,7 @@ pub struct Character {
 impl Character {
     pub fn hair(&self, context: &Context, avoid: AvoidOptions) -> Hair {
         let options = HairOptions { avoid, ..Default::default() };
-        Hair::new(context, &self.groom, &options, Some(&self.field)).unwrap()
+        common::hair(context, &self.groom, &options, Some(&self.field)).unwrap()
     }
 
     /// Returns the pose of the head turned by `angle` radians.

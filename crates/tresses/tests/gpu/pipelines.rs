@@ -17,7 +17,7 @@ fn simulation_pipelines_are_valid() {
 #[test]
 fn frame_records_on_baseline_webgpu() {
     use tresses::{
-        Hair, HairOptions, Pose, View,
+        HairOptions, Pose, View,
         body::Body,
         collide::{
             Anchor, Collider, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource, Shape,
@@ -50,10 +50,10 @@ fn frame_records_on_baseline_webgpu() {
     let fields = [FieldSource::Grid(&field), made];
     let colliders =
         ColliderDescriptor { head: Some(&field), fields: &fields, colliders: &list, ..Default::default() };
-    let mut hair = Hair::with_colliders(context, &groom, &options, &colliders).unwrap();
+    let mut hair = common::hair_among(context, &groom, &options, &colliders).unwrap();
     let more = [list.as_slice(), &list[..1]].concat();
     let error = |colliders: &ColliderDescriptor<'_>| {
-        Hair::with_colliders(context, &groom, &options, colliders).unwrap_err().to_string()
+        common::hair_among(context, &groom, &options, colliders).unwrap_err().to_string()
     };
     assert!(
         error(&ColliderDescriptor { colliders: &more, ..colliders })

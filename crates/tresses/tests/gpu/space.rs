@@ -31,7 +31,7 @@ fn hair(context: &Context, size: f32) -> Hair {
     let colliders = [ball, Collider { anchor: Anchor::Head, ..ball }];
     let what = ColliderDescriptor { head: Some(&field), colliders: &colliders, ..Default::default() };
     let options = HairOptions::default();
-    Hair::with_colliders(context, &groom, &options, &what).unwrap()
+    common::hair_among(context, &groom, &options, &what).unwrap()
 }
 
 fn nod(t: f64) -> Pose {

@@ -35,7 +35,7 @@ impl Setup {
         let groom = bind(&common::hanging(400, 16, 0.15), &BindOptions::default()).unwrap();
         let field = common::ball(0.085, 32);
         let options = HairOptions::default();
-        let mut hair = Hair::new(context, &groom, &options, Some(&field)).unwrap();
+        let mut hair = common::hair(context, &groom, &options, Some(&field)).unwrap();
         let mut views = DebugViews::new(context, tresses::draw::targets::PICTURE_FORMAT).unwrap();
         views.set_head(Some(&field));
         let simulation = SimulationParams { wind: Wind::new(Vec3::X * 6.0), ..Default::default() };
@@ -62,20 +62,18 @@ impl Setup {
 
     /// Renders a debug view, or hair without one. Returns the image and the colors of the strands.
     fn picture(&mut self, view: Option<DebugView>) -> (Vec<u8>, Vec<Vec3>) {
-        let picture = self.picture_with(view, &[]);
+        let picture = self.view(view);
         let shaded = self.view.shaded(&self.hair.set).unwrap();
         let shaded: Vec<u32> = pollster::block_on(readback::buffer(self.context, &shaded)).unwrap();
         (picture, shaded.into_iter().map(unpack_radiance).collect())
     }
 
-    /// Renders a debug view of this hair and `others`.
-    fn picture_with(&mut self, view: Option<DebugView>, others: &[&Hair]) -> Vec<u8> {
+    fn view(&mut self, view: Option<DebugView>) -> Vec<u8> {
         let shown = view.map(DebugDisplay::new);
         let shows =
             shown.as_ref().map_or(ViewContent::Hair, |shown| ViewContent::Inside(&mut self.views, shown));
         let sight = ViewPass { shows, ..ViewPass::new(&self.view, &self.scene) };
-        let hair = [&[&self.hair], others].concat();
-        common::submit(|recorder| recorder.draw(&hair, &[&self.body], sight));
+        common::submit(|recorder| recorder.draw(&[&self.hair], &[&self.body], sight));
         pollster::block_on(self.view.targets().read()).unwrap()
     }
 
@@ -108,25 +106,6 @@ fn off(a: &[Vec3], b: &[Vec3]) -> f32 {
 
 fn sum(lists: &[&[Vec3]]) -> Vec<Vec3> {
     (0..lists[0].len()).map(|i| lists.iter().map(|list| list[i]).sum()).collect()
-}
-
-/// Panels of slices have one place in the image, and show the first groom.
-#[test]
-fn panels_show_the_first_groom() {
-    let Some(mut stage) = Setup::new() else { return };
-    let mut other = common::hair_on_a_ball(20);
-    // Inside of the uppermost panel.
-    let panel = |picture: &[u8]| -> Vec<u8> {
-        let pixel = |at: usize| picture[4 * at..][..4].to_vec();
-        (5..28).flat_map(|y| (92..114).flat_map(move |x| pixel(y * 120 + x))).collect()
-    };
-    for view in [DebugView::Density, DebugView::Distance] {
-        let alone = panel(&stage.picture_with(Some(view), &[]));
-        assert!(alone == panel(&stage.picture_with(Some(view), &[&other])), "{view:?}");
-        std::mem::swap(&mut stage.hair, &mut other);
-        assert!(alone != panel(&stage.picture_with(Some(view), &[&other])), "{view:?} of the other groom");
-        std::mem::swap(&mut stage.hair, &mut other);
-    }
 }
 
 #[test]

@@ -57,7 +57,7 @@ impl Setup {
     fn hair(&self, options: &HairOptions) -> Hair {
         let context = self.context;
         let DrapedCharacter { groom, field, .. } = &*self.character;
-        Hair::new(context, groom, options, Some(field)).unwrap()
+        common::hair(context, groom, options, Some(field)).unwrap()
     }
 
     fn advance(&self, hair: &mut Hair, simulation: &SimulationParams, head: Pose, dt: f32) {

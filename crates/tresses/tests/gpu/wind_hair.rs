@@ -31,7 +31,7 @@ impl Setup {
         let context = self.context;
         let volume = VolumeOptions { resolution: cells, ..Default::default() };
         let options = HairOptions { volume, ..Default::default() };
-        Hair::new(context, groom, &options, Some(field)).unwrap()
+        common::hair(context, groom, &options, Some(field)).unwrap()
     }
 
     /// Simulates the guides alone for `seconds`.
@@ -162,7 +162,7 @@ fn in_plain_air(
     let context = stage.context;
     let volume = VolumeOptions { resolution: 8, ..Default::default() };
     let options = HairOptions { volume, simulation: physics, ..Default::default() };
-    let mut hair = Hair::new(context, &groom, &options, None).unwrap();
+    let mut hair = common::hair(context, &groom, &options, None).unwrap();
     let wind = Wind { cells: 16, gusts: 0.0, ..Wind::new(velocity) };
     let physics = SimulationParams { wind, hair_hair: HairHair::OFF, ..physics };
     stage.simulate(&mut hair, &physics, 0.0);
@@ -310,9 +310,9 @@ fn calm_air_allocates_and_changes_nothing() {
     let field = common::ball(0.09, 40);
     let run = |wind: Wind| {
         let mut hair = stage.hair(&groom, &field, 8);
+        stage.simulate(&mut hair, &SimulationParams::default(), 0.0);
         let before = hair.bytes();
         let physics = SimulationParams { wind, ..Default::default() };
-        stage.simulate(&mut hair, &physics, 0.0);
         stage.simulate(&mut hair, &physics, 0.4);
         (hair.air.is_some(), hair.bytes() - before, stage.guides(&hair))
     };

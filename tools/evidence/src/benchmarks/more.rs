@@ -1,6 +1,6 @@
-//! Measurements that take minutes on a software driver: distances, crowds, cards, methods of drawing, parts of the simulation.
+//! Measurements that take minutes on a software driver: distances, crowds, cards, parts of the simulation.
 
-use crate::{appearance, costs};
+use crate::costs;
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 use std::{path::Path, process::Command};
@@ -16,11 +16,10 @@ const FRAMES: &str = "3";
 const SIMULATED_FRAMES: u32 = 8;
 
 /// Titles of the sections, and the commands that measure them alone.
-pub const SECTIONS: [(&str, &str); 5] = [
+pub const SECTIONS: [(&str, &str); 4] = [
     ("Distance", "tresses bench --lod --frames 3"),
     ("Crowd", "tresses bench --crowd 100 --frames 3"),
     ("Cards", "tresses bench --preset presets/silver.toml --cards 400 --frames 3"),
-    ("Methods of lighting, shading and drawing", "tresses-evidence appearance"),
     ("Parts of the simulation", "tresses-evidence costs"),
 ];
 
@@ -34,18 +33,11 @@ pub fn measure(program: &Path, timing: &TimingArgs, adapter: &Adapter) -> Result
     let crowd = bench(program, &["--crowd", "100"], adapter)?;
     let cards = bench(program, &["--preset", "presets/silver.toml", "--cards", "400"], adapter)?;
     let clock = timing.clock().unwrap_or(wall);
-    let variants: Vec<_> =
-        appearance::variants().into_iter().filter(|variant| variant.fits(adapter.max_samples)).collect();
-    let usual = |software| if adapter.software { software } else { 30 };
-    let (drawn, simulated) = (usual(appearance::SOFTWARE_FRAMES), usual(SIMULATED_FRAMES));
-    let frames = variants.len() as u64 * u64::from(drawn) + costs::RUNS * u64::from(simulated);
-    let bar = progress::frames("measuring", frames);
-    let sitting = |frames| Sitting { frames, clock, bar: &bar };
-    let look = |variant| appearance::measure(variant, adapter.software, sitting(drawn));
-    let looks = variants.iter().map(look).collect::<Result<Vec<_>>>()?;
-    let costs = costs::measure(sitting(simulated))?;
+    let frames = if adapter.software { SIMULATED_FRAMES } else { 30 };
+    let bar = progress::frames("measuring", costs::RUNS * u64::from(frames));
+    let costs = costs::measure(Sitting { frames, clock, bar: &bar })?;
     bar.finish_and_clear();
-    Ok(MoreTimes([distance, crowd, cards, appearance::text(&looks, adapter), costs.text()]))
+    Ok(MoreTimes([distance, crowd, cards, costs.text()]))
 }
 
 /// Runs `tresses bench`, and returns its tables without the description of the adapter.

@@ -236,7 +236,7 @@ impl Ambient {
                     pass,
                     group,
                     &[],
-                    body.surface.points.div_ceil(every).div_ceil(STRAND_WORKGROUP),
+                    body.surface().points.div_ceil(every).div_ceil(STRAND_WORKGROUP),
                 );
             }
             pipelines.settle.record(pass, &self.settle, &[], cells.div_ceil(STRAND_WORKGROUP));

@@ -289,8 +289,9 @@ impl Grab {
 
     /// Releases the hair and drops the buffers, because the hair's strands have new buffers.
     pub(crate) fn forget_buffers(&mut self) {
-        self.buffers = None;
-        self.end();
+        if self.buffers.take().is_some() {
+            self.end();
+        }
     }
 
     /// Bytes of GPU memory.

@@ -7,7 +7,7 @@ use crate::{
     gpu::{for_tests as context, readback::blocking as readback},
     simulate::{Forces, GuideTraits, RestOptions, SimulationParams, rest},
     strands::{Force, GuideBuffers, GuideForce, RestGuides, guide::pack_velocity},
-    volume::{HairHair, Volume, VolumeOptions},
+    volume::{HairHair, Volume, VolumeAsset, VolumeOptions},
 };
 use glam::{Quat, Vec3};
 use half::f16;
@@ -63,7 +63,8 @@ impl Setup {
             rest::guides(&positions, n as u32, &traits, &params, &RestOptions::default(), None).unwrap();
         let guides = GuideBuffers::new(context, rest.info.len() as u32, n as u32, 2).unwrap();
         rest.upload(context, &guides).unwrap();
-        let volume = Volume::new(context, &guides, &rest, options).unwrap();
+        let asset = VolumeAsset::new(context, &rest, options, None).unwrap();
+        let volume = Volume::new(context, &asset, &guides).unwrap();
         let forces = Forces::new(context, &guides, &volume, None);
         let colliders = ColliderSet::new(context, colliders).unwrap();
         Some(Self { context, guides, rest, volume, forces, colliders, places: Vec::new() })

@@ -5,10 +5,9 @@ use crate::{
     Pose,
     clock::{Mode, Step},
     gpu::for_tests as context,
-    strands::GuideBuffers,
     strands::RestGuides,
     volume::{
-        HairHair, Volume, VolumeOptions,
+        HairHair, VolumeAsset, VolumeOptions,
         params::VolumeUniforms,
         reference::{CHANNELS, MAX_SPEED, SplatInput, splat},
     },
@@ -135,10 +134,9 @@ fn outliers_and_nan_do_not_affect_other_hair() {
 #[test]
 fn invalid_resolutions_return_errors() {
     let Some(context) = context() else { return };
-    let guides = GuideBuffers::new(context, 1, 2, 2).unwrap();
     for resolution in [0, 7, 97, u32::MAX] {
         let options = VolumeOptions { resolution, ..Default::default() };
-        let error = Volume::new(context, &guides, &RestGuides::default(), &options).unwrap_err();
+        let error = VolumeAsset::new(context, &RestGuides::default(), &options, None).unwrap_err();
         assert!(error.to_string().contains("grid resolution"));
     }
 }

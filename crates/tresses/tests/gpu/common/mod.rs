@@ -7,8 +7,9 @@ pub use device::{advance, compute, context, frame, noop, submit, with_kernels_fo
 pub use fixtures::{SINTEL, asset, character, scalp, sintel};
 
 use tresses::{
-    Camera, Context, Hair, Pose, View,
+    Camera, Context, Hair, HairAsset, HairDescriptor, HairOptions, Pose, Result, View,
     body::Body,
+    collide::ColliderDescriptor,
     frame::ViewPass,
     glam::{Mat4, Vec3},
     groom::{Groom, SdfGrid, Strands, TriMesh, bind},
@@ -40,12 +41,28 @@ pub fn ball(radius: f32, resolution: u32) -> SdfGrid {
     SdfGrid::from_fn(Vec3::splat(-0.2), Vec3::splat(0.2), resolution, |p| p.length() - radius)
 }
 
+/// Uploads `groom` on a head with the distance field `head`.
+pub fn hair(context: &Context, groom: &Groom, options: &HairOptions, head: Option<&SdfGrid>) -> Result<Hair> {
+    hair_among(context, groom, options, &ColliderDescriptor { head, ..Default::default() })
+}
+
+/// Uploads `groom` among `colliders`.
+pub fn hair_among(
+    context: &Context,
+    groom: &Groom,
+    options: &HairOptions,
+    colliders: &ColliderDescriptor<'_>,
+) -> Result<Hair> {
+    let what = HairDescriptor { options: *options, colliders: *colliders, ..Default::default() };
+    Hair::new(&HairAsset::new(context, groom.clone(), &what)?)
+}
+
 /// Creates `count` strands of 12 cm that hang from a ball, on the GPU and at rest.
 pub fn hair_on_a_ball(count: usize) -> Hair {
     let context = context().expect("there is a GPU");
     let groom = bind(&hanging(count, 16, 0.12), &Default::default()).unwrap();
     let field = ball(0.085, 32);
-    let mut hair = Hair::new(context, &groom, &Default::default(), Some(&field)).unwrap();
+    let mut hair = hair(context, &groom, &Default::default(), Some(&field)).unwrap();
     advance(&mut hair, &frame(Pose::IDENTITY, 0.0));
     hair
 }

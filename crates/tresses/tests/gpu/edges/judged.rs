@@ -43,7 +43,7 @@ fn shown(context: &Context, mode: Mode, hair: &Hair, radii: f32, finer: u32) -> 
     let options = ViewOptions { renderer: mode.renderer, ..Default::default() };
     let size = SIZE.map(|side| side * finer);
     let view = View::new(context, &options, size, mode.ssaa).expect("fits");
-    let (middle, radius) = hair.lod.sphere;
+    let (middle, radius) = hair.lod.sphere();
     let eye = middle + Vec3::new(0.6, 0.2, 1.0).normalize() * radius * radii;
     let scene = Picture {
         camera: Camera::look_at(eye, middle, 30f32.to_radians(), size),

@@ -13,7 +13,7 @@ use tresses::{
 /// Returns the mean differences in coverage and color between successive images.
 fn steps(stage: &Setup, hair: &mut Hair, details: &[Detail]) -> Vec<f32> {
     let shot = Shot::new(6.0, Vec3::new(0.4, 0.1, 1.0));
-    let size = shot.size(hair.lod.sphere.1);
+    let size = shot.size(hair.lod.sphere().1);
     let pictures: Vec<_> =
         details.iter().map(|detail| stage.picture(hair, *detail, &shot, size, 1)).collect();
     let difference = |a: &[[f32; 4]], b: &[[f32; 4]]| {
@@ -32,7 +32,7 @@ fn jump(steps: &[f32]) -> f32 {
 
 /// Returns levels at which strands are added an octave at a time. The comparer must detect these jumps.
 fn octaves(hair: &Hair, details: &[Detail]) -> Vec<Detail> {
-    let start = hair.lod.diameter / hair.lod.options.strand_width;
+    let start = hair.lod.diameter() / hair.lod.options.strand_width;
     let octave = |d: &Detail| hair.lod.detail(start * (d.pixel / start).log2().floor().exp2(), 100.0);
     details.iter().map(octave).collect()
 }
@@ -42,7 +42,7 @@ fn level_changes_do_not_pop() {
     let Some(stage) = Setup::open() else { return };
     let (groom, _) = Setup::style("long", 2000);
     let mut hair = stage.hair(&groom, None);
-    let start = hair.lod.diameter / hair.lod.options.strand_width;
+    let start = hair.lod.diameter() / hair.lod.options.strand_width;
     // 3 % per frame, across an octave.
     let details: Vec<_> = (0..16).map(|i| hair.lod.detail(1.6 * start * 1.03f32.powi(i), 100.0)).collect();
     let all = steps(stage, &mut hair, &details);
@@ -64,7 +64,7 @@ fn many_level_changes_do_not_pop() {
     let mut hair = stage.hair(&groom, None);
     // The camera stays. Only the assumed distance grows, by 3 % per frame, through nine buckets and several numbers of
     // segments.
-    let start = hair.lod.diameter / hair.lod.options.strand_width;
+    let start = hair.lod.diameter() / hair.lod.options.strand_width;
     let details: Vec<_> = (0..72).map(|i| hair.lod.detail(0.8 * start * 1.03f32.powi(i), 100.0)).collect();
     let last = details[details.len() - 1];
     let first = details[0];

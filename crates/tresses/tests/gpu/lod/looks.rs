@@ -38,7 +38,7 @@ fn errors(
     change: impl Fn(&mut Detail),
 ) -> [f32; 2] {
     let (mut seen, mut reference) = ([0.0; 2], [0.0; 2]);
-    let size = Shot::new(distance, Vec3::Z).size(hair.lod.sphere.1);
+    let size = Shot::new(distance, Vec3::Z).size(hair.lod.sphere().1);
     for i in 0..directions {
         let turn = std::f32::consts::TAU * (i as f32 + 0.3) / directions as f32;
         let direction = Vec3::new(turn.sin(), [0.1, 0.3][i % 2], turn.cos());
@@ -73,7 +73,7 @@ fn beyond(stage: &Setup, name: &str, hairs: &mut [Hair], distances: &[f32]) -> V
         let seen = if is_far { hairs.len() } else { 1 };
         let mut mean = [0.0; 2];
         for hair in &mut hairs[..seen] {
-            let pixels = shot.size(hair.lod.sphere.1);
+            let pixels = shot.size(hair.lod.sphere().1);
             let error = errors(stage, hair, distance, directions(pixels), |_| {});
             let Detail { strands, width, deeper: [before, behind], segments, sunk, .. } = shot.detail(hair);
             println!(
@@ -141,7 +141,7 @@ fn coarser_light_is_as_bright_at_a_distance() {
             }
             let mut detail = shot.detail(&hair);
             detail.area *= area;
-            let size = shot.size(hair.lod.sphere.1);
+            let size = shot.size(hair.lod.sphere().1);
             measure(&stage.picture(&mut hair, detail, &shot, size, 1))[1]
         };
         [0.3, 2.4, 4.5].map(luminance).iter().sum()

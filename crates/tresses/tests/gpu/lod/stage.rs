@@ -51,7 +51,7 @@ impl Setup {
     fn measured(&self, groom: &Groom, field: Option<&SdfGrid>, lod: LodOptions) -> Hair {
         let context = self.context;
         let options = HairOptions { lod, ..Default::default() };
-        let mut hair = Hair::new(context, groom, &options, field).unwrap();
+        let mut hair = common::hair(context, groom, &options, field).unwrap();
         self.advance(&mut hair, Pose::IDENTITY, 0.0);
         hair
     }
@@ -74,7 +74,7 @@ impl Setup {
         ssaa: u32,
     ) -> Vec<[f32; 4]> {
         let context = self.context;
-        let (middle, radius) = hair.lod.sphere;
+        let (middle, radius) = hair.lod.sphere();
         hair.set_detail(detail);
         self.advance(hair, Pose::IDENTITY, 0.0);
         // As in the command.
@@ -127,7 +127,7 @@ impl Shot {
 
     /// Returns the level of detail for this viewpoint.
     pub fn detail(&self, hair: &Hair) -> Detail {
-        let radius = hair.lod.sphere.1;
+        let radius = hair.lod.sphere().1;
         let pixel = PIXEL_ANGLE * (self.distance - radius).max(0.01);
         hair.lod.detail(pixel, 2.0 * radius / (PIXEL_ANGLE * self.distance))
     }

@@ -3,7 +3,7 @@
 use super::stage::Setup;
 use crate::common;
 use tresses::{
-    Hair, Pose,
+    Hair, HairAsset, HairDescriptor, Pose,
     glam::{Quat, Vec3},
     gpu::readback::blocking as readback,
     groom::{bind, scalp::ScalpMap},
@@ -76,7 +76,6 @@ fn painted_levels_act_where_they_are_painted() {
     let Some(stage) = Setup::open() else { return };
     let mut groom = bind(&common::hanging(400, 16, 0.2), &Default::default()).unwrap();
     arrange(&mut groom.strands);
-    let mut hair = stage.hair(&groom, None);
     let context = stage.context;
     let side =
         |left: f32, right: f32| Some(ScalpMap::from_fn(64, move |uv| if uv.x > 0.5 { left } else { right }));
@@ -84,7 +83,8 @@ fn painted_levels_act_where_they_are_painted() {
         LodLevel { size: 400.0, ..Default::default() },
         LodLevel { size: 100.0, density: side(0.0, 1.0), thickness: side(1.0, 2.0) },
     ];
-    hair.paint_levels(&groom, &levels, Vec3::ZERO).unwrap();
+    let what = HairDescriptor { levels: &levels, ..Default::default() };
+    let mut hair = Hair::new(&HairAsset::new(context, groom.clone(), &what).unwrap()).unwrap();
     hair.lod.options.mode = LodMode::Off;
     let mut scales = |size: f32| -> Vec<(f32, f32)> {
         let detail = hair.lod.detail(1e-3, size);
@@ -103,9 +103,6 @@ fn painted_levels_act_where_they_are_painted() {
     let mean = left.iter().sum::<f32>() / left.len() as f32;
     assert!((mean - 0.5).abs() < 0.08, "{mean}");
     assert!(half.iter().filter(|(x, _)| *x < 0.0).all(|(_, scale)| (scale - 1.5).abs() < 0.02));
-    // Another groom is an error.
-    let other = bind(&common::hanging(300, 16, 0.2), &Default::default()).unwrap();
-    assert!(hair.paint_levels(&other, &levels, Vec3::ZERO).is_err());
 }
 
 /// Measures what the order of strands costs in `interpolate`, for the docs.

@@ -11,7 +11,7 @@ use tresses::{
     gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, Strands, bind},
     hair::HairFrame,
-    simulate::{RestShape, RootToTip, SimulationParams},
+    simulate::{RestOptions, RestShape, RootToTip, SimulationParams},
     space::Velocity,
     volume::HairHair,
     wind::Wind,
@@ -41,9 +41,10 @@ impl Rider {
         let options = BindOptions { guides: GuideCount::All, guide_vertices: vertices, ..Default::default() };
         let groom = bind(&strands, &options).unwrap();
         let params = SimulationParams { hair_hair: HairHair::OFF, ..params };
-        let options = HairOptions { simulation: params, rest: RestShape::Natural, ..Default::default() };
+        let rest = RestOptions { shape: RestShape::Natural, ..Default::default() };
+        let options = HairOptions { simulation: params, rest, ..Default::default() };
         let context = lab.context;
-        let hair = Hair::new(context, &groom, &options, None).unwrap();
+        let hair = common::hair(context, &groom, &options, None).unwrap();
         Self { lab, hair, groom, params, fps, head: Pose::IDENTITY, frames: 0 }
     }
 

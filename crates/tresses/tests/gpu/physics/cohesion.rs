@@ -5,13 +5,13 @@ use crate::common;
 
 use std::collections::HashSet;
 use tresses::{
-    Context, Hair, HairOptions, Pose,
+    Context, HairOptions, Pose,
     collide::ColliderPoses,
     glam::{IVec3, Quat, Vec3},
     gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind},
     hair::HairFrame,
-    simulate::SimulationParams,
+    simulate::{RestOptions, SimulationParams},
     volume::HairHair,
 };
 
@@ -111,10 +111,11 @@ struct Shaken {
     fallen: f32,
 }
 
-fn shake(context: &Context, groom: &Groom, simulation: SimulationParams) -> Shaken {
-    let options = HairOptions { simulation, ..Default::default() };
+fn shake(context: &Context, groom: &Groom, simulation: SimulationParams, support: f32) -> Shaken {
+    let rest = RestOptions { support, ..Default::default() };
+    let options = HairOptions { simulation, rest, ..Default::default() };
     let head = SdfGrid::from_fn(Vec3::splat(-0.15), Vec3::splat(0.15), 48, |p| p.length() - HEAD);
-    let mut hair = Hair::new(context, groom, &options, Some(&head)).unwrap();
+    let mut hair = common::hair(context, groom, &options, Some(&head)).unwrap();
     let count = hair.guides.count as usize;
     let mut advance = |dt: f32, head: Pose| -> Vec<Vec3> {
         let poses = ColliderPoses::default();
@@ -148,11 +149,12 @@ fn shake(context: &Context, groom: &Groom, simulation: SimulationParams) -> Shak
 
 fn held(context: &Context, fault: bool) -> Vec<Row> {
     let usual = SimulationParams::default();
-    let support = if fault { usual.support } else { 20.0 };
-    let stands = shake(context, &afro(0.2), SimulationParams { support, ..usual });
+    let usual_support = RestOptions::default().support;
+    let support = if fault { usual_support } else { 20.0 };
+    let stands = shake(context, &afro(0.2), usual, support);
     let cohesion = if fault { 0.0 } else { 1000.0 };
     let hair_hair = HairHair { cohesion, ..usual.hair_hair };
-    let tied = shake(context, &ponytail(), SimulationParams { hair_hair, ..usual });
+    let tied = shake(context, &ponytail(), SimulationParams { hair_hair, ..usual }, usual_support);
     vec![
         near(
             "afro of 20 cm, support of 20, volume while it is shaken, of that at rest",

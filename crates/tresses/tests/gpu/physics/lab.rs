@@ -89,11 +89,13 @@ impl Experiment {
         field: Option<&SdfGrid>,
     ) -> Self {
         let n = strands[0].len();
-        let options = RestOptions { shape, clearance: 1.5e-3 };
+        let options = RestOptions { shape, ..Default::default() };
         let rest = rest::guides(&strands.concat(), n as u32, traits, &params, &options, field).unwrap();
         let context = lab.context;
-        let guides = GuideBuffers::new(context, strands.len() as u32, n as u32, 2).unwrap();
-        let guides = if params.twist > 0.0 { guides.with_twist(context).unwrap() } else { guides };
+        let mut guides = GuideBuffers::new(context, strands.len() as u32, n as u32, 2).unwrap();
+        if params.twist > 0.0 {
+            guides.add_twist(context).unwrap();
+        }
         rest.upload(context, &guides).unwrap();
         let obstacles = ColliderDescriptor { head: field, ..Default::default() };
         let colliders = ColliderSet::new(context, &obstacles).unwrap();

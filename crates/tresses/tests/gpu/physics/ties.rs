@@ -7,7 +7,7 @@ use super::{
 };
 use crate::common;
 use tresses::{
-    Context, Hair, HairOptions, Pose,
+    Context, Hair, HairAsset, HairDescriptor, HairOptions, Pose,
     collide::ColliderPoses,
     glam::{Quat, Vec3, Vec3Swizzles},
     gpu::readback::blocking as readback,
@@ -73,8 +73,8 @@ impl Swing {
         let options = BindOptions { guides, guide_vertices: Some(N as u32), ..Default::default() };
         let groom = bind(&list, &options).unwrap();
         let options = HairOptions { simulation: params, ..Default::default() };
-        let mut hair = Hair::new(context, &groom, &options, None).unwrap();
-        hair.tie(&groom, ties).unwrap();
+        let mut hair = common::hair(context, &groom, &options, None).unwrap();
+        hair.tie(ties).unwrap();
         let mut swing = Self { hair, params, count: strands.len() };
         swing.step(0.0);
         swing
@@ -212,8 +212,8 @@ struct Shaken {
 fn shaken(context: &Context, ties: &[Tie], frames: usize) -> Shaken {
     let (groom, simulation) = (ponytail(), SimulationParams::default());
     let head = SdfGrid::from_fn(Vec3::splat(-0.15), Vec3::splat(0.15), 48, |p| p.length() - HEAD);
-    let mut hair = Hair::new(context, &groom, &HairOptions::default(), Some(&head)).unwrap();
-    hair.tie(&groom, ties).unwrap();
+    let mut hair = common::hair(context, &groom, &HairOptions::default(), Some(&head)).unwrap();
+    hair.tie(ties).unwrap();
     let (count, n) = (groom.guides.len(), groom.guides.vertex_count as usize);
     let at_rest = |at: usize| groom.guides.guide(at % count)[at / count];
     let held: Vec<usize> =
@@ -314,12 +314,12 @@ fn instances_inherit_ties() {
         band(BAND, BAND_RADIUS),
         Tie { held: TieTarget::ToHead, ..band(Vec3::new(0.0, 0.08, -0.05), 0.025) },
     ];
-    let mut hair = Hair::new(context, &groom, &HairOptions::default(), None).unwrap();
-    let report = hair.tie(&groom, &ties).unwrap();
+    let what = HairDescriptor { ties: &ties, ..Default::default() };
+    let asset = HairAsset::new(context, groom.clone(), &what).unwrap();
+    let [mut hair, mut tied, mut free] = [(); 3].map(|()| Hair::new(&asset).unwrap());
+    let report = hair.tie(&ties).unwrap();
     assert!(report.rings == 1 && report.together > 100 && report.to_head > 10, "{report:?}");
-    let mut tied = hair.another(&[]).unwrap();
-    let mut free = hair.another(&[]).unwrap();
-    free.tie(&groom, &[]).unwrap();
+    free.tie(&[]).unwrap();
     let run = |hair: &mut Hair| -> Vec<[u32; 4]> {
         for i in 0..12 {
             let head = Pose { rotation: Quat::from_rotation_y(i as f32 * 0.06), ..Pose::IDENTITY };

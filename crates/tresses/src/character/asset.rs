@@ -1,0 +1,186 @@
+//! What all instances of a character share.
+
+use super::{
+    CharacterParts, aside::BackgroundTask, facial, obstacles::Obstacles, parts::subject, rigged::RigAsset,
+};
+use crate::{
+    Context, Error, Progress, Result,
+    body::Body,
+    character::Bounds,
+    collide::{Collider, ColliderDescriptor, FieldBuilder, FieldSource},
+    groom::{
+        Look, SdfGrid,
+        rig::anatomy::{Field, PartForm},
+    },
+    hair::{HairAsset, HairDescriptor, HairOptions},
+    light::Sphere,
+    roots::RootAsset,
+    simulate::SimulationParams,
+    volume::VolumeOptions,
+};
+use glam::Vec3;
+use std::sync::Arc;
+
+/// Maximum distance of a face groom's roots from the skin, meters.
+pub(super) const FACE_REACH: f32 = 0.01;
+/// Radius of the sphere covered by shadow maps, relative to the hair at rest. Keeps moving hair inside.
+const SWING: f32 = 1.15;
+
+/// Options for uploading a character.
+#[derive(Clone, Copy, Debug)]
+pub struct CharacterOptions<'a> {
+    /// Options of the hair. Face grooms use its physics and level of detail.
+    pub hair: HairOptions,
+    /// Colliders besides the body; [`Character::place_obstacles`](super::Character::place_obstacles) moves them.
+    pub obstacles: &'a [Collider],
+    /// Distance fields that colliders refer to by [`FieldId`](crate::collide::FieldId).
+    pub fields: &'a [FieldSource<'a>],
+    /// Maximum resolution of the grid of ambient light that the body is drawn with, cells per edge
+    /// ([`ViewOptions::ambient_cells`](crate::view::ViewOptions::ambient_cells)).
+    pub ambient_cells: u32,
+    /// Maximum distance of a root of the hair from a skinned mesh, meters. Grooms made for another head may be
+    /// centimeters off.
+    pub root_reach: f32,
+}
+
+impl Default for CharacterOptions<'_> {
+    fn default() -> Self {
+        Self {
+            hair: HairOptions::default(),
+            obstacles: &[],
+            fields: &[],
+            ambient_cells: u32::MAX,
+            root_reach: 0.2,
+        }
+    }
+}
+
+/// A groom of a character.
+#[derive(Debug)]
+pub(super) struct GroomAsset {
+    pub hair: Arc<HairAsset>,
+    /// Roots on the skin of the body, if it deforms.
+    pub roots: Option<RootAsset>,
+    /// Whether it collides with the body and moves in the wind.
+    pub hangs: bool,
+}
+
+/// A character on the GPU: everything that its instances share and that never moves.
+#[derive(Debug)]
+pub struct CharacterAsset {
+    pub(super) hair: GroomAsset,
+    /// Brows, lashes and beard.
+    pub(super) face: Vec<GroomAsset>,
+    /// The body at rest.
+    pub(super) body: Option<Body>,
+    pub(super) rig: Option<Arc<RigAsset>>,
+    pub(super) physics: SimulationParams,
+    pub(super) obstacles: Obstacles,
+    pub(super) field: Option<SdfGrid>,
+    pub(super) look: Option<Look>,
+    pub(super) neck: Vec3,
+    pub(super) subject: Bounds,
+    pub(super) focus: Sphere,
+}
+
+impl CharacterAsset {
+    /// Uploads a character.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] when the adapter cannot hold it; [`Error::Groom`], [`Error::Parameter`] and
+    /// [`Error::Colliders`] when parts or options are invalid.
+    pub async fn new(
+        context: &Context,
+        mut parts: CharacterParts,
+        options: &CharacterOptions<'_>,
+        progress: &impl Progress,
+    ) -> Result<Arc<Self>> {
+        let hair_bounds = parts.groom.bounds().ok_or_else(|| Error::unusable("the groom is empty"))?;
+        let head = parts.head.take().map(Arc::new);
+        let head_bounds = head.as_ref().and_then(|head| head.bounds());
+        // Collapsing edges takes as long as everything else for a small character, so it runs on its own thread.
+        let known = parts.levels_of_head.take();
+        let levels =
+            head.clone().map(|head| BackgroundTask::start(move || known.unwrap_or_else(|| head.levels())));
+        if let Some(anatomy) = &mut parts.anatomy
+            && context.tier().software
+            && !cfg!(target_arch = "wasm32")
+        {
+            // A software driver is many times slower at building fields than CPU threads.
+            anatomy.measure();
+        }
+        let anatomy = parts.anatomy.take().map(Arc::new);
+        let obstacles = Obstacles::new(options.obstacles, anatomy.as_deref(), options.fields.len());
+        let builder = FieldBuilder::new(context);
+        let solids = anatomy.iter().flat_map(|anatomy| anatomy.solids());
+        let part_fields = solids.filter(|part| part.form == PartForm::Field).map(|part| match &part.field {
+            Field::Mesh(mesh, options) => FieldSource::Mesh { builder: &builder, mesh, options },
+            Field::Grid(grid) => FieldSource::Grid(grid),
+        });
+        let fields: Vec<_> = options.fields.iter().copied().chain(part_fields).collect();
+        let colliders = ColliderDescriptor {
+            head: parts.field.as_ref(),
+            rest: parts.rest.as_ref(),
+            fields: &fields,
+            colliders: &obstacles.list,
+        };
+        let what = HairDescriptor {
+            options: options.hair,
+            colliders,
+            cards: parts.cards.as_deref(),
+            levels: &parts.levels,
+            skull: parts.skull(),
+            ties: &parts.ties,
+        };
+        let hair = HairAsset::with_progress(context, parts.groom, &what, progress).await?;
+        let levels = levels.map(BackgroundTask::get).unwrap_or_default();
+        let mut body = None;
+        let (mut face, mut rig, mut roots) = (Vec::new(), None, None);
+        if let Some(head) = head {
+            let mut drawn = Body::with_levels(context, &head, &levels, options.ambient_cells);
+            if let Some(paint) = &head.paint {
+                drawn.paint(paint)?;
+            }
+            for groom in parts.face {
+                let hangs = groom.hangs;
+                // A groom that lies on the skin reads its grid only with wind, which it does not have.
+                let volume = match hangs {
+                    true => VolumeOptions::default(),
+                    false => VolumeOptions { resolution: 8, ..Default::default() },
+                };
+                let simulation = facial::physics(&options.hair.simulation, hangs);
+                let what = HairDescriptor {
+                    options: HairOptions { simulation, volume, ..Default::default() },
+                    colliders: if hangs { colliders } else { ColliderDescriptor::default() },
+                    ..Default::default()
+                };
+                let hair = HairAsset::with_progress(context, groom.groom, &what, progress).await?;
+                let roots = anatomy.is_some().then(|| hair.bind_roots(&head, FACE_REACH)).transpose()?;
+                face.push(GroomAsset { hair, roots, hangs });
+            }
+            if let Some(anatomy) = anatomy {
+                if !anatomy.is_rigid {
+                    roots = Some(hair.bind_roots(&head, options.root_reach)?);
+                }
+                rig = Some(Arc::new(RigAsset::new(context, anatomy, head, &drawn)?));
+            }
+            body = Some(drawn);
+        }
+        let subject = subject(hair_bounds, head_bounds);
+        let mut focus = Sphere::around(subject.0, subject.1);
+        focus.radius *= SWING;
+        Ok(Arc::new(Self {
+            hair: GroomAsset { hair, roots, hangs: true },
+            face,
+            body,
+            rig,
+            physics: options.hair.simulation,
+            obstacles,
+            field: parts.field,
+            look: parts.look,
+            neck: parts.neck,
+            subject,
+            focus,
+        }))
+    }
+}
