@@ -9,11 +9,9 @@ use tresses::{
         deform::{DeformTarget, DeformingField},
     },
     glam::{Quat, Vec3},
-    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, Strands, TriMesh, bind, mesh::shapes},
     hair::HairFrame,
     simulate::SimulationParams,
-    strands::StrandVertex,
     volume::HairHairMode,
 };
 
@@ -92,16 +90,6 @@ impl<'a> Stage<'a> {
         };
         common::submit(|recorder| recorder.advance(&mut self.hair, &frame));
     }
-
-    fn vertices(&self) -> Vec<Vec3> {
-        let context = self.context;
-        let read: Vec<StrandVertex> = readback::buffer(context, &self.hair.strands.vertices).unwrap();
-        read.iter().map(|vertex| vertex.position).collect()
-    }
-}
-
-fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
-    a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
 }
 
 /// Returns the height of a bump on one side of the ball in the direction `out` (unit vector), up to 2 cm, in meters.
@@ -121,7 +109,7 @@ fn hair_stays_outside_swelling_skin() {
             stage.advance(Pose::IDENTITY, |p| p + much * bump(p.normalize()) * p.normalize());
             if i % 10 == 9 {
                 let n = stage.hair.strands.vertex_count as usize;
-                let vertices = stage.vertices();
+                let vertices = common::positions(&stage.hair);
                 // Skip strands that are rooted in the bump, because they start below it.
                 let free = vertices.chunks(n).filter(|strand| bump(strand[0].normalize()) == 0.0);
                 for p in free.flat_map(|strand| &strand[2..]) {
@@ -150,7 +138,7 @@ fn rotating_skin_drags_hair_like_a_rotating_collider() {
             stage.ball = Pose { rotation: ball, ..Pose::IDENTITY };
             stage.advance(Pose::IDENTITY, |p| skin * p);
         }
-        stage.vertices()
+        common::positions(&stage.hair)
     };
     let (still, rigid, skinned) = (moved(false, false), moved(true, true), moved(false, true));
     let mean = |other: &[Vec3]| {
@@ -178,7 +166,7 @@ fn still_skin_changes_nothing() {
         let head = Pose { rotation, translation: Vec3::new(0.1 * (4.0 * t).sin(), 0.0, 0.0) };
         rigid.advance(head, |p| p);
         skinned.advance(head, |p| head.point(p));
-        most = most.max(apart(&rigid.vertices(), &skinned.vertices()));
+        most = most.max(common::apart(&common::positions(&rigid.hair), &common::positions(&skinned.hair)));
     }
     println!("{most:.1e} m");
     assert!(most < 1e-4);

@@ -6,11 +6,9 @@ use tresses::{
     body::{Body, Skin, Words},
     collide::ColliderPoses,
     glam::{Mat3, Quat, Vec3},
-    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, TriMesh, bind, mesh::shapes},
     hair::HairFrame,
     simulate::{RootToTip, SimulationParams},
-    strands::StrandVertex,
     volume::HairHairMode,
 };
 
@@ -42,15 +40,14 @@ fn stiff() -> SimulationParams {
 }
 
 /// Hair attached to the skin of a body.
-struct Stage<'a> {
-    context: &'a Context,
+struct Stage {
     hair: Hair,
     body: Body,
     rest: TriMesh,
 }
 
-impl<'a> Stage<'a> {
-    fn new(context: &'a Context, groom: &Groom, living: bool) -> Self {
+impl Stage {
+    fn new(context: &Context, groom: &Groom, living: bool) -> Self {
         let mut hair = common::hair(context, groom, &HairOptions::default(), None).unwrap();
         let mut rest = ball();
         rest.compute_normals();
@@ -60,7 +57,7 @@ impl<'a> Stage<'a> {
             let report = hair.attach(&rest, &skin, 0.005).unwrap();
             assert!(report.farthest < 1e-3 && report.roots > 150, "{report:?}");
         }
-        Self { context, hair, body, rest }
+        Self { hair, body, rest }
     }
 
     /// Advances by a frame. `place` moves the skin's rest positions, and the head moves to `head`.
@@ -75,18 +72,6 @@ impl<'a> Stage<'a> {
         };
         common::submit(|recorder| recorder.advance(&mut self.hair, &frame));
     }
-
-    fn vertices(&self) -> Vec<Vec3> {
-        let context = self.context;
-        let read: Vec<StrandVertex> = readback::buffer(context, &self.hair.strands.vertices).unwrap();
-        read.iter().map(|vertex| vertex.position).collect()
-    }
-}
-
-/// Returns the largest distance between corresponding points, meters.
-fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
-    assert_eq!(a.len(), b.len());
-    a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
 }
 
 /// Returns the pose of a head that turns, nods and moves along.
@@ -117,9 +102,9 @@ fn rigid_skin_motion_equals_head_motion() {
             skinned.advance(Pose::IDENTITY, dt, |p| pose.point(p));
             shared.hair.roots.as_mut().unwrap().pose = half;
             shared.advance(half, dt, |p| half.inverse().point(pose.point(p)));
-            let there = rigid.vertices();
+            let there = common::positions(&rigid.hair);
             for (most, other) in most.iter_mut().zip([&skinned, &shared]) {
-                *most = most.max(apart(&there, &other.vertices()));
+                *most = most.max(common::apart(&there, &common::positions(&other.hair)));
             }
         }
         println!("{guides:?}: skin alone {:.1e} m, with the head {:.1e} m", most[0], most[1]);
@@ -127,8 +112,8 @@ fn rigid_skin_motion_equals_head_motion() {
         // Hair on skin that does not move is elsewhere.
         let mut idle = Stage::new(context, &groom, true);
         idle.advance(Pose::IDENTITY, dt, |p| p);
-        assert!(apart(&rigid.vertices(), &idle.vertices()) > 0.05);
-        assert_eq!(rigid.vertices().len(), 150 * still);
+        assert!(common::apart(&common::positions(&rigid.hair), &common::positions(&idle.hair)) > 0.05);
+        assert_eq!(common::positions(&rigid.hair).len(), 150 * still);
     }
 }
 
@@ -143,7 +128,7 @@ fn still_skin_changes_nothing() {
         living.hair.roots.as_mut().unwrap().pose = pose;
         rigid.advance(pose, 1.0 / 60.0, |p| p);
         living.advance(pose, 1.0 / 60.0, |p| p);
-        most = most.max(apart(&rigid.vertices(), &living.vertices()));
+        most = most.max(common::apart(&common::positions(&rigid.hair), &common::positions(&living.hair)));
     }
     println!("{most:.1e} m");
     assert!(most < 1e-4);
@@ -185,7 +170,7 @@ fn strands_begin_on_the_deformed_skin() {
             let t = i as f32 / 16.0;
             stage.advance(Pose::IDENTITY, 1.0 / 45.0, |p| bent(p, t));
             let now = moved(&stage.rest, |p| bent(p, t));
-            let vertices = stage.vertices();
+            let vertices = common::positions(&stage.hair);
             let n = arranged.vertex_count as usize;
             let (mut most, mut traveled) = (0.0f32, 0.0f32);
             let mut longest = 0.0f32;
@@ -211,14 +196,14 @@ fn first_frame_and_reset_use_the_current_skin() {
     let mut stage = Stage::new(context, &groom, true);
     // The first frame is on skin that is already deformed, so nothing swings there from rest.
     stage.advance(Pose::IDENTITY, 1.0 / 60.0, |p| bent(p, 0.4));
-    let first = stage.vertices();
+    let first = common::positions(&stage.hair);
     stage.advance(Pose::IDENTITY, 0.0, |p| bent(p, 0.4));
-    assert!(apart(&first, &stage.vertices()) < 1e-5);
+    assert!(common::apart(&first, &common::positions(&stage.hair)) < 1e-5);
     // The same after a reset, starting elsewhere.
     stage.advance(Pose::IDENTITY, 1.0 / 60.0, |p| bent(p, 0.1));
     stage.hair.reset();
     stage.advance(Pose::IDENTITY, 1.0 / 60.0, |p| bent(p, 0.4));
-    assert!(apart(&first, &stage.vertices()) < 1e-5);
+    assert!(common::apart(&first, &common::positions(&stage.hair)) < 1e-5);
 }
 
 #[test]

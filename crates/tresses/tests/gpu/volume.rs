@@ -9,7 +9,7 @@ use tresses::{
     Context, Hair, HairOptions, Pose,
     collide::ColliderPoses,
     drape::DrapedCharacter,
-    glam::{IVec3, Quat, Vec3},
+    glam::{IVec3, Vec3},
     gpu::readback::blocking as readback,
     groom::styles::Style,
     hair::HairFrame,
@@ -20,27 +20,6 @@ use tresses::{
 
 /// Edge of the voxels in which strands are counted, meters.
 const VOXEL: f32 = 0.01;
-
-/// Duration of the shake, seconds.
-const SHAKE: f32 = 3.0;
-
-/// Returns the head's pose in a shake of 30 degrees to both sides, as in `tresses render --motion shake` but without
-/// its rests.
-fn shaken(t: f32, neck: Vec3) -> Pose {
-    // Extremes are 0.3 s apart. The first and the last swing are half as far.
-    let t = (t * 3.1 / SHAKE).min(3.1);
-    let smooth = |s: f32| s * s * s * (10.0 + s * (6.0 * s - 15.0));
-    let yaw = if t < 0.2 {
-        smooth(t / 0.2)
-    } else if t < 2.9 {
-        let s = (t - 0.2) / 0.3;
-        let side = if (s as u32).is_multiple_of(2) { 1.0 } else { -1.0 };
-        side * (1.0 - 2.0 * smooth(s.fract()))
-    } else {
-        smooth((t - 2.9) / 0.2) - 1.0
-    };
-    Pose::about(neck, Quat::from_rotation_y(30f32.to_radians() * yaw))
-}
 
 struct Setup {
     context: &'static Context,
@@ -97,7 +76,7 @@ fn occupied(voxels: &HashMap<IVec3, f32>, mean: f32) -> f32 {
 fn volumes(stage: &Setup, hair_hair: HairHair) -> (f32, f32) {
     let simulation = SimulationParams { hair_hair, ..Default::default() };
     let mut hair = stage.hair(&HairOptions::default());
-    let pose = |t: f32| shaken(t, stage.character.neck);
+    let pose = |t: f32| common::shaken(t, stage.character.neck);
     stage.advance(&mut hair, &simulation, pose(0.0), 0.0);
     let rest = stage.voxels(&hair, &pose(0.0));
     let mean = rest.values().sum::<f32>() / rest.len() as f32;
@@ -110,8 +89,8 @@ fn volumes(stage: &Setup, hair_hair: HairHair) -> (f32, f32) {
     for i in 1..=240 {
         let t = i as f32 / 60.0;
         stage.advance(&mut hair, &simulation, pose(t), 1.0 / 60.0);
-        if t > SHAKE - 1.0 && i % 6 == 0 {
-            let sum = &mut sums[usize::from(t > SHAKE)];
+        if t > common::SHAKE - 1.0 && i % 6 == 0 {
+            let sum = &mut sums[usize::from(t > common::SHAKE)];
             sum.0 += occupied(&stage.voxels(&hair, &pose(t)), mean) / full;
             sum.1 += 1;
         }

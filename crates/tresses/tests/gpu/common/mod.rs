@@ -11,10 +11,12 @@ use tresses::{
     body::Body,
     collide::ColliderDescriptor,
     frame::ViewPass,
-    glam::{Mat4, Vec3},
+    glam::{Mat4, Quat, Vec3},
+    gpu::readback::blocking as readback,
     groom::{Groom, SdfGrid, Strands, TriMesh, bind},
     light::{Directional, HairSet, Lights, MAX_LIGHTS, Shadows},
     present::Background,
+    strands::StrandVertex,
     view::{Picture, ViewOptions},
 };
 
@@ -65,6 +67,40 @@ pub fn hair_on_a_ball(count: usize) -> Hair {
     let mut hair = hair(context, &groom, &Default::default(), Some(&field)).unwrap();
     advance(&mut hair, &frame(Pose::IDENTITY, 0.0));
     hair
+}
+
+/// Duration of [`shaken`], seconds.
+pub const SHAKE: f32 = 3.0;
+
+/// Returns the head's pose in a shake of 30 degrees to both sides, as in `tresses render --motion shake` but without
+/// its rests.
+pub fn shaken(t: f32, neck: Vec3) -> Pose {
+    // Extremes are 0.3 s apart. The first and the last swing are half as far.
+    let t = (t * 3.1 / SHAKE).min(3.1);
+    let smooth = |s: f32| s * s * s * (10.0 + s * (6.0 * s - 15.0));
+    let yaw = if t < 0.2 {
+        smooth(t / 0.2)
+    } else if t < 2.9 {
+        let s = (t - 0.2) / 0.3;
+        let side = if (s as u32).is_multiple_of(2) { 1.0 } else { -1.0 };
+        side * (1.0 - 2.0 * smooth(s.fract()))
+    } else {
+        smooth((t - 2.9) / 0.2) - 1.0
+    };
+    Pose::about(neck, Quat::from_rotation_y(30f32.to_radians() * yaw))
+}
+
+/// Reads the positions of the drawn vertices, strand after strand.
+pub fn positions(hair: &Hair) -> Vec<Vec3> {
+    let context = context().expect("there is a GPU");
+    let read: Vec<StrandVertex> = readback::buffer(context, &hair.strands.vertices).unwrap();
+    read.iter().map(|vertex| vertex.position).collect()
+}
+
+/// Returns the largest distance between corresponding points, meters.
+pub fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
 }
 
 /// Returns the guides' rest positions in the layout of the GPU: vertex-major `vec4`s.

@@ -17,28 +17,10 @@ use tresses::{
 
 /// Edge of the voxels in which guides are counted, meters.
 const VOXEL: f32 = 0.02;
-/// Duration of the shake, seconds.
-const SHAKE: f32 = 3.0;
 /// Joint about which the head turns.
 const NECK: Vec3 = Vec3::new(0.0, -0.12, -0.02);
 /// Radius of the head, meters.
 const HEAD: f32 = 0.09;
-
-/// Returns the head's pose in a shake of 30 degrees to both sides, with an extreme every 0.3 s.
-fn shaken(t: f32) -> Pose {
-    let t = (t * 3.1 / SHAKE).min(3.1);
-    let smooth = |s: f32| s * s * s * (10.0 + s * (6.0 * s - 15.0));
-    let yaw = if t < 0.2 {
-        smooth(t / 0.2)
-    } else if t < 2.9 {
-        let s = (t - 0.2) / 0.3;
-        let side = if (s as u32).is_multiple_of(2) { 1.0 } else { -1.0 };
-        side * (1.0 - 2.0 * smooth(s.fract()))
-    } else {
-        smooth((t - 2.9) / 0.2) - 1.0
-    };
-    Pose::about(NECK, Quat::from_rotation_y(30f32.to_radians() * yaw))
-}
 
 /// Returns the `i`th of `count` evenly spread directions.
 fn direction(i: usize, count: usize) -> Vec3 {
@@ -124,16 +106,16 @@ fn shake(context: &Context, groom: &Groom, simulation: SimulationParams, support
         let all: Vec<[f32; 4]> = readback::buffer(context, &hair.guides.current).unwrap();
         all.iter().map(|v| Vec3::from_slice(v)).collect()
     };
-    let rest = advance(0.0, shaken(0.0));
-    let full = voxels(&rest, count, &shaken(0.0));
+    let rest = advance(0.0, common::shaken(0.0, NECK));
+    let full = voxels(&rest, count, &common::shaken(0.0, NECK));
     let mut sums = [(0.0, 0); 2];
     let mut now = rest.clone();
     for i in 1..=300 {
         let t = i as f32 / 60.0;
-        now = advance(1.0 / 60.0, shaken(t));
-        let when = if t > SHAKE - 1.0 && t <= SHAKE { 0 } else { 1 };
-        if t > SHAKE - 1.0 && !(SHAKE..SHAKE + 1.0).contains(&t) && i % 6 == 0 {
-            sums[when].0 += voxels(&now, count, &shaken(t)) / full;
+        now = advance(1.0 / 60.0, common::shaken(t, NECK));
+        let when = if t > common::SHAKE - 1.0 && t <= common::SHAKE { 0 } else { 1 };
+        if t > common::SHAKE - 1.0 && !(common::SHAKE..common::SHAKE + 1.0).contains(&t) && i % 6 == 0 {
+            sums[when].0 += voxels(&now, count, &common::shaken(t, NECK)) / full;
             sums[when].1 += 1;
         }
     }
