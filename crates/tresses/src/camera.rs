@@ -121,7 +121,7 @@ impl Camera {
 /// A [`Camera`] as shaders read it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct CameraUniform {
+pub(crate) struct CameraUniform {
     /// World to clip space.
     pub view_projection: Mat4,
     /// Position of the camera, meters.

@@ -96,7 +96,7 @@ impl Hair {
     /// Creates hair at rest, with the head at the origin. Its material, level of detail and options are its own.
     ///
     /// # Errors
-    /// [`Error::Limit`] when the adapter cannot hold it, [`Error::Parameter`] for invalid options, and the errors of
+    /// [`crate::Error::Limit`] when the adapter cannot hold it, [`crate::Error::Parameter`] for invalid options, and the errors of
     /// [`ColliderSet::replace`].
     pub fn new(asset: &Arc<HairAsset>) -> Result<Self> {
         Self::on(asset, &asset.colliders, None)
@@ -155,7 +155,7 @@ impl Hair {
     ///
     /// # Errors
     /// [`crate::groom::Error::Unusable`] for a root that is too far away, or a skin that does not fit `mesh`;
-    /// [`Error::Limit`].
+    /// [`crate::Error::Limit`].
     pub fn attach(&mut self, mesh: &TriMesh, skin: &Skin<'_>, reach: f32) -> Result<RootReport> {
         for (buffer, words) in [skin.positions, skin.normals] {
             words.hold(buffer, mesh)?;

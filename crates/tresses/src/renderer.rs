@@ -20,7 +20,7 @@ pub enum Renderer {
     /// [`min_width`](crate::light::HairMaterial::min_width) pixels wide and covers only the fraction of the samples that
     /// corresponds to its true width; each strand covers a different set. One pass, no sorting, correct on average
     /// however many strands overlap. A pixel is the mean of the samples in a disc, which is wider than the pixel if it
-    /// has few samples ([`Footprint`](crate::present::Footprint)); otherwise moving hair would shimmer.
+    /// has few samples (`Footprint`); otherwise moving hair would shimmer.
     Masks(MaskOptions),
     /// The renderer of Tariq and Bavoil (2008), in Kajiya–Kay shading ([`crate::draw::classic`]).
     Classic(ClassicOptions),

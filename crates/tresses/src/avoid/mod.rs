@@ -84,7 +84,7 @@ use std::sync::Arc;
 /// Uniform of the kernels.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct AvoidParams {
+pub(crate) struct AvoidParams {
     /// Distance that strands keep from obstacles, meters.
     pub clearance: f32,
     /// [`AvoidOptions::tolerance`].

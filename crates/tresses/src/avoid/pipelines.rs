@@ -19,7 +19,7 @@ pub(crate) struct Pipelines {
 
 /// The bind groups of one groom.
 #[derive(Debug)]
-pub struct AvoidGroups {
+pub(crate) struct AvoidGroups {
     first_hit: wgpu::BindGroup,
     push_out: wgpu::BindGroup,
     change_over: wgpu::BindGroup,
@@ -69,7 +69,7 @@ impl Pipelines {
     }
 
     /// Records the search, with one thread per run of a strand's vertices.
-    pub fn record_first_hit(
+    pub(crate) fn record_first_hit(
         &self,
         pass: &mut crate::gpu::ComputePass<'_>,
         groups: &AvoidGroups,

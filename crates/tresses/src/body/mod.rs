@@ -79,7 +79,7 @@ pub struct Body {
 /// Uniform of a body.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct BodyUniform {
+pub(crate) struct BodyUniform {
     /// Groom space to the world.
     pub pose: Mat4,
     /// [`BodyMaterial::color`].
@@ -234,7 +234,7 @@ impl Body {
     }
 
     /// Sets the bounding box of the vertices, in the body's own space, meters.
-    pub fn set_bounds(&mut self, corners: [Vec3; 2]) {
+    pub(crate) fn set_bounds(&mut self, corners: [Vec3; 2]) {
         self.bounds = corners;
     }
 

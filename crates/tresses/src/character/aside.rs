@@ -5,11 +5,11 @@ use std::{panic::resume_unwind, thread};
 
 /// A value that a thread computes.
 #[cfg(not(target_arch = "wasm32"))]
-pub struct BackgroundTask<T>(thread::JoinHandle<T>);
+pub(crate) struct BackgroundTask<T>(thread::JoinHandle<T>);
 
 /// A value.
 #[cfg(target_arch = "wasm32")]
-pub struct BackgroundTask<T>(T);
+pub(crate) struct BackgroundTask<T>(T);
 
 #[cfg(not(target_arch = "wasm32"))]
 impl<T: Send + 'static> BackgroundTask<T> {

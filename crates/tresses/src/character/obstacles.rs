@@ -61,7 +61,7 @@ impl Obstacles {
     }
 
     /// Returns the field of each body part; `None` for a capsule.
-    pub fn part_fields(&self) -> Vec<Option<FieldId>> {
+    pub(crate) fn part_fields(&self) -> Vec<Option<FieldId>> {
         let field = |part: &Part| match part {
             Part::Field(field) => Some(*field),
             Part::Capsule(_) => None,
@@ -76,7 +76,7 @@ impl Obstacles {
 
     /// Replaces the obstacles that come and go. If the list of colliders has changed, returns the number of colliders
     /// that continue from their last poses.
-    pub fn set_free(&mut self, free: &[Obstacle]) -> Option<usize> {
+    pub(crate) fn set_free(&mut self, free: &[Obstacle]) -> Option<usize> {
         let is_same = |(a, b): &(&Obstacle, &Obstacle)| a.id == b.id;
         let kept = self.own() + free.iter().zip(&self.free).take_while(is_same).count();
         let changed = self.list.len() != self.own() + free.len()

@@ -62,11 +62,12 @@ use glam::{Quat, Vec3};
 
 pub use build::FieldBuilder;
 pub(crate) use places::Journey;
-pub use places::{Moments, Place, PlacesHead};
+pub(crate) use places::PlacesHead;
+pub use places::{Moments, Place};
 pub use set::ColliderSet;
 pub(crate) use set::{FieldAtlas, layout};
-pub use shape::{ShapeData, ShapeTable};
-pub use volume::{FieldVolume, SolidBounds};
+pub(crate) use shape::{ShapeData, ShapeTable};
+pub(crate) use volume::{FieldVolume, SolidBounds};
 
 /// Index of a distance field in a [`ColliderDescriptor`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

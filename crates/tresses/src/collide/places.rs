@@ -39,7 +39,7 @@ impl Place {
 /// Header of the buffer of places. The places at drawing time follow, then the places at each moment.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct PlacesHead {
+pub(crate) struct PlacesHead {
     /// Time between moments, s.
     pub interval: f32,
     /// Index of the last moment.

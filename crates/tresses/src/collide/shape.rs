@@ -5,17 +5,17 @@ use crate::{Error, Result, constants::MAX_COLLIDERS};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 
-/// [`ShapeData::kind`] of a capsule.
+/// `ShapeData::kind` of a capsule.
 pub const CAPSULE: u32 = 0;
-/// [`ShapeData::kind`] of an ellipsoid.
+/// `ShapeData::kind` of an ellipsoid.
 pub const ELLIPSOID: u32 = 1;
-/// [`ShapeData::kind`] of a distance field.
+/// `ShapeData::kind` of a distance field.
 pub const FIELD: u32 = 2;
 
 /// A shape in GPU layout.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct ShapeData {
+pub(crate) struct ShapeData {
     /// Center of the bounding sphere in the shape's frame, meters.
     pub center: Vec3,
     /// Radius of the bounding sphere, meters.
@@ -46,7 +46,7 @@ pub struct ShapeData {
 /// Uniform with all shapes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct ShapeTable {
+pub(crate) struct ShapeTable {
     /// The shapes; [`PlacesHead`](super::PlacesHead) has their number.
     pub list: [ShapeData; MAX_COLLIDERS as usize],
 }

@@ -11,7 +11,7 @@
 //! One 16-bit index buffer covers as many strands as fit. It is drawn repeatedly with a different base vertex
 //! (`strands::indices`). `docs/validation/coverage.md` compares them.
 //!
-//! **Cards** are textured strips between strands ([`Hair::set_cards`](crate::Hair::set_cards)). They are drawn after the
+//! **Cards** are textured strips between strands ([`HairDescriptor::cards`](crate::HairDescriptor::cards)). They are drawn after the
 //! bodies by every renderer.
 
 pub(crate) mod cards;

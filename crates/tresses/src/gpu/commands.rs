@@ -241,7 +241,7 @@ impl ComputePass<'_> {
     }
 
     /// See [`wgpu::ComputePass::dispatch_workgroups_indirect`].
-    pub fn dispatch_workgroups_indirect(&mut self, workgroups: &wgpu::Buffer, from: u64) {
+    pub(crate) fn dispatch_workgroups_indirect(&mut self, workgroups: &wgpu::Buffer, from: u64) {
         self.probe();
         self.counts.dispatches += 1;
         self.pass.dispatch_workgroups_indirect(workgroups, from);
@@ -287,12 +287,12 @@ impl RenderPass<'_> {
     }
 
     /// See [`wgpu::RenderPass::set_vertex_buffer`].
-    pub fn set_vertex_buffer(&mut self, slot: u32, vertices: wgpu::BufferSlice<'_>) {
+    pub(crate) fn set_vertex_buffer(&mut self, slot: u32, vertices: wgpu::BufferSlice<'_>) {
         self.pass.set_vertex_buffer(slot, vertices);
     }
 
     /// See [`wgpu::RenderPass::set_index_buffer`].
-    pub fn set_index_buffer(&mut self, indices: wgpu::BufferSlice<'_>, format: wgpu::IndexFormat) {
+    pub(crate) fn set_index_buffer(&mut self, indices: wgpu::BufferSlice<'_>, format: wgpu::IndexFormat) {
         self.pass.set_index_buffer(indices, format);
     }
 
@@ -309,7 +309,7 @@ impl RenderPass<'_> {
     }
 
     /// See [`wgpu::RenderPass::draw_indexed`].
-    pub fn draw_indexed(&mut self, indices: Range<u32>, base: i32, instances: Range<u32>) {
+    pub(crate) fn draw_indexed(&mut self, indices: Range<u32>, base: i32, instances: Range<u32>) {
         self.probe();
         self.counts.draws += 1;
         self.pass.draw_indexed(indices, base, instances);

@@ -105,7 +105,7 @@ impl Kernel {
 
     /// Records a dispatch of a grid of workgroups. If the kernel fails to compile, nothing is recorded, and the pass
     /// returns the error when it [ends](crate::gpu::ComputePass::end).
-    pub fn record_grid(
+    pub(crate) fn record_grid(
         &self,
         pass: &mut crate::gpu::ComputePass<'_>,
         group: &wgpu::BindGroup,
@@ -119,7 +119,7 @@ impl Kernel {
 
     /// Records an indirect dispatch. `workgroups` is a buffer with the x, y and z counts, and the byte offset of the
     /// first.
-    pub fn record_indirect(
+    pub(crate) fn record_indirect(
         &self,
         pass: &mut crate::gpu::ComputePass<'_>,
         group: &wgpu::BindGroup,

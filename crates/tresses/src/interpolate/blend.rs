@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// The uniform of the kernel.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct InterpolateParams {
+pub(crate) struct InterpolateParams {
     /// Number of strands.
     pub strand_count: u32,
     /// Vertices of a drawn strand, at least 2.

@@ -13,7 +13,7 @@ use glam::Vec2;
 /// The part of a card between two strands.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct CardStripData {
+pub(crate) struct CardStripData {
     /// Index of the strand on the left edge.
     pub left: u32,
     /// Index of the strand on the right edge.

@@ -131,7 +131,7 @@ impl HairSet {
 
     /// Shares the fiber tables of `other` if the fibers of both have the same shape, whatever their pigments. The
     /// tables are then computed and stored once.
-    pub fn share_fibers(&self, other: &Self) {
+    pub(crate) fn share_fibers(&self, other: &Self) {
         let key = |set: &Self| (set.material.fiber.shape, set.material.fiber.density_back);
         if key(self) == key(other) {
             let theirs = other.fiber().clone();
@@ -248,7 +248,7 @@ pub(crate) fn knot_bytes([count, vertex_count]: [u32; 2]) -> u64 {
 
 /// Data of a groom per view: its shaded colors, which depend on camera and lights.
 #[derive(Debug)]
-pub struct HairShading {
+pub(crate) struct HairShading {
     pub(crate) uniform: wgpu::Buffer,
     pub(crate) colors: wgpu::Buffer,
     pub(super) knots: wgpu::Buffer,
@@ -346,7 +346,7 @@ pub(crate) struct HairView<'a> {
 
 impl HairView<'_> {
     /// Records all cards. The caller has set the pipeline and bound the group of the frame.
-    pub fn record_cards(&self, pass: &mut crate::gpu::RenderPass<'_>) {
+    pub(crate) fn record_cards(&self, pass: &mut crate::gpu::RenderPass<'_>) {
         let Some(cards) = self.hair.cards() else { return };
         if self.zoned {
             pass.set_bind_group(0, &self.light.frame, &[]);
@@ -356,12 +356,12 @@ impl HairView<'_> {
     }
 
     /// Records all strips. The caller has set the pipeline and bound the group of the frame.
-    pub fn record_strips(&self, pass: &mut crate::gpu::RenderPass<'_>) {
+    pub(crate) fn record_strips(&self, pass: &mut crate::gpu::RenderPass<'_>) {
         self.record_strips_of(pass, 0..self.hair.drawn.count);
     }
 
     /// Records the strips of a range of strands.
-    pub fn record_strips_of(&self, pass: &mut crate::gpu::RenderPass<'_>, strands: Range<u32>) {
+    pub(crate) fn record_strips_of(&self, pass: &mut crate::gpu::RenderPass<'_>, strands: Range<u32>) {
         if self.zoned {
             pass.set_bind_group(0, &self.light.frame, &[]);
         }

@@ -161,7 +161,7 @@ pub const SHADOW_MAPS: usize = crate::constants::SHADOW_MAPS as usize;
 /// Shader data of a light that is on.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct LightUniform {
+pub(crate) struct LightUniform {
     /// Unit vector towards the light.
     pub direction: Vec3,
     /// Unused.
@@ -176,7 +176,7 @@ pub struct LightUniform {
 /// the copy of its arrays.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct LightsUniform {
+pub(crate) struct LightsUniform {
     /// World to clip space of each shadow map: one per light, then the sky. Depth 0 is nearest the light.
     pub shadow: [Mat4; SHADOW_MAPS],
     /// Lights that are on. Light `i` has map `i`.

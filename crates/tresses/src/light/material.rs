@@ -11,7 +11,7 @@ use glam::{Vec2, Vec3, Vec4};
 /// Material of [`ShadingModel::Fiber`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FiberMaterial {
-    /// Absorption per fiber radius at the root, of red, green and blue light: [`melanin`] or [`absorption_of`].
+    /// Absorption per fiber radius at the root, of red, green and blue light: [`melanin`] or `absorption_of`.
     pub root_absorption: Vec3,
     /// Absorption per fiber radius at the tip.
     pub tip_absorption: Vec3,
@@ -282,7 +282,7 @@ impl Default for HairMaterial {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[allow(missing_docs)] // The fields of `HairMaterial` under the same names.
-pub struct HairUniform {
+pub(crate) struct HairUniform {
     pub root_color: Vec3,
     pub lightness_spread: f32,
     pub tip_color: Vec3,

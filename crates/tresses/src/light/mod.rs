@@ -9,7 +9,7 @@
 //! **Lights** ([`Lights`]): four directional lights and a sky. A light that is off has no map and costs no loop
 //! iteration.
 //!
-//! **Shadows** ([`ShadowMaps`]): one orthographic map per light, and one from the zenith where ambient light is
+//! **Shadows** (`ShadowMaps`): one orthographic map per light, and one from the zenith where ambient light is
 //! estimated instead of computed. Meshes are rasterized into a depth texture. Hair is thinner than a texel; kernels
 //! draw it into a buffer, one thread per segment. The result is a fiber count, not a transmittance: the mean number of
 //! fibers between a light and a point, from which each shading model derives its terms (`transmittance.wesl`). Meshes
@@ -87,8 +87,9 @@ pub use ambient::Ambient;
 pub use chosen::ShadingSubset;
 pub use cube::{CubeLight, CubeMap, CubeProbe};
 pub use environment::Environment;
+pub use hair::HairSet;
+pub(crate) use hair::HairShading;
 pub(crate) use hair::HairView;
-pub use hair::{HairSet, HairShading};
 pub use lights::{Directional, Lights, MAX_LIGHTS, Sky, Sphere};
 pub use material::{FiberMaterial, HairMaterial};
 pub(crate) use pipelines::{FRAME, Pipelines};
@@ -96,7 +97,7 @@ pub use probe::{Shadow, ShadowProbe};
 pub use radiance::unpack_radiance;
 pub(crate) use scene::ImportedShadows;
 pub use scene::SceneShadow;
-pub use shadow::ShadowMaps;
+pub(crate) use shadow::ShadowMaps;
 pub use shadows::Shadows;
 pub(crate) use state::FrameLight;
 pub use state::LightState;

@@ -35,7 +35,7 @@ const STEP: u64 = 256;
 
 /// A depth map and a hair map for each light.
 #[derive(Debug)]
-pub struct ShadowMaps {
+pub(crate) struct ShadowMaps {
     /// Texels along each edge.
     pub resolution: u32,
     /// Depth of meshes, all layers.

@@ -32,7 +32,7 @@ pub(super) const NONE: Factors = [1.0, 1.0, 1.0, 0.0];
 
 /// Correction factors of a groom for the widths of fewer strands, and for the light that reaches them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CoverTable {
+pub(crate) struct CoverTable {
     /// Shares of the strands, descending from 1, with their factors: in the finest image, and with the pixel of
     /// [`CoverLevel`].
     points: [Vec<(f32, Factors)>; 2],
@@ -40,7 +40,7 @@ pub struct CoverTable {
 
 /// A level of detail to be measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CoverLevel {
+pub(crate) struct CoverLevel {
     /// Share of the strands.
     pub fraction: f32,
     /// Share of the strands that is drawn, including those that are fading in.

@@ -8,7 +8,7 @@ const SAMPLES: usize = 256;
 
 /// Error of drawing a groom's strands with fewer segments.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CurveTable {
+pub(crate) struct CurveTable {
     /// `error[s - 1]`: 90th percentile of the strands' maximum deviation with `s` segments, meters. Falls with `s`; 0
     /// with all segments.
     error: Vec<f32>,

@@ -83,7 +83,7 @@ impl GuideOrder {
     }
 
     /// Replaces the data of the guides, which `info` has on the GPU.
-    pub fn set_infos(&self, context: &Context, infos: Vec<Guide>, info: &wgpu::Buffer) {
+    pub(crate) fn set_infos(&self, context: &Context, infos: Vec<Guide>, info: &wgpu::Buffer) {
         let mut data = self.data();
         data.0 = infos;
         if data.1.is_some() {

@@ -17,15 +17,15 @@
 //!
 //! **Wider strands.** Drawn strands are widened by the area of all strands over the area of the drawn ones, which keeps
 //! the total area constant. The width is then reduced slightly, because wide strands cover gaps and extend beyond
-//! outlines; [`CoverTable`] measures by how much. The kernel `widths` writes the radius of every drawn strand; shading,
+//! outlines; `CoverTable` measures by how much. The kernel `widths` writes the radius of every drawn strand; shading,
 //! strips and shadows read that radius. Shadow maps and the grid of ambient light contain the area of full detail. The
 //! eye sees deeper between the narrowed strands. To keep the mean brightness of visible hair, fiber counts in front of
 //! it are scaled by measured factors, which differ between lights beside the eye and lights behind the hair
-//! ([`CoverTable::factors`]), and ambient light is sampled where the surface at full detail would be
+//! (`CoverTable::factors`), and ambient light is sampled where the surface at full detail would be
 //! ([`Detail::sunk`]). The measurements run on a background thread where the platform has threads; the first frame with
 //! fewer strands waits for them.
 //!
-//! **Fewer segments.** At load [`CurveTable`] measures how far strands deviate when they are drawn with fewer segments,
+//! **Fewer segments.** At load `CurveTable` measures how far strands deviate when they are drawn with fewer segments,
 //! and how much shorter they become (which widens them in turn). A frame uses the number of segments for which the
 //! deviation is a fraction of a pixel. The number may be fractional: vertices lie at equal steps of the strand's
 //! parameter, and the last step is the remainder. As the number changes, all vertices slide along the strand, and new
@@ -46,7 +46,7 @@
 //! is farther than a few pixels from one of them; the others follow ([`crate::simulate`]). Substeps are halved,
 //! self-collision fades out, and hair at rest or out of view sleeps.
 //!
-//! **Known limits.** All guides are tessellated at any level. [`CurveTable`] is measured on the rest shape.
+//! **Known limits.** All guides are tessellated at any level. `CurveTable` is measured on the rest shape.
 //!
 //! **Untried.** Strands with an aggregated BSDF per width.
 
@@ -61,14 +61,14 @@ mod order;
 mod seen;
 mod widths;
 
-pub use cover::{CoverLevel, CoverTable};
-pub use curve::{CurveTable, resample};
+pub(crate) use cover::CoverTable;
+pub(crate) use curve::CurveTable;
+pub use curve::resample;
 pub(crate) use guides::{GuideOrder, order as guide_order};
 pub use maps::{LodLevel, MAX_LEVELS, MAX_THICKNESS};
 pub use options::{LodMode, LodOptions};
 pub use order::{BUCKET_RATIO, arrange, buckets, order};
 pub(crate) use widths::Widths;
-pub use widths::{StrandLod, WidthParams};
 
 use crate::{
     Camera, Context, Pose, Progress, Result,
@@ -100,7 +100,7 @@ pub struct Detail {
     /// Factor on strand widths in shadow maps and ambient light, so that they contain the area of full detail.
     pub area: f32,
     /// Factors on fiber counts in front of visible hair: for lights on the eye's side, and for lights behind the hair.
-    /// See [`CoverTable::factors`].
+    /// See `CoverTable::factors`.
     pub deeper: [f32; 2],
     /// How much deeper visible hair lies than at full detail, meters. Ambient light is sampled that much nearer to the
     /// eye.
@@ -353,7 +353,7 @@ impl Lod {
     }
 
     /// Returns the coverage of wider strands. Blocks while it is being measured, soon after the hair is created.
-    pub fn cover(&self) -> &CoverTable {
+    pub(crate) fn cover(&self) -> &CoverTable {
         self.tables.cover.get()
     }
 

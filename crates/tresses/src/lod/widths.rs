@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// Level-of-detail data of one strand.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct StrandLod {
+pub(crate) struct StrandLod {
     /// Radius at full detail, meters.
     pub radius: f32,
     /// Two half floats: the drawn shares at which the strand begins to appear and at which it has its full width.
@@ -29,7 +29,7 @@ pub struct StrandLod {
 /// The uniform of the kernel.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct WidthParams {
+pub(crate) struct WidthParams {
     /// Blend weights of the painted levels.
     pub weights: Vec4,
     /// Share of the strands that is drawn.

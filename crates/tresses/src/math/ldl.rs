@@ -9,7 +9,7 @@ use glam::{Mat3, Vec3};
 
 /// Factors of a 3×3 matrix: the reciprocals of D, and L below its diagonal (21, 31, 32).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Factors {
+pub(crate) struct Factors {
     d: Vec3,
     l: Vec3,
 }
@@ -37,7 +37,7 @@ impl Factors {
     }
 
     /// Solves for three right-hand sides.
-    pub fn solve_columns(&self, b: Mat3) -> Mat3 {
+    pub(crate) fn solve_columns(&self, b: Mat3) -> Mat3 {
         Mat3::from_cols(self.solve(b.x_axis), self.solve(b.y_axis), self.solve(b.z_axis))
     }
 }

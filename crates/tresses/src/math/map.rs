@@ -70,7 +70,7 @@ impl Map {
     }
 
     /// Returns the map as a pose in single precision.
-    pub fn as_pose(&self) -> Pose {
+    pub(crate) fn as_pose(&self) -> Pose {
         self.pose(&Pose::IDENTITY)
     }
 }

@@ -18,7 +18,7 @@ use crate::constants::MAX_FOOTPRINT;
 /// Samples that make up a pixel.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Footprint {
+pub(crate) struct Footprint {
     /// For each sample: the offset of its pixel (x, y), its number in that pixel, and its weight.
     pub samples: [Vec4; MAX_FOOTPRINT as usize],
     /// Number of samples.

@@ -19,7 +19,7 @@ mod background;
 mod footprint;
 
 pub use background::Background;
-pub use footprint::Footprint;
+pub(crate) use footprint::Footprint;
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec2;
@@ -42,7 +42,7 @@ use std::sync::Arc;
 /// Uniform of the present pass.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct PresentUniform {
+pub(crate) struct PresentUniform {
     /// The background.
     pub background: Background,
     /// Width and height of the image, pixels.
@@ -129,7 +129,7 @@ impl Pipelines {
 
 /// State of the present stage for one view, bound to its targets.
 #[derive(Debug)]
-pub struct PresentState {
+pub(crate) struct PresentState {
     pipelines: Arc<Pipelines>,
     uniform: wgpu::Buffer,
     group: wgpu::BindGroup,

@@ -10,7 +10,7 @@ use glam::{Mat3, Quat, Vec3};
 /// Skin point of a guide's root, with its position and rotation at rest.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GuideRoot {
+pub(crate) struct GuideRoot {
     /// Vertices of the triangle.
     pub triangle: [u32; 3],
     /// Barycentric coordinate of the second corner.
@@ -26,7 +26,7 @@ pub struct GuideRoot {
 /// Skin point of a strand's root.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct StrandRoot {
+pub(crate) struct StrandRoot {
     /// Vertices of the triangle.
     pub triangle: [u32; 3],
     /// Barycentric coordinate of the second corner.

@@ -29,7 +29,7 @@
 
 mod bind;
 
-pub use bind::{GuideRoot, RootReport, StrandRoot};
+pub use bind::RootReport;
 
 use crate::{
     Context, Pose, Result,
@@ -70,7 +70,7 @@ impl PipelineSet for Pipelines {
 /// Uniforms of a frame.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct RootsUniform {
+pub(crate) struct RootsUniform {
     /// Rotation from the surface's space to the space in which hair is drawn.
     pub to_world_rotation: Quat,
     /// Rotation from the surface's space to the head's.

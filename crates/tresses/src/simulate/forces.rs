@@ -55,7 +55,7 @@ pub struct Forces {
 /// Air parameters of one step.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct AirUniforms {
+pub(crate) struct AirUniforms {
     /// Corner of the air grid, meters.
     pub corner: Vec3,
     /// Texture coordinates per meter.

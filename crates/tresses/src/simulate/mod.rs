@@ -71,7 +71,7 @@
 //! loop's body until no lane is left, so a loop that tests first runs its body once too often. With the contacts of a
 //! vertex in three nested loops of that kind, a step took 160 ms. Contacts are therefore a separate pass, collider by
 //! collider: a collider's pose and shape are read once per strand instead of once per vertex. When the driver unrolled
-//! the loops, a step was no faster and took seconds longer to compile, hence [`params::StepUniforms::one`].
+//! the loops, a step was no faster and took seconds longer to compile, hence `params::StepUniforms::one`.
 //!
 //! **Known limits.** Elimination from tip to root would save a pass, but its rounding error is far larger. Positions
 //! are single precision, relative to an origin near the hair that moves with the space of the frame's poses
@@ -105,7 +105,7 @@ use params::StepUniforms;
 use std::sync::Arc;
 use step::StepKernels;
 
-pub use forces::{AirUniforms, Forces};
+pub use forces::Forces;
 pub use grab::{BrushEffect, Grab, MotionBrush, Target};
 pub(crate) use lead::Tree;
 pub(crate) use links::LinkAsset;

@@ -177,7 +177,7 @@ fn stretch_rate(gravity: Vec3, stretch: f32, length: f32, edge: f32) -> f32 {
 /// Uniforms of one fixed step.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct StepUniforms {
+pub(crate) struct StepUniforms {
     /// Rotation of the head at the start of the step, quaternion.
     pub head_begin: [f32; 4],
     /// Rotation of the head at the end of the step.

@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// Offsets for the kernel.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct ShiftUniform {
+pub(crate) struct ShiftUniform {
     /// Added to positions, meters.
     pub way: Vec3,
     /// Number of guide vertices.

@@ -164,7 +164,7 @@ pub struct TieReport {
 /// A ring in the layout of the kernel.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-pub struct Ring {
+pub(crate) struct Ring {
     /// Index of the first member.
     pub first: u32,
     /// Number of members.
@@ -174,7 +174,7 @@ pub struct Ring {
 /// A held guide vertex.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Member {
+pub(crate) struct Member {
     /// Rest position, meters: relative to the ring's center of mass, or in groom space for a pin.
     pub rests: Vec3,
     /// Fraction of the ring's mass.

@@ -33,7 +33,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// A vertex with its joints and weights.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct SkinVertex {
+pub(crate) struct SkinVertex {
     /// Position in the space of the file's mesh.
     pub position: Vec3,
     /// Index of the first of its deltas.
@@ -51,7 +51,7 @@ pub struct SkinVertex {
 /// Delta of a blend shape for one vertex.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct SkinDelta {
+pub(crate) struct SkinDelta {
     /// Added to the position.
     pub position: Vec3,
     /// Index of the blend shape.

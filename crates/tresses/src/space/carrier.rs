@@ -241,7 +241,7 @@ impl Carrier {
     }
 
     /// Returns the velocity relative to another carrier, in this one's axes, m/s; zero where either is unknown.
-    pub fn faster_than(&self, other: &Self) -> Vec3 {
+    pub(crate) fn faster_than(&self, other: &Self) -> Vec3 {
         match (self.velocity, other.velocity) {
             (Some(own), Some(other)) => (self.axes.inverse() * (own - other)).as_vec3(),
             _ => Vec3::ZERO,

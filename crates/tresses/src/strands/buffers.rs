@@ -24,7 +24,7 @@ pub struct GuideBuffers {
     /// previous position and the one that position and velocity predict.
     pub current: wgpu::Buffer,
     /// Velocity after the last step, m/s, by [`pack_velocity`](super::guide::pack_velocity). If hair [can
-    /// twist](Self::can_twist), the twist of each bend (radians) after and before the last step follows the velocities
+    /// twist, the twist of each bend (radians) after and before the last step follows the velocities
     /// of all vertices.
     pub velocity: wgpu::Buffer,
     /// [`GuideForce`]: external forces in the next step. Contents are valid only within a step; the memory may be a
@@ -32,7 +32,7 @@ pub struct GuideBuffers {
     pub forces: wgpu::Buffer,
     /// [`GuideSample`], indexed `guide * sample_count + sample`.
     pub samples: wgpu::Buffer,
-    /// [`RootMotion`]: one per guide and one more if roots are on a [deforming surface](crate::roots), else a single
+    /// `RootMotion`: one per guide and one more if roots are on a [deforming surface](crate::roots), else a single
     /// unused one.
     pub roots: wgpu::Buffer,
 }
@@ -264,7 +264,7 @@ impl GuideBuffers {
     }
 
     /// Returns whether the buffers have room for twist.
-    pub fn can_twist(&self) -> bool {
+    pub(crate) fn can_twist(&self) -> bool {
         self.velocity.size()
             > u64::from(self.count) * u64::from(self.vertex_count) * size_of::<[u32; 2]>() as u64
     }

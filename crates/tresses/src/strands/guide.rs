@@ -138,13 +138,6 @@ pub fn pack_lag(way: Vec3) -> u32 {
     x | y << 9 | z << 18 | e << 27
 }
 
-/// Unpacks the result of [`pack_lag`], meters.
-pub fn unpack_lag(packed: u32) -> Vec3 {
-    let part = |bits: u32| ((bits << 23) as i32 >> 23) as f32;
-    let unit = f32::from_bits(((packed >> 27) + 99) << 23);
-    Vec3::new(part(packed), part(packed >> 9), part(packed >> 18)) * unit
-}
-
 /// Returns `v` as integers of `bits` bits plus sign, and their shared exponent, counted from 0.
 fn shared(v: Vec3, [least, most]: [u32; 2], inverse: u32, bits: u32) -> (IVec3, u32) {
     let e = (v.abs().max_element().to_bits() >> 23).clamp(least, most) - least;
@@ -176,6 +169,13 @@ impl GuideSample {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Unpacks the result of [`pack_lag`], meters.
+    fn unpack_lag(packed: u32) -> Vec3 {
+        let part = |bits: u32| ((bits << 23) as i32 >> 23) as f32;
+        let unit = f32::from_bits(((packed >> 27) + 99) << 23);
+        Vec3::new(part(packed), part(packed >> 9), part(packed >> 18)) * unit
+    }
 
     #[test]
     fn motions_survive_packing() {

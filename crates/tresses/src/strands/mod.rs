@@ -31,9 +31,10 @@ pub use crate::groom::bound::{
 pub use buffers::{DrawCount, GuideBuffers, Room, StrandBuffers};
 pub(crate) use buffers::{GuideAsset, StrandAsset};
 pub use force::{Force, GuideForce};
-pub use guide::{Guide, GuideRest, GuideSample, GuideShape, PackedGuide};
+pub use guide::GuideShape;
+pub use guide::{Guide, GuideRest, GuideSample, PackedGuide};
 pub use rest::RestGuides;
-pub use root::RootMotion;
+pub(crate) use root::RootMotion;
 pub use vertex::StrandVertex;
 
 // Limits on the CPU side equal the array sizes of the shaders.

@@ -8,7 +8,7 @@ use glam::{Quat, Vec3};
 /// space, the identity where the skin moves with the head. Rotations are unit quaternions, translations in meters.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct RootMotion {
+pub(crate) struct RootMotion {
     /// Rotation at the start of the last step.
     pub begin_rotation: Quat,
     /// Rotation at the end of the last step, where the next begins.

@@ -29,4 +29,5 @@
 mod spline;
 
 pub(crate) use spline::Pipelines;
-pub use spline::{TessellateParams, Tessellation, rest_samples};
+pub use spline::TessellateParams;
+pub use spline::{Tessellation, rest_samples};

@@ -11,7 +11,7 @@ use glam::{UVec3, Vec3};
 
 /// A lattice of arrows in a grid, centered on the points of the lattice.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Arrows {
+pub(crate) struct Arrows {
     /// Texture coordinate of the first lattice point.
     pub first: Vec3,
     /// Texture coordinates from one point to the next.
@@ -46,7 +46,7 @@ impl Arrows {
 /// Shader data of [`Arrows`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct ArrowsUniform {
+pub(crate) struct ArrowsUniform {
     /// [`Arrows::first`].
     pub first: Vec3,
     /// [`Arrows::seconds`].

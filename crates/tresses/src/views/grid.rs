@@ -60,7 +60,7 @@ impl GridView<'_> {
 /// Shader data of a [`GridView`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct GridUniform {
+pub(crate) struct GridUniform {
     /// Rotation from the grid's frame to the world, a unit quaternion.
     pub rotation: Quat,
     /// Translation from the grid's frame to the world, meters.

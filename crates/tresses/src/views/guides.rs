@@ -12,7 +12,7 @@ use glam::{Quat, Vec3};
 
 /// Quantity that colors a guide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GuideQuantity {
+pub(crate) enum GuideQuantity {
     /// Speed after the last step, m/s.
     Speed = 0,
     /// Difference of an edge's length from its rest length, as a fraction of the rest length.
@@ -24,7 +24,7 @@ pub enum GuideQuantity {
 /// The kernel's uniform.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct GuidesUniform {
+pub(crate) struct GuidesUniform {
     /// Number of guides.
     pub count: u32,
     /// Vertices per guide.

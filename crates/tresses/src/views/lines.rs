@@ -15,7 +15,7 @@ const RIM: f32 = 1.0;
 /// A point of a line.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct LinePoint {
+pub(crate) struct LinePoint {
     /// World position, meters.
     pub position: Vec3,
     /// Value that sets the color.
@@ -33,7 +33,7 @@ pub struct LinePoint {
 /// The shader's uniform.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct LinesUniform {
+pub(crate) struct LinesUniform {
     /// Points of each line, at least 2.
     pub points: u32,
     /// Width of the dark rim, pixels.

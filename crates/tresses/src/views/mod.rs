@@ -8,7 +8,7 @@
 //! outlines (CPU) ───────────────────────► lines
 //! ```
 //!
-//! A [`Layer`] is one such view. Any number of them are drawn over a frame, in order. They follow `present`, because a
+//! A `Layer` is one such view. Any number of them are drawn over a frame, in order. They follow `present`, because a
 //! color that encodes a number must not be tone mapped, and layers need not match the samples per pixel. Colors are a
 //! ramp of even lightness (`ramp.rs`), readable in legends and in print.
 //!
@@ -18,9 +18,9 @@
 //! - **Arrows**: vectors at the points of a lattice. Their lengths are distances traveled in a given time.
 //! - **Streams**: lines along the current field, from given seeds.
 //! - **Guides**: tessellated guides, colored by a quantity of the simulation.
-//! - **Lines**: other outlines, for example of boxes and colliders, and the contours of distance fields (`outline.rs`).
+//! - **Lines**: other outlines, for example of boxes, and the contours of distance fields (`outline.rs`).
 //!
-//! All line layers share one format, a buffer of [`LinePoint`]s, and one pipeline, `lines`: camera-facing strips with a
+//! All line layers share one format, a buffer of `LinePoint`s, and one pipeline, `lines`: camera-facing strips with a
 //! width in pixels, soft edges and a dark rim. An arrow is a line of varying width. Kernels fill the buffer, one thread
 //! per arrow, streamline or guide sample.
 //!
@@ -51,17 +51,18 @@ mod tests;
 mod view;
 mod volume;
 
-pub use arrows::{Arrows, ArrowsUniform};
-pub use grid::{GridUniform, GridView, Quantity};
-pub use guides::{GuideQuantity, GuidesUniform};
-pub use lines::{LinePoint, LinesUniform};
-pub use paint::{Paint, PaintUniform};
+pub(crate) use arrows::Arrows;
+pub use grid::{GridView, Quantity};
+pub(crate) use guides::GuideQuantity;
+pub(crate) use lines::LinePoint;
+pub use paint::Paint;
+pub(crate) use paint::PaintUniform;
 pub use peak::Peak;
 pub use ramp::ramp;
 pub use record::{DebugDisplay, DebugViews, panels};
-pub use slices::{SliceUniform, Slices};
-pub use strands::{StrandQuantity, StrandsUniform};
-pub use streams::{Streams, StreamsUniform};
+pub(crate) use slices::Slices;
+pub(crate) use strands::StrandQuantity;
+pub(crate) use streams::Streams;
 pub use view::{DebugView, Scale};
 
 use crate::{
@@ -82,7 +83,7 @@ use wgpu::util::DeviceExt;
 
 /// A layer over a frame.
 #[derive(Clone, Copy, Debug)]
-pub enum Layer<'a> {
+pub(crate) enum Layer<'a> {
     /// A grid as an emissive volume.
     Volume(GridView<'a>, Paint),
     /// Planes through a grid.
@@ -101,7 +102,7 @@ pub enum Layer<'a> {
 
 /// Pipelines of the debug views.
 #[derive(Debug)]
-pub struct DebugStage {
+pub(crate) struct DebugStage {
     context: Context,
     body: wgpu::RenderPipeline,
     view_layout: wgpu::BindGroupLayout,

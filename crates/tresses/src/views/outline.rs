@@ -1,15 +1,12 @@
-//! Outlines as lines: boxes of grids, colliders, surfaces of distance fields.
+//! Outlines as lines: boxes of grids, surfaces of distance fields.
 
 use super::{GridView, LinePoint};
-use crate::{Pose, collide::Shape, groom::SdfGrid};
+use crate::{Pose, groom::SdfGrid};
 use glam::{UVec3, Vec3};
-
-/// Points of a full circle.
-const CIRCLE: u32 = 48;
 
 /// Style of outlines.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pen {
+pub(crate) struct Pen {
     /// Value that sets the color.
     pub value: f32,
     /// Width of lines, pixels.
@@ -38,38 +35,6 @@ impl Pen {
             for axis in (0..3).filter(|axis| i >> axis & 1 == 0) {
                 self.line(out, [corner(i), corner(i | 1 << axis)].map(|c| grid.world(c)));
             }
-        }
-    }
-
-    /// Adds the outline of a collider. Capsule: a circle around each end and two outlines along it. Ellipsoid: its
-    /// three ellipses. Distance field: nothing, see [`contours`](Self::contours).
-    pub fn collider(self, out: &mut Vec<LinePoint>, shape: &Shape, pose: &Pose) {
-        let arc = |from: u32, to: u32, form: &dyn Fn(f32, f32) -> Vec3| -> Vec<Vec3> {
-            let angle = |i: u32| i as f32 / CIRCLE as f32 * std::f32::consts::TAU;
-            (from..=to).map(|i| angle(i).sin_cos()).map(|(sin, cos)| pose.point(form(sin, cos))).collect()
-        };
-        match *shape {
-            Shape::Capsule { half_length, radius } => {
-                let end = Vec3::Y * half_length;
-                for side in [-1.0, 1.0] {
-                    let ring = |sin, cos| Vec3::new(cos, 0.0, sin) * radius + end * side;
-                    self.line(out, arc(0, CIRCLE, &ring));
-                }
-                for across in [Vec3::X, Vec3::Z] {
-                    // Over one end, down the side, under the other, up again.
-                    let rim = |sin, cos| (across * cos + Vec3::Y * sin) * radius;
-                    let mut points = arc(0, CIRCLE / 2, &|sin, cos| rim(sin, cos) + end);
-                    points.extend(arc(CIRCLE / 2, CIRCLE, &|sin, cos| rim(sin, cos) - end));
-                    points.push(points[0]);
-                    self.line(out, points);
-                }
-            }
-            Shape::Ellipsoid { radii } => {
-                self.line(out, arc(0, CIRCLE, &|sin, cos| Vec3::new(cos, sin, 0.0) * radii));
-                self.line(out, arc(0, CIRCLE, &|sin, cos| Vec3::new(cos, 0.0, sin) * radii));
-                self.line(out, arc(0, CIRCLE, &|sin, cos| Vec3::new(0.0, cos, sin) * radii));
-            }
-            Shape::Field(_) => {}
         }
     }
 
@@ -119,7 +84,6 @@ impl Pen {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::collide::shape;
     use glam::Quat;
 
     const PEN: Pen = Pen { value: 0.0, width: 2.0 };
@@ -138,23 +102,6 @@ mod tests {
     fn longest(points: &[LinePoint]) -> f32 {
         let shown = points.windows(2).filter(|w| w[0].alpha >= 0.0 && w[1].alpha >= 0.0);
         shown.map(|w| w[0].position.distance(w[1].position)).fold(0.0, f32::max)
-    }
-
-    #[test]
-    fn outlines_are_on_the_surface() {
-        for half_length in [0.0, 0.15] {
-            let mut points = Vec::new();
-            PEN.collider(&mut points, &Shape::Capsule { half_length, radius: 0.04 }, &pose());
-            assert!(points.len() > 4 * CIRCLE as usize);
-            assert!(off(&points, |p| shape::capsule(p, 0.04, half_length).w) < 1e-6);
-            assert!(off(&points, |p| shape::capsule(p, 0.05, half_length).w) > 5e-3);
-            // No segment connects two lines.
-            assert!(longest(&points) < 2.0 * half_length + 0.01);
-        }
-        let radii = Vec3::new(0.05, 0.08, 0.12);
-        let mut points = Vec::new();
-        PEN.collider(&mut points, &Shape::Ellipsoid { radii }, &pose());
-        assert!(off(&points, |p| shape::ellipsoid(p, radii).w) < 1e-6 && longest(&points) < 0.02);
     }
 
     #[test]

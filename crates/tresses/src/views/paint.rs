@@ -18,7 +18,7 @@ pub struct Paint {
 /// Shader data of [`Paint`], and of the camera.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct PaintUniform {
+pub(crate) struct PaintUniform {
     /// Clip space to world space.
     pub inverse: Mat4,
     /// [`Paint::low`].

@@ -247,7 +247,7 @@ fn layers<'a>(
     }
 }
 
-/// Returns the column of panels at the right of a frame of this size, see [`Slices::panels`].
+/// Returns the column of panels at the right of a frame of this size, see `Slices::panels`.
 pub fn panels([width, height]: [u32; 2]) -> Vec4 {
     let aspect = height as f32 / width.max(1) as f32;
     let gap = (2.0 - 3.0 * PANEL) / 4.0;

@@ -10,7 +10,7 @@ use glam::{Vec3, Vec4};
 
 /// Planes through a grid, and their placement.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Slices {
+pub(crate) struct Slices {
     /// Texture coordinates of the planes across x, y and z.
     pub at: Vec3,
     /// Places the planes as a column of square panels on the frame, instead of in the scene. All values are in clip
@@ -33,7 +33,7 @@ impl Default for Slices {
 /// Shader data of [`Slices`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct SliceUniform {
+pub(crate) struct SliceUniform {
     /// [`Slices::at`].
     pub at: Vec3,
     /// 1 for panels, 0 for planes in the scene.

@@ -12,7 +12,7 @@ use glam::Vec3;
 
 /// Quantity that colors a drawn strand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StrandQuantity {
+pub(crate) enum StrandQuantity {
     /// Guide with the largest weight.
     Lock = 0,
     /// Strand, a color for each.
@@ -28,7 +28,7 @@ pub enum StrandQuantity {
 /// The kernel's uniform.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct StrandsUniform {
+pub(crate) struct StrandsUniform {
     /// Position of the camera, meters.
     pub eye: Vec3,
     /// [`StrandQuantity`].

@@ -12,7 +12,7 @@ use wgpu::util::DeviceExt;
 
 /// Streamlines: start points and length.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Streams<'a> {
+pub(crate) struct Streams<'a> {
     /// Start points in world space, meters.
     pub seeds: &'a [Vec3],
     /// Points of each line, at least 2.
@@ -44,7 +44,7 @@ impl Streams<'_> {
 /// Shader data of [`Streams`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct StreamsUniform {
+pub(crate) struct StreamsUniform {
     /// Number of lines.
     pub seeds: u32,
     /// [`Streams::points`].

@@ -197,7 +197,7 @@ impl DebugView {
     }
 
     /// Whether the frame leaves out hair, which would occlude the view.
-    pub fn hides_hair(self) -> bool {
+    pub(crate) fn hides_hair(self) -> bool {
         use DebugView::*;
         matches!(self, Guides | Speed | Strain | Overdraw | Density | Push | Distance)
     }

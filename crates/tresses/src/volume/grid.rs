@@ -10,7 +10,7 @@ const MEASURE: f32 = 0.03;
 
 /// A cube of cells in groom space, the head's own frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VolumeGrid {
+pub(crate) struct VolumeGrid {
     /// Lowest corner, meters.
     pub origin: Vec3,
     /// Edge of a cell, meters.

@@ -68,7 +68,7 @@ mod gpu_tests;
 #[cfg(test)]
 mod reference;
 
-pub use grid::VolumeGrid;
+pub(crate) use grid::VolumeGrid;
 pub(crate) use others::OtherGroom;
 pub(crate) use params::offset;
 pub use params::{HairHair, HairHairMode};

@@ -118,7 +118,7 @@ impl HairHair {
 /// Uniforms of the volume's kernels in one step.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct VolumeUniforms {
+pub(crate) struct VolumeUniforms {
     /// Rotation of the head at the start of the step, quaternion.
     pub head: [f32; 4],
     /// Translation of the head at the start of the step, meters.
@@ -179,7 +179,7 @@ pub struct VolumeUniforms {
 /// Weights of the blur along one axis, for four cells in a row.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct Blur {
+pub(crate) struct Blur {
     /// Radius of the blur, cells.
     pub radius: i32,
     /// Number of cells read for four, starting `radius` below the first.

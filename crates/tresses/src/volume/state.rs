@@ -60,7 +60,7 @@ impl VolumeOptions {
 pub struct Volume {
     pub(super) pipelines: Arc<Pipelines>,
     /// Position and size of the grid.
-    pub grid: VolumeGrid,
+    pub(crate) grid: VolumeGrid,
     /// The texture behind [`hair`](Self::hair).
     pub hair_texture: wgpu::Texture,
     /// Mean velocity of hair (xyz, m/s, world axes) and its length per volume (w, km/m³), 3-D, rgba16float.

@@ -314,7 +314,7 @@ impl Air {
     }
 
     /// Returns the position of the grid after the most recent step.
-    pub fn now(&self) -> AirPlace {
+    pub(crate) fn now(&self) -> AirPlace {
         self.at()
     }
 

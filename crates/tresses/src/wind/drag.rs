@@ -13,13 +13,13 @@ pub const AIR_DENSITY: f32 = 1.2;
 pub const AIR_VISCOSITY: f32 = 1.5e-5;
 
 /// Returns the drag coefficient of a long cylinder across the flow, for Reynolds numbers up to 1e3.
-pub fn normal_coefficient(reynolds: f32) -> f32 {
+pub(crate) fn normal_coefficient(reynolds: f32) -> f32 {
     let re = reynolds.max(1e-2);
     1.18 + 6.8 * re.powf(-0.89) + 1.96 / re.sqrt()
 }
 
 /// Returns the friction coefficient of a long cylinder along the flow, relative to its whole surface.
-pub fn tangential_coefficient(reynolds: f32) -> f32 {
+pub(crate) fn tangential_coefficient(reynolds: f32) -> f32 {
     0.37 * reynolds.max(1e-2).powf(-0.61)
 }
 

@@ -73,6 +73,7 @@ pub mod gusts;
 pub mod params;
 mod pipelines;
 
-pub use air::{Air, AirPlace, HairGrid};
+pub use air::Air;
+pub use air::HairGrid;
 pub use params::{MAX_CELLS, Wind};
 pub(crate) use pipelines::Pipelines;

@@ -104,7 +104,7 @@ pub const MAX_GUSTS: usize = crate::constants::MAX_GUSTS as usize;
 /// Uniforms of the fluid's kernels in one step. Positions are relative to the grid's corner.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct WindUniforms {
+pub(crate) struct WindUniforms {
     /// Mean wind, m/s.
     pub mean: Vec3,
     /// Cells along an axis.
@@ -155,7 +155,7 @@ pub struct WindUniforms {
 /// Uniforms of half a sweep.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct HalfSweep {
+pub(crate) struct HalfSweep {
     /// Index of the half of the blocks, 0 or 1.
     pub color: u32,
     /// 1 if the pressures of this half are known, 0 if they start from 0.

@@ -55,7 +55,7 @@ const PART: u32 = DEFORM_NODES * DEFORM_NODES * DEFORM_NODES;
 /// Uniforms of a frame; the parts follow in the same buffer.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct DeformHead {
+pub(crate) struct DeformHead {
     /// Number of nodes in all grids.
     pub count: u32,
     /// `Words::first` of the skin's positions.
@@ -75,7 +75,7 @@ pub struct DeformHead {
 /// A deforming field.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct DeformPart {
+pub(crate) struct DeformPart {
     /// Rotation from the field's frame to the current space of the skin's vertices.
     pub rotation: Quat,
     /// Translation of the same transform, meters.
@@ -95,7 +95,7 @@ pub struct DeformPart {
 /// The skin point nearest to a node at rest.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct DeformNode {
+pub(crate) struct DeformNode {
     /// Vertices of the point's triangle.
     pub triangle: [u32; 3],
     /// Barycentric coordinate of the second corner.

@@ -229,7 +229,7 @@ impl Layers {
     }
 
     /// Returns the textures that `present` composites.
-    pub fn presented(&self) -> [&wgpu::TextureView; 3] {
+    pub(crate) fn presented(&self) -> [&wgpu::TextureView; 3] {
         [&self.front, &self.rest, &self.rest_passes]
     }
 }

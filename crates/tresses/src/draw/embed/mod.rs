@@ -49,7 +49,7 @@ use glam::Mat4;
 /// Uniform of the depth and composite passes.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct EmbedUniform {
+pub(crate) struct EmbedUniform {
     /// `(a, b, c, d)`: the scene's depth `z` corresponds to the hair's depth `(a z + b) / (c z + d)`.
     pub depth: [f32; 4],
     /// Samples per pixel of the hair.

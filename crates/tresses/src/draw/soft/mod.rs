@@ -59,7 +59,7 @@ const NORMAL: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// Grid of shading points, as the shaders read it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
-pub struct SoftUniform {
+pub(crate) struct SoftUniform {
     /// Edge of a point's square, pixels of the target.
     pub across: u32,
     /// Points per row.

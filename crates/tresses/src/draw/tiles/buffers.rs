@@ -14,7 +14,7 @@ use wgpu::util::DeviceExt;
 /// Sizes that all kernels read.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-pub struct TileGrid {
+pub(crate) struct TileGrid {
     /// Width and height of the target, pixels.
     pub size: [u32; 2],
     /// Tiles along both axes.
@@ -32,7 +32,7 @@ pub struct TileGrid {
 /// Indirect dispatch sizes and results of a frame, written by the GPU. Sizes are per round: workgroups in x, y and z.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-pub struct TileControl {
+pub(crate) struct TileControl {
     /// For kernels with one thread per segment.
     pub segments: [[u32; 4]; TILE_ROUNDS as usize],
     /// For kernels with one workgroup per busy tile.

@@ -15,7 +15,7 @@ pub(crate) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 /// Uniform of the kernel.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct GeometryUniform {
+pub(crate) struct GeometryUniform {
     /// Maps normalized device coordinates of static points from this frame to the previous one.
     pub before: Mat4,
     /// `(a, b, c, d)`: the hair's depth `z` corresponds to the scene's depth `(a z + b) / (c z + d)`.
@@ -99,7 +99,7 @@ impl Geometry {
     }
 
     /// Whether the last frame requested geometry.
-    pub fn is_asked(&self) -> bool {
+    pub(crate) fn is_asked(&self) -> bool {
         self.last.is_some()
     }
 

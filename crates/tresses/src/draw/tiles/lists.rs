@@ -22,7 +22,7 @@ use wgpu::BindingResource as Resource;
 /// The points of one groom.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
-pub struct PointRange {
+pub(crate) struct PointRange {
     /// Index of the first point.
     pub first: u32,
     /// Number of strands.

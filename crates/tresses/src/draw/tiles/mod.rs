@@ -131,7 +131,7 @@ fn threads(count: u32) -> u32 {
 
 impl Pipelines {
     /// Records the lists of all tiles and finds the visible segments. Bodies must be drawn already.
-    pub fn record_bins(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<()> {
+    pub(crate) fn record_bins(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<()> {
         let tiles = tiles(canvas)?;
         // Tiles without hair are never written.
         canvas.commands.clear_texture("no hair", &tiles.buffers.hair);
@@ -204,7 +204,7 @@ impl Pipelines {
     }
 
     /// Records the shading of the segments that the last [`record_bins`](Self::record_bins) found visible.
-    pub fn record_shade(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<()> {
+    pub(crate) fn record_shade(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<()> {
         let lists = tiles(canvas)?.lists();
         let Some(lists) = lists.as_ref().filter(|_| !hair.is_empty()) else { return Ok(()) };
         let chosen: Vec<_> =
@@ -213,7 +213,7 @@ impl Pipelines {
     }
 
     /// Blends the hair of the last [`record_bins`](Self::record_bins). Its visible segments must be shaded.
-    pub fn record_blend(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<()> {
+    pub(crate) fn record_blend(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<()> {
         let tiles = tiles(canvas)?;
         let lists = tiles.lists();
         let Some(lists) = lists.as_ref().filter(|_| !hair.is_empty()) else { return Ok(()) };

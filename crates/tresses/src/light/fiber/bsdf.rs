@@ -71,7 +71,7 @@ impl FiberShape {
     }
 
     /// Returns sin γ of the refracted ray. `h` is the offset across the fiber, -1..1; `cos_theta` belongs to the eye.
-    pub fn refracted(&self, h: f64, cos_theta: f64) -> f64 {
+    pub(crate) fn refracted(&self, h: f64, cos_theta: f64) -> f64 {
         let eta = f64::from(self.eta);
         let bent = (eta * eta - 1.0 + cos_theta * cos_theta).sqrt() / cos_theta.max(1e-9);
         (h / bent).clamp(-1.0, 1.0)
@@ -86,7 +86,7 @@ impl FiberShape {
     }
 
     /// Returns the Fresnel reflectance for unpolarized light.
-    pub fn fresnel(&self, cosine: f64) -> f64 {
+    pub(crate) fn fresnel(&self, cosine: f64) -> f64 {
         let eta = f64::from(self.eta);
         let inside = (1.0 - (1.0 - cosine * cosine) / (eta * eta)).max(0.0).sqrt();
         let parallel = (eta * cosine - inside) / (eta * cosine + inside);
@@ -95,7 +95,7 @@ impl FiberShape {
     }
 
     /// Returns the attenuation of each lobe. `sigma_a` is the absorption per fiber radius.
-    pub fn attenuations(&self, h: f64, cos_theta: f64, sigma_a: f64) -> [f64; LOBES] {
+    pub(crate) fn attenuations(&self, h: f64, cos_theta: f64, sigma_a: f64) -> [f64; LOBES] {
         let f = self.fresnel(cos_theta * (1.0 - h * h).max(0.0).sqrt());
         let t = (-sigma_a * self.path(h, cos_theta)).exp();
         let through = (1.0 - f) * (1.0 - f) * t;
@@ -154,7 +154,7 @@ fn entry(eye: DVec3) -> f64 {
 }
 
 /// The logistic distribution of scale `s`, trimmed to -π..π.
-pub fn logistic(x: f64, s: f64) -> f64 {
+pub(crate) fn logistic(x: f64, s: f64) -> f64 {
     let x = x - 2.0 * PI * (x / (2.0 * PI)).round();
     let e = (-x.abs() / s).exp();
     let end = (-PI / s).exp();
@@ -210,12 +210,12 @@ pub(crate) fn color_fit(beta_n: f32) -> f32 {
 
 /// Returns the absorption per fiber radius with which a mass of hair of azimuthal roughness `beta_n` has the linear
 /// color `color` (Chiang, equation 9).
-pub fn absorption_of(color: Vec3, beta_n: f32) -> Vec3 {
+pub(crate) fn absorption_of(color: Vec3, beta_n: f32) -> Vec3 {
     let root = color.clamp(Vec3::splat(0.002), Vec3::splat(0.995)).map(f32::ln) / color_fit(beta_n);
     root * root
 }
 
-/// Inverse of [`absorption_of`].
+/// Inverse of `absorption_of`.
 pub fn color_of(absorption: Vec3, beta_n: f32) -> Vec3 {
     (-absorption.max(Vec3::ZERO).map(f32::sqrt) * color_fit(beta_n)).map(f32::exp)
 }

@@ -27,7 +27,7 @@ pub fn hue(sigma_a: f64) -> f64 {
 
 /// Azimuthal part of the first three lobes at one azimuth.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct AzimuthalLobes {
+pub(crate) struct AzimuthalLobes {
     /// Density without absorption.
     pub weight: [f32; 3],
     /// Mean path length inside the fiber of the second and third lobe, radii.
@@ -53,9 +53,9 @@ impl AzimuthalLobes {
 pub struct FarField {
     shape: FiberShape,
     /// Moments for light from one direction, indexed `cosine * AZIMUTHS + azimuth`.
-    pub direct: Vec<AzimuthalLobes>,
+    pub(crate) direct: Vec<AzimuthalLobes>,
     /// Moments for light from the half circle around that direction.
-    pub wide: Vec<AzimuthalLobes>,
+    pub(crate) wide: Vec<AzimuthalLobes>,
     /// Share of the last lobe, indexed `hue * COSINES + cosine`.
     pub rest: Vec<f32>,
 }
@@ -143,7 +143,7 @@ impl FarField {
     }
 
     /// Interpolates the moments between the steps, as a GPU sampler does.
-    pub fn around(table: &[AzimuthalLobes], phi: f64, cos_theta: f64) -> AzimuthalLobes {
+    pub(crate) fn around(table: &[AzimuthalLobes], phi: f64, cos_theta: f64) -> AzimuthalLobes {
         let grid = |v: f64, n: u32| {
             let at = v.clamp(0.0, 1.0) * f64::from(n - 1);
             let low = (at as u32).min(n - 2);

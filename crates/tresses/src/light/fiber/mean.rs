@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 /// Averages for light that arrives from a half circle of azimuths.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct MeanScattering {
+pub(crate) struct MeanScattering {
     /// Fraction scattered forward, into the opposite half circle.
     pub forward: f32,
     /// Fraction scattered backward.
@@ -68,7 +68,7 @@ impl MeanScattering {
 }
 
 /// Returns a table of [`MeanScattering`]s, indexed `hue * COSINES + cosine`.
-pub fn table(far: &FarField, density: f32) -> Vec<MeanScattering> {
+pub(crate) fn table(far: &FarField, density: f32) -> Vec<MeanScattering> {
     let (variances, turns) = (far.shape().variances(), far.shape().turns());
     let mut table = Vec::with_capacity((HUES * COSINES) as usize);
     for u in 0..HUES {
@@ -98,7 +98,7 @@ pub fn table(far: &FarField, density: f32) -> Vec<MeanScattering> {
 
 /// Returns the forward fraction for each hue of a [`table`], averaged over light from all directions. Light across the
 /// fiber counts most, because it meets the largest cross-section.
-pub fn forward(table: &[MeanScattering]) -> Vec<f32> {
+pub(crate) fn forward(table: &[MeanScattering]) -> Vec<f32> {
     let hue = |means: &[MeanScattering]| {
         // On a sphere, the inclination θ covers cos θ dθ, and a fiber's projected width is proportional to cos θ.
         let angle = |c: usize| cosine(c.min(means.len() - 1) as u32).acos();

@@ -53,4 +53,4 @@ pub mod tables;
 
 pub use bsdf::FiberShape;
 pub use far::FarField;
-pub use tables::FiberTables;
+pub(crate) use tables::FiberTables;

@@ -20,7 +20,7 @@ type Key = (FiberShape, f32);
 /// Two textures and their bind group. The tables are computed on the CPU in tens of milliseconds, on first use and
 /// again when the shape of the fiber changes.
 #[derive(Debug)]
-pub struct FiberTables {
+pub(crate) struct FiberTables {
     context: Context,
     around: wgpu::Texture,
     mean: wgpu::Texture,

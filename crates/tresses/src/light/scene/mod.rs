@@ -77,7 +77,7 @@ fn is_flat(projection: &Mat4) -> bool {
 /// Shader data of a [`SceneShadow`] and of the map that it is imported into.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct SceneUniform {
+pub(crate) struct SceneUniform {
     /// Clip space of the view's map to clip space of the scene's map.
     pub to_scene: Mat4,
     /// Origin of the scene's map in its texture, texels.

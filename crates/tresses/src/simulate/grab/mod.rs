@@ -85,7 +85,7 @@ pub enum Target {
 /// Uniforms of a grab in one step.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GrabUniform {
+pub(crate) struct GrabUniform {
     /// Origin of the ray of the grab, meters.
     pub origin: Vec3,
     /// Radius around the hit point within which guide vertices are held, meters.

@@ -67,7 +67,7 @@ impl Default for Shade {
 /// Uniform of the pass.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct ShadeUniform {
+pub(crate) struct ShadeUniform {
     /// From the scene's clip space, with its own depth, to view space.
     pub to_eye: Mat4,
     /// From view space to the world.
