@@ -23,7 +23,7 @@ pub struct GuideBuffers {
     /// ([`crate::Hair::place`]). Then a word by [`pack_lag`](super::guide::pack_lag): the difference between the
     /// previous position and the one that position and velocity predict.
     pub current: wgpu::Buffer,
-    /// Velocity after the last step, m/s, by [`pack_velocity`](super::guide::pack_velocity). If hair [can
+    /// Velocity after the last step, m/s, by [`pack_velocity`](super::guide::pack_velocity). If hair can
     /// twist, the twist of each bend (radians) after and before the last step follows the velocities
     /// of all vertices.
     pub velocity: wgpu::Buffer,
