@@ -96,8 +96,8 @@ impl Hair {
     /// Creates hair at rest, with the head at the origin. Its material, level of detail and options are its own.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] when the adapter cannot hold it, [`crate::Error::Parameter`] for invalid options, and the errors of
-    /// [`ColliderSet::replace`].
+    /// [`crate::Error::Limit`] when the adapter cannot hold it, [`crate::Error::Parameter`] for invalid options, and the
+    /// errors of [`ColliderSet::replace`].
     pub fn new(asset: &Arc<HairAsset>) -> Result<Self> {
         Self::on(asset, &asset.colliders, None)
     }

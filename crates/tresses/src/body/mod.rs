@@ -234,7 +234,7 @@ impl Body {
     }
 
     /// Sets the bounding box of the vertices, in the body's own space, meters.
-    pub(crate) fn set_bounds(&mut self, corners: [Vec3; 2]) {
+    pub fn set_bounds(&mut self, corners: [Vec3; 2]) {
         self.bounds = corners;
     }
 

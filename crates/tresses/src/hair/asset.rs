@@ -88,7 +88,7 @@ impl HairAsset {
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub(crate) async fn with_progress(
+    pub async fn with_progress(
         context: &Context,
         groom: Groom,
         what: &HairDescriptor<'_>,
