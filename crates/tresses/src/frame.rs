@@ -13,7 +13,7 @@
 use crate::{
     Context, Error, Hair, Result,
     body::Body,
-    draw::{Compositor, Surroundings, record::Canvas},
+    draw::{Compositor, Surroundings, canvas::Canvas},
     gpu::{Commands, Timings},
     hair::HairFrame,
     light::{self, HairSet, HairShading, HairView, Part, SceneShadow},
@@ -278,7 +278,7 @@ impl Recorder<'_> {
         }
         let canvas = &mut Canvas {
             commands: &mut self.commands,
-            targets: view.targets(),
+            target: &view.targets().hdr,
             frame: &view.light.frame,
             eye: view.eye(),
             light: &view.light,
@@ -366,20 +366,20 @@ fn paint<'a, 'c>(
     [strands, cards]: [&[HairView<'_>]; 2],
     shade: impl FnOnce(&mut Canvas<'a, 'c>) -> Result<()>,
 ) -> Result<()> {
-    let draw = &view.draw;
+    let (draw, targets) = (&view.draw, view.targets());
     let body_first = canvas.renderer.draws_bodies_first();
     if body_first {
-        draw.record_bodies(canvas, bodies)?;
+        draw.record_bodies(targets, canvas, bodies)?;
         canvas.commands.lap(Stage::Body);
         draw.cards.record(canvas, cards)?;
     }
-    draw.record_seen(canvas, strands)?;
+    draw.record_seen(targets, canvas, strands)?;
     shade(canvas)?;
     canvas.commands.lap(Stage::Shade);
-    draw.record_hair(canvas, strands, true)?;
+    draw.record_hair(targets, canvas, strands, true)?;
     canvas.commands.lap(Stage::Hair);
     if !body_first {
-        draw.record_bodies(canvas, bodies)?;
+        draw.record_bodies(targets, canvas, bodies)?;
         canvas.commands.lap(Stage::Body);
         draw.cards.record(canvas, cards)?;
     }
@@ -396,20 +396,20 @@ fn composite(
     canvas.geometry = Compositor::asked(canvas.renderer, canvas.camera.projection, into)?;
     embed.record_depth(canvas, canvas.camera.projection, into);
     view.draw.cards.record(canvas, cards)?;
-    view.draw.record_seen(canvas, strands)?;
+    view.draw.record_seen(view.targets(), canvas, strands)?;
     shade(canvas, view, strands)?;
     canvas.commands.lap(Stage::Shade);
-    view.draw.record_hair(canvas, strands, false)?;
+    view.draw.record_hair(view.targets(), canvas, strands, false)?;
     canvas.commands.lap(Stage::Hair);
     embed.record_shade(canvas, into)?;
-    embed.record(canvas, into, !cards.is_empty());
+    embed.record(view.targets().tiles().ok(), canvas, into, !cards.is_empty());
     canvas.commands.lap(Stage::Embed);
     Ok(())
 }
 
 /// Shades the visible segments of `hair` if they are known, otherwise all segments.
 fn shade(canvas: &mut Canvas<'_, '_>, view: &View, hair: &[HairView<'_>]) -> Result<()> {
-    if view.draw.shade_seen(canvas, hair)? {
+    if view.draw.shade_seen(view.targets(), canvas, hair)? {
         return Ok(());
     }
     view.light.shade(canvas.commands, hair, canvas.renderer.rate())

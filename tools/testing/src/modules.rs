@@ -47,28 +47,14 @@ impl Modules {
         modules
     }
 
-    /// Returns the cycles in the folders that `of` selects: the arrows between modules that reach each other.
-    fn circles(&self, of: impl Fn(&[String]) -> bool) -> Vec<Vec<Arrow>> {
+    /// Returns the cycles between the modules of each folder as text: the arrows between modules that reach each other.
+    /// Empty if there are none.
+    pub fn report(&self) -> String {
+        let line = |arrow: &Arrow| format!("  {} -> {}   ({})\n", arrow.from, arrow.to, arrow.because);
+        let text = |arrows: Vec<Arrow>| format!("circle:\n{}", arrows.iter().map(line).collect::<String>());
         let folders: BTreeSet<&[String]> =
             self.files.keys().map(|module| &module[..module.len().saturating_sub(1)]).collect();
-        folders
-            .into_iter()
-            .filter(|folder| of(folder))
-            .filter_map(|folder| circle(self.arrows(folder)))
-            .collect()
-    }
-
-    /// Returns the cycles in all folders as text; empty if there are none.
-    pub fn report(&self) -> String {
-        self.report_of(|_| true)
-    }
-
-    /// Returns the cycles in the folders that `of` selects, as text. The crate's own folder is the empty path.
-    pub fn report_of(&self, of: impl Fn(&[String]) -> bool) -> String {
-        let line = |arrow: &Arrow| format!("  {} -> {}   ({})\n", arrow.from, arrow.to, arrow.because);
-        let circle =
-            |arrows: &Vec<Arrow>| format!("circle:\n{}", arrows.iter().map(line).collect::<String>());
-        self.circles(of).iter().map(circle).collect()
+        folders.into_iter().filter_map(|folder| circle(self.arrows(folder))).map(text).collect()
     }
 
     /// Returns the arrows between the modules directly in `folder`.

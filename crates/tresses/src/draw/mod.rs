@@ -14,12 +14,13 @@
 //! **Cards** are textured strips between strands ([`HairDescriptor::cards`](crate::HairDescriptor::cards)). They are drawn after the
 //! bodies by every renderer.
 
+pub(crate) mod canvas;
 pub(crate) mod cards;
 pub mod classic;
 pub mod embed;
 pub(crate) mod masks;
 mod pipelines;
-pub(crate) mod record;
+mod record;
 pub mod soft;
 mod strips;
 pub mod targets;

@@ -1,6 +1,6 @@
 //! Pipelines of the draw stage, each compiled at first use.
 
-use super::{cards, classic, masks, soft, targets::HDR_FORMAT, tiles};
+use super::{canvas::HDR_FORMAT, cards, classic, masks, soft, tiles};
 use crate::{
     Context, Result,
     body::{self, Body, BodyTextures},

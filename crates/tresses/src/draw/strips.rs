@@ -1,10 +1,10 @@
 //! Hair as camera-facing strips, drawn by the hardware rasterizer: two vertices per strand vertex, generated in the
 //! vertex shader from the shared strand buffer. `masks` and [`super::classic`] draw them.
 
-use super::record::{Canvas, pass};
+use super::canvas::{Canvas, pass};
 use crate::{
     Context, Result,
-    draw::targets::HDR_FORMAT,
+    draw::canvas::HDR_FORMAT,
     gpu::{Device, pipeline::Recipe},
     light::{self, HairView},
     stage::Stage,

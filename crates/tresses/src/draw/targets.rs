@@ -1,6 +1,7 @@
 //! Render targets of a view.
 
 use super::{
+    canvas::HdrTarget,
     classic::Layers,
     soft::SoftTargets,
     tiles::{Label, Tiles},
@@ -8,13 +9,7 @@ use super::{
 use crate::{Context, Error, Result, gpu::readback, renderer::Renderer};
 use std::sync::OnceLock;
 
-/// Label, format and usage of a texture of the HDR target's size.
-pub(crate) type TextureKind = (&'static str, wgpu::TextureFormat, wgpu::TextureUsages);
-
-/// Format of the linear HDR target.
-pub const HDR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
-/// Format of its depth buffer.
-pub use crate::gpu::pipeline::DEPTH_FORMAT;
+pub use super::canvas::{DEPTH_FORMAT, HDR_FORMAT};
 /// Format of the finished image of [`Targets`].
 pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
@@ -28,9 +23,7 @@ pub struct Targets {
     pub samples: u32,
     /// Pixels of the HDR target per pixel of the image, along each axis.
     pub ssaa: u32,
-    pub(crate) hdr: wgpu::TextureView,
-    pub(crate) depth: wgpu::TextureView,
-    pub(crate) depth_texture: wgpu::Texture,
+    pub(crate) hdr: HdrTarget,
     /// Present for depth peeling.
     pub(crate) layers: Option<Layers>,
     /// Present for tiles.
@@ -84,9 +77,15 @@ impl Targets {
             size: [width, height],
             samples,
             ssaa,
-            hdr: view(&hdr),
-            depth: view(&depth),
-            depth_texture: depth,
+            hdr: HdrTarget {
+                device: device.clone(),
+                size: [width, height],
+                samples,
+                ssaa,
+                color: view(&hdr),
+                depth: view(&depth),
+                depth_texture: depth,
+            },
             layers: None,
             tiles: None,
             soft: OnceLock::new(),
@@ -102,41 +101,36 @@ impl Targets {
         })
     }
 
-    /// Returns a function that creates textures of the HDR target's size with one sample per pixel.
-    pub(crate) fn texture(&self) -> impl Fn(TextureKind) -> wgpu::Texture {
-        let size = self.depth_texture.size();
-        move |(label, format, usage)| {
-            self.context.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size,
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
-                view_formats: &[],
-            })
-        }
-    }
-
     /// Adds the textures of depth peeling.
     fn with_layers(mut self) -> Self {
-        let size = self.depth_texture.size();
-        self.layers = Some(Layers::new(&self.context.device, self.texture()));
+        let size = self.hdr.depth_texture.size();
+        self.layers = Some(Layers::new(&self.context.device, self.hdr.texture()));
         self.bytes += u64::from(size.width) * u64::from(size.height) * Layers::BYTES;
         self
     }
 
     /// Adds the buffers and textures of tiles.
     fn with_tiles(mut self) -> Result<Self> {
-        let size = self.depth_texture.size();
-        self.tiles = Some(Tiles::new(&self.context.device, [size.width, size.height], self.texture())?);
+        let size = self.hdr.depth_texture.size();
+        self.tiles = Some(Tiles::new(&self.context.device, [size.width, size.height], self.hdr.texture())?);
         Ok(self)
+    }
+
+    /// Returns the state of tiles.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for the targets of another renderer.
+    pub(crate) fn tiles(&self) -> Result<&Tiles> {
+        self.tiles.as_ref().ok_or_else(|| Error::Parameter {
+            name: "targets",
+            value: "without tiles".into(),
+            range: "made for tiles",
+        })
     }
 
     /// Returns the shading points of bodies, created at first use.
     pub(crate) fn soft(&self) -> &SoftTargets {
-        let size = self.depth_texture.size();
+        let size = self.hdr.depth_texture.size();
         self.soft.get_or_init(|| SoftTargets::new(&self.context.device, [size.width, size.height]))
     }
 
@@ -189,7 +183,7 @@ impl Targets {
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        let size = self.depth_texture.size();
+        let size = self.hdr.depth_texture.size();
         let soft = self.soft.get().map_or(0, |_| SoftTargets::BYTES);
         let tiles = self.tiles.as_ref().map_or(0, Tiles::bytes);
         self.bytes + tiles + soft * u64::from(size.width) * u64::from(size.height)

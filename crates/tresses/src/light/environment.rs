@@ -1,7 +1,7 @@
 //! Image-based lighting from an environment map. Spherical harmonics hold the smooth part; bright regions become
 //! directional lights, which cast shadows.
 
-use super::{Directional, lights::MAX_LIGHTS};
+use super::directional::{Directional, MAX_LIGHTS};
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::{PI, TAU};
 

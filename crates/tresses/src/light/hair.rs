@@ -5,6 +5,7 @@ use super::{
     cards::CardBuffers,
     fiber::FiberTables,
     material::{HairMaterial, HairUniform},
+    shadow::HairCaster,
 };
 use crate::{
     Context, Error, Result,
@@ -345,6 +346,11 @@ pub(crate) struct HairView<'a> {
 }
 
 impl HairView<'_> {
+    /// Returns the hair as the shadow maps read it.
+    pub(super) fn caster(&self) -> HairCaster<'_> {
+        HairCaster { group: &self.shaded.splat, drawn: self.hair.drawn, splat: self.hair.splat }
+    }
+
     /// Records all cards. The caller has set the pipeline and bound the group of the frame.
     pub(crate) fn record_cards(&self, pass: &mut crate::gpu::RenderPass<'_>) {
         let Some(cards) = self.hair.cards() else { return };

@@ -1,6 +1,11 @@
 //! Kernels and pipelines of the light stage, and the bind group layouts that draw stages share with it.
 
-use super::{ambient, fiber::FiberTables, scene};
+use super::{
+    ambient,
+    fiber::FiberTables,
+    frame::{FRAME, HAIR},
+    scene,
+};
 use crate::{
     Context, Result,
     body::{self, Body},
@@ -11,22 +16,6 @@ use crate::{
         pipeline::{PipelineCache, Recipe},
     },
 };
-
-/// Layout of `@group(0)` for everything that is drawn in light: camera, lights, depth maps of meshes, their comparison
-/// sampler, hair maps, blocks of the hair maps, ambient light, its sampler.
-pub(crate) const FRAME: [Binding; 8] = [
-    Binding::Uniform,
-    Binding::Uniform,
-    Binding::DepthArray,
-    Binding::Comparison,
-    Binding::Storage,
-    Binding::Storage,
-    Binding::Texture3d,
-    Binding::Sampler,
-];
-
-/// Layout of a groom's `@group(1)`: uniform, vertices, strands and shaded colors.
-const HAIR: [Binding; 4] = [Binding::Uniform, Binding::Storage, Binding::Storage, Binding::Storage];
 
 /// Returns the layout of the shading kernels, as in `light::knot`.
 pub(super) fn shade_bindings() -> Vec<Binding> {

@@ -8,8 +8,8 @@
 use glam::Mat4;
 
 use super::{
-    FrameLight, HairView, ImportedShadows, Pipelines,
-    lights::{LightsUniform, MAX_LIGHTS, SHADOW_MAPS},
+    FrameLight, ImportedShadows, MAX_LIGHTS, Pipelines,
+    lights::{LightsUniform, SHADOW_MAPS},
     shadows::DEEP_FINEST,
 };
 use crate::{
@@ -32,6 +32,16 @@ const DEEP_WORDS: u32 = DEEP_LAYERS + 2;
 pub(super) const STRAY: f32 = 0.3;
 /// Distance between the matrices of two layers, bytes: the largest offset alignment that WebGPU may require.
 const STEP: u64 = 256;
+
+/// Hair that casts shadows.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HairCaster<'a> {
+    /// Group of the kernels over its strands.
+    pub group: &'a wgpu::BindGroup,
+    pub drawn: DrawCount,
+    /// Stride and number of the segments in the maps.
+    pub splat: [u32; 2],
+}
 
 /// A depth map and a hair map for each light.
 #[derive(Debug)]
@@ -169,7 +179,7 @@ impl ShadowMaps {
         pipelines: &Pipelines,
         commands: &mut Commands<'_>,
         lit: &FrameLight,
-        hair: &[HairView<'_>],
+        hair: &[HairCaster<'_>],
         (bodies, scene): (&[&Body], &ImportedShadows),
     ) -> Result<()> {
         let FrameLight { casts, method, maps, across, stray, strands, .. } = *lit;
@@ -200,12 +210,12 @@ impl ShadowMaps {
             commands.clear(&self.blocks, Some(4 * strand_words(strands, self.strand_map)));
         }
         let mut pass = commands.compute("shadow");
-        let mut run = |kernel: &Kernel, of: &HairView<'_>, threads: u64| {
+        let mut run = |kernel: &Kernel, of: &HairCaster<'_>, threads: u64| {
             let workgroups = threads.div_ceil(u64::from(STRAND_WORKGROUP)) as u32;
-            kernel.record(&mut pass, &of.shaded.splat, &[], workgroups);
+            kernel.record(&mut pass, of.group, &[], workgroups);
         };
         for seen in hair {
-            run(&pipelines.splat, seen, u64::from(seen.hair.drawn.count) * u64::from(seen.hair.splat[1]));
+            run(&pipelines.splat, seen, u64::from(seen.drawn.count) * u64::from(seen.splat[1]));
         }
         // Kernels over texels do the same with the bindings of any groom.
         match method {
@@ -214,15 +224,15 @@ impl ShadowMaps {
                 let [front, cover, stack] = &pipelines.deep;
                 run(front, first, texels);
                 for seen in hair {
-                    let DrawCount { count, vertex_count, .. } = seen.hair.drawn;
+                    let DrawCount { count, vertex_count, .. } = seen.drawn;
                     let strands = count.div_ceil(count.div_ceil(COVER_STRANDS).max(1));
-                    let stride = seen.hair.splat[0].min(COVER_STRIDE);
+                    let stride = seen.splat[0].min(COVER_STRIDE);
                     let steps = vertex_count.saturating_sub(1).div_ceil(stride);
                     run(cover, seen, u64::from(strands) * u64::from(steps));
                 }
                 run(stack, first, texels);
                 for seen in hair.iter().filter(|_| strands > 0) {
-                    let DrawCount { count, vertex_count, .. } = seen.hair.drawn;
+                    let DrawCount { count, vertex_count, .. } = seen.drawn;
                     let segments = u64::from(vertex_count.saturating_sub(1));
                     run(&pipelines.strand_map, seen, u64::from(count) * segments);
                 }

@@ -159,15 +159,15 @@ impl PresentState {
                 usage: wgpu::BufferUsages::STORAGE,
             })
         });
-        let mut resources = vec![uniform.as_entire_binding(), TextureView(&targets.hdr)];
+        let mut resources = vec![uniform.as_entire_binding(), TextureView(&targets.hdr.color)];
         resources.extend(footprint.iter().map(|footprint| footprint.as_entire_binding()));
         if let Some(layers) = &targets.layers {
             resources.extend(layers.presented().map(TextureView));
-            resources.push(TextureView(&targets.depth));
+            resources.push(TextureView(&targets.hdr.depth));
         }
         if let Some(tiles) = &targets.tiles {
             if targets.samples > 1 {
-                resources.push(TextureView(&targets.depth));
+                resources.push(TextureView(&targets.hdr.depth));
             }
             resources.push(TextureView(&tiles.buffers.hair));
             if targets.samples > 1 {

@@ -7,10 +7,7 @@ use tresses::{
     body::Body,
     glam::{Quat, Vec3},
     groom::TriMesh,
-    light::{
-        Directional, HairSet, Lights, MAX_LIGHTS, Sky, Sphere,
-        ambient::{AmbientProbe, IncidentLight},
-    },
+    light::{AmbientProbe, Directional, HairSet, IncidentLight, Lights, MAX_LIGHTS, Sky, Sphere},
     math::hash::pcg,
     renderer::Renderer,
     strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},

@@ -17,7 +17,7 @@ use tresses::{
         rig::{Bind, Joint, Node, Rig, RigPose},
     },
     hair::HairFrame,
-    light::{CubeMap, CubeProbe, HairSet, ShadowProbe, ambient::AmbientProbe},
+    light::{AmbientProbe, CubeMap, CubeProbe, HairSet, ShadowProbe},
     lod::Detail,
     renderer::Renderer,
     simulate::{GuideTraits, SimulationParams},

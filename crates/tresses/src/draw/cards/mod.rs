@@ -9,10 +9,7 @@
 //!
 //! The core hides the cards behind it, so errors of the order of blending show only in the fringe.
 
-use super::{
-    record::{Canvas, pass},
-    targets::HDR_FORMAT,
-};
+use super::canvas::{Canvas, HDR_FORMAT, pass};
 use crate::{
     Context, Result,
     gpu::{
@@ -77,7 +74,7 @@ impl Pipelines {
         canvas.light.shade(canvas.commands, cards, ShadingRate::PerVertex)?;
         canvas.commands.lap(Stage::Shade);
         for name in PASSES {
-            let pipeline = self.get(name, canvas.targets.samples)?;
+            let pipeline = self.get(name, canvas.target.samples)?;
             let mut pass = pass(canvas, "cards", false);
             pass.set_pipeline(&pipeline);
             cards.iter().for_each(|seen| seen.record_cards(&mut pass));

@@ -34,7 +34,7 @@ mod peel;
 pub(crate) use peel::Layers;
 
 use super::{
-    record::Canvas,
+    canvas::Canvas,
     strips::{self, StripLayouts, StripPass},
 };
 use crate::{
@@ -110,6 +110,7 @@ impl Pipelines {
     pub fn record(
         &self,
         options: ClassicOptions,
+        layers: Option<&Layers>,
         canvas: &mut Canvas<'_, '_>,
         hair: &[HairView<'_>],
         clear: bool,
@@ -121,7 +122,9 @@ impl Pipelines {
                 strips::record(&color, canvas, hair, false);
                 Ok(())
             }
-            ClassicCoverage::DepthPeeling { .. } => Peel::new(self, options.rate)?.record(canvas, hair),
+            ClassicCoverage::DepthPeeling { .. } => {
+                Peel::new(self, options.rate)?.record(layers, canvas, hair)
+            }
         }
     }
 }

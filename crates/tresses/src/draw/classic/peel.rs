@@ -3,7 +3,7 @@
 use super::{Canvas, Pipelines, vertex};
 use crate::{
     Result,
-    draw::targets::{HDR_FORMAT, TextureKind},
+    draw::canvas::{HDR_FORMAT, TextureKind},
     gpu::{
         Binding, Device,
         bindings::layout,
@@ -100,9 +100,14 @@ impl Peel {
     }
 
     /// Records the hair. The body is already in the targets.
-    pub(super) fn record(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<()> {
-        let (targets, frame) = (canvas.targets, canvas.frame);
-        let layers = targets.layers.as_ref().ok_or_else(|| crate::Error::Parameter {
+    pub(super) fn record(
+        &self,
+        layers: Option<&Layers>,
+        canvas: &mut Canvas<'_, '_>,
+        hair: &[HairView<'_>],
+    ) -> Result<()> {
+        let (target, frame) = (canvas.target, canvas.frame);
+        let layers = layers.ok_or_else(|| crate::Error::Parameter {
             name: "targets",
             value: "without layers".into(),
             range: "made for depth peeling",
@@ -122,7 +127,7 @@ impl Peel {
         for i in 0..count {
             let now = &layers.depths[i % 2];
             // Starting from the body's depth keeps hair behind the body from taking up a layer.
-            canvas.commands.copy_texture(&targets.depth_texture, now);
+            canvas.commands.copy_texture(&target.depth_texture, now);
             let kept = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
             let depth = Some((&layers.depth_views[i % 2], Some(kept)));
             let mut pass = canvas.begin("hair", &[(&layers.layer, clear)], depth);
@@ -142,7 +147,7 @@ impl Peel {
         let last = (count + 1) % 2;
         // Optical thickness of the hair behind the last layer.
         let colors = layers.thickness.each_ref().map(|texture| (texture, clear));
-        let mut pass = canvas.begin("thickness", &colors, Some((&targets.depth, None)));
+        let mut pass = canvas.begin("thickness", &colors, Some((&target.depth, None)));
         pass.set_pipeline(&self.thickness);
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(3, &layers.behind[last], &[]);
@@ -150,7 +155,7 @@ impl Peel {
         drop(pass);
         canvas.commands.lap(Stage::Thickness);
         let colors = [(&layers.rest, clear), (&layers.rest_passes, white)];
-        let mut pass = canvas.begin("hair", &colors, Some((&targets.depth, None)));
+        let mut pass = canvas.begin("hair", &colors, Some((&target.depth, None)));
         pass.set_pipeline(&self.rest);
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(3, &layers.rest_behind[last], &[]);

@@ -27,10 +27,8 @@ pub mod shade;
 pub use shade::Shade;
 
 use super::{
-    Targets,
-    record::{Canvas, pass},
-    targets::HDR_FORMAT,
-    tiles::geometry,
+    canvas::{Canvas, HDR_FORMAT, HdrTarget, pass},
+    tiles::{Tiles, geometry},
 };
 use crate::light::SceneShadow;
 use crate::{
@@ -65,8 +63,8 @@ pub(crate) struct EmbedUniform {
 }
 
 impl EmbedUniform {
-    fn new(into: &Surroundings<'_>, to: Mat4, targets: &Targets) -> Self {
-        let Targets { samples, ssaa, size, .. } = *targets;
+    fn new(into: &Surroundings<'_>, to: Mat4, target: &HdrTarget) -> Self {
+        let HdrTarget { samples, ssaa, size, .. } = *target;
         let depth = Self::map(into.projection, to);
         Self { depth, samples, ssaa, origin: into.origin, size, _pad: [0; 2] }
     }
@@ -134,7 +132,7 @@ impl<'a> Surroundings<'a> {
 
     /// Begins a pass over the image's part of the scene's color.
     fn pass<'p>(&self, canvas: &'p mut Canvas<'_, '_>) -> crate::gpu::RenderPass<'p> {
-        let size = canvas.targets.size;
+        let size = canvas.target.size;
         let color = colored(self.color, wgpu::LoadOp::Load);
         let mut pass = canvas.commands.render("embed", &[color], None);
         let [origin, size] = [self.origin, size].map(|pixels| pixels.map(|n| n as f32));
@@ -309,7 +307,7 @@ impl Compositor {
 
     /// Converts the scene's depth to the projection `to` and writes it into the targets, before the hair.
     pub(crate) fn record_depth(&self, canvas: &mut Canvas<'_, '_>, to: Mat4, into: &Surroundings<'_>) {
-        let values = EmbedUniform::new(into, to, canvas.targets);
+        let values = EmbedUniform::new(into, to, canvas.target);
         canvas.commands.context().queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
         let (pipeline, layout) = &self.depths[usize::from(has_samples(into.depth))];
         let group = self.bind(&canvas.commands.context().device, layout, into.depth);
@@ -325,14 +323,19 @@ impl Compositor {
     }
 
     /// Blends the hair in the targets over the scene's color, among it cards if there are any.
-    pub(crate) fn record(&self, canvas: &mut Canvas<'_, '_>, into: &Surroundings<'_>, has_cards: bool) {
-        let tiles = canvas.targets.tiles.as_ref();
+    pub(crate) fn record(
+        &self,
+        tiles: Option<&Tiles>,
+        canvas: &mut Canvas<'_, '_>,
+        into: &Surroundings<'_>,
+        has_cards: bool,
+    ) {
         let cards = tiles.filter(|_| has_cards).map(|_| {
             let own = self.cards.as_ref().map(|(pipeline, layout)| (pipeline, layout));
             let (pipeline, layout) = own.unwrap_or((&self.composite, &self.composite_layout));
-            (pipeline, self.bind(&canvas.commands.context().device, layout, &canvas.targets.hdr))
+            (pipeline, self.bind(&canvas.commands.context().device, layout, &canvas.target.color))
         });
-        let hair = tiles.map_or(&canvas.targets.hdr, |tiles| &tiles.buffers.hair);
+        let hair = tiles.map_or(&canvas.target.color, |tiles| &tiles.buffers.hair);
         let known = tiles.filter(|_| has_samples(into.depth)).and_then(|tiles| tiles.geometry());
         let (pipeline, group) = match (&self.edges, known) {
             (Some((pipeline, layout)), Some(known)) => {
@@ -352,13 +355,18 @@ impl Compositor {
         }
         drop(pass);
         if let Some(target) = into.geometry {
-            self.record_geometry(canvas, target);
+            self.record_geometry(tiles, canvas, target);
         }
     }
 
     /// Records the geometry output.
-    fn record_geometry(&self, canvas: &mut Canvas<'_, '_>, target: &wgpu::TextureView) {
-        let known = canvas.targets.tiles.as_ref().and_then(|tiles| tiles.geometry());
+    fn record_geometry(
+        &self,
+        tiles: Option<&Tiles>,
+        canvas: &mut Canvas<'_, '_>,
+        target: &wgpu::TextureView,
+    ) {
+        let known = tiles.and_then(|tiles| tiles.geometry());
         let group =
             known.map(|known| self.bind(&canvas.commands.context().device, &self.geometry_layout, &known));
         let mut pass = canvas.commands.render("embed", &[cleared(target)], None);

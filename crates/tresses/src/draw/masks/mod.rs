@@ -7,7 +7,7 @@
 //! does not shimmer. With a single sample per pixel the fraction is the probability that the strand is drawn there.
 
 use super::{
-    record::Canvas,
+    canvas::Canvas,
     strips::{self, StripLayouts, StripPass},
 };
 use crate::{
@@ -47,7 +47,7 @@ impl Pipelines {
 
     /// Records the strips of `hair`. `clear` clears the targets.
     pub fn record(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>], clear: bool) -> Result<()> {
-        strips::record(&self.get(canvas.targets.samples)?, canvas, hair, clear);
+        strips::record(&self.get(canvas.target.samples)?, canvas, hair, clear);
         Ok(())
     }
 }

@@ -21,7 +21,7 @@
 //! after simplification; evaluating light in the fragment shader where no point is near, because lavapipe then
 //! evaluates it for all pixels.
 
-use super::record::{Canvas, canvas_parts};
+use super::canvas::{Canvas, record_parts};
 use crate::{
     Camera, Context, Result,
     body::{self, Body},
@@ -225,7 +225,7 @@ impl SoftTargets {
         canvas: &mut Canvas<'_, '_>,
         bodies: &[&Body],
     ) -> Result<()> {
-        let across = Self::across(canvas.camera, canvas.targets.ssaa, canvas.focus);
+        let across = Self::across(canvas.camera, canvas.target.ssaa, canvas.focus);
         let [wide, high] = self.size.map(|side| side.div_ceil(across));
         let uniform = SoftUniform { across, wide, high, zone: 0, first: [0; 2], size: [wide, high] };
         canvas.commands.context().queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
@@ -244,7 +244,7 @@ impl SoftTargets {
         pass.set_viewport([0.0; 2], [width, height]);
         pass.set_pipeline(&surface);
         pass.set_bind_group(0, canvas.frame, &[]);
-        canvas_parts(&mut pass, canvas.parts, |pass, i| bodies[i].record(pass, strays[i]));
+        record_parts(&mut pass, canvas.parts, |pass, i| bodies[i].record(pass, strays[i]));
         drop(pass);
         self.groups().iter_mut().for_each(|groups| groups.is_used = false);
         if canvas.parts.iter().any(|part| part.number > 0) {

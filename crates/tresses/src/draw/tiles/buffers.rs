@@ -4,7 +4,7 @@ use super::texels::Texels;
 use crate::{
     Result,
     constants::{TILE, TILE_BINS, TILE_BLOCK, TILE_ROUNDS},
-    draw::targets::{HDR_FORMAT, TextureKind},
+    draw::canvas::{HDR_FORMAT, TextureKind},
     gpu::bindings::uniform,
     strands::buffers::storage,
 };

@@ -2,7 +2,7 @@
 
 use super::texels::Texels;
 use crate::{
-    draw::record::Canvas,
+    draw::canvas::Canvas,
     gpu::{Kernel, bindings::uniform, commands::bytes},
     space::Space,
 };
@@ -61,7 +61,7 @@ impl Geometry {
         let device = &canvas.commands.context().device;
         use wgpu::TextureUsages as Usages;
         let usage = Usages::TEXTURE_BINDING | Usages::STORAGE_BINDING | Usages::COPY_SRC;
-        let texture = canvas.targets.texture()(("hair's geometry", FORMAT, usage));
+        let texture = canvas.target.texture()(("hair's geometry", FORMAT, usage));
         let texture = texture.create_view(&Default::default());
         let before = points.like(device, "points before");
         let uniform = uniform(device, "geometry of hair", size_of::<GeometryUniform>());

@@ -2,7 +2,7 @@
 
 use super::geometry::FORMAT;
 use crate::{
-    draw::record::Canvas,
+    draw::canvas::Canvas,
     gpu::{Kernel, commands::bytes},
 };
 
@@ -62,7 +62,7 @@ impl Labels {
         round: wgpu::BindingResource<'_>,
     ) -> Self {
         let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_SRC;
-        let texture = canvas.targets.texture()(("labels of hair", FORMAT, usage));
+        let texture = canvas.target.texture()(("labels of hair", FORMAT, usage));
         let texture = texture.create_view(&Default::default());
         let own = [wgpu::BindingResource::TextureView(&texture), round];
         let group = kernel.bind(&of_rows.iter().cloned().chain(own).collect::<Vec<_>>());

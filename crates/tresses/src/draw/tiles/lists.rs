@@ -11,7 +11,7 @@ use super::{
 use crate::{
     Context, Result,
     constants::TILE,
-    draw::record::Canvas,
+    draw::canvas::Canvas,
     gpu::{Kernel, bindings::uniform},
     light::{HairView, ShadingSubset},
     strands::buffers::storage,
@@ -125,7 +125,7 @@ impl HairLists {
         let grooms =
             grooms.map(|(own, first)| GroomPoints::new(kernels, tiles, canvas, &buffers, own, *first));
         let grooms = grooms.collect::<Result<_>>()?;
-        let many = usize::from(canvas.targets.samples > 1);
+        let many = usize::from(canvas.target.samples > 1);
         let rows = buffers.rows(tiles);
         let geometry = canvas
             .geometry
@@ -279,7 +279,7 @@ impl Groups {
         canvas: &Canvas<'_, '_>,
         (buffers, rows): (&ListBuffers, &[Resource<'_>; 7]),
     ) -> Self {
-        let many = usize::from(canvas.targets.samples > 1);
+        let many = usize::from(canvas.target.samples > 1);
         let [grid, control, busy, list, points, surfaces, touches] = rows;
         let [camera, farthest, bins, ranges, depths] =
             [canvas.eye, &tiles.farthest, &tiles.bins, &tiles.ranges, &tiles.depths]
@@ -288,7 +288,7 @@ impl Groups {
             [&tiles.bounds.0, &buffers.unsorted, &buffers.seen].map(wgpu::Buffer::as_entire_binding);
         let [colors, bound_texels] = [&buffers.colors, &tiles.bounds.1].map(Texels::resource);
         let round = tiles.round();
-        let depth = Resource::TextureView(&canvas.targets.depth);
+        let depth = Resource::TextureView(&canvas.target.depth);
         let hair = Resource::TextureView(&tiles.hair);
 
         let bind = |kernel: &Kernel, resources: &[&[&Resource<'_>]]| {

@@ -74,9 +74,9 @@ pub use labels::Label;
 pub(crate) use pipelines::Pipelines;
 pub(crate) use state::Tiles;
 
-use super::record::Canvas;
+use super::canvas::Canvas;
 use crate::{
-    Error, Result,
+    Result,
     constants::{STRAND_WORKGROUP, TILE, TILE_ROUNDS},
     gpu::Kernel,
     light::HairView,
@@ -117,22 +117,18 @@ impl<'a> Round<'a> {
     }
 }
 
-fn tiles<'a>(canvas: &Canvas<'a, '_>) -> Result<&'a Tiles> {
-    canvas.targets.tiles.as_ref().ok_or_else(|| Error::Parameter {
-        name: "targets",
-        value: "without tiles".into(),
-        range: "made for tiles",
-    })
-}
-
 fn threads(count: u32) -> u32 {
     count.div_ceil(STRAND_WORKGROUP)
 }
 
 impl Pipelines {
     /// Records the lists of all tiles and finds the visible segments. Bodies must be drawn already.
-    pub(crate) fn record_bins(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<()> {
-        let tiles = tiles(canvas)?;
+    pub(crate) fn record_bins(
+        &self,
+        tiles: &Tiles,
+        canvas: &mut Canvas<'_, '_>,
+        hair: &[HairView<'_>],
+    ) -> Result<()> {
         // Tiles without hair are never written.
         canvas.commands.clear_texture("no hair", &tiles.buffers.hair);
         if hair.is_empty() {
@@ -145,7 +141,7 @@ impl Pipelines {
         for buffer in [&tiles.buffers.farthest, &tiles.buffers.bins, &tiles.buffers.ranges, lists.seen()] {
             canvas.commands.clear(buffer, None);
         }
-        let many = usize::from(canvas.targets.samples > 1);
+        let many = usize::from(canvas.target.samples > 1);
         let mut pass = canvas.commands.compute("bins");
         for groom in &lists.grooms {
             self.project.record(&mut pass, &groom.project, &[], threads(groom.room));
@@ -204,8 +200,13 @@ impl Pipelines {
     }
 
     /// Records the shading of the segments that the last [`record_bins`](Self::record_bins) found visible.
-    pub(crate) fn record_shade(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<()> {
-        let lists = tiles(canvas)?.lists();
+    pub(crate) fn record_shade(
+        &self,
+        tiles: &Tiles,
+        canvas: &mut Canvas<'_, '_>,
+        hair: &[HairView<'_>],
+    ) -> Result<()> {
+        let lists = tiles.lists();
         let Some(lists) = lists.as_ref().filter(|_| !hair.is_empty()) else { return Ok(()) };
         let chosen: Vec<_> =
             hair.iter().zip(&lists.grooms).map(|(seen, groom)| (seen.hair, &groom.chosen)).collect();
@@ -213,11 +214,15 @@ impl Pipelines {
     }
 
     /// Blends the hair of the last [`record_bins`](Self::record_bins). Its visible segments must be shaded.
-    pub(crate) fn record_blend(&self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) -> Result<()> {
-        let tiles = tiles(canvas)?;
+    pub(crate) fn record_blend(
+        &self,
+        tiles: &Tiles,
+        canvas: &mut Canvas<'_, '_>,
+        hair: &[HairView<'_>],
+    ) -> Result<()> {
         let lists = tiles.lists();
         let Some(lists) = lists.as_ref().filter(|_| !hair.is_empty()) else { return Ok(()) };
-        let many = usize::from(canvas.targets.samples > 1);
+        let many = usize::from(canvas.target.samples > 1);
         let mut pass = canvas.commands.compute("hair");
         for groom in &lists.grooms {
             self.tint.record(&mut pass, &groom.tint, &[], threads(groom.points));

@@ -9,7 +9,7 @@ use super::{
 use crate::{
     Camera, Context, Result,
     constants::TILE_ROUNDS,
-    draw::{record::Canvas, targets::TextureKind},
+    draw::canvas::{Canvas, TextureKind},
     gpu::readback::Pending,
     light::{HairView, Sphere},
 };

@@ -42,16 +42,13 @@
 //! much at a wall instead of 11 %, but reflect a fifth too little light and leak along rays that cross many cells.
 //! Untried: aligned fibers, which transmit more light along than across their direction.
 
-mod ask;
-
-pub use ask::{AmbientProbe, IncidentLight};
-
-use super::{FRAME, HairView};
+use super::frame::FRAME;
 use crate::{
     Context, Result,
     body::{self, Body},
     constants::{AMBIENT_STRANDS, STRAND_WORKGROUP},
     gpu::{Binding, Commands, Kernel, bindings::linear, grid::grid_texture},
+    strands::DrawCount,
 };
 
 /// Quadrature directions, words per cell and layers of the result, as in the shaders.
@@ -214,18 +211,18 @@ impl Ambient {
         &self,
         pipelines: &Pipelines,
         commands: &mut Commands<'_>,
-        hair: &[HairView<'_>],
+        hair: &[(DrawCount, &wgpu::BindGroup)],
         (bodies, every): (&[&Body], u32),
     ) -> Result<()> {
         commands.clear(&self.sums, None);
         let mut recorded = commands.compute("ambient");
         let pass = &mut recorded;
-        for HairView { hair, shaded, .. } in hair {
-            let every = (hair.drawn.count / AMBIENT_STRANDS).max(1);
-            let strands = u64::from(hair.drawn.count.div_ceil(every));
-            let threads = strands * u64::from(hair.drawn.vertex_count.saturating_sub(1));
+        for (drawn, group) in hair {
+            let every = (drawn.count / AMBIENT_STRANDS).max(1);
+            let strands = u64::from(drawn.count.div_ceil(every));
+            let threads = strands * u64::from(drawn.vertex_count.saturating_sub(1));
             let workgroups = threads.div_ceil(u64::from(STRAND_WORKGROUP)) as u32;
-            pipelines.lay.record(pass, &shaded.lay, &[], workgroups);
+            pipelines.lay.record(pass, group, &[], workgroups);
         }
         let cells = self.cells.pow(3);
         for i in 0..2 {

@@ -15,7 +15,7 @@
 //! Rejected: reading the host's maps where hair is shaded, which would add bindings and lookups to every kernel that
 //! reads light, for all users; reprojecting their depth as points, which leaves holes.
 
-use super::{Lights, ShadowMaps, Sphere, lights::SHADOW_MAPS};
+use super::{Lights, Sphere, lights::SHADOW_MAPS};
 use crate::{
     Context, Error, Result,
     gpu::{
@@ -162,15 +162,15 @@ pub(crate) struct ImportedShadows {
 }
 
 impl ImportedShadows {
-    /// Selects the `shadows` that apply to `lights` and to the view's `maps`. Those have the world to clip space
+    /// Selects the `shadows` that apply to `lights` and to the view's maps of `resolution`² texels. Those have the world to clip space
     /// transforms `matrices` and a depth of `range` meters, and cover `focus`.
     ///
     /// # Errors
     /// [`Error::Parameter`] when there are too many shadows, or when one has several samples, cannot be read by
     /// shaders, has an invalid projection, bias or part.
-    pub fn new(
-        pipelines: &super::Pipelines,
-        maps: &ShadowMaps,
+    pub(super) fn new(
+        pipelines: &Pipelines,
+        resolution: u32,
         lights: &Lights,
         (matrices, range, focus): (&[Mat4; SHADOW_MAPS], f32, &Sphere),
         shadows: &[SceneShadow<'_>],
@@ -178,7 +178,6 @@ impl ImportedShadows {
         if shadows.is_empty() {
             return Ok(Self::default());
         }
-        let pipelines = &pipelines.scene;
         shadows.iter().try_for_each(check)?;
         if shadows.len() > MOST_SCENE_SHADOWS {
             return Err(wrong("the number of shadow maps of a scene", shadows.len(), "at most 16"));
@@ -187,7 +186,7 @@ impl ImportedShadows {
         let taken = shadows.iter().filter(|shadow| on(&shadow.light) && shadow.sees(focus).is_some());
         let brought = taken.map(|shadow| {
             let map = lights.directional[..shadow.light].iter().filter(|light| light.is_on()).count();
-            let values = SceneUniform::new(shadow, matrices[map], (range, maps.resolution));
+            let values = SceneUniform::new(shadow, matrices[map], (range, resolution));
             use wgpu::util::DeviceExt;
             let uniform = pipelines.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
                 label: Some("scene shadow"),

@@ -22,13 +22,13 @@
 use super::{Surroundings, has_samples};
 use crate::{
     Context, Result,
-    draw::record::Canvas,
+    draw::canvas::Canvas,
     gpu::{
         Binding, Device,
         bindings::{layout, uniform},
         pipeline::{PipelineCache, Recipe, blended},
     },
-    light::{self, lights::MAX_LIGHTS},
+    light::{self, MAX_LIGHTS},
     shaders,
 };
 use bytemuck::{Pod, Zeroable};
@@ -95,7 +95,7 @@ impl ShadeUniform {
             to_eye: into.projection.inverse(),
             to_world: canvas.camera.view.inverse(),
             origin: into.origin,
-            size: canvas.targets.size,
+            size: canvas.target.size,
             strength: shade.strength.clamp(0.0, 1.0),
             reach: shade.reach.max(0.0),
             nothing: if depth(2.0) > depth(1.0) { 1.0 } else { 0.0 },

@@ -1,10 +1,7 @@
 //! Evaluates ambient light at arbitrary points, for tests and measurements.
 
-use crate::{
-    Context, Result,
-    gpu::Binding,
-    light::{LightState, asked::PointQuery},
-};
+use super::{LightState, asked::PointQuery};
+use crate::{Context, Result, gpu::Binding};
 use glam::{Vec3, Vec4};
 
 /// Ambient light at a point, averaged over a set of directions.
