@@ -9,7 +9,8 @@ use anyhow::{Result, ensure};
 use tresses::{
     Character, Hair, Pose,
     budget::CrowdDetail,
-    character::{CrowdBudget, Drawing, Gesture},
+    character::{CrowdBudget, Gesture},
+    frame::Drawing,
     glam::{Quat, Vec3},
     gpu::Timings,
     light::{FiberMaterial, HairMaterial},

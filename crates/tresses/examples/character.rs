@@ -6,8 +6,9 @@
 use tresses::{
     Camera, Character, CharacterAsset, Pose, View,
     body::{Body, Skin, Words},
-    character::{CharacterOptions, CharacterSource, Drawing, Styling},
+    character::{CharacterOptions, CharacterSource, Styling},
     collide::{Collider, FieldId, FieldSource, Shape},
+    frame::Drawing,
     glam::{Quat, Vec3},
     gpu::Gpu,
     groom::{TriMesh, mannequin::rig},

@@ -1,7 +1,7 @@
 //! Renders a built-in character that turns its head, without a window: `cargo run --example headless -- picture.png`
 
 use tresses::{
-    Camera, Character, Pose, View, character::Drawing, glam::Quat, glam::Vec3, gpu::Gpu, view::Picture,
+    Camera, Character, Pose, View, frame::Drawing, glam::Quat, glam::Vec3, gpu::Gpu, view::Picture,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

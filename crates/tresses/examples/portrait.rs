@@ -4,7 +4,7 @@
 
 use tresses::{
     Camera, Character, Pose, View,
-    character::Drawing,
+    frame::Drawing,
     glam::{Quat, Vec3},
     gpu::Gpu,
     view::Picture,

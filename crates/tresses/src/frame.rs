@@ -25,12 +25,11 @@ use crate::{
 };
 use std::sync::Arc;
 
-/// Inputs for drawing one view.
+/// How hair and bodies are drawn into a view.
 #[derive(Debug)]
-pub struct ViewPass<'a> {
-    /// The view.
-    pub view: &'a View,
-    /// Camera, lights and display options.
+pub struct Drawing<'a> {
+    /// Camera, lights, background, tone mapping. [`Frame`](crate::character::Frame) derives the focus from its
+    /// characters.
     pub picture: &'a Picture,
     /// Target of the finished image, with the view's size and the format of its options; `None` for
     /// [`Targets::picture`](crate::draw::Targets::picture).
@@ -38,9 +37,18 @@ pub struct ViewPass<'a> {
     /// Content of the image.
     pub shows: ViewContent<'a>,
     /// Whether to write hair geometry and strand labels as well: [`Targets::geometry`](crate::draw::Targets::geometry),
-    /// [`Targets::labels`](crate::draw::Targets::labels). Applies to [`ViewContent::Hair`] and [`ViewContent::Again`], and requires
-    /// [`Renderer::Tiles`](crate::renderer::Renderer::Tiles).
+    /// [`Targets::labels`](crate::draw::Targets::labels). Applies to [`ViewContent::Hair`] and [`ViewContent::Again`],
+    /// and requires [`Renderer::Tiles`](crate::renderer::Renderer::Tiles).
     pub asks: bool,
+    /// Whether the hair is drawn alone, without bodies and their shadows.
+    pub bare: bool,
+}
+
+impl<'a> Drawing<'a> {
+    /// Draws bodies and hair into the view's own target.
+    pub fn new(picture: &'a Picture) -> Self {
+        Self { picture, output: None, shows: ViewContent::Hair, asks: false, bare: false }
+    }
 }
 
 /// Content of a view's image.
@@ -71,13 +79,6 @@ impl ViewContent<'_> {
             Self::Over(_, into) => into.shadows,
             _ => &[],
         }
-    }
-}
-
-impl<'a> ViewPass<'a> {
-    /// Draws bodies and hair into the view's own image.
-    pub fn new(view: &'a View, picture: &'a Picture) -> Self {
-        Self { view, picture, output: None, shows: ViewContent::Hair, asks: false }
     }
 }
 
@@ -124,13 +125,13 @@ impl Recorder<'_> {
         &mut self,
         hair: &mut [(&mut Hair, HairFrame<'_>)],
         bodies: &[&Body],
-        views: Vec<ViewPass<'_>>,
+        views: Vec<(&View, Drawing<'_>)>,
     ) -> Result<()> {
         for (hair, frame) in &mut *hair {
             self.advance(hair, frame)?;
         }
         let hair: Vec<&Hair> = hair.iter().map(|(hair, _)| &**hair).collect();
-        views.into_iter().try_for_each(|sight| self.draw(&hair, bodies, sight))
+        views.into_iter().try_for_each(|(view, drawing)| self.draw(&hair, bodies, view, drawing))
     }
 
     /// Skins bodies into the poses set by [`Skinning::pose`](crate::skinning::Skinning::pose). Call it before the hair
@@ -197,14 +198,20 @@ impl Recorder<'_> {
     ///
     /// # Errors
     /// As [`record`](Self::record).
-    pub fn draw(&mut self, hair: &[&Hair], bodies: &[&Body], sight: ViewPass<'_>) -> Result<()> {
+    pub fn draw(
+        &mut self,
+        hair: &[&Hair],
+        bodies: &[&Body],
+        view: &View,
+        drawing: Drawing<'_>,
+    ) -> Result<()> {
         let seen = |hair: &Hair| hair.motion.drawn_in;
         if hair.windows(2).any(|pair| !seen(pair[0]).is_where(&seen(pair[1]))) {
             let why = "all hair of a view must be drawn in the same space; set the same HairFrame::drawn_in for all";
             return Err(Error::unusable(why));
         }
         let sets: Vec<_> = hair.iter().map(|hair| &hair.set).collect();
-        self.picture(&sets, hair, bodies, sight)
+        self.picture(&sets, hair, bodies, view, drawing)
     }
 
     /// [`draw`](Self::draw) for strands without simulation. Debug views ([`ViewContent::Inside`]) then show only data of the
@@ -216,9 +223,10 @@ impl Recorder<'_> {
         &mut self,
         strands: &[&HairSet],
         bodies: &[&Body],
-        sight: ViewPass<'_>,
+        view: &View,
+        drawing: Drawing<'_>,
     ) -> Result<()> {
-        self.picture(strands, &[], bodies, sight)
+        self.picture(strands, &[], bodies, view, drawing)
     }
 
     /// Records only the lighting of an image: shadow maps, including those of a `scene`, and ambient light. For hosts
@@ -249,9 +257,11 @@ impl Recorder<'_> {
         sets: &[&HairSet],
         hair: &[&Hair],
         bodies: &[&Body],
-        sight: ViewPass<'_>,
+        view: &View,
+        drawing: Drawing<'_>,
     ) -> Result<()> {
-        let ViewPass { view, picture, output, shows, asks } = sight;
+        let Drawing { picture, output, shows, asks, bare } = drawing;
+        let bodies = if bare { &[][..] } else { bodies };
         let inside = match &shows {
             ViewContent::Inside(_, shown) => Some(*shown),
             _ => None,

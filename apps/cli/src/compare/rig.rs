@@ -14,7 +14,7 @@ use tresses::{
     camera::ToneMap,
     character,
     collide::ColliderPoses,
-    frame::{ViewContent, ViewPass},
+    frame::{Drawing, ViewContent},
     glam::{Affine3A, Mat4, Vec3},
     gpu::{Gpu, readback::blocking as readback},
     groom::{
@@ -234,8 +234,8 @@ impl Rig {
             None => ViewContent::Hair,
             Some((views, ref shown)) => ViewContent::Inside(views, shown),
         };
-        let sight = ViewPass { output: Some(&output), shows, ..ViewPass::new(&self.view, scene) };
-        recorder.draw(&[&self.hair], &[&self.body], sight)?;
+        let drawing = Drawing { output: Some(&output), shows, ..Drawing::new(scene) };
+        recorder.draw(&[&self.hair], &[&self.body], &self.view, drawing)?;
         context.queue().submit([encoder.finish()]);
         Ok(())
     }

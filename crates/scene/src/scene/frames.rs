@@ -3,12 +3,7 @@
 use super::{OutputRequest, Scene};
 use crate::camera::{Sight, Viewpoint};
 use anyhow::{Context as _, Result};
-use tresses::{
-    character::{Drawing, Gesture},
-    frame::ViewContent,
-    glam::Vec3,
-    gpu::Timings,
-};
+use tresses::{character::Gesture, frame::Drawing, frame::ViewContent, glam::Vec3, gpu::Timings};
 
 impl Scene {
     /// Puts the hair at rest on a character posed by `gesture`.

@@ -6,7 +6,7 @@ use crate::{
     body::Body,
     budget::{Budget, Costs, CrowdDetail, ViewBytes},
     draw::{Compositor, Surroundings},
-    frame::{Recorder, ViewContent, ViewPass},
+    frame::{Drawing, Recorder, ViewContent},
     gpu::Timings,
     light::{SceneShadow, Zone},
     skinning::Skinning,
@@ -33,29 +33,6 @@ pub struct CrowdBudget {
     pub costs: Costs,
     /// Levels of the last frame: the hair of each character, followed by its face grooms if they are drawn.
     pub chosen: CrowdDetail,
-}
-
-/// How characters are drawn into a view.
-#[derive(Debug)]
-pub struct Drawing<'a> {
-    /// Camera, lights, background, tone mapping. The focus is derived from the characters.
-    pub picture: &'a Picture,
-    /// Target, with the view's size and the format of its options; `None` for
-    /// [`Targets::picture`](crate::draw::Targets::picture).
-    pub output: Option<&'a wgpu::TextureView>,
-    /// Content of the image.
-    pub shows: ViewContent<'a>,
-    /// Whether the view also writes motion, depth, opacity and labels of the hair ([`ViewPass::asks`]).
-    pub asks: bool,
-    /// Whether the hair is drawn alone, without bodies and their shadows.
-    pub bare: bool,
-}
-
-impl<'a> Drawing<'a> {
-    /// Draws bodies and hair into the view's own target.
-    pub fn new(picture: &'a Picture) -> Self {
-        Self { picture, output: None, shows: ViewContent::Hair, asks: false, bare: false }
-    }
 }
 
 impl Context {
@@ -189,8 +166,8 @@ impl<'a> Frame<'a> {
             false => lighting.set(view, characters, bodies.len(), picture),
         };
         let hair: Vec<&Hair> = characters.iter().flat_map(|character| character.grooms()).collect();
-        let sight = ViewPass { output, shows, asks, ..ViewPass::new(view, &picture) };
-        self.recorder.draw(&hair, &bodies, sight)
+        let drawing = Drawing { output, shows, asks, ..Drawing::new(&picture) };
+        self.recorder.draw(&hair, &bodies, view, drawing)
     }
 }
 

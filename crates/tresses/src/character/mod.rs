@@ -41,7 +41,7 @@ pub mod source;
 
 pub use asset::{CharacterAsset, CharacterOptions};
 pub use facial::{FaceGroom, FaceHair};
-pub use frame::{CrowdBudget, Drawing, Frame};
+pub use frame::{CrowdBudget, Frame};
 pub use gesture::Gesture;
 pub use light::Foci;
 pub use obstacles::Obstacle;

@@ -74,7 +74,14 @@ mod tests {
         let volume = FieldVolume::new(&grid);
         for i in (0..volume.texels.len()).step_by(997) {
             let (p, [x, y, z, distance]) = (grid.node(i as u32), volume.texels[i].map(f16::to_f32));
-            assert!((distance - (p.length() - 0.1)).abs() < 1e-3 * p.length(), "{p}");
+            let texel = (p * volume.scale + volume.bias) * volume.size.as_vec3() - 0.5;
+            assert_eq!(
+                texel.round().as_uvec3().dot(UVec3::new(1, grid.size.x, grid.size.x * grid.size.y)),
+                i as u32
+            );
+            // The rounding of a 16-bit float.
+            let expected = p.length() - 0.1;
+            assert!((distance - expected).abs() <= expected.abs() / 2048.0 + 1e-6, "{p}");
             let off = Vec3::new(x, y, z).normalize().dot(p.normalize());
             assert!(off > 0.99 || p.length() < 0.03, "{p}: {off}");
         }

@@ -5,7 +5,7 @@ use crate::{
     Context, Pose,
     camera::Camera,
     draw::targets::PICTURE_FORMAT,
-    frame::{ViewContent, ViewPass},
+    frame::{Drawing, ViewContent},
     gpu::{for_tests as context, readback::blocking as readback},
     light::HairSet,
     present::Background,
@@ -146,9 +146,9 @@ fn overdraw_counts_strips() {
     let mut views = DebugViews::new(context, PICTURE_FORMAT).unwrap();
     let shown = DebugDisplay { high: Some(10.0), ..DebugDisplay::new(DebugView::Overdraw) };
     let picture = nothing();
-    let sight = ViewPass { shows: ViewContent::Inside(&mut views, &shown), ..ViewPass::new(&view, &picture) };
+    let sight = Drawing { shows: ViewContent::Inside(&mut views, &shown), ..Drawing::new(&picture) };
     let mut encoder = device.create_command_encoder(&Default::default());
-    context.recorder(&mut encoder).draw_strands(&[&set], &[], sight).unwrap();
+    context.recorder(&mut encoder).draw_strands(&[&set], &[], &view, sight).unwrap();
     queue.submit([encoder.finish()]);
     let seen = pollster::block_on(view.targets().read()).unwrap();
     let seen: Vec<[u8; 4]> = seen.as_chunks().0.to_vec();

@@ -4,7 +4,7 @@ use crate::common;
 use tresses::{
     View,
     body::Body,
-    frame::ViewPass,
+    frame::Drawing,
     gpu::{Counts, Timings, wall},
     groom::TriMesh,
     light::HairSet,
@@ -31,7 +31,8 @@ fn recorded(renderer: Renderer, grooms: usize, bodies: usize) -> Vec<(&'static s
         .draw_strands(
             &hair.iter().collect::<Vec<_>>(),
             &vec![&body; bodies],
-            ViewPass::new(&view, &Picture::default()),
+            &view,
+            Drawing::new(&Picture::default()),
         )
         .expect("every pipeline is made");
     timings.counts().to_vec()

@@ -8,7 +8,7 @@ use tresses::{
     Camera, Context, Hair, HairOptions, Pose, View,
     body::Body,
     budget::{Budget, Costs, ViewBytes},
-    frame::ViewPass,
+    frame::Drawing,
     glam::{Quat, Vec3},
     gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, bind},
@@ -105,7 +105,7 @@ fn distant_heads_use_little_memory() {
 
 /// Renders `hair` and `bodies`.
 fn picture(view: &View, hair: &[&Hair], bodies: &[&Body], scene: &Picture) -> Vec<u8> {
-    submit(|recorder| recorder.draw(hair, bodies, ViewPass::new(view, scene)));
+    submit(|recorder| recorder.draw(hair, bodies, view, Drawing::new(scene)));
     pollster::block_on(view.targets().read()).unwrap()
 }
 

@@ -7,7 +7,7 @@ use half::f16;
 use tresses::{
     Camera, Context, Error, Hair, HairAsset, HairDescriptor, Pose, Result, View,
     draw::{Compositor, Surroundings},
-    frame::{ViewContent, ViewPass},
+    frame::{Drawing, ViewContent},
     glam::{
         Mat4, Vec3, Vec4,
         camera::rh::proj::directx::{orthographic, perspective},
@@ -87,11 +87,13 @@ impl<'a> Setup<'a> {
             geometry,
             ..Surroundings::new(&scene.color, &scene.depth, projection)
         };
-        let sight = ViewPass {
-            shows: ViewContent::Over(&self.embed, into),
-            ..ViewPass::new(&self.view, &self.scene)
-        };
-        context.recorder(&mut encoder).draw(&[&self.hair][..usize::from(self.grown)], &[], sight)?;
+        let sight = Drawing { shows: ViewContent::Over(&self.embed, into), ..Drawing::new(&self.scene) };
+        context.recorder(&mut encoder).draw(
+            &[&self.hair][..usize::from(self.grown)],
+            &[],
+            &self.view,
+            sight,
+        )?;
         queue.submit([encoder.finish()]);
         let texels = scene.read(self.context)?;
         let known = bytemuck::pod_collect_to_vec(&pollster::block_on(readback::texture(context, &known))?);

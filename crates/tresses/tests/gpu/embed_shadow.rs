@@ -9,7 +9,7 @@ use crate::{
 use tresses::{
     Camera, Context, Error, Hair, Result, View,
     draw::{Compositor, Shade, Surroundings, embed::shade},
-    frame::{ViewContent, ViewPass},
+    frame::{Drawing, ViewContent},
     glam::{
         Mat4, Vec3, Vec4,
         camera::rh::{
@@ -92,11 +92,8 @@ impl<'a> Setup<'a> {
         let shade = (shade != 0.0).then_some(Shade { strength: shade, ..self.shade });
         let into =
             Surroundings { shadows, shade, ..Surroundings::new(&scene.color, &scene.depth, projection) };
-        let sight = ViewPass {
-            shows: ViewContent::Over(&self.embed, into),
-            ..ViewPass::new(&self.view, &self.picture)
-        };
-        context.recorder(&mut encoder).draw(&[&self.hair], &[], sight)?;
+        let sight = Drawing { shows: ViewContent::Over(&self.embed, into), ..Drawing::new(&self.picture) };
+        context.recorder(&mut encoder).draw(&[&self.hair], &[], &self.view, sight)?;
         queue.submit([encoder.finish()]);
         scene.read(self.context)
     }

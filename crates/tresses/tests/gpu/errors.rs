@@ -9,7 +9,7 @@ use tresses::{
         deform::{DeformTarget, DeformingField},
     },
     drape::{DrapeOptions, drape},
-    frame::{ViewContent, ViewPass},
+    frame::{Drawing, ViewContent},
     glam::{Mat3, Mat4, Vec3},
     groom::{
         TriMesh, bind,
@@ -135,7 +135,7 @@ fn draw(context: &Context) -> Result<()> {
     let body = Body::with_levels(context, &ball(), &[], 4);
     let mut encoder = encoder(context);
     let picture = Picture::default();
-    context.recorder(&mut encoder).draw_strands(&[&hair], &[&body], ViewPass::new(&view, &picture))?;
+    context.recorder(&mut encoder).draw_strands(&[&hair], &[&body], &view, Drawing::new(&picture))?;
     context.queue().submit([encoder.finish()]);
     Ok(())
 }
@@ -212,8 +212,8 @@ fn debug_view(context: &Context) -> Result<()> {
     let (_, view) = still(context)?;
     let mut views = DebugViews::new(context, tresses::draw::targets::PICTURE_FORMAT)?;
     let (shown, picture) = (DebugDisplay::new(DebugView::Locks), Picture::default());
-    let sight = ViewPass { shows: ViewContent::Inside(&mut views, &shown), ..ViewPass::new(&view, &picture) };
-    context.recorder(&mut encoder(context)).draw(&[&hair], &[], sight)
+    let sight = Drawing { shows: ViewContent::Inside(&mut views, &shown), ..Drawing::new(&picture) };
+    context.recorder(&mut encoder(context)).draw(&[&hair], &[], &view, sight)
 }
 
 fn measure_peak(context: &Context) -> Result<()> {

@@ -7,7 +7,7 @@ use crate::{
 use tresses::{
     Camera, Context, Hair, HairOptions, Pose, View,
     body::Body,
-    frame::ViewPass,
+    frame::Drawing,
     glam::{Quat, Vec3},
     gpu::readback::blocking as readback,
     groom::{BindOptions, bind},
@@ -99,12 +99,12 @@ fn views_in_one_submission_match_separate_submissions() {
     let views = || modes.map(|mode| view(context, mode, [96, 80]));
     let apart = views();
     for (view, picture) in apart.iter().zip(&pictures) {
-        submit(|recorder| recorder.draw(&[&hair], &[], ViewPass::new(view, picture)));
+        submit(|recorder| recorder.draw(&[&hair], &[], view, Drawing::new(picture)));
     }
     let together = views();
     submit(|recorder| {
-        let sights = together.iter().zip(&pictures).map(|(view, picture)| ViewPass::new(view, picture));
-        recorder.record(&mut [(&mut hair, frame(Pose::IDENTITY, 0.0))], &[], sights.collect())
+        let drawn = together.iter().zip(&pictures).map(|(view, picture)| (view, Drawing::new(picture)));
+        recorder.record(&mut [(&mut hair, frame(Pose::IDENTITY, 0.0))], &[], drawn.collect())
     });
     for (apart, together) in apart.iter().zip(&together) {
         assert!(read(apart) == read(together));
@@ -139,7 +139,7 @@ fn grooms_in_one_submission_match_separate_submissions() {
         submit(|recorder| {
             let [left, right] = &mut together;
             let [a, b] = poses(i).map(|pose| frame(pose, dt));
-            recorder.record(&mut [(left, a), (right, b)], &[], vec![ViewPass::new(&both, &scene)])
+            recorder.record(&mut [(left, a), (right, b)], &[], vec![(&both, Drawing::new(&scene))])
         });
     }
     for (apart, together) in apart.iter().zip(&together) {
@@ -154,8 +154,7 @@ fn grooms_in_one_submission_match_separate_submissions() {
         own.map(|(_, [r, ..])| f64::from(*r)).sum()
     };
     assert!(half(false) > 1.2 * half(true), "blond hair is lighter: {} {}", half(true), half(false));
-    let sight = || ViewPass::new(&both, &scene);
-    submit(|recorder| recorder.draw(&[&together[0]], &[], sight()));
+    submit(|recorder| recorder.draw(&[&together[0]], &[], &both, Drawing::new(&scene)));
     let one = pollster::block_on(both.targets().read()).unwrap();
     assert!(difference(&seen, &one).0 > 1.0);
 }

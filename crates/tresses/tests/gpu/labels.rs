@@ -7,7 +7,7 @@ use half::f16;
 use tresses::{
     Camera, Context, Error, Hair, Result, View,
     camera::ToneMap,
-    frame::ViewPass,
+    frame::Drawing,
     glam::{Vec2, Vec3},
     gpu::readback::blocking as readback,
     light::{Lights, Sphere},
@@ -45,8 +45,8 @@ impl<'a> Setup<'a> {
         let context = self.context;
         let (device, queue) = (context.device(), context.queue());
         let mut encoder = device.create_command_encoder(&Default::default());
-        let sight = ViewPass { asks, ..ViewPass::new(&self.view, &self.scene) };
-        context.recorder(&mut encoder).draw(&[&self.hair], &[], sight)?;
+        let sight = Drawing { asks, ..Drawing::new(&self.scene) };
+        context.recorder(&mut encoder).draw(&[&self.hair], &[], &self.view, sight)?;
         queue.submit([encoder.finish()]);
         pollster::block_on(self.view.targets().read())
     }

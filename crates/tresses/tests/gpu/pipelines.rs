@@ -22,7 +22,7 @@ fn frame_records_on_baseline_webgpu() {
         collide::{
             Anchor, Collider, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource, Shape,
         },
-        frame::{ViewContent, ViewPass},
+        frame::{Drawing, ViewContent},
         groom::{BindOptions, TriMesh, bind},
         hair::HairFrame,
         simulate::SimulationParams,
@@ -81,7 +81,7 @@ fn frame_records_on_baseline_webgpu() {
     let mut recorder = context.recorder(&mut encoder);
     recorder.advance(&mut hair, &input).unwrap();
     let picture = Picture::default();
-    recorder.draw(&[&hair], &[&body], ViewPass::new(&view, &picture)).unwrap();
+    recorder.draw(&[&hair], &[&body], &view, Drawing::new(&picture)).unwrap();
     // A grab, and every debug view.
     hair.grab(&picture.camera.ray(20.0, 30.0), 0.02).unwrap();
     recorder.advance(&mut hair, &input).unwrap();
@@ -92,9 +92,8 @@ fn frame_records_on_baseline_webgpu() {
     views.set_head(Some(&field));
     for what in DebugView::ALL {
         let shown = DebugDisplay::new(what);
-        let sight =
-            ViewPass { shows: ViewContent::Inside(&mut views, &shown), ..ViewPass::new(&view, &picture) };
-        recorder.draw(&[&hair], &[&body], sight).unwrap();
+        let sight = Drawing { shows: ViewContent::Inside(&mut views, &shown), ..Drawing::new(&picture) };
+        recorder.draw(&[&hair], &[&body], &view, sight).unwrap();
     }
     context.queue().submit([encoder.finish()]);
     assert!(hair.bytes() > 50 * 31 * 16);

@@ -5,7 +5,7 @@ use tresses::{
     Camera, View,
     body::Body,
     draw::{Compositor, Surroundings, Targets},
-    frame::{ViewContent, ViewPass},
+    frame::{Drawing, ViewContent},
     glam::Mat4,
     groom::TriMesh,
     light::{HairSet, SceneShadow},
@@ -27,7 +27,7 @@ fn frame(renderer: Renderer) -> Option<wgpu::Error> {
     let mut encoder = context.device().create_command_encoder(&Default::default());
     context
         .recorder(&mut encoder)
-        .draw_strands(&hair.each_ref(), &[&body, &body], ViewPass::new(&view, &picture))
+        .draw_strands(&hair.each_ref(), &[&body, &body], &view, Drawing::new(&picture))
         .expect("every pipeline is made");
     context.queue().submit([encoder.finish()]);
     pollster::block_on(scope.pop())
@@ -100,8 +100,8 @@ fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureForma
     };
     let mut encoder = context.device().create_command_encoder(&Default::default());
     let picture = Picture::default();
-    let sight = ViewPass { shows: ViewContent::Over(&embed, into), ..ViewPass::new(&view, &picture) };
-    context.recorder(&mut encoder).draw_strands(&[&hair], &[], sight).expect("every pipeline is made");
+    let sight = Drawing { shows: ViewContent::Over(&embed, into), ..Drawing::new(&picture) };
+    context.recorder(&mut encoder).draw_strands(&[&hair], &[], &view, sight).expect("every pipeline is made");
     context.queue().submit([encoder.finish()]);
     pollster::block_on(scope.pop())
 }

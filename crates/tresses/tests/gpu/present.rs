@@ -6,7 +6,7 @@ use tresses::{
     Context, View,
     body::{Body, BodyMaterial},
     camera::ToneMap,
-    frame::ViewPass,
+    frame::Drawing,
     glam::Vec3,
     gpu::readback,
     light::{Directional, HairMaterial, HairSet, Lights, MAX_LIGHTS, Shadows, Sky, material::linear},
@@ -103,8 +103,8 @@ fn srgb_formats_give_the_same_image() {
         });
         let scene = golden::scene();
         common::submit(|recorder| {
-            let sight = ViewPass { output: Some(&into), ..ViewPass::new(&view, &scene) };
-            recorder.draw(&[], &[&body], sight)
+            let sight = Drawing { output: Some(&into), ..Drawing::new(&scene) };
+            recorder.draw(&[], &[&body], &view, sight)
         });
         pollster::block_on(readback::texture(context, &texture)).expect("it is there")
     };
@@ -134,7 +134,7 @@ fn floats_are_not_dithered() {
             let texture = output_of(context, &view, output, &[]);
             let into = texture.create_view(&Default::default());
             common::submit(|recorder| {
-                recorder.draw(&[], &[], ViewPass { output: Some(&into), ..ViewPass::new(&view, &scene) })
+                recorder.draw(&[], &[], &view, Drawing { output: Some(&into), ..Drawing::new(&scene) })
             });
             pollster::block_on(readback::texture(context, &texture)).expect("it is there")
         };

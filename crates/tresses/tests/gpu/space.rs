@@ -8,7 +8,7 @@ use crate::{
 use tresses::{
     Camera, Context, Hair, HairOptions, Pose, Space, View,
     collide::{Anchor, Collider, ColliderDescriptor, ColliderPoses, Shape},
-    frame::ViewPass,
+    frame::Drawing,
     glam::{DQuat, DVec3, Quat, Vec3},
     gpu::readback::blocking as readback,
     groom::{BindOptions, GuideCount, bind},
@@ -203,7 +203,7 @@ fn hair_at_several_places_is_drawn_together() {
         let [one, other] = &pair;
         let mut said = Ok(());
         submit(|recorder| {
-            said = recorder.draw(&[one, other], &[], ViewPass::new(&view, &scene));
+            said = recorder.draw(&[one, other], &[], &view, Drawing::new(&scene));
             Ok(())
         });
         said.map(|()| pollster::block_on(view.targets().read()).unwrap())

@@ -6,7 +6,7 @@ use tresses::{
     Camera, Context, Hair, HairOptions, Pose, View,
     body::Body,
     collide::ColliderPoses,
-    frame::{ViewContent, ViewPass},
+    frame::{Drawing, ViewContent},
     glam::Vec3,
     gpu::readback,
     groom::{BindOptions, bind},
@@ -72,8 +72,8 @@ impl Setup {
         let shown = view.map(DebugDisplay::new);
         let shows =
             shown.as_ref().map_or(ViewContent::Hair, |shown| ViewContent::Inside(&mut self.views, shown));
-        let sight = ViewPass { shows, ..ViewPass::new(&self.view, &self.scene) };
-        common::submit(|recorder| recorder.draw(&[&self.hair], &[&self.body], sight));
+        let sight = Drawing { shows, ..Drawing::new(&self.scene) };
+        common::submit(|recorder| recorder.draw(&[&self.hair], &[&self.body], &self.view, sight));
         pollster::block_on(self.view.targets().read()).unwrap()
     }
 
@@ -82,8 +82,8 @@ impl Setup {
     fn finer(&mut self, anew: bool) -> Vec<u8> {
         self.view.resize([120, 96], 2).unwrap();
         let shows = if anew { ViewContent::Hair } else { ViewContent::Again };
-        let sight = ViewPass { shows, ..ViewPass::new(&self.view, &self.scene) };
-        common::submit(|recorder| recorder.draw(&[&self.hair], &[&self.body], sight));
+        let sight = Drawing { shows, ..Drawing::new(&self.scene) };
+        common::submit(|recorder| recorder.draw(&[&self.hair], &[&self.body], &self.view, sight));
         let picture = pollster::block_on(self.view.targets().read()).unwrap();
         self.view.resize([120, 96], 1).unwrap();
         picture

@@ -10,7 +10,7 @@ use tresses::{
     Camera, Context, Hair, HairAsset, HairDescriptor, HairOptions, Pose, Result, View,
     body::Body,
     collide::ColliderDescriptor,
-    frame::ViewPass,
+    frame::Drawing,
     glam::{Mat4, Quat, Vec3},
     gpu::readback::blocking as readback,
     groom::{Groom, SdfGrid, Strands, TriMesh, bind},
@@ -150,7 +150,7 @@ pub fn picture(
 ) -> Vec<u8> {
     let (device, queue) = (context.device(), context.queue());
     let mut encoder = device.create_command_encoder(&Default::default());
-    context.recorder(&mut encoder).draw_strands(hair, bodies, ViewPass::new(view, picture)).expect("it fits");
+    context.recorder(&mut encoder).draw_strands(hair, bodies, view, Drawing::new(picture)).expect("it fits");
     queue.submit([encoder.finish()]);
     pollster::block_on(view.targets().read()).expect("a picture")
 }

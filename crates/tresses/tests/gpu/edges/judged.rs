@@ -9,7 +9,7 @@ use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8};
 use tresses::{
     Camera, Context, Hair, View,
     camera::ToneMap,
-    frame::ViewPass,
+    frame::Drawing,
     glam::Vec3,
     groom::{Groom, bind, import},
     light::{Lights, Sphere, material::linear},
@@ -54,7 +54,7 @@ fn shown(context: &Context, mode: Mode, hair: &Hair, radii: f32, finer: u32) -> 
         tone: ToneMap { exposure: 1.0, shoulder: 1.0, desaturation: 0.0 },
         ..Default::default()
     };
-    let draw = || common::submit(|recorder| recorder.draw(&[hair], &[], ViewPass::new(&view, &scene)));
+    let draw = || common::submit(|recorder| recorder.draw(&[hair], &[], &view, Drawing::new(&scene)));
     draw();
     if !pollster::block_on(view.is_complete()).expect("a device") {
         draw();

@@ -5,7 +5,7 @@ use crate::common;
 use tresses::{
     Context, View,
     body::Body,
-    frame::ViewPass,
+    frame::Drawing,
     gpu::{Timings, wall},
     light::HairSet,
     renderer::ShadingModel,
@@ -60,7 +60,7 @@ impl<'a> Studio<'a> {
         let mut timings = Timings::by(wall);
         let mut encoder = self.context.device().create_command_encoder(&Default::default());
         let mut recorder = self.context.recorder(&mut encoder).with_timings(Some(&mut timings));
-        recorder.draw_strands(&[hair], &[], ViewPass::new(&self.view, scene)).expect("it fits");
+        recorder.draw_strands(&[hair], &[], &self.view, Drawing::new(scene)).expect("it fits");
         self.context.queue().submit([encoder.finish()]);
         let bytes = pollster::block_on(self.view.targets().read()).expect("a picture");
         let see = timings.counts().iter().find(|(name, _)| *name == "see").expect("a row of that name");

@@ -5,7 +5,7 @@ use tresses::{
     Camera, Context, Hair, HairOptions, Pose, View,
     camera::ToneMap,
     drape,
-    frame::ViewPass,
+    frame::Drawing,
     glam::Vec3,
     gpu::readback::blocking as readback,
     groom::{Groom, SdfGrid, styles::Style},
@@ -93,7 +93,7 @@ impl Setup {
         if shot.fits {
             view.fit_light((&scene, 0.0), [1, 0]);
         }
-        common::submit(|recorder| recorder.draw(&[&*hair], &[], ViewPass::new(&view, &scene)));
+        common::submit(|recorder| recorder.draw(&[&*hair], &[], &view, Drawing::new(&scene)));
         let linear = |byte: u8| linear(f32::from(byte) / 255.0);
         let bytes = pollster::block_on(view.targets().read()).unwrap();
         let pixel = |p: &[u8; 4]| [linear(p[0]), linear(p[1]), linear(p[2]), f32::from(p[3]) / 255.0];

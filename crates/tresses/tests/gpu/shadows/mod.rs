@@ -10,7 +10,7 @@ use tangle::Tangle;
 use tresses::{
     Camera, Context, View,
     body::Body,
-    frame::ViewPass,
+    frame::Drawing,
     glam::{Quat, Vec3},
     light::{Directional, HairSet, Lights, Shadow, ShadowProbe, Shadows},
     math::hash::pcg,
@@ -62,7 +62,7 @@ impl<'a> Bench<'a> {
         let mut encoder = context.device().create_command_encoder(&Default::default());
         context
             .recorder(&mut encoder)
-            .draw_strands(&[hair], &bodies, ViewPass::new(view, scene))
+            .draw_strands(&[hair], &bodies, view, Drawing::new(scene))
             .expect("it fits");
         probe.record(&mut encoder).expect("it compiles");
         context.queue().submit([encoder.finish()]);
