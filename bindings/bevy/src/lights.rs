@@ -5,7 +5,7 @@
 //! including range and cone. If there are more than four lights, the strongest are used.
 
 use bevy::{camera::visibility::RenderLayers, prelude::*};
-use tresses::light::{Directional, Lights, Sky, lights::MAX_LIGHTS};
+use tresses::light::{Directional, Lights, MAX_LIGHTS, Sky};
 
 /// Kind and geometry of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,7 +4,7 @@
 //! spot light, or one of the six faces of a point light.
 
 use bevy::{ecs::system::SystemParam, prelude::*};
-use tresses::light::{SceneShadow, Sphere, lights::MAX_LIGHTS, scene::MOST_SCENE_SHADOWS};
+use tresses::light::{MAX_LIGHTS, SceneShadow, Sphere, scene::MOST_SCENE_SHADOWS};
 
 #[cfg(feature = "pbr")]
 use bevy::{
