@@ -116,7 +116,7 @@ impl Character {
 
     /// Creates another character of the same asset, at rest. Its pose, animation, material, level of detail, ties and
     /// the poses of its obstacles start as copies of this one's. Obstacles that come and go
-    /// ([`set_obstacles`](Self::set_obstacles)) and props are not copied.
+    /// ([`set_obstacles`](Self::set_obstacles)) and props are not copied. A [shaved](Self::shave) character stays so.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] when the adapter cannot hold it.
@@ -127,6 +127,7 @@ impl Character {
         if let (Some(body), Some(own)) = (&mut other.body, &self.body) {
             body.material = own.material;
         }
+        other.face.truncate(self.face.len());
         other.hair.tie_as(&self.hair)?;
         Ok(other)
     }
