@@ -107,6 +107,8 @@ fn instances_deform_and_move_independently() {
     assert!(still.iter().zip(&nodding).all(|(a, b)| a != b), "every groom goes with its own skin");
     assert!(first.head() == Pose::IDENTITY && second.head() != Pose::IDENTITY);
     assert!(first.shared_bytes() > 0 && second.own_bytes() < first.own_bytes() + first.shared_bytes());
+    second.shave();
+    assert_eq!(second.instance().unwrap().grooms().count(), 1, "instances of a shaved character are shaved");
 }
 
 #[test]
