@@ -49,7 +49,7 @@ impl BodyTextures {
 
 impl Body {
     /// Applies the material textures of the mesh that the body was created from. All must have the same
-    /// [size](Paint::level). They take 4 bytes per texel, and a third more for mip levels.
+    /// size (`Paint::level`). They take 4 bytes per texel, and a third more for mip levels.
     ///
     /// # Errors
     /// [`crate::groom::Error::Unusable`] for the paint of another mesh and for textures of different sizes;
