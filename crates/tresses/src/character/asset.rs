@@ -1,4 +1,4 @@
-//! What all instances of a character share.
+//! The data that all instances of a character share.
 
 use super::{
     CharacterParts, aside::BackgroundTask, facial, obstacles::Obstacles, parts::subject, rigged::RigAsset,
@@ -149,8 +149,9 @@ impl CharacterAsset {
                     false => VolumeOptions { resolution: 8, ..Default::default() },
                 };
                 let simulation = facial::physics(&options.hair.simulation, hangs);
+                let rest = facial::rest(&options.hair.rest);
                 let what = HairDescriptor {
-                    options: HairOptions { simulation, volume, ..Default::default() },
+                    options: HairOptions { simulation, rest, volume, ..Default::default() },
                     colliders: if hangs { colliders } else { ColliderDescriptor::default() },
                     ..Default::default()
                 };

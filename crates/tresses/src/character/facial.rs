@@ -10,7 +10,7 @@ use crate::{
         mannequin::facial::{self, Beard},
     },
     light::HairMaterial,
-    simulate::SimulationParams,
+    simulate::{RestOptions, SimulationParams},
     volume::HairHair,
     wind::Wind,
 };
@@ -90,4 +90,9 @@ pub(super) fn darker(material: &HairMaterial) -> HairMaterial {
 pub(super) fn physics(hair: &SimulationParams, hangs: bool) -> SimulationParams {
     let wind = if hangs { hair.wind } else { Wind::default() };
     SimulationParams { hair_hair: HairHair::OFF, wind, ..*hair }
+}
+
+/// Returns the rest options of a face groom: the support of the hair, the other defaults.
+pub(super) fn rest(hair: &RestOptions) -> RestOptions {
+    RestOptions { support: hair.support, ..RestOptions::default() }
 }

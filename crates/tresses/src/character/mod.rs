@@ -289,12 +289,15 @@ impl Character {
         self.face.iter_mut().for_each(|face| face.hair.set.material = darker);
     }
 
-    /// Computes the rest shape of the hair again, as [`HairAsset::set_rest`](crate::hair::HairAsset::set_rest), for all
-    /// instances.
+    /// Computes the rest shape of all grooms again, as [`HairAsset::set_rest`](crate::hair::HairAsset::set_rest), for
+    /// all instances. Face grooms take the physics and the support of the hair.
     ///
     /// # Errors
     /// As [`HairAsset::set_rest`](crate::hair::HairAsset::set_rest).
     pub fn set_rest(&mut self, physics: &SimulationParams, options: &RestOptions) -> Result<()> {
+        for Fringe { hair, hangs } in &mut self.face {
+            hair.set_rest(&facial::physics(physics, *hangs), &facial::rest(options))?;
+        }
         self.hair.set_rest(physics, options)
     }
 

@@ -1,4 +1,4 @@
-//! What the draw stages share: the HDR target of a view, and the inputs of its passes.
+//! The HDR target of a view and the inputs of its passes, shared by the draw stages.
 
 use crate::{
     Camera,

@@ -1,4 +1,4 @@
-//! What all hair of one groom shares.
+//! The data that all hair of one groom shares.
 
 use super::HairOptions;
 use crate::{
@@ -56,7 +56,7 @@ pub struct HairAsset {
     pub(crate) context: Context,
     pub(super) options: HairOptions,
     pub(super) rest: Guides,
-    /// Distances of the guide vertices from what they rest on.
+    /// Distances of the guide vertices from the surface that they rest on.
     distances: Vec<f32>,
     /// Roots of the strands in drawing order, groom space, meters.
     roots: Vec<Vec3>,
