@@ -3,7 +3,7 @@
 use crate::common;
 use std::sync::OnceLock;
 use tresses::{
-    Camera, Character, CharacterAsset, Context, Pose, View,
+    Camera, Character, CharacterAsset, Context, HairOptions, Pose, View,
     body::Body,
     budget::Budget,
     character::{
@@ -14,11 +14,16 @@ use tresses::{
     gpu::readback::blocking as readback,
     groom::{grow::Growth, mannequin::facial::Beard, styles::Style},
     lod::{LodMode, LodOptions},
+    simulate::{RestOptions, SimulationParams},
     view::Picture,
 };
 
 /// Creates the built-in character with few strands, brows, lashes and a hanging beard.
 fn bearded(context: &Context) -> Character {
+    bearded_with(context, HairOptions::default())
+}
+
+fn bearded_with(context: &Context, hair: HairOptions) -> Character {
     static PARTS: OnceLock<CharacterParts> = OnceLock::new();
     let parts = PARTS.get_or_init(|| {
         let style = Style::default();
@@ -30,7 +35,7 @@ fn bearded(context: &Context) -> Character {
         };
         pollster::block_on(source.dress(&styling, &())).unwrap()
     });
-    let options = CharacterOptions::default();
+    let options = CharacterOptions { hair, ..CharacterOptions::default() };
     let asset = pollster::block_on(CharacterAsset::new(context, parts.clone(), &options, &())).unwrap();
     let mut character = Character::new(&asset).unwrap();
     character.set_lod(LodOptions { mode: LodMode::Off, ..LodOptions::default() });
@@ -109,6 +114,21 @@ fn instances_deform_and_move_independently() {
     assert!(first.shared_bytes() > 0 && second.own_bytes() < first.own_bytes() + first.shared_bytes());
     second.shave();
     assert_eq!(second.instance().unwrap().grooms().count(), 1, "instances of a shaved character are shaved");
+}
+
+#[test]
+fn rest_of_all_grooms_follows_the_support() {
+    let Some(context) = common::context() else { return };
+    let rest = RestOptions { support: 1000.0, ..Default::default() };
+    let infos = |character: &Character| -> Vec<Vec<u32>> {
+        character.grooms().map(|hair| readback::buffer(context, &hair.guides.info).unwrap()).collect()
+    };
+    let mut soft = bearded(context);
+    let before = infos(&soft);
+    let expected = infos(&bearded_with(context, HairOptions { rest, ..Default::default() }));
+    assert!(before.iter().zip(&expected).skip(1).any(|(a, b)| a != b), "a face groom needs support");
+    soft.set_rest(&SimulationParams::default(), &rest).unwrap();
+    assert!(infos(&soft) == expected);
 }
 
 #[test]
