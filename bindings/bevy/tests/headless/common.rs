@@ -19,7 +19,7 @@ use bevy::{
     winit::WinitPlugin,
 };
 use bevy_tresses::{HairGroom, HairReady, TressesPlugin, groom::Strands, tri_mesh};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tresses::{Context, gpu::readback};
 
 /// Width and height of the images.
@@ -115,9 +115,10 @@ pub fn light(app: &mut App) -> Entity {
     app.world_mut().spawn((DirectionalLight::default(), place)).id()
 }
 
-/// Updates the app until all hair is ready.
+/// Updates the app until all hair is ready, for as long as a machine takes that runs all tests at the same time.
 pub fn wait(app: &mut App) {
-    for _ in 0..2000 {
+    let deadline = Instant::now() + Duration::from_secs(300);
+    while Instant::now() < deadline {
         app.update();
         let mut hair = app.world_mut().query::<&HairReady>();
         if hair.iter(app.world()).all(HairReady::get) {
@@ -125,7 +126,7 @@ pub fn wait(app: &mut App) {
         }
         std::thread::sleep(Duration::from_millis(5));
     }
-    panic!("hair does not come");
+    panic!("hair is not ready after five minutes");
 }
 
 /// Returns the content of an image after `frames` more frames.
