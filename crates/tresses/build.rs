@@ -1,7 +1,8 @@
 //! Links each shader of `src/**/*.wesl` with an entry point into one plain WGSL file in `OUT_DIR`. Writes the tables
 //! `shaders.rs`, which `src/shaders.rs` includes: plain shaders, and shaders with a variant for each value of a
 //! constant (`constants::VARIANTS`). Variants differ in one line and are stored once. Shaders import shared structs
-//! from the module `structs`, which `build/structs.rs` generates.
+//! from the module `structs`, which `build/structs.rs` generates. `build/kernels.rs` generates a Rust struct for the
+//! bindings of each compute shader.
 
 use std::{
     env, fs,
@@ -15,6 +16,8 @@ use wesl::{
 
 #[path = "src/constants.rs"]
 mod constants;
+#[path = "build/kernels.rs"]
+mod kernels;
 #[path = "build/structs.rs"]
 mod structs;
 
@@ -31,14 +34,9 @@ fn main() {
     let mut options = wesl::CompileOptions::default();
     let mut table = String::from("const PLAIN: &[(&str, &str)] = &[\n");
     let mut varied = String::from("const VARIED: &[(&str, &str, &str, &[u32])] = &[\n");
+    let (mut sources, mut shaders) = (Vec::new(), Vec::new());
     for file in files(Path::new("src"), "wesl") {
         let text = fs::read_to_string(&file).expect("a shader is readable");
-        // A library module for a host's shaders, without an entry point.
-        let outside = file.ends_with("outside.wesl");
-        if !outside && !["@compute", "@vertex", "@fragment"].iter().any(|e| text.contains(e)) {
-            continue;
-        }
-        options.keep_main = outside;
         let module = file
             .strip_prefix("src")
             .expect("found below src")
@@ -47,6 +45,13 @@ fn main() {
             .map(|part| part.to_str().expect("shader paths are ASCII"))
             .collect::<Vec<_>>()
             .join("::");
+        sources.push((module.clone(), text.clone()));
+        // A library module for a host's shaders, without an entry point.
+        let outside = file.ends_with("outside.wesl");
+        if !outside && !["@compute", "@vertex", "@fragment"].iter().any(|e| text.contains(e)) {
+            continue;
+        }
+        options.keep_main = outside;
         let variants = constants::VARIANTS.iter().find(|(of, ..)| *of == module);
         let in_workgroup = constants::IN_WORKGROUP.iter().find(|(of, _)| *of == module);
         let bytes = in_workgroup.map(|(_, bytes)| ("STRAND_BYTES", *bytes));
@@ -69,6 +74,9 @@ fn main() {
             let text = linked.syntax.to_string();
             let file = out.join(format!("{}.wgsl", name.replace("::", "_")));
             fs::write(&file, &text).expect("OUT_DIR is writable");
+            if !workgroup {
+                shaders.push((module.clone(), text.clone()));
+            }
             let Some((_, constant, values)) = variants else {
                 table += &format!("    ({name:?}, include_str!({file:?})),\n");
                 continue;
@@ -81,6 +89,13 @@ fn main() {
         }
     }
     fs::write(out.join("shaders.rs"), table + "];\n" + &varied + "];\n").expect("OUT_DIR is writable");
+    let tables = kernels::Tables {
+        families: constants::FAMILIES,
+        dynamic: constants::DYNAMIC,
+        elements: constants::ELEMENTS,
+    };
+    fs::write(out.join("kernels.rs"), kernels::generate(&sources, &shaders, &tables))
+        .expect("OUT_DIR is writable");
 }
 
 fn module_path(path: &str) -> ModulePath {

@@ -56,6 +56,46 @@ pub const VARIANTS: &[(&str, &str, &[u32])] = &[
 #[allow(dead_code)]
 pub const IN_WORKGROUP: &[(&str, u32)] = &[("simulate::step", STEP_BYTES), ("simulate::twist", TWIST_BYTES)];
 
+/// Shaders that share a bind group: the struct of their bindings, and their modules.
+#[allow(dead_code)]
+pub const FAMILIES: &[(&str, &[&str])] = &[
+    ("simulate::Step", &["simulate::step", "simulate::twist"]),
+    ("volume::Blur", &["volume::blur_x", "volume::blur_y"]),
+    ("light::Shading", &["light::shade", "light::knots", "light::terms", "draw::classic::arrive"]),
+    (
+        "light::ShadowMaps",
+        &[
+            "light::splat",
+            "light::strand_map",
+            "light::blocks",
+            "light::front",
+            "light::cover",
+            "light::stack",
+        ],
+    ),
+    ("light::ambient::Sweep", &["light::ambient::sweep", "light::ambient::shine"]),
+    ("light::ambient::Gather", &["light::ambient::gather", "light::ambient::collect"]),
+];
+
+/// Bindings of kernels with a dynamic offset, by name or struct.
+#[allow(dead_code)]
+pub const DYNAMIC: &[&str] =
+    &["StepUniforms", "VolumeUniforms", "WindUniforms", "AirUniforms", "GrabUniform", "round"];
+
+/// Structs in typed buffers ([`crate::gpu::Buffer`]): the WGSL name, and the Rust type.
+#[allow(dead_code)]
+pub const ELEMENTS: &[(&str, &str)] = &[
+    ("Guide", "strands::Guide"),
+    ("PackedGuide", "strands::PackedGuide"),
+    ("GuideForce", "strands::GuideForce"),
+    ("GuideSample", "strands::GuideSample"),
+    ("RootMotion", "strands::RootMotion"),
+    ("Strand", "strands::Strand"),
+    ("StrandBinding", "strands::StrandBinding"),
+    ("PackedRest", "strands::PackedRest"),
+    ("StrandVertex", "strands::StrandVertex"),
+];
+
 /// Workgroup memory per vertex of `simulate::step`, bytes: eight vectors.
 pub const STEP_BYTES: u32 = 8 * 16;
 /// Workgroup memory per vertex of `simulate::twist`, bytes: 13 vectors and a number.

@@ -4,6 +4,11 @@ use std::sync::OnceLock;
 
 include!(concat!(env!("OUT_DIR"), "/shaders.rs"));
 
+/// The bindings of each compute shader as a struct with named fields, for [`crate::gpu::Kernel`].
+pub(crate) mod kernels {
+    include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
+}
+
 /// Returns the linked WGSL of `module`, for example `simulate::links` or `simulate::step::16`.
 pub(crate) fn source(module: &str) -> &'static str {
     find(module).1

@@ -5,7 +5,7 @@ use crate::{
     Context, Result,
     camera::{Camera, CameraUniform, ToneMap},
     draw::{self, Targets, targets::PICTURE_FORMAT},
-    gpu::bindings,
+    gpu::{BindBuffer, bindings},
     light::{
         self, FrameLight, HairSet, HairShading, HairView, Lights, Part, ShadingSubset, Shadows, Sphere, Zone,
         Zones,
@@ -190,7 +190,7 @@ impl View {
     /// ([`light::unpack_radiance`]), or eight bytes of incident light with per-pixel shading.
     pub fn shaded(&self, hair: &HairSet) -> Option<wgpu::Buffer> {
         let shaded = self.lock();
-        shaded.iter().find(|(of, _)| of[0] == hair.strands.vertices).map(|(_, shaded)| shaded.colors.clone())
+        shaded.iter().find(|(of, _)| of[0] == *hair.strands.vertices).map(|(_, shaded)| shaded.colors.clone())
     }
 
     /// Returns a shader for selected segments of `hair`: those whose bit is set in `seen`, indexed by their first
@@ -199,19 +199,13 @@ impl View {
     /// # Errors
     /// [`crate::Error::Limit`].
     pub fn chosen(&self, hair: &HairSet, seen: &wgpu::Buffer) -> Result<ShadingSubset> {
-        let of = [&hair.strands.vertices, &self.light.lights];
+        let of = [&*hair.strands.vertices, &self.light.lights];
         let shaded = self.lock().iter().find(|(known, _)| known.each_ref() == of).map(|(_, s)| s.clone());
         let shaded = match shaded {
             Some(shaded) => shaded,
             None => self.shares(&[hair], &[&self.light], ShadingRate::PerVertex)?.remove(0),
         };
-        ShadingSubset::new(
-            &self.context,
-            (&self.light, &self.camera),
-            hair,
-            &shaded,
-            seen.as_entire_binding(),
-        )
+        ShadingSubset::new(&self.context, (&self.light, &self.camera), hair, &shaded, seen.entire())
     }
 
     /// Sets the lighting zones from the next image on. Grooms and bodies in a zone are lit by it, all others by the
@@ -291,7 +285,7 @@ impl View {
         let mut known = self.lock();
         let mut before = std::mem::take(&mut *known);
         let shares = hair.iter().zip(lights).map(|(set, light)| {
-            let of = [set.strands.vertices.clone(), light.lights.clone()];
+            let of = [(*set.strands.vertices).clone(), light.lights.clone()];
             // The same hair may be listed twice.
             let again = || known.iter().find(|(known, _)| *known == of).map(|(_, shaded)| shaded.clone());
             let kept = before.iter().position(|(other, _)| *other == of).map(|i| before.swap_remove(i).1);

@@ -5,7 +5,8 @@ use crate::{
     Context,
     collide::{self, ColliderSet},
     constants::{HIT_RUN, STRAND_WORKGROUP},
-    gpu::{Binding, Kernel, PipelineSet},
+    gpu::{BindBuffer, Kernel, PipelineSet},
+    shaders::kernels::avoid as kernels,
     strands::{GuideBuffers, StrandBuffers},
 };
 
@@ -27,17 +28,12 @@ pub(crate) struct AvoidGroups {
 
 impl PipelineSet for Pipelines {
     fn new(context: &Context) -> Self {
-        let Context { device, .. } = context;
+        let device = &context.device;
         let colliders = collide::layout(device);
-        let kernel = |module, storage: &[Binding]| {
-            let entries = [&[Binding::Uniform], storage].concat();
-            Kernel::beside(&context.device, module, &entries, &[&colliders])
-        };
-        let (read, write) = (Binding::Storage, Binding::StorageMut);
         Self {
-            first_hit: kernel("avoid::first_hit", &[read, read, write]),
-            push_out: kernel("avoid::push_out", &[read, write, write]),
-            change_over: kernel("avoid::change_over", &[read, read, read, write, write]),
+            first_hit: Kernel::beside::<kernels::FirstHit>(device, &[&colliders]),
+            push_out: Kernel::beside::<kernels::PushOut>(device, &[&colliders]),
+            change_over: Kernel::beside::<kernels::ChangeOver>(device, &[&colliders]),
         }
     }
 
@@ -56,15 +52,29 @@ impl Pipelines {
         guides: &GuideBuffers,
         strands: &StrandBuffers,
     ) -> AvoidGroups {
-        let bind = |kernel: &Kernel, buffers: &[&wgpu::Buffer]| {
-            let buffers = [&[params], buffers].concat();
-            kernel.bind(&buffers.iter().map(|b| b.as_entire_binding()).collect::<Vec<_>>())
-        };
-        let StrandBuffers { bindings, rest, vertices, .. } = strands;
+        let (params, states) = (|| params.entire(), || states.entire());
+        let (rest, vertices) = (|| strands.rest.entire(), || strands.vertices.entire());
         AvoidGroups {
-            first_hit: bind(&self.first_hit, &[rest, vertices, states]),
-            push_out: bind(&self.push_out, &[rest, vertices, states]),
-            change_over: bind(&self.change_over, &[&guides.samples, bindings, rest, vertices, states]),
+            first_hit: self.first_hit.bind(&kernels::FirstHit {
+                params: params(),
+                rest: rest(),
+                vertices: vertices(),
+                states: states(),
+            }),
+            push_out: self.push_out.bind(&kernels::PushOut {
+                params: params(),
+                rest: rest(),
+                vertices: vertices(),
+                states: states(),
+            }),
+            change_over: self.change_over.bind(&kernels::ChangeOver {
+                params: params(),
+                samples: guides.samples.entire(),
+                bindings: strands.bindings.entire(),
+                rest: rest(),
+                vertices: vertices(),
+                states: states(),
+            }),
         }
     }
 

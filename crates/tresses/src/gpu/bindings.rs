@@ -1,4 +1,9 @@
-//! Bind group layouts by position: the nth entry is `@binding(n)`.
+//! Bind group layouts and what they bind.
+//!
+//! Kernels bind by name: `build/kernels.rs` generates a struct for the bindings of each, and [`Kernel::bind`] takes it.
+//! Draw pipelines bind by position: the nth entry is `@binding(n)`.
+//!
+//! [`Kernel::bind`]: super::Kernel::bind
 //!
 //! **Uniforms and lavapipe.** Mesa's lavapipe (seen in 22.3.6: `lvp_inline_uniforms.c`) inlines uniforms that alone
 //! decide loops and branches: it compiles a copy of the shader for each bind, and keeps all copies as long as the
@@ -7,6 +12,7 @@
 //! driver does not inline. `apps/cli/tests/command/memory.rs` tests this.
 
 use super::handle::Device;
+use std::{marker::PhantomData, ops::Deref};
 use wgpu::{BindingType, BufferBindingType, SamplerBindingType, TextureSampleType, TextureViewDimension};
 
 /// Type of the resource at one binding.
@@ -134,6 +140,110 @@ impl Binding {
     }
 }
 
+/// The `@group(0)` of a kernel: one field per binding.
+pub(crate) trait Bindings {
+    /// Modules of the kernels that bind it.
+    const MODULES: &'static [&'static str];
+    /// Number and type of each binding.
+    const LAYOUT: &'static [(u32, Binding)];
+
+    /// Returns the resources in the order of [`LAYOUT`](Self::LAYOUT).
+    fn resources(&self) -> Vec<wgpu::BindingResource<'_>>;
+}
+
+/// A value that a kernel binds.
+pub(crate) trait Resource {
+    /// Returns the resource of a bind group.
+    fn resource(&self) -> wgpu::BindingResource<'_>;
+}
+
+impl Resource for &wgpu::TextureView {
+    fn resource(&self) -> wgpu::BindingResource<'_> {
+        wgpu::BindingResource::TextureView(self)
+    }
+}
+
+impl Resource for &wgpu::Sampler {
+    fn resource(&self) -> wgpu::BindingResource<'_> {
+        wgpu::BindingResource::Sampler(self)
+    }
+}
+
+/// Content of a buffer that only shaders declare, or whose type no other buffer has.
+#[derive(Debug)]
+pub(crate) enum Opaque {}
+
+/// A buffer or a part of it, with elements of `T`.
+#[derive(Debug)]
+pub(crate) struct BufferBinding<'a, T> {
+    part: wgpu::BufferBinding<'a>,
+    element: PhantomData<fn() -> T>,
+}
+
+impl<T> Clone for BufferBinding<'_, T> {
+    fn clone(&self) -> Self {
+        Self { part: self.part.clone(), element: PhantomData }
+    }
+}
+
+impl<T> Resource for BufferBinding<'_, T> {
+    fn resource(&self) -> wgpu::BindingResource<'_> {
+        wgpu::BindingResource::Buffer(self.part.clone())
+    }
+}
+
+/// Binds a buffer whose type does not say what it holds: the caller is responsible for the type of the elements.
+pub(crate) trait BindBuffer {
+    /// Binds the whole buffer.
+    fn entire<T>(&self) -> BufferBinding<'_, T> {
+        self.part(0, None)
+    }
+
+    /// Binds `size` bytes from the byte `offset`, or all after it.
+    fn part<T>(&self, offset: u64, size: Option<u64>) -> BufferBinding<'_, T>;
+}
+
+impl BindBuffer for wgpu::Buffer {
+    fn part<T>(&self, offset: u64, size: Option<u64>) -> BufferBinding<'_, T> {
+        let size = size.and_then(wgpu::BufferSize::new);
+        BufferBinding { part: wgpu::BufferBinding { buffer: self, offset, size }, element: PhantomData }
+    }
+}
+
+/// A buffer with elements of `T`. Kernels that read other elements from it do not compile.
+#[derive(Debug)]
+pub struct Buffer<T> {
+    buffer: wgpu::Buffer,
+    element: PhantomData<fn() -> T>,
+}
+
+impl<T> Buffer<T> {
+    /// Binds the whole buffer.
+    pub(crate) fn entire(&self) -> BufferBinding<'_, T> {
+        self.buffer.entire()
+    }
+}
+
+impl<T> From<wgpu::Buffer> for Buffer<T> {
+    fn from(buffer: wgpu::Buffer) -> Self {
+        Self { buffer, element: PhantomData }
+    }
+}
+
+impl<T> Clone for Buffer<T> {
+    fn clone(&self) -> Self {
+        self.buffer.clone().into()
+    }
+}
+
+impl<T> Deref for Buffer<T> {
+    type Target = wgpu::Buffer;
+
+    fn deref(&self) -> &wgpu::Buffer {
+        &self.buffer
+    }
+}
+
 /// Creates a layout whose nth entry is `entries[n]`, visible to `stages`.
 pub fn layout(
     device: &wgpu::Device,
@@ -141,16 +251,23 @@ pub fn layout(
     stages: wgpu::ShaderStages,
     entries: &[Binding],
 ) -> wgpu::BindGroupLayout {
-    let entries: Vec<_> = entries
-        .iter()
-        .enumerate()
-        .map(|(binding, entry)| wgpu::BindGroupLayoutEntry {
-            binding: binding as u32,
-            visibility: stages,
-            ty: entry.ty(),
-            count: None,
-        })
-        .collect();
+    numbered(device, label, stages, (0..).zip(entries.iter().copied()))
+}
+
+/// Creates a layout of bindings with their numbers, visible to `stages`.
+pub(super) fn numbered(
+    device: &wgpu::Device,
+    label: &str,
+    stages: wgpu::ShaderStages,
+    entries: impl Iterator<Item = (u32, Binding)>,
+) -> wgpu::BindGroupLayout {
+    let entry = |(binding, entry): (u32, Binding)| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: stages,
+        ty: entry.ty(),
+        count: None,
+    };
+    let entries: Vec<_> = entries.map(entry).collect();
     device
         .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
 }
@@ -162,34 +279,48 @@ pub fn group(
     layout: &wgpu::BindGroupLayout,
     resources: &[wgpu::BindingResource<'_>],
 ) -> wgpu::BindGroup {
-    let entries: Vec<_> = resources
-        .iter()
-        .enumerate()
-        .map(|(binding, resource)| wgpu::BindGroupEntry {
-            binding: binding as u32,
-            resource: resource.clone(),
-        })
-        .collect();
+    let entry = |(binding, resource)| wgpu::BindGroupEntry {
+        binding,
+        resource: wgpu::BindingResource::clone(resource),
+    };
+    let entries: Vec<_> = (0..).zip(resources).map(entry).collect();
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }
 
 impl Device {
-    /// As [`group`], and notifies the probe.
+    /// Creates a bind group whose nth resource is `resources[n]`, and notifies the probe.
     pub fn group(
         &self,
         label: &str,
         layout: &wgpu::BindGroupLayout,
         resources: &[wgpu::BindingResource<'_>],
     ) -> wgpu::BindGroup {
-        let group = group(self, label, layout, resources);
+        self.numbered_group(label, layout, (0..).zip(resources.iter().cloned()).collect())
+    }
+
+    /// As [`group`](Self::group), of resources with their binding numbers.
+    pub(super) fn numbered_group(
+        &self,
+        label: &str,
+        layout: &wgpu::BindGroupLayout,
+        resources: Vec<(u32, wgpu::BindingResource<'_>)>,
+    ) -> wgpu::BindGroup {
+        let mut bytes = vec![0; resources.last().map_or(0, |(last, _)| *last as usize + 1)];
+        for (binding, resource) in &resources {
+            if let wgpu::BindingResource::Buffer(part) = resource {
+                bytes[*binding as usize] =
+                    part.size.map_or(part.buffer.size() - part.offset, wgpu::BufferSize::get);
+            }
+        }
+        let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
+        let entries: Vec<_> = resources.into_iter().map(entry).collect();
+        let group = self.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(label),
+            layout,
+            entries: &entries,
+        });
         if let Some(probe) = &self.probe {
-            let bytes = |resource: &wgpu::BindingResource<'_>| match resource {
-                wgpu::BindingResource::Buffer(part) => {
-                    part.size.map_or(part.buffer.size() - part.offset, wgpu::BufferSize::get)
-                }
-                _ => 0,
-            };
-            probe.bound(&group, resources.iter().map(bytes).collect());
+            probe.bound(&group, bytes);
         }
         group
     }

@@ -1,7 +1,7 @@
 //! A compute kernel: one linked shader, one pipeline, its own bind group layout and those it shares with other kernels.
 
 use super::{
-    bindings::{self, Binding},
+    bindings::{self, Bindings},
     handle::Device,
     pipeline,
 };
@@ -14,6 +14,7 @@ use std::sync::OnceLock;
 pub struct Kernel {
     device: Device,
     module: &'static str,
+    modules: &'static [&'static str],
     layout: wgpu::BindGroupLayout,
     shared: Vec<wgpu::BindGroupLayout>,
     pipeline: OnceLock<Result<wgpu::ComputePipeline, String>>,
@@ -32,24 +33,30 @@ pub(crate) fn jobs<'a>(kernels: impl IntoIterator<Item = &'a Kernel>) -> Vec<Job
 }
 
 impl Kernel {
-    /// Creates the kernel of the shader `module` (for example `simulate::step`). Its entry point is named after the
-    /// last part of the module, and its nth binding is `entries[n]`.
-    pub(crate) fn new(device: &Device, module: &'static str, entries: &[Binding]) -> Self {
-        Self::beside(device, module, entries, &[])
+    /// Creates the kernel whose bindings are `B`. Its entry point is named after the last part of its module.
+    pub(crate) fn new<B: Bindings>(device: &Device) -> Self {
+        Self::beside::<B>(device, &[])
     }
 
     /// As [`new`](Self::new), for a shader that also binds groups of the layouts `shared`, `@group(1)` first. The
     /// caller sets them on the pass before [`record`](Self::record).
-    pub(crate) fn beside(
+    pub(crate) fn beside<B: Bindings>(device: &Device, shared: &[&wgpu::BindGroupLayout]) -> Self {
+        Self::named::<B>(device, B::MODULES[0], shared)
+    }
+
+    /// As [`beside`](Self::beside), for one of several shaders with these bindings, or a variant of one (for example
+    /// `simulate::step::16`).
+    pub(crate) fn named<B: Bindings>(
         device: &Device,
         module: &'static str,
-        entries: &[Binding],
         shared: &[&wgpu::BindGroupLayout],
     ) -> Self {
+        let layout = B::LAYOUT.iter().copied();
         Self {
             device: device.clone(),
             module,
-            layout: bindings::layout(device, module, wgpu::ShaderStages::COMPUTE, entries),
+            modules: B::MODULES,
+            layout: bindings::numbered(device, module, wgpu::ShaderStages::COMPUTE, layout),
             shared: shared.iter().map(|layout| (*layout).clone()).collect(),
             pipeline: OnceLock::new(),
         }
@@ -83,8 +90,10 @@ impl Kernel {
     }
 
     /// Creates a bind group for [`record`](Self::record).
-    pub fn bind(&self, resources: &[wgpu::BindingResource<'_>]) -> wgpu::BindGroup {
-        self.device.group(self.module, &self.layout, resources)
+    pub(crate) fn bind<B: Bindings>(&self, bindings: &B) -> wgpu::BindGroup {
+        assert_eq!(self.modules, B::MODULES, "bindings of another kernel");
+        let resources = B::LAYOUT.iter().map(|(binding, _)| *binding).zip(bindings.resources());
+        self.device.numbered_group(self.module, &self.layout, resources.collect())
     }
 
     /// Records a dispatch of `workgroups` workgroups. More than 65,535 are spread over two dimensions: the kernel

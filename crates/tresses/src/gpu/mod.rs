@@ -1,4 +1,4 @@
-//! Thin helpers over wgpu: opening a device, bind group layouts by position, compute kernels, read-back for tests and
+//! Thin helpers over wgpu: opening a device, bind group layouts, compute kernels, read-back for tests and
 //! headless use, timings. None is required of a caller that owns its device.
 
 pub mod bindings;
@@ -19,7 +19,8 @@ mod sets;
 mod tier;
 pub mod timings;
 
-pub use bindings::Binding;
+pub(crate) use bindings::{BindBuffer, Bindings, BufferBinding, Opaque, Resource};
+pub use bindings::{Binding, Buffer};
 pub use commands::{Commands, ComputePass, RenderPass};
 pub use context::Context;
 pub use counts::Counts;

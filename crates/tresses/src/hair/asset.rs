@@ -123,7 +123,7 @@ impl HairAsset {
         let forces = u64::from(guide_count) * u64::from(n) * size_of::<GuideForce>() as u64;
         let scratch = knot_bytes([count, vertex_count]).max(options.volume.cell_bytes()?).max(forces);
         let scratch = storage::<u8>(device, "scratch of a groom", scratch)?;
-        let guide_asset = GuideAsset::new(context, [guide_count, n, sample_count], scratch.clone())?;
+        let guide_asset = GuideAsset::new(context, [guide_count, n, sample_count], scratch.clone().into())?;
         rest.write(context, &guide_asset.info, &guide_asset.rest);
 
         let strand_asset = StrandAsset::new(context, count, vertex_count)?;

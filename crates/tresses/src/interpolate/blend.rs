@@ -3,7 +3,8 @@
 use crate::{
     Context,
     constants::STRAND_WORKGROUP,
-    gpu::{Binding, Kernel, PipelineSet, bindings},
+    gpu::{BindBuffer, Kernel, PipelineSet, bindings},
+    shaders::kernels::interpolate as kernels,
     strands::{GuideBuffers, StrandBuffers},
     tessellate::Tessellation,
 };
@@ -51,17 +52,8 @@ pub(crate) struct Pipelines {
 
 impl PipelineSet for Pipelines {
     fn new(context: &Context) -> Self {
-        use Binding::{Storage, StorageMut, Uniform};
-        let walk = [Uniform, Storage, Storage, Storage, Storage, Storage];
-        let follow = [&walk[..], &[Uniform, Storage, Storage, StorageMut]].concat();
-        Self {
-            blend: Kernel::new(
-                &context.device,
-                "interpolate::blend",
-                &[Uniform, Storage, Storage, Storage, StorageMut, Storage],
-            ),
-            follow: Kernel::new(&context.device, "interpolate::follow", &follow),
-        }
+        let device = &context.device;
+        Self { blend: Kernel::new::<kernels::Blend>(device), follow: Kernel::new::<kernels::Follow>(device) }
     }
 
     fn kernels(&self) -> Vec<&Kernel> {
@@ -84,9 +76,14 @@ impl Interpolation {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
         let params = bindings::uniform(device, "interpolate", size_of::<InterpolateParams>());
-        let StrandBuffers { bindings: bound, rest, vertices, roots, .. } = strands;
-        let buffers = [&params, &guides.samples, bound, rest, vertices, roots];
-        let group = pipelines.blend.bind(&buffers.map(|buffer| buffer.as_entire_binding()));
+        let group = pipelines.blend.bind(&kernels::Blend {
+            params: params.entire(),
+            samples: guides.samples.entire(),
+            bindings: strands.bindings.entire(),
+            rest: strands.rest.entire(),
+            vertices: strands.vertices.entire(),
+            roots: strands.roots.entire(),
+        });
         Self { pipelines, params, group, follows: false }
     }
 
@@ -101,10 +98,14 @@ impl Interpolation {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
         let params = bindings::uniform(device, "interpolate", size_of::<InterpolateParams>());
-        let StrandBuffers { bindings: bound, rest, vertices, .. } = strands;
-        let buffers = [&tessellation.walk(guides)[..], &[&params, bound, rest, vertices]].concat();
-        let buffers: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
-        Self { group: pipelines.follow.bind(&buffers), pipelines, params, follows: true }
+        let group = pipelines.follow.bind(&kernels::Follow {
+            walk: tessellation.walk(guides),
+            drawn: params.entire(),
+            bindings: strands.bindings.entire(),
+            curves: strands.rest.entire(),
+            vertices: strands.vertices.entire(),
+        });
+        Self { group, pipelines, params, follows: true }
     }
 
     /// Writes the uniform of a frame for the drawn part of `strands`.

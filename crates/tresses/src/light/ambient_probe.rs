@@ -1,7 +1,11 @@
 //! Evaluates ambient light at arbitrary points, for tests and measurements.
 
 use super::{LightState, asked::PointQuery};
-use crate::{Context, Result, gpu::Binding};
+use crate::{
+    Context, Result,
+    gpu::{BindBuffer, Kernel},
+    shaders::kernels::light::ambient as kernels,
+};
 use glam::{Vec3, Vec4};
 
 /// Ambient light at a point, averaged over a set of directions.
@@ -24,12 +28,19 @@ impl AmbientProbe {
     /// # Errors
     /// [`crate::Error::Limit`] when the adapter cannot hold the points.
     pub fn new(context: &Context, light: &LightState, points: &[(Vec3, Vec3)]) -> Result<Self> {
-        use Binding::{Comparison, DepthArray, Sampler, Storage, Texture3d, Uniform};
-        let entries = [Uniform, DepthArray, Comparison, Storage, Storage, Texture3d, Sampler];
-        let frame = entries.into_iter().zip(light.resources());
         let words: Vec<_> =
             points.iter().flat_map(|(at, middle)| [at.extend(0.0), middle.extend(0.0)]).collect();
-        Ok(Self(PointQuery::new(context, "light::ambient::ask", (&words, points.len()), frame)?))
+        let (transmittance, ambient) = (light.transmittance(), light.ambient());
+        let bind = |kernel: &Kernel, points: &wgpu::Buffer, answers: &wgpu::Buffer| {
+            kernel.bind(&kernels::Ask {
+                points: points.entire(),
+                transmittance,
+                ambient,
+                answers: answers.entire(),
+            })
+        };
+        let query = PointQuery::new::<kernels::Ask<'_>>(context, &words, points.len(), bind);
+        Ok(Self(query?))
     }
 
     /// Records the evaluation. Call it after [`Recorder::light`](crate::frame::Recorder::light).

@@ -3,7 +3,7 @@
 use crate::{
     Context, Result,
     constants::STRAND_WORKGROUP,
-    gpu::{Binding, Kernel, readback},
+    gpu::{Bindings, Kernel, readback},
     strands::buffers::storage,
 };
 use bytemuck::Pod;
@@ -21,30 +21,23 @@ pub(super) struct PointQuery<A> {
 }
 
 impl<A: Pod> PointQuery<A> {
-    /// Uploads `words`, which describe `points` points. The kernel in `module` binds them, then the `frame` resources
-    /// (with their layouts), then the results.
+    /// Uploads `words`, which describe `points` points, for the kernel of `B`. `bind` creates its bind group for the
+    /// words and the results.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] when the adapter cannot hold the buffers.
-    pub(super) fn new<'a>(
+    pub(super) fn new<B: Bindings>(
         context: &Context,
-        module: &'static str,
-        (words, points): (&[Vec4], usize),
-        frame: impl IntoIterator<Item = (Binding, wgpu::BindingResource<'a>)>,
+        words: &[Vec4],
+        points: usize,
+        bind: impl FnOnce(&Kernel, &wgpu::Buffer, &wgpu::Buffer) -> wgpu::BindGroup,
     ) -> Result<Self> {
         let Context { device, queue, .. } = context;
-        let buffer = storage::<Vec4>(device, module, words.len().max(1) as u64)?;
+        let kernel = Kernel::new::<B>(device);
+        let buffer = storage::<Vec4>(device, "points", words.len().max(1) as u64)?;
         queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
-        let answers = storage::<A>(device, module, points.max(1) as u64)?;
-        let (mut entries, mut resources) = (vec![Binding::Storage], vec![buffer.as_entire_binding()]);
-        for (entry, resource) in frame {
-            entries.push(entry);
-            resources.push(resource);
-        }
-        entries.push(Binding::StorageMut);
-        resources.push(answers.as_entire_binding());
-        let kernel = Kernel::new(&context.device, module, &entries);
-        let group = kernel.bind(&resources);
+        let answers = storage::<A>(device, "answers", points.max(1) as u64)?;
+        let group = bind(&kernel, &buffer, &answers);
         Ok(Self {
             context: context.clone(),
             kernel,

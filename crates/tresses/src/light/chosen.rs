@@ -1,10 +1,11 @@
 //! Shading of the visible strand vertices of a groom only.
 
-use super::{HairSet, HairShading, LightState, Pipelines, hair::shade_resources};
+use super::{HairSet, HairShading, LightState, Pipelines};
 use crate::{
     Context, Result,
     constants::STRAND_WORKGROUP,
-    gpu::{Commands, Kernel},
+    gpu::{BindBuffer, BufferBinding, Commands, Kernel},
+    shaders::kernels::light as kernels,
     strands::buffers::storage,
 };
 
@@ -33,7 +34,7 @@ impl ShadingSubset {
         (state, camera): (&LightState, &wgpu::Buffer),
         hair: &HairSet,
         shaded: &HairShading,
-        seen: wgpu::BindingResource<'_>,
+        seen: BufferBinding<'_, u32>,
     ) -> Result<Self> {
         let Context { device, .. } = context;
         let pipelines = context.pipelines::<Pipelines>();
@@ -47,15 +48,17 @@ impl ShadingSubset {
             usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let own = [&shaded.uniform, &hair.strands.vertices, &hair.strands.strands, &shaded.colors]
-            .map(wgpu::Buffer::as_entire_binding);
         let groups = lists.each_ref().map(|list| {
-            let frame = state.frame_resources(camera);
-            pipelines.shade(false).bind(&shade_resources(frame, &own, &shaded.knots, list))
+            let knot = shaded.knot(camera, hair, list);
+            pipelines.shade(false).bind(&state.shading(knot))
         });
-        let [uniform, knots, spans, counts] =
-            [&shaded.uniform, &lists[0], &lists[1], &workgroups].map(wgpu::Buffer::as_entire_binding);
-        let choose = pipelines.choose.bind(&[uniform, seen, knots, spans, counts]);
+        let choose = pipelines.choose.bind(&kernels::Choose {
+            hair: shaded.uniform.entire(),
+            seen,
+            knots: lists[0].entire(),
+            spans: lists[1].entire(),
+            workgroups: workgroups.entire(),
+        });
         let strand_maps = state.maps.strand_map > 0;
         Ok(Self { workgroups, lists, choose, groups, strand_maps })
     }

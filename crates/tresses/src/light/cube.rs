@@ -8,7 +8,8 @@
 use super::environment::{BANDS, Environment};
 use crate::{
     Context, Result,
-    gpu::{Binding, Kernel, readback::Pending},
+    gpu::{BindBuffer, Kernel, readback::Pending},
+    shaders::kernels::light as kernels,
     strands::buffers::storage,
 };
 use glam::{Mat3, Vec3, Vec4};
@@ -42,18 +43,13 @@ impl CubeProbe {
     /// Creates a probe, which compiles its kernel on first use.
     pub fn new(context: &Context) -> Self {
         let Context { device, .. } = context;
-        let entries = [Binding::Storage, Binding::Cube, Binding::Sampler, Binding::StorageMut];
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("cube probe"),
             mag_filter: wgpu::FilterMode::Linear,
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        Self {
-            kernel: Kernel::new(&context.device, "light::cube", &entries),
-            sampler,
-            context: context.clone(),
-        }
+        Self { kernel: Kernel::new::<kernels::Cube>(&context.device), sampler, context: context.clone() }
     }
 
     /// Starts to measure `map`, a view of six faces in a filterable format, after all work submitted so far. `to_map`
@@ -67,13 +63,12 @@ impl CubeProbe {
         let columns = [to_map.x_axis, to_map.y_axis, to_map.z_axis].map(|column| column.extend(0.0));
         self.context.queue.write_buffer(&turn, 0, bytemuck::cast_slice(&columns));
         let sums = storage::<Vec4>(&self.context.device, "cube probe", 9)?;
-        let resources = [
-            turn.as_entire_binding(),
-            wgpu::BindingResource::TextureView(map),
-            wgpu::BindingResource::Sampler(&self.sampler),
-            sums.as_entire_binding(),
-        ];
-        let group = self.kernel.bind(&resources);
+        let group = self.kernel.bind(&kernels::Cube {
+            to_map: turn.entire(),
+            map,
+            smooth_sampler: &self.sampler,
+            answers: sums.entire(),
+        });
         let mut encoder = self
             .context
             .device

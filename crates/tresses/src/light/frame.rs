@@ -7,7 +7,7 @@ use glam::Mat4;
 
 /// Layout of `@group(0)` for everything that is drawn in light: camera, lights, depth maps of meshes, their comparison
 /// sampler, hair maps, blocks of the hair maps, ambient light, its sampler.
-pub(crate) const FRAME: [Binding; 8] = [
+pub(super) const FRAME: [Binding; 8] = [
     Binding::Uniform,
     Binding::Uniform,
     Binding::DepthArray,

@@ -9,8 +9,9 @@ use super::{
 };
 use crate::{
     Context, Error, Result,
-    gpu::bindings,
+    gpu::{BindBuffer, bindings},
     renderer::{ShadingModel, ShadingRate},
+    shaders::kernels::light as kernels,
     strands::{DrawCount, Room, StrandBuffers, buffers::storage, indices::Chunks},
 };
 use glam::Vec3;
@@ -286,15 +287,30 @@ impl HairShading {
         let (lent, knots) = (lent.is_some(), lent.map_or_else(own, Ok)?);
         let uniform = bindings::uniform(device, "hair", size_of::<HairUniform>());
         let own = [&uniform, vertices, strands, &colors].map(wgpu::Buffer::as_entire_binding);
-        let maps = state.maps.hair_buffers();
-        let splat = [&state.lights, &uniform, vertices, strands, maps[0], maps[1], widening];
-        let lay = [&state.lights, &uniform, vertices, strands, state.ambient.sums()];
-        let shade = shade_resources(state.frame_resources(camera), &own, &knots, &pipelines.all);
+        let [hair_maps, hair_blocks] = state.maps.hair_buffers();
+        let splat = pipelines.splat.bind(&kernels::ShadowMaps {
+            lights: state.lights.entire(),
+            hair: uniform.entire(),
+            vertices: vertices.entire(),
+            strands: strands.entire(),
+            hair_maps: hair_maps.entire(),
+            hair_blocks: hair_blocks.entire(),
+            widening: widening.entire(),
+        });
+        let lay = pipelines.ambient.lay.bind(&kernels::ambient::Lay {
+            lights: state.lights.entire(),
+            hair: uniform.entire(),
+            vertices: vertices.entire(),
+            strands: strands.entire(),
+            cells: state.ambient.sums().entire(),
+        });
+        let knot = knot_bindings(camera, &uniform, &hair.strands, &colors, &knots, &pipelines.all);
+        let shade = pipelines.shade(false).bind(&state.shading(knot));
         Ok(Self {
             group: device.group("hair", &pipelines.hair, &own),
-            shade: pipelines.shade(false).bind(&shade),
-            splat: pipelines.splat.bind(&splat.map(wgpu::Buffer::as_entire_binding)),
-            lay: pipelines.ambient.lay.bind(&lay.map(wgpu::Buffer::as_entire_binding)),
+            shade,
+            splat,
+            lay,
             uniform,
             colors,
             knots,
@@ -312,6 +328,16 @@ impl HairShading {
         queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
     }
 
+    /// Bindings of the kernels that shade the samples of `hair` whose indices are in `chosen`.
+    pub(super) fn knot<'a>(
+        &'a self,
+        camera: &'a wgpu::Buffer,
+        hair: &'a HairSet,
+        chosen: &'a wgpu::Buffer,
+    ) -> kernels::Knot<'a> {
+        knot_bindings(camera, &self.uniform, &hair.strands, &self.colors, &self.knots, chosen)
+    }
+
     /// Whether the buffers have room for shading the strands at `rate`.
     pub(crate) fn holds(&self, hair: &HairSet, rate: ShadingRate) -> bool {
         self.colors.size() >= 4 * words_for(rate) * u64::from(hair.strands.room.vertices)
@@ -323,15 +349,23 @@ impl HairShading {
     }
 }
 
-/// Returns the bindings in the order of `shade_bindings`: frame, groom, shading samples, indices of selected samples.
-pub(super) fn shade_resources<'a>(
-    frame: [wgpu::BindingResource<'a>; 8],
-    own: &[wgpu::BindingResource<'a>],
+fn knot_bindings<'a>(
+    camera: &'a wgpu::Buffer,
+    uniform: &'a wgpu::Buffer,
+    strands: &'a StrandBuffers,
+    colors: &'a wgpu::Buffer,
     knots: &'a wgpu::Buffer,
     chosen: &'a wgpu::Buffer,
-) -> Vec<wgpu::BindingResource<'a>> {
-    let last = [knots, chosen].map(wgpu::Buffer::as_entire_binding);
-    frame.into_iter().chain(own.iter().cloned()).chain(last).collect()
+) -> kernels::Knot<'a> {
+    kernels::Knot {
+        view: camera.entire(),
+        hair: uniform.entire(),
+        vertices: strands.vertices.entire(),
+        strands: strands.strands.entire(),
+        shaded: colors.entire(),
+        knots: knots.entire(),
+        chosen: chosen.entire(),
+    }
 }
 
 /// A groom in one view, as the light, draw and debug stages read it.

@@ -93,7 +93,7 @@ pub use chosen::ShadingSubset;
 pub use cube::{CubeLight, CubeMap, CubeProbe};
 pub use directional::{Directional, MAX_LIGHTS};
 pub use environment::Environment;
-pub(crate) use frame::{FRAME, FrameLight};
+pub(crate) use frame::FrameLight;
 pub use hair::HairSet;
 pub(crate) use hair::HairShading;
 pub(crate) use hair::HairView;

@@ -15,14 +15,8 @@ use crate::{
         kernel::{self, Job},
         pipeline::{PipelineCache, Recipe},
     },
+    shaders::kernels::light as kernels,
 };
-
-/// Returns the layout of the shading kernels, as in `light::knot`.
-pub(super) fn shade_bindings() -> Vec<Binding> {
-    use Binding::{Storage, StorageMut};
-    let last = HAIR.len() - 1;
-    [&FRAME[..], &HAIR[..last], &[StorageMut, StorageMut, Storage]].concat()
-}
 
 /// Pipelines of the light stage.
 #[derive(Debug)]
@@ -64,23 +58,18 @@ pub(crate) struct Pipelines {
 impl PipelineSet for Pipelines {
     fn new(context: &Context) -> Self {
         let Context { device, .. } = context;
-        use Binding::{Storage, StorageMut, Uniform, UniformDynamic};
         use wgpu::ShaderStages as Stages;
         let both = Stages::VERTEX_FRAGMENT;
         let fiber = FiberTables::layout(device);
         let nothing = layout(device, "nothing", Stages::COMPUTE, &[]);
-        // All kernels of the maps share one layout. Some ignore a part of it.
-        let maps = |module| {
-            let entries = [Uniform, Uniform, Storage, Storage, StorageMut, StorageMut, Storage];
-            Kernel::new(&context.device, module, &entries)
-        };
+        let maps = |module| Kernel::named::<kernels::ShadowMaps>(&context.device, module, &[]);
         let shading =
-            |module| Kernel::beside(&context.device, module, &shade_bindings(), &[&nothing, &fiber]);
+            |module| Kernel::named::<kernels::Shading>(&context.device, module, &[&nothing, &fiber]);
         Self {
             device: device.clone(),
             frame: layout(device, "frame", both | Stages::COMPUTE, &FRAME),
             hair: layout(device, "hair", both, &HAIR),
-            layer: layout(device, "shadow layer", Stages::VERTEX, &[UniformDynamic]),
+            layer: layout(device, "shadow layer", Stages::VERTEX, &[Binding::UniformDynamic]),
             shadow_body: PipelineCache::default(),
             scene: scene::Pipelines::new(context),
             splat: maps("light::splat"),
@@ -92,11 +81,7 @@ impl PipelineSet for Pipelines {
             knots: shading("light::knots"),
             shade: ["light::shade::0", "light::shade::1"].map(shading),
             arrive: shading("draw::classic::arrive"),
-            choose: Kernel::new(
-                &context.device,
-                "light::choose",
-                &[Uniform, Storage, StorageMut, StorageMut, StorageMut],
-            ),
+            choose: Kernel::new::<kernels::Choose>(&context.device),
             all: device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("all strands"),
                 size: 4,

@@ -1,7 +1,11 @@
 //! Evaluates the shadow maps at arbitrary points, for tests and measurements.
 
 use super::{LightState, MAX_LIGHTS, asked::PointQuery};
-use crate::{Context, Result, gpu::Binding};
+use crate::{
+    Context, Result,
+    gpu::{BindBuffer, Kernel},
+    shaders::kernels::light as kernels,
+};
 use glam::{Vec3, Vec4};
 
 /// Occluders between a point and a light.
@@ -25,13 +29,15 @@ impl ShadowProbe {
     /// # Errors
     /// [`crate::Error::Limit`] when the adapter cannot hold the points.
     pub fn new(context: &Context, light: &LightState, points: &[Vec3], eye: Option<Vec3>) -> Result<Self> {
-        use Binding::{Comparison, DepthArray, Storage, Uniform};
-        let entries = [Uniform, DepthArray, Comparison, Storage, Storage];
-        let frame = entries.into_iter().zip(light.resources());
         let eye = eye.map_or(Vec4::ZERO, |eye| eye.extend(1.0));
         let words: Vec<_> =
             std::iter::once(eye).chain(points.iter().map(|point| point.extend(0.0))).collect();
-        Ok(Self(PointQuery::new(context, "light::probe", (&words, points.len()), frame)?))
+        let transmittance = light.transmittance();
+        let bind = |kernel: &Kernel, points: &wgpu::Buffer, answers: &wgpu::Buffer| {
+            kernel.bind(&kernels::Probe { points: points.entire(), transmittance, answers: answers.entire() })
+        };
+        let query = PointQuery::new::<kernels::Probe<'_>>(context, &words, points.len(), bind);
+        Ok(Self(query?))
     }
 
     /// Records the evaluation. Call it after [`Recorder::light`](crate::frame::Recorder::light).

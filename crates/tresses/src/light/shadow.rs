@@ -16,8 +16,9 @@ use crate::{
     Context, Result,
     body::Body,
     constants::{COVER_STRANDS, COVER_STRIDE, DEEP_LAYERS, SHADOW_BLOCK as BLOCK, STRAND_WORKGROUP},
-    gpu::{Commands, Kernel, commands::deep, pipeline::DEPTH_FORMAT},
+    gpu::{BindBuffer, Commands, Kernel, commands::deep, pipeline::DEPTH_FORMAT},
     renderer::ShadowMethod,
+    shaders::kernels::light as kernels,
     strands::DrawCount,
 };
 
@@ -164,6 +165,17 @@ impl ShadowMaps {
     /// Buffers of the hair maps, and of their blocks of texels.
     pub(super) fn hair_buffers(&self) -> [&wgpu::Buffer; 2] {
         [&self.hair, &self.blocks]
+    }
+
+    /// Bindings of kernels that read the maps of `lights`.
+    pub(super) fn transmittance<'a>(&'a self, lights: &'a wgpu::Buffer) -> kernels::Transmittance<'a> {
+        kernels::Transmittance {
+            lights: lights.entire(),
+            body_maps: &self.view,
+            comparison: &self.comparison,
+            hair_maps: self.hair.entire(),
+            hair_blocks: self.blocks.entire(),
+        }
     }
 
     pub(super) fn prepare(&self, context: &Context, lights: &LightsUniform) {

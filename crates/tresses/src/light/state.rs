@@ -1,7 +1,7 @@
 //! Light of one view: its shadow maps, its ambient light, and the uniform of both.
 
 use super::{Ambient, Pipelines, ShadowMaps, lights::LightsUniform};
-use crate::{Context, gpu::bindings::uniform};
+use crate::{Context, gpu::bindings::uniform, shaders::kernels::light as kernels};
 use std::sync::Arc;
 
 /// Light of a view on the GPU.
@@ -28,7 +28,7 @@ impl LightState {
         let pipelines: Arc<Pipelines> = context.pipelines();
         let lights = uniform(device, "lights", size_of::<LightsUniform>());
         let maps = ShadowMaps::new(context, &pipelines, [resolution, strand_map]);
-        let ambient = Ambient::new(context, &pipelines.ambient, cells, &lights, maps.resources());
+        let ambient = Ambient::new(context, &pipelines.ambient, cells, maps.transmittance(&lights));
         let frame = frame_resources(camera, &lights, &maps, &ambient);
         Self { frame: device.group("frame", &pipelines.frame, &frame), pipelines, maps, ambient, lights }
     }
@@ -39,17 +39,19 @@ impl LightState {
             && self.ambient.cells() == Ambient::within(cells)
     }
 
-    /// Bindings of shaders that read light: lights, depth maps of meshes, their comparison sampler, hair maps, blocks
-    /// of the hair maps, ambient light, its sampler.
-    pub(super) fn resources(&self) -> [wgpu::BindingResource<'_>; 7] {
-        let [maps, comparison, hair, blocks] = self.maps.resources();
-        let [grid, linear] = self.ambient.resources();
-        [self.lights.as_entire_binding(), maps, comparison, hair, blocks, grid, linear]
+    /// Bindings of kernels that read lights and shadow maps.
+    pub(crate) fn transmittance(&self) -> kernels::Transmittance<'_> {
+        self.maps.transmittance(&self.lights)
     }
 
-    /// The camera, followed by [`resources`](Self::resources).
-    pub(crate) fn frame_resources<'a>(&'a self, camera: &'a wgpu::Buffer) -> [wgpu::BindingResource<'a>; 8] {
-        frame_resources(camera, &self.lights, &self.maps, &self.ambient)
+    /// Bindings of the kernels that shade the hair of `knot`.
+    pub(super) fn shading<'a>(&'a self, knot: kernels::Knot<'a>) -> kernels::Shading<'a> {
+        kernels::Shading { knot, transmittance: self.transmittance(), ambient: self.ambient() }
+    }
+
+    /// Bindings of kernels that read ambient light.
+    pub(crate) fn ambient(&self) -> kernels::ambient::Ambient<'_> {
+        self.ambient.bindings()
     }
 
     /// Returns the bytes of GPU memory of maps and cells of these sizes.
@@ -68,6 +70,7 @@ impl LightState {
     }
 }
 
+/// Returns what everything binds that is drawn in light, in the order of [`super::frame::FRAME`].
 fn frame_resources<'a>(
     camera: &'a wgpu::Buffer,
     lights: &'a wgpu::Buffer,

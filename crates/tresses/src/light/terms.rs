@@ -6,6 +6,7 @@ use crate::{
     Context, Result,
     constants::STRAND_WORKGROUP,
     gpu::{Binding, Commands, Kernel, bindings::layout},
+    shaders::kernels::light as kernels,
 };
 use wgpu::util::DeviceExt;
 
@@ -64,12 +65,8 @@ impl Terms {
             });
             device.group("term", &which, &[uniform.as_entire_binding()])
         });
-        let kernel = Kernel::beside(
-            &context.device,
-            "light::terms",
-            &super::pipelines::shade_bindings(),
-            &[&which, &FiberTables::layout(device)],
-        );
+        let shared = [&which, &FiberTables::layout(device)];
+        let kernel = Kernel::named::<kernels::Shading>(&context.device, "light::terms", &shared);
         Self { kernel, groups: groups.into() }
     }
 

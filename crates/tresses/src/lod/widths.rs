@@ -4,7 +4,8 @@ use super::{Detail, maps::PaintedFactors};
 use crate::{
     Context, Result,
     constants::STRAND_WORKGROUP,
-    gpu::{Binding, Kernel, PipelineSet, bindings},
+    gpu::{BindBuffer, Kernel, PipelineSet, bindings},
+    shaders::kernels::lod as kernels,
     strands::{Strand, StrandBuffers, buffers::filled},
 };
 use bytemuck::{Pod, Zeroable};
@@ -48,8 +49,7 @@ pub(crate) struct Widths(Kernel);
 
 impl PipelineSet for Widths {
     fn new(context: &Context) -> Self {
-        let entries = [Binding::Uniform, Binding::Storage, Binding::StorageMut, Binding::StorageMut];
-        Self(Kernel::new(&context.device, "lod::widths", &entries))
+        Self(Kernel::new::<kernels::Widths>(&context.device))
     }
 
     fn kernels(&self) -> Vec<&Kernel> {
@@ -94,8 +94,12 @@ impl WidthStage {
     pub fn new(context: &Context, lods: &wgpu::Buffer, buffers: &StrandBuffers) -> Self {
         let pipeline: Arc<Widths> = context.pipelines();
         let params = bindings::uniform(&context.device, "widths", size_of::<WidthParams>());
-        let all = [&params, lods, &buffers.strands, &buffers.widening];
-        let group = pipeline.0.bind(&all.map(|buffer| buffer.as_entire_binding()));
+        let group = pipeline.0.bind(&kernels::Widths {
+            params: params.entire(),
+            lods: lods.entire(),
+            strands: buffers.strands.entire(),
+            widening: buffers.widening.entire(),
+        });
         Self { pipeline, params, group }
     }
 

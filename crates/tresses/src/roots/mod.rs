@@ -35,12 +35,13 @@ use crate::{
     Context, Pose, Result,
     body::{Skin, Words},
     constants::{GUIDE_WORKGROUP, STRAND_WORKGROUP},
-    gpu::{Binding, Kernel, PipelineSet, bindings},
+    gpu::{BindBuffer, Kernel, PipelineSet, bindings},
     groom::TriMesh,
     math::map::Map,
+    shaders::kernels::roots as kernels,
     strands::{
-        GuideBuffers, RootMotion, StrandBuffers,
-        buffers::{filled, storage},
+        GuideBuffers, StrandBuffers,
+        buffers::{buffer, filled},
     },
 };
 use bytemuck::{Pod, Zeroable};
@@ -56,10 +57,11 @@ pub(crate) struct Pipelines {
 
 impl PipelineSet for Pipelines {
     fn new(context: &Context) -> Self {
-        use Binding::{Storage, StorageMut, Uniform};
-        let entries = [Uniform, Storage, Storage, Storage, StorageMut];
-        let kernel = |name| Kernel::new(&context.device, name, &entries);
-        Self { guides: kernel("roots::guides"), strands: kernel("roots::strands") }
+        let device = &context.device;
+        Self {
+            guides: Kernel::new::<kernels::Guides>(device),
+            strands: Kernel::new::<kernels::Strands>(device),
+        }
     }
 
     fn kernels(&self) -> Vec<&Kernel> {
@@ -162,17 +164,23 @@ impl Roots {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
         // One element more than there are guides: kernels read the buffer only if it is longer than their number.
-        guides.roots = storage::<RootMotion>(device, "guide roots", u64::from(guides.count) + 1)?;
+        guides.roots = buffer(device, "guide roots", u64::from(guides.count) + 1)?;
         let uniform = bindings::uniform(device, "roots", size_of::<RootsUniform>());
-        let group = |kernel: &Kernel, bound: &wgpu::Buffer, out: &wgpu::Buffer| {
-            let buffers = [&uniform, skin.positions.0, skin.normals.0, bound, out];
-            kernel.bind(&buffers.map(|buffer| buffer.as_entire_binding()))
+        let surface = kernels::Surface {
+            u: uniform.entire(),
+            positions: skin.positions.0.entire(),
+            normals: skin.normals.0.entire(),
         };
-        let guide_group = group(&pipelines.guides, &asset.guides, &guides.roots);
+        let guide_group = pipelines.guides.bind(&kernels::Guides {
+            surface: surface.clone(),
+            bound: asset.guides.entire(),
+            roots: guides.roots.entire(),
+        });
         let mut strand_group = None;
         if let Some(bound) = &asset.strands {
-            strands.roots = storage::<[f32; 4]>(device, "strand roots", u64::from(strands.count) + 1)?;
-            strand_group = Some(group(&pipelines.strands, bound, &strands.roots));
+            strands.roots = buffer(device, "strand roots", u64::from(strands.count) + 1)?;
+            let (bound, roots) = (bound.entire(), strands.roots.entire());
+            strand_group = Some(pipelines.strands.bind(&kernels::Strands { surface, bound, roots }));
         }
         Ok(Self {
             pipelines,

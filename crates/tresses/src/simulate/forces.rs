@@ -5,7 +5,8 @@ use crate::{
     Context,
     clock::MAX_STEPS,
     constants::VOLUME_WORKGROUP,
-    gpu::{Binding, Kernel, bindings},
+    gpu::{BindBuffer, Kernel, bindings},
+    shaders::kernels::simulate as kernels,
     strands::GuideBuffers,
     volume::{self, Volume},
     wind::{Air, drag},
@@ -24,22 +25,7 @@ pub(crate) struct ForcesKernel {
 impl ForcesKernel {
     pub fn new(context: &Context) -> Self {
         let Context { device, .. } = context;
-        let entries = [
-            Binding::UniformDynamic,
-            Binding::Storage,
-            Binding::StorageMut,
-            Binding::Texture3d,
-            Binding::Texture3d,
-            Binding::Sampler,
-            Binding::StorageDynamic,
-            Binding::Texture3d,
-            Binding::Storage,
-            Binding::Texture3d,
-        ];
-        Self {
-            kernel: Kernel::new(&context.device, "simulate::forces", &entries),
-            sampler: bindings::linear(device),
-        }
+        Self { kernel: Kernel::new::<kernels::Forces>(&context.device), sampler: bindings::linear(device) }
     }
 }
 
@@ -81,22 +67,18 @@ impl Forces {
         let uniforms = bindings::uniform(device, "forces of the air", (AIR_STRIDE * MAX_STEPS) as usize);
         // Calm air samples nothing, so any texture will do.
         let [texture, among] = air.map_or([&volume.hair; 2], |air| [&air.view, &air.among]);
-        let group = pipelines.forces.kernel.bind(&[
-            volume.uniforms(),
-            guides.current.as_entire_binding(),
-            guides.forces.as_entire_binding(),
-            wgpu::BindingResource::TextureView(&volume.hair),
-            wgpu::BindingResource::TextureView(&volume.push),
-            wgpu::BindingResource::Sampler(&pipelines.forces.sampler),
-            wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                buffer: &uniforms,
-                offset: 0,
-                size: wgpu::BufferSize::new(size_of::<AirUniforms>() as u64),
-            }),
-            wgpu::BindingResource::TextureView(texture),
-            guides.velocity.as_entire_binding(),
-            wgpu::BindingResource::TextureView(among),
-        ]);
+        let group = pipelines.forces.kernel.bind(&kernels::Forces {
+            volume: volume.uniforms(),
+            current: guides.current.entire(),
+            forces_out: guides.forces.entire(),
+            hair: &volume.hair,
+            push: &volume.push,
+            grid_sampler: &pipelines.forces.sampler,
+            air: uniforms.part(0, Some(size_of::<AirUniforms>() as u64)),
+            wind: texture,
+            velocity: guides.velocity.entire(),
+            among,
+        });
         Self { pipelines, group, air: uniforms, threads: guides.count * guides.vertex_count }
     }
 

@@ -14,28 +14,19 @@
 use crate::{
     Context,
     constants::GUIDE_WORKGROUP,
-    gpu::{Binding, Kernel},
-    strands::{GuideBuffers, buffers::storage},
+    gpu::{Buffer, BufferBinding, Kernel, Opaque},
+    shaders::kernels::simulate as kernels,
+    strands::{GuideBuffers, buffers::buffer},
 };
-
-/// Bindings of the kernel, in order.
-const BINDINGS: [Binding; 6] = [
-    Binding::StorageDynamic,
-    Binding::Storage,
-    Binding::Storage,
-    Binding::StorageMut,
-    Binding::StorageMut,
-    Binding::Storage,
-];
 
 /// Creates the kernel.
 pub(super) fn kernel(context: &Context) -> Kernel {
-    Kernel::new(&context.device, "simulate::lead", &BINDINGS)
+    Kernel::new::<kernels::Lead>(&context.device)
 }
 
 /// The order of guides on the GPU, shared by heads with the same groom.
 #[derive(Clone, Debug)]
-pub(crate) struct Tree(wgpu::Buffer);
+pub(crate) struct Tree(Buffer<[u32; 2]>);
 
 impl Tree {
     /// Uploads `tree`: for each rank in the order, the guide and the rank of its leader. The flags of guide `i` hold
@@ -45,7 +36,7 @@ impl Tree {
     /// [`crate::Error::Limit`].
     pub fn new(context: &Context, tree: &[[u32; 2]]) -> crate::Result<Self> {
         let Context { device, queue, .. } = context;
-        let buffer = storage::<[u32; 2]>(device, "order of guides", tree.len() as u64)?;
+        let buffer = buffer(device, "order of guides", tree.len() as u64)?;
         queue.write_buffer(&buffer, 0, bytemuck::cast_slice(tree));
         Ok(Self(buffer))
     }
@@ -61,11 +52,15 @@ impl Tree {
 pub(super) struct Lead(wgpu::BindGroup);
 
 impl Lead {
-    pub fn new(kernel: &Kernel, step: wgpu::BindingResource<'_>, guides: &GuideBuffers, tree: &Tree) -> Self {
-        let buffers = [&guides.info, &guides.rest, &guides.current, &guides.velocity, &tree.0];
-        let mut all = vec![step];
-        all.extend(buffers.map(|buffer| buffer.as_entire_binding()));
-        Self(kernel.bind(&all))
+    pub fn new(kernel: &Kernel, step: BufferBinding<'_, Opaque>, guides: &GuideBuffers, tree: &Tree) -> Self {
+        Self(kernel.bind(&kernels::Lead {
+            u: step,
+            info: guides.info.entire(),
+            rest: guides.rest.entire(),
+            current: guides.current.entire(),
+            velocity: guides.velocity.entire(),
+            tree: tree.0.entire(),
+        }))
     }
 
     /// Records the guides with ranks from `simulated` to `count`.

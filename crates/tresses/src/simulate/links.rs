@@ -34,7 +34,8 @@ use crate::math::ldl::Factors;
 use crate::{
     Context, Result,
     constants::{LINKS, VOLUME_WORKGROUP},
-    gpu::Binding,
+    gpu::BindBuffer,
+    shaders::kernels::simulate as kernels,
     strands::{
         GuideBuffers, RestGuides,
         buffers::{filled, storage},
@@ -47,10 +48,6 @@ use glam::Mat3;
 use glam::{IVec3, Vec3};
 use std::f32::consts::{FRAC_1_SQRT_2, TAU};
 use std::sync::Arc;
-
-/// Bindings of the kernel, in order.
-pub(super) const BINDINGS: [Binding; 5] =
-    [Binding::Storage, Binding::Storage, Binding::Storage, Binding::Storage, Binding::StorageMut];
 
 /// Largest distance of linked vertices where hair is sparse, as a multiple of the reach.
 const SPARSE: f32 = 2.0;
@@ -141,8 +138,13 @@ impl Links {
     pub(crate) fn new(context: &Context, guides: &GuideBuffers, asset: LinkAsset) -> Result<Self> {
         let pipelines: Arc<Pipelines> = context.pipelines();
         let uniforms = storage::<LinkUniforms>(&context.device, "link uniforms", 1)?;
-        let buffers = [&uniforms, &asset.links, &guides.current, &guides.velocity, &guides.forces];
-        let group = pipelines.links.bind(&buffers.map(|buffer| buffer.as_entire_binding()));
+        let group = pipelines.links.bind(&kernels::Links {
+            u: uniforms.entire(),
+            list: asset.links.entire(),
+            current: guides.current.entire(),
+            velocity: guides.velocity.entire(),
+            forces: guides.forces.entire(),
+        });
         Ok(Self { pipelines, uniforms, asset, group, vertices: guides.count * guides.vertex_count })
     }
 

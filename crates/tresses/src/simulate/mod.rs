@@ -95,7 +95,8 @@ use crate::{
     clock::{MAX_STEPS, Mode, Step},
     collide::ColliderSet,
     constants::{STEP_BYTES, TWIST_BYTES},
-    gpu::{Kernel, PipelineSet},
+    gpu::{BindBuffer, BufferBinding, Kernel, Opaque, PipelineSet},
+    shaders::kernels::simulate as kernels,
     space::Field,
     strands::GuideBuffers,
     wind::Wind,
@@ -137,15 +138,15 @@ pub(crate) struct Pipelines {
 impl PipelineSet for Pipelines {
     fn new(context: &Context) -> Self {
         Self {
-            step: StepKernels::new(context, ("simulate::step", STEP_BYTES)),
-            twist: StepKernels::new(context, ("simulate::twist", TWIST_BYTES)),
+            step: StepKernels::new(context, "simulate::step", STEP_BYTES),
+            twist: StepKernels::new(context, "simulate::twist", TWIST_BYTES),
             shift: shift::kernel(context),
             forces: forces::ForcesKernel::new(context),
-            links: Kernel::new(&context.device, "simulate::links", &links::BINDINGS),
+            links: Kernel::new::<kernels::Links>(&context.device),
             grab: grab::GrabKernels::new(context),
             lead: lead::kernel(context),
-            ties: Kernel::new(&context.device, "simulate::ties", &ties::BINDINGS),
-            pins: Kernel::new(&context.device, "simulate::pins", &ties::PIN_BINDINGS),
+            ties: Kernel::new::<kernels::Ties>(&context.device),
+            pins: Kernel::new::<kernels::Pins>(&context.device),
         }
     }
 
@@ -184,16 +185,16 @@ impl Simulation {
             usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let step = slot(&uniforms);
-        let group = pipelines.step.of(guides.vertex_count).bind(&[
-            step,
-            guides.info.as_entire_binding(),
-            guides.rest.as_entire_binding(),
-            guides.current.as_entire_binding(),
-            guides.velocity.as_entire_binding(),
-            guides.forces.as_entire_binding(),
-            guides.roots.as_entire_binding(),
-        ]);
+        let strand = kernels::Strand {
+            given: slot(&uniforms),
+            info: guides.info.entire(),
+            rest: guides.rest.entire(),
+            current: guides.current.entire(),
+            velocity: guides.velocity.entire(),
+            forces: guides.forces.entire(),
+            roots: guides.roots.entire(),
+        };
+        let group = pipelines.step.of(guides.vertex_count).bind(&kernels::Step { strand });
         Self {
             pipelines,
             uniforms,
@@ -364,10 +365,6 @@ impl Simulation {
 }
 
 /// Binding of one step's uniforms.
-fn slot(uniforms: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
-    wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-        buffer: uniforms,
-        offset: 0,
-        size: wgpu::BufferSize::new(size_of::<StepUniforms>() as u64),
-    })
+fn slot(uniforms: &wgpu::Buffer) -> BufferBinding<'_, Opaque> {
+    uniforms.part(0, Some(size_of::<StepUniforms>() as u64))
 }

@@ -4,7 +4,8 @@ use super::Pipelines;
 use crate::{
     Context,
     constants::VOLUME_WORKGROUP,
-    gpu::{Binding, Kernel},
+    gpu::{BindBuffer, Kernel},
+    shaders::kernels::simulate as kernels,
     space::Shift,
     strands::GuideBuffers,
 };
@@ -28,8 +29,7 @@ pub(crate) struct ShiftUniform {
 
 /// Creates the kernel, when hair first moves far from its origin.
 pub(super) fn kernel(context: &Context) -> Kernel {
-    use Binding::{Storage, StorageMut};
-    Kernel::new(&context.device, "simulate::shift", &[Storage, StorageMut, StorageMut])
+    Kernel::new::<kernels::Shift>(&context.device)
 }
 
 /// Buffers of one groom, created when it first moves far from its origin.
@@ -51,8 +51,11 @@ impl Shifting {
             usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let buffers = [&uniform, &guides.current, &guides.velocity];
-        let group = pipelines.shift.bind(&buffers.map(|buffer| buffer.as_entire_binding()));
+        let group = pipelines.shift.bind(&kernels::Shift {
+            u: uniform.entire(),
+            current: guides.current.entire(),
+            velocity: guides.velocity.entire(),
+        });
         Self { pipelines, uniform, group, count: guides.count * guides.vertex_count }
     }
 

@@ -3,20 +3,9 @@
 use crate::{
     collide,
     constants::{GUIDE_CAPACITIES, GUIDE_WORKGROUP, WORKGROUP_BYTES},
-    gpu::{Binding, ComputePass, Context, Kernel},
-    shaders,
+    gpu::{ComputePass, Context, Kernel},
+    shaders::{self, kernels::simulate as kernels},
 };
-
-/// Bindings of a kernel, in order.
-const BINDINGS: [Binding; 7] = [
-    Binding::StorageDynamic,
-    Binding::Storage,
-    Binding::Storage,
-    Binding::StorageMut,
-    Binding::StorageMut,
-    Binding::Storage,
-    Binding::StorageMut,
-];
 
 /// One kernel per entry of [`GUIDE_CAPACITIES`]: WGSL sizes arrays by constants.
 ///
@@ -32,14 +21,14 @@ pub(crate) struct StepKernels {
 
 impl StepKernels {
     /// Creates the kernels of the shader `module`, whose strands take `bytes` of workgroup memory per vertex.
-    pub fn new(context: &Context, (module, bytes): (&str, u32)) -> Self {
+    pub fn new(context: &Context, module: &str, bytes: u32) -> Self {
         let colliders = collide::layout(&context.device);
         let private = context.tier().software;
         let memory = if private { "" } else { "::workgroup" };
         Self {
             kernels: GUIDE_CAPACITIES.map(|capacity| {
                 let name = shaders::named(&format!("{module}{memory}::{capacity}"));
-                Kernel::beside(&context.device, name, &BINDINGS, &[&colliders])
+                Kernel::named::<kernels::Step>(&context.device, name, &[&colliders])
             }),
             threads: GUIDE_CAPACITIES
                 .map(|capacity| if private { GUIDE_WORKGROUP } else { WORKGROUP_BYTES / (bytes * capacity) }),

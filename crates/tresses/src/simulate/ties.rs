@@ -42,29 +42,15 @@ use super::Pipelines;
 use crate::{
     Context, Error, Result,
     constants::{TIE_WORKGROUP, VOLUME_WORKGROUP},
-    gpu::Binding,
+    gpu::{BindBuffer, BufferBinding, Opaque},
     groom::{Guides, curve, range},
     range::Range,
+    shaders::kernels::simulate as kernels,
     strands::{GuideBuffers, buffers::filled},
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use std::sync::Arc;
-
-/// Bindings of the `ties` kernel, in order.
-pub(super) const BINDINGS: [Binding; 7] = [
-    Binding::StorageDynamic,
-    Binding::Storage,
-    Binding::Storage,
-    Binding::Storage,
-    Binding::Storage,
-    Binding::StorageMut,
-    Binding::StorageMut,
-];
-
-/// Bindings of the `pins` kernel, in order.
-pub(super) const PIN_BINDINGS: [Binding; 4] =
-    [Binding::StorageDynamic, Binding::Storage, Binding::Storage, Binding::StorageMut];
 
 /// Maximum number of rings per head.
 pub const MAX_RINGS: usize = 4096;
@@ -328,7 +314,7 @@ impl Ties {
     /// [`Error::Limit`].
     pub(crate) fn new(
         context: &Context,
-        step: &wgpu::BindingResource<'_>,
+        step: &BufferBinding<'_, Opaque>,
         guides: &GuideBuffers,
         asset: &TieAsset,
     ) -> Result<Self> {
@@ -336,14 +322,21 @@ impl Ties {
         let TieAsset { rings, members, pins, report } = asset;
         let still = vec![[0f32, 0.0, 0.0, 1.0]; report.rings.max(1)];
         let turns = filled(context, "turns of ties", bytemuck::cast_slice(&still))?;
-        let bind = |kernel: &crate::gpu::Kernel, buffers: &[&wgpu::Buffer]| {
-            let mut all = vec![step.clone()];
-            all.extend(buffers.iter().map(|buffer| buffer.as_entire_binding()));
-            kernel.bind(&all)
-        };
-        let GuideBuffers { current, velocity, forces, .. } = guides;
-        let together = bind(&pipelines.ties, &[rings, members, current, velocity, forces, &turns]);
-        let to_head = bind(&pipelines.pins, &[pins, current, forces]);
+        let together = pipelines.ties.bind(&kernels::Ties {
+            u: step.clone(),
+            rings: rings.entire(),
+            members: members.entire(),
+            current: guides.current.entire(),
+            velocity: guides.velocity.entire(),
+            forces: guides.forces.entire(),
+            turns: turns.entire(),
+        });
+        let to_head = pipelines.pins.bind(&kernels::Pins {
+            u: step.clone(),
+            pinned: pins.entire(),
+            current: guides.current.entire(),
+            forces: guides.forces.entire(),
+        });
         Ok(Self { pipelines, asset: asset.clone(), turns, together, to_head })
     }
 

@@ -21,8 +21,9 @@ use crate::{
     Context, Error, Result,
     body::Body,
     constants::STRAND_WORKGROUP,
-    gpu::{Binding, Kernel, PipelineSet},
+    gpu::{BindBuffer, Kernel, PipelineSet},
     groom::rig::{Rig, RigPose},
+    shaders::kernels::skinning as kernels,
     strands::buffers::{filled, storage},
 };
 use bytemuck::{Pod, Zeroable};
@@ -70,9 +71,7 @@ pub(crate) struct Pipelines {
 
 impl PipelineSet for Pipelines {
     fn new(context: &Context) -> Self {
-        use Binding::{Storage, StorageMut};
-        let entries = [Storage, Storage, Storage, Storage, Storage, StorageMut];
-        Self { skin: Kernel::new(&context.device, "skinning::skin", &entries) }
+        Self { skin: Kernel::new::<kernels::Skin>(&context.device) }
     }
 
     fn kernels(&self) -> Vec<&Kernel> {
@@ -163,8 +162,14 @@ impl Skinning {
         let pipelines: Arc<Pipelines> = context.pipelines();
         let palette = storage::<Mat4>(&context.device, "skin palette", boxes.len() as u64)?;
         let shapes = storage::<f32>(&context.device, "skin shapes", reaches.len() as u64)?;
-        let all = [counts, bound, moves, &palette, &shapes, body.vertices()];
-        let group = pipelines.skin.bind(&all.map(|buffer| buffer.as_entire_binding()));
+        let group = pipelines.skin.bind(&kernels::Skin {
+            counts: counts.entire(),
+            bound: bound.entire(),
+            deltas: moves.entire(),
+            palette: palette.entire(),
+            shapes: shapes.entire(),
+            vertices: body.vertices().entire(),
+        });
         let (pose, due) = (RigPose::default(), AtomicBool::new(false));
         Ok(Self { pipelines, asset: asset.clone(), palette, shapes, group, pose, due })
     }

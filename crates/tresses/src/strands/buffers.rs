@@ -3,7 +3,7 @@
 use super::{
     Guide, GuideForce, GuideSample, PackedGuide, PackedRest, RootMotion, Strand, StrandBinding, StrandVertex,
 };
-use crate::{Context, Error, Result};
+use crate::{Context, Error, Result, gpu::Buffer};
 use wgpu::BufferUsages;
 
 /// Buffers of the guides, indexed `vertex * count + guide` unless stated otherwise.
@@ -15,26 +15,26 @@ pub struct GuideBuffers {
     pub vertex_count: u32,
     /// Samples per tessellated guide; 0 if every strand [follows](crate::interpolate) its own guide.
     pub sample_count: u32,
-    /// [`Guide`], one per guide.
-    pub info: wgpu::Buffer,
-    /// [`PackedGuide`], one per vertex.
-    pub rest: wgpu::Buffer,
+    /// One per guide.
+    pub info: Buffer<Guide>,
+    /// One per vertex.
+    pub rest: Buffer<PackedGuide>,
     /// Three floats: the position after the last step, relative to the origin of the simulation
     /// ([`crate::Hair::place`]). Then a word by [`pack_lag`](super::guide::pack_lag): the difference between the
     /// previous position and the one that position and velocity predict.
-    pub current: wgpu::Buffer,
+    pub current: Buffer<[u32; 4]>,
     /// Velocity after the last step, m/s, by [`pack_velocity`](super::guide::pack_velocity). If hair can
     /// twist, the twist of each bend (radians) after and before the last step follows the velocities
     /// of all vertices.
-    pub velocity: wgpu::Buffer,
-    /// [`GuideForce`]: external forces in the next step. Contents are valid only within a step; the memory may be a
+    pub velocity: Buffer<[u32; 2]>,
+    /// External forces in the next step. Contents are valid only within a step; the memory may be a
     /// groom's [scratch](crate::Hair) buffer, which may be larger.
-    pub forces: wgpu::Buffer,
-    /// [`GuideSample`], indexed `guide * sample_count + sample`.
-    pub samples: wgpu::Buffer,
-    /// `RootMotion`: one per guide and one more if roots are on a [deforming surface](crate::roots), else a single
+    pub forces: Buffer<GuideForce>,
+    /// Indexed `guide * sample_count + sample`.
+    pub samples: Buffer<GuideSample>,
+    /// One per guide and one more if roots are on a [deforming surface](crate::roots), else a single
     /// unused one.
-    pub roots: wgpu::Buffer,
+    pub(crate) roots: Buffer<RootMotion>,
 }
 
 /// Buffers of the drawn strands. A clone shares the buffers.
@@ -44,20 +44,20 @@ pub struct StrandBuffers {
     pub count: u32,
     /// Vertices per strand.
     pub vertex_count: u32,
-    /// [`Strand`], one per strand.
-    pub strands: wgpu::Buffer,
-    /// [`StrandBinding`], one per strand.
-    pub bindings: wgpu::Buffer,
-    /// [`PackedRest`], indexed `strand * vertex_count + vertex`.
-    pub rest: wgpu::Buffer,
-    /// [`StrandVertex`], indexed `strand * drawn.vertex_count + vertex`.
-    pub vertices: wgpu::Buffer,
+    /// One per strand.
+    pub strands: Buffer<Strand>,
+    /// One per strand.
+    pub bindings: Buffer<StrandBinding>,
+    /// Indexed `strand * vertex_count + vertex`.
+    pub rest: Buffer<PackedRest>,
+    /// Indexed `strand * drawn.vertex_count + vertex`.
+    pub vertices: Buffer<StrandVertex>,
     /// Widening of each strand relative to full detail, as a fraction: 0 for unchanged, -1 for a strand that is not
     /// drawn.
-    pub widening: wgpu::Buffer,
+    pub widening: Buffer<f32>,
     /// Root position of each strand (three floats, world space, meters, and one unused) if it is on a [deforming
     /// surface](crate::roots) between guides; else a single unused one.
-    pub roots: wgpu::Buffer,
+    pub roots: Buffer<[f32; 4]>,
     /// Strands and vertices to draw; fewer than all at a lower level of detail.
     pub drawn: DrawCount,
     /// Capacity of `strands`, `vertices` and `widening`. [`Hair`](crate::Hair) has room for what its level of detail
@@ -176,6 +176,11 @@ pub fn storage<T>(device: &wgpu::Device, what: &'static str, count: u64) -> Resu
     }))
 }
 
+/// As [`storage`], with the type of the values.
+pub(crate) fn buffer<T>(device: &wgpu::Device, what: &'static str, count: u64) -> Result<Buffer<T>> {
+    Ok(storage::<T>(device, what, count)?.into())
+}
+
 /// Creates a storage buffer with the contents `bytes`.
 ///
 /// # Errors
@@ -193,9 +198,9 @@ pub(crate) struct GuideAsset {
     pub count: u32,
     pub vertex_count: u32,
     pub sample_count: u32,
-    pub info: wgpu::Buffer,
-    pub rest: wgpu::Buffer,
-    pub forces: wgpu::Buffer,
+    pub info: Buffer<Guide>,
+    pub rest: Buffer<PackedGuide>,
+    pub forces: Buffer<GuideForce>,
 }
 
 impl GuideAsset {
@@ -203,11 +208,11 @@ impl GuideAsset {
     pub fn new(
         context: &Context,
         [count, vertex_count, sample_count]: [u32; 3],
-        forces: wgpu::Buffer,
+        forces: Buffer<GuideForce>,
     ) -> Result<Self> {
         let Context { device, .. } = context;
-        let info = storage::<Guide>(device, "guide info", count.into())?;
-        let rest = storage::<PackedGuide>(device, "guide rest", u64::from(count) * u64::from(vertex_count))?;
+        let info = buffer(device, "guide info", count.into())?;
+        let rest = buffer(device, "guide rest", u64::from(count) * u64::from(vertex_count))?;
         Ok(Self { count, vertex_count, sample_count, info, rest, forces })
     }
 
@@ -223,7 +228,7 @@ impl GuideBuffers {
     /// [`Error::Limit`].
     pub fn new(context: &Context, count: u32, vertex_count: u32, sample_count: u32) -> Result<Self> {
         let vertices = u64::from(count) * u64::from(vertex_count);
-        let forces = storage::<GuideForce>(&context.device, "guide forces", vertices)?;
+        let forces = buffer(&context.device, "guide forces", vertices)?;
         Self::of(context, &GuideAsset::new(context, [count, vertex_count, sample_count], forces)?)
     }
 
@@ -239,11 +244,11 @@ impl GuideBuffers {
             sample_count,
             info,
             rest,
-            current: storage::<[u32; 4]>(device, "guide current", vertices)?,
-            velocity: storage::<[u32; 2]>(device, "guide velocity", vertices)?,
+            current: buffer(device, "guide current", vertices)?,
+            velocity: buffer(device, "guide velocity", vertices)?,
             forces,
-            samples: storage::<GuideSample>(device, "guide samples", samples.max(1))?,
-            roots: storage::<RootMotion>(device, "guide roots", 1)?,
+            samples: buffer(device, "guide samples", samples.max(1))?,
+            roots: buffer(device, "guide roots", 1)?,
         })
     }
 
@@ -255,7 +260,7 @@ impl GuideBuffers {
     pub fn add_twist(&mut self, context: &Context) -> Result<()> {
         let Context { device, queue, .. } = context;
         let entries = 2 * u64::from(self.count) * u64::from(self.vertex_count);
-        let velocity = storage::<[u32; 2]>(device, "guide velocity", entries)?;
+        let velocity = buffer(device, "guide velocity", entries)?;
         let mut encoder = device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(&self.velocity, 0, &velocity, 0, self.velocity.size());
         queue.submit([encoder.finish()]);
@@ -276,7 +281,7 @@ impl GuideBuffers {
 
     /// Bytes of GPU memory of this head alone.
     pub(crate) fn own_bytes(&self) -> u64 {
-        [&self.current, &self.velocity, &self.samples, &self.roots].iter().map(|buffer| buffer.size()).sum()
+        [&*self.current, &self.velocity, &self.samples, &self.roots].iter().map(|buffer| buffer.size()).sum()
     }
 }
 
@@ -285,22 +290,17 @@ impl GuideBuffers {
 pub(crate) struct StrandAsset {
     pub count: u32,
     pub vertex_count: u32,
-    pub bindings: wgpu::Buffer,
-    pub rest: wgpu::Buffer,
+    pub bindings: Buffer<StrandBinding>,
+    pub rest: Buffer<PackedRest>,
 }
 
 impl StrandAsset {
     /// Creates empty buffers.
     pub fn new(context: &Context, count: u32, vertex_count: u32) -> Result<Self> {
         let Context { device, .. } = context;
-        let bindings = storage::<StrandBinding>(device, "strand bindings", count.into())?;
+        let bindings = buffer(device, "strand bindings", count.into())?;
         let vertices = u64::from(count) * u64::from(vertex_count);
-        Ok(Self {
-            count,
-            vertex_count,
-            bindings,
-            rest: storage::<PackedRest>(device, "strand rest", vertices)?,
-        })
+        Ok(Self { count, vertex_count, bindings, rest: buffer(device, "strand rest", vertices)? })
     }
 
     /// Returns the capacity for all strands.
@@ -330,12 +330,12 @@ impl StrandBuffers {
         Ok(Self {
             count,
             vertex_count,
-            strands: storage::<Strand>(device, "strands", room.strands.into())?,
+            strands: buffer(device, "strands", room.strands.into())?,
             bindings,
             rest,
-            vertices: storage::<StrandVertex>(device, "strand vertices", room.vertices.into())?,
-            widening: storage::<f32>(device, "strand widening", room.strands.into())?,
-            roots: storage::<[f32; 4]>(device, "strand roots", 1)?,
+            vertices: buffer(device, "strand vertices", room.vertices.into())?,
+            widening: buffer(device, "strand widening", room.strands.into())?,
+            roots: buffer(device, "strand roots", 1)?,
             drawn: DrawCount::new(count, vertex_count, f32::INFINITY),
             room,
         })
@@ -343,6 +343,6 @@ impl StrandBuffers {
 
     /// Bytes of GPU memory of this head alone.
     pub(crate) fn own_bytes(&self) -> u64 {
-        [&self.strands, &self.vertices, &self.widening, &self.roots].iter().map(|buffer| buffer.size()).sum()
+        [&*self.strands, &self.vertices, &self.widening, &self.roots].iter().map(|buffer| buffer.size()).sum()
     }
 }

@@ -3,8 +3,9 @@
 use crate::{
     Context, Pose,
     constants::GUIDE_WORKGROUP,
-    gpu::{Binding, Kernel, PipelineSet, bindings},
+    gpu::{BindBuffer, Kernel, PipelineSet, bindings},
     groom::curve,
+    shaders::kernels::tessellate as kernels,
     strands::GuideBuffers,
 };
 use bytemuck::{Pod, Zeroable};
@@ -79,9 +80,7 @@ pub(crate) struct Pipelines {
 
 impl PipelineSet for Pipelines {
     fn new(context: &Context) -> Self {
-        use Binding::{Storage, StorageMut, Uniform};
-        let entries = [Uniform, Storage, Storage, Storage, Storage, Storage, StorageMut];
-        Self { kernel: Kernel::new(&context.device, "tessellate::spline", &entries) }
+        Self { kernel: Kernel::new::<kernels::Spline>(&context.device) }
     }
 
     fn kernels(&self) -> Vec<&Kernel> {
@@ -103,14 +102,13 @@ impl Tessellation {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
         let params = bindings::uniform(device, "tessellate", size_of::<TessellateParams>());
-        let buffers = [&walk_buffers(&params, guides)[..], &[&guides.samples]].concat();
-        let buffers: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
-        Self { group: pipelines.kernel.bind(&buffers), pipelines, params }
+        let bindings = kernels::Spline { walk: walk(&params, guides), samples: guides.samples.entire() };
+        Self { group: pipelines.kernel.bind(&bindings), pipelines, params }
     }
 
-    /// Returns the first buffers of a kernel that walks along this frame's guides, in the order of `walk.wesl`.
-    pub(crate) fn walk<'a>(&'a self, guides: &'a GuideBuffers) -> [&'a wgpu::Buffer; 6] {
-        walk_buffers(&self.params, guides)
+    /// Returns the bindings of a kernel that walks along this frame's guides.
+    pub(crate) fn walk<'a>(&'a self, guides: &'a GuideBuffers) -> kernels::Walk<'a> {
+        walk(&self.params, guides)
     }
 
     /// Writes the uniform of a frame.
@@ -127,8 +125,15 @@ impl Tessellation {
     }
 }
 
-fn walk_buffers<'a>(params: &'a wgpu::Buffer, guides: &'a GuideBuffers) -> [&'a wgpu::Buffer; 6] {
-    [params, &guides.current, &guides.velocity, &guides.rest, &guides.info, &guides.roots]
+fn walk<'a>(params: &'a wgpu::Buffer, guides: &'a GuideBuffers) -> kernels::Walk<'a> {
+    kernels::Walk {
+        params: params.entire(),
+        current: guides.current.entire(),
+        velocity: guides.velocity.entire(),
+        rest: guides.rest.entire(),
+        info: guides.info.entire(),
+        roots: guides.roots.entire(),
+    }
 }
 
 /// Returns the samples of a guide at rest: the same spline over `vertices` (at least two), without rotations. Positions

@@ -4,7 +4,8 @@ use super::{Canvas, GridView, LinePoint, constant, scratch::Scratch};
 use crate::{
     Context, Result,
     constants::STRAND_WORKGROUP,
-    gpu::{Binding, Kernel},
+    gpu::{BindBuffer, Kernel},
+    shaders::kernels::views as kernels,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec3, Vec3};
@@ -67,9 +68,7 @@ pub(super) struct ArrowsKernel(Kernel, Scratch);
 
 impl ArrowsKernel {
     pub(super) fn new(context: &Context) -> Self {
-        use Binding::{Sampler, StorageMut, Texture3d, Uniform};
-        let entries = [Uniform, Uniform, Texture3d, Sampler, StorageMut];
-        Self(Kernel::new(&context.device, "views::arrows", &entries), Scratch::default())
+        Self(Kernel::new::<kernels::Arrows>(&context.device), Scratch::default())
     }
 
     /// Records the kernel and returns its output, four points per arrow.
@@ -91,14 +90,13 @@ impl ArrowsKernel {
             least: arrows.least,
         };
         let (place, uniform) = (canvas.grid(grid), constant(canvas.device, "arrows", &uniform));
-        let resources = [
-            place.as_entire_binding(),
-            uniform.as_entire_binding(),
-            wgpu::BindingResource::TextureView(grid.texture),
-            wgpu::BindingResource::Sampler(canvas.sampler),
-            points.as_entire_binding(),
-        ];
-        let group = self.0.bind(&resources);
+        let group = self.0.bind(&kernels::Arrows {
+            grid: place.entire(),
+            params: uniform.entire(),
+            values: grid.texture,
+            linear_clamp: canvas.sampler,
+            points: points.entire(),
+        });
         let mut pass = canvas.commands.compute("debug");
         self.0.record(&mut pass, &group, &[], total.div_ceil(STRAND_WORKGROUP));
         pass.end()?;

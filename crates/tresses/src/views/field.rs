@@ -4,7 +4,8 @@ use super::{Canvas, GridView};
 use crate::{
     Context, Result,
     collide::{self, ColliderSet},
-    gpu::{Binding, Kernel},
+    gpu::{BindBuffer, Kernel},
+    shaders::kernels::views as kernels,
 };
 
 /// Texels along each edge.
@@ -33,9 +34,8 @@ impl FieldKernel {
             view_formats: &[],
         });
         let obstacles = collide::layout(device);
-        let entries = [Binding::Uniform, Binding::Write3d];
         Self {
-            kernel: Kernel::beside(&context.device, "views::field", &entries, &[&obstacles]),
+            kernel: Kernel::beside::<kernels::Field>(&context.device, &[&obstacles]),
             texture: texture.create_view(&Default::default()),
         }
     }
@@ -48,8 +48,7 @@ impl FieldKernel {
         colliders: &ColliderSet,
     ) -> Result<()> {
         let place = canvas.grid(grid);
-        let resources = [place.as_entire_binding(), wgpu::BindingResource::TextureView(&self.texture)];
-        let group = self.kernel.bind(&resources);
+        let group = self.kernel.bind(&kernels::Field { grid: place.entire(), distances: &self.texture });
         let mut pass = canvas.commands.compute("debug");
         pass.set_bind_group(1, colliders.group(), &[]);
         self.kernel.record_grid(&mut pass, &group, &[], [RESOLUTION.div_ceil(4); 3]);

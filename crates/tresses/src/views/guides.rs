@@ -4,7 +4,8 @@ use super::{Canvas, LinePoint, constant, scratch::Scratch};
 use crate::{
     Context, Pose, Result,
     constants::STRAND_WORKGROUP,
-    gpu::{Binding, Kernel},
+    gpu::{BindBuffer, Kernel},
+    shaders::kernels::views as kernels,
     strands::GuideBuffers,
 };
 use bytemuck::{Pod, Zeroable};
@@ -47,9 +48,7 @@ pub(super) struct GuidesKernel(Kernel, Scratch);
 
 impl GuidesKernel {
     pub(super) fn new(context: &Context) -> Self {
-        use Binding::{Storage, StorageMut};
-        let entries = [Storage, Storage, Storage, Storage, Storage, StorageMut, Storage];
-        Self(Kernel::new(&context.device, "views::guides", &entries), Scratch::default())
+        Self(Kernel::new::<kernels::Guides>(&context.device), Scratch::default())
     }
 
     /// Records the kernel and returns its output: a point per guide sample. Guides without samples have a point per
@@ -76,9 +75,15 @@ impl GuidesKernel {
                 _pad: 0,
             },
         );
-        let GuideBuffers { samples, rest, current, velocity, info, .. } = guides;
-        let buffers = [&uniform, samples, rest, current, velocity, &points, info];
-        let group = self.0.bind(&buffers.map(|buffer| buffer.as_entire_binding()));
+        let group = self.0.bind(&kernels::Guides {
+            params: uniform.entire(),
+            samples: guides.samples.entire(),
+            rest: guides.rest.entire(),
+            current: guides.current.entire(),
+            velocity: guides.velocity.entire(),
+            points: points.entire(),
+            info: guides.info.entire(),
+        });
         let workgroups = (total as u32).div_ceil(STRAND_WORKGROUP);
         let mut pass = canvas.commands.compute("debug");
         self.0.record(&mut pass, &group, &[], workgroups);

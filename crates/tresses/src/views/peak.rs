@@ -3,7 +3,8 @@
 use super::{GridView, constant};
 use crate::{
     Context, Result,
-    gpu::{Binding, Kernel, readback},
+    gpu::{BindBuffer, Kernel, readback},
+    shaders::kernels::views as kernels,
     strands::buffers::storage,
 };
 
@@ -17,14 +18,7 @@ pub struct Peak {
 impl Peak {
     /// Creates the kernel.
     pub fn new(context: &Context) -> Self {
-        Self {
-            context: context.clone(),
-            kernel: Kernel::new(
-                &context.device,
-                "views::peak",
-                &[Binding::Uniform, Binding::Texture3d, Binding::StorageMut],
-            ),
-        }
+        Self { context: context.clone(), kernel: Kernel::new::<kernels::Peak>(&context.device) }
     }
 
     /// Returns the current largest value of `grid`, at least 0. It waits for the GPU, so do not use it in every frame.
@@ -34,11 +28,11 @@ impl Peak {
     pub async fn measure(&self, grid: &GridView<'_>) -> Result<f32> {
         let result = storage::<f32>(&self.context.device, "peak", 1)?;
         let place = constant(&self.context.device, "peak", &grid.uniform());
-        let group = self.kernel.bind(&[
-            place.as_entire_binding(),
-            wgpu::BindingResource::TextureView(grid.texture),
-            result.as_entire_binding(),
-        ]);
+        let group = self.kernel.bind(&kernels::Peak {
+            grid: place.entire(),
+            values: grid.texture,
+            result: result.entire(),
+        });
         let mut encoder = self.context.device.create_command_encoder(&Default::default());
         let mut commands = self.context.commands(&mut encoder);
         let mut pass = commands.compute("peak");

@@ -4,8 +4,9 @@ use super::constant;
 use crate::{
     Context, Hair, Result,
     constants::STRAND_WORKGROUP,
-    gpu::{Binding, Commands, Kernel},
+    gpu::{BindBuffer, Commands, Kernel},
     light::HairView,
+    shaders::kernels::views as kernels,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -45,9 +46,7 @@ pub(super) struct StrandsKernel(Kernel);
 
 impl StrandsKernel {
     pub(super) fn new(context: &Context) -> Self {
-        use Binding::{Storage, StorageMut, Uniform};
-        let entries = [Storage, Uniform, Storage, Storage, Storage, Storage, Storage, StorageMut];
-        Self(Kernel::new(&context.device, "views::strands", &entries))
+        Self(Kernel::new::<kernels::Strands>(&context.device))
     }
 
     /// Records the kernel, which writes a color instead of radiance for every drawn vertex: `quantity` seen from `eye`,
@@ -62,17 +61,16 @@ impl StrandsKernel {
         let uniform = StrandsUniform { eye, quantity: quantity as u32, high: high.max(1e-9), _pad: [0; 3] };
         let uniform = constant(&hair.asset.context.device, "debug strands", &uniform);
         let (set, strands) = (seen.hair, &hair.strands);
-        let buffers = [
-            &uniform,
-            &seen.shaded.uniform,
-            &strands.vertices,
-            &strands.strands,
-            &strands.bindings,
-            hair.avoidance.states(),
-            &strands.widening,
-            &seen.shaded.colors,
-        ];
-        let group = self.0.bind(&buffers.map(|buffer| buffer.as_entire_binding()));
+        let group = self.0.bind(&kernels::Strands {
+            params: uniform.entire(),
+            hair: seen.shaded.uniform.entire(),
+            vertices: strands.vertices.entire(),
+            info: strands.strands.entire(),
+            bindings: strands.bindings.entire(),
+            states: hair.avoidance.states().entire(),
+            widening: strands.widening.entire(),
+            shaded: seen.shaded.colors.entire(),
+        });
         let workgroups = (set.drawn.count * set.drawn.vertex_count).div_ceil(STRAND_WORKGROUP);
         let mut pass = commands.compute("shade");
         self.0.record(&mut pass, &group, &[], workgroups);

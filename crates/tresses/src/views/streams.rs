@@ -4,7 +4,8 @@ use super::{Canvas, GridView, LinePoint, constant, scratch::Scratch};
 use crate::{
     Context, Result,
     constants::STRAND_WORKGROUP,
-    gpu::{Binding, Kernel},
+    gpu::{BindBuffer, Kernel},
+    shaders::kernels::views as kernels,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -61,9 +62,7 @@ pub(super) struct StreamsKernel(Kernel, Scratch);
 
 impl StreamsKernel {
     pub(super) fn new(context: &Context) -> Self {
-        use Binding::{Sampler, Storage, StorageMut, Texture3d, Uniform};
-        let entries = [Uniform, Uniform, Texture3d, Sampler, Storage, StorageMut];
-        Self(Kernel::new(&context.device, "views::streams", &entries), Scratch::default())
+        Self(Kernel::new::<kernels::Streams>(&context.device), Scratch::default())
     }
 
     /// Records the kernel and returns its output, `streams.points` points per seed, or `None` without seeds.
@@ -92,15 +91,14 @@ impl StreamsKernel {
         });
         let workgroups = uniform.seeds.div_ceil(STRAND_WORKGROUP);
         let (place, uniform) = (canvas.grid(grid), constant(canvas.device, "streams", &uniform));
-        let resources = [
-            place.as_entire_binding(),
-            uniform.as_entire_binding(),
-            wgpu::BindingResource::TextureView(grid.texture),
-            wgpu::BindingResource::Sampler(canvas.sampler),
-            seeds.as_entire_binding(),
-            points.as_entire_binding(),
-        ];
-        let group = self.0.bind(&resources);
+        let group = self.0.bind(&kernels::Streams {
+            grid: place.entire(),
+            params: uniform.entire(),
+            values: grid.texture,
+            linear_clamp: canvas.sampler,
+            seeds: seeds.entire(),
+            points: points.entire(),
+        });
         let mut pass = canvas.commands.compute("debug");
         self.0.record(&mut pass, &group, &[], workgroups);
         pass.end()?;

@@ -9,7 +9,7 @@ use super::{
     HairHair, Volume,
     met::Neighbor,
     params::{STRIDE, VolumeUniforms},
-    state::{Slots, slot},
+    state::{Slots, splat},
 };
 use crate::{
     Context, Pose,
@@ -36,17 +36,14 @@ impl Volume {
         let Context { device, .. } = context;
         let mut before = std::mem::take(&mut self.others);
         let mut met = |OtherGroom { guides, volume, way, closing }: OtherGroom<'_>| {
-            let known = before.iter().position(|met| met.guides == guides.current);
+            let known = before.iter().position(|met| met.guides == *guides.current);
             if let Some(known) = known {
                 return Neighbor { way, closing, ..before.swap_remove(known) };
             }
             let uniforms = bindings::uniform(device, "volume steps", (STRIDE * MAX_STEPS) as usize);
-            let buffers =
-                [&guides.info, &guides.rest, &guides.current, &guides.velocity, &volume.rested, &self.cells];
-            let bound = buffers.map(wgpu::Buffer::as_entire_binding);
-            let entries: Vec<_> = std::iter::once(slot(&uniforms)).chain(bound).collect();
-            let splat = self.pipelines.splat.bind(&entries);
-            Neighbor { guides: guides.current.clone(), uniforms, splat, base: volume.base, way, closing }
+            let splat = splat(&self.pipelines, &uniforms, guides, &volume.rested, &self.cells);
+            let guides = (*guides.current).clone();
+            Neighbor { guides, uniforms, splat, base: volume.base, way, closing }
         };
         self.others = others.filter(|other| other.volume.base.meters() > 0.0).map(&mut met).collect();
         self.meets_next = true;

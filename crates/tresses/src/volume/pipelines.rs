@@ -2,7 +2,8 @@
 
 use crate::{
     Context, collide,
-    gpu::{Binding, Kernel, PipelineSet},
+    gpu::{Kernel, PipelineSet},
+    shaders::kernels::volume as kernels,
 };
 
 /// The pipelines of the stage.
@@ -19,22 +20,17 @@ pub(crate) struct Pipelines {
 
 impl PipelineSet for Pipelines {
     fn new(context: &Context) -> Self {
-        let Context { device, .. } = context;
-        use Binding::{
-            Storage as Read, StorageMut as Write, Uniform as Always, UniformDynamic as Uniform, Words3d,
-            Write3d, WriteWords3d,
-        };
-        let kernel = |name, entries: &[Binding]| Kernel::new(&context.device, name, entries);
-        let colliders = collide::layout(device);
+        let colliders = collide::layout(&context.device);
+        let device = &context.device;
         Self {
-            obstacles: Kernel::beside(&context.device, "volume::obstacles", &[Uniform, Write], &[&colliders]),
-            splat: kernel("volume::splat", &[Uniform, Read, Read, Read, Read, Read, Write]),
-            sum: kernel("volume::sum", &[Uniform, Write, Read, WriteWords3d]),
+            obstacles: Kernel::beside::<kernels::Obstacles>(device, &[&colliders]),
+            splat: Kernel::new::<kernels::Splat>(device),
+            sum: Kernel::new::<kernels::Sum>(device),
             blur: ["volume::blur_x", "volume::blur_y"]
-                .map(|name| kernel(name, &[Uniform, Always, Words3d, WriteWords3d])),
-            density: kernel("volume::density", &[Uniform, Always, Words3d, Write, WriteWords3d, Write3d]),
-            push: kernel("volume::push", &[Uniform, Words3d, Write3d]),
-            settle: kernel("volume::settle", &[Uniform, Read, Read, Write, Read]),
+                .map(|name| Kernel::named::<kernels::Blur>(device, name, &[])),
+            density: Kernel::new::<kernels::Density>(device),
+            push: Kernel::new::<kernels::Push>(device),
+            settle: Kernel::new::<kernels::Settle>(device),
         }
     }
 

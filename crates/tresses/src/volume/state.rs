@@ -10,7 +10,8 @@ use crate::{
     clock::{MAX_STEPS, Mode, Steps},
     collide::ColliderSet,
     constants::VOLUME_WORKGROUP,
-    gpu::{Commands, bindings, grid::grid_texture},
+    gpu::{BindBuffer, BufferBinding, Commands, Opaque, bindings, grid::grid_texture},
+    shaders::kernels::volume as kernels,
     strands::{GuideBuffers, RestGuides, buffers::storage},
 };
 use glam::Vec3;
@@ -335,7 +336,7 @@ impl Volume {
     }
 
     /// Returns the uniforms of one step, for binding with a dynamic offset.
-    pub(crate) fn uniforms(&self) -> wgpu::BindingResource<'_> {
+    pub(crate) fn uniforms(&self) -> BufferBinding<'_, Opaque> {
         slot(&self.uniforms)
     }
 
@@ -364,46 +365,54 @@ impl Groups {
         [uniforms, blur, cells, obstacles, rest, rested]: [&wgpu::Buffer; 6],
         [hair, push, first, second]: [&wgpu::TextureView; 4],
     ) -> Self {
-        let step = || slot(uniforms);
-        let view = wgpu::BindingResource::TextureView;
+        let g = || slot(uniforms);
+        let filter = |unblurred| kernels::Filter { g: g(), kernel: blur.entire(), unblurred };
         Self {
-            obstacles: pipelines.obstacles.bind(&[step(), obstacles.as_entire_binding()]),
-            splat: pipelines.splat.bind(&[
-                step(),
-                guides.info.as_entire_binding(),
-                guides.rest.as_entire_binding(),
-                guides.current.as_entire_binding(),
-                guides.velocity.as_entire_binding(),
-                rested.as_entire_binding(),
-                cells.as_entire_binding(),
-            ]),
-            sum: pipelines.sum.bind(&[
-                step(),
-                cells.as_entire_binding(),
-                obstacles.as_entire_binding(),
-                view(first),
-            ]),
-            blur: [(&pipelines.blur[0], first, second), (&pipelines.blur[1], second, first)].map(
-                |(kernel, from, to)| kernel.bind(&[step(), blur.as_entire_binding(), view(from), view(to)]),
-            ),
-            density: pipelines.density.bind(&[
-                step(),
-                blur.as_entire_binding(),
-                view(first),
-                rest.as_entire_binding(),
-                view(second),
-                view(hair),
-            ]),
-            push: pipelines.push.bind(&[step(), view(second), view(push)]),
-            settle: pipelines.settle.bind(&[
-                step(),
-                guides.rest.as_entire_binding(),
-                rest.as_entire_binding(),
-                rested.as_entire_binding(),
-                guides.info.as_entire_binding(),
-            ]),
+            obstacles: pipelines.obstacles.bind(&kernels::Obstacles { g: g(), filled: obstacles.entire() }),
+            splat: splat(pipelines, uniforms, guides, rested, cells),
+            sum: pipelines.sum.bind(&kernels::Sum {
+                g: g(),
+                cells: cells.entire(),
+                obstacles: obstacles.entire(),
+                unblurred: first,
+            }),
+            blur: [(&pipelines.blur[0], first, second), (&pipelines.blur[1], second, first)]
+                .map(|(kernel, from, blurred)| kernel.bind(&kernels::Blur { filter: filter(from), blurred })),
+            density: pipelines.density.bind(&kernels::Density {
+                filter: filter(first),
+                rest: rest.entire(),
+                dense: second,
+                hair,
+            }),
+            push: pipelines.push.bind(&kernels::Push { g: g(), dense: second, push_out: push }),
+            settle: pipelines.settle.bind(&kernels::Settle {
+                g: g(),
+                rest: guides.rest.entire(),
+                dense: rest.entire(),
+                rested: rested.entire(),
+                info: guides.info.entire(),
+            }),
         }
     }
+}
+
+/// Binds the kernel that adds the hair of `guides` to `cells`.
+pub(super) fn splat(
+    pipelines: &Pipelines,
+    uniforms: &wgpu::Buffer,
+    guides: &GuideBuffers,
+    rested: &wgpu::Buffer,
+    cells: &wgpu::Buffer,
+) -> wgpu::BindGroup {
+    pipelines.splat.bind(&kernels::Splat {
+        g: slot(uniforms),
+        info: guides.info.entire(),
+        rest: guides.rest.entire(),
+        current: guides.current.entire(),
+        velocity: guides.velocity.entire(),
+        rested: rested.entire(),
+        cells: cells.entire(),
+    })
 }
 
 /// Uniforms of several steps in the layout of the buffer.
@@ -423,10 +432,6 @@ impl Slots {
 }
 
 /// Binding of one step's uniforms.
-pub(super) fn slot(uniforms: &wgpu::Buffer) -> wgpu::BindingResource<'_> {
-    wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-        buffer: uniforms,
-        offset: 0,
-        size: wgpu::BufferSize::new(size_of::<VolumeUniforms>() as u64),
-    })
+fn slot(uniforms: &wgpu::Buffer) -> BufferBinding<'_, Opaque> {
+    uniforms.part(0, Some(size_of::<VolumeUniforms>() as u64))
 }

@@ -10,7 +10,8 @@ use crate::{
     Context, Error, Pose, Result,
     clock::{MAX_STEPS, Mode, Step, Steps},
     collide::ColliderSet,
-    gpu::{bindings::uniform, grid::grid_texture},
+    gpu::{BindBuffer, bindings::uniform, grid::grid_texture},
+    shaders::kernels::wind as kernels,
     space::Field,
 };
 use bytemuck::Zeroable;
@@ -145,73 +146,75 @@ impl Air {
             queue.write_buffer(&buffer, 0, bytemuck::bytes_of(&half));
             buffer
         };
-        let step = || {
-            wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                buffer: &uniforms,
-                offset: 0,
-                size: wgpu::BufferSize::new(size_of::<WindUniforms>() as u64),
-            })
-        };
-        let t = wgpu::BindingResource::TextureView;
-        let sampler = || wgpu::BindingResource::Sampler(&pipelines.sampler);
+        let u = || uniforms.part(0, Some(size_of::<WindUniforms>() as u64));
+        let linear_sampler = &pipelines.sampler;
+        let [give_x, give_y, give_z] = &gives;
         let relax = |sweep: Sweep, color: usize| {
             let odd = sweep.odd();
             let half = half_of(sweep.half(color));
             // The first half reads the other half's pressures from the last sweep, the second half those that the first
             // has just written.
             let other = if color == 0 { &pressures[odd][1] } else { &pressures[1 - odd][0] };
-            pipelines.relax.bind(&[
-                step(),
-                half.as_entire_binding(),
-                t(&gives[0]),
-                t(&gives[1]),
-                t(&gives[2]),
-                t(&pressures[odd][color]),
-                t(other),
-                t(&source),
-                t(&pressures[1 - odd][color]),
-            ])
+            pipelines.relax.bind(&kernels::Relax {
+                blocks: kernels::Blocks {
+                    u: u(),
+                    half_of: half.entire(),
+                    give_x,
+                    give_y,
+                    give_z,
+                    own: &pressures[odd][color],
+                    other,
+                },
+                source: &source,
+                better: &pressures[1 - odd][color],
+            })
         };
         let project = |color: usize| {
             let half = half_of(HalfSweep { color: color as u32, ..Zeroable::zeroed() });
-            pipelines.project.bind(&[
-                step(),
-                half.as_entire_binding(),
-                t(&gives[0]),
-                t(&gives[1]),
-                t(&gives[2]),
-                t(&pressures[0][color]),
-                t(&pressures[0][1 - color]),
-                t(&before),
-                t(&now),
-                t(&center_view),
-                t(&hairs),
-                t(&among),
-            ])
+            pipelines.project.bind(&kernels::Project {
+                blocks: kernels::Blocks {
+                    u: u(),
+                    half_of: half.entire(),
+                    give_x,
+                    give_y,
+                    give_z,
+                    own: &pressures[0][color],
+                    other: &pressures[0][1 - color],
+                },
+                before: &before,
+                now: &now,
+                center: &center_view,
+                hair: &hairs,
+                among: &among,
+            })
         };
+        let air = || kernels::Air { u: u(), now: &now, center: &center_view, linear_sampler };
         let groups = Groups {
-            obstacles: pipelines.obstacles.bind(&[step(), t(hair), sampler(), t(&solid), t(&hairs)]),
-            predict: pipelines.predict.bind(&[step(), t(&now), t(&center_view), sampler(), t(&carried)]),
-            correct: pipelines.correct.bind(&[
-                step(),
-                t(&now),
-                t(&center_view),
-                sampler(),
-                t(&carried),
-                t(&solid),
-                t(&hairs),
-                t(&before),
-                t(&give_view),
-            ]),
-            gather: pipelines.gather.bind(&[
-                step(),
-                t(&before),
-                t(&give_view),
-                t(&gives[0]),
-                t(&gives[1]),
-                t(&gives[2]),
-                t(&source),
-            ]),
+            obstacles: pipelines.obstacles.bind(&kernels::Obstacles {
+                u: u(),
+                hair_grid: hair,
+                linear_sampler,
+                solid: &solid,
+                hair: &hairs,
+            }),
+            predict: pipelines.predict.bind(&kernels::Predict { air: air(), carried: &carried }),
+            correct: pipelines.correct.bind(&kernels::Correct {
+                air: air(),
+                carried: &carried,
+                solid: &solid,
+                hair: &hairs,
+                before: &before,
+                give: &give_view,
+            }),
+            gather: pipelines.gather.bind(&kernels::Gather {
+                u: u(),
+                before: &before,
+                give: &give_view,
+                give_x,
+                give_y,
+                give_z,
+                source: &source,
+            }),
             relax: Sweep::ALL.map(|sweep| [relax(sweep, 0), relax(sweep, 1)]),
             project: [project(0), project(1)],
         };

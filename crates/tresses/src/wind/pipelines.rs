@@ -2,7 +2,8 @@
 
 use crate::{
     Context, collide,
-    gpu::{Binding, Kernel, PipelineSet, bindings},
+    gpu::{Kernel, PipelineSet, bindings},
+    shaders::kernels::wind as kernels,
 };
 
 /// The pipelines, created once per device.
@@ -19,34 +20,14 @@ pub(crate) struct Pipelines {
 
 impl PipelineSet for Pipelines {
     fn new(context: &Context) -> Self {
-        let Context { device, .. } = context;
-        use Binding::{
-            Sampler, StorageDynamic, Texels3d, Texture3d, Uniform, UniformDynamic, Write3d, WriteFull3d,
-        };
-        let kernel = |module, entries: &[Binding]| Kernel::new(&context.device, module, entries);
-        let air = [StorageDynamic, Texture3d, Texture3d, Sampler];
-        let blocks = [UniformDynamic, Uniform, Texels3d, Texels3d, Texels3d, Texels3d, Texels3d];
+        let device = &context.device;
         Self {
-            obstacles: Kernel::beside(
-                &context.device,
-                "wind::obstacles",
-                &[StorageDynamic, Texture3d, Sampler, Write3d, Write3d],
-                &[&collide::layout(device)],
-            ),
-            predict: kernel("wind::predict", &[&air[..], &[Write3d]].concat()),
-            correct: kernel(
-                "wind::correct",
-                &[&air[..], &[Texture3d, Texture3d, Texture3d, WriteFull3d, Write3d]].concat(),
-            ),
-            gather: kernel(
-                "wind::gather",
-                &[UniformDynamic, Texels3d, Texels3d, Write3d, Write3d, Write3d, WriteFull3d],
-            ),
-            relax: kernel("wind::relax", &[&blocks[..], &[Texels3d, WriteFull3d]].concat()),
-            project: kernel(
-                "wind::project",
-                &[&blocks[..], &[Texels3d, Write3d, Write3d, Texels3d, Write3d]].concat(),
-            ),
+            obstacles: Kernel::beside::<kernels::Obstacles>(device, &[&collide::layout(device)]),
+            predict: Kernel::new::<kernels::Predict>(device),
+            correct: Kernel::new::<kernels::Correct>(device),
+            gather: Kernel::new::<kernels::Gather>(device),
+            relax: Kernel::new::<kernels::Relax>(device),
+            project: Kernel::new::<kernels::Project>(device),
             sampler: bindings::linear(device),
         }
     }

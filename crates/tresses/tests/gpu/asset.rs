@@ -57,7 +57,7 @@ fn rest_shape_follows_its_options() {
         HairAsset::new(context, groom.clone(), &what).unwrap()
     };
     let words = |hair: &Hair| -> [Vec<u32>; 2] {
-        [&hair.guides.info, &hair.guides.rest].map(|buffer| readback::buffer(context, buffer).unwrap())
+        [&*hair.guides.info, &hair.guides.rest].map(|buffer| readback::buffer(context, buffer).unwrap())
     };
     let [soft, stiff] = [2.0, 20.0].map(|support| Hair::new(&asset(support)).unwrap());
     let [before, expected] = [&soft, &stiff].map(words);

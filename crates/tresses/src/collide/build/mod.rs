@@ -33,11 +33,12 @@ use super::SolidBounds;
 use crate::{
     Context, Error, Result,
     constants::BUILD_WORKGROUP,
-    gpu::{Binding, Kernel, readback},
+    gpu::{BindBuffer, Kernel, readback},
     groom::{
         SdfGrid,
         mesh::{Bvh, SdfOptions, TriMesh, sdf},
     },
+    shaders::kernels::collide::build as kernels,
     strands::buffers::storage,
 };
 use bytemuck::{Pod, Zeroable};
@@ -130,17 +131,14 @@ impl Plan {
 impl FieldBuilder {
     /// Creates the pipelines.
     pub fn new(context: &Context) -> Self {
-        use Binding::{Storage, StorageMut, Uniform, Write3d};
-        let kernel = |module, own: &[Binding]| {
-            Kernel::new(&context.device, module, &[&[Uniform, Storage, Storage], own].concat())
-        };
+        let device = &context.device;
         Self {
             context: context.clone(),
-            skin: kernel("collide::build::skin", &[StorageMut]),
-            measure: kernel("collide::build::measure", &[Storage, StorageMut]),
-            flood: kernel("collide::build::flood", &[Storage, Storage, StorageMut]),
-            close: kernel("collide::build::close", &[Storage, Storage, StorageMut]),
-            texel: kernel("collide::build::texel", &[Storage, Write3d]),
+            skin: Kernel::new::<kernels::Skin>(device),
+            measure: Kernel::new::<kernels::Measure>(device),
+            flood: Kernel::new::<kernels::Flood>(device),
+            close: Kernel::new::<kernels::Close>(device),
+            texel: Kernel::new::<kernels::Texel>(device),
         }
     }
 
@@ -167,9 +165,9 @@ impl FieldBuilder {
         let distances = self.distances(plan)?;
         let job = Job::new(&self.context, plan, tile);
         let view = texture.create_view(&Default::default());
-        let own = [distances.as_entire_binding(), wgpu::BindingResource::TextureView(&view)];
-        job.run(&self.texel, 0, job.voxels(), &own)?;
-        Ok(())
+        job.run(&self.texel, 0, job.voxels(), |tree| {
+            self.texel.bind(&kernels::Texel { tree, distances: distances.entire(), texels: &view })
+        })
     }
 
     /// Computes the signed distances of `plan`'s voxels, meters, x fastest.
@@ -183,25 +181,36 @@ impl FieldBuilder {
         let [seeds, next] = seeds;
         let (mut seeds, mut next) = (seeds?, next?);
         let distances = storage::<f32>(&self.context.device, "distances", voxels.into())?;
-        job.run(&self.skin, 0, triangles, &[skin.as_entire_binding()])?;
+        job.run(&self.skin, 0, triangles, |tree| {
+            self.skin.bind(&kernels::Skin { tree, is_skin: skin.entire() })
+        })?;
         // In bricks of 4 x 4 x 4 voxels.
         let bricks = plan.grid.size.map(|n| n.div_ceil(4)).element_product();
-        job.run(
-            &self.measure,
-            0,
-            bricks * BUILD_WORKGROUP,
-            &[skin.as_entire_binding(), measured.as_entire_binding()],
-        )?;
+        job.run(&self.measure, 0, bricks * BUILD_WORKGROUP, |tree| {
+            self.measure.bind(&kernels::Measure { tree, is_skin: skin.entire(), measured: measured.entire() })
+        })?;
         let longest = plan.grid.size.max_element().next_power_of_two();
         // Halve the jump down to one, then repeat a jump of one for seeds that larger jumps missed.
         let jumps = std::iter::successors(Some(longest / 2), |j| (*j > 1).then_some(j / 2));
         for jump in std::iter::once(0).chain(jumps).chain([1]) {
-            let own = [&measured, &seeds, &next].map(|b| b.as_entire_binding());
-            job.run(&self.flood, jump, voxels, &own)?;
+            job.run(&self.flood, jump, voxels, |tree| {
+                self.flood.bind(&kernels::Flood {
+                    tree,
+                    measured: measured.entire(),
+                    seeds: seeds.entire(),
+                    next: next.entire(),
+                })
+            })?;
             std::mem::swap(&mut seeds, &mut next);
         }
-        let own = [&measured, &seeds, &distances].map(|b| b.as_entire_binding());
-        job.run(&self.close, 0, voxels, &own)?;
+        job.run(&self.close, 0, voxels, |tree| {
+            self.close.bind(&kernels::Close {
+                tree,
+                measured: measured.entire(),
+                seeds: seeds.entire(),
+                distances: distances.entire(),
+            })
+        })?;
         Ok(distances)
     }
 }
@@ -237,8 +246,14 @@ impl<'a> Job<'a> {
         self.params.size.element_product()
     }
 
-    /// Runs `kernel` on `count` threads, in parts of [`PART`], with its `own` bindings.
-    fn run(&self, kernel: &Kernel, jump: u32, count: u32, own: &[wgpu::BindingResource<'_>]) -> Result<()> {
+    /// Runs `kernel` on `count` threads, in parts of [`PART`]. `bind` creates its bind group.
+    fn run(
+        &self,
+        kernel: &Kernel,
+        jump: u32,
+        count: u32,
+        bind: impl Fn(kernels::Tree<'_>) -> wgpu::BindGroup,
+    ) -> Result<()> {
         for begin in (0..count).step_by(PART as usize) {
             let end = count.min(begin + PART);
             let params = BuildParams { begin, end, jump, ..self.params };
@@ -247,8 +262,11 @@ impl<'a> Job<'a> {
                 contents: bytemuck::bytes_of(&params),
                 usage: wgpu::BufferUsages::UNIFORM,
             });
-            let shared = [&params, &self.nodes, &self.corners].map(|b| b.as_entire_binding());
-            let group = kernel.bind(&[&shared, own].concat());
+            let group = bind(kernels::Tree {
+                params: params.entire(),
+                nodes: self.nodes.entire(),
+                corners: self.corners.entire(),
+            });
             let mut encoder = self
                 .context
                 .device

@@ -38,8 +38,9 @@ use crate::{
     Context, Error, Pose, Result,
     body::Skin,
     constants::{BUILD_WORKGROUP, DEFORM_NODES},
-    gpu::{Binding, Kernel, PipelineSet},
+    gpu::{BindBuffer, Kernel, PipelineSet},
     groom::{TriMesh, mesh::Bvh, rig::anatomy::Flesh},
+    shaders::kernels::collide::deform as kernels,
     strands::buffers::filled,
 };
 use bytemuck::{Pod, Zeroable};
@@ -144,14 +145,10 @@ pub(crate) struct Pipelines {
 
 impl PipelineSet for Pipelines {
     fn new(context: &Context) -> Self {
-        use Binding::{Storage, StorageMut, Write3d};
+        let device = &context.device;
         Self {
-            gather: Kernel::new(
-                &context.device,
-                "collide::deform::gather",
-                &[Storage, Storage, Storage, StorageMut],
-            ),
-            settle: Kernel::new(&context.device, "collide::deform::settle", &[Storage, Storage, Write3d]),
+            gather: Kernel::new::<kernels::Gather>(device),
+            settle: Kernel::new::<kernels::Settle>(device),
         }
     }
 
@@ -269,11 +266,17 @@ impl Deformation {
         let moves = crate::strands::buffers::storage::<[f32; 4]>(device, "moves of skin", head.count.into())?;
         let texture = texture(device, parts.len() as u32);
         let view = texture.create_view(&Default::default());
-        let own = [&frame, nodes, buffer, &moves];
-        let gather = pipelines.gather.bind(&own.map(|buffer| buffer.as_entire_binding()));
-        let resources =
-            [frame.as_entire_binding(), moves.as_entire_binding(), wgpu::BindingResource::TextureView(&view)];
-        let settle = pipelines.settle.bind(&resources);
+        let gather = pipelines.gather.bind(&kernels::Gather {
+            u: frame.entire(),
+            nodes: nodes.entire(),
+            positions: buffer.entire(),
+            moves: moves.entire(),
+        });
+        let settle = pipelines.settle.bind(&kernels::Settle {
+            u: frame.entire(),
+            moves: moves.entire(),
+            deformed: &view,
+        });
         let bytes = frame.size() + nodes.size() + moves.size() + texture_bytes(parts.len() as u64);
         Ok(Self {
             pipelines,

@@ -27,13 +27,14 @@ use crate::{
     body::{self, Body},
     constants::STRAND_WORKGROUP,
     gpu::{
-        Binding, Device, Kernel,
+        BindBuffer, Binding, Device, Kernel,
         bindings::{self, layout},
         commands::{cleared, deep},
         kernel::{self, Job},
         pipeline::{DEPTH_FORMAT, PipelineCache, Recipe},
     },
     light::{self, Sphere},
+    shaders::kernels::draw::soft as kernels,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{UVec2, Vec2, Vec3};
@@ -85,17 +86,11 @@ pub(super) struct Pipelines {
 
 impl Pipelines {
     pub(super) fn new(context: &Context, light: &light::Pipelines) -> Self {
-        use Binding::{Storage, StorageMut, Texels2d};
-        let own = [Texels2d, Texels2d, Storage, StorageMut, Storage, Storage];
         Self {
             frame: light.frame.clone(),
             surface: PipelineCache::default(),
-            list: Kernel::new(
-                &context.device,
-                "draw::soft::list",
-                &[Texels2d, Storage, StorageMut, StorageMut, StorageMut],
-            ),
-            ask: Kernel::new(&context.device, "draw::soft::ask", &[&light::FRAME[..], &own].concat()),
+            list: Kernel::new::<kernels::List>(&context.device),
+            ask: Kernel::new::<kernels::Ask>(&context.device),
         }
     }
 
@@ -310,7 +305,7 @@ impl SoftTargets {
         let mut all = self.groups();
         let known = all.iter().position(|groups| groups.light == light.frame && groups.uniform == *uniform);
         let place = known.unwrap_or_else(|| {
-            all.push(self.bind(pipelines, canvas.eye, light, uniform));
+            all.push(self.bind(pipelines, light, uniform));
             all.len() - 1
         });
         let groups = &mut all[place];
@@ -321,29 +316,28 @@ impl SoftTargets {
         pass.end()
     }
 
-    fn bind(
-        &self,
-        pipelines: &Pipelines,
-        eye: &wgpu::Buffer,
-        light: &light::LightState,
-        uniform: &wgpu::Buffer,
-    ) -> KernelGroups {
-        let all = wgpu::Buffer::as_entire_binding;
-        let [position, normal] = [&self.position, &self.normal].map(wgpu::BindingResource::TextureView);
-        let soft = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-            buffer: uniform,
-            offset: 0,
-            size: wgpu::BufferSize::new(size_of::<SoftUniform>() as u64),
-        });
-        let (points, asked, counted) = (all(&self.points), all(&self.asked), all(&self.count));
-        let listed = [position.clone(), soft.clone(), points.clone(), asked.clone(), counted.clone()];
-        let lit = light.frame_resources(eye);
-        let lit = [&lit[..], &[position, normal, soft, points, asked, counted]].concat();
+    fn bind(&self, pipelines: &Pipelines, light: &light::LightState, uniform: &wgpu::Buffer) -> KernelGroups {
+        let soft = || uniform.part(0, Some(size_of::<SoftUniform>() as u64));
         KernelGroups {
             light: light.frame.clone(),
             uniform: uniform.clone(),
-            list: pipelines.list.bind(&listed),
-            ask: pipelines.ask.bind(&lit),
+            list: pipelines.list.bind(&kernels::List {
+                positions: &self.position,
+                soft: soft(),
+                points: self.points.entire(),
+                asked: self.asked.entire(),
+                count: self.count.entire(),
+            }),
+            ask: pipelines.ask.bind(&kernels::Ask {
+                transmittance: light.transmittance(),
+                ambient: light.ambient(),
+                positions: &self.position,
+                normals: &self.normal,
+                soft: soft(),
+                points: self.points.entire(),
+                asked: self.asked.entire(),
+                count: self.count.entire(),
+            }),
             is_used: true,
         }
     }

@@ -5,7 +5,7 @@ use crate::{
     Result,
     constants::{TILE, TILE_BINS, TILE_BLOCK, TILE_ROUNDS},
     draw::canvas::{HDR_FORMAT, TextureKind},
-    gpu::bindings::uniform,
+    gpu::{BindBuffer, BufferBinding, bindings::uniform},
     strands::buffers::storage,
 };
 use bytemuck::{Pod, Zeroable};
@@ -157,12 +157,8 @@ impl TileBuffers {
     }
 
     /// The uniform of a pass, bound with a dynamic offset.
-    pub fn round(&self) -> wgpu::BindingResource<'_> {
-        wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-            buffer: &self.rounds,
-            offset: 0,
-            size: wgpu::BufferSize::new(16),
-        })
+    pub fn round(&self) -> BufferBinding<'_, [u32; 4]> {
+        self.rounds.part(0, Some(16))
     }
 
     /// Bytes of GPU memory.

@@ -3,7 +3,8 @@
 use super::texels::Texels;
 use crate::{
     draw::canvas::Canvas,
-    gpu::{Kernel, bindings::uniform, commands::bytes},
+    gpu::{BindBuffer, Kernel, bindings::uniform, commands::bytes},
+    shaders::kernels::draw::tiles as kernels,
     space::Space,
 };
 use bytemuck::{Pod, Zeroable};
@@ -49,15 +50,8 @@ pub(super) struct Geometry {
 }
 
 impl Geometry {
-    /// Creates the output for frames with `points`. The kernel binds `of_rows`, then its own resources, among them
-    /// `round`.
-    pub fn new(
-        kernel: &Kernel,
-        canvas: &Canvas<'_, '_>,
-        points: &Texels,
-        of_rows: &[wgpu::BindingResource<'_>],
-        round: wgpu::BindingResource<'_>,
-    ) -> Self {
+    /// Creates the output of the kernel for frames with `points`. It reads the tiles of `fine`.
+    pub fn new(kernel: &Kernel, canvas: &Canvas<'_, '_>, points: &Texels, fine: kernels::Fine<'_>) -> Self {
         let device = &canvas.commands.context().device;
         use wgpu::TextureUsages as Usages;
         let usage = Usages::TEXTURE_BINDING | Usages::STORAGE_BINDING | Usages::COPY_SRC;
@@ -66,13 +60,12 @@ impl Geometry {
         let before = points.like(device, "points before");
         let uniform = uniform(device, "geometry of hair", size_of::<GeometryUniform>());
         let view = before.create_view(&Default::default());
-        let own = [
-            wgpu::BindingResource::TextureView(&view),
-            round,
-            uniform.as_entire_binding(),
-            wgpu::BindingResource::TextureView(&texture),
-        ];
-        let group = kernel.bind(&of_rows.iter().cloned().chain(own).collect::<Vec<_>>());
+        let group = kernel.bind(&kernels::Geometry {
+            fine,
+            before: &view,
+            geometry_of: uniform.entire(),
+            known: &texture,
+        });
         Self { texture, group, uniform, before, last: None, knows_motion: false }
     }
 

@@ -4,6 +4,7 @@ use super::geometry::FORMAT;
 use crate::{
     draw::canvas::Canvas,
     gpu::{Kernel, commands::bytes},
+    shaders::kernels::draw::tiles as kernels,
 };
 
 /// The strand segment that covers most of a pixel.
@@ -54,18 +55,12 @@ pub(crate) struct Labels {
 }
 
 impl Labels {
-    /// Creates the output. The kernel binds `of_rows`, the texture, and `round`.
-    pub fn new(
-        kernel: &Kernel,
-        canvas: &Canvas<'_, '_>,
-        of_rows: &[wgpu::BindingResource<'_>],
-        round: wgpu::BindingResource<'_>,
-    ) -> Self {
+    /// Creates the output of the kernel, which reads the tiles of `fine`.
+    pub fn new(kernel: &Kernel, canvas: &Canvas<'_, '_>, fine: kernels::Fine<'_>) -> Self {
         let usage = wgpu::TextureUsages::STORAGE_BINDING | wgpu::TextureUsages::COPY_SRC;
         let texture = canvas.target.texture()(("labels of hair", FORMAT, usage));
         let texture = texture.create_view(&Default::default());
-        let own = [wgpu::BindingResource::TextureView(&texture), round];
-        let group = kernel.bind(&of_rows.iter().cloned().chain(own).collect::<Vec<_>>());
+        let group = kernel.bind(&kernels::Label { fine, labels: &texture });
         Self { texture, group, owners: Vec::new() }
     }
 

@@ -12,12 +12,12 @@ use crate::{
     Context, Result,
     constants::TILE,
     draw::canvas::Canvas,
-    gpu::{Kernel, bindings::uniform},
+    gpu::{BindBuffer, bindings::uniform},
     light::{HairView, ShadingSubset},
+    shaders::kernels::draw::tiles as bound,
     strands::buffers::storage,
 };
 use bytemuck::{Pod, Zeroable};
-use wgpu::BindingResource as Resource;
 
 /// The points of one groom.
 #[repr(C)]
@@ -126,13 +126,12 @@ impl HairLists {
             grooms.map(|(own, first)| GroomPoints::new(kernels, tiles, canvas, &buffers, own, *first));
         let grooms = grooms.collect::<Result<_>>()?;
         let many = usize::from(canvas.target.samples > 1);
-        let rows = buffers.rows(tiles);
-        let geometry = canvas
-            .geometry
-            .map(|_| Geometry::new(&kernels.geometry[many], canvas, &buffers.points, &rows, tiles.round()));
-        let labels = canvas.labels.then(|| Labels::new(&kernels.label[many], canvas, &rows, tiles.round()));
+        let fine = || buffers.fine(tiles);
+        let geometry =
+            canvas.geometry.map(|_| Geometry::new(&kernels.geometry[many], canvas, &buffers.points, fine()));
+        let labels = canvas.labels.then(|| Labels::new(&kernels.label[many], canvas, fine()));
         Ok(Self {
-            groups: Groups::new(kernels, tiles, canvas, (&buffers, &rows)),
+            groups: Groups::new(kernels, tiles, canvas, &buffers),
             source: source(hair),
             grid,
             firsts,
@@ -220,12 +219,18 @@ impl ListBuffers {
         })
     }
 
-    /// The resources of every kernel that walks the rows of a tile.
-    fn rows<'a>(&'a self, tiles: &'a TileBuffers) -> [Resource<'a>; 7] {
-        let [grid, control, busy, surfaces, touches] =
-            [&tiles.grid, &tiles.control, &tiles.busy, &tiles.surfaces, &self.touches]
-                .map(wgpu::Buffer::as_entire_binding);
-        [grid, control, busy, self.list.resource(), self.points.resource(), surfaces, touches]
+    /// Bindings of every kernel that walks the rows of a tile.
+    fn fine<'a>(&'a self, tiles: &'a TileBuffers) -> bound::Fine<'a> {
+        bound::Fine {
+            grid: tiles.grid.entire(),
+            control: tiles.control.entire(),
+            busy: tiles.busy.entire(),
+            list: self.list.view(),
+            points: self.points.view(),
+            surfaces: tiles.surfaces.entire(),
+            touches: self.touches.entire(),
+            round: tiles.round(),
+        }
     }
 
     fn bytes(&self) -> u64 {
@@ -247,23 +252,27 @@ impl GroomPoints {
     ) -> Result<Self> {
         let context = canvas.commands.context();
         let part = uniform(&context.device, "part of the points", size_of::<PointRange>());
-        let [camera, grid, of, ranges, all_seen] =
-            [canvas.eye, &tiles.grid, &part, &tiles.ranges, &buffers.seen]
-                .map(wgpu::Buffer::as_entire_binding);
-        let [vertices, strands, shaded] =
-            [&own.hair.strands.vertices, &own.hair.strands.strands, &own.shaded.colors]
-                .map(wgpu::Buffer::as_entire_binding);
-        let project = [camera, grid, of.clone(), vertices, strands, buffers.points.resource(), ranges];
-        let seen = Resource::Buffer(wgpu::BufferBinding {
-            buffer: &buffers.seen,
-            offset: u64::from(first) / 8,
-            size: None,
+        let project = kernels.project.bind(&bound::Project {
+            view: canvas.eye.entire(),
+            grid: tiles.grid.entire(),
+            part: part.entire(),
+            vertices: own.hair.strands.vertices.entire(),
+            strands: own.hair.strands.strands.entire(),
+            points: buffers.points.view(),
+            ranges: tiles.ranges.entire(),
         });
+        let tint = kernels.tint.bind(&bound::Tint {
+            part: part.entire(),
+            shaded: own.shaded.colors.entire(),
+            seen: buffers.seen.entire(),
+            colors: buffers.colors.view(),
+        });
+        let seen = buffers.seen.part(u64::from(first) / 8, None);
         let light = (own.light, canvas.eye);
         Ok(Self {
             chosen: ShadingSubset::new(context, light, own.hair, own.shaded, seen)?,
-            project: kernels.project.bind(&project),
-            tint: kernels.tint.bind(&[of, shaded, all_seen, buffers.colors.resource()]),
+            project,
+            tint,
             points: 0,
             room: 0,
             part,
@@ -272,45 +281,111 @@ impl GroomPoints {
 }
 
 impl Groups {
-    /// `rows` are the resources of [`ListBuffers::rows`].
-    fn new(
-        kernels: &Pipelines,
-        tiles: &TileBuffers,
-        canvas: &Canvas<'_, '_>,
-        (buffers, rows): (&ListBuffers, &[Resource<'_>; 7]),
-    ) -> Self {
+    fn new(kernels: &Pipelines, tiles: &TileBuffers, canvas: &Canvas<'_, '_>, buffers: &ListBuffers) -> Self {
         let many = usize::from(canvas.target.samples > 1);
-        let [grid, control, busy, list, points, surfaces, touches] = rows;
-        let [camera, farthest, bins, ranges, depths] =
-            [canvas.eye, &tiles.farthest, &tiles.bins, &tiles.ranges, &tiles.depths]
-                .map(wgpu::Buffer::as_entire_binding);
-        let [bounds, unsorted, seen] =
-            [&tiles.bounds.0, &buffers.unsorted, &buffers.seen].map(wgpu::Buffer::as_entire_binding);
-        let [colors, bound_texels] = [&buffers.colors, &tiles.bounds.1].map(Texels::resource);
-        let round = tiles.round();
-        let depth = Resource::TextureView(&canvas.target.depth);
-        let hair = Resource::TextureView(&tiles.hair);
-
-        let bind = |kernel: &Kernel, resources: &[&[&Resource<'_>]]| {
-            kernel.bind(&resources.concat().into_iter().cloned().collect::<Vec<_>>())
+        let (grid, control, busy) =
+            (|| tiles.grid.entire(), || tiles.control.entire(), || tiles.busy.entire());
+        let (bins, bounds, depths) =
+            (|| tiles.bins.entire(), || tiles.bounds.0.entire(), || tiles.depths.entire());
+        let (farthest, surfaces) = (|| tiles.farthest.entire(), || tiles.surfaces.entire());
+        let (ranges, unsorted) = (|| tiles.ranges.entire(), || buffers.unsorted.entire());
+        let (points, list, bound_texels) =
+            (buffers.points.view(), buffers.list.view(), tiles.bounds.1.view());
+        let (depth, round, fine) = (&canvas.target.depth, || tiles.round(), || buffers.fine(tiles));
+        let asked = || bound::Asked {
+            grid: grid(),
+            control: control(),
+            busy: busy(),
+            depths: depths(),
+            round: round(),
         };
-        let asked = &[grid, control, busy, &depths, &round][..];
-        let rows = &rows.each_ref()[..];
-        let camera = if many == 1 { &[&camera][..] } else { &[] };
+        let surface = if many == 0 {
+            kernels.surface[0].bind(&bound::SurfaceOne {
+                grid: grid(),
+                ranges: ranges(),
+                depth,
+                surfaces: surfaces(),
+                farthest: farthest(),
+            })
+        } else {
+            kernels.surface[1].bind(&bound::SurfaceMany {
+                grid: grid(),
+                ranges: ranges(),
+                depth,
+                surfaces: surfaces(),
+                farthest: farthest(),
+                view: canvas.eye.entire(),
+            })
+        };
         Self {
-            surface: bind(&kernels.surface[many], &[&[grid, &ranges, &depth, surfaces, &farthest], camera]),
-            bound: bind(&kernels.bound, &[&[grid, &farthest, &ranges, &bounds]]),
-            count: bind(&kernels.count, &[&[grid, points, &bound_texels, &bins]]),
-            totals: bind(&kernels.totals, &[&[grid, &bins, &bounds]]),
-            scan: bind(&kernels.scan, &[&[grid, &bounds, busy, control, &depths]]),
-            scatter: bind(&kernels.scatter, &[&[grid, points, &bound_texels, &bins, &unsorted, &round]]),
-            sort: bind(&kernels.sort, &[asked, &[&bins, &unsorted, list]]),
-            merge: bind(&kernels.merge, &[asked, &[&bins, &unsorted, list]]),
-            deepen: bind(&kernels.deepen, &[&[control, &depths, &round]]),
-            rewind: bind(&kernels.rewind, &[&[control, busy, &bins, &round]]),
-            touch: bind(&kernels.touch, &[asked, &[list, points, touches]]),
-            see: bind(&kernels.see[many], &[rows, &[&seen, &round, &depths]]),
-            blend: bind(&kernels.blend[many], &[rows, &[&colors, &round, &hair]]),
+            surface,
+            bound: kernels.bound.bind(&bound::Bound {
+                grid: grid(),
+                farthest: farthest(),
+                ranges: ranges(),
+                bounds: bounds(),
+            }),
+            count: kernels.count.bind(&bound::Count {
+                grid: grid(),
+                points,
+                bounds: bound_texels,
+                bins: bins(),
+            }),
+            totals: kernels.totals.bind(&bound::Totals { grid: grid(), bins: bins(), bounds: bounds() }),
+            scan: kernels.scan.bind(&bound::Scan {
+                grid: grid(),
+                bounds: bounds(),
+                busy: busy(),
+                control: control(),
+                depths: depths(),
+            }),
+            scatter: kernels.scatter.bind(&bound::Scatter {
+                grid: grid(),
+                points,
+                bounds: bound_texels,
+                bins: bins(),
+                list: unsorted(),
+                round: round(),
+            }),
+            sort: kernels.sort.bind(&bound::Sort {
+                asked: asked(),
+                bins: bins(),
+                unsorted: unsorted(),
+                list,
+            }),
+            merge: kernels.merge.bind(&bound::Merge {
+                asked: asked(),
+                bins: bins(),
+                entries: unsorted(),
+                list,
+            }),
+            deepen: kernels.deepen.bind(&bound::Deepen {
+                control: control(),
+                depths: depths(),
+                round: round(),
+            }),
+            rewind: kernels.rewind.bind(&bound::Rewind {
+                control: control(),
+                busy: busy(),
+                bins: bins(),
+                round: round(),
+            }),
+            touch: kernels.touch.bind(&bound::Touch {
+                asked: asked(),
+                list,
+                points,
+                touches: buffers.touches.entire(),
+            }),
+            see: kernels.see[many].bind(&bound::See {
+                fine: fine(),
+                seen: buffers.seen.entire(),
+                depths: depths(),
+            }),
+            blend: kernels.blend[many].bind(&bound::Blend {
+                fine: fine(),
+                colors: buffers.colors.view(),
+                hair: &tiles.hair,
+            }),
         }
     }
 }
@@ -328,7 +403,7 @@ fn firsts(hair: &[HairView<'_>]) -> (Vec<u32>, u64) {
 }
 
 fn source(hair: &[HairView<'_>]) -> Vec<[wgpu::Buffer; 2]> {
-    hair.iter().map(|seen| [seen.hair.strands.vertices.clone(), seen.shaded.colors.clone()]).collect()
+    hair.iter().map(|seen| [(*seen.hair.strands.vertices).clone(), seen.shaded.colors.clone()]).collect()
 }
 
 /// Entries per round for this number of points.

@@ -2,13 +2,10 @@
 
 use crate::Context;
 use crate::gpu::{
-    Binding::{
-        self, Depth, DepthMultisampled, Storage, StorageMut, Texels2d, Uniform, UniformDynamic, Words2d,
-        Write2d, WriteFloats2d, WriteWords2d,
-    },
     Kernel,
     kernel::{self, Job},
 };
+use crate::shaders::kernels::draw::tiles as kernels;
 
 /// Kernels in the order in which they run.
 #[derive(Debug)]
@@ -39,48 +36,32 @@ pub(crate) struct Pipelines {
 
 impl Pipelines {
     pub fn new(context: &Context) -> Self {
-        let kernel = |module, bindings: &[Binding]| Kernel::new(&context.device, module, bindings);
-        let asked = [Storage, Storage, Storage, StorageMut, UniformDynamic];
-        let sort = [&asked[..], &[Storage, Storage, WriteWords2d]].concat();
-        let merge = [&asked[..], &[Storage, StorageMut, WriteWords2d]].concat();
-        let touch = [&asked[..], &[Words2d, Texels2d, StorageMut]].concat();
-        let lists = [Storage, Storage, Storage, Words2d, Texels2d];
-        let see = [&lists[..], &[StorageMut, StorageMut, StorageMut, UniformDynamic, StorageMut]].concat();
-        let of_rows = [&lists[..], &[StorageMut, StorageMut]].concat();
-        let geometry = [&of_rows[..], &[Texels2d, UniformDynamic, Storage, WriteFloats2d]].concat();
-        let label = [&of_rows[..], &[WriteFloats2d, UniformDynamic]].concat();
-        let blend = [&lists[..], &[StorageMut, StorageMut, Words2d, UniformDynamic, Write2d]].concat();
+        let device = &context.device;
         Self {
             surface: [
-                kernel("draw::tiles::surface_one", &[Storage, Storage, Depth, StorageMut, StorageMut]),
-                kernel(
-                    "draw::tiles::surface_many",
-                    &[Storage, Storage, DepthMultisampled, StorageMut, StorageMut, Uniform],
-                ),
+                Kernel::new::<kernels::SurfaceOne>(device),
+                Kernel::new::<kernels::SurfaceMany>(device),
             ],
-            project: kernel(
-                "draw::tiles::project",
-                &[Uniform, Storage, Storage, Storage, Storage, WriteFloats2d, StorageMut],
-            ),
-            bound: kernel("draw::tiles::bound", &[Storage, Storage, Storage, StorageMut]),
-            count: kernel("draw::tiles::count", &[Storage, Texels2d, Words2d, StorageMut]),
-            totals: kernel("draw::tiles::totals", &[Storage, StorageMut, StorageMut]),
-            scan: kernel("draw::tiles::scan", &[Storage, StorageMut, StorageMut, StorageMut, StorageMut]),
-            scatter: kernel(
-                "draw::tiles::scatter",
-                &[Storage, Texels2d, Words2d, StorageMut, StorageMut, UniformDynamic],
-            ),
-            sort: kernel("draw::tiles::sort", &sort),
-            merge: kernel("draw::tiles::merge", &merge),
-            rewind: kernel("draw::tiles::rewind", &[Storage, Storage, StorageMut, UniformDynamic]),
-            touch: kernel("draw::tiles::touch", &touch),
-            see: ["draw::tiles::see::1", "draw::tiles::see::2"].map(|module| kernel(module, &see)),
+            project: Kernel::new::<kernels::Project>(device),
+            bound: Kernel::new::<kernels::Bound>(device),
+            count: Kernel::new::<kernels::Count>(device),
+            totals: Kernel::new::<kernels::Totals>(device),
+            scan: Kernel::new::<kernels::Scan>(device),
+            scatter: Kernel::new::<kernels::Scatter>(device),
+            sort: Kernel::new::<kernels::Sort>(device),
+            merge: Kernel::new::<kernels::Merge>(device),
+            rewind: Kernel::new::<kernels::Rewind>(device),
+            touch: Kernel::new::<kernels::Touch>(device),
+            see: ["draw::tiles::see::1", "draw::tiles::see::2"]
+                .map(|module| Kernel::named::<kernels::See>(device, module, &[])),
             geometry: ["draw::tiles::geometry::1", "draw::tiles::geometry::2"]
-                .map(|module| kernel(module, &geometry)),
-            label: ["draw::tiles::label::1", "draw::tiles::label::2"].map(|module| kernel(module, &label)),
-            deepen: kernel("draw::tiles::deepen", &[StorageMut, Storage, UniformDynamic]),
-            tint: kernel("draw::tiles::tint", &[Storage, Storage, Storage, WriteWords2d]),
-            blend: ["draw::tiles::blend::1", "draw::tiles::blend::2"].map(|module| kernel(module, &blend)),
+                .map(|module| Kernel::named::<kernels::Geometry>(device, module, &[])),
+            label: ["draw::tiles::label::1", "draw::tiles::label::2"]
+                .map(|module| Kernel::named::<kernels::Label>(device, module, &[])),
+            deepen: Kernel::new::<kernels::Deepen>(device),
+            tint: Kernel::new::<kernels::Tint>(device),
+            blend: ["draw::tiles::blend::1", "draw::tiles::blend::2"]
+                .map(|module| Kernel::named::<kernels::Blend>(device, module, &[])),
         }
     }
 

@@ -76,8 +76,8 @@ impl Texels {
     }
 
     /// Returns the texture for binding.
-    pub fn resource(&self) -> wgpu::BindingResource<'_> {
-        wgpu::BindingResource::TextureView(&self.view)
+    pub fn view(&self) -> &wgpu::TextureView {
+        &self.view
     }
 
     /// Bytes of GPU memory.

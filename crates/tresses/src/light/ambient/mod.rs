@@ -42,12 +42,12 @@
 //! much at a wall instead of 11 %, but reflect a fifth too little light and leak along rays that cross many cells.
 //! Untried: aligned fibers, which transmit more light along than across their direction.
 
-use super::frame::FRAME;
 use crate::{
     Context, Result,
     body::{self, Body},
     constants::{AMBIENT_STRANDS, STRAND_WORKGROUP},
-    gpu::{Binding, Commands, Kernel, bindings::linear, grid::grid_texture},
+    gpu::{BindBuffer, Commands, Kernel, bindings::linear, grid::grid_texture},
+    shaders::kernels::light::{Transmittance, ambient as kernels},
     strands::DrawCount,
 };
 
@@ -72,30 +72,17 @@ pub(super) struct Pipelines {
 
 impl Pipelines {
     pub(super) fn new(context: &Context) -> Self {
-        let Context { device, .. } = context;
-        use Binding::{Storage, StorageMut, Uniform, Write3d};
+        let device = &context.device;
         let surface = body::surface_layout(device);
-        let kernel = |module, entries: &[Binding]| Kernel::new(&context.device, module, entries);
         Self {
-            lay: kernel("light::ambient::lay", &[Uniform, Uniform, Storage, Storage, StorageMut]),
-            skin: Kernel::beside(
-                &context.device,
-                "light::ambient::skin",
-                &[Uniform, StorageMut],
-                &[&surface],
-            ),
-            // Binding 0 of `FRAME` is unused here; shaders that read light bind the camera to it.
-            glow: Kernel::beside(
-                &context.device,
-                "light::ambient::glow",
-                &[&FRAME[..], &[StorageMut]].concat(),
-                &[&surface],
-            ),
-            settle: kernel("light::ambient::settle", &[Uniform, Storage, StorageMut]),
+            lay: Kernel::new::<kernels::Lay>(device),
+            skin: Kernel::beside::<kernels::Skin>(device, &[&surface]),
+            glow: Kernel::beside::<kernels::Glow>(device, &[&surface]),
+            settle: Kernel::new::<kernels::Settle>(device),
             sweeps: ["light::ambient::sweep", "light::ambient::shine"]
-                .map(|module| kernel(module, &[Uniform, Storage, StorageMut])),
+                .map(|module| Kernel::named::<kernels::Sweep>(device, module, &[])),
             gathers: ["light::ambient::gather", "light::ambient::collect"]
-                .map(|module| kernel(module, &[Uniform, Storage, StorageMut, Write3d])),
+                .map(|module| Kernel::named::<kernels::Gather>(device, module, &[])),
         }
     }
 
@@ -103,6 +90,10 @@ impl Pipelines {
         let Self { lay, skin, glow, settle, sweeps, gathers } = self;
         [lay, skin, glow, settle].into_iter().chain(sweeps).chain(gathers)
     }
+}
+
+fn bindings<'a>(grid: &'a wgpu::TextureView, sampler: &'a wgpu::Sampler) -> kernels::Ambient<'a> {
+    kernels::Ambient { ambient_grid: grid, ambient_linear: sampler }
 }
 
 /// Ambient light grid of a view.
@@ -126,8 +117,7 @@ impl Ambient {
         context: &Context,
         pipelines: &Pipelines,
         wanted: u32,
-        lights: &wgpu::Buffer,
-        shadow: [wgpu::BindingResource<'_>; 4],
+        transmittance: Transmittance<'_>,
     ) -> Self {
         let Context { device, .. } = context;
         let cells = Self::within(wanted);
@@ -147,20 +137,39 @@ impl Ambient {
         let format = wgpu::TextureFormat::Rgba16Float;
         let (_, result) = grid_texture(device, "ambient", format, [cells, cells, LAYERS * cells]);
         let sampler = linear(device);
-        let all = wgpu::Buffer::as_entire_binding;
-        let view = || wgpu::BindingResource::TextureView(&result);
-        let [maps, comparison, hair, blocks] = shadow;
-        let linear = wgpu::BindingResource::Sampler(&sampler);
-        let frame = [all(lights), all(lights), maps, comparison, hair, blocks, view(), linear, all(&sums)];
+        let lights = || transmittance.lights.clone();
         let Pipelines { skin, glow, settle, sweeps, gathers, .. } = pipelines;
+        let (skin, glow) = (
+            skin.bind(&kernels::Skin { lights: lights(), cells: sums.entire() }),
+            glow.bind(&kernels::Glow {
+                transmittance: transmittance.clone(),
+                ambient: bindings(&result, &sampler),
+                cells: sums.entire(),
+            }),
+        );
+        let settle = settle.bind(&kernels::Settle {
+            lights: lights(),
+            cells: sums.entire(),
+            settled: settled.entire(),
+        });
+        let sweeps = sweeps.each_ref().map(|sweep| {
+            let link = kernels::Link { lights: lights(), settled: settled.entire() };
+            sweep.bind(&kernels::Sweep { link, fields: fields.entire() })
+        });
+        let gathers = gathers.each_ref().map(|gather| {
+            gather.bind(&kernels::Gather {
+                lights: lights(),
+                fields: fields.entire(),
+                weights: weights.entire(),
+                result: &result,
+            })
+        });
         Self {
-            skin: skin.bind(&[all(lights), all(&sums)]),
-            glow: glow.bind(&frame),
-            settle: settle.bind(&[all(lights), all(&sums), all(&settled)]),
-            sweeps: sweeps.each_ref().map(|sweep| sweep.bind(&[all(lights), all(&settled), all(&fields)])),
-            gathers: gathers
-                .each_ref()
-                .map(|gather| gather.bind(&[all(lights), all(&fields), all(&weights), view()])),
+            skin,
+            glow,
+            settle,
+            sweeps,
+            gathers,
             cells,
             sampler: sampler.clone(),
             sums: sums.clone(),
@@ -187,6 +196,11 @@ impl Ambient {
     /// Buffer of the sums of hair and mesh area per cell.
     pub(super) fn sums(&self) -> &wgpu::Buffer {
         &self.sums
+    }
+
+    /// Bindings of kernels that read ambient light.
+    pub(super) fn bindings(&self) -> kernels::Ambient<'_> {
+        bindings(&self.result, &self.sampler)
     }
 
     /// Bindings of shaders that read ambient light: the layers and their sampler.

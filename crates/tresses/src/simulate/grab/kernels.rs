@@ -3,7 +3,8 @@
 use super::GrabUniform;
 use crate::{
     Context, collide,
-    gpu::{Binding, Kernel},
+    gpu::{BindBuffer, Kernel},
+    shaders::kernels::simulate::grab as kernels,
     strands::{GuideBuffers, StrandBuffers},
 };
 
@@ -17,6 +18,16 @@ pub(crate) struct GrabKernels {
     aim: Kernel,
     pull: Kernel,
     sweep: Kernel,
+}
+
+/// Buffers of a grab.
+#[derive(Debug)]
+pub(crate) struct GrabBuffers {
+    /// A [`GrabUniform`] per step.
+    pub uniforms: wgpu::Buffer,
+    pub marks: wgpu::Buffer,
+    pub state: wgpu::Buffer,
+    pub holds: wgpu::Buffer,
 }
 
 /// Bind groups of each kernel for one groom.
@@ -34,48 +45,62 @@ pub(crate) struct Groups {
 impl GrabKernels {
     pub fn new(context: &Context) -> Self {
         let Context { device, .. } = context;
-        use Binding::{Storage, StorageMut, UniformDynamic};
         let obstacles = collide::layout(device);
-        let kernel = |name, entries: &[Binding]| Kernel::new(&context.device, name, entries);
-        let beside =
-            |name, entries: &[Binding]| Kernel::beside(&context.device, name, entries, &[&obstacles]);
+        let device = &context.device;
         Self {
-            pick: kernel("simulate::grab::pick", &[UniformDynamic, StorageMut, Storage]),
-            hit: beside("simulate::grab::hit", &[UniformDynamic, StorageMut, StorageMut]),
-            reach: kernel("simulate::grab::reach", &[UniformDynamic, StorageMut, Storage, Storage]),
-            hold: kernel("simulate::grab::hold", &[UniformDynamic, StorageMut, Storage, Storage, StorageMut]),
-            aim: kernel("simulate::grab::aim", &[UniformDynamic, StorageMut]),
-            pull: beside(
-                "simulate::grab::pull",
-                &[UniformDynamic, Storage, Storage, Storage, Storage, StorageMut],
-            ),
-            sweep: beside(
-                "simulate::grab::sweep",
-                &[UniformDynamic, StorageMut, Storage, Storage, Storage, StorageMut],
-            ),
+            pick: Kernel::new::<kernels::Pick>(device),
+            hit: Kernel::beside::<kernels::Hit>(device, &[&obstacles]),
+            reach: Kernel::new::<kernels::Reach>(device),
+            hold: Kernel::new::<kernels::Hold>(device),
+            aim: Kernel::new::<kernels::Aim>(device),
+            pull: Kernel::beside::<kernels::Pull>(device, &[&obstacles]),
+            sweep: Kernel::beside::<kernels::Sweep>(device, &[&obstacles]),
         }
     }
 
-    /// Binds the kernels. `own` is uniforms, marks, state and holds.
-    pub fn bind(&self, own: [&wgpu::Buffer; 4], guides: &GuideBuffers, strands: &StrandBuffers) -> Groups {
-        let [uniforms, marks, state, holds] = own;
-        let bind = |kernel: &Kernel, buffers: &[&wgpu::Buffer]| {
-            let uniform = wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                buffer: uniforms,
-                offset: 0,
-                size: wgpu::BufferSize::new(size_of::<GrabUniform>() as u64),
-            });
-            let buffers = buffers.iter().map(|buffer| buffer.as_entire_binding());
-            kernel.bind(&std::iter::once(uniform).chain(buffers).collect::<Vec<_>>())
-        };
+    /// Binds the kernels to one groom.
+    pub fn bind(&self, own: &GrabBuffers, guides: &GuideBuffers, strands: &StrandBuffers) -> Groups {
+        let u = || own.uniforms.part(0, Some(size_of::<GrabUniform>() as u64));
+        let (marks, state) = (|| own.marks.entire(), || own.state.entire());
+        let (current, velocity) = (|| guides.current.entire(), || guides.velocity.entire());
+        let (holds, forces) = (|| own.holds.entire(), || guides.forces.entire());
         Groups {
-            pick: bind(&self.pick, &[marks, &strands.vertices]),
-            hit: bind(&self.hit, &[marks, state]),
-            reach: bind(&self.reach, &[marks, state, &guides.current]),
-            hold: bind(&self.hold, &[marks, state, &guides.current, holds]),
-            aim: bind(&self.aim, &[state]),
-            pull: bind(&self.pull, &[state, holds, &guides.current, &guides.velocity, &guides.forces]),
-            sweep: bind(&self.sweep, &[marks, state, &guides.current, &guides.velocity, &guides.forces]),
+            pick: self.pick.bind(&kernels::Pick {
+                u: u(),
+                marks: marks(),
+                vertices: strands.vertices.entire(),
+            }),
+            hit: self.hit.bind(&kernels::Hit { u: u(), marks: marks(), state: state() }),
+            reach: self.reach.bind(&kernels::Reach {
+                u: u(),
+                marks: marks(),
+                state: state(),
+                current: current(),
+            }),
+            hold: self.hold.bind(&kernels::Hold {
+                u: u(),
+                marks: marks(),
+                state: state(),
+                current: current(),
+                holds: holds(),
+            }),
+            aim: self.aim.bind(&kernels::Aim { u: u(), state: state() }),
+            pull: self.pull.bind(&kernels::Pull {
+                u: u(),
+                state: state(),
+                holds: holds(),
+                current: current(),
+                velocity: velocity(),
+                forces: forces(),
+            }),
+            sweep: self.sweep.bind(&kernels::Sweep {
+                u: u(),
+                marks: marks(),
+                state: state(),
+                current: current(),
+                velocity: velocity(),
+                forces: forces(),
+            }),
         }
     }
 

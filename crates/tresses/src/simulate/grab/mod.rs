@@ -206,10 +206,7 @@ enum Hand {
 #[derive(Debug)]
 pub(super) struct Buffers {
     pipelines: Arc<Pipelines>,
-    uniforms: wgpu::Buffer,
-    marks: wgpu::Buffer,
-    state: wgpu::Buffer,
-    holds: wgpu::Buffer,
+    own: kernels::GrabBuffers,
     groups: kernels::Groups,
 }
 
@@ -284,7 +281,7 @@ impl Grab {
 
     /// Returns the buffer with the [`GrabState`], after the first grab.
     pub fn state(&self) -> Option<&wgpu::Buffer> {
-        self.buffers.as_ref().map(|buffers| &buffers.state)
+        self.buffers.as_ref().map(|buffers| &buffers.own.state)
     }
 
     /// Releases the hair and drops the buffers, because the hair's strands have new buffers.
@@ -296,8 +293,9 @@ impl Grab {
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        self.buffers.as_ref().map_or(0, |b| {
-            [&b.uniforms, &b.marks, &b.state, &b.holds].iter().map(|buffer| buffer.size()).sum()
+        self.buffers.as_ref().map_or(0, |buffers| {
+            let own = &buffers.own;
+            [&own.uniforms, &own.marks, &own.state, &own.holds].iter().map(|buffer| buffer.size()).sum()
         })
     }
 
@@ -382,9 +380,9 @@ impl Grab {
             };
             slot[..size_of::<GrabUniform>()].copy_from_slice(bytemuck::bytes_of(&uniform));
         }
-        queue.write_buffer(&buffers.uniforms, 0, &bytes);
+        queue.write_buffer(&buffers.own.uniforms, 0, &bytes);
         if self.picks {
-            queue.write_buffer(&buffers.marks, 0, bytemuck::cast_slice(&[u32::MAX; 2]));
+            queue.write_buffer(&buffers.own.marks, 0, bytemuck::cast_slice(&[u32::MAX; 2]));
         }
         self.threads = [strands.drawn.count * strands.drawn.vertex_count, guides.count * guides.vertex_count];
         Ok(true)
@@ -412,7 +410,6 @@ impl Buffers {
     fn new(context: &Context, guides: &GuideBuffers, strands: &StrandBuffers) -> Result<Self> {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
-        let kernels = &pipelines.grab;
         let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("grab"),
             size: u64::from(STRIDE * MAX_STEPS),
@@ -426,7 +423,8 @@ impl Buffers {
             "grab holds",
             u64::from(guides.count) * u64::from(guides.vertex_count),
         )?;
-        let groups = kernels.bind([&uniforms, &marks, &state, &holds], guides, strands);
-        Ok(Self { pipelines, uniforms, marks, state, holds, groups })
+        let own = kernels::GrabBuffers { uniforms, marks, state, holds };
+        let groups = pipelines.grab.bind(&own, guides, strands);
+        Ok(Self { pipelines, own, groups })
     }
 }

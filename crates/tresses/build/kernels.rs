@@ -1,0 +1,236 @@
+//! Generates a Rust struct for the `@group(0)` of each compute shader: one named field per binding. A missing or extra
+//! buffer, or one whose elements have another type, does not compile.
+//!
+//! Bindings that a shader declares itself are fields of its struct. Bindings that it imports from a module are a nested
+//! struct, named after that module, so that shaders can share it. A module that declares a single binding has no struct.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+/// A binding that a file declares.
+#[derive(Clone, Debug, PartialEq)]
+struct Declaration {
+    /// Module that declares it, for example `simulate::strand`.
+    module: String,
+    name: String,
+}
+
+/// A binding of `@group(0)` in a linked shader.
+#[derive(Clone, Debug)]
+struct Used {
+    declaration: Declaration,
+    /// Variant of `gpu::Binding`.
+    binding: String,
+    /// Rust type of the field.
+    rust: String,
+}
+
+/// What the generator needs to know besides the shaders.
+pub struct Tables<'a> {
+    /// Structs of shaders that share their bind groups, and the modules of those shaders.
+    pub families: &'a [(&'a str, &'a [&'a str])],
+    /// Names and struct types of bindings with a dynamic offset.
+    pub dynamic: &'a [&'a str],
+    /// WGSL structs that typed buffers hold, and their Rust types.
+    pub elements: &'a [(&'a str, &'a str)],
+}
+
+/// Returns the Rust source. `files` are the WESL modules, `linked` the linked compute shaders, each as (module, text).
+pub fn generate(files: &[(String, String)], linked: &[(String, String)], tables: &Tables<'_>) -> String {
+    let declared = declarations(files);
+    let mut kernels: BTreeMap<String, (Vec<&str>, BTreeMap<u32, Used>)> = BTreeMap::new();
+    for (module, text) in linked.iter().filter(|(_, text)| text.contains("@compute")) {
+        let family = tables.families.iter().find(|(_, modules)| modules.contains(&&**module));
+        let name = family.map_or_else(|| path_of(module), |(name, _)| (*name).to_owned());
+        let (modules, bindings) = kernels.entry(name).or_default();
+        modules.push(module);
+        for (index, used) in bindings_of(module, text, &declared, tables) {
+            let known = bindings.entry(index).or_insert_with(|| used.clone());
+            let is_same = known.declaration.name == used.declaration.name && known.rust == used.rust;
+            assert!(is_same, "{module}: binding {index} is {used:?}, in other shaders {known:?}");
+            // A family writes what one of its shaders writes.
+            if used.binding == "StorageMut" {
+                known.binding = used.binding;
+            }
+        }
+    }
+    let mut nested: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
+    let own = |modules: &[&str], used: &Used| {
+        let module = &*used.declaration.module;
+        let alone = declared.values().filter(|other| other.module == module).count() == 1;
+        alone || modules.contains(&module)
+    };
+    let mut scopes: BTreeMap<String, String> = BTreeMap::new();
+    for (name, (modules, bindings)) in &kernels {
+        let (mut fields, mut layout, mut resources) = (BTreeSet::new(), String::new(), String::new());
+        for (index, used) in bindings {
+            let Declaration { module, name } = &used.declaration;
+            layout += &format!("({index}, crate::gpu::Binding::{}), ", used.binding);
+            if own(modules, used) {
+                fields.insert((*index, format!("pub {name}: {}", used.rust)));
+                resources += &format!("self.{name}.resource(), ");
+                continue;
+            }
+            let field = module.rsplit("::").next().unwrap_or(module);
+            let at = fields.iter().find(|(_, known)| known.starts_with(&format!("pub {field}:")));
+            let first = at.map_or(*index, |(first, _)| *first);
+            fields.insert((first, format!("pub {field}: kernels::{}<'a>", path_of(module))));
+            resources += &format!("self.{field}.{name}.resource(), ");
+            nested.entry(path_of(module)).or_default().insert(name.clone(), used.rust.clone());
+        }
+        let fields = fields.into_iter().map(|(_, field)| field);
+        let (scope, title) = name.rsplit_once("::").unwrap_or(("", name));
+        *scopes.entry(scope.to_owned()).or_default() += &format!(
+            "/// Bindings of {shaders}.\n#[derive(Clone, Debug)]\npub(crate) struct {title}<'a> {{ {fields} }}\n\
+             impl crate::gpu::Bindings for {title}<'_> {{\n\
+             const MODULES: &'static [&'static str] = &{modules:?};\n\
+             const LAYOUT: &'static [(u32, crate::gpu::Binding)] = &[{layout}];\n\
+             fn resources(&self) -> Vec<wgpu::BindingResource<'_>> {{ vec![{resources}] }}\n}}\n",
+            shaders = modules.iter().map(|module| format!("`{module}`")).collect::<Vec<_>>().join(", "),
+            fields = fields.collect::<Vec<_>>().join(", "),
+        );
+    }
+    for (name, fields) in nested {
+        let (scope, title) = name.rsplit_once("::").unwrap_or(("", &name));
+        let fields = fields.iter().map(|(name, rust)| format!("pub {name}: {rust}")).collect::<Vec<_>>();
+        *scopes.entry(scope.to_owned()).or_default() += &format!(
+            "/// Bindings that shaders import from `{name}`.\n#[derive(Clone, Debug)]\n\
+             pub(crate) struct {title}<'a> {{ {} }}\n",
+            fields.join(", ")
+        );
+    }
+    module(&scopes, "")
+}
+
+/// Returns the content of the Rust module `scope` and the modules in it.
+fn module(scopes: &BTreeMap<String, String>, scope: &str) -> String {
+    let prefix = if scope.is_empty() { String::new() } else { format!("{scope}::") };
+    let own = scopes.get(scope).map_or(String::new(), |text| {
+        format!("#[allow(unused_imports)]\nuse crate::{{gpu::Resource as _, shaders::kernels}};\n{text}")
+    });
+    let inner = scopes.keys().filter_map(|path| path.strip_prefix(&prefix)?.split("::").next());
+    let inner: BTreeSet<_> = inner.filter(|name| !name.is_empty()).collect();
+    inner.into_iter().fold(own, |rust, name| {
+        rust + &format!("pub(crate) mod {name} {{\n{}}}\n", module(scopes, &format!("{prefix}{name}")))
+    })
+}
+
+/// Returns the path of the struct of a module: `simulate::grab::pick` has `simulate::grab::Pick`.
+fn path_of(module: &str) -> String {
+    let (scope, name) = module.rsplit_once("::").unwrap_or(("", module));
+    let title = name.split('_').map(|word| word[..1].to_uppercase() + &word[1..]).collect::<String>();
+    format!("{scope}::{title}")
+}
+
+/// Returns the bindings that each file declares, by the names that the linker gives them in other shaders.
+fn declarations(files: &[(String, String)]) -> BTreeMap<String, Declaration> {
+    let mut declared = BTreeMap::new();
+    for (module, text) in files {
+        for (group, _, _, name, _) in variables(text) {
+            if group == 0 {
+                let path = format!("package::{module}::{name}");
+                let declaration = Declaration { module: module.clone(), name: name.to_owned() };
+                declared.insert(path.split("::").map(mangled).collect::<Vec<_>>().join("_"), declaration);
+            }
+        }
+    }
+    declared
+}
+
+/// Returns a part of a path as the linker writes it.
+fn mangled(part: &str) -> String {
+    match part.matches('_').count() {
+        0 => part.to_owned(),
+        count => format!("_{count}{part}"),
+    }
+}
+
+/// Returns the bindings of `@group(0)` of a linked shader, by number.
+fn bindings_of(
+    module: &str,
+    text: &str,
+    declared: &BTreeMap<String, Declaration>,
+    tables: &Tables<'_>,
+) -> BTreeMap<u32, Used> {
+    let used = |(_, index, space, name, ty): (u32, u32, &str, &str, &str)| {
+        let own = || Declaration { module: module.to_owned(), name: name.to_owned() };
+        let declaration = declared.get(name).cloned().unwrap_or_else(own);
+        let element = ty.trim_start_matches("array<").split(['<', ',', '>']).next().unwrap_or(ty);
+        let is_dynamic = [element.trim_start_matches("structs_"), &declaration.name]
+            .iter()
+            .any(|name| tables.dynamic.contains(name));
+        let dynamic = if is_dynamic { "Dynamic" } else { "" };
+        let binding = match space {
+            "<uniform>" => format!("Uniform{dynamic}"),
+            "<storage, read>" => format!("Storage{dynamic}"),
+            "<storage, read_write>" => "StorageMut".to_owned(),
+            _ => resource_of(text, name, ty).to_owned(),
+        };
+        let rust = match space {
+            "" if ty.starts_with("sampler") => "&'a wgpu::Sampler".to_owned(),
+            "" => "&'a wgpu::TextureView".to_owned(),
+            _ => format!("crate::gpu::BufferBinding<'a, {}>", element_of(ty, tables)),
+        };
+        (index, Used { declaration, binding, rust })
+    };
+    variables(text).filter(|(group, ..)| *group == 0).map(used).collect()
+}
+
+/// Returns the Rust type of the elements of a buffer.
+fn element_of(ty: &str, tables: &Tables<'_>) -> String {
+    let element = ty.strip_prefix("array<").and_then(|ty| ty.strip_suffix('>')).unwrap_or(ty);
+    let element = element.strip_prefix("atomic<").and_then(|ty| ty.strip_suffix('>')).unwrap_or(element);
+    let of = element.trim_start_matches("structs_");
+    if let Some((_, rust)) = tables.elements.iter().find(|(wgsl, _)| *wgsl == of) {
+        return format!("crate::{rust}");
+    }
+    match of.strip_prefix("vec").and_then(|of| of.strip_suffix('>')).and_then(|of| of.split_once('<')) {
+        Some((count, scalar)) => format!("[{scalar}; {count}]"),
+        None if ["f32", "u32", "i32"].contains(&of) => of.to_owned(),
+        None => "crate::gpu::Opaque".to_owned(),
+    }
+}
+
+/// Returns the variant of `gpu::Binding` for a texture or sampler. A texture that the shader only loads from need not
+/// be filterable.
+fn resource_of(text: &str, name: &str, ty: &str) -> &'static str {
+    let loads = ["textureLoad", "textureDimensions"].map(|f| text.matches(&format!("{f}({name}")).count());
+    let mentions =
+        text.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|word| *word == name).count();
+    let only_loads = loads.iter().sum::<usize>() + 1 == mentions;
+    match ty {
+        "sampler" => "Sampler",
+        "sampler_comparison" => "Comparison",
+        "texture_2d<f32>" if only_loads => "Texels2d",
+        "texture_2d<f32>" => "Texture2d",
+        "texture_3d<f32>" if only_loads => "Texels3d",
+        "texture_3d<f32>" => "Texture3d",
+        "texture_2d<u32>" => "Words2d",
+        "texture_3d<u32>" => "Words3d",
+        "texture_cube<f32>" => "Cube",
+        "texture_depth_2d" => "Depth",
+        "texture_depth_2d_array" => "DepthArray",
+        "texture_depth_multisampled_2d" => "DepthMultisampled",
+        "texture_storage_2d<rgba16float, write>" => "Write2d",
+        "texture_storage_2d<rgba32float, write>" => "WriteFloats2d",
+        "texture_storage_2d<r32uint, write>" => "WriteWords2d",
+        "texture_storage_3d<rgba16float, write>" => "Write3d",
+        "texture_storage_3d<rgba32float, write>" => "WriteFull3d",
+        "texture_storage_3d<rgba32uint, write>" => "WriteWords3d",
+        _ => panic!("{name}: no variant of gpu::Binding is a {ty}"),
+    }
+}
+
+/// Returns the bindings that a text declares: group, binding, address space, name, type.
+fn variables(text: &str) -> impl Iterator<Item = (u32, u32, &str, &str, &str)> {
+    text.split("@group(").skip(1).map(|text| {
+        let declaration = text.split(';').next().unwrap_or(text);
+        let number = |text: &str| text.split(')').next().and_then(|number| number.trim().parse().ok());
+        let (_, binding) = declaration.split_once("@binding(").expect("a group has a binding");
+        let (_, variable) = binding.split_once("var").expect("a binding is a variable");
+        let (left, ty) = variable.split_once(':').expect("a binding has a type");
+        let (space, name) = left.rsplit_once(' ').expect("a variable has a name");
+        let numbers = (number(declaration), number(binding));
+        let (Some(group), Some(binding)) = numbers else { panic!("not numbers: {declaration}") };
+        (group, binding, space.trim(), name.trim(), ty.trim())
+    })
+}
