@@ -18,7 +18,7 @@ struct Declaration {
 #[derive(Clone, Debug)]
 struct Used {
     declaration: Declaration,
-    /// Variant of `gpu::Binding`.
+    /// `wgpu::BindingType`.
     binding: String,
     /// Rust type of the field.
     rust: String,
@@ -48,7 +48,7 @@ pub fn generate(files: &[(String, String)], linked: &[(String, String)], tables:
             let is_same = known.declaration.name == used.declaration.name && known.rust == used.rust;
             assert!(is_same, "{module}: binding {index} is {used:?}, in other shaders {known:?}");
             // A family writes what one of its shaders writes.
-            if used.binding == "StorageMut" {
+            if used.binding.contains("read_only: false") {
                 known.binding = used.binding;
             }
         }
@@ -64,7 +64,7 @@ pub fn generate(files: &[(String, String)], linked: &[(String, String)], tables:
         let (mut fields, mut layout, mut resources) = (BTreeSet::new(), String::new(), String::new());
         for (index, used) in bindings {
             let Declaration { module, name } = &used.declaration;
-            layout += &format!("({index}, crate::gpu::Binding::{}), ", used.binding);
+            layout += &format!("({index}, wgpu::BindingType::{}), ", used.binding);
             if own(modules, used) {
                 fields.insert((*index, format!("pub {name}: {}", used.rust)));
                 resources += &format!("self.{name}.resource(), ");
@@ -80,10 +80,10 @@ pub fn generate(files: &[(String, String)], linked: &[(String, String)], tables:
         let fields = fields.into_iter().map(|(_, field)| field);
         let (scope, title) = name.rsplit_once("::").unwrap_or(("", name));
         *scopes.entry(scope.to_owned()).or_default() += &format!(
-            "/// Bindings of {shaders}.\n#[derive(Clone, Debug)]\npub(crate) struct {title}<'a> {{ {fields} }}\n\
+            "/// Bindings of {shaders}.\n#[derive(Clone, Copy, Debug)]\npub(crate) struct {title}<'a> {{ {fields} }}\n\
              impl crate::gpu::Bindings for {title}<'_> {{\n\
              const MODULES: &'static [&'static str] = &{modules:?};\n\
-             const LAYOUT: &'static [(u32, crate::gpu::Binding)] = &[{layout}];\n\
+             const LAYOUT: &'static [(u32, wgpu::BindingType)] = &[{layout}];\n\
              fn resources(&self) -> Vec<wgpu::BindingResource<'_>> {{ vec![{resources}] }}\n}}\n",
             shaders = modules.iter().map(|module| format!("`{module}`")).collect::<Vec<_>>().join(", "),
             fields = fields.collect::<Vec<_>>().join(", "),
@@ -93,7 +93,7 @@ pub fn generate(files: &[(String, String)], linked: &[(String, String)], tables:
         let (scope, title) = name.rsplit_once("::").unwrap_or(("", &name));
         let fields = fields.iter().map(|(name, rust)| format!("pub {name}: {rust}")).collect::<Vec<_>>();
         *scopes.entry(scope.to_owned()).or_default() += &format!(
-            "/// Bindings that shaders import from `{name}`.\n#[derive(Clone, Debug)]\n\
+            "/// Bindings that shaders import from `{name}`.\n#[derive(Clone, Copy, Debug)]\n\
              pub(crate) struct {title}<'a> {{ {} }}\n",
             fields.join(", ")
         );
@@ -158,12 +158,17 @@ fn bindings_of(
         let is_dynamic = [element.trim_start_matches("structs_"), &declaration.name]
             .iter()
             .any(|name| tables.dynamic.contains(name));
-        let dynamic = if is_dynamic { "Dynamic" } else { "" };
+        let buffer = |ty| {
+            format!(
+                "Buffer {{ ty: wgpu::BufferBindingType::{ty}, has_dynamic_offset: {is_dynamic}, \
+                 min_binding_size: None }}"
+            )
+        };
         let binding = match space {
-            "<uniform>" => format!("Uniform{dynamic}"),
-            "<storage, read>" => format!("Storage{dynamic}"),
-            "<storage, read_write>" => "StorageMut".to_owned(),
-            _ => resource_of(text, name, ty).to_owned(),
+            "<uniform>" => buffer("Uniform"),
+            "<storage, read>" => buffer("Storage { read_only: true }"),
+            "<storage, read_write>" => buffer("Storage { read_only: false }"),
+            _ => resource_of(text, name, ty),
         };
         let rust = match space {
             "" if ty.starts_with("sampler") => "&'a wgpu::Sampler".to_owned(),
@@ -190,33 +195,44 @@ fn element_of(ty: &str, tables: &Tables<'_>) -> String {
     }
 }
 
-/// Returns the variant of `gpu::Binding` for a texture or sampler. A texture that the shader only loads from need not
-/// be filterable.
-fn resource_of(text: &str, name: &str, ty: &str) -> &'static str {
+/// Returns the `wgpu::BindingType` of a texture or sampler. A texture that the shader only loads from need not be
+/// filterable.
+fn resource_of(text: &str, name: &str, ty: &str) -> String {
     let loads = ["textureLoad", "textureDimensions"].map(|f| text.matches(&format!("{f}({name}")).count());
-    let mentions =
-        text.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|word| *word == name).count();
-    let only_loads = loads.iter().sum::<usize>() + 1 == mentions;
-    match ty {
-        "sampler" => "Sampler",
-        "sampler_comparison" => "Comparison",
-        "texture_2d<f32>" if only_loads => "Texels2d",
-        "texture_2d<f32>" => "Texture2d",
-        "texture_3d<f32>" if only_loads => "Texels3d",
-        "texture_3d<f32>" => "Texture3d",
-        "texture_2d<u32>" => "Words2d",
-        "texture_3d<u32>" => "Words3d",
-        "texture_cube<f32>" => "Cube",
-        "texture_depth_2d" => "Depth",
-        "texture_depth_2d_array" => "DepthArray",
-        "texture_depth_multisampled_2d" => "DepthMultisampled",
-        "texture_storage_2d<rgba16float, write>" => "Write2d",
-        "texture_storage_2d<rgba32float, write>" => "WriteFloats2d",
-        "texture_storage_2d<r32uint, write>" => "WriteWords2d",
-        "texture_storage_3d<rgba16float, write>" => "Write3d",
-        "texture_storage_3d<rgba32float, write>" => "WriteFull3d",
-        "texture_storage_3d<rgba32uint, write>" => "WriteWords3d",
-        _ => panic!("{name}: no variant of gpu::Binding is a {ty}"),
+    let words = text.split(|c: char| !c.is_alphanumeric() && c != '_' && c != '.');
+    let is_filtered = words.filter(|word| *word == name).count() > 1 + loads.iter().sum::<usize>();
+    let (kind, of) = ty.split_once('<').unwrap_or((ty, ""));
+    let dimension = match kind.rsplit_once('_').map(|(_, last)| last) {
+        Some("array") => "D2Array",
+        Some("cube") => "Cube",
+        Some("3d") => "D3",
+        _ => "D2",
+    };
+    let multisampled = kind.contains("multisampled");
+    let texture = |sample| {
+        format!(
+            "Texture {{ sample_type: wgpu::TextureSampleType::{sample}, multisampled: {multisampled}, \
+             view_dimension: wgpu::TextureViewDimension::{dimension} }}"
+        )
+    };
+    match of.trim_end_matches('>').trim_end_matches(", write") {
+        "f32" if is_filtered => texture("Float { filterable: true }"),
+        "f32" => texture("Float { filterable: false }"),
+        "u32" => texture("Uint"),
+        "" if kind == "sampler" => "Sampler(wgpu::SamplerBindingType::Filtering)".into(),
+        "" if kind == "sampler_comparison" => "Sampler(wgpu::SamplerBindingType::Comparison)".into(),
+        "" if kind.starts_with("texture_depth") => texture("Depth"),
+        texels => {
+            let formats =
+                [("rgba16float", "Rgba16Float"), ("rgba32float", "Rgba32Float"), ("r32uint", "R32Uint")];
+            let format =
+                formats.iter().chain(&[("rgba32uint", "Rgba32Uint")]).find(|(wgsl, _)| *wgsl == texels);
+            let (_, format) = format.unwrap_or_else(|| panic!("{name}: {ty} is not known"));
+            format!(
+                "StorageTexture {{ access: wgpu::StorageTextureAccess::WriteOnly, format: \
+                 wgpu::TextureFormat::{format}, view_dimension: wgpu::TextureViewDimension::{dimension} }}"
+            )
+        }
     }
 }
 

@@ -52,29 +52,14 @@ impl Pipelines {
         guides: &GuideBuffers,
         strands: &StrandBuffers,
     ) -> AvoidGroups {
-        let (params, states) = (|| params.entire(), || states.entire());
-        let (rest, vertices) = (|| strands.rest.entire(), || strands.vertices.entire());
+        let (params, states) = (params.entire(), states.entire());
+        let (bindings, samples) = (strands.bindings.entire(), guides.samples.entire());
+        let (rest, vertices) = (strands.rest.entire(), strands.vertices.entire());
+        let change_over = kernels::ChangeOver { params, samples, bindings, rest, vertices, states };
         AvoidGroups {
-            first_hit: self.first_hit.bind(&kernels::FirstHit {
-                params: params(),
-                rest: rest(),
-                vertices: vertices(),
-                states: states(),
-            }),
-            push_out: self.push_out.bind(&kernels::PushOut {
-                params: params(),
-                rest: rest(),
-                vertices: vertices(),
-                states: states(),
-            }),
-            change_over: self.change_over.bind(&kernels::ChangeOver {
-                params: params(),
-                samples: guides.samples.entire(),
-                bindings: strands.bindings.entire(),
-                rest: rest(),
-                vertices: vertices(),
-                states: states(),
-            }),
+            first_hit: self.first_hit.bind(&kernels::FirstHit { params, rest, vertices, states }),
+            push_out: self.push_out.bind(&kernels::PushOut { params, rest, vertices, states }),
+            change_over: self.change_over.bind(&change_over),
         }
     }
 

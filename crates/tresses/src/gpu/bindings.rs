@@ -24,16 +24,12 @@ pub enum Binding {
     UniformDynamic,
     /// `var<storage, read>`.
     Storage,
-    /// `var<storage, read>` with a dynamic offset.
-    StorageDynamic,
     /// `var<storage, read_write>`.
     StorageMut,
     /// `texture_2d<f32>` of a filterable format.
     Texture2d,
     /// `texture_2d_array<f32>` of a filterable format.
     Texture2dArray,
-    /// `texture_cube<f32>` of a filterable format.
-    Cube,
     /// `texture_multisampled_2d<f32>`.
     TextureMultisampled,
     /// `texture_3d<f32>` of a filterable format.
@@ -42,26 +38,8 @@ pub enum Binding {
     Depth,
     /// `texture_depth_multisampled_2d`.
     DepthMultisampled,
-    /// `texture_storage_2d<rgba16float, write>`.
-    Write2d,
-    /// `texture_storage_2d<rgba32float, write>`.
-    WriteFloats2d,
-    /// `texture_storage_2d<r32uint, write>`.
-    WriteWords2d,
-    /// `texture_storage_3d<rgba16float, write>`.
-    Write3d,
     /// `texture_2d<f32>` of any format, read texel by texel.
     Texels2d,
-    /// `texture_2d<u32>`.
-    Words2d,
-    /// `texture_3d<f32>` of any format, read texel by texel.
-    Texels3d,
-    /// `texture_storage_3d<rgba32float, write>`.
-    WriteFull3d,
-    /// `texture_3d<u32>`.
-    Words3d,
-    /// `texture_storage_3d<rgba32uint, write>`.
-    WriteWords3d,
     /// `texture_depth_2d_array`.
     DepthArray,
     /// Filtering `sampler`.
@@ -84,55 +62,18 @@ impl Binding {
             Self::Uniform => buffer(BufferBindingType::Uniform, false),
             Self::UniformDynamic => buffer(BufferBindingType::Uniform, true),
             Self::Storage => buffer(BufferBindingType::Storage { read_only: true }, false),
-            Self::StorageDynamic => buffer(BufferBindingType::Storage { read_only: true }, true),
             Self::StorageMut => buffer(BufferBindingType::Storage { read_only: false }, false),
             Self::Texture2d => texture(filterable, TextureViewDimension::D2, false),
             Self::Texture2dArray => texture(filterable, TextureViewDimension::D2Array, false),
-            Self::Cube => texture(filterable, TextureViewDimension::Cube, false),
             Self::TextureMultisampled => {
                 texture(TextureSampleType::Float { filterable: false }, TextureViewDimension::D2, true)
             }
             Self::Texture3d => texture(filterable, TextureViewDimension::D3, false),
             Self::Depth => texture(TextureSampleType::Depth, TextureViewDimension::D2, false),
             Self::DepthMultisampled => texture(TextureSampleType::Depth, TextureViewDimension::D2, true),
-            Self::Write2d => BindingType::StorageTexture {
-                access: wgpu::StorageTextureAccess::WriteOnly,
-                format: wgpu::TextureFormat::Rgba16Float,
-                view_dimension: TextureViewDimension::D2,
-            },
-            Self::WriteFloats2d => BindingType::StorageTexture {
-                access: wgpu::StorageTextureAccess::WriteOnly,
-                format: wgpu::TextureFormat::Rgba32Float,
-                view_dimension: TextureViewDimension::D2,
-            },
-            Self::WriteWords2d => BindingType::StorageTexture {
-                access: wgpu::StorageTextureAccess::WriteOnly,
-                format: wgpu::TextureFormat::R32Uint,
-                view_dimension: TextureViewDimension::D2,
-            },
-            Self::Write3d => BindingType::StorageTexture {
-                access: wgpu::StorageTextureAccess::WriteOnly,
-                format: wgpu::TextureFormat::Rgba16Float,
-                view_dimension: TextureViewDimension::D3,
-            },
             Self::Texels2d => {
                 texture(TextureSampleType::Float { filterable: false }, TextureViewDimension::D2, false)
             }
-            Self::Words2d => texture(TextureSampleType::Uint, TextureViewDimension::D2, false),
-            Self::Texels3d => {
-                texture(TextureSampleType::Float { filterable: false }, TextureViewDimension::D3, false)
-            }
-            Self::WriteFull3d => BindingType::StorageTexture {
-                access: wgpu::StorageTextureAccess::WriteOnly,
-                format: wgpu::TextureFormat::Rgba32Float,
-                view_dimension: TextureViewDimension::D3,
-            },
-            Self::Words3d => texture(TextureSampleType::Uint, TextureViewDimension::D3, false),
-            Self::WriteWords3d => BindingType::StorageTexture {
-                access: wgpu::StorageTextureAccess::WriteOnly,
-                format: wgpu::TextureFormat::Rgba32Uint,
-                view_dimension: TextureViewDimension::D3,
-            },
             Self::DepthArray => texture(TextureSampleType::Depth, TextureViewDimension::D2Array, false),
             Self::Sampler => BindingType::Sampler(SamplerBindingType::Filtering),
             Self::Comparison => BindingType::Sampler(SamplerBindingType::Comparison),
@@ -145,7 +86,7 @@ pub(crate) trait Bindings {
     /// Modules of the kernels that bind it.
     const MODULES: &'static [&'static str];
     /// Number and type of each binding.
-    const LAYOUT: &'static [(u32, Binding)];
+    const LAYOUT: &'static [(u32, BindingType)];
 
     /// Returns the resources in the order of [`LAYOUT`](Self::LAYOUT).
     fn resources(&self) -> Vec<wgpu::BindingResource<'_>>;
@@ -176,19 +117,24 @@ pub(crate) enum Opaque {}
 /// A buffer or a part of it, with elements of `T`.
 #[derive(Debug)]
 pub(crate) struct BufferBinding<'a, T> {
-    part: wgpu::BufferBinding<'a>,
+    buffer: &'a wgpu::Buffer,
+    offset: u64,
+    size: Option<wgpu::BufferSize>,
     element: PhantomData<fn() -> T>,
 }
 
 impl<T> Clone for BufferBinding<'_, T> {
     fn clone(&self) -> Self {
-        Self { part: self.part.clone(), element: PhantomData }
+        *self
     }
 }
 
+impl<T> Copy for BufferBinding<'_, T> {}
+
 impl<T> Resource for BufferBinding<'_, T> {
     fn resource(&self) -> wgpu::BindingResource<'_> {
-        wgpu::BindingResource::Buffer(self.part.clone())
+        let Self { buffer, offset, size, .. } = *self;
+        wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset, size })
     }
 }
 
@@ -206,7 +152,7 @@ pub(crate) trait BindBuffer {
 impl BindBuffer for wgpu::Buffer {
     fn part<T>(&self, offset: u64, size: Option<u64>) -> BufferBinding<'_, T> {
         let size = size.and_then(wgpu::BufferSize::new);
-        BufferBinding { part: wgpu::BufferBinding { buffer: self, offset, size }, element: PhantomData }
+        BufferBinding { buffer: self, offset, size, element: PhantomData }
     }
 }
 
@@ -251,7 +197,7 @@ pub fn layout(
     stages: wgpu::ShaderStages,
     entries: &[Binding],
 ) -> wgpu::BindGroupLayout {
-    numbered(device, label, stages, (0..).zip(entries.iter().copied()))
+    numbered(device, label, stages, (0..).zip(entries.iter().map(|entry| entry.ty())))
 }
 
 /// Creates a layout of bindings with their numbers, visible to `stages`.
@@ -259,14 +205,9 @@ pub(super) fn numbered(
     device: &wgpu::Device,
     label: &str,
     stages: wgpu::ShaderStages,
-    entries: impl Iterator<Item = (u32, Binding)>,
+    entries: impl Iterator<Item = (u32, BindingType)>,
 ) -> wgpu::BindGroupLayout {
-    let entry = |(binding, entry): (u32, Binding)| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: stages,
-        ty: entry.ty(),
-        count: None,
-    };
+    let entry = |(binding, ty)| wgpu::BindGroupLayoutEntry { binding, visibility: stages, ty, count: None };
     let entries: Vec<_> = entries.map(entry).collect();
     device
         .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })

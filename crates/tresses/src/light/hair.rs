@@ -287,23 +287,21 @@ impl HairShading {
         let (lent, knots) = (lent.is_some(), lent.map_or_else(own, Ok)?);
         let uniform = bindings::uniform(device, "hair", size_of::<HairUniform>());
         let own = [&uniform, vertices, strands, &colors].map(wgpu::Buffer::as_entire_binding);
-        let [hair_maps, hair_blocks] = state.maps.hair_buffers();
+        let [hair_maps, hair_blocks] = state.maps.hair_buffers().map(BindBuffer::entire);
+        let (lights, cells) = (state.lights.entire(), state.ambient.sums().entire());
+        let (set, vertices) = (uniform.entire(), vertices.entire());
+        let (strands, widening) = (strands.entire(), widening.entire());
         let splat = pipelines.splat.bind(&kernels::ShadowMaps {
-            lights: state.lights.entire(),
-            hair: uniform.entire(),
-            vertices: vertices.entire(),
-            strands: strands.entire(),
-            hair_maps: hair_maps.entire(),
-            hair_blocks: hair_blocks.entire(),
-            widening: widening.entire(),
+            lights,
+            hair: set,
+            vertices,
+            strands,
+            hair_maps,
+            hair_blocks,
+            widening,
         });
-        let lay = pipelines.ambient.lay.bind(&kernels::ambient::Lay {
-            lights: state.lights.entire(),
-            hair: uniform.entire(),
-            vertices: vertices.entire(),
-            strands: strands.entire(),
-            cells: state.ambient.sums().entire(),
-        });
+        let lay = kernels::ambient::Lay { lights, hair: set, vertices, strands, cells };
+        let lay = pipelines.ambient.lay.bind(&lay);
         let knot = knot_bindings(camera, &uniform, &hair.strands, &colors, &knots, &pipelines.all);
         let shade = pipelines.shade(false).bind(&state.shading(knot));
         Ok(Self {

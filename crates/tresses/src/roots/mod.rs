@@ -172,7 +172,7 @@ impl Roots {
             normals: skin.normals.0.entire(),
         };
         let guide_group = pipelines.guides.bind(&kernels::Guides {
-            surface: surface.clone(),
+            surface,
             bound: asset.guides.entire(),
             roots: guides.roots.entire(),
         });

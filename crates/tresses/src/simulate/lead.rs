@@ -52,9 +52,9 @@ impl Tree {
 pub(super) struct Lead(wgpu::BindGroup);
 
 impl Lead {
-    pub fn new(kernel: &Kernel, step: BufferBinding<'_, Opaque>, guides: &GuideBuffers, tree: &Tree) -> Self {
+    pub fn new(kernel: &Kernel, u: BufferBinding<'_, Opaque>, guides: &GuideBuffers, tree: &Tree) -> Self {
         Self(kernel.bind(&kernels::Lead {
-            u: step,
+            u,
             info: guides.info.entire(),
             rest: guides.rest.entire(),
             current: guides.current.entire(),

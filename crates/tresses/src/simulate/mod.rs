@@ -227,7 +227,7 @@ impl Simulation {
         guides: &GuideBuffers,
         ties: Option<&TieAsset>,
     ) -> Result<()> {
-        let step = &slot(&self.uniforms);
+        let step = slot(&self.uniforms);
         self.ties = ties.map(|ties| Ties::new(context, step, guides, ties)).transpose()?;
         Ok(())
     }

@@ -308,13 +308,13 @@ pub struct Ties {
 }
 
 impl Ties {
-    /// Binds the ties to the guides of one head. `step` are the uniforms of a step of their simulation.
+    /// Binds the ties to the guides of one head. `u` are the uniforms of a step of their simulation.
     ///
     /// # Errors
     /// [`Error::Limit`].
     pub(crate) fn new(
         context: &Context,
-        step: &BufferBinding<'_, Opaque>,
+        u: BufferBinding<'_, Opaque>,
         guides: &GuideBuffers,
         asset: &TieAsset,
     ) -> Result<Self> {
@@ -322,21 +322,18 @@ impl Ties {
         let TieAsset { rings, members, pins, report } = asset;
         let still = vec![[0f32, 0.0, 0.0, 1.0]; report.rings.max(1)];
         let turns = filled(context, "turns of ties", bytemuck::cast_slice(&still))?;
+        let (current, velocity) = (guides.current.entire(), guides.velocity.entire());
+        let forces = guides.forces.entire();
         let together = pipelines.ties.bind(&kernels::Ties {
-            u: step.clone(),
+            u,
             rings: rings.entire(),
             members: members.entire(),
-            current: guides.current.entire(),
-            velocity: guides.velocity.entire(),
-            forces: guides.forces.entire(),
+            current,
+            velocity,
+            forces,
             turns: turns.entire(),
         });
-        let to_head = pipelines.pins.bind(&kernels::Pins {
-            u: step.clone(),
-            pinned: pins.entire(),
-            current: guides.current.entire(),
-            forces: guides.forces.entire(),
-        });
+        let to_head = pipelines.pins.bind(&kernels::Pins { u, pinned: pins.entire(), current, forces });
         Ok(Self { pipelines, asset: asset.clone(), turns, together, to_head })
     }
 

@@ -14,7 +14,7 @@ use super::{
 use crate::{
     Context, Pose,
     clock::{MAX_STEPS, Steps},
-    gpu::bindings,
+    gpu::{BindBuffer, bindings},
     strands::GuideBuffers,
 };
 use glam::Vec3;
@@ -41,7 +41,8 @@ impl Volume {
                 return Neighbor { way, closing, ..before.swap_remove(known) };
             }
             let uniforms = bindings::uniform(device, "volume steps", (STRIDE * MAX_STEPS) as usize);
-            let splat = splat(&self.pipelines, &uniforms, guides, &volume.rested, &self.cells);
+            let (rested, cells) = (volume.rested.entire(), self.cells.entire());
+            let splat = splat(&self.pipelines, &uniforms, guides, rested, cells);
             let guides = (*guides.current).clone();
             Neighbor { guides, uniforms, splat, base: volume.base, way, closing }
         };

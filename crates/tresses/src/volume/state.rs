@@ -365,17 +365,15 @@ impl Groups {
         [uniforms, blur, cells, obstacles, rest, rested]: [&wgpu::Buffer; 6],
         [hair, push, first, second]: [&wgpu::TextureView; 4],
     ) -> Self {
-        let g = || slot(uniforms);
-        let filter = |unblurred| kernels::Filter { g: g(), kernel: blur.entire(), unblurred };
+        let (g, kernel) = (slot(uniforms), blur.entire());
+        let (cells, obstacles, info) = (cells.entire(), obstacles.entire(), guides.info.entire());
+        let filter = |unblurred| kernels::Filter { g, kernel, unblurred };
+        let (density, rested) = (rest.entire(), rested.entire());
+        let settle = kernels::Settle { g, rest: guides.rest.entire(), dense: density, rested, info };
         Self {
-            obstacles: pipelines.obstacles.bind(&kernels::Obstacles { g: g(), filled: obstacles.entire() }),
+            obstacles: pipelines.obstacles.bind(&kernels::Obstacles { g, filled: obstacles }),
             splat: splat(pipelines, uniforms, guides, rested, cells),
-            sum: pipelines.sum.bind(&kernels::Sum {
-                g: g(),
-                cells: cells.entire(),
-                obstacles: obstacles.entire(),
-                unblurred: first,
-            }),
+            sum: pipelines.sum.bind(&kernels::Sum { g, cells, obstacles, unblurred: first }),
             blur: [(&pipelines.blur[0], first, second), (&pipelines.blur[1], second, first)]
                 .map(|(kernel, from, blurred)| kernel.bind(&kernels::Blur { filter: filter(from), blurred })),
             density: pipelines.density.bind(&kernels::Density {
@@ -384,14 +382,8 @@ impl Groups {
                 dense: second,
                 hair,
             }),
-            push: pipelines.push.bind(&kernels::Push { g: g(), dense: second, push_out: push }),
-            settle: pipelines.settle.bind(&kernels::Settle {
-                g: g(),
-                rest: guides.rest.entire(),
-                dense: rest.entire(),
-                rested: rested.entire(),
-                info: guides.info.entire(),
-            }),
+            push: pipelines.push.bind(&kernels::Push { g, dense: second, push_out: push }),
+            settle: pipelines.settle.bind(&settle),
         }
     }
 }
@@ -401,8 +393,8 @@ pub(super) fn splat(
     pipelines: &Pipelines,
     uniforms: &wgpu::Buffer,
     guides: &GuideBuffers,
-    rested: &wgpu::Buffer,
-    cells: &wgpu::Buffer,
+    rested: BufferBinding<'_, f32>,
+    cells: BufferBinding<'_, i32>,
 ) -> wgpu::BindGroup {
     pipelines.splat.bind(&kernels::Splat {
         g: slot(uniforms),
@@ -410,8 +402,8 @@ pub(super) fn splat(
         rest: guides.rest.entire(),
         current: guides.current.entire(),
         velocity: guides.velocity.entire(),
-        rested: rested.entire(),
-        cells: cells.entire(),
+        rested,
+        cells,
     })
 }
 

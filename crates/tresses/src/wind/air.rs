@@ -2,16 +2,16 @@
 
 use super::{
     drag,
+    grids::{Grids, Groups, Sweep},
     gusts::Gusts,
-    params::{HalfSweep, Wind, WindUniforms},
+    params::{Wind, WindUniforms},
     pipelines::Pipelines,
 };
 use crate::{
     Context, Error, Pose, Result,
     clock::{MAX_STEPS, Mode, Step, Steps},
     collide::ColliderSet,
-    gpu::{BindBuffer, bindings::uniform, grid::grid_texture},
-    shaders::kernels::wind as kernels,
+    gpu::bindings::uniform,
     space::Field,
 };
 use bytemuck::Zeroable;
@@ -39,18 +39,6 @@ pub struct HairGrid {
     pub bias: Vec3,
     /// Texture coordinates per meter, in the head's axes.
     pub scale: f32,
-}
-
-#[derive(Debug)]
-pub(super) struct Groups {
-    pub obstacles: wgpu::BindGroup,
-    pub predict: wgpu::BindGroup,
-    pub correct: wgpu::BindGroup,
-    pub gather: wgpu::BindGroup,
-    /// Indexed by [`Sweep`] and half.
-    pub relax: [[wgpu::BindGroup; 2]; Sweep::ALL.len()],
-    /// Indexed by half.
-    pub project: [wgpu::BindGroup; 2],
 }
 
 /// The air around one groom, on the GPU.
@@ -93,7 +81,7 @@ pub struct Air {
 
 impl Air {
     /// Creates air at rest in a cube of edge `size` (meters) with `cells` cells along each axis around `center`, a
-    /// point of the head (groom space). `hair` has the hair's mean velocity (xyz, m/s) and length per volume (w,
+    /// point of the head (groom space). `hair_grid` has the hair's mean velocity (xyz, m/s) and length per volume (w,
     /// km/m³).
     ///
     /// # Errors
@@ -102,9 +90,9 @@ impl Air {
         context: &Context,
         cells: u32,
         (center, size): (Vec3, f32),
-        hair: &wgpu::TextureView,
+        hair_grid: &wgpu::TextureView,
     ) -> Result<Self> {
-        let Context { device, queue, .. } = context;
+        let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
         let most = device.limits().max_texture_dimension_3d;
         if cells + 2 > most {
@@ -115,120 +103,20 @@ impl Air {
                 unit: "cells along an axis",
             });
         }
-        use wgpu::TextureFormat::{Rgba16Float, Rgba32Float};
-        let mut bytes = 0;
-        let mut texture = |label, format: wgpu::TextureFormat, size: [u32; 3]| {
-            bytes += u64::from(size.iter().product::<u32>())
-                * u64::from(format.block_copy_size(None).unwrap_or(0));
-            grid_texture(device, label, format, size)
-        };
-        let all = [cells; 3];
-        let blocks = [cells / 4, cells, cells];
-        let rimmed = [cells / 4 + 1, cells + 1, cells + 1];
-        let half = [cells / 8 + 2, cells + 2, cells + 2];
-        let (center_texture, center_view) = texture("air", Rgba16Float, all);
-        let (faces, now) = texture("air on faces", Rgba16Float, all);
-        let (give, give_view) = texture("air give", Rgba16Float, all);
-        let mut view = |label, format, size| texture(label, format, size).1;
-        let carried = view("air carried", Rgba16Float, all);
-        let before = view("air before pressure", Rgba32Float, all);
-        let solid = view("air solid", Rgba16Float, all);
-        let hairs = view("air hair", Rgba16Float, all);
-        let gives = ["air give x", "air give y", "air give z"].map(|label| view(label, Rgba16Float, rimmed));
-        let among = view("air among hair", Rgba16Float, all);
-        let source = view("air source", Rgba32Float, blocks);
-        // Indexed by sweep (even, odd), then by half.
-        let pressures =
-            [(); 2].map(|()| ["air pressure a", "air pressure b"].map(|l| view(l, Rgba32Float, half)));
         let uniforms = uniform(device, "air steps", STRIDE as usize * (MAX_STEPS * MAX_SPLIT) as usize);
-        let half_of = |half: HalfSweep| {
-            let buffer = uniform(device, "air half", size_of::<HalfSweep>());
-            queue.write_buffer(&buffer, 0, bytemuck::bytes_of(&half));
-            buffer
-        };
-        let u = || uniforms.part(0, Some(size_of::<WindUniforms>() as u64));
-        let linear_sampler = &pipelines.sampler;
-        let [give_x, give_y, give_z] = &gives;
-        let relax = |sweep: Sweep, color: usize| {
-            let odd = sweep.odd();
-            let half = half_of(sweep.half(color));
-            // The first half reads the other half's pressures from the last sweep, the second half those that the first
-            // has just written.
-            let other = if color == 0 { &pressures[odd][1] } else { &pressures[1 - odd][0] };
-            pipelines.relax.bind(&kernels::Relax {
-                blocks: kernels::Blocks {
-                    u: u(),
-                    half_of: half.entire(),
-                    give_x,
-                    give_y,
-                    give_z,
-                    own: &pressures[odd][color],
-                    other,
-                },
-                source: &source,
-                better: &pressures[1 - odd][color],
-            })
-        };
-        let project = |color: usize| {
-            let half = half_of(HalfSweep { color: color as u32, ..Zeroable::zeroed() });
-            pipelines.project.bind(&kernels::Project {
-                blocks: kernels::Blocks {
-                    u: u(),
-                    half_of: half.entire(),
-                    give_x,
-                    give_y,
-                    give_z,
-                    own: &pressures[0][color],
-                    other: &pressures[0][1 - color],
-                },
-                before: &before,
-                now: &now,
-                center: &center_view,
-                hair: &hairs,
-                among: &among,
-            })
-        };
-        let air = || kernels::Air { u: u(), now: &now, center: &center_view, linear_sampler };
-        let groups = Groups {
-            obstacles: pipelines.obstacles.bind(&kernels::Obstacles {
-                u: u(),
-                hair_grid: hair,
-                linear_sampler,
-                solid: &solid,
-                hair: &hairs,
-            }),
-            predict: pipelines.predict.bind(&kernels::Predict { air: air(), carried: &carried }),
-            correct: pipelines.correct.bind(&kernels::Correct {
-                air: air(),
-                carried: &carried,
-                solid: &solid,
-                hair: &hairs,
-                before: &before,
-                give: &give_view,
-            }),
-            gather: pipelines.gather.bind(&kernels::Gather {
-                u: u(),
-                before: &before,
-                give: &give_view,
-                give_x,
-                give_y,
-                give_z,
-                source: &source,
-            }),
-            relax: Sweep::ALL.map(|sweep| [relax(sweep, 0), relax(sweep, 1)]),
-            project: [project(0), project(1)],
-        };
+        let grids = Grids::new(device, cells);
+        let groups = grids.bind(context, &pipelines, &uniforms, hair_grid);
         Ok(Self {
             pipelines,
             cells,
             cell: size / cells as f32,
-            texture: center_texture,
-            view: center_view,
-            among,
-            faces,
-            give,
+            texture: grids.center.0,
+            view: grids.center.1,
+            among: grids.among,
+            faces: grids.faces.0,
+            give: grids.give.0,
             plain: false,
-            bytes: bytes + uniforms.size(),
+            bytes: grids.bytes + uniforms.size(),
             groups,
             center,
             uniforms,
@@ -439,46 +327,6 @@ impl Air {
 
 /// Sweeps per step with 32 cells along an axis.
 const SWEEPS: usize = 8;
-
-/// A sweep of the pressure relaxation; it determines textures, known pressures and over-relaxation. Strong
-/// over-relaxation comes first: it spreads the smooth part of the error over the grid but leaves it rough. Weaker
-/// over-relaxation then smooths it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Sweep {
-    /// First sweep after a restart: the pressures are unknown.
-    First,
-    Even,
-    Odd,
-    /// Last sweep but one.
-    Slowing,
-    Last,
-}
-
-impl Sweep {
-    pub const ALL: [Self; 5] = [Self::First, Self::Even, Self::Odd, Self::Slowing, Self::Last];
-
-    /// Returns 1 if the sweep reads the output of an even sweep, else 0.
-    fn odd(self) -> usize {
-        usize::from(matches!(self, Self::Odd | Self::Last))
-    }
-
-    /// Returns the uniforms for half `color`.
-    fn half(self, color: usize) -> HalfSweep {
-        let (first, second) = (self == Self::First, color == 1);
-        let relaxation = match self {
-            Self::First | Self::Even | Self::Odd => 1.7,
-            Self::Slowing => 1.3,
-            Self::Last => 1.0,
-        };
-        HalfSweep {
-            color: color as u32,
-            keep_own: if first { 0.0 } else { 1.0 },
-            // The second half reads the output of the first.
-            keep_other: if first && !second { 0.0 } else { 1.0 },
-            relaxation,
-        }
-    }
-}
 
 /// Largest distance that the air travels at once, meters: about a head's width.
 const MAX_WAY: f32 = 0.21;

@@ -69,6 +69,7 @@
 
 pub mod air;
 pub mod drag;
+mod grids;
 pub mod gusts;
 pub mod params;
 mod pipelines;

@@ -179,37 +179,27 @@ impl FieldBuilder {
             storage::<[f32; 2]>(&self.context.device, "winding numbers and distances", voxels.into())?;
         let seeds = [0, 1].map(|_| storage::<u32>(&self.context.device, "lids", voxels.into()));
         let [seeds, next] = seeds;
-        let (mut seeds, mut next) = (seeds?, next?);
+        let (seeds, next) = (seeds?, next?);
         let distances = storage::<f32>(&self.context.device, "distances", voxels.into())?;
-        job.run(&self.skin, 0, triangles, |tree| {
-            self.skin.bind(&kernels::Skin { tree, is_skin: skin.entire() })
-        })?;
+        let (is_skin, measured) = (skin.entire(), measured.entire());
+        job.run(&self.skin, 0, triangles, |tree| self.skin.bind(&kernels::Skin { tree, is_skin }))?;
         // In bricks of 4 x 4 x 4 voxels.
         let bricks = plan.grid.size.map(|n| n.div_ceil(4)).element_product();
         job.run(&self.measure, 0, bricks * BUILD_WORKGROUP, |tree| {
-            self.measure.bind(&kernels::Measure { tree, is_skin: skin.entire(), measured: measured.entire() })
+            self.measure.bind(&kernels::Measure { tree, is_skin, measured })
         })?;
         let longest = plan.grid.size.max_element().next_power_of_two();
         // Halve the jump down to one, then repeat a jump of one for seeds that larger jumps missed.
         let jumps = std::iter::successors(Some(longest / 2), |j| (*j > 1).then_some(j / 2));
+        let (mut seeds, mut next) = (seeds.entire(), next.entire());
         for jump in std::iter::once(0).chain(jumps).chain([1]) {
             job.run(&self.flood, jump, voxels, |tree| {
-                self.flood.bind(&kernels::Flood {
-                    tree,
-                    measured: measured.entire(),
-                    seeds: seeds.entire(),
-                    next: next.entire(),
-                })
+                self.flood.bind(&kernels::Flood { tree, measured, seeds, next })
             })?;
             std::mem::swap(&mut seeds, &mut next);
         }
         job.run(&self.close, 0, voxels, |tree| {
-            self.close.bind(&kernels::Close {
-                tree,
-                measured: measured.entire(),
-                seeds: seeds.entire(),
-                distances: distances.entire(),
-            })
+            self.close.bind(&kernels::Close { tree, measured, seeds, distances: distances.entire() })
         })?;
         Ok(distances)
     }

@@ -317,27 +317,22 @@ impl SoftTargets {
     }
 
     fn bind(&self, pipelines: &Pipelines, light: &light::LightState, uniform: &wgpu::Buffer) -> KernelGroups {
-        let soft = || uniform.part(0, Some(size_of::<SoftUniform>() as u64));
+        let soft = uniform.part(0, Some(size_of::<SoftUniform>() as u64));
+        let (positions, normals) = (&self.position, &self.normal);
+        let (points, asked, count) = (self.points.entire(), self.asked.entire(), self.count.entire());
+        let (transmittance, ambient) = (light.transmittance(), light.ambient());
+        let ask = kernels::Ask { transmittance, ambient, positions, normals, soft, points, asked, count };
         KernelGroups {
             light: light.frame.clone(),
             uniform: uniform.clone(),
             list: pipelines.list.bind(&kernels::List {
-                positions: &self.position,
-                soft: soft(),
-                points: self.points.entire(),
-                asked: self.asked.entire(),
+                positions,
+                soft,
+                points,
+                asked,
                 count: self.count.entire(),
             }),
-            ask: pipelines.ask.bind(&kernels::Ask {
-                transmittance: light.transmittance(),
-                ambient: light.ambient(),
-                positions: &self.position,
-                normals: &self.normal,
-                soft: soft(),
-                points: self.points.entire(),
-                asked: self.asked.entire(),
-                count: self.count.entire(),
-            }),
+            ask: pipelines.ask.bind(&ask),
             is_used: true,
         }
     }

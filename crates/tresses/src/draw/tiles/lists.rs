@@ -126,10 +126,10 @@ impl HairLists {
             grooms.map(|(own, first)| GroomPoints::new(kernels, tiles, canvas, &buffers, own, *first));
         let grooms = grooms.collect::<Result<_>>()?;
         let many = usize::from(canvas.target.samples > 1);
-        let fine = || buffers.fine(tiles);
+        let fine = buffers.fine(tiles);
         let geometry =
-            canvas.geometry.map(|_| Geometry::new(&kernels.geometry[many], canvas, &buffers.points, fine()));
-        let labels = canvas.labels.then(|| Labels::new(&kernels.label[many], canvas, fine()));
+            canvas.geometry.map(|_| Geometry::new(&kernels.geometry[many], canvas, &buffers.points, fine));
+        let labels = canvas.labels.then(|| Labels::new(&kernels.label[many], canvas, fine));
         Ok(Self {
             groups: Groups::new(kernels, tiles, canvas, &buffers),
             source: source(hair),
@@ -283,109 +283,38 @@ impl GroomPoints {
 impl Groups {
     fn new(kernels: &Pipelines, tiles: &TileBuffers, canvas: &Canvas<'_, '_>, buffers: &ListBuffers) -> Self {
         let many = usize::from(canvas.target.samples > 1);
-        let (grid, control, busy) =
-            (|| tiles.grid.entire(), || tiles.control.entire(), || tiles.busy.entire());
-        let (bins, bounds, depths) =
-            (|| tiles.bins.entire(), || tiles.bounds.0.entire(), || tiles.depths.entire());
-        let (farthest, surfaces) = (|| tiles.farthest.entire(), || tiles.surfaces.entire());
-        let (ranges, unsorted) = (|| tiles.ranges.entire(), || buffers.unsorted.entire());
-        let (points, list, bound_texels) =
-            (buffers.points.view(), buffers.list.view(), tiles.bounds.1.view());
-        let (depth, round, fine) = (&canvas.target.depth, || tiles.round(), || buffers.fine(tiles));
-        let asked = || bound::Asked {
-            grid: grid(),
-            control: control(),
-            busy: busy(),
-            depths: depths(),
-            round: round(),
-        };
+        let (grid, control, busy) = (tiles.grid.entire(), tiles.control.entire(), tiles.busy.entire());
+        let (bins, bounds, depths) = (tiles.bins.entire(), tiles.bounds.0.entire(), tiles.depths.entire());
+        let (farthest, surfaces, ranges) =
+            (tiles.farthest.entire(), tiles.surfaces.entire(), tiles.ranges.entire());
+        let (unsorted, touches, seen) =
+            (buffers.unsorted.entire(), buffers.touches.entire(), buffers.seen.entire());
+        let (points, list, colors) = (buffers.points.view(), buffers.list.view(), buffers.colors.view());
+        let (depth, hair, round, fine) =
+            (&canvas.target.depth, &tiles.hair, tiles.round(), buffers.fine(tiles));
+        let asked = bound::Asked { grid, control, busy, depths, round };
+        let texels = tiles.bounds.1.view();
+        let scatter = bound::Scatter { grid, points, bounds: texels, bins, list: unsorted, round };
         let surface = if many == 0 {
-            kernels.surface[0].bind(&bound::SurfaceOne {
-                grid: grid(),
-                ranges: ranges(),
-                depth,
-                surfaces: surfaces(),
-                farthest: farthest(),
-            })
+            kernels.surface[0].bind(&bound::SurfaceOne { grid, ranges, depth, surfaces, farthest })
         } else {
-            kernels.surface[1].bind(&bound::SurfaceMany {
-                grid: grid(),
-                ranges: ranges(),
-                depth,
-                surfaces: surfaces(),
-                farthest: farthest(),
-                view: canvas.eye.entire(),
-            })
+            let view = canvas.eye.entire();
+            kernels.surface[1].bind(&bound::SurfaceMany { grid, ranges, depth, surfaces, farthest, view })
         };
         Self {
             surface,
-            bound: kernels.bound.bind(&bound::Bound {
-                grid: grid(),
-                farthest: farthest(),
-                ranges: ranges(),
-                bounds: bounds(),
-            }),
-            count: kernels.count.bind(&bound::Count {
-                grid: grid(),
-                points,
-                bounds: bound_texels,
-                bins: bins(),
-            }),
-            totals: kernels.totals.bind(&bound::Totals { grid: grid(), bins: bins(), bounds: bounds() }),
-            scan: kernels.scan.bind(&bound::Scan {
-                grid: grid(),
-                bounds: bounds(),
-                busy: busy(),
-                control: control(),
-                depths: depths(),
-            }),
-            scatter: kernels.scatter.bind(&bound::Scatter {
-                grid: grid(),
-                points,
-                bounds: bound_texels,
-                bins: bins(),
-                list: unsorted(),
-                round: round(),
-            }),
-            sort: kernels.sort.bind(&bound::Sort {
-                asked: asked(),
-                bins: bins(),
-                unsorted: unsorted(),
-                list,
-            }),
-            merge: kernels.merge.bind(&bound::Merge {
-                asked: asked(),
-                bins: bins(),
-                entries: unsorted(),
-                list,
-            }),
-            deepen: kernels.deepen.bind(&bound::Deepen {
-                control: control(),
-                depths: depths(),
-                round: round(),
-            }),
-            rewind: kernels.rewind.bind(&bound::Rewind {
-                control: control(),
-                busy: busy(),
-                bins: bins(),
-                round: round(),
-            }),
-            touch: kernels.touch.bind(&bound::Touch {
-                asked: asked(),
-                list,
-                points,
-                touches: buffers.touches.entire(),
-            }),
-            see: kernels.see[many].bind(&bound::See {
-                fine: fine(),
-                seen: buffers.seen.entire(),
-                depths: depths(),
-            }),
-            blend: kernels.blend[many].bind(&bound::Blend {
-                fine: fine(),
-                colors: buffers.colors.view(),
-                hair: &tiles.hair,
-            }),
+            bound: kernels.bound.bind(&bound::Bound { grid, farthest, ranges, bounds }),
+            count: kernels.count.bind(&bound::Count { grid, points, bounds: texels, bins }),
+            totals: kernels.totals.bind(&bound::Totals { grid, bins, bounds }),
+            scan: kernels.scan.bind(&bound::Scan { grid, bounds, busy, control, depths }),
+            scatter: kernels.scatter.bind(&scatter),
+            sort: kernels.sort.bind(&bound::Sort { asked, bins, unsorted, list }),
+            merge: kernels.merge.bind(&bound::Merge { asked, bins, entries: unsorted, list }),
+            deepen: kernels.deepen.bind(&bound::Deepen { control, depths, round }),
+            rewind: kernels.rewind.bind(&bound::Rewind { control, busy, bins, round }),
+            touch: kernels.touch.bind(&bound::Touch { asked, list, points, touches }),
+            see: kernels.see[many].bind(&bound::See { fine, seen, depths }),
+            blend: kernels.blend[many].bind(&bound::Blend { fine, colors, hair }),
         }
     }
 }

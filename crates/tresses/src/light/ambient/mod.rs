@@ -137,39 +137,20 @@ impl Ambient {
         let format = wgpu::TextureFormat::Rgba16Float;
         let (_, result) = grid_texture(device, "ambient", format, [cells, cells, LAYERS * cells]);
         let sampler = linear(device);
-        let lights = || transmittance.lights.clone();
+        let lights = transmittance.lights;
+        let (ambient, bound) = (bindings(&result, &sampler), sums.entire());
+        let link = kernels::Link { lights, settled: settled.entire() };
+        let gather =
+            kernels::Gather { lights, fields: fields.entire(), weights: weights.entire(), result: &result };
         let Pipelines { skin, glow, settle, sweeps, gathers, .. } = pipelines;
-        let (skin, glow) = (
-            skin.bind(&kernels::Skin { lights: lights(), cells: sums.entire() }),
-            glow.bind(&kernels::Glow {
-                transmittance: transmittance.clone(),
-                ambient: bindings(&result, &sampler),
-                cells: sums.entire(),
-            }),
-        );
-        let settle = settle.bind(&kernels::Settle {
-            lights: lights(),
-            cells: sums.entire(),
-            settled: settled.entire(),
-        });
-        let sweeps = sweeps.each_ref().map(|sweep| {
-            let link = kernels::Link { lights: lights(), settled: settled.entire() };
-            sweep.bind(&kernels::Sweep { link, fields: fields.entire() })
-        });
-        let gathers = gathers.each_ref().map(|gather| {
-            gather.bind(&kernels::Gather {
-                lights: lights(),
-                fields: fields.entire(),
-                weights: weights.entire(),
-                result: &result,
-            })
-        });
         Self {
-            skin,
-            glow,
-            settle,
-            sweeps,
-            gathers,
+            skin: skin.bind(&kernels::Skin { lights, cells: bound }),
+            glow: glow.bind(&kernels::Glow { transmittance, ambient, cells: bound }),
+            settle: settle.bind(&kernels::Settle { lights, cells: sums.entire(), settled: link.settled }),
+            sweeps: sweeps
+                .each_ref()
+                .map(|sweep| sweep.bind(&kernels::Sweep { link, fields: gather.fields })),
+            gathers: gathers.each_ref().map(|kernel| kernel.bind(&gather)),
             cells,
             sampler: sampler.clone(),
             sums: sums.clone(),

@@ -60,47 +60,19 @@ impl GrabKernels {
 
     /// Binds the kernels to one groom.
     pub fn bind(&self, own: &GrabBuffers, guides: &GuideBuffers, strands: &StrandBuffers) -> Groups {
-        let u = || own.uniforms.part(0, Some(size_of::<GrabUniform>() as u64));
-        let (marks, state) = (|| own.marks.entire(), || own.state.entire());
-        let (current, velocity) = (|| guides.current.entire(), || guides.velocity.entire());
-        let (holds, forces) = (|| own.holds.entire(), || guides.forces.entire());
+        let u = own.uniforms.part(0, Some(size_of::<GrabUniform>() as u64));
+        let (marks, state) = (own.marks.entire(), own.state.entire());
+        let (holds, forces) = (own.holds.entire(), guides.forces.entire());
+        let (current, velocity) = (guides.current.entire(), guides.velocity.entire());
+        let vertices = strands.vertices.entire();
         Groups {
-            pick: self.pick.bind(&kernels::Pick {
-                u: u(),
-                marks: marks(),
-                vertices: strands.vertices.entire(),
-            }),
-            hit: self.hit.bind(&kernels::Hit { u: u(), marks: marks(), state: state() }),
-            reach: self.reach.bind(&kernels::Reach {
-                u: u(),
-                marks: marks(),
-                state: state(),
-                current: current(),
-            }),
-            hold: self.hold.bind(&kernels::Hold {
-                u: u(),
-                marks: marks(),
-                state: state(),
-                current: current(),
-                holds: holds(),
-            }),
-            aim: self.aim.bind(&kernels::Aim { u: u(), state: state() }),
-            pull: self.pull.bind(&kernels::Pull {
-                u: u(),
-                state: state(),
-                holds: holds(),
-                current: current(),
-                velocity: velocity(),
-                forces: forces(),
-            }),
-            sweep: self.sweep.bind(&kernels::Sweep {
-                u: u(),
-                marks: marks(),
-                state: state(),
-                current: current(),
-                velocity: velocity(),
-                forces: forces(),
-            }),
+            pick: self.pick.bind(&kernels::Pick { u, marks, vertices }),
+            hit: self.hit.bind(&kernels::Hit { u, marks, state }),
+            reach: self.reach.bind(&kernels::Reach { u, marks, state, current }),
+            hold: self.hold.bind(&kernels::Hold { u, marks, state, current, holds }),
+            aim: self.aim.bind(&kernels::Aim { u, state }),
+            pull: self.pull.bind(&kernels::Pull { u, state, holds, current, velocity, forces }),
+            sweep: self.sweep.bind(&kernels::Sweep { u, marks, state, current, velocity, forces }),
         }
     }
 
