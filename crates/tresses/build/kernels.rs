@@ -195,12 +195,12 @@ fn element_of(ty: &str, tables: &Tables<'_>) -> String {
     }
 }
 
-/// Returns the `wgpu::BindingType` of a texture or sampler. A texture that the shader only loads from need not be
-/// filterable.
+/// Returns the `wgpu::BindingType` of a texture or sampler. A texture need only be filterable if the shader samples it.
 fn resource_of(text: &str, name: &str, ty: &str) -> String {
-    let loads = ["textureLoad", "textureDimensions"].map(|f| text.matches(&format!("{f}({name}")).count());
-    let words = text.split(|c: char| !c.is_alphanumeric() && c != '_' && c != '.');
-    let is_filtered = words.filter(|word| *word == name).count() > 1 + loads.iter().sum::<usize>();
+    let takes_texture = |line: &str| line.starts_with("fn ") && line.contains(": texture_");
+    assert!(!text.lines().any(takes_texture), "{name}: a function takes a texture, and may sample it");
+    let mut calls = text.split("textureSample").skip(1).filter_map(|call| call.split_once('('));
+    let is_filtered = calls.any(|(_, arguments)| arguments.split(',').next() == Some(name));
     let (kind, of) = ty.split_once('<').unwrap_or((ty, ""));
     let dimension = match kind.rsplit_once('_').map(|(_, last)| last) {
         Some("array") => "D2Array",
