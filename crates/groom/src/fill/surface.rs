@@ -97,17 +97,10 @@ impl Surface {
                 })
             })
             .collect();
-        let mut starts = vec![0u32; sites.len() + 1];
-        of.iter().for_each(|&site| starts[site as usize + 1] += 1);
-        for i in 1..starts.len() {
-            starts[i] += starts[i - 1];
-        }
-        let mut next = starts.clone();
-        let mut members = vec![0u32; roots.len()];
-        for (i, &site) in of.iter().enumerate() {
-            members[next[site as usize] as usize] = i as u32;
-            next[site as usize] += 1;
-        }
+        let mut members: Vec<u32> = (0..roots.len() as u32).collect();
+        members.sort_by_key(|i| of[*i as usize]);
+        let start = |site: u32| members.partition_point(|i| of[*i as usize] < site) as u32;
+        let starts = (0..=sites.len() as u32).map(start).collect();
         Self { sites, of, starts, members, ..Self::default() }
     }
 
