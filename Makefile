@@ -133,7 +133,7 @@ package: setup ## Pack each crate that is meant to be published, and compile it 
 	$(CARGO) package --workspace
 
 bevy: setup ## Check the plugin for Bevy and run its tests, without a window
-	cd bindings/bevy && $(CARGO) fmt --check && $(LINTED) test
+	cd bindings/bevy && $(CARGO) fmt --check && $(LINTED) test --features cards
 
 truth: setup ## Path-trace 52 views of hair with Mitsuba, an hour, and compare ours with them (docs/validation/path-tracing.md)
 	test -d target/truth/python || python3 -m venv target/truth/python

@@ -61,8 +61,8 @@ pub fn run(args: &GroomArgs) -> Result<()> {
     let (strokes, film) = match &args.film {
         Some(path) => {
             drop(preparing);
-            let (strokes, film) =
-                Timelapse::film((gpu, &preset, &source), &mut editor, &script, (path, args.size))?;
+            let film = Timelapse::new(gpu, &preset, &source, path, args.size)?;
+            let (strokes, film) = film.film(&mut editor, &script)?;
             (strokes, Some(film))
         }
         None => (script.apply(&mut editor)?.len(), None),

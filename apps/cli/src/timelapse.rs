@@ -7,7 +7,6 @@ use crate::{
     progress,
 };
 use anyhow::{Context, Result};
-use indicatif::ProgressBar;
 use std::path::Path;
 use tresses::{
     Camera,
@@ -75,47 +74,46 @@ pub struct Timelapse<'a> {
     camera: Viewpoint,
     view: View,
     output: Output,
-    bar: ProgressBar,
 }
 
 impl<'a> Timelapse<'a> {
-    /// Applies `script` to the groom of `editor`, of the character `source`, and films it into `path`. Returns the versions
-    /// after each step that has changed it, and a description of the file.
-    pub fn film(
-        (gpu, preset, source): (Gpu, &'a Preset, &'a CharacterSource),
-        editor: &mut GroomEditor,
-        script: &StrokeScript,
-        (path, size): (&Path, Size),
-    ) -> Result<(usize, String)> {
-        let first = View(Vec2::new(0.55, 0.1));
-        let mut film = Self {
-            output: Output::create(path, (size.width, size.height), 0, FPS)?,
-            bar: progress::frames("drawing strokes", script.steps.len() as u64),
-            camera: Viewpoint { eye: Vec3::Z, target: Vec3::ZERO },
-            view: first,
-            gpu,
-            preset,
-            source,
-            size,
-        };
-        let mut scene = film.scene(editor.document())?;
+    /// Begins a film of the character `source` into the file `path`.
+    pub fn new(
+        gpu: Gpu,
+        preset: &'a Preset,
+        source: &'a CharacterSource,
+        path: &Path,
+        size: Size,
+    ) -> Result<Self> {
+        let output = Output::create(path, (size.width, size.height), 0, FPS)?;
+        let camera = Viewpoint { eye: Vec3::Z, target: Vec3::ZERO };
+        Ok(Self { gpu, preset, source, size, camera, view: View(Vec2::new(0.55, 0.1)), output })
+    }
+
+    /// Films `script` while applying it to the groom of `editor`. Returns the number of versions after the first, and a
+    /// description of the file.
+    pub fn film(mut self, editor: &mut GroomEditor, script: &StrokeScript) -> Result<(usize, String)> {
+        let bar = progress::frames("drawing strokes", script.steps.len() as u64);
+        let first = self.view;
+        let mut scene = self.scene(editor.document())?;
         let subject = scene.subject();
         let target = 0.5 * (subject.0 + subject.1);
-        let distance = tresses::camera::framing_distance(subject, first.back(), VERTICAL_FOV, size.aspect());
-        film.camera = Viewpoint { eye: target + first.back() * distance, target };
+        let aspect = self.size.aspect();
+        let distance = tresses::camera::framing_distance(subject, first.back(), VERTICAL_FOV, aspect);
+        self.camera = Viewpoint { eye: target + first.back() * distance, target };
         let mut versions = vec![editor.document().clone()];
         for step in &script.steps {
             if let ScriptStep::Stroke { brush, samples } = step {
                 let view = View::of(samples, target);
-                if !film.view.is_near(view) {
-                    film.turn(&mut scene, view, WAY)?;
+                if !self.view.is_near(view) {
+                    self.turn(&mut scene, view, WAY)?;
                 }
                 let Some((begin, others)) = samples.split_first() else { continue };
                 if editor.press(brush, begin)? {
                     let length = (others.len() / STROKE as usize).max(1);
                     for part in others.chunks(length) {
                         part.iter().try_for_each(|sample| editor.drag(sample))?;
-                        film.pose(&mut scene, editor)?;
+                        self.pose(&mut scene, editor)?;
                     }
                     versions.extend(editor.release());
                 }
@@ -126,19 +124,19 @@ impl<'a> Timelapse<'a> {
             } else {
                 versions.extend(StrokeScript { steps: vec![step.clone()] }.apply(editor)?);
             }
-            scene = film.scene(editor.document())?;
-            (0..REST).try_for_each(|_| film.frame(&mut scene, None))?;
-            film.bar.inc(1);
+            scene = self.scene(editor.document())?;
+            (0..REST).try_for_each(|_| self.frame(&mut scene, None))?;
+            bar.inc(1);
         }
         for k in 1..=TURN {
             let around = std::f32::consts::TAU * k as f32 / TURN as f32;
-            let view = View(Vec2::new(film.view.0.x + around, first.0.y));
-            let way = if k < WAY { film.view.towards(view, k as f32 / WAY as f32) } else { view };
-            film.look(way);
-            film.frame(&mut scene, None)?;
+            let view = View(Vec2::new(self.view.0.x + around, first.0.y));
+            let way = if k < WAY { self.view.towards(view, k as f32 / WAY as f32) } else { view };
+            self.look(way);
+            self.frame(&mut scene, None)?;
         }
-        film.bar.finish_and_clear();
-        Ok((versions.len() - 1, film.output.finish()?))
+        bar.finish_and_clear();
+        Ok((versions.len() - 1, self.output.finish()?))
     }
 
     /// Returns a scene with a version of the hair.

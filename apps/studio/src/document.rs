@@ -22,7 +22,7 @@ use tresses::{
         styles::Style,
     },
 };
-use tresses_scene::{Companion, Companions, History, Preset, Settings, Shelf, source};
+use tresses_scene::{Changes, Companion, Companions, History, Preset, Settings, Shelf, source};
 
 /// Memory of groomed versions that undo keeps, bytes.
 const UNDO_BYTES: usize = if cfg!(target_arch = "wasm32") { 96 << 20 } else { 256 << 20 };
@@ -45,12 +45,8 @@ pub struct Document {
     journal: Option<Journal>,
     /// Recovered hair, until it is saved or changed.
     recovered: Option<LeftGroom>,
-    /// Whether guides have moved since they were last put into the hair on the screen.
-    posed: bool,
-    /// Whether strands or pipelines are older than the settings. The next job rebuilds them.
-    stale: bool,
-    /// Whether the settings have changed since the last frame.
-    pub dirty: bool,
+    /// Work that changed settings need: a frame, and a job that rebuilds strands and pipelines.
+    pub due: Changes,
 }
 
 impl Document {
@@ -66,9 +62,7 @@ impl Document {
             groomer: None,
             journal: None,
             recovered: None,
-            posed: false,
-            stale: false,
-            dirty: false,
+            due: Changes::default(),
         }
     }
 
@@ -79,32 +73,36 @@ impl Document {
         if renderer.playback.at_rest != at_rest {
             renderer.playback.at_rest = at_rest;
             renderer.dirty = true;
-            self.posed |= at_rest;
+            if let Some(groomer) = &mut self.groomer {
+                groomer.pose_due |= at_rest;
+            }
             if let Some(show) = &mut renderer.show {
                 show.stage.character.reset();
                 rest(show, at_rest, messages);
             }
         }
-        let Some(shown) = self.shown.as_ref().filter(|_| is_active && self.job.is_none()) else { return };
-        if self.groomer.is_some() {
-            return;
+        if let Some(order) = self.order().filter(|_| is_active && self.groomer.is_none()) {
+            messages.clear();
+            self.job = Some(Job::start(&self.context, self.gpu.clone(), Order { groom: true, ..order }));
         }
-        let order = Order {
+    }
+
+    /// Returns the order for the hair on the screen; `None` without hair, and while a job runs.
+    fn order(&self) -> Option<Order> {
+        let shown = self.shown.as_ref().filter(|_| self.job.is_none())?;
+        Some(Order {
             hair: shown.hair.clone(),
             base: Some(shown.base.clone()),
             surroundings: shown.surroundings.clone(),
             settings: self.settings.now().clone(),
             keep: true,
-            groom: true,
-        };
-        messages.clear();
-        self.job = Some(Job::start(&self.context, self.gpu.clone(), order));
+            groom: false,
+        })
     }
 
     /// Puts guides that the brush has moved into the hair of `renderer`. No frame may be in flight.
     pub fn pose(&mut self, renderer: &mut Renderer, messages: &mut Messages) {
         let Some(groomer) = &mut self.groomer else { return };
-        self.posed |= groomer.take_moved();
         let Some(show) = &mut renderer.show else { return };
         if !renderer.playback.at_rest || show.frames == 0 {
             return;
@@ -112,7 +110,7 @@ impl Document {
         // Hair with other lengths is made anew.
         let shown = self.shown.as_ref().and_then(|shown| shown.hair.source.document());
         let is_pose = shown.is_some_and(|shown| shown.is_pose_of(groomer.document()));
-        if !is_pose || !std::mem::take(&mut self.posed) {
+        if !is_pose || !groomer.take_moved() {
             return;
         }
         if let Err(error) = show.stage.character.hair_mut().pose_guides(groomer.editor().positions()) {
@@ -148,7 +146,7 @@ impl Document {
     /// Ends the stroke of the brush, as one step of the history.
     pub fn end_stroke(&mut self, messages: &mut Messages) {
         let Some((document, label)) = self.groomer.as_mut().and_then(Groomer::release) else { return };
-        self.step(document, label);
+        self.step(document, &label);
         self.keep(messages);
     }
 
@@ -224,7 +222,7 @@ impl Document {
         {
             // The guides are put into the hair at once; it is made anew once the brush rests.
             match groomer.go_to(document.clone()) {
-                Ok(()) => self.dirty = true,
+                Ok(()) => self.due.frame = true,
                 Err(error) => messages.fail(error),
             }
             return self.keep(messages);
@@ -234,7 +232,7 @@ impl Document {
         }
         if self.shown.as_ref().is_some_and(|shown| shown.hair == hair) {
             // Discard the running job, but keep the rebuild that changed settings need.
-            self.stale |= self.job.take().is_some();
+            self.due.rebuild |= self.job.take().is_some();
             return;
         }
         self.light(hair, messages);
@@ -270,7 +268,7 @@ impl Document {
             light(&shown.hair) == light(&hair) && !shown.hair.companions.files_differ(&hair.companions)
         };
         let surroundings = shown.filter(same_light).and_then(|shown| shown.surroundings.clone());
-        self.stale = false;
+        self.due.rebuild = false;
         let settings = self.settings.now().clone();
         let keep = base.is_some();
         let order = Order { hair, base, surroundings, settings, keep, groom: false };
@@ -280,15 +278,7 @@ impl Document {
 
     /// Starts to bake cards of the hair on the screen.
     pub fn bake(&mut self, options: CardOptions, messages: &mut Messages) {
-        let Some(shown) = self.shown.as_ref().filter(|_| self.job.is_none()) else { return };
-        let order = Order {
-            hair: shown.hair.clone(),
-            base: Some(shown.base.clone()),
-            surroundings: None,
-            settings: self.settings.now().clone(),
-            keep: true,
-            groom: false,
-        };
+        let Some(order) = self.order() else { return };
         messages.clear();
         self.job = Some(Job::cards(&self.context, self.gpu.clone(), order, options));
     }
@@ -318,8 +308,6 @@ impl Document {
     ///
     /// Returns whether it has closed one.
     pub fn open_editor(&mut self, hair: &Hair, editor: Option<(GroomEditor, Settings)>) -> bool {
-        // The hair on the screen is new, and may be older than the last stroke.
-        self.posed = true;
         if let Some((editor, settings)) = editor {
             let label = hair.step_from(self.settings.hair());
             self.settings.change_both(settings, hair.clone(), &label);
@@ -327,6 +315,9 @@ impl Document {
             self.journal = None;
         } else if !self.is_version(hair) {
             return self.groomer.take().is_some();
+        } else if let Some(groomer) = &mut self.groomer {
+            // The hair on the screen is new, and may be older than the last stroke.
+            groomer.pose_due = true;
         }
         false
     }
@@ -425,9 +416,9 @@ impl Document {
     /// Marks a frame and a job as due if the settings differ from `before`.
     fn follow(&mut self, before: &Settings) {
         let changes = self.settings.now().changes(before);
-        self.dirty |= changes.any();
+        self.due.frame |= changes.any();
         // A job waits until the pointer is released.
-        self.stale |= changes.regrow || changes.rebuild;
+        self.due.rebuild |= changes.regrow || changes.rebuild;
         if changes.any() {
             self.context.request_repaint();
         }
@@ -453,16 +444,15 @@ impl Document {
             && let Source::Edited { document, .. } = &mut hair.source
             && let Some(wait) = groomer.settles(Some(document))
         {
-            if wait > 0.0 && !self.stale {
+            if wait > 0.0 && !self.due.rebuild {
                 return self.context.request_repaint_after(Duration::from_secs_f32(wait));
             }
             document.clone_from(groomer.document());
             return self.make(hair, false, messages);
         }
-        if !self.stale {
-            return;
+        if self.due.rebuild {
+            self.make(hair, false, messages);
         }
-        self.make(hair, false, messages);
     }
 }
 

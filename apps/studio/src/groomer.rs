@@ -73,6 +73,8 @@ pub struct Groomer {
     ended: Instant,
     /// Hash of the document.
     hash: u64,
+    /// Whether the guides must be put into the hair on the screen again, although they have not moved.
+    pub pose_due: bool,
     /// Duration of the last frame's dabs, milliseconds.
     pub milliseconds: f32,
 }
@@ -89,6 +91,7 @@ impl Groomer {
             brush: Brush::default(),
             samples: Vec::new(),
             ended: now,
+            pose_due: true,
             milliseconds: 0.0,
         }
     }
@@ -116,9 +119,9 @@ impl Groomer {
         self.hash
     }
 
-    /// Whether guides have moved since the last call.
+    /// Whether the guides must be put into the hair on the screen since the last call.
     pub fn take_moved(&mut self) -> bool {
-        self.editor.take_moved()
+        self.editor.take_moved() | std::mem::take(&mut self.pose_due)
     }
 
     /// Whether the hair on the screen, made from `shown`, is to be made anew. Returns how long to wait, s.
@@ -152,7 +155,7 @@ impl Groomer {
     }
 
     /// Ends the stroke. Returns the new version and the name of the tool, if anything has moved.
-    pub fn release(&mut self) -> Option<(GroomDocument, &'static str)> {
+    pub fn release(&mut self) -> Option<(GroomDocument, String)> {
         let after = self.editor.release()?;
         let samples = std::mem::take(&mut self.samples);
         self.step(ScriptStep::Stroke { brush: self.brush, samples });
@@ -219,33 +222,9 @@ impl Groomer {
 }
 
 /// Returns the title of a tool on buttons and in the history.
-pub fn title(tool: BrushTool) -> &'static str {
-    match tool {
-        BrushTool::Comb => "Comb",
-        BrushTool::Grab => "Grab",
-        BrushTool::Smooth => "Smooth",
-        BrushTool::Puff => "Puff",
-        BrushTool::Lay => "Lay",
-        BrushTool::Pinch => "Pinch",
-        BrushTool::Spread => "Spread",
-        BrushTool::Blow => "Blow",
-        BrushTool::Cut => "Cut",
-        BrushTool::Line => "Line cut",
-        BrushTool::Lasso => "Lasso cut",
-        BrushTool::Length => "Length",
-        BrushTool::Plant => "Plant",
-        BrushTool::Remove => "Remove",
-        BrushTool::Slide => "Slide",
-        BrushTool::Refine => "Refine",
-        BrushTool::Part => "Part",
-        BrushTool::Clump => "Clump",
-        BrushTool::Curl => "Curl",
-        BrushTool::Frizz => "Frizz",
-        BrushTool::Width => "Width",
-        BrushTool::Stiffness => "Stiffness",
-        BrushTool::Color => "Color",
-        BrushTool::Hold => "Hold",
-    }
+pub fn title(tool: BrushTool) -> String {
+    let (first, rest) = tool.name().split_at(1);
+    first.to_uppercase() + rest + if tool.draws() { " cut" } else { "" }
 }
 
 #[cfg(test)]

@@ -288,8 +288,8 @@ async fn baked(
     let cards = cards::of_parts(&parts, options, colored, progress).await?;
     gpu.context.prepare(&[PipelineRequest::Cards(view.renderer.samples())], progress).await?;
     let quality = Quality { view, lod: settings.lod(), ..Quality::new([1; 2]) };
-    let resting = (&settings, &quality);
-    let chain = CardChain::new(&gpu.context, (&parts, cards), &colliders, resting, progress).await?;
+    let context = &gpu.context;
+    let chain = CardChain::new(context, &parts, cards, &colliders, &settings, &quality, progress).await?;
     let rig = animation::rig_of(&parts, base.is_mannequin());
     Ok(BakedCards { chain, rig, strands: parts.groom.strands.len(), head: parts.head })
 }

@@ -61,11 +61,13 @@ impl Sight<'_> {
 
 /// Handles the pointer as the brush of `tool`. Returns whether it works on the hair, so that the camera stays.
 pub fn pointer(
-    (tool, kit): (BrushTool, &BrushKit),
+    tool: BrushTool,
+    kit: &BrushKit,
     document: &mut Document,
     renderer: &mut Renderer,
     messages: &mut Messages,
-    (ui, response): (&Ui, &Response),
+    ui: &Ui,
+    response: &Response,
 ) -> bool {
     let (pressed, down, escaped, shift, ctrl) = ui.input(|input| {
         let pointer = &input.pointer;
@@ -124,11 +126,13 @@ pub fn pointer(
 
 /// Pushes moving hair with the brush of `tool` while the primary button is down. Returns whether it is.
 pub fn push(
-    (tool, kit): (BrushTool, &BrushKit),
+    tool: BrushTool,
+    kit: &BrushKit,
     document: &Document,
     renderer: &mut Renderer,
     messages: &mut Messages,
-    (ui, response): (&Ui, &Response),
+    ui: &Ui,
+    response: &Response,
 ) -> bool {
     let is_down = response.is_pointer_button_down_on() && ui.input(|input| input.pointer.primary_down());
     let sight = Sight { renderer, rect: response.rect };
@@ -246,10 +250,13 @@ fn root_marks(groomer: &Groomer, sight: Sight<'_>, painter: &Painter) {
 /// Paints the brush at the pointer: a ring in the plane of the image, with an inner ring where the effect is half, and
 /// its mirror image. Returns whether there is hair or skin under it.
 pub fn ring(
-    (tool, kit, live): (BrushTool, &BrushKit, bool),
+    tool: BrushTool,
+    kit: &BrushKit,
+    live: bool,
     document: &Document,
     sight: Sight<'_>,
-    (painter, response): (&Painter, &Response),
+    painter: &Painter,
+    response: &Response,
 ) -> bool {
     let Some(groomer) = &document.groomer else { return false };
     let Some(sample) = response.hover_pos().and_then(|at| sight.sample(at, 1.0)) else { return false };

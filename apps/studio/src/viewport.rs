@@ -75,12 +75,8 @@ impl Viewport {
         }
         if let Some(tool) = self.tool.brush().filter(|_| response.contains_pointer()) {
             let sight = Sight { renderer, rect };
-            if strokes::ring(
-                (tool, &self.kit, renderer.playback.live),
-                document,
-                sight,
-                (&painter, &response),
-            ) {
+            let live = renderer.playback.live;
+            if strokes::ring(tool, &self.kit, live, document, sight, &painter, &response) {
                 ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
             }
         }
@@ -139,8 +135,8 @@ impl Viewport {
         let delta =
             from.zip(self.pointer).map_or(Vec2::ZERO, |(from, to)| Vec2::new(to.x - from.x, to.y - from.y));
         let strokes = self.tool.brush().is_some_and(|tool| match renderer.playback.live {
-            true => strokes::push((tool, &self.kit), document, renderer, messages, (ui, response)),
-            false => strokes::pointer((tool, &self.kit), document, renderer, messages, (ui, response)),
+            true => strokes::push(tool, &self.kit, document, renderer, messages, ui, response),
+            false => strokes::pointer(tool, &self.kit, document, renderer, messages, ui, response),
         });
         if response.drag_started_by(PointerButton::Primary)
             && self.tool == Tool::Hand

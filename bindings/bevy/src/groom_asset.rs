@@ -9,10 +9,7 @@ use std::sync::Arc;
 use tresses::{
     Context, HairOptions, drape,
     groom::{
-        BindOptions, Groom, SdfGrid, Strands, TriMesh, bind,
-        cards::{self, CardOptions, CardSheet, CardStrands},
-        mesh::sdf,
-        styles::Style,
+        BindOptions, Groom, SdfGrid, Strands, TriMesh, bind, card_sheet::CardSheet, mesh::sdf, styles::Style,
     },
     simulate::Tie,
 };
@@ -91,10 +88,12 @@ impl HairGroom {
     /// quarter of the strands or less, and suit hair from a few meters on. Takes about 20 seconds for 20,000 strands.
     ///
     /// # Errors
-    /// Returns the errors of [`cards::bake`].
+    /// Returns the errors of [`bake`](tresses::groom::cards::bake).
+    #[cfg(feature = "cards")]
     pub fn with_cards(self, cards: u32) -> tresses::groom::Result<Self> {
+        use tresses::groom::cards::{CardOptions, CardStrands, bake};
         let options = CardOptions { levels: vec![cards], ..Default::default() };
-        let baked = cards::bake(&self.groom.strands.unbound(), self.mesh.as_deref(), &options)?;
+        let baked = bake(&self.groom.strands.unbound(), self.mesh.as_deref(), &options)?;
         let CardStrands { groom, sheet } = baked.strands(0, &self.groom)?;
         Ok(Self { groom: Arc::new(groom), cards: Some(Arc::new(sheet)), ..self })
     }

@@ -13,7 +13,7 @@
 //! ```text
 //! attribute bulk columns curve error hash near progress rotation sdf srgb │ plain data; columns of integers
 //! mesh random range scalp strands                      │ triangle meshes; the scalp and maps on it; explicit strands
-//! skin                                                 │ the skin under roots
+//! card_sheet skin                                      │ cards to draw; the skin under roots
 //! guides lint look rig                                 │ simulated strands; checks; materials; rigs of skinned meshes
 //! bound mannequin orient                               │ render strands; the built-in character; units and axes
 //! bind formats head report styles                      │ guides for strands; files; other heads; recipes of hairstyles
@@ -31,6 +31,8 @@ pub mod bind;
 pub mod bound;
 #[cfg(feature = "cooked")]
 mod bulk;
+pub mod card_sheet;
+#[cfg(feature = "cards")]
 pub mod cards;
 mod columns;
 #[cfg(feature = "cooked")]

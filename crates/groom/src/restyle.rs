@@ -125,6 +125,7 @@ impl Restyle {
             lines: &lines,
             skull,
             seed: self.seed,
+            clumping: 1.0,
             farthest: f32::MAX,
         };
         let old = std::mem::take(&mut groom.strands);
@@ -143,7 +144,7 @@ impl Restyle {
                 let painted = |map: &ScalpMap| map.sample(on.at(line[0]));
                 let curl = self.curl_map.as_ref().map_or(1.0, painted);
                 let lock = locks.of[i];
-                let f = shaper.shape((&mut line, lock, lock), (1.0, curl), stray, &mut rng);
+                let f = shaper.shape(&mut line, lock, lock, curl, stray, &mut rng);
                 binding.scale = binding.scale.map(|scale| scale * f);
             }
             if let Some(diameter) = self.diameter {
@@ -171,24 +172,20 @@ struct Shaper<'a> {
     lines: &'a [Vec<Vec3>],
     skull: Vec3,
     seed: u32,
+    /// Factor on the strength of clumps.
+    clumping: f32,
     /// Largest way to the middle of a lock, meters.
     farthest: f32,
 }
 
 impl Shaper<'_> {
-    /// Changes the shape of `line`, of a strand in `lock`, whose random numbers come from `name`. The factors are on the
-    /// strength of clumps and on the radius of curls. Returns the fraction of its path that the strand covers.
-    fn shape(
-        &self,
-        (line, lock, name): (&mut [Vec3], u32, u32),
-        (gathers, curl): (f32, f32),
-        stray: f32,
-        rng: &mut Rng,
-    ) -> f32 {
+    /// Changes the shape of `line`, of a strand in `lock`, whose random numbers come from `name`. `curl` is a factor on
+    /// the radius of curls. Returns the fraction of its path that the strand covers.
+    fn shape(&self, line: &mut [Vec3], lock: u32, name: u32, curl: f32, stray: f32, rng: &mut Rng) -> f32 {
         let center = &self.lines[self.locks.centers[lock as usize] as usize];
         let flyaway = stray < self.unruly.flyaways;
         let share = if flyaway { 0.3 } else { 1.0 };
-        gather(line, center, &self.clumps, (share * gathers, self.farthest), (self.seed, name), rng);
+        self.gather(line, center, share * self.clumping, name, rng);
         let mut fraction = 1.0;
         if self.curls.any() {
             let twist = Twist::new(self.curls, self.seed, name, center[0]);
@@ -197,6 +194,29 @@ impl Shaper<'_> {
         }
         unrest(&self.unruly, stray, rng, line);
         fraction
+    }
+
+    /// Pulls the strand toward the center of its lock: each vertex toward the center's point at the same distance from the
+    /// root.
+    fn gather(&self, line: &mut [Vec3], center: &[Vec3], share: f32, name: u32, rng: &mut Rng) {
+        let mut shared = Rng::new(self.seed ^ 0xbeef, name);
+        let strength = self.clumps.strength * shared.range(0.45, 1.0).sqrt() * rng.range(0.75, 1.0) * share;
+        let strength = strength.min(1.0);
+        if strength <= 0.0 {
+            return;
+        }
+        let (own, reach) = (curve::length(line), curve::length(center).max(1e-6));
+        let last = (line.len() - 1) as f32;
+        let mut walk = Walk::new(center);
+        for (k, p) in line.iter_mut().enumerate().skip(1) {
+            let t = k as f32 / last;
+            let along = own * t;
+            // A strand longer than the center continues beside its end.
+            let there = 1.0 - smoothstep(0.85 * reach, 1.05 * reach, along);
+            let middle = walk.at(along.min(reach));
+            let share = strength * smoothstep(self.clumps.start, 0.85, t) * there;
+            *p = p.lerp(middle, share.min(self.farthest / p.distance(middle).max(1e-9)));
+        }
     }
 }
 
@@ -219,36 +239,6 @@ fn push(
     out.rest.extend(line.iter().zip(radii).map(|(p, radius)| PackedRest::pack(*p, *radius, &binding)));
     out.strands.push(strand);
     out.bindings.push(binding);
-}
-
-/// Pulls the strand toward the center of its lock: each vertex toward the center's point at the same distance from the
-/// root.
-fn gather(
-    line: &mut [Vec3],
-    center: &[Vec3],
-    clumps: &Clumps,
-    (share, farthest): (f32, f32),
-    (seed, lock): (u32, u32),
-    rng: &mut Rng,
-) {
-    let mut shared = Rng::new(seed ^ 0xbeef, lock);
-    let strength = clumps.strength * shared.range(0.45, 1.0).sqrt() * rng.range(0.75, 1.0) * share;
-    let strength = strength.min(1.0);
-    if strength <= 0.0 {
-        return;
-    }
-    let (own, reach) = (curve::length(line), curve::length(center).max(1e-6));
-    let last = (line.len() - 1) as f32;
-    let mut walk = Walk::new(center);
-    for (k, p) in line.iter_mut().enumerate().skip(1) {
-        let t = k as f32 / last;
-        let along = own * t;
-        // A strand longer than the center continues beside its end.
-        let there = 1.0 - smoothstep(0.85 * reach, 1.05 * reach, along);
-        let middle = walk.at(along.min(reach));
-        let share = strength * smoothstep(clumps.start, 0.85, t) * there;
-        *p = p.lerp(middle, share.min(farthest / p.distance(middle).max(1e-9)));
-    }
 }
 
 /// Winds the strand around its path and returns the fraction of the path that it covers.

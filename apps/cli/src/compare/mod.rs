@@ -142,11 +142,9 @@ pub fn run(args: &CompareArgs) -> Result<()> {
                 report.lights.push(row);
             }
         }
-        for Row { name, ours, reference, .. } in &once {
-            let all = report.lights.iter().find(|all| Some(&*all.name) == name.strip_suffix(ONCE));
-            let Some(all) = all else { continue };
-            let orders = ScatteringOrders::new(&all.name, (&all.ours, ours), (&all.reference, reference));
-            report.orders.push(orders);
+        for once in &once {
+            let all = report.lights.iter().find(|all| Some(&*all.name) == once.name.strip_suffix(ONCE));
+            report.orders.extend(all.map(|all| ScatteringOrders::new(all, once)));
         }
         if let Some(folder) = &args.out {
             std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;

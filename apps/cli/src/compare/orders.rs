@@ -1,6 +1,6 @@
 //! Light of one lamp, split by how often it was scattered. In totals, errors of the two parts can cancel.
 
-use super::tones::Tones;
+use super::{Row, tones::Tones};
 use serde::Serialize;
 
 /// Light scattered once and light scattered several times, each as a ratio to the reference; `None` where the
@@ -23,18 +23,18 @@ impl ScatteringOrders {
     /// Part of all light below which a ratio says nothing.
     const LEAST: f64 = 0.005;
 
-    /// Compares our images with the reference's, each as (all light, light scattered once).
-    pub fn new(name: &str, ours: (&Tones, &Tones), reference: (&Tones, &Tones)) -> Self {
+    /// Compares images of all light and of light scattered once.
+    pub(super) fn new(all: &Row, once: &Row) -> Self {
         let ratio = |own: f64, other: f64, all: f64| (other > Self::LEAST * all).then(|| own / other);
         let several = |of: &dyn Fn(&Tones) -> f64| {
-            let [own, other] = [ours, reference].map(|(all, once)| of(all) - of(once));
-            ratio(own, other, of(reference.0))
+            let (own, other) = (of(&all.ours) - of(&once.ours), of(&all.reference) - of(&once.reference));
+            ratio(own, other, of(&all.reference))
         };
-        let luminance = reference.0.luminance;
+        let luminance = all.reference.luminance;
         Self {
-            name: name.to_owned(),
-            share: reference.1.luminance / luminance.max(1e-12),
-            once: ratio(ours.1.luminance, reference.1.luminance, luminance),
+            name: all.name.clone(),
+            share: once.reference.luminance / luminance.max(1e-12),
+            once: ratio(once.ours.luminance, once.reference.luminance, luminance),
             several: several(&|tones| tones.luminance),
             channels: [0, 1, 2].map(|c| several(&|tones| tones.rgb[c])),
         }
@@ -49,11 +49,15 @@ mod tests {
         Tones { rgb, luminance, ..Default::default() }
     }
 
+    fn row(ours: Tones, reference: Tones) -> Row {
+        Row { name: "a".into(), difference: None, ours, reference }
+    }
+
     #[test]
     fn opposite_errors_show_although_the_total_is_right() {
-        let reference = (&tones([4.0, 3.0, 2.0], 3.0), &tones([1.0, 1.0, 1.0], 1.0));
-        let ours = (&tones([4.0, 3.0, 2.0], 3.0), &tones([2.5, 1.5, 1.0], 1.5));
-        let found = ScatteringOrders::new("a_key", ours, reference);
+        let all = row(tones([4.0, 3.0, 2.0], 3.0), tones([4.0, 3.0, 2.0], 3.0));
+        let once = row(tones([2.5, 1.5, 1.0], 1.5), tones([1.0, 1.0, 1.0], 1.0));
+        let found = ScatteringOrders::new(&all, &once);
         assert_eq!((found.once, found.several), (Some(1.5), Some(0.75)));
         assert_eq!(found.channels, [Some(0.5), Some(0.75), Some(1.0)]);
         assert!((found.share - 1.0 / 3.0).abs() < 1e-12);
@@ -63,7 +67,7 @@ mod tests {
     fn ratios_to_almost_nothing_are_absent() {
         let all = tones([1.0, 1.0, 1e-3], 1.0);
         let once = tones([0.0, 0.9999, 0.0], 0.9999);
-        let found = ScatteringOrders::new("a_rim", (&all, &once), (&all, &once));
+        let found = ScatteringOrders::new(&row(all.clone(), all), &row(once.clone(), once));
         assert_eq!((found.several, found.channels), (None, [Some(1.0), None, Some(1.0)]));
     }
 }

@@ -224,7 +224,7 @@ impl Studio {
         let Self { document, renderer, viewport, recorder, messages, .. } = self;
         viewport.lead(renderer);
         document.groom(viewport.tool.brush().is_some(), renderer, messages);
-        renderer.dirty |= std::mem::take(&mut document.dirty) | renderer.orbit.is_gliding();
+        renderer.dirty |= std::mem::take(&mut document.due.frame) | renderer.orbit.is_gliding();
         renderer.orbit.advance(context.input(|input| input.stable_dt));
         let due = renderer.dirty || renderer.playback.is_due();
         if !due {

@@ -11,17 +11,17 @@ pub fn show(brush: &mut Brush, document: &Document, dialogs: &Dialogs, ui: &mut 
         ui.spacing_mut().slider_width = 0.0;
         if !brush.tool.draws() {
             let help = "Keys [ and ], or Ctrl and the wheel";
-            number(&mut brush.radius, ("Radius", 1e3, 1.0..=150.0, " mm"), help, ui);
+            number(&mut brush.radius, "Radius", 1e3, 1.0..=150.0, " mm", help, ui);
         }
         match brush.tool {
             BrushTool::Plant => {
-                number(&mut brush.length, ("Length", 1e3, 2.0..=1000.0, " mm"), "Length of new hair", ui);
+                number(&mut brush.length, "Length", 1e3, 2.0..=1000.0, " mm", "Length of new hair", ui);
                 let help = "New strands per square centimeter; a head of 24,000 strands has 40";
-                number(&mut brush.density, ("Density", 1.0, 1.0..=300.0, " /cm²"), help, ui);
+                number(&mut brush.density, "Density", 1.0, 1.0..=300.0, " /cm²", help, ui);
             }
             BrushTool::Refine => {}
             BrushTool::Curl => {
-                number(&mut brush.strength, percent("Strength"), "Share of the full effect", ui);
+                percent(&mut brush.strength, "Strength", "Share of the full effect", ui);
                 let types = [
                     (CurlType::Waves, "waves", "Loose flat waves"),
                     (CurlType::Ringlets, "ringlets", "As wide as a piece of chalk"),
@@ -30,23 +30,20 @@ pub fn show(brush: &mut Brush, document: &Document, dialogs: &Dialogs, ui: &mut 
                 choice("Which curls", &mut brush.curls, &types, ui);
             }
             BrushTool::Color => {
-                number(&mut brush.strength, percent("Strength"), "Share of the full effect", ui);
+                percent(&mut brush.strength, "Strength", "Share of the full effect", ui);
                 ui.color_edit_button_rgb(&mut brush.color).on_hover_text("Color of the hair");
             }
-            _ => number(&mut brush.strength, percent("Strength"), "Share of the full effect", ui),
+            _ => percent(&mut brush.strength, "Strength", "Share of the full effect", ui),
         }
         if matches!(brush.tool, BrushTool::Plant | BrushTool::Refine) {
             let help = "Distance between guides: strands follow these";
-            number(&mut brush.spacing, ("Guides every", 1e3, 1.0..=50.0, " mm"), help, ui);
+            number(&mut brush.spacing, "Guides every", 1e3, 1.0..=50.0, " mm", help, ui);
         } else if brush.tool == BrushTool::Color
             || !(brush.tool.acts_on_roots() || brush.tool.paints() || brush.tool.draws())
         {
-            number(
-                &mut brush.root_tip,
-                ("Root, tip", 1e2, -100.0..=100.0, " %"),
-                "Where along the hair the brush acts: 0 everywhere, above 0 more at the tip, below 0 more at the root",
-                ui,
-            );
+            let help =
+                "Where along the hair the brush acts: 0 everywhere, above 0 more at the tip, below 0 more at the root";
+            number(&mut brush.root_tip, "Root, tip", 1e2, -100.0..=100.0, " %", help, ui);
         }
         ui.checkbox(&mut brush.mirror, "Symmetry").on_hover_text("The brush acts on both sides of the head");
         let reaches = [
@@ -71,14 +68,17 @@ pub fn save(document: &mut Document, dialogs: &Dialogs, ui: &mut Ui) {
     }
 }
 
-fn percent(name: &'static str) -> (&'static str, f32, std::ops::RangeInclusive<f32>, &'static str) {
-    (name, 1e2, 0.0..=100.0, " %")
+fn percent(value: &mut f32, name: &str, help: &str, ui: &mut Ui) {
+    number(value, name, 1e2, 0.0..=100.0, " %", help, ui);
 }
 
-/// Shows a number: name, factor to the shown unit, range and unit.
+/// Shows a number. `factor` converts it to `unit`, in which `range` is.
 fn number(
     value: &mut f32,
-    (name, factor, range, unit): (&str, f32, std::ops::RangeInclusive<f32>, &str),
+    name: &str,
+    factor: f32,
+    range: std::ops::RangeInclusive<f32>,
+    unit: &str,
     help: &str,
     ui: &mut Ui,
 ) {
@@ -143,13 +143,13 @@ fn more(brush: &mut Brush, document: &Document, dialogs: &Dialogs, ui: &mut Ui) 
         choice("How the effect falls off from the middle to the edge", &mut brush.falloff, &falloffs, ui);
     });
     ui.spacing_mut().slider_width = 90.0;
-    number(&mut brush.share, percent("Share of hair"), "Share of the hair that takes part", ui);
-    number(&mut brush.keep_shape, percent("Keep shape"), "How far hair keeps its shape beside the brush", ui);
+    percent(&mut brush.share, "Share of hair", "Share of the hair that takes part", ui);
+    percent(&mut brush.keep_shape, "Keep shape", "How far hair keeps its shape beside the brush", ui);
     let help = "Share of its distance from the skin that hair keeps, so that it is not pasted to the head";
-    number(&mut brush.keep_volume, percent("Keep volume"), help, ui);
+    percent(&mut brush.keep_volume, "Keep volume", help, ui);
     if matches!(brush.tool, BrushTool::Smooth | BrushTool::Plant) {
         let help = "How far hair takes on the shape of its neighbors";
-        number(&mut brush.neighbors, percent("Neighbors"), help, ui);
+        percent(&mut brush.neighbors, "Neighbors", help, ui);
     }
     let Some(groomer) = &document.groomer else { return };
     layers(brush, groomer, ui);

@@ -173,7 +173,7 @@ impl Overlays {
         let Self { size, group, layout, module, pipelines, .. } = self;
         let pipeline = pipelines
             .entry((overlay, format, samples))
-            .or_insert_with(|| pipeline(context.device(), (layout, module), overlay, (format, samples)));
+            .or_insert_with(|| pipeline(context.device(), layout, module, overlay, format, samples));
         let ops = wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store };
         let color = wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops };
         let depth_ops = Some(wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store });
@@ -199,9 +199,11 @@ impl Overlays {
 /// Creates the pipeline of a pass for a target format and sample count.
 fn pipeline(
     device: &wgpu::Device,
-    (layout, module): (&wgpu::PipelineLayout, &wgpu::ShaderModule),
+    layout: &wgpu::PipelineLayout,
+    module: &wgpu::ShaderModule,
     overlay: Overlay,
-    (format, count): (TextureFormat, u32),
+    format: TextureFormat,
+    count: u32,
 ) -> wgpu::RenderPipeline {
     let entry = match overlay {
         Overlay::Motion => "motion",

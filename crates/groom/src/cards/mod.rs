@@ -46,6 +46,7 @@ mod texture;
 mod tile;
 mod volume;
 
+pub use crate::card_sheet::{CardSheet, CardStrip};
 pub use accuracy::{CardAccuracy, SIZES};
 pub use bake::{CardLevel, Cards, bake, bake_with};
 #[cfg(feature = "textures")]
@@ -58,5 +59,5 @@ pub use mesh::CardMesh;
 pub use obj::NamedFile;
 pub use options::CardOptions;
 pub use scalp::CardScalp;
-pub use strands::{CardSheet, CardStrands, CardStrip};
+pub use strands::CardStrands;
 pub use texture::CardTextures;

@@ -24,7 +24,7 @@ type Conflicts = HashMap<(u32, u32), f32>;
 /// Returns an order of the cards of `mesh`, as indices, in which few cards are drawn before others behind them.
 pub(super) fn ordered(studio: &Studio, mesh: &CardMesh, alpha: &Pyramid, tones: &[f32]) -> Vec<u32> {
     let mut conflicts = Conflicts::new();
-    for found in studio.layered(&mesh.surface(), (&mesh.starts, &mesh.light), (alpha, tones), add_conflicts) {
+    for found in studio.layered(mesh, alpha, tones, add_conflicts) {
         for (cards, weight) in found {
             *conflicts.entry(cards).or_default() += weight;
         }
@@ -104,7 +104,7 @@ impl Blending {
     /// Measures the cards of `mesh` in the order that they have.
     pub(super) fn new(studio: &Studio, mesh: &CardMesh, alpha: &Pyramid, tones: &[f32]) -> Self {
         let mut all = Sums::default();
-        for sums in studio.layered(&mesh.surface(), (&mesh.starts, &mesh.light), (alpha, tones), add_errors) {
+        for sums in studio.layered(mesh, alpha, tones, add_errors) {
             all.samples += sums.samples;
             all.layers += sums.layers;
             all.error += sums.error;

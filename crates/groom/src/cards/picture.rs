@@ -1,6 +1,9 @@
 //! Pictures of hair from all sides: opacity of strands and of cards, and how much of each strand is visible.
 
-use super::strip::{samples, shares};
+use super::{
+    mesh::CardMesh,
+    strip::{samples, shares},
+};
 use crate::{Strands, TriMesh, progress::in_parallel};
 use glam::{Vec2, Vec3};
 
@@ -136,22 +139,22 @@ impl Studio {
     }
 
     /// Calls `see` for each sample with cards, with its layers sorted from the front. Returns a result for each picture.
-    /// Cards have first vertices, light at their vertices, and textures of opacity and of brightness.
+    /// `alpha` is the opacity of texels, `tones` their brightness.
     pub(super) fn layered<R: Default + Send>(
         &self,
-        mesh: &Surface<'_>,
-        (starts, light): (&[u32], &[f32]),
-        (alpha, tones): (&Pyramid, &[f32]),
+        mesh: &CardMesh,
+        alpha: &Pyramid,
+        tones: &[f32],
         see: impl Fn(&mut R, &[Layer]) + Sync,
     ) -> Vec<R> {
         in_parallel(&self.eyes(), |(back, depths)| {
             let eye = self.eye(*back);
             let mut samples: Vec<Vec<Layer>> = vec![Vec::new(); depths.len()];
-            for (number, triangle) in (0..).zip(mesh.triangles) {
-                let card = starts.partition_point(|start| *start <= triangle[0]) as u32 - 1;
+            for (number, triangle) in (0..).zip(&mesh.triangles) {
+                let card = mesh.starts.partition_point(|start| *start <= triangle[0]) as u32 - 1;
                 let corners = triangle.map(|v| mesh.positions[v as usize]);
                 let [u, v, w] = triangle.map(|v| mesh.uvs[v as usize]);
-                let light = triangle.map(|v| light[v as usize]);
+                let light = triangle.map(|v| mesh.light[v as usize]);
                 let texels = alpha.area([u, v, w]);
                 eye.fill(corners, |at, [a, b, c], depth, area| {
                     if depth > depths[at] {

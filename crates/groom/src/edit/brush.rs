@@ -1,6 +1,9 @@
 //! Brushes: what a stroke does, and where.
 
-use crate::{Error, Result};
+use crate::{
+    Error, Result,
+    hash::{self, pcg},
+};
 use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 
@@ -321,6 +324,11 @@ impl Brush {
         (1.0 - b + b * 2.0 * end).clamp(0.0, 1.0)
     }
 
+    /// Whether a tool that takes a share of the strands takes strand `i` in the stroke with `seed`.
+    pub(super) fn takes(&self, seed: u32, i: u32) -> bool {
+        self.strength >= 1.0 || chance(seed, i) < self.strength
+    }
+
     /// Returns the tool that acts, after [`inverted`](Self::inverted).
     pub fn acts(&self) -> BrushTool {
         match (self.inverted, self.tool) {
@@ -331,4 +339,9 @@ impl Brush {
             (_, tool) => tool,
         }
     }
+}
+
+/// Returns a random number of a guide or strand, 0 to 1, that stays the same during the stroke with `seed`.
+pub(super) fn chance(seed: u32, i: u32) -> f32 {
+    hash::unit(pcg(i ^ seed))
 }

@@ -28,6 +28,16 @@ pub(super) struct LengthChanges {
     pub guides: BTreeMap<usize, f32>,
 }
 
+impl LengthChanges {
+    /// Leaves a share of each of these strands, or less.
+    pub fn shorten(&mut self, strands: Vec<(usize, f32)>) {
+        for (i, share) in strands {
+            let left = self.strands.entry(i).or_insert(1.0);
+            *left = left.min(share);
+        }
+    }
+}
+
 /// Lengths relative to the groom before the first stroke.
 #[derive(Clone, Debug)]
 pub(super) struct Cuts {

@@ -6,11 +6,7 @@ use super::{
     guide_blocks::GuideBlocks,
     looks::StrandLooks,
 };
-use crate::{
-    Error, Groom, Result,
-    orient::Choice,
-    restyle::painted::{self, StrandShape},
-};
+use crate::{Error, Groom, Result, orient::Choice, restyle::painted};
 use glam::Vec3;
 use std::{
     path::PathBuf,
@@ -233,16 +229,6 @@ impl GroomDocument {
         self.looks.as_deref().cloned().unwrap_or_else(unpainted)
     }
 
-    /// Returns the stiffness of each guide.
-    pub(super) fn stiffness(&self) -> &[f32] {
-        self.looks.as_ref().map_or(&self.base.source.guides.stiffness, |looks| &looks.stiffness)
-    }
-
-    /// Returns whether each guide is held.
-    pub(super) fn held(&self) -> Vec<bool> {
-        self.looks.as_ref().map_or_else(|| vec![false; self.guides.len()], |looks| looks.held.clone())
-    }
-
     /// Returns this version with other painted values.
     pub(super) fn with_looks(&self, looks: StrandLooks) -> Self {
         Self { looks: Some(Arc::new(looks)), ..self.clone() }
@@ -266,7 +252,7 @@ impl GroomDocument {
     }
 
     /// Returns clumps, curls and frizz of each strand; empty for none.
-    pub(super) fn shapes(&self) -> &[StrandShape] {
+    pub(super) fn shapes(&self) -> &[painted::StrandShape] {
         self.looks.as_ref().map_or(&[], |looks| &looks.shapes)
     }
 

@@ -1,17 +1,16 @@
 //! Strokes on roots: planting, removing, refining, parting.
 
 use super::{
-    Brush, BrushTool, GroomDocument, GroomEditor, StrokeSample,
-    editor::{ActiveStroke, sphere},
+    Brush, BrushTool, GroomDocument,
     ground::Ground,
-    roots::{PartingPoint, RootChanges, RootStroke, across},
+    hair::EditedHair,
+    roots::{PartingPoint, RootChanges, across},
     solve::unit,
     tools::Dab,
 };
 use crate::{
     hash::{self, pcg},
     near::PointTree,
-    progress::in_parallel,
 };
 use glam::Vec3;
 
@@ -30,90 +29,71 @@ const FACING: f32 = 0.1;
 /// Distance of guides whose shapes new hair takes on, in distances between guides.
 const BESIDE: f32 = 3.0;
 
-impl GroomEditor {
-    /// Returns the empty changes of a stroke with `brush`.
-    pub(super) fn root_stroke(&self, brush: &Brush) -> RootStroke {
-        let (spacing, reach) = (brush.spacing, brush.radius);
+/// Changes of roots in a stroke.
+#[derive(Debug)]
+pub(super) struct RootStroke {
+    changes: RootChanges,
+    /// Each strand at the press; empty unless the tool needs them.
+    lines: Vec<Vec<Vec3>>,
+}
+
+impl RootStroke {
+    pub fn new(brush: &Brush, hair: &EditedHair) -> Self {
+        let (spacing, reach, group) = (brush.spacing, brush.radius, brush.layer);
         let density = if brush.tool == BrushTool::Plant { brush.density * 1e4 } else { 0.0 };
-        let group = brush.layer;
         let changes = RootChanges { spacing, density, reach, group, ..RootChanges::default() };
-        let needs_roots = matches!(brush.tool, BrushTool::Remove | BrushTool::Refine);
-        let roots = if needs_roots { self.strand_lines(|line| line[0]) } else { Vec::new() };
-        let lines = match brush.tool.paints_strands() {
-            true => self.strand_lines(|line| (sphere(line), line.to_vec())),
-            false => Vec::new(),
-        };
-        RootStroke { changes, roots, lines }
+        let needs_lines = matches!(brush.tool, BrushTool::Remove | BrushTool::Refine);
+        let lines = if needs_lines { hair.map_strands(<[Vec3]>::to_vec) } else { Vec::new() };
+        Self { changes, lines }
     }
 
-    /// Returns what `of` finds of each strand.
-    fn strand_lines<T: Send>(&self, of: impl Fn(&[Vec3]) -> T + Sync) -> Vec<T> {
-        let strands = self.document.unshaped();
-        let all: Vec<usize> = (0..strands.base().strands.len()).collect();
-        in_parallel(&all, |i| of(&strands.strand(*i).0))
-    }
-
-    /// Returns the new guides of the current stroke, and the roots of strands that it removes.
-    pub fn root_marks(&self) -> (&[Vec<Vec3>], Vec<Vec3>) {
-        let Some(stroke) = &self.stroke else { return (&[], Vec::new()) };
-        let RootStroke { changes, roots, .. } = &stroke.roots;
-        (&changes.planted, changes.removed.iter().filter_map(|i| roots.get(*i)).copied().collect())
-    }
-
-    /// Returns the depth of the skin under `sample`, meters.
-    pub(super) fn skin_depth(&self, sample: &StrokeSample) -> Option<f32> {
-        self.ground.trace(sample.origin, sample.direction)
+    /// Returns the new guides, and the roots of strands that go.
+    pub fn marks(&self) -> (&[Vec<Vec3>], Vec<Vec3>) {
+        (&self.changes.planted, self.changes.removed.iter().map(|i| self.lines[*i][0]).collect())
     }
 
     /// Applies a tool for roots once.
-    pub(super) fn dab_roots(&mut self, dabs: &[Dab]) {
-        self.dab_count += 1;
-        let Some(mut stroke) = self.stroke.take() else { return };
-        match stroke.brush.tool {
-            BrushTool::Plant => self.plant(&mut stroke, dabs),
-            BrushTool::Refine => self.refine(&mut stroke, dabs),
+    pub fn dab(&mut self, hair: &EditedHair, brush: &Brush, seed: u32, dabs: &[Dab]) {
+        match brush.tool {
+            BrushTool::Plant => self.plant(hair, brush, seed, dabs),
+            BrushTool::Refine => self.refine(hair, brush, dabs),
             BrushTool::Remove => {
-                let (brush, bindings) = (&stroke.brush, &self.base.strands.bindings);
-                let goes = |(i, root): &(usize, &Vec3)| {
-                    self.is_open(brush, bindings[*i].guides[0] as usize)
-                        && stroke.takes(*i as u32)
-                        && dabs.iter().any(|dab| dab.near(**root, brush) > 0.0)
+                let bindings = &hair.base.strands.bindings;
+                let goes = |(i, line): &(usize, &Vec<Vec3>)| {
+                    hair.is_open(brush, bindings[*i].guides[0] as usize)
+                        && brush.takes(seed, *i as u32)
+                        && dabs.iter().any(|dab| dab.near(line[0], brush) > 0.0)
                 };
-                let removed: Vec<usize> =
-                    stroke.roots.roots.iter().enumerate().filter(goes).map(|(i, _)| i).collect();
-                stroke.roots.changes.removed.extend(removed);
+                self.changes.removed.extend(self.lines.iter().enumerate().filter(goes).map(|(i, _)| i));
             }
             BrushTool::Part => {
                 for dab in dabs.iter().filter(|dab| dab.motion != Vec3::ZERO) {
-                    let Some((at, normal)) = self.ground.nearest(dab.center, dab.radius) else { continue };
+                    let Some((at, normal)) = hair.ground.nearest(dab.center, dab.radius) else { continue };
                     let across = across(normal, dab.motion);
-                    stroke.roots.changes.parting.push(PartingPoint { at, across });
+                    self.changes.parting.push(PartingPoint { at, across });
                 }
             }
-            tool if tool.paints() => self.paint(&mut stroke, dabs),
             _ => {}
         }
-        self.stroke = Some(stroke);
     }
 
-    /// Ends a stroke on roots. Returns the version with its changes, if there are any and hair is left.
-    pub(super) fn with_root_changes(&self, stroke: &ActiveStroke) -> Option<GroomDocument> {
-        let changes = &stroke.roots.changes;
-        if changes.is_empty() {
+    /// Returns the version with its changes, if there are any and hair is left.
+    pub fn applied(&self, hair: &EditedHair) -> Option<GroomDocument> {
+        if self.changes.is_empty() {
             return None;
         }
         // The guides of the editor are valid, so they can be filled.
-        self.document.with_roots(changes, &self.ground).ok().flatten()
+        hair.document.with_roots(&self.changes, &hair.ground).ok().flatten()
     }
 
     /// Plants guides on the skin under `dabs`.
-    fn plant(&self, stroke: &mut ActiveStroke, dabs: &[Dab]) {
-        let (brush, n) = (stroke.brush, self.document.vertex_count());
-        let ratio = stroke.radius / brush.spacing;
+    fn plant(&mut self, hair: &EditedHair, brush: &Brush, seed: u32, dabs: &[Dab]) {
+        let (ground, n) = (&hair.ground, hair.document.vertex_count());
+        let ratio = brush.radius / brush.spacing;
         let tries = ((TRIES * ratio * ratio) as usize).clamp(1, MOST_TRIES);
-        let middles: Vec<_> = dabs.iter().map(|dab| self.ground.nearest(dab.center, dab.radius)).collect();
+        let middles: Vec<_> = dabs.iter().map(|dab| ground.nearest(dab.center, dab.radius)).collect();
         for k in 0..tries {
-            let random = pcg(stroke.seed ^ pcg(self.dab_count as u32) ^ pcg(k as u32));
+            let random = pcg(seed ^ pcg(hair.dab_count as u32) ^ pcg(k as u32));
             // The first candidate is in the middle: a click plants there.
             let place = if k == 0 { [0.0; 2] } else { in_disc(random) };
             for (side, dab) in dabs.iter().enumerate() {
@@ -123,72 +103,64 @@ impl GroomEditor {
                 // A mirror image turns the other way round.
                 let (u, v) = (place[0] * dab.radius, place[1] * dab.radius);
                 let u = if side == 1 { -u } else { u };
-                let Some((root, normal)) = self.ground.nearest(middle + right * u + up * v, dab.radius)
-                else {
+                let Some((root, normal)) = ground.nearest(middle + right * u + up * v, dab.radius) else {
                     continue;
                 };
                 let faces = dab.sight == Vec3::ZERO || normal.dot(dab.sight) < -FACING;
-                let planted = &stroke.roots.changes.planted;
-                let lines =
-                    || (0..self.spheres.len()).map(|i| self.guide(i)).chain(planted.iter().map(|p| &p[..]));
+                let planted = self.changes.planted.iter().map(Vec::as_slice);
+                let lines = || hair.guides.lines().chain(planted.clone());
                 let near = |line: &[Vec3]| line[0].distance_squared(root) < brush.spacing * brush.spacing;
-                if !faces || dab.near(root, &brush) <= 0.0 || lines().any(near) {
+                if !faces || dab.near(root, brush) <= 0.0 || lines().any(near) {
                     continue;
                 }
                 let layer = hash::unit(pcg(random ^ 0x51ed));
-                let fallen = fallen(&self.ground, root, normal, self.document.middle(), &brush, layer, n);
+                let fallen = fallen(ground, root, normal, hair.document.middle(), brush, layer, n);
                 let line = match brush.neighbors > 0.0 {
-                    true => self.like_neighbors(fallen, lines(), &brush),
+                    true => like_neighbors(fallen, lines(), brush),
                     false => fallen,
                 };
-                stroke.roots.changes.planted.push(line);
+                self.changes.planted.push(line);
             }
         }
-    }
-
-    /// Returns `line` with edges that are a mean of its edges and of the edges of guides beside it.
-    fn like_neighbors<'a>(
-        &self,
-        line: Vec<Vec3>,
-        others: impl Iterator<Item = &'a [Vec3]>,
-        brush: &Brush,
-    ) -> Vec<Vec3> {
-        let reach = BESIDE * brush.spacing;
-        let mut sums = vec![Vec3::ZERO; line.len() - 1];
-        for other in others.filter(|other| other[0].distance(line[0]) < reach) {
-            let weight = 1.0 - other[0].distance(line[0]) / reach;
-            for (sum, edge) in sums.iter_mut().zip(other.windows(2)) {
-                *sum += unit(edge[1] - edge[0], Vec3::ZERO) * weight;
-            }
-        }
-        let mut mixed = vec![line[0]];
-        for (k, (edge, sum)) in line.windows(2).zip(sums).enumerate() {
-            let edge = edge[1] - edge[0];
-            let (length, own) = (edge.length(), unit(edge, Vec3::Y));
-            let way = unit(own * (1.0 - brush.neighbors) + unit(sum, own) * brush.neighbors, own);
-            mixed.push(mixed[k] + way * length);
-        }
-        mixed
     }
 
     /// Makes guides of strands under `dabs`, where guides are farther apart than the brush asks.
-    fn refine(&self, stroke: &mut ActiveStroke, dabs: &[Dab]) {
-        let (brush, n) = (stroke.brush, self.document.vertex_count());
-        let Some((strands, _)) = &stroke.strands else { return };
-        let guides: Vec<Vec3> = (0..self.spheres.len()).map(|i| self.guide(i)[0]).collect();
+    fn refine(&mut self, hair: &EditedHair, brush: &Brush, dabs: &[Dab]) {
+        let guides = hair.guides.roots();
         let (tree, mut found) = (PointTree::new(&guides), Vec::new());
-        let RootStroke { changes, roots, .. } = &mut stroke.roots;
-        for (i, root) in roots.iter().enumerate() {
-            if !dabs.iter().any(|dab| dab.near(*root, &brush) > 0.0) {
+        for line in &self.lines {
+            let root = line[0];
+            if !dabs.iter().any(|dab| dab.near(root, brush) > 0.0) {
                 continue;
             }
-            tree.nearest(*root, 1, brush.spacing, &mut found);
-            let near = |line: &Vec<Vec3>| line[0].distance_squared(*root) < brush.spacing * brush.spacing;
-            if found.is_empty() && !changes.planted.iter().any(near) {
-                changes.planted.push(crate::curve::resample_chords(&strands.strand(i).0, n));
+            tree.nearest(root, 1, brush.spacing, &mut found);
+            let near = |line: &Vec<Vec3>| line[0].distance_squared(root) < brush.spacing * brush.spacing;
+            if found.is_empty() && !self.changes.planted.iter().any(near) {
+                let n = hair.document.vertex_count();
+                self.changes.planted.push(crate::curve::resample_chords(line, n));
             }
         }
     }
+}
+
+/// Returns `line` with edges that are a mean of its edges and of the edges of guides beside it.
+fn like_neighbors<'a>(line: Vec<Vec3>, others: impl Iterator<Item = &'a [Vec3]>, brush: &Brush) -> Vec<Vec3> {
+    let reach = BESIDE * brush.spacing;
+    let mut sums = vec![Vec3::ZERO; line.len() - 1];
+    for other in others.filter(|other| other[0].distance(line[0]) < reach) {
+        let weight = 1.0 - other[0].distance(line[0]) / reach;
+        for (sum, edge) in sums.iter_mut().zip(other.windows(2)) {
+            *sum += unit(edge[1] - edge[0], Vec3::ZERO) * weight;
+        }
+    }
+    let mut mixed = vec![line[0]];
+    for (k, (edge, sum)) in line.windows(2).zip(sums).enumerate() {
+        let edge = edge[1] - edge[0];
+        let (length, own) = (edge.length(), unit(edge, Vec3::Y));
+        let way = unit(own * (1.0 - brush.neighbors) + unit(sum, own) * brush.neighbors, own);
+        mixed.push(mixed[k] + way * length);
+    }
+    mixed
 }
 
 /// Returns a point in the unit disc.

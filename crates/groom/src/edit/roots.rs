@@ -2,7 +2,7 @@
 //!
 //! Hair is carried to its current shape once, and becomes the hair before the first stroke of the new version.
 
-use super::{GroomDocument, document::Base, ground::Ground, solve::unit};
+use super::{GroomDocument, document::Base, ground::Ground, looks::StrandLooks, solve::unit};
 use crate::{
     BoundStrands, Fill, Groom, Guides, Head, Result, Strands,
     bind::finder::GuideFinder,
@@ -59,16 +59,6 @@ pub(super) struct RootChanges {
     pub reach: f32,
 }
 
-/// Changes of roots in a stroke, and what finding them needs.
-#[derive(Clone, Debug, Default)]
-pub(super) struct RootStroke {
-    pub changes: RootChanges,
-    /// The root of each strand at the press; empty unless the tool needs them.
-    pub roots: Vec<Vec3>,
-    /// Each strand at the press, with a sphere around it; empty unless the tool needs them.
-    pub lines: Vec<((Vec3, f32), Vec<Vec3>)>,
-}
-
 impl RootChanges {
     pub fn is_empty(&self) -> bool {
         self.removed.is_empty() && self.planted.is_empty() && self.parting.is_empty()
@@ -110,7 +100,7 @@ impl GroomDocument {
         let stays_at = |i: &usize| !changes.removed.contains(i);
         let left = |i: usize| stays_at(&i).then_some(origins[i]);
         let mut origins: Vec<u32> = (0..origins.len()).filter_map(left).collect();
-        let shapes = self.shapes();
+        let StrandLooks { shapes, held, .. } = self.looks();
         let mut shapes: Vec<StrandShape> = (0..shapes.len()).filter(stays_at).map(|i| shapes[i]).collect();
         while origins.len() < groom.strands.len() {
             origins.push(fresh);
@@ -118,8 +108,7 @@ impl GroomDocument {
         }
         let base = Base::new(self.family(), Arc::new(groom), None).with_origins(Some(origins.into()));
         let document = Self::at_base(base);
-        let before = self.held();
-        if !before.contains(&true) && shapes.is_empty() {
+        if !held.contains(&true) && shapes.is_empty() {
             return Ok(Some(document));
         }
         let mut looks = document.looks();
@@ -127,12 +116,10 @@ impl GroomDocument {
             shapes.resize(looks.strands.len(), StrandShape::default());
             looks.shapes = shapes;
         }
-        looks.held.iter_mut().zip(stays).for_each(|(held, was)| *held = before[was]);
+        looks.held.iter_mut().zip(stays).for_each(|(now, was)| *now = held[was]);
         Ok(Some(document.with_looks(looks)))
     }
-}
 
-impl GroomDocument {
     /// Returns this version with the strands that follow `moved` guides rooted in the skin: each is moved there as a
     /// whole.
     pub(super) fn rooted(&self, moved: &BTreeSet<usize>, ground: &Ground) -> Self {

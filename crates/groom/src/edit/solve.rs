@@ -28,6 +28,8 @@ pub(super) struct PressState {
     pub clear: Vec<f32>,
     /// Distance from the skin that each vertex had, meters.
     pub volume: Vec<f32>,
+    /// Factor of the length since then.
+    pub growth: f32,
 }
 
 impl PressState {
@@ -41,15 +43,14 @@ impl PressState {
             lengths: guide.windows(2).map(|edge| edge[0].distance(edge[1])).collect(),
             clear: volume.iter().map(|distance| distance.min(CLEARANCE)).collect(),
             volume,
+            growth: 1.0,
         }
     }
-}
 
-impl PressState {
     /// Returns the state of a guide that grows by `factor`.
     pub fn grown(&self, factor: f32) -> Self {
         let lengths = self.lengths.iter().map(|length| length * factor).collect();
-        Self { lengths, ..self.clone() }
+        Self { lengths, growth: self.growth * factor, ..self.clone() }
     }
 
     /// Whether `p`, where vertex `i` is now, is certainly farther from the skin than `distance`, meters: it has not moved

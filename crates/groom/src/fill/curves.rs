@@ -29,6 +29,7 @@ impl Smoothing {
     /// Paths that can be mixed.
     pub(crate) const STRONG: Self = Self { plain: 0.1, turns: 1.5 };
     /// Paths close to their strands.
+    #[cfg(feature = "cards")]
     pub(crate) const WEAK: Self = Self { plain: 0.02, turns: 3.0 };
 }
 

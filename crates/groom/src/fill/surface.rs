@@ -24,6 +24,7 @@ const WIDEST: f32 = 2.2;
 const ALONE: f32 = 0.004;
 
 /// Scalp surface reconstructed from the roots.
+#[derive(Default)]
 pub(super) struct Surface {
     /// Positions of roots; several strands may share one.
     pub(super) sites: Vec<Vec3>,
@@ -49,20 +50,9 @@ pub(super) struct Surface {
 impl Surface {
     /// Builds the surface through `roots`. `outward` is the direction of the hair at each root.
     pub(super) fn new(roots: &[Vec3], outward: &[Vec3], field: Option<&SdfGrid>) -> Self {
-        let (sites, of, starts, members) = gather(roots);
+        let mut surface = Self::of_roots(roots);
+        let sites = std::mem::take(&mut surface.sites);
         let near = PointTree::new(&sites);
-        let mut surface = Self {
-            normals: Vec::with_capacity(sites.len()),
-            spacing: Vec::with_capacity(sites.len()),
-            density: vec![0.0; sites.len()],
-            rim: vec![false; sites.len()],
-            triangles: Vec::new(),
-            lonely: Vec::new(),
-            of,
-            starts,
-            members,
-            sites: Vec::new(),
-        };
         let mut found = Vec::new();
         let mut votes: HashMap<[u32; 3], u8> = HashMap::new();
         let mut order: Vec<[u32; 3]> = Vec::new();
@@ -90,6 +80,28 @@ impl Surface {
         surface.sites = sites;
         surface.weigh();
         surface
+    }
+
+    /// Merges coincident roots. Returns sites and their strands, without triangles.
+    fn of_roots(roots: &[Vec3]) -> Self {
+        // Roots in the same cell are merged. A pair across a cell border stays separate, which is harmless.
+        let mut cells: HashMap<[i64; 3], u32> = HashMap::new();
+        let mut sites: Vec<Vec3> = Vec::new();
+        let of: Vec<u32> = roots
+            .iter()
+            .map(|&root| {
+                let cell = root.to_array().map(|x| (f64::from(x) / f64::from(SAME)).round() as i64);
+                *cells.entry(cell).or_insert_with(|| {
+                    sites.push(root);
+                    sites.len() as u32 - 1
+                })
+            })
+            .collect();
+        let mut members: Vec<u32> = (0..roots.len() as u32).collect();
+        members.sort_by_key(|i| of[*i as usize]);
+        let start = |site: u32| members.partition_point(|i| of[*i as usize] < site) as u32;
+        let starts = (0..=sites.len() as u32).map(start).collect();
+        Self { sites, of, starts, members, ..Self::default() }
     }
 
     /// Returns the strands rooted at `site`.
@@ -156,36 +168,6 @@ impl Surface {
 /// Returns the area of a triangle, m².
 pub(super) fn area_of([a, b, c]: [Vec3; 3]) -> f32 {
     0.5 * (b - a).cross(c - a).length()
-}
-
-/// Merges coincident roots. Returns the sites, the site of each strand, and the strands of each site as start offsets
-/// and indices.
-fn gather(roots: &[Vec3]) -> (Vec<Vec3>, Vec<u32>, Vec<u32>, Vec<u32>) {
-    // Roots in the same cell are merged. A pair across a cell border stays separate, which is harmless.
-    let mut cells: HashMap<[i64; 3], u32> = HashMap::new();
-    let mut sites: Vec<Vec3> = Vec::new();
-    let of: Vec<u32> = roots
-        .iter()
-        .map(|&root| {
-            let cell = root.to_array().map(|x| (f64::from(x) / f64::from(SAME)).round() as i64);
-            *cells.entry(cell).or_insert_with(|| {
-                sites.push(root);
-                sites.len() as u32 - 1
-            })
-        })
-        .collect();
-    let mut starts = vec![0u32; sites.len() + 1];
-    of.iter().for_each(|&site| starts[site as usize + 1] += 1);
-    for i in 1..starts.len() {
-        starts[i] += starts[i - 1];
-    }
-    let mut next = starts.clone();
-    let mut members = vec![0u32; roots.len()];
-    for (i, &site) in of.iter().enumerate() {
-        members[next[site as usize] as usize] = i as u32;
-        next[site as usize] += 1;
-    }
-    (sites, of, starts, members)
 }
 
 /// Returns the outward normal at a root: of the head's distance field near the head, else of the plane through its

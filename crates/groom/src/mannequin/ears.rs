@@ -24,8 +24,8 @@ pub fn ear(p: Vec3) -> f32 {
     let lobe = ellipsoid(q, vec3(-4.0, -19.0, 0.5), vec3(8.0, 11.0, 4.2));
     let hollow = ellipsoid(q, vec3(-0.5, 6.0, 7.0), vec3(12.0, 21.0, 7.6));
     let fold = join(
-        stroke(q, (vec3(2.0, 15.0, -2.5), 2.4), (vec3(4.5, -1.0, -1.0), 2.8)),
-        stroke(q, (vec3(4.5, -1.0, -1.0), 2.8), (vec3(0.0, -14.0, 0.5), 3.2)),
+        stroke(q, vec3(2.0, 15.0, -2.5), 2.4, vec3(4.5, -1.0, -1.0), 2.8),
+        stroke(q, vec3(4.5, -1.0, -1.0), 2.8, vec3(0.0, -14.0, 0.5), 3.2),
         4.0,
     );
     let bowl = ellipsoid(q, vec3(-4.0, -3.0, 4.5), vec3(6.0, 9.0, 6.5));

@@ -58,8 +58,8 @@ fn nose(p: Vec3, d: f32) -> f32 {
     if (p - vec3(0.0, 92.0, 82.0)).length() - 44.0 > d + 16.0 {
         return d;
     }
-    let bridge = stroke(p, (vec3(0.0, 124.0, 83.5), 4.5), (vec3(0.0, 79.0, 103.6), 4.7));
-    let flank = stroke(p, (vec3(0.0, 118.0, 76.0), 8.5), (vec3(0.0, 78.0, 89.0), 11.0));
+    let bridge = stroke(p, vec3(0.0, 124.0, 83.5), 4.5, vec3(0.0, 79.0, 103.6), 4.7);
+    let flank = stroke(p, vec3(0.0, 118.0, 76.0), 8.5, vec3(0.0, 78.0, 89.0), 11.0);
     let tip = ellipsoid(p, vec3(0.0, 75.5, 103.0), vec3(5.8, 5.8, 8.0));
     let wing = ellipsoid(vec3(astride(p.x, 3.0), p.y, p.z), vec3(5.6, 72.0, 93.5), vec3(4.2, 5.6, 10.0));
     let septum = ellipsoid(p, vec3(0.0, 69.8, 98.5), vec3(4.6, 3.8, 9.5));

@@ -31,9 +31,9 @@ pub fn ellipsoid(p: Vec3, c: Vec3, r: Vec3) -> f32 {
     if slope < 1e-9 { -r.min_element() } else { value * (value - 1.0) / slope }
 }
 
-/// Returns the distance to the hull of two spheres. The sphere that touches the hull nearest to `p` is found in closed
+/// Returns the distance to the hull of two spheres about `a` and `b`. The sphere that touches the hull nearest to `p` is found in closed
 /// form: seen from its center, `p` lies along the normal of the hull, which the taper tilts.
-pub fn stroke(p: Vec3, (a, ra): (Vec3, f32), (b, rb): (Vec3, f32)) -> f32 {
+pub fn stroke(p: Vec3, a: Vec3, ra: f32, b: Vec3, rb: f32) -> f32 {
     let axis = b - a;
     let length = axis.length();
     let along = (p - a).dot(axis) / length;

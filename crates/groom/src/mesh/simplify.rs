@@ -48,6 +48,7 @@ impl TriMesh {
     }
 
     /// Keeps at most about `count` triangles, those that change the surface least. Returns none for an invalid mesh.
+    #[cfg(feature = "cards")]
     pub(crate) fn simplified(&self, count: usize) -> Option<Vec<[u32; 3]>> {
         let (lo, hi) = self.bounds()?;
         self.collapsed(&self.triangles, count, hi.distance(lo))

@@ -109,11 +109,12 @@ pub(crate) fn shaped(groom: &Groom, shapes: &[StrandShape]) -> Groom {
                 lines: &lines,
                 skull: Vec3::ZERO,
                 seed: SEED,
+                clumping: clump.max(curl),
                 farthest: FARTHEST,
             };
             let mut rng = Rng::new(pcg(SEED ^ pcg(ids[*i])), 1);
             let stray = if frizz > 0.0 { rng.unit() } else { 1.0 };
-            let f = shaper.shape((&mut line, lock, ids[center]), (clump.max(curl), curl), stray, &mut rng);
+            let f = shaper.shape(&mut line, lock, ids[center], curl, stray, &mut rng);
             (line, f)
         });
         for (i, (line, f)) in of.into_iter().zip(changed) {

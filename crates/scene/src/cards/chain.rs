@@ -24,9 +24,11 @@ impl CardChain {
     /// As [`Scene::new`] and [`Cards::strands`].
     pub async fn new(
         context: &Context,
-        (parts, cards): (&CharacterParts, Cards),
+        parts: &CharacterParts,
+        cards: Cards,
         colliders: &Colliders,
-        (settings, quality): (&Settings, &Quality),
+        settings: &Settings,
+        quality: &Quality,
         progress: &impl Progress,
     ) -> Result<Self> {
         let mut characters = Vec::new();

@@ -5,7 +5,7 @@ use crate::{
     Result,
     groom::{
         Groom, Look, Rig, SdfGrid, TriMesh,
-        cards::{CardSheet, CardStrands, Cards},
+        card_sheet::CardSheet,
         mannequin,
         mesh::{
             Level,
@@ -100,9 +100,10 @@ impl CharacterParts {
     /// the strands of the groom at rest ([`BoundStrands::unbound`](crate::groom::BoundStrands::unbound)).
     ///
     /// # Errors
-    /// As [`Cards::strands`].
-    pub fn with_cards(self, cards: &Cards, level: usize) -> Result<Self> {
-        let CardStrands { groom, sheet } = cards.strands(level, &self.groom)?;
+    /// As [`Cards::strands`](crate::groom::cards::Cards::strands).
+    #[cfg(feature = "cards")]
+    pub fn with_cards(self, cards: &crate::groom::cards::Cards, level: usize) -> Result<Self> {
+        let crate::groom::cards::CardStrands { groom, sheet } = cards.strands(level, &self.groom)?;
         Ok(Self { groom, cards: Some(sheet.into()), levels: Vec::new(), ..self })
     }
 

@@ -4,7 +4,7 @@ use super::HairOptions;
 use crate::{
     Context, Error, Progress, Result, avoid,
     collide::{Collider, ColliderDescriptor, FieldAtlas},
-    groom::{BoundStrands, Groom, Guides, TriMesh, cards::CardSheet},
+    groom::{BoundStrands, Groom, Guides, TriMesh, card_sheet::CardSheet},
     light::{
         cards::CardBuffers,
         hair::{SetAsset, knot_bytes},
@@ -31,7 +31,7 @@ pub struct HairDescriptor<'a> {
     /// Distance fields, and the colliders that hair starts with.
     pub colliders: ColliderDescriptor<'a>,
     /// Draws the hair as cards, at any distance, if the strands of the groom are the columns of cards
-    /// ([`Cards::strands`](crate::groom::cards::Cards::strands)).
+    /// (`groom::cards::Cards::strands`, with the feature `cards`).
     pub cards: Option<&'a CardSheet>,
     /// Painted levels of detail: at most [`lod::MAX_LEVELS`], with descending sizes.
     pub levels: &'a [LodLevel],

@@ -4,7 +4,7 @@ use crate::{
     Context, Result,
     body::paint,
     gpu::{Binding, bindings},
-    groom::cards::{CardSheet, CardStrip},
+    groom::card_sheet::{CardSheet, CardStrip},
     strands::buffers::storage,
 };
 use bytemuck::{Pod, Zeroable};

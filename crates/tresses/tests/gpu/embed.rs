@@ -5,7 +5,7 @@ use crate::common;
 
 use half::f16;
 use tresses::{
-    Camera, Context, Error, Hair, HairAsset, HairDescriptor, Pose, Result, View,
+    Camera, Context, Error, Hair, Pose, Result, View,
     draw::{Compositor, Surroundings},
     frame::{Drawing, ViewContent},
     glam::{
@@ -13,10 +13,7 @@ use tresses::{
         camera::rh::proj::directx::{orthographic, perspective},
     },
     gpu::readback,
-    groom::{
-        bind,
-        cards::{CardOptions, bake},
-    },
+    groom::bind,
     light::{Lights, Sphere},
     renderer::Renderer,
     view::{Picture, ViewOptions},
@@ -338,8 +335,13 @@ fn scene_depth_may_be_multisampled() {
     }
 }
 
+#[cfg(feature = "cards")]
 #[test]
 fn cards_are_hidden_and_blended_like_strands() {
+    use tresses::{
+        HairAsset, HairDescriptor,
+        groom::cards::{CardOptions, bake},
+    };
     let Some(context) = common::context() else { return };
     let groom = bind(&common::hanging(500, 16, 0.12), &Default::default()).unwrap();
     let options = CardOptions { levels: vec![60], texture: 256, ..Default::default() };

@@ -7,6 +7,7 @@ mod ambient;
 mod asset;
 mod avoid;
 mod avoid_grooms;
+#[cfg(feature = "cards")]
 mod cards;
 mod character;
 mod characters;

@@ -4,7 +4,7 @@ mod read;
 mod write;
 
 pub(super) use read::{hair::read, read_mesh};
-#[cfg(feature = "textures")]
+#[cfg(all(feature = "cards", feature = "textures"))]
 pub(crate) use write::{File, INT};
 pub(super) use write::{body, character, encode};
 

@@ -1,4 +1,4 @@
-//! Cards: textured strips between two strands, for grooms made by [`groom::cards`](crate::groom::cards).
+//! Cards: textured strips between two strands, for grooms with a [`CardSheet`](crate::groom::card_sheet::CardSheet).
 //!
 //! The strands of such a groom are the columns of its cards. They are simulated, interpolated and shaded like other
 //! strands. Here their colors are interpolated over the cards and multiplied by the texture.

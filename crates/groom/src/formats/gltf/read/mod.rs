@@ -22,7 +22,6 @@ use crate::{
     TriMesh,
     error::Result,
     formats::{raw::RawMesh, source::Source},
-    orient::Choice,
     rig::{Node, Rig},
 };
 use file::File;
@@ -64,15 +63,7 @@ pub(crate) fn read_mesh(source: &Source) -> Result<RawMesh> {
             reader.weights(&mesh, None, node)?;
         }
     }
-    let (mut mesh, rigging, bare, notes) = reader.finish();
-    let rig = match rigging {
-        Some(rigging) => rigging.finish(&file, &placed, &places, &mut mesh)?,
-        None => None,
-    };
-    if bare {
-        mesh.normals.clear();
-    }
-    Ok(RawMesh { mesh, declared: Choice::METERS, rig, notes })
+    reader.finish(&placed, &places)
 }
 
 /// Returns whether a file has skins, animations or morph targets.

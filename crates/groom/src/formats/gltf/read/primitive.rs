@@ -3,11 +3,12 @@
 use glam::{Mat3, Mat4, Vec3};
 use gltf::{Semantic, mesh::Mode};
 
-use super::{Rigging, file::File, lone};
+use super::{Rigging, file::File, lone, walk::PlacedNode};
 use crate::{
     TriMesh,
     error::Result,
-    formats::faces::PLAIN,
+    formats::{faces::PLAIN, raw::RawMesh},
+    orient::Choice,
     rig::{Bind, Joint},
 };
 
@@ -38,8 +39,8 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Returns the mesh, the rig, whether to discard the normals because some are placeholders, and the notes.
-    pub fn finish(mut self) -> (TriMesh, Option<Rigging>, bool, Vec<String>) {
+    /// Returns the mesh at rest, its rig if anything moves, and the notes.
+    pub fn finish(mut self, placed: &[PlacedNode], places: &[Option<u32>]) -> Result<RawMesh> {
         #[cfg(not(feature = "textures"))]
         let notes = Vec::new();
         #[cfg(feature = "textures")]
@@ -55,7 +56,14 @@ impl<'a> Reader<'a> {
         if !self.colored {
             self.mesh.colors.clear();
         }
-        (self.mesh, self.rigging, self.bare, notes)
+        let rig = match self.rigging {
+            Some(rigging) => rigging.finish(self.file, placed, places, &mut self.mesh)?,
+            None => None,
+        };
+        if self.bare {
+            self.mesh.normals.clear();
+        }
+        Ok(RawMesh { mesh: self.mesh, declared: Choice::METERS, rig, notes })
     }
 
     /// Adds a node for a mesh that no scene contains and returns its index.

@@ -123,8 +123,8 @@ impl File {
         attributes[format!("WEIGHTS_{set}")] = json!(weights);
     }
 
-    #[cfg(feature = "textures")]
     /// Writes the nodes of a rig without a body to an empty scene.
+    #[cfg(all(feature = "cards", feature = "textures"))]
     pub(crate) fn skeleton(&mut self, rig: &Rig) {
         self.nodes(rig);
         let top = self.space(rig);

@@ -17,7 +17,7 @@ use crate::{
     Error, Result, Strands, TriMesh,
     formats::writer::Hair,
     mesh::Bvh,
-    rig::{Animation, INFLUENCES, Node, Rig, Target},
+    rig::{Animation, INFLUENCES, Node, Rig, RigPose, Target},
 };
 
 /// Returns the frame rate: the first of 24, 25, 30 and 50 frames per second on which all animation keys lie, else 60.
@@ -34,8 +34,10 @@ const MOST_SCALE: f64 = 65_504.0;
 /// Maximum joints of a strand.
 const HELD: usize = 4;
 
-/// The joints of the skeleton.
-struct Joints {
+/// A rig, its rest pose, and its joints as USD has them.
+struct Skeleton<'a> {
+    rig: &'a Rig,
+    pose: RigPose,
     paths: Vec<String>,
     names: Vec<String>,
     bind: Vec<DMat4>,
@@ -44,16 +46,18 @@ struct Joints {
     of: Vec<usize>,
 }
 
-impl Joints {
-    fn new(rig: &Rig, globals: &[Mat4]) -> Result<Self> {
-        let mut all = Self { paths: vec![], names: vec![], bind: vec![], rest: vec![], of: vec![] };
+impl<'a> Skeleton<'a> {
+    fn new(rig: &'a Rig) -> Result<Self> {
+        let pose = rig.rest_pose();
+        let mut all =
+            Self { rig, pose, paths: vec![], names: vec![], bind: vec![], rest: vec![], of: vec![] };
         let mut used = HashMap::new();
         for (i, node) in rig.nodes.iter().enumerate() {
             let above = node.parent.map(|parent| all.paths[parent as usize].clone() + "/");
             all.paths.push(unique(&mut used, &above.unwrap_or_default(), &node.name));
             all.names.push(node.name.clone());
             // The bind matrix of a joint without vertices has no effect.
-            let global = globals[i].as_dmat4();
+            let global = all.pose.globals[i].as_dmat4();
             all.bind.push(if global.determinant() == 0.0 { DMat4::IDENTITY } else { global });
             all.rest.push(node.matrix.unwrap_or_else(|| node.rest.matrix()).as_dmat4());
         }
@@ -80,6 +84,156 @@ impl Joints {
             all.rest.push(DMat4::IDENTITY);
         }
         Ok(all)
+    }
+
+    /// Writes an animation at `rate` frames per second.
+    fn animation(&self, layer: &mut Layer, name: &str, rate: f32, animation: &Animation) -> Result<()> {
+        let rig = self.rig;
+        let frames = (animation.length * rate).round().max(0.0);
+        if frames > MOST_FRAMES {
+            return Err(Error::Unusable(format!(
+                "the animation {name} of {} s is too long: the maximum is {MOST_FRAMES} frames",
+                animation.length
+            )));
+        }
+        let frames = frames as u32;
+        layer.open("SkelAnimation", name, &[]);
+        let nodes = rig.nodes.len();
+        layer.list("uniform token[] joints", self.paths[..nodes].iter().map(|path| quoted(path)), &[]);
+        let poses: Vec<_> = (0..=frames)
+            .map(|frame| {
+                // The last frame is the end of the loop, not its beginning.
+                let time = (frame as f32 / rate).min(animation.length * (1.0 - 1e-6));
+                let pose = rig.pose(animation, time);
+                let local = |(i, node): (usize, &Node)| {
+                    let above =
+                        node.parent.map_or(DMat4::IDENTITY, |up| pose.globals[up as usize].as_dmat4());
+                    // Nothing is visible below a singular transform, so its inverse does not matter.
+                    let own = if above.determinant() == 0.0 { DMat4::IDENTITY } else { above.inverse() };
+                    parts_of(&(own * pose.globals[i].as_dmat4()))
+                };
+                let parts: Vec<_> = rig.nodes.iter().enumerate().map(local).collect();
+                // Points are written with the blend shapes at rest; animations add the difference.
+                let weights = pose
+                    .weights
+                    .iter()
+                    .zip(&self.pose.weights)
+                    .map(|(now, rest)| now - rest)
+                    .collect::<Vec<_>>();
+                (frame, parts, weights)
+            })
+            .collect();
+        let three = |v: &DVec3| point(&v.as_vec3());
+        layer.samples(
+            "float3[] translations",
+            poses.iter().map(|(frame, parts, _)| (*frame, listed(parts.iter().map(|(_, _, at)| three(at))))),
+        );
+        layer.samples(
+            "quatf[] rotations",
+            poses.iter().map(|(frame, parts, _)| {
+                let turn = |q: &glam::DQuat| {
+                    format!("({}, {}, {}, {})", q.w as f32, q.x as f32, q.y as f32, q.z as f32)
+                };
+                (*frame, listed(parts.iter().map(|(_, q, _)| turn(q))))
+            }),
+        );
+        layer.samples(
+            "half3[] scales",
+            poses
+                .iter()
+                .map(|(frame, parts, _)| (*frame, listed(parts.iter().map(|(scale, ..)| three(scale))))),
+        );
+        if !rig.targets.is_empty() {
+            layer.list("uniform token[] blendShapes", shape_names(rig), &[]);
+            let weights = poses.iter().map(|(frame, _, weights)| (*frame, listed(weights)));
+            layer.samples("float[] blendShapeWeights", weights);
+        }
+        layer.close();
+        let widest =
+            poses.iter().flat_map(|(_, parts, _)| parts).map(|(scale, ..)| scale.abs().max_element());
+        match widest.fold(0.0, f64::max) <= MOST_SCALE {
+            true => Ok(()),
+            false => Err(Error::Unusable(format!("the animation {name} has scales too large for USD"))),
+        }
+    }
+
+    /// Writes the mesh and its blend shapes.
+    fn body(&self, layer: &mut Layer, mesh: &TriMesh) {
+        let rig = self.rig;
+        layer.open("Mesh", "body", &["SkelBindingAPI"]);
+        let vertices = &rig.vertices;
+        let mut bound_at = mesh.clone();
+        rig.shape(&self.pose.weights, &mut bound_at);
+        surface(layer, &bound_at);
+        let held = |i: usize| vertices[i].weights.iter().filter(|weight| **weight > 0.0).count();
+        let width = (0..vertices.len()).map(held).max().unwrap_or(0).max(1);
+        let own = |i: usize| -> Vec<(usize, f32)> {
+            let bind = &vertices[i];
+            let all = (0..INFLUENCES).filter(|k| bind.weights[*k] > 0.0);
+            all.map(|k| (self.of[usize::from(bind.joints[k])], bind.weights[k])).collect()
+        };
+        bound(layer, (0..vertices.len()).map(own), width, false);
+        let mut used = HashMap::new();
+        let shapes: Vec<String> =
+            rig.targets.iter().map(|target| unique(&mut used, "", &target.name)).collect();
+        if !shapes.is_empty() {
+            layer.list("uniform token[] skel:blendShapes", shape_names(rig), &[]);
+            let paths = shapes.iter().map(|shape| format!("</character/body/{shape}>"));
+            layer.list("rel skel:blendShapeTargets", paths, &[]);
+        }
+        for (target, name) in rig.targets.iter().zip(&shapes) {
+            shape(layer, name, target);
+        }
+        layer.close();
+    }
+
+    /// Writes hair whose strands follow the skin at their roots.
+    fn hair(
+        &self,
+        layer: &mut Layer,
+        name: &str,
+        strands: &Strands,
+        mesh: &TriMesh,
+        bvh: &Bvh,
+    ) -> Result<()> {
+        let mut moved = strands.clone();
+        let mut held = Vec::with_capacity(strands.len());
+        for (i, line) in strands.iter().enumerate() {
+            let own = carriers(line[0], mesh, self.rig, bvh);
+            let rest = |joint: usize| self.pose.palette[joint].as_dmat4();
+            let sum =
+                own.iter().fold(DMat4::ZERO, |sum, (joint, weight)| sum + rest(*joint) * f64::from(*weight));
+            let back = sum.inverse();
+            if !back.is_finite() {
+                return Err(Error::Unusable(
+                    "hair on skin whose rest transform has no inverse cannot be written".into(),
+                ));
+            }
+            for p in &mut moved.positions[strands.range(i)] {
+                *p = back.transform_point3(DVec3::from(*p)).as_vec3();
+            }
+            held.push(own.into_iter().map(|(joint, weight)| (self.of[joint], weight)).collect::<Vec<_>>());
+        }
+        layer.open("BasisCurves", name, &["SkelBindingAPI"]);
+        // Widths are in the skeleton's space.
+        let scale = self.rig.to_groom.determinant().abs().cbrt();
+        moved.radii.iter_mut().for_each(|radius| *radius /= scale);
+        let curves = Curves { strands: &moved, scale: 1.0 };
+        curves.points(layer);
+        curves.beside_points(layer);
+        // Hair on a single joint stores it once.
+        let once = held.iter().all(|own| own.len() == 1 && *own == held[0]);
+        let width = held.iter().map(Vec::len).max().unwrap_or(1);
+        match once {
+            true => bound(layer, held.into_iter().take(1), width, true),
+            false => {
+                let each = held.into_iter().zip(strands.iter());
+                let points = each.flat_map(|(own, line)| std::iter::repeat_n(own, line.len()));
+                bound(layer, points, width, false);
+            }
+        }
+        layer.close();
+        Ok(())
     }
 }
 
@@ -115,18 +269,17 @@ pub(super) fn put(
     if rig.vertices.len() != mesh.positions.len() {
         return Err(Error::Unusable("the rig does not match the mesh".into()));
     }
-    let rest = rig.rest_pose();
-    let joints = Joints::new(rig, &rest.globals)?;
+    let skeleton = Skeleton::new(rig)?;
     let mut used = HashMap::from(["skeleton", "body"].map(|name| (name.to_owned(), 1)));
     let names: Vec<String> = hair.iter().map(|hair| unique(&mut used, "", hair.name)).collect();
     let animations: Vec<String> =
         rig.animations.iter().map(|animation| unique(&mut used, "", &animation.name)).collect();
 
     layer.open("Skeleton", "skeleton", &["SkelBindingAPI"]);
-    layer.list("uniform token[] joints", joints.paths.iter().map(|path| quoted(path)), &[]);
-    layer.list("uniform token[] jointNames", joints.names.iter().map(|name| quoted(name)), &[]);
-    layer.list("uniform matrix4d[] bindTransforms", joints.bind.iter().map(matrix), &[]);
-    layer.list("uniform matrix4d[] restTransforms", joints.rest.iter().map(matrix), &[]);
+    layer.list("uniform token[] joints", skeleton.paths.iter().map(|path| quoted(path)), &[]);
+    layer.list("uniform token[] jointNames", skeleton.names.iter().map(|name| quoted(name)), &[]);
+    layer.list("uniform matrix4d[] bindTransforms", skeleton.bind.iter().map(matrix), &[]);
+    layer.list("uniform matrix4d[] restTransforms", skeleton.rest.iter().map(matrix), &[]);
     if rig.to_groom != Mat4::IDENTITY {
         layer.line(format_args!("matrix4d xformOp:transform = {}", matrix(&rig.to_groom.as_dmat4())));
         layer.line("uniform token[] xformOpOrder = [\"xformOp:transform\"]");
@@ -136,80 +289,14 @@ pub(super) fn put(
     }
     layer.close();
     for (animation, name) in rig.animations.iter().zip(&animations) {
-        moves(layer, (name, rate), animation, (rig, &rest.weights), &joints)?;
+        skeleton.animation(layer, name, rate, animation)?;
     }
-    body(layer, mesh, (rig, &rest.weights), &joints);
-    let rest: Vec<DMat4> = rest.palette.iter().map(Mat4::as_dmat4).collect();
+    skeleton.body(layer, mesh);
     let bvh = Bvh::new(mesh);
     for (hair, name) in hair.iter().zip(&names) {
-        on_skin(layer, (name, hair.strands), (mesh, rig), (&joints, &rest, &bvh))?;
+        skeleton.hair(layer, name, hair.strands, mesh, &bvh)?;
     }
     Ok(())
-}
-
-fn moves(
-    layer: &mut Layer,
-    (name, rate): (&str, f32),
-    animation: &Animation,
-    (rig, resting): (&Rig, &[f32]),
-    joints: &Joints,
-) -> Result<()> {
-    let frames = (animation.length * rate).round().max(0.0);
-    if frames > MOST_FRAMES {
-        return Err(Error::Unusable(format!(
-            "the animation {name} of {} s is too long: the maximum is {MOST_FRAMES} frames",
-            animation.length
-        )));
-    }
-    let frames = frames as u32;
-    layer.open("SkelAnimation", name, &[]);
-    let nodes = rig.nodes.len();
-    layer.list("uniform token[] joints", joints.paths[..nodes].iter().map(|path| quoted(path)), &[]);
-    let poses: Vec<_> = (0..=frames)
-        .map(|frame| {
-            // The last frame is the end of the loop, not its beginning.
-            let time = (frame as f32 / rate).min(animation.length * (1.0 - 1e-6));
-            let pose = rig.pose(animation, time);
-            let local = |(i, node): (usize, &Node)| {
-                let above = node.parent.map_or(DMat4::IDENTITY, |up| pose.globals[up as usize].as_dmat4());
-                // Nothing is visible below a singular transform, so its inverse does not matter.
-                let own = if above.determinant() == 0.0 { DMat4::IDENTITY } else { above.inverse() };
-                parts_of(&(own * pose.globals[i].as_dmat4()))
-            };
-            let parts: Vec<_> = rig.nodes.iter().enumerate().map(local).collect();
-            // Points are written with the blend shapes at rest; animations add the difference.
-            let weights = pose.weights.iter().zip(resting).map(|(now, rest)| now - rest).collect::<Vec<_>>();
-            (frame, parts, weights)
-        })
-        .collect();
-    let three = |v: &DVec3| point(&v.as_vec3());
-    layer.samples(
-        "float3[] translations",
-        poses.iter().map(|(frame, parts, _)| (*frame, listed(parts.iter().map(|(_, _, at)| three(at))))),
-    );
-    layer.samples(
-        "quatf[] rotations",
-        poses.iter().map(|(frame, parts, _)| {
-            let turn =
-                |q: &glam::DQuat| format!("({}, {}, {}, {})", q.w as f32, q.x as f32, q.y as f32, q.z as f32);
-            (*frame, listed(parts.iter().map(|(_, q, _)| turn(q))))
-        }),
-    );
-    layer.samples(
-        "half3[] scales",
-        poses.iter().map(|(frame, parts, _)| (*frame, listed(parts.iter().map(|(scale, ..)| three(scale))))),
-    );
-    if !rig.targets.is_empty() {
-        layer.list("uniform token[] blendShapes", shape_names(rig), &[]);
-        let weights = poses.iter().map(|(frame, _, weights)| (*frame, listed(weights)));
-        layer.samples("float[] blendShapeWeights", weights);
-    }
-    layer.close();
-    let widest = poses.iter().flat_map(|(_, parts, _)| parts).map(|(scale, ..)| scale.abs().max_element());
-    match widest.fold(0.0, f64::max) <= MOST_SCALE {
-        true => Ok(()),
-        false => Err(Error::Unusable(format!("the animation {name} has scales too large for USD"))),
-    }
 }
 
 /// Decomposes a joint's local transform into scale, rotation and translation. A singular transform gets no rotation.
@@ -224,33 +311,6 @@ fn parts_of(local: &DMat4) -> (DVec3, glam::DQuat, DVec3) {
         local.z_axis.truncate().length(),
     );
     (scale, glam::DQuat::IDENTITY, local.w_axis.truncate())
-}
-
-fn body(layer: &mut Layer, mesh: &TriMesh, (rig, resting): (&Rig, &[f32]), joints: &Joints) {
-    layer.open("Mesh", "body", &["SkelBindingAPI"]);
-    let vertices = &rig.vertices;
-    let mut bound_at = mesh.clone();
-    rig.shape(resting, &mut bound_at);
-    surface(layer, &bound_at);
-    let held = |i: usize| vertices[i].weights.iter().filter(|weight| **weight > 0.0).count();
-    let width = (0..vertices.len()).map(held).max().unwrap_or(0).max(1);
-    let own = |i: usize| -> Vec<(usize, f32)> {
-        let bind = &vertices[i];
-        let all = (0..INFLUENCES).filter(|k| bind.weights[*k] > 0.0);
-        all.map(|k| (joints.of[usize::from(bind.joints[k])], bind.weights[k])).collect()
-    };
-    bound(layer, (0..vertices.len()).map(own), width, false);
-    let mut used = HashMap::new();
-    let shapes: Vec<String> = rig.targets.iter().map(|target| unique(&mut used, "", &target.name)).collect();
-    if !shapes.is_empty() {
-        layer.list("uniform token[] skel:blendShapes", shape_names(rig), &[]);
-        let paths = shapes.iter().map(|shape| format!("</character/body/{shape}>"));
-        layer.list("rel skel:blendShapeTargets", paths, &[]);
-    }
-    for (target, name) in rig.targets.iter().zip(&shapes) {
-        shape(layer, name, target);
-    }
-    layer.close();
 }
 
 /// Writes triangles, vertices and, if the mesh has them, colors.
@@ -297,52 +357,6 @@ fn bound(layer: &mut Layer, points: impl Iterator<Item = Vec<(usize, f32)>>, wid
     layer.list("int[] primvars:skel:jointIndices", joints, &about);
     layer.list("float[] primvars:skel:jointWeights", weights, &about);
     layer.line("rel skel:skeleton = </character/skeleton>");
-}
-
-/// Writes hair whose strands follow the skin at their roots.
-fn on_skin(
-    layer: &mut Layer,
-    (name, strands): (&str, &Strands),
-    (mesh, rig): (&TriMesh, &Rig),
-    (joints, rest, bvh): (&Joints, &[DMat4], &Bvh),
-) -> Result<()> {
-    let mut moved = strands.clone();
-    let mut held = Vec::with_capacity(strands.len());
-    for (i, line) in strands.iter().enumerate() {
-        let own = carriers(line[0], mesh, rig, bvh);
-        let sum =
-            own.iter().fold(DMat4::ZERO, |sum, (joint, weight)| sum + rest[*joint] * f64::from(*weight));
-        let back = sum.inverse();
-        if !back.is_finite() {
-            return Err(Error::Unusable(
-                "hair on skin whose rest transform has no inverse cannot be written".into(),
-            ));
-        }
-        for p in &mut moved.positions[strands.range(i)] {
-            *p = back.transform_point3(DVec3::from(*p)).as_vec3();
-        }
-        held.push(own.into_iter().map(|(joint, weight)| (joints.of[joint], weight)).collect::<Vec<_>>());
-    }
-    layer.open("BasisCurves", name, &["SkelBindingAPI"]);
-    // Widths are in the skeleton's space.
-    let scale = rig.to_groom.determinant().abs().cbrt();
-    moved.radii.iter_mut().for_each(|radius| *radius /= scale);
-    let curves = Curves { strands: &moved, scale: 1.0 };
-    curves.points(layer);
-    curves.beside_points(layer);
-    // Hair on a single joint stores it once.
-    let once = held.iter().all(|own| own.len() == 1 && *own == held[0]);
-    let width = held.iter().map(Vec::len).max().unwrap_or(1);
-    match once {
-        true => bound(layer, held.into_iter().take(1), width, true),
-        false => {
-            let each = held.into_iter().zip(strands.iter());
-            let points = each.flat_map(|(own, line)| std::iter::repeat_n(own, line.len()));
-            bound(layer, points, width, false);
-        }
-    }
-    layer.close();
-    Ok(())
 }
 
 /// Returns the palette entries of the skin nearest to a root, the strongest first, with weights that sum to 1.
