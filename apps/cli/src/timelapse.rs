@@ -10,10 +10,8 @@ use anyhow::{Context, Result};
 use indicatif::ProgressBar;
 use std::path::Path;
 use tresses::{
-    Camera,
-    character::{CharacterSource, Gesture},
+    Camera, CharacterSource, Gesture, Gpu,
     glam::{Vec2, Vec3},
-    gpu::Gpu,
     groom::edit::{GroomDocument, GroomEditor, ScriptStep, StrokeSample, StrokeScript},
 };
 use tresses_scene::{Companions, Preset, Scene, Shelf, Viewpoint, camera::VERTICAL_FOV};
@@ -101,7 +99,8 @@ impl<'a> Timelapse<'a> {
         let mut scene = film.scene(editor.document())?;
         let subject = scene.subject();
         let target = 0.5 * (subject.0 + subject.1);
-        let distance = tresses::camera::framing_distance(subject, first.back(), VERTICAL_FOV, size.aspect());
+        let distance =
+            tresses::low_level::framing_distance(subject, first.back(), VERTICAL_FOV, size.aspect());
         film.camera = Viewpoint { eye: target + first.back() * distance, target };
         let mut versions = vec![editor.document().clone()];
         for step in &script.steps {

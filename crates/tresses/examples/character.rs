@@ -4,15 +4,12 @@
 //! `cargo run --example character -- picture.png`
 
 use tresses::{
-    Camera, Character, CharacterAsset, Pose, View,
-    body::{Body, Skin, Words},
-    character::{CharacterOptions, CharacterSource, Styling},
+    Body, Camera, Character, CharacterAsset, CharacterOptions, CharacterSource, Gpu, Picture, Pose, Styling,
+    View,
     collide::{Collider, FieldId, FieldSource, Shape},
-    frame::Drawing,
     glam::{Quat, Vec3},
-    gpu::Gpu,
     groom::{TriMesh, mannequin::rig},
-    view::Picture,
+    low_level::{Drawing, Skin, Words},
     wgpu::{self, util::DeviceExt},
 };
 

@@ -61,7 +61,8 @@
 //! Hosts that own [`Hair`] directly call [`Budget::look_from`].
 
 use crate::{
-    Camera, Hair, Pose,
+    Camera, Pose,
+    hair::Hair,
     lod::{Detail, LodOptions},
 };
 

@@ -11,11 +11,11 @@
 //! hair draws all of them, so their order does not matter.
 
 use crate::{
-    Context, Error, Hair, Result,
+    Context, Error, Result,
     body::Body,
     draw::{Compositor, Surroundings, canvas::Canvas},
     gpu::{Commands, Timings},
-    hair::HairFrame,
+    hair::{Hair, HairFrame},
     light::{self, HairSet, HairShading, HairView, Part, SceneShadow},
     renderer::ShadingRate,
     skinning::Skinning,

@@ -10,10 +10,7 @@ use super::{
 use crate::{args::Size, photographer::Photographer};
 use anyhow::{Context, Result};
 use serde::Serialize;
-use tresses::{
-    budget::HeadDetail,
-    lod::{LodMode, LodOptions},
-};
+use tresses::{LodMode, LodOptions, low_level::HeadDetail};
 use tresses_scene::words::grouped;
 use tresses_scene::{Crowd, CrowdOptions, Motion, Viewpoint, camera::Angle, crowd::ROWS};
 

@@ -15,13 +15,8 @@ use bevy::{
 };
 use std::sync::{Arc, atomic::Ordering};
 use tresses::{
-    Character, CharacterAsset, Context, HairOptions, Result,
-    character::{CharacterOptions, CharacterParts, Obstacle},
-    collide::FieldSource,
-    constants::MAX_COLLIDERS,
-    groom::SdfGrid,
-    lod::LodOptions,
-    simulate::SimulationParams,
+    Character, CharacterAsset, CharacterOptions, CharacterParts, Context, HairOptions, LodOptions, Obstacle,
+    Result, SimulationParams, collide::FieldSource, groom::SdfGrid, low_level::constants::MAX_COLLIDERS,
 };
 
 /// Hair of an entity on the GPU.

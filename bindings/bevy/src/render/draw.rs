@@ -29,10 +29,9 @@ use bevy::{
     },
 };
 use tresses::{
-    Camera, Character, Context, Result, View,
-    draw::{Compositor, Shade, Surroundings},
+    Camera, Character, Compositor, Context, Picture, Result, Surroundings, View, ViewOptions,
+    low_level::Shade,
     renderer::Renderer,
-    view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages},
 };
 

@@ -2,12 +2,13 @@
 
 use super::{Character, light::Lighting};
 use crate::{
-    Camera, Context, Hair, Result,
+    Camera, Context, Result,
     body::Body,
     budget::{Budget, Costs, CrowdDetail, ViewBytes},
     draw::{Compositor, Surroundings},
     frame::{Drawing, Recorder, ViewContent},
     gpu::Timings,
+    hair::Hair,
     light::{SceneShadow, Zone},
     skinning::Skinning,
     view::{Picture, View},

@@ -13,8 +13,6 @@ mod edited;
 mod fill;
 mod skin;
 
-#[cfg(feature = "edit")]
-pub use edited::LEAST_GUIDES;
 pub use fill::FillOptions;
 pub use skin::MapCoordinates;
 

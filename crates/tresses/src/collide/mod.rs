@@ -44,11 +44,11 @@
 //! software driver and provide no velocity of the skin.
 
 mod atlas;
-pub mod build;
-pub mod deform;
+pub(crate) mod build;
+pub(crate) mod deform;
 mod places;
 mod set;
-pub mod shape;
+pub(crate) mod shape;
 mod volume;
 
 use crate::{
@@ -60,11 +60,11 @@ use crate::{
 };
 use glam::{Quat, Vec3};
 
-pub use build::FieldBuilder;
+pub(crate) use build::FieldBuilder;
 pub(crate) use places::Journey;
 pub(crate) use places::PlacesHead;
-pub use places::{Moments, Place};
-pub use set::ColliderSet;
+pub(crate) use places::{Moments, Place};
+pub(crate) use set::ColliderSet;
 pub(crate) use set::{FieldAtlas, layout};
 pub(crate) use shape::{ShapeData, ShapeTable};
 pub(crate) use volume::{FieldVolume, SolidBounds};

@@ -348,6 +348,7 @@ impl Ties {
     }
 
     /// Returns the number of rings and held vertices.
+    #[cfg(test)]
     pub fn report(&self) -> TieReport {
         self.asset.report
     }

@@ -117,6 +117,7 @@ impl PackedGuide {
 
 /// Packs a velocity in 8 bytes: three signed 19-bit fractions with a shared exponent. The error is at most 2⁻¹⁸ of the
 /// largest component.
+#[cfg(test)]
 pub fn pack_velocity(v: Vec3) -> [u32; 2] {
     let (q, e) = shared(v, [90, 217], 181, 18);
     let [x, y, z] = (q & 0x7_ffff).as_uvec3().to_array();

@@ -25,12 +25,14 @@ pub mod root;
 pub mod vertex;
 
 pub use crate::groom::bound::{
-    binding::{self, PackedRest, StrandBinding},
+    binding::{PackedRest, StrandBinding},
     strand::{self, Strand},
 };
 pub use buffers::{DrawCount, GuideBuffers, Room, StrandBuffers};
 pub(crate) use buffers::{GuideAsset, StrandAsset};
-pub use force::{Force, GuideForce};
+#[cfg(test)]
+pub use force::Force;
+pub use force::GuideForce;
 pub use guide::GuideShape;
 pub use guide::{Guide, GuideRest, GuideSample, PackedGuide};
 pub use rest::RestGuides;

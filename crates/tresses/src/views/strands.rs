@@ -2,9 +2,10 @@
 
 use super::constant;
 use crate::{
-    Context, Hair, Result,
+    Context, Result,
     constants::STRAND_WORKGROUP,
     gpu::{Binding, Commands, Kernel},
+    hair::Hair,
     light::HairView,
 };
 use bytemuck::{Pod, Zeroable};

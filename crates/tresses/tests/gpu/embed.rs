@@ -5,21 +5,18 @@ use crate::common;
 
 use half::f16;
 use tresses::{
-    Camera, Context, Error, Hair, HairAsset, HairDescriptor, Pose, Result, View,
-    draw::{Compositor, Surroundings},
-    frame::{Drawing, ViewContent},
+    Camera, Compositor, Context, Error, Picture, Pose, Result, Surroundings, View, ViewOptions,
     glam::{
         Mat4, Vec3, Vec4,
         camera::rh::proj::directx::{orthographic, perspective},
     },
-    gpu::readback,
     groom::{
         bind,
         cards::{CardOptions, bake},
     },
     light::{Lights, Sphere},
+    low_level::{Drawing, Hair, HairAsset, HairDescriptor, ViewContent, readback},
     renderer::Renderer,
-    view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages},
 };
 

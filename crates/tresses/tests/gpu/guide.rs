@@ -2,21 +2,24 @@
 
 use crate::common;
 use crate::embed::{HostScene, target};
-use tresses::character::{CharacterFiles, CharacterOptions, CharacterParts, CharacterSource};
-use tresses::character::{CrowdBudget, Obstacle};
-use tresses::character::{FaceHair, FillOptions, Styling};
 use tresses::collide::{Collider, Shape};
-use tresses::draw::{Compositor, Shade, Surroundings};
 use tresses::glam::{DVec3, Mat4, Quat, Vec3, Vec4};
 use tresses::groom::rig::{Animation, Channel, Curve, Property};
 use tresses::groom::{grow::Growth, import::ImportOptions, mannequin::facial::Beard, styles::Style};
 use tresses::light::{Directional, Environment, Lights, MAX_LIGHTS, SceneShadow, Sky};
 use tresses::renderer::Renderer;
-use tresses::simulate::{Tie, TieTarget};
-use tresses::view::{Picture, ViewOptions};
 use tresses::wgpu::{TextureFormat, TextureUsages};
+use tresses::{
+    Background, Budget, LodOptions,
+    low_level::{StrandVertex, readback},
+};
 use tresses::{Camera, Character, CharacterAsset, Context, HairOptions, Pose, Result, Space, View};
-use tresses::{budget::Budget, gpu::readback, lod::LodOptions, present::Background, strands::StrandVertex};
+use tresses::{CharacterFiles, CharacterOptions, CharacterParts, CharacterSource};
+use tresses::{Compositor, Surroundings, low_level::Shade};
+use tresses::{CrowdBudget, Obstacle};
+use tresses::{FaceHair, FillOptions, Styling};
+use tresses::{Picture, ViewOptions};
+use tresses::{Tie, TieTarget};
 
 /// The built-in character with 500 strands and an animation, at rest.
 struct Guide {

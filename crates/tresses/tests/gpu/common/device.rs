@@ -1,10 +1,8 @@
 //! One context per test thread. Pipelines are compiled once per context; a software driver needs seconds for all of them.
 
 use tresses::{
-    Context, Hair, Pose, Result,
-    frame::Recorder,
-    gpu::{Gpu, Tier},
-    hair::HairFrame,
+    Context, Gpu, Pose, Result,
+    low_level::{Hair, HairFrame, Recorder, Tier},
 };
 use tresses_testing::Pool;
 
@@ -35,7 +33,7 @@ pub fn submit(what: impl FnOnce(&mut Recorder<'_>) -> Result<()>) {
 }
 
 /// Records `record` in a compute pass and submits it.
-pub fn compute(context: &Context, record: impl FnOnce(&mut tresses::gpu::ComputePass<'_>)) {
+pub fn compute(context: &Context, record: impl FnOnce(&mut tresses::low_level::ComputePass<'_>)) {
     let mut encoder = context.device().create_command_encoder(&Default::default());
     let mut commands = context.commands(&mut encoder);
     let mut pass = commands.compute("test");

@@ -3,17 +3,14 @@
 use crate::common;
 use std::{cell::Cell, sync::OnceLock};
 use tresses::{
-    Context, Pose,
-    clock::{MAX_STEPS, Mode, Step, StepClock},
+    Context, Pose, RestOptions, RestShape, RootToTip, SimulationParams,
+    clock::{Mode, Step, StepClock},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     glam::Vec3,
-    gpu::readback::blocking as readback,
     groom::SdfGrid,
-    simulate::{GuideTraits, RestOptions, RestShape, RootToTip, Simulation, SimulationParams, rest},
-    strands::{
-        GuideBuffers, RestGuides,
-        guide::{pack_velocity, unpack_velocity},
-    },
+    low_level::{GuideBuffers, MAX_STEPS, readback::blocking as readback, unpack_velocity},
+    simulate::{GuideTraits, Simulation, rest},
+    strands::{RestGuides, guide::pack_velocity},
 };
 
 /// The device and pipelines that all cases share.
