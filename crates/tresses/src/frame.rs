@@ -53,6 +53,7 @@ impl<'a> Drawing<'a> {
 
 /// Content of a view's image.
 #[derive(Debug, Default)]
+#[non_exhaustive]
 pub enum ViewContent<'a> {
     /// Bodies and hair.
     #[default]
@@ -139,7 +140,7 @@ impl Recorder<'_> {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the pipeline cannot be compiled.
-    pub fn bend(&mut self, bodies: &[&Skinning]) -> Result<()> {
+    pub(crate) fn bend(&mut self, bodies: &[&Skinning]) -> Result<()> {
         self.stage(Stage::Skinning, |pass| bodies.iter().for_each(|body| body.record(pass)))
     }
 

@@ -75,9 +75,9 @@ pub struct Hair {
     /// Colliders.
     pub colliders: ColliderSet,
     /// Grid of hair density and velocity around the head.
-    pub volume: Volume,
+    pub(crate) volume: Volume,
     /// Air around the head; `None` until there is wind.
-    pub air: Option<Air>,
+    pub(crate) air: Option<Air>,
     /// Forces on the guides besides their own physics.
     effects: Effects,
     pub(crate) simulation: Simulation,

@@ -96,10 +96,10 @@ pub use budget::Budget;
 pub use camera::{Camera, ToneMap};
 pub use character::{
     BodyPose, Bounds, Character, CharacterAsset, CharacterFiles, CharacterOptions, CharacterParts,
-    CharacterSource, CrowdBudget, FaceHair, FillOptions, Frame, Gesture, MapCoordinates, Obstacle,
+    CharacterSource, CrowdBudget, FaceGroom, FaceHair, FillOptions, Frame, Gesture, MapCoordinates, Obstacle,
     RiggedBody, Styling,
 };
-pub use draw::{Compositor, Surroundings};
+pub use draw::{Compositor, Shade, Surroundings};
 pub use error::{Error, Result};
 pub use glam;
 pub use gpu::{Context, Gpu, Timings};
@@ -120,7 +120,7 @@ pub use wind::Wind;
 #[cfg(test)]
 extern crate self as tresses;
 #[cfg(test)]
-#[allow(dead_code, unused_imports)] // The tests in `tests/gpu` use all of it.
+#[allow(dead_code, unused_imports)] // `tests/gpu` uses the rest.
 #[path = "../tests/gpu/common/mod.rs"]
 mod common;
 #[cfg(test)]

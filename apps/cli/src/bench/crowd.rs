@@ -220,7 +220,11 @@ mod tests {
 
     #[test]
     fn crowd_is_compared_with_a_portrait() {
-        let head = |strands| HeadDetail { seen: true, strands, vertices: 10, ..HeadDetail::default() };
+        let head = |strands| {
+            let mut head = HeadDetail::default();
+            (head.seen, head.strands, head.vertices) = (true, strands, 10);
+            head
+        };
         let unseen = HeadDetail::default();
         let rows = rows(&[2.0, 2.1, 30.0, 5.0], &[head(3000), head(1000), head(800), unseen]);
         assert_eq!(rows.iter().map(|row| row.heads).collect::<Vec<_>>(), [2, 1]);

@@ -113,12 +113,12 @@ impl Recipe {
             parts.ties = groom.ties;
             parts.cards = groom.cards;
             let fields: Vec<_> = fields.iter().map(|field| FieldSource::Grid(field)).collect();
-            let options = CharacterOptions {
-                hair: HairOptions { simulation: physics, lod: detail, ..groom.options },
-                fields: &fields,
-                root_reach: skin.as_ref().map_or(0.0, |skin| skin.reach),
-                ..Default::default()
-            };
+            let options = CharacterOptions::default()
+                .with_hair(groom.options)
+                .with_simulation(physics)
+                .with_lod(detail)
+                .with_obstacles(&[], &fields)
+                .with_root_reach(skin.as_ref().map_or(0.0, |skin| skin.reach));
             let mut character = Character::new(&CharacterAsset::new(&context, parts, &options, &()).await?)?;
             character.prepare_to_bend()?;
             // Hair and brows on one skin cast the skin's shadow only once.

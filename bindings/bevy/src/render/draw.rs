@@ -29,8 +29,7 @@ use bevy::{
     },
 };
 use tresses::{
-    Camera, Character, Compositor, Context, Picture, Result, Surroundings, View, ViewOptions,
-    low_level::Shade,
+    Camera, Character, Compositor, Context, Picture, Result, Shade, Surroundings, View, ViewOptions,
     renderer::Renderer,
     wgpu::{self, TextureFormat, TextureUsages},
 };

@@ -40,9 +40,10 @@ mod skinned;
 pub mod source;
 
 pub use asset::{CharacterAsset, CharacterOptions};
-pub use facial::FaceHair;
+pub use facial::{FaceGroom, FaceHair};
 pub use frame::{CrowdBudget, Frame};
 pub use gesture::Gesture;
+pub use light::Foci;
 pub use obstacles::Obstacle;
 pub use parts::{Bounds, CharacterParts, subject};
 pub use rigged::{BodyPose, RiggedBody};

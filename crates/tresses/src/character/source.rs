@@ -94,6 +94,7 @@ impl Styling {
 
 /// Locations of the files of a groom and its head.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum CharacterFiles<'a> {
     /// Files on disk.
     Disk {

@@ -75,6 +75,7 @@ pub struct FieldId(pub u32);
 
 /// Shape of a collider in its own frame, meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Shape {
     /// All points within `radius` of the segment from `(0, -half_length, 0)` to `(0, half_length, 0)`; a sphere if
     /// `half_length` is zero.
@@ -113,6 +114,7 @@ impl Shape {
 
 /// Frame of reference of a collider's poses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Anchor {
     /// Poses are in the frame's space, by default the world: a hand, a chair, shoulders that move on their own.
     #[default]
@@ -141,6 +143,7 @@ impl Collider {
 
 /// Source of a distance field.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub enum FieldSource<'a> {
     /// A field on the CPU.
     Grid(&'a SdfGrid),

@@ -20,7 +20,8 @@ mod tier;
 pub mod timings;
 
 pub use bindings::Binding;
-pub use commands::{Commands, ComputePass, RenderPass};
+pub(crate) use commands::RenderPass;
+pub use commands::{Commands, ComputePass};
 pub use context::Context;
 pub use counts::Counts;
 pub use device::Gpu;

@@ -4,6 +4,7 @@ use crate::{Result, groom::range, range::Range};
 
 /// How the level of detail is chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum LodMode {
     /// Full detail at any distance.
     Off,

@@ -30,7 +30,7 @@ pub struct GuideForce {
 /// that grows with the square of the velocity.
 #[cfg(test)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Force {
+pub(crate) struct Force {
     /// Acceleration, m/s², world axes.
     pub acceleration: Vec3,
     /// Isotropic rate, 1/s; not negative.

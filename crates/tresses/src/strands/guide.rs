@@ -10,7 +10,7 @@ pub const TIP_PINNED: u32 = 1;
 /// Per-guide properties.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Guide {
+pub(crate) struct Guide {
     /// Rest length, meters.
     pub length: f32,
     /// Multiplier of the stiffness parameters, from the scalp map; 1 for no change.
@@ -28,7 +28,7 @@ pub struct Guide {
 
 /// Rest position and clearance of a guide vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct GuideRest {
+pub(crate) struct GuideRest {
     /// Position in groom space (the head's own frame), meters.
     pub position: Vec3,
     /// Distance from obstacles below which the vertex is pushed out, meters. At most the vertex's distance at rest, so
@@ -38,7 +38,7 @@ pub struct GuideRest {
 
 /// The rest shape around a guide vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct GuideShape {
+pub(crate) struct GuideShape {
     /// Rest value of the second difference `p[i-1] - 2 p[i] + p[i+1]`, meters, in groom space; rotated by the guide's
     /// frame before use.
     pub curvature: Vec3,
@@ -56,7 +56,7 @@ pub const MOST_SHORTER: f32 = 0.05;
 /// as its deviation from the rest pose.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-pub struct PackedGuide {
+pub(crate) struct PackedGuide {
     /// `x | y << 16` of the position.
     pub xy: u32,
     /// `z | contact << 16`; the contact is a half float, rounded down.
@@ -151,7 +151,7 @@ fn shared(v: Vec3, [least, most]: [u32; 2], inverse: u32, bits: u32) -> (IVec3, 
 /// drivers load such a word as fast as a number.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GuideSample {
+pub(crate) struct GuideSample {
     /// Position in world space, meters (xyz), and x of the rest position in groom space (w).
     pub place: Vec4,
     /// Rotation of this sample's neighborhood from groom space at rest to the world: the head's rotation at the root,

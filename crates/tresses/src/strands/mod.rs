@@ -31,11 +31,10 @@ pub use crate::groom::bound::{
 pub use buffers::{DrawCount, GuideBuffers, Room, StrandBuffers};
 pub(crate) use buffers::{GuideAsset, StrandAsset};
 #[cfg(test)]
-pub use force::Force;
+pub(crate) use force::Force;
 pub use force::GuideForce;
-pub use guide::GuideShape;
-pub use guide::{Guide, GuideRest, GuideSample, PackedGuide};
-pub use rest::RestGuides;
+pub(crate) use guide::{Guide, GuideRest, GuideSample, GuideShape, PackedGuide};
+pub(crate) use rest::RestGuides;
 pub(crate) use root::RootMotion;
 pub use vertex::StrandVertex;
 

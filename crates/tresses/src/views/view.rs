@@ -6,6 +6,7 @@ use glam::Vec3;
 
 /// A debug view: the quantity that a frame shows instead of shaded hair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum DebugView {
     /// Guides (the simulated strands), a color each.
     Guides,
@@ -53,6 +54,7 @@ pub enum DebugView {
 
 /// Color scale of a view: [`super::ramp`] from `low` to `high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Scale {
     /// Quantity, with its unit.
     pub title: &'static str,

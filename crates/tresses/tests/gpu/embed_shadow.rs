@@ -7,7 +7,7 @@ use crate::{
 };
 
 use tresses::{
-    Camera, Compositor, Context, Error, Picture, Result, Surroundings, View, ViewOptions,
+    Camera, Compositor, Context, Error, Picture, Result, Shade, Surroundings, View, ViewOptions,
     glam::{
         Mat4, Vec3, Vec4,
         camera::rh::{
@@ -16,7 +16,7 @@ use tresses::{
         },
     },
     light::{Directional, Lights, SceneShadow, Sky, Sphere},
-    low_level::{Drawing, Hair, Shade, ViewContent, readback, shade},
+    low_level::{Drawing, Hair, ViewContent, readback, shade},
     renderer::Renderer,
     wgpu::{self, TextureFormat, TextureUsages, util::DeviceExt},
 };

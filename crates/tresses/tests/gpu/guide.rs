@@ -13,9 +13,9 @@ use tresses::{
     Background, Budget, LodOptions,
     low_level::{StrandVertex, readback},
 };
-use tresses::{Camera, Character, CharacterAsset, Context, HairOptions, Pose, Result, Space, View};
+use tresses::{Camera, Character, CharacterAsset, Context, Pose, Result, Space, View};
 use tresses::{CharacterFiles, CharacterOptions, CharacterParts, CharacterSource};
-use tresses::{Compositor, Surroundings, low_level::Shade};
+use tresses::{Compositor, Shade, Surroundings};
 use tresses::{CrowdBudget, Obstacle};
 use tresses::{FaceHair, FillOptions, Styling};
 use tresses::{Picture, ViewOptions};
@@ -213,8 +213,7 @@ async fn engine(guide: &Guide) -> Result<()> {
     let mut encoder = tresses.device().create_command_encoder(&Default::default());
     let (target, milliseconds, parts) = (view.targets().picture().clone(), 0.0, parts.clone());
     let poses = [0.0, 0.5, -0.5].map(|x| Pose { translation: Vec3::X * x, ..Pose::IDENTITY });
-    let hair = HairOptions { lod: LodOptions::CROWD, ..Default::default() };
-    let options = CharacterOptions { hair, ..Default::default() };
+    let options = CharacterOptions::default().with_lod(LodOptions::CROWD);
     let asset = CharacterAsset::new(&tresses, parts, &options, &()).await?;
     let mut crowd = (0..3).map(|_| Character::new(&asset)).collect::<Result<Vec<_>>>()?;
     let budget = Budget { milliseconds: 4.0, bytes: 500_000_000 };

@@ -13,12 +13,13 @@ use tresses::{
     },
     low_level::{
         AmbientProbe, CubeMap, CubeProbe, DebugDisplay, DebugView, DebugViews, DeformTarget, DeformingField,
-        Detail, Drawing, FieldBuilder, GridView, HairFrame, HairSet, Peak, Quantity, ShadowProbe, Skin,
-        StrandBuffers, ViewContent,
+        Detail, Drawing, FieldBuilder, GridView, HairFrame, HairSet, Peak, ShadowProbe, Skin, StrandBuffers,
+        ViewContent,
     },
     renderer::Renderer,
     simulate::GuideTraits,
     skinning::Skinning,
+    views::Quantity,
     wgpu,
 };
 

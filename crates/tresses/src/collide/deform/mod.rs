@@ -108,6 +108,7 @@ pub(crate) struct DeformNode {
 
 /// Selects the field of a [`ColliderSet`](super::ColliderSet) that deforms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum DeformTarget {
     /// The head's field.
     Head,

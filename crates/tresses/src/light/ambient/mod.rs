@@ -107,7 +107,7 @@ impl Pipelines {
 
 /// Ambient light grid of a view.
 #[derive(Debug)]
-pub struct Ambient {
+pub(crate) struct Ambient {
     cells: u32,
     sums: wgpu::Buffer,
     result: wgpu::TextureView,

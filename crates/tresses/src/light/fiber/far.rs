@@ -54,7 +54,7 @@ impl AzimuthalLobes {
 
 /// Moments of the lobes over azimuth and cos θ.
 #[derive(Clone, Debug)]
-pub struct FarField {
+pub(crate) struct FarField {
     shape: FiberShape,
     /// Moments for light from one direction, indexed `cosine * AZIMUTHS + azimuth`.
     pub(crate) direct: Vec<AzimuthalLobes>,

@@ -41,7 +41,7 @@
 //!
 //! **Tests**: the near field against 256 directions and four colors of Mitsuba's plugin; white furnace tests of the
 //! near field, the tables and the shader; the shader against its CPU reference `FarField::scatter`
-//! (`tests/gpu/fiber.rs`). Comparison with path-traced images: `docs/validation/shading.md`.
+//! (`tests/stages/fiber.rs`). Comparison with path-traced images: `docs/validation/shading.md`.
 //!
 //! Untried: a fit of `density_back` (0.7 as in the paper); the offset across the strip where hair is wider than pixels
 //! (near field); elliptical fibers.
