@@ -4,7 +4,6 @@ use crate::{Result, groom::range, range::Range};
 
 /// Handling of drawn strands that enter an obstacle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum AvoidMode {
     /// Strands may penetrate.
     Off,

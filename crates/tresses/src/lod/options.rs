@@ -4,7 +4,6 @@ use crate::{Result, groom::range, range::Range};
 
 /// How the level of detail is chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[non_exhaustive]
 pub enum LodMode {
     /// Full detail at any distance.
     Off,

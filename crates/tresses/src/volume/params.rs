@@ -7,7 +7,6 @@ use glam::Vec3;
 /// Repulsion of dense hair.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum HairHairMode {
     /// No repulsion and no friction; costs nothing.
     Off = 0,

@@ -13,7 +13,6 @@ use crate::{
 
 /// Coordinates in the maps of a [`Styling`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum MapCoordinates {
     /// The view from the center of the braincase ([`scalp_uv`](crate::groom::scalp::scalp_uv)).
     #[default]

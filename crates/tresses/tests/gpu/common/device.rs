@@ -2,7 +2,7 @@
 
 use tresses::{
     Context, Gpu, Pose, Result,
-    low_level::{Hair, HairFrame, Recorder, Tier},
+    low_level::{Hair, HairFrame, Recorder},
 };
 use tresses_testing::Pool;
 
@@ -10,12 +10,6 @@ use tresses_testing::Pool;
 pub fn context() -> Option<&'static Context> {
     static CONTEXTS: Pool<Context> = Pool::new();
     CONTEXTS.get(|| Some(tresses_testing::gpu_or_skip(pollster::block_on(Gpu::open()))?.context))
-}
-
-/// Creates a context with the kernels that GPUs use, on this thread's device.
-pub fn with_kernels_for_gpus() -> Option<Context> {
-    let context = context()?;
-    Some(context.clone().with_tier(Tier { software: false, ..context.tier() }))
 }
 
 /// Creates a context on wgpu's no-op device.

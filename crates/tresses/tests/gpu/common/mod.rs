@@ -3,7 +3,7 @@
 mod device;
 mod fixtures;
 
-pub use device::{advance, compute, context, frame, noop, submit, with_kernels_for_gpus};
+pub use device::{advance, compute, context, frame, noop, submit};
 pub use fixtures::{SINTEL, asset, character, scalp, sintel};
 
 use tresses::{

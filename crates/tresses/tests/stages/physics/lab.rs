@@ -8,7 +8,7 @@ use tresses::{
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     glam::Vec3,
     groom::SdfGrid,
-    low_level::{GuideBuffers, MAX_STEPS, readback::blocking as readback, unpack_velocity},
+    low_level::{GuideBuffers, MAX_STEPS, Tier, readback::blocking as readback, unpack_velocity},
     simulate::{GuideTraits, Simulation, rest},
     strands::{RestGuides, guide::pack_velocity},
 };
@@ -23,6 +23,12 @@ thread_local! {
     static FOR_GPUS: Cell<bool> = const { Cell::new(false) };
 }
 
+/// Creates a context with the kernels that GPUs use, on this thread's device.
+fn with_kernels_for_gpus() -> Option<Context> {
+    let context = common::context()?;
+    Some(context.clone().with_tier(Tier { software: false, ..context.tier() }))
+}
+
 /// Returns the lab, or `None` if there is no adapter and none is required.
 pub fn lab() -> Option<&'static Lab> {
     static LABS: tresses_testing::Pool<Lab> = tresses_testing::Pool::new();
@@ -30,7 +36,7 @@ pub fn lab() -> Option<&'static Lab> {
     if !FOR_GPUS.get() {
         return LABS.get(|| Some(Lab { context: common::context()? }));
     }
-    let (context, lab) = LABS_FOR_GPUS.get(|| Some((common::with_kernels_for_gpus()?, OnceLock::new())))?;
+    let (context, lab) = LABS_FOR_GPUS.get(|| Some((with_kernels_for_gpus()?, OnceLock::new())))?;
     Some(lab.get_or_init(|| Lab { context }))
 }
 
