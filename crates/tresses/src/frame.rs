@@ -61,10 +61,10 @@ pub enum ViewContent<'a> {
     /// Bodies and hair again, with the lighting of the view's last image. Refines a still image after [`View::resize`].
     /// Hair, bodies and lights must be unchanged.
     Again,
-    /// Hair composited into a scene that is already drawn and hides hair behind it ([`crate::draw::embed`]). Bodies are
+    /// Hair composited into a scene that is already drawn and hides hair behind it. Bodies are
     /// not drawn, but cast shadows on hair. Background and tone mapping are not used.
     Over(&'a Compositor, Surroundings<'a>),
-    /// A debug view ([`crate::views`]). Nothing is read back.
+    /// A debug view. Nothing is read back.
     Inside(&'a mut DebugViews, &'a DebugDisplay),
 }
 

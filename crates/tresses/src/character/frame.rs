@@ -110,7 +110,7 @@ impl<'a> Frame<'a> {
         self.draw_as(view, characters, Drawing { output: Some(output), ..Drawing::new(picture) })
     }
 
-    /// Composites hair into a scene that the host has drawn and that hides hair behind it ([`crate::draw::embed`]).
+    /// Composites hair into a scene that the host has drawn and that hides hair behind it.
     /// Bodies are not drawn, but shade the hair.
     ///
     /// # Errors

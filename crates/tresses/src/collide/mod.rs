@@ -1,5 +1,5 @@
 //! Colliders: capsules, ellipsoids and signed distance fields, up to [`MAX_COLLIDERS`](crate::constants::MAX_COLLIDERS)
-//! in total. Each is rigid and has its own pose; a field may also [`deform`] with skin. This is a service, not a
+//! in total. Each is rigid and has its own pose; a field may also `deform` with skin. This is a service, not a
 //! stage: every kernel with obstacles binds the same group as `@group(1)` and calls `nearest.wesl`.
 //!
 //! ```text
@@ -10,13 +10,13 @@
 //!
 //! **Moments.** The simulation evaluates a collider at the start of the frame's first step (moment 0) and at the end of
 //! every substep `k` of the frame (moment `k`); the moment is the last argument of `nearest(x, moment)`. The host
-//! writes one [`Place`] per moment and collider, so no kernel interpolates poses per vertex. The velocity of a point of
+//! writes one `Place` per moment and collider, so no kernel interpolates poses per vertex. The velocity of a point of
 //! an obstacle is its rigid motion, rotation included, in the substep that ends at the moment. Between frames a
-//! collider moves from its pose at the end of the last step towards its current pose, like the head ([`crate::clock`]).
+//! collider moves from its pose at the end of the last step towards its current pose, like the head.
 //!
 //! **Now.** The drawn hair is interpolated between the last two states *in the head's frame* and carried to the head's
 //! current pose, so relative to the head it is up to one step old. The moment `NOW` has the colliders' poses delayed in
-//! the same way, and [`ColliderSet::drawn`] returns them. Draw a hand at that pose, and the hair that it pushes lies on
+//! the same way, and `ColliderSet::drawn` returns them. Draw a hand at that pose, and the hair that it pushes lies on
 //! it. Colliders attached to the head need no correction.
 //!
 //! **Fields.** All distance fields are tiles of one rgba16float texture with the unit gradient and the distance. A bind
@@ -39,7 +39,7 @@
 //! mm per cell a finger is two cells wide, friction and velocity per collider are lost, and a hand that passes at 3 m/s
 //! moves three cells per substep.
 //!
-//! **Skin.** The field of a joint may deform with the skin around it ([`deform`]): it is sampled at the rest position
+//! **Skin.** The field of a joint may deform with the skin around it (`deform`): it is sampled at the rest position
 //! of the matter. Rebuilding the field in each frame would be as exact, but cost some hundred times as much on a
 //! software driver and provide no velocity of the skin.
 
@@ -158,7 +158,7 @@ pub enum FieldSource<'a> {
     },
 }
 
-/// Contents of a [`ColliderSet`].
+/// Contents of a `ColliderSet`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ColliderDescriptor<'a> {
     /// The head's distance field, in groom space: the first collider, which follows the head.

@@ -40,23 +40,23 @@
 //! **Shading rate**: light that arrives, ambient light and light scattered by other fibers vary slowly along a strand.
 //! They are evaluated at *shading samples* (called knots in the code): the ends of eight spans, or every third vertex
 //! (`knots.wesl`, 8 bytes each), and up to three times as many where strands represent others at a level of detail.
-//! Highlights and colors vary fast; `shade.wesl` adds them at each vertex, with four bytes of output ([`radiance`]).
-//! With [`ShadingSubset`], only visible hair is shaded: `choose.wesl` lists samples and spans, and both kernels run over the
+//! Highlights and colors vary fast; `shade.wesl` adds them at each vertex, with four bytes of output (`radiance`).
+//! With `ShadingSubset`, only visible hair is shaded: `choose.wesl` lists samples and spans, and both kernels run over the
 //! lists. For shading per pixel, `arrive.wesl` looks up the shadows of every vertex instead.
 //!
 //! **Shading models** (`shading.wesl`, [`ShadingModel`](crate::renderer::ShadingModel)): both have the same inputs,
 //! fiber, eye, light and fiber count, so that a kernel and a fragment shader share the code. *Fiber* refracts, absorbs
-//! and scatters: see [`fiber`]. *Kajiya and Kay* is set by eye: two highlights whose tangents are shifted per lock and
+//! and scatters: see `fiber`. *Kajiya and Kay* is set by eye: two highlights whose tangents are shifted per lock and
 //! per strand, sharp glints in the first, and a lobe of light from behind.
 //!
 //! **Environments** ([`Environment`], [`Sky`]): three colors by elevation, or an environment map as spherical
 //! harmonics, of which bright regions become directional lights with shadows. The GPU measures cube maps of
-//! engines ([`CubeProbe`]).
+//! engines ([`CubeProbe`](cube::CubeProbe)).
 //!
-//! **Ambient light** ([`ambient`]): sky visibility within the hair, and the light that meshes reflect onto it,
+//! **Ambient light** (`ambient`): sky visibility within the hair, and the light that meshes reflect onto it,
 //! propagated through a grid of cells. Hair and meshes read it.
 //!
-//! **Zones** ([`zone`]): the heads of a crowd have their own maps and grids, with a resolution that suits their size on
+//! **Zones** (`zone`): the heads of a crowd have their own maps and grids, with a resolution that suits their size on
 //! screen.
 //!
 //! Rejected: filters of a few rotated taps (under a turning light they jittered twelve times as much as the exact

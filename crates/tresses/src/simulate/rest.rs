@@ -74,7 +74,7 @@ pub struct RestOptions {
     pub shape: RestShape,
     /// Distance that guides and strands keep from the head, meters. Hair that rests closer keeps that smaller distance.
     pub clearance: f32,
-    /// Safety margin of the stiffening of guides that do not hang ([`support`]), as a multiple of the stiffness at which
+    /// Safety margin of the stiffening of guides that do not hang (`support`), as a multiple of the stiffness at which
     /// they just stay upright. Hairs that lean on each other bend as one beam: together they are as many times stiffer
     /// as there are hairs.
     pub support: f32,

@@ -13,26 +13,26 @@ pub struct GuideBuffers {
     pub count: u32,
     /// Vertices per guide.
     pub vertex_count: u32,
-    /// Samples per tessellated guide; 0 if every strand [follows](crate::interpolate) its own guide.
+    /// Samples per tessellated guide; 0 if every strand follows its own guide.
     pub sample_count: u32,
-    /// [`Guide`], one per guide.
+    /// `Guide`, one per guide.
     pub info: wgpu::Buffer,
-    /// [`PackedGuide`], one per vertex.
+    /// `PackedGuide`, one per vertex.
     pub rest: wgpu::Buffer,
     /// Three floats: the position after the last step, relative to the origin of the simulation
-    /// ([`crate::Hair::place`]). Then a word by [`pack_lag`](super::guide::pack_lag): the difference between the
+    /// ([`Hair::place`](crate::hair::Hair::place)). Then a word by `pack_lag`: the difference between the
     /// previous position and the one that position and velocity predict.
     pub current: wgpu::Buffer,
-    /// Velocity after the last step, m/s, by [`pack_velocity`](super::guide::pack_velocity). If hair can
+    /// Velocity after the last step, m/s, by `pack_velocity`. If hair can
     /// twist, the twist of each bend (radians) after and before the last step follows the velocities
     /// of all vertices.
     pub velocity: wgpu::Buffer,
-    /// [`GuideForce`]: external forces in the next step. Contents are valid only within a step; the memory may be a
-    /// groom's [scratch](crate::Hair) buffer, which may be larger.
+    /// `GuideForce`: external forces in the next step. Contents are valid only within a step; the memory may be a
+    /// groom's [scratch](crate::hair::Hair) buffer, which may be larger.
     pub forces: wgpu::Buffer,
-    /// [`GuideSample`], indexed `guide * sample_count + sample`.
+    /// `GuideSample`, indexed `guide * sample_count + sample`.
     pub samples: wgpu::Buffer,
-    /// `RootMotion`: one per guide and one more if roots are on a [deforming surface](crate::roots), else a single
+    /// `RootMotion`: one per guide and one more if roots are on a deforming surface, else a single
     /// unused one.
     pub roots: wgpu::Buffer,
 }
@@ -55,12 +55,12 @@ pub struct StrandBuffers {
     /// Widening of each strand relative to full detail, as a fraction: 0 for unchanged, -1 for a strand that is not
     /// drawn.
     pub widening: wgpu::Buffer,
-    /// Root position of each strand (three floats, world space, meters, and one unused) if it is on a [deforming
-    /// surface](crate::roots) between guides; else a single unused one.
+    /// Root position of each strand (three floats, world space, meters, and one unused) if it is on a deforming
+    /// surface between guides; else a single unused one.
     pub roots: wgpu::Buffer,
     /// Strands and vertices to draw; fewer than all at a lower level of detail.
     pub drawn: DrawCount,
-    /// Capacity of `strands`, `vertices` and `widening`. [`Hair`](crate::Hair) has room for what its level of detail
+    /// Capacity of `strands`, `vertices` and `widening`. [`Hair`](crate::hair::Hair) has room for what its level of detail
     /// draws.
     pub room: Room,
 }

@@ -124,7 +124,7 @@ pub fn pack_velocity(v: Vec3) -> [u32; 2] {
     [x | y << 19, y >> 13 | z << 6 | e << 25]
 }
 
-/// Unpacks the result of [`pack_velocity`], m/s.
+/// Unpacks the result of `pack_velocity`, m/s.
 pub fn unpack_velocity([a, b]: [u32; 2]) -> Vec3 {
     let part = |bits: u32| ((bits << 13) as i32 >> 13) as f32;
     let unit = f32::from_bits(((b >> 25) + 73) << 23);
