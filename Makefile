@@ -72,7 +72,7 @@ proof: setup-tests setup-web-tests ## The docs of the code, the library alone fo
 	$(CARGO) check --package tresses --lib --example minimal --target wasm32-unknown-unknown --quiet
 	@failed=0; set -x; \
 	$(LINTED) test --workspace --lib --bins --tests --no-fail-fast -- --ignored --show-output || failed=1; \
-	$(LINTED) test --workspace --test gpu physics:: -- --show-output || failed=1; \
+	$(LINTED) test --workspace --lib physics:: -- --show-output || failed=1; \
 	$(MAKE) --no-print-directory fuzz || failed=1; \
 	$(MAKE) --no-print-directory semver || failed=1; \
 	exit $$failed

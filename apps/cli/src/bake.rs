@@ -4,13 +4,12 @@ use crate::{export::drawn, files, progress, progress::Preparing, say, settings_a
 use anyhow::Result;
 use std::path::PathBuf;
 use tresses::{
-    gpu::Gpu,
+    Gpu, LodMode, LodOptions,
     groom::{
         export::{CacheOptions, Writer},
         formats::{self, Content},
         orient::Unit,
     },
-    lod::{LodMode, LodOptions},
 };
 use tresses_scene::{Companions, Motion, Scene, Shelf};
 

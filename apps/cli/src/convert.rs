@@ -10,7 +10,7 @@ use tresses::groom::{
     orient::{Axis, Choice, Unit},
 };
 
-use tresses::character::{CharacterFiles, CharacterSource};
+use tresses::{CharacterFiles, CharacterSource};
 use tresses_scene::knobs::{self, Value};
 
 use crate::{

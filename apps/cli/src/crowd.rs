@@ -6,7 +6,10 @@ use crate::{
     progress,
 };
 use anyhow::{Result, ensure};
-use tresses::budget::{Budget, COARSEST, HeadDetail};
+use tresses::{
+    Budget,
+    low_level::{COARSEST, HeadDetail},
+};
 use tresses_scene::{Crowd, CrowdOptions, Motion, crowd::ROWS, words::grouped};
 
 /// Most heads of a crowd.

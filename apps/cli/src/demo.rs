@@ -13,7 +13,7 @@ use crate::{
 use anyhow::{Context, Result};
 use std::{path::PathBuf, time::Instant};
 use tresses::groom::styles::Style;
-use tresses::lod::{LodMode, LodOptions};
+use tresses::{LodMode, LodOptions};
 use tresses_scene::{Motion, Shot, Viewpoint, camera::Angle};
 
 /// Size of the image.

@@ -7,16 +7,14 @@ use std::{
     path::{Path, PathBuf},
 };
 use tresses::{
-    character::Gesture,
-    gpu::Gpu,
+    Gesture, Gpu, LodMode, LodOptions,
     groom::{
         Guides, Rig, Strands, TriMesh,
         export::{Hair, Writer},
         formats::{self, Content, WRITTEN},
         orient::Unit,
     },
-    lod::{LodMode, LodOptions},
-    strands::StrandBuffers,
+    low_level::StrandBuffers,
 };
 use tresses_scene::{Companions, Preset, Scene, Shelf, motion};
 

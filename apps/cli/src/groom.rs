@@ -7,7 +7,7 @@ use crate::{
 use anyhow::{Context, Result, ensure};
 use std::{path::PathBuf, time::Instant};
 use tresses::{
-    gpu::Gpu,
+    Gpu,
     groom::{
         edit::{StrokeScript, file},
         formats,

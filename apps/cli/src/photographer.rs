@@ -11,7 +11,7 @@ use std::{
     ops::{Deref, DerefMut},
     sync::Arc,
 };
-use tresses::{PipelineRequest, gpu::Gpu, groom::cards::CardOptions, present::Background};
+use tresses::{Background, Gpu, PipelineRequest, groom::cards::CardOptions};
 use tresses_scene::{Companions, Preset, Scene, Shelf, Viewpoint, cards, scene::OutputRequest};
 
 /// A scene, and the debug view shown in its images.

@@ -11,11 +11,7 @@ use crate::{
 use anyhow::{Result, bail, ensure};
 use std::path::PathBuf;
 use tresses::{
-    groom::cards::CardOptions,
-    present::Background,
-    renderer::Renderer,
-    views::DebugView,
-    volume::{HairHair, HairHairMode},
+    Background, HairHair, HairHairMode, groom::cards::CardOptions, low_level::DebugView, renderer::Renderer,
 };
 use tresses_scene::{Motion, Shot, Viewpoint, camera::Angle, motion::NAMES};
 

@@ -9,10 +9,8 @@ use crate::{
 use anyhow::{Context, Result};
 use std::path::Path;
 use tresses::{
-    Camera,
-    character::{CharacterSource, Gesture},
+    Camera, CharacterSource, Gesture, Gpu,
     glam::{Vec2, Vec3},
-    gpu::Gpu,
     groom::edit::{GroomDocument, GroomEditor, ScriptStep, StrokeSample, StrokeScript},
 };
 use tresses_scene::{Companions, Preset, Scene, Shelf, Viewpoint, camera::VERTICAL_FOV};
@@ -99,7 +97,7 @@ impl<'a> Timelapse<'a> {
         let subject = scene.subject();
         let target = 0.5 * (subject.0 + subject.1);
         let aspect = self.size.aspect();
-        let distance = tresses::camera::framing_distance(subject, first.back(), VERTICAL_FOV, aspect);
+        let distance = tresses::low_level::framing_distance(subject, first.back(), VERTICAL_FOV, aspect);
         self.camera = Viewpoint { eye: target + first.back() * distance, target };
         let mut versions = vec![editor.document().clone()];
         for step in &script.steps {

@@ -1,7 +1,7 @@
 //! A ball that falls on the head and rolls off through the hair. The coupling is one-way: the ball pushes hair and
 //! bounces off the head, but hair does not affect its path.
 
-use tresses::character::Bounds;
+use tresses::Bounds;
 use tresses::{Pose, glam::Vec3, groom::SdfGrid};
 
 /// Radius, meters.

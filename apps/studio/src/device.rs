@@ -2,10 +2,7 @@
 
 use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use std::sync::Arc;
-use tresses::{
-    Context,
-    gpu::{Gpu, Tier},
-};
+use tresses::{Context, Gpu, low_level::Tier};
 
 /// Returns egui's device configuration.
 pub fn configuration() -> WgpuConfiguration {

@@ -13,8 +13,8 @@ use crate::{
 use eframe::egui;
 use std::{path::Path, sync::Arc, time::Duration};
 use tresses::{
+    Gpu,
     glam::Vec3,
-    gpu::Gpu,
     groom::{
         cards::CardOptions,
         edit::{GroomDocument, GroomEditor},

@@ -1,7 +1,7 @@
 //! Chosen or dropped files: paths on a desktop, bytes in a browser.
 
 use std::{path::PathBuf, sync::Arc};
-use tresses::character::CharacterFiles;
+use tresses::CharacterFiles;
 use tresses::groom::import::{self, FileBytes, FileKind};
 
 /// The files of a groom and its head.

@@ -120,7 +120,7 @@ impl Watcher {
 mod tests {
     use super::*;
     use std::sync::atomic::{AtomicU32, Ordering};
-    use tresses::gpu::Gpu;
+    use tresses::Gpu;
 
     #[test]
     fn parts_are_submitted_in_turn_until_canceled() {

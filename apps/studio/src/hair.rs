@@ -1,7 +1,7 @@
 //! The hair of a document: its source and its companion files.
 
 use crate::files::Files;
-use tresses::character::CharacterFiles;
+use tresses::CharacterFiles;
 use tresses::groom::{edit::GroomDocument, import::ImportOptions, styles::Style};
 use tresses_scene::{Companion, Companions, Settings, settings::HairColor, source};
 

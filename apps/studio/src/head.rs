@@ -1,6 +1,6 @@
 //! Dragging the head: it follows the pointer on a spring and swings back when released.
 
-use tresses::character::Gesture;
+use tresses::Gesture;
 use tresses::{
     Pose,
     glam::{Quat, Vec2, Vec3},

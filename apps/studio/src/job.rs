@@ -12,12 +12,10 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 use tresses::{
-    PipelineRequest, Progress,
-    character::{CharacterSource, Gesture},
-    gpu::{Gpu, Tier},
+    CharacterSource, Gesture, Gpu, PipelineRequest, Progress, ViewOptions,
     groom::{cards::CardOptions, edit::GroomEditor, styles::Style},
+    low_level::Tier,
     renderer::Renderer,
-    view::ViewOptions,
 };
 use tresses_scene::{
     Quality, Scene, Settings, Surroundings,

@@ -113,7 +113,7 @@ pub fn lose_for_tests(device: &wgpu::Device, frames: u64) {
 #[cfg(all(test, not(target_arch = "wasm32")))]
 mod tests {
     use super::*;
-    use tresses::gpu::Gpu;
+    use tresses::Gpu;
 
     #[test]
     fn device_errors_and_loss_are_reported() {

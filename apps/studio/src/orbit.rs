@@ -1,6 +1,6 @@
 //! The user's camera: it orbits a point, pans, zooms, and glides to named views.
 
-use tresses::character::Bounds;
+use tresses::Bounds;
 use tresses::glam::{Vec2, Vec3};
 use tresses_scene::camera::{Angle, VERTICAL_FOV, Viewpoint};
 

@@ -2,7 +2,7 @@
 //! time. When nothing moves, the image is refined in steps to full quality.
 
 use anyhow::Result;
-use tresses::lod::LodOptions;
+use tresses::LodOptions;
 use tresses_scene::{Scene, Settings};
 
 /// Quality of a frame.
@@ -75,7 +75,7 @@ impl Level {
     }
 }
 
-/// Levels from best to fastest. Fewer strands are drawn wider, so they still cover the scalp (`tresses::lod`). But
+/// Levels from best to fastest. Fewer strands are drawn wider, so they still cover the scalp (`tresses::low_level::lod`). But
 /// fewer segments form chords that cut through the skull: no level has so few that skin shows through
 /// (`tests/levels.rs`).
 pub const LEVELS: [Level; 8] = [

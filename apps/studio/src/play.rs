@@ -1,6 +1,6 @@
 //! The transport: play state, speed, and the time of the motion.
 
-use tresses::character::Gesture;
+use tresses::Gesture;
 use tresses::glam::Vec3;
 use tresses_scene::motion::Motion;
 

@@ -1,8 +1,8 @@
 //! Motion of the character: the transport, a hand on the head, a ball.
 
 use crate::{ball::Ball, head::HeadSpring, play::Play};
-use tresses::character::{Bounds, Gesture};
 use tresses::glam::Vec3;
+use tresses::{Bounds, Gesture};
 use web_time::Instant;
 
 /// Longest time step of the hair, seconds: on a GPU, and with a software driver.

@@ -12,7 +12,7 @@ use crate::{
     renderer::Renderer,
 };
 use anyhow::Result;
-use tresses::gpu::readback::Pending;
+use tresses::low_level::Pending;
 use tresses_scene::{
     Settings,
     picture::{Format, Picture},

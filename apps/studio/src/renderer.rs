@@ -11,7 +11,7 @@ use crate::{
 use anyhow::Result;
 use eframe::{egui, egui_wgpu::RenderState};
 use std::time::Duration;
-use tresses::{glam::Vec3, gpu::Gpu, views};
+use tresses::{Gpu, glam::Vec3, low_level::DebugDisplay};
 use tresses_scene::{Scene, Settings, camera::Angle};
 use web_time::Instant;
 
@@ -38,7 +38,7 @@ pub struct Renderer {
     /// Quality levels and frame time.
     pub pace: Pace,
     /// The active debug view.
-    pub debug: Option<views::DebugDisplay>,
+    pub debug: Option<DebugDisplay>,
     /// Whether something has changed since the last frame.
     pub dirty: bool,
     /// Size of the viewport, pixels.

@@ -10,10 +10,9 @@ use anyhow::Result;
 use eframe::{egui, egui_wgpu::RenderState};
 use std::time::Duration;
 use tresses::{
-    Pose,
-    character::Gesture,
+    Gesture, Pose, Timings,
     glam::Vec3,
-    gpu::{Timings, readback::Pending, timings::Rows},
+    low_level::{Pending, Rows},
 };
 use tresses_scene::{Facts, Scene, Viewpoint};
 use web_time::Instant;

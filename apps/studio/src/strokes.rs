@@ -12,8 +12,7 @@ use tresses::{
     Camera,
     glam::{Vec2, Vec3},
     groom::edit::{Brush, BrushTool, StrokeSample},
-    math::Ray,
-    simulate::{BrushEffect, MotionBrush, Target},
+    low_level::{BrushEffect, MotionBrush, Ray, Target},
 };
 use tresses_scene::camera::VERTICAL_FOV;
 use web_time::Instant;

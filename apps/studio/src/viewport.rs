@@ -18,8 +18,7 @@ use eframe::egui::{
 use tresses::{
     glam::{Vec2, Vec3},
     groom::edit::BrushTool,
-    math::Ray,
-    simulate::grab::Target,
+    low_level::{Ray, Target},
 };
 use tresses_scene::camera::Angle;
 

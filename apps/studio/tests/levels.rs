@@ -2,12 +2,7 @@
 
 use std::path::Path;
 use tresses::{
-    character::{CharacterSource, Gesture},
-    glam::Vec3,
-    gpu::{Gpu, Timings},
-    groom::styles::Style,
-    lod::Detail,
-    present::Background,
+    Background, CharacterSource, Gesture, Gpu, Timings, glam::Vec3, groom::styles::Style, low_level::Detail,
 };
 use tresses_scene::{
     Colliders, Quality, Scene, Settings, Viewpoint, camera::Angle, measure::MeasuredFrame, motion::Motion,

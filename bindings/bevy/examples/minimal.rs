@@ -6,9 +6,7 @@ use bevy::{
     prelude::*,
     render::renderer::{RenderDevice, RenderQueue},
 };
-use bevy_tresses::{
-    GlobalHairWind, Hair3d, HairGroom, TressesPlugin, groom::styles::Style, tresses::wind::Wind,
-};
+use bevy_tresses::{GlobalHairWind, Hair3d, HairGroom, TressesPlugin, groom::styles::Style, tresses::Wind};
 
 fn main() {
     App::new()

@@ -11,13 +11,10 @@ use std::sync::{
     atomic::{AtomicBool, Ordering},
 };
 use tresses::{
+    LodOptions, SimulationParams, ViewOptions, Wind,
     collide::{Collider, FieldId, Shape},
     groom::{SdfGrid, TriMesh, mesh::sdf},
     light::HairMaterial,
-    lod::LodOptions,
-    simulate::SimulationParams,
-    view::ViewOptions,
-    wind::Wind,
 };
 
 /// Hair with the origin of its groom's space at the entity.

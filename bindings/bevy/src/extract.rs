@@ -20,9 +20,7 @@ use bevy::{
     pbr::{DistanceFog, FogFalloff},
 };
 use std::sync::{Arc, atomic::AtomicBool};
-use tresses::{
-    Pose, groom::SdfGrid, light::HairMaterial, lod::LodOptions, simulate::SimulationParams, view::ViewOptions,
-};
+use tresses::{LodOptions, Pose, SimulationParams, ViewOptions, groom::SdfGrid, light::HairMaterial};
 
 /// Data of the main world for the next frame of hair.
 #[derive(Resource, Debug, Default)]

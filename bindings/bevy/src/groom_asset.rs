@@ -7,11 +7,10 @@ use bevy::{
 };
 use std::sync::Arc;
 use tresses::{
-    Context, HairOptions, drape,
+    Context, HairOptions, Tie, drape,
     groom::{
         BindOptions, Groom, SdfGrid, Strands, TriMesh, bind, card_sheet::CardSheet, mesh::sdf, styles::Style,
     },
-    simulate::Tie,
 };
 
 /// A groom and its head. Cheap to clone: large data is shared.

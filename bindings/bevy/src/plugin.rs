@@ -15,7 +15,7 @@ use bevy::{
         view::prepare_view_targets,
     },
 };
-use tresses::{renderer::Renderer, view::ViewOptions};
+use tresses::{ViewOptions, renderer::Renderer};
 
 /// Adds hair to an app. Add it after [`DefaultPlugins`].
 #[derive(Clone, Debug)]

@@ -4,7 +4,7 @@ use crate::work::run;
 use anyhow::Result;
 use pyo3::{prelude::*, types::PyDict};
 use std::sync::{Mutex, PoisonError};
-use tresses::gpu::Gpu;
+use tresses::Gpu;
 
 static OPENED: Mutex<Option<Gpu>> = Mutex::new(None);
 

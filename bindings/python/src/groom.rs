@@ -21,7 +21,7 @@ use std::{
     sync::Arc,
 };
 use tresses::{
-    character::{CharacterParts, CharacterSource},
+    CharacterParts, CharacterSource,
     groom::{
         self,
         cards::CardOptions,
@@ -29,7 +29,7 @@ use tresses::{
         import::ImportOptions,
         lint,
     },
-    lod,
+    low_level::lod,
 };
 use tresses_scene::{
     Companions, Preset, Shelf, Source,

@@ -7,7 +7,7 @@ use crate::{
 };
 use numpy::PyArrayDyn;
 use pyo3::{prelude::*, types::PyDict};
-use tresses::{character::Bounds, glam::Mat4, groom::Strands};
+use tresses::{Bounds, glam::Mat4, groom::Strands};
 use tresses_scene::{
     Sight, Viewpoint,
     camera::Angle,

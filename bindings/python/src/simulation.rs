@@ -24,7 +24,9 @@ use pyo3::{
 };
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tresses::{
-    character::Gesture, clock::MAX_STEPS, glam::Vec3, gpu::Gpu, hair::GuideState, present::Background,
+    Background, Gesture, Gpu,
+    glam::Vec3,
+    low_level::{GuideState, MAX_STEPS},
 };
 use tresses_scene::{Companions, Quality, Scene, Shelf, Sight, settings::Settings as Values};
 

@@ -1,10 +1,9 @@
 //! Portrait cameras, which frame the head and its hair.
 
 use tresses::{
-    Camera, Pose,
-    camera::framing_distance,
-    character::Bounds,
+    Bounds, Camera, Pose,
     glam::{Mat4, Vec3},
+    low_level::framing_distance,
 };
 
 /// Vertical field of view of every camera, radians, like a portrait lens.

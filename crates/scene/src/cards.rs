@@ -17,13 +17,12 @@ use std::{
     str::FromStr,
 };
 use tresses::{
-    Progress,
-    character::CharacterParts,
+    CharacterParts, Progress,
     groom::{
         Rig, TriMesh,
         cards::{CardAlpha, CardLook, CardOptions, Cards, NamedFile, SIZES, bake_with},
     },
-    light::fiber::bsdf::color_of,
+    low_level::color_of,
 };
 
 /// Exponent of the light that hair loses, from its color to that of cards. With it, cards in three.js are as bright as

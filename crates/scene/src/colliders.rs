@@ -26,16 +26,15 @@ use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use tresses::{
-    Pose,
-    body::BodyMaterial,
-    character::Obstacle,
-    collide::{Anchor, Collider, FieldBuilder, FieldId, FieldSource, Shape},
+    BodyMaterial, Obstacle, Pose,
+    collide::{Anchor, Collider, FieldId, FieldSource, Shape},
     glam::Vec3,
     groom::{
         TriMesh, import,
         mesh::SdfOptions,
         rig::anatomy::{Anatomy, Capsule, Field, PartForm},
     },
+    low_level::FieldBuilder,
 };
 
 #[derive(Deserialize)]

@@ -7,15 +7,11 @@ use crate::{
 };
 use anyhow::{Result, ensure};
 use tresses::{
-    Character, Hair, Pose,
-    budget::CrowdDetail,
-    character::{CrowdBudget, Gesture},
-    frame::Drawing,
+    Character, CrowdBudget, Gesture, LodOptions, Pose, Timings,
     glam::{Quat, Vec3},
-    gpu::Timings,
+    groom::hash::pcg,
     light::{FiberMaterial, HairMaterial},
-    lod::LodOptions,
-    math::hash::pcg,
+    low_level::{CrowdDetail, Drawing, Hair},
 };
 
 /// Distances of the first and the last row from the camera, meters.

@@ -2,8 +2,11 @@
 
 use crate::{camera::Viewpoint, crowd::Crowd, motion::Motion, scene::Scene};
 use anyhow::Result;
-use tresses::character::Gesture;
-use tresses::gpu::{Clock, Counts, Timings};
+use tresses::Gesture;
+use tresses::{
+    Timings,
+    low_level::{Clock, Counts},
+};
 
 /// Timing of a completed frame.
 #[derive(Debug)]

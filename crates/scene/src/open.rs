@@ -4,8 +4,7 @@ use crate::{companions::Companions, preset::Preset, settings::HairColor, shelf::
 use anyhow::{Result, ensure};
 use std::str::FromStr;
 use tresses::{
-    Context, Progress,
-    character::{CharacterFiles, CharacterParts, CharacterSource, Styling},
+    CharacterFiles, CharacterParts, CharacterSource, Context, Progress, Styling,
     groom::{
         edit::{GroomDocument, GroomEditor},
         styles::Style,

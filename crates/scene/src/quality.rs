@@ -1,6 +1,6 @@
 //! Image quality: size and sampling.
 
-use tresses::{lod::LodOptions, view::ViewOptions};
+use tresses::{LodOptions, ViewOptions};
 
 /// Size and sampling of images.
 #[derive(Clone, Copy, Debug, PartialEq)]

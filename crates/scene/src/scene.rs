@@ -17,18 +17,11 @@ use crate::{
 use anyhow::{Context as _, Result, ensure};
 use std::sync::Arc;
 use tresses::{
-    Character, CharacterAsset, HairOptions, Progress, View,
-    body::Body,
-    character::{Bounds, CharacterOptions, CharacterParts},
-    collide::FieldBuilder,
-    draw::{Targets, targets::PICTURE_FORMAT},
-    gpu::Gpu,
+    Body, Bounds, Character, CharacterAsset, CharacterOptions, CharacterParts, Gpu, HairOptions, LodMode,
+    LodOptions, Picture, Progress, RestOptions, View,
     groom::Look,
     light::Lights,
-    lod::{Detail, LodMode, LodOptions},
-    simulate::RestOptions,
-    view::Picture,
-    views::{DebugDisplay, DebugViews},
+    low_level::{DebugDisplay, DebugViews, Detail, FieldBuilder, PICTURE_FORMAT, Targets},
 };
 
 /// Size statistics of the hair.
@@ -63,10 +56,10 @@ pub struct Scene {
     pub picture: Picture,
     /// GPU timestamps where the adapter supports reliable ones, otherwise clock times.
     #[cfg(not(target_arch = "wasm32"))]
-    pub(crate) timings: tresses::gpu::Timings,
+    pub(crate) timings: tresses::Timings,
     /// Clock of the other measurements.
     #[cfg(not(target_arch = "wasm32"))]
-    pub(crate) clock: tresses::gpu::Clock,
+    pub(crate) clock: tresses::low_level::Clock,
     /// The active debug view.
     shown: Option<DebugDisplay>,
     /// Pipelines of the debug views, created on first use.
@@ -143,8 +136,8 @@ impl Scene {
         let character = uploaded(context, parts, (&colliders, settings, quality), progress).await?;
         #[cfg(not(target_arch = "wasm32"))]
         let timings = match context.tier().timestamps && !context.tier().software {
-            true => tresses::gpu::Timings::new(context),
-            false => tresses::gpu::Timings::by(tresses::gpu::wall),
+            true => tresses::Timings::new(context),
+            false => tresses::Timings::by(tresses::low_level::wall),
         };
         let mut scene = Self {
             character,
@@ -153,7 +146,7 @@ impl Scene {
             #[cfg(not(target_arch = "wasm32"))]
             timings,
             #[cfg(not(target_arch = "wasm32"))]
-            clock: tresses::gpu::wall,
+            clock: tresses::low_level::wall,
             shown: None,
             views: None,
             surroundings: None,

@@ -4,15 +4,12 @@
 //! `cargo run --example character -- picture.png`
 
 use tresses::{
-    Camera, Character, CharacterAsset, Pose, View,
-    body::{Body, Skin, Words},
-    character::{CharacterOptions, CharacterSource, Styling},
+    Body, Camera, Character, CharacterAsset, CharacterOptions, CharacterSource, Gpu, Picture, Pose, Styling,
+    View,
     collide::{Collider, FieldId, FieldSource, Shape},
-    frame::Drawing,
     glam::{Quat, Vec3},
-    gpu::Gpu,
     groom::{TriMesh, mannequin::rig},
-    view::Picture,
+    low_level::{Drawing, Skin, Words},
     wgpu::{self, util::DeviceExt},
 };
 
@@ -54,11 +51,9 @@ async fn render(path: &str) -> Result<(), Box<dyn std::error::Error>> {
     // The engine replaces the built-in rig. Hair collides with the head, and with the shoulders, which do not bend.
     parts.anatomy = None;
     let [torso, ..] = rig::parts(parts.whole().ok_or("the character has no distance field")?);
-    let options = CharacterOptions {
-        fields: &[FieldSource::Grid(&torso)],
-        obstacles: &[Collider::new(Shape::Field(FieldId(0)))],
-        ..Default::default()
-    };
+    let fields = [FieldSource::Grid(&torso)];
+    let obstacles = [Collider::new(Shape::Field(FieldId(0)))];
+    let options = CharacterOptions::default().with_obstacles(&obstacles, &fields);
     let mesh = parts.head.clone().ok_or("the character has no mesh")?;
     let mut ann = Character::new(&CharacterAsset::new(&tresses, parts, &options, &()).await?)?;
 

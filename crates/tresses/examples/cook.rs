@@ -7,8 +7,7 @@
 
 use std::path::Path;
 use tresses::{
-    drape,
-    gpu::Gpu,
+    Gpu, drape,
     groom::{
         mannequin,
         scalp::GridScalp,

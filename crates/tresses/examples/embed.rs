@@ -3,12 +3,15 @@
 //! integration follows the comments that begin with "Tresses". `cargo run --release --example embed -- picture.png`
 
 use half::f16;
-use tresses::draw::{Compositor, Surroundings, embed::shade};
-use tresses::gpu::{Binding, Gpu, bindings, readback};
 use tresses::light::{HairMaterial, Lights, SceneShadow};
-use tresses::view::{Picture, View, ViewOptions};
 use tresses::wgpu::{self, FragmentState, TextureUsages as Usage, VertexState, util::DeviceExt};
 use tresses::{Camera, Character, Pose, glam::Quat, glam::Vec3, groom::mannequin};
+use tresses::{Compositor, Surroundings, low_level::shade};
+use tresses::{
+    Gpu,
+    low_level::{Binding, bindings, readback},
+};
+use tresses::{Picture, View, ViewOptions};
 
 const SIZE: [u32; 2] = [960, 640];
 const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;

@@ -5,12 +5,12 @@
 
 use std::time::Instant;
 use tresses::{
-    collide::FieldBuilder,
-    gpu::Gpu,
+    Gpu,
     groom::{
         import, mannequin,
         mesh::sdf::{self, SdfOptions},
     },
+    low_level::FieldBuilder,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

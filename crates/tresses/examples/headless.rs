@@ -1,7 +1,9 @@
 //! Renders a built-in character that turns its head, without a window: `cargo run --example headless -- picture.png`
 
 use tresses::{
-    Camera, Character, Pose, View, frame::Drawing, glam::Quat, glam::Vec3, gpu::Gpu, view::Picture,
+    Camera, Character, Gpu, Picture, Pose, View,
+    glam::{Quat, Vec3},
+    low_level::Drawing,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -2,9 +2,12 @@
 //! head.obj`. In a browser it is a page.
 
 use std::{cell::RefCell, rc::Rc, sync::Arc};
-use tresses::view::{Picture, View, ViewOptions};
 use tresses::wgpu::{self, CurrentSurfaceTexture};
-use tresses::{Camera, Character, Pose, Result, glam::Quat, glam::Vec3, gpu::Gpu};
+use tresses::{
+    Camera, Character, Gpu, Pose, Result,
+    glam::{Quat, Vec3},
+};
+use tresses::{Picture, View, ViewOptions};
 use winit::event_loop::{ActiveEventLoop, EventLoop};
 use winit::window::{Window, WindowId};
 use winit::{application::ApplicationHandler, event::WindowEvent};

@@ -3,11 +3,9 @@
 //! `cargo run --example portrait -- portrait.png groom.tfx head.obj`
 
 use tresses::{
-    Camera, Character, Pose, View,
-    frame::Drawing,
+    Camera, Character, Gpu, Picture, Pose, View,
     glam::{Quat, Vec3},
-    gpu::Gpu,
-    view::Picture,
+    low_level::Drawing,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

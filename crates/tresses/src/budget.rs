@@ -61,7 +61,8 @@
 //! Hosts that own [`Hair`] directly call [`Budget::look_from`].
 
 use crate::{
-    Camera, Hair, Pose,
+    Camera, Pose,
+    hair::Hair,
     lod::{Detail, LodOptions},
 };
 
@@ -214,6 +215,7 @@ impl Costs {
 
 /// The level chosen for one head.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct HeadDetail {
     /// Whether the head is in view.
     pub seen: bool,
@@ -235,6 +237,7 @@ pub struct HeadDetail {
 
 /// The levels chosen for all heads.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct CrowdDetail {
     /// Bias added to each head's own, octaves.
     pub bias: f32,

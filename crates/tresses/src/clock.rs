@@ -16,7 +16,7 @@ pub const MAX_SUBSTEPS: u32 = 32;
 /// Kind of a step.
 #[repr(u32)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Mode {
+pub(crate) enum Mode {
     /// Simulates the hair.
     #[default]
     Step = 0,
@@ -28,7 +28,7 @@ pub enum Mode {
 
 /// One fixed step of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
+pub(crate) struct Step {
     /// Kind of the step.
     pub mode: Mode,
     /// Pose of the head at the start.
@@ -50,7 +50,7 @@ impl Step {
 
 /// The fixed steps of a frame and their length.
 #[derive(Clone, Copy, Debug)]
-pub struct Steps<'a> {
+pub(crate) struct Steps<'a> {
     /// The steps, in order.
     pub steps: &'a [Step],
     /// Length of each step, s.
@@ -68,7 +68,7 @@ impl<'a> Steps<'a> {
 
 /// Fixed-step clock.
 #[derive(Clone, Debug)]
-pub struct StepClock {
+pub(crate) struct StepClock {
     /// Largest translation of the head in one fixed step, meters. Above it the motion is a teleport: the hair is
     /// carried along rigidly.
     pub teleport_distance: f32,
@@ -97,7 +97,7 @@ impl Default for StepClock {
 
 /// The fixed steps that a frame runs.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Ticks {
+pub(crate) struct Ticks {
     /// The steps, in order.
     pub steps: Vec<Step>,
     /// Interpolation fraction of the drawn state: 0 is the state before the last step, 1 the state after it.

@@ -111,9 +111,9 @@ pub const HIT_RUN: u32 = 8;
 /// Maximum cells along a line that the blur of the density grid reads to produce four cells.
 pub const MAX_TAPS: u32 = 96;
 
-/// Workgroup size of the kernel for [ties](crate::simulate::ties): one workgroup holds one ring.
+/// Workgroup size of the kernel for ties: one workgroup holds one ring.
 pub const TIE_WORKGROUP: u32 = 64;
-/// Maximum [links](crate::simulate::links) per guide vertex.
+/// Maximum links per guide vertex.
 pub const LINKS: u32 = 4;
 /// Maximum samples that contribute to a resolved pixel.
 pub const MAX_FOOTPRINT: u32 = 32;

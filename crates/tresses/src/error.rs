@@ -1,7 +1,6 @@
 //! Errors. Each is one sentence that names the place and, where there is one, the remedy.
 
 use crate::groom;
-pub use groom::error::At;
 
 /// Result of the library's fallible functions.
 pub type Result<T, E = Error> = std::result::Result<T, E>;

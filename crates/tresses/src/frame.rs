@@ -11,11 +11,11 @@
 //! hair draws all of them, so their order does not matter.
 
 use crate::{
-    Context, Error, Hair, Result,
+    Context, Error, Result,
     body::Body,
     draw::{Compositor, Surroundings, canvas::Canvas},
     gpu::{Commands, Timings},
-    hair::HairFrame,
+    hair::{Hair, HairFrame},
     light::{self, HairSet, HairShading, HairView, Part, SceneShadow},
     renderer::ShadingRate,
     skinning::Skinning,
@@ -53,6 +53,7 @@ impl<'a> Drawing<'a> {
 
 /// Content of a view's image.
 #[derive(Debug, Default)]
+#[non_exhaustive]
 pub enum ViewContent<'a> {
     /// Bodies and hair.
     #[default]
@@ -60,10 +61,10 @@ pub enum ViewContent<'a> {
     /// Bodies and hair again, with the lighting of the view's last image. Refines a still image after [`View::resize`].
     /// Hair, bodies and lights must be unchanged.
     Again,
-    /// Hair composited into a scene that is already drawn and hides hair behind it ([`crate::draw::embed`]). Bodies are
+    /// Hair composited into a scene that is already drawn and hides hair behind it. Bodies are
     /// not drawn, but cast shadows on hair. Background and tone mapping are not used.
     Over(&'a Compositor, Surroundings<'a>),
-    /// A debug view ([`crate::views`]). Nothing is read back.
+    /// A debug view. Nothing is read back.
     Inside(&'a mut DebugViews, &'a DebugDisplay),
 }
 
@@ -139,7 +140,7 @@ impl Recorder<'_> {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the pipeline cannot be compiled.
-    pub fn bend(&mut self, bodies: &[&Skinning]) -> Result<()> {
+    pub(crate) fn bend(&mut self, bodies: &[&Skinning]) -> Result<()> {
         self.stage(Stage::Skinning, |pass| bodies.iter().for_each(|body| body.record(pass)))
     }
 

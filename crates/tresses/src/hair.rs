@@ -75,9 +75,9 @@ pub struct Hair {
     /// Colliders.
     pub colliders: ColliderSet,
     /// Grid of hair density and velocity around the head.
-    pub volume: Volume,
+    pub(crate) volume: Volume,
     /// Air around the head; `None` until there is wind.
-    pub air: Option<Air>,
+    pub(crate) air: Option<Air>,
     /// Forces on the guides besides their own physics.
     effects: Effects,
     pub(crate) simulation: Simulation,
@@ -97,7 +97,7 @@ impl Hair {
     ///
     /// # Errors
     /// [`crate::Error::Limit`] when the adapter cannot hold it, [`crate::Error::Parameter`] for invalid options, and the
-    /// errors of [`ColliderSet::replace`].
+    /// errors of `ColliderSet::replace`.
     pub fn new(asset: &Arc<HairAsset>) -> Result<Self> {
         Self::on(asset, &asset.colliders, None)
     }
@@ -149,7 +149,7 @@ impl Hair {
     }
 
     /// Makes the roots follow a deforming skin from the next frame on. `mesh` is the skin at rest (groom space). `skin`
-    /// holds its vertices in each frame, in a space whose pose is [`Roots::pose`]. [`HairFrame::head`](HairFrame::head)
+    /// holds its vertices in each frame, in a space whose pose is `Roots::pose`. [`HairFrame::head`](HairFrame::head)
     /// remains the pose of the rigid part. No root may be farther than `reach` meters from the mesh; the report contains
     /// the distances.
     ///
@@ -207,16 +207,16 @@ impl Hair {
     }
 
     /// Replaces the obstacles besides the head's field from the next frame on, for example when a ball appears, changes
-    /// or disappears. Frames give their poses. See [`ColliderSet::replace`].
+    /// or disappears. Frames give their poses. See `ColliderSet::replace`.
     ///
     /// # Errors
-    /// As [`ColliderSet::replace`].
+    /// As `ColliderSet::replace`.
     pub fn set_colliders(&mut self, colliders: &[Collider]) -> Result<()> {
         self.colliders.replace(colliders)
     }
 
     /// Returns the transform from simulation space to the space in which the hair is drawn, as of the last frame.
-    /// Simulation space has its origin near the hair and moves with it ([`crate::space`]). Callers that read the state
+    /// Simulation space has its origin near the hair and moves with it. Callers that read the state
     /// of guides or of a grab need it.
     pub fn place(&self) -> Pose {
         self.motion.to_drawn

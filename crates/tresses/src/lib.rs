@@ -1,9 +1,7 @@
 //! Real-time hair simulation and rendering on wgpu: takes a groom, simulates it and draws shaded hair.
 //!
-//! The stage modules are declared in the order in which data passes through them. [`frame`] records them.
-//!
 //! ```no_run
-//! use tresses::{Camera, Character, Context, Pose, View, light::Lights, view::{Picture, ViewOptions}};
+//! use tresses::{Camera, Character, Context, Picture, Pose, View, ViewOptions, light::Lights};
 //!
 //! # async fn example(
 //! #     device: &wgpu::Device, queue: &wgpu::Queue, target: &wgpu::TextureView, format: wgpu::TextureFormat,
@@ -25,7 +23,10 @@
 //! ```
 //!
 //! [`Character::built_in`] needs no file. [`Frame::composite`] draws hair into a scene that the engine has drawn.
-//! Programs that need more control use the layer below: [`Hair`], [`body::Body`], [`frame::Recorder`].
+//!
+//! **Two layers.** Everything outside [`low_level`] is for hosts: characters, views, frames and their options.
+//! [`low_level`] is for tools and for hosts that replace [`Character`]: single grooms, the recorder of the stages, GPU
+//! buffers, debug views and measurements.
 //!
 //! Complete programs are in `examples/`: `minimal` opens a window, or a page in a browser; `headless` writes one image;
 //! `embed` draws a character in a renderer with its own targets, camera, lights and shadows; `character` follows a mesh
@@ -36,66 +37,92 @@
 
 pub use tresses_groom as groom;
 
-pub mod strands;
+// The stages, in the order in which data passes through them. `frame` records them.
+mod strands;
 
-pub mod skinning;
+mod skinning;
 
-pub mod roots;
+mod roots;
 
-pub mod volume;
+mod volume;
 
-pub mod wind;
+mod wind;
 
-pub mod simulate;
+mod simulate;
 
-pub mod tessellate;
+mod tessellate;
 
-pub mod interpolate;
+mod interpolate;
 
-pub mod avoid;
+mod avoid;
 
-pub mod body;
+mod body;
 
 pub mod light;
 
-pub mod lod;
+mod lod;
 
-pub mod draw;
+mod draw;
 
-pub mod present;
+mod present;
 
 pub mod collide;
 
 pub mod drape;
 
-pub mod budget;
-pub mod camera;
-pub mod character;
-pub mod clock;
-pub mod frame;
-pub mod hair;
-pub mod prepare;
+mod budget;
+mod camera;
+mod character;
+mod clock;
+mod frame;
+mod hair;
+pub mod low_level;
+mod prepare;
 pub mod renderer;
-pub mod space;
-pub mod stage;
-pub mod view;
-pub mod views;
+mod space;
+mod stage;
+mod view;
+mod views;
 
-pub mod constants;
-pub mod error;
-pub mod gpu;
-pub mod math;
-pub mod shaders;
+mod constants;
+mod error;
+mod gpu;
+mod math;
+mod shaders;
 
-pub use camera::Camera;
-pub use character::{Character, CharacterAsset, Frame};
+pub use avoid::{AvoidMode, AvoidOptions};
+pub use body::{Body, BodyMaterial};
+pub use budget::Budget;
+pub use camera::{Camera, ToneMap};
+pub use character::{
+    BodyPose, Bounds, Character, CharacterAsset, CharacterFiles, CharacterOptions, CharacterParts,
+    CharacterSource, CrowdBudget, FaceGroom, FaceHair, FillOptions, Frame, Gesture, MapCoordinates, Obstacle,
+    RiggedBody, Styling,
+};
+pub use draw::{Compositor, Shade, Surroundings};
 pub use error::{Error, Result};
 pub use glam;
-pub use gpu::Context;
+pub use gpu::{Context, Gpu, Timings};
 pub use groom::{Progress, progress, range};
-pub use hair::{Hair, HairAsset, HairDescriptor, HairOptions};
+pub use hair::HairOptions;
+pub use lod::{LodLevel, LodMode, LodOptions};
 pub use math::pose::Pose;
 pub use prepare::PipelineRequest;
-pub use space::Space;
-pub use view::View;
+pub use present::Background;
+pub use simulate::{RestOptions, RestShape, RootToTip, SimulationParams, Tie, TieTarget};
+pub use space::{Space, Velocity};
+pub use view::{Picture, View, ViewOptions};
+pub use volume::{HairHair, HairHairMode};
 pub use wgpu;
+pub use wind::Wind;
+
+// Tests of single stages. The crate contains them because they use private types.
+#[cfg(test)]
+extern crate self as tresses;
+#[cfg(test)]
+#[allow(dead_code, unused_imports)] // `tests/gpu` uses the rest.
+#[path = "../tests/gpu/common/mod.rs"]
+mod common;
+#[cfg(test)]
+#[path = "../tests/stages/mod.rs"]
+mod stages;

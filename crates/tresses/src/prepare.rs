@@ -12,6 +12,7 @@ use std::sync::Arc;
 
 /// Pipelines to compile with [`Context::prepare`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum PipelineRequest {
     /// Skinned meshes.
     Skinning,

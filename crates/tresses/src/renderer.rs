@@ -13,7 +13,7 @@ use crate::{Error, Result};
 /// How a view draws hair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Renderer {
-    /// A compute rasterizer ([`crate::draw::tiles`]): the exact covered fraction of a pixel becomes alpha, and all
+    /// A compute rasterizer: the exact covered fraction of a pixel becomes alpha, and all
     /// strands are blended from front to back. Only visible segments are shaded.
     Tiles(TileOptions),
     /// Strips whose samples are masked. A strip is drawn at least
@@ -22,7 +22,7 @@ pub enum Renderer {
     /// however many strands overlap. A pixel is the mean of the samples in a disc, which is wider than the pixel if it
     /// has few samples (`Footprint`); otherwise moving hair would shimmer.
     Masks(MaskOptions),
-    /// The renderer of Tariq and Bavoil (2008), in Kajiya–Kay shading ([`crate::draw::classic`]).
+    /// The renderer of Tariq and Bavoil (2008), in Kajiya–Kay shading.
     Classic(ClassicOptions),
 }
 
@@ -82,7 +82,7 @@ pub enum ShadingModel {
     /// Kajiya and Kay's fiber with two highlights, set by eye. Colors are albedos.
     KajiyaKay,
     /// Physical model: fibers refract, absorb and reflect light, and scatter it among each other. Colors follow from
-    /// melanin ([`fiber`](crate::light::fiber)).
+    /// melanin (`fiber`).
     #[default]
     Fiber,
 }

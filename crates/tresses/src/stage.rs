@@ -11,6 +11,7 @@ macro_rules! stages {
 
         impl Stage {
             /// All stages in the order of a frame.
+            #[cfg(test)]
             pub const ALL: &[Self] = &[$(Self::$stage),+];
 
             /// Returns the name of the stage in timings.
@@ -19,11 +20,13 @@ macro_rules! stages {
             }
 
             /// Returns the folder below `src`, which is also the stage's name in ARCHITECTURE.md.
+            #[cfg(test)]
             pub const fn folder(self) -> &'static str {
                 match self { $(Self::$stage => $folder),+ }
             }
 
             /// Returns the unit of work of one thread or vertex.
+            #[cfg(test)]
             pub const fn unit(self) -> &'static str {
                 match self { $(Self::$stage => $unit),+ }
             }

@@ -45,7 +45,7 @@ pub struct ViewOptions {
     /// ([`Shadows::strand_by_strand`]). Takes effect in [`ShadingModel::Fiber`](crate::renderer::ShadingModel::Fiber),
     /// when every strand is drawn and the head is near. Takes 16 bytes per texel.
     pub strand_map: u32,
-    /// Cells along each edge of the grid of ambient light, clamped to 4 to 64 ([`crate::light::ambient`]). Takes 300
+    /// Cells along each edge of the grid of ambient light, clamped to 4 to 64. Takes 300
     /// bytes per cell.
     pub ambient_cells: u32,
     /// Format of the output texture.
@@ -187,7 +187,7 @@ impl View {
     }
 
     /// Returns the shaded colors of `hair` in the last image, as written by `light::shade`: one word per strand vertex
-    /// ([`light::unpack_radiance`]), or eight bytes of incident light with per-pixel shading.
+    /// ([`light::unpack_radiance`](crate::light::radiance::unpack_radiance)), or eight bytes of incident light with per-pixel shading.
     pub fn shaded(&self, hair: &HairSet) -> Option<wgpu::Buffer> {
         let shaded = self.lock();
         shaded.iter().find(|(of, _)| of[0] == *hair.strands.vertices).map(|(_, shaded)| shaded.colors.clone())

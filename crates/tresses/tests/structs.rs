@@ -129,7 +129,7 @@ fn unshared(wgsl: &str) -> Vec<String> {
 
 #[test]
 fn structs_in_buffers_are_shared() {
-    for (shader, wgsl) in tresses::shaders::all() {
+    for (shader, wgsl) in tresses::low_level::shaders::all() {
         assert_eq!(unshared(wgsl), [""; 0], "{shader}");
     }
     let own = "struct Own { a: vec4<u32> } @group(0) @binding(0)";

@@ -5,16 +5,11 @@ use anyhow::{Context as _, Result};
 use indicatif::ProgressBar;
 use serde::Serialize;
 use tresses::{
-    Context, Hair, HairAsset, HairDescriptor, HairOptions, Pose,
-    character::CharacterParts,
+    CharacterParts, Context, Gpu, HairHair, HairOptions, Pose, SimulationParams, Timings, Wind,
     collide::{Anchor, Collider, ColliderDescriptor, ColliderPoses, Shape},
     glam::{Quat, Vec3},
-    gpu::{Clock, Gpu, Timings},
     groom::mesh::sdf::{self, SdfOptions},
-    hair::HairFrame,
-    simulate::SimulationParams,
-    volume::{HairHair, VolumeOptions},
-    wind::Wind,
+    low_level::{Clock, Hair, HairAsset, HairDescriptor, HairFrame, VolumeOptions},
 };
 use tresses_cli::bench::{
     Sitting,

@@ -10,7 +10,7 @@ mod roofline;
 use anyhow::Result;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::path::PathBuf;
-use tresses::gpu::wall;
+use tresses::low_level::wall;
 use tresses_cli::{
     args::Size,
     bench::{Sitting, TimingArgs, workload},

@@ -7,8 +7,8 @@ use serde::Serialize;
 use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
 use std::{alloc::System, sync::Arc, time::Instant};
 use tresses::{
-    Context,
-    gpu::{Counts, Gpu, Tier, Timings},
+    Context, Gpu, Timings,
+    low_level::{Counts, Tier},
 };
 use tresses_cli::{
     bench::{
@@ -86,7 +86,7 @@ pub fn measure(workload: &Workload, frames: u32) -> Result<RecordedFrame> {
     }
     allocations.sort_unstable();
     // The counts come from one more frame, whose laps take time.
-    let mut timings = Timings::by(tresses::gpu::wall);
+    let mut timings = Timings::by(tresses::low_level::wall);
     played.frame(Some(&mut timings))?;
     let sum = |of: &dyn Fn(&Counts) -> u32| timings.counts().iter().map(|(_, counts)| of(counts)).sum();
     let [created, kernels] = created(workload)?;

@@ -18,7 +18,7 @@ use std::{
 fn each(mut check: impl FnMut(&str, &Module, &ModuleInfo)) {
     // WebGPU has all functions for packed 16-bit floats.
     let capabilities = Capabilities::default() | Capabilities::SHADER_FLOAT16_IN_FLOAT32;
-    for (name, source) in tresses::shaders::all() {
+    for (name, source) in tresses::low_level::shaders::all() {
         let module = wgsl::parse_str(source).unwrap_or_else(|error| panic!("{name}: {error}"));
         let mut validator = Validator::new(ValidationFlags::all(), capabilities);
         let info = validator.validate(&module).unwrap_or_else(|error| panic!("{name}: {error:?}"));

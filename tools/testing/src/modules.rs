@@ -232,7 +232,7 @@ impl Modules {
 }
 
 /// Collects the paths of a `use` tree, each with the name that it imports.
-fn tree(tokens: &[TokenTree], prefix: Vec<String>, found: &mut Vec<(Vec<String>, String)>) {
+pub(crate) fn tree(tokens: &[TokenTree], prefix: Vec<String>, found: &mut Vec<(Vec<String>, String)>) {
     for part in tokens.split(|token| token.to_string() == ",") {
         let mut path = prefix.clone();
         let mut name = None;
@@ -265,7 +265,7 @@ fn tree(tokens: &[TokenTree], prefix: Vec<String>, found: &mut Vec<(Vec<String>,
 }
 
 /// Returns the path from the crate's root, or `None` if it leads out of the crate.
-fn absolute(path: &[String], module: &Module, own: &BTreeSet<String>) -> Option<Module> {
+pub(crate) fn absolute(path: &[String], module: &Module, own: &BTreeSet<String>) -> Option<Module> {
     let mut at = match path.first()?.as_str() {
         "crate" => Vec::new(),
         "self" | "super" => module.clone(),

@@ -1,7 +1,7 @@
 //! The adapter of the measurements.
 
 use serde::Serialize;
-use tresses::gpu::Gpu;
+use tresses::Gpu;
 
 /// The adapter of the measurements.
 #[derive(Clone, Debug, Default, Serialize)]

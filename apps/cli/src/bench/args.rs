@@ -4,10 +4,7 @@ use super::adapter::Adapter;
 use crate::args::Size;
 use anyhow::{Result, bail};
 use std::path::PathBuf;
-use tresses::{
-    gpu::{Clock, Gpu},
-    groom::cards::CardOptions,
-};
+use tresses::{Gpu, groom::cards::CardOptions, low_level::Clock};
 
 /// Options of `tresses bench`.
 #[derive(clap::Args, Debug)]

@@ -10,10 +10,7 @@ use super::{
 use crate::{args::Size, photographer::Photographer};
 use anyhow::{Context, Result};
 use serde::Serialize;
-use tresses::{
-    budget::HeadDetail,
-    lod::{LodMode, LodOptions},
-};
+use tresses::{LodMode, LodOptions, low_level::HeadDetail};
 use tresses_scene::words::grouped;
 use tresses_scene::{Crowd, CrowdOptions, Motion, Viewpoint, camera::Angle, crowd::ROWS};
 
@@ -223,7 +220,11 @@ mod tests {
 
     #[test]
     fn crowd_is_compared_with_a_portrait() {
-        let head = |strands| HeadDetail { seen: true, strands, vertices: 10, ..HeadDetail::default() };
+        let head = |strands| {
+            let mut head = HeadDetail::default();
+            (head.seen, head.strands, head.vertices) = (true, strands, 10);
+            head
+        };
         let unseen = HeadDetail::default();
         let rows = rows(&[2.0, 2.1, 30.0, 5.0], &[head(3000), head(1000), head(800), unseen]);
         assert_eq!(rows.iter().map(|row| row.heads).collect::<Vec<_>>(), [2, 1]);

@@ -11,7 +11,7 @@ use super::{
 use crate::{args::Size, photographer::Photographer};
 use anyhow::{Context, Result};
 use serde::Serialize;
-use tresses::lod::{LodMode, LodOptions};
+use tresses::{LodMode, LodOptions};
 use tresses_scene::words::grouped;
 use tresses_scene::{Motion, Viewpoint, camera::Angle, measure::MeasuredFrame};
 

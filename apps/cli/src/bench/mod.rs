@@ -23,7 +23,7 @@ pub use sitting::Sitting;
 use crate::{progress, say};
 use anyhow::Result;
 use report::Report;
-use tresses::gpu::wall;
+use tresses::low_level::wall;
 
 /// Runs `tresses bench`.
 pub(crate) fn run(args: &BenchArgs) -> Result<()> {

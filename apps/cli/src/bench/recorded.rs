@@ -2,7 +2,7 @@
 
 use super::table::table;
 use serde::Serialize;
-use tresses::gpu::Counts;
+use tresses::low_level::Counts;
 
 /// Commands of one stage in one frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

@@ -1,7 +1,7 @@
 //! Settings of all measurements of one run.
 
 use indicatif::ProgressBar;
-use tresses::gpu::Clock;
+use tresses::low_level::Clock;
 
 /// Settings of all measurements of one run.
 #[derive(Clone, Copy)]

@@ -9,8 +9,8 @@ use super::{
 use anyhow::{Context, Result};
 use serde::Serialize;
 use tresses::{
+    Gpu,
     glam::{Quat, Vec3},
-    gpu::Gpu,
     groom::edit::{Brush, BrushTool, GroomEditor, StrokeSample},
 };
 use tresses_scene::{Companions, Preset, Shelf, words::grouped};

@@ -9,7 +9,7 @@ use super::{
 use crate::{args::Size, photographer::Photographer, preset_args};
 use anyhow::{Context, Result};
 use std::{path::PathBuf, time::Instant};
-use tresses::{character::source::strands_for, lod::LodMode};
+use tresses::{LodMode, low_level::strands_for};
 use tresses_scene::{Motion, Preset, Settings, Source, Value, Viewpoint, camera::Angle};
 
 /// Warm-up frames, in which shaders are compiled.

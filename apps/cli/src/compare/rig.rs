@@ -9,26 +9,22 @@ use crate::{flags::RowFlags, picture::Picture, settings_args::apply_rows};
 use anyhow::{Context as _, Error, Result, ensure};
 use half::f16;
 use tresses::{
-    Camera, Context, Hair, HairAsset, HairDescriptor, Pose, View,
-    body::{Body, BodyMaterial},
-    camera::ToneMap,
-    character,
+    Background, Body, BodyMaterial, Camera, Context, Gpu, Picture as Shot, Pose, SimulationParams, ToneMap,
+    View, ViewOptions,
     collide::ColliderPoses,
-    frame::{Drawing, ViewContent},
     glam::{Affine3A, Mat4, Vec3},
-    gpu::{Gpu, readback::blocking as readback},
     groom::{
         BindOptions, MAX_STRAND_VERTICES, Strands, TriMesh, bind,
         import::{self, ImportOptions},
         orient::{Axis, Choice, Unit},
+        srgb::linear,
     },
-    hair::HairFrame,
-    light::{Directional, Lights, MAX_LIGHTS, Shadows, Sky, Sphere, material::linear},
-    present::Background,
+    light::{Directional, Lights, MAX_LIGHTS, Shadows, Sky, Sphere},
+    low_level::{
+        DebugDisplay, DebugView, DebugViews, Drawing, Hair, HairAsset, HairDescriptor, HairFrame,
+        ViewContent, readback::blocking as readback,
+    },
     renderer::Renderer,
-    simulate::SimulationParams,
-    view::{Picture as Shot, ViewOptions},
-    views::{DebugDisplay, DebugView, DebugViews},
 };
 use tresses_scene::{Settings, Shelf, Surroundings, knobs};
 
@@ -81,7 +77,7 @@ impl Rig {
         let hair = Hair::new(&HairAsset::new(&context, groom, &HairDescriptor::default())?)?;
         let mut body = Body::new(&context, &head);
         body.material = BodyMaterial { gloss: 0.0, wrap: 0.0, ..Default::default() };
-        let subject = character::subject(hair_bounds, head.bounds());
+        let subject = tresses::low_level::subject(hair_bounds, head.bounds());
         let [width, height] = view.groom.camera.resolution;
         let renderer = Renderer::tiles(samples);
         let options = ViewOptions { renderer, output: FORMAT, ..Default::default() };

@@ -10,7 +10,7 @@ use embedded_graphics::{
     text::{Alignment, Text},
 };
 use std::convert::Infallible;
-use tresses::views::ramp;
+use tresses::low_level::ramp;
 use tresses_scene::picture::encoded;
 
 /// Meaning of the colors.

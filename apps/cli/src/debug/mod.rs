@@ -7,9 +7,8 @@ use anyhow::{Result, ensure};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use legend::Legend;
 use tresses::{
-    simulate::SimulationParams,
-    views::{DebugDisplay, DebugView, Peak, panels},
-    volume::HairHairMode,
+    HairHairMode, SimulationParams,
+    low_level::{DebugDisplay, DebugView, Peak, panels},
 };
 use tresses_scene::Scene;
 

@@ -19,7 +19,7 @@ pub fn encode(captured: &Capture, [width, height]: [u32; 2], projection: &Mat4) 
     let light = |c: usize| half(&mut captured.linear.iter().map(|texel| texel[c]));
     let (motions, labels) = (captured.motions(), &captured.labels);
     let moved = |axis: usize| FlatSamples::F32(motions.iter().map(|motion| motion[axis]).collect());
-    let label = |of: fn(&tresses::draw::tiles::Label) -> u32| {
+    let label = |of: fn(&tresses::low_level::Label) -> u32| {
         FlatSamples::U32(labels.iter().map(|label| label.as_ref().map_or(NONE, of)).collect())
     };
     let channels = [

@@ -6,11 +6,10 @@ use std::{
     process::Command,
 };
 use tresses::{
-    Pose,
-    body::{Body, Skin, Words},
+    Body, Gpu, Pose,
     glam::Vec3,
-    gpu::{Gpu, readback::blocking::buffer as readback},
     groom::{TriMesh, mesh::Bvh, styles::Style},
+    low_level::{Skin, Words, readback::blocking::buffer as readback},
 };
 use tresses_scene::{Colliders, Motion, Preset, Quality, Scene};
 

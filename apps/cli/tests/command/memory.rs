@@ -5,12 +5,10 @@
 
 use std::{process::Command, str::FromStr};
 use tresses::{
-    character::CharacterSource,
-    gpu::Gpu,
+    CharacterSource, Gpu, LodMode, LodOptions,
     groom::styles::Style,
-    lod::{LodMode, LodOptions},
+    low_level::{DebugDisplay, DebugView},
     renderer::Renderer,
-    views::{DebugDisplay, DebugView},
 };
 use tresses_scene::{
     Colliders, Companions, Motion, Quality, Scene, Settings, Shelf, Source, Viewpoint, camera::Angle,

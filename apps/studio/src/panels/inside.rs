@@ -2,7 +2,7 @@
 
 use crate::{renderer::Renderer, theme};
 use eframe::egui::{self, RichText, ScrollArea, Slider, Ui};
-use tresses::views::{DebugDisplay, DebugView};
+use tresses::low_level::{DebugDisplay, DebugView};
 
 /// The debug views by topic. A test checks that each view is in one group.
 const GROUPS: [(&str, &[DebugView]); 4] = [

@@ -2,7 +2,7 @@
 
 use crate::{renderer::Renderer, theme};
 use eframe::egui::{Align2, Color32, Mesh, Pos2, Rect, RichText, Sense, TextStyle, Ui, pos2, vec2};
-use tresses::views::ramp;
+use tresses::low_level::ramp;
 use tresses_scene::picture::encoded;
 
 /// Maximum width, points.

@@ -283,7 +283,7 @@ fn browsers_accept_all_shaders() {
         let shaders = serde_json::to_string(shaders).unwrap();
         browser.value(&COMPILE.replace("SHADERS", &shaders))
     };
-    let all = tresses::shaders::all();
+    let all = tresses::low_level::shaders::all();
     assert!(all.len() > 50, "{}", all.len());
     let found = refused(all);
     assert_eq!(found, serde_json::json!([]), "{found:#}");

@@ -15,13 +15,8 @@ use bevy::{
 };
 use std::sync::{Arc, atomic::Ordering};
 use tresses::{
-    Character, CharacterAsset, Context, HairOptions, Result,
-    character::{CharacterOptions, CharacterParts, Obstacle},
-    collide::FieldSource,
-    constants::MAX_COLLIDERS,
-    groom::SdfGrid,
-    lod::LodOptions,
-    simulate::SimulationParams,
+    Character, CharacterAsset, CharacterOptions, CharacterParts, Context, HairOptions, LodOptions, Obstacle,
+    Result, SimulationParams, collide::FieldSource, groom::SdfGrid, low_level::constants::MAX_COLLIDERS,
 };
 
 /// Hair of an entity on the GPU.
@@ -118,12 +113,12 @@ impl Recipe {
             parts.ties = groom.ties;
             parts.cards = groom.cards;
             let fields: Vec<_> = fields.iter().map(|field| FieldSource::Grid(field)).collect();
-            let options = CharacterOptions {
-                hair: HairOptions { simulation: physics, lod: detail, ..groom.options },
-                fields: &fields,
-                root_reach: skin.as_ref().map_or(0.0, |skin| skin.reach),
-                ..Default::default()
-            };
+            let options = CharacterOptions::default()
+                .with_hair(groom.options)
+                .with_simulation(physics)
+                .with_lod(detail)
+                .with_obstacles(&[], &fields)
+                .with_root_reach(skin.as_ref().map_or(0.0, |skin| skin.reach));
             let mut character = Character::new(&CharacterAsset::new(&context, parts, &options, &()).await?)?;
             character.prepare_to_bend()?;
             // Hair and brows on one skin cast the skin's shadow only once.

@@ -29,10 +29,8 @@ use bevy::{
     },
 };
 use tresses::{
-    Camera, Character, Context, Result, View,
-    draw::{Compositor, Shade, Surroundings},
+    Camera, Character, Compositor, Context, Picture, Result, Shade, Surroundings, View, ViewOptions,
     renderer::Renderer,
-    view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages},
 };
 

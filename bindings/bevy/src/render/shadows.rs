@@ -4,7 +4,10 @@
 //! spot light, or one of the six faces of a point light.
 
 use bevy::{ecs::system::SystemParam, prelude::*};
-use tresses::light::{MAX_LIGHTS, SceneShadow, Sphere, scene::MOST_SCENE_SHADOWS};
+use tresses::{
+    light::{MAX_LIGHTS, SceneShadow, Sphere},
+    low_level::MOST_SCENE_SHADOWS,
+};
 
 #[cfg(feature = "pbr")]
 use bevy::{

@@ -9,7 +9,7 @@ use bevy::{
     prelude::*,
     render::{camera::ExtractedCamera, renderer::RenderContext, sync_world::MainEntity, view::ExtractedView},
 };
-use tresses::{Camera, Character, Result, character::Frame, wgpu};
+use tresses::{Camera, Character, Frame, Result, wgpu};
 
 /// Converts a camera. Bevy's depth also runs from 1 to 0.
 pub(crate) fn camera(view: &ExtractedView) -> Camera {

@@ -16,7 +16,8 @@ use bevy::{
     render::{render_asset::RenderAssets, texture::GpuImage},
 };
 use tresses::{
-    light::{CubeLight, CubeMap, CubeProbe, Environment},
+    light::Environment,
+    low_level::{CubeLight, CubeMap, CubeProbe},
     wgpu,
 };
 

@@ -20,8 +20,7 @@ pub(crate) use read::{SkinCache, SkinQueries};
 use bevy::prelude::*;
 use std::sync::Arc;
 use tresses::{
-    Pose,
-    character::BodyPose,
+    BodyPose, Pose,
     groom::{Rig, RigPose, TriMesh, rig::anatomy::Anatomy},
 };
 

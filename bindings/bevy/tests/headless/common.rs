@@ -20,7 +20,7 @@ use bevy::{
 };
 use bevy_tresses::{HairGroom, HairReady, TressesPlugin, groom::Strands, tri_mesh};
 use std::time::{Duration, Instant};
-use tresses::{Context, gpu::readback};
+use tresses::{Context, low_level::readback};
 
 /// Width and height of the images.
 pub const SIZE: [u32; 2] = [128, 96];

@@ -14,11 +14,10 @@ use bevy_tresses::{
     GlobalHairWind, Hair3d, HairCollider, HairDepth, HairGroom, HairMaterial3d, HairMeets, tri_mesh,
 };
 use tresses::{
-    Context,
-    gpu::{Binding, bindings, readback},
+    Context, Wind,
     light::HairMaterial,
+    low_level::{Binding, bindings, readback},
     wgpu,
-    wind::Wind,
 };
 
 /// Returns the pixels of hair.

@@ -2,7 +2,7 @@
 
 use crate::{Colliders, Quality, Scene, Settings, scene::uploaded};
 use anyhow::Result;
-use tresses::{Character, Context, Progress, character::CharacterParts, groom::cards::Cards};
+use tresses::{Character, CharacterParts, Context, Progress, groom::cards::Cards};
 
 /// Share by which hair may be larger than the switch size before a level that is shown gives way.
 const SLACK: f32 = 0.1;

@@ -3,7 +3,7 @@
 use crate::{Scene, motion::Motion};
 use anyhow::{Context, Result};
 use tresses::{
-    character::Gesture,
+    Gesture,
     glam::Vec3,
     groom::{
         Rig,

@@ -5,7 +5,7 @@ use crate::shelf::Shelf;
 use anyhow::{Context, Error, Result};
 use serde::Deserialize;
 use std::path::Path;
-use tresses::lod::LodLevel;
+use tresses::LodLevel;
 
 /// A file of painted levels.
 #[derive(Debug, Deserialize)]

@@ -7,10 +7,7 @@ use std::{
     path::{Path, PathBuf},
     str::FromStr,
 };
-use tresses::{
-    groom::{grow::ColorMap, scalp::ScalpMap},
-    light::material::linear,
-};
+use tresses::groom::{grow::ColorMap, scalp::ScalpMap, srgb::linear};
 
 /// Source of a scalp map's values.
 #[derive(Clone, Debug, PartialEq)]

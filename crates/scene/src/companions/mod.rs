@@ -20,12 +20,11 @@ use crate::{
 use anyhow::{Error, Result};
 use std::path::Path;
 use tresses::{
+    LodLevel, Tie,
     groom::{
         grow::{CurlCurve, ScalpPaint},
         scalp::ScalpMap,
     },
-    lod::LodLevel,
-    simulate::Tie,
 };
 
 /// Contents of the companion files that affect strands.

@@ -10,13 +10,13 @@
 //! ```
 //! Units are meters, in groom space with the hair at rest. The example lists a band at a point, a braid along a line, a
 //! pin that holds hair to the head, and a band that gathers the loose hair of the file's group 2 to a quarter.
-//! [`tresses::simulate::ties`] describes their effect.
+//! [`tresses::Tie`] describes their effect.
 
 use crate::shelf::Shelf;
 use anyhow::{Context, Result, ensure};
 use serde::Deserialize;
 use std::path::Path;
-use tresses::simulate::{Tie, TieTarget};
+use tresses::{Tie, TieTarget};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

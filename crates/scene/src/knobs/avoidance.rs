@@ -1,7 +1,7 @@
 //! Parameters of strand collision: how render strands avoid colliders.
 
 use super::{Knob, Section, flags::flag, rows, value::*};
-use tresses::avoid::{AvoidMode, AvoidOptions};
+use tresses::{AvoidMode, AvoidOptions};
 
 pub(super) const SECTION: Section = Section {
     key: "avoidance",

@@ -6,7 +6,7 @@ use super::{
     rows,
     value::*,
 };
-use tresses::lod::{LodMode, LodOptions};
+use tresses::{LodMode, LodOptions};
 
 pub(super) const SECTION: Section = Section {
     key: "lod",

@@ -7,7 +7,7 @@ use super::{
     value::*,
 };
 use crate::settings::HairColor;
-use tresses::{light::fiber::FiberShape, renderer::ShadingModel};
+use tresses::{low_level::FiberShape, renderer::ShadingModel};
 
 pub(super) const SECTION: Section =
     Section { key: "shading", title: "Shading", about: "Hair color and shading model.", knobs: KNOBS };

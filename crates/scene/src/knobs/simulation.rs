@@ -2,10 +2,8 @@
 
 use super::{Access, Knob, Section, Value, flags::flag, rows, value::*};
 use tresses::{
-    clock::MAX_SUBSTEPS,
-    glam::Vec3,
-    simulate::{RestOptions, RootToTip, SimulationParams as Params},
-    volume::{HairHair, HairHairMode},
+    HairHair, HairHairMode, RestOptions, RootToTip, SimulationParams as Params, glam::Vec3,
+    low_level::MAX_SUBSTEPS,
 };
 
 pub(super) const SECTION: Section = Section {

@@ -7,7 +7,7 @@ use super::{
     value::*,
 };
 use crate::settings::Curl;
-use tresses::character::MapCoordinates;
+use tresses::MapCoordinates;
 use tresses::groom::{
     grow::{Clumps, Curls, Growth, Unrest},
     mannequin::facial::Beard,

@@ -6,15 +6,12 @@ use crate::{
     settings::{ClassicBlending, Curl, HairColor, RendererKind},
 };
 use tresses::{
-    avoid::AvoidMode,
-    character::MapCoordinates,
+    AvoidMode, HairHairMode, LodMode, MapCoordinates,
     glam::Vec3,
     groom::mannequin::facial::Beard,
-    light::material,
-    lod::LodMode,
+    low_level,
     range::Range,
     renderer::{ShadingModel, ShadingRate, ShadowMethod},
-    volume::HairHairMode,
 };
 
 /// A parameter's value.
@@ -271,7 +268,7 @@ impl Field for Vec3 {
 
     fn put(&mut self, value: Value) {
         if let Value::Color([r, g, b]) = value {
-            *self = material::srgb(u32::from_be_bytes([0, r, g, b]));
+            *self = low_level::srgb(u32::from_be_bytes([0, r, g, b]));
         }
     }
 }

@@ -6,7 +6,7 @@ use super::{
     rows,
     value::*,
 };
-use tresses::wind::{MAX_CELLS, Wind};
+use tresses::{Wind, low_level::MAX_CELLS};
 
 pub(super) const SECTION: Section = Section {
     key: "wind",

@@ -2,7 +2,7 @@
 
 use super::{Motion, NAMES};
 use tresses::{
-    character::CharacterParts,
+    CharacterParts,
     glam::{Quat, Vec3},
     groom::{
         mannequin,

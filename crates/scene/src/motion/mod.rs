@@ -16,8 +16,7 @@ use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
 use std::{collections::BTreeMap, path::Path, sync::Arc};
 use tresses::{
-    Pose,
-    character::Gesture,
+    Gesture, Pose,
     glam::{EulerRot, Quat, Vec3},
 };
 

@@ -12,13 +12,9 @@ use crate::{
     settings::Settings,
 };
 use tresses::{
-    PipelineRequest, Result,
-    character::Styling,
+    HairHairMode, Picture, PipelineRequest, Result, SimulationParams, Styling, ViewOptions,
     groom::{Look, styles::Style},
     light::HairMaterial,
-    simulate::SimulationParams,
-    view::{Picture, ViewOptions},
-    volume::HairHairMode,
 };
 
 /// Invalid settings, described in one sentence.

@@ -4,11 +4,7 @@ use crate::{
     knobs,
     settings::{HairColor, NATURAL, Settings},
 };
-use tresses::{
-    groom::Look,
-    light::{HairMaterial, fiber::FiberShape},
-    renderer::ShadingModel,
-};
+use tresses::{groom::Look, light::HairMaterial, low_level::FiberShape, renderer::ShadingModel};
 
 /// Spread of the cuticle angle per unit of highlight spread. Highlights of the fiber model then shift half as far as
 /// the wider Kajiya-Kay highlights.
@@ -95,7 +91,7 @@ mod tests {
     use super::*;
     use crate::settings::ShadingSettings;
     use tresses::glam::Vec3;
-    use tresses::light::{FiberMaterial, fiber::bsdf::melanin};
+    use tresses::{light::FiberMaterial, low_level::melanin};
 
     fn colored(color: HairColor) -> Settings {
         Settings { shading: ShadingSettings { color, ..Default::default() }, ..Default::default() }

@@ -6,8 +6,7 @@ use crate::{
     settings::{Curl, Settings},
 };
 use tresses::{
-    Result,
-    character::source::FillOptions,
+    FillOptions, Result,
     groom::{
         GuideCount, Restyle,
         grow::{Curls, Growth, ScalpPaint, Unrest},

@@ -3,7 +3,11 @@
 use super::{OutputRequest, Scene};
 use crate::camera::{Sight, Viewpoint};
 use anyhow::{Context as _, Result};
-use tresses::{character::Gesture, frame::Drawing, frame::ViewContent, glam::Vec3, gpu::Timings};
+use tresses::{
+    Gesture, Timings,
+    glam::Vec3,
+    low_level::{Drawing, ViewContent},
+};
 
 impl Scene {
     /// Puts the hair at rest on a character posed by `gesture`.

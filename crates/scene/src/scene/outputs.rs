@@ -8,13 +8,10 @@ use super::{
 use crate::camera::Sight;
 use anyhow::{Result, ensure};
 use tresses::{
-    camera::ToneMap,
-    draw::tiles::Label,
+    ToneMap,
     glam::{Mat4, Vec3},
-    gpu::readback,
-    groom::Strands,
-    light::material::linear,
-    strands::{GuideBuffers, Strand, StrandBuffers, StrandVertex, vertex::unpack_tangent},
+    groom::{Strands, bound::Strand, srgb::linear},
+    low_level::{GuideBuffers, Label, StrandBuffers, StrandVertex, readback, unpack_tangent},
 };
 
 /// Outputs of a capture besides color.
@@ -39,11 +36,11 @@ pub struct Capture {
     pub color: Vec<u8>,
     /// Linear radiance before exposure and tone mapping, premultiplied by alpha. Empty unless requested.
     pub linear: Vec<[f32; 4]>,
-    /// [`Targets::geometry`](tresses::draw::Targets::geometry), zero without hair. Empty unless requested.
+    /// [`Targets::geometry`](tresses::low_level::Targets::geometry), zero without hair. Empty unless requested.
     pub geometry: Vec<[f32; 4]>,
     /// Whether `geometry` contains hair motion.
     pub knows_motion: bool,
-    /// [`Targets::labels`](tresses::draw::Targets::labels). Empty unless requested.
+    /// [`Targets::labels`](tresses::low_level::Targets::labels). Empty unless requested.
     pub labels: Vec<Option<Label>>,
     /// Bodies behind the hair. Empty unless requested.
     pub surface: Vec<SurfaceSample>,

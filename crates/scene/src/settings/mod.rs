@@ -30,12 +30,7 @@ pub use style::{Curl, StyleSettings};
 
 use std::collections::BTreeSet;
 use tresses::{
-    avoid::AvoidOptions,
-    glam::Vec3,
-    light::Shadows,
-    lod::{LodMode, LodOptions},
-    simulate::{RestOptions, SimulationParams},
-    view::ViewOptions,
+    AvoidOptions, LodMode, LodOptions, RestOptions, SimulationParams, ViewOptions, glam::Vec3, light::Shadows,
 };
 
 /// All parameters that users can change.

@@ -1,6 +1,9 @@
 //! Hair color and shading settings.
 
-use tresses::light::{FiberMaterial, HairMaterial, fiber::bsdf::melanin, material::srgb};
+use tresses::{
+    light::{FiberMaterial, HairMaterial},
+    low_level::{melanin, srgb},
+};
 
 /// Source of the hair color.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Settings for growing strands on a built-in style, and for restyling a groom from files.
 
 use tresses::{
-    character::{FaceHair, MapCoordinates},
+    FaceHair, MapCoordinates,
     groom::{
         Fill,
         grow::{Curls, Growth},

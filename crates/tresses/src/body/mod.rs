@@ -6,7 +6,7 @@ mod surface;
 
 pub(crate) use paint::BodyTextures;
 pub use skin::{Skin, Words};
-pub use surface::Surface;
+pub(crate) use surface::Surface;
 pub(crate) use surface::points_for;
 
 use bytemuck::{NoUninit, Pod, Zeroable};

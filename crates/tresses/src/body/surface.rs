@@ -11,7 +11,7 @@ const FINE: usize = 24;
 
 /// Points on the triangles of a mesh. They refer to vertices, so that they follow deformation.
 #[derive(Clone, Debug)]
-pub struct Surface {
+pub(crate) struct Surface {
     pub(crate) buffer: wgpu::Buffer,
     /// Number of points.
     pub points: u32,

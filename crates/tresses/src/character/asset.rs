@@ -14,6 +14,7 @@ use crate::{
     },
     hair::{HairAsset, HairDescriptor, HairOptions},
     light::Sphere,
+    lod::LodOptions,
     roots::RootAsset,
     simulate::SimulationParams,
     volume::VolumeOptions,
@@ -27,6 +28,12 @@ pub(super) const FACE_REACH: f32 = 0.01;
 const SWING: f32 = 1.15;
 
 /// Options for uploading a character.
+///
+/// ```
+/// use tresses::{CharacterOptions, LodOptions};
+///
+/// let options = CharacterOptions::default().with_lod(LodOptions::CROWD).with_root_reach(0.01);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct CharacterOptions<'a> {
     /// Options of the hair. Face grooms use its physics and level of detail.
@@ -52,6 +59,46 @@ impl Default for CharacterOptions<'_> {
             ambient_cells: u32::MAX,
             root_reach: 0.2,
         }
+    }
+}
+
+impl<'a> CharacterOptions<'a> {
+    /// Sets all options of the hair.
+    #[must_use]
+    pub fn with_hair(self, hair: HairOptions) -> Self {
+        Self { hair, ..self }
+    }
+
+    /// Sets the physics of the hair.
+    #[must_use]
+    pub fn with_simulation(mut self, simulation: SimulationParams) -> Self {
+        self.hair.simulation = simulation;
+        self
+    }
+
+    /// Sets the level of detail of the hair.
+    #[must_use]
+    pub fn with_lod(mut self, lod: LodOptions) -> Self {
+        self.hair.lod = lod;
+        self
+    }
+
+    /// Sets the [`obstacles`](Self::obstacles) and the distance fields that they refer to.
+    #[must_use]
+    pub fn with_obstacles(self, obstacles: &'a [Collider], fields: &'a [FieldSource<'a>]) -> Self {
+        Self { obstacles, fields, ..self }
+    }
+
+    /// Sets the [resolution of ambient light](Self::ambient_cells).
+    #[must_use]
+    pub fn with_ambient_cells(self, ambient_cells: u32) -> Self {
+        Self { ambient_cells, ..self }
+    }
+
+    /// Sets the [maximum distance of roots](Self::root_reach), meters.
+    #[must_use]
+    pub fn with_root_reach(self, root_reach: f32) -> Self {
+        Self { root_reach, ..self }
     }
 }
 

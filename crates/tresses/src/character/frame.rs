@@ -2,12 +2,13 @@
 
 use super::{Character, light::Lighting};
 use crate::{
-    Camera, Context, Hair, Result,
+    Camera, Context, Result,
     body::Body,
     budget::{Budget, Costs, CrowdDetail, ViewBytes},
     draw::{Compositor, Surroundings},
     frame::{Drawing, Recorder, ViewContent},
     gpu::Timings,
+    hair::Hair,
     light::{SceneShadow, Zone},
     skinning::Skinning,
     view::{Picture, View},
@@ -109,7 +110,7 @@ impl<'a> Frame<'a> {
         self.draw_as(view, characters, Drawing { output: Some(output), ..Drawing::new(picture) })
     }
 
-    /// Composites hair into a scene that the host has drawn and that hides hair behind it ([`crate::draw::embed`]).
+    /// Composites hair into a scene that the host has drawn and that hides hair behind it.
     /// Bodies are not drawn, but shade the hair.
     ///
     /// # Errors

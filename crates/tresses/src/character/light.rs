@@ -18,6 +18,7 @@ struct Group {
 
 /// The spheres around the heads of an image, for hosts that fit lights and shadow maps to them.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Foci {
     /// The head nearest to the camera. The view's own shadow maps cover it.
     pub nearest: Sphere,

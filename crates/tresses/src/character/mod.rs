@@ -88,7 +88,7 @@ pub struct Character {
     pub physics: SimulationParams,
     /// Pose of the body, turn of the head and blend shape weights that the host sets.
     pub gesture: Gesture,
-    /// The space of the poses of body and obstacles ([`crate::space`]).
+    /// The space of the poses of body and obstacles.
     pub space: Space,
     /// The space in which it is drawn; `None` for [`space`](Self::space).
     pub drawn_in: Option<Space>,

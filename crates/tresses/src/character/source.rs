@@ -13,8 +13,6 @@ mod edited;
 mod fill;
 mod skin;
 
-#[cfg(feature = "edit")]
-pub use edited::LEAST_GUIDES;
 pub use fill::FillOptions;
 pub use skin::MapCoordinates;
 
@@ -96,6 +94,7 @@ impl Styling {
 
 /// Locations of the files of a groom and its head.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub enum CharacterFiles<'a> {
     /// Files on disk.
     Disk {

@@ -1,5 +1,5 @@
 //! Colliders: capsules, ellipsoids and signed distance fields, up to [`MAX_COLLIDERS`](crate::constants::MAX_COLLIDERS)
-//! in total. Each is rigid and has its own pose; a field may also [`deform`] with skin. This is a service, not a
+//! in total. Each is rigid and has its own pose; a field may also `deform` with skin. This is a service, not a
 //! stage: every kernel with obstacles binds the same group as `@group(1)` and calls `nearest.wesl`.
 //!
 //! ```text
@@ -10,13 +10,13 @@
 //!
 //! **Moments.** The simulation evaluates a collider at the start of the frame's first step (moment 0) and at the end of
 //! every substep `k` of the frame (moment `k`); the moment is the last argument of `nearest(x, moment)`. The host
-//! writes one [`Place`] per moment and collider, so no kernel interpolates poses per vertex. The velocity of a point of
+//! writes one `Place` per moment and collider, so no kernel interpolates poses per vertex. The velocity of a point of
 //! an obstacle is its rigid motion, rotation included, in the substep that ends at the moment. Between frames a
-//! collider moves from its pose at the end of the last step towards its current pose, like the head ([`crate::clock`]).
+//! collider moves from its pose at the end of the last step towards its current pose, like the head.
 //!
 //! **Now.** The drawn hair is interpolated between the last two states *in the head's frame* and carried to the head's
 //! current pose, so relative to the head it is up to one step old. The moment `NOW` has the colliders' poses delayed in
-//! the same way, and [`ColliderSet::drawn`] returns them. Draw a hand at that pose, and the hair that it pushes lies on
+//! the same way, and `ColliderSet::drawn` returns them. Draw a hand at that pose, and the hair that it pushes lies on
 //! it. Colliders attached to the head need no correction.
 //!
 //! **Fields.** All distance fields are tiles of one rgba16float texture with the unit gradient and the distance. A bind
@@ -39,16 +39,16 @@
 //! mm per cell a finger is two cells wide, friction and velocity per collider are lost, and a hand that passes at 3 m/s
 //! moves three cells per substep.
 //!
-//! **Skin.** The field of a joint may deform with the skin around it ([`deform`]): it is sampled at the rest position
+//! **Skin.** The field of a joint may deform with the skin around it (`deform`): it is sampled at the rest position
 //! of the matter. Rebuilding the field in each frame would be as exact, but cost some hundred times as much on a
 //! software driver and provide no velocity of the skin.
 
 mod atlas;
-pub mod build;
-pub mod deform;
+pub(crate) mod build;
+pub(crate) mod deform;
 mod places;
 mod set;
-pub mod shape;
+pub(crate) mod shape;
 mod volume;
 
 use crate::{
@@ -60,11 +60,11 @@ use crate::{
 };
 use glam::{Quat, Vec3};
 
-pub use build::FieldBuilder;
+pub(crate) use build::FieldBuilder;
 pub(crate) use places::Journey;
 pub(crate) use places::PlacesHead;
-pub use places::{Moments, Place};
-pub use set::ColliderSet;
+pub(crate) use places::{Moments, Place};
+pub(crate) use set::ColliderSet;
 pub(crate) use set::{FieldAtlas, layout};
 pub(crate) use shape::{ShapeData, ShapeTable};
 pub(crate) use volume::{FieldVolume, SolidBounds};
@@ -75,6 +75,7 @@ pub struct FieldId(pub u32);
 
 /// Shape of a collider in its own frame, meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Shape {
     /// All points within `radius` of the segment from `(0, -half_length, 0)` to `(0, half_length, 0)`; a sphere if
     /// `half_length` is zero.
@@ -113,6 +114,7 @@ impl Shape {
 
 /// Frame of reference of a collider's poses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Anchor {
     /// Poses are in the frame's space, by default the world: a hand, a chair, shoulders that move on their own.
     #[default]
@@ -141,6 +143,7 @@ impl Collider {
 
 /// Source of a distance field.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub enum FieldSource<'a> {
     /// A field on the CPU.
     Grid(&'a SdfGrid),
@@ -155,7 +158,7 @@ pub enum FieldSource<'a> {
     },
 }
 
-/// Contents of a [`ColliderSet`].
+/// Contents of a `ColliderSet`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ColliderDescriptor<'a> {
     /// The head's distance field, in groom space: the first collider, which follows the head.

@@ -14,7 +14,7 @@ use glam::{Quat, Vec3};
 /// Pose and bounding sphere of a collider, in GPU layout.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Place {
+pub(crate) struct Place {
     /// Unit quaternion.
     pub rotation: Quat,
     /// Translation, meters.
@@ -54,7 +54,7 @@ pub(crate) struct PlacesHead {
 
 /// Parameters of a frame's collider motion.
 #[derive(Clone, Copy, Debug)]
-pub struct Moments<'a> {
+pub(crate) struct Moments<'a> {
     /// The frame's fixed steps.
     pub steps: &'a [Step],
     /// Substeps per step.

@@ -298,7 +298,7 @@ impl ColliderSet {
     ///
     /// # Errors
     /// [`Error::Colliders`] if the number of poses does not match the colliders, or a pose is not finite.
-    pub fn advance(&mut self, poses: &ColliderPoses, frame: &Moments<'_>) -> Result<()> {
+    pub(crate) fn advance(&mut self, poses: &ColliderPoses, frame: &Moments<'_>) -> Result<()> {
         self.journey(poses, frame, &Journey { head: frame.head, passage: Passage::default() })
     }
 

@@ -3,7 +3,9 @@
 use super::{Collider, Shape};
 use crate::{Error, Result, constants::MAX_COLLIDERS};
 use bytemuck::{Pod, Zeroable};
-use glam::{Vec3, Vec4};
+use glam::Vec3;
+#[cfg(test)]
+use glam::Vec4;
 
 /// `ShapeData::kind` of a capsule.
 pub const CAPSULE: u32 = 0;
@@ -89,6 +91,7 @@ impl ShapeData {
 }
 
 /// Returns unit normal (xyz) and distance (w, meters) of a capsule at `p` in its frame.
+#[cfg(test)]
 pub fn capsule(p: Vec3, radius: f32, half_length: f32) -> Vec4 {
     let way = p - Vec3::Y * p.y.clamp(-half_length, half_length);
     let far = way.length();
@@ -97,6 +100,7 @@ pub fn capsule(p: Vec3, radius: f32, half_length: f32) -> Vec4 {
 }
 
 /// Returns unit normal (xyz) and distance (w, meters, to first order) of an ellipsoid at `p` in its frame.
+#[cfg(test)]
 pub fn ellipsoid(p: Vec3, radii: Vec3) -> Vec4 {
     let a = p / radii;
     let b = a / radii;

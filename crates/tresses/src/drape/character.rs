@@ -108,7 +108,7 @@ pub async fn fallen(
 /// Drapes `styled` on a head with the distance field `field`, as far as its recipe's [`Hold`] allows.
 ///
 /// # Errors
-/// As [`drape()`].
+/// As `drape()`.
 pub async fn settle(context: &Context, styled: &mut StyledGuides, field: &SdfGrid) -> Result<()> {
     let traits: Vec<_> = styled
         .stiffness

@@ -16,7 +16,7 @@ use glam::Vec3;
 
 /// Options for draping.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DrapeOptions {
+pub(crate) struct DrapeOptions {
     /// Simulated time, s.
     pub seconds: f32,
     /// Drag during the fall, 1/s: high, so that the hair comes to rest within `seconds`.

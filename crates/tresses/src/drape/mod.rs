@@ -14,4 +14,4 @@ mod character;
 mod fall;
 
 pub use character::{DrapedCharacter, character, character_with, fallen, settle, settled};
-pub use fall::{DrapeOptions, drape};
+pub(crate) use fall::{DrapeOptions, drape};

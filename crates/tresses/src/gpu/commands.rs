@@ -38,7 +38,7 @@ pub struct ComputePass<'a> {
 
 /// A render pass that counts its commands.
 #[derive(Debug)]
-pub struct RenderPass<'a> {
+pub(crate) struct RenderPass<'a> {
     pass: wgpu::RenderPass<'a>,
     counts: &'a mut Counts,
     groups: Groups,
@@ -82,7 +82,7 @@ impl<'a> Commands<'a> {
     }
 
     /// Begins a render pass, timed as `name`.
-    pub fn render(
+    pub(crate) fn render(
         &mut self,
         name: &'static str,
         color_attachments: &[Option<wgpu::RenderPassColorAttachment<'_>>],

@@ -81,7 +81,7 @@ mod tests {
     fn contexts_and_their_objects_are_send_and_sync() {
         fn check<T: Send + Sync>() {}
         check::<Context>();
-        check::<crate::Hair>();
+        check::<crate::hair::Hair>();
         check::<crate::View>();
         check::<crate::body::Body>();
         check::<crate::skinning::Skinning>();

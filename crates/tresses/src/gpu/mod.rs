@@ -21,7 +21,8 @@ pub mod timings;
 
 pub(crate) use bindings::{BindBuffer, Bindings, BufferBinding, Opaque, Resource};
 pub use bindings::{Binding, Buffer};
-pub use commands::{Commands, ComputePass, RenderPass};
+pub(crate) use commands::RenderPass;
+pub use commands::{Commands, ComputePass};
 pub use context::Context;
 pub use counts::Counts;
 pub use device::Gpu;

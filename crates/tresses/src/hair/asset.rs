@@ -33,7 +33,7 @@ pub struct HairDescriptor<'a> {
     /// Draws the hair as cards, at any distance, if the strands of the groom are the columns of cards
     /// (`groom::cards::Cards::strands`, with the feature `cards`).
     pub cards: Option<&'a CardSheet>,
-    /// Painted levels of detail: at most [`lod::MAX_LEVELS`], with descending sizes.
+    /// Painted levels of detail: at most `lod::MAX_LEVELS`, with descending sizes.
     pub levels: &'a [LodLevel],
     /// Center of the braincase (groom space, meters), around which levels are painted
     /// ([`SKULL_CENTER`](crate::groom::mannequin::SKULL_CENTER) for the built-in head).

@@ -14,8 +14,8 @@ pub struct HairFrame<'a> {
     pub colliders: &'a ColliderPoses,
     /// Physics. Gravity and wind are in the axes of the world.
     pub simulation: &'a SimulationParams,
-    /// Space of `head`, `colliders` and [roots](crate::roots::Roots::pose), with its place and motion in the world
-    /// ([`crate::space`]).
+    /// Space of `head`, `colliders` and roots, with its place and motion in the world
+    ///.
     pub space: Space,
     /// Space of cameras, lights and bodies, in which the hair is drawn; `None` for `space`. All hair of one view must
     /// be drawn in the same space.

@@ -9,11 +9,11 @@ use crate::{
 
 impl Hair {
     /// Replaces the ties that hold the hair from the next frame on: bands, braids and pins. Their positions refer to
-    /// the resting groom. See [`crate::simulate::ties`].
+    /// the resting groom.
     ///
     /// # Errors
     /// [`Error::Parameter`](crate::Error::Parameter) for an invalid tie, [`crate::groom::Error::Unusable`] for a tie
-    /// that holds nothing and for more than [`crate::simulate::ties::MAX_RINGS`] rings;
+    /// that holds nothing and for more than `MAX_RINGS` rings;
     /// [`Error::Limit`](crate::Error::Limit).
     pub fn tie(&mut self, ties: &[Tie]) -> Result<TieReport> {
         let context = &self.asset.context;
@@ -32,8 +32,7 @@ impl Hair {
     /// Grabs the lock that `ray` hits first. The ray starts at the eye, passes through the cursor and is in the
     /// camera's space ([`crate::Camera::ray`]). Grabs all hair that follows guide vertices within `radius` meters of
     /// the hit, or the nearest vertex. The grab lasts until [`release`](Self::release), until the head jumps or until
-    /// [`reset`](Self::reset). A ray that hits no hair, or the head first, grabs nothing. See
-    /// [`crate::simulate::grab`].
+    /// [`reset`](Self::reset). A ray that hits no hair, or the head first, grabs nothing.
     ///
     /// # Errors
     /// [`Error::Parameter`](crate::Error::Parameter) for a ray without a direction, and for a radius outside 1 mm to 1 m.

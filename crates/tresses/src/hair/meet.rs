@@ -8,7 +8,7 @@ const ROOM: f32 = 1.3;
 
 impl Hair {
     /// Adds the hair of `others` to this hair's density grid in the next frame. Where the combined density exceeds the
-    /// limit, this hair is pushed out, and it rubs against theirs as against itself ([`crate::volume`]). The effect is
+    /// limit, this hair is pushed out, and it rubs against theirs as against itself. The effect is
     /// one-sided: let the others meet this hair as well. It lasts one frame, so call it before each frame in which they
     /// may touch.
     ///

@@ -6,7 +6,7 @@ use glam::{Quat, Vec3};
 
 /// State of the guides of one groom after a frame.
 ///
-/// The air ([`Hair::air`]) is not part of it.
+/// The air (`Hair::air`) is not part of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GuideState {
     /// [`Hair::place`] of that frame.

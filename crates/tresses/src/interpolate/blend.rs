@@ -63,7 +63,7 @@ impl PipelineSet for Pipelines {
 
 /// The stage's state for one groom.
 #[derive(Debug)]
-pub struct Interpolation {
+pub(crate) struct Interpolation {
     pipelines: Arc<Pipelines>,
     params: wgpu::Buffer,
     group: wgpu::BindGroup,

@@ -31,5 +31,5 @@
 
 mod blend;
 
-pub use blend::Interpolation;
+pub(crate) use blend::Interpolation;
 pub(crate) use blend::Pipelines;

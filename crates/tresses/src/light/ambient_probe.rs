@@ -10,6 +10,7 @@ use glam::{Vec3, Vec4};
 
 /// Ambient light at a point, averaged over a set of directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct IncidentLight {
     /// Sky visibility for fibers that remove 0, 1/8, 1/2 and all of the light that hits them. Meshes remove all of it.
     pub open: Vec4,

@@ -16,6 +16,7 @@ use glam::{Mat3, Vec3, Vec4};
 
 /// Quantity that the texels of a cube map store.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum CubeMap {
     /// Radiance from the direction of the texel, as in a sky or a reflection probe.
     Radiance,

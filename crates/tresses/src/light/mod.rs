@@ -40,73 +40,66 @@
 //! **Shading rate**: light that arrives, ambient light and light scattered by other fibers vary slowly along a strand.
 //! They are evaluated at *shading samples* (called knots in the code): the ends of eight spans, or every third vertex
 //! (`knots.wesl`, 8 bytes each), and up to three times as many where strands represent others at a level of detail.
-//! Highlights and colors vary fast; `shade.wesl` adds them at each vertex, with four bytes of output ([`radiance`]).
-//! With [`ShadingSubset`], only visible hair is shaded: `choose.wesl` lists samples and spans, and both kernels run over the
+//! Highlights and colors vary fast; `shade.wesl` adds them at each vertex, with four bytes of output (`radiance`).
+//! With `ShadingSubset`, only visible hair is shaded: `choose.wesl` lists samples and spans, and both kernels run over the
 //! lists. For shading per pixel, `arrive.wesl` looks up the shadows of every vertex instead.
 //!
 //! **Shading models** (`shading.wesl`, [`ShadingModel`](crate::renderer::ShadingModel)): both have the same inputs,
 //! fiber, eye, light and fiber count, so that a kernel and a fragment shader share the code. *Fiber* refracts, absorbs
-//! and scatters: see [`fiber`]. *Kajiya and Kay* is set by eye: two highlights whose tangents are shifted per lock and
+//! and scatters: see `fiber`. *Kajiya and Kay* is set by eye: two highlights whose tangents are shifted per lock and
 //! per strand, sharp glints in the first, and a lobe of light from behind.
 //!
 //! **Environments** ([`Environment`], [`Sky`]): three colors by elevation, or an environment map as spherical
 //! harmonics, of which bright regions become directional lights with shadows. The GPU measures cube maps of
-//! engines ([`CubeProbe`]).
+//! engines ([`CubeProbe`](cube::CubeProbe)).
 //!
-//! **Ambient light** ([`ambient`]): sky visibility within the hair, and the light that meshes reflect onto it,
+//! **Ambient light** (`ambient`): sky visibility within the hair, and the light that meshes reflect onto it,
 //! propagated through a grid of cells. Hair and meshes read it.
 //!
-//! **Zones** ([`zone`]): the heads of a crowd have their own maps and grids, with a resolution that suits their size on
+//! **Zones** (`zone`): the heads of a crowd have their own maps and grids, with a resolution that suits their size on
 //! screen.
 //!
 //! Rejected: filters of a few rotated taps (under a turning light they jittered twelve times as much as the exact
 //! shadow); uniform slices (48 of them had hardly less error than these eight layers). Untried: moments instead of
 //! layers.
 
-pub mod ambient;
-mod ambient_probe;
+pub(crate) mod ambient;
+pub(crate) mod ambient_probe;
 mod asked;
 pub(crate) mod cards;
-pub mod chosen;
-pub mod cube;
+pub(crate) mod chosen;
+pub(crate) mod cube;
 mod directional;
-pub mod environment;
-pub mod fiber;
+mod environment;
+pub(crate) mod fiber;
 mod frame;
-pub mod hair;
-pub mod lights;
-pub mod material;
+pub(crate) mod hair;
+mod lights;
+pub(crate) mod material;
 mod pipelines;
-pub mod probe;
-pub mod radiance;
+pub(crate) mod probe;
+pub(crate) mod radiance;
 mod record;
-pub mod scene;
-pub mod shadow;
-pub mod shadows;
-pub mod state;
-pub mod terms;
-pub mod zone;
+pub(crate) mod scene;
+pub(crate) mod shadow;
+mod shadows;
+pub(crate) mod state;
+pub(crate) mod terms;
+pub(crate) mod zone;
 
-pub use ambient::Ambient;
-pub use ambient_probe::{AmbientProbe, IncidentLight};
-pub use chosen::ShadingSubset;
-pub use cube::{CubeLight, CubeMap, CubeProbe};
+pub(crate) use ambient::Ambient;
+pub(crate) use chosen::ShadingSubset;
 pub use directional::{Directional, MAX_LIGHTS};
 pub use environment::Environment;
 pub(crate) use frame::FrameLight;
-pub use hair::HairSet;
-pub(crate) use hair::HairShading;
-pub(crate) use hair::HairView;
+pub(crate) use hair::{HairSet, HairShading, HairView};
 pub use lights::{Lights, Sky, Sphere};
 pub use material::{FiberMaterial, HairMaterial};
 pub(crate) use pipelines::Pipelines;
-pub use probe::{Shadow, ShadowProbe};
-pub use radiance::unpack_radiance;
 pub(crate) use scene::ImportedShadows;
 pub use scene::SceneShadow;
 pub(crate) use shadow::ShadowMaps;
 pub use shadows::Shadows;
-pub use state::LightState;
-pub use terms::{Term, Terms};
-pub use zone::Zone;
-pub(crate) use zone::{Part, Zones};
+pub(crate) use state::LightState;
+pub(crate) use terms::Term;
+pub(crate) use zone::{Part, Zone, Zones};

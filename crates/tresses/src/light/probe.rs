@@ -10,6 +10,7 @@ use glam::{Vec3, Vec4};
 
 /// Occluders between a point and a light.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Shadow {
     /// Mean number of fibers: -ln of the fraction of the light that hits none.
     pub fibers: f32,

@@ -21,7 +21,7 @@ pub struct Shadows {
     /// Variation of light and shadow from strand to strand, where maps have only a mean: 0 for none, 1 as in real hair.
     /// Only for [`ShadingModel::Fiber`](crate::renderer::ShadingModel::Fiber).
     pub strand_by_strand: f32,
-    /// Whether light from the sky and from meshes is propagated through the hair ([`super::ambient`]). Otherwise sky
+    /// Whether light from the sky and from meshes is propagated through the hair. Otherwise sky
     /// visibility is estimated from the zenith and the lights that are on, and meshes reflect no light.
     pub ambient: bool,
 }

@@ -13,6 +13,7 @@ use wgpu::util::DeviceExt;
 /// One part of the light on hair. The terms from [`Reflection`](Self::Reflection) to [`Multiple`](Self::Multiple) add
 /// up to [`Direct`](Self::Direct). `Direct` and [`Sky`](Self::Sky) add up to all light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Term {
     /// Reflection by the surface (R); Kajiya and Kay: first highlight.
     Reflection = 0,
@@ -46,7 +47,7 @@ impl Term {
 
 /// The kernel `light::terms`.
 #[derive(Debug)]
-pub struct Terms {
+pub(crate) struct Terms {
     kernel: Kernel,
     /// One group per term.
     groups: Vec<wgpu::BindGroup>,

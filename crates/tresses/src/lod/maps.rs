@@ -24,7 +24,7 @@ pub struct LodLevel {
     /// Share of the strands that is drawn, 0 to 1; `None` for all. Strands are dropped in a fixed order, and one that
     /// is being dropped becomes narrower.
     pub density: Option<ScalpMap>,
-    /// Factor on strand widths, 0 to [`MAX_THICKNESS`]; `None` for 1.
+    /// Factor on strand widths, 0 to `MAX_THICKNESS`; `None` for 1.
     pub thickness: Option<ScalpMap>,
 }
 

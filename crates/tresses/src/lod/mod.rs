@@ -65,9 +65,9 @@ pub(crate) use cover::CoverTable;
 pub(crate) use curve::CurveTable;
 pub use curve::resample;
 pub(crate) use guides::{GuideOrder, order as guide_order};
-pub use maps::{LodLevel, MAX_LEVELS, MAX_THICKNESS};
+pub use maps::{LodLevel, MAX_LEVELS};
 pub use options::{LodMode, LodOptions};
-pub use order::{BUCKET_RATIO, arrange, buckets, order};
+pub use order::{arrange, buckets, order};
 pub(crate) use widths::Widths;
 
 use crate::{

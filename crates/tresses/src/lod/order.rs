@@ -23,7 +23,7 @@ pub fn buckets(count: u32, least: u32) -> Vec<u32> {
 
 /// Reorders `strands` so that level of detail can drop them from the end. Strands are first sorted by guide, and by
 /// hash within a guide. The sorted places are then taken in van der Corput order, so that for any `k` the first `k`
-/// strands are spread evenly over all guides. Within a bucket (see [`buckets`]), which appears as a whole, strands stay
+/// strands are spread evenly over all guides. Within a bucket (see `buckets`), which appears as a whole, strands stay
 /// sorted by guide, so that neighbors in memory read the same guide samples. The order depends only on the strands and
 /// is idempotent.
 pub fn arrange(strands: &mut BoundStrands) {

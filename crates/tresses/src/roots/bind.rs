@@ -39,6 +39,7 @@ pub(crate) struct StrandRoot {
 
 /// Distances of roots from a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct RootReport {
     /// Number of guides and strands.
     pub roots: u32,

@@ -31,7 +31,7 @@ impl ForcesKernel {
 
 /// Writes [`GuideBuffers::forces`] of one groom from its hair and air grids.
 #[derive(Debug)]
-pub struct Forces {
+pub(crate) struct Forces {
     pipelines: Arc<super::Pipelines>,
     group: wgpu::BindGroup,
     air: wgpu::Buffer,

@@ -1,5 +1,5 @@
 //! The step among colliders and under forces: both tiers agree, runs are bit-identical, edges keep their length. Closed
-//! forms: `tests/gpu/physics`.
+//! forms: `tests/stages/physics`.
 
 use super::{GuideTraits, RestOptions, Simulation, SimulationParams, rest};
 use crate::{

@@ -58,7 +58,7 @@ const GOLDEN: f32 = 2.399_963;
 /// A link of a guide vertex to another.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Link {
+pub(crate) struct Link {
     /// Index of the other vertex in the guide buffers; the vertex's own index for no link.
     pub other: u32,
     /// Distance at rest, meters.
@@ -68,7 +68,7 @@ pub struct Link {
 /// Uniforms of the kernel.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct LinkUniforms {
+pub(crate) struct LinkUniforms {
     /// Number of guide vertices.
     pub vertices: u32,
     /// Stiffness of a link, 1/s².
@@ -122,7 +122,7 @@ impl LinkAsset {
 
 /// The links of one head on the GPU.
 #[derive(Debug)]
-pub struct Links {
+pub(crate) struct Links {
     pipelines: Arc<Pipelines>,
     uniforms: wgpu::Buffer,
     pub(crate) asset: LinkAsset,

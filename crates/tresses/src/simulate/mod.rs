@@ -106,16 +106,17 @@ use params::StepUniforms;
 use std::sync::Arc;
 use step::StepKernels;
 
-pub use forces::Forces;
+pub(crate) use forces::Forces;
 pub use grab::{BrushEffect, Grab, MotionBrush, Target};
 pub(crate) use lead::Tree;
 pub(crate) use links::LinkAsset;
-pub use links::Links;
+pub(crate) use links::Links;
 pub use params::{RootToTip, SimulationParams};
-pub use rest::{GuideTraits, RestOptions, RestShape};
+pub(crate) use rest::GuideTraits;
+pub use rest::{RestOptions, RestShape};
 pub(crate) use shift::Shifting;
-pub(crate) use ties::TieAsset;
-pub use ties::{Tie, TieReport, TieTarget, Ties};
+pub use ties::{Tie, TieReport, TieTarget};
+pub(crate) use ties::{TieAsset, Ties};
 
 /// Stride between the uniforms of consecutive steps, bytes: a multiple of every adapter's alignment.
 const STRIDE: u64 = 512;
@@ -157,7 +158,7 @@ impl PipelineSet for Pipelines {
 
 /// One groom's simulation state on the GPU, besides its guides.
 #[derive(Debug)]
-pub struct Simulation {
+pub(crate) struct Simulation {
     pipelines: Arc<Pipelines>,
     uniforms: wgpu::Buffer,
     group: wgpu::BindGroup,

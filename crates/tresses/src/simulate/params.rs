@@ -40,10 +40,10 @@ pub struct SimulationParams {
     pub gravity: Vec3,
     /// Mass of a hair per length, kg/m.
     pub line_density: f32,
-    /// Bending stiffness EI, N·m²; 8e-9 for a hair of 80 µm. Multiplied by [`crate::strands::Guide::stiffness`].
+    /// Bending stiffness EI, N·m²; 8e-9 for a hair of 80 µm. Multiplied by the guide's own stiffness.
     pub bending: RootToTip,
     /// Shape stiffness: pull towards the rest pose that moves with the head, as acceleration per distance, 1/s².
-    /// Multiplied by [`crate::strands::Guide::stiffness`].
+    /// Multiplied by the guide's own stiffness.
     pub goal: RootToTip,
     /// Torsional stiffness as a multiple of bending stiffness, GJ / EI: about 0.5 for a round keratin fiber. Curls
     /// yield and spring back by it. 0 disables twist; a step then takes two thirds of the time.

@@ -41,6 +41,7 @@ pub const MOST_SUPPORT: f32 = 10.0;
 
 /// Interpretation of the authored pose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum RestShape {
     /// The shape without gravity: the hair will sag. For draping.
     Natural,
@@ -51,7 +52,7 @@ pub enum RestShape {
 
 /// Per-guide properties besides the vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GuideTraits {
+pub(crate) struct GuideTraits {
     /// Multiplier of the stiffness parameters.
     pub stiffness: f32,
     /// Number of drawn strands that the guide represents.
@@ -73,7 +74,7 @@ pub struct RestOptions {
     pub shape: RestShape,
     /// Distance that guides and strands keep from the head, meters. Hair that rests closer keeps that smaller distance.
     pub clearance: f32,
-    /// Safety margin of the stiffening of guides that do not hang ([`support`]), as a multiple of the stiffness at which
+    /// Safety margin of the stiffening of guides that do not hang (`support`), as a multiple of the stiffness at which
     /// they just stay upright. Hairs that lean on each other bend as one beam: together they are as many times stiffer
     /// as there are hairs.
     pub support: f32,

@@ -57,6 +57,7 @@ pub const MAX_RINGS: usize = 4096;
 
 /// Whether a [`Tie`] holds hair together or to the head.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum TieTarget {
     /// The held vertices form one rigid piece that moves with the hair: a band, a braid.
     #[default]
@@ -138,6 +139,7 @@ impl Tie {
 
 /// Number of rings and vertices that ties hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct TieReport {
     /// Number of rigid pieces, of all ties that hold hair together.
     pub rings: usize,
@@ -298,7 +300,7 @@ impl TieAsset {
 
 /// The ties of one head on the GPU.
 #[derive(Debug)]
-pub struct Ties {
+pub(crate) struct Ties {
     pipelines: Arc<Pipelines>,
     pub(crate) asset: TieAsset,
     /// Rotation of each ring relative to the head, quaternions.
@@ -338,6 +340,7 @@ impl Ties {
     }
 
     /// Returns the number of rings and held vertices.
+    #[cfg(test)]
     pub fn report(&self) -> TieReport {
         self.asset.report
     }

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Memory: 64 bytes per vertex, and 32 per vertex that a blend shape moves. Weights are 16-bit fractions that sum to
-//! one within 8e-6, so a vertex of a body 2 m tall is within 15 µm of the CPU reference (`tests/gpu/skinning`).
+//! one within 8e-6, so a vertex of a body 2 m tall is within 15 µm of the CPU reference (`tests/stages/skinning`).
 //!
 //! **Why not in the vertex shader?** Shadow maps, light, roots and drawing all read the vertices. A host that already
 //! skins them can write the body's buffer instead ([`Body::vertices`]), or pass its own to [`crate::body::Skin`].
@@ -96,7 +96,8 @@ impl SkinAsset {
     /// Uploads `rig`, which bends the mesh of `body`.
     ///
     /// # Errors
-    /// As [`Skinning::new`].
+    /// [`crate::groom::Error::Unusable`] for the rig of another mesh, and for a rig with vertices that refer to missing
+    /// joints; [`Error::Limit`] if a buffer exceeds the device's limits.
     pub fn new(context: &Context, rig: &Rig, body: &Body) -> Result<Self> {
         let count = rig.vertices.len() as u64;
         if count * u64::from(Body::WORDS) * 4 != body.vertices().size() || count == 0 {
@@ -125,16 +126,11 @@ impl SkinAsset {
             reaches: rig.targets.iter().map(reach).collect(),
         })
     }
-
-    /// Bytes of GPU memory.
-    pub fn bytes(&self) -> u64 {
-        self.buffers.iter().map(wgpu::Buffer::size).sum()
-    }
 }
 
 /// Skins one body.
 #[derive(Debug)]
-pub struct Skinning {
+pub(crate) struct Skinning {
     pipelines: Arc<Pipelines>,
     asset: Arc<SkinAsset>,
     palette: wgpu::Buffer,
@@ -148,10 +144,7 @@ pub struct Skinning {
 
 impl Skinning {
     /// Skins `body`, which must have been created from the mesh of `rig`.
-    ///
-    /// # Errors
-    /// [`crate::groom::Error::Unusable`] for the rig of another mesh, and for a rig with vertices that refer to missing
-    /// joints; [`Error::Limit`] if a buffer exceeds the device's limits.
+    #[cfg(test)]
     pub fn new(context: &Context, rig: &Rig, body: &Body) -> Result<Self> {
         Self::of(&Arc::new(SkinAsset::new(context, rig, body)?), body)
     }
@@ -226,11 +219,6 @@ impl Skinning {
             return;
         }
         self.pipelines.skin.record(pass, &self.group, &[], self.asset.vertices.div_ceil(STRAND_WORKGROUP));
-    }
-
-    /// Bytes of GPU memory, excluding the body.
-    pub fn bytes(&self) -> u64 {
-        self.asset.bytes() + self.palette.size() + self.shapes.size()
     }
 }
 

@@ -13,26 +13,26 @@ pub struct GuideBuffers {
     pub count: u32,
     /// Vertices per guide.
     pub vertex_count: u32,
-    /// Samples per tessellated guide; 0 if every strand [follows](crate::interpolate) its own guide.
+    /// Samples per tessellated guide; 0 if every strand follows its own guide.
     pub sample_count: u32,
     /// One per guide.
     pub info: Buffer<Guide>,
     /// One per vertex.
     pub rest: Buffer<PackedGuide>,
     /// Three floats: the position after the last step, relative to the origin of the simulation
-    /// ([`crate::Hair::place`]). Then a word by [`pack_lag`](super::guide::pack_lag): the difference between the
+    /// ([`Hair::place`](crate::hair::Hair::place)). Then a word by `pack_lag`: the difference between the
     /// previous position and the one that position and velocity predict.
     pub current: Buffer<[u32; 4]>,
-    /// Velocity after the last step, m/s, by [`pack_velocity`](super::guide::pack_velocity). If hair can
+    /// Velocity after the last step, m/s, by `pack_velocity`. If hair can
     /// twist, the twist of each bend (radians) after and before the last step follows the velocities
     /// of all vertices.
     pub velocity: Buffer<[u32; 2]>,
     /// External forces in the next step. Contents are valid only within a step; the memory may be a
-    /// groom's [scratch](crate::Hair) buffer, which may be larger.
+    /// groom's [scratch](crate::hair::Hair) buffer, which may be larger.
     pub forces: Buffer<GuideForce>,
     /// Indexed `guide * sample_count + sample`.
     pub samples: Buffer<GuideSample>,
-    /// One per guide and one more if roots are on a [deforming surface](crate::roots), else a single
+    /// One per guide and one more if roots are on a deforming surface, else a single
     /// unused one.
     pub(crate) roots: Buffer<RootMotion>,
 }
@@ -55,12 +55,12 @@ pub struct StrandBuffers {
     /// Widening of each strand relative to full detail, as a fraction: 0 for unchanged, -1 for a strand that is not
     /// drawn.
     pub widening: Buffer<f32>,
-    /// Root position of each strand (three floats, world space, meters, and one unused) if it is on a [deforming
-    /// surface](crate::roots) between guides; else a single unused one.
+    /// Root position of each strand (three floats, world space, meters, and one unused) if it is on a deforming
+    /// surface between guides; else a single unused one.
     pub roots: Buffer<[f32; 4]>,
     /// Strands and vertices to draw; fewer than all at a lower level of detail.
     pub drawn: DrawCount,
-    /// Capacity of `strands`, `vertices` and `widening`. [`Hair`](crate::Hair) has room for what its level of detail
+    /// Capacity of `strands`, `vertices` and `widening`. [`Hair`](crate::hair::Hair) has room for what its level of detail
     /// draws.
     pub room: Room,
 }

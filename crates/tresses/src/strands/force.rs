@@ -1,10 +1,13 @@
 //! External forces on guide vertices: written by `simulate::forces`, read by `simulate::step`.
 
 use bytemuck::{Pod, Zeroable};
+#[cfg(test)]
 use glam::{Vec2, Vec3};
+#[cfg(test)]
 use half::f16;
 
 /// Largest acceleration (m/s²) and rate (1/s) that a [`GuideForce`] can hold.
+#[cfg(test)]
 pub const MAX_FORCE: f32 = 6e4;
 
 /// A packed [`Force`], linear in the vertex's velocity.
@@ -25,6 +28,7 @@ pub struct GuideForce {
 ///
 /// The step treats it implicitly in `v`, so it is stable for any rate. The writer linearizes other terms, such as drag
 /// that grows with the square of the velocity.
+#[cfg(test)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Force {
     /// Acceleration, m/s², world axes.
@@ -37,6 +41,7 @@ pub struct Force {
     pub along: f32,
 }
 
+#[cfg(test)]
 impl GuideForce {
     /// Packs a force, clamped to [`MAX_FORCE`].
     pub fn pack(force: &Force) -> Self {

@@ -28,7 +28,7 @@ pub struct Guide {
 
 /// Rest position and clearance of a guide vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct GuideRest {
+pub(crate) struct GuideRest {
     /// Position in groom space (the head's own frame), meters.
     pub position: Vec3,
     /// Distance from obstacles below which the vertex is pushed out, meters. At most the vertex's distance at rest, so
@@ -38,7 +38,7 @@ pub struct GuideRest {
 
 /// The rest shape around a guide vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct GuideShape {
+pub(crate) struct GuideShape {
     /// Rest value of the second difference `p[i-1] - 2 p[i] + p[i+1]`, meters, in groom space; rotated by the guide's
     /// frame before use.
     pub curvature: Vec3,
@@ -117,13 +117,14 @@ impl PackedGuide {
 
 /// Packs a velocity in 8 bytes: three signed 19-bit fractions with a shared exponent. The error is at most 2⁻¹⁸ of the
 /// largest component.
+#[cfg(test)]
 pub fn pack_velocity(v: Vec3) -> [u32; 2] {
     let (q, e) = shared(v, [90, 217], 181, 18);
     let [x, y, z] = (q & 0x7_ffff).as_uvec3().to_array();
     [x | y << 19, y >> 13 | z << 6 | e << 25]
 }
 
-/// Unpacks the result of [`pack_velocity`], m/s.
+/// Unpacks the result of `pack_velocity`, m/s.
 pub fn unpack_velocity([a, b]: [u32; 2]) -> Vec3 {
     let part = |bits: u32| ((bits << 13) as i32 >> 13) as f32;
     let unit = f32::from_bits(((b >> 25) + 73) << 23);

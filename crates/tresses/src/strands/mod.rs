@@ -25,15 +25,16 @@ pub mod root;
 pub mod vertex;
 
 pub use crate::groom::bound::{
-    binding::{self, PackedRest, StrandBinding},
+    binding::{PackedRest, StrandBinding},
     strand::{self, Strand},
 };
 pub use buffers::{DrawCount, GuideBuffers, Room, StrandBuffers};
 pub(crate) use buffers::{GuideAsset, StrandAsset};
-pub use force::{Force, GuideForce};
-pub use guide::GuideShape;
-pub use guide::{Guide, GuideRest, GuideSample, PackedGuide};
-pub use rest::RestGuides;
+#[cfg(test)]
+pub(crate) use force::Force;
+pub use force::GuideForce;
+pub(crate) use guide::{Guide, GuideRest, GuideSample, GuideShape, PackedGuide};
+pub(crate) use rest::RestGuides;
 pub(crate) use root::RootMotion;
 pub use vertex::StrandVertex;
 

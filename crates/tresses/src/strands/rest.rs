@@ -7,7 +7,7 @@ use glam::Vec3;
 
 /// Guides at rest, for upload to [`GuideBuffers`]; per-vertex data is vertex-major.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct RestGuides {
+pub(crate) struct RestGuides {
     /// Vertices per guide.
     pub vertex_count: u32,
     /// Properties, one per guide.

@@ -29,5 +29,4 @@
 mod spline;
 
 pub(crate) use spline::Pipelines;
-pub use spline::TessellateParams;
-pub use spline::{Tessellation, rest_samples};
+pub(crate) use spline::{TessellateParams, Tessellation, rest_samples};

@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// Uniform of the kernel, created by [`TessellateParams::new`].
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-pub struct TessellateParams {
+pub(crate) struct TessellateParams {
     /// Rotation from the state before the last step to the head's current pose.
     pub previous_rotation: Quat,
     /// Rotation from the state after the last step to the head's current pose.
@@ -90,7 +90,7 @@ impl PipelineSet for Pipelines {
 
 /// Tessellation of one groom.
 #[derive(Debug)]
-pub struct Tessellation {
+pub(crate) struct Tessellation {
     pipelines: Arc<Pipelines>,
     params: wgpu::Buffer,
     group: wgpu::BindGroup,

@@ -6,7 +6,7 @@ use glam::{Quat, Vec3};
 
 /// Value of a texel that a view shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
+pub(crate) enum Quantity {
     /// A channel, 0 to 3.
     Channel(u32),
     /// The length of the vector in the first three channels.
@@ -17,17 +17,17 @@ pub enum Quantity {
 #[derive(Clone, Copy, Debug)]
 pub struct GridView<'a> {
     /// The texture.
-    pub texture: &'a wgpu::TextureView,
+    pub(crate) texture: &'a wgpu::TextureView,
     /// Frame of the grid. A point `x` in it has the texture coordinate `x * scale + bias`.
-    pub pose: Pose,
+    pub(crate) pose: Pose,
     /// Texture coordinates per meter.
-    pub scale: Vec3,
+    pub(crate) scale: Vec3,
     /// Texture coordinate of the frame's origin.
-    pub bias: Vec3,
+    pub(crate) bias: Vec3,
     /// Value of a texel that is shown.
-    pub quantity: Quantity,
+    pub(crate) quantity: Quantity,
     /// Whether vectors are in the grid's frame and turn with its pose. Otherwise they are in world axes.
-    pub turns: bool,
+    pub(crate) turns: bool,
 }
 
 impl GridView<'_> {

@@ -52,11 +52,11 @@ mod view;
 mod volume;
 
 pub(crate) use arrows::Arrows;
-pub use grid::{GridView, Quantity};
+pub use grid::GridView;
+pub(crate) use grid::Quantity;
 pub(crate) use guides::GuideQuantity;
 pub(crate) use lines::LinePoint;
-pub use paint::Paint;
-pub(crate) use paint::PaintUniform;
+pub(crate) use paint::{Paint, PaintUniform};
 pub use peak::Peak;
 pub use ramp::ramp;
 pub use record::{DebugDisplay, DebugViews, panels};

@@ -6,7 +6,7 @@ use glam::Mat4;
 
 /// Range of values for colors, and opacity.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Paint {
+pub(crate) struct Paint {
     /// Value drawn darkest, in the unit of the quantity.
     pub low: f32,
     /// Value drawn brightest.

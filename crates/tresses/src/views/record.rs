@@ -5,11 +5,12 @@ use super::{
     outline::Pen, strands::StrandsKernel, view::grid,
 };
 use crate::{
-    Camera, Context, Hair, Pose, Result,
+    Camera, Context, Pose, Result,
     body::Body,
     camera::ToneMap,
     gpu::Commands,
     groom::SdfGrid,
+    hair::Hair,
     light::{HairView, terms::Terms},
     view::{Picture, View},
     wind::Air,

@@ -2,9 +2,10 @@
 
 use super::constant;
 use crate::{
-    Context, Hair, Result,
+    Context, Result,
     constants::STRAND_WORKGROUP,
     gpu::{BindBuffer, Commands, Kernel},
+    hair::Hair,
     light::HairView,
     shaders::kernels::views as kernels,
 };

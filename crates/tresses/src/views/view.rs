@@ -1,11 +1,12 @@
 //! The list of debug views, shared by all programs that offer them.
 
 use super::{GridView, Quantity, StrandQuantity};
-use crate::{Hair, Pose, light::Term, simulate::SimulationParams, volume::HairHairMode};
+use crate::{Pose, hair::Hair, light::Term, simulate::SimulationParams, volume::HairHairMode};
 use glam::Vec3;
 
 /// A debug view: the quantity that a frame shows instead of shaded hair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum DebugView {
     /// Guides (the simulated strands), a color each.
     Guides,
@@ -53,6 +54,7 @@ pub enum DebugView {
 
 /// Color scale of a view: [`super::ramp`] from `low` to `high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Scale {
     /// Quantity, with its unit.
     pub title: &'static str,

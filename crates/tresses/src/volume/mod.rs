@@ -73,5 +73,5 @@ pub(crate) use others::OtherGroom;
 pub(crate) use params::offset;
 pub use params::{HairHair, HairHairMode};
 pub(crate) use pipelines::Pipelines;
-pub(crate) use state::VolumeAsset;
-pub use state::{Volume, VolumeOptions};
+pub use state::VolumeOptions;
+pub(crate) use state::{Volume, VolumeAsset};

@@ -36,7 +36,7 @@ pub struct HairHair {
     pub limit: f32,
     /// Magnitude of the push of [`HairHairMode::Fixed`], m/s².
     pub fixed: f32,
-    /// Stiffness of the [links](crate::simulate::links) between neighboring guides, as acceleration per distance, 1/s²;
+    /// Stiffness of the links between neighboring guides, as acceleration per distance, 1/s²;
     /// 0 for none.
     pub cohesion: f32,
     /// Largest acceleration by one link, m/s². Beyond it, hair slides along hair.

@@ -58,16 +58,12 @@ impl VolumeOptions {
 
 /// The grid of one groom.
 #[derive(Debug)]
-pub struct Volume {
+pub(crate) struct Volume {
     pub(super) pipelines: Arc<Pipelines>,
     /// Position and size of the grid.
     pub(crate) grid: VolumeGrid,
-    /// The texture behind [`hair`](Self::hair).
-    pub hair_texture: wgpu::Texture,
     /// Mean velocity of hair (xyz, m/s, world axes) and its length per volume (w, km/m³), 3-D, rgba16float.
     pub hair: wgpu::TextureView,
-    /// The texture behind [`push`](Self::push).
-    pub push_texture: wgpu::Texture,
     /// Acceleration by the excess density (xyz, m/s², axes of the head), 3-D, rgba16float.
     pub push: wgpu::TextureView,
     uniforms: wgpu::Buffer,
@@ -174,16 +170,14 @@ impl Volume {
         let obstacles = storage::<f32>(device, "volume obstacles", n)?;
         let rest = storage::<f32>(device, "volume rest", n)?;
         let rested = storage::<f32>(device, "volume rested", vertices)?;
-        let [(hair_texture, hair), (push_texture, push)] = asset.textures.clone();
+        let [(_, hair), (_, push)] = asset.textures.clone();
         let (cells, scratch) = (asset.cells.clone(), asset.scratch.clone());
         let buffers = [&uniforms, &blur, &cells, &obstacles, &rest, &rested];
         let groups = Groups::new(&pipelines, guides, buffers, [&hair, &push, &scratch[0], &scratch[1]]);
         Ok(Self {
             pipelines,
             grid: asset.grid,
-            hair_texture,
             hair,
-            push_texture,
             push,
             uniforms,
             cells,
@@ -224,11 +218,6 @@ impl Volume {
             let bytes = u64::from(self.grid.resolution).pow(3) * CHANNELS * size_of::<i32>() as u64;
             commands.clear(&self.cells, Some(bytes));
         }
-    }
-
-    /// Mean density of the groom, weighted by hair, km/m³.
-    pub fn reference(&self) -> f32 {
-        self.base.reference
     }
 
     /// Writes the uniforms of the steps of `frame`, at most the last [`MAX_STEPS`]. The caller has advanced `colliders`

@@ -25,7 +25,7 @@ const ACROSS: f32 = 3.0 * std::f32::consts::PI / 16.0;
 
 /// Position of a step's air grid. The texture coordinate of `x` is `(x - corner) * scale`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct AirPlace {
+pub(crate) struct AirPlace {
     /// Corner of the grid, meters, relative to the origin of the simulation (by default the world's origin).
     pub corner: Vec3,
     /// Texture coordinates per meter.
@@ -34,7 +34,7 @@ pub struct AirPlace {
 
 /// Position of the hair's grid, for the fluid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct HairGrid {
+pub(crate) struct HairGrid {
     /// Texture coordinate of the head's origin.
     pub bias: Vec3,
     /// Texture coordinates per meter, in the head's axes.
@@ -43,22 +43,22 @@ pub struct HairGrid {
 
 /// The air around one groom, on the GPU.
 #[derive(Debug)]
-pub struct Air {
+pub(crate) struct Air {
     pipelines: Arc<Pipelines>,
     /// Cells along an axis.
     pub cells: u32,
     /// Edge of a cell, meters.
     pub cell: f32,
     /// Velocity of the air at the centers of cells, m/s (xyz), rgba16float.
-    pub texture: wgpu::Texture,
-    /// View of the whole `texture`.
     pub view: wgpu::TextureView,
     /// Velocity times a weight that grows with the hair in the cell (xyz), and that weight, 0 to 1 (w).
     pub among: wgpu::TextureView,
     /// Velocity on the three lower faces of each cell, m/s (xyz), rgba16float. The last cells along an axis have no
     /// upper face and count as outside.
+    #[cfg(test)]
     pub faces: wgpu::Texture,
     /// Response of each of these faces to a pressure difference, 0 to 1 (xyz), rgba16float.
+    #[cfg(test)]
     pub give: wgpu::Texture,
     /// Advects the air without MacCormack's correction, for comparison.
     pub plain: bool,
@@ -110,11 +110,12 @@ impl Air {
             pipelines,
             cells,
             cell: size / cells as f32,
-            texture: grids.center.0,
-            view: grids.center.1,
+            view: grids.center,
             among: grids.among,
-            faces: grids.faces.0,
-            give: grids.give.0,
+            #[cfg(test)]
+            faces: grids.faces.texture().clone(),
+            #[cfg(test)]
+            give: grids.give.texture().clone(),
             plain: false,
             bytes: grids.bytes + uniforms.size(),
             groups,
@@ -148,6 +149,7 @@ impl Air {
     /// Writes the uniforms of the steps of `frame`, at most the last [`MAX_STEPS`], for `wind`; poses are in world
     /// space. `diameter` is a hair's diameter, meters. `hair` is the hair's grid; without it the fluid contains no
     /// hair.
+    #[cfg(test)]
     pub fn prepare(
         &mut self,
         context: &Context,

@@ -5,6 +5,7 @@
 //! in 5 m/s). Across the hair they follow Sucker and Brauer (1975), along it Matsui (1976), who measured filaments
 //! being spun. The terminal speed of a horizontal hair is 0.7 m/s, so it flies in any breeze.
 
+#[cfg(test)]
 use glam::{Vec2, Vec3};
 
 /// Density of air, kg/m³.
@@ -13,12 +14,14 @@ pub const AIR_DENSITY: f32 = 1.2;
 pub const AIR_VISCOSITY: f32 = 1.5e-5;
 
 /// Returns the drag coefficient of a long cylinder across the flow, for Reynolds numbers up to 1e3.
+#[cfg(test)]
 pub(crate) fn normal_coefficient(reynolds: f32) -> f32 {
     let re = reynolds.max(1e-2);
     1.18 + 6.8 * re.powf(-0.89) + 1.96 / re.sqrt()
 }
 
 /// Returns the friction coefficient of a long cylinder along the flow, relative to its whole surface.
+#[cfg(test)]
 pub(crate) fn tangential_coefficient(reynolds: f32) -> f32 {
     0.37 * reynolds.max(1e-2).powf(-0.61)
 }
@@ -31,6 +34,7 @@ pub fn drag_weight(diameter: f32, line_density: f32) -> f32 {
 /// Returns the rates (1/s) at which a hair approaches the velocity of the air across itself (x) and along itself (y).
 /// `relative` is the air's velocity relative to the hair, m/s; `tangent` is a unit vector; `reynolds` is diameter over
 /// kinematic viscosity, s/m; `weight` comes from [`drag_weight`].
+#[cfg(test)]
 pub fn drag_rates(relative: Vec3, tangent: Vec3, reynolds: f32, weight: f32) -> Vec2 {
     let way = relative.dot(tangent);
     let along = way.abs();

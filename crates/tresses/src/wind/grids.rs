@@ -10,7 +10,7 @@ use crate::{
     shaders::kernels::wind as kernels,
 };
 use bytemuck::Zeroable;
-use wgpu::{Texture, TextureView};
+use wgpu::TextureView;
 
 /// Bind groups of the kernels.
 #[derive(Debug)]
@@ -28,9 +28,9 @@ pub(super) struct Groups {
 /// The textures.
 #[derive(Debug)]
 pub(super) struct Grids {
-    pub center: (Texture, TextureView),
-    pub faces: (Texture, TextureView),
-    pub give: (Texture, TextureView),
+    pub center: TextureView,
+    pub faces: TextureView,
+    pub give: TextureView,
     pub among: TextureView,
     carried: TextureView,
     before: TextureView,
@@ -50,22 +50,18 @@ impl Grids {
     pub fn new(device: &wgpu::Device, cells: u32) -> Self {
         use wgpu::TextureFormat::{Rgba16Float, Rgba32Float};
         let mut bytes = 0;
-        let mut texture = |label, format: wgpu::TextureFormat, size: [u32; 3]| {
+        let mut view = |label, format: wgpu::TextureFormat, size: [u32; 3]| {
             bytes += u64::from(size.iter().product::<u32>())
                 * u64::from(format.block_copy_size(None).unwrap_or(0));
-            grid_texture(device, label, format, size)
+            grid_texture(device, label, format, size).1
         };
         let all = [cells; 3];
         let rimmed = [cells / 4 + 1, cells + 1, cells + 1];
         let half = [cells / 8 + 2, cells + 2, cells + 2];
-        let center = texture("air", Rgba16Float, all);
-        let faces = texture("air on faces", Rgba16Float, all);
-        let give = texture("air give", Rgba16Float, all);
-        let mut view = |label, format, size| texture(label, format, size).1;
         Self {
-            center,
-            faces,
-            give,
+            center: view("air", Rgba16Float, all),
+            faces: view("air on faces", Rgba16Float, all),
+            give: view("air give", Rgba16Float, all),
             carried: view("air carried", Rgba16Float, all),
             before: view("air before pressure", Rgba32Float, all),
             solid: view("air solid", Rgba16Float, all),
@@ -79,7 +75,7 @@ impl Grids {
         }
     }
 
-    /// Binds the kernels. `hair_grid` is the grid that [`Air::new`](super::Air::new) takes.
+    /// Binds the kernels. `hair_grid` is that of [`Air::new`](super::Air::new).
     pub fn bind(
         &self,
         context: &Context,
@@ -87,8 +83,8 @@ impl Grids {
         uniforms: &wgpu::Buffer,
         hair_grid: &TextureView,
     ) -> Groups {
-        let Self { among, carried, before, solid, hair, source, pressures, .. } = self;
-        let (center, now, give) = (&self.center.1, &self.faces.1, &self.give.1);
+        let Self { center, faces: now, give, among, carried, before, solid, hair, .. } = self;
+        let Self { source, pressures, .. } = self;
         let [give_x, give_y, give_z] = &self.gives;
         let (u, linear_sampler) =
             (uniforms.part(0, Some(size_of::<WindUniforms>() as u64)), &pipelines.sampler);

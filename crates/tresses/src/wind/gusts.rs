@@ -13,7 +13,7 @@ use std::f64::consts::{PI, TAU};
 
 /// The waves of one wind.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Gusts {
+pub(crate) struct Gusts {
     /// Wave vector (radians per meter), phase (radians) and amplitude, scaled to a total standard deviation of 1.
     modes: Vec<(DVec3, f64, DVec3)>,
 }

@@ -30,7 +30,7 @@
 //! - **Pressure.** Red-black block relaxation, four cells of a row at once, started from the last step's pressure. At
 //!   32³ there are eight sweeps, over-relaxed by 1.7, the last but one by 1.3, the last not at all. The first sweeps
 //!   spread the smooth part of the error over the grid but leave it rough; the last ones smooth it. This leaves 0.3 to
-//!   0.6 % of relative divergence (`tests/gpu/wind.rs`), six sweeps up to 0.9 %. Twelve at a constant 1.5 left up to
+//!   0.6 % of relative divergence (`tests/stages/wind.rs`), six sweeps up to 0.9 %. Twelve at a constant 1.5 left up to
 //!   0.8 %, although the air moved less far per step.
 //! - **Effect on hair.** `simulate::forces` adds the drag of single hairs ([`drag`]) in the air of the cells with hair:
 //!   hair receives the momentum that the air has lost. The outer hair thus shields the inner, and the head its lee,
@@ -74,7 +74,6 @@ pub mod gusts;
 pub mod params;
 mod pipelines;
 
-pub use air::Air;
-pub use air::HairGrid;
+pub(crate) use air::{Air, HairGrid};
 pub use params::{MAX_CELLS, Wind};
 pub(crate) use pipelines::Pipelines;

@@ -7,7 +7,7 @@ use glam::{IVec3, Vec3};
 /// One wave of the gusts in a step: `amplitude cos(wave · x + phase)`, `x` in cells from the grid's corner.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct GustMode {
+pub(crate) struct GustMode {
     /// Wave vector, radians per cell.
     pub wave: Vec3,
     /// Phase, radians.

@@ -3,15 +3,12 @@
 use crate::common;
 
 use tresses::{
-    Context, View,
-    body::Body,
+    Body, Context, Picture, View, ViewOptions,
     glam::{Quat, Vec3},
-    groom::TriMesh,
-    light::{AmbientProbe, Directional, HairSet, IncidentLight, Lights, MAX_LIGHTS, Sky, Sphere},
-    math::hash::pcg,
+    groom::{TriMesh, bound::Strand, hash::pcg},
+    light::{Directional, Lights, MAX_LIGHTS, Sky, Sphere},
+    low_level::{AmbientProbe, HairSet, IncidentLight, StrandBuffers, StrandVertex, pack_tangent},
     renderer::Renderer,
-    strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
-    view::{Picture, ViewOptions},
 };
 
 /// Half the edge length of the ambient grid, meters.

@@ -2,13 +2,10 @@
 
 use crate::common;
 use tresses::{
-    Context, Hair, HairAsset, HairDescriptor, HairOptions, Pose,
+    Context, HairHair, HairOptions, Pose, RestOptions, SimulationParams,
     glam::Quat,
-    gpu::readback::blocking as readback,
     groom::{Groom, bind},
-    hair::HairFrame,
-    simulate::{RestOptions, SimulationParams},
-    volume::HairHair,
+    low_level::{Hair, HairAsset, HairDescriptor, HairFrame, readback::blocking as readback},
 };
 
 fn groom() -> Groom {

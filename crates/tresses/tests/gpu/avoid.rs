@@ -5,11 +5,10 @@ use crate::{common, moving};
 
 use moving::{Character, SHAKE, TURN, advance, angle, drawn, search, states};
 use tresses::{
-    Context, Hair, Pose,
-    avoid::{AvoidMode, AvoidOptions, NO_HIT},
+    AvoidMode, AvoidOptions, Context, Pose,
     glam::Vec3,
     groom::{BindOptions, bind},
-    strands::StrandVertex,
+    low_level::{Hair, NO_HIT, StrandVertex},
 };
 
 const HEAD: f32 = 0.09;
@@ -32,7 +31,7 @@ impl Setup {
         let context = common::context()?;
         let mut groom = bind(&common::hanging(600, 16, 0.16), &BindOptions::default()).unwrap();
         // `Hair` stores the strands in this order.
-        tresses::lod::arrange(&mut groom.strands);
+        tresses::low_level::lod::arrange(&mut groom.strands);
         Some(Self {
             character: Character { groom, field: common::ball(HEAD, 64), neck: Vec3::new(0.0, 0.0, -0.02) },
             context,

@@ -5,12 +5,10 @@ use crate::{common, moving};
 
 use moving::{Character, Keys, SHAKE, TURN, advance, angle, drawn};
 use tresses::{
-    Context,
-    avoid::{AvoidMode, AvoidOptions},
+    AvoidMode, AvoidOptions, Context,
     glam::Vec3,
     groom::{BindOptions, BoundStrands, GuideCount, Strands, bind},
-    lod,
-    strands::StrandVertex,
+    low_level::{StrandVertex, lod},
 };
 
 const MODES: [AvoidMode; 3] = [AvoidMode::Off, AvoidMode::PenetratingOnly, AvoidMode::ChangeOver];

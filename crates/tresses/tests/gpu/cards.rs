@@ -2,8 +2,8 @@
 
 use crate::common;
 use tresses::{
-    Camera, Character, CharacterAsset, Context, Pose, View,
-    character::{CharacterOptions, CharacterParts, CharacterSource, FaceHair, Gesture, Styling},
+    Background, Camera, Character, CharacterAsset, CharacterOptions, CharacterParts, CharacterSource,
+    Context, FaceHair, Gesture, LodMode, LodOptions, Picture, Pose, Styling, View, ViewOptions,
     glam::{Quat, Vec3},
     groom::{
         cards::{CardOptions, bake},
@@ -11,10 +11,7 @@ use tresses::{
         mannequin::facial::Beard,
         styles::Style,
     },
-    lod::{LodMode, LodOptions},
-    present::Background,
     renderer::Renderer,
-    view::{Picture, ViewOptions},
 };
 
 /// The built-in character with a bob of 2,000 strands, and with cards instead.

@@ -3,19 +3,13 @@
 use crate::common;
 use std::sync::OnceLock;
 use tresses::{
-    Camera, Character, CharacterAsset, Context, HairOptions, Pose, View,
-    body::Body,
-    budget::Budget,
-    character::{
-        CharacterOptions, CharacterParts, CharacterSource, CrowdBudget, FaceHair, Gesture, Obstacle, Styling,
-    },
+    Body, Budget, Camera, Character, CharacterAsset, CharacterOptions, CharacterParts, CharacterSource,
+    Context, CrowdBudget, FaceHair, Gesture, HairOptions, LodMode, LodOptions, Obstacle, Picture, Pose,
+    RestOptions, SimulationParams, Styling, View,
     collide::{Collider, Shape},
     glam::{Quat, Vec3},
-    gpu::readback::blocking as readback,
     groom::{grow::Growth, mannequin::facial::Beard, styles::Style},
-    lod::{LodMode, LodOptions},
-    simulate::{RestOptions, SimulationParams},
-    view::Picture,
+    low_level::readback::blocking as readback,
 };
 
 /// Creates the built-in character with few strands, brows, lashes and a hanging beard.

@@ -2,8 +2,9 @@
 
 use crate::{common, golden};
 use tresses::{
-    View, body::Body, gpu::readback::blocking as readback, light::HairSet, renderer::Renderer,
-    view::ViewOptions,
+    Body, View, ViewOptions,
+    low_level::{HairSet, readback::blocking as readback},
+    renderer::Renderer,
 };
 
 #[test]

@@ -2,15 +2,10 @@
 
 use crate::common;
 use tresses::{
-    View,
-    body::Body,
-    frame::Drawing,
-    gpu::{Counts, Timings, wall},
+    Body, Picture, Timings, View, ViewOptions,
     groom::TriMesh,
-    light::HairSet,
+    low_level::{Counts, Drawing, HairSet, StrandBuffers, wall},
     renderer::Renderer,
-    strands::StrandBuffers,
-    view::{Picture, ViewOptions},
 };
 
 const SIZE: [u32; 2] = [64, 40];

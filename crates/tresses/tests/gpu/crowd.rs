@@ -5,18 +5,14 @@ use crate::{
     golden::difference,
 };
 use tresses::{
-    Camera, Context, Hair, HairOptions, Pose, View,
-    body::Body,
-    budget::{Budget, Costs, ViewBytes},
-    frame::Drawing,
+    Body, Budget, Camera, Context, HairOptions, LodOptions, Picture, Pose, View, ViewOptions,
     glam::{Quat, Vec3},
-    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, bind},
-    light::{HairMaterial, Sphere, Zone},
-    lod::{Detail, LodOptions},
+    light::{HairMaterial, Sphere},
+    low_level::{
+        Costs, Detail, Drawing, Hair, StrandVertex, ViewBytes, Zone, readback::blocking as readback,
+    },
     renderer::Renderer,
-    strands::StrandVertex,
-    view::{Picture, ViewOptions},
 };
 
 const SIZE: [u32; 2] = [96, 80];
@@ -239,7 +235,7 @@ fn hair_at_rest_sleeps_and_wakes() {
     sleeper.lod.options = LodOptions { sleep: true, ..LodOptions::default() };
     let dispatches = |hair: &mut Hair, pose: Pose| {
         let mut encoder = context.device().create_command_encoder(&Default::default());
-        let mut timings = tresses::gpu::Timings::by(tresses::gpu::wall);
+        let mut timings = tresses::Timings::by(tresses::low_level::wall);
         let mut recorder = context.recorder(&mut encoder).with_timings(Some(&mut timings));
         recorder.advance(hair, &frame(pose, 0.05)).unwrap();
         context.queue().submit([encoder.finish()]);
@@ -355,7 +351,9 @@ fn levels_of_detail_keep_the_budget() {
         for _ in 0..frames {
             let mut all: Vec<_> = heads.iter_mut().enumerate().map(|(i, hair)| (hair, place(i))).collect();
             let new = budget.look_from(&costs, &camera, &mut all, Some(bias), &held);
-            assert!((new.bias - bias).abs() <= tresses::budget::FASTEST + 1e-6 || new.bytes <= budget.bytes);
+            assert!(
+                (new.bias - bias).abs() <= tresses::low_level::FASTEST + 1e-6 || new.bytes <= budget.bytes
+            );
             bias = new.bias;
             chosen = Some(new);
             for (hair, pose) in all {
@@ -370,14 +368,14 @@ fn levels_of_detail_keep_the_budget() {
     let chosen = choose(&half, 60);
     assert!(chosen.fits && chosen.bias > 0.1, "{chosen:?}");
     assert!(chosen.milliseconds > 0.6 * free.milliseconds, "no coarser than need be: {chosen:?}");
-    let drawn = |chosen: &tresses::budget::CrowdDetail| chosen.heads[0].strands * chosen.heads[0].vertices;
+    let drawn = |chosen: &tresses::low_level::CrowdDetail| chosen.heads[0].strands * chosen.heads[0].vertices;
     assert!(drawn(&chosen) < drawn(&free), "{chosen:?}");
     let less = Budget { bytes: free.bytes - (free.bytes - first.shared_bytes()) / 4, ..Budget::default() };
     let chosen = choose(&less, 60);
     assert!(chosen.fits && chosen.bytes <= less.bytes && chosen.bias > 0.0, "{chosen:?}");
     let nothing = Budget { milliseconds: 1e-3, ..Budget::default() };
     let chosen = choose(&nothing, 80);
-    assert!(!chosen.fits && chosen.bias == tresses::budget::COARSEST, "{chosen:?}");
+    assert!(!chosen.fits && chosen.bias == tresses::low_level::COARSEST, "{chosen:?}");
     let free = choose(&Budget::default(), 80);
     assert_eq!(free.bias, 0.0, "what is allowed is used again");
 }
@@ -395,7 +393,7 @@ fn zones_are_as_bright_as_finer_maps() {
     let body = Body::new(context, &made.mesh);
     let (lo, hi) = made.groom.bounds().unwrap();
     let focus = Sphere { center: 0.5 * (lo + hi), radius: 0.62 * lo.distance(hi) };
-    let linear = |byte: u8| tresses::light::material::linear(f32::from(byte) / 255.0);
+    let linear = |byte: u8| tresses::groom::srgb::linear(f32::from(byte) / 255.0);
     println!("| distance | texels | cells | luminance |");
     for away in [2.0f32, 4.0, 8.0, 16.0, 40.0] {
         let mut sums = [[0f64; 3]; 7];
@@ -409,8 +407,8 @@ fn zones_are_as_bright_as_finer_maps() {
                 camera,
                 focus,
                 lights: tresses::light::Lights::around(azimuth),
-                background: tresses::present::Background::transparent(),
-                tone: tresses::camera::ToneMap { exposure: 1.0, shoulder: 1.0, desaturation: 0.0 },
+                background: tresses::Background::transparent(),
+                tone: tresses::ToneMap { exposure: 1.0, shoulder: 1.0, desaturation: 0.0 },
                 ..Default::default()
             };
             hair.look_from(&camera, &Pose::IDENTITY);
@@ -452,7 +450,7 @@ fn distant_heads_do_not_flicker() {
     let mut body = Body::new(context, &made.mesh);
     let (lo, hi) = made.groom.bounds().unwrap();
     let focus = Sphere { center: 0.5 * (lo + hi), radius: 0.62 * lo.distance(hi) };
-    let linear = |byte: u8| f64::from(tresses::light::material::linear(f32::from(byte) / 255.0));
+    let linear = |byte: u8| f64::from(tresses::groom::srgb::linear(f32::from(byte) / 255.0));
     let turn = |i: u32| {
         // 60 degrees to either side, once per second.
         let angle = 1.05 * (std::f32::consts::TAU * i as f32 / 60.0).sin();
@@ -468,8 +466,8 @@ fn distant_heads_do_not_flicker() {
             camera,
             focus,
             lights: tresses::light::Lights::around(0.0),
-            background: tresses::present::Background::transparent(),
-            tone: tresses::camera::ToneMap { exposure: 1.0, shoulder: 1.0, desaturation: 0.0 },
+            background: tresses::Background::transparent(),
+            tone: tresses::ToneMap { exposure: 1.0, shoulder: 1.0, desaturation: 0.0 },
             ..Default::default()
         };
         let options = ViewOptions { renderer: Renderer::tiles(4), ..Default::default() };

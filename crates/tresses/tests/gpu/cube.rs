@@ -5,7 +5,8 @@ use half::f16;
 use tresses::{
     Context,
     glam::{Mat3, Quat, Vec3},
-    light::{CubeMap, CubeProbe, Environment},
+    light::Environment,
+    low_level::{CubeMap, CubeProbe},
     wgpu,
 };
 

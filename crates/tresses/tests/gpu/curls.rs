@@ -4,8 +4,7 @@ use crate::{common, moving};
 
 use moving::{Character, TURN, advance, angle, drawn};
 use tresses::{
-    avoid::{AvoidMode, AvoidOptions},
-    drape,
+    AvoidMode, AvoidOptions, drape,
     glam::Vec3,
     groom::{
         grow::{Curls, Growth},

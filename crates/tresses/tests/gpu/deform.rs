@@ -2,17 +2,11 @@
 
 use crate::common;
 use tresses::{
-    Context, Error, Hair, HairOptions, Pose,
-    body::{Body, Skin},
-    collide::{
-        Collider, ColliderDescriptor, ColliderPoses, FieldId, FieldSource, Shape,
-        deform::{DeformTarget, DeformingField},
-    },
+    Body, Context, Error, HairHairMode, HairOptions, Pose, SimulationParams,
+    collide::{Collider, ColliderDescriptor, ColliderPoses, FieldId, FieldSource, Shape},
     glam::{Quat, Vec3},
     groom::{BindOptions, Groom, GuideCount, Strands, TriMesh, bind, mesh::shapes},
-    hair::HairFrame,
-    simulate::SimulationParams,
-    volume::HairHairMode,
+    low_level::{DeformTarget, DeformingField, Hair, HairFrame, Skin},
 };
 
 /// Radius of the ball on which the strands lie, meters.

@@ -4,13 +4,14 @@ use crate::common;
 
 use common::{context, meter_is_pixel, picture};
 use tresses::{
-    Camera, Context, View,
+    Camera, Context, Picture, View, ViewOptions,
     glam::Vec3,
-    gpu::readback::blocking as readback,
-    light::{HairMaterial, HairSet, Sphere, unpack_radiance},
+    groom::bound::Strand,
+    light::{HairMaterial, Sphere},
+    low_level::{
+        HairSet, StrandBuffers, StrandVertex, pack_tangent, readback::blocking as readback, unpack_radiance,
+    },
     renderer::{ClassicOptions, Renderer, ShadingModel, ShadingRate, ShadowMethod},
-    strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
-    view::{Picture, ViewOptions},
 };
 
 fn upload(context: &Context, radius: f32, strands: &[[Vec3; 2]]) -> StrandBuffers {

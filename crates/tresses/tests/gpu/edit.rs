@@ -3,11 +3,9 @@
 use crate::common;
 use std::{borrow::Cow, fmt::Write, path::PathBuf};
 use tresses::{
-    Context, Hair, HairOptions, Pose, Result,
-    avoid::{AvoidMode, AvoidOptions},
-    character::{CharacterFiles, CharacterSource, Styling},
+    AvoidMode, AvoidOptions, CharacterFiles, CharacterSource, Context, HairOptions, Pose, RestOptions,
+    Result, SimulationParams, Styling, Wind,
     glam::{Quat, Vec3},
-    gpu::readback::blocking as readback,
     groom::{
         Groom, GuideCount, bind,
         edit::{Brush, BrushTool, GroomDocument, GroomEditor, HeadFiles, StrokeSample},
@@ -17,11 +15,7 @@ use tresses::{
         orient::{Choice, Unit},
         styles::Style,
     },
-    hair::HairFrame,
-    lod,
-    simulate::{RestOptions, SimulationParams},
-    strands::StrandVertex,
-    wind::Wind,
+    low_level::{Hair, HairFrame, StrandVertex, lod, readback::blocking as readback},
 };
 
 /// Returns an editor of a built-in style with `strands` strands.

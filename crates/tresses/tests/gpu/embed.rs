@@ -5,18 +5,15 @@ use crate::common;
 
 use half::f16;
 use tresses::{
-    Camera, Context, Error, Hair, Pose, Result, View,
-    draw::{Compositor, Surroundings},
-    frame::{Drawing, ViewContent},
+    Camera, Compositor, Context, Error, Picture, Pose, Result, Surroundings, View, ViewOptions,
     glam::{
         Mat4, Vec3, Vec4,
         camera::rh::proj::directx::{orthographic, perspective},
     },
-    gpu::readback,
     groom::bind,
     light::{Lights, Sphere},
+    low_level::{Drawing, Hair, HairAsset, HairDescriptor, ViewContent, readback},
     renderer::Renderer,
-    view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages},
 };
 
@@ -339,7 +336,6 @@ fn scene_depth_may_be_multisampled() {
 #[test]
 fn cards_are_hidden_and_blended_like_strands() {
     use tresses::{
-        HairAsset, HairDescriptor,
         groom::cards::{CardOptions, bake},
     };
     let Some(context) = common::context() else { return };

@@ -7,9 +7,7 @@ use crate::{
 };
 
 use tresses::{
-    Camera, Context, Error, Hair, Result, View,
-    draw::{Compositor, Shade, Surroundings, embed::shade},
-    frame::{Drawing, ViewContent},
+    Camera, Compositor, Context, Error, Picture, Result, Shade, Surroundings, View, ViewOptions,
     glam::{
         Mat4, Vec3, Vec4,
         camera::rh::{
@@ -17,10 +15,9 @@ use tresses::{
             view::look_at_mat4,
         },
     },
-    gpu::readback,
     light::{Directional, Lights, SceneShadow, Sky, Sphere},
+    low_level::{Drawing, Hair, ViewContent, readback, shade},
     renderer::Renderer,
-    view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages, util::DeviceExt},
 };
 
@@ -374,7 +371,7 @@ fn told(setup: &Setup<'_>, points: &[Vec3], normal: Vec3) -> Vec<Vec4> {
         label: Some("a scene's shader"),
         source: wgpu::ShaderSource::Wgsl(code.into()),
     });
-    use tresses::gpu::{Binding, bindings};
+    use tresses::low_level::{Binding, bindings};
     let own = bindings::layout(
         device,
         "points",

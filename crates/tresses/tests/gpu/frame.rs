@@ -4,11 +4,10 @@
 use crate::common;
 
 use tresses::{
-    Context, Hair, HairOptions, Pose,
+    Context, HairOptions, Pose,
     glam::{Quat, Vec3},
-    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, SdfGrid, bind},
-    strands::StrandVertex,
+    low_level::{Hair, StrandVertex, readback::blocking as readback},
 };
 
 const HEAD: f32 = 0.09;
@@ -30,7 +29,7 @@ impl Setup {
         let context = common::context()?;
         let mut groom = bind(&common::hanging(300, 16, 0.12), &BindOptions::default()).unwrap();
         // `Hair` stores the strands in this order.
-        tresses::lod::arrange(&mut groom.strands);
+        tresses::low_level::lod::arrange(&mut groom.strands);
         Some(Self { groom, field: common::ball(HEAD, 64), context })
     }
 

@@ -5,14 +5,12 @@ use crate::common;
 
 use std::path::Path;
 use tresses::{
-    Camera, Context, View,
-    body::Body,
+    Body, Camera, Context, Picture, View, ViewOptions,
     glam::Vec3,
-    groom::TriMesh,
-    light::{FiberMaterial, HairMaterial, HairSet, Sphere},
+    groom::{TriMesh, bound::Strand},
+    light::{FiberMaterial, HairMaterial, Sphere},
+    low_level::{HairSet, StrandBuffers, StrandVertex, pack_tangent},
     renderer::{Renderer, ShadingModel},
-    strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
-    view::{Picture, ViewOptions},
 };
 
 pub const SIZE: [u32; 2] = [120, 96];

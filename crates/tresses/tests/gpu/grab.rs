@@ -5,15 +5,11 @@ mod brush;
 use crate::common;
 
 use tresses::{
-    Context, Hair, HairOptions, Pose,
+    Context, HairHairMode, HairOptions, Pose, SimulationParams,
     collide::{Collider, ColliderPoses, Shape},
     glam::{Quat, Vec3},
-    gpu::readback,
     groom::{BindOptions, Groom, GuideCount, SdfGrid, bind},
-    hair::HairFrame,
-    math::Ray,
-    simulate::{SimulationParams, Target, grab::GrabState},
-    volume::HairHairMode,
+    low_level::{GrabState, Hair, HairFrame, Ray, Target, readback},
 };
 
 const HEAD: f32 = 0.09;
@@ -185,7 +181,7 @@ fn grab_pulls_in_wind_and_among_other_hair() {
     let mut hair = stage.hair();
     let before = stage.guides(&hair);
     let physics = SimulationParams {
-        wind: tresses::wind::Wind::new(Vec3::new(-3.0, 0.0, -4.0)),
+        wind: tresses::Wind::new(Vec3::new(-3.0, 0.0, -4.0)),
         ..SimulationParams::default()
     };
     let frames = |hair: &mut Hair, count| {

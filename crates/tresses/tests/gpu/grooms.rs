@@ -5,18 +5,12 @@ use crate::{
     golden::{self, SIZE, difference},
 };
 use tresses::{
-    Camera, Context, Hair, HairOptions, Pose, View,
-    body::Body,
-    frame::Drawing,
+    Background, Body, Camera, Context, HairOptions, Picture, Pose, View, ViewOptions,
     glam::{Quat, Vec3},
-    gpu::readback::blocking as readback,
-    groom::{BindOptions, bind},
-    light::{HairMaterial, HairSet, Lights, Sphere},
-    math::hash::pcg,
-    present::Background,
+    groom::{BindOptions, bind, hash::pcg},
+    light::{HairMaterial, Lights, Sphere},
+    low_level::{Drawing, Hair, HairSet, StrandVertex, readback::blocking as readback},
     renderer::Renderer,
-    strands::StrandVertex,
-    view::{Picture, ViewOptions},
 };
 
 const MODES: [Renderer; 7] = [

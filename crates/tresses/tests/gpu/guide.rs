@@ -2,21 +2,24 @@
 
 use crate::common;
 use crate::embed::{HostScene, target};
-use tresses::character::{CharacterFiles, CharacterOptions, CharacterParts, CharacterSource};
-use tresses::character::{CrowdBudget, Obstacle};
-use tresses::character::{FaceHair, FillOptions, Styling};
 use tresses::collide::{Collider, Shape};
-use tresses::draw::{Compositor, Shade, Surroundings};
 use tresses::glam::{DVec3, Mat4, Quat, Vec3, Vec4};
 use tresses::groom::rig::{Animation, Channel, Curve, Property};
 use tresses::groom::{grow::Growth, import::ImportOptions, mannequin::facial::Beard, styles::Style};
 use tresses::light::{Directional, Environment, Lights, MAX_LIGHTS, SceneShadow, Sky};
 use tresses::renderer::Renderer;
-use tresses::simulate::{Tie, TieTarget};
-use tresses::view::{Picture, ViewOptions};
 use tresses::wgpu::{TextureFormat, TextureUsages};
-use tresses::{Camera, Character, CharacterAsset, Context, HairOptions, Pose, Result, Space, View};
-use tresses::{budget::Budget, gpu::readback, lod::LodOptions, present::Background, strands::StrandVertex};
+use tresses::{
+    Background, Budget, LodOptions,
+    low_level::{StrandVertex, readback},
+};
+use tresses::{Camera, Character, CharacterAsset, Context, Pose, Result, Space, View};
+use tresses::{CharacterFiles, CharacterOptions, CharacterParts, CharacterSource};
+use tresses::{Compositor, Shade, Surroundings};
+use tresses::{CrowdBudget, Obstacle};
+use tresses::{FaceHair, FillOptions, Styling};
+use tresses::{Picture, ViewOptions};
+use tresses::{Tie, TieTarget};
 
 /// The built-in character with 500 strands and an animation, at rest.
 struct Guide {
@@ -210,8 +213,7 @@ async fn engine(guide: &Guide) -> Result<()> {
     let mut encoder = tresses.device().create_command_encoder(&Default::default());
     let (target, milliseconds, parts) = (view.targets().picture().clone(), 0.0, parts.clone());
     let poses = [0.0, 0.5, -0.5].map(|x| Pose { translation: Vec3::X * x, ..Pose::IDENTITY });
-    let hair = HairOptions { lod: LodOptions::CROWD, ..Default::default() };
-    let options = CharacterOptions { hair, ..Default::default() };
+    let options = CharacterOptions::default().with_lod(LodOptions::CROWD);
     let asset = CharacterAsset::new(&tresses, parts, &options, &()).await?;
     let mut crowd = (0..3).map(|_| Character::new(&asset)).collect::<Result<Vec<_>>>()?;
     let budget = Budget { milliseconds: 4.0, bytes: 500_000_000 };

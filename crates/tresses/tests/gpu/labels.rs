@@ -5,16 +5,11 @@ use crate::common;
 
 use half::f16;
 use tresses::{
-    Camera, Context, Error, Hair, Result, View,
-    camera::ToneMap,
-    frame::Drawing,
+    Background, Camera, Context, Error, Picture, Result, ToneMap, View, ViewOptions,
     glam::{Vec2, Vec3},
-    gpu::readback::blocking as readback,
     light::{Lights, Sphere},
-    present::Background,
+    low_level::{Drawing, Hair, StrandVertex, readback::blocking as readback},
     renderer::Renderer,
-    strands::StrandVertex,
-    view::{Picture, ViewOptions},
     wgpu::{self, TextureFormat, TextureUsages},
 };
 

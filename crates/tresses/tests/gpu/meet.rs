@@ -2,14 +2,10 @@
 
 use crate::common::{self, submit};
 use tresses::{
-    Context, Hair, HairOptions, Pose,
+    Context, HairOptions, Pose, SimulationParams, Space,
     glam::{DQuat, DVec3, Vec3},
-    gpu::readback::blocking as readback,
     groom::{BindOptions, GuideCount, Strands, bind},
-    hair::HairFrame,
-    simulate::SimulationParams,
-    space::Space,
-    strands::StrandVertex,
+    low_level::{Hair, HairFrame, StrandVertex, readback::blocking as readback},
 };
 
 /// Final distance between the heads, meters.

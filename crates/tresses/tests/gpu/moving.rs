@@ -3,14 +3,10 @@
 
 use crate::common;
 use tresses::{
-    Context, Hair, HairOptions, Pose,
-    avoid::{AvoidMode, AvoidOptions, StrandState},
-    frame::Recorder,
+    AvoidMode, AvoidOptions, Context, HairOptions, Pose,
     glam::{Quat, Vec3},
-    gpu::readback::blocking as readback,
     groom::{Groom, SdfGrid},
-    hair::HairFrame,
-    strands::StrandVertex,
+    low_level::{Hair, HairFrame, Recorder, StrandState, StrandVertex, readback::blocking as readback},
 };
 
 /// Times in seconds and yaw in degrees, as in the command's motions.

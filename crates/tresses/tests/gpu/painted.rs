@@ -2,8 +2,7 @@
 
 use crate::common;
 use tresses::{
-    Camera, Context, View,
-    body::Body,
+    Body, Camera, Context, Picture, View, ViewOptions,
     glam::{Vec2, Vec3},
     groom::{
         TriMesh,
@@ -14,7 +13,6 @@ use tresses::{
     },
     light::{Directional, Lights, MAX_LIGHTS},
     renderer::Renderer,
-    view::{Picture, ViewOptions},
 };
 
 const SIZE: [u32; 2] = [64, 64];

@@ -2,16 +2,12 @@
 
 use crate::{common, renderers};
 use tresses::{
-    Camera, View,
-    body::Body,
-    draw::{Compositor, Surroundings, Targets},
-    frame::{Drawing, ViewContent},
+    Body, Camera, Compositor, Picture, Surroundings, View, ViewOptions,
     glam::Mat4,
     groom::TriMesh,
-    light::{HairSet, SceneShadow},
+    light::SceneShadow,
+    low_level::{Drawing, HairSet, StrandBuffers, Targets, ViewContent},
     renderer::{ClassicCoverage, Renderer},
-    strands::StrandBuffers,
-    view::{Picture, ViewOptions},
 };
 
 /// Builds and records a whole frame by `renderer`. Returns the validation error of wgpu, if any.

@@ -3,16 +3,12 @@
 use crate::{common, golden};
 
 use tresses::{
-    Context, View,
-    body::{Body, BodyMaterial},
-    camera::ToneMap,
-    frame::Drawing,
+    Background, Body, BodyMaterial, Context, Picture, ToneMap, View, ViewOptions,
     glam::Vec3,
-    gpu::readback,
-    light::{Directional, HairMaterial, HairSet, Lights, MAX_LIGHTS, Shadows, Sky, material::linear},
-    present::Background,
+    groom::srgb::linear,
+    light::{Directional, HairMaterial, Lights, MAX_LIGHTS, Shadows, Sky},
+    low_level::{Drawing, HairSet, readback},
     renderer::{Renderer, ShadingModel},
-    view::{Picture, ViewOptions},
     wgpu::{
         self,
         TextureFormat::{self, Rgba8Unorm, Rgba8UnormSrgb, Rgba16Float},

@@ -4,8 +4,7 @@ use crate::common;
 use half::f16;
 use tresses::{
     glam::{Vec3, Vec4},
-    gpu::readback::blocking as readback,
-    light::unpack_radiance,
+    low_level::{readback::blocking as readback, unpack_radiance},
     wgpu::{self, util::DeviceExt},
 };
 

@@ -2,11 +2,9 @@
 
 use crate::{common, golden};
 use tresses::{
-    View,
-    body::Body,
-    light::HairSet,
+    Body, View, ViewOptions,
+    low_level::HairSet,
     renderer::{ClassicCoverage, ClassicOptions, Renderer, ShadingModel, ShadingRate, ShadowMethod},
-    view::ViewOptions,
 };
 
 /// Returns all combinations of renderer, coverage, shading model, shading rate and shadow method.

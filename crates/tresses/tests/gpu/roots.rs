@@ -2,14 +2,11 @@
 
 use crate::common;
 use tresses::{
-    Context, Error, Hair, HairOptions, Pose,
-    body::{Body, Skin, Words},
+    Body, Context, Error, HairHairMode, HairOptions, Pose, RootToTip, SimulationParams,
     collide::ColliderPoses,
     glam::{Mat3, Quat, Vec3},
     groom::{BindOptions, Groom, GuideCount, TriMesh, bind, mesh::shapes},
-    hair::HairFrame,
-    simulate::{RootToTip, SimulationParams},
-    volume::HairHairMode,
+    low_level::{Hair, HairFrame, Skin, Words},
 };
 
 /// Returns the ball on which [`common::hanging`] strands stand.
@@ -165,7 +162,7 @@ fn strands_begin_on_the_deformed_skin() {
         let groom = groom(guides);
         let mut stage = Stage::new(context, &groom, true);
         let mut arranged = groom.strands.clone();
-        tresses::lod::arrange(&mut arranged);
+        tresses::low_level::lod::arrange(&mut arranged);
         for i in 0..8 {
             let t = i as f32 / 16.0;
             stage.advance(Pose::IDENTITY, 1.0 / 45.0, |p| bent(p, t));

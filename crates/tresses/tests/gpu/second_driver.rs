@@ -12,8 +12,7 @@ use std::{
     process::Command,
 };
 use tresses::{
-    Context,
-    avoid::{AvoidMode, AvoidOptions},
+    AvoidMode, AvoidOptions, Context,
     glam::Vec3,
     groom::bind,
     light::{FiberMaterial, HairMaterial},

@@ -5,13 +5,12 @@ use crate::{
     golden::{self, SIZE, difference},
 };
 use tresses::{
-    Camera, View,
-    body::Body,
+    Body, Camera, Picture, View, ViewOptions,
     glam::Vec3,
     groom::TriMesh,
-    light::{Directional, HairSet, Lights, MAX_LIGHTS, Sphere},
+    light::{Directional, Lights, MAX_LIGHTS, Sphere},
+    low_level::HairSet,
     renderer::Renderer,
-    view::{Picture, ViewOptions},
 };
 
 /// Returns a floor under the golden image's hair, which shadows it. Nothing else is visible.

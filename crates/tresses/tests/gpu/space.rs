@@ -6,20 +6,13 @@ use crate::{
     golden::difference,
 };
 use tresses::{
-    Camera, Context, Hair, HairOptions, Pose, Space, View,
+    Camera, Context, HairOptions, Picture, Pose, SimulationParams, Space, Velocity, View, ViewOptions, Wind,
     collide::{Anchor, Collider, ColliderDescriptor, ColliderPoses, Shape},
-    frame::Drawing,
     glam::{DQuat, DVec3, Quat, Vec3},
-    gpu::readback::blocking as readback,
     groom::{BindOptions, GuideCount, bind},
-    hair::HairFrame,
     light::Sphere,
+    low_level::{Drawing, Hair, HairFrame, StrandVertex, readback::blocking as readback},
     renderer::Renderer,
-    simulate::SimulationParams,
-    space::Velocity,
-    strands::StrandVertex,
-    view::{Picture, ViewOptions},
-    wind::Wind,
 };
 
 /// Creates a hanging groom, a ball that passes by, and glasses. `size` scales the head, the ball and the glasses.
@@ -121,7 +114,7 @@ fn other_coordinates_do_not_change_the_motion() {
     // Without chaotic effects: strands that buckle or touch something, and self-collision, whose grid depends on
     // rounding.
     let mut physics = SimulationParams::default();
-    physics.hair_hair.mode = tresses::volume::HairHairMode::Off;
+    physics.hair_hair.mode = tresses::HairHairMode::Off;
     physics.bending.root *= 100.0;
     physics.bending.tip *= 100.0;
     let go = |given: &dyn Fn(f64) -> Given| {

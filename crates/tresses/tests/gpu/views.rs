@@ -3,20 +3,16 @@
 use crate::common;
 
 use tresses::{
-    Camera, Context, Hair, HairOptions, Pose, View,
-    body::Body,
+    Body, Camera, Context, HairOptions, Picture, Pose, SimulationParams, View, ViewOptions, Wind,
     collide::ColliderPoses,
-    frame::{Drawing, ViewContent},
     glam::Vec3,
-    gpu::readback,
     groom::{BindOptions, bind},
-    hair::HairFrame,
-    light::{Lights, Sphere, Term, unpack_radiance},
+    light::{Lights, Sphere},
+    low_level::{
+        DebugDisplay, DebugView, DebugViews, Drawing, Hair, HairFrame, Term, ViewContent, readback,
+        unpack_radiance,
+    },
     renderer::{Renderer, ShadingModel},
-    simulate::SimulationParams,
-    view::{Picture, ViewOptions},
-    views::{DebugDisplay, DebugView, DebugViews},
-    wind::Wind,
 };
 
 /// A head of hair in wind, and all that draws it.
@@ -36,7 +32,7 @@ impl Setup {
         let field = common::ball(0.085, 32);
         let options = HairOptions::default();
         let mut hair = common::hair(context, &groom, &options, Some(&field)).unwrap();
-        let mut views = DebugViews::new(context, tresses::draw::targets::PICTURE_FORMAT).unwrap();
+        let mut views = DebugViews::new(context, tresses::low_level::PICTURE_FORMAT).unwrap();
         views.set_head(Some(&field));
         let simulation = SimulationParams { wind: Wind::new(Vec3::X * 6.0), ..Default::default() };
         for _ in 0..6 {

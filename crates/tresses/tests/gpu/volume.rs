@@ -6,16 +6,12 @@ use crate::common;
 
 use std::{collections::HashMap, sync::Arc};
 use tresses::{
-    Context, Hair, HairOptions, Pose,
+    Context, HairHair, HairHairMode, HairOptions, Pose, SimulationParams,
     collide::ColliderPoses,
     drape::DrapedCharacter,
     glam::{IVec3, Vec3},
-    gpu::readback::blocking as readback,
     groom::styles::Style,
-    hair::HairFrame,
-    simulate::SimulationParams,
-    strands::{StrandVertex, guide::unpack_velocity},
-    volume::{HairHair, HairHairMode},
+    low_level::{Hair, HairFrame, StrandVertex, readback::blocking as readback, unpack_velocity},
 };
 
 /// Edge of the voxels in which strands are counted, meters.

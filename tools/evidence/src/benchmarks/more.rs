@@ -4,7 +4,7 @@ use crate::costs;
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 use std::{path::Path, process::Command};
-use tresses::gpu::wall;
+use tresses::low_level::wall;
 use tresses_cli::{
     bench::{Adapter, Sitting, TimingArgs},
     progress,

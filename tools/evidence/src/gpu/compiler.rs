@@ -7,7 +7,7 @@ use crate::roofline::instrument;
 use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
 use std::{env, path::PathBuf, process::Command};
-use tresses::shaders;
+use tresses::low_level::shaders;
 use tresses_radv::{Compiler, ResourceKind};
 use wgpu::naga::{self, AddressSpace, ImageClass, TypeInner, back::spv};
 

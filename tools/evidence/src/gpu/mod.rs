@@ -10,7 +10,7 @@ use crate::roofline;
 use anyhow::{Context, Result};
 use model::{CountedCommand, CountedFrame};
 use std::path::Path;
-use tresses::gpu::wall;
+use tresses::low_level::wall;
 use tresses_cli::{
     args::Size,
     bench::workload::{self, Workload},
@@ -101,7 +101,7 @@ fn scenes() -> Vec<Workload> {
 fn counted(workload: &Workload) -> Result<CountedFrame> {
     eprintln!("counting: {}", workload.name);
     let (commands, recorded) = roofline::commands(workload, BEFORE, wall)?;
-    let by_stage = |value: &dyn Fn(&tresses::gpu::Counts) -> u64| {
+    let by_stage = |value: &dyn Fn(&tresses::low_level::Counts) -> u64| {
         recorded.iter().map(|(stage, counts)| ((*stage).to_owned(), value(counts))).collect::<Vec<_>>()
     };
     let transfers = by_stage(&|counts| counts.transfers.into());

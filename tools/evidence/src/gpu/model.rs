@@ -11,7 +11,7 @@ use crate::roofline::{CommandWork, expected::expected};
 use anyhow::{Context, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
-use tresses::shaders;
+use tresses::low_level::shaders;
 use tresses_cli::bench::table::{ms, table};
 
 /// A chip of the model.

@@ -5,7 +5,7 @@
 //! a buffer when it ends. Loops are thus counted once per iteration, and branches only if taken.
 
 use anyhow::{Context, Result};
-use tresses::gpu::probe::GROUP;
+use tresses::low_level::probe::GROUP;
 use wgpu::naga::{
     AddressSpace, Arena, Block, Expression, Function, GlobalVariable, Handle, ImageClass, Literal,
     MathFunction as Fun, Module, ShaderStage, Span, Statement, TypeInner,
@@ -334,7 +334,7 @@ mod tests {
 
     #[test]
     fn every_shader_can_be_instrumented() {
-        for (name, wgsl) in tresses::shaders::all() {
+        for (name, wgsl) in tresses::low_level::shaders::all() {
             let module = instrument(wgsl).unwrap_or_else(|error| panic!("{name}: {error}"));
             let checked = Validator::new(ValidationFlags::all(), Capabilities::all()).validate(&module);
             assert!(checked.is_ok(), "{name}: {checked:?}");
@@ -355,7 +355,7 @@ mod tests {
                 if id.x < 10u { atomicAdd(&sum, 1u); }
                 out[id.x] = x;
             }";
-        let gpu = tresses_testing::gpu_or_skip(pollster::block_on(tresses::gpu::Gpu::open()))?;
+        let gpu = tresses_testing::gpu_or_skip(pollster::block_on(tresses::Gpu::open()))?;
         let context = &gpu.context;
         let (device, queue) = (context.device(), context.queue());
         let source = wgpu::ShaderSource::Naga(std::borrow::Cow::Owned(instrument(wgsl).expect("it counts")));
@@ -399,7 +399,8 @@ mod tests {
         pass.dispatch_workgroups(3, 1, 1);
         drop(pass);
         queue.submit([encoder.finish()]);
-        let words: Vec<u32> = tresses::gpu::readback::blocking::buffer(context, &buffers[3]).expect("back");
+        let words: Vec<u32> =
+            tresses::low_level::readback::blocking::buffer(context, &buffers[3]).expect("back");
         Some(ShaderCounts::read(&words))
     }
 

@@ -11,7 +11,7 @@ use std::{
 };
 use tresses::{
     Context,
-    gpu::{probe::Probe, readback::blocking as readback},
+    low_level::{probe::Probe, readback::blocking as readback},
 };
 
 /// Most dispatches and draws of a frame that can be counted.

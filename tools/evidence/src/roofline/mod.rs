@@ -11,7 +11,10 @@ pub use meter::{CommandWork, Meter, StageWork};
 use rates::Rates;
 use serde::Serialize;
 use std::sync::Arc;
-use tresses::gpu::{Clock, Counts, Gpu, Tier};
+use tresses::{
+    Gpu,
+    low_level::{Clock, Counts, Tier},
+};
 use tresses_cli::{
     bench::{
         Sitting,

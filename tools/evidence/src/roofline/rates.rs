@@ -2,7 +2,10 @@
 
 use anyhow::{Context, Result};
 use serde::Serialize;
-use tresses::gpu::{Clock, Gpu, bindings::uniform};
+use tresses::{
+    Gpu,
+    low_level::{Clock, bindings::uniform},
+};
 use tresses_cli::bench::table::{ms, table};
 
 /// Peak rates, per second.

@@ -75,7 +75,7 @@ impl CharacterSource {
     }
 
     /// Returns a document to edit `groom`, made from this source by [`dress`](Self::dress). `files` and nothing else have
-    /// made the source, unless it is a built-in style. A groom of fewer than [`LEAST_GUIDES`] guides gets more, chosen
+    /// made the source, unless it is a built-in style. A groom of fewer than `LEAST_GUIDES` guides gets more, chosen
     /// among its strands, because a brush moves guides; its strands do not move.
     ///
     /// # Errors

@@ -53,7 +53,7 @@ mod tests;
 /// Uniforms of all kernels of the builder.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct BuildParams {
+pub(crate) struct BuildParams {
     /// Position of the first voxel, meters.
     pub origin: Vec3,
     /// Distance between voxels, meters.

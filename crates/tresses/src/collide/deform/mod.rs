@@ -107,8 +107,9 @@ pub(crate) struct DeformNode {
     pub c: f32,
 }
 
-/// Selects the field of a [`ColliderSet`](super::ColliderSet) that deforms.
+/// Selects the field of a `ColliderSet` that deforms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum DeformTarget {
     /// The head's field.
     Head,

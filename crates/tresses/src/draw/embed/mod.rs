@@ -102,9 +102,9 @@ pub struct Surroundings<'a> {
     /// of the previous frame, as after a change of the level of detail, hair counts as static and only the camera
     /// moves. Requires [`Renderer::Tiles`].
     pub geometry: Option<&'a wgpu::TextureView>,
-    /// The scene's shadow maps, which shade hair and the bodies around it ([`crate::light::scene`]). At most 16.
+    /// The scene's shadow maps, which shade hair and the bodies around it. At most 16.
     pub shadows: &'a [SceneShadow<'a>],
-    /// Shadow that hair casts on the scene by darkening its color ([`shade`]). For scenes whose own shaders do not call
+    /// Shadow that hair casts on the scene by darkening its color (`shade`). For scenes whose own shaders do not call
     /// [`shade::wgsl`].
     pub shade: Option<Shade>,
     /// Whether the caller has already recorded [`Recorder::light`](crate::frame::Recorder::light) for this frame, after

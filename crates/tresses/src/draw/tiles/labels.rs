@@ -9,6 +9,7 @@ use crate::{
 
 /// The strand segment that covers most of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Label {
     /// Index of the groom among those that were drawn.
     pub groom: u32,

@@ -98,7 +98,7 @@ fn bindings<'a>(grid: &'a wgpu::TextureView, sampler: &'a wgpu::Sampler) -> kern
 
 /// Ambient light grid of a view.
 #[derive(Debug)]
-pub struct Ambient {
+pub(crate) struct Ambient {
     cells: u32,
     sums: wgpu::Buffer,
     result: wgpu::TextureView,

@@ -6,9 +6,13 @@
 //! `Σ exp(-σ l) ≈ W exp(-σ l̄ + σ² var/2)`. The error is below 0.2 % of the sum for any hair that is not black, and one
 //! fetch serves all channels and any melanin.
 
-use super::bsdf::{FiberShape, LOBES, along};
-use glam::{DVec3, Vec3};
+use super::bsdf::{FiberShape, LOBES};
 use std::f64::consts::PI;
+#[cfg(test)]
+use {
+    super::bsdf::along,
+    glam::{DVec3, Vec3},
+};
 
 /// Azimuth steps, from the eye's azimuth to the opposite one.
 pub const AZIMUTHS: u32 = 96;
@@ -50,7 +54,7 @@ impl AzimuthalLobes {
 
 /// Moments of the lobes over azimuth and cos θ.
 #[derive(Clone, Debug)]
-pub struct FarField {
+pub(crate) struct FarField {
     shape: FiberShape,
     /// Moments for light from one direction, indexed `cosine * AZIMUTHS + azimuth`.
     pub(crate) direct: Vec<AzimuthalLobes>,
@@ -143,6 +147,7 @@ impl FarField {
     }
 
     /// Interpolates the moments between the steps, as a GPU sampler does.
+    #[cfg(test)]
     pub(crate) fn around(table: &[AzimuthalLobes], phi: f64, cos_theta: f64) -> AzimuthalLobes {
         let grid = |v: f64, n: u32| {
             let at = v.clamp(0.0, 1.0) * f64::from(n - 1);
@@ -161,6 +166,7 @@ impl FarField {
     }
 
     /// Interpolates the share of the last lobe between the steps.
+    #[cfg(test)]
     pub fn rest(&self, sigma_a: f64, cos_theta: f64) -> f64 {
         let (u, c) = (hue(sigma_a) * f64::from(HUES - 1), cos_theta.clamp(0.0, 1.0) * f64::from(COSINES - 1));
         let (i, j) = ((u as u32).min(HUES - 2), (c as u32).min(COSINES - 2));
@@ -172,6 +178,7 @@ impl FarField {
 
     /// Returns radiance per irradiance of a whole fiber. All vectors are unit vectors; `sigma_a` is the absorption per
     /// radius and channel. CPU reference of the sum of `fiber_narrow` and `fiber_wide` in `fiber.wesl`.
+    #[cfg(test)]
     pub fn scatter(&self, tangent: Vec3, eye: Vec3, light: Vec3, sigma_a: Vec3) -> Vec3 {
         let [t, e, l] = [tangent, eye, light].map(|v| DVec3::from(v).normalize());
         let (sin_eye, sin_light) = (t.dot(e), t.dot(l));

@@ -40,8 +40,8 @@
 //! the fibers behind the visible one (`shading.wesl`).
 //!
 //! **Tests**: the near field against 256 directions and four colors of Mitsuba's plugin; white furnace tests of the
-//! near field, the tables and the shader; the shader against its CPU reference [`FarField::scatter`]
-//! (`tests/gpu/fiber.rs`). Comparison with path-traced images: `docs/validation/shading.md`.
+//! near field, the tables and the shader; the shader against its CPU reference `FarField::scatter`
+//! (`tests/stages/fiber.rs`). Comparison with path-traced images: `docs/validation/shading.md`.
 //!
 //! Untried: a fit of `density_back` (0.7 as in the paper); the offset across the strip where hair is wider than pixels
 //! (near field); elliptical fibers.
@@ -52,5 +52,4 @@ pub mod mean;
 pub mod tables;
 
 pub use bsdf::FiberShape;
-pub use far::FarField;
 pub(crate) use tables::FiberTables;

@@ -12,6 +12,7 @@ use glam::Vec3;
 /// Effect of a [`MotionBrush`] on the hair under it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u32)]
+#[non_exhaustive]
 pub enum BrushEffect {
     /// Drags hair along. It slides through the brush.
     #[default]

@@ -75,6 +75,7 @@ pub const STRONGEST: f32 = 2000.0;
 
 /// Target to which a grab pulls hair.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Target {
     /// The intersection of a ray with the plane through the hit point, perpendicular to the ray of the grab.
     Ray(Ray),

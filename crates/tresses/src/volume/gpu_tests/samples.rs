@@ -61,8 +61,8 @@ fn samples_of_two_vertices_match_single_vertices() {
         let place = |p: Vec3| 0.8 * p + 0.02 * Vec3::new((40.0 * p.y).sin(), 0.0, (33.0 * p.y + p.x).cos());
         scene.put(&scene.moved(place), &scene.moved(swirl));
         scene.forces(&HairHair::default(), &step);
-        let push = scene.texture(&scene.volume.push_texture);
-        let hair = scene.texture(&scene.volume.hair_texture);
+        let push = scene.texture(scene.volume.push.texture());
+        let hair = scene.texture(scene.volume.hair.texture());
         let values = |pick: fn(&[f32; 4]) -> Vec3, of: &[[f32; 4]]| of.iter().map(pick).collect::<Vec<_>>();
         Some([
             values(|t| Vec3::X * t[3], &hair),

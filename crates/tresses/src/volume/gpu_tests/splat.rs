@@ -92,7 +92,7 @@ fn cell_velocity_matches_its_hair() {
     let params = HairHair { friction: 10.0, ..Default::default() };
     scene.forces(&params, &Step { mode: Mode::Step, begin, end, from: 0.0, to: 1.0 });
     let grid = scene.volume.grid;
-    let texels = scene.texture(&scene.volume.hair_texture);
+    let texels = scene.texture(scene.volume.hair.texture());
     let n = grid.resolution as usize;
     let (mut worst, mut meters, mut count) = (0f32, 0.0, 0);
     for (i, texel) in texels.iter().enumerate() {

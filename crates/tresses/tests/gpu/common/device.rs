@@ -1,10 +1,8 @@
 //! One context per test thread. Pipelines are compiled once per context; a software driver needs seconds for all of them.
 
 use tresses::{
-    Context, Hair, Pose, Result,
-    frame::Recorder,
-    gpu::{Gpu, Tier},
-    hair::HairFrame,
+    Context, Gpu, Pose, Result,
+    low_level::{Hair, HairFrame, Recorder},
 };
 use tresses_testing::Pool;
 
@@ -12,12 +10,6 @@ use tresses_testing::Pool;
 pub fn context() -> Option<&'static Context> {
     static CONTEXTS: Pool<Context> = Pool::new();
     CONTEXTS.get(|| Some(tresses_testing::gpu_or_skip(pollster::block_on(Gpu::open()))?.context))
-}
-
-/// Creates a context with the kernels that GPUs use, on this thread's device.
-pub fn with_kernels_for_gpus() -> Option<Context> {
-    let context = context()?;
-    Some(context.clone().with_tier(Tier { software: false, ..context.tier() }))
 }
 
 /// Creates a context on wgpu's no-op device.
@@ -35,7 +27,7 @@ pub fn submit(what: impl FnOnce(&mut Recorder<'_>) -> Result<()>) {
 }
 
 /// Records `record` in a compute pass and submits it.
-pub fn compute(context: &Context, record: impl FnOnce(&mut tresses::gpu::ComputePass<'_>)) {
+pub fn compute(context: &Context, record: impl FnOnce(&mut tresses::low_level::ComputePass<'_>)) {
     let mut encoder = context.device().create_command_encoder(&Default::default());
     let mut commands = context.commands(&mut encoder);
     let mut pass = commands.compute("test");

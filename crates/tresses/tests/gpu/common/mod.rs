@@ -3,21 +3,18 @@
 mod device;
 mod fixtures;
 
-pub use device::{advance, compute, context, frame, noop, submit, with_kernels_for_gpus};
+pub use device::{advance, compute, context, frame, noop, submit};
 pub use fixtures::{SINTEL, asset, character, scalp, sintel};
 
 use tresses::{
-    Camera, Context, Hair, HairAsset, HairDescriptor, HairOptions, Pose, Result, View,
-    body::Body,
+    Background, Body, Camera, Context, HairOptions, Picture, Pose, Result, View, ViewOptions,
     collide::ColliderDescriptor,
-    frame::Drawing,
     glam::{Mat4, Quat, Vec3},
-    gpu::readback::blocking as readback,
     groom::{Groom, SdfGrid, Strands, TriMesh, bind},
-    light::{Directional, HairSet, Lights, MAX_LIGHTS, Shadows},
-    present::Background,
-    strands::StrandVertex,
-    view::{Picture, ViewOptions},
+    light::{Directional, Lights, MAX_LIGHTS, Shadows},
+    low_level::{
+        Drawing, Hair, HairAsset, HairDescriptor, HairSet, StrandVertex, readback::blocking as readback,
+    },
 };
 
 /// Creates strands on a sphere of radius 9 cm around the origin that stand off, bend, and hang down `length` meters.

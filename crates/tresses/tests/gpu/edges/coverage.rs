@@ -7,7 +7,7 @@ use super::{
     picture::{Studio, total},
 };
 use crate::common;
-use tresses::{Camera, Context, glam::Vec3, light::Sphere, present::Background, view::Picture};
+use tresses::{Background, Camera, Context, Picture, glam::Vec3, light::Sphere};
 
 const SIZE: [u32; 2] = [384, 320];
 

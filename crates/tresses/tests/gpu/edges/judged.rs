@@ -7,14 +7,11 @@ use super::{MASK_1, MASK_4, Mode, TILES, TILES_2X};
 use crate::{common, lod::stage::Setup};
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8};
 use tresses::{
-    Camera, Context, Hair, View,
-    camera::ToneMap,
-    frame::Drawing,
+    Background, Camera, Context, Picture, ToneMap, View, ViewOptions,
     glam::Vec3,
-    groom::{Groom, bind, import},
-    light::{Lights, Sphere, material::linear},
-    present::Background,
-    view::{Picture, ViewOptions},
+    groom::{Groom, bind, import, srgb::linear},
+    light::{Lights, Sphere},
+    low_level::{Drawing, Hair},
 };
 
 const SIZE: [u32; 2] = [240, 200];
@@ -104,7 +101,7 @@ fn light(shown: &GrayImage) -> f64 {
 fn judge(context: &Context, name: &str, groom: &Groom, radii: &[f32]) {
     let setup = Setup::open().expect("there is a GPU");
     let mut hair = setup.hair(groom, None);
-    hair.lod.options.mode = tresses::lod::LodMode::Off;
+    hair.lod.options.mode = tresses::LodMode::Off;
     for &radii in radii {
         let reference = shown(context, MASK_4, &hair, radii, FINER);
         let drawn = shown(context, TILES, &hair, radii, 1);

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::common;
 use tresses::renderer::Renderer;
-use tresses::{Context, present::Background, view::Picture};
+use tresses::{Background, Context, Picture};
 
 const SIZE: [u32; 2] = [192, 160];
 const FRAMES: u32 = 4;

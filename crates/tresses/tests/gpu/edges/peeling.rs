@@ -3,13 +3,12 @@
 use super::{groom::Groom, mode, picture::Studio};
 use crate::common;
 use tresses::{
+    Background, Picture,
     glam::{DVec2, DVec3, Vec3},
-    gpu::readback::blocking as readback,
-    light::{HairMaterial, HairSet, Sphere, unpack_radiance},
-    math::hash::pcg,
-    present::Background,
+    groom::hash::pcg,
+    light::{HairMaterial, Sphere},
+    low_level::{HairSet, readback::blocking as readback, unpack_radiance},
     renderer::Renderer,
-    view::Picture,
 };
 
 const SIZE: u32 = 128;

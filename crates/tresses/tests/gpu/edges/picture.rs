@@ -3,14 +3,10 @@
 use super::Mode;
 use crate::common;
 use tresses::{
-    Context, View,
-    body::Body,
-    frame::Drawing,
-    gpu::{Timings, wall},
-    light::HairSet,
+    Body, Context, Picture, Timings, View, ViewOptions,
+    groom::bound::Strand,
+    low_level::{Drawing, HairSet, StrandBuffers, StrandVertex, pack_tangent, wall},
     renderer::ShadingModel,
-    strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
-    view::{Picture, ViewOptions},
 };
 
 use super::groom::Groom;

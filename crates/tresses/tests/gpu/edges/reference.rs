@@ -8,7 +8,7 @@ use super::{
 };
 use crate::common;
 use std::{fs::File, io::BufReader, path::Path};
-use tresses::{Camera, glam::Vec3, groom::import, light::Sphere, view::Picture};
+use tresses::{Camera, Picture, glam::Vec3, groom::import, light::Sphere};
 
 /// Sizes of the images. The reference has 960×600 pixels, so they correspond to 1.5, 3 and 6 times its camera distance.
 /// Strands are 0.4, 0.2 and 0.1 pixels wide at the root.

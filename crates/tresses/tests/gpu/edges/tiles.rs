@@ -4,14 +4,11 @@
 use super::{MASK_4_2X, PEEL, TILES, TILES_1, groom::Groom, mode, picture::Studio, picture::total};
 use crate::{common, golden::difference};
 use tresses::{
-    Camera, Context,
-    body::Body,
+    Background, Body, Camera, Context, Picture,
     glam::{Quat, Vec2, Vec3},
+    groom::bound::Strand,
     light::{Directional, Sphere},
-    present::Background,
     renderer::Renderer,
-    strands::Strand,
-    view::Picture,
 };
 
 const SIZE: [u32; 2] = [256, 224];

@@ -1,7 +1,7 @@
 //! Brushes on moving hair.
 
 use super::*;
-use tresses::simulate::{BrushEffect, MotionBrush};
+use tresses::low_level::{BrushEffect, MotionBrush};
 
 /// A ray to the hair beside the head.
 const BESIDE: Ray = Ray { origin: Vec3::new(0.092, -0.08, 1.0), direction: Vec3::NEG_Z };

@@ -3,11 +3,10 @@
 use super::stage::{Setup, Shot};
 use crate::common;
 use tresses::{
-    Hair, Pose,
+    Pose,
     glam::{Quat, Vec3},
     groom::{Groom, SdfGrid, bind},
-    lod::Detail,
-    strands::StrandVertex,
+    low_level::{Detail, Hair, StrandVertex},
 };
 
 /// Returns the mean differences in coverage and color between successive images.

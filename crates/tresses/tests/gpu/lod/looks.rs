@@ -3,11 +3,11 @@
 use super::stage::{Setup, Shot};
 use crate::common;
 use tresses::{
-    Hair,
+    LodMode, LodOptions,
     glam::Vec3,
     groom::{bind, import, styles::Style},
     light::{Directional, Lights, Sky},
-    lod::{Detail, LodMode, LodOptions},
+    low_level::{Detail, Hair},
 };
 
 /// Returns the covered share of an image, and its mean luminance.

@@ -2,19 +2,12 @@
 
 use crate::common;
 use tresses::{
-    Camera, Context, Hair, HairOptions, Pose, View,
-    camera::ToneMap,
-    drape,
-    frame::Drawing,
+    Background, Camera, Context, HairOptions, LodOptions, Picture, Pose, ToneMap, View, ViewOptions, drape,
     glam::Vec3,
-    gpu::readback::blocking as readback,
-    groom::{Groom, SdfGrid, styles::Style},
-    light::{Lights, Sphere, material::linear},
-    lod::{Detail, LodOptions},
-    present::Background,
+    groom::{Groom, SdfGrid, srgb::linear, styles::Style},
+    light::{Lights, Sphere},
+    low_level::{Detail, Drawing, Hair, StrandVertex, readback::blocking as readback},
     renderer::Renderer,
-    strands::StrandVertex,
-    view::{Picture, ViewOptions},
 };
 
 /// Radians per pixel of a portrait lens (30 degrees) in an image 720 pixels high.

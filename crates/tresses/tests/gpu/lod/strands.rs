@@ -3,11 +3,10 @@
 use super::stage::Setup;
 use crate::common;
 use tresses::{
-    Hair, HairAsset, HairDescriptor, Pose,
+    LodLevel, LodMode, Pose,
     glam::{Quat, Vec3},
-    gpu::readback::blocking as readback,
     groom::{bind, scalp::ScalpMap},
-    lod::{Detail, LodLevel, LodMode, arrange},
+    low_level::{Detail, Hair, HairAsset, HairDescriptor, lod::arrange, readback::blocking as readback},
 };
 
 #[test]
@@ -25,12 +24,12 @@ fn strands_with_fewer_vertices_keep_their_shape() {
         let vertices = stage.vertices(&hair);
         for (i, strand) in vertices.chunks(drawn.vertex_count as usize).take(300).enumerate() {
             let rest: Vec<_> = groom.strands.rest_positions(i).collect();
-            let expected = tresses::lod::resample(&rest, segments);
+            let expected = tresses::low_level::lod::resample(&rest, segments);
             for (v, p) in strand.iter().zip(&expected) {
                 assert!(v.position.distance(*p) < 2e-4, "{segments} {i}: {} {p}", v.position);
             }
             // A strand with another number of segments is elsewhere.
-            let other = tresses::lod::resample(&rest, 0.9 * segments);
+            let other = tresses::low_level::lod::resample(&rest, 0.9 * segments);
             let off = strand.iter().zip(&other).map(|(v, p)| v.position.distance(*p)).fold(0.0, f32::max);
             assert!(segments == 1.0 || off > 2e-4);
         }
@@ -103,53 +102,4 @@ fn painted_levels_act_where_they_are_painted() {
     let mean = left.iter().sum::<f32>() / left.len() as f32;
     assert!((mean - 0.5).abs() < 0.08, "{mean}");
     assert!(half.iter().filter(|(x, _)| *x < 0.0).all(|(_, scale)| (scale - 1.5).abs() < 0.02));
-}
-
-/// Measures what the order of strands costs in `interpolate`, for the docs.
-#[test]
-#[ignore = "proof"]
-fn print_timings_of_strand_orders() {
-    use tresses::{
-        interpolate::Interpolation,
-        strands::{GuideBuffers, StrandBuffers},
-    };
-    let Some(stage) = Setup::open() else { return };
-    let context = stage.context;
-    for (name, count) in [("long", 30_000), ("short", 60_000)] {
-        let (groom, _) = Setup::style(name, count);
-        let n = groom.strands.vertex_count;
-        let mut arranged = groom.strands.clone();
-        arrange(&mut arranged);
-        let guides =
-            GuideBuffers::new(context, groom.guides.len() as u32, groom.guides.vertex_count, n).unwrap();
-        let runs = [&groom.strands, &arranged].map(|strands| {
-            let buffers = StrandBuffers::new(context, strands.len() as u32, n).unwrap();
-            context.queue().write_buffer(&buffers.bindings, 0, bytemuck::cast_slice(&strands.bindings));
-            context.queue().write_buffer(&buffers.rest, 0, bytemuck::cast_slice(&strands.rest));
-            let between = Interpolation::new(context, &guides, &buffers);
-            between.prepare(context, &guides, &buffers);
-            (between, buffers)
-        });
-        let mut times = [Vec::new(), Vec::new()];
-        for _ in 0..25 {
-            for ((between, buffers), times) in runs.iter().zip(&mut times) {
-                let mut encoder = context.device().create_command_encoder(&Default::default());
-                let mut commands = context.commands(&mut encoder);
-                let mut pass = commands.compute("interpolate");
-                between.record(&mut pass, buffers);
-                pass.end().unwrap();
-                let start = std::time::Instant::now();
-                context.queue().submit([encoder.finish()]);
-                context.device().poll(wgpu::PollType::wait_indefinitely()).unwrap();
-                times.push(start.elapsed().as_secs_f64() * 1e3);
-            }
-        }
-        let [file, sampled] = times.map(|mut times| {
-            times.sort_by(f64::total_cmp);
-            [times[0], times[12]]
-        });
-        println!(
-            "{name}, {count} strands: as they come {file:.2?} ms, arranged {sampled:.2?} ms (least, median)"
-        );
-    }
 }

@@ -8,14 +8,12 @@ use crate::common;
 use oracle::{Oracle, Truth};
 use tangle::Tangle;
 use tresses::{
-    Camera, Context, View,
-    body::Body,
-    frame::Drawing,
+    Body, Camera, Context, Picture, View, ViewOptions,
     glam::{Quat, Vec3},
-    light::{Directional, HairSet, Lights, Shadow, ShadowProbe, Shadows},
-    math::hash::pcg,
+    groom::hash::pcg,
+    light::{Directional, Lights, Shadows},
+    low_level::{Drawing, HairSet, Shadow, ShadowProbe},
     renderer::{ClassicOptions, Renderer, ShadowMethod},
-    view::{Picture, ViewOptions},
 };
 
 const METHODS: [ShadowMethod; 3] =

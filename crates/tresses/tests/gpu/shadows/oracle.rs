@@ -1,7 +1,10 @@
 //! Counts the strands that rays of light hit, by brute force.
 
 use super::tangle::Tangle;
-use tresses::{glam::Vec2, glam::Vec3, math::hash::pcg};
+use tresses::{
+    glam::{Vec2, Vec3},
+    groom::hash::pcg,
+};
 
 /// Reference values at a point.
 #[derive(Clone, Copy, Debug, Default)]

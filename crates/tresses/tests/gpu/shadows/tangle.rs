@@ -4,12 +4,13 @@ use tresses::{
     Context,
     glam::Vec3,
     groom::{
+        bound::Strand,
         grow::{self, Growth},
+        hash::pcg,
         styles::{self, Style},
     },
     light::Sphere,
-    math::hash::pcg,
-    strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
+    low_level::{StrandBuffers, StrandVertex, pack_tangent},
 };
 
 /// Strands with a radius at every vertex, meters.

@@ -4,18 +4,18 @@ use crate::common;
 
 use std::path::Path;
 use tresses::{
-    Camera, Context, View,
+    Camera, Context, Picture, View, ViewOptions,
     glam::{DVec3, Mat3, Vec3},
-    gpu::readback::blocking as readback,
+    groom::bound::Strand,
     light::{
-        Directional, Environment, FiberMaterial, HairMaterial, HairSet, Lights, MAX_LIGHTS, Shadows, Sky,
-        Sphere,
-        fiber::{FarField, FiberShape, bsdf},
+        Directional, Environment, FiberMaterial, HairMaterial, Lights, MAX_LIGHTS, Shadows, Sky, Sphere,
+        fiber::{bsdf, far::FarField},
+    },
+    low_level::{
+        FiberShape, HairSet, StrandBuffers, StrandVertex, pack_tangent, readback::blocking as readback,
         unpack_radiance,
     },
     renderer::Renderer,
-    strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
-    view::{Picture, ViewOptions},
 };
 
 /// Returns the content of a reference file, if it exists.

@@ -9,7 +9,7 @@ fn simulation_pipelines_are_valid() {
     let context = &common::noop();
     let steps = [2, 8, 16, 24, 32, 48, 64].map(PipelineRequest::Step);
     pollster::block_on(context.prepare(&steps, &())).unwrap();
-    let guides = tresses::strands::GuideBuffers::new(context, 4, 16, 2).unwrap();
+    let guides = tresses::low_level::GuideBuffers::new(context, 4, 16, 2).unwrap();
     tresses::simulate::Simulation::new(context, &guides);
 }
 
@@ -17,17 +17,10 @@ fn simulation_pipelines_are_valid() {
 #[test]
 fn frame_records_on_baseline_webgpu() {
     use tresses::{
-        HairOptions, Pose, View,
-        body::Body,
-        collide::{
-            Anchor, Collider, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource, Shape,
-        },
-        frame::{Drawing, ViewContent},
+        Body, HairOptions, Picture, Pose, SimulationParams, View,
+        collide::{Anchor, Collider, ColliderDescriptor, ColliderPoses, FieldId, FieldSource, Shape},
         groom::{BindOptions, TriMesh, bind},
-        hair::HairFrame,
-        simulate::SimulationParams,
-        view::Picture,
-        views::{DebugDisplay, DebugView, DebugViews},
+        low_level::{DebugDisplay, DebugView, DebugViews, Drawing, FieldBuilder, HairFrame, ViewContent},
     };
     let context = &common::noop();
     assert_eq!(context.device().limits().max_storage_buffers_per_shader_stage, 8);
@@ -74,7 +67,7 @@ fn frame_records_on_baseline_webgpu() {
         dt: 1.0 / 60.0,
         head: Pose::IDENTITY,
         colliders: &ColliderPoses { head: None, colliders: vec![Pose::IDENTITY; 127] },
-        simulation: &SimulationParams { wind: tresses::wind::Wind::new(glam::Vec3::X), ..Default::default() },
+        simulation: &SimulationParams { wind: tresses::Wind::new(glam::Vec3::X), ..Default::default() },
         ..Default::default()
     };
     let mut encoder = context.device().create_command_encoder(&Default::default());
@@ -85,10 +78,10 @@ fn frame_records_on_baseline_webgpu() {
     // A grab, and every debug view.
     hair.grab(&picture.camera.ray(20.0, 30.0), 0.02).unwrap();
     recorder.advance(&mut hair, &input).unwrap();
-    hair.drag_to(&tresses::simulate::Target::Ray(picture.camera.ray(30.0, 30.0))).unwrap();
+    hair.drag_to(&tresses::low_level::Target::Ray(picture.camera.ray(30.0, 30.0))).unwrap();
     recorder.advance(&mut hair, &input).unwrap();
     assert!(hair.grabbed().is_active() && hair.grabbed().state().is_some());
-    let mut views = DebugViews::new(context, tresses::draw::targets::PICTURE_FORMAT).unwrap();
+    let mut views = DebugViews::new(context, tresses::low_level::PICTURE_FORMAT).unwrap();
     views.set_head(Some(&field));
     for what in DebugView::ALL {
         let shown = DebugDisplay::new(what);

@@ -5,11 +5,10 @@ use super::{
     table::{Row, at_most, judge},
 };
 use tresses::{
-    Pose,
+    Pose, RestShape, SimulationParams,
     collide::{Collider, ColliderDescriptor, FieldId, FieldSource, Shape},
     glam::Vec3,
     groom::SdfGrid,
-    simulate::{RestShape, SimulationParams},
 };
 
 /// Radius of a finger, meters.

@@ -3,17 +3,14 @@
 use crate::common;
 use std::{cell::Cell, sync::OnceLock};
 use tresses::{
-    Context, Pose,
-    clock::{MAX_STEPS, Mode, Step, StepClock},
+    Context, Pose, RestOptions, RestShape, RootToTip, SimulationParams,
+    clock::{Mode, Step, StepClock},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     glam::Vec3,
-    gpu::readback::blocking as readback,
     groom::SdfGrid,
-    simulate::{GuideTraits, RestOptions, RestShape, RootToTip, Simulation, SimulationParams, rest},
-    strands::{
-        GuideBuffers, RestGuides,
-        guide::{pack_velocity, unpack_velocity},
-    },
+    low_level::{GuideBuffers, MAX_STEPS, Tier, readback::blocking as readback, unpack_velocity},
+    simulate::{GuideTraits, Simulation, rest},
+    strands::{RestGuides, guide::pack_velocity},
 };
 
 /// The device and pipelines that all cases share.
@@ -26,6 +23,12 @@ thread_local! {
     static FOR_GPUS: Cell<bool> = const { Cell::new(false) };
 }
 
+/// Creates a context with the kernels that GPUs use, on this thread's device.
+fn with_kernels_for_gpus() -> Option<Context> {
+    let context = common::context()?;
+    Some(context.clone().with_tier(Tier { software: false, ..context.tier() }))
+}
+
 /// Returns the lab, or `None` if there is no adapter and none is required.
 pub fn lab() -> Option<&'static Lab> {
     static LABS: tresses_testing::Pool<Lab> = tresses_testing::Pool::new();
@@ -33,7 +36,7 @@ pub fn lab() -> Option<&'static Lab> {
     if !FOR_GPUS.get() {
         return LABS.get(|| Some(Lab { context: common::context()? }));
     }
-    let (context, lab) = LABS_FOR_GPUS.get(|| Some((common::with_kernels_for_gpus()?, OnceLock::new())))?;
+    let (context, lab) = LABS_FOR_GPUS.get(|| Some((with_kernels_for_gpus()?, OnceLock::new())))?;
     Some(lab.get_or_init(|| Lab { context }))
 }
 

@@ -6,10 +6,9 @@ use super::{
     table::{Row, at_most, judge, judge_some},
 };
 use tresses::{
-    Pose,
+    Pose, RestShape, SimulationParams,
     glam::{Quat, Vec3},
     groom::curve,
-    simulate::{RestShape, SimulationParams},
 };
 
 /// The settings of one run.

@@ -6,8 +6,8 @@ use super::{
 };
 use std::f32::consts::TAU;
 use tresses::{
+    RestShape, SimulationParams,
     glam::{Quat, Vec3},
-    simulate::{RestShape, SimulationParams},
 };
 
 const G: f32 = 9.81;

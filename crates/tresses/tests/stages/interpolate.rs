@@ -3,15 +3,13 @@
 use crate::common;
 
 use tresses::{
-    Context, Pose,
+    Context, Pose, RestOptions, SimulationParams,
     glam::{Quat, Vec3},
-    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, Strands, bind},
     interpolate::Interpolation,
-    simulate::{RestOptions, SimulationParams, rest},
-    strands::{
-        GuideBuffers, GuideSample, StrandBuffers, StrandVertex, guide::pack_lag, vertex::unpack_tangent,
-    },
+    low_level::{GuideBuffers, StrandBuffers, StrandVertex, readback::blocking as readback, unpack_tangent},
+    simulate::rest,
+    strands::{GuideSample, guide::pack_lag},
     tessellate::{TessellateParams, Tessellation, rest_samples},
     wgpu,
 };
@@ -255,4 +253,49 @@ fn lengths_are_kept_and_tangents_follow_when_guides_bend_apart() {
         }
     }
     assert!(moved > 0.05, "the guides did swing");
+}
+
+/// Measures what the order of strands costs in `interpolate`, for the docs.
+#[test]
+#[ignore = "proof"]
+fn print_timings_of_strand_orders() {
+    let Some(context) = common::context() else { return };
+    for (name, count) in [("long", 30_000), ("short", 60_000)] {
+        let built = common::character(name, count).expect("there is a GPU");
+        let groom = &built.groom;
+        let n = groom.strands.vertex_count;
+        let mut arranged = groom.strands.clone();
+        tresses::low_level::lod::arrange(&mut arranged);
+        let guides =
+            GuideBuffers::new(context, groom.guides.len() as u32, groom.guides.vertex_count, n).unwrap();
+        let runs = [&groom.strands, &arranged].map(|strands| {
+            let buffers = StrandBuffers::new(context, strands.len() as u32, n).unwrap();
+            context.queue().write_buffer(&buffers.bindings, 0, bytemuck::cast_slice(&strands.bindings));
+            context.queue().write_buffer(&buffers.rest, 0, bytemuck::cast_slice(&strands.rest));
+            let between = Interpolation::new(context, &guides, &buffers);
+            between.prepare(context, &guides, &buffers);
+            (between, buffers)
+        });
+        let mut times = [Vec::new(), Vec::new()];
+        for _ in 0..25 {
+            for ((between, buffers), times) in runs.iter().zip(&mut times) {
+                let mut encoder = context.device().create_command_encoder(&Default::default());
+                let mut commands = context.commands(&mut encoder);
+                let mut pass = commands.compute("interpolate");
+                between.record(&mut pass, buffers);
+                pass.end().unwrap();
+                let start = std::time::Instant::now();
+                context.queue().submit([encoder.finish()]);
+                context.device().poll(wgpu::PollType::wait_indefinitely()).unwrap();
+                times.push(start.elapsed().as_secs_f64() * 1e3);
+            }
+        }
+        let [file, sampled] = times.map(|mut times| {
+            times.sort_by(f64::total_cmp);
+            [times[0], times[12]]
+        });
+        println!(
+            "{name}, {count} strands: as they come {file:.2?} ms, arranged {sampled:.2?} ms (least, median)"
+        );
+    }
 }

@@ -3,14 +3,13 @@
 use crate::common;
 
 use tresses::{
-    Context, Pose,
+    Context, Pose, SimulationParams, Wind,
     clock::{Mode, Step, Steps},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     glam::Vec3,
-    gpu::readback::blocking as readback,
     groom::SdfGrid,
-    simulate::SimulationParams,
-    wind::{Air, HairGrid, Wind},
+    low_level::readback::blocking as readback,
+    wind::{Air, HairGrid},
 };
 
 const STEP: f32 = 1.0 / 60.0;

@@ -5,14 +5,11 @@ use crate::common;
 
 use std::collections::HashSet;
 use tresses::{
-    Context, HairOptions, Pose,
+    Context, HairHair, HairOptions, Pose, RestOptions, SimulationParams,
     collide::ColliderPoses,
     glam::{IVec3, Quat, Vec3},
-    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind},
-    hair::HairFrame,
-    simulate::{RestOptions, SimulationParams},
-    volume::HairHair,
+    low_level::{HairFrame, readback::blocking as readback},
 };
 
 /// Edge of the voxels in which guides are counted, meters.

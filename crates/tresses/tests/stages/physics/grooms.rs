@@ -6,7 +6,7 @@ use super::{
 };
 use crate::common;
 use tresses::{
-    Pose, drape,
+    Pose, RestShape, SimulationParams, drape,
     glam::{Quat, Vec3},
     groom::{
         BindOptions, GuideCount, SdfGrid, bind,
@@ -14,7 +14,7 @@ use tresses::{
         mannequin,
         styles::{GUIDE_VERTICES, Style},
     },
-    simulate::{GuideTraits, RestShape, SimulationParams},
+    simulate::GuideTraits,
 };
 
 /// Guides on a head.

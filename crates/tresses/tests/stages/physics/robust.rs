@@ -6,10 +6,8 @@ use super::{
 };
 use std::f32::consts::TAU;
 use tresses::{
-    Pose,
+    Pose, RestShape, SimulationParams, Wind,
     glam::{Quat, Vec3},
-    simulate::{RestShape, SimulationParams},
-    wind::Wind,
 };
 
 /// Returns a strand that bends in all directions.

@@ -7,14 +7,11 @@ use super::{
 };
 use crate::common;
 use tresses::{
-    Context, Hair, HairAsset, HairDescriptor, HairOptions, Pose,
+    Context, HairHairMode, HairOptions, Pose, SimulationParams, Tie, TieTarget,
     collide::ColliderPoses,
     glam::{Quat, Vec3, Vec3Swizzles},
-    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind},
-    hair::HairFrame,
-    simulate::{SimulationParams, Tie, TieTarget},
-    volume::HairHairMode,
+    low_level::{Hair, HairAsset, HairDescriptor, HairFrame, readback::blocking as readback},
 };
 
 const G: f64 = 9.81;

@@ -3,19 +3,18 @@
 use crate::common;
 
 use tresses::{
-    Context, Pose,
-    clock::{MAX_STEPS, Mode, Step},
+    Context, Pose, RestOptions, RestShape, SimulationParams,
+    clock::{Mode, Step},
     collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
     drape,
     glam::Vec3,
-    gpu::readback::blocking as readback,
     groom::{
         SdfGrid,
         scalp::GridScalp,
         styles::{self, GUIDE_VERTICES, Style, StyledGuides},
     },
-    simulate::{GuideTraits, RestOptions, RestShape, Simulation, SimulationParams, rest},
-    strands::GuideBuffers,
+    low_level::{GuideBuffers, MAX_STEPS, readback::blocking as readback},
+    simulate::{GuideTraits, Simulation, rest},
 };
 
 /// Returns the guides before and after draping.

@@ -3,15 +3,12 @@
 use crate::common;
 
 use tresses::{
-    Context, Hair, HairOptions, Pose,
+    Context, HairHair, HairOptions, Pose, SimulationParams,
     collide::{Collider, ColliderDescriptor, ColliderPoses, Shape, shape},
     glam::{Quat, Vec3},
-    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind, styles::Style},
-    hair::HairFrame,
-    simulate::SimulationParams,
+    low_level::{Hair, HairFrame, readback::blocking as readback},
     strands::{Guide, PackedGuide},
-    volume::HairHair,
 };
 
 /// Depth from which a vertex counts as inside, meters.

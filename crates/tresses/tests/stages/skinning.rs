@@ -2,15 +2,14 @@
 
 use crate::common;
 use tresses::{
-    Context,
-    body::Body,
+    Body, Context,
     glam::{Mat4, Quat, Vec3},
-    gpu::readback::blocking as readback,
     groom::{
         TriMesh, import,
         mesh::shapes,
         rig::{Bind, Delta, Joint, Node, Rig, RigPose, Target},
     },
+    low_level::readback::blocking as readback,
     skinning::Skinning,
 };
 

@@ -6,15 +6,10 @@ use super::{
 };
 use crate::common;
 use tresses::{
-    Hair, HairOptions, Pose, Space,
+    HairHair, HairOptions, Pose, RestOptions, RestShape, RootToTip, SimulationParams, Space, Velocity, Wind,
     glam::{DQuat, DVec3, Vec3},
-    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, Strands, bind},
-    hair::HairFrame,
-    simulate::{RestOptions, RestShape, RootToTip, SimulationParams},
-    space::Velocity,
-    volume::HairHair,
-    wind::Wind,
+    low_level::{Hair, HairFrame, readback::blocking as readback},
 };
 
 const G: f64 = 9.81;

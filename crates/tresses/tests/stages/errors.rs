@@ -2,31 +2,25 @@
 
 use crate::common;
 use tresses::{
-    Context, Error, HairOptions, Pose, Result, View,
-    body::{Body, Skin},
-    collide::{
-        ColliderDescriptor, ColliderPoses, ColliderSet, FieldBuilder, FieldId, FieldSource,
-        deform::{DeformTarget, DeformingField},
-    },
+    Body, Context, Error, HairOptions, Picture, Pose, Result, SimulationParams, View, ViewOptions, Wind,
+    collide::{ColliderDescriptor, ColliderPoses, ColliderSet, FieldId, FieldSource},
     drape::{DrapeOptions, drape},
-    frame::{Drawing, ViewContent},
     glam::{Mat3, Mat4, Vec3},
     groom::{
         TriMesh, bind,
         mesh::shapes,
         rig::{Bind, Joint, Node, Rig, RigPose},
     },
-    hair::HairFrame,
-    light::{AmbientProbe, CubeMap, CubeProbe, HairSet, ShadowProbe},
-    lod::Detail,
+    low_level::{
+        AmbientProbe, CubeMap, CubeProbe, DebugDisplay, DebugView, DebugViews, DeformTarget, DeformingField,
+        Detail, Drawing, FieldBuilder, GridView, HairFrame, HairSet, Peak, ShadowProbe, Skin, StrandBuffers,
+        ViewContent,
+    },
     renderer::Renderer,
-    simulate::{GuideTraits, SimulationParams},
+    simulate::GuideTraits,
     skinning::Skinning,
-    strands::StrandBuffers,
-    view::{Picture, ViewOptions},
-    views::{DebugDisplay, DebugView, DebugViews, GridView, Peak, Quantity},
+    views::Quantity,
     wgpu,
-    wind::Wind,
 };
 
 type Operation = fn(&Context) -> Result<()>;
@@ -210,7 +204,7 @@ fn debug_view(context: &Context) -> Result<()> {
     let mut hair = common::hair(context, &groom, &HairOptions::default(), None)?;
     context.recorder(&mut encoder(context)).advance(&mut hair, &HairFrame::default())?;
     let (_, view) = still(context)?;
-    let mut views = DebugViews::new(context, tresses::draw::targets::PICTURE_FORMAT)?;
+    let mut views = DebugViews::new(context, tresses::low_level::PICTURE_FORMAT)?;
     let (shown, picture) = (DebugDisplay::new(DebugView::Locks), Picture::default());
     let sight = Drawing { shows: ViewContent::Inside(&mut views, &shown), ..Drawing::new(&picture) };
     context.recorder(&mut encoder(context)).draw(&[&hair], &[], &view, sight)

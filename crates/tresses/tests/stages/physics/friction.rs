@@ -6,11 +6,10 @@ use super::{
 };
 use std::f32::consts::PI;
 use tresses::{
-    Pose,
+    Pose, RestShape, SimulationParams,
     collide::{Collider, ColliderDescriptor, FieldId, FieldSource, Shape},
     glam::Vec3,
     groom::SdfGrid,
-    simulate::{RestShape, SimulationParams},
 };
 
 const G: f32 = 9.81;

@@ -6,9 +6,8 @@ use super::{
 };
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use tresses::{
-    Pose,
+    Pose, RestShape, SimulationParams,
     glam::{Quat, Vec3},
-    simulate::{RestShape, SimulationParams},
 };
 
 /// Bending stiffness, N·m².

@@ -3,16 +3,13 @@
 use crate::common;
 
 use tresses::{
-    Context, Hair, HairOptions, Pose,
+    Context, HairHair, HairOptions, Pose, RootToTip, SimulationParams, Wind,
     collide::ColliderPoses,
     glam::{Vec2, Vec3},
-    gpu::readback::blocking as readback,
     groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind},
-    hair::HairFrame,
-    simulate::{RootToTip, SimulationParams},
+    low_level::{Hair, HairFrame, VolumeOptions, readback::blocking as readback},
     strands::GuideForce,
-    volume::{HairHair, VolumeOptions},
-    wind::{Wind, drag},
+    wind::drag,
 };
 
 struct Setup {

@@ -4,11 +4,7 @@ use super::{
     lab::{Experiment, Lab, bare, head_at, lab, straight, strain},
     table::{Row, at_most, judge, near},
 };
-use tresses::{
-    glam::Vec3,
-    simulate::{GuideTraits, RestShape, SimulationParams},
-    wind::Wind,
-};
+use tresses::{RestShape, SimulationParams, Wind, glam::Vec3, simulate::GuideTraits};
 
 const G: f32 = 9.81;
 

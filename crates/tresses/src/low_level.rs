@@ -1,0 +1,97 @@
+//! The layer below characters: single grooms, the stages' data on the GPU, debug views and measurements.
+//!
+//! Most hosts need none of it. It is for tools that measure or export, for hosts that hold grooms without a
+//! [`Character`](crate::Character), and for the tests. [`Hair`] is one groom on one head, [`Recorder`] records its stages
+//! into an encoder, and [`Character::hair`](crate::Character::hair) leads from a character to its groom. These types change more often
+//! than those of the host layer.
+//!
+//! - **Grooms:** [`HairAsset`], [`Hair`], [`HairFrame`], [`HairSet`] for strands that are not simulated, [`GuideState`] for
+//!   snapshots, [`Detail`] for the level of detail, [`Skin`] for hair on skinned meshes.
+//! - **Recording:** [`Recorder`], [`Drawing`], [`ViewContent`], [`Targets`], [`Zone`].
+//! - **Hands:** [`Target`] for grabs, [`MotionBrush`] for brushes that push moving hair.
+//! - **Data on the GPU:** [`GuideBuffers`], [`StrandBuffers`], [`StrandVertex`] and their packing; [`readback`] and
+//!   [`bindings`].
+//! - **Crowds:** [`Costs`], [`CrowdDetail`] and [`Work`], which a [`CrowdBudget`](crate::CrowdBudget) fits and reports.
+//! - **Debug views:** [`DebugViews`] draws a [`DebugDisplay`]; [`Peak`] measures a [`GridView`].
+//! - **Probes:** [`AmbientProbe`], [`ShadowProbe`], [`CubeProbe`].
+//! - **Measurement:** [`Timings`](crate::Timings) by a [`Clock`], [`Counts`], [`probe`], [`shaders`], [`Tier`].
+
+pub use crate::{
+    avoid::{NO_HIT, StrandState},
+    body::{Skin, Words},
+    budget::{COARSEST, Costs, CrowdDetail, FASTEST, HeadDetail, ViewBytes, Work},
+    camera::framing_distance,
+    character::{Foci, source::strands_for, subject},
+    clock::{MAX_STEPS, MAX_SUBSTEPS},
+    collide::{
+        build::FieldBuilder,
+        deform::{DeformTarget, DeformingField},
+    },
+    draw::{Targets, targets::PICTURE_FORMAT, tiles::Label},
+    frame::{Drawing, Recorder, ViewContent},
+    gpu::{Binding, Clock, ComputePass, Counts, Tier, readback::Pending, timings::Rows, wall},
+    hair::{GuideState, Hair, HairAsset, HairDescriptor, HairFrame},
+    light::{
+        ambient_probe::{AmbientProbe, IncidentLight},
+        cube::{CubeLight, CubeMap, CubeProbe},
+        fiber::{
+            FiberShape,
+            bsdf::{color_of, melanin},
+        },
+        hair::HairSet,
+        material::srgb,
+        probe::{Shadow, ShadowProbe},
+        radiance::unpack_radiance,
+        scene::MOST_SCENE_SHADOWS,
+        terms::Term,
+        zone::Zone,
+    },
+    lod::{Detail, Lod},
+    math::Ray,
+    roots::RootReport,
+    simulate::{BrushEffect, MotionBrush, Target, TieReport, grab::GrabState},
+    strands::{
+        GuideBuffers, StrandBuffers, StrandVertex,
+        guide::unpack_velocity,
+        vertex::{pack_tangent, unpack_tangent},
+    },
+    views::{DebugDisplay, DebugView, DebugViews, GridView, Peak, Scale, panels, ramp},
+    volume::VolumeOptions,
+    wind::MAX_CELLS,
+};
+
+/// Bind groups and their layouts by position.
+pub mod bindings {
+    pub use crate::gpu::bindings::{group, layout, uniform};
+}
+
+/// Constants that Rust and the shaders share.
+pub mod constants {
+    pub use crate::constants::*;
+}
+
+/// Order of strands, and their curves at a level of detail.
+pub mod lod {
+    pub use crate::lod::{arrange, order, resample};
+}
+
+/// The hook of tools that measure shaders.
+#[cfg(feature = "probe")]
+pub mod probe {
+    pub use crate::gpu::probe::{GROUP, Probe};
+}
+
+/// Reads buffers and textures back to the CPU.
+pub mod readback {
+    pub use crate::gpu::readback::{blocking, buffer, texture};
+}
+
+/// The shadow of hair on a host's scene, for the host's shaders.
+pub mod shade {
+    pub use crate::draw::embed::shade::wgsl;
+}
+
+/// All shaders, as linked WGSL.
+pub mod shaders {
+    pub use crate::shaders::all;
+}
