@@ -4,8 +4,8 @@ use super::{
     accuracy::soft_iou,
     atlas::{Extent, Rect},
     lines::{KNOTS, Lines},
-    mesh::CardMesh,
-    picture::{Opacity, Pyramid, Studio, Surface},
+    mesh::{CardMesh, Surface},
+    picture::{Opacity, Pyramid, Studio},
     tile::{Texel, Tile},
     volume::HairVolume,
 };

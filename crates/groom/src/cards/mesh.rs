@@ -2,7 +2,6 @@
 
 use super::{
     atlas::Rect,
-    picture::Surface,
     ribbon::{ROWS, Ribbon},
     volume::HairVolume,
 };
@@ -39,6 +38,13 @@ pub struct CardMesh {
     pub starts: Vec<u32>,
     /// Vertex indices. Fronts are counterclockwise; backs are visible as well.
     pub triangles: Vec<[u32; 3]>,
+}
+
+/// Textured triangles.
+pub(super) struct Surface<'a> {
+    pub(super) positions: &'a [Vec3],
+    pub(super) uvs: &'a [Vec2],
+    pub(super) triangles: &'a [[u32; 3]],
 }
 
 /// A card before it has triangles.

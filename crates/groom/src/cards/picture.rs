@@ -1,7 +1,7 @@
 //! Pictures of hair from all sides: opacity of strands and of cards, and how much of each strand is visible.
 
 use super::{
-    mesh::CardMesh,
+    mesh::{CardMesh, Surface},
     strip::{samples, shares},
 };
 use crate::{Strands, TriMesh, progress::in_parallel};
@@ -59,13 +59,6 @@ struct Eye<'a> {
 
 /// Opacity of each pixel, 0 to 1.
 pub(super) type Opacity = Vec<f32>;
-
-/// Textured triangles.
-pub(super) struct Surface<'a> {
-    pub(super) positions: &'a [Vec3],
-    pub(super) uvs: &'a [Vec2],
-    pub(super) triangles: &'a [[u32; 3]],
-}
 
 impl Studio {
     /// Frames the box `lo..hi` in images of `size` pixels of `fine` × `fine` samples.
