@@ -122,14 +122,11 @@ pub fn target(
     ([width, height], sample_count): ([u32; 2], u32),
 ) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("scene"),
         size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
         sample_count,
-        dimension: wgpu::TextureDimension::D2,
         format,
         usage: usage | TextureUsages::RENDER_ATTACHMENT,
-        view_formats: &[],
+        ..common::TEXTURE
     })
 }
 

@@ -14,7 +14,7 @@ use tresses::{
         unpack_radiance,
     },
     renderer::Renderer,
-    strands::{Strand, StrandBuffers, StrandVertex, vertex::pack_tangent},
+    strands::{Strand, StrandVertex, vertex::pack_tangent},
     view::{Picture, ViewOptions},
 };
 
@@ -115,11 +115,16 @@ impl View1 {
     }
 }
 
+/// Returns a light of irradiance 1 from `direction`, without a sky.
+fn light_from(direction: Vec3) -> Lights {
+    let mut directional = [Directional::OFF; MAX_LIGHTS];
+    directional[0] = Directional { direction, irradiance: Vec3::ONE };
+    Lights { directional, sky: Sky::default(), environment: Environment::default() }
+}
+
 /// Shades one fiber per light with `light::shade`, all with an irradiance of 1.
 fn on_gpu(context: &Context, view: &View1, material: FiberMaterial) -> Vec<Vec3> {
-    let queue = context.queue();
     let to_light = Vec3::new(0.3, 0.8, 0.5).normalize();
-    let count = view.lights.len() as u32;
     // Rotate each fiber so that its light comes from `to_light`.
     let vertices: Vec<_> = view
         .lights
@@ -133,18 +138,10 @@ fn on_gpu(context: &Context, view: &View1, material: FiberMaterial) -> Vec<Vec3>
         .collect();
     let options = ViewOptions { renderer: Renderer::masks(1), ..common::coarse() };
     let eye = View::new(context, &options, [16, 16], 1).expect("fits");
-    let strands = StrandBuffers::new(context, count, 2).expect("fits");
-    queue.write_buffer(&strands.vertices, 0, bytemuck::cast_slice(&vertices));
-    let info = vec![Strand { radius: 1e-4, seed: 7, root_color: 0, tip_color: 0 }; count as usize];
-    queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&info));
-    let mut hair = HairSet::new(context, &strands).expect("fits");
+    let info = vec![Strand { radius: 1e-4, seed: 7, root_color: 0, tip_color: 0 }; view.lights.len()];
+    let mut hair = HairSet::new(context, &common::upload(context, 2, &vertices, &info)).expect("fits");
     hair.material = HairMaterial { fiber: material, warmth_spread: 0.0, ..Default::default() };
-    let mut lights = Lights {
-        directional: [Directional::OFF; MAX_LIGHTS],
-        sky: Sky::default(),
-        environment: Environment::default(),
-    };
-    lights.directional[0] = Directional { direction: to_light, irradiance: Vec3::ONE };
+    let lights = light_from(to_light);
     // Fibers do not shadow each other.
     let shadows = Shadows { enabled: false, ..Default::default() };
     let picture = Picture {
@@ -232,25 +229,12 @@ fn upright_in(
     strand_by_strand: f32,
     strand_map: u32,
 ) -> Vec<f32> {
-    let queue = context.queue();
-    let strands = StrandBuffers::new(context, places.len() as u32, 2).expect("fits");
-    let ends = |at: &Vec3| {
-        [-0.05, 0.05]
-            .map(|y| StrandVertex { position: *at + Vec3::Y * y, tangent: pack_tangent(Vec3::Y, 1.0) })
-    };
-    let vertices: Vec<_> = places.iter().flat_map(ends).collect();
-    queue.write_buffer(&strands.vertices, 0, bytemuck::cast_slice(&vertices));
-    let one = |i: u32| Strand { radius: 1e-4, seed: 7 + i, root_color: 0, tip_color: 0 };
-    let info: Vec<_> = (0..places.len() as u32).map(one).collect();
-    queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&info));
-    let mut hair = HairSet::new(context, &strands).expect("fits");
-    let mut lights = Lights { directional: [Directional::OFF; MAX_LIGHTS], ..Default::default() };
-    lights.directional[0] = Directional { direction: Vec3::Z, irradiance: Vec3::ONE };
-    lights.sky = Sky::default();
+    let ends: Vec<_> = places.iter().map(|at| [-0.05, 0.05].map(|y| *at + Vec3::Y * y)).collect();
+    let mut hair = common::segments(context, &ends, 1e-4);
     let picture = Picture {
         camera: Camera::look_at(Vec3::Z, Vec3::ZERO, 0.4, [16, 16]),
         focus: Sphere { center: Vec3::ZERO, radius: 0.2 },
-        lights,
+        lights: light_from(Vec3::Z),
         shadows: Shadows { strand_by_strand, ..Default::default() },
         ..Default::default()
     };

@@ -2,14 +2,12 @@
 
 use crate::common::{self, submit};
 use tresses::{
-    Context, Hair, HairOptions, Pose,
+    Hair, HairOptions, Pose,
     glam::{DQuat, DVec3, Vec3},
-    gpu::readback::blocking as readback,
     groom::{BindOptions, GuideCount, Strands, bind},
     hair::HairFrame,
     simulate::SimulationParams,
     space::Space,
-    strands::StrandVertex,
 };
 
 /// Final distance between the heads, meters.
@@ -33,7 +31,6 @@ fn block() -> Strands {
 }
 
 struct Pair {
-    context: &'static Context,
     hair: [Hair; 2],
 }
 
@@ -45,7 +42,7 @@ impl Pair {
         let groom = bind(&block(), &options).unwrap();
         let first = common::hair(context, &groom, &HairOptions::default(), None).unwrap();
         let second = Hair::new(first.asset()).unwrap();
-        Some(Self { context, hair: [first, second] })
+        Some(Self { hair: [first, second] })
     }
 
     /// Moves two heads to `apart` meters from each other, with poses in `spaces`. `meet` is called before each frame to
@@ -71,11 +68,7 @@ impl Pair {
                 Ok(())
             });
         }
-        let context = self.context;
-        self.hair.each_ref().map(|hair| {
-            let all: Vec<StrandVertex> = readback::buffer(context, &hair.strands.vertices).unwrap();
-            all.iter().map(|vertex| vertex.position).collect()
-        })
+        self.hair.each_ref().map(common::positions)
     }
 }
 
@@ -91,11 +84,6 @@ fn tips(hair: &[Vec<Vec3>; 2]) -> [f32; 2] {
         let low: Vec<_> = all.iter().filter(|p| p.y < -0.1).map(|p| p.x).collect();
         low.iter().sum::<f32>() / low.len() as f32
     })
-}
-
-fn farthest(a: &[Vec<Vec3>; 2], b: &[Vec<Vec3>; 2]) -> f32 {
-    let pairs = a.iter().flatten().zip(b.iter().flatten());
-    pairs.map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
 }
 
 #[test]
@@ -121,7 +109,7 @@ fn hair_of_two_heads_collides() {
     let turned =
         Space { at: DVec3::new(0.5, 0.0, 0.25), rotation: DQuat::from_rotation_y(1.0), ..Space::WORLD };
     let there = pair.come(BESIDE, [Space::WORLD, turned], both);
-    let [same, different] = [&there, &through].map(|other| farthest(&beside, other));
+    let [same, different] = [&there, &through].map(|other| common::apart(&beside.concat(), &other.concat()));
     println!("{} mm off in a turned space, {} mm if they had not met", 1e3 * same, 1e3 * different);
     assert!(same < 0.02 * different, "{same} {different}");
 }

@@ -5,15 +5,12 @@ use tresses::{
     Camera, Context, Hair, HairOptions, Pose, View,
     camera::ToneMap,
     drape,
-    frame::Drawing,
     glam::Vec3,
-    gpu::readback::blocking as readback,
     groom::{Groom, SdfGrid, styles::Style},
     light::{Lights, Sphere, material::linear},
     lod::{Detail, LodOptions},
     present::Background,
     renderer::Renderer,
-    strands::StrandVertex,
     view::{Picture, ViewOptions},
 };
 
@@ -28,9 +25,8 @@ pub struct Setup {
 }
 
 impl Setup {
-    pub fn open() -> Option<&'static Self> {
-        static SETUPS: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
-        SETUPS.get(|| Some(Self { context: common::context()? }))
+    pub fn open() -> Option<Self> {
+        Some(Self { context: common::context()? })
     }
 
     pub fn style(name: &str, strands: u32) -> (Groom, SdfGrid) {
@@ -58,10 +54,6 @@ impl Setup {
 
     pub fn advance(&self, hair: &mut Hair, head: Pose, dt: f32) {
         common::advance(hair, &common::frame(head, dt));
-    }
-
-    pub fn vertices(&self, hair: &Hair) -> Vec<StrandVertex> {
-        readback::buffer(self.context, &hair.strands.vertices).unwrap()
     }
 
     /// Renders the hair at `detail` into a square image of `size` pixels that it fills: linear, premultiplied.
@@ -93,9 +85,8 @@ impl Setup {
         if shot.fits {
             view.fit_light((&scene, 0.0), [1, 0]);
         }
-        common::submit(|recorder| recorder.draw(&[&*hair], &[], &view, Drawing::new(&scene)));
         let linear = |byte: u8| linear(f32::from(byte) / 255.0);
-        let bytes = pollster::block_on(view.targets().read()).unwrap();
+        let bytes = common::drawn(&view, &scene, &[&*hair], &[]);
         let pixel = |p: &[u8; 4]| [linear(p[0]), linear(p[1]), linear(p[2]), f32::from(p[3]) / 255.0];
         bytes.as_chunks::<4>().0.iter().map(pixel).collect()
     }

@@ -22,7 +22,7 @@ fn strands_with_fewer_vertices_keep_their_shape() {
         stage.advance(&mut hair, Pose::IDENTITY, 0.0);
         let drawn = hair.strands.drawn;
         assert_eq!((drawn.count, drawn.vertex_count), (300, segments.ceil() as u32 + 1));
-        let vertices = stage.vertices(&hair);
+        let vertices = common::vertices(&hair);
         for (i, strand) in vertices.chunks(drawn.vertex_count as usize).take(300).enumerate() {
             let rest: Vec<_> = groom.strands.rest_positions(i).collect();
             let expected = tresses::lod::resample(&rest, segments);

@@ -1,7 +1,7 @@
 //! Shapes at rest and in steady motion: catenary, heavy cantilever, buckling, wind, falling.
 
 use super::{
-    lab::{Experiment, Lab, bare, head_at, lab, straight, strain},
+    lab::{Experiment, Lab, bare, head_at, straight, strain},
     table::{Row, at_most, judge, near},
 };
 use tresses::{
@@ -47,8 +47,7 @@ fn catenary(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 pub fn catenaries_match_the_closed_form() {
-    let Some(lab) = lab() else { return };
-    judge("catenary", |fault| catenary(lab, fault));
+    judge("catenary", catenary);
 }
 
 fn cantilever(lab: &'static Lab, fault: bool) -> Vec<Row> {
@@ -78,8 +77,7 @@ fn cantilever(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 pub fn heavy_cantilevers_match_the_exact_solution() {
-    let Some(lab) = lab() else { return };
-    judge("cantilever", |fault| cantilever(lab, fault));
+    judge("cantilever", cantilever);
 }
 
 fn buckling(lab: &'static Lab, fault: bool) -> Vec<Row> {
@@ -115,8 +113,7 @@ fn buckling(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 pub fn upright_hair_buckles_at_the_critical_load() {
-    let Some(lab) = lab() else { return };
-    judge("buckling", |fault| buckling(lab, fault));
+    judge("buckling", buckling);
 }
 
 fn wind(lab: &'static Lab, fault: bool) -> Vec<Row> {
@@ -161,8 +158,7 @@ fn wind(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 fn wind_tilts_strands_by_its_drag() {
-    let Some(lab) = lab() else { return };
-    judge("wind", |fault| wind(lab, fault));
+    judge("wind", wind);
 }
 
 fn free_fall(lab: &'static Lab, fault: bool) -> Vec<Row> {
@@ -203,6 +199,5 @@ fn free_fall(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 fn hair_on_a_falling_head_has_no_weight() {
-    let Some(lab) = lab() else { return };
-    judge("free fall", |fault| free_fall(lab, fault));
+    judge("free fall", free_fall);
 }
