@@ -1,6 +1,6 @@
 //! Hair as cards, by distance, and adapters that cannot draw hair.
 
-use crate::common::{after, app_within, camera, groom, light, settled, stage, wait};
+use crate::common::{after, app, app_within, camera, groom, light, settled, wait};
 use bevy::{camera::visibility::VisibilityRange, prelude::*, render::settings::WgpuLimits};
 use bevy_tresses::{Hair3d, HairGroom, HairSupport};
 
@@ -9,8 +9,11 @@ const ALL: usize = 4;
 
 #[test]
 fn cards_take_over_from_strands_at_a_distance() {
-    let (mut app, camera, picture, bare) = stage();
+    let mut app = app("assets");
     assert_eq!(app.world().get_resource::<HairSupport>(), Some(&HairSupport(true)));
+    light(&mut app);
+    let (camera, picture) = camera(&mut app);
+    let bare = settled(&mut app, &picture);
     let strands = groom();
     let cards = strands.clone().with_cards(40).expect("strands are sound");
     assert!(cards.groom.strands.len() < strands.groom.strands.len() / 8);

@@ -18,7 +18,7 @@ use bevy::{
     window::ExitCondition,
     winit::WinitPlugin,
 };
-use bevy_tresses::{Hair3d, HairGroom, HairReady, TressesPlugin, groom::Strands, tri_mesh};
+use bevy_tresses::{HairGroom, HairReady, TressesPlugin, groom::Strands, tri_mesh};
 use std::time::{Duration, Instant};
 use tresses::{Context, gpu::readback};
 
@@ -87,24 +87,6 @@ pub fn groom() -> HairGroom {
     let head = tri_mesh(&Sphere::new(HEAD).mesh().uv(24, 16)).expect("a ball has triangles");
     let hair = HairGroom::from_strands(&fan(1500), &Default::default()).expect("strands are sound");
     hair.with_head(head).expect("a ball is closed")
-}
-
-/// Creates an app with a light from the front. Returns it, its camera, the camera's image, and the content of that image
-/// without hair.
-pub fn stage() -> (App, Entity, Handle<Image>, Picture) {
-    let mut app = app("assets");
-    light(&mut app);
-    let (camera, image) = camera(&mut app);
-    let bare = settled(&mut app, &image);
-    (app, camera, image, bare)
-}
-
-/// Adds hair at the origin and waits until it is ready.
-pub fn wear(app: &mut App, groom: HairGroom) -> Entity {
-    let groom = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom);
-    let hair = app.world_mut().spawn(Hair3d(groom)).id();
-    wait(app);
-    hair
 }
 
 /// Adds an image as a camera's render target.

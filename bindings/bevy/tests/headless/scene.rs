@@ -1,6 +1,6 @@
 //! Hair in Bevy's scenes: occlusion, several cameras, instances, removal.
 
-use crate::common::{after, app, camera, groom, image, light, middle, settled, stage, wait};
+use crate::common::{after, app, camera, groom, image, light, middle, settled, wait};
 use bevy::{
     camera::{RenderTarget, ScalingMode, Viewport, visibility::RenderLayers},
     prelude::*,
@@ -140,7 +140,10 @@ fn each_camera_sees_hair_from_its_position() {
 
 #[test]
 fn heads_share_a_groom_at_different_places() {
-    let (mut app, _, picture, bare) = stage();
+    let mut app = app("assets");
+    light(&mut app);
+    let (_, picture) = camera(&mut app);
+    let bare = settled(&mut app, &picture);
     // Far enough apart for separate lighting zones.
     let first = wear(&mut app, Vec3::NEG_X * 0.25);
     let groom = app.world().get::<Hair3d>(first).cloned().expect("it wears hair");

@@ -1,7 +1,8 @@
 //! Shadows between hair and Bevy's meshes, for every kind of light.
 
-use crate::common::{after, app, app_that_casts, camera, groom, settled, wear};
+use crate::common::{after, app, app_that_casts, camera, groom, settled, wait};
 use bevy::{light::GlobalAmbientLight, prelude::*};
+use bevy_tresses::{Hair3d, HairGroom};
 
 /// Frames after which all changes are visible.
 const ALL: usize = 4;
@@ -41,7 +42,9 @@ fn meshes_cast_shadows_on_hair() {
     app.insert_resource(GlobalAmbientLight { brightness: 0.0, ..Default::default() });
     let (_, picture) = camera(&mut app);
     let bare = settled(&mut app, &picture);
-    wear(&mut app, groom());
+    let hair = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom());
+    app.world_mut().spawn(Hair3d(hair));
+    wait(&mut app);
     for (kind, name) in ["directional", "spot", "point"].into_iter().enumerate() {
         let light = lamp(&mut app, kind);
         let lit = after(&mut app, ALL, &picture);
@@ -73,7 +76,9 @@ fn hair_casts_shadows_on_meshes() {
         let (_, picture) = camera(&mut app);
         block(&mut app, Transform::from_xyz(0.0, 0.0, -0.3).with_scale(Vec3::new(2.0, 2.0, 0.01)));
         let bare = settled(&mut app, &picture);
-        wear(&mut app, groom());
+        let hair = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom());
+        app.world_mut().spawn(Hair3d(hair));
+        wait(&mut app);
         let dressed = after(&mut app, ALL, &picture);
         dressed.keep(&format!("casts-{casts}"));
         (bare, dressed)

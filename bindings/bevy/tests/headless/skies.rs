@@ -1,12 +1,12 @@
 //! Hair lit by environment maps and reflection probes, and hair in fog.
 
-use crate::common::{Picture, after, app, camera, fan, inside, light, settled, wear};
+use crate::common::{Picture, after, app, camera, fan, inside, light, settled, wait};
 use bevy::{
     core_pipeline::tonemapping::Tonemapping,
     light::{GlobalAmbientLight, LightProbe},
     prelude::*,
 };
-use bevy_tresses::HairGroom;
+use bevy_tresses::{Hair3d, HairGroom};
 
 /// Frames after which a map is measured.
 const MEASURED: usize = 8;
@@ -26,7 +26,9 @@ fn environment_maps_and_probes_light_hair() {
     let (eye, image) = camera(&mut app);
     let bare = settled(&mut app, &image);
     let groom = HairGroom::from_strands(&fan(1500), &Default::default()).expect("strands are sound");
-    wear(&mut app, groom);
+    let groom = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom);
+    app.world_mut().spawn(Hair3d(groom));
+    wait(&mut app);
 
     // A uniform environment map equals ambient light.
     app.insert_resource(GlobalAmbientLight { brightness: BRIGHT, ..Default::default() });
@@ -87,7 +89,9 @@ fn fog_applies_to_hair() {
     app.world_mut().entity_mut(eye).insert(Tonemapping::None);
     let bare = settled(&mut app, &image);
     let groom = HairGroom::from_strands(&fan(1500), &Default::default()).expect("strands are sound");
-    wear(&mut app, groom);
+    let groom = app.world_mut().resource_mut::<Assets<HairGroom>>().add(groom);
+    app.world_mut().spawn(Hair3d(groom));
+    wait(&mut app);
     let clear = after(&mut app, 4, &image);
     let hair = clear.changed(&bare);
     let fog =

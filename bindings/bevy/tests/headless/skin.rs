@@ -1,6 +1,6 @@
 //! Hair on skinned meshes of Bevy: with joints, with morph targets, in other units.
 
-use crate::common::{HEAD, Picture, after, app, camera, fan, light, middle, settled, stage, wait};
+use crate::common::{HEAD, Picture, after, app, camera, fan, light, middle, settled, wait};
 use bevy::{
     mesh::{
         VertexAttributeValues,
@@ -89,7 +89,10 @@ fn moved(a: &Picture, b: &Picture, bare: &Picture) -> Vec2 {
 #[test]
 fn hair_follows_its_joint() {
     // A ball carried by the second joint moves hair like a rigid head that turns about the same point.
-    let (mut app_a, _, picture, bare) = stage();
+    let mut app_a = app("assets");
+    light(&mut app_a);
+    let (_, picture) = camera(&mut app_a);
+    let bare = settled(&mut app_a, &picture);
     let hair = wear(&mut app_a, rigid());
     let hair = app_a.world_mut().spawn(hair).id();
     wait(&mut app_a);
@@ -188,7 +191,10 @@ fn roots_follow_stretching_skin_and_morph_targets() {
 
 #[test]
 fn hair_off_the_skin_is_not_shown() {
-    let (mut app, _, picture, bare) = stage();
+    let mut app = app("assets");
+    light(&mut app);
+    let (_, picture) = camera(&mut app);
+    let bare = settled(&mut app, &picture);
     let hair = wear(&mut app, groom());
     // First on an entity without a mesh, then too far from a mesh.
     let none = app.world_mut().spawn(Transform::default()).id();

@@ -26,6 +26,7 @@ use tresses::{
 
 const SIZE: [u32; 2] = [96, 80];
 const FOV: f32 = 0.5;
+const ASPECT: f32 = SIZE[0] as f32 / SIZE[1] as f32;
 /// Distance from the eye to the center of the hair, meters.
 const DISTANCE: f32 = 0.8;
 /// Width and height of the scene's shadow maps, texels.
@@ -81,8 +82,7 @@ impl<'a> Setup<'a> {
     fn drawn(&self, shadows: &[SceneShadow<'_>], shade: f32) -> Result<Vec<Vec4>> {
         let context = self.context;
         let (device, queue) = (context.device(), context.queue());
-        let aspect = SIZE[0] as f32 / SIZE[1] as f32;
-        let projection = self.projection.unwrap_or(perspective(FOV, aspect, 0.05, 50.0));
+        let projection = self.projection.unwrap_or(perspective(FOV, ASPECT, 0.05, 50.0));
         // A wall at infinity means no geometry.
         let wall = projection.project_point3(Vec3::NEG_Z * self.wall).z;
         let far = if self.wall.is_finite() { wall } else { infinity(projection) };
@@ -322,11 +322,10 @@ fn hair_casts_shadows_on_the_scene() {
     assert!(setup.drawn(&[], 1.0).unwrap() != plain, "the comparer sees no difference");
     // Where the scene has no geometry there is no shadow, whichever way its depth runs and wherever it ends.
     setup.wall = f32::INFINITY;
-    let aspect = SIZE[0] as f32 / SIZE[1] as f32;
     let half = DISTANCE * (0.5 * FOV).tan();
-    let flat = orthographic(-half * aspect, half * aspect, -half, half, 0.05, 50.0);
-    let usual = perspective(FOV, aspect, 0.05, 1.2);
-    for projection in [usual, Camera::perspective(FOV, aspect, 0.05), flat, reversed(flat)] {
+    let flat = orthographic(-half * ASPECT, half * ASPECT, -half, half, 0.05, 50.0);
+    let usual = perspective(FOV, ASPECT, 0.05, 1.2);
+    for projection in [usual, Camera::perspective(FOV, ASPECT, 0.05), flat, reversed(flat)] {
         setup.projection = Some(projection);
         let [plain, shaded] = [0.0, 1.0].map(|shade| setup.drawn(&[], shade).unwrap());
         assert!(plain == shaded, "what is infinitely far is in no shadow");

@@ -216,13 +216,9 @@ fn white_furnace_on_the_gpu() {
     }
 }
 
-/// Returns the radiances at both ends of upright strands at these places, lit from the eye.
-fn upright(context: &Context, places: &[Vec3], density_back: f32, strand_by_strand: f32) -> Vec<f32> {
-    upright_in(context, places, density_back, strand_by_strand, 0)
-}
-
-/// Does the same with strand maps of `strand_map` texels along each edge, 0 for none.
-fn upright_in(
+/// Returns the radiances at both ends of upright strands at these places, lit from the eye, with strand maps of
+/// `strand_map` texels along each edge, 0 for none.
+fn upright(
     context: &Context,
     places: &[Vec3],
     density_back: f32,
@@ -269,7 +265,8 @@ fn reflected_light_grows_with_the_amount_of_hair() {
     // Radiance of the first strand with and without light that other strands reflect: the ratio.
     let found = [0.0, 0.5, 2.0, 16.0].map(|fibers| {
         let places = block(fibers);
-        let [with, without] = [0.7, 0.0].map(|density_back| upright(context, &places, density_back, 0.0)[0]);
+        let [with, without] =
+            [0.7, 0.0].map(|density_back| upright(context, &places, density_back, 0.0, 0)[0]);
         with / without
     });
     println!("{found:?}");
@@ -284,7 +281,7 @@ fn per_strand_shadows_keep_the_mean() {
     let places = block(6.0);
     // Radiance with the mean light for every strand, and with light or shade for each; by depth, where the mean
     // transmittance falls from 1 to e^-6.
-    let [smooth, single] = [0.0, 1.0].map(|strength| upright(context, &places, 0.7, strength));
+    let [smooth, single] = [0.0, 1.0].map(|strength| upright(context, &places, 0.7, strength, 0));
     let spread = |values: &[f32]| {
         let mean = values.iter().sum::<f32>() / values.len() as f32;
         let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f32>() / values.len() as f32;
@@ -301,7 +298,7 @@ fn per_strand_shadows_keep_the_mean() {
         assert!(much > 1.3 * little, "strands differ");
     }
     // Where almost nothing is in the way, almost nothing is stochastic.
-    let alone = [0.0, 1.0].map(|strength| upright(context, &block(0.0), 0.7, strength)[0]);
+    let alone = [0.0, 1.0].map(|strength| upright(context, &block(0.0), 0.7, strength, 0)[0]);
     assert!((alone[1] / alone[0] - 1.0).abs() < 0.02, "{alone:?}");
 }
 
@@ -311,12 +308,12 @@ fn strand_maps_shade_hidden_strands() {
     let Some(context) = common::context() else { return };
     // Strands of 0.2 mm, as seen from the light: one in front, one hidden by it, and one beside both.
     let row = [Vec3::ZERO, Vec3::new(0.0, 0.0, -0.01), Vec3::new(0.005, 0.0, -0.01)];
-    let found = upright_in(context, &row, 0.0, 1.0, 2048);
+    let found = upright(context, &row, 0.0, 1.0, 2048);
     let [alone, hidden, beside] = [0, 1, 2].map(|i| found[2 * i]);
     println!("alone {alone:.4}, hidden {hidden:.4}, beside {beside:.4}");
     assert!(hidden < 0.4 * alone && (beside / alone - 1.0).abs() < 0.05);
     // The stochastic estimate cannot determine that.
-    let chance = upright(context, &row, 0.0, 1.0);
+    let chance = upright(context, &row, 0.0, 1.0, 0);
     assert!(
         chance[2] > 2.0 * hidden,
         "a strand that is hidden by one is mostly lit in the mean: {}",
@@ -325,8 +322,8 @@ fn strand_maps_shade_hidden_strands() {
 
     // In a block of hair, a strand is lit if no strand nearer to the light covers it, by counting all of them.
     let places = block(6.0);
-    let found = upright_in(context, &places, 0.0, 1.0, 2048);
-    let light = upright_in(context, &places[..1], 0.0, 1.0, 2048)[0];
+    let found = upright(context, &places, 0.0, 1.0, 2048);
+    let light = upright(context, &places[..1], 0.0, 1.0, 2048)[0];
     let dark = hidden / alone;
     let (mut right, mut all) = (0, 0);
     for (i, place) in places.iter().enumerate() {

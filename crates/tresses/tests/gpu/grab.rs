@@ -99,9 +99,10 @@ impl Setup {
 
     /// Returns the largest depth of a vertex in the head, or below its rest position in the head, meters.
     fn depth(&self, guides: &[Vec3]) -> f32 {
-        let rest = common::vertex_major(&self.character.groom);
-        let rest = rest.iter().map(|p| Vec3::new(p[0], p[1], p[2]).length().min(HEAD));
-        guides.iter().zip(rest).fold(0.0, |deep, (p, rest)| deep.max(rest - p.length()))
+        let rest = &self.character.groom.guides;
+        let (count, n) = (rest.len(), rest.vertex_count as usize);
+        let at = |i: usize| rest.positions[(i % count) * n + i / count].length().min(HEAD);
+        guides.iter().enumerate().fold(0.0, |deep, (i, p)| deep.max(at(i) - p.length()))
     }
 }
 

@@ -130,14 +130,6 @@ pub fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
     a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
 }
 
-/// Returns the guides' rest positions in the layout of the GPU: vertex-major `vec4`s.
-pub fn vertex_major(groom: &Groom) -> Vec<[f32; 4]> {
-    let n = groom.guides.vertex_count as usize;
-    let g = groom.guides.len();
-    let at = |i: usize| groom.guides.positions[(i % g) * n + i / g];
-    (0..n * g).map(|i| at(i).extend(0.0).to_array()).collect()
-}
-
 /// Returns a cube around the origin with edges of 2·`half` meters.
 pub fn cube(half: f32) -> TriMesh {
     let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);

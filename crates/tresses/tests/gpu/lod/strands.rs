@@ -6,15 +6,21 @@ use tresses::{
     Hair, HairAsset, HairDescriptor, Pose,
     glam::{Quat, Vec3},
     gpu::readback::blocking as readback,
-    groom::{bind, scalp::ScalpMap},
+    groom::{Groom, bind, scalp::ScalpMap},
     lod::{Detail, LodLevel, LodMode, arrange},
 };
+
+/// Creates hanging strands in the order in which `Hair` stores them.
+fn arranged(count: usize, length: f32) -> Groom {
+    let mut groom = bind(&common::hanging(count, 16, length), &Default::default()).unwrap();
+    arrange(&mut groom.strands);
+    groom
+}
 
 #[test]
 fn strands_with_fewer_vertices_keep_their_shape() {
     let Some(stage) = Setup::open() else { return };
-    let mut groom = bind(&common::hanging(400, 16, 0.2), &Default::default()).unwrap();
-    arrange(&mut groom.strands);
+    let groom = arranged(400, 0.2);
     let mut hair = stage.hair(&groom, None);
     let full = *hair.lod.current();
     for segments in [15.0, 14.5, 7.4, 3.0, 1.0] {
@@ -40,8 +46,7 @@ fn strands_with_fewer_vertices_keep_their_shape() {
 #[test]
 fn strands_that_return_start_without_a_hit() {
     let Some(stage) = Setup::open() else { return };
-    let mut groom = bind(&common::hanging(600, 16, 0.16), &Default::default()).unwrap();
-    arrange(&mut groom.strands);
+    let groom = arranged(600, 0.16);
     let field = common::ball(0.09, 64);
     let mut hair = stage.hair(&groom, Some(&field));
     let context = stage.context;
@@ -74,8 +79,7 @@ fn strands_that_return_start_without_a_hit() {
 #[test]
 fn painted_levels_act_where_they_are_painted() {
     let Some(stage) = Setup::open() else { return };
-    let mut groom = bind(&common::hanging(400, 16, 0.2), &Default::default()).unwrap();
-    arrange(&mut groom.strands);
+    let groom = arranged(400, 0.2);
     let context = stage.context;
     let side =
         |left: f32, right: f32| Some(ScalpMap::from_fn(64, move |uv| if uv.x > 0.5 { left } else { right }));
