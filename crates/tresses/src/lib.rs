@@ -124,5 +124,9 @@ extern crate self as tresses;
 #[path = "../tests/gpu/common/mod.rs"]
 mod common;
 #[cfg(test)]
+#[allow(dead_code)] // `tests/gpu` uses the rest.
+#[path = "../tests/gpu/moving.rs"]
+mod moving;
+#[cfg(test)]
 #[path = "../tests/stages/mod.rs"]
 mod stages;

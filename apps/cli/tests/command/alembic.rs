@@ -15,8 +15,8 @@ const STRANDS: u64 = 600;
 const POINTS: u64 = 9;
 
 fn tresses(folder: &Path, args: &[&str]) -> String {
-    let out = Command::new(env!("CARGO_BIN_EXE_tresses")).current_dir(folder).args(args).output().unwrap();
-    assert!(out.status.success(), "{args:?}: {}", String::from_utf8_lossy(&out.stderr));
+    let out = crate::output(folder, args);
+    assert!(out.status.success(), "{args:?}: {}", crate::stderr(&out));
     String::from_utf8_lossy(&out.stdout).into_owned()
 }
 
@@ -142,24 +142,9 @@ fn blender_plays_the_cache_as_simulated() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     // At half a meter per second, frames differ by far more than a micrometer.
-    let args = [
-        "bake",
-        "--style",
-        "bob",
-        "--strands",
-        "500",
-        "--motion",
-        "shake",
-        "--frames",
-        "4",
-        "--out",
-        "a.abc",
-    ];
-    let out = Command::new(env!("CARGO_BIN_EXE_tresses")).current_dir(folder).args(args).output().unwrap();
-    let said = String::from_utf8_lossy(&[out.stdout, out.stderr].concat()).into_owned();
-    if tresses_testing::lacks_gpu(&said) {
-        return;
-    }
+    let hair = ["bake", "--style", "bob", "--strands", "500", "--out", "a.abc"];
+    let args = [&hair[..], &["--motion", "shake", "--frames", "4"]].concat();
+    let Some((_, said)) = crate::drawn(folder, &args) else { return };
     assert!(said.contains("4 frames of 500 strands"), "{said}");
     let bits = std::fs::read(folder.join("a.abc")).unwrap();
     tresses(folder, &args);

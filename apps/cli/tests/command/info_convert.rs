@@ -1,9 +1,6 @@
 //! `tresses info` and `tresses convert` as processes.
 
-use std::{
-    path::Path,
-    process::{Command, Output},
-};
+use crate::{output as tresses, stderr};
 
 const OBJ: &str = "v 0 1.7 0
 v 0 1.75 -0.1
@@ -14,10 +11,6 @@ v 0.1 1.6 -0.1
 l 1 2 3
 l 4 5 6
 ";
-
-fn tresses(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_tresses")).current_dir(folder).args(args).output().unwrap()
-}
 
 /// Unit and axes of that groom, which the file does not state.
 const GIVEN: [&str; 6] = ["--unit", "m", "--up", "y", "--front", "z"];
@@ -46,7 +39,7 @@ fn groom_round_trips_through_the_formats() {
     for (i, step) in steps.iter().enumerate() {
         let args: Vec<&str> = step.iter().chain(if i == 0 { &GIVEN[..] } else { &[] }).copied().collect();
         let out = tresses(here, &args);
-        assert!(out.status.success(), "{}", text(&out.stderr));
+        assert!(out.status.success(), "{}", stderr(&out));
     }
     assert_eq!(std::fs::read(here.join("c.obj")).unwrap(), std::fs::read(here.join("d.obj")).unwrap());
     let last = std::fs::read_to_string(here.join("d.obj")).unwrap();
@@ -62,7 +55,7 @@ fn width_is_written_and_checked() {
     let here = folder.path();
     let convert = |more: &[&str]| tresses(here, &[&["convert", "in.obj"][..], more, &GIVEN].concat());
     let out = convert(&["out.abc", "--width", "80um", "--out-unit", "cm"]);
-    assert!(out.status.success(), "{}", text(&out.stderr));
+    assert!(out.status.success(), "{}", stderr(&out));
     let json = tresses(here, &["info", "out.abc", "--json"]);
     let json: serde_json::Value = serde_json::from_slice(&json.stdout).unwrap();
     assert!((json["radius_m"]["median"].as_f64().unwrap() - 40e-6).abs() < 1e-9, "{json}");
@@ -73,7 +66,7 @@ fn width_is_written_and_checked() {
         (&["out.obj", "--width", "80um"], ""),
     ] {
         let out = convert(more);
-        let told = text(&out.stderr) + &text(&out.stdout);
+        let told = stderr(&out) + &text(&out.stdout);
         assert_eq!(out.status.success(), problem.is_empty(), "{told}");
         assert!(told.contains(if problem.is_empty() { "widths are not written" } else { problem }), "{told}");
     }
@@ -83,7 +76,7 @@ fn width_is_written_and_checked() {
 fn info_lists_findings_and_actions() {
     let folder = groom();
     let out = tresses(folder.path(), &["info", "in.obj"]);
-    assert!(out.status.success(), "{}", text(&out.stderr));
+    assert!(out.status.success(), "{}", stderr(&out));
     let report = text(&out.stdout);
     assert!(report.contains("duplicate vertices: 1") && report.contains("→"), "{report}");
     assert!(report.contains("none marked in the file: 1 of the strands"), "{report}");
@@ -115,7 +108,7 @@ fn invalid_input_is_an_error_of_one_line() {
         (&["info", "good.obj", "--head", "good.obj"], "good.obj: "),
     ] {
         let out = tresses(here, args);
-        let error = text(&out.stderr);
+        let error = stderr(&out);
         assert_eq!(out.status.code(), Some(1), "{args:?}: {error}");
         assert!(error.contains(says) && error.trim_end().lines().count() == 1, "{args:?}: {error}");
     }

@@ -1,6 +1,6 @@
 //! Special outputs of `tresses render`: layers, alpha, videos.
 
-use crate::pixels;
+use crate::{command, pixels, said};
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, read};
 use std::{collections::BTreeMap, path::Path, process::Command};
 
@@ -8,13 +8,11 @@ use std::{collections::BTreeMap, path::Path, process::Command};
 const SHORT: [&str; 8] = ["render", "--style", "short", "--strands", "2000", "--samples", "1", "--size"];
 
 fn run(folder: &Path, args: &[&str], ffmpeg: Option<&str>) -> (bool, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_tresses"));
-    command.current_dir(folder).args(args);
+    let mut command = command(folder, args);
     if let Some(ffmpeg) = ffmpeg {
         command.env("TRESSES_FFMPEG", ffmpeg);
     }
-    let out = command.output().unwrap();
-    (out.status.success(), String::from_utf8_lossy(&[out.stdout, out.stderr].concat()).into_owned())
+    said(&command.output().unwrap())
 }
 
 /// Runs a command that renders. Returns its output, or `None` without a GPU.

@@ -1,7 +1,7 @@
 //! The window stays responsive while hair is drawn: keys are handled soon, and none is lost.
 
 use crate::{
-    SPACE, can_run,
+    SPACE,
     desk::{Desk, Shot},
     turn,
 };
@@ -48,10 +48,7 @@ fn spread(mut values: Vec<f64>) -> [f64; 2] {
 
 #[test]
 fn no_key_is_lost() {
-    if !can_run() {
-        return;
-    }
-    let _turn = turn();
+    let Some(_turn) = turn() else { return };
     let mut desk = open("6000");
     desk.key(SPACE);
     let rest = |desk: &mut Desk| {
@@ -86,10 +83,10 @@ fn no_key_is_lost() {
 #[test]
 #[ignore = "proof"]
 fn large_groom_refines_to_full_quality() {
-    let Some(assets) = std::env::var_os("TRESSES_ASSETS").filter(|_| can_run()) else {
+    let Some(_turn) = turn() else { return };
+    let Some(assets) = std::env::var_os("TRESSES_ASSETS") else {
         return println!("skipped: there are no assets");
     };
-    let _turn = turn();
     let groom = Path::new(&assets).join("sintel/SintelHairOriginal-sintel_hair.16points.tfx");
     let mut desk = Desk::open(&[groom.to_str().unwrap()]);
     desk.resize(1920, 1080);
@@ -131,10 +128,7 @@ fn large_groom_refines_to_full_quality() {
 #[test]
 #[ignore = "proof"]
 fn key_latency() {
-    if !can_run() {
-        return;
-    }
-    let _turn = turn();
+    let Some(_turn) = turn() else { return };
     let mut desk = open("20000");
     let frames = |desk: &Desk| {
         desk.state()

@@ -1,6 +1,6 @@
 //! Cards are baked on their page, and the levels are shown in place of the strands.
 
-use crate::{SPACE, can_run, desk::Desk, turn};
+use crate::{SPACE, desk::Desk, turn};
 
 /// Places in a window of 1280 × 720, pixels.
 const PAGE: [i16; 2] = [1067, 57];
@@ -11,13 +11,9 @@ const BY_SIZE: [i16; 2] = [904, 385];
 
 #[test]
 fn cards_are_baked_and_shown_in_place_of_strands() {
-    if !can_run() {
-        return;
-    }
-    let _turn = turn();
+    let Some(_turn) = turn() else { return };
     let mut desk = Desk::open(&["style.strands=3000"]);
-    desk.resize(1280, 720);
-    desk.wait_for("hair", |desk| (desk.state()?["frames"].as_u64()? > 2).then_some(()));
+    desk.show_hair();
     desk.key(SPACE);
     let strands = desk.still();
     desk.click(PAGE);

@@ -140,6 +140,12 @@ impl Desk {
         desk
     }
 
+    /// Resizes the window to 1280 × 720 and waits for hair.
+    pub fn show_hair(&mut self) {
+        self.resize(1280, 720);
+        self.wait_for("hair", |desk| (desk.state()?["frames"].as_u64()? > 2).then_some(()));
+    }
+
     /// Switches to the current window, after the studio has reopened it.
     pub fn follow(&mut self) {
         self.window = self.wait_for("the window", Self::find);

@@ -1,7 +1,11 @@
 //! Hair is combed with the mouse, undone, redone, saved, and recovered after a crash.
 
-use crate::{SPACE, can_run, desk::Desk, turn};
-use std::{fmt::Write, path::Path, time::Duration};
+use crate::{SPACE, desk::Desk, turn};
+use std::{
+    fmt::Write,
+    path::{Path, PathBuf},
+    time::Duration,
+};
 use tresses::groom::mannequin;
 
 /// Keysyms.
@@ -31,25 +35,28 @@ fn groomed(desk: &mut Desk, what: &str, is: impl Fn(&serde_json::Value) -> bool)
     })
 }
 
-/// Opens a bob in a folder of its own, and a brush on it.
-fn open(folder: &Path) -> Desk {
-    let state = folder.to_str().unwrap();
-    let mut desk = Desk::open_in(folder, &["style=bob", "style.strands=4000"], &[("XDG_STATE_HOME", state)]);
-    desk.resize(1280, 720);
-    desk.wait_for("hair", |desk| (desk.state()?["frames"].as_u64()? > 2).then_some(()));
+/// Returns an empty folder for a test.
+fn fresh(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Opens the studio in a folder of its own.
+fn open(folder: &Path, words: &[&str]) -> Desk {
+    let mut desk = Desk::open_in(folder, words, &[("XDG_STATE_HOME", folder.to_str().unwrap())]);
+    desk.show_hair();
     desk
 }
 
+const BOB: [&str; 2] = ["style=bob", "style.strands=4000"];
+
 #[test]
 fn hair_is_combed_undone_saved_and_recovered() {
-    if !can_run() {
-        return;
-    }
-    let _turn = turn();
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("studio-groom");
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    let mut desk = open(&folder);
+    let Some(_turn) = turn() else { return };
+    let folder = fresh("studio-groom");
+    let mut desk = open(&folder, &BOB);
     desk.chord(CONTROL, G);
     let begun = groomed(&mut desk, "the brush", |groom| groom["strokes"] == 0);
     let before = desk.still();
@@ -124,7 +131,7 @@ fn hair_is_combed_undone_saved_and_recovered() {
     desk.wait_for("the journal", |_| is_there().map(|_| ()));
     std::thread::sleep(Duration::from_secs(2));
     desk.kill();
-    let mut desk = open(&folder);
+    let mut desk = open(&folder, &BOB);
     desk.wait_for("the offer", |desk| (desk.state()?["recovers"] == true).then_some(()));
     desk.key(SPACE);
     desk.shot().keep("groom-recover");
@@ -137,22 +144,13 @@ fn hair_is_combed_undone_saved_and_recovered() {
 
 #[test]
 fn hair_is_planted_and_removed_on_the_head_of_a_file() {
-    if !can_run() {
-        return;
-    }
-    let _turn = turn();
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("studio-plant");
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
+    let Some(_turn) = turn() else { return };
+    let folder = fresh("studio-plant");
     let (mesh, mut text) = (mannequin::mesh(64), String::new());
     mesh.positions.iter().for_each(|p| writeln!(text, "v {} {} {}", p.x, p.y + 1.5, p.z).unwrap());
     mesh.triangles.iter().for_each(|[a, b, c]| writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1).unwrap());
     std::fs::write(folder.join("head.obj"), text).unwrap();
-    let state = folder.to_str().unwrap();
-    let words = ["head.obj", "style=short", "style.strands=3000"];
-    let mut desk = Desk::open_in(&folder, &words, &[("XDG_STATE_HOME", state)]);
-    desk.resize(1280, 720);
-    desk.wait_for("hair", |desk| (desk.state()?["frames"].as_u64()? > 2).then_some(()));
+    let mut desk = open(&folder, &["head.obj", "style=short", "style.strands=3000"]);
     assert_eq!(desk.state().unwrap()["file"], "short on head.obj");
     desk.chord(CONTROL, G);
     let begun = groomed(&mut desk, "the brush", |groom| groom["strokes"] == 0);

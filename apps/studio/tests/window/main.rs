@@ -15,22 +15,18 @@ const SPACE: u32 = 0x20;
 /// Tests take turns: two windows slow down each other's frames.
 static TURN: Mutex<()> = Mutex::new(());
 
-fn turn() -> MutexGuard<'static, ()> {
-    TURN.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn can_run() -> bool {
-    let Some(why) = desk::missing() else { return true };
-    tresses_testing::skip("window", why);
-    false
+/// Waits for the turn of this test. Returns `None` without a virtual display.
+fn turn() -> Option<MutexGuard<'static, ()>> {
+    if let Some(why) = desk::missing() {
+        tresses_testing::skip("window", why);
+        return None;
+    }
+    Some(TURN.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
 #[test]
 fn window_draws_responds_resizes_and_closes() {
-    if !can_run() {
-        return;
-    }
-    let _turn = turn();
+    let Some(_turn) = turn() else { return };
     let mut desk = Desk::open(&["style.strands=6000"]);
     desk.resize(900, 620);
     let first = desk.wait_for("hair", |desk| {
@@ -89,10 +85,7 @@ fn window_draws_responds_resizes_and_closes() {
 
 #[test]
 fn lost_device_reopens_the_window() {
-    if !can_run() {
-        return;
-    }
-    let _turn = turn();
+    let Some(_turn) = turn() else { return };
     let mut desk = Desk::open_with(&["style.strands=1500"], &[("TRESSES_STUDIO_LOSE_AT", "2")]);
     let state = desk.wait_for("the window after the loss", |desk| {
         let state = desk.state()?;

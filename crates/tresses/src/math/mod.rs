@@ -1,7 +1,5 @@
 //! Math shared by several stages.
 
-#[cfg(test)]
-pub(crate) mod ldl;
 pub(crate) mod map;
 pub mod pose;
 pub mod ray;

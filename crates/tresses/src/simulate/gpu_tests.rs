@@ -9,7 +9,7 @@ use crate::{
         Anchor, Collider, ColliderDescriptor, ColliderPoses, ColliderSet, FieldId, FieldSource, Moments,
         Shape, shape,
     },
-    gpu::{Tier, Timings, for_tests as context, readback::blocking as readback},
+    gpu::{Tier, for_tests as context, readback::blocking as readback},
     groom::SdfGrid,
     strands::{Force, GuideBuffers, GuideForce, RestGuides},
     wind::Wind,
@@ -107,9 +107,16 @@ struct Setup {
     colliders: ColliderSet,
 }
 
+/// Returns the rest state of [`groom`].
+fn resting(n: usize, params: &SimulationParams, head: Option<&SdfGrid>) -> RestGuides {
+    let (positions, traits) = groom(24, n);
+    rest::guides(&positions, n as u32, &traits, params, &RestOptions::default(), head).unwrap()
+}
+
 impl Setup {
-    fn new(context: &Context, rest: &RestGuides, head: Option<&SdfGrid>) -> Self {
-        Self::among(context, rest, &ColliderDescriptor { head, ..Default::default() })
+    /// Creates the groom on a head that is a sphere.
+    fn new(context: &Context, rest: &RestGuides, head: &SdfGrid) -> Self {
+        Self::among(context, rest, &ColliderDescriptor { head: Some(head), ..Default::default() })
     }
 
     fn among(context: &Context, rest: &RestGuides, what: &ColliderDescriptor<'_>) -> Self {
@@ -127,30 +134,26 @@ impl Setup {
         params: &SimulationParams,
         steps: &[Step],
         poses: &ColliderPoses,
-        timings: Option<&mut Timings>,
         forced: bool,
     ) {
         let (substeps, step) = (params.substeps, params.step);
         let head = steps.last().unwrap().end;
         let moments = Moments { steps, substeps, step, head, alpha: 1.0 };
         self.colliders.advance(poses, &moments).unwrap();
-        let mut encoder = context.device().create_command_encoder(&Default::default());
-        let mut timings = timings;
-        let mut commands = context.commands(&mut encoder).with_timings(timings.as_deref_mut());
-        let mut pass = commands.compute("simulate");
         let count = self.simulation.prepare(context, params, steps, forced).unwrap();
-        for i in 0..count {
-            self.simulation.record(&mut pass, &self.colliders, i);
-        }
-        pass.end().unwrap();
-        if let Some(t) = timings {
-            t.resolve(&mut encoder);
-        }
-        context.queue().submit([encoder.finish()]);
+        crate::gpu::compute(context, |pass| {
+            (0..count).for_each(|i| self.simulation.record(pass, &self.colliders, i));
+        });
     }
 
-    fn positions(&self, context: &Context) -> Vec<[f32; 4]> {
-        readback::buffer(context, &self.guides.current).unwrap()
+    /// Runs one step without colliders and forces, in which the head moves as in `step`.
+    fn step(&mut self, context: &Context, params: &SimulationParams, step: Step) {
+        self.run(context, params, &[step], &ColliderPoses::default(), false);
+    }
+
+    fn positions(&self, context: &Context) -> Vec<Vec3> {
+        let read: Vec<[f32; 4]> = readback::buffer(context, &self.guides.current).unwrap();
+        read.iter().map(|p| Vec3::from_slice(p)).collect()
     }
 }
 
@@ -191,15 +194,12 @@ fn moved(
     params: &SimulationParams,
     shifted: Option<usize>,
 ) -> Vec<Vec3> {
-    let (positions, traits) = groom(24, n);
-    let grid = sphere();
-    let rest =
-        rest::guides(&positions, n as u32, &traits, params, &RestOptions::default(), Some(&grid)).unwrap();
     let (sphere, dice, list) = (sphere(), dice(), shapes());
+    let rest = resting(n, params, Some(&sphere));
     // An unused field must not matter: it only shifts the tiles.
     let fields = [&sphere, &dice].map(FieldSource::Grid);
     let what =
-        ColliderDescriptor { head: Some(&grid), fields: &fields, colliders: &list, ..Default::default() };
+        ColliderDescriptor { head: Some(&sphere), fields: &fields, colliders: &list, ..Default::default() };
     let mut scene = Setup::among(context, &rest, &what);
     let count = rest.info.len();
     context.queue().write_buffer(&scene.guides.forces, 0, bytemuck::cast_slice(&outer_forces(n, count)));
@@ -210,11 +210,10 @@ fn moved(
         if let Some(i) = shifted {
             hands.colliders[i].translation += Vec3::splat(1e-3);
         }
-        scene.run(context, params, &[step], &hands, None, true);
+        scene.run(context, params, &[step], &hands, true);
     }
-    let found = scene.positions(context);
-    let places = found.iter().enumerate().filter(|(i, _)| i % count != DEGENERATE);
-    places.map(|(_, p)| Vec3::from_slice(p)).collect()
+    let found = scene.positions(context).into_iter().enumerate();
+    found.filter(|(i, _)| i % count != DEGENERATE).map(|(_, p)| p).collect()
 }
 
 fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
@@ -305,8 +304,7 @@ fn draped_hair_lies_on_the_sphere() {
 fn hair_lies_on_a_collider_of_any_shape() {
     let Some(context) = context() else { return };
     let params = SimulationParams { drag: 6.0, ..Default::default() };
-    let (positions, traits) = groom(24, 16);
-    let rest = rest::guides(&positions, 16, &traits, &params, &RestOptions::default(), None).unwrap();
+    let rest = resting(16, &params, None);
     let (dice, radii) = (dice(), Vec3::new(0.05, 0.03, 0.04));
     type Distance<'a> = &'a dyn Fn(Vec3) -> f32;
     let cases: [(Shape, Distance<'_>); 3] = [
@@ -326,15 +324,14 @@ fn hair_lies_on_a_collider_of_any_shape() {
         let place = Pose { translation: Vec3::new(0.15, 0.03, 0.0), rotation: Quat::from_rotation_z(0.4) };
         let poses = ColliderPoses { head: None, colliders: vec![place] };
         let still = Step { begin: Pose::IDENTITY, end: Pose::IDENTITY, ..at(0.0, 0.0) };
-        scene.run(context, &params, &[Step { mode: Mode::Reset, ..still }], &poses, None, false);
+        scene.run(context, &params, &[Step { mode: Mode::Reset, ..still }], &poses, false);
         for _ in 0..20 {
-            scene.run(context, &params, &[still; 4], &poses, None, false);
+            scene.run(context, &params, &[still; 4], &poses, false);
         }
         let found = scene.positions(context);
         let count = rest.info.len();
         // The roots and their neighbors follow the head.
-        let depths: Vec<_> =
-            found[4 * count..].iter().map(|p| distance(place.inverse().point(Vec3::from_slice(p)))).collect();
+        let depths: Vec<_> = found[4 * count..].iter().map(|p| distance(place.inverse().point(*p))).collect();
         let near = depths.iter().filter(|d| **d < 4e-3).count();
         let deepest = depths.iter().copied().fold(f32::MAX, f32::min);
         println!("{shape:?}: deepest {deepest} m, {near} vertices on it");
@@ -344,21 +341,15 @@ fn hair_lies_on_a_collider_of_any_shape() {
 
 /// Returns the largest strain of an edge over a motion of `frames` steps that starts at rest.
 fn worst_strain(context: &Context, n: usize, frames: usize, motion: impl Fn(f32) -> Pose) -> f32 {
-    let params = SimulationParams::default();
-    let (positions, traits) = groom(24, n);
-    let grid = sphere();
-    let rest =
-        rest::guides(&positions, n as u32, &traits, &params, &RestOptions::default(), Some(&grid)).unwrap();
-    let mut scene = Setup::new(context, &rest, Some(&grid));
-    let poses = ColliderPoses::default();
+    let (params, grid, positions) = (SimulationParams::default(), sphere(), groom(24, n).0);
+    let rest = resting(n, &params, Some(&grid));
+    let mut scene = Setup::new(context, &rest, &grid);
     let count = rest.info.len();
-    let start = Step { begin: motion(0.0), end: motion(0.0), ..carry_to_start() };
-    scene.run(context, &params, &[start], &poses, None, false);
+    scene.step(context, &params, Step { begin: motion(0.0), end: motion(0.0), ..carry_to_start() });
     let mut worst = 0f32;
     for frame in 0..frames {
         let t = frame as f32 * params.step;
-        let step = Step { begin: motion(t), end: motion(t + params.step), ..at(0.0, 0.0) };
-        scene.run(context, &params, &[step], &poses, None, false);
+        scene.step(context, &params, Step { begin: motion(t), end: motion(t + params.step), ..at(0.0, 0.0) });
         if frame % 4 != 3 {
             continue;
         }
@@ -367,7 +358,7 @@ fn worst_strain(context: &Context, n: usize, frames: usize, motion: impl Fn(f32)
         // strain.
         for g in (1..count).filter(|g| *g != DEGENERATE) {
             for i in 0..n - 1 {
-                let point = |i: usize| Vec3::from_slice(&found[i * count + g]);
+                let point = |i: usize| found[i * count + g];
                 let length = positions[g * n + i].distance(positions[g * n + i + 1]);
                 let off = (point(i).distance(point(i + 1)) - length).abs();
                 // Ignore two micrometers: the shortest edges here have 65.
@@ -399,19 +390,15 @@ fn edges_keep_length_in_shake_and_turn() {
 #[test]
 fn hair_returns_to_its_shape() {
     let Some(context) = context() else { return };
-    let (params, n) = (SimulationParams::default(), 16);
-    let (positions, traits) = groom(24, n);
-    let grid = sphere();
-    let rest =
-        rest::guides(&positions, n as u32, &traits, &params, &RestOptions::default(), Some(&grid)).unwrap();
-    let mut scene = Setup::new(context, &rest, Some(&grid));
+    let (params, n, grid) = (SimulationParams::default(), 16, sphere());
+    let rest = resting(n, &params, Some(&grid));
+    let mut scene = Setup::new(context, &rest, &grid);
     // Three seconds of shaking the head, then two of rest.
     let motion = |t: f32| Pose {
         rotation: Quat::from_rotation_y(0.6 * (std::f32::consts::TAU * t.min(3.0)).sin()),
         ..Pose::IDENTITY
     };
-    let start = Step { begin: motion(0.0), end: motion(0.0), ..carry_to_start() };
-    scene.run(context, &params, &[start], &ColliderPoses::default(), None, false);
+    scene.step(context, &params, Step { begin: motion(0.0), end: motion(0.0), ..carry_to_start() });
     let mean = |scene: &Setup| {
         let found = scene.positions(context);
         let count = rest.info.len();
@@ -419,7 +406,7 @@ fn hair_returns_to_its_shape() {
         // makes all but one of the long guides stiff enough to return.
         let off = |g: usize| {
             let i = (n - 1) * count + g;
-            Vec3::from_slice(&found[i]).distance(rest.rest[i].position)
+            found[i].distance(rest.rest[i].position)
         };
         let mut off: Vec<_> = (0..count).filter(|g| ![1, DEGENERATE].contains(g)).map(off).collect();
         off.sort_by(f32::total_cmp);
@@ -429,8 +416,7 @@ fn hair_returns_to_its_shape() {
     let mut shaken = 0f32;
     for frame in 0..300 {
         let t = frame as f32 * params.step;
-        let step = Step { begin: motion(t), end: motion(t + params.step), ..at(0.0, 0.0) };
-        scene.run(context, &params, &[step], &ColliderPoses::default(), None, false);
+        scene.step(context, &params, Step { begin: motion(t), end: motion(t + params.step), ..at(0.0, 0.0) });
         if frame % 10 == 0 && frame < 180 {
             shaken = shaken.max(mean(&scene));
         }
@@ -451,13 +437,10 @@ fn absurd_parameters_give_finite_positions() {
         substeps: 1,
         ..Default::default()
     };
-    let (positions, traits) = groom(24, 16);
     let grid = sphere();
-    let rest = rest::guides(&positions, 16, &traits, &params, &RestOptions::default(), Some(&grid)).unwrap();
-    let mut scene = Setup::new(context, &rest, Some(&grid));
+    let mut scene = Setup::new(context, &resting(16, &params, Some(&grid)), &grid);
     for i in 0..40 {
-        let step = at(i as f32 * 1.7, 0.9);
-        scene.run(context, &params, &[step], &ColliderPoses::default(), None, false);
+        scene.step(context, &params, at(i as f32 * 1.7, 0.9));
     }
-    assert!(scene.positions(context).iter().flatten().all(|x| x.is_finite()));
+    assert!(scene.positions(context).iter().all(|p| p.is_finite()));
 }

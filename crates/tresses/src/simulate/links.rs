@@ -29,8 +29,6 @@
 //! **Untried:** finding links again during motion, with anchors that slip.
 
 use super::Pipelines;
-#[cfg(test)]
-use crate::math::ldl::Factors;
 use crate::{
     Context, Result,
     constants::{LINKS, VOLUME_WORKGROUP},
@@ -181,7 +179,7 @@ fn pull(u: &LinkUniforms, x: Vec3, v: Vec3, links: &[(f32, Vec3, Vec3)]) -> Vec3
         pull += unit * (stiffness * longer + rate * unit.dot(*velocity - v));
         m += Mat3::from_cols(unit * unit.x, unit * unit.y, unit * unit.z) * (2.0 * rate * u.span);
     }
-    Factors::new(m).solve(pull)
+    (m.as_dmat3().inverse() * pull.as_dvec3()).as_vec3()
 }
 
 /// Returns the links of all vertices; the `k`th link of vertex `at` is at `k * vertices + at`.

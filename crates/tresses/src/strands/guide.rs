@@ -28,7 +28,7 @@ pub struct Guide {
 
 /// Rest position and clearance of a guide vertex.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct GuideRest {
+pub struct GuideRest {
     /// Position in groom space (the head's own frame), meters.
     pub position: Vec3,
     /// Distance from obstacles below which the vertex is pushed out, meters. At most the vertex's distance at rest, so

@@ -65,8 +65,6 @@ mod state;
 
 #[cfg(test)]
 mod gpu_tests;
-#[cfg(test)]
-mod reference;
 
 pub(crate) use grid::VolumeGrid;
 pub(crate) use others::OtherGroom;

@@ -5,9 +5,9 @@ use crate::common;
 use tresses::{
     Body, Context, Picture, View, ViewOptions,
     glam::{Quat, Vec3},
-    groom::{TriMesh, bound::Strand, hash::pcg},
+    groom::{TriMesh, hash::pcg},
     light::{Directional, Lights, MAX_LIGHTS, Sky, Sphere},
-    low_level::{AmbientProbe, HairSet, IncidentLight, StrandBuffers, StrandVertex, pack_tangent},
+    low_level::{AmbientProbe, HairSet, IncidentLight},
     renderer::Renderer,
 };
 
@@ -59,17 +59,7 @@ impl<'a> Bench<'a> {
 
     /// Sets the hair: straight segments, each given by its two ends.
     fn hair(mut self, pieces: &[[Vec3; 2]], radius: f32) -> Self {
-        let context = self.context;
-        let queue = context.queue();
-        let strands = StrandBuffers::new(context, pieces.len() as u32, 2).expect("fits");
-        let vertex =
-            |at: Vec3, way: Vec3| StrandVertex { position: at, tangent: pack_tangent(way.normalize(), 1.0) };
-        let vertices: Vec<_> =
-            pieces.iter().flat_map(|[a, b]| [vertex(*a, *b - *a), vertex(*b, *b - *a)]).collect();
-        queue.write_buffer(&strands.vertices, 0, bytemuck::cast_slice(&vertices));
-        let info = vec![Strand { radius, seed: 1, root_color: 0, tip_color: 0 }; pieces.len()];
-        queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&info));
-        self.hair = Some(HairSet::new(context, &strands).expect("fits"));
+        self.hair = Some(common::segments(self.context, pieces, radius));
         self
     }
 
@@ -94,13 +84,8 @@ impl<'a> Bench<'a> {
 
 /// Returns a square with edges of 2·`half` in the plane z = `z`. Its front faces +z.
 fn wall(half: f32, z: f32) -> TriMesh {
-    let corner = |x: f32, y: f32| Vec3::new(x, y, z);
-    TriMesh {
-        positions: vec![corner(-half, -half), corner(half, -half), corner(half, half), corner(-half, half)],
-        normals: vec![Vec3::Z; 4],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        ..Default::default()
-    }
+    let corners = [(-half, -half), (half, -half), (half, half), (-half, half)];
+    common::rectangle(corners.map(|(x, y)| Vec3::new(x, y, z)))
 }
 
 /// Returns randomly oriented hair segments in a horizontal layer, `thick` meters thick and centered at y = `middle`. A

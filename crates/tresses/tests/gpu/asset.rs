@@ -17,11 +17,8 @@ fn swung(context: &Context, physics: impl Fn(u32) -> SimulationParams) -> Vec<[u
     let mut hair = common::hair(context, &groom(), &HairOptions::default(), None).unwrap();
     for i in 0..24 {
         let head = Pose { rotation: Quat::from_rotation_z(0.3 * (0.4 * i as f32).sin()), ..Pose::IDENTITY };
-        let frame = HairFrame {
-            simulation: &physics(i),
-            ..common::frame(head, if i == 0 { 0.0 } else { 1.0 / 60.0 })
-        };
-        common::submit(|recorder| recorder.simulate(&mut hair, &frame));
+        let dt = if i == 0 { 0.0 } else { 1.0 / 60.0 };
+        common::simulate(&mut hair, &HairFrame { simulation: &physics(i), ..common::frame(head, dt) });
     }
     readback::buffer(context, &hair.guides.current).unwrap()
 }

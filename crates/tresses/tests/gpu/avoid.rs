@@ -3,70 +3,42 @@
 
 use crate::{common, moving};
 
-use moving::{Character, SHAKE, TURN, advance, angle, drawn, search, states};
+use moving::{Character, SHAKE, TURN, advance, advance_at, angle, drawn, search, states};
 use tresses::{
-    AvoidMode, AvoidOptions, Context, Pose,
+    AvoidMode, AvoidOptions, Pose,
     glam::Vec3,
-    groom::{BindOptions, bind},
     low_level::{Hair, NO_HIT, StrandVertex},
 };
 
-const HEAD: f32 = 0.09;
 const CLEARANCE: f32 = 1.5e-3;
 
-/// Groom and device of all tests. A software driver takes long to build pipelines.
-struct Setup {
-    context: &'static Context,
-    character: Character,
+/// Creates a ball with so few guides that strands between them enter it.
+fn character() -> Option<Character> {
+    common::context()?;
+    Some(Character::on_a_ball(600, 0.16, &Default::default()))
 }
 
-impl Setup {
-    fn open() -> Option<&'static Self> {
-        static SETUPS: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
-        SETUPS.get(Self::new)
-    }
-
-    /// Creates a ball with so few guides that strands between them enter it.
-    fn new() -> Option<Self> {
-        let context = common::context()?;
-        let mut groom = bind(&common::hanging(600, 16, 0.16), &BindOptions::default()).unwrap();
-        // `Hair` stores the strands in this order.
-        tresses::low_level::lod::arrange(&mut groom.strands);
-        Some(Self {
-            character: Character { groom, field: common::ball(HEAD, 64), neck: Vec3::new(0.0, 0.0, -0.02) },
-            context,
-        })
-    }
-
-    fn hair(&self, avoid: AvoidOptions) -> Hair {
-        self.character.hair(self.context, avoid)
-    }
-
+impl Character {
     /// Returns hair shaken until strands are in the head, and the head's pose at that time.
     fn shaken(&self, avoid: AvoidOptions) -> (Hair, Pose) {
-        let mut hair = self.hair(avoid);
+        let mut hair = self.avoiding(avoid);
         for i in 0..36 {
-            let head = self.character.head(angle(SHAKE, i as f32 / 60.0));
-            advance(self.context, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
+            advance_at(&mut hair, self.head(angle(SHAKE, i as f32 / 60.0)), i, 60.0);
         }
-        (hair, self.character.head(angle(SHAKE, 35.0 / 60.0)))
-    }
-
-    fn drawn(&self, hair: &mut Hair, head: Pose, mode: AvoidMode) -> Vec<StrandVertex> {
-        drawn(self.context, hair, head, mode)
+        (hair, self.head(angle(SHAKE, 35.0 / 60.0)))
     }
 
     /// Returns for each strand the first vertex that is closer to the head than allowed by `tolerance` plus `margin`,
     /// meters.
     fn first_hits(&self, vertices: &[StrandVertex], head: Pose, tolerance: f32, margin: f32) -> Vec<u32> {
         let back = head.inverse();
-        let distance = |v: &StrandVertex| self.character.field.sample(back.point(v.position));
-        let strands = &self.character.groom.strands;
+        let distance = |v: &StrandVertex| self.field.sample(back.point(v.position));
+        let strands = &self.groom.strands;
         vertices
             .chunks(strands.vertex_count as usize)
             .enumerate()
             .map(|(i, strand)| {
-                let rest = strands.rest_positions(i).map(|p| self.character.field.sample(p));
+                let rest = strands.rest_positions(i).map(|p| self.field.sample(p));
                 let enters =
                     |(v, rest): (&StrandVertex, f32)| distance(v) < CLEARANCE.min(rest) - tolerance - margin;
                 let hit = strand.iter().zip(rest).skip(1).position(enters);
@@ -78,15 +50,15 @@ impl Setup {
 
 #[test]
 fn first_hit_matches_sequential_search() {
-    let Some(stage) = Setup::open() else { return };
+    let Some(character) = character() else { return };
     let options = AvoidOptions { mode: AvoidMode::Off, ..Default::default() };
-    let (mut hair, head) = stage.shaken(options);
-    let vertices = stage.drawn(&mut hair, head, AvoidMode::Off);
-    let found: Vec<u32> = search(stage.context, &hair).iter().map(|state| state.hit).collect();
+    let (mut hair, head) = character.shaken(options);
+    let vertices = drawn(&mut hair, head, AvoidMode::Off);
+    let found: Vec<u32> = search(&hair).iter().map(|state| state.hit).collect();
     // Texture filtering and quantized distances make the kernel up to an eighth of a millimeter less precise than this
     // search.
-    let early = stage.first_hits(&vertices, head, options.tolerance, -0.02e-3);
-    let late = stage.first_hits(&vertices, head, options.tolerance, 0.16e-3);
+    let early = character.first_hits(&vertices, head, options.tolerance, -0.02e-3);
+    let late = character.first_hits(&vertices, head, options.tolerance, 0.16e-3);
     let wrong = |found: &[u32]| {
         found.iter().zip(early.iter().zip(&late)).filter(|(f, (e, l))| *f < *e || *f > *l).count()
     };
@@ -106,12 +78,12 @@ fn first_hit_matches_sequential_search() {
 
 #[test]
 fn strands_without_hit_are_unchanged_and_lengths_are_kept() {
-    let Some(stage) = Setup::open() else { return };
-    let (mut hair, head) = stage.shaken(AvoidOptions::default());
-    let after = stage.drawn(&mut hair, head, AvoidMode::ChangeOver);
-    let remembered = states(stage.context, &hair);
-    let before = stage.drawn(&mut hair, head, AvoidMode::Off);
-    let strands = &stage.character.groom.strands;
+    let Some(character) = character() else { return };
+    let (mut hair, head) = character.shaken(AvoidOptions::default());
+    let after = drawn(&mut hair, head, AvoidMode::ChangeOver);
+    let remembered = states(&hair);
+    let before = drawn(&mut hair, head, AvoidMode::Off);
+    let strands = &character.groom.strands;
     let n = strands.vertex_count as usize;
     let (mut kept, mut changed) = (0, 0);
     for (i, state) in remembered.iter().enumerate() {
@@ -132,33 +104,25 @@ fn strands_without_hit_are_unchanged_and_lengths_are_kept() {
     }
     assert!(kept > 50 && changed > 20, "{kept} kept, {changed} changed");
     // For comparison: moving single vertices stretches their edges.
-    let alone = stage.drawn(&mut hair, head, AvoidMode::PenetratingOnly);
-    let longest = alone
-        .chunks(n)
-        .enumerate()
-        .flat_map(|(i, strand)| {
-            let rest: Vec<_> = strands.rest_positions(i).collect();
-            let ratio = |j: usize| {
-                strand[j].position.distance(strand[j + 1].position) / rest[j].distance(rest[j + 1])
-            };
-            (0..n - 1).map(ratio).collect::<Vec<_>>()
-        })
-        .fold(0.0, f32::max);
+    let alone = drawn(&mut hair, head, AvoidMode::PenetratingOnly);
+    let rest: Vec<_> = character.rest().collect();
+    let ratio = |j: usize| alone[j].position.distance(alone[j + 1].position) / rest[j].distance(rest[j + 1]);
+    let longest = (0..alone.len()).filter(|j| (j + 1) % n > 0).map(ratio).fold(0.0, f32::max);
     assert!(longest > 1.01, "{longest}");
 }
 
 /// Returns the largest displacement per frame that strand collision alone adds to a vertex, relative to the head,
 /// meters: the change from frame to frame of the offset from its position without strand collision.
-fn largest_pop(stage: &Setup, options: AvoidOptions) -> f32 {
-    let mut hair = stage.hair(options);
+fn largest_pop(character: &Character, options: AvoidOptions) -> f32 {
+    let mut hair = character.avoiding(options);
     let mut last: Option<Vec<Vec3>> = None;
     let mut largest = 0.0f32;
     for i in 0..90 {
         // A third of the speed of the command's `turn`.
-        let head = stage.character.head(angle(TURN, i as f32 / 180.0));
-        advance(stage.context, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
-        let with = stage.drawn(&mut hair, head, AvoidMode::ChangeOver);
-        let without = stage.drawn(&mut hair, head, AvoidMode::Off);
+        let head = character.head(angle(TURN, i as f32 / 180.0));
+        advance_at(&mut hair, head, i, 60.0);
+        let with = drawn(&mut hair, head, AvoidMode::ChangeOver);
+        let without = drawn(&mut hair, head, AvoidMode::Off);
         let back = head.inverse().rotation;
         let way: Vec<Vec3> =
             with.iter().zip(&without).map(|(a, b)| back * (a.position - b.position)).collect();
@@ -172,10 +136,10 @@ fn largest_pop(stage: &Setup, options: AvoidOptions) -> f32 {
 
 #[test]
 fn strand_collision_does_not_pop() {
-    let Some(stage) = Setup::open() else { return };
-    let smooth = largest_pop(stage, AvoidOptions::default());
+    let Some(character) = character() else { return };
+    let smooth = largest_pop(&character, AvoidOptions::default());
     let sudden = AvoidOptions { fade_in: 0.0, fade_out: 0.0, speed: f32::INFINITY, ..Default::default() };
-    let sudden = largest_pop(stage, sudden);
+    let sudden = largest_pop(&character, sudden);
     println!("largest change per frame: {smooth} m, without smoothing {sudden} m");
     // The bound is 15 cm/s; swinging hair is several times faster.
     assert!(smooth < 0.15 / 60.0, "{smooth}");
@@ -184,17 +148,16 @@ fn strand_collision_does_not_pop() {
 
 #[test]
 fn jumps_and_resets_end_transitions() {
-    let Some(stage) = Setup::open() else { return };
-    let (mut hair, head) = stage.shaken(AvoidOptions::default());
-    let midway =
-        |hair: &Hair| states(stage.context, hair).iter().filter(|s| s.amount > 0.0 && s.amount < 1.0).count();
+    let Some(character) = character() else { return };
+    let (mut hair, head) = character.shaken(AvoidOptions::default());
+    let midway = |hair: &Hair| states(hair).iter().filter(|s| s.amount > 0.0 && s.amount < 1.0).count();
     assert!(midway(&hair) > 5, "{}", midway(&hair));
     let far = Pose { translation: head.translation + Vec3::X * 30.0, ..head };
-    advance(stage.context, &mut hair, far, 1.0 / 60.0);
+    advance(&mut hair, far, 1.0 / 60.0);
     assert_eq!(midway(&hair), 0);
-    let changed = states(stage.context, &hair).iter().filter(|s| s.amount == 1.0).count();
+    let changed = states(&hair).iter().filter(|s| s.amount == 1.0).count();
     assert!(changed > 20, "what is in the head leaves it at once: {changed}");
     hair.reset();
-    advance(stage.context, &mut hair, far, 1.0 / 60.0);
-    assert!(states(stage.context, &hair).iter().all(|s| s.amount == 0.0));
+    advance(&mut hair, far, 1.0 / 60.0);
+    assert!(states(&hair).iter().all(|s| s.amount == 0.0));
 }

@@ -3,12 +3,12 @@
 
 use crate::{common, moving};
 
-use moving::{Character, Keys, SHAKE, TURN, advance, angle, drawn};
+use moving::{Character, Keys, SHAKE, TURN, advance_at, angle, drawn};
 use tresses::{
-    AvoidMode, AvoidOptions, Context,
+    AvoidMode, AvoidOptions,
     glam::Vec3,
     groom::{BindOptions, BoundStrands, GuideCount, Strands, bind},
-    low_level::{StrandVertex, lod},
+    low_level::StrandVertex,
 };
 
 const MODES: [AvoidMode; 3] = [AvoidMode::Off, AvoidMode::PenetratingOnly, AvoidMode::ChangeOver];
@@ -30,20 +30,20 @@ fn penetrating(character: &Character, rest: &[f32], vertices: impl Iterator<Item
 
 /// Returns for each of [`MODES`] the largest fraction in any frame of a motion: deeper than [`DEPTH`], and below the
 /// surface at all. All modes see the same frames.
-fn worst(context: &Context, character: &Character, keys: Keys) -> [[f32; 3]; 2] {
+fn worst(character: &Character, keys: Keys) -> [[f32; 3]; 2] {
     let rest = character.rest_distances();
-    let mut hair = character.hair(context, AvoidOptions::default());
+    let mut hair = character.avoiding(AvoidOptions::default());
     let mut worst = [[0.0f32; 3]; 2];
     for i in 0..=(keys[keys.len() - 1].0 * FPS) as u32 {
         let head = character.head(angle(keys, i as f32 / FPS));
-        advance(context, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / FPS });
+        advance_at(&mut hair, head, i, FPS);
         if i % 4 != 0 {
             continue;
         }
         let back = head.inverse();
         // The buffers hold the result of `ChangeOver`, so read that mode first.
         for m in [2, 0, 1] {
-            let vertices = drawn(context, &mut hair, head, MODES[m]);
+            let vertices = drawn(&mut hair, head, MODES[m]);
             assert!(vertices.iter().all(|v| v.position.is_finite()));
             for (worst, depth) in worst.iter_mut().zip([DEPTH, 0.0]) {
                 let points = vertices.iter().map(|v: &StrandVertex| back.point(v.position));
@@ -58,9 +58,9 @@ const MOTIONS: [(&str, Keys); 2] = [("turn", TURN), ("shake", SHAKE)];
 
 /// Prints and checks one groom. `least` is the fraction that the worst frame must reach without strand collision;
 /// otherwise the test shows nothing.
-fn check(name: &str, context: &Context, character: &Character, motions: &[(&str, Keys)], least: f32) {
+fn check(name: &str, character: &Character, motions: &[(&str, Keys)], least: f32) {
     for (motion, keys) in motions {
-        let [deep, any] = worst(context, character, keys);
+        let [deep, any] = worst(character, keys);
         let percent = |f: [f32; 3]| f.map(|f| format!("{:.3} %", 100.0 * f)).join(", ");
         println!("{name}, {motion}: deeper than 0.5 mm {}; at all {}", percent(deep), percent(any));
         assert!(deep[2] <= 0.001, "{name}, {motion}: {} with the method", deep[2]);
@@ -69,26 +69,22 @@ fn check(name: &str, context: &Context, character: &Character, motions: &[(&str,
     }
 }
 
-fn style(name: &str) -> Character {
-    let built = common::character(name, 1200).expect("there is a GPU");
-    let mut groom = built.groom.clone();
-    lod::arrange(&mut groom.strands);
-    Character { groom, field: built.field.clone(), neck: built.neck }
-}
-
 #[test]
 fn penetrating_vertices_stay_below_a_thousandth() {
-    let Some(context) = common::context() else { return };
-    check("long", context, &style("long"), &[("shake", SHAKE)], 0.005);
+    if common::context().is_some() {
+        check("long", &Character::built_in("long", 1200), &[("shake", SHAKE)], 0.005);
+    }
 }
 
 /// Prints the table of docs/validation/motion.md.
 #[test]
 #[ignore = "proof"]
 fn penetrating_vertices_stay_below_a_thousandth_in_all_styles() {
-    let Some(context) = common::context() else { return };
+    if common::context().is_none() {
+        return;
+    }
     for (name, least) in [("long", 0.005), ("bob", 0.002), ("curly", 0.005), ("short", 0.0)] {
-        check(name, context, &style(name), &MOTIONS, least);
+        check(name, &Character::built_in(name, 1200), &MOTIONS, least);
     }
 }
 
@@ -97,10 +93,10 @@ fn counter_detects_a_strand_in_the_head() {
     if common::context().is_none() {
         return;
     }
-    let character = style("short");
+    let character = Character::built_in("short", 1200);
     let rest = character.rest_distances();
     let strands = &character.groom.strands;
-    let mut points: Vec<Vec3> = (0..strands.len()).flat_map(|i| strands.rest_positions(i)).collect();
+    let mut points: Vec<Vec3> = character.rest().collect();
     assert_eq!(penetrating(&character, &rest, points.iter().copied(), 1e-6), 0.0);
     for p in &mut points[..strands.vertex_count as usize] {
         *p -= character.field.normal(*p) * (character.field.sample(*p) + 3e-3);
@@ -112,30 +108,21 @@ fn counter_detects_a_strand_in_the_head() {
 #[test]
 #[ignore = "proof"]
 fn penetrating_vertices_stay_below_a_thousandth_in_a_real_groom() {
-    let Some(context) = common::context() else { return };
-    let Some((strands, _, field)) = common::sintel() else { return };
+    let Some((strands, _, field)) = common::sintel().filter(|_| common::context().is_some()) else { return };
     let crown = strands.iter().map(|strand| strand[0]).reduce(|a, b| if a.y > b.y { a } else { b }).unwrap();
     // As far below the crown as in the built-in head.
     let neck = Vec3::new(0.0, crown.y - 0.165, -0.012);
     // First one guide per strand, then fewer. A fourth of the strands is enough.
     let mut few = Strands::default();
     (0..strands.len()).step_by(16).for_each(|i| few.push(strands.strand(i)));
-    let mut own = bind(&few, &BindOptions { guides: GuideCount::All, ..Default::default() }).unwrap();
-    lod::arrange(&mut own.strands);
-    check(
-        "Sintel, all guides",
-        context,
-        &Character { groom: own, field: field.clone(), neck },
-        &MOTIONS,
-        0.0,
-    );
+    let own = bind(&few, &BindOptions { guides: GuideCount::All, ..Default::default() }).unwrap();
+    check("Sintel, all guides", &Character::new(own, field.clone(), neck), &MOTIONS, 0.0);
     for (share, least) in [(16, 0.0), (64, 0.0005)] {
         let guides = GuideCount::OneIn(share);
         let mut groom = bind(strands, &BindOptions { guides, ..Default::default() }).unwrap();
         thin(&mut groom.strands, 4);
-        lod::arrange(&mut groom.strands);
-        let character = Character { groom, field: field.clone(), neck };
-        check(&format!("Sintel, one guide in {share}"), context, &character, &MOTIONS, least);
+        let character = Character::new(groom, field.clone(), neck);
+        check(&format!("Sintel, one guide in {share}"), &character, &MOTIONS, least);
     }
 }
 

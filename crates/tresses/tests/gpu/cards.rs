@@ -35,12 +35,6 @@ fn made(context: &Context, parts: &CharacterParts) -> Character {
     character
 }
 
-fn advance(context: &Context, character: &mut Character, dt: f32) {
-    let mut encoder = context.device().create_command_encoder(&Default::default());
-    context.frame(&mut encoder).advance(&mut [character], dt).unwrap();
-    context.queue().submit([encoder.finish()]);
-}
-
 const SIZE: [u32; 2] = [128, 128];
 
 fn camera(distance: f32) -> Camera {
@@ -54,12 +48,7 @@ fn drawn(context: &Context, character: &Character, renderer: Renderer) -> Vec<[u
     let mut view = View::new(context, &options, SIZE, 1).unwrap();
     let picture =
         Picture { camera: camera(1.4), background: Background::transparent(), ..Picture::default() };
-    let output = view.targets().picture().clone();
-    let mut encoder = context.device().create_command_encoder(&Default::default());
-    context.frame(&mut encoder).draw(&mut view, &[character], &picture, &output).unwrap();
-    context.queue().submit([encoder.finish()]);
-    let bytes = pollster::block_on(view.targets().read()).unwrap();
-    bytes.as_chunks::<4>().0.to_vec()
+    common::draw_characters(&mut view, &[character], &picture).as_chunks::<4>().0.to_vec()
 }
 
 /// Mean of `of` over the pixels.
@@ -83,7 +72,7 @@ fn cards_look_like_the_strands_that_they_replace() {
     });
     let [mut strands, mut cards] = [strands, cards].map(|parts| made(context, &parts));
     for character in [&mut strands, &mut cards] {
-        advance(context, character, 0.0);
+        common::advance_characters(&mut [character], 0.0);
     }
     let light = |p: &[u8; 4]| (f32::from(p[0]) + f32::from(p[1]) + f32::from(p[2])) / 3.0;
     for renderer in [Renderer::tiles(4), Renderer::masks(4)] {
@@ -110,14 +99,14 @@ fn cards_swing_with_the_guides_and_instances_share_them() {
     };
     let mut all = [strands, cards];
     for character in all.iter_mut().chain([&mut moved]) {
-        advance(context, character, 0.0);
+        common::advance_characters(&mut [character], 0.0);
     }
     assert!(all[1].hair().set.triangles() < all[0].hair().set.triangles() / 10);
     let rest = all.each_ref().map(|character| drawn(context, character, Renderer::tiles(4)));
     for step in 1..6 {
         for character in all.iter_mut().chain([&mut moved]) {
             character.gesture = nod(9.0 * step as f32);
-            advance(context, character, 1.0 / 60.0);
+            common::advance_characters(&mut [character], 1.0 / 60.0);
         }
     }
     let [strands, cards] = all.each_ref().map(|character| drawn(context, character, Renderer::tiles(4)));

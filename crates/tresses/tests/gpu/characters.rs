@@ -1,6 +1,6 @@
 //! The high-level `Character`, as hosts use it.
 
-use crate::common;
+use crate::common::{self, advance_characters};
 use std::sync::OnceLock;
 use tresses::{
     Body, Budget, Camera, Character, CharacterAsset, CharacterOptions, CharacterParts, CharacterSource,
@@ -36,23 +36,12 @@ fn bearded_with(context: &Context, hair: HairOptions) -> Character {
     character
 }
 
-fn advance(context: &Context, characters: &mut [&mut Character], dt: f32) {
-    let mut encoder = context.device().create_command_encoder(&Default::default());
-    context.frame(&mut encoder).advance(characters, dt).unwrap();
-    context.queue().submit([encoder.finish()]);
-}
-
 /// Renders `characters` with a camera in front of the origin.
 fn seen(context: &Context, characters: &[&Character]) -> Vec<u8> {
     let size = [96, 96];
     let mut view = View::new(context, &common::coarse(), size, 1).unwrap();
     let camera = Camera::look_at(Vec3::new(0.0, 0.05, 1.2), Vec3::new(0.0, 0.05, 0.0), 0.5, size);
-    let picture = Picture { camera, ..Picture::default() };
-    let output = view.targets().picture().clone();
-    let mut encoder = context.device().create_command_encoder(&Default::default());
-    context.frame(&mut encoder).draw(&mut view, characters, &picture, &output).unwrap();
-    context.queue().submit([encoder.finish()]);
-    pollster::block_on(view.targets().read()).unwrap()
+    common::draw_characters(&mut view, characters, &Picture { camera, ..Picture::default() })
 }
 
 /// Reads the drawn vertices of every groom.
@@ -72,7 +61,7 @@ fn instance_moves_and_looks_like_a_separate_character() {
     let mut first = bearded(context);
     let mut moved = first.instance().unwrap();
     moved.gesture = nod(20.0);
-    advance(context, &mut [&mut moved], 0.2);
+    advance_characters(&mut [&mut moved], 0.2);
     // Instances of a character at rest and of one that is already posed.
     let (mut second, mut third) = (first.instance().unwrap(), moved.instance().unwrap());
     third.reset();
@@ -81,7 +70,7 @@ fn instance_moves_and_looks_like_a_separate_character() {
         for character in [&mut first, &mut second, &mut third] {
             character.gesture.clone_from(&gesture);
         }
-        advance(context, &mut [&mut first, &mut second, &mut third], 1.0 / 60.0);
+        advance_characters(&mut [&mut first, &mut second, &mut third], 1.0 / 60.0);
     }
     for other in [&second, &third] {
         assert!(vertices(&first) == vertices(other));
@@ -96,7 +85,7 @@ fn instances_deform_and_move_independently() {
     let mut second = first.instance().unwrap();
     second.gesture = nod(25.0);
     for _ in 0..4 {
-        advance(context, &mut [&mut first, &mut second], 1.0 / 60.0);
+        advance_characters(&mut [&mut first, &mut second], 1.0 / 60.0);
     }
     let body = |character: &Character| -> Vec<u32> {
         readback::buffer(context, character.body().map(Body::vertices).unwrap()).unwrap()
@@ -153,16 +142,13 @@ fn crowd_keeps_its_budget_and_has_a_zone_per_head() {
     assert_eq!(strands(u64::MAX, &far).1, 3, "faces of small heads are left out");
     assert!(strands(1, &near).0 < strands(u64::MAX, &near).0);
     let mut all: Vec<_> = crowd.iter_mut().collect();
-    advance(context, &mut all, 0.0);
+    advance_characters(&mut all, 0.0);
     let size = [64, 64];
     let mut view = View::new(context, &common::coarse(), size, 1).unwrap();
     let picture = Picture { camera: far[0], ..Picture::default() };
-    let output = view.targets().picture().clone();
     let mut draw = |count: usize| {
         let all: Vec<_> = crowd.iter().take(count).collect();
-        let mut encoder = context.device().create_command_encoder(&Default::default());
-        context.frame(&mut encoder).draw(&mut view, &all, &picture, &output).unwrap();
-        context.queue().submit([encoder.finish()]);
+        common::draw_characters(&mut view, &all, &picture);
         view.zone_bytes()
     };
     let [three, two] = [draw(3), draw(2)];
@@ -181,18 +167,18 @@ fn obstacles_push_hair_and_can_be_removed() {
     };
     second.set_obstacles(&[ball]).unwrap();
     for _ in 0..3 {
-        advance(context, &mut [&mut first, &mut second], 1.0 / 60.0);
+        advance_characters(&mut [&mut first, &mut second], 1.0 / 60.0);
     }
     assert!(vertices(&first)[0] != vertices(&second)[0], "the ball is in the hair");
     assert_eq!(second.drawn_obstacles().len(), 1);
     second.set_obstacles(&[]).unwrap();
     assert!(second.place_obstacles(&[Pose::IDENTITY]).is_err(), "it was made with none");
-    advance(context, &mut [&mut second], 1.0 / 60.0);
+    advance_characters(&mut [&mut second], 1.0 / 60.0);
     assert!(second.drawn_obstacles().is_empty());
     let field = Shape::Field(tresses::collide::FieldId(77));
     let unknown = Obstacle { collider: Collider::new(field), ..ball };
     assert!(second.set_obstacles(&[unknown]).is_err());
-    advance(context, &mut [&mut second], 1.0 / 60.0);
+    advance_characters(&mut [&mut second], 1.0 / 60.0);
 }
 
 #[test]
@@ -200,7 +186,7 @@ fn teleported_hair_keeps_its_shape() {
     let Some(context) = common::context() else { return };
     let mut character = bearded(context);
     for _ in 0..3 {
-        advance(context, &mut [&mut character], 1.0 / 60.0);
+        advance_characters(&mut [&mut character], 1.0 / 60.0);
     }
     let guides = |character: &Character| -> Vec<[f32; 4]> {
         readback::buffer(context, &character.hair().guides.current).unwrap()
@@ -210,13 +196,13 @@ fn teleported_hair_keeps_its_shape() {
     let moved = |teleports: bool| {
         let mut character = character.instance().unwrap();
         for _ in 0..3 {
-            advance(context, &mut [&mut character], 1.0 / 60.0);
+            advance_characters(&mut [&mut character], 1.0 / 60.0);
         }
         character.set_pose(far);
         if teleports {
             character.teleport();
         }
-        advance(context, &mut [&mut character], 1.0 / 60.0);
+        advance_characters(&mut [&mut character], 1.0 / 60.0);
         let place = character.hair().place();
         let head = character.head().inverse();
         let shape = guides(&character);
@@ -236,7 +222,7 @@ fn replaced_groom_keeps_time_material_and_gesture() {
     let mut character = bearded(context);
     character.gesture = nod(15.0);
     character.rig_mut().unwrap().set_shape("smile", 0.5).ok();
-    advance(context, &mut [&mut character], 0.5);
+    advance_characters(&mut [&mut character], 0.5);
     let (time, material) = (character.time(), character.hair().set.material);
     let source =
         pollster::block_on(CharacterSource::built_in(context, &"bob".parse().unwrap(), &())).unwrap();
@@ -249,5 +235,5 @@ fn replaced_groom_keeps_time_material_and_gesture() {
     assert_eq!((character.time(), character.hair().set.material), (time, material));
     assert_eq!((character.gesture.clone(), character.hair().strands.count), (nod(15.0), 200));
     assert!(character.animate("Walk", 0.0).unwrap_err().to_string().contains("Walk"));
-    advance(context, &mut [&mut character], 1.0 / 60.0);
+    advance_characters(&mut [&mut character], 1.0 / 60.0);
 }

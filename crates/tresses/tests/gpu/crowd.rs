@@ -5,13 +5,13 @@ use crate::{
     golden::difference,
 };
 use tresses::{
-    Body, Budget, Camera, Context, HairOptions, LodOptions, Picture, Pose, View, ViewOptions,
+    Background, Body, Budget, Camera, Context, HairOptions, LodOptions, Picture, Pose, ToneMap, View,
+    ViewOptions,
+    drape::DrapedCharacter,
     glam::{Quat, Vec3},
     groom::{BindOptions, Groom, GuideCount, bind},
-    light::{HairMaterial, Sphere},
-    low_level::{
-        Costs, Detail, Drawing, Hair, StrandVertex, ViewBytes, Zone, readback::blocking as readback,
-    },
+    light::{HairMaterial, Lights, Sphere},
+    low_level::{Costs, Detail, Hair, StrandVertex, ViewBytes, Zone},
     renderer::Renderer,
 };
 
@@ -33,8 +33,8 @@ fn hair(context: &Context, groom: &Groom) -> Hair {
 }
 
 /// Reads the drawn vertices.
-fn vertices(context: &Context, hair: &Hair) -> Vec<StrandVertex> {
-    let mut all: Vec<StrandVertex> = readback::buffer(context, &hair.strands.vertices).unwrap();
+fn vertices(hair: &Hair) -> Vec<StrandVertex> {
+    let mut all = common::vertices(hair);
     let drawn = hair.strands.drawn;
     all.truncate((drawn.count * drawn.vertex_count) as usize);
     all
@@ -72,10 +72,10 @@ fn sharing_heads_are_bit_identical_to_separate_heads() {
         });
         submit(|recorder| recorder.advance(&mut first_alone, &frame(turning(i, 0), dt)));
         submit(|recorder| recorder.advance(&mut alone, &frame(turning(i, 20), dt)));
-        assert!(vertices(context, &first) == vertices(context, &first_alone), "the first, frame {i}");
-        assert!(vertices(context, &sharing) == vertices(context, &alone), "the second, frame {i}");
+        assert!(vertices(&first) == vertices(&first_alone), "the first, frame {i}");
+        assert!(vertices(&sharing) == vertices(&alone), "the second, frame {i}");
     }
-    assert!(vertices(context, &first) != vertices(context, &sharing), "they move on their own");
+    assert!(vertices(&first) != vertices(&sharing), "they move on their own");
     // At least half of the memory is shared, and it exists once.
     assert_eq!(first.bytes() - first.own_bytes(), first.shared_bytes());
     assert!(sharing.own_bytes() * 2 < sharing.bytes(), "{} {}", sharing.own_bytes(), sharing.bytes());
@@ -97,12 +97,6 @@ fn distant_heads_use_little_memory() {
     let (near, away) = (own(0.0), own(2e-2));
     assert!(3 * away < near, "{away} {near}");
     assert_eq!(own(0.0), near, "room comes back");
-}
-
-/// Renders `hair` and `bodies`.
-fn picture(view: &View, hair: &[&Hair], bodies: &[&Body], scene: &Picture) -> Vec<u8> {
-    submit(|recorder| recorder.draw(hair, bodies, view, Drawing::new(scene)));
-    pollster::block_on(view.targets().read()).unwrap()
 }
 
 #[test]
@@ -137,28 +131,28 @@ fn zone_light_equals_view_light() {
             pose: Pose::IDENTITY,
             every: 1,
         };
-        let alone = picture(&view, &[&first], &[&body], &scene);
+        let alone = common::drawn(&view, &scene, &[&first], &[&body]);
         view.set_zones(&[zone(focus, 0)]);
-        let zoned = picture(&view, &[&first], &[&body], &scene);
+        let zoned = common::drawn(&view, &scene, &[&first], &[&body]);
         assert!(alone == zoned, "{renderer:?}: {:?}", difference(&alone, &zoned));
         // The other head, outside the image, is in another zone and casts no shadow here. Without zones it would be in
         // the same grid.
         let there = Sphere { center: aside.translation, ..focus };
         view.set_zones(&[zone(there, 1), zone(focus, 0)]);
-        let both = picture(&view, &[&first, &second], &[&body, &other], &scene);
+        let both = common::drawn(&view, &scene, &[&first, &second], &[&body, &other]);
         let (mean, high) = difference(&alone, &both);
         assert!(mean < 0.05 && high <= 1, "{renderer:?}: {mean} {high}");
         // A zone around another place gives different light.
         view.set_zones(&[zone(there, 0)]);
-        let wrong = picture(&view, &[&first], &[&body], &scene);
+        let wrong = common::drawn(&view, &scene, &[&first], &[&body]);
         assert!(difference(&alone, &wrong).0 > 0.5, "{renderer:?}");
         // Grooms and bodies in no zone are lit by the view's own maps.
         view.set_zones(&[zone(there, 1)]);
-        let rest = picture(&view, &[&first, &second], &[&body, &other], &scene);
+        let rest = common::drawn(&view, &scene, &[&first, &second], &[&body, &other]);
         let (mean, high) = difference(&alone, &rest);
         assert!(mean < 0.05 && high <= 1, "{renderer:?}: {mean} {high}");
         view.set_zones(&[]);
-        assert!(picture(&view, &[&first], &[&body], &scene) == alone);
+        assert!(common::drawn(&view, &scene, &[&first], &[&body]) == alone);
     }
 }
 
@@ -175,7 +169,7 @@ fn unsimulated_guides_follow_the_others() {
             let s = (std::f32::consts::PI * (i as f32 / 36.0).min(1.0)).sin();
             let pose = Pose { rotation: Quat::from_rotation_y(0.8 * s * s), ..Pose::IDENTITY };
             submit(|recorder| recorder.advance(&mut hair, &frame(pose, 1.0 / 60.0)));
-            (vertices(context, &hair), hair.simulated_guides())
+            (vertices(&hair), hair.simulated_guides())
         });
         frames.unzip()
     };
@@ -255,7 +249,7 @@ fn hair_at_rest_sleeps_and_wakes() {
     assert!((110..140).contains(&slept), "{slept}");
     assert_eq!(dispatches(&mut sleeper, pose(140)), 0, "nothing is done for it");
     assert!(dispatches(&mut waking, pose(140)) > 0 && worked > 0);
-    let off = mean_distance(&vertices(context, &sleeper), &vertices(context, &waking));
+    let off = mean_distance(&vertices(&sleeper), &vertices(&waking));
     assert!(off < 1e-5, "{off}");
     // Hair wakes with the head, and moves like hair that was awake.
     let nudge = |i: u32| turning(30 + i, 0);
@@ -263,7 +257,7 @@ fn hair_at_rest_sleeps_and_wakes() {
     for i in 1..20 {
         assert!(dispatches(&mut sleeper, nudge(i)) > 0 && !sleeper.is_asleep());
         dispatches(&mut waking, nudge(i));
-        worst = worst.max(mean_distance(&vertices(context, &sleeper), &vertices(context, &waking)));
+        worst = worst.max(mean_distance(&vertices(&sleeper), &vertices(&waking)));
     }
     println!("{worst}");
     assert!(worst < 2e-4, "{worst}");
@@ -287,7 +281,7 @@ fn unseen_hair_pauses_and_resumes_with_its_head() {
     }
     let relative = |hair: &Hair, pose: &Pose| -> Vec<StrandVertex> {
         let back = pose.inverse();
-        let mut all = vertices(context, hair);
+        let mut all = vertices(hair);
         all.iter_mut().for_each(|vertex| vertex.position = back.point(vertex.position));
         all
     };
@@ -380,6 +374,33 @@ fn levels_of_detail_keep_the_budget() {
     assert_eq!(free.bias, 0.0, "what is allowed is used again");
 }
 
+/// Returns a scene of the hair in `focus` from `away` meters: an image 720 pixels high with a field of view of 30
+/// degrees, cropped to the head, without tone mapping. The eye is `rise` above the center per meter.
+fn far_scene(focus: Sphere, away: f32, azimuth: f32, rise: f32, lights: Lights) -> Picture {
+    let height = (2.0 * focus.radius / (away * 0.000_744_3)).ceil().max(8.0) as u32;
+    let eye = Quat::from_rotation_y(azimuth) * Vec3::new(0.0, rise, 1.0).normalize() * away;
+    let fov = height as f32 * 0.000_744_3;
+    Picture {
+        camera: Camera::look_at(focus.center + eye, focus.center, fov, [height; 2]),
+        focus,
+        lights,
+        background: Background::transparent(),
+        tone: ToneMap { exposure: 1.0, shoulder: 1.0, desaturation: 0.0 },
+        ..Default::default()
+    }
+}
+
+/// Returns a sphere around a built-in character's hair.
+fn focus_of(character: &DrapedCharacter) -> Sphere {
+    let (lo, hi) = character.groom.bounds().unwrap();
+    Sphere { center: 0.5 * (lo + hi), radius: 0.62 * lo.distance(hi) }
+}
+
+/// Returns the linear value of a byte.
+fn linear(byte: u8) -> f64 {
+    f64::from(tresses::groom::srgb::linear(f32::from(byte) / 255.0))
+}
+
 /// Mean luminance of a head in zones with this many texels and cells, relative to the maps and cells of a portrait.
 /// Prints the figures of docs/validation/levels.md and checks that the sizes that `Zone::seen` chooses suffice.
 #[test]
@@ -391,34 +412,21 @@ fn zones_are_as_bright_as_finer_maps() {
     let field = Some(&made.field);
     let mut hair = common::hair(context, &made.groom, &options, field).unwrap();
     let body = Body::new(context, &made.mesh);
-    let (lo, hi) = made.groom.bounds().unwrap();
-    let focus = Sphere { center: 0.5 * (lo + hi), radius: 0.62 * lo.distance(hi) };
-    let linear = |byte: u8| tresses::groom::srgb::linear(f32::from(byte) / 255.0);
+    let focus = focus_of(&made);
     println!("| distance | texels | cells | luminance |");
     for away in [2.0f32, 4.0, 8.0, 16.0, 40.0] {
         let mut sums = [[0f64; 3]; 7];
         for azimuth in [0.3f32, 1.9, 3.5, 5.1] {
-            // An image 720 pixels high with a field of view of 30 degrees, cropped to the head.
-            let height = (2.0 * focus.radius / (away * 0.000_744_3)).ceil().max(8.0) as u32;
-            let eye =
-                focus.center + Quat::from_rotation_y(azimuth) * Vec3::new(0.0, 0.1, 1.0).normalize() * away;
-            let camera = Camera::look_at(eye, focus.center, height as f32 * 0.000_744_3, [height; 2]);
-            let scene = Picture {
-                camera,
-                focus,
-                lights: tresses::light::Lights::around(azimuth),
-                background: tresses::Background::transparent(),
-                tone: tresses::ToneMap { exposure: 1.0, shoulder: 1.0, desaturation: 0.0 },
-                ..Default::default()
-            };
+            let scene = far_scene(focus, away, azimuth, 0.1, Lights::around(azimuth));
+            let camera = scene.camera;
             hair.look_from(&camera, &Pose::IDENTITY);
             submit(|recorder| recorder.advance(&mut hair, &frame(Pose::IDENTITY, 0.0)));
             let options = ViewOptions { renderer: Renderer::tiles(4), ..Default::default() };
-            let mut view = View::new(context, &options, [height; 2], 1).unwrap();
+            let mut view = View::new(context, &options, camera.size, 1).unwrap();
             let mean = |view: &View| -> f64 {
-                let seen = picture(view, &[&hair], &[&body], &scene);
+                let seen = common::drawn(view, &scene, &[&hair], &[&body]);
                 let pixels = seen.as_chunks::<4>().0.iter();
-                pixels.map(|[r, g, b, _]| f64::from(linear(*r) + linear(*g) + linear(*b))).sum()
+                pixels.map(|[r, g, b, _]| linear(*r) + linear(*g) + linear(*b)).sum()
             };
             let whole = mean(&view);
             let own = Zone::seen(focus, &camera, 0.0, vec![0], vec![0]);
@@ -448,9 +456,7 @@ fn distant_heads_do_not_flicker() {
     let options = HairOptions { lod: LodOptions::CROWD, ..Default::default() };
     let first = common::hair(context, &made.groom, &options, Some(&made.field)).unwrap();
     let mut body = Body::new(context, &made.mesh);
-    let (lo, hi) = made.groom.bounds().unwrap();
-    let focus = Sphere { center: 0.5 * (lo + hi), radius: 0.62 * lo.distance(hi) };
-    let linear = |byte: u8| f64::from(tresses::groom::srgb::linear(f32::from(byte) / 255.0));
+    let focus = focus_of(&made);
     let turn = |i: u32| {
         // 60 degrees to either side, once per second.
         let angle = 1.05 * (std::f32::consts::TAU * i as f32 / 60.0).sin();
@@ -458,20 +464,10 @@ fn distant_heads_do_not_flicker() {
     };
     let mut run = |away: f32, azimuth: f32, every: Option<u32>| -> Vec<f64> {
         let mut hair = Hair::new(first.asset()).unwrap();
-        let height = (2.0 * focus.radius / (away * 0.000_744_3)).ceil() as u32;
-        let eye =
-            focus.center + Quat::from_rotation_y(azimuth) * Vec3::new(0.0, 0.02, 1.0).normalize() * away;
-        let camera = Camera::look_at(eye, focus.center, height as f32 * 0.000_744_3, [height; 2]);
-        let scene = Picture {
-            camera,
-            focus,
-            lights: tresses::light::Lights::around(0.0),
-            background: tresses::Background::transparent(),
-            tone: tresses::ToneMap { exposure: 1.0, shoulder: 1.0, desaturation: 0.0 },
-            ..Default::default()
-        };
+        let scene = far_scene(focus, away, azimuth, 0.02, Lights::around(0.0));
+        let camera = scene.camera;
         let options = ViewOptions { renderer: Renderer::tiles(4), ..Default::default() };
-        let mut view = View::new(context, &options, [height; 2], 1).unwrap();
+        let mut view = View::new(context, &options, camera.size, 1).unwrap();
         let frames = (0..48u32).map(|i| {
             hair.look_from(&camera, &turn(i));
             let dt = if i == 0 { 0.0 } else { 1.0 / 60.0 };
@@ -484,7 +480,7 @@ fn distant_heads_do_not_flicker() {
                 None => zone.pose = turn(i),
             }
             view.set_zones(&[zone]);
-            let seen = picture(&view, &[&hair], &[&body], &scene);
+            let seen = common::drawn(&view, &scene, &[&hair], &[&body]);
             let pixels = seen.as_chunks::<4>().0.iter();
             let light =
                 pixels.map(|[r, g, b, _]| 0.2126 * linear(*r) + 0.7152 * linear(*g) + 0.0722 * linear(*b));

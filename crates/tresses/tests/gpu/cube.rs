@@ -29,14 +29,10 @@ fn direction(face: usize, x: f32, y: f32) -> Vec3 {
 fn map(context: &Context, size: u32, levels: bool, light: impl Fn(Vec3) -> Vec3) -> wgpu::TextureView {
     let count = if levels { size.ilog2() + 1 } else { 1 };
     let texture = context.device().create_texture(&wgpu::TextureDescriptor {
-        label: Some("test"),
         size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: 6 },
         mip_level_count: count,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba16Float,
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
+        ..common::TEXTURE
     });
     for face in 0..6 {
         let at = |i: usize, size: usize| (i as f32 + 0.5) / size as f32;

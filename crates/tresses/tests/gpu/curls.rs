@@ -2,7 +2,7 @@
 
 use crate::{common, moving};
 
-use moving::{Character, TURN, advance, angle, drawn};
+use moving::{Character, TURN, advance_at, angle, drawn};
 use tresses::{
     AvoidMode, AvoidOptions, drape,
     glam::Vec3,
@@ -51,8 +51,8 @@ fn curls_keep_their_shape_while_the_head_turns() {
     let curls = Curls { wavelength: 0.045, ..Curls::ringlets() };
     let growth = Growth::for_style(&style).with_strands(STRANDS).with_curls(curls);
     let built = pollster::block_on(drape::character_with(context, &style, &growth, &())).unwrap();
-    let character = Character { groom: built.groom, field: built.field, neck: built.neck };
-    let mut hair = character.hair(context, AvoidOptions::default());
+    let character = Character::new(built.groom, built.field, built.neck);
+    let mut hair = character.avoiding(AvoidOptions::default());
     let n = character.groom.strands.vertex_count as usize;
     // Vertices per turn of a strand of usual length.
     let turn = (0.045 / 0.28 * (n - 1) as f32) as usize;
@@ -60,11 +60,11 @@ fn curls_keep_their_shape_while_the_head_turns() {
     let mut worst = [[1.0f32; 3]; 2];
     for i in 0..=56u32 {
         let head = character.head(angle(TURN, i as f32 / 24.0));
-        advance(context, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 24.0 });
+        advance_at(&mut hair, head, i, 24.0);
         if i % 7 != 0 {
             continue;
         }
-        let vertices = drawn(context, &mut hair, head, AvoidMode::Off);
+        let vertices = drawn(&mut hair, head, AvoidMode::Off);
         let now: Vec<[f32; 2]> = vertices
             .chunks_exact(n)
             .map(|strand| curl(&strand.iter().map(|v| v.position).collect::<Vec<_>>(), turn))

@@ -1,12 +1,12 @@
 //! Distance fields that deform with a skinned mesh: hair stays outside the skin, and moving skin drags hair along.
 
-use crate::common;
+use crate::common::{self, SkinnedHair};
 use tresses::{
-    Body, Context, Error, HairHairMode, HairOptions, Pose, SimulationParams,
+    Context, Error, HairHairMode, HairOptions, Pose, SimulationParams,
     collide::{Collider, ColliderDescriptor, ColliderPoses, FieldId, FieldSource, Shape},
     glam::{Quat, Vec3},
     groom::{BindOptions, Groom, GuideCount, Strands, TriMesh, bind, mesh::shapes},
-    low_level::{DeformTarget, DeformingField, Hair, HairFrame, Skin},
+    low_level::{DeformTarget, DeformingField, HairFrame, Skin},
 };
 
 /// Radius of the ball on which the strands lie, meters.
@@ -31,21 +31,15 @@ fn groom() -> Groom {
 }
 
 /// Hair on a ball whose field is rigid or deforms with the skin.
-struct Stage<'a> {
-    context: &'a Context,
-    hair: Hair,
-    body: Body,
-    rest: TriMesh,
+struct Stage {
+    skinned: SkinnedHair,
     physics: SimulationParams,
     /// Pose of the ball relative to the head.
     ball: Pose,
 }
 
-impl<'a> Stage<'a> {
-    fn new(context: &'a Context, deforms: bool, friction: f32) -> Self {
-        let mut rest = shapes::sphere(RADIUS, 48);
-        rest.compute_normals();
-        let body = Body::with_levels(context, &rest, &[], 4);
+impl Stage {
+    fn new(context: &Context, deforms: bool, friction: f32) -> Self {
         let mut physics = SimulationParams { friction, ..Default::default() };
         physics.hair_hair.mode = HairHairMode::Off;
         let options = HairOptions { simulation: physics, ..Default::default() };
@@ -56,33 +50,29 @@ impl<'a> Stage<'a> {
             colliders: &[Collider::new(Shape::Field(FieldId(0)))],
             ..Default::default()
         };
-        let mut hair = common::hair_among(context, &groom(), &options, &what).unwrap();
+        let hair = common::hair_among(context, &groom(), &options, &what).unwrap();
+        let mut skinned = SkinnedHair::new(context, hair, &shapes::sphere(RADIUS, 48));
         if deforms {
+            let SkinnedHair { hair, body, rest } = &mut skinned;
             let fields = [DeformingField { which: BALL, triangles: &rest.triangles }];
-            let skin = Skin::from(&body);
-            hair.colliders.deform(&rest, &skin, &fields).unwrap();
+            hair.colliders.deform(rest, &Skin::from(&*body), &fields).unwrap();
         }
-        Self { context, hair, body, rest, physics, ball: Pose::IDENTITY }
+        Self { skinned, physics, ball: Pose::IDENTITY }
     }
 
     /// Advances by a frame. `place` moves the skin's rest positions; the head and the ball's field move to `head`.
     fn advance(&mut self, head: Pose, place: impl Fn(Vec3) -> Vec3) {
-        let mut moved = self.rest.clone();
-        moved.positions.iter_mut().for_each(|p| *p = place(*p));
-        moved.compute_normals();
-        self.body.move_to(&moved);
-        if let Some(deformation) = &mut self.hair.colliders.deformation {
+        if let Some(deformation) = &mut self.skinned.hair.colliders.deformation {
             deformation.poses = vec![head.after(&self.ball)];
         }
         let colliders = ColliderPoses { head: None, colliders: vec![head.after(&self.ball)] };
-        let frame = HairFrame {
-            dt: DT,
-            head,
-            colliders: &colliders,
-            simulation: &self.physics,
-            ..Default::default()
-        };
-        common::submit(|recorder| recorder.advance(&mut self.hair, &frame));
+        let simulation = &self.physics;
+        let frame = HairFrame { dt: DT, head, colliders: &colliders, simulation, ..Default::default() };
+        self.skinned.advance(&frame, place);
+    }
+
+    fn positions(&self) -> Vec<Vec3> {
+        common::positions(&self.skinned.hair)
     }
 }
 
@@ -102,8 +92,8 @@ fn hair_stays_outside_swelling_skin() {
             let much = (i as f32 / 30.0).min(1.0);
             stage.advance(Pose::IDENTITY, |p| p + much * bump(p.normalize()) * p.normalize());
             if i % 10 == 9 {
-                let n = stage.hair.strands.vertex_count as usize;
-                let vertices = common::positions(&stage.hair);
+                let n = stage.skinned.hair.strands.vertex_count as usize;
+                let vertices = stage.positions();
                 // Skip strands that are rooted in the bump, because they start below it.
                 let free = vertices.chunks(n).filter(|strand| bump(strand[0].normalize()) == 0.0);
                 for p in free.flat_map(|strand| &strand[2..]) {
@@ -132,7 +122,7 @@ fn rotating_skin_drags_hair_like_a_rotating_collider() {
             stage.ball = Pose { rotation: ball, ..Pose::IDENTITY };
             stage.advance(Pose::IDENTITY, |p| skin * p);
         }
-        common::positions(&stage.hair)
+        stage.positions()
     };
     let (still, rigid, skinned) = (moved(false, false), moved(true, true), moved(false, true));
     let mean = |other: &[Vec3]| {
@@ -160,7 +150,7 @@ fn still_skin_changes_nothing() {
         let head = Pose { rotation, translation: Vec3::new(0.1 * (4.0 * t).sin(), 0.0, 0.0) };
         rigid.advance(head, |p| p);
         skinned.advance(head, |p| head.point(p));
-        most = most.max(common::apart(&common::positions(&rigid.hair), &common::positions(&skinned.hair)));
+        most = most.max(common::apart(&rigid.positions(), &skinned.positions()));
     }
     println!("{most:.1e} m");
     assert!(most < 1e-4);
@@ -169,38 +159,29 @@ fn still_skin_changes_nothing() {
 #[test]
 fn invalid_deforming_fields_are_errors() {
     let Some(context) = common::context() else { return };
-    let mut stage = Stage::new(context, true, 0.2);
-    let skin = Skin::from(&stage.body);
+    let SkinnedHair { mut hair, body, rest } = Stage::new(context, true, 0.2).skinned;
+    let (skin, all) = (Skin::from(&body), &rest.triangles);
     let mut deform = |which, triangles: &[[u32; 3]], mesh: &TriMesh| {
         let fields = [DeformingField { which, triangles }];
-        let done = stage.hair.colliders.deform(mesh, &skin, &fields);
+        let done = hair.colliders.deform(mesh, &skin, &fields);
         done.map_err(|error: Error| error.to_string())
     };
-    let (rest, all) = (stage.rest.clone(), stage.rest.triangles.clone());
-    assert!(deform(DeformTarget::Field(FieldId(3)), &all, &rest).unwrap_err().contains("no field"));
-    assert!(deform(DeformTarget::Head, &all, &rest).unwrap_err().contains("no field"));
+    assert!(deform(DeformTarget::Field(FieldId(3)), all, &rest).unwrap_err().contains("no field"));
+    assert!(deform(DeformTarget::Head, all, &rest).unwrap_err().contains("no field"));
     assert!(deform(BALL, &[], &rest).unwrap_err().contains("triangles"));
     assert!(deform(BALL, &[[0, 1, 1 << 30]], &rest).unwrap_err().contains("triangles"));
     let large = shapes::sphere(RADIUS, 96);
     assert!(deform(BALL, &large.triangles, &large).unwrap_err().contains("too small"));
     // A failed call changes nothing. An empty list removes the deformation.
-    assert!(stage.hair.colliders.deformation.is_some());
-    stage.hair.colliders.deform(&rest, &skin, &[]).unwrap();
-    assert!(stage.hair.colliders.deformation.is_none());
-    assert!(deform_is_refused(&mut stage));
-}
-
-/// Whether a frame is rejected if it has another number of poses than of fields.
-fn deform_is_refused(stage: &mut Stage<'_>) -> bool {
-    let context = stage.context;
-    let device = context.device();
-    let fields = [DeformingField { which: BALL, triangles: &stage.rest.triangles }];
-    let skin = Skin::from(&stage.body);
-    stage.hair.colliders.deform(&stage.rest, &skin, &fields).unwrap();
-    stage.hair.colliders.deformation.as_mut().unwrap().poses.clear();
+    assert!(hair.colliders.deformation.is_some());
+    hair.colliders.deform(&rest, &skin, &[]).unwrap();
+    assert!(hair.colliders.deformation.is_none());
+    // A frame has as many poses as fields.
+    let fields = [DeformingField { which: BALL, triangles: all }];
+    hair.colliders.deform(&rest, &skin, &fields).unwrap();
+    hair.colliders.deformation.as_mut().unwrap().poses.clear();
     let colliders = ColliderPoses { head: None, colliders: vec![Pose::IDENTITY] };
-    let frame = HairFrame { dt: DT, colliders: &colliders, simulation: &stage.physics, ..Default::default() };
-    let mut encoder = device.create_command_encoder(&Default::default());
-    let mut recorder = context.recorder(&mut encoder);
-    recorder.advance(&mut stage.hair, &frame).unwrap_err().to_string().contains("poses")
+    let frame = HairFrame { dt: DT, colliders: &colliders, ..Default::default() };
+    let refused = common::try_submit(|recorder| recorder.advance(&mut hair, &frame)).unwrap_err();
+    assert!(refused.to_string().contains("poses"));
 }

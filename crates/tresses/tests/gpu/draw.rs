@@ -2,34 +2,14 @@
 
 use crate::common;
 
-use common::{context, meter_is_pixel, picture};
+use common::{context, meter_is_pixel, picture, segments};
 use tresses::{
     Camera, Context, Picture, View, ViewOptions,
     glam::Vec3,
-    groom::bound::Strand,
     light::{HairMaterial, Sphere},
-    low_level::{
-        HairSet, StrandBuffers, StrandVertex, pack_tangent, readback::blocking as readback, unpack_radiance,
-    },
+    low_level::{HairSet, readback::blocking as readback, unpack_radiance},
     renderer::{ClassicOptions, Renderer, ShadingModel, ShadingRate, ShadowMethod},
 };
-
-fn upload(context: &Context, radius: f32, strands: &[[Vec3; 2]]) -> StrandBuffers {
-    let buffers = StrandBuffers::new(context, strands.len() as u32, 2).expect("fits");
-    let vertices: Vec<_> = strands
-        .iter()
-        .flat_map(|[a, b]| {
-            let tangent = pack_tangent((b - a).normalize(), 1.0);
-            [a, b].map(|position| StrandVertex { position: *position, tangent })
-        })
-        .collect();
-    let infos: Vec<_> = (0..strands.len() as u32)
-        .map(|i| Strand { radius, seed: i.wrapping_mul(0x9e37_79b9), root_color: 0, tip_color: 0 })
-        .collect();
-    context.queue().write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices));
-    context.queue().write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&infos));
-    buffers
-}
 
 /// Creates a view of `size`² pixels with this many samples and, along each axis, `ssaa` texels per pixel.
 fn view(context: &Context, size: u32, samples: u32, ssaa: u32) -> View {
@@ -64,8 +44,7 @@ fn coverage(context: &Context, width: f32, samples: u32, ssaa: u32) -> (f64, f64
         .collect();
     let view = view(context, SIZE, samples, ssaa);
     let strands_count = strands.len();
-    let buffers = upload(context, 0.5 * width, &strands);
-    let hair = HairSet::new(context, &buffers).expect("fits");
+    let hair = segments(context, &strands, 0.5 * width);
     let half = SIZE as f32 * 0.5;
     let scene = Picture {
         camera: meter_is_pixel(SIZE),
@@ -116,7 +95,7 @@ fn light_is_finite_and_linear() {
             [at, at + direction.any_orthonormal_vector() * 0.001 + direction * 0.002]
         })
         .collect();
-    let mut hair = HairSet::new(context, &upload(context, 4e-5, &strands)).expect("fits");
+    let mut hair = segments(context, &strands, 4e-5);
     let models = [ShadingModel::KajiyaKay, ShadingModel::Fiber];
     for (name, model) in HairMaterial::NAMES.iter().flat_map(|name| models.map(|model| (name, model))) {
         hair.material = HairMaterial::named(name).expect("a preset");
@@ -168,7 +147,7 @@ fn hair_shadows_hair() {
         })
     };
     let strands: Vec<_> = curtain(0.0, 0.06).chain(curtain(-0.01, 0.05)).collect();
-    let mut hair = HairSet::new(context, &upload(context, 1e-4, &strands)).expect("fits");
+    let mut hair = segments(context, &strands, 1e-4);
     let mut scene = Picture {
         camera: Camera::look_at(Vec3::new(0.0, 0.0, 0.5), Vec3::ZERO, 0.15, [64, 64]),
         focus: Sphere { center: Vec3::ZERO, radius: 0.1 },

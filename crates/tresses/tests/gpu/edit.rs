@@ -15,7 +15,7 @@ use tresses::{
         orient::{Choice, Unit},
         styles::Style,
     },
-    low_level::{Hair, HairFrame, StrandVertex, lod, readback::blocking as readback},
+    low_level::{Hair, HairFrame, lod},
 };
 
 /// Returns an editor of a built-in style with `strands` strands.
@@ -61,14 +61,13 @@ fn supported(
 }
 
 /// Draws a frame of `dt` seconds. Returns the strands in the order of their groom.
-fn drawn(context: &Context, hair: &mut Hair, groom: &Groom, head: Pose, dt: f32) -> Vec<Vec<Vec3>> {
+fn drawn(hair: &mut Hair, groom: &Groom, head: Pose, dt: f32) -> Vec<Vec<Vec3>> {
     common::advance(hair, &common::frame(head, dt));
     let n = groom.strands.vertex_count as usize;
-    let vertices: Vec<StrandVertex> = readback::buffer(context, &hair.strands.vertices).unwrap();
+    let positions = common::positions(hair);
     let mut strands = vec![Vec::new(); groom.strands.len()];
-    for (place, i) in lod::order(&groom.strands).into_iter().enumerate() {
-        strands[i as usize] =
-            vertices[place * n..(place + 1) * n].iter().map(|vertex| vertex.position).collect();
+    for (strand, i) in positions.chunks(n).zip(lod::order(&groom.strands)) {
+        strands[i as usize] = strand.to_vec();
     }
     strands
 }
@@ -91,13 +90,12 @@ fn drawn_strands_are_those_of_the_document() {
         let mut editor = editor(context, style, 3600).unwrap();
         let base = editor.document().base();
         let mut hair = hair(context, &base, AvoidMode::Off, None);
-        let before = drawn(context, &mut hair, &base, head, 1.0 / 60.0);
+        let before = drawn(&mut hair, &base, head, 1.0 / 60.0);
         for tool in [BrushTool::Comb, BrushTool::Puff] {
             let document = combed(&mut editor, tool);
             hair.pose_guides(editor.positions()).unwrap();
-            let after = drawn(context, &mut hair, &base, head, 0.0);
-            let moved =
-                after.concat().iter().zip(before.concat()).map(|(a, b)| a.distance(b)).fold(0.0, f32::max);
+            let after = drawn(&mut hair, &base, head, 0.0);
+            let moved = common::apart(&after.concat(), &before.concat());
             let off = off(&after, &document.groom(), head);
             let worst = off[off.len() - 1];
             println!(
@@ -110,7 +108,7 @@ fn drawn_strands_are_those_of_the_document() {
         // Undo is a pose as well.
         editor.go_to(editor.document().original()).unwrap();
         hair.pose_guides(editor.positions()).unwrap();
-        let off = off(&drawn(context, &mut hair, &base, head, 0.0), &base, head);
+        let off = off(&drawn(&mut hair, &base, head, 0.0), &base, head);
         assert!(off[off.len() - 1] < 1e-4, "{}", off[off.len() - 1]);
         assert!(hair.pose_guides(&[Vec3::ZERO]).is_err());
     }
@@ -124,12 +122,12 @@ fn combed_hair_keeps_its_shape() {
         let mut editor = editor(context, style, 3600).unwrap();
         let base = editor.document().base();
         let mut posed = hair(context, &base, AvoidMode::ChangeOver, Some(&editor));
-        drawn(context, &mut posed, &base, Pose::IDENTITY, 0.0);
+        drawn(&mut posed, &base, Pose::IDENTITY, 0.0);
         let groom = combed(&mut editor, BrushTool::Comb).groom();
         posed.pose_guides(editor.positions()).unwrap();
-        let shown = drawn(context, &mut posed, &base, Pose::IDENTITY, 0.0);
+        let shown = drawn(&mut posed, &base, Pose::IDENTITY, 0.0);
         let mut anew = hair(context, &groom, AvoidMode::ChangeOver, Some(&editor));
-        let settled = drawn(context, &mut anew, &groom, Pose::IDENTITY, 0.0);
+        let settled = drawn(&mut anew, &groom, Pose::IDENTITY, 0.0);
         let pairs = shown.concat().into_iter().zip(settled.concat());
         let mut jump: Vec<f32> = pairs.map(|(a, b)| a.distance(b)).collect();
         jump.sort_by(f32::total_cmp);
@@ -137,7 +135,7 @@ fn combed_hair_keeps_its_shape() {
         let most = jump[jump.len() * 95 / 100];
         let mut last = settled;
         for _ in 0..120 {
-            last = drawn(context, &mut anew, &groom, Pose::IDENTITY, 1.0 / 60.0);
+            last = drawn(&mut anew, &groom, Pose::IDENTITY, 1.0 / 60.0);
         }
         let sag = off(&last, &groom, Pose::IDENTITY);
         let sags = sag[sag.len() * 95 / 100];
@@ -162,25 +160,15 @@ fn blown_hair_keeps_its_shape() {
         let mut blown = hair(context, &base, AvoidMode::ChangeOver, Some(&editor));
         let wind = Wind::new(Vec3::new(2.5, 0.5, -1.0));
         let physics = SimulationParams { wind, ..SimulationParams::default() };
+        let frame = HairFrame { dt: 1.0 / 60.0, simulation: &physics, ..Default::default() };
         for _ in 0..90 {
-            common::advance(
-                &mut blown,
-                &HairFrame { simulation: &physics, ..common::frame(Pose::IDENTITY, 1.0 / 60.0) },
-            );
+            common::advance(&mut blown, &frame);
         }
-        let points: Vec<[f32; 4]> = readback::buffer(context, &blown.guides.current).unwrap();
-        let (count, n) = (blown.guides.count as usize, blown.guides.vertex_count as usize);
-        let place = blown.place();
-        let at = |i: usize| {
-            let [x, y, z, _] = points[i % n * count + i / n];
-            place.point(Vec3::new(x, y, z))
-        };
-        let now: Vec<Vec3> = (0..count * n).map(at).collect();
+        let now: Vec<Vec3> =
+            common::guide_lines(&blown).concat().iter().map(|p| blown.place().point(*p)).collect();
         let kept = editor.keep(&now).unwrap().expect("the hair has moved");
-        let moved =
-            kept.guides().positions().into_iter().zip(&base.guides.positions).map(|(a, b)| a.distance(*b));
-        let moved = moved.fold(0.0, f32::max);
-        let off = kept.guides().positions().iter().zip(&now).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+        let moved = common::apart(&kept.guides().positions(), &base.guides.positions);
+        let off = common::apart(&kept.guides().positions(), &now);
         assert!(moved > 0.02 && off < 4e-3, "moved {moved}, kept within {off}");
         assert!(editor.keep(kept.guides().positions().as_slice()).unwrap().is_none(), "nothing new to keep");
         let groom = kept.groom();
@@ -188,7 +176,7 @@ fn blown_hair_keeps_its_shape() {
         let mut anew = supported(context, &groom, (AvoidMode::ChangeOver, rest), Some(&editor));
         let mut last = Vec::new();
         for _ in 0..120 {
-            last = drawn(context, &mut anew, &groom, Pose::IDENTITY, 1.0 / 60.0);
+            last = drawn(&mut anew, &groom, Pose::IDENTITY, 1.0 / 60.0);
         }
         let sag = self::off(&last, &groom, Pose::IDENTITY);
         let sags = sag[sag.len() * 95 / 100];
@@ -211,9 +199,9 @@ fn every_strand_may_be_a_guide() {
     let guides: Vec<Vec<Vec3>> = (0..300).map(bent).collect();
     let after = document.with(guides.iter().map(|guide| &guide[..]).enumerate());
     let mut hair = hair(context, &groom, AvoidMode::Off, None);
-    drawn(context, &mut hair, &groom, Pose::IDENTITY, 0.0);
+    drawn(&mut hair, &groom, Pose::IDENTITY, 0.0);
     hair.pose_guides(&guides.concat()).unwrap();
-    let off = off(&drawn(context, &mut hair, &groom, Pose::IDENTITY, 0.0), &after.groom(), Pose::IDENTITY);
+    let off = off(&drawn(&mut hair, &groom, Pose::IDENTITY, 0.0), &after.groom(), Pose::IDENTITY);
     assert!(off[off.len() - 1] < 2e-5, "{}", off[off.len() - 1]);
 }
 

@@ -21,6 +21,9 @@ const SIZE: [u32; 2] = [96, 80];
 /// Distance from the eye to the center of the hair, meters.
 const DISTANCE: f32 = 0.8;
 const FOV: f32 = 0.5;
+const ASPECT: f32 = SIZE[0] as f32 / SIZE[1] as f32;
+/// Color of the scene.
+const BLUE: Vec4 = Vec4::new(0.125, 0.25, 0.5, 1.0);
 
 /// A scene of one color and one depth, and the hair that is drawn into it.
 struct Setup<'a> {
@@ -116,14 +119,11 @@ pub fn target(
     ([width, height], sample_count): ([u32; 2], u32),
 ) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("scene"),
         size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
         sample_count,
-        dimension: wgpu::TextureDimension::D2,
         format,
         usage: usage | TextureUsages::RENDER_ATTACHMENT,
-        view_formats: &[],
+        ..common::TEXTURE
     })
 }
 
@@ -239,15 +239,14 @@ pub fn difference(a: &[Vec4], b: &[Vec4]) -> f32 {
 #[test]
 fn scene_geometry_hides_hair() {
     let Some(context) = common::context() else { return };
-    let blue = Vec4::new(0.125, 0.25, 0.5, 1.0);
-    let usual = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.05, 50.0);
+    let usual = perspective(FOV, ASPECT, 0.05, 50.0);
     let masks = [(1, Renderer::masks(4)), (1, Renderer::masks(1)), (2, Renderer::masks(1))];
     let tiles = [(1, Renderer::tiles(4)), (2, Renderer::tiles(1))];
     for (ssaa, renderer) in masks.into_iter().chain(tiles) {
         let options = ViewOptions { renderer, ..common::coarse() };
         let stage = Setup::new(context, &options, ssaa);
-        let [free, halved, hidden] = [20.0, DISTANCE, 0.3].map(|at| stage.wall(blue, usual, at));
-        let [some, half, none] = [&free, &halved, &hidden].map(|picture| covered(picture, blue));
+        let [free, halved, hidden] = [20.0, DISTANCE, 0.3].map(|at| stage.wall(BLUE, usual, at));
+        let [some, half, none] = [&free, &halved, &hidden].map(|picture| covered(picture, BLUE));
         println!("{renderer:?}, {ssaa} texels: {some} pixels of hair, {half} before a wall in its middle");
         assert_eq!(none, 0, "hair shines through a wall");
         assert!(some > 800, "{some} pixels of hair");
@@ -257,11 +256,10 @@ fn scene_geometry_hides_hair() {
         }
 
         // The wall hides the same hair for either direction and any range of the depth.
-        let aspect = SIZE[0] as f32 / SIZE[1] as f32;
-        let reversed = Camera::perspective(FOV, aspect, 0.02);
-        let short = perspective(FOV, aspect, 0.2, 4.0);
+        let reversed = Camera::perspective(FOV, ASPECT, 0.02);
+        let short = perspective(FOV, ASPECT, 0.2, 4.0);
         for other in [reversed, short] {
-            let picture = stage.wall(blue, other, DISTANCE);
+            let picture = stage.wall(BLUE, other, DISTANCE);
             // Count visible differences only: tiles blend slivers of strands that samples miss.
             let seen = |(a, b): &(&Vec4, &Vec4)| (**a - **b).abs().max_element() > 0.01;
             let moved = picture.iter().zip(&halved).filter(seen).count();
@@ -270,7 +268,7 @@ fn scene_geometry_hides_hair() {
         }
         // The test fails for a projection other than the scene's.
         let z = usual.project_point3(Vec3::NEG_Z * DISTANCE).z;
-        let wrong = stage.over(blue, orthographic(-1.0, 1.0, -1.0, 1.0, 0.05, 50.0), z);
+        let wrong = stage.over(BLUE, orthographic(-1.0, 1.0, -1.0, 1.0, 0.05, 50.0), z);
         assert!(wrong.iter().zip(&halved).filter(|(a, b)| a != b).count() > some / 20);
     }
 }
@@ -278,15 +276,14 @@ fn scene_geometry_hides_hair() {
 #[test]
 fn image_may_be_a_part_of_the_scene() {
     let Some(context) = common::context() else { return };
-    let blue = Vec4::new(0.125, 0.25, 0.5, 1.0);
-    let usual = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.05, 50.0);
+    let usual = perspective(FOV, ASPECT, 0.05, 50.0);
     for (ssaa, renderer) in [(1, Renderer::masks(4)), (2, Renderer::tiles(1))] {
         let options = ViewOptions { renderer, ..common::coarse() };
         let mut stage = Setup::new(context, &options, ssaa);
-        let alone = stage.wall(blue, usual, DISTANCE);
+        let alone = stage.wall(BLUE, usual, DISTANCE);
         stage.origin = [13, 7];
         let [width, height] = [SIZE[0] + 26, SIZE[1] + 14];
-        let whole = stage.wall(blue, usual, DISTANCE);
+        let whole = stage.wall(BLUE, usual, DISTANCE);
         let part = |left: u32, top: u32| {
             let rows = (top..top + SIZE[1]).flat_map(|y| (left..left + SIZE[0]).map(move |x| [x, y]));
             rows.map(|[x, y]| whole[(y * width + x) as usize]).collect::<Vec<_>>()
@@ -294,32 +291,30 @@ fn image_may_be_a_part_of_the_scene() {
         assert_eq!(whole.len(), (width * height) as usize);
         assert!(part(13, 7) == alone, "{renderer:?}: the part is not the picture");
         assert!(part(12, 7) != alone, "the comparer sees no difference");
-        let hair = covered(&alone, blue);
+        let hair = covered(&alone, BLUE);
         assert!(hair > 400, "{hair} pixels of hair");
-        assert_eq!(covered(&whole, blue), hair, "there is hair beside the picture");
+        assert_eq!(covered(&whole, BLUE), hair, "there is hair beside the picture");
     }
 }
 
 #[test]
 fn scene_depth_may_be_multisampled() {
     let Some(context) = common::context() else { return };
-    let blue = Vec4::new(0.125, 0.25, 0.5, 1.0);
-    let aspect = SIZE[0] as f32 / SIZE[1] as f32;
-    for projection in [perspective(FOV, aspect, 0.05, 50.0), Camera::perspective(FOV, aspect, 0.02)] {
+    for projection in [perspective(FOV, ASPECT, 0.05, 50.0), Camera::perspective(FOV, ASPECT, 0.02)] {
         for renderer in [Renderer::masks(4), Renderer::tiles(1)] {
             let options = ViewOptions { renderer, ..common::coarse() };
             let mut stage = Setup::new(context, &options, 1);
-            let [free, halved] = [20.0, DISTANCE].map(|at| stage.wall(blue, projection, at));
+            let [free, halved] = [20.0, DISTANCE].map(|at| stage.wall(BLUE, projection, at));
             stage.samples = (4, 0);
-            assert!(stage.wall(blue, projection, DISTANCE) == halved, "four equal samples are one");
-            assert_eq!(covered(&stage.wall(blue, projection, 0.3), blue), 0, "hair shines through a wall");
+            assert!(stage.wall(BLUE, projection, DISTANCE) == halved, "four equal samples are one");
+            assert_eq!(covered(&stage.wall(BLUE, projection, 0.3), BLUE), 0, "hair shines through a wall");
             for mask in [0b0001u64, 0b1010] {
                 stage.samples = (4, mask);
-                let part = stage.wall(blue, projection, 0.3);
+                let part = stage.wall(BLUE, projection, 0.3);
                 // Tiles weight hair by the samples behind it. Masks draw it fully if any sample is behind it.
                 let share =
                     if matches!(renderer, Renderer::Tiles(_)) { mask.count_ones() as f32 / 4.0 } else { 1.0 };
-                let expected: Vec<Vec4> = free.iter().map(|texel| blue.lerp(*texel, share)).collect();
+                let expected: Vec<Vec4> = free.iter().map(|texel| BLUE.lerp(*texel, share)).collect();
                 let error = difference(&part, &expected);
                 assert!(error < 4e-3, "{renderer:?}, samples {mask:04b} lie behind the hair: {error}");
                 assert!(
@@ -335,40 +330,37 @@ fn scene_depth_may_be_multisampled() {
 #[cfg(feature = "cards")]
 #[test]
 fn cards_are_hidden_and_blended_like_strands() {
-    use tresses::{
-        groom::cards::{CardOptions, bake},
-    };
+    use tresses::groom::cards::{CardOptions, bake};
     let Some(context) = common::context() else { return };
     let groom = bind(&common::hanging(500, 16, 0.12), &Default::default()).unwrap();
     let options = CardOptions { levels: vec![60], texture: 256, ..Default::default() };
     let baked = bake(&groom.strands.unbound(), None, &options).unwrap();
     let columns = baked.strands(0, &groom).unwrap();
-    let sky = Vec4::new(0.125, 0.25, 0.5, 1.0);
-    let projection = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.1, 100.0);
+    let projection = perspective(FOV, ASPECT, 0.1, 100.0);
     for renderer in [Renderer::tiles(1), Renderer::tiles(4), Renderer::masks(4)] {
         let options = ViewOptions { renderer, ..common::coarse() };
         let strands = Setup::new(context, &options, 1);
-        let expected = covered(&strands.wall(sky, projection, 5.0), sky);
+        let expected = covered(&strands.wall(BLUE, projection, 5.0), BLUE);
         let mut setup = Setup::new(context, &options, 1);
         let what = HairDescriptor { cards: Some(&columns.sheet), ..Default::default() };
         let asset = HairAsset::new(context, columns.groom.clone(), &what).unwrap();
         setup.hair = Hair::new(&asset).unwrap();
         common::advance(&mut setup.hair, &common::frame(Pose::IDENTITY, 0.0));
-        let free = setup.wall(sky, projection, 5.0);
-        let seen = covered(&free, sky);
+        let free = setup.wall(BLUE, projection, 5.0);
+        let seen = covered(&free, BLUE);
         assert!(seen * 4 > expected && seen < expected * 2, "{renderer:?}: {seen} instead of {expected}");
-        assert_eq!(covered(&setup.wall(sky, projection, 0.3), sky), 0, "{renderer:?}: a wall in front");
+        assert_eq!(covered(&setup.wall(BLUE, projection, 0.3), BLUE), 0, "{renderer:?}: a wall in front");
         // Several depths per pixel: hair is tested against the farthest.
         setup.samples = (4, 0);
-        assert!(covered(&setup.wall(sky, projection, 5.0), sky).abs_diff(seen) * 20 < seen);
-        assert_eq!(covered(&setup.wall(sky, projection, 0.3), sky), 0);
+        assert!(covered(&setup.wall(BLUE, projection, 5.0), BLUE).abs_diff(seen) * 20 < seen);
+        assert_eq!(covered(&setup.wall(BLUE, projection, 0.3), BLUE), 0);
     }
 }
 
 #[test]
 fn hair_is_blended_over_the_scene() {
     let Some(context) = common::context() else { return };
-    let projection = perspective(FOV, SIZE[0] as f32 / SIZE[1] as f32, 0.05, 50.0);
+    let projection = perspective(FOV, ASPECT, 0.05, 50.0);
     for renderer in [Renderer::masks(4), Renderer::alpha_to_coverage(4), Renderer::tiles(4)] {
         let options = ViewOptions { renderer, ..common::coarse() };
         let stage = Setup::new(context, &options, 1);
@@ -407,8 +399,7 @@ fn per_millimeter(distance: f32) -> f32 {
 #[test]
 fn geometry_output_has_motion_depth_and_opacity() {
     let Some(context) = common::context() else { return };
-    let aspect = SIZE[0] as f32 / SIZE[1] as f32;
-    let [usual, reversed] = [perspective(FOV, aspect, 0.05, 50.0), Camera::perspective(FOV, aspect, 0.02)];
+    let [usual, reversed] = [perspective(FOV, ASPECT, 0.05, 50.0), Camera::perspective(FOV, ASPECT, 0.02)];
     for (samples, ssaa) in [(1, 1), (4, 1), (1, 2)] {
         let options = ViewOptions { renderer: Renderer::tiles(samples), ..common::coarse() };
         let mut stage = Setup::new(context, &options, ssaa);

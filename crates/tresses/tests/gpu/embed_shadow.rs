@@ -18,11 +18,12 @@ use tresses::{
     light::{Directional, Lights, SceneShadow, Sky, Sphere},
     low_level::{Drawing, Hair, ViewContent, readback, shade},
     renderer::Renderer,
-    wgpu::{self, TextureFormat, TextureUsages, util::DeviceExt},
+    wgpu::{self, TextureFormat, util::DeviceExt},
 };
 
 const SIZE: [u32; 2] = [96, 80];
 const FOV: f32 = 0.5;
+const ASPECT: f32 = SIZE[0] as f32 / SIZE[1] as f32;
 /// Distance from the eye to the center of the hair, meters.
 const DISTANCE: f32 = 0.8;
 /// Width and height of the scene's shadow maps, texels.
@@ -78,12 +79,10 @@ impl<'a> Setup<'a> {
     fn drawn(&self, shadows: &[SceneShadow<'_>], shade: f32) -> Result<Vec<Vec4>> {
         let context = self.context;
         let (device, queue) = (context.device(), context.queue());
-        let aspect = SIZE[0] as f32 / SIZE[1] as f32;
-        let projection = self.projection.unwrap_or(perspective(FOV, aspect, 0.05, 50.0));
+        let projection = self.projection.unwrap_or(perspective(FOV, ASPECT, 0.05, 50.0));
         // A wall at infinity means no geometry.
-        let depth = |z: f32| projection.project_point3(Vec3::NEG_Z * z).z;
-        let nothing = if depth(2.0) > depth(1.0) { 1.0 } else { 0.0 };
-        let far = if self.wall.is_finite() { depth(self.wall) } else { nothing };
+        let wall = projection.project_point3(Vec3::NEG_Z * self.wall).z;
+        let far = if self.wall.is_finite() { wall } else { infinity(projection) };
         let mut encoder = device.create_command_encoder(&Default::default());
         let scene = HostScene::new(self.context, &mut encoder, (SIZE, self.samples), (WALL, far), None);
         let shade = (shade != 0.0).then_some(Shade { strength: shade, ..self.shade });
@@ -105,38 +104,27 @@ impl<'a> Setup<'a> {
     ) -> wgpu::TextureView {
         let context = self.context;
         let device = context.device();
-        let far = if projection.project_point3(Vec3::NEG_Z).z < projection.project_point3(Vec3::NEG_Z * 2.0).z
-        {
-            1.0
-        } else {
-            0.0
-        };
         let depth = |x, y| {
             let z = projection.project_point3(Vec3::NEG_Z * meters(x, y)).z;
-            let depth = if z.is_finite() { z } else { far };
+            let depth = if z.is_finite() { z } else { infinity(projection) };
             (depth.clamp(0.0, 1.0) * 65535.0).round() as u16
         };
         let texels: Vec<u16> =
             (0..high).flat_map(|y| (0..wide).map(move |x| (x, y))).map(|(x, y)| depth(x, y)).collect();
-        let descriptor = wgpu::TextureDescriptor {
-            label: Some("the scene's shadow map"),
-            size: wgpu::Extent3d { width: wide, height: high, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: TextureFormat::Depth16Unorm,
-            usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
-            view_formats: &[],
-        };
+        let size = wgpu::Extent3d { width: wide, height: high, depth_or_array_layers: 1 };
+        let format = TextureFormat::Depth16Unorm;
+        let descriptor = wgpu::TextureDescriptor { size, format, ..common::TEXTURE };
         let order = wgpu::util::TextureDataOrder::LayerMajor;
-        let texture = device.create_texture_with_data(
-            context.queue(),
-            &descriptor,
-            order,
-            bytemuck::cast_slice(&texels),
-        );
+        let texels = bytemuck::cast_slice(&texels);
+        let texture = device.create_texture_with_data(context.queue(), &descriptor, order, texels);
         texture.create_view(&Default::default())
     }
+}
+
+/// Returns the depth at infinity: 1, or 0 if the depth is reversed.
+fn infinity(projection: Mat4) -> f32 {
+    let [near, far] = [1.0, 2.0].map(|z| projection.project_point3(Vec3::NEG_Z * z).z);
+    if far > near { 1.0 } else { 0.0 }
 }
 
 /// Returns the matrix of a shadow map whose eye is at `at`, in the direction of the light, and looks at the origin.
@@ -331,11 +319,10 @@ fn hair_casts_shadows_on_the_scene() {
     assert!(setup.drawn(&[], 1.0).unwrap() != plain, "the comparer sees no difference");
     // Where the scene has no geometry there is no shadow, whichever way its depth runs and wherever it ends.
     setup.wall = f32::INFINITY;
-    let aspect = SIZE[0] as f32 / SIZE[1] as f32;
     let half = DISTANCE * (0.5 * FOV).tan();
-    let flat = orthographic(-half * aspect, half * aspect, -half, half, 0.05, 50.0);
-    let usual = perspective(FOV, aspect, 0.05, 1.2);
-    for projection in [usual, Camera::perspective(FOV, aspect, 0.05), flat, reversed(flat)] {
+    let flat = orthographic(-half * ASPECT, half * ASPECT, -half, half, 0.05, 50.0);
+    let usual = perspective(FOV, ASPECT, 0.05, 1.2);
+    for projection in [usual, Camera::perspective(FOV, ASPECT, 0.05), flat, reversed(flat)] {
         setup.projection = Some(projection);
         let [plain, shaded] = [0.0, 1.0].map(|shade| setup.drawn(&[], shade).unwrap());
         assert!(plain == shaded, "what is infinitely far is in no shadow");

@@ -48,10 +48,7 @@ pub fn strands(context: &Context, numbers: impl IntoIterator<Item = u32>) -> Str
             tip_color: 0,
         });
     }
-    let buffers = StrandBuffers::new(context, infos.len() as u32, VERTICES).expect("fits");
-    context.queue().write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices));
-    context.queue().write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&infos));
-    buffers
+    common::upload(context, VERTICES as usize, &vertices, &infos)
 }
 
 pub fn ball() -> TriMesh {

@@ -2,14 +2,14 @@
 
 mod brush;
 
-use crate::common;
+use crate::{common, moving::Character};
 
 use tresses::{
-    Context, HairHairMode, HairOptions, Pose, SimulationParams,
+    HairHairMode, HairOptions, Pose, SimulationParams,
     collide::{Collider, ColliderPoses, Shape},
-    glam::{Quat, Vec3},
-    groom::{BindOptions, Groom, GuideCount, SdfGrid, bind},
-    low_level::{GrabState, Hair, HairFrame, Ray, Target, readback},
+    glam::Vec3,
+    groom::{BindOptions, GuideCount},
+    low_level::{GrabState, Hair, HairFrame, Ray, Target, readback::blocking as readback},
 };
 
 const HEAD: f32 = 0.09;
@@ -18,79 +18,45 @@ const FRONT: Ray = Ray { origin: Vec3::new(0.02, -0.03, 1.0), direction: Vec3::N
 const RADIUS: f32 = 0.015;
 
 struct Setup {
-    context: &'static Context,
-    groom: Groom,
-    field: SdfGrid,
+    character: Character,
     physics: SimulationParams,
 }
 
 impl Setup {
-    /// One device for all tests. A software driver takes long to build pipelines.
-    fn open() -> Option<&'static Self> {
-        static SETUPS: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
-        SETUPS.get(Self::new)
-    }
-
     fn new() -> Option<Self> {
-        let context = common::context()?;
+        common::context()?;
         // No self-collision, because hair that touches the held hair would be pulled along.
         let mut physics = SimulationParams::default();
         physics.hair_hair.mode = HairHairMode::Off;
-        Some(Self {
-            groom: bind(
-                &common::hanging(300, 16, 0.2),
-                &BindOptions { guides: GuideCount::OneIn(2), ..Default::default() },
-            )
-            .unwrap(),
-            field: common::ball(HEAD, 64),
-            physics,
-            context,
-        })
+        let options = BindOptions { guides: GuideCount::OneIn(2), ..Default::default() };
+        Some(Self { character: Character::on_a_ball(300, 0.2, &options), physics })
     }
 
     /// Creates hair that has settled for half a second.
     fn hair(&self) -> Hair {
-        let context = self.context;
-        let options = HairOptions { simulation: self.physics, ..Default::default() };
-        let mut hair = common::hair(context, &self.groom, &options, Some(&self.field)).unwrap();
-        for _ in 0..31 {
-            self.advance(&mut hair, Pose::IDENTITY, 1.0 / 60.0, &[]);
-        }
+        let mut hair = self.character.hair(&HairOptions { simulation: self.physics, ..Default::default() });
+        self.still(&mut hair, 31);
         hair
     }
 
-    fn advance(&self, hair: &mut Hair, head: Pose, dt: f32, colliders: &[Pose]) {
-        self.advance_with(hair, head, dt, colliders, &self.physics);
-    }
-
-    fn advance_with(
-        &self,
-        hair: &mut Hair,
-        head: Pose,
-        dt: f32,
-        colliders: &[Pose],
-        simulation: &SimulationParams,
-    ) {
-        let poses = ColliderPoses { head: None, colliders: colliders.to_vec() };
-        common::advance(hair, &HairFrame { dt, head, colliders: &poses, simulation, ..Default::default() });
+    fn advance(&self, hair: &mut Hair, head: Pose, dt: f32) {
+        common::advance(hair, &HairFrame { simulation: &self.physics, ..common::frame(head, dt) });
     }
 
     fn still(&self, hair: &mut Hair, frames: u32) {
         for _ in 0..frames {
-            self.advance(hair, Pose::IDENTITY, 1.0 / 60.0, &[]);
+            self.advance(hair, Pose::IDENTITY, 1.0 / 60.0);
         }
     }
 
     /// Returns the positions of the guides in vertex-major order.
     fn guides(&self, hair: &Hair) -> Vec<Vec3> {
-        let list: Vec<[f32; 4]> =
-            pollster::block_on(readback::buffer(self.context, &hair.guides.current)).unwrap();
-        list.iter().map(|p| hair.place().point(Vec3::new(p[0], p[1], p[2]))).collect()
+        common::guides(hair).iter().map(|p| hair.place().point(*p)).collect()
     }
 
     fn state(&self, hair: &Hair) -> GrabState {
         let buffer = hair.grabbed().state().expect("there was a grab");
-        pollster::block_on(readback::buffer(self.context, buffer)).unwrap()[0]
+        readback::buffer(common::context().unwrap(), buffer).unwrap()[0]
     }
 
     /// Grabs along `ray` and advances one frame, so that the hit is known. Also returns the guides before the grab.
@@ -114,10 +80,11 @@ impl Setup {
 
     /// Returns the largest strain of any edge.
     fn strain(&self, guides: &[Vec3]) -> f32 {
-        let (count, n) = (self.groom.guides.len(), self.groom.guides.vertex_count as usize);
+        let groom = &self.character.groom;
+        let (count, n) = (groom.guides.len(), groom.guides.vertex_count as usize);
         let mut worst = 0.0f32;
         for guide in 0..count {
-            let rest = self.groom.guides.guide(guide);
+            let rest = groom.guides.guide(guide);
             for j in 1..n - 1 {
                 let now = guides[j * count + guide].distance(guides[(j + 1) * count + guide]);
                 worst = worst.max((now / rest[j].distance(rest[j + 1]) - 1.0).abs());
@@ -128,20 +95,16 @@ impl Setup {
 
     /// Returns the largest depth of a vertex in the head, or below its rest position in the head, meters.
     fn depth(&self, guides: &[Vec3]) -> f32 {
-        let rest = common::vertex_major(&self.groom);
-        let rest = rest.iter().map(|p| Vec3::new(p[0], p[1], p[2]).length().min(HEAD));
-        guides.iter().zip(rest).fold(0.0, |deep, (p, rest)| deep.max(rest - p.length()))
+        let rest = &self.character.groom.guides;
+        let (count, n) = (rest.len(), rest.vertex_count as usize);
+        let at = |i: usize| rest.positions[(i % count) * n + i / count].length().min(HEAD);
+        guides.iter().enumerate().fold(0.0, |deep, (i, p)| deep.max(at(i) - p.length()))
     }
-}
-
-/// Returns the largest distance between corresponding points.
-fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
-    a.iter().zip(b).fold(0.0, |most, (a, b)| most.max(a.distance(*b)))
 }
 
 #[test]
 fn grabbed_hair_follows_and_the_rest_stays() {
-    let Some(stage) = Setup::open() else { return };
+    let Some(stage) = Setup::new() else { return };
     let (mut hair, before, state) = stage.grabbed(&FRONT);
     assert_eq!(state.held, 1);
     let aside = (state.hit - FRONT.origin).reject_from_normalized(FRONT.direction).length();
@@ -150,7 +113,7 @@ fn grabbed_hair_follows_and_the_rest_stays() {
     let way = Vec3::new(0.015, 0.03, 0.0);
     stage.drag(&mut hair, state.hit, way);
     let after = stage.guides(&hair);
-    let count = stage.groom.guides.len();
+    let count = stage.character.groom.guides.len();
     // Guides are farther apart than the radius, so the nearest one is held.
     let moving = || 2 * count..before.len();
     let least = moving().fold(f32::MAX, |least, i| least.min(before[i].distance(state.hit)));
@@ -168,7 +131,7 @@ fn grabbed_hair_follows_and_the_rest_stays() {
     for guide in 0..count {
         let of = |list: &[Vec3]| (0..list.len() / count).map(|j| list[j * count + guide]).collect::<Vec<_>>();
         let near = of(&before).iter().any(|p| p.distance(state.hit) < 0.06);
-        let moved = apart(&of(&after), &of(&control));
+        let moved = common::apart(&of(&after), &of(&control));
         touched += u32::from(moved > 5e-3);
         assert!(near || moved == 0.0, "guide {guide} moved by {moved}");
     }
@@ -177,7 +140,7 @@ fn grabbed_hair_follows_and_the_rest_stays() {
 
 #[test]
 fn grab_pulls_in_wind_and_among_other_hair() {
-    let Some(stage) = Setup::open() else { return };
+    let Some(stage) = Setup::new() else { return };
     let mut hair = stage.hair();
     let before = stage.guides(&hair);
     let physics = SimulationParams {
@@ -186,7 +149,8 @@ fn grab_pulls_in_wind_and_among_other_hair() {
     };
     let frames = |hair: &mut Hair, count| {
         for _ in 0..count {
-            stage.advance_with(hair, Pose::IDENTITY, 1.0 / 60.0, &[], &physics);
+            let frame = common::frame(Pose::IDENTITY, 1.0 / 60.0);
+            common::advance(hair, &HairFrame { simulation: &physics, ..frame });
         }
     };
     hair.grab(&FRONT, RADIUS).unwrap();
@@ -196,7 +160,7 @@ fn grab_pulls_in_wind_and_among_other_hair() {
     hair.drag_to(&Target::Point(state.hit + way)).unwrap();
     frames(&mut hair, 40);
     let after = stage.guides(&hair);
-    let count = stage.groom.guides.len();
+    let count = stage.character.groom.guides.len();
     let nearest = (2 * count..before.len())
         .min_by(|a, b| before[*a].distance(state.hit).total_cmp(&before[*b].distance(state.hit)))
         .unwrap();
@@ -211,7 +175,7 @@ fn grab_pulls_in_wind_and_among_other_hair() {
 
 #[test]
 fn grab_stops_at_full_length_and_releases() {
-    let Some(stage) = Setup::open() else { return };
+    let Some(stage) = Setup::new() else { return };
     let (mut hair, _, state) = stage.grabbed(&FRONT);
     // First out of reach, then through the head.
     for way in [Vec3::new(0.1, 0.1, 0.5), Vec3::new(0.0, 0.1, -0.4)] {
@@ -230,7 +194,7 @@ fn grab_stops_at_full_length_and_releases() {
     for i in 0..40 {
         stage.still(&mut hair, 1);
         let now = stage.guides(&hair);
-        fastest = fastest.max(60.0 * apart(&now, &last));
+        fastest = fastest.max(60.0 * common::apart(&now, &last));
         if i == 0 {
             first = fastest;
         }
@@ -244,7 +208,7 @@ fn grab_stops_at_full_length_and_releases() {
 
 #[test]
 fn grab_without_a_hit_changes_nothing() {
-    let Some(stage) = Setup::open() else { return };
+    let Some(stage) = Setup::new() else { return };
     let mut control = stage.hair();
     stage.still(&mut control, 10);
     let control = stage.guides(&control);
@@ -270,7 +234,7 @@ fn grab_without_a_hit_changes_nothing() {
 
 #[test]
 fn grab_is_deterministic_at_any_frame_rate() {
-    let Some(stage) = Setup::open() else { return };
+    let Some(stage) = Setup::new() else { return };
     // The hand moves at a constant speed, and frames end with a step.
     let pulled = |fps: f32, speed: f32| {
         let mut hair = stage.hair();
@@ -278,32 +242,32 @@ fn grab_is_deterministic_at_any_frame_rate() {
         let at = |t: f32| Ray { origin: FRONT.origin + Vec3::new(0.3, 0.4, 0.0) * t * speed, ..FRONT };
         for i in 1..=(0.5 * fps).round() as u32 {
             hair.drag_to(&Target::Ray(at(i as f32 / fps))).unwrap();
-            stage.advance(&mut hair, Pose::IDENTITY, 1.0 / fps, &[]);
+            stage.advance(&mut hair, Pose::IDENTITY, 1.0 / fps);
         }
         stage.guides(&hair)
     };
     let reference = pulled(60.0, 1.0);
     assert!(pulled(60.0, 1.0) == reference, "not the same twice");
     for fps in [30.0, 144.0] {
-        let off = apart(&pulled(fps, 1.0), &reference);
+        let off = common::apart(&pulled(fps, 1.0), &reference);
         println!("{fps} and 60 frames per second part by {:.3} mm", 1e3 * off);
         assert!(off < 1e-3, "{fps}: {off}");
     }
-    assert!(apart(&pulled(60.0, 1.05), &reference) > 2e-3, "a faster hand is not seen");
+    assert!(common::apart(&pulled(60.0, 1.05), &reference) > 2e-3, "a faster hand is not seen");
 }
 
 #[test]
 fn jumps_and_resets_release_the_grab() {
-    let Some(stage) = Setup::open() else { return };
+    let Some(stage) = Setup::new() else { return };
     for jumps in [true, false] {
         let (mut hair, _, state) = stage.grabbed(&FRONT);
         stage.drag(&mut hair, state.hit, Vec3::new(0.02, 0.0, 0.04));
-        let far = Pose { translation: Vec3::X * 3.0, rotation: Quat::IDENTITY };
+        let far = Pose { translation: Vec3::X * 3.0, ..Pose::IDENTITY };
         let head = if jumps { far } else { Pose::IDENTITY };
         if !jumps {
             hair.reset();
         }
-        stage.advance(&mut hair, head, 1.0 / 60.0, &[]);
+        stage.advance(&mut hair, head, 1.0 / 60.0);
         assert!(!hair.grabbed().is_active());
         let now = stage.guides(&hair);
         assert!(now.iter().all(|p| p.distance(head.translation) < 0.4));
@@ -312,9 +276,7 @@ fn jumps_and_resets_release_the_grab() {
 
 #[test]
 fn added_ball_pushes_hair_until_it_is_removed() {
-    let Some(stage) = Setup::open() else { return };
-    let context = stage.context;
-    let device = context.device();
+    let Some(stage) = Setup::new() else { return };
     let mut hair = stage.hair();
     let free = stage.guides(&hair);
     let ball = 0.03;
@@ -324,9 +286,12 @@ fn added_ball_pushes_hair_until_it_is_removed() {
     let (mut pushed, mut inside) = (0.0f32, 0.0f32);
     for i in 0..=60 {
         let place = at(i as f32 / 30.0);
-        stage.advance(&mut hair, Pose::IDENTITY, 1.0 / 60.0, &[place]);
+        let colliders = ColliderPoses { head: None, colliders: vec![place] };
+        let simulation = &stage.physics;
+        let frame = HairFrame { dt: 1.0 / 60.0, colliders: &colliders, simulation, ..Default::default() };
+        common::advance(&mut hair, &frame);
         let now = stage.guides(&hair);
-        pushed = pushed.max(apart(&now, &free));
+        pushed = pushed.max(common::apart(&now, &free));
         let deepest = now.iter().fold(0.0f32, |deep, p| deep.max(ball - p.distance(place.translation)));
         inside = inside.max(deepest);
     }
@@ -334,18 +299,10 @@ fn added_ball_pushes_hair_until_it_is_removed() {
     assert!(pushed > 0.02 && inside < 2e-3, "{pushed} {inside}");
     hair.set_colliders(&[]).unwrap();
     stage.still(&mut hair, 120);
-    let left = apart(&stage.guides(&hair), &free);
+    let left = common::apart(&stage.guides(&hair), &free);
     assert!(left < 0.5 * pushed, "hair comes back: {left} of {pushed}");
     // The number of poses must be the number of colliders.
     let poses = ColliderPoses { head: None, colliders: vec![Pose::IDENTITY] };
-    let frame = HairFrame {
-        dt: 0.0,
-        head: Pose::IDENTITY,
-        colliders: &poses,
-        simulation: &stage.physics,
-        ..Default::default()
-    };
-    let mut encoder = device.create_command_encoder(&Default::default());
-    let mut recorder = context.recorder(&mut encoder);
-    assert!(recorder.advance(&mut hair, &frame).is_err());
+    let frame = HairFrame { colliders: &poses, ..Default::default() };
+    assert!(common::try_submit(|recorder| recorder.advance(&mut hair, &frame)).is_err());
 }

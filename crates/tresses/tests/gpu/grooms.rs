@@ -9,7 +9,7 @@ use tresses::{
     glam::{Quat, Vec3},
     groom::{BindOptions, bind, hash::pcg},
     light::{HairMaterial, Lights, Sphere},
-    low_level::{Drawing, Hair, HairSet, StrandVertex, readback::blocking as readback},
+    low_level::{Drawing, Hair, HairSet, readback::blocking as readback},
     renderer::Renderer,
 };
 
@@ -92,18 +92,14 @@ fn views_in_one_submission_match_separate_submissions() {
     let read = |view: &View| pollster::block_on(view.targets().read()).unwrap();
     let views = || modes.map(|mode| view(context, mode, [96, 80]));
     let apart = views();
-    for (view, picture) in apart.iter().zip(&pictures) {
-        submit(|recorder| recorder.draw(&[&hair], &[], view, Drawing::new(picture)));
-    }
+    let apart = [0, 1].map(|i| common::drawn(&apart[i], &pictures[i], &[&hair], &[]));
     let together = views();
     submit(|recorder| {
         let drawn = together.iter().zip(&pictures).map(|(view, picture)| (view, Drawing::new(picture)));
         recorder.record(&mut [(&mut hair, frame(Pose::IDENTITY, 0.0))], &[], drawn.collect())
     });
-    for (apart, together) in apart.iter().zip(&together) {
-        assert!(read(apart) == read(together));
-    }
-    assert!(difference(&read(&apart[0]), &read(&apart[1])).0 > 1.0, "they see different things");
+    assert!(apart == together.each_ref().map(read));
+    assert!(difference(&apart[0], &apart[1]).0 > 1.0, "they see different things");
 }
 
 #[test]
@@ -112,8 +108,6 @@ fn grooms_in_one_submission_match_separate_submissions() {
     let place =
         |side: f32, turn: f32| Pose { rotation: Quat::from_rotation_y(turn), translation: Vec3::X * side };
     let poses = |i: u32| [place(-0.25, 0.1 * i as f32), place(0.25, -0.05 * i as f32)];
-    let vertices =
-        |hair: &Hair| -> Vec<StrandVertex> { readback::buffer(context, &hair.strands.vertices).unwrap() };
     let [mut apart, mut together] = [(); 2].map(|()| [hair(context), hair(context)]);
     for hair in [&mut apart, &mut together] {
         hair[1].set.material = HairMaterial::blond();
@@ -137,9 +131,12 @@ fn grooms_in_one_submission_match_separate_submissions() {
         });
     }
     for (apart, together) in apart.iter().zip(&together) {
-        assert!(vertices(apart) == vertices(together), "what is recorded beside it does not matter");
+        assert!(
+            common::vertices(apart) == common::vertices(together),
+            "what is recorded beside it does not matter"
+        );
     }
-    assert!(vertices(&apart[0]) != vertices(&apart[1]));
+    assert!(common::vertices(&apart[0]) != common::vertices(&apart[1]));
     // Each groom is at its place and has its own color.
     let seen = pollster::block_on(both.targets().read()).unwrap();
     let half = |left: bool| -> f64 {
@@ -148,7 +145,5 @@ fn grooms_in_one_submission_match_separate_submissions() {
         own.map(|(_, [r, ..])| f64::from(*r)).sum()
     };
     assert!(half(false) > 1.2 * half(true), "blond hair is lighter: {} {}", half(true), half(false));
-    submit(|recorder| recorder.draw(&[&together[0]], &[], &both, Drawing::new(&scene)));
-    let one = pollster::block_on(both.targets().read()).unwrap();
-    assert!(difference(&seen, &one).0 > 1.0);
+    assert!(difference(&seen, &common::drawn(&both, &scene, &[&together[0]], &[])).0 > 1.0);
 }

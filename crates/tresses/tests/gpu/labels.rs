@@ -8,22 +8,21 @@ use tresses::{
     Background, Camera, Context, Error, Picture, Result, ToneMap, View, ViewOptions,
     glam::{Vec2, Vec3},
     light::{Lights, Sphere},
-    low_level::{Drawing, Hair, StrandVertex, readback::blocking as readback},
+    low_level::{Drawing, Hair, readback::blocking as readback},
     renderer::Renderer,
     wgpu::{self, TextureFormat, TextureUsages},
 };
 
 const SIZE: [u32; 2] = [96, 80];
 
-struct Setup<'a> {
-    context: &'a Context,
+struct Setup {
     hair: Hair,
     view: View,
     scene: Picture,
 }
 
-impl<'a> Setup<'a> {
-    fn new(context: &'a Context, renderer: Renderer) -> Self {
+impl Setup {
+    fn new(context: &Context, renderer: Renderer) -> Self {
         let hair = common::hair_on_a_ball(300);
         let options = ViewOptions { renderer, ..common::coarse() };
         let scene = Picture {
@@ -32,17 +31,13 @@ impl<'a> Setup<'a> {
             lights: Lights::around(0.3),
             ..Default::default()
         };
-        Self { view: View::new(context, &options, SIZE, 1).unwrap(), context, hair, scene }
+        Self { view: View::new(context, &options, SIZE, 1).unwrap(), hair, scene }
     }
 
     /// Renders the image, with geometry and labels if `asks`.
     fn drawn(&self, asks: bool) -> Result<Vec<u8>> {
-        let context = self.context;
-        let (device, queue) = (context.device(), context.queue());
-        let mut encoder = device.create_command_encoder(&Default::default());
         let sight = Drawing { asks, ..Drawing::new(&self.scene) };
-        context.recorder(&mut encoder).draw(&[&self.hair], &[], &self.view, sight)?;
-        queue.submit([encoder.finish()]);
+        common::try_submit(|recorder| recorder.draw(&[&self.hair], &[], &self.view, sight))?;
         pollster::block_on(self.view.targets().read())
     }
 }
@@ -65,11 +60,11 @@ fn labels_name_the_visible_strand() {
         assert_eq!(pollster::block_on(targets.labels()).unwrap(), None, "nobody asked again");
         assert_eq!(pollster::block_on(targets.geometry()).unwrap(), None);
 
-        let vertices: Vec<StrandVertex> = readback::buffer(context, &stage.hair.strands.vertices).unwrap();
+        let positions = common::positions(&stage.hair);
         let Camera { view, projection, .. } = stage.scene.camera;
         let place = |strand: u32, vertex: u32, along: f32| {
             let at = (strand * stage.hair.set.drawn.vertex_count + vertex) as usize;
-            let point = vertices[at].position.lerp(vertices[at + 1].position, along);
+            let point = positions[at].lerp(positions[at + 1], along);
             let seen = projection.project_point3(view.transform_point3(point));
             (
                 Vec2::new(0.5 + 0.5 * seen.x, 0.5 - 0.5 * seen.y) * Vec2::new(SIZE[0] as f32, SIZE[1] as f32),
@@ -111,14 +106,9 @@ fn image_is_the_same_in_another_output() {
         let plain = stage.drawn(false).unwrap();
         let into = |tone: &ToneMap| -> Vec<[f32; 4]> {
             let texture = device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("another output"),
                 size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: TextureFormat::Rgba16Float,
                 usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
-                view_formats: &[],
+                ..common::TEXTURE
             });
             let output = (&texture.create_view(&Default::default()), TextureFormat::Rgba16Float);
             let mut encoder = device.create_command_encoder(&Default::default());

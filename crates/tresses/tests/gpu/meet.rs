@@ -2,10 +2,10 @@
 
 use crate::common::{self, submit};
 use tresses::{
-    Context, HairOptions, Pose, SimulationParams, Space,
+    HairOptions, Pose, SimulationParams, Space,
     glam::{DQuat, DVec3, Vec3},
     groom::{BindOptions, GuideCount, Strands, bind},
-    low_level::{Hair, HairFrame, StrandVertex, readback::blocking as readback},
+    low_level::{Hair, HairFrame},
 };
 
 /// Final distance between the heads, meters.
@@ -29,7 +29,6 @@ fn block() -> Strands {
 }
 
 struct Pair {
-    context: &'static Context,
     hair: [Hair; 2],
 }
 
@@ -41,7 +40,7 @@ impl Pair {
         let groom = bind(&block(), &options).unwrap();
         let first = common::hair(context, &groom, &HairOptions::default(), None).unwrap();
         let second = Hair::new(first.asset()).unwrap();
-        Some(Self { context, hair: [first, second] })
+        Some(Self { hair: [first, second] })
     }
 
     /// Moves two heads to `apart` meters from each other, with poses in `spaces`. `meet` is called before each frame to
@@ -67,11 +66,7 @@ impl Pair {
                 Ok(())
             });
         }
-        let context = self.context;
-        self.hair.each_ref().map(|hair| {
-            let all: Vec<StrandVertex> = readback::buffer(context, &hair.strands.vertices).unwrap();
-            all.iter().map(|vertex| vertex.position).collect()
-        })
+        self.hair.each_ref().map(common::positions)
     }
 }
 
@@ -87,11 +82,6 @@ fn tips(hair: &[Vec<Vec3>; 2]) -> [f32; 2] {
         let low: Vec<_> = all.iter().filter(|p| p.y < -0.1).map(|p| p.x).collect();
         low.iter().sum::<f32>() / low.len() as f32
     })
-}
-
-fn farthest(a: &[Vec<Vec3>; 2], b: &[Vec<Vec3>; 2]) -> f32 {
-    let pairs = a.iter().flatten().zip(b.iter().flatten());
-    pairs.map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
 }
 
 #[test]
@@ -117,7 +107,7 @@ fn hair_of_two_heads_collides() {
     let turned =
         Space { at: DVec3::new(0.5, 0.0, 0.25), rotation: DQuat::from_rotation_y(1.0), ..Space::WORLD };
     let there = pair.come(BESIDE, [Space::WORLD, turned], both);
-    let [same, different] = [&there, &through].map(|other| farthest(&beside, other));
+    let [same, different] = [&there, &through].map(|other| common::apart(&beside.concat(), &other.concat()));
     println!("{} mm off in a turned space, {} mm if they had not met", 1e3 * same, 1e3 * different);
     assert!(same < 0.02 * different, "{same} {different}");
 }

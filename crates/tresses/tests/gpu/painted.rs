@@ -22,13 +22,7 @@ const EVEN: [u8; 4] = [128, 128, 180, 255];
 /// Returns a square that fills the image, seen from +Z. Texture coordinates go from the upper left to the lower right
 /// corner.
 fn wall() -> TriMesh {
-    let corner = |x: f32, y: f32| Vec3::new(x, y, 0.0);
-    TriMesh {
-        positions: vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
-        normals: vec![Vec3::Z; 4],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        ..Default::default()
-    }
+    common::rectangle([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| Vec3::new(x, y, 0.0)))
 }
 
 fn paint(base: Texture, relief: [u8; 4], cutout: Option<f32>) -> Paint {

@@ -69,16 +69,8 @@ fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureForma
     let strands = StrandBuffers::new(context, 5000, 16).expect("small enough");
     let hair = HairSet::new(context, &strands).expect("small enough");
     let texture = |format, usage| {
-        let descriptor = wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width: 64, height: 40, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage,
-            view_formats: &[],
-        };
+        let size = wgpu::Extent3d { width: 64, height: 40, depth_or_array_layers: 1 };
+        let descriptor = wgpu::TextureDescriptor { size, format, usage, ..common::TEXTURE };
         context.device().create_texture(&descriptor).create_view(&Default::default())
     };
     let geometry = matches!(options.renderer, Renderer::Tiles(_))

@@ -72,14 +72,11 @@ fn output_of(
     others: &[TextureFormat],
 ) -> wgpu::Texture {
     context.device().create_texture(&wgpu::TextureDescriptor {
-        label: Some("output"),
         size: view.targets().picture().texture().size(),
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
         format,
         usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
         view_formats: others,
+        ..common::TEXTURE
     })
 }
 

@@ -1,29 +1,16 @@
 //! Roots on deforming skin: skin that moves like a head is equivalent to a head, and strands begin on the skin.
 
-use crate::common;
+use crate::common::{self, SkinnedHair, moved};
 use tresses::{
-    Body, Context, Error, HairHairMode, HairOptions, Pose, RootToTip, SimulationParams,
-    collide::ColliderPoses,
+    Context, Error, HairHairMode, HairOptions, Pose, RootToTip, SimulationParams,
     glam::{Mat3, Quat, Vec3},
     groom::{BindOptions, Groom, GuideCount, TriMesh, bind, mesh::shapes},
-    low_level::{Hair, HairFrame, Skin, Words},
+    low_level::{HairFrame, Skin, Words},
 };
-
-/// Returns the ball on which [`common::hanging`] strands stand.
-fn ball() -> TriMesh {
-    shapes::sphere(0.09, 24)
-}
 
 /// Returns strands that are their own guides, or that follow some of them.
 fn groom(guides: GuideCount) -> Groom {
     bind(&common::hanging(150, 12, 0.15), &BindOptions { guides, ..Default::default() }).unwrap()
-}
-
-fn moved(mesh: &TriMesh, place: impl Fn(Vec3) -> Vec3) -> TriMesh {
-    let mut moved = mesh.clone();
-    moved.positions.iter_mut().for_each(|p| *p = place(*p));
-    moved.compute_normals();
-    moved
 }
 
 /// Returns parameters without self-collision, whose grid moves with the head, and so stiff that no strand buckles.
@@ -36,38 +23,29 @@ fn stiff() -> SimulationParams {
     SimulationParams { bending, ..params }
 }
 
-/// Hair attached to the skin of a body.
-struct Stage {
-    hair: Hair,
-    body: Body,
-    rest: TriMesh,
-}
+/// Hair on a ball, attached to its skin if `living`.
+struct Stage(SkinnedHair);
 
 impl Stage {
     fn new(context: &Context, groom: &Groom, living: bool) -> Self {
-        let mut hair = common::hair(context, groom, &HairOptions::default(), None).unwrap();
-        let mut rest = ball();
-        rest.compute_normals();
-        let body = Body::with_levels(context, &rest, &[], 4);
+        let hair = common::hair(context, groom, &HairOptions::default(), None).unwrap();
+        // The ball on which `common::hanging` strands stand.
+        let mut skinned = SkinnedHair::new(context, hair, &shapes::sphere(0.09, 24));
         if living {
-            let skin = Skin::from(&body);
-            let report = hair.attach(&rest, &skin, 0.005).unwrap();
+            let SkinnedHair { hair, body, rest } = &mut skinned;
+            let report = hair.attach(rest, &Skin::from(&*body), 0.005).unwrap();
             assert!(report.farthest < 1e-3 && report.roots > 150, "{report:?}");
         }
-        Self { hair, body, rest }
+        Self(skinned)
     }
 
     /// Advances by a frame. `place` moves the skin's rest positions, and the head moves to `head`.
     fn advance(&mut self, head: Pose, dt: f32, place: impl Fn(Vec3) -> Vec3) {
-        self.body.move_to(&moved(&self.rest, place));
-        let frame = HairFrame {
-            dt,
-            head,
-            colliders: &ColliderPoses::default(),
-            simulation: &stiff(),
-            ..Default::default()
-        };
-        common::submit(|recorder| recorder.advance(&mut self.hair, &frame));
+        self.0.advance(&HairFrame { simulation: &stiff(), ..common::frame(head, dt) }, place);
+    }
+
+    fn positions(&self) -> Vec<Vec3> {
+        common::positions(&self.0.hair)
     }
 }
 
@@ -87,7 +65,7 @@ fn rigid_skin_motion_equals_head_motion() {
         // In `skinned` the skin does all of the motion; in `shared` skin and head share it.
         let mut skinned = Stage::new(context, &groom, true);
         let mut shared = Stage::new(context, &groom, true);
-        let still = rigid.hair.strands.vertex_count as usize;
+        let still = rigid.0.hair.strands.vertex_count as usize;
         let mut most = [0.0f32; 2];
         // Neither as long as a step nor a multiple of it.
         let dt = 0.0119;
@@ -97,11 +75,11 @@ fn rigid_skin_motion_equals_head_motion() {
             let half = Pose { translation: 0.5 * pose.translation, ..pose };
             rigid.advance(pose, dt, |p| p);
             skinned.advance(Pose::IDENTITY, dt, |p| pose.point(p));
-            shared.hair.roots.as_mut().unwrap().pose = half;
+            shared.0.hair.roots.as_mut().unwrap().pose = half;
             shared.advance(half, dt, |p| half.inverse().point(pose.point(p)));
-            let there = common::positions(&rigid.hair);
+            let there = rigid.positions();
             for (most, other) in most.iter_mut().zip([&skinned, &shared]) {
-                *most = most.max(common::apart(&there, &common::positions(&other.hair)));
+                *most = most.max(common::apart(&there, &other.positions()));
             }
         }
         println!("{guides:?}: skin alone {:.1e} m, with the head {:.1e} m", most[0], most[1]);
@@ -109,8 +87,8 @@ fn rigid_skin_motion_equals_head_motion() {
         // Hair on skin that does not move is elsewhere.
         let mut idle = Stage::new(context, &groom, true);
         idle.advance(Pose::IDENTITY, dt, |p| p);
-        assert!(common::apart(&common::positions(&rigid.hair), &common::positions(&idle.hair)) > 0.05);
-        assert_eq!(common::positions(&rigid.hair).len(), 150 * still);
+        assert!(common::apart(&rigid.positions(), &idle.positions()) > 0.05);
+        assert_eq!(rigid.positions().len(), 150 * still);
     }
 }
 
@@ -122,10 +100,10 @@ fn still_skin_changes_nothing() {
     let mut most = 0.0f32;
     for i in 0..40 {
         let pose = motion(i as f32 / 60.0);
-        living.hair.roots.as_mut().unwrap().pose = pose;
+        living.0.hair.roots.as_mut().unwrap().pose = pose;
         rigid.advance(pose, 1.0 / 60.0, |p| p);
         living.advance(pose, 1.0 / 60.0, |p| p);
-        most = most.max(common::apart(&common::positions(&rigid.hair), &common::positions(&living.hair)));
+        most = most.max(common::apart(&rigid.positions(), &living.positions()));
     }
     println!("{most:.1e} m");
     assert!(most < 1e-4);
@@ -166,18 +144,18 @@ fn strands_begin_on_the_deformed_skin() {
         for i in 0..8 {
             let t = i as f32 / 16.0;
             stage.advance(Pose::IDENTITY, 1.0 / 45.0, |p| bent(p, t));
-            let now = moved(&stage.rest, |p| bent(p, t));
-            let vertices = common::positions(&stage.hair);
+            let now = moved(&stage.0.rest, |p| bent(p, t));
+            let vertices = stage.positions();
             let n = arranged.vertex_count as usize;
             let (mut most, mut traveled) = (0.0f32, 0.0f32);
             let mut longest = 0.0f32;
             for s in 0..arranged.len() {
                 let rest: Vec<_> = arranged.rest_positions(s).collect();
-                let wanted = on_skin(&stage.rest, &now, rest[0]);
+                let wanted = on_skin(&stage.0.rest, &now, rest[0]);
                 most = most.max(wanted.distance(vertices[s * n]));
                 traveled = traveled.max(rest[0].distance(wanted));
-                let length = |p: &[Vec3]| p.windows(2).map(|w| w[0].distance(w[1])).sum::<f32>();
-                longest = longest.max((length(&vertices[s * n..(s + 1) * n]) / length(&rest) - 1.0).abs());
+                let length = common::length(&vertices[s * n..(s + 1) * n]);
+                longest = longest.max((length / common::length(&rest) - 1.0).abs());
             }
             assert!(most < 2e-5, "{guides:?}, {t}: {most} m after {traveled} m");
             assert!(longest < 2e-3, "{guides:?}, {t}: lengths by {longest}");
@@ -193,35 +171,35 @@ fn first_frame_and_reset_use_the_current_skin() {
     let mut stage = Stage::new(context, &groom, true);
     // The first frame is on skin that is already deformed, so nothing swings there from rest.
     stage.advance(Pose::IDENTITY, 1.0 / 60.0, |p| bent(p, 0.4));
-    let first = common::positions(&stage.hair);
+    let first = stage.positions();
     stage.advance(Pose::IDENTITY, 0.0, |p| bent(p, 0.4));
-    assert!(common::apart(&first, &common::positions(&stage.hair)) < 1e-5);
+    assert!(common::apart(&first, &stage.positions()) < 1e-5);
     // The same after a reset, starting elsewhere.
     stage.advance(Pose::IDENTITY, 1.0 / 60.0, |p| bent(p, 0.1));
-    stage.hair.reset();
+    stage.0.hair.reset();
     stage.advance(Pose::IDENTITY, 1.0 / 60.0, |p| bent(p, 0.4));
-    assert!(common::apart(&first, &common::positions(&stage.hair)) < 1e-5);
+    assert!(common::apart(&first, &stage.positions()) < 1e-5);
 }
 
 #[test]
 fn mismatched_skins_are_errors() {
     let Some(context) = common::context() else { return };
     let groom = groom(GuideCount::All);
-    let mut stage = Stage::new(context, &groom, false);
+    let SkinnedHair { mut hair, body, rest } = Stage::new(context, &groom, false).0;
     let small = shapes::sphere(0.05, 12);
-    let skin = Skin::from(&stage.body);
+    let skin = Skin::from(&body);
     let mut attach = |mesh: &TriMesh, skin: &Skin<'_>| {
-        let attached = stage.hair.attach(mesh, skin, 0.005);
+        let attached = hair.attach(mesh, skin, 0.005);
         attached.map_err(|error: Error| error.to_string())
     };
     let far = attach(&small, &skin).unwrap_err();
     assert!(far.contains("40.0 mm from the mesh"), "{far}");
     let strides = Skin { positions: (skin.positions.0, Words { first: 1 << 20, stride: 7 }), ..skin };
-    assert!(attach(&stage.rest, &strides).unwrap_err().contains("too small"));
-    let none = TriMesh { triangles: Vec::new(), ..stage.rest.clone() };
+    assert!(attach(&rest, &strides).unwrap_err().contains("too small"));
+    let none = TriMesh { triangles: Vec::new(), ..rest.clone() };
     assert!(attach(&none, &skin).unwrap_err().contains("no triangles"));
-    let mut wrong = stage.rest.clone();
+    let mut wrong = rest.clone();
     wrong.triangles[0][1] = 1 << 30;
     assert!(attach(&wrong, &skin).unwrap_err().contains("missing vertex"));
-    assert!(attach(&stage.rest, &skin).is_ok());
+    assert!(attach(&rest, &skin).is_ok());
 }

@@ -5,7 +5,7 @@
 
 use crate::{
     common, golden,
-    moving::{Character, SHAKE, advance, angle, drawn},
+    moving::{Character, SHAKE, advance_at, angle, drawn},
 };
 use std::{
     path::{Path, PathBuf},
@@ -14,7 +14,6 @@ use std::{
 use tresses::{
     AvoidMode, AvoidOptions, Context,
     glam::Vec3,
-    groom::bind,
     light::{FiberMaterial, HairMaterial},
     renderer::ShadingModel,
 };
@@ -31,15 +30,14 @@ struct DriverOutput {
 
 fn make(context: &Context) -> DriverOutput {
     let picture = golden::picture(context, ShadingModel::Fiber, brown());
-    let groom = bind(&common::hanging(200, 16, 0.16), &Default::default()).unwrap();
-    let character = Character { groom, field: common::ball(0.09, 48), neck: Vec3::new(0.0, 0.0, -0.02) };
-    let mut hair = character.hair(context, AvoidOptions::default());
+    let character = Character::on_a_ball(200, 0.16, &Default::default());
+    let mut hair = character.avoiding(AvoidOptions::default());
     let mut motion = Vec::new();
     for i in 0..=36u32 {
         let head = character.head(angle(SHAKE, i as f32 / 60.0));
-        advance(context, &mut hair, head, if i == 0 { 0.0 } else { 1.0 / 60.0 });
+        advance_at(&mut hair, head, i, 60.0);
         if i % 6 == 0 {
-            let vertices = drawn(context, &mut hair, head, AvoidMode::ChangeOver);
+            let vertices = drawn(&mut hair, head, AvoidMode::ChangeOver);
             motion.push(vertices.iter().map(|v| v.position).collect());
         }
     }

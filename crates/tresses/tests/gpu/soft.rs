@@ -15,13 +15,9 @@ use tresses::{
 
 /// Returns a floor under the golden image's hair, which shadows it. Nothing else is visible.
 fn floor() -> TriMesh {
-    let corner = |x: f32, z: f32| Vec3::new(x, -0.16, z);
-    TriMesh {
-        positions: vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)],
-        normals: vec![Vec3::Y; 4],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        ..Default::default()
-    }
+    common::rectangle(
+        [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)].map(|(x, z)| Vec3::new(x, -0.16, z)),
+    )
 }
 
 /// With sixteen times the pixels there are sixteen times the shading points, a quarter as far apart. Averaged, both

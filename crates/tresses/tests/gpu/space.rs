@@ -1,17 +1,14 @@
 //! Large worlds: hair moves the same at another place, on a platform, or in other coordinates, bit-identical where
 //! positions can be represented. Hair at several places is drawn together.
 
-use crate::{
-    common::{self, submit},
-    golden::difference,
-};
+use crate::{common, golden::difference};
 use tresses::{
     Camera, Context, HairOptions, Picture, Pose, SimulationParams, Space, Velocity, View, ViewOptions, Wind,
     collide::{Anchor, Collider, ColliderDescriptor, ColliderPoses, Shape},
     glam::{DQuat, DVec3, Quat, Vec3},
     groom::{BindOptions, GuideCount, bind},
     light::Sphere,
-    low_level::{Drawing, Hair, HairFrame, StrandVertex, readback::blocking as readback},
+    low_level::{Drawing, Hair, HairFrame, StrandVertex},
     renderer::Renderer,
 };
 
@@ -64,13 +61,9 @@ fn ride(context: &Context, size: f32, physics: &SimulationParams, given: &dyn Fn
     hair
 }
 
-fn strands(context: &Context, hair: &Hair) -> Vec<StrandVertex> {
-    readback::buffer(context, &hair.strands.vertices).unwrap()
-}
-
 /// Simulates and returns the drawn strands.
 fn run(context: &Context, physics: &SimulationParams, given: &dyn Fn(f64) -> Given) -> Vec<StrandVertex> {
-    strands(context, &ride(context, 1.0, physics, given))
+    common::vertices(&ride(context, 1.0, physics, given))
 }
 
 /// Returns the largest distance between the strands `a`, moved by `way`, and the strands `b`, meters.
@@ -119,7 +112,7 @@ fn other_coordinates_do_not_change_the_motion() {
     physics.bending.tip *= 100.0;
     let go = |given: &dyn Fn(f64) -> Given| {
         let hair = ride(context, 0.01, &physics, given);
-        (strands(context, &hair), hair.colliders.drawn()[1].translation)
+        (common::vertices(&hair), hair.colliders.drawn()[1].translation)
     };
     // An accelerating run of 2.7 m.
     let walk = |t: f64| Pose { translation: nod(t).translation + Vec3::X * 30.0 * (t * t) as f32, ..nod(t) };
@@ -179,27 +172,22 @@ fn hair_at_several_places_is_drawn_together() {
     };
     let options = ViewOptions { shadow_resolution: 256, renderer: Renderer::masks(4), ..common::coarse() };
     let see = |far: DVec3, seen: bool| {
-        let (mut pair, view) =
-            ([hair(context, 1.0), hair(context, 1.0)], View::new(context, &options, [128, 96], 1).unwrap());
+        let mut pair = [(); 2].map(|()| hair(context, 1.0));
+        let view = View::new(context, &options, [128, 96], 1).unwrap();
         let colliders =
             &ColliderPoses { head: None, colliders: vec![Pose { translation: Vec3::Y, ..nod(0.0) }; 2] };
         for i in 0..4 {
             let (head, dt) = (nod(0.02 * f64::from(i)), if i == 0 { 0.0 } else { 0.02 });
             for (hair, space) in pair.iter_mut().zip(spaces(far)) {
                 let drawn_in = seen.then_some(Space::at(far));
-                common::advance(
-                    hair,
-                    &HairFrame { dt, head, colliders, space, drawn_in, ..Default::default() },
-                );
+                let frame = HairFrame { dt, head, colliders, space, drawn_in, ..Default::default() };
+                common::advance(hair, &frame);
             }
         }
         let [one, other] = &pair;
-        let mut said = Ok(());
-        submit(|recorder| {
-            said = recorder.draw(&[one, other], &[], &view, Drawing::new(&scene));
-            Ok(())
-        });
-        said.map(|()| pollster::block_on(view.targets().read()).unwrap())
+        let done =
+            common::try_submit(|recorder| recorder.draw(&[one, other], &[], &view, Drawing::new(&scene)));
+        done.map(|()| pollster::block_on(view.targets().read()).unwrap())
     };
     let here = see(DVec3::ZERO, true).unwrap();
     for far in [DVec3::new(1e4, 3.0, -2e3), DVec3::new(4e6, 100.0, -1e5)] {

@@ -3,14 +3,13 @@
 use crate::common;
 
 use tresses::{
-    Body, Camera, Context, HairOptions, Picture, Pose, SimulationParams, View, ViewOptions, Wind,
-    collide::ColliderPoses,
+    Body, Camera, Context, HairOptions, Picture, SimulationParams, View, ViewOptions, Wind,
     glam::Vec3,
     groom::{BindOptions, bind},
     light::{Lights, Sphere},
     low_level::{
-        DebugDisplay, DebugView, DebugViews, Drawing, Hair, HairFrame, Term, ViewContent, readback,
-        unpack_radiance,
+        DebugDisplay, DebugView, DebugViews, Drawing, Hair, HairFrame, Term, ViewContent,
+        readback::blocking as readback, unpack_radiance,
     },
     renderer::{Renderer, ShadingModel},
 };
@@ -36,14 +35,7 @@ impl Setup {
         views.set_head(Some(&field));
         let simulation = SimulationParams { wind: Wind::new(Vec3::X * 6.0), ..Default::default() };
         for _ in 0..6 {
-            let colliders = &ColliderPoses::default();
-            let frame = HairFrame {
-                dt: 1.0 / 30.0,
-                head: Pose::IDENTITY,
-                colliders,
-                simulation: &simulation,
-                ..Default::default()
-            };
+            let frame = HairFrame { dt: 1.0 / 30.0, simulation: &simulation, ..Default::default() };
             common::advance(&mut hair, &frame);
         }
         let camera = Camera::look_at(Vec3::new(0.1, 0.05, 0.8), Vec3::ZERO, 0.45, [120, 96]);
@@ -58,19 +50,15 @@ impl Setup {
 
     /// Renders a debug view, or hair without one. Returns the image and the colors of the strands.
     fn picture(&mut self, view: Option<DebugView>) -> (Vec<u8>, Vec<Vec3>) {
-        let picture = self.view(view);
-        let shaded = self.view.shaded(&self.hair.set).unwrap();
-        let shaded: Vec<u32> = pollster::block_on(readback::buffer(self.context, &shaded)).unwrap();
-        (picture, shaded.into_iter().map(unpack_radiance).collect())
-    }
-
-    fn view(&mut self, view: Option<DebugView>) -> Vec<u8> {
         let shown = view.map(DebugDisplay::new);
         let shows =
             shown.as_ref().map_or(ViewContent::Hair, |shown| ViewContent::Inside(&mut self.views, shown));
         let sight = Drawing { shows, ..Drawing::new(&self.scene) };
         common::submit(|recorder| recorder.draw(&[&self.hair], &[&self.body], &self.view, sight));
-        pollster::block_on(self.view.targets().read()).unwrap()
+        let picture = pollster::block_on(self.view.targets().read()).unwrap();
+        let shaded = self.view.shaded(&self.hair.set).unwrap();
+        let shaded: Vec<u32> = readback::buffer(self.context, &shaded).unwrap();
+        (picture, shaded.into_iter().map(unpack_radiance).collect())
     }
 
     /// Draws the last image with twice the pixels along each axis. Lights the hair again if `anew`, or reuses its

@@ -4,62 +4,39 @@
 
 use crate::common;
 
-use std::{collections::HashMap, sync::Arc};
+use std::collections::HashMap;
 use tresses::{
-    Context, HairHair, HairHairMode, HairOptions, Pose, SimulationParams,
-    collide::ColliderPoses,
+    HairHair, HairHairMode, HairOptions, Pose, SimulationParams,
     drape::DrapedCharacter,
-    glam::{IVec3, Vec3},
+    glam::IVec3,
     groom::styles::Style,
-    low_level::{Hair, HairFrame, StrandVertex, readback::blocking as readback, unpack_velocity},
+    low_level::{Hair, HairFrame, readback::blocking as readback, unpack_velocity},
 };
 
 /// Edge of the voxels in which strands are counted, meters.
 const VOXEL: f32 = 0.01;
 
-struct Setup {
-    context: &'static Context,
-    character: Arc<DrapedCharacter>,
+fn hair(character: &DrapedCharacter) -> Hair {
+    let context = common::context().expect("there is a GPU");
+    common::hair(context, &character.groom, &HairOptions::default(), Some(&character.field)).unwrap()
 }
 
-impl Setup {
-    fn new(style: &str, strands: u32) -> Option<Self> {
-        let context = common::context()?;
-        let character = common::character(style, strands)?;
-        Some(Self { context, character })
-    }
-
-    fn hair(&self, options: &HairOptions) -> Hair {
-        let context = self.context;
-        let DrapedCharacter { groom, field, .. } = &*self.character;
-        common::hair(context, groom, options, Some(field)).unwrap()
-    }
-
-    fn advance(&self, hair: &mut Hair, simulation: &SimulationParams, head: Pose, dt: f32) {
-        common::advance(
-            hair,
-            &HairFrame { dt, head, colliders: &ColliderPoses::default(), simulation, ..Default::default() },
-        );
-    }
-
-    /// Returns the meters of drawn hair in every voxel, in head space.
-    fn voxels(&self, hair: &Hair, head: &Pose) -> HashMap<IVec3, f32> {
-        let vertices: Vec<StrandVertex> = readback::buffer(self.context, &hair.strands.vertices).unwrap();
-        let back = head.inverse();
-        let mut voxels = HashMap::new();
-        for strand in vertices.chunks(hair.strands.vertex_count as usize) {
-            for pair in strand.windows(2) {
-                let (a, b) = (back.point(pair[0].position), back.point(pair[1].position));
-                let length = a.distance(b);
-                let parts = (length / 0.002).ceil().max(1.0);
-                for i in 0..parts as u32 {
-                    let p = a.lerp(b, (i as f32 + 0.5) / parts);
-                    *voxels.entry((p / VOXEL).floor().as_ivec3()).or_default() += length / parts;
-                }
+/// Returns the meters of drawn hair in every voxel, in head space.
+fn voxels(hair: &Hair, head: &Pose) -> HashMap<IVec3, f32> {
+    let back = head.inverse();
+    let mut voxels = HashMap::new();
+    for strand in common::positions(hair).chunks(hair.strands.vertex_count as usize) {
+        for pair in strand.windows(2) {
+            let (a, b) = (back.point(pair[0]), back.point(pair[1]));
+            let length = a.distance(b);
+            let parts = (length / 0.002).ceil().max(1.0);
+            for i in 0..parts as u32 {
+                let p = a.lerp(b, (i as f32 + 0.5) / parts);
+                *voxels.entry((p / VOXEL).floor().as_ivec3()).or_default() += length / parts;
             }
         }
-        voxels
     }
+    voxels
 }
 
 /// Returns the number of voxels that hold hair: at least a twentieth of the mean over the voxels of the rest pose.
@@ -69,12 +46,13 @@ fn occupied(voxels: &HashMap<IVec3, f32>, mean: f32) -> f32 {
 
 /// Returns the occupied volume relative to rest: the mean over the last second of the shake, and over the second that
 /// follows.
-fn volumes(stage: &Setup, hair_hair: HairHair) -> (f32, f32) {
+fn volumes(character: &DrapedCharacter, hair_hair: HairHair) -> (f32, f32) {
     let simulation = SimulationParams { hair_hair, ..Default::default() };
-    let mut hair = stage.hair(&HairOptions::default());
-    let pose = |t: f32| common::shaken(t, stage.character.neck);
-    stage.advance(&mut hair, &simulation, pose(0.0), 0.0);
-    let rest = stage.voxels(&hair, &pose(0.0));
+    let mut hair = hair(character);
+    let pose = |t: f32| common::shaken(t, character.neck);
+    let frame = |t, dt| HairFrame { simulation: &simulation, ..common::frame(pose(t), dt) };
+    common::advance(&mut hair, &frame(0.0, 0.0));
+    let rest = voxels(&hair, &pose(0.0));
     let mean = rest.values().sum::<f32>() / rest.len() as f32;
     let full = occupied(&rest, mean);
     // A style that lacks every tenth voxel is detected.
@@ -84,10 +62,10 @@ fn volumes(stage: &Setup, hair_hair: HairHair) -> (f32, f32) {
     let mut sums = [(0.0, 0); 2];
     for i in 1..=240 {
         let t = i as f32 / 60.0;
-        stage.advance(&mut hair, &simulation, pose(t), 1.0 / 60.0);
+        common::advance(&mut hair, &frame(t, 1.0 / 60.0));
         if t > common::SHAKE - 1.0 && i % 6 == 0 {
             let sum = &mut sums[usize::from(t > common::SHAKE)];
-            sum.0 += occupied(&stage.voxels(&hair, &pose(t)), mean) / full;
+            sum.0 += occupied(&voxels(&hair, &pose(t)), mean) / full;
             sum.1 += 1;
         }
     }
@@ -98,7 +76,7 @@ fn volumes(stage: &Setup, hair_hair: HairHair) -> (f32, f32) {
 #[test]
 #[ignore = "proof"]
 fn shaken_style_keeps_its_volume() {
-    let Some(stage) = Setup::new("long", 3000) else { return };
+    let Some(character) = common::character("long", 3000) else { return };
     let gradient = HairHair::default();
     let fixed = HairHair { mode: HairHairMode::Fixed, ..gradient };
     println!("Volume of the long style in 1 cm voxels, of that at rest:");
@@ -106,7 +84,7 @@ fn shaken_style_keeps_its_volume() {
     println!("|---|---|---|");
     let rows =
         [("off", HairHair::OFF), ("fixed magnitude", fixed), ("gradient", gradient)].map(|(name, mode)| {
-            let (during, after) = volumes(&stage, mode);
+            let (during, after) = volumes(&character, mode);
             println!("| {name} | {:.0} % | {:.0} % |", 100.0 * during, 100.0 * after);
             (during, after)
         });
@@ -118,21 +96,19 @@ fn shaken_style_keeps_its_volume() {
 
 /// Returns the mean and the largest speed of guide vertices, m/s, and the largest distance from rest, meters, after two
 /// seconds at rest.
-fn unrest(stage: &Setup, hair_hair: HairHair) -> (f32, f32, f32) {
+fn unrest(character: &DrapedCharacter, hair_hair: HairHair) -> (f32, f32, f32) {
     let simulation = SimulationParams { hair_hair, ..Default::default() };
-    let mut hair = stage.hair(&HairOptions::default());
-    let read = |buffer: &tresses::wgpu::Buffer| -> Vec<Vec3> {
-        let values: Vec<[f32; 4]> = readback::buffer(stage.context, buffer).unwrap();
-        values.iter().map(|v| Vec3::from_slice(v)).collect()
-    };
-    stage.advance(&mut hair, &simulation, Pose::IDENTITY, 0.0);
-    let rest = read(&hair.guides.current);
+    let frame = |dt| HairFrame { dt, simulation: &simulation, ..Default::default() };
+    let mut hair = hair(character);
+    common::advance(&mut hair, &frame(0.0));
+    let rest = common::guides(&hair);
     for _ in 0..120 {
-        stage.advance(&mut hair, &simulation, Pose::IDENTITY, 1.0 / 60.0);
+        common::advance(&mut hair, &frame(1.0 / 60.0));
     }
-    let velocities: Vec<[u32; 2]> = readback::buffer(stage.context, &hair.guides.velocity).unwrap();
+    let context = common::context().expect("there is a GPU");
+    let velocities: Vec<[u32; 2]> = readback::buffer(context, &hair.guides.velocity).unwrap();
     let speeds: Vec<_> = velocities.iter().map(|v| unpack_velocity(*v).length()).collect();
-    let moved = read(&hair.guides.current).iter().zip(&rest).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+    let moved = common::apart(&common::guides(&hair), &rest);
     (speeds.iter().sum::<f32>() / speeds.len() as f32, speeds.iter().copied().fold(0.0, f32::max), moved)
 }
 
@@ -150,8 +126,8 @@ fn resting_styles_are_still_and_not_inflated() {
 fn at_rest(styles: &[&str]) {
     for style in styles {
         // Few strands suffice, because only guides are measured.
-        let Some(stage) = Setup::new(style, 200) else { return };
-        let (off, on) = (unrest(&stage, HairHair::OFF), unrest(&stage, HairHair::default()));
+        let Some(character) = common::character(style, 200) else { return };
+        let [off, on] = [HairHair::OFF, HairHair::default()].map(|mode| unrest(&character, mode));
         println!(
             "{style}: mean {:.2e} m/s, largest {:.2e} m/s, {:.2} mm from rest; off: {:.2e}, {:.2e}, {:.2}",
             on.0,

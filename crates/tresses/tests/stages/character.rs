@@ -1,20 +1,19 @@
 //! The built-in characters: hair draped on the mannequin.
 
-use crate::common;
+use crate::{
+    common,
+    stages::physics::lab::{Experiment, lab},
+};
 
 use tresses::{
-    Context, Pose, RestOptions, RestShape, SimulationParams,
-    clock::{Mode, Step},
-    collide::{ColliderDescriptor, ColliderPoses, ColliderSet, Moments},
-    drape,
+    Context, RestShape, SimulationParams, drape,
     glam::Vec3,
     groom::{
         SdfGrid,
         scalp::GridScalp,
         styles::{self, GUIDE_VERTICES, Style, StyledGuides},
     },
-    low_level::{GuideBuffers, MAX_STEPS, readback::blocking as readback},
-    simulate::{GuideTraits, Simulation, rest},
+    simulate::GuideTraits,
 };
 
 /// Returns the guides before and after draping.
@@ -98,42 +97,15 @@ fn equal_seeds_give_identical_grooms() {
 
 /// Returns the distances by which vertices leave `positions` within three seconds while the head is still, in ascending
 /// order, meters.
-fn drift(
-    context: &Context,
-    positions: &[Vec3],
-    field: &SdfGrid,
-    stiffness: &[f32],
-    shape: RestShape,
-) -> Vec<f32> {
-    let params = SimulationParams::default();
-    let n = GUIDE_VERTICES as u32;
+fn drift(positions: &[Vec3], field: &SdfGrid, stiffness: &[f32], shape: RestShape) -> Vec<f32> {
+    let (lab, params) = (lab().expect("there is a GPU"), SimulationParams::default());
     let traits: Vec<_> =
         stiffness.iter().map(|&stiffness| GuideTraits { stiffness, ..GuideTraits::default() }).collect();
-    let options = RestOptions { shape, ..Default::default() };
-    let at_rest = rest::guides(positions, n, &traits, &params, &options, Some(field)).unwrap();
-    let count = at_rest.info.len();
-    let guides = GuideBuffers::new(context, count as u32, n, n).unwrap();
-    at_rest.upload(context, &guides).unwrap();
-    let obstacles = ColliderDescriptor { head: Some(field), ..Default::default() };
-    let mut colliders = ColliderSet::new(context, &obstacles).unwrap();
-    let mut simulation = Simulation::new(context, &guides);
-    let still = Pose::IDENTITY;
-    let step = Step { mode: Mode::Step, begin: still, end: still, from: 0.0, to: 1.0 };
-    let mut left = (3.0 / params.step) as u32;
-    while left > 0 {
-        let now = left.min(MAX_STEPS);
-        let steps = vec![step; now as usize];
-        let (substeps, length) = (params.substeps, params.step);
-        let moments = Moments { steps: &steps, substeps, step: length, head: still, alpha: 1.0 };
-        colliders.advance(&ColliderPoses::default(), &moments).unwrap();
-        common::compute(context, |pass| simulation.run(context, pass, &params, &steps, &colliders).unwrap());
-        left -= now;
-    }
-    let after: Vec<[f32; 4]> = readback::buffer(context, &guides.current).unwrap();
-    let at = |g: usize, i: usize| Vec3::from_slice(&after[i * count + g][..3]);
-    let mut moved: Vec<f32> = (0..positions.len())
-        .map(|k| positions[k].distance(at(k / GUIDE_VERTICES, k % GUIDE_VERTICES)))
-        .collect();
+    let strands: Vec<_> = positions.chunks(GUIDE_VERTICES).map(<[Vec3]>::to_vec).collect();
+    let mut e = Experiment::new(lab, &strands, &traits, params, shape, Some(field));
+    e.still((3.0 / params.step) as usize);
+    let mut moved: Vec<f32> =
+        positions.iter().zip(e.positions().concat()).map(|(a, b)| a.distance(b)).collect();
     moved.sort_by(f32::total_cmp);
     moved
 }
@@ -154,7 +126,7 @@ fn stay_at_rest(styles: impl IntoIterator<Item = Style>) {
     let scalp = common::scalp(96);
     for style in styles {
         let (_, after) = settled(context, &style, &scalp);
-        let drift = |shape| drift(context, &after.guides.positions, &scalp.field, &after.stiffness, shape);
+        let drift = |shape| drift(&after.guides.positions, &scalp.field, &after.stiffness, shape);
         // One vertex in a hundred may shift, and none may fall.
         let stays = |moved: &[f32]| moved[moved.len() * 99 / 100] < 2e-3 && moved[moved.len() - 1] < 0.012;
         let moved = drift(RestShape::SagFree);

@@ -1,12 +1,15 @@
 //! Hair among moving obstacles: no vertex stays inside an obstacle, however it moves.
 
-use crate::common;
+use crate::{
+    common,
+    moving::{Character, SHAKE, angle},
+};
 
 use tresses::{
     Context, HairHair, HairOptions, Pose, SimulationParams,
     collide::{Collider, ColliderDescriptor, ColliderPoses, Shape, shape},
     glam::{Quat, Vec3},
-    groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind, styles::Style},
+    groom::{BindOptions, GuideCount, SdfGrid, Strands, bind, styles::Style},
     low_level::{Hair, HairFrame, readback::blocking as readback},
     strands::{Guide, PackedGuide},
 };
@@ -16,34 +19,16 @@ const DEEP: f32 = 5e-4;
 /// Steps in a row that a vertex may be inside.
 const STEPS: u32 = 2;
 
-struct Character {
-    groom: Groom,
-    field: SdfGrid,
-    neck: Vec3,
-}
-
-fn built_in(style: &str) -> Character {
-    let built = common::character(style, 500).expect("there is a GPU");
-    Character { groom: built.groom.clone(), field: built.field.clone(), neck: built.neck }
-}
-
 fn sintel() -> Option<Character> {
     let (strands, head, field) = common::sintel()?;
     let crown = head.bounds().unwrap().1.y;
     let groom = bind(strands, &BindOptions::default()).unwrap();
-    Some(Character { groom, field: field.clone(), neck: Vec3::new(0.0, crown - 0.165, -0.012) })
+    Some(Character::new(groom, field.clone(), Vec3::new(0.0, crown - 0.165, -0.012)))
 }
 
-/// Returns the head's pose at time `t` of the motion `shake`, which eases between yaw keys.
-fn shake(t: f32, neck: Vec3) -> Pose {
-    const KEYS: [(f32, f32); 7] =
-        [(0.0, 0.0), (0.2, 30.0), (0.5, -30.0), (0.8, 30.0), (1.1, -30.0), (1.3, 0.0), (2.5, 0.0)];
-    let t = t % 2.5;
-    let yaw = KEYS.windows(2).find(|w| t <= w[1].0).map_or(0.0, |w| {
-        let s = (t - w[0].0) / (w[1].0 - w[0].0);
-        w[0].1 + (w[1].1 - w[0].1) * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
-    });
-    Pose::about(neck, Quat::from_rotation_y(yaw.to_radians()))
+/// Returns the head's pose at time `t` of the motion `shake`.
+fn shake(character: &Character, t: f32) -> Pose {
+    character.head(angle(SHAKE, t % 2.5))
 }
 
 /// Measurements of a run.
@@ -98,7 +83,7 @@ impl Run<'_> {
             ..RunStatistics::default()
         };
         let mut runs = vec![0; rest.len()];
-        let mut before: Vec<[f32; 4]> = Vec::new();
+        let mut before: Vec<Vec3> = Vec::new();
         for frame in 0..=(seconds / self.params.step) as u32 {
             let t = frame as f32 * self.params.step;
             let input = HairFrame {
@@ -108,18 +93,17 @@ impl Run<'_> {
                 simulation: &self.params,
                 ..Default::default()
             };
-            common::submit(|recorder| recorder.simulate(&mut self.hair, &input));
-            let at: Vec<[f32; 4]> = readback::buffer(context, &self.hair.guides.current).unwrap();
+            common::simulate(&mut self.hair, &input);
+            let at = common::guides(&self.hair);
             for i in watched.clone() {
-                let x = Vec3::from_slice(&at[i]);
+                let x = at[i];
                 assert!(x.is_finite());
                 let depth = rest[i].contact.min(0.0) - distance(x, t);
                 seen.deepest = seen.deepest.max(depth);
                 runs[i] = if depth > DEEP { runs[i] + 1 } else { 0 };
                 seen.longest = seen.longest.max(runs[i]);
                 seen.deep += usize::from(depth > DEEP);
-                let was = before.get(i).map(|p| Vec3::from_slice(p));
-                seen.tunnelled += usize::from(was.is_some_and(|was| through(was, x, t)));
+                seen.tunnelled += usize::from(before.get(i).is_some_and(|was| through(*was, x, t)));
             }
             before = at;
         }
@@ -136,13 +120,12 @@ fn run<'a>(context: &'a Context, character: &Character, colliders: &[Collider]) 
 
 /// Shakes the head for `seconds`.
 fn shaken(context: &Context, name: &str, character: &Character, seconds: f32) -> RunStatistics {
-    let Character { field, neck, .. } = character;
-    let head = |t| shake(t, *neck);
+    let head = |t| shake(character, t);
     let seen = run(context, character, &[]).watch(
         seconds,
         &head,
         &|_| ColliderPoses::default(),
-        &|x, t| field.sample(head(t).inverse().point(x)),
+        &|x, t| character.field.sample(head(t).inverse().point(x)),
         &|_, _, _| false,
     );
     println!("{name}, {seconds} s of shake: {seen:?}");
@@ -154,14 +137,14 @@ fn shaken(context: &Context, name: &str, character: &Character, seconds: f32) ->
 #[test]
 fn no_vertex_stays_in_the_head_during_a_shake() {
     let Some(context) = common::context() else { return };
-    let character = built_in("long");
+    let character = Character::built_in("long", 500);
     assert!(shaken(context, "long", &character, 1.5).holds());
     // The test fails for a head that is larger by twice the clearance.
     let SdfGrid { distances, .. } = &character.field;
     let distances = distances.iter().map(|d| d - 3e-3).collect();
     let field = SdfGrid { distances, ..character.field.clone() };
     let mut run = run(context, &character, &[]);
-    let head = |t| shake(t, character.neck);
+    let head = |t| shake(&character, t);
     let inside = |x: Vec3, t: f32| field.sample(head(t).inverse().point(x));
     assert!(!run.watch(0.3, &head, &|_| ColliderPoses::default(), &inside, &|_, _, _| false).holds());
 }
@@ -173,7 +156,7 @@ fn no_vertex_of_any_groom_stays_in_the_head_during_a_shake() {
     let Some(context) = common::context() else { return };
     let mut all = true;
     for name in Style::NAMES {
-        all &= shaken(context, name, &built_in(name), 10.0).holds();
+        all &= shaken(context, name, &Character::built_in(name, 500), 10.0).holds();
     }
     if let Some(character) = sintel() {
         all &= shaken(context, "Sintel", &character, 10.0).holds();
@@ -218,7 +201,7 @@ fn sweep(context: &Context, character: &Character, speed: f32) -> RunStatistics 
 #[test]
 fn a_hand_pushes_hair_aside() {
     let Some(context) = common::context() else { return };
-    let seen = sweep(context, &built_in("long"), 3.0);
+    let seen = sweep(context, &Character::built_in("long", 500), 3.0);
     assert!(seen.holds(), "{seen:?}");
 }
 
@@ -227,7 +210,7 @@ fn a_hand_pushes_hair_aside() {
 #[ignore = "proof"]
 fn a_hand_of_any_speed_pushes_hair_aside() {
     let Some(context) = common::context() else { return };
-    let character = built_in("long");
+    let character = Character::built_in("long", 500);
     let seen = [0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 10.0].map(|speed| (speed, sweep(context, &character, speed)));
     for (speed, seen) in &seen {
         assert!(*speed > 3.0 || seen.holds(), "{speed} m/s: {seen:?}");
@@ -257,16 +240,9 @@ fn moved_by_capsules(context: &Context, spared: Option<usize>) -> Vec<f32> {
     // No self-collision, so that strands are independent.
     let physics = SimulationParams { hair_hair: HairHair::OFF, ..Default::default() };
     let mut read = |dt: f32| {
-        let frame = HairFrame {
-            dt,
-            head: Pose::IDENTITY,
-            colliders: &colliders,
-            simulation: &physics,
-            ..Default::default()
-        };
-        common::submit(|recorder| recorder.simulate(&mut hair, &frame));
-        let now: Vec<[f32; 4]> = readback::buffer(context, &hair.guides.current).unwrap();
-        now.iter().map(|v| Vec3::from_slice(v)).collect::<Vec<_>>()
+        let frame = HairFrame { dt, colliders: &colliders, simulation: &physics, ..Default::default() };
+        common::simulate(&mut hair, &frame);
+        common::guides(&hair)
     };
     let before = read(0.0);
     let after = (0..15).map(|_| read(4.0 / 60.0)).last().unwrap();

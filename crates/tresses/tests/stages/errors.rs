@@ -179,16 +179,8 @@ fn ask_ambient(context: &Context) -> Result<()> {
 
 /// Creates a texture with one texel per layer.
 fn texture(context: &Context, dimension: wgpu::TextureDimension, layers: u32) -> wgpu::Texture {
-    context.device().create_texture(&wgpu::TextureDescriptor {
-        label: None,
-        size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: layers },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension,
-        format: wgpu::TextureFormat::Rgba16Float,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    })
+    let size = wgpu::Extent3d { depth_or_array_layers: layers, ..common::TEXTURE.size };
+    context.device().create_texture(&wgpu::TextureDescriptor { size, dimension, ..common::TEXTURE })
 }
 
 fn measure_cube(context: &Context) -> Result<()> {

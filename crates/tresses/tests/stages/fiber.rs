@@ -12,8 +12,7 @@ use tresses::{
         fiber::{bsdf, far::FarField},
     },
     low_level::{
-        FiberShape, HairSet, StrandBuffers, StrandVertex, pack_tangent, readback::blocking as readback,
-        unpack_radiance,
+        FiberShape, HairSet, StrandVertex, pack_tangent, readback::blocking as readback, unpack_radiance,
     },
     renderer::Renderer,
 };
@@ -115,11 +114,16 @@ impl View1 {
     }
 }
 
+/// Returns a light of irradiance 1 from `direction`, without a sky.
+fn light_from(direction: Vec3) -> Lights {
+    let mut directional = [Directional::OFF; MAX_LIGHTS];
+    directional[0] = Directional { direction, irradiance: Vec3::ONE };
+    Lights { directional, sky: Sky::default(), environment: Environment::default() }
+}
+
 /// Shades one fiber per light with `light::shade`, all with an irradiance of 1.
 fn on_gpu(context: &Context, view: &View1, material: FiberMaterial) -> Vec<Vec3> {
-    let queue = context.queue();
     let to_light = Vec3::new(0.3, 0.8, 0.5).normalize();
-    let count = view.lights.len() as u32;
     // Rotate each fiber so that its light comes from `to_light`.
     let vertices: Vec<_> = view
         .lights
@@ -133,18 +137,10 @@ fn on_gpu(context: &Context, view: &View1, material: FiberMaterial) -> Vec<Vec3>
         .collect();
     let options = ViewOptions { renderer: Renderer::masks(1), ..common::coarse() };
     let eye = View::new(context, &options, [16, 16], 1).expect("fits");
-    let strands = StrandBuffers::new(context, count, 2).expect("fits");
-    queue.write_buffer(&strands.vertices, 0, bytemuck::cast_slice(&vertices));
-    let info = vec![Strand { radius: 1e-4, seed: 7, root_color: 0, tip_color: 0 }; count as usize];
-    queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&info));
-    let mut hair = HairSet::new(context, &strands).expect("fits");
+    let info = vec![Strand { radius: 1e-4, seed: 7, root_color: 0, tip_color: 0 }; view.lights.len()];
+    let mut hair = HairSet::new(context, &common::upload(context, 2, &vertices, &info)).expect("fits");
     hair.material = HairMaterial { fiber: material, warmth_spread: 0.0, ..Default::default() };
-    let mut lights = Lights {
-        directional: [Directional::OFF; MAX_LIGHTS],
-        sky: Sky::default(),
-        environment: Environment::default(),
-    };
-    lights.directional[0] = Directional { direction: to_light, irradiance: Vec3::ONE };
+    let lights = light_from(to_light);
     // Fibers do not shadow each other.
     let shadows = Shadows { enabled: false, ..Default::default() };
     let picture = Picture {
@@ -219,38 +215,21 @@ fn white_furnace_on_the_gpu() {
     }
 }
 
-/// Returns the radiances at both ends of upright strands at these places, lit from the eye.
-fn upright(context: &Context, places: &[Vec3], density_back: f32, strand_by_strand: f32) -> Vec<f32> {
-    upright_in(context, places, density_back, strand_by_strand, 0)
-}
-
-/// Does the same with strand maps of `strand_map` texels along each edge, 0 for none.
-fn upright_in(
+/// Returns the radiances at both ends of upright strands at these places, lit from the eye, with strand maps of
+/// `strand_map` texels along each edge, 0 for none.
+fn upright(
     context: &Context,
     places: &[Vec3],
     density_back: f32,
     strand_by_strand: f32,
     strand_map: u32,
 ) -> Vec<f32> {
-    let queue = context.queue();
-    let strands = StrandBuffers::new(context, places.len() as u32, 2).expect("fits");
-    let ends = |at: &Vec3| {
-        [-0.05, 0.05]
-            .map(|y| StrandVertex { position: *at + Vec3::Y * y, tangent: pack_tangent(Vec3::Y, 1.0) })
-    };
-    let vertices: Vec<_> = places.iter().flat_map(ends).collect();
-    queue.write_buffer(&strands.vertices, 0, bytemuck::cast_slice(&vertices));
-    let one = |i: u32| Strand { radius: 1e-4, seed: 7 + i, root_color: 0, tip_color: 0 };
-    let info: Vec<_> = (0..places.len() as u32).map(one).collect();
-    queue.write_buffer(&strands.strands, 0, bytemuck::cast_slice(&info));
-    let mut hair = HairSet::new(context, &strands).expect("fits");
-    let mut lights = Lights { directional: [Directional::OFF; MAX_LIGHTS], ..Default::default() };
-    lights.directional[0] = Directional { direction: Vec3::Z, irradiance: Vec3::ONE };
-    lights.sky = Sky::default();
+    let ends: Vec<_> = places.iter().map(|at| [-0.05, 0.05].map(|y| *at + Vec3::Y * y)).collect();
+    let mut hair = common::segments(context, &ends, 1e-4);
     let picture = Picture {
         camera: Camera::look_at(Vec3::Z, Vec3::ZERO, 0.4, [16, 16]),
         focus: Sphere { center: Vec3::ZERO, radius: 0.2 },
-        lights,
+        lights: light_from(Vec3::Z),
         shadows: Shadows { strand_by_strand, ..Default::default() },
         ..Default::default()
     };
@@ -285,7 +264,8 @@ fn reflected_light_grows_with_the_amount_of_hair() {
     // Radiance of the first strand with and without light that other strands reflect: the ratio.
     let found = [0.0, 0.5, 2.0, 16.0].map(|fibers| {
         let places = block(fibers);
-        let [with, without] = [0.7, 0.0].map(|density_back| upright(context, &places, density_back, 0.0)[0]);
+        let [with, without] =
+            [0.7, 0.0].map(|density_back| upright(context, &places, density_back, 0.0, 0)[0]);
         with / without
     });
     println!("{found:?}");
@@ -300,7 +280,7 @@ fn per_strand_shadows_keep_the_mean() {
     let places = block(6.0);
     // Radiance with the mean light for every strand, and with light or shade for each; by depth, where the mean
     // transmittance falls from 1 to e^-6.
-    let [smooth, single] = [0.0, 1.0].map(|strength| upright(context, &places, 0.7, strength));
+    let [smooth, single] = [0.0, 1.0].map(|strength| upright(context, &places, 0.7, strength, 0));
     let spread = |values: &[f32]| {
         let mean = values.iter().sum::<f32>() / values.len() as f32;
         let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f32>() / values.len() as f32;
@@ -317,7 +297,7 @@ fn per_strand_shadows_keep_the_mean() {
         assert!(much > 1.3 * little, "strands differ");
     }
     // Where almost nothing is in the way, almost nothing is stochastic.
-    let alone = [0.0, 1.0].map(|strength| upright(context, &block(0.0), 0.7, strength)[0]);
+    let alone = [0.0, 1.0].map(|strength| upright(context, &block(0.0), 0.7, strength, 0)[0]);
     assert!((alone[1] / alone[0] - 1.0).abs() < 0.02, "{alone:?}");
 }
 
@@ -327,12 +307,12 @@ fn strand_maps_shade_hidden_strands() {
     let Some(context) = common::context() else { return };
     // Strands of 0.2 mm, as seen from the light: one in front, one hidden by it, and one beside both.
     let row = [Vec3::ZERO, Vec3::new(0.0, 0.0, -0.01), Vec3::new(0.005, 0.0, -0.01)];
-    let found = upright_in(context, &row, 0.0, 1.0, 2048);
+    let found = upright(context, &row, 0.0, 1.0, 2048);
     let [alone, hidden, beside] = [0, 1, 2].map(|i| found[2 * i]);
     println!("alone {alone:.4}, hidden {hidden:.4}, beside {beside:.4}");
     assert!(hidden < 0.4 * alone && (beside / alone - 1.0).abs() < 0.05);
     // The stochastic estimate cannot determine that.
-    let chance = upright(context, &row, 0.0, 1.0);
+    let chance = upright(context, &row, 0.0, 1.0, 0);
     assert!(
         chance[2] > 2.0 * hidden,
         "a strand that is hidden by one is mostly lit in the mean: {}",
@@ -341,8 +321,8 @@ fn strand_maps_shade_hidden_strands() {
 
     // In a block of hair, a strand is lit if no strand nearer to the light covers it, by counting all of them.
     let places = block(6.0);
-    let found = upright_in(context, &places, 0.0, 1.0, 2048);
-    let light = upright_in(context, &places[..1], 0.0, 1.0, 2048)[0];
+    let found = upright(context, &places, 0.0, 1.0, 2048);
+    let light = upright(context, &places[..1], 0.0, 1.0, 2048)[0];
     let dark = hidden / alone;
     let (mut right, mut all) = (0, 0);
     for (i, place) in places.iter().enumerate() {

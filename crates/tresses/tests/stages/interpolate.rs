@@ -14,6 +14,11 @@ use tresses::{
     wgpu,
 };
 
+/// Creates `count` hanging strands with as many guides as `guides` says.
+fn hanging(count: usize, length: f32, guides: GuideCount) -> Groom {
+    bind(&common::hanging(count, 16, length), &BindOptions { guides, ..Default::default() }).unwrap()
+}
+
 /// Returns the drawn vertices for guides at `previous` and `current` (world space, guide-major).
 fn draw(
     context: &Context,
@@ -47,10 +52,8 @@ fn draw_twisted(
         StrandBuffers::new(context, groom.strands.len() as u32, groom.strands.vertex_count).unwrap();
     let params = SimulationParams::default();
     let (positions, options) = (&groom.guides.positions, RestOptions::default());
-    rest::guides(positions, n as u32, &[], &params, &options, None)
-        .unwrap()
-        .upload(context, &guides)
-        .unwrap();
+    let at_rest = rest::guides(positions, n as u32, &[], &params, &options, None).unwrap();
+    at_rest.upload(context, &guides).unwrap();
     let write = |buffer: &wgpu::Buffer, bytes: &[u8]| context.queue().write_buffer(buffer, 0, bytes);
     let count = groom.guides.len();
     let state = (0..n * count).map(|at| {
@@ -63,11 +66,8 @@ fn draw_twisted(
         // An equal share for each bend between two edges.
         let bends = n - 2;
         let twists = vec![twist.map(|whole| whole / bends as f32); bends * count];
-        context.queue().write_buffer(
-            &guides.velocity,
-            8 * ((n + 1) * count) as u64,
-            bytemuck::cast_slice(&twists),
-        );
+        let first = 8 * ((n + 1) * count) as u64;
+        context.queue().write_buffer(&guides.velocity, first, bytemuck::cast_slice(&twists));
     }
     if !follows {
         let resting: Vec<_> = (0..groom.guides.len())
@@ -85,10 +85,8 @@ fn draw_twisted(
     } else {
         Interpolation::new(context, &guides, &strands)
     };
-    tessellation.prepare(
-        context,
-        &TessellateParams::new(&guides, (&now, &now, 0.0), &now, (blend, twist != [0.0; 2])),
-    );
+    let params = TessellateParams::new(&guides, (&now, &now, 0.0), &now, (blend, twist != [0.0; 2]));
+    tessellation.prepare(context, &params);
     interpolation.prepare(context, &guides, &strands);
     common::compute(context, |pass| {
         tessellation.record(pass, &guides);
@@ -107,8 +105,7 @@ fn error(groom: &Groom, drawn: &[StrandVertex], pose: Pose) -> f32 {
 fn rest_shape_is_reproduced_within_a_tenth_of_a_millimeter() {
     let Some(context) = common::context() else { return };
     for guides in [GuideCount::OneIn(16), GuideCount::All] {
-        let groom =
-            bind(&common::hanging(400, 16, 0.2), &BindOptions { guides, ..Default::default() }).unwrap();
+        let groom = hanging(400, 0.2, guides);
         let rest = groom.guides.positions.clone();
         let drawn = draw(context, &groom, &rest, &rest, 0.3, Pose::IDENTITY);
         let off = error(&groom, &drawn, Pose::IDENTITY);
@@ -116,9 +113,8 @@ fn rest_shape_is_reproduced_within_a_tenth_of_a_millimeter() {
         // A guide that is not at rest is detected.
         let mut bent = rest.clone();
         bent[40] += Vec3::X * 0.01;
-        assert!(
-            error(&groom, &draw(context, &groom, &bent, &bent, 1.0, Pose::IDENTITY), Pose::IDENTITY) > 1e-4
-        );
+        let drawn = draw(context, &groom, &bent, &bent, 1.0, Pose::IDENTITY);
+        assert!(error(&groom, &drawn, Pose::IDENTITY) > 1e-4);
     }
 }
 
@@ -126,8 +122,7 @@ fn rest_shape_is_reproduced_within_a_tenth_of_a_millimeter() {
 fn rigid_motion_of_guides_moves_strands_rigidly() {
     let Some(context) = common::context() else { return };
     for guides in [GuideCount::OneIn(16), GuideCount::All] {
-        let options = BindOptions { guides, ..Default::default() };
-        let groom = bind(&common::hanging(300, 16, 0.2), &options).unwrap();
+        let groom = hanging(300, 0.2, guides);
         let pose = Pose {
             rotation: Quat::from_rotation_y(2.0) * Quat::from_rotation_x(0.5),
             translation: Vec3::new(0.3, 1.0, -0.2),
@@ -192,8 +187,7 @@ fn strands_turn_with_the_twist_of_their_guides() {
 #[test]
 fn strands_that_are_their_own_guides_match_samples() {
     let Some(context) = common::context() else { return };
-    let options = BindOptions { guides: GuideCount::All, ..Default::default() };
-    let own = bind(&common::hanging(100, 16, 0.2), &options).unwrap();
+    let own = hanging(100, 0.2, GuideCount::All);
     // A guide without followers makes the groom use samples.
     let mut sampled = own.clone();
     let last = own.guides.guide(99).to_vec();
@@ -211,9 +205,9 @@ fn strands_that_are_their_own_guides_match_samples() {
         groom.guides.positions.iter().enumerate().map(swung).collect()
     };
     let far = |angle: f32| {
-        let drawn = draw(context, &own, &swing(&own, 0.3), &swing(&own, 1.2), 0.4, Pose::IDENTITY);
-        let other =
-            draw(context, &sampled, &swing(&sampled, 0.3), &swing(&sampled, angle), 0.4, Pose::IDENTITY);
+        let [drawn, other] = [(&own, 1.2), (&sampled, angle)].map(|(groom, angle)| {
+            draw(context, groom, &swing(groom, 0.3), &swing(groom, angle), 0.4, Pose::IDENTITY)
+        });
         let off = drawn.iter().zip(&other).map(|(a, b)| a.position.distance(b.position));
         off.fold(0.0, f32::max)
     };

@@ -3,8 +3,7 @@
 use crate::common;
 
 use tresses::{
-    Context, HairHair, HairOptions, Pose, RootToTip, SimulationParams, Wind,
-    collide::ColliderPoses,
+    Context, HairHair, HairOptions, RootToTip, SimulationParams, Wind,
     glam::{Vec2, Vec3},
     groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind},
     low_level::{Hair, HairFrame, VolumeOptions, readback::blocking as readback},
@@ -12,64 +11,30 @@ use tresses::{
     wind::drag,
 };
 
-struct Setup {
-    context: &'static Context,
+/// Creates hair whose own grid has `cells` cells along an axis.
+fn hair(context: &Context, groom: &Groom, field: &SdfGrid, cells: u32) -> Hair {
+    let volume = VolumeOptions { resolution: cells, ..Default::default() };
+    common::hair(context, groom, &HairOptions { volume, ..Default::default() }, Some(field)).unwrap()
 }
 
-impl Setup {
-    /// One device for all tests. A software driver takes long to build pipelines.
-    fn open() -> Option<&'static Self> {
-        static SETUPS: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
-        SETUPS.get(|| Some(Self { context: common::context()? }))
-    }
-
-    /// Creates hair whose own grid has `cells` cells along an axis.
-    fn hair(&self, groom: &Groom, field: &SdfGrid, cells: u32) -> Hair {
-        let context = self.context;
-        let volume = VolumeOptions { resolution: cells, ..Default::default() };
-        let options = HairOptions { volume, ..Default::default() };
-        common::hair(context, groom, &options, Some(field)).unwrap()
-    }
-
-    /// Simulates the guides alone for `seconds`.
-    fn simulate(&self, hair: &mut Hair, physics: &SimulationParams, seconds: f32) {
-        let colliders = ColliderPoses::default();
-        let mut steps = (seconds * 60.0).round() as u32;
-        loop {
-            let part = steps.min(8);
-            let dt = part as f32 / 60.0;
-            let frame = HairFrame {
-                dt,
-                head: Pose::IDENTITY,
-                colliders: &colliders,
-                simulation: physics,
-                ..Default::default()
-            };
-            common::submit(|recorder| recorder.simulate(hair, &frame));
-            steps -= part;
-            if steps == 0 {
-                return;
-            }
+/// Simulates the guides alone for `seconds`.
+fn simulate(hair: &mut Hair, physics: &SimulationParams, seconds: f32) {
+    let mut steps = (seconds * 60.0).round() as u32;
+    loop {
+        let part = steps.min(8);
+        let frame = HairFrame { dt: part as f32 / 60.0, simulation: physics, ..Default::default() };
+        common::simulate(hair, &frame);
+        steps -= part;
+        if steps == 0 {
+            return;
         }
     }
-
-    /// Returns the vertices by guide.
-    fn guides(&self, hair: &Hair) -> Vec<Vec<Vec3>> {
-        let points: Vec<[f32; 4]> = readback::buffer(self.context, &hair.guides.current).unwrap();
-        let n = hair.guides.count as usize;
-        let at = |p: &[f32; 4]| Vec3::new(p[0], p[1], p[2]);
-        (0..n).map(|g| points.iter().skip(g).step_by(n).map(at).collect()).collect()
-    }
-}
-
-fn length(line: &[Vec3]) -> f32 {
-    line.windows(2).map(|w| w[0].distance(w[1])).sum()
 }
 
 /// Returns the largest relative change of a strand's length; infinite for NaN.
 fn strain(now: &[Vec<Vec3>], rest: &[f32]) -> f32 {
     let change = |(line, rest): (&Vec<Vec3>, &f32)| {
-        let change = (length(line) / rest - 1.0).abs();
+        let change = (common::length(line) / rest - 1.0).abs();
         if change.is_finite() { change } else { f32::INFINITY }
     };
     now.iter().zip(rest).map(change).fold(0.0, f32::max)
@@ -87,29 +52,15 @@ fn one_minute_storm_does_not_stretch_hair() {
 }
 
 fn storm(seconds: u32) {
-    let Some(stage) = Setup::open() else { return };
+    let Some(context) = common::context() else { return };
     let options = BindOptions { guides: GuideCount::Count(24), ..Default::default() };
     let groom = bind(&common::hanging(200, 12, 0.2), &options).unwrap();
-    let field = common::ball(0.09, 40);
-    let mut hair = stage.hair(&groom, &field, 8);
-    let physics = SimulationParams {
-        wind: Wind { cells: 8, gusts: 0.3, ..Wind::new(Vec3::new(30.0, 0.0, 4.0)) },
-        ..Default::default()
-    };
-    let rest: Vec<_> = (0..groom.guides.len()).map(|g| length(groom.guides.guide(g))).collect();
-    stage.simulate(&mut hair, &physics, 0.0);
-    let (mut worst, mut swept) = (0.0f32, 0.0f32);
-    for _ in 0..seconds / 2 {
-        stage.simulate(&mut hair, &physics, 2.0);
-        let now = stage.guides(&hair);
-        worst = worst.max(strain(&now, &rest));
-        swept = now.iter().map(|line| line[line.len() - 1].x - line[0].x).sum::<f32>() / now.len() as f32;
-    }
-    println!("{seconds} s of 30 m/s: lengths within {worst}, tips {swept} m down the wind");
-    assert!(worst < 0.01, "{worst}");
+    let mut hair = hair(context, &groom, &common::ball(0.09, 40), 8);
+    let rest = blow(&mut hair, 8, seconds);
+    let mut now = common::guide_lines(&hair);
+    let swept = now.iter().map(|line| line[line.len() - 1].x - line[0].x).sum::<f32>() / now.len() as f32;
     assert!(swept > 0.1, "the storm is felt: {swept}");
     // A strand that is too long is detected, and so is one that is lost.
-    let mut now = stage.guides(&hair);
     let last = now[3].len() - 1;
     now[3][last] = now[3][last] + 0.05 * rest[3] * (now[3][last] - now[3][last - 1]).normalize();
     assert!(strain(&now, &rest) > 0.01);
@@ -117,34 +68,34 @@ fn storm(seconds: u32) {
     assert!(strain(&now, &rest) > 1.0);
 }
 
+/// Blows at `hair` with 30 m/s in air of `cells` cells along an axis, and checks the lengths of its guides every second.
+/// Returns their lengths at rest, meters.
+fn blow(hair: &mut Hair, cells: u32, seconds: u32) -> Vec<f32> {
+    let wind = Wind { cells, gusts: 0.3, ..Wind::new(Vec3::new(30.0, 0.0, 4.0)) };
+    let physics = SimulationParams { wind, ..Default::default() };
+    simulate(hair, &physics, 0.0);
+    let rest: Vec<_> = common::guide_lines(hair).iter().map(|line| common::length(line)).collect();
+    for second in 1..=seconds {
+        simulate(hair, &physics, 1.0);
+        let strain = strain(&common::guide_lines(hair), &rest);
+        assert!(strain < 0.01, "{} guides, {second} s: {strain}", rest.len());
+    }
+    rest
+}
+
 /// The built-in style `long` with all its guides; the hair's grid and the air have 16 cells along an axis.
 #[test]
 #[ignore = "proof"]
 fn one_minute_storm_does_not_stretch_a_whole_style() {
-    let Some(stage) = Setup::open() else { return };
+    let Some(context) = common::context() else { return };
     let Some(built) = common::character("long", 500) else { return };
-    let mut hair = stage.hair(&built.groom, &built.field, 16);
-    let physics = SimulationParams {
-        wind: Wind { cells: 16, gusts: 0.3, ..Wind::new(Vec3::new(30.0, 0.0, 4.0)) },
-        ..Default::default()
-    };
-    stage.simulate(&mut hair, &physics, 0.0);
-    let rest: Vec<_> = stage.guides(&hair).iter().map(|line| length(line)).collect();
-    let mut worst = 0.0f32;
-    for second in 1..=60 {
-        stage.simulate(&mut hair, &physics, 1.0);
-        worst = worst.max(strain(&stage.guides(&hair), &rest));
-        if second % 10 == 0 {
-            println!("{} guides, {second} s of 30 m/s: lengths within {worst}", rest.len());
-        }
-    }
-    assert!(worst < 0.01, "{worst}");
+    blow(&mut hair(context, &built.groom, &built.field, 16), 16, 60);
 }
 
 /// Creates straight strands of 10 cm along `ways`, with roots 2 cm apart, in wind of `velocity` without gusts,
 /// obstacles or self-collision.
 fn in_plain_air(
-    stage: &Setup,
+    context: &Context,
     ways: &[Vec3],
     velocity: Vec3,
     physics: SimulationParams,
@@ -156,13 +107,12 @@ fn in_plain_air(
     }
     let options = BindOptions { guides: GuideCount::Count(ways.len() as u32), ..Default::default() };
     let groom = bind(&strands, &options).unwrap();
-    let context = stage.context;
     let volume = VolumeOptions { resolution: 8, ..Default::default() };
     let options = HairOptions { volume, simulation: physics, ..Default::default() };
     let mut hair = common::hair(context, &groom, &options, None).unwrap();
     let wind = Wind { cells: 16, gusts: 0.0, ..Wind::new(velocity) };
     let physics = SimulationParams { wind, hair_hair: HairHair::OFF, ..physics };
-    stage.simulate(&mut hair, &physics, 0.0);
+    simulate(&mut hair, &physics, 0.0);
     (hair, physics)
 }
 
@@ -174,18 +124,18 @@ fn rates(physics: &SimulationParams, relative: Vec3, tangent: Vec3) -> Vec2 {
 
 #[test]
 fn drag_on_guides_matches_the_formula() {
-    let Some(stage) = Setup::open() else { return };
+    let Some(context) = common::context() else { return };
     let ways = [Vec3::X, Vec3::Y, Vec3::NEG_Z, Vec3::new(1.0, -1.0, 0.0), Vec3::new(1.0, 2.0, -3.0)];
     let ways = ways.map(Vec3::normalize);
     // Reynolds numbers of 0.3 to 130.
     for velocity in
         [Vec3::X * 0.05, Vec3::new(1.0, 0.5, -0.3), Vec3::new(5.0, 0.0, 3.0), Vec3::X * 12.0, Vec3::X * 25.0]
     {
-        let (mut hair, physics) = in_plain_air(stage, &ways, velocity, SimulationParams::default());
+        let (mut hair, physics) = in_plain_air(context, &ways, velocity, SimulationParams::default());
         // The forces of the first step act on hair that is still at rest.
-        let lines = stage.guides(&hair);
-        stage.simulate(&mut hair, &physics, 1.0 / 60.0);
-        let packed: Vec<GuideForce> = readback::buffer(stage.context, &hair.guides.forces).unwrap();
+        let lines = common::guide_lines(&hair);
+        simulate(&mut hair, &physics, 1.0 / 60.0);
+        let packed: Vec<GuideForce> = readback::buffer(context, &hair.guides.forces).unwrap();
         // The buffer is scratch memory of the groom and longer.
         let vertices = (hair.guides.count * hair.guides.vertex_count) as usize;
         let worst = |wrong: f32| {
@@ -224,7 +174,7 @@ fn floppy_hair_tilts_by_its_drag_at_any_speed() {
 }
 
 fn hangs_aslant(speeds: &[f32]) {
-    let Some(stage) = Setup::open() else { return };
+    let Some(context) = common::context() else { return };
     let floppy = SimulationParams {
         bending: RootToTip { root: 0.0, tip: 0.0, falloff: 1.0 },
         goal: RootToTip { root: 0.0, tip: 0.0, falloff: 1.0 },
@@ -233,12 +183,12 @@ fn hangs_aslant(speeds: &[f32]) {
     };
     // In faster wind, hair without stiffness flutters.
     for &speed in speeds {
-        let (mut hair, physics) = in_plain_air(stage, &[Vec3::NEG_Y], Vec3::X * speed, floppy);
-        stage.simulate(&mut hair, &physics, 3.0);
+        let (mut hair, physics) = in_plain_air(context, &[Vec3::NEG_Y], Vec3::X * speed, floppy);
+        simulate(&mut hair, &physics, 3.0);
         let mut found = 0.0;
         for _ in 0..30 {
-            stage.simulate(&mut hair, &physics, 2.0 / 60.0);
-            let line = &stage.guides(&hair)[0];
+            simulate(&mut hair, &physics, 2.0 / 60.0);
+            let line = &common::guide_lines(&hair)[0];
             let way = line[line.len() - 1] - line[1];
             found += way.x.atan2(-way.y) / 30.0;
         }
@@ -261,18 +211,18 @@ fn hangs_aslant(speeds: &[f32]) {
 
 #[test]
 fn lee_side_of_the_long_style_moves_less() {
-    let Some(stage) = Setup::open() else { return };
+    let Some(context) = common::context() else { return };
     let Some(built) = common::character("long", 500) else { return };
-    let mut hair = stage.hair(&built.groom, &built.field, 32);
+    let mut hair = hair(context, &built.groom, &built.field, 32);
     // From the head's left, +X.
     let physics = SimulationParams { wind: Wind::new(Vec3::X * -4.0), ..Default::default() };
-    stage.simulate(&mut hair, &physics, 0.0);
-    let rest = stage.guides(&hair);
+    simulate(&mut hair, &physics, 0.0);
+    let rest = common::guide_lines(&hair);
     let (mut windward, mut lee) = ([0.0; 2], [0.0; 2]);
     let mut last = rest.clone();
     for _ in 0..40 {
-        stage.simulate(&mut hair, &physics, 0.05);
-        let now = stage.guides(&hair);
+        simulate(&mut hair, &physics, 0.05);
+        let now = common::guide_lines(&hair);
         // Mean distance from rest, and mean speed, of the vertices that rest on a side.
         let mean = |side: &dyn Fn(Vec3) -> bool| {
             let moves: Vec<_> = rest
@@ -302,16 +252,16 @@ fn lee_side_of_the_long_style_moves_less() {
 
 #[test]
 fn calm_air_allocates_and_changes_nothing() {
-    let Some(stage) = Setup::open() else { return };
+    let Some(context) = common::context() else { return };
     let groom = bind(&common::hanging(60, 12, 0.12), &BindOptions::default()).unwrap();
     let field = common::ball(0.09, 40);
     let run = |wind: Wind| {
-        let mut hair = stage.hair(&groom, &field, 8);
-        stage.simulate(&mut hair, &SimulationParams::default(), 0.0);
+        let mut hair = hair(context, &groom, &field, 8);
+        simulate(&mut hair, &SimulationParams::default(), 0.0);
         let before = hair.bytes();
         let physics = SimulationParams { wind, ..Default::default() };
-        stage.simulate(&mut hair, &physics, 0.4);
-        (hair.air.is_some(), hair.bytes() - before, stage.guides(&hair))
+        simulate(&mut hair, &physics, 0.4);
+        (hair.air.is_some(), hair.bytes() - before, common::guide_lines(&hair))
     };
     let calm = run(Wind::default());
     let uniform = run(Wind::uniform(Vec3::ZERO));

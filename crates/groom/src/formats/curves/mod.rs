@@ -8,6 +8,8 @@ mod custom;
 mod habits;
 mod knots;
 mod param;
+#[cfg(test)]
+pub(super) mod reference_tests;
 
 pub(super) use custom::is_custom;
 pub(super) use habits::CurveWarnings;

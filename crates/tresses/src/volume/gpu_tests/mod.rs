@@ -1,4 +1,4 @@
-//! Compares the kernels with the CPU reference, closed forms and invariants.
+//! Compares the kernels with closed forms and invariants.
 
 mod push;
 mod samples;

@@ -6,16 +6,17 @@ use crate::{
     clock::{Mode, Step},
     gpu::for_tests as context,
     strands::RestGuides,
-    volume::{
-        HairHair, VolumeAsset, VolumeOptions,
-        params::VolumeUniforms,
-        reference::{CHANNELS, MAX_SPEED, SplatInput, splat},
-    },
+    volume::{HairHair, VolumeAsset, VolumeOptions},
 };
-use glam::Vec3;
+use glam::{DVec3, Vec3};
+
+/// Same value as in the shaders, m/s.
+const MAX_SPEED: f32 = 32.0;
+/// Same value as in the shaders.
+const CHANNELS: usize = 8;
 
 #[test]
-fn splat_conserves_hair_and_momentum_and_matches_reference() {
+fn splat_conserves_hair_and_momentum_and_their_moments() {
     let Some(mut scene) = Setup::new(cube(12), &Default::default()) else { return };
     let pose = somewhere();
     let current = scene.moved(|p| pose.point(0.9 * p + Vec3::new(0.01, 0.0, 0.02)));
@@ -41,25 +42,38 @@ fn splat_conserves_hair_and_momentum_and_matches_reference() {
         assert!((momentum - exact).abs() < 2e-6 * meters, "{axis}");
     }
 
-    let compare = |disturb: f32| {
-        let uniforms =
-            VolumeUniforms { head: pose.rotation.into(), head_at: pose.translation, ..scene.volume.base };
-        let mut velocity = velocity.clone();
-        velocity[100].y += disturb;
-        let hair = SplatInput {
-            info: &scene.rest.info,
-            current: &current,
-            velocity: &velocity,
-            rested: &vec![0.0; current.len()],
-        };
-        let twin = splat(&uniforms, &hair);
-        // Weights differ by the rounding of positions: 1e-6 m in 1e-2 m.
-        found.iter().zip(&twin).map(|(a, b)| f64::from((a - b).abs())).fold(0.0, f64::max)
-            / (f64::from(g.units) * meters)
+    // The position of each vertex in cells. Weights that are linear between two cells keep the first moment, and add
+    // f (1 − f) to the second.
+    let n = g.resolution as usize;
+    let index = |i: usize| DVec3::new((i % n) as f64, (i / n % n) as f64, (i / n / n) as f64);
+    let back = pose.inverse();
+    let at = |i: usize| ((back.point(current[i]) * g.scale + g.bias) * n as f32 - 0.5).as_dvec3();
+    // Returns the largest error of a moment, relative to all hair, if one vertex were faster by `disturb` m/s.
+    let off = |disturb: f32| {
+        let mut first = [DVec3::ZERO; 4];
+        let mut second = DVec3::ZERO;
+        for (i, cell) in found.chunks(CHANNELS).enumerate() {
+            let speeds = [MAX_SPEED, MAX_SPEED, MAX_SPEED, 1.0];
+            let shares = [0, 1, 2, 3].map(|k| f64::from(cell[k]) * f64::from(speeds[k] / g.units) / meters);
+            (0..4).for_each(|k| first[k] += shares[k] * index(i));
+            second += shares[3] * index(i) * index(i);
+        }
+        for (i, velocity) in velocity.iter().enumerate() {
+            let (share, x) = (f64::from(mass(i)) / meters, at(i));
+            let speed = *velocity + Vec3::Y * if i == 100 { disturb } else { 0.0 };
+            (0..4).for_each(|k| first[k] -= share * f64::from(speed.extend(1.0)[k]) * x);
+            let f = x - x.floor();
+            second -= share * (x * x + f * (1.0 - f));
+        }
+        // Positions are rounded to some hundred-thousandths of a cell, which counts more in squares.
+        first
+            .iter()
+            .map(|moment| moment.abs().max_element())
+            .fold(0.05 * second.abs().max_element(), f64::max)
     };
-    println!("kernel and twin differ by {:e} of all hair", compare(0.0));
-    assert!(compare(0.0) < 1e-6);
-    assert!(compare(1.0) > 1e-6, "the comparison sees one vertex that is 1 m/s faster");
+    println!("moments are off by {:e}", off(0.0));
+    assert!(off(0.0) < 1e-4, "{}", off(0.0));
+    assert!(off(1.0) > 1e-3, "the comparison sees one vertex that is 1 m/s faster");
 }
 
 #[test]

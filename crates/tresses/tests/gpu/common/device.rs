@@ -1,7 +1,7 @@
 //! One context per test thread. Pipelines are compiled once per context; a software driver needs seconds for all of them.
 
 use tresses::{
-    Context, Gpu, Pose, Result,
+    Character, Context, Gpu, Picture, Pose, Result, View,
     low_level::{Hair, HairFrame, Recorder},
 };
 use tresses_testing::Pool;
@@ -20,10 +20,16 @@ pub fn noop() -> Context {
 
 /// Records with `what` on the shared context and submits.
 pub fn submit(what: impl FnOnce(&mut Recorder<'_>) -> Result<()>) {
+    try_submit(what).expect("it fits");
+}
+
+/// Records with `what` on the shared context and submits unless it fails.
+pub fn try_submit(what: impl FnOnce(&mut Recorder<'_>) -> Result<()>) -> Result<()> {
     let context = context().expect("there is a GPU");
     let mut encoder = context.device().create_command_encoder(&Default::default());
-    what(&mut context.recorder(&mut encoder)).expect("it fits");
+    what(&mut context.recorder(&mut encoder))?;
     context.queue().submit([encoder.finish()]);
+    Ok(())
 }
 
 /// Records `record` in a compute pass and submits it.
@@ -44,4 +50,27 @@ pub fn frame(head: Pose, dt: f32) -> HairFrame<'static> {
 /// Advances a groom by one frame.
 pub fn advance(hair: &mut Hair, frame: &HairFrame<'_>) {
     submit(|recorder| recorder.advance(hair, frame));
+}
+
+/// Advances characters by one frame.
+pub fn advance_characters(characters: &mut [&mut Character], dt: f32) {
+    let context = context().expect("there is a GPU");
+    let mut encoder = context.device().create_command_encoder(&Default::default());
+    context.frame(&mut encoder).advance(characters, dt).unwrap();
+    context.queue().submit([encoder.finish()]);
+}
+
+/// Draws characters with `view`: RGBA, rows from the top.
+pub fn draw_characters(view: &mut View, characters: &[&Character], picture: &Picture) -> Vec<u8> {
+    let context = context().expect("there is a GPU");
+    let output = view.targets().picture().clone();
+    let mut encoder = context.device().create_command_encoder(&Default::default());
+    context.frame(&mut encoder).draw(view, characters, picture, &output).unwrap();
+    context.queue().submit([encoder.finish()]);
+    pollster::block_on(view.targets().read()).unwrap()
+}
+
+/// Advances the guides of a groom by one frame.
+pub fn simulate(hair: &mut Hair, frame: &HairFrame<'_>) {
+    submit(|recorder| recorder.simulate(hair, frame));
 }

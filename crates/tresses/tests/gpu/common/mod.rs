@@ -2,19 +2,25 @@
 
 mod device;
 mod fixtures;
+mod skinned;
 
-pub use device::{advance, compute, context, frame, noop, submit};
+pub use device::{
+    advance, advance_characters, compute, context, draw_characters, frame, noop, simulate, submit, try_submit,
+};
 pub use fixtures::{SINTEL, asset, character, scalp, sintel};
+pub use skinned::{SkinnedHair, moved};
 
 use tresses::{
     Background, Body, Camera, Context, HairOptions, Picture, Pose, Result, View, ViewOptions,
     collide::ColliderDescriptor,
     glam::{Mat4, Quat, Vec3},
-    groom::{Groom, SdfGrid, Strands, TriMesh, bind},
+    groom::{Groom, SdfGrid, Strands, TriMesh, bind, bound::Strand},
     light::{Directional, Lights, MAX_LIGHTS, Shadows},
     low_level::{
-        Drawing, Hair, HairAsset, HairDescriptor, HairSet, StrandVertex, readback::blocking as readback,
+        Drawing, Hair, HairAsset, HairDescriptor, HairSet, StrandBuffers, StrandVertex, pack_tangent,
+        readback::blocking as readback,
     },
+    wgpu,
 };
 
 /// Creates strands on a sphere of radius 9 cm around the origin that stand off, bend, and hang down `length` meters.
@@ -87,25 +93,38 @@ pub fn shaken(t: f32, neck: Vec3) -> Pose {
     Pose::about(neck, Quat::from_rotation_y(30f32.to_radians() * yaw))
 }
 
+/// Reads the drawn vertices, strand after strand.
+pub fn vertices(hair: &Hair) -> Vec<StrandVertex> {
+    readback::buffer(context().expect("there is a GPU"), &hair.strands.vertices).unwrap()
+}
+
 /// Reads the positions of the drawn vertices, strand after strand.
 pub fn positions(hair: &Hair) -> Vec<Vec3> {
-    let context = context().expect("there is a GPU");
-    let read: Vec<StrandVertex> = readback::buffer(context, &hair.strands.vertices).unwrap();
-    read.iter().map(|vertex| vertex.position).collect()
+    vertices(hair).iter().map(|vertex| vertex.position).collect()
+}
+
+/// Reads the positions of the guides' vertices, vertex-major.
+pub fn guides(hair: &Hair) -> Vec<Vec3> {
+    let read: Vec<[f32; 4]> =
+        readback::buffer(context().expect("there is a GPU"), &hair.guides.current).unwrap();
+    read.iter().map(|position| Vec3::from_slice(position)).collect()
+}
+
+/// Reads the positions of the guides' vertices, guide after guide.
+pub fn guide_lines(hair: &Hair) -> Vec<Vec<Vec3>> {
+    let (all, count) = (guides(hair), hair.guides.count as usize);
+    (0..count).map(|guide| all.iter().skip(guide).step_by(count).copied().collect()).collect()
+}
+
+/// Returns the length of a line, meters.
+pub fn length(line: &[Vec3]) -> f32 {
+    line.windows(2).map(|w| w[0].distance(w[1])).sum()
 }
 
 /// Returns the largest distance between corresponding points, meters.
 pub fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
-}
-
-/// Returns the guides' rest positions in the layout of the GPU: vertex-major `vec4`s.
-pub fn vertex_major(groom: &Groom) -> Vec<[f32; 4]> {
-    let n = groom.guides.vertex_count as usize;
-    let g = groom.guides.len();
-    let at = |i: usize| groom.guides.positions[(i % g) * n + i / g];
-    (0..n * g).map(|i| at(i).extend(0.0).to_array()).collect()
 }
 
 /// Returns a cube around the origin with edges of 2·`half` meters.
@@ -121,6 +140,50 @@ pub fn cube(half: f32) -> TriMesh {
         ..Default::default()
     }
 }
+
+/// Returns a rectangle with these corners, in counterclockwise order as seen from its front.
+pub fn rectangle(corners: [Vec3; 4]) -> TriMesh {
+    let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
+    let (normals, triangles) = (vec![normal; 4], vec![[0, 1, 2], [0, 2, 3]]);
+    TriMesh { positions: corners.into(), normals, triangles, ..Default::default() }
+}
+
+/// Uploads strands of `vertex_count` vertices.
+pub fn upload(
+    context: &Context,
+    vertex_count: usize,
+    vertices: &[StrandVertex],
+    strands: &[Strand],
+) -> StrandBuffers {
+    let buffers = StrandBuffers::new(context, strands.len() as u32, vertex_count as u32).expect("fits");
+    context.queue().write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(vertices));
+    context.queue().write_buffer(&buffers.strands, 0, bytemuck::cast_slice(strands));
+    buffers
+}
+
+/// Creates straight strands of `radius` from their ends.
+pub fn segments(context: &Context, ends: &[[Vec3; 2]], radius: f32) -> HairSet {
+    let vertex = |position: Vec3, [a, b]: &[Vec3; 2]| {
+        let tangent = pack_tangent((*b - *a).normalize(), 1.0);
+        StrandVertex { position, tangent }
+    };
+    let vertices: Vec<_> = ends.iter().flat_map(|ends| ends.map(|end| vertex(end, ends))).collect();
+    let strand = |i: u32| Strand { radius, seed: i.wrapping_mul(0x9e37_79b9), root_color: 0, tip_color: 0 };
+    let strands: Vec<_> = (0..ends.len() as u32).map(strand).collect();
+    HairSet::new(context, &upload(context, 2, &vertices, &strands)).expect("fits")
+}
+
+/// A texture of one texel that shaders read. Tests replace the fields that matter to them.
+pub const TEXTURE: wgpu::TextureDescriptor<'static> = wgpu::TextureDescriptor {
+    label: Some("test"),
+    size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 },
+    mip_level_count: 1,
+    sample_count: 1,
+    dimension: wgpu::TextureDimension::D2,
+    format: wgpu::TextureFormat::Rgba16Float,
+    usage: wgpu::TextureUsages::TEXTURE_BINDING,
+    view_formats: &[],
+};
 
 /// Returns the settings of an image without lights and shadows, for tests of coverage.
 pub fn dark() -> Picture {
@@ -149,6 +212,12 @@ pub fn picture(
     let mut encoder = device.create_command_encoder(&Default::default());
     context.recorder(&mut encoder).draw_strands(hair, bodies, view, Drawing::new(picture)).expect("it fits");
     queue.submit([encoder.finish()]);
+    pollster::block_on(view.targets().read()).expect("a picture")
+}
+
+/// Renders `hair` and `bodies` with `view`: RGBA, rows from the top.
+pub fn drawn(view: &View, picture: &Picture, hair: &[&Hair], bodies: &[&Body]) -> Vec<u8> {
+    submit(|recorder| recorder.draw(hair, bodies, view, Drawing::new(picture)));
     pollster::block_on(view.targets().read()).expect("a picture")
 }
 

@@ -11,7 +11,7 @@ use tresses::{
     glam::Vec3,
     groom::{Groom, bind, import, srgb::linear},
     light::{Lights, Sphere},
-    low_level::{Drawing, Hair},
+    low_level::Hair,
 };
 
 const SIZE: [u32; 2] = [240, 200];
@@ -51,12 +51,10 @@ fn shown(context: &Context, mode: Mode, hair: &Hair, radii: f32, finer: u32) -> 
         tone: ToneMap { exposure: 1.0, shoulder: 1.0, desaturation: 0.0 },
         ..Default::default()
     };
-    let draw = || common::submit(|recorder| recorder.draw(&[hair], &[], &view, Drawing::new(&scene)));
-    draw();
+    let mut bytes = common::drawn(&view, &scene, &[hair], &[]);
     if !pollster::block_on(view.is_complete()).expect("a device") {
-        draw();
+        bytes = common::drawn(&view, &scene, &[hair], &[]);
     }
-    let bytes = pollster::block_on(view.targets().read()).expect("a picture");
     let texel = |x: u32, y: u32| -> [u8; 4] { bytes.as_chunks().0[(y * size[0] + x) as usize] };
     let mut alpha = 0.0;
     let gray = linear(GRAY);

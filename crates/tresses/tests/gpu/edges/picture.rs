@@ -42,7 +42,14 @@ impl<'a> Studio<'a> {
 
     /// Uploads `groom`.
     pub fn hair(&self, groom: &Groom) -> (HairSet, StrandBuffers) {
-        let strands = upload(self.context, groom);
+        let strand = |i: u32| Strand {
+            radius: groom.root_radius,
+            seed: (i + 1).wrapping_mul(0x9e37_79b9),
+            root_color: 0,
+            tip_color: 0,
+        };
+        let strands: Vec<_> = (0..groom.count() as u32).map(strand).collect();
+        let strands = common::upload(self.context, groom.vertices, &vertices(groom), &strands);
         (HairSet::new(self.context, &strands).expect("fits"), strands)
     }
 
@@ -75,33 +82,18 @@ impl<'a> Studio<'a> {
     }
 }
 
-fn upload(context: &Context, groom: &Groom) -> StrandBuffers {
-    let n = groom.vertices;
-    let buffers = StrandBuffers::new(context, groom.count() as u32, n as u32).expect("fits");
-    write(context, groom, &buffers);
-    buffers
+/// Returns the vertices of `groom` as the GPU reads them.
+fn vertices(groom: &Groom) -> Vec<StrandVertex> {
+    let vertex = |i: usize| StrandVertex {
+        position: groom.points[i],
+        tangent: pack_tangent(groom.tangent(i), groom.radius(i) / groom.root_radius),
+    };
+    (0..groom.points.len()).map(vertex).collect()
 }
 
 /// Writes the vertices of `groom` into `buffers`.
 pub fn write(context: &Context, groom: &Groom, buffers: &StrandBuffers) {
-    let n = groom.vertices;
-    let vertices: Vec<_> = (0..groom.points.len())
-        .map(|i| StrandVertex {
-            position: groom.points[i],
-            tangent: pack_tangent(groom.tangent(i), groom.radius(i) / groom.root_radius),
-        })
-        .collect();
-    let infos: Vec<_> = (0..groom.count() as u32)
-        .map(|i| Strand {
-            radius: groom.root_radius,
-            seed: (i + 1).wrapping_mul(0x9e37_79b9),
-            root_color: 0,
-            tip_color: 0,
-        })
-        .collect();
-    assert_eq!(vertices.len(), infos.len() * n);
-    context.queue().write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices));
-    context.queue().write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&infos));
+    context.queue().write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices(groom)));
 }
 
 /// Returns the sum of alpha, pixels.

@@ -17,7 +17,7 @@ impl Setup {
         for i in 0..=frames {
             let origin = ray.origin + way * (i as f32 / frames as f32);
             hair.brush(brush, &Ray { origin, ..*ray }).unwrap();
-            self.advance(&mut hair, Pose::IDENTITY, 1.0 / fps, &[]);
+            self.advance(&mut hair, Pose::IDENTITY, 1.0 / fps);
         }
         [before, self.guides(&hair)]
     }
@@ -29,7 +29,7 @@ impl Setup {
         is_near: impl Fn(Vec3) -> bool,
         value: impl Fn(Vec3) -> f32,
     ) -> [f32; 2] {
-        let free = 2 * self.groom.guides.len()..before.len();
+        let free = 2 * self.character.groom.guides.len()..before.len();
         let near: Vec<usize> = free.filter(|i| is_near(before[*i])).collect();
         assert!(near.len() > 5, "{} vertices are near", near.len());
         [before, after].map(|all| near.iter().map(|i| value(all[*i])).sum::<f32>() / near.len() as f32)
@@ -43,7 +43,7 @@ fn is_under(ray: &Ray, radius: f32) -> impl Fn(Vec3) -> bool + use<> {
 
 #[test]
 fn comb_drags_the_hair_under_it_and_no_other() {
-    let Some(stage) = Setup::open() else { return };
+    let Some(stage) = Setup::new() else { return };
     let way = Vec3::new(-0.05, 0.0, 0.0);
     let swept = stage.swept(&BRUSH, &BESIDE, way, (60.0, 0.25));
     let [before, after] = stage.means(&swept, is_under(&BESIDE, 0.02), |p| p.x);
@@ -55,7 +55,7 @@ fn comb_drags_the_hair_under_it_and_no_other() {
     let mut control = stage.hair();
     stage.still(&mut control, 16);
     let control = stage.guides(&control);
-    let count = stage.groom.guides.len();
+    let count = stage.character.groom.guides.len();
     for guide in 0..count {
         let vertices = || (0..control.len() / count).map(|j| j * count + guide);
         let is_far = vertices().all(|i| swept[0][i].x < -0.02 || swept[0][i].z < -0.06);
@@ -66,7 +66,7 @@ fn comb_drags_the_hair_under_it_and_no_other() {
 
 #[test]
 fn effects_move_hair_as_they_say() {
-    let Some(stage) = Setup::open() else { return };
+    let Some(stage) = Setup::new() else { return };
     let near = |ray: &Ray| is_under(ray, 0.025);
     let change = |effect, ray: &Ray, value: &dyn Fn(Vec3) -> f32| {
         let brush = MotionBrush { effect, ..BRUSH };
@@ -90,7 +90,7 @@ fn effects_move_hair_as_they_say() {
 
 #[test]
 fn mirrored_brush_acts_on_both_sides() {
-    let Some(stage) = Setup::open() else { return };
+    let Some(stage) = Setup::new() else { return };
     let brush = MotionBrush { mirror: Some((Vec3::ZERO, Vec3::X)), ..BRUSH };
     let other = Ray { origin: BESIDE.origin * Vec3::new(-1.0, 1.0, 1.0), ..BESIDE };
     let way = Vec3::NEG_X * 0.03;
@@ -108,7 +108,7 @@ fn mirrored_brush_acts_on_both_sides() {
 
 #[test]
 fn stroke_is_the_same_at_any_frame_rate() {
-    let Some(stage) = Setup::open() else { return };
+    let Some(stage) = Setup::new() else { return };
     let pushed = |fps| stage.swept(&BRUSH, &BESIDE, Vec3::new(-0.03, 0.02, 0.0), (fps, 0.5))[1].clone();
     let reference = pushed(60.0);
     assert!(pushed(60.0) == reference, "not the same twice");
@@ -123,7 +123,7 @@ fn stroke_is_the_same_at_any_frame_rate() {
 
 #[test]
 fn brush_beside_the_hair_changes_nothing() {
-    let Some(stage) = Setup::open() else { return };
+    let Some(stage) = Setup::new() else { return };
     let mut control = stage.hair();
     stage.still(&mut control, 13);
     let control = stage.guides(&control);

@@ -44,11 +44,11 @@ fn level_changes_do_not_pop() {
     let start = hair.lod.diameter() / hair.lod.options.strand_width;
     // 3 % per frame, across an octave.
     let details: Vec<_> = (0..16).map(|i| hair.lod.detail(1.6 * start * 1.03f32.powi(i), 100.0)).collect();
-    let all = steps(stage, &mut hair, &details);
+    let all = steps(&stage, &mut hair, &details);
     let mut octaves = octaves(&hair, &details);
     // Equal levels give equal images.
     octaves.dedup_by_key(|detail| detail.pixel.to_bits());
-    let mut coming = steps(stage, &mut hair, &octaves);
+    let mut coming = steps(&stage, &mut hair, &octaves);
     coming.extend(&all);
     println!("largest step over median {:.2}, with octaves of strands {:.2}", jump(&all), jump(&coming));
     assert!(jump(&all) < 3.5 && jump(&coming) > 5.0, "{all:?} {coming:?}");
@@ -70,7 +70,7 @@ fn many_level_changes_do_not_pop() {
     assert!((first.strands, first.width, first.segments) == (5000, 1.0, 31.0), "{first:?}");
     assert!(last.strands < 1100 && last.segments < 26.0, "{last:?}");
     // The first frames are at full detail and do not change.
-    let all = steps(stage, &mut hair, &details);
+    let all = steps(&stage, &mut hair, &details);
     let moving: Vec<_> = all.iter().copied().skip_while(|step| *step == 0.0).collect();
     println!("{} frames, largest step over median {:.2}", moving.len(), jump(&moving));
     assert!(moving.len() < 66 && jump(&moving) < 3.5, "{moving:?}");
@@ -78,12 +78,12 @@ fn many_level_changes_do_not_pop() {
     let finer: Vec<_> = (0..16).map(|i| hair.lod.detail(1.6 * start * 1.005f32.powi(i), 100.0)).collect();
     let coarser: Vec<_> = (0..8).map(|i| hair.lod.detail(1.6 * start * 1.02f32.powi(i), 100.0)).collect();
     let mean = |steps: &[f32]| steps.iter().sum::<f32>() / steps.len() as f32;
-    let ratio = mean(&steps(stage, &mut hair, &coarser)) / mean(&steps(stage, &mut hair, &finer));
+    let ratio = mean(&steps(&stage, &mut hair, &coarser)) / mean(&steps(&stage, &mut hair, &finer));
     println!("four times the step, {ratio:.2} times the difference");
     assert!(ratio > 2.0, "{ratio}");
     // Strands that are added an octave at a time are detected.
     let octaves = octaves(&hair, &details);
-    let mut coming = steps(stage, &mut hair, &octaves);
+    let mut coming = steps(&stage, &mut hair, &octaves);
     coming.retain(|step| *step > 0.0);
     coming.extend(moving);
     println!("with octaves of strands {:.2}", jump(&coming));
@@ -94,7 +94,7 @@ fn many_level_changes_do_not_pop() {
 fn longer_steps_keep_the_motion() {
     let Some(stage) = Setup::open() else { return };
     let groom = bind(&common::hanging(120, 16, 0.25), &Default::default()).unwrap();
-    slower_steps(stage, &groom, &common::ball(0.09, 48), 30.0);
+    slower_steps(&stage, &groom, &common::ball(0.09, 48), 30.0);
 }
 
 /// Prints the figures of docs/validation/levels.md.
@@ -103,7 +103,7 @@ fn longer_steps_keep_the_motion() {
 fn longer_steps_keep_the_motion_of_a_style() {
     let Some(stage) = Setup::open() else { return };
     let (groom, field) = Setup::style("long", 600);
-    slower_steps(stage, &groom, &field, 60.0);
+    slower_steps(&stage, &groom, &field, 60.0);
 }
 
 fn slower_steps(stage: &Setup, groom: &Groom, field: &SdfGrid, degrees: f32) {
@@ -120,7 +120,7 @@ fn slower_steps(stage: &Setup, groom: &Groom, field: &SdfGrid, degrees: f32) {
                 let t = i as f32 / 60.0;
                 hair.set_detail(Detail { step: slow(t), ..full });
                 stage.advance(&mut hair, pose(t), 1.0 / 60.0);
-                stage.vertices(&hair)
+                common::vertices(&hair)
             })
             .collect::<Vec<_>>()
     };

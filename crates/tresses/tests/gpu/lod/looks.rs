@@ -115,10 +115,10 @@ fn coverage_and_luminance_stay_at_a_distance() {
     let Some(stage) = Setup::open() else { return };
     let (groom, _) = Setup::style("long", 3000);
     let mut hair = [stage.hair(&groom, None)];
-    check(stage, "long", &mut hair, &[16.0]);
+    check(&stage, "long", &mut hair, &[16.0]);
     let [hair] = &mut hair;
     // Strands that are not widened are detected.
-    let [thin, _] = errors(stage, hair, 16.0, 2, |detail| detail.width = 1.0);
+    let [thin, _] = errors(&stage, hair, 16.0, 2, |detail| detail.width = 1.0);
     assert!(thin < -MOST, "{thin}");
 }
 
@@ -163,12 +163,12 @@ fn coverage_and_luminance_stay_at_any_distance() {
     let Some(stage) = Setup::open() else { return };
     let mut hairs =
         [1, 2, 3, 4].map(|seed| stage.grown(&Style::default().with_seed(seed), 5000, LodOptions::default()));
-    check(stage, "long", &mut hairs, ALL);
+    check(&stage, "long", &mut hairs, ALL);
     // Strands that are not widened are detected, and so is light that meets less hair.
     let hair = &mut hairs[0];
-    let [thin, _] = errors(stage, hair, 8.0, 2, |detail| detail.width = 1.0);
+    let [thin, _] = errors(&stage, hair, 8.0, 2, |detail| detail.width = 1.0);
     assert!(thin < -MOST, "{thin}");
-    let [_, lit] = errors(stage, hair, 8.0, 2, |detail| detail.area *= 0.7);
+    let [_, lit] = errors(&stage, hair, 8.0, 2, |detail| detail.area *= 0.7);
     assert!(lit > MOST, "{lit}");
 }
 
@@ -178,40 +178,31 @@ fn coverage_and_luminance_stay_at_any_distance() {
 fn heads_of_a_crowd_keep_coverage_and_luminance() {
     let Some(stage) = Setup::open() else { return };
     let mut hair = [stage.grown(&Style::default(), 5000, LodOptions::CROWD)];
-    check(stage, "long of a crowd", &mut hair, &[2.0, 4.0, 6.5, 10.0, 16.0, 25.0, 40.0]);
+    check(&stage, "long of a crowd", &mut hair, &[2.0, 4.0, 6.5, 10.0, 16.0, 25.0, 40.0]);
 }
 
-/// Checks grooms with more strands than in the other tests.
-fn check_many(stage: &Setup, options: LodOptions) {
-    let each = [10_000, 30_000].map(|strands| {
-        let mut hair = [stage.grown(&Style::default(), strands, options)];
-        beyond(stage, &format!("long of {strands}"), &mut hair, &[4.0, 6.5, 16.0])
-    });
-    assert!(each.concat().is_empty(), "{each:?}");
-}
-
+/// More strands than in the other tests, alone and in a crowd.
 #[test]
 #[ignore = "proof"]
 fn more_strands_keep_coverage_and_luminance() {
     let Some(stage) = Setup::open() else { return };
-    check_many(stage, LodOptions::default());
-}
-
-#[test]
-#[ignore = "proof"]
-fn more_strands_of_a_crowd_keep_coverage_and_luminance() {
-    let Some(stage) = Setup::open() else { return };
-    check_many(stage, LodOptions::CROWD);
+    for options in [LodOptions::default(), LodOptions::CROWD] {
+        let each = [10_000, 30_000].map(|strands| {
+            let mut hair = [stage.grown(&Style::default(), strands, options)];
+            beyond(&stage, &format!("long of {strands}"), &mut hair, &[4.0, 6.5, 16.0])
+        });
+        assert!(each.concat().is_empty(), "{each:?}");
+    }
 }
 
 #[test]
 #[ignore = "proof"]
 fn other_styles_keep_coverage_and_luminance() {
     let Some(stage) = Setup::open() else { return };
-    let (groom, _) = Setup::style("short", 5000);
-    check(stage, "short", &mut [stage.hair(&groom, None)], ALL);
-    let (groom, _) = Setup::style("curly", 5000);
-    check(stage, "curly", &mut [stage.hair(&groom, None)], ALL);
+    for name in ["short", "curly"] {
+        let (groom, _) = Setup::style(name, 5000);
+        check(&stage, name, &mut [stage.hair(&groom, None)], ALL);
+    }
 }
 
 #[test]
@@ -225,6 +216,6 @@ fn real_grooms_keep_coverage_and_luminance() {
         let Some(files) = files.iter().map(common::asset).collect::<Option<Vec<_>>>() else { continue };
         let (strands, _) = import::read(&files, &Default::default()).unwrap();
         let groom = bind(&strands, &Default::default()).unwrap();
-        check(stage, name, &mut [stage.hair(&groom, None)], ALL);
+        check(&stage, name, &mut [stage.hair(&groom, None)], ALL);
     }
 }

@@ -6,7 +6,7 @@ use tresses::{
     glam::Vec3,
     groom::{Groom, SdfGrid, srgb::linear, styles::Style},
     light::{Lights, Sphere},
-    low_level::{Detail, Drawing, Hair, StrandVertex, readback::blocking as readback},
+    low_level::{Detail, Hair},
     renderer::Renderer,
 };
 
@@ -21,9 +21,8 @@ pub struct Setup {
 }
 
 impl Setup {
-    pub fn open() -> Option<&'static Self> {
-        static SETUPS: tresses_testing::Pool<Setup> = tresses_testing::Pool::new();
-        SETUPS.get(|| Some(Self { context: common::context()? }))
+    pub fn open() -> Option<Self> {
+        Some(Self { context: common::context()? })
     }
 
     pub fn style(name: &str, strands: u32) -> (Groom, SdfGrid) {
@@ -51,10 +50,6 @@ impl Setup {
 
     pub fn advance(&self, hair: &mut Hair, head: Pose, dt: f32) {
         common::advance(hair, &common::frame(head, dt));
-    }
-
-    pub fn vertices(&self, hair: &Hair) -> Vec<StrandVertex> {
-        readback::buffer(self.context, &hair.strands.vertices).unwrap()
     }
 
     /// Renders the hair at `detail` into a square image of `size` pixels that it fills: linear, premultiplied.
@@ -86,9 +81,8 @@ impl Setup {
         if shot.fits {
             view.fit_light((&scene, 0.0), [1, 0]);
         }
-        common::submit(|recorder| recorder.draw(&[&*hair], &[], &view, Drawing::new(&scene)));
         let linear = |byte: u8| linear(f32::from(byte) / 255.0);
-        let bytes = pollster::block_on(view.targets().read()).unwrap();
+        let bytes = common::drawn(&view, &scene, &[&*hair], &[]);
         let pixel = |p: &[u8; 4]| [linear(p[0]), linear(p[1]), linear(p[2]), f32::from(p[3]) / 255.0];
         bytes.as_chunks::<4>().0.iter().map(pixel).collect()
     }

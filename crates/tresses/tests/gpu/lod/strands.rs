@@ -5,15 +5,21 @@ use crate::common;
 use tresses::{
     LodLevel, LodMode, Pose,
     glam::{Quat, Vec3},
-    groom::{bind, scalp::ScalpMap},
+    groom::{Groom, bind, scalp::ScalpMap},
     low_level::{Detail, Hair, HairAsset, HairDescriptor, lod::arrange, readback::blocking as readback},
 };
+
+/// Creates hanging strands in the order in which `Hair` stores them.
+fn arranged(count: usize, length: f32) -> Groom {
+    let mut groom = bind(&common::hanging(count, 16, length), &Default::default()).unwrap();
+    arrange(&mut groom.strands);
+    groom
+}
 
 #[test]
 fn strands_with_fewer_vertices_keep_their_shape() {
     let Some(stage) = Setup::open() else { return };
-    let mut groom = bind(&common::hanging(400, 16, 0.2), &Default::default()).unwrap();
-    arrange(&mut groom.strands);
+    let groom = arranged(400, 0.2);
     let mut hair = stage.hair(&groom, None);
     let full = *hair.lod.current();
     for segments in [15.0, 14.5, 7.4, 3.0, 1.0] {
@@ -21,7 +27,7 @@ fn strands_with_fewer_vertices_keep_their_shape() {
         stage.advance(&mut hair, Pose::IDENTITY, 0.0);
         let drawn = hair.strands.drawn;
         assert_eq!((drawn.count, drawn.vertex_count), (300, segments.ceil() as u32 + 1));
-        let vertices = stage.vertices(&hair);
+        let vertices = common::vertices(&hair);
         for (i, strand) in vertices.chunks(drawn.vertex_count as usize).take(300).enumerate() {
             let rest: Vec<_> = groom.strands.rest_positions(i).collect();
             let expected = tresses::low_level::lod::resample(&rest, segments);
@@ -39,8 +45,7 @@ fn strands_with_fewer_vertices_keep_their_shape() {
 #[test]
 fn strands_that_return_start_without_a_hit() {
     let Some(stage) = Setup::open() else { return };
-    let mut groom = bind(&common::hanging(600, 16, 0.16), &Default::default()).unwrap();
-    arrange(&mut groom.strands);
+    let groom = arranged(600, 0.16);
     let field = common::ball(0.09, 64);
     let mut hair = stage.hair(&groom, Some(&field));
     let context = stage.context;
@@ -73,8 +78,7 @@ fn strands_that_return_start_without_a_hit() {
 #[test]
 fn painted_levels_act_where_they_are_painted() {
     let Some(stage) = Setup::open() else { return };
-    let mut groom = bind(&common::hanging(400, 16, 0.2), &Default::default()).unwrap();
-    arrange(&mut groom.strands);
+    let groom = arranged(400, 0.2);
     let context = stage.context;
     let side =
         |left: f32, right: f32| Some(ScalpMap::from_fn(64, move |uv| if uv.x > 0.5 { left } else { right }));

@@ -61,9 +61,6 @@ impl Tangle {
             }
             strands.push(Strand { radius: most, seed: pcg(i as u32), root_color: 0, tip_color: 0 });
         }
-        let buffers = StrandBuffers::new(context, self.len() as u32, n as u32).expect("fits");
-        context.queue().write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices));
-        context.queue().write_buffer(&buffers.strands, 0, bytemuck::cast_slice(&strands));
-        buffers
+        crate::common::upload(context, n, &vertices, &strands)
     }
 }

@@ -1,7 +1,7 @@
 //! Hair that is carried through the world: lifts, free fall, carousels, rotating frames, moving air.
 
 use super::{
-    lab::{Lab, bare, lab, straight},
+    lab::{Lab, bare, straight},
     table::{Row, at_most, judge, near},
 };
 use crate::common;
@@ -9,7 +9,7 @@ use tresses::{
     HairHair, HairOptions, Pose, RestOptions, RestShape, RootToTip, SimulationParams, Space, Velocity, Wind,
     glam::{DQuat, DVec3, Vec3},
     groom::{BindOptions, Groom, GuideCount, Strands, bind},
-    low_level::{Hair, HairFrame, readback::blocking as readback},
+    low_level::{Hair, HairFrame},
 };
 
 const G: f64 = 9.81;
@@ -18,7 +18,6 @@ const SLOW: f64 = 7.5;
 
 /// Strands that are their own guides, on a head at the origin of a space.
 struct Rider {
-    lab: &'static Lab,
     hair: Hair,
     groom: Groom,
     params: SimulationParams,
@@ -40,7 +39,7 @@ impl Rider {
         let options = HairOptions { simulation: params, rest, ..Default::default() };
         let context = lab.context;
         let hair = common::hair(context, &groom, &options, None).unwrap();
-        Self { lab, hair, groom, params, fps, head: Pose::IDENTITY, frames: 0 }
+        Self { hair, groom, params, fps, head: Pose::IDENTITY, frames: 0 }
     }
 
     /// Returns the time of the next frame, s.
@@ -51,9 +50,8 @@ impl Rider {
     /// Advances by a frame in `space`.
     fn ride(&mut self, space: &Space) {
         let dt = if self.frames == 0 { 0.0 } else { 1.0 / self.fps as f32 };
-        let frame =
-            HairFrame { dt, head: self.head, simulation: &self.params, space: *space, ..Default::default() };
-        common::submit(|recorder| recorder.simulate(&mut self.hair, &frame));
+        let (simulation, space) = (&self.params, *space);
+        common::simulate(&mut self.hair, &HairFrame { simulation, space, ..common::frame(self.head, dt) });
         self.frames += 1;
     }
 
@@ -66,10 +64,7 @@ impl Rider {
 
     /// Returns the guides relative to the origin of the space, in the axes that it had at the start.
     fn guides(&self) -> Vec<Vec<Vec3>> {
-        let context = self.lab.context;
-        let all: Vec<[f32; 4]> = readback::buffer(context, &self.hair.guides.current).unwrap();
-        let count = self.groom.guides.len();
-        (0..count).map(|g| all.iter().skip(g).step_by(count).map(|v| Vec3::from_slice(v)).collect()).collect()
+        common::guide_lines(&self.hair)
     }
 }
 
@@ -108,15 +103,14 @@ fn journey(lab: &'static Lab, space: &dyn Fn(f64) -> Space, folded: bool) -> Vec
             space.at = DVec3::ZERO;
         }
         let dt = if i == 0 { 0.0 } else { 1.0 / 60.0 };
-        let frame = HairFrame { dt, head, simulation: &rider.params, space, ..Default::default() };
-        common::submit(|recorder| recorder.advance(&mut rider.hair, &frame));
+        let frame = HairFrame { simulation: &rider.params, space, ..common::frame(head, dt) };
+        common::advance(&mut rider.hair, &frame);
     }
     // The drawn strands relative to the head.
-    let context = lab.context;
-    let drawn: Vec<[f32; 4]> = readback::buffer(context, &rider.hair.strands.vertices).unwrap();
     let back = head.inverse();
     let n = rider.hair.strands.vertex_count as usize;
-    drawn.chunks(n).map(|strand| strand.iter().map(|v| back.point(Vec3::from_slice(v))).collect()).collect()
+    let drawn = common::positions(&rider.hair);
+    drawn.chunks(n).map(|strand| strand.iter().map(|p| back.point(*p)).collect()).collect()
 }
 
 fn places(lab: &'static Lab, fault: bool) -> Vec<Row> {
@@ -144,8 +138,7 @@ fn places(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 fn motion_is_the_same_at_any_place() {
-    let Some(lab) = lab() else { return };
-    judge("places", |fault| places(lab, fault));
+    judge("places", places);
 }
 
 fn lifts(lab: &'static Lab, fault: bool) -> Vec<Row> {
@@ -182,8 +175,7 @@ fn lifts(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 fn accelerating_lifts_change_weight() {
-    let Some(lab) = lab() else { return };
-    judge("lifts", |fault| lifts(lab, fault));
+    judge("lifts", lifts);
 }
 
 fn falls(lab: &'static Lab, fault: bool) -> Vec<Row> {
@@ -210,8 +202,7 @@ fn falls(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 fn hair_in_a_falling_space_has_no_weight() {
-    let Some(lab) = lab() else { return };
-    judge("falls", |fault| falls(lab, fault));
+    judge("falls", falls);
 }
 
 fn carousel(lab: &'static Lab, fault: bool) -> Vec<Row> {
@@ -259,8 +250,7 @@ fn carousel(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 fn carousels_lift_pendulums() {
-    let Some(lab) = lab() else { return };
-    judge("carousel", |fault| carousel(lab, fault));
+    judge("carousel", carousel);
 }
 
 fn foucault(lab: &'static Lab, fault: bool) -> Vec<Row> {
@@ -312,8 +302,7 @@ fn foucault(lab: &'static Lab, fault: bool) -> Vec<Row> {
 #[test]
 #[ignore = "proof"]
 fn swing_plane_turns_as_in_foucaults_pendulum() {
-    let Some(lab) = lab() else { return };
-    judge("foucault", |fault| foucault(lab, fault));
+    judge("foucault", foucault);
 }
 
 fn drive(lab: &'static Lab, fault: bool) -> Vec<Row> {
@@ -344,6 +333,5 @@ fn drive(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 fn hair_in_a_moving_space_feels_wind() {
-    let Some(lab) = lab() else { return };
-    judge("drive", |fault| drive(lab, fault));
+    judge("drive", drive);
 }

@@ -6,10 +6,9 @@ use crate::common;
 use std::collections::HashSet;
 use tresses::{
     Context, HairHair, HairOptions, Pose, RestOptions, SimulationParams,
-    collide::ColliderPoses,
     glam::{IVec3, Quat, Vec3},
     groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind},
-    low_level::{HairFrame, readback::blocking as readback},
+    low_level::HairFrame,
 };
 
 /// Edge of the voxels in which guides are counted, meters.
@@ -97,11 +96,8 @@ fn shake(context: &Context, groom: &Groom, simulation: SimulationParams, support
     let mut hair = common::hair(context, groom, &options, Some(&head)).unwrap();
     let count = hair.guides.count as usize;
     let mut advance = |dt: f32, head: Pose| -> Vec<Vec3> {
-        let poses = ColliderPoses::default();
-        let frame = HairFrame { dt, head, colliders: &poses, simulation: &simulation, ..Default::default() };
-        common::submit(|recorder| recorder.simulate(&mut hair, &frame));
-        let all: Vec<[f32; 4]> = readback::buffer(context, &hair.guides.current).unwrap();
-        all.iter().map(|v| Vec3::from_slice(v)).collect()
+        common::simulate(&mut hair, &HairFrame { simulation: &simulation, ..common::frame(head, dt) });
+        common::guides(&hair)
     };
     let rest = advance(0.0, common::shaken(0.0, NECK));
     let full = voxels(&rest, count, &common::shaken(0.0, NECK));
@@ -157,6 +153,5 @@ fn held(context: &Context, fault: bool) -> Vec<Row> {
 #[test]
 #[ignore = "proof"]
 fn support_and_cohesion_keep_the_volume() {
-    let Some(context) = common::context() else { return };
-    judge("hold", |fault| held(context, fault));
+    judge("hold", |lab, fault| held(lab.context, fault));
 }

@@ -1,7 +1,7 @@
 //! Dry friction: hair on an incline, and around a cylinder.
 
 use super::{
-    lab::{Experiment, Lab, bare, head_at, lab, straight},
+    lab::{Experiment, Lab, bare, head_at, straight},
     table::{Row, at_most, judge, near},
 };
 use std::f32::consts::PI;
@@ -82,8 +82,7 @@ fn incline(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 pub fn hair_sticks_until_the_incline_is_too_steep() {
-    let Some(lab) = lab() else { return };
-    judge("incline", |fault| incline(lab, fault));
+    judge("incline", incline);
 }
 
 /// Returns a hair that comes up from its root on the left, passes over a cylinder along z around the origin, and hangs
@@ -148,6 +147,5 @@ fn capstan(lab: &'static Lab, fault: bool) -> Vec<Row> {
 #[test]
 #[ignore = "proof"]
 fn hair_around_a_cylinder_follows_the_capstan_equation() {
-    let Some(lab) = lab() else { return };
-    judge("capstan", |fault| capstan(lab, fault));
+    judge("capstan", capstan);
 }

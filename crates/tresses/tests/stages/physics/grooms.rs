@@ -4,7 +4,10 @@ use super::{
     lab::{Experiment, Lab, lab, length},
     table::{Row, at_most, judge},
 };
-use crate::common;
+use crate::{
+    common,
+    moving::{SHAKE, angle},
+};
 use tresses::{
     Pose, RestShape, SimulationParams, drape,
     glam::{Quat, Vec3},
@@ -94,18 +97,6 @@ fn report(what: &str, away: &[f32]) {
     );
 }
 
-/// Returns the motion of a head that is shaken, then held still.
-fn shake(neck: Vec3) -> impl Fn(f32) -> Pose {
-    let keys = [(0.0, 0.0), (0.2, 30.0), (0.5, -30.0), (0.8, 30.0), (1.1, -30.0), (1.3, 0.0), (9.0, 0.0f32)];
-    move |t: f32| {
-        let i = keys.iter().rposition(|k| k.0 <= t).unwrap().min(keys.len() - 2);
-        let (a, b) = (keys[i], keys[i + 1]);
-        let x = ((t - a.0) / (b.0 - a.0)).clamp(0.0, 1.0);
-        let x = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
-        Pose::about(neck, Quat::from_rotation_y((a.1 + (b.1 - a.1) * x).to_radians()))
-    }
-}
-
 fn rest(lab: &'static Lab, subjects: impl IntoIterator<Item = Subject>, fault: bool) -> Vec<Row> {
     let mut rows = Vec::new();
     for s in subjects {
@@ -137,7 +128,7 @@ fn print_drift_after_a_shake() {
             raised.len(),
             s.strands.len()
         );
-        e.moved(3.3, shake(s.neck));
+        e.moved(3.3, |t| Pose::about(s.neck, Quat::from_rotation_y(angle(SHAKE, t))));
         report(&format!("{}, 2 s after it was shaken", s.name), &away(&e, &Pose::IDENTITY));
     }
 }
@@ -165,8 +156,7 @@ const UNIT: &str = "% of its length";
 #[test]
 #[ignore = "proof"]
 fn all_grooms_at_rest_do_not_drift() {
-    let Some(lab) = lab() else { return };
-    judge("rest", |fault| match fault {
+    judge("rest", |lab, fault| match fault {
         true => rest(lab, [style(lab, "bob")], true),
         false => rest(lab, Style::NAMES.map(|name| style(lab, name)).into_iter().chain(sintel()), false),
     });

@@ -2,9 +2,10 @@
 
 use super::{
     grooms::{Subject, style},
-    lab::{Experiment, Lab, lab, length},
+    lab::{Experiment, Lab, length},
     table::{Row, at_most, judge, judge_some},
 };
+use crate::moving::{Keys, angle};
 use tresses::{
     Pose, RestShape, SimulationParams,
     glam::{Quat, Vec3},
@@ -19,15 +20,8 @@ struct Variant {
     params: SimulationParams,
 }
 
-/// Returns the head's pose at time `t`: it looks left, right and straight ahead, until 2 s.
-fn turn(neck: Vec3, t: f32) -> Pose {
-    let keys = [(0.0, 0.0), (0.3, 45.0), (0.7, 45.0), (1.2, -45.0), (1.6, -45.0), (2.0, 0.0), (9.0, 0.0f32)];
-    let i = keys.iter().rposition(|k| k.0 <= t).unwrap().min(keys.len() - 2);
-    let (a, b) = (keys[i], keys[i + 1]);
-    let x = ((t - a.0) / (b.0 - a.0)).clamp(0.0, 1.0);
-    let x = x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
-    Pose::about(neck, Quat::from_rotation_y((a.1 + (b.1 - a.1) * x).to_radians()))
-}
+/// Yaw of a head that looks left, right and straight ahead.
+const TURN: Keys = &[(0.0, 0.0), (0.3, 45.0), (0.7, 45.0), (1.2, -45.0), (1.6, -45.0), (2.0, 0.0)];
 
 /// Returns the middle and the tip of each guide when the head has stopped, and two seconds later.
 fn run(lab: &'static Lab, subject: &Subject, variant: Variant) -> [Vec<[Vec3; 2]>; 2] {
@@ -35,7 +29,7 @@ fn run(lab: &'static Lab, subject: &Subject, variant: Variant) -> [Vec<[Vec3; 2]
     let strands: Vec<_> = subject.strands.iter().map(|s| curve::resample(s, vertices)).collect();
     let mut e =
         Experiment::new(lab, &strands, &subject.traits, params, RestShape::SagFree, Some(&subject.field));
-    let pose = |i: u32| turn(subject.neck, i as f32 / fps as f32);
+    let pose = |i: u32| Pose::about(subject.neck, Quat::from_rotation_y(angle(TURN, i as f32 / fps as f32)));
     e.frame(0.0, pose(0));
     let mut until = |from: u32, to: u32| -> Vec<[Vec3; 2]> {
         for i in from * fps + 1..=to * fps {
@@ -100,14 +94,12 @@ fn independence(lab: &'static Lab, names: &[&str], fault: bool) -> Vec<Row> {
 
 #[test]
 fn motion_is_independent_of_the_frame_rate() {
-    let Some(lab) = lab() else { return };
-    judge_some("independence", |fault| independence(lab, &["30 frames per second"], fault));
+    judge_some("independence", |lab, fault| independence(lab, &["30 frames per second"], fault));
 }
 
 #[test]
 #[ignore = "proof"]
 fn motion_is_independent_of_the_discretization() {
-    let Some(lab) = lab() else { return };
     let quick = ["16 vertices", "30 frames per second", "steps of 1/120 s in 2", "8 substeps"];
-    judge("independence", |fault| independence(lab, if fault { &quick } else { &[] }, fault));
+    judge("independence", |lab, fault| independence(lab, if fault { &quick } else { &[] }, fault));
 }

@@ -9,7 +9,7 @@ mod cohesion;
 mod friction;
 mod grooms;
 mod independence;
-mod lab;
+pub mod lab;
 mod robust;
 mod shapes;
 mod squeeze;

@@ -1,7 +1,7 @@
 //! Failures that must never occur: energy from nothing, and strands that stretch, tear or become NaN.
 
 use super::{
-    lab::{Experiment, Lab, bare, head_at, lab, length, step, straight, strain},
+    lab::{Experiment, Lab, bare, head_at, length, step, straight, strain},
     table::{Row, at_most, judge},
 };
 use std::f32::consts::TAU;
@@ -98,8 +98,7 @@ fn energies(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 fn energy_never_rises() {
-    let Some(lab) = lab() else { return };
-    judge("energy", |fault| energies(lab, fault));
+    judge("energy", energies);
 }
 
 /// Returns the strands of the following cases.
@@ -167,8 +166,7 @@ fn lengths(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 pub fn shaking_and_shocks_do_not_stretch_hair() {
-    let Some(lab) = lab() else { return };
-    judge("lengths", |fault| lengths(lab, fault));
+    judge("lengths", lengths);
 }
 
 fn teleport(lab: &'static Lab, fault: bool) -> Vec<Row> {
@@ -202,8 +200,7 @@ fn teleport(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 fn teleports_carry_the_hair() {
-    let Some(lab) = lab() else { return };
-    judge("teleport", |fault| teleport(lab, fault));
+    judge("teleport", teleport);
 }
 
 fn spikes(lab: &'static Lab, fault: bool) -> Vec<Row> {
@@ -232,8 +229,7 @@ fn spikes(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 fn long_frames_do_not_stretch_hair() {
-    let Some(lab) = lab() else { return };
-    judge("spikes", |fault| spikes(lab, fault));
+    judge("spikes", spikes);
 }
 
 /// Runs this many steps with a head that is shaken and turned in a storm. The row is the largest strain.
@@ -256,7 +252,5 @@ fn storm(lab: &'static Lab, fault: bool, steps: usize) -> Vec<Row> {
 #[test]
 #[ignore = "proof"]
 fn a_million_steps_in_a_storm_do_not_stretch_hair() {
-    let Some(lab) = lab() else { return };
-    let steps = |fault| if fault { 400 } else { 1_000_000 };
-    judge("soak", |fault| storm(lab, fault, steps(fault)));
+    judge("soak", |lab, fault| storm(lab, fault, if fault { 400 } else { 1_000_000 }));
 }

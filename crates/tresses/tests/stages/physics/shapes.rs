@@ -1,7 +1,7 @@
 //! Shapes at rest and in steady motion: catenary, heavy cantilever, buckling, wind, falling.
 
 use super::{
-    lab::{Experiment, Lab, bare, head_at, lab, straight, strain},
+    lab::{Experiment, Lab, bare, head_at, straight, strain},
     table::{Row, at_most, judge, near},
 };
 use tresses::{RestShape, SimulationParams, Wind, glam::Vec3, simulate::GuideTraits};
@@ -43,8 +43,7 @@ fn catenary(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 pub fn catenaries_match_the_closed_form() {
-    let Some(lab) = lab() else { return };
-    judge("catenary", |fault| catenary(lab, fault));
+    judge("catenary", catenary);
 }
 
 fn cantilever(lab: &'static Lab, fault: bool) -> Vec<Row> {
@@ -74,8 +73,7 @@ fn cantilever(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 pub fn heavy_cantilevers_match_the_exact_solution() {
-    let Some(lab) = lab() else { return };
-    judge("cantilever", |fault| cantilever(lab, fault));
+    judge("cantilever", cantilever);
 }
 
 fn buckling(lab: &'static Lab, fault: bool) -> Vec<Row> {
@@ -111,8 +109,7 @@ fn buckling(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 pub fn upright_hair_buckles_at_the_critical_load() {
-    let Some(lab) = lab() else { return };
-    judge("buckling", |fault| buckling(lab, fault));
+    judge("buckling", buckling);
 }
 
 fn wind(lab: &'static Lab, fault: bool) -> Vec<Row> {
@@ -157,8 +154,7 @@ fn wind(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 fn wind_tilts_strands_by_its_drag() {
-    let Some(lab) = lab() else { return };
-    judge("wind", |fault| wind(lab, fault));
+    judge("wind", wind);
 }
 
 fn free_fall(lab: &'static Lab, fault: bool) -> Vec<Row> {
@@ -199,6 +195,5 @@ fn free_fall(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 fn hair_on_a_falling_head_has_no_weight() {
-    let Some(lab) = lab() else { return };
-    judge("free fall", |fault| free_fall(lab, fault));
+    judge("free fall", free_fall);
 }

@@ -1,7 +1,7 @@
 //! Hair between two colliders: a finger that presses it onto a plane, rubs and lifts; two fingers that close on it.
 
 use super::{
-    lab::{Experiment, Lab, bare, lab, straight},
+    lab::{Experiment, Lab, bare, straight},
     table::{Row, at_most, judge},
 };
 use tresses::{
@@ -134,12 +134,10 @@ fn between_fingers(lab: &'static Lab, fault: bool) -> Vec<Row> {
 
 #[test]
 fn hair_between_fingers_does_not_pass_through_them() {
-    let Some(lab) = lab() else { return };
-    judge("fingers", |fault| between_fingers(lab, fault));
+    judge("fingers", between_fingers);
 }
 
 #[test]
 fn hair_under_a_finger_does_not_pass_through_it() {
-    let Some(lab) = lab() else { return };
-    judge("squeeze", |fault| pressed(lab, fault));
+    judge("squeeze", pressed);
 }

@@ -1,5 +1,6 @@
 //! Rows of the tables in `docs/validation/motion.md`: printed, checked, and compared with that file.
 
+use super::lab::{Lab, lab};
 use std::{fs, path::PathBuf, sync::Mutex};
 
 /// One comparison.
@@ -82,17 +83,19 @@ fn line(row: &Row) -> String {
     format!("| {} |", row.cells().join(" | "))
 }
 
-/// Runs an experiment, and runs it once more with a `fault` that must make it fail. Prints the rows and compares them
-/// with the rows of `topic` in the docs.
-pub fn judge(topic: &str, experiment: impl Fn(bool) -> Vec<Row>) {
-    let rows = run(experiment);
-    docs(topic, &rows, true);
+/// Runs an experiment, and runs it once more with a fault that must make it fail. Prints the rows and compares them
+/// with the rows of `topic` in the docs. Does nothing without a GPU.
+pub fn judge(topic: &str, experiment: impl Fn(&'static Lab, bool) -> Vec<Row>) {
+    if let Some(lab) = lab() {
+        docs(topic, &run(|fault| experiment(lab, fault)), true);
+    }
 }
 
 /// Does the same for some of the rows of a topic.
-pub fn judge_some(topic: &str, experiment: impl Fn(bool) -> Vec<Row>) {
-    let rows = run(experiment);
-    docs(topic, &rows, false);
+pub fn judge_some(topic: &str, experiment: impl Fn(&'static Lab, bool) -> Vec<Row>) {
+    if let Some(lab) = lab() {
+        docs(topic, &run(|fault| experiment(lab, fault)), false);
+    }
 }
 
 fn run(experiment: impl Fn(bool) -> Vec<Row>) -> Vec<Row> {

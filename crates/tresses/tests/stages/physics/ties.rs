@@ -2,19 +2,17 @@
 
 use super::{
     lab::{bare, straight},
-    swings::period,
+    swings::{period, root_of_chain},
     table::{Row, at_most, judge, near},
 };
 use crate::common;
 use tresses::{
     Context, HairHairMode, HairOptions, Pose, SimulationParams, Tie, TieTarget,
-    collide::ColliderPoses,
     glam::{Quat, Vec3, Vec3Swizzles},
     groom::{BindOptions, Groom, GuideCount, SdfGrid, Strands, bind},
     low_level::{Hair, HairAsset, HairDescriptor, HairFrame, readback::blocking as readback},
 };
 
-const G: f64 = 9.81;
 /// Number of vertices per hair.
 const N: usize = 16;
 
@@ -23,20 +21,10 @@ fn band(at: Vec3, radius: f32) -> Tie {
 }
 
 /// Returns the pull at the tip of a hanging chain of straight edges that keeps the tip 1 m to the side while the chain
-/// swings with `omega`, per mass of 1 m of hair. Integrates from the tip upwards to the fixed root.
+/// swings with `omega`, per mass of 1 m of hair.
 fn pull(length: f64, omega: f64) -> f64 {
+    let top = |pull: f64| root_of_chain(N, length, omega, pull).0;
     let edge = length / (N - 2) as f64;
-    let top = |pull: f64| {
-        let (mut x, mut below) = (1.0f64, pull);
-        for k in 0..N - 2 {
-            let mass = if k == 0 { 0.5 } else { 1.0 };
-            let tension = G * (k as f64 + 0.5) / edge;
-            let up = x - (mass * omega * omega * x + below) / tension;
-            below = tension * (x - up);
-            x = up;
-        }
-        x
-    };
     -top(0.0) / (top(1.0) - top(0.0)) * edge
 }
 
@@ -79,13 +67,9 @@ impl Swing {
 
     /// Advances by a step and returns the vertices by hair.
     fn step(&mut self, dt: f32) -> Vec<Vec<Vec3>> {
-        let context = common::context().unwrap();
-        let poses = ColliderPoses::default();
-        let frame = HairFrame { dt, colliders: &poses, simulation: &self.params, ..Default::default() };
-        common::submit(|recorder| recorder.simulate(&mut self.hair, &frame));
-        let all: Vec<[f32; 4]> = readback::buffer(context, &self.hair.guides.current).unwrap();
-        let at = |hair: usize, i: usize| Vec3::from_slice(&all[i * self.count + hair]);
-        (0..self.count).map(|hair| (0..N).map(|i| at(hair, i)).collect()).collect()
+        let frame = HairFrame { dt, simulation: &self.params, ..Default::default() };
+        common::simulate(&mut self.hair, &frame);
+        common::guide_lines(&self.hair)
     }
 
     /// Displaces every vertex by `way`, a function of its position and its relative distance from the root's end (0 to
@@ -150,9 +134,7 @@ fn swings(fault: bool) -> Vec<Row> {
 #[test]
 #[ignore = "proof"]
 fn tied_hair_swings_as_one() {
-    if common::context().is_some() {
-        judge("tied", swings);
-    }
+    judge("tied", |_, fault| swings(fault));
 }
 
 /// Radius of the head, meters.
@@ -207,7 +189,7 @@ struct Shaken {
 
 /// Shakes the ponytail for `frames` sixtieths of a second.
 fn shaken(context: &Context, ties: &[Tie], frames: usize) -> Shaken {
-    let (groom, simulation) = (ponytail(), SimulationParams::default());
+    let groom = ponytail();
     let head = SdfGrid::from_fn(Vec3::splat(-0.15), Vec3::splat(0.15), 48, |p| p.length() - HEAD);
     let mut hair = common::hair(context, &groom, &HairOptions::default(), Some(&head)).unwrap();
     hair.tie(ties).unwrap();
@@ -231,14 +213,9 @@ fn shaken(context: &Context, ties: &[Tie], frames: usize) -> Shaken {
     let mut found = Shaken { away: 0.0, spread: 0.0, widest: 0.0, strain: 0.0, slip: 0.0 };
     for i in 0..=frames {
         let pose = at(i as f32 / 60.0);
-        let poses = ColliderPoses::default();
-        let dt = if i == 0 { 0.0 } else { 1.0 / 60.0 };
-        let frame =
-            HairFrame { dt, head: pose, colliders: &poses, simulation: &simulation, ..Default::default() };
-        common::submit(|recorder| recorder.simulate(&mut hair, &frame));
-        let all: Vec<[f32; 4]> = readback::buffer(context, &hair.guides.current).unwrap();
-        let to_head = pose.inverse();
-        let now = |at: usize| to_head.point(Vec3::from_slice(&all[at]));
+        common::simulate(&mut hair, &common::frame(pose, if i == 0 { 0.0 } else { 1.0 / 60.0 }));
+        let (all, to_head) = (common::guides(&hair), pose.inverse());
+        let now = |at: usize| to_head.point(all[at]);
         for at in 2 * count..n * count {
             let rest = at_rest(at).distance(at_rest(at - count));
             let strain = (now(at).distance(now(at - count)) / rest - 1.0).abs() * 100.0;
@@ -289,8 +266,7 @@ fn held(context: &Context, fault: bool) -> Vec<Row> {
 #[test]
 #[ignore = "proof"]
 fn ponytail_stays_in_its_band() {
-    let Some(context) = common::context() else { return };
-    judge("held", |fault| held(context, fault));
+    judge("held", |lab, fault| held(lab.context, fault));
 }
 
 #[test]
@@ -306,13 +282,12 @@ fn ties_hold_from_the_first_frame_on() {
 #[test]
 fn instances_inherit_ties() {
     let Some(context) = common::context() else { return };
-    let (groom, simulation) = (ponytail(), SimulationParams::default());
     let ties = [
         band(BAND, BAND_RADIUS),
         Tie { held: TieTarget::ToHead, ..band(Vec3::new(0.0, 0.08, -0.05), 0.025) },
     ];
     let what = HairDescriptor { ties: &ties, ..Default::default() };
-    let asset = HairAsset::new(context, groom.clone(), &what).unwrap();
+    let asset = HairAsset::new(context, ponytail(), &what).unwrap();
     let [mut hair, mut tied, mut free] = [(); 3].map(|()| Hair::new(&asset).unwrap());
     let report = hair.tie(&ties).unwrap();
     assert!(report.rings == 1 && report.together > 100 && report.to_head > 10, "{report:?}");
@@ -320,10 +295,7 @@ fn instances_inherit_ties() {
     let run = |hair: &mut Hair| -> Vec<[u32; 4]> {
         for i in 0..12 {
             let head = Pose { rotation: Quat::from_rotation_y(i as f32 * 0.06), ..Pose::IDENTITY };
-            let (poses, dt) = (ColliderPoses::default(), if i == 0 { 0.0 } else { 1.0 / 60.0 });
-            let frame =
-                HairFrame { dt, head, colliders: &poses, simulation: &simulation, ..Default::default() };
-            common::submit(|recorder| recorder.simulate(hair, &frame));
+            common::simulate(hair, &common::frame(head, if i == 0 { 0.0 } else { 1.0 / 60.0 }));
         }
         readback::buffer(context, &hair.guides.current).unwrap()
     };

@@ -1,30 +1,13 @@
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use std::io::Cursor;
 use std::path::Path;
 
 use super::{writer::Cache as _, *};
-use crate::{formats::parse::parse_at, import::Moment, orient::Choice, strands::Mark};
-
-fn groom() -> Strands {
-    let mut strands = Strands::default();
-    for i in 0..7usize {
-        let root = Vec3::new(0.01 * i as f32, 1.7, 0.0);
-        let line: Vec<_> = (0..3 + i).map(|k| root + Vec3::new(0.001, -0.01, 0.002) * k as f32).collect();
-        strands.push(&line);
-        strands.root_uvs.push(Vec2::new(0.1 * i as f32, 0.5));
-        let weights = if i == 2 { [0.75, 0.25, 0.0] } else { [0.0; 3] };
-        strands.marks.push(Mark {
-            guide: i < 2,
-            id: 10 + i as i32,
-            group: i as i32 % 2,
-            closest: [10, 11, 0],
-            weights,
-        });
-    }
-    strands.radii = (0..strands.positions.len()).map(|i| 3e-5 + 1e-6 * i as f32).collect();
-    strands.colors = strands.positions.iter().map(|p| Vec3::new(p.x, 0.5, 0.25)).collect();
-    strands
-}
+use crate::{
+    formats::{curves::reference_tests::groom, parse::parse_at},
+    import::Moment,
+    orient::Choice,
+};
 
 #[test]
 fn groom_survives_round_trip() {
