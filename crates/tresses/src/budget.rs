@@ -19,44 +19,8 @@
 //! The bias changes by at most [`FASTEST`] octaves per frame, so that a single slow frame has no visible effect.
 //! Timings differ from run to run, and so may levels. For reproducible runs, leave [`Budget::milliseconds`] infinite.
 //!
-//! [`CrowdBudget`](crate::character::CrowdBudget) applies a [`Budget`] to the characters of a frame:
+//! [`CrowdBudget`](crate::character::CrowdBudget) applies a [`Budget`] to the characters of a frame.
 //!
-//! ```no_run
-//! use tresses::{
-//!     Character, CharacterAsset, Context, HairOptions, Pose, Result, View,
-//!     character::{CharacterOptions, CharacterSource, CrowdBudget, Styling},
-//!     lod::LodOptions,
-//!     view::Picture,
-//! };
-//!
-//! /// Once: creates characters that share everything that does not move.
-//! async fn crowd(tresses: &Context, count: usize) -> Result<Vec<Character>> {
-//!     let source = CharacterSource::built_in(tresses, &"long".parse()?, &()).await?;
-//!     let parts = source.dress(&Styling::default(), &()).await?;
-//!     let hair = HairOptions { lod: LodOptions::CROWD, ..Default::default() };
-//!     let options = CharacterOptions { hair, ..Default::default() };
-//!     let asset = CharacterAsset::new(tresses, parts, &options, &()).await?;
-//!     (0..count).map(|_| Character::new(&asset)).collect()
-//! }
-//!
-//! /// Each frame. `milliseconds` is the time of the last frame.
-//! fn frame(
-//!     tresses: &Context,
-//!     encoder: &mut wgpu::CommandEncoder,
-//!     (crowd, poses): (&mut [Character], &[Pose]),
-//!     (budget, milliseconds): (&mut CrowdBudget, f64),
-//!     (view, picture, target): (&mut View, &Picture, &wgpu::TextureView),
-//! ) -> Result<()> {
-//!     budget.costs.fit(&budget.chosen.work, milliseconds);
-//!     for (character, pose) in crowd.iter_mut().zip(poses) {
-//!         character.set_pose(*pose);
-//!     }
-//!     let cameras = [picture.camera];
-//!     let mut frame = tresses.frame(encoder).seen_by(&cameras).within(budget);
-//!     frame.advance(&mut crowd.iter_mut().collect::<Vec<_>>(), 1.0 / 60.0)?;
-//!     frame.draw(view, &crowd.iter().collect::<Vec<_>>(), picture, target)
-//! }
-//! ```
 //!
 //! Hosts that own [`Hair`] directly call [`Budget::look_from`].
 

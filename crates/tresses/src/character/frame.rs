@@ -26,6 +26,45 @@ pub struct Frame<'a> {
 }
 
 /// The budget of a crowd, and the levels of detail that it has chosen.
+///
+/// ```no_run
+/// use tresses::{
+///     Character, CharacterAsset, CharacterOptions, CharacterSource, Context, CrowdBudget, HairOptions, LodOptions,
+///     Picture, Pose, Result, Styling, View,
+/// };
+///
+/// /// Once: creates characters that share everything that does not move.
+/// async fn crowd(tresses: &Context, count: usize) -> Result<Vec<Character>> {
+///     let source = CharacterSource::built_in(tresses, &"long".parse()?, &()).await?;
+///     let parts = source.dress(&Styling::default(), &()).await?;
+///     let hair = HairOptions { lod: LodOptions::CROWD, ..Default::default() };
+///     let options = CharacterOptions::default().with_hair(hair);
+///     let asset = CharacterAsset::new(tresses, parts, &options, &()).await?;
+///     (0..count).map(|_| Character::new(&asset)).collect()
+/// }
+///
+/// /// Each frame. `milliseconds` is the time of the last frame.
+/// fn frame(
+///     tresses: &Context,
+///     encoder: &mut wgpu::CommandEncoder,
+///     crowd: &mut [Character],
+///     poses: &[Pose],
+///     budget: &mut CrowdBudget,
+///     view: &mut View,
+///     target: &wgpu::TextureView,
+///     milliseconds: f64,
+/// ) -> Result<()> {
+///     let picture = &Picture::default();
+///     budget.costs.fit(&budget.chosen.work, milliseconds);
+///     for (character, pose) in crowd.iter_mut().zip(poses) {
+///         character.set_pose(*pose);
+///     }
+///     let cameras = [picture.camera];
+///     let mut frame = tresses.frame(encoder).seen_by(&cameras).within(budget);
+///     frame.advance(&mut crowd.iter_mut().collect::<Vec<_>>(), 1.0 / 60.0)?;
+///     frame.draw(view, &crowd.iter().collect::<Vec<_>>(), picture, target)
+/// }
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct CrowdBudget {
     /// Limits for all characters of a frame.
