@@ -58,7 +58,7 @@ pub const IN_WORKGROUP: &[(&str, u32)] = &[("simulate::step", STEP_BYTES), ("sim
 
 /// Shaders that share a bind group: the struct of their bindings, and their modules.
 #[allow(dead_code)]
-pub const FAMILIES: &[(&str, &[&str])] = &[
+pub(crate) const FAMILIES: &[(&str, &[&str])] = &[
     ("simulate::Step", &["simulate::step", "simulate::twist"]),
     ("volume::Blur", &["volume::blur_x", "volume::blur_y"]),
     ("light::Shading", &["light::shade", "light::knots", "light::terms", "draw::classic::arrive"]),
@@ -79,12 +79,12 @@ pub const FAMILIES: &[(&str, &[&str])] = &[
 
 /// Bindings of kernels with a dynamic offset, by name or struct.
 #[allow(dead_code)]
-pub const DYNAMIC: &[&str] =
+pub(crate) const DYNAMIC: &[&str] =
     &["StepUniforms", "VolumeUniforms", "WindUniforms", "AirUniforms", "GrabUniform", "round"];
 
 /// Structs in typed buffers ([`crate::gpu::Buffer`]): the WGSL name, and the Rust type.
 #[allow(dead_code)]
-pub const ELEMENTS: &[(&str, &str)] = &[
+pub(crate) const ELEMENTS: &[(&str, &str)] = &[
     ("Guide", "strands::Guide"),
     ("PackedGuide", "strands::PackedGuide"),
     ("GuideForce", "strands::GuideForce"),

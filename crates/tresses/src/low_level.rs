@@ -29,7 +29,7 @@ pub use crate::{
     },
     draw::{Targets, targets::PICTURE_FORMAT, tiles::Label},
     frame::{Drawing, Recorder, ViewContent},
-    gpu::{Binding, Clock, ComputePass, Counts, Tier, readback::Pending, timings::Rows, wall},
+    gpu::{Binding, Buffer, Clock, ComputePass, Counts, Tier, readback::Pending, timings::Rows, wall},
     hair::{GuideState, Hair, HairAsset, HairDescriptor, HairFrame},
     light::{
         ambient_probe::{AmbientProbe, IncidentLight},
