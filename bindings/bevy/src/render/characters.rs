@@ -15,8 +15,8 @@ use bevy::{
 };
 use std::sync::{Arc, atomic::Ordering};
 use tresses::{
-    Character, CharacterAsset, CharacterOptions, CharacterParts, Context, HairOptions, LodOptions, Obstacle,
-    Result, SimulationParams, collide::FieldSource, groom::SdfGrid, low_level::constants::MAX_COLLIDERS,
+    Character, CharacterAsset, CharacterOptions, CharacterParts, Context, LodOptions, Obstacle, Result,
+    SimulationParams, collide::FieldSource, groom::SdfGrid, low_level::constants::MAX_COLLIDERS,
 };
 
 /// Hair of an entity on the GPU.
