@@ -20,7 +20,7 @@ use bevy_tresses::{
     GlobalHairWind, Hair3d, HairCollider, HairGroom, HairMaterial3d, HairSkin, TressesPlugin,
     groom::{mannequin::rig, styles::Style},
     skinned_mesh,
-    tresses::{light::HairMaterial, wind::Wind},
+    tresses::{Wind, light::HairMaterial},
 };
 
 /// Radius of the ball, meters.
