@@ -83,7 +83,9 @@ pub mod probe {
 
 /// Reads buffers and textures back to the CPU.
 pub mod readback {
-    pub use crate::gpu::readback::{blocking, buffer, texture};
+    #[cfg(not(target_arch = "wasm32"))]
+    pub use crate::gpu::readback::blocking;
+    pub use crate::gpu::readback::{buffer, texture};
 }
 
 /// The shadow of hair on a host's scene, for the host's shaders.
