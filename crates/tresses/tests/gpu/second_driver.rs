@@ -14,6 +14,7 @@ use std::{
 use tresses::{
     AvoidMode, AvoidOptions, Context,
     glam::Vec3,
+    groom::bind,
     light::{FiberMaterial, HairMaterial},
     renderer::ShadingModel,
 };
@@ -30,7 +31,8 @@ struct DriverOutput {
 
 fn make(context: &Context) -> DriverOutput {
     let picture = golden::picture(context, ShadingModel::Fiber, brown());
-    let character = Character::on_a_ball(200, 0.16, &Default::default());
+    let groom = bind(&common::hanging(200, 16, 0.16), &Default::default()).unwrap();
+    let character = Character::new(groom, common::ball(0.09, 48), Vec3::new(0.0, 0.0, -0.02));
     let mut hair = character.avoiding(AvoidOptions::default());
     let mut motion = Vec::new();
     for i in 0..=36u32 {
