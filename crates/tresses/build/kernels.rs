@@ -4,7 +4,10 @@
 //! Bindings that a shader declares itself are fields of its struct. Bindings that it imports from a module are a nested
 //! struct, named after that module, so that shaders can share it. A module that declares a single binding has no struct.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt::Write,
+};
 
 /// A binding that a file declares.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +27,7 @@ struct Used {
     rust: String,
 }
 
-/// What the generator needs to know besides the shaders.
+/// Tables of `src/constants.rs` that shaders cannot express.
 pub struct Tables<'a> {
     /// Structs of shaders that share their bind groups, and the modules of those shaders.
     pub families: &'a [(&'a str, &'a [&'a str])],
@@ -53,52 +56,50 @@ pub fn generate(files: &[(String, String)], linked: &[(String, String)], tables:
             }
         }
     }
-    let mut nested: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
-    let own = |modules: &[&str], used: &Used| {
-        let module = &*used.declaration.module;
-        let alone = declared.values().filter(|other| other.module == module).count() == 1;
-        alone || modules.contains(&module)
-    };
+    let count = |module: &str| declared.values().filter(|other| other.module == module).count();
+    let mut nested: BTreeMap<String, BTreeMap<&str, String>> = BTreeMap::new();
     let mut scopes: BTreeMap<String, String> = BTreeMap::new();
-    for (name, (modules, bindings)) in &kernels {
-        let (mut fields, mut layout, mut resources) = (BTreeSet::new(), String::new(), String::new());
-        for (index, used) in bindings {
-            let Declaration { module, name } = &used.declaration;
-            layout += &format!("({index}, wgpu::BindingType::{}), ", used.binding);
-            if own(modules, used) {
-                fields.insert((*index, format!("pub {name}: {}", used.rust)));
-                resources += &format!("self.{name}.resource(), ");
-                continue;
+    for (path, (modules, bindings)) in &kernels {
+        let (mut fields, mut layout, mut resources) = (BTreeMap::new(), String::new(), String::new());
+        for (index, Used { declaration: Declaration { module, name }, binding, rust }) in bindings {
+            let _ = write!(layout, "({index}, wgpu::BindingType::{binding}), ");
+            if modules.contains(&&**module) || count(module) == 1 {
+                let _ = write!(resources, "self.{name}.resource(), ");
+                fields.insert(&**name, rust.clone());
+            } else {
+                let field = module.rsplit("::").next().unwrap_or(module);
+                let _ = write!(resources, "self.{field}.{name}.resource(), ");
+                fields.insert(field, format!("kernels::{}<'a>", path_of(module)));
+                nested.entry(path_of(module)).or_default().insert(name, rust.clone());
             }
-            let field = module.rsplit("::").next().unwrap_or(module);
-            let at = fields.iter().find(|(_, known)| known.starts_with(&format!("pub {field}:")));
-            let first = at.map_or(*index, |(first, _)| *first);
-            fields.insert((first, format!("pub {field}: kernels::{}<'a>", path_of(module))));
-            resources += &format!("self.{field}.{name}.resource(), ");
-            nested.entry(path_of(module)).or_default().insert(name.clone(), used.rust.clone());
         }
-        let fields = fields.into_iter().map(|(_, field)| field);
-        let (scope, title) = name.rsplit_once("::").unwrap_or(("", name));
-        *scopes.entry(scope.to_owned()).or_default() += &format!(
-            "/// Bindings of {shaders}.\n#[derive(Clone, Copy, Debug)]\npub(crate) struct {title}<'a> {{ {fields} }}\n\
-             impl crate::gpu::Bindings for {title}<'_> {{\n\
+        let (scope, title) = split(path);
+        let text = scopes.entry(scope.to_owned()).or_default();
+        *text += &structure(&format!("Bindings of the kernels {modules:?}."), title, &fields);
+        *text += &format!(
+            "impl crate::gpu::Bindings for {title}<'_> {{\n\
              const MODULES: &'static [&'static str] = &{modules:?};\n\
              const LAYOUT: &'static [(u32, wgpu::BindingType)] = &[{layout}];\n\
-             fn resources(&self) -> Vec<wgpu::BindingResource<'_>> {{ vec![{resources}] }}\n}}\n",
-            shaders = modules.iter().map(|module| format!("`{module}`")).collect::<Vec<_>>().join(", "),
-            fields = fields.collect::<Vec<_>>().join(", "),
+             fn resources(&self) -> Vec<wgpu::BindingResource<'_>> {{ vec![{resources}] }}\n}}\n"
         );
     }
-    for (name, fields) in nested {
-        let (scope, title) = name.rsplit_once("::").unwrap_or(("", &name));
-        let fields = fields.iter().map(|(name, rust)| format!("pub {name}: {rust}")).collect::<Vec<_>>();
-        *scopes.entry(scope.to_owned()).or_default() += &format!(
-            "/// Bindings that shaders import from `{name}`.\n#[derive(Clone, Copy, Debug)]\n\
-             pub(crate) struct {title}<'a> {{ {} }}\n",
-            fields.join(", ")
-        );
+    for (path, fields) in &nested {
+        let (scope, title) = split(path);
+        *scopes.entry(scope.to_owned()).or_default() +=
+            &structure("Bindings that several shaders import.", title, fields);
     }
     module(&scopes, "")
+}
+
+/// Returns the declaration of a struct.
+fn structure(doc: &str, title: &str, fields: &BTreeMap<&str, String>) -> String {
+    let fields = fields.iter().map(|(name, rust)| format!("    pub {name}: {rust},\n")).collect::<String>();
+    format!("/// {doc}\n#[derive(Clone, Copy, Debug)]\npub(crate) struct {title}<'a> {{\n{fields}}}\n")
+}
+
+/// Returns the module of a path and the name in it.
+fn split(path: &str) -> (&str, &str) {
+    path.rsplit_once("::").unwrap_or(("", path))
 }
 
 /// Returns the content of the Rust module `scope` and the modules in it.
@@ -116,7 +117,7 @@ fn module(scopes: &BTreeMap<String, String>, scope: &str) -> String {
 
 /// Returns the path of the struct of a module: `simulate::grab::pick` has `simulate::grab::Pick`.
 fn path_of(module: &str) -> String {
-    let (scope, name) = module.rsplit_once("::").unwrap_or(("", module));
+    let (scope, name) = split(module);
     let title = name.split('_').map(|word| word[..1].to_uppercase() + &word[1..]).collect::<String>();
     format!("{scope}::{title}")
 }
@@ -183,6 +184,8 @@ fn bindings_of(
 /// Returns the Rust type of the elements of a buffer.
 fn element_of(ty: &str, tables: &Tables<'_>) -> String {
     let element = ty.strip_prefix("array<").and_then(|ty| ty.strip_suffix('>')).unwrap_or(ty);
+    // The length of an array of fixed size.
+    let element = element.rsplit_once(", ").map_or(element, |(element, _)| element);
     let element = element.strip_prefix("atomic<").and_then(|ty| ty.strip_suffix('>')).unwrap_or(element);
     let of = element.trim_start_matches("structs_");
     if let Some((_, rust)) = tables.elements.iter().find(|(wgsl, _)| *wgsl == of) {
@@ -223,11 +226,13 @@ fn resource_of(text: &str, name: &str, ty: &str) -> String {
         "" if kind == "sampler_comparison" => "Sampler(wgpu::SamplerBindingType::Comparison)".into(),
         "" if kind.starts_with("texture_depth") => texture("Depth"),
         texels => {
-            let formats =
-                [("rgba16float", "Rgba16Float"), ("rgba32float", "Rgba32Float"), ("r32uint", "R32Uint")];
-            let format =
-                formats.iter().chain(&[("rgba32uint", "Rgba32Uint")]).find(|(wgsl, _)| *wgsl == texels);
-            let (_, format) = format.unwrap_or_else(|| panic!("{name}: {ty} is not known"));
+            let format = match texels {
+                "rgba16float" => "Rgba16Float",
+                "rgba32float" => "Rgba32Float",
+                "r32uint" => "R32Uint",
+                "rgba32uint" => "Rgba32Uint",
+                _ => panic!("{name}: {ty} is not known"),
+            };
             format!(
                 "StorageTexture {{ access: wgpu::StorageTextureAccess::WriteOnly, format: \
                  wgpu::TextureFormat::{format}, view_dimension: wgpu::TextureViewDimension::{dimension} }}"

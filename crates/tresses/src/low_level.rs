@@ -1,12 +1,12 @@
 //! The layer below characters: single grooms, the stages' data on the GPU, debug views and measurements.
 //!
 //! Most hosts need none of it. It is for tools that measure or export, for hosts that hold grooms without a
-//! [`Character`](crate::Character), and for the tests. [`Hair`] is one groom on one head, [`Recorder`] records its stages
-//! into an encoder, and [`Character::hair`](crate::Character::hair) leads from a character to its groom. These types change more often
-//! than those of the host layer.
+//! [`Character`](crate::Character), and for the tests. [`Hair`] is one groom on one head, [`Recorder`] records its
+//! stages into an encoder, and [`Character::hair`](crate::Character::hair) leads from a character to its groom. These
+//! types change more often than types of the host layer.
 //!
-//! - **Grooms:** [`HairAsset`], [`Hair`], [`HairFrame`], [`HairSet`] for strands that are not simulated, [`GuideState`] for
-//!   snapshots, [`Detail`] for the level of detail, [`Skin`] for hair on skinned meshes.
+//! - **Grooms:** [`HairAsset`], [`Hair`], [`HairFrame`], [`HairSet`] for strands that are not simulated, [`GuideState`]
+//!   for snapshots, [`Detail`] for the level of detail, [`Skin`] for hair on skinned meshes.
 //! - **Recording:** [`Recorder`], [`Drawing`], [`ViewContent`], [`Targets`], [`Zone`].
 //! - **Hands:** [`Target`] for grabs, [`MotionBrush`] for brushes that push moving hair.
 //! - **Data on the GPU:** [`GuideBuffers`], [`StrandBuffers`], [`StrandVertex`] and their packing; [`readback`] and
@@ -14,7 +14,7 @@
 //! - **Crowds:** [`Costs`], [`CrowdDetail`] and [`Work`], which a [`CrowdBudget`](crate::CrowdBudget) fits and reports.
 //! - **Debug views:** [`DebugViews`] draws a [`DebugDisplay`]; [`Peak`] measures a [`GridView`].
 //! - **Probes:** [`AmbientProbe`], [`ShadowProbe`], [`CubeProbe`].
-//! - **Measurement:** [`Timings`](crate::Timings) by a [`Clock`], [`Counts`], [`probe`], [`shaders`], [`Tier`].
+//! - **Measurement:** [`Timings`](crate::Timings) by a [`Clock`], [`Counts`], `probe`, [`shaders`], [`Tier`].
 
 pub use crate::{
     avoid::{NO_HIT, StrandState},

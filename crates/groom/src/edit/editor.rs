@@ -85,7 +85,7 @@ impl GroomEditor {
         self.stroke.as_ref().map_or((&[], Vec::new()), |stroke| stroke.roots.marks())
     }
 
-    /// Returns the painted values, also those of the current stroke.
+    /// Returns the painted values, with the changes of the current stroke.
     fn looks(&self) -> &StrandLooks {
         let painted = self.stroke.as_ref().and_then(|stroke| stroke.paint.as_ref());
         painted.map_or(&self.hair.looks, |paint| &paint.looks)

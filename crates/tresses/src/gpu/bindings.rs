@@ -1,4 +1,4 @@
-//! Bind group layouts and what they bind.
+//! Bind groups, their layouts, and the buffers in them.
 //!
 //! Kernels bind by name: `build/kernels.rs` generates a struct for the bindings of each, and [`Kernel::bind`] takes it.
 //! Draw pipelines bind by position: the nth entry is `@binding(n)`.
@@ -131,14 +131,19 @@ impl<T> Clone for BufferBinding<'_, T> {
 
 impl<T> Copy for BufferBinding<'_, T> {}
 
-impl<T> Resource for BufferBinding<'_, T> {
-    fn resource(&self) -> wgpu::BindingResource<'_> {
-        let Self { buffer, offset, size, .. } = *self;
-        wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset, size })
+impl<'a, T> From<BufferBinding<'a, T>> for wgpu::BindingResource<'a> {
+    fn from(BufferBinding { buffer, offset, size, .. }: BufferBinding<'a, T>) -> Self {
+        Self::Buffer(wgpu::BufferBinding { buffer, offset, size })
     }
 }
 
-/// Binds a buffer whose type does not say what it holds: the caller is responsible for the type of the elements.
+impl<T> Resource for BufferBinding<'_, T> {
+    fn resource(&self) -> wgpu::BindingResource<'_> {
+        (*self).into()
+    }
+}
+
+/// Binds a buffer without a type of elements: the caller is responsible for the type that the kernel declares.
 pub(crate) trait BindBuffer {
     /// Binds the whole buffer.
     fn entire<T>(&self) -> BufferBinding<'_, T> {
@@ -220,23 +225,32 @@ pub fn group(
     layout: &wgpu::BindGroupLayout,
     resources: &[wgpu::BindingResource<'_>],
 ) -> wgpu::BindGroup {
-    let entry = |(binding, resource)| wgpu::BindGroupEntry {
-        binding,
-        resource: wgpu::BindingResource::clone(resource),
-    };
-    let entries: Vec<_> = (0..).zip(resources).map(entry).collect();
-    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+    numbered_group(device, label, layout, &by_position(resources))
+}
+
+fn numbered_group(
+    device: &wgpu::Device,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    entries: &[wgpu::BindGroupEntry<'_>],
+) -> wgpu::BindGroup {
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries })
+}
+
+fn by_position<'a>(resources: &[wgpu::BindingResource<'a>]) -> Vec<wgpu::BindGroupEntry<'a>> {
+    let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
+    (0..).zip(resources.iter().cloned()).map(entry).collect()
 }
 
 impl Device {
-    /// Creates a bind group whose nth resource is `resources[n]`, and notifies the probe.
+    /// As [`group`], and notifies the probe.
     pub fn group(
         &self,
         label: &str,
         layout: &wgpu::BindGroupLayout,
         resources: &[wgpu::BindingResource<'_>],
     ) -> wgpu::BindGroup {
-        self.numbered_group(label, layout, (0..).zip(resources.iter().cloned()).collect())
+        self.numbered_group(label, layout, &by_position(resources))
     }
 
     /// As [`group`](Self::group), of resources with their binding numbers.
@@ -244,23 +258,17 @@ impl Device {
         &self,
         label: &str,
         layout: &wgpu::BindGroupLayout,
-        resources: Vec<(u32, wgpu::BindingResource<'_>)>,
+        entries: &[wgpu::BindGroupEntry<'_>],
     ) -> wgpu::BindGroup {
-        let mut bytes = vec![0; resources.last().map_or(0, |(last, _)| *last as usize + 1)];
-        for (binding, resource) in &resources {
-            if let wgpu::BindingResource::Buffer(part) = resource {
-                bytes[*binding as usize] =
-                    part.size.map_or(part.buffer.size() - part.offset, wgpu::BufferSize::get);
-            }
-        }
-        let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
-        let entries: Vec<_> = resources.into_iter().map(entry).collect();
-        let group = self.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some(label),
-            layout,
-            entries: &entries,
-        });
+        let group = numbered_group(self, label, layout, entries);
         if let Some(probe) = &self.probe {
+            let mut bytes = vec![0; entries.last().map_or(0, |last| last.binding as usize + 1)];
+            for entry in entries {
+                if let wgpu::BindingResource::Buffer(part) = &entry.resource {
+                    bytes[entry.binding as usize] =
+                        part.size.map_or(part.buffer.size() - part.offset, wgpu::BufferSize::get);
+                }
+            }
             probe.bound(&group, bytes);
         }
         group

@@ -62,6 +62,14 @@ impl Kernel {
         }
     }
 
+    /// Creates a kernel for each of several shaders with these bindings, or variants of one.
+    pub(crate) fn each<B: Bindings, const N: usize>(
+        device: &Device,
+        modules: [&'static str; N],
+    ) -> [Self; N] {
+        modules.map(|module| Self::named::<B>(device, module, &[]))
+    }
+
     /// Compiles the kernel unless it is compiled already.
     ///
     /// # Errors
@@ -92,8 +100,11 @@ impl Kernel {
     /// Creates a bind group for [`record`](Self::record).
     pub(crate) fn bind<B: Bindings>(&self, bindings: &B) -> wgpu::BindGroup {
         assert_eq!(self.modules, B::MODULES, "bindings of another kernel");
-        let resources = B::LAYOUT.iter().map(|(binding, _)| *binding).zip(bindings.resources());
-        self.device.numbered_group(self.module, &self.layout, resources.collect())
+        let resources = B::LAYOUT.iter().zip(bindings.resources());
+        let entries: Vec<_> = resources
+            .map(|((binding, _), resource)| wgpu::BindGroupEntry { binding: *binding, resource })
+            .collect();
+        self.device.numbered_group(self.module, &self.layout, &entries)
     }
 
     /// Records a dispatch of `workgroups` workgroups. More than 65,535 are spread over two dimensions: the kernel

@@ -138,16 +138,6 @@ impl ShadowMaps {
         resolution.clamp(BLOCK, MOST)
     }
 
-    /// Bindings of shaders that read light: depth maps of meshes, their sampler, hair maps, blocks of the hair maps.
-    pub(crate) fn resources(&self) -> [wgpu::BindingResource<'_>; 4] {
-        [
-            wgpu::BindingResource::TextureView(&self.view),
-            wgpu::BindingResource::Sampler(&self.comparison),
-            self.hair.as_entire_binding(),
-            self.blocks.as_entire_binding(),
-        ]
-    }
-
     /// Bytes of GPU memory.
     pub(crate) fn bytes(&self) -> u64 {
         let depth = 4 * SHADOW_MAPS as u64 * u64::from(self.resolution).pow(2);

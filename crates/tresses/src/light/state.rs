@@ -77,7 +77,18 @@ fn frame_resources<'a>(
     maps: &'a ShadowMaps,
     ambient: &'a Ambient,
 ) -> [wgpu::BindingResource<'a>; 8] {
-    let [body, comparison, hair, blocks] = maps.resources();
-    let [grid, linear] = ambient.resources();
-    [camera.as_entire_binding(), lights.as_entire_binding(), body, comparison, hair, blocks, grid, linear]
+    use wgpu::BindingResource::{Sampler, TextureView};
+    let kernels::Transmittance { lights, body_maps, comparison, hair_maps, hair_blocks } =
+        maps.transmittance(lights);
+    let kernels::ambient::Ambient { ambient_grid, ambient_linear } = ambient.bindings();
+    [
+        camera.as_entire_binding(),
+        lights.into(),
+        TextureView(body_maps),
+        Sampler(comparison),
+        hair_maps.into(),
+        hair_blocks.into(),
+        TextureView(ambient_grid),
+        Sampler(ambient_linear),
+    ]
 }

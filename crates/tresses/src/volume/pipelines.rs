@@ -26,8 +26,7 @@ impl PipelineSet for Pipelines {
             obstacles: Kernel::beside::<kernels::Obstacles>(device, &[&colliders]),
             splat: Kernel::new::<kernels::Splat>(device),
             sum: Kernel::new::<kernels::Sum>(device),
-            blur: ["volume::blur_x", "volume::blur_y"]
-                .map(|name| Kernel::named::<kernels::Blur>(device, name, &[])),
+            blur: Kernel::each::<kernels::Blur, 2>(device, ["volume::blur_x", "volume::blur_y"]),
             density: Kernel::new::<kernels::Density>(device),
             push: Kernel::new::<kernels::Push>(device),
             settle: Kernel::new::<kernels::Settle>(device),

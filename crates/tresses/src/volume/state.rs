@@ -357,8 +357,8 @@ impl Groups {
         let (g, kernel) = (slot(uniforms), blur.entire());
         let (cells, obstacles, info) = (cells.entire(), obstacles.entire(), guides.info.entire());
         let filter = |unblurred| kernels::Filter { g, kernel, unblurred };
-        let (density, rested) = (rest.entire(), rested.entire());
-        let settle = kernels::Settle { g, rest: guides.rest.entire(), dense: density, rested, info };
+        let (at_rest, rested) = (rest.entire(), rested.entire());
+        let settle = kernels::Settle { g, rest: guides.rest.entire(), dense: at_rest, rested, info };
         Self {
             obstacles: pipelines.obstacles.bind(&kernels::Obstacles { g, filled: obstacles }),
             splat: splat(pipelines, uniforms, guides, rested, cells),
@@ -367,7 +367,7 @@ impl Groups {
                 .map(|(kernel, from, blurred)| kernel.bind(&kernels::Blur { filter: filter(from), blurred })),
             density: pipelines.density.bind(&kernels::Density {
                 filter: filter(first),
-                rest: rest.entire(),
+                rest: at_rest,
                 dense: second,
                 hair,
             }),

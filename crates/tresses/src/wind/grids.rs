@@ -75,7 +75,7 @@ impl Grids {
         }
     }
 
-    /// Binds the kernels. `hair_grid` is that of [`Air::new`](super::Air::new).
+    /// Binds the kernels. [`Air::new`](super::Air::new) describes `hair_grid`.
     pub fn bind(
         &self,
         context: &Context,

@@ -267,10 +267,14 @@ impl Deformation {
         let moves = crate::strands::buffers::storage::<[f32; 4]>(device, "moves of skin", head.count.into())?;
         let texture = texture(device, parts.len() as u32);
         let view = texture.create_view(&Default::default());
-        let (u, moved) = (frame.entire(), moves.entire());
-        let (nodes_of, positions) = (nodes.entire(), buffer.entire());
-        let gather = pipelines.gather.bind(&kernels::Gather { u, nodes: nodes_of, positions, moves: moved });
-        let settle = pipelines.settle.bind(&kernels::Settle { u, moves: moved, deformed: &view });
+        let gather = kernels::Gather {
+            u: frame.entire(),
+            nodes: nodes.entire(),
+            positions: buffer.entire(),
+            moves: moves.entire(),
+        };
+        let settle = kernels::Settle { u: gather.u, moves: moves.entire(), deformed: &view };
+        let (gather, settle) = (pipelines.gather.bind(&gather), pipelines.settle.bind(&settle));
         let bytes = frame.size() + nodes.size() + moves.size() + texture_bytes(parts.len() as u64);
         Ok(Self {
             pipelines,

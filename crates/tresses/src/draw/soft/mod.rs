@@ -325,13 +325,7 @@ impl SoftTargets {
         KernelGroups {
             light: light.frame.clone(),
             uniform: uniform.clone(),
-            list: pipelines.list.bind(&kernels::List {
-                positions,
-                soft,
-                points,
-                asked,
-                count: self.count.entire(),
-            }),
+            list: pipelines.list.bind(&kernels::List { positions, soft, points, asked, count }),
             ask: pipelines.ask.bind(&ask),
             is_used: true,
         }

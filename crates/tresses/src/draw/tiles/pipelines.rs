@@ -52,16 +52,21 @@ impl Pipelines {
             merge: Kernel::new::<kernels::Merge>(device),
             rewind: Kernel::new::<kernels::Rewind>(device),
             touch: Kernel::new::<kernels::Touch>(device),
-            see: ["draw::tiles::see::1", "draw::tiles::see::2"]
-                .map(|module| Kernel::named::<kernels::See>(device, module, &[])),
-            geometry: ["draw::tiles::geometry::1", "draw::tiles::geometry::2"]
-                .map(|module| Kernel::named::<kernels::Geometry>(device, module, &[])),
-            label: ["draw::tiles::label::1", "draw::tiles::label::2"]
-                .map(|module| Kernel::named::<kernels::Label>(device, module, &[])),
+            see: Kernel::each::<kernels::See, 2>(device, ["draw::tiles::see::1", "draw::tiles::see::2"]),
+            geometry: Kernel::each::<kernels::Geometry, 2>(
+                device,
+                ["draw::tiles::geometry::1", "draw::tiles::geometry::2"],
+            ),
+            label: Kernel::each::<kernels::Label, 2>(
+                device,
+                ["draw::tiles::label::1", "draw::tiles::label::2"],
+            ),
             deepen: Kernel::new::<kernels::Deepen>(device),
             tint: Kernel::new::<kernels::Tint>(device),
-            blend: ["draw::tiles::blend::1", "draw::tiles::blend::2"]
-                .map(|module| Kernel::named::<kernels::Blend>(device, module, &[])),
+            blend: Kernel::each::<kernels::Blend, 2>(
+                device,
+                ["draw::tiles::blend::1", "draw::tiles::blend::2"],
+            ),
         }
     }
 

@@ -79,10 +79,14 @@ impl Pipelines {
             skin: Kernel::beside::<kernels::Skin>(device, &[&surface]),
             glow: Kernel::beside::<kernels::Glow>(device, &[&surface]),
             settle: Kernel::new::<kernels::Settle>(device),
-            sweeps: ["light::ambient::sweep", "light::ambient::shine"]
-                .map(|module| Kernel::named::<kernels::Sweep>(device, module, &[])),
-            gathers: ["light::ambient::gather", "light::ambient::collect"]
-                .map(|module| Kernel::named::<kernels::Gather>(device, module, &[])),
+            sweeps: Kernel::each::<kernels::Sweep, 2>(
+                device,
+                ["light::ambient::sweep", "light::ambient::shine"],
+            ),
+            gathers: Kernel::each::<kernels::Gather, 2>(
+                device,
+                ["light::ambient::gather", "light::ambient::collect"],
+            ),
         }
     }
 
@@ -137,19 +141,17 @@ impl Ambient {
         let format = wgpu::TextureFormat::Rgba16Float;
         let (_, result) = grid_texture(device, "ambient", format, [cells, cells, LAYERS * cells]);
         let sampler = linear(device);
-        let lights = transmittance.lights;
-        let (ambient, bound) = (bindings(&result, &sampler), sums.entire());
-        let link = kernels::Link { lights, settled: settled.entire() };
-        let gather =
-            kernels::Gather { lights, fields: fields.entire(), weights: weights.entire(), result: &result };
+        let (lights, sum) = (transmittance.lights, sums.entire());
+        let (settled, fields, weights) = (settled.entire(), fields.entire(), weights.entire());
+        let ambient = bindings(&result, &sampler);
+        let sweep = kernels::Sweep { link: kernels::Link { lights, settled }, fields };
+        let gather = kernels::Gather { lights, fields, weights, result: &result };
         let Pipelines { skin, glow, settle, sweeps, gathers, .. } = pipelines;
         Self {
-            skin: skin.bind(&kernels::Skin { lights, cells: bound }),
-            glow: glow.bind(&kernels::Glow { transmittance, ambient, cells: bound }),
-            settle: settle.bind(&kernels::Settle { lights, cells: sums.entire(), settled: link.settled }),
-            sweeps: sweeps
-                .each_ref()
-                .map(|sweep| sweep.bind(&kernels::Sweep { link, fields: gather.fields })),
+            skin: skin.bind(&kernels::Skin { lights, cells: sum }),
+            glow: glow.bind(&kernels::Glow { transmittance, ambient, cells: sum }),
+            settle: settle.bind(&kernels::Settle { lights, cells: sum, settled }),
+            sweeps: sweeps.each_ref().map(|kernel| kernel.bind(&sweep)),
             gathers: gathers.each_ref().map(|kernel| kernel.bind(&gather)),
             cells,
             sampler: sampler.clone(),
@@ -182,11 +184,6 @@ impl Ambient {
     /// Bindings of kernels that read ambient light.
     pub(super) fn bindings(&self) -> kernels::Ambient<'_> {
         bindings(&self.result, &self.sampler)
-    }
-
-    /// Bindings of shaders that read ambient light: the layers and their sampler.
-    pub(super) fn resources(&self) -> [wgpu::BindingResource<'_>; 2] {
-        [wgpu::BindingResource::TextureView(&self.result), wgpu::BindingResource::Sampler(&self.sampler)]
     }
 
     /// Bytes of GPU memory.
