@@ -36,6 +36,9 @@ fn main() {
     let mut varied = String::from("const VARIED: &[(&str, &str, &str, &[u32])] = &[\n");
     let (mut sources, mut shaders) = (Vec::new(), Vec::new());
     for file in files(Path::new("src"), "wesl") {
+        if file.starts_with("src/views") && env::var_os("CARGO_FEATURE_DEBUG_VIEWS").is_none() {
+            continue;
+        }
         let text = fs::read_to_string(&file).expect("a shader is readable");
         let module = file
             .strip_prefix("src")

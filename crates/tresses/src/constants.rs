@@ -61,7 +61,7 @@ pub const IN_WORKGROUP: &[(&str, u32)] = &[("simulate::step", STEP_BYTES), ("sim
 pub(crate) const FAMILIES: &[(&str, &[&str])] = &[
     ("simulate::Step", &["simulate::step", "simulate::twist"]),
     ("volume::Blur", &["volume::blur_x", "volume::blur_y"]),
-    ("light::Shading", &["light::shade", "light::knots", "light::terms", "draw::classic::arrive"]),
+    ("light::Shading", &["light::shade", "light::knots", "views::terms", "draw::classic::arrive"]),
     (
         "light::ShadowMaps",
         &[

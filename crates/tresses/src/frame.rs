@@ -64,7 +64,7 @@ pub enum ViewContent<'a> {
     /// Hair composited into a scene that is already drawn and hides hair behind it. Bodies are
     /// not drawn, but cast shadows on hair. Background and tone mapping are not used.
     Over(&'a Compositor, Surroundings<'a>),
-    /// A debug view. Nothing is read back.
+    /// A debug view (feature `debug-views`). Nothing is read back.
     Inside(&'a mut DebugViews, &'a DebugDisplay),
 }
 
@@ -275,7 +275,7 @@ impl Recorder<'_> {
         let shares = shares(view, sets, &parts, renderer.rate())?;
         let seen = seen(sets, &shares, &parts);
         // Hides the hair where it would cover what a debug view shows.
-        let hides = inside.is_some_and(|shown| shown.view.hides_hair());
+        let hides = inside.is_some_and(|shown| shown.hides_hair());
         let visible = if hides { &[][..] } else { &seen[..] };
         let (cards, strands): (Vec<_>, Vec<_>) = seen.iter().partition(|seen| seen.hair.cards().is_some());
         let grooms = [&strands, &cards].map(|grooms| if hides { &[][..] } else { &grooms[..] });

@@ -82,6 +82,10 @@ pub mod renderer;
 mod space;
 mod stage;
 mod view;
+#[cfg(feature = "debug-views")]
+mod views;
+#[cfg(not(feature = "debug-views"))]
+#[path = "views/none.rs"]
 mod views;
 
 mod constants;

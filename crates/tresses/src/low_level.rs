@@ -12,7 +12,7 @@
 //! - **Data on the GPU:** [`GuideBuffers`], [`StrandBuffers`], [`StrandVertex`] and their packing; [`readback`] and
 //!   [`bindings`].
 //! - **Crowds:** [`Costs`], [`CrowdDetail`] and [`Work`], which a [`CrowdBudget`](crate::CrowdBudget) fits and reports.
-//! - **Debug views:** [`DebugViews`] draws a [`DebugDisplay`]; [`Peak`] measures a [`GridView`].
+//! - **Debug views** (feature `debug-views`): `DebugViews` draws a `DebugDisplay`; `Peak` measures a `GridView`.
 //! - **Probes:** [`AmbientProbe`], [`ShadowProbe`], [`CubeProbe`].
 //! - **Measurement:** [`Timings`](crate::Timings) by a [`Clock`], [`Counts`], `probe`, [`shaders`], [`Tier`].
 
@@ -43,7 +43,6 @@ pub use crate::{
         probe::{Shadow, ShadowProbe},
         radiance::unpack_radiance,
         scene::MOST_SCENE_SHADOWS,
-        terms::Term,
         zone::Zone,
     },
     lod::{Detail, Lod},
@@ -55,10 +54,12 @@ pub use crate::{
         guide::unpack_velocity,
         vertex::{pack_tangent, unpack_tangent},
     },
-    views::{DebugDisplay, DebugView, DebugViews, GridView, Peak, Scale, panels, ramp},
     volume::VolumeOptions,
     wind::MAX_CELLS,
 };
+
+#[cfg(feature = "debug-views")]
+pub use crate::views::{DebugDisplay, DebugView, DebugViews, GridView, Peak, Scale, Term, panels, ramp};
 
 /// Bind groups and their layouts by position.
 pub mod bindings {

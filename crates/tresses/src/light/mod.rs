@@ -84,7 +84,6 @@ pub(crate) mod scene;
 pub(crate) mod shadow;
 mod shadows;
 pub(crate) mod state;
-pub(crate) mod terms;
 pub(crate) mod zone;
 
 pub(crate) use ambient::Ambient;
@@ -101,5 +100,4 @@ pub use scene::SceneShadow;
 pub(crate) use shadow::ShadowMaps;
 pub use shadows::Shadows;
 pub(crate) use state::LightState;
-pub(crate) use terms::Term;
 pub(crate) use zone::{Part, Zone, Zones};

@@ -275,6 +275,7 @@ impl GuideBuffers {
     }
 
     /// Returns the number of points of a line along a guide: its samples, or else its vertices.
+    #[cfg(feature = "debug-views")]
     pub(crate) fn line_count(&self) -> u32 {
         if self.sample_count == 0 { self.vertex_count } else { self.sample_count }
     }

@@ -46,6 +46,7 @@ mod scratch;
 mod slices;
 mod strands;
 mod streams;
+mod terms;
 #[cfg(test)]
 mod tests;
 mod view;
@@ -63,6 +64,7 @@ pub use record::{DebugDisplay, DebugViews, panels};
 pub(crate) use slices::Slices;
 pub(crate) use strands::StrandQuantity;
 pub(crate) use streams::Streams;
+pub use terms::Term;
 pub use view::{DebugView, Scale};
 
 use crate::{

@@ -2,7 +2,7 @@
 
 use super::{
     Arrows, DebugStage, DebugView, GridView, GuideQuantity, Layer, LinePoint, Paint, Scale, Slices, Streams,
-    outline::Pen, strands::StrandsKernel, view::grid,
+    outline::Pen, strands::StrandsKernel, terms::Terms, view::grid,
 };
 use crate::{
     Camera, Context, Pose, Result,
@@ -11,7 +11,7 @@ use crate::{
     gpu::Commands,
     groom::SdfGrid,
     hair::Hair,
-    light::{HairView, terms::Terms},
+    light::HairView,
     view::{Picture, View},
     wind::Air,
 };
@@ -59,6 +59,11 @@ impl DebugDisplay {
             picture.tone = ToneMap { exposure: 1.0, shoulder: 0.99, desaturation: 0.0 };
         }
         picture
+    }
+
+    /// Whether the view replaces the image of the hair.
+    pub(crate) fn hides_hair(&self) -> bool {
+        self.view.hides_hair()
     }
 
     /// Value drawn brightest.

@@ -1,7 +1,7 @@
 //! The list of debug views, shared by all programs that offer them.
 
-use super::{GridView, Quantity, StrandQuantity};
-use crate::{Pose, hair::Hair, light::Term, simulate::SimulationParams, volume::HairHairMode};
+use super::{GridView, Quantity, StrandQuantity, Term};
+use crate::{Pose, hair::Hair, simulate::SimulationParams, volume::HairHairMode};
 use glam::Vec3;
 
 /// A debug view: the quantity that a frame shows instead of shaded hair.

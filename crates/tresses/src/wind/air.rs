@@ -137,6 +137,7 @@ impl Air {
     }
 
     /// Returns the mean velocity of the wind for which the last steps were prepared, world axes, m/s.
+    #[cfg(feature = "debug-views")]
     pub(crate) fn mean(&self) -> Vec3 {
         self.wind.map_or(Vec3::ZERO, |wind| wind.velocity)
     }
@@ -207,6 +208,7 @@ impl Air {
     }
 
     /// Returns the position of the grid after the most recent step.
+    #[cfg(feature = "debug-views")]
     pub(crate) fn now(&self) -> AirPlace {
         self.at()
     }

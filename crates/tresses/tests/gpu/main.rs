@@ -42,5 +42,6 @@ mod second_driver;
 mod shadows;
 mod soft;
 mod space;
+#[cfg(feature = "debug-views")]
 mod views;
 mod volume;

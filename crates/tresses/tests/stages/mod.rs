@@ -4,10 +4,12 @@
 
 mod character;
 mod collide;
+#[cfg(feature = "debug-views")]
 mod errors;
 mod fiber;
 mod interpolate;
 mod physics;
+#[cfg(feature = "debug-views")]
 mod pipelines;
 mod skinning;
 mod wind;

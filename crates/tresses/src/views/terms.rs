@@ -1,11 +1,11 @@
 //! Kernel that shades strand vertices with a single term of the shading, for debug views. It is separate from
 //! `light::shade`, so that images with all terms neither change nor cost more.
 
-use super::{HairView, fiber::FiberTables};
 use crate::{
     Context, Result,
     constants::STRAND_WORKGROUP,
     gpu::{Binding, Commands, Kernel, bindings::layout},
+    light::{HairView, fiber::FiberTables},
     shaders::kernels::light as kernels,
 };
 use wgpu::util::DeviceExt;
@@ -27,7 +27,7 @@ pub enum Term {
     Sky = 4,
     /// Light from the directional lights.
     Direct = 5,
-    /// Fraction of the direct light that arrives, 0 to 1, as a color of [`crate::views::ramp`]. Without lights, the
+    /// Fraction of the direct light that arrives, 0 to 1, as a color of [`super::ramp`]. Without lights, the
     /// fraction of the sky.
     Shadow = 6,
 }
@@ -45,7 +45,7 @@ impl Term {
     ];
 }
 
-/// The kernel `light::terms`.
+/// The kernel `views::terms`.
 #[derive(Debug)]
 pub(crate) struct Terms {
     kernel: Kernel,
@@ -67,11 +67,11 @@ impl Terms {
             device.group("term", &which, &[uniform.as_entire_binding()])
         });
         let shared = [&which, &FiberTables::layout(device)];
-        let kernel = Kernel::named::<kernels::Shading>(&context.device, "light::terms", &shared);
+        let kernel = Kernel::named::<kernels::Shading>(&context.device, "views::terms", &shared);
         Self { kernel, groups: groups.into() }
     }
 
-    /// Records the kernel for all vertices of `hair`, in place of [`super::State::shade`].
+    /// Records the kernel for all vertices of `hair`, in place of [`LightState::shade`](crate::light::LightState::shade).
     pub(crate) fn record(
         &self,
         commands: &mut Commands<'_>,
