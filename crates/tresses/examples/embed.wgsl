@@ -54,11 +54,11 @@ const CORNERS = array(vec2i(0, 0), vec2i(1, 0), vec2i(0, 1), vec2i(0, 1), vec2i(
 fn unshadowed(at: vec3f) -> f32 {
     let clip = scene.eyes[1] * vec4f(at, 1.0);
     let texel = vec2i((vec2f(0.5, -0.5) * clip.xy / clip.w + 0.5) * vec2f(textureDimensions(shadow_map)));
-    var share = 0.0;
+    var fraction = 0.0;
     for (var i = 0; i < 81; i++) {
-        share += f32(clip.z / clip.w >= textureLoad(shadow_map, texel + vec2i(i % 9, i / 9) - 4, 0)) / 81.0;
+        fraction += f32(clip.z / clip.w >= textureLoad(shadow_map, texel + vec2i(i % 9, i / 9) - 4, 0)) / 81.0;
     }
-    return share;
+    return fraction;
 }
 
 @fragment fn fragment(in: Point) -> @location(0) vec4f {
@@ -66,12 +66,12 @@ fn unshadowed(at: vec3f) -> f32 {
     let eye = normalize(scene.camera.xyz - in.at);
     let up = mix(normal, reflect(-eye, normal), in.metal).y;
     var color = in.color * mix(vec3f(0.07, 0.06, 0.055), vec3f(0.24, 0.26, 0.3), 0.5 + 0.5 * up);
-    let shares = array(unshadowed(in.at + 0.01 * normal), in.rim);
+    let visibility = array(unshadowed(in.at + 0.01 * normal), in.rim);
     for (var light = 0u; light < 2; light++) {
-        let way = scene.lights[2 * light].xyz;
-        let gloss = pow(max(dot(normal, normalize(way + eye)), 0.0), mix(24.0, 90.0, in.metal));
+        let to_light = scene.lights[2 * light].xyz;
+        let gloss = pow(max(dot(normal, normalize(to_light + eye)), 0.0), mix(24.0, 90.0, in.metal));
         let thrown = mix(in.color / 3.1416 + 0.02 * gloss, in.color * (0.06 + 6.0 * gloss), in.metal);
-        let arrives = max(dot(normal, way), 0.0) * shares[light] * scene.lights[2 * light + 1].rgb;
+        let arrives = max(dot(normal, to_light), 0.0) * visibility[light] * scene.lights[2 * light + 1].rgb;
         color += thrown * arrives * tresses_left_by_hair(light, in.at, normal);
     }
     return vec4f(color, 1.0);

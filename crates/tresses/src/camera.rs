@@ -109,7 +109,7 @@ impl Camera {
             ssaa,
             // Depth as a function of view z is (c z + a) / (d z + b). Solving for z and subtracting two of them
             // analytically avoids the cancellation that a distant camera would cause.
-            way: {
+            depth_to_distance: {
                 let (a, b) = (self.projection.w_axis.z, self.projection.w_axis.w);
                 let (c, d) = (self.projection.z_axis.z, self.projection.z_axis.w);
                 Vec4::new(c, d, a * d - b * c, 0.0)
@@ -136,7 +136,7 @@ pub(crate) struct CameraUniform {
     pub ssaa: u32,
     /// Coefficients that convert depth differences to meters. From depth `s` to depth `t`, a view ray advances
     /// `z (t - s) / ((x - y s) (x - y t))` meters.
-    pub way: Vec4,
+    pub depth_to_distance: Vec4,
 }
 
 /// Returns the distance to the middle of `subject` from which it fills 0.9 of the image's height or width. `direction`

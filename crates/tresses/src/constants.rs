@@ -30,7 +30,7 @@ pub const SHARED: &[(&str, u32)] = &[
     ("TILE", TILE),
     ("TILE_BINS", TILE_BINS),
     ("TILE_BLOCK", TILE_BLOCK),
-    ("TILE_FEW", TILE_FEW),
+    ("TILE_SMALL_BIN", TILE_SMALL_BIN),
     ("TILE_POINTS", TILE_POINTS),
     ("TILE_ROUNDS", TILE_ROUNDS),
     ("TILE_SCAN", TILE_SCAN),
@@ -45,7 +45,7 @@ pub const VARIANTS: &[(&str, &str, &[u32])] = &[
     ("simulate::step", "GUIDE_CAPACITY", &GUIDE_CAPACITIES),
     ("simulate::twist", "GUIDE_CAPACITY", &GUIDE_CAPACITIES),
     ("light::shade", "STRAND_MAPS", &[0, 1]),
-    ("draw::tiles::see", "SURFACES", &[1, 2]),
+    ("draw::tiles::visibility", "SURFACES", &[1, 2]),
     ("draw::tiles::geometry", "SURFACES", &[1, 2]),
     ("draw::tiles::label", "SURFACES", &[1, 2]),
     ("draw::tiles::blend", "SURFACES", &[1, 2]),
@@ -61,7 +61,7 @@ pub const IN_WORKGROUP: &[(&str, u32)] = &[("simulate::step", STEP_BYTES), ("sim
 pub(crate) const FAMILIES: &[(&str, &[&str])] = &[
     ("simulate::Step", &["simulate::step", "simulate::twist"]),
     ("volume::Blur", &["volume::blur_x", "volume::blur_y"]),
-    ("light::Shading", &["light::shade", "light::knots", "views::terms", "draw::classic::arrive"]),
+    ("light::Shading", &["light::shade", "light::shading_samples", "views::terms", "draw::classic::arrive"]),
     (
         "light::ShadowMaps",
         &[
@@ -73,7 +73,7 @@ pub(crate) const FAMILIES: &[(&str, &[&str])] = &[
             "light::stack",
         ],
     ),
-    ("light::ambient::Sweep", &["light::ambient::sweep", "light::ambient::shine"]),
+    ("light::ambient::Sweep", &["light::ambient::sweep", "light::ambient::sweep_radiance"]),
     ("light::ambient::Gather", &["light::ambient::gather", "light::ambient::collect"]),
 ];
 
@@ -138,7 +138,7 @@ pub const MAX_LIGHTS: u32 = 4;
 pub const SHADOW_MAPS: u32 = MAX_LIGHTS + 1;
 /// Maximum gust modes in a step's uniforms.
 pub const MAX_GUSTS: u32 = 24;
-/// Edge of a block of shadow map texels. Each block stores the share of its texels with hair and their mean height.
+/// Edge of a block of shadow map texels. Each block stores the fraction of its texels with hair and their mean height.
 pub const SHADOW_BLOCK: u32 = 4;
 /// Layers per deep opacity map.
 pub const DEEP_LAYERS: u32 = 8;
@@ -157,7 +157,7 @@ pub const TILE_BINS: u32 = 64;
 /// Edge of a block of tiles that share one depth range for their bins, tiles.
 pub const TILE_BLOCK: u32 = 2;
 /// Largest bin that is sorted by pairwise comparison; larger ones take a workgroup each.
-pub const TILE_FEW: u32 = 512;
+pub const TILE_SMALL_BIN: u32 = 512;
 /// Points per row of the textures that store them.
 pub const TILE_POINTS: u32 = 4096;
 /// Maximum rounds in which tile lists are built.

@@ -71,7 +71,7 @@ pub enum ClassicCoverage {
     /// order-independent transparency"; Bavoil and Myers 2008). One sample per pixel.
     DepthPeeling {
         /// Layers blended in order, 1 to [`MAX_LAYERS`](Self::MAX_LAYERS). The hair behind them is blended by depth, at
-        /// eight knots.
+        /// eight nodes.
         layers: u32,
     },
 }

@@ -76,8 +76,8 @@ impl StrandBinding {
 pub struct PackedRest {
     /// `x | y << 16`.
     pub xy: u32,
-    /// `z | radius << 16 | sunk << 24`. The radius is a fraction of [`super::Strand::radius`].
-    pub z_radius_sunk: u32,
+    /// `z | radius << 16 | penetration << 24`. The radius is a fraction of [`super::Strand::radius`].
+    pub z_radius_penetration: u32,
 }
 
 /// Quantization step of [`PackedRest::sunk`], meters.
@@ -91,15 +91,15 @@ impl PackedRest {
         let bits = |v: f32, most: f32| (v.clamp(0.0, 1.0) * most + 0.5) as u32;
         Self {
             xy: bits(fraction.x, 65_535.0) | bits(fraction.y, 65_535.0) << 16,
-            z_radius_sunk: bits(fraction.z, 65_535.0) | bits(radius, 255.0) << 16,
+            z_radius_penetration: bits(fraction.z, 65_535.0) | bits(radius, 255.0) << 16,
         }
     }
 
     /// Returns the position (groom space, meters) and the radius fraction.
     pub fn unpack(&self, binding: &StrandBinding) -> (Vec3, f32) {
         let bits = |v: u32| (v & 0xffff) as f32 / 65_535.0;
-        let fraction = Vec3::new(bits(self.xy), bits(self.xy >> 16), bits(self.z_radius_sunk));
-        let radius = (self.z_radius_sunk >> 16 & 0xff) as f32 / 255.0;
+        let fraction = Vec3::new(bits(self.xy), bits(self.xy >> 16), bits(self.z_radius_penetration));
+        let radius = (self.z_radius_penetration >> 16 & 0xff) as f32 / 255.0;
         (binding.origin + fraction * binding.extent, radius)
     }
 
@@ -108,12 +108,12 @@ impl PackedRest {
     #[must_use]
     pub fn sink(self, sunk: f32) -> Self {
         let steps = (sunk / SUNK_STEP).ceil().clamp(0.0, 255.0) as u32;
-        Self { z_radius_sunk: (self.z_radius_sunk & 0xff_ffff) | steps << 24, ..self }
+        Self { z_radius_penetration: (self.z_radius_penetration & 0xff_ffff) | steps << 24, ..self }
     }
 
     /// Returns how far inside the clearance from obstacles the vertex may be, meters.
     pub fn sunk(&self) -> f32 {
-        match self.z_radius_sunk >> 24 {
+        match self.z_radius_penetration >> 24 {
             255 => f32::INFINITY,
             steps => steps as f32 * SUNK_STEP,
         }

@@ -5,12 +5,12 @@
 //! ```text
 //! SdfGrid, mesh ─► tiles of one 3-D texture ─┐
 //! shapes ────────► uniform table            ─┼─► @group(1) ─► simulate, volume, wind, interpolate, avoid
-//! poses of a frame ─► places [moment][collider] ┘
+//! poses of a frame ──► poses [moment][collider] ┘
 //! ```
 //!
 //! **Moments.** The simulation evaluates a collider at the start of the frame's first step (moment 0) and at the end of
 //! every substep `k` of the frame (moment `k`); the moment is the last argument of `nearest(x, moment)`. The host
-//! writes one `Place` per moment and collider, so no kernel interpolates poses per vertex. The velocity of a point of
+//! writes one `PoseData` per moment and collider, so no kernel interpolates poses per vertex. The velocity of a point of
 //! an obstacle is its rigid motion, rotation included, in the substep that ends at the moment. Between frames a
 //! collider moves from its pose at the end of the last step towards its current pose, like the head.
 //!
@@ -28,7 +28,7 @@
 //! `k2 = |p / r²|` (componentwise), `k1 (k1 - 1) / k2` is zero on the surface and has a unit gradient there, the normal
 //! `(p / r²) / k2`. It is exact to first order at the surface, too small far away, and its sign is always correct.
 //!
-//! **Culling.** Every collider has a world-space bounding sphere in the list of places; a field also has a box around
+//! **Culling.** Every collider has a world-space bounding sphere in the list of poses; a field also has a box around
 //! its solid part (`SolidBounds`). `nearest` skips colliders farther than the best so far, or than the caller's limit
 //! (`nearest_within`). In each substep, `simulate` selects the colliders whose spheres touch the box of a strand's
 //! predicted vertices, and for each the vertices inside its sphere. The selection is exact, because contacts are
@@ -62,8 +62,8 @@ use glam::{Quat, Vec3};
 
 pub(crate) use build::FieldBuilder;
 pub(crate) use places::Journey;
-pub(crate) use places::PlacesHead;
-pub(crate) use places::{Moments, Place};
+pub(crate) use places::PoseHead;
+pub(crate) use places::{Moments, PoseData};
 pub(crate) use set::ColliderSet;
 pub(crate) use set::{FieldAtlas, layout};
 pub(crate) use shape::{ShapeData, ShapeTable};

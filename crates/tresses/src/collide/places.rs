@@ -14,7 +14,7 @@ use glam::{Quat, Vec3};
 /// Pose and bounding sphere of a collider, in GPU layout.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub(crate) struct Place {
+pub(crate) struct PoseData {
     /// Unit quaternion.
     pub rotation: Quat,
     /// Translation, meters.
@@ -27,8 +27,8 @@ pub(crate) struct Place {
     pub _pad: f32,
 }
 
-impl Place {
-    /// Returns the place of a collider at `pose`, whose bounding sphere has this `center` and radius in the collider's
+impl PoseData {
+    /// Returns the data of a collider at `pose`, whose bounding sphere has this `center` and radius in the collider's
     /// frame.
     pub fn new(pose: &Pose, center: Vec3, bound: f32) -> Self {
         let Pose { rotation, translation } = *pose;
@@ -36,10 +36,10 @@ impl Place {
     }
 }
 
-/// Header of the buffer of places. The places at drawing time follow, then the places at each moment.
+/// Header of the buffer of poses. The poses at drawing time follow, then the poses at each moment.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub(crate) struct PlacesHead {
+pub(crate) struct PoseHead {
     /// Time between moments, s.
     pub interval: f32,
     /// Index of the last moment.

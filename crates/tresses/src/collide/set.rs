@@ -2,7 +2,7 @@
 
 use super::{
     Anchor, Collider, ColliderDescriptor, ColliderPoses, FieldBuilder, FieldId, FieldSource, FieldVolume,
-    Moments, Place, PlacesHead, Shape, ShapeData, ShapeTable, SolidBounds,
+    Moments, PoseData, PoseHead, Shape, ShapeData, ShapeTable, SolidBounds,
     atlas::{Atlas, pack},
     build::Plan,
     deform::{self, DeformPlaces, DeformTarget, Deformation, DeformingField},
@@ -163,7 +163,7 @@ impl ColliderSet {
     pub(crate) fn of(fields: &FieldAtlas, colliders: &[Collider]) -> Result<Self> {
         let device = &fields.context.device;
         let table = bindings::uniform(device, "collider shapes", size_of::<ShapeTable>());
-        let places = storage::<Place>(device, "collider places", most_places(1))?;
+        let places = storage::<PoseData>(device, "collider places", most_places(1))?;
         let mut set = Self {
             group: bind(device, &table, &places, &fields.atlas, &deform::none(device)),
             fields: fields.clone(),
@@ -219,13 +219,13 @@ impl ColliderSet {
             spheres.push((data.center, data.bound));
         }
         let most = most_places(count);
-        if self.places.size() < most * size_of::<Place>() as u64 {
-            self.places = storage::<Place>(&self.fields.context.device, "collider places", most)?;
+        if self.places.size() < most * size_of::<PoseData>() as u64 {
+            self.places = storage::<PoseData>(&self.fields.context.device, "collider places", most)?;
             self.regroup();
         }
         let queue = &self.fields.context.queue;
         queue.write_buffer(&self.table, 0, bytemuck::bytes_of(&*table));
-        let count_at = std::mem::offset_of!(PlacesHead, count) as u64;
+        let count_at = std::mem::offset_of!(PoseHead, count) as u64;
         let side = self.deformation.as_ref().map_or(0, Deformation::side);
         // The count and `side`, which follows it.
         queue.write_buffer(&self.places, count_at, bytemuck::bytes_of(&[count as u32, side]));
@@ -319,17 +319,17 @@ impl ColliderSet {
         if self.count == 0 {
             return Ok(());
         }
-        let list = |poses: &[Pose]| -> Vec<Place> {
+        let list = |poses: &[Pose]| -> Vec<PoseData> {
             let spheres = self.spheres.iter().cycle();
-            poses.iter().zip(spheres).map(|(p, (center, bound))| Place::new(p, *center, *bound)).collect()
+            poses.iter().zip(spheres).map(|(p, (center, bound))| PoseData::new(p, *center, *bound)).collect()
         };
-        let header = size_of::<PlacesHead>() as u64;
+        let header = size_of::<PoseHead>() as u64;
         let now = list(&self.track.now);
         self.fields.context.queue.write_buffer(&self.places, header, bytemuck::cast_slice(&now));
         if !steps.is_empty() {
             let interval = frame.step / frame.substeps as f32;
             let moments = steps.len() as u32 * frame.substeps;
-            let places = PlacesHead { interval, moments, count: self.count, side: side.unwrap_or(0) };
+            let places = PoseHead { interval, moments, count: self.count, side: side.unwrap_or(0) };
             self.fields.context.queue.write_buffer(&self.places, 0, bytemuck::bytes_of(&places));
             let at = header + size_of_val(&*now) as u64;
             self.fields.context.queue.write_buffer(

@@ -49,7 +49,7 @@ pub(crate) struct ShapeData {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct ShapeTable {
-    /// The shapes; [`PlacesHead`](super::PlacesHead) has their number.
+    /// The shapes; [`PoseHead`](super::PoseHead) has their number.
     pub list: [ShapeData; MAX_COLLIDERS as usize],
 }
 

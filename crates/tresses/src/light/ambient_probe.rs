@@ -33,14 +33,14 @@ impl AmbientProbe {
             points.iter().flat_map(|(at, middle)| [at.extend(0.0), middle.extend(0.0)]).collect();
         let (transmittance, ambient) = (light.transmittance(), light.ambient());
         let bind = |kernel: &Kernel, points: &wgpu::Buffer, answers: &wgpu::Buffer| {
-            kernel.bind(&kernels::Ask {
+            kernel.bind(&kernels::Query {
                 points: points.entire(),
                 transmittance,
                 ambient,
-                answers: answers.entire(),
+                results: answers.entire(),
             })
         };
-        let query = PointQuery::new::<kernels::Ask<'_>>(context, &words, points.len(), bind);
+        let query = PointQuery::new::<kernels::Query<'_>>(context, &words, points.len(), bind);
         Ok(Self(query?))
     }
 

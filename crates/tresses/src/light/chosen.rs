@@ -52,10 +52,10 @@ impl ShadingSubset {
             let knot = shaded.knot(camera, hair, list);
             pipelines.shade(false).bind(&state.shading(knot))
         });
-        let choose = pipelines.choose.bind(&kernels::Choose {
+        let choose = pipelines.choose.bind(&kernels::SelectVisible {
             hair: shaded.uniform.entire(),
-            seen,
-            knots: lists[0].entire(),
+            visible: seen,
+            samples: lists[0].entire(),
             spans: lists[1].entire(),
             workgroups: workgroups.entire(),
         });

@@ -68,7 +68,7 @@ impl CubeProbe {
             to_map: turn.entire(),
             map,
             smooth_sampler: &self.sampler,
-            answers: sums.entire(),
+            results: sums.entire(),
         });
         let mut encoder = self
             .context

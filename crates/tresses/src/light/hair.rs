@@ -216,7 +216,7 @@ fn spans(vertex_count: u32, stands_for: u32) -> [u32; 2] {
 /// Maximum number of vertices from one shading sample to the next.
 const STRIDE: u32 = 3;
 
-/// Maximum number of spans of a strand. `choose` keeps one bit for each, and one for the sample after the last.
+/// Maximum number of spans of a strand. `select_visible` keeps one bit for each, and one for the sample after the last.
 const SPANS: u32 = 31;
 
 /// Returns the words that shading stores per vertex.
@@ -300,7 +300,7 @@ impl HairShading {
             hair_blocks,
             widening,
         });
-        let lay = kernels::ambient::Lay { lights, hair: set, vertices, strands, cells };
+        let lay = kernels::ambient::SplatHair { lights, hair: set, vertices, strands, cells };
         let lay = pipelines.ambient.lay.bind(&lay);
         let knot = knot_bindings(camera, &uniform, &hair.strands, &colors, &knots, &pipelines.all);
         let shade = pipelines.shade(false).bind(&state.shading(knot));
@@ -332,7 +332,7 @@ impl HairShading {
         camera: &'a wgpu::Buffer,
         hair: &'a HairSet,
         chosen: &'a wgpu::Buffer,
-    ) -> kernels::Knot<'a> {
+    ) -> kernels::ShadingSample<'a> {
         knot_bindings(camera, &self.uniform, &hair.strands, &self.colors, &self.knots, chosen)
     }
 
@@ -354,15 +354,15 @@ fn knot_bindings<'a>(
     colors: &'a wgpu::Buffer,
     knots: &'a wgpu::Buffer,
     chosen: &'a wgpu::Buffer,
-) -> kernels::Knot<'a> {
-    kernels::Knot {
+) -> kernels::ShadingSample<'a> {
+    kernels::ShadingSample {
         view: camera.entire(),
         hair: uniform.entire(),
         vertices: strands.vertices.entire(),
         strands: strands.strands.entire(),
         shaded: colors.entire(),
-        knots: knots.entire(),
-        chosen: chosen.entire(),
+        shading_samples: knots.entire(),
+        selected: chosen.entire(),
     }
 }
 

@@ -243,12 +243,12 @@ impl HairMaterial {
             file_colors: u32::from(self.file_colors),
             count: drawn.count,
             vertex_count: drawn.vertex_count,
-            knot_stride: spans[0],
+            sample_stride: spans[0],
             splat_stride: splat[0],
             splat_segments: splat[1],
             variances: four(shape.variances()),
-            turn_sin: turns.map(f32::sin),
-            turn_cos: turns.map(f32::cos),
+            shift_sin: turns.map(f32::sin),
+            shift_cos: turns.map(f32::cos),
             root_absorption: fiber.root_absorption.max(Vec3::ZERO),
             model: u32::from(model == ShadingModel::Fiber),
             tip_absorption: fiber.tip_absorption.max(Vec3::ZERO),
@@ -265,7 +265,7 @@ impl HairMaterial {
             spans: spans[1],
             single: drawn.single,
             dense: drawn.dense,
-            sunk: drawn.sunk,
+            depth_offset: drawn.sunk,
             packed: drawn.packed,
             _pad: 0,
         }
@@ -308,8 +308,8 @@ pub(crate) struct HairUniform {
     pub count: u32,
     /// Vertices of each drawn strand.
     pub vertex_count: u32,
-    /// Vertices from one shading sample (knot) of a strand to the next (`light::knot`).
-    pub knot_stride: u32,
+    /// Vertices from one shading sample of a strand to the next (`light::shading_sample`).
+    pub sample_stride: u32,
     /// Vertex stride of the strands in the shadow maps.
     pub splat_stride: u32,
     /// Segments per strand in the shadow maps.
@@ -317,9 +317,9 @@ pub(crate) struct HairUniform {
     /// [`FiberShape::variances`].
     pub variances: Vec4,
     /// Sines of [`FiberShape::turns`].
-    pub turn_sin: Vec4,
+    pub shift_sin: Vec4,
     /// Cosines of [`FiberShape::turns`].
-    pub turn_cos: Vec4,
+    pub shift_cos: Vec4,
     pub root_absorption: Vec3,
     /// [`ShadingModel`]: 0 Kajiya and Kay, 1 fiber.
     pub model: u32,
@@ -348,7 +348,7 @@ pub(crate) struct HairUniform {
     /// See [`crate::strands::DrawCount::dense`].
     pub dense: f32,
     /// See [`crate::strands::DrawCount::sunk`].
-    pub sunk: f32,
+    pub depth_offset: f32,
     /// See [`crate::strands::DrawCount::packed`].
     pub packed: f32,
     /// Unused.

@@ -38,11 +38,11 @@
 //! (`strand_light.wesl`).
 //!
 //! **Shading rate**: light that arrives, ambient light and light scattered by other fibers vary slowly along a strand.
-//! They are evaluated at *shading samples* (called knots in the code): the ends of eight spans, or every third vertex
-//! (`knots.wesl`, 8 bytes each), and up to three times as many where strands represent others at a level of detail.
-//! Highlights and colors vary fast; `shade.wesl` adds them at each vertex, with four bytes of output (`radiance`).
-//! With `ShadingSubset`, only visible hair is shaded: `choose.wesl` lists samples and spans, and both kernels run over the
-//! lists. For shading per pixel, `arrive.wesl` looks up the shadows of every vertex instead.
+//! They are evaluated at *shading samples*: the ends of eight spans, or every third vertex
+//! (`shading_samples.wesl`, 8 bytes each), and up to three times as many where strands represent others at a level of
+//! detail. Highlights and colors vary fast; `shade.wesl` adds them at each vertex, with four bytes of output
+//! (`radiance`). With `ShadingSubset`, only visible hair is shaded: `select_visible.wesl` lists samples and spans, and
+//! both kernels run over the lists. For shading per pixel, `arrive.wesl` looks up the shadows of every vertex instead.
 //!
 //! **Shading models** (`shading.wesl`, [`ShadingModel`](crate::renderer::ShadingModel)): both have the same inputs,
 //! fiber, eye, light and fiber count, so that a kernel and a fragment shader share the code. *Fiber* refracts, absorbs

@@ -78,10 +78,10 @@ impl PipelineSet for Pipelines {
             deep: ["light::front", "light::cover", "light::stack"].map(maps),
             ambient: ambient::Pipelines::new(context),
             gap: device.group("nothing", &nothing, &[]),
-            knots: shading("light::knots"),
+            knots: shading("light::shading_samples"),
             shade: ["light::shade::0", "light::shade::1"].map(shading),
             arrive: shading("draw::classic::arrive"),
-            choose: Kernel::new::<kernels::Choose>(&context.device),
+            choose: Kernel::new::<kernels::SelectVisible>(&context.device),
             all: device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("all strands"),
                 size: 4,

@@ -35,7 +35,7 @@ impl ShadowProbe {
             std::iter::once(eye).chain(points.iter().map(|point| point.extend(0.0))).collect();
         let transmittance = light.transmittance();
         let bind = |kernel: &Kernel, points: &wgpu::Buffer, answers: &wgpu::Buffer| {
-            kernel.bind(&kernels::Probe { points: points.entire(), transmittance, answers: answers.entire() })
+            kernel.bind(&kernels::Probe { points: points.entire(), transmittance, results: answers.entire() })
         };
         let query = PointQuery::new::<kernels::Probe<'_>>(context, &words, points.len(), bind);
         Ok(Self(query?))

@@ -45,8 +45,12 @@ impl LightState {
     }
 
     /// Bindings of the kernels that shade the hair of `knot`.
-    pub(super) fn shading<'a>(&'a self, knot: kernels::Knot<'a>) -> kernels::Shading<'a> {
-        kernels::Shading { knot, transmittance: self.transmittance(), ambient: self.ambient() }
+    pub(super) fn shading<'a>(&'a self, knot: kernels::ShadingSample<'a>) -> kernels::Shading<'a> {
+        kernels::Shading {
+            shading_sample: knot,
+            transmittance: self.transmittance(),
+            ambient: self.ambient(),
+        }
     }
 
     /// Bindings of kernels that read ambient light.

@@ -21,7 +21,7 @@ use crate::{
 
 /// Creates the kernel.
 pub(super) fn kernel(context: &Context) -> Kernel {
-    Kernel::new::<kernels::Lead>(&context.device)
+    Kernel::new::<kernels::FollowLeader>(&context.device)
 }
 
 /// The order of guides on the GPU, shared by heads with the same groom.
@@ -53,7 +53,7 @@ pub(super) struct Lead(wgpu::BindGroup);
 
 impl Lead {
     pub fn new(kernel: &Kernel, u: BufferBinding<'_, Opaque>, guides: &GuideBuffers, tree: &Tree) -> Self {
-        Self(kernel.bind(&kernels::Lead {
+        Self(kernel.bind(&kernels::FollowLeader {
             u,
             info: guides.info.entire(),
             rest: guides.rest.entire(),

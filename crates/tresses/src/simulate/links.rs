@@ -74,7 +74,7 @@ pub(crate) struct LinkUniforms {
     /// Largest pull of a link, m/s².
     pub limit: f32,
     /// Elongation at which a link begins to fade, meters.
-    pub reach: f32,
+    pub fade_start: f32,
     /// Length of the step, s.
     pub span: f32,
     /// Unused.
@@ -88,7 +88,7 @@ impl LinkUniforms {
             vertices,
             stiffness: params.cohesion,
             limit: params.cohesion_limit,
-            reach: params.cohesion_reach,
+            fade_start: params.cohesion_reach,
             span,
             ..Self::zeroed()
         }
@@ -173,7 +173,7 @@ fn pull(u: &LinkUniforms, x: Vec3, v: Vec3, links: &[(f32, Vec3, Vec3)]) -> Vec3
         let way = *at - x;
         let unit = way / way.length().max(1e-6);
         let longer = way.length() - length;
-        let near = (2.0 - longer / u.reach).clamp(0.0, 1.0);
+        let near = (2.0 - longer / u.fade_start).clamp(0.0, 1.0);
         let stiffness = near * u.stiffness.min(u.limit / longer.abs().max(1e-9));
         let rate = stiffness * u.span;
         pull += unit * (stiffness * longer + rate * unit.dot(*velocity - v));
@@ -392,8 +392,13 @@ mod tests {
 
     #[test]
     fn links_ignore_rigid_motion_and_do_not_overshoot() {
-        let u =
-            LinkUniforms { stiffness: 1e6, limit: 1e9, reach: 0.02, span: 1.0 / 60.0, ..Zeroable::zeroed() };
+        let u = LinkUniforms {
+            stiffness: 1e6,
+            limit: 1e9,
+            fade_start: 0.02,
+            span: 1.0 / 60.0,
+            ..Zeroable::zeroed()
+        };
         let to = |way: Vec3, v: Vec3| (0.01, way, v);
         let ways = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::ONE.normalize()].map(|way| way * 0.01);
         let together = ways.map(|way| to(way, Vec3::ONE));

@@ -18,7 +18,7 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(crate) struct ShiftUniform {
     /// Added to positions, meters.
-    pub way: Vec3,
+    pub offset: Vec3,
     /// Number of guide vertices.
     pub count: u32,
     /// Added to velocities, m/s.
@@ -63,7 +63,7 @@ impl Shifting {
     pub fn prepare(&self, context: &Context, shift: &Shift) {
         let Context { queue, .. } = context;
         let uniform = ShiftUniform {
-            way: shift.way,
+            offset: shift.way,
             count: self.count,
             velocity: shift.velocity,
             faster: u32::from(shift.velocity != Vec3::ZERO),

@@ -333,7 +333,7 @@ impl Ties {
             current,
             velocity,
             forces,
-            turns: turns.entire(),
+            rotations: turns.entire(),
         });
         let to_head = pipelines.pins.bind(&kernels::Pins { u, pinned: pins.entire(), current, forces });
         Ok(Self { pipelines, asset: asset.clone(), turns, together, to_head })

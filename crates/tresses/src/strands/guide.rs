@@ -153,17 +153,20 @@ fn shared(v: Vec3, [least, most]: [u32; 2], inverse: u32, bits: u32) -> (IVec3, 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct GuideSample {
     /// Position in world space, meters (xyz), and x of the rest position in groom space (w).
-    pub place: Vec4,
+    pub position_rest_x: Vec4,
     /// Rotation of this sample's neighborhood from groom space at rest to the world: the head's rotation at the root,
     /// then minimal rotations from edge to edge (parallel transport). A quaternion of four signed 16-bit fractions;
     /// then the bits of y and z of the rest position.
-    pub turn: [u32; 4],
+    pub rotation_rest_yz: [u32; 4],
 }
 
 impl GuideSample {
     /// Returns a sample at rest at `rest` (groom space, meters), in the head's frame.
     pub fn at_rest(rest: Vec3) -> Self {
-        Self { place: rest.extend(rest.x), turn: [0, 0x7fff_0000, rest.y.to_bits(), rest.z.to_bits()] }
+        Self {
+            position_rest_x: rest.extend(rest.x),
+            rotation_rest_yz: [0, 0x7fff_0000, rest.y.to_bits(), rest.z.to_bits()],
+        }
     }
 }
 

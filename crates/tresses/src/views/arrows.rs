@@ -59,7 +59,7 @@ pub(crate) struct ArrowsUniform {
     /// [`Arrows::count`].
     pub count: UVec3,
     /// [`Arrows::least`].
-    pub least: f32,
+    pub min_value: f32,
 }
 
 /// Kernel that turns vectors into arrows.
@@ -87,7 +87,7 @@ impl ArrowsKernel {
             step: arrows.step,
             longest: arrows.longest,
             count,
-            least: arrows.least,
+            min_value: arrows.least,
         };
         let (place, uniform) = (canvas.grid(grid), constant(canvas.device, "arrows", &uniform));
         let group = self.0.bind(&kernels::Arrows {

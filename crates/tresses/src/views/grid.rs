@@ -50,7 +50,7 @@ impl GridView<'_> {
                 Quantity::Length => 4,
             },
             scale: self.scale,
-            turns: u32::from(self.turns),
+            rotates: u32::from(self.turns),
             bias: self.bias,
             _pad: 0,
         }
@@ -70,7 +70,7 @@ pub(crate) struct GridUniform {
     /// [`GridView::scale`].
     pub scale: Vec3,
     /// [`GridView::turns`].
-    pub turns: u32,
+    pub rotates: u32,
     /// [`GridView::bias`].
     pub bias: Vec3,
     /// Unused.

@@ -53,7 +53,7 @@ pub(crate) struct StreamsUniform {
     /// [`Streams::step`].
     pub step: f32,
     /// [`Streams::least`].
-    pub least: f32,
+    pub min_speed: f32,
 }
 
 /// Kernel that traces streamlines.
@@ -79,7 +79,7 @@ impl StreamsKernel {
             seeds: streams.seeds.len() as u32,
             points: streams.points.max(2),
             step: streams.step,
-            least: streams.least,
+            min_speed: streams.least,
         };
         let total = u64::from(uniform.seeds) * u64::from(uniform.points);
         let points = self.1.get::<LinePoint>(canvas.device, "streams", total)?;

@@ -51,7 +51,7 @@ impl VolumeUniforms {
             vertices_per_sample,
             samples,
             one: 1,
-            turn: Quat::IDENTITY.into(),
+            velocity_rotation: Quat::IDENTITY.into(),
             units: units as f32,
             density: density as f32,
             reference: mean_density(rest).max(1e-6),

@@ -92,7 +92,7 @@ impl Volume {
                 vertices_per_sample: met.base.vertices_per_sample,
                 samples: met.base.samples,
                 units: own.units * share * met.base.strands_each() / own.strands_each(),
-                turn: way.rotation.into(),
+                velocity_rotation: way.rotation.into(),
                 ..own
             };
             let mut slots = Slots::new(MAX_STEPS);

@@ -173,7 +173,7 @@ pub(crate) struct VolumeUniforms {
     pub _pad: [u32; 2],
     /// Rotation from the axes of velocities to the axes of the grid's momentum, quaternion; they may differ for another
     /// groom.
-    pub turn: [f32; 4],
+    pub velocity_rotation: [f32; 4],
 }
 
 /// Weights of the blur along one axis, for four cells in a row.

@@ -277,12 +277,12 @@ impl Air {
         (parts.ceil() as u32).clamp(1, MAX_SPLIT)
     }
 
-    /// Advances the wind by `dt` seconds, and writes reach and gusts to the uniforms.
+    /// Advances the wind by `dt` seconds, and writes advection scale and gusts to the uniforms.
     fn blow(&mut self, wind: &Wind, field: &Field, u: &mut WindUniforms, dt: f32) {
         if u.reset == 0 {
             self.way += field.own.as_dvec3() * f64::from(dt);
         }
-        u.reach = dt / self.cell;
+        u.advection_scale = dt / self.cell;
         // Gusts are fixed to the air's own ground, over which the grid may move.
         let deviation = f64::from(wind.gusts * field.own.length());
         let gusts = self.gusts.at(self.edge() + field.at, self.way, deviation, self.cell);

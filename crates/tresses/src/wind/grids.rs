@@ -32,7 +32,7 @@ pub(super) struct Grids {
     pub faces: TextureView,
     pub give: TextureView,
     pub among: TextureView,
-    carried: TextureView,
+    advected: TextureView,
     before: TextureView,
     solid: TextureView,
     hair: TextureView,
@@ -62,7 +62,7 @@ impl Grids {
             center: view("air", Rgba16Float, all),
             faces: view("air on faces", Rgba16Float, all),
             give: view("air give", Rgba16Float, all),
-            carried: view("air carried", Rgba16Float, all),
+            advected: view("air carried", Rgba16Float, all),
             before: view("air before pressure", Rgba32Float, all),
             solid: view("air solid", Rgba16Float, all),
             hair: view("air hair", Rgba16Float, all),
@@ -83,7 +83,7 @@ impl Grids {
         uniforms: &wgpu::Buffer,
         hair_grid: &TextureView,
     ) -> Groups {
-        let Self { center, faces: now, give, among, carried, before, solid, hair, .. } = self;
+        let Self { center, faces: now, give, among, advected, before, solid, hair, .. } = self;
         let Self { source, pressures, .. } = self;
         let [give_x, give_y, give_z] = &self.gives;
         let (u, linear_sampler) =
@@ -112,11 +112,11 @@ impl Grids {
         };
         let air = kernels::Air { u, now, center, linear_sampler };
         let obstacles = kernels::Obstacles { u, hair_grid, linear_sampler, solid, hair };
-        let correct = kernels::Correct { air, carried, solid, hair, before, give };
+        let correct = kernels::Correct { air, advected, solid, hair, before, give };
         let gather = kernels::Gather { u, before, give, give_x, give_y, give_z, source };
         Groups {
             obstacles: pipelines.obstacles.bind(&obstacles),
-            predict: pipelines.predict.bind(&kernels::Predict { air, carried }),
+            predict: pipelines.predict.bind(&kernels::Predict { air, advected }),
             correct: pipelines.correct.bind(&correct),
             gather: pipelines.gather.bind(&gather),
             relax: Sweep::ALL.map(|sweep| [relax(sweep, 0), relax(sweep, 1)]),

@@ -8,7 +8,7 @@
 //! ```text
 //! colliders ─► obstacles ─► solid, hair ──────────────────────────────┐
 //! volume ────────┘                                                    ▼
-//! faces, centers ─► predict ─► carried ─► correct ─► before, give ─► gather ─► relax × 2n ─► project ─► faces, centers
+//! faces, centers ─► predict ─► advected ─► correct ─► before, give ─► gather ─► relax × 2n ─► project ─► faces, centers
 //! ```
 //!
 //! - **Advection.** `predict` traces the air backwards along its paths (Stam 1999). `correct` adds MacCormack's

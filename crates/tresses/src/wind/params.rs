@@ -112,7 +112,7 @@ pub(crate) struct WindUniforms {
     /// Displacement of the grid since the last step, cells.
     pub shift: IVec3,
     /// Length of the step over the edge of a cell, s/m: cells traveled in the step per m/s.
-    pub reach: f32,
+    pub advection_scale: f32,
     /// Rotation of the head at the start of the step, quaternion; the hair's grid turns with the head.
     pub head: [f32; 4],
     /// Position of the head's origin at the start of the step, meters.

@@ -3,13 +3,13 @@
 //! ```text
 //! mesh ─► tree (CPU) ─► skin ──► measure ─────► flood ───────► close ──► texel ─► tile of the atlas
 //!         boxes, area   per      per voxel:     per voxel:     signed    unit gradient
-//!         vectors       triangle winding,       nearest lid    distance  and distance
+//!         vectors       triangle winding,       nearest cap    distance  and distance
 //!                                distance
 //! ```
 //!
 //! The method is described in [`crate::groom::mesh::sdf`]: a point is solid where the winding number exceeds one half,
 //! and distances are to the boundary of the *solid*. The boundary consists of skin (triangles with air on one side and
-//! solid on the other) and lids (where the winding number passes one half without a triangle). One thread per voxel
+//! solid on the other) and caps (where the winding number passes one half without a triangle). One thread per voxel
 //! queries the same tree as on the CPU. The winding number needs no stack, but follows links that skip distant nodes,
 //! which count as dipoles. The distance uses a small stack, nearer child first.
 //!
@@ -19,8 +19,8 @@
 //! common traversal for all threads of a brick, with bounds for the whole brick. It reads less memory, but visits so
 //! many more triangles that it takes twice as long.
 //!
-//! **Lids.** Each lid is the plane through the crossings on the grid edges next to it; jump flooding spreads these
-//! planes. The distance to a lid is exact near it and off by less than a cell farther away, where the CPU solves the
+//! **Caps.** Each cap is the plane through the crossings on the grid edges next to it; jump flooding spreads these
+//! planes. The distance to a cap is exact near it and off by less than a cell farther away, where the CPU solves the
 //! eikonal equation.
 //!
 //! **Only in the CPU builder:** filling cavities that no air reaches, and removing solids too small for the grid (less
@@ -70,7 +70,7 @@ pub(crate) struct BuildParams {
     pub sign: f32,
     /// Number of tree nodes.
     pub node_count: u32,
-    /// Jump of the lid search, voxels; 0 initializes it.
+    /// Jump of the cap search, voxels; 0 initializes it.
     pub jump: u32,
     /// Unused.
     pub _pad: u32,

@@ -68,7 +68,7 @@ pub(crate) struct DeformHead {
     /// 1 to write the same displacements to the other half: the skin has jumped and has no velocity.
     pub fresh: u32,
     /// [`MOST`].
-    pub most: f32,
+    pub max_displacement: f32,
     /// Unused.
     pub _pad: [u32; 2],
 }
@@ -259,7 +259,7 @@ impl Deformation {
             count: parts.len() as u32 * PART,
             position_first: words.first,
             position_stride: words.stride,
-            most: MOST,
+            max_displacement: MOST,
             ..Default::default()
         };
         let known = [bytemuck::bytes_of(&head), bytemuck::cast_slice(parts)].concat();

@@ -57,8 +57,8 @@ pub(super) fn part(
             let targets = &[blended(HDR_FORMAT, Factor::OneMinusDstAlpha, Factor::One)];
             return pipelines.parts.get((name, ShadingRate::default()), || {
                 Recipe {
-                    vertex: ("draw::classic::under", "under_vertex"),
-                    fragment: Some(("draw::classic::under", "under_fragment")),
+                    vertex: ("draw::classic::blend_layer", "blend_layer_vertex"),
+                    fragment: Some(("draw::classic::blend_layer", "blend_layer_fragment")),
                     layouts: &[&layer],
                     targets,
                     ..Recipe::PLAIN
@@ -188,7 +188,7 @@ pub(crate) struct Layers {
     depth_views: [wgpu::TextureView; 2],
     layer: wgpu::TextureView,
     front: wgpu::TextureView,
-    /// Optical thickness of the hair behind the last layer, at four knots each.
+    /// Optical thickness of the hair behind the last layer, at four nodes each.
     thickness: [wgpu::TextureView; 2],
     rest: wgpu::TextureView,
     rest_passes: wgpu::TextureView,

@@ -211,8 +211,8 @@ impl Compositor {
         let depths = [
             depth("draw::embed::depth", ["depth_vertex", "depth_fragment"], Binding::Depth)?,
             depth(
-                "draw::embed::farthest",
-                ["farthest_vertex", "farthest_fragment"],
+                "draw::embed::depth_many",
+                ["depth_many_vertex", "depth_many_fragment"],
                 Binding::DepthMultisampled,
             )?,
         ];

@@ -10,8 +10,8 @@
 //!
 //! The first pass (`surface.wesl`) draws positions and normals at a reduced resolution: one point per square of several
 //! pixels, `SPACING` apart at the focus of the view. `list` collects the points that see a body, and their neighbors.
-//! `ask` evaluates the light with one thread per listed point. Drivers that vectorize shaders execute both sides of a
-//! branch and shade whole blocks that a triangle only touches; a list has neither cost.
+//! `evaluate` computes the light with one thread per listed point. Drivers that vectorize shaders execute both sides of
+//! a branch and shade whole blocks that a triangle only touches; a list has neither cost.
 //!
 //! The second pass draws at full resolution. A pixel averages the four points around it, weighted by their distance on
 //! the surface, so that light does not leak over edges. Normals, colors, highlights and outlines are evaluated per
@@ -49,7 +49,7 @@ const STRAY: f32 = 0.2 * SPACING;
 const ACROSS: [u32; 2] = [2, 8];
 /// Words per point.
 const WORDS: u64 = 8;
-/// Initial value of the count buffer: workgroups of `ask` (x, y, z) and number of listed points.
+/// Initial value of the count buffer: workgroups of `evaluate` (x, y, z) and number of listed points.
 const NONE_ASKED: [u32; 4] = [0, 1, 1, 0];
 /// Byte offset of the count in the buffer of a zone.
 const COUNT_AT: u64 = 32;
@@ -90,7 +90,7 @@ impl Pipelines {
             frame: light.frame.clone(),
             surface: PipelineCache::default(),
             list: Kernel::new::<kernels::List>(&context.device),
-            ask: Kernel::new::<kernels::Ask>(&context.device),
+            ask: Kernel::new::<kernels::Evaluate>(&context.device),
         }
     }
 
@@ -134,7 +134,7 @@ pub(crate) struct SoftTargets {
     points: wgpu::Buffer,
     /// Listed points: the index of each, and of the texel on the body that it samples.
     asked: wgpu::Buffer,
-    /// Workgroups of `ask`, then the number of listed points.
+    /// Workgroups of `evaluate`, then the number of listed points.
     count: wgpu::Buffer,
     /// For each zone, its uniform and the initial count.
     zones: Mutex<Vec<wgpu::Buffer>>,
@@ -321,11 +321,20 @@ impl SoftTargets {
         let (positions, normals) = (&self.position, &self.normal);
         let (points, asked, count) = (self.points.entire(), self.asked.entire(), self.count.entire());
         let (transmittance, ambient) = (light.transmittance(), light.ambient());
-        let ask = kernels::Ask { transmittance, ambient, positions, normals, soft, points, asked, count };
+        let ask = kernels::Evaluate {
+            transmittance,
+            ambient,
+            positions,
+            normals,
+            soft,
+            points,
+            listed: asked,
+            count,
+        };
         KernelGroups {
             light: light.frame.clone(),
             uniform: uniform.clone(),
-            list: pipelines.list.bind(&kernels::List { positions, soft, points, asked, count }),
+            list: pipelines.list.bind(&kernels::List { positions, soft, points, listed: asked, count }),
             ask: pipelines.ask.bind(&ask),
             is_used: true,
         }

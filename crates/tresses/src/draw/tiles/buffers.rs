@@ -35,9 +35,9 @@ pub(crate) struct TileGrid {
 pub(crate) struct TileControl {
     /// For kernels with one thread per segment.
     pub segments: [[u32; 4]; TILE_ROUNDS as usize],
-    /// For kernels with one workgroup per busy tile.
+    /// For kernels with one workgroup per occupied tile.
     pub bins: [[u32; 4]; TILE_ROUNDS as usize],
-    /// For kernels with one thread per row of a busy tile.
+    /// For kernels with one thread per row of an occupied tile.
     pub rows: [[u32; 4]; TILE_ROUNDS as usize],
     /// As `segments`, to rebuild the lists before blending. Zero unless there are several rounds.
     pub segments_again: [[u32; 4]; TILE_ROUNDS as usize],
@@ -47,15 +47,15 @@ pub(crate) struct TileControl {
     pub deep_tiles: [[u32; 4]; TILE_ROUNDS as usize],
     /// As `rows`, for tiles that need more than their front.
     pub deep_rows: [[u32; 4]; TILE_ROUNDS as usize],
-    /// First busy tile of each round, and the one after its last.
-    pub busy: [[u32; 4]; TILE_ROUNDS as usize],
+    /// First occupied tile of each round, and the one after its last.
+    pub occupied: [[u32; 4]; TILE_ROUNDS as usize],
     /// Total entries of all tiles.
     pub entries: u32,
     /// Unused.
     pub _pad: [u32; 3],
 }
 
-/// Part of a tile's list that a pass processes. The values equal `grid::FRONT`, `grid::BEHIND` and `grid::WHOLE`.
+/// Part of a tile's list that a pass processes. The values equal `grid::FRONT`, `grid::BEHIND` and `grid::ALL`.
 #[derive(Clone, Copy)]
 pub(super) enum ListSpan {
     /// The entries that the previous frame needed, plus a margin.
@@ -135,7 +135,7 @@ impl TileBuffers {
                 storage::<[u32; 4]>(device, "bounds of tiles", Texels::rows(count))?,
                 Texels::new(device, "bounds of tiles", count, wgpu::TextureFormat::Rgba32Uint)?,
             ),
-            busy: storage::<[u32; 4]>(device, "busy tiles", count)?,
+            busy: storage::<[u32; 4]>(device, "occupied tiles", count)?,
             ranges: storage::<[u32; 2]>(device, "ranges of depth", blocks[0] * blocks[1])?,
             control: device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("control of tiles"),

@@ -30,7 +30,7 @@ pub(crate) struct PointRange {
     /// Vertices per strand.
     pub vertex_count: u32,
     /// Number of points in this frame or the last one, whichever is greater.
-    pub room: u32,
+    pub capacity: u32,
 }
 
 /// The first point of each groom is a multiple of this, so that its bits in [`ListBuffers::seen`] can be bound.
@@ -63,7 +63,7 @@ pub(super) struct GroomPoints {
     pub tint: wgpu::BindGroup,
     /// Number of points in this frame.
     pub points: u32,
-    /// See [`PointRange::room`].
+    /// See [`PointRange::capacity`].
     pub room: u32,
 }
 
@@ -183,8 +183,12 @@ impl HairLists {
             let drawn = &seen.hair.drawn;
             let own = drawn.count * drawn.vertex_count;
             let room = groom.points.max(own);
-            let part =
-                PointRange { first: *first, count: drawn.count, vertex_count: drawn.vertex_count, room };
+            let part = PointRange {
+                first: *first,
+                count: drawn.count,
+                vertex_count: drawn.vertex_count,
+                capacity: room,
+            };
             (groom.points, groom.room) = (own, room);
             points = part.first + own;
             queue.write_buffer(&groom.part, 0, bytemuck::bytes_of(&part));
@@ -224,7 +228,7 @@ impl ListBuffers {
         bound::Fine {
             grid: tiles.grid.entire(),
             control: tiles.control.entire(),
-            busy: tiles.busy.entire(),
+            occupied: tiles.busy.entire(),
             list: self.list.view(),
             points: self.points.view(),
             surfaces: tiles.surfaces.entire(),
@@ -264,7 +268,7 @@ impl GroomPoints {
         let tint = kernels.tint.bind(&bound::Tint {
             part: part.entire(),
             shaded: own.shaded.colors.entire(),
-            seen: buffers.seen.entire(),
+            visible: buffers.seen.entire(),
             colors: buffers.colors.view(),
         });
         let seen = buffers.seen.part(u64::from(first) / 8, None);
@@ -292,28 +296,41 @@ impl Groups {
         let (points, list, colors) = (buffers.points.view(), buffers.list.view(), buffers.colors.view());
         let (depth, hair, round, fine) =
             (&canvas.target.depth, &tiles.hair, tiles.round(), buffers.fine(tiles));
-        let asked = bound::Asked { grid, control, busy, depths, round };
+        let asked = bound::Slots { grid, control, occupied: busy, depths, round };
         let texels = tiles.bounds.1.view();
         let scatter = bound::Scatter { grid, points, bounds: texels, bins, list: unsorted, round };
         let surface = if many == 0 {
-            kernels.surface[0].bind(&bound::SurfaceOne { grid, ranges, depth, surfaces, farthest })
+            kernels.surface[0].bind(&bound::SurfaceOne {
+                grid,
+                ranges,
+                depth,
+                surfaces,
+                far_depths: farthest,
+            })
         } else {
             let view = canvas.eye.entire();
-            kernels.surface[1].bind(&bound::SurfaceMany { grid, ranges, depth, surfaces, farthest, view })
+            kernels.surface[1].bind(&bound::SurfaceMany {
+                grid,
+                ranges,
+                depth,
+                surfaces,
+                far_depths: farthest,
+                view,
+            })
         };
         Self {
             surface,
-            bound: kernels.bound.bind(&bound::Bound { grid, farthest, ranges, bounds }),
+            bound: kernels.bound.bind(&bound::Bound { grid, far_depths: farthest, ranges, bounds }),
             count: kernels.count.bind(&bound::Count { grid, points, bounds: texels, bins }),
             totals: kernels.totals.bind(&bound::Totals { grid, bins, bounds }),
-            scan: kernels.scan.bind(&bound::Scan { grid, bounds, busy, control, depths }),
+            scan: kernels.scan.bind(&bound::Scan { grid, bounds, occupied: busy, control, depths }),
             scatter: kernels.scatter.bind(&scatter),
-            sort: kernels.sort.bind(&bound::Sort { asked, bins, unsorted, list }),
-            merge: kernels.merge.bind(&bound::Merge { asked, bins, entries: unsorted, list }),
-            deepen: kernels.deepen.bind(&bound::Deepen { control, depths, round }),
-            rewind: kernels.rewind.bind(&bound::Rewind { control, busy, bins, round }),
-            touch: kernels.touch.bind(&bound::Touch { asked, list, points, touches }),
-            see: kernels.see[many].bind(&bound::See { fine, seen, depths }),
+            sort: kernels.sort.bind(&bound::Sort { slots: asked, bins, unsorted, list }),
+            merge: kernels.merge.bind(&bound::Merge { slots: asked, bins, entries: unsorted, list }),
+            deepen: kernels.deepen.bind(&bound::DispatchDeep { control, depths, round }),
+            rewind: kernels.rewind.bind(&bound::ResetBins { control, occupied: busy, bins, round }),
+            touch: kernels.touch.bind(&bound::Touch { slots: asked, list, points, touches }),
+            see: kernels.see[many].bind(&bound::Visibility { fine, visible: seen, depths }),
             blend: kernels.blend[many].bind(&bound::Blend { fine, colors, hair }),
         }
     }

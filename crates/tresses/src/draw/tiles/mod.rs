@@ -23,17 +23,18 @@
 //! (`coverage::half_plane`). Where two segments meet, a pixel belongs to the segment on whose side of the joint its
 //! center lies. Strands of any width therefore have no seams, and no pixel is counted twice.
 //!
-//! **Rows.** Most entries of a tile touch only a few of its rows. `touch` writes one bit per row and entry. `see`
-//! follows these bits without colors, marks the visible segments, and keeps only the bits of those. Only the vertices
-//! of visible segments are shaded. `blend` follows the bits with colors. On request, `geometry` does so with depth and
-//! motion ([`embed`](super::embed)), and `label` with segment numbers ([`Label`]). With multisampled bodies, a pixel
-//! stores two depths, their shares, and the transmittance of the hair in front of each (`present::tiled`).
+//! **Rows.** Most entries of a tile touch only a few of its rows. `touch` writes one bit per row and entry.
+//! `visibility` follows these bits without colors, marks the visible segments, and keeps only the bits of those. Only
+//! the vertices of visible segments are shaded. `blend` follows the bits with colors. On request, `geometry` does so
+//! with depth and motion ([`embed`](super::embed)), and `label` with segment numbers ([`Label`]). With multisampled
+//! bodies, a pixel stores two depths, their shares, and the transmittance of the hair in front of each
+//! (`present::tiled`).
 //!
 //! **Front.** Half of a portrait's entries, and most of a dense groom's, lie behind opaque hair. The part of a tile's
 //! list that the previous frame needed, plus a quarter, is its *front*. Only the front is sorted, touched and followed
 //! first. Tiles that still transmit light at the end of their front are listed, and the rest of their entries follows
-//! (`deepen`). The image is therefore bit-identical whatever the previous frame was. In the first frame, the front is
-//! the whole list.
+//! (`dispatch_deep`). The image is therefore bit-identical whatever the previous frame was. In the first frame, the
+//! front is the whole list.
 //!
 //! **Memory.** The list buffer holds a *window* and the longest tile. The window is one and a half entries per point,
 //! or a quarter more than a recent frame needed. If a frame needs more, as in a close-up, its tiles are drawn in

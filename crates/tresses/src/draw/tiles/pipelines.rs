@@ -50,9 +50,12 @@ impl Pipelines {
             scatter: Kernel::new::<kernels::Scatter>(device),
             sort: Kernel::new::<kernels::Sort>(device),
             merge: Kernel::new::<kernels::Merge>(device),
-            rewind: Kernel::new::<kernels::Rewind>(device),
+            rewind: Kernel::new::<kernels::ResetBins>(device),
             touch: Kernel::new::<kernels::Touch>(device),
-            see: Kernel::each::<kernels::See, 2>(device, ["draw::tiles::see::1", "draw::tiles::see::2"]),
+            see: Kernel::each::<kernels::Visibility, 2>(
+                device,
+                ["draw::tiles::visibility::1", "draw::tiles::visibility::2"],
+            ),
             geometry: Kernel::each::<kernels::Geometry, 2>(
                 device,
                 ["draw::tiles::geometry::1", "draw::tiles::geometry::2"],
@@ -61,7 +64,7 @@ impl Pipelines {
                 device,
                 ["draw::tiles::label::1", "draw::tiles::label::2"],
             ),
-            deepen: Kernel::new::<kernels::Deepen>(device),
+            deepen: Kernel::new::<kernels::DispatchDeep>(device),
             tint: Kernel::new::<kernels::Tint>(device),
             blend: Kernel::each::<kernels::Blend, 2>(
                 device,

@@ -1,15 +1,15 @@
 //! Ambient light: sky visibility within the hair, and the light that meshes reflect onto it.
 //!
 //! ```text
-//! strand vertices ──► lay ───┐                        ┌─ slice by slice ─┐
-//! mesh, shadow maps ► glow ──┴► cells ─► settle ─► cells ─► sweep ─► fields, 24 ─► gather ─► five layers
+//! strand vertices ──► splat_hair ─────┐                        ┌─ slice by slice ─┐
+//! mesh, shadow maps ► splat_radiance ─┴► cells ─► settle ─► cells ─► sweep ─► fields, 24 ─► gather ─► five layers
 //! ```
 //!
 //! The grid is a cube of cells around [`Picture::focus`](crate::view::Picture::focus) with
-//! [`ViewOptions::ambient_cells`](crate::view::ViewOptions::ambient_cells) cells per edge, rebuilt each frame. `lay`
-//! adds the area of the hair (width times length) in fixed point. `skin` adds sample points of mesh surfaces
-//! ([`Surface`](crate::body::Surface)). `glow` adds the radiance that leaves them, from the shadow-mapped lights and
-//! the sky. `settle` turns the sums into means.
+//! [`ViewOptions::ambient_cells`](crate::view::ViewOptions::ambient_cells) cells per edge, rebuilt each frame.
+//! `splat_hair` adds the area of the hair (width times length) in fixed point. `skin` adds sample points of mesh
+//! surfaces ([`Surface`](crate::body::Surface)). `splat_radiance` adds the radiance that leaves them, from the
+//! shadow-mapped lights and the sky. `settle` turns the sums into means.
 //!
 //! **Discrete ordinates.** `sweep` propagates light through the cells along the 24 directions of a level-symmetric
 //! quadrature (S4; Carlson and Lathrop 1965), slice by slice. Each slice needs only the previous one (short
@@ -18,7 +18,7 @@
 //! marching from each cell takes as many steps as a ray crosses cells. `sweep` carries the fraction of the sky that
 //! remains if fibers remove 0, 1/8, 1/2 or all of the light that hits them. Shading interpolates between these for the
 //! absorption of each color channel. Light is attenuated before the sum over directions, so thin and dense sides do not
-//! mix. `shine` carries the radiance of meshes. Each fiber removes the part that it does not pass on in dual
+//! mix. `sweep_radiance` carries the radiance of meshes. Each fiber removes the part that it does not pass on in dual
 //! scattering.
 //!
 //! **Meshes as surfaces.** Cells hold the sum of mesh area as a vector. The surface in a cell blocks the light that
@@ -32,7 +32,7 @@
 //!
 //! **Visible hair.** Cells are 1 to 3 cm wide, but the visible fibers of dense hair lie within millimeters of its
 //! surface. Shading reads the light in front of the surface, and attenuates it to the depth that eye rays reach
-//! (`ambient_seen`). A mesh surface reads occlusion by meshes one cell in front of itself, and hair closer to it.
+//! (`ambient_at_fiber`). A mesh surface reads occlusion by meshes one cell in front of itself, and hair closer to it.
 //!
 //! **Limits.** Light bounces once between meshes; more bounces are estimated, as in a cavity with evenly lit walls.
 //! Hair reflects no light onto skin. A mesh hides as much of the sky as one that is larger by up to a cell.
@@ -75,13 +75,13 @@ impl Pipelines {
         let device = &context.device;
         let surface = body::surface_layout(device);
         Self {
-            lay: Kernel::new::<kernels::Lay>(device),
+            lay: Kernel::new::<kernels::SplatHair>(device),
             skin: Kernel::beside::<kernels::Skin>(device, &[&surface]),
-            glow: Kernel::beside::<kernels::Glow>(device, &[&surface]),
+            glow: Kernel::beside::<kernels::SplatRadiance>(device, &[&surface]),
             settle: Kernel::new::<kernels::Settle>(device),
             sweeps: Kernel::each::<kernels::Sweep, 2>(
                 device,
-                ["light::ambient::sweep", "light::ambient::shine"],
+                ["light::ambient::sweep", "light::ambient::sweep_radiance"],
             ),
             gathers: Kernel::each::<kernels::Gather, 2>(
                 device,
@@ -149,7 +149,7 @@ impl Ambient {
         let Pipelines { skin, glow, settle, sweeps, gathers, .. } = pipelines;
         Self {
             skin: skin.bind(&kernels::Skin { lights, cells: sum }),
-            glow: glow.bind(&kernels::Glow { transmittance, ambient, cells: sum }),
+            glow: glow.bind(&kernels::SplatRadiance { transmittance, ambient, cells: sum }),
             settle: settle.bind(&kernels::Settle { lights, cells: sum, settled }),
             sweeps: sweeps.each_ref().map(|kernel| kernel.bind(&sweep)),
             gathers: gathers.each_ref().map(|kernel| kernel.bind(&gather)),

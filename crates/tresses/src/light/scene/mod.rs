@@ -87,7 +87,7 @@ pub(crate) struct SceneUniform {
     /// [`SceneShadow::bias`], in the depth of the view's map.
     pub bias: f32,
     /// Difference that counts as an edge, in the depth of the view's map.
-    pub apart: f32,
+    pub discontinuity: f32,
     /// Depth of empty texels in the scene's map.
     pub nothing: f32,
     /// Texels along each edge of the view's map.
@@ -116,7 +116,7 @@ impl SceneUniform {
             origin,
             size,
             bias: share(shadow.bias),
-            apart: share(APART),
+            discontinuity: share(APART),
             nothing: if rises { 1.0 } else { 0.0 },
             edge: edge as f32,
         }
@@ -141,10 +141,10 @@ impl Pipelines {
 
     fn bring(&self) -> Result<wgpu::RenderPipeline> {
         self.bring.get((), || {
-            let module = "light::scene::bring";
+            let module = "light::scene::transfer";
             Recipe {
-                vertex: (module, "bring_vertex"),
-                fragment: Some((module, "bring_fragment")),
+                vertex: (module, "transfer_vertex"),
+                fragment: Some((module, "transfer_fragment")),
                 layouts: &[&self.layout],
                 depth: Some((true, wgpu::CompareFunction::Less)),
                 ..Recipe::PLAIN

@@ -50,9 +50,9 @@ impl GrabKernels {
         Self {
             pick: Kernel::new::<kernels::Pick>(device),
             hit: Kernel::beside::<kernels::Hit>(device, &[&obstacles]),
-            reach: Kernel::new::<kernels::Reach>(device),
+            reach: Kernel::new::<kernels::MinDistance>(device),
             hold: Kernel::new::<kernels::Hold>(device),
-            aim: Kernel::new::<kernels::Aim>(device),
+            aim: Kernel::new::<kernels::MoveTarget>(device),
             pull: Kernel::beside::<kernels::Pull>(device, &[&obstacles]),
             sweep: Kernel::beside::<kernels::Sweep>(device, &[&obstacles]),
         }
@@ -68,9 +68,9 @@ impl GrabKernels {
         Groups {
             pick: self.pick.bind(&kernels::Pick { u, marks, vertices }),
             hit: self.hit.bind(&kernels::Hit { u, marks, state }),
-            reach: self.reach.bind(&kernels::Reach { u, marks, state, current }),
+            reach: self.reach.bind(&kernels::MinDistance { u, marks, state, current }),
             hold: self.hold.bind(&kernels::Hold { u, marks, state, current, holds }),
-            aim: self.aim.bind(&kernels::Aim { u, state }),
+            aim: self.aim.bind(&kernels::MoveTarget { u, state }),
             pull: self.pull.bind(&kernels::Pull { u, state, holds, current, velocity, forces }),
             sweep: self.sweep.bind(&kernels::Sweep { u, marks, state, current, velocity, forces }),
         }

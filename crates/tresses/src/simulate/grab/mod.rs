@@ -94,7 +94,7 @@ pub(crate) struct GrabUniform {
     /// Direction of the ray of the grab, unit.
     pub direction: Vec3,
     /// Fraction of the target's remaining path in the frame that this step covers.
-    pub share: f32,
+    pub path_fraction: f32,
     /// Origin of the target ray, or the target point, meters.
     pub target_at: Vec3,
     /// Length of the step, s.
@@ -116,15 +116,15 @@ pub(crate) struct GrabUniform {
     /// Collider moment at the start of the step, see [`crate::collide`].
     pub moment: u32,
     /// [`ASIDE`].
-    pub aside: f32,
+    pub ray_distance_weight: f32,
     /// [`STRONGEST`], m/s².
     pub strongest: f32,
-    /// Origin of the ray of the grab in the space in which obstacles are drawn, meters.
-    pub seen_origin: Vec3,
+    /// Origin of the ray of the grab in the space of the drawn frame, which has the obstacles, meters.
+    pub frame_origin: Vec3,
     /// [`BrushEffect`] of a brush, 0 for a grab.
     pub effect: u32,
     /// Direction of that ray, unit.
-    pub seen_direction: Vec3,
+    pub frame_direction: Vec3,
     /// Strength of a brush.
     pub strength: f32,
     /// Origin of the ray of the grab in the space in which strands were last drawn, meters.
@@ -350,7 +350,7 @@ impl Grab {
                 origin: ray.origin,
                 radius,
                 direction: ray.direction,
-                share: ((step.to - step.from) / (1.0 - step.from).max(1e-6)).clamp(0.0, 1.0),
+                path_fraction: ((step.to - step.from) / (1.0 - step.from).max(1e-6)).clamp(0.0, 1.0),
                 target_at: target,
                 step: physics.step,
                 toward,
@@ -361,10 +361,10 @@ impl Grab {
                 strand_vertices: strands.drawn.vertex_count,
                 forced: forced.into(),
                 moment: i as u32 * substeps,
-                aside: ASIDE,
+                ray_distance_weight: ASIDE,
                 strongest: STRONGEST,
-                seen_origin: seen.origin,
-                seen_direction: seen.direction,
+                frame_origin: seen.origin,
+                frame_direction: seen.direction,
                 drawn_origin: drawn.origin,
                 drawn_direction: drawn.direction,
                 effect: brush.map_or(0, |brush| brush.effect as u32),

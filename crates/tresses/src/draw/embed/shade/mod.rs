@@ -79,7 +79,7 @@ pub(crate) struct ShadeUniform {
     /// [`Shade::strength`].
     pub strength: f32,
     /// [`Shade::reach`].
-    pub reach: f32,
+    pub range: f32,
     /// Depth of the scene's background, where nothing was drawn.
     pub nothing: f32,
     /// One bit per active light: whether hair casts its shadow.
@@ -97,7 +97,7 @@ impl ShadeUniform {
             origin: into.origin,
             size: canvas.target.size,
             strength: shade.strength.clamp(0.0, 1.0),
-            reach: shade.reach.max(0.0),
+            range: shade.reach.max(0.0),
             nothing: if depth(2.0) > depth(1.0) { 1.0 } else { 0.0 },
             lights: bits.sum(),
         }
