@@ -259,7 +259,7 @@ pub(crate) struct HairShading {
     /// Whether `knots` is scratch memory of the groom.
     lent: bool,
     pub(crate) group: wgpu::BindGroup,
-    pub(super) shade: wgpu::BindGroup,
+    pub(crate) shade: wgpu::BindGroup,
     pub(super) splat: wgpu::BindGroup,
     pub(super) lay: wgpu::BindGroup,
 }
