@@ -30,16 +30,16 @@ def main():
     print("| | CPU ms a frame | mean, worst change of length | vertices > 1 mm inside | deepest |")
     print("|---|---|---|---|---|")
     for name, ready in (
-        ("Hair Dynamics, Physics", lambda thing: node(thing, False)),
-        ("the same, Surface Collision", lambda thing: node(thing, True)),
+        ("Hair Dynamics, Physics", lambda hair_object: node(hair_object, False)),
+        ("the same, Surface Collision", lambda hair_object: node(hair_object, True)),
         ("Tresses", simulated),
     ):
         measure(name, ready, guides)
 
 
-def node(thing, collides):
+def node(hair_object, collides):
     """Let Blender's node simulate. Returns the processor time that has passed already, s."""
-    m = next((m for m in thing.modifiers if m.node_group and m.node_group.name.startswith("Hair Dynamics")), None)
+    m = next((m for m in hair_object.modifiers if m.node_group and m.node_group.name.startswith("Hair Dynamics")), None)
     if m is None:
         return None
     inputs = m.properties.inputs
@@ -53,12 +53,12 @@ def node(thing, collides):
     return 0.0
 
 
-def simulated(thing):
+def simulated(hair_object):
     """Simulate with the extension."""
     for selected in bpy.context.selected_objects:
         selected.select_set(False)
-    thing.select_set(True)
-    bpy.context.view_layer.objects.active = thing
+    hair_object.select_set(True)
+    bpy.context.view_layer.objects.active = hair_object
     begin = time.process_time()
     bpy.ops.tresses.simulate()
     return time.process_time() - begin
@@ -69,18 +69,18 @@ def measure(name, ready, guides):
 
     scene = scenes.empty(last=FRAMES)
     body, _ = scenes.ball()
-    thing = scenes.hair(body, guides, VERTICES)
+    hair_object = scenes.hair(body, guides, VERTICES)
     rest = np.full(guides, scenes.LENGTH)
     bpy.ops.wm.save_as_mainfile(filepath=os.path.join(tempfile.mkdtemp(), "scene.blend"))
-    begun = ready(thing)
-    if begun is None:
+    elapsed = ready(hair_object)
+    if elapsed is None:
         print(f"| {name} | not in this version | | | |")
         return
     begin, changes, inside, deepest = time.process_time(), [], [], 0.0
     for frame in range(1, FRAMES + 1):
         scene.frame_set(frame)
         graph = bpy.context.evaluated_depsgraph_get()
-        data = thing.evaluated_get(graph).data
+        data = hair_object.evaluated_get(graph).data
         points = np.empty(3 * len(data.points), np.float32)
         data.position_data.foreach_get("vector", points)
         points = points.reshape(guides, VERTICES, 3)
@@ -88,13 +88,13 @@ def measure(name, ready, guides):
         vertices = np.empty(3 * len(skin.vertices), np.float32)
         skin.attributes["position"].data.foreach_get("vector", vertices)
         vertices = vertices.reshape(-1, 3)
-        middle = 0.5 * (vertices.min(0) + vertices.max(0))
-        depth = scenes.RADIUS - np.linalg.norm(points[:, 1:] - middle, axis=2)
+        center = 0.5 * (vertices.min(0) + vertices.max(0))
+        depth = scenes.RADIUS - np.linalg.norm(points[:, 1:] - center, axis=2)
         lengths = np.linalg.norm(np.diff(points, axis=1), axis=2).sum(1)
         changes.append(np.abs(lengths / rest - 1))
         inside.append((depth > 1e-3).mean())
         deepest = max(deepest, depth.max())
-    cost = 1e3 * (begun + time.process_time() - begin) / FRAMES
+    cost = 1e3 * (elapsed + time.process_time() - begin) / FRAMES
     changes = np.array(changes)
     print(
         f"| {name} | {cost:.0f} | {100 * changes.mean():.2g} %, {100 * changes.max():.2g} % | "

@@ -44,8 +44,8 @@ def builder():
 def pack(wheel, folder):
     """Write the .zip into `folder` and return its path."""
     os.makedirs(folder, exist_ok=True)
-    with tempfile.TemporaryDirectory() as place:
-        source = os.path.join(place, "tresses")
+    with tempfile.TemporaryDirectory() as temporary:
+        source = os.path.join(temporary, "tresses")
         shutil.copytree(os.path.join(HERE, "extension"), source, ignore=shutil.ignore_patterns("__pycache__"))
         os.makedirs(os.path.join(source, "wheels"))
         shutil.copy(wheel, os.path.join(source, "wheels"))

@@ -17,7 +17,7 @@ const SKIN = new THREE.Color(0.35, 0.27, 0.22);
 
 /** A viewer of cards with the interface of the WebAssembly module's `Viewer`. */
 export class CardsViewer {
-  #canvas; #told; #renderer; #controls; #observer; #request;
+  #canvas; #onChange; #renderer; #controls; #observer; #request;
   #model; #levels; #sizes; #animations; #mixer; #action;
   #animation = "";
   #scene = new THREE.Scene();
@@ -30,18 +30,18 @@ export class CardsViewer {
   #loads = 0;
   #state = { file: "", strands: 0, cards: 0, level: 0, step: "", error: "", playing: true, time: 0, size: [0, 0], frames: 0, seen: 0, milliseconds: 0, adapter: "WebGL 2", lost: false };
 
-  static async open(canvas, _query, files, _hosted, told) {
-    const viewer = new CardsViewer(canvas, told);
+  static async open(canvas, _query, files, _hosted, onChange) {
+    const viewer = new CardsViewer(canvas, onChange);
     try { await viewer.#show(files); } catch (error) { viewer.close(); throw error; }
     viewer.#request = requestAnimationFrame(viewer.#frame);
     return viewer;
   }
 
-  constructor(canvas, told) {
+  constructor(canvas, onChange) {
     const context = canvas.getContext("webgl2", { antialias: true, alpha: false });
     if (!context) throw new Error("This browser has no WebGL 2, which hair cards need.");
     this.#canvas = canvas;
-    this.#told = told;
+    this.#onChange = onChange;
     this.#renderer = new THREE.WebGLRenderer({ canvas, context });
     this.#renderer.toneMapping = THREE.ACESFilmicToneMapping;
     this.#scene.background = new THREE.Color(0x3e4247);
@@ -66,8 +66,8 @@ export class CardsViewer {
   /** Shows the first .glb of `files`, alternating names and bytes. Reports success and errors in the state. */
   load(files) {
     this.#tell({ step: "loading", error: "" });
-    const turn = this.#loads + 1;
-    this.#show(files).catch(error => { if (turn === this.#loads) this.#tell({ step: "", error: error.message }); });
+    const loadId = this.#loads + 1;
+    this.#show(files).catch(error => { if (loadId === this.#loads) this.#tell({ step: "", error: error.message }); });
   }
 
   set(name, value) {
@@ -100,7 +100,7 @@ export class CardsViewer {
   }
 
   async #show(files) {
-    const turn = ++this.#loads;
+    const loadId = ++this.#loads;
     const at = files.findIndex((name, i) => i % 2 === 0 && /\.glb$/i.test(name));
     if (at < 0) throw new Error(`${files[0] ?? "no file"}: cards are .glb files, as \`tresses cards\` writes them`);
     const name = files[at], bytes = files[at + 1];
@@ -120,7 +120,7 @@ export class CardsViewer {
     } catch (error) {
       throw new Error(`${name}: the file cannot be shown: ${error.message}`);
     }
-    if (turn !== this.#loads) return dispose(gltf.scene);
+    if (loadId !== this.#loads) return dispose(gltf.scene);
     this.#clear();
     this.#model = gltf.scene;
     this.#levels = levels;
@@ -227,7 +227,7 @@ export class CardsViewer {
 
   #tell(change) {
     Object.assign(this.#state, change);
-    this.#told(this.state());
+    this.#onChange(this.state());
   }
 }
 

@@ -121,8 +121,8 @@ export class TressesViewer extends HTMLElement {
   }
 
   async #open(isCurrent) {
-    const wanted = this.getAttribute("render") === "cards";
-    const reason = wanted ? 'render="cards" needs a file of cards: set the attribute cards.' : await unsupported();
+    const forcesCards = this.getAttribute("render") === "cards";
+    const reason = forcesCards ? 'render="cards" needs a file of cards: set the attribute cards.' : await unsupported();
     this.#cards = reason !== null && words(this.getAttribute("cards")).length > 0;
     if (reason && !this.#cards) throw new Error(reason);
     const [Viewer, files] = await Promise.all([
@@ -140,7 +140,7 @@ export class TressesViewer extends HTMLElement {
       this.shadowRoot.insertBefore(this.#canvas, this.#message);
     }
     this.#canvas.tabIndex = 0;
-    const viewer = await Viewer.open(this.#canvas, this.getAttribute("query") ?? "", files, true, text => this.#told(JSON.parse(text)));
+    const viewer = await Viewer.open(this.#canvas, this.getAttribute("query") ?? "", files, true, text => this.#update(JSON.parse(text)));
     try { check(); } catch (error) { viewer.close(); throw error; }
     this.#viewer = viewer;
     this.#say("");
@@ -197,7 +197,7 @@ export class TressesViewer extends HTMLElement {
     } catch (error) { this.#fail(error); }
   }
 
-  #told(state) {
+  #update(state) {
     const before = this.#state;
     this.#state = state;
     if (state.error && state.error !== before.error) this.dispatchEvent(new CustomEvent("error", { detail: state.error }));

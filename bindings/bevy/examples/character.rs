@@ -32,7 +32,7 @@ fn main() {
         .insert_resource(ClearColor(Color::srgb(0.12, 0.13, 0.15)))
         .insert_resource(GlobalAmbientLight { brightness: 300.0, ..Default::default() })
         .add_systems(Startup, (dress, furnish))
-        .add_systems(Update, (walk, turn, push, blow, dye, smooth))
+        .add_systems(Update, (walk, rotate_head, push, blow, dye, smooth))
         .run();
 }
 
@@ -40,9 +40,9 @@ fn main() {
 #[derive(Component)]
 struct Body;
 
-/// A joint, and its share of the head's rotation.
+/// A joint, and its fraction of the head's rotation.
 #[derive(Component)]
-struct Turns(f32);
+struct RotationFraction(f32);
 
 /// The ball that pushes hair.
 #[derive(Component)]
@@ -62,9 +62,10 @@ fn dress(
     let (mesh, binds) = skinned_mesh(bust, &rig::rig(bust));
     let body = commands.spawn((Body, Transform::default(), Visibility::default())).id();
     let (mut joints, mut parent, mut from) = (Vec::new(), body, Vec3::ZERO);
-    for ((name, at), share) in rig::JOINTS.into_iter().zip([0.0, 0.4, 0.6]) {
-        let place = Transform::from_translation(at - from);
-        let joint = (Name::new(name), Turns(share), place, Visibility::default(), ChildOf(parent));
+    for ((name, at), fraction) in rig::JOINTS.into_iter().zip([0.0, 0.4, 0.6]) {
+        let transform = Transform::from_translation(at - from);
+        let joint =
+            (Name::new(name), RotationFraction(fraction), transform, Visibility::default(), ChildOf(parent));
         (parent, from) = (commands.spawn(joint).id(), at);
         joints.push(parent);
     }
@@ -113,25 +114,29 @@ fn axis(keys: &ButtonInput<KeyCode>, less: KeyCode, more: KeyCode) -> f32 {
 
 fn walk(keys: Res<ButtonInput<KeyCode>>, time: Res<Time>, mut body: Single<&mut Transform, With<Body>>) {
     use KeyCode::{ArrowDown, ArrowLeft, ArrowRight, ArrowUp};
-    let way = Vec3::new(axis(&keys, ArrowLeft, ArrowRight), 0.0, axis(&keys, ArrowUp, ArrowDown));
-    body.translation += 0.8 * time.delta_secs() * way.normalize_or_zero();
+    let direction = Vec3::new(axis(&keys, ArrowLeft, ArrowRight), 0.0, axis(&keys, ArrowUp, ArrowDown));
+    body.translation += 0.8 * time.delta_secs() * direction.normalize_or_zero();
 }
 
-fn turn(keys: Res<ButtonInput<KeyCode>>, time: Res<Time>, mut joints: Query<(&mut Transform, &Turns)>) {
+fn rotate_head(
+    keys: Res<ButtonInput<KeyCode>>,
+    time: Res<Time>,
+    mut joints: Query<(&mut Transform, &RotationFraction)>,
+) {
     use KeyCode::{KeyA, KeyD, KeyS, KeyW};
     // Exponential smoothing: the head follows quickly, as when shaken.
-    let wanted = Quat::from_rotation_y(1.1 * axis(&keys, KeyA, KeyD))
+    let target = Quat::from_rotation_y(1.1 * axis(&keys, KeyA, KeyD))
         * Quat::from_rotation_x(0.5 * axis(&keys, KeyW, KeyS));
-    for (mut joint, Turns(share)) in &mut joints {
-        let own = Quat::IDENTITY.slerp(wanted, *share);
+    for (mut joint, RotationFraction(fraction)) in &mut joints {
+        let own = Quat::IDENTITY.slerp(target, *fraction);
         joint.rotation = joint.rotation.slerp(own, 1.0 - (-9.0 * time.delta_secs()).exp());
     }
 }
 
 fn push(keys: Res<ButtonInput<KeyCode>>, time: Res<Time>, mut ball: Single<&mut Transform, With<Ball>>) {
     use KeyCode::{KeyI, KeyJ, KeyK, KeyL, KeyO, KeyU};
-    let way = Vec3::new(axis(&keys, KeyJ, KeyL), axis(&keys, KeyK, KeyI), axis(&keys, KeyU, KeyO));
-    ball.translation += 0.4 * time.delta_secs() * way;
+    let direction = Vec3::new(axis(&keys, KeyJ, KeyL), axis(&keys, KeyK, KeyI), axis(&keys, KeyU, KeyO));
+    ball.translation += 0.4 * time.delta_secs() * direction;
 }
 
 fn blow(keys: Res<ButtonInput<KeyCode>>, mut wind: ResMut<GlobalHairWind>) {

@@ -86,8 +86,8 @@ fn main() -> Result<(), BevyError> {
         app.update();
     }
     for frame in 0..30 {
-        let turn = Quat::from_rotation_y(0.7 * (0.1 * frame as f32).sin());
-        app.world_mut().entity_mut(head).insert(Transform::from_rotation(turn));
+        let rotation = Quat::from_rotation_y(0.7 * (0.1 * frame as f32).sin());
+        app.world_mut().entity_mut(head).insert(Transform::from_rotation(rotation));
         app.update();
     }
     let saved = |_: On<ScreenshotCaptured>, mut exit: MessageWriter<AppExit>| {

@@ -14,7 +14,7 @@ fn main() {
         .insert_resource(GlobalHairWind(Wind::new(Vec3::new(-3.0, 0.0, -1.0))))
         .insert_resource(ClearColor(Color::srgb(0.12, 0.13, 0.15)))
         .add_systems(Startup, dress)
-        .add_systems(Update, turn)
+        .add_systems(Update, rotate_head)
         .run();
 }
 
@@ -57,6 +57,6 @@ fn dress(
     Ok(())
 }
 
-fn turn(time: Res<Time>, mut head: Single<&mut Transform, With<Head>>) {
+fn rotate_head(time: Res<Time>, mut head: Single<&mut Transform, With<Head>>) {
     head.rotation = Quat::from_rotation_y(1.2 * (1.3 * time.elapsed_secs()).sin());
 }

@@ -77,7 +77,7 @@ pub struct HairDetail(pub LodOptions);
 /// Marks hair that collides with other hair that has this component: nearby strands repel each other and rub. Not for
 /// hair and brows of one head, which overlap at rest.
 #[derive(Component, Clone, Copy, Debug, Default)]
-pub struct HairMeets;
+pub struct HairHairCollision;
 
 /// Wind on all hair; calm by default.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
@@ -167,8 +167,8 @@ impl HairCollider {
             }
             ColliderShape::Ellipsoid { radii } => Shape::Ellipsoid { radii: *radii },
             ColliderShape::Field(field) => {
-                let place = fields.iter().position(|other| Arc::ptr_eq(field, other))?;
-                Shape::Field(FieldId(place as u32))
+                let index = fields.iter().position(|other| Arc::ptr_eq(field, other))?;
+                Shape::Field(FieldId(index as u32))
             }
         };
         Some(Collider { friction: self.friction, ..Collider::new(shape) })

@@ -1,8 +1,8 @@
 //! Extracts the hair scene from the main world.
 
 use crate::{
-    ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDepth, HairDetail, HairGroom, HairMaterial3d,
-    HairMeets, HairPhysics, HairReady, HairSkin, HairView, HairWind, NoHair,
+    ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDepth, HairDetail, HairGroom, HairHairCollision,
+    HairMaterial3d, HairPhysics, HairReady, HairSkin, HairView, HairWind, NoHair,
     error_log::ErrorLog,
     lights::{SceneLight, rgb},
     skin::{SkinCache, SkinQueries, SkinState},
@@ -53,8 +53,8 @@ pub(crate) struct SceneHair {
     pub detail: LodOptions,
     pub layers: RenderLayers,
     pub visible: bool,
-    /// Whether the entity has [`HairMeets`].
-    pub meets: bool,
+    /// Whether the entity has [`HairHairCollision`].
+    pub collides_with_hair: bool,
     /// Flag of [`HairReady`].
     pub ready: Arc<AtomicBool>,
 }
@@ -81,9 +81,9 @@ pub(crate) struct SceneFog {
     pub color: Vec4,
     /// Extinction per meter and channel; `w` is the exponent of the distance. If `w` is 0, the fog is linear from `x`
     /// to `y`, meters.
-    pub lost: Vec4,
+    pub extinction: Vec4,
     /// Inscattering per meter and channel.
-    pub seen: Vec4,
+    pub inscattering: Vec4,
 }
 
 /// An environment map, global or in a box.
@@ -107,20 +107,20 @@ impl SceneSky {
             rotation: light.rotation,
             inside: None,
         };
-        if let Some((place, probe)) = of {
-            let (_, rotation, _) = place.to_scale_rotation_translation();
+        if let Some((transform, probe)) = of {
+            let (_, rotation, _) = transform.to_scale_rotation_translation();
             sky.rotation = (rotation * light.rotation).normalize();
             // Bevy rotates the box by the light's rotation too.
-            let from_cube = place.to_matrix() * Mat4::from_quat(light.rotation);
+            let from_cube = transform.to_matrix() * Mat4::from_quat(light.rotation);
             sky.inside = Some((from_cube.inverse(), probe.falloff));
         }
         sky
     }
 
-    /// Returns the probe's weight at `place`, 0 to 1.
-    pub fn share(&self, place: Vec3) -> f32 {
+    /// Returns the probe's weight at `position`, 0 to 1.
+    pub fn weight(&self, position: Vec3) -> f32 {
         let Some((to_cube, falloff)) = &self.inside else { return 1.0 };
-        let from_face = 0.5 - to_cube.transform_point3(place).abs();
+        let from_face = 0.5 - to_cube.transform_point3(position).abs();
         if !(from_face.cmpgt(Vec3::ZERO).all()) {
             return 0.0;
         }
@@ -130,8 +130,8 @@ impl SceneSky {
 }
 
 /// Returns position and rotation of an entity, without its scale.
-fn pose(place: &GlobalTransform) -> Pose {
-    let (_, rotation, translation) = place.to_scale_rotation_translation();
+fn pose(transform: &GlobalTransform) -> Pose {
+    let (_, rotation, translation) = transform.to_scale_rotation_translation();
     Pose { rotation: rotation.normalize(), translation }
 }
 
@@ -148,19 +148,21 @@ type HairQuery<'a> = (
     Option<&'a RenderLayers>,
     Option<&'a HairSkin>,
     Option<&'a VisibilityRange>,
-    Has<HairMeets>,
+    Has<HairHairCollision>,
 );
 
-/// Whether hair at `place` is in `range` of one of the cameras that see its layers. Margins do not fade: hair appears
-/// where the margin starts.
+/// Whether hair at `position` is in `range` of one of the cameras that see its layers. Margins do not fade: hair
+/// appears where the margin starts.
 fn is_in_range(
     range: &VisibilityRange,
-    place: Vec3,
+    position: Vec3,
     layers: &RenderLayers,
     cameras: &Query<(&GlobalTransform, Option<&RenderLayers>), (With<Camera3d>, Without<NoHair>)>,
 ) -> bool {
-    let seen = cameras.iter().filter(|(_, seen)| seen.unwrap_or(&RenderLayers::default()).intersects(layers));
-    let mut distances = seen.map(|(camera, _)| camera.translation().distance(place));
+    let viewers = cameras.iter().filter(|(_, layers_of_camera)| {
+        layers_of_camera.unwrap_or(&RenderLayers::default()).intersects(layers)
+    });
+    let mut distances = viewers.map(|(camera, _)| camera.translation().distance(position));
     distances.any(|distance| (range.start_margin.start..range.end_margin.start).contains(&distance))
 }
 
@@ -185,13 +187,27 @@ pub(crate) fn extract_hair(
     scene.dt = time.delta_secs();
     scene.hair.clear();
     cache.keep(|entity| hair.get(entity).is_ok_and(|(.., on, _, _)| on.is_some()));
-    for (entity, hair, material, physics, detail, ready, place, visible, own, layers, on, range, meets) in
-        &hair
+    for (
+        entity,
+        hair,
+        material,
+        physics,
+        detail,
+        ready,
+        transform,
+        visible,
+        own,
+        layers,
+        on,
+        range,
+        collides_with_hair,
+    ) in &hair
     {
         let layers = layers.cloned().unwrap_or_default();
-        let is_near = range.is_none_or(|range| is_in_range(range, place.translation(), &layers, &cameras));
+        let is_near =
+            range.is_none_or(|range| is_in_range(range, transform.translation(), &layers, &cameras));
         let wind = own.map_or(wind.0, |wind| wind.0);
-        let pose = pose(place);
+        let pose = pose(transform);
         let skin = on.map_or(Ok(SkinState::Off), |on| skins.find(&mut cache, entity, on, pose.matrix()));
         let skin = skin.unwrap_or_else(|problem| {
             errors.report(problem);
@@ -207,13 +223,14 @@ pub(crate) fn extract_hair(
             detail: detail.0,
             layers,
             visible: visible.get() && is_near,
-            meets,
+            collides_with_hair,
             ready: ready.0.clone(),
         });
     }
     scene.hair.sort_by_key(|hair| hair.entity);
     scene.colliders.clear();
-    let placed = colliders.iter().map(|(entity, collider, place)| (entity, collider.clone(), pose(place)));
+    let placed =
+        colliders.iter().map(|(entity, collider, transform)| (entity, collider.clone(), pose(transform)));
     scene.colliders.extend(placed);
     scene.colliders.sort_by_key(|(entity, ..)| *entity);
     let Scene { colliders, fields, .. } = &mut *scene;
@@ -258,8 +275,8 @@ pub(crate) fn extract_light(
         make: fn(Entity, &L, &GlobalTransform, RenderLayers) -> SceneLight,
     ) -> impl Iterator<Item = SceneLight> + 'a {
         lights.iter().filter(|(_, _, _, visible, _)| visible.get()).map(
-            move |(entity, light, place, _, layers)| {
-                make(entity, light, place, layers.cloned().unwrap_or_default())
+            move |(entity, light, transform, _, layers)| {
+                make(entity, light, transform, layers.cloned().unwrap_or_default())
             },
         )
     }
@@ -284,7 +301,7 @@ pub(crate) fn extract_light(
     }
     let mut all: Vec<_> = probes
         .iter()
-        .map(|(entity, light, place, probe)| (entity, SceneSky::new(light, Some((place, probe)))))
+        .map(|(entity, light, transform, probe)| (entity, SceneSky::new(light, Some((transform, probe)))))
         .collect();
     all.sort_by_key(|(entity, _)| *entity);
     scene.probes = all.into_iter().map(|(_, sky)| sky).collect();
@@ -292,11 +309,15 @@ pub(crate) fn extract_light(
 
 #[cfg(feature = "pbr")]
 fn fog_of(fog: &DistanceFog) -> SceneFog {
-    let (power, lost, seen) = match fog.falloff {
+    let (power, extinction, inscattering) = match fog.falloff {
         FogFalloff::Linear { start, end } => (0.0, Vec3::new(start, end, 0.0), Vec3::ZERO),
         FogFalloff::Exponential { density } => (1.0, Vec3::splat(density), Vec3::splat(density)),
         FogFalloff::ExponentialSquared { density } => (2.0, Vec3::splat(density), Vec3::splat(density)),
         FogFalloff::Atmospheric { extinction, inscattering } => (1.0, extinction, inscattering),
     };
-    SceneFog { color: fog.color.to_linear().to_vec4(), lost: lost.extend(power), seen: seen.extend(0.0) }
+    SceneFog {
+        color: fog.color.to_linear().to_vec4(),
+        extinction: extinction.extend(power),
+        inscattering: inscattering.extend(0.0),
+    }
 }

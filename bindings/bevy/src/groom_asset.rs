@@ -72,9 +72,9 @@ impl HairGroom {
         strands: Option<u32>,
     ) -> tresses::Result<Self> {
         let context = Context::new(device.wgpu_device(), queue);
-        let made = pollster::block_on(drape::character(&context, style, strands))?;
-        let (head, mesh) = (Some(Arc::new(made.field)), Some(Arc::new(made.mesh)));
-        Ok(Self { head, mesh, ..Self::new(made.groom) })
+        let character = pollster::block_on(drape::character(&context, style, strands))?;
+        let (head, mesh) = (Some(Arc::new(character.field)), Some(Arc::new(character.mesh)));
+        Ok(Self { head, mesh, ..Self::new(character.groom) })
     }
 
     /// Adds ties that hold hair together or to the head.

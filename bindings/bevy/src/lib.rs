@@ -38,8 +38,8 @@ mod render;
 mod skin;
 
 pub use components::{
-    ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDepth, HairDetail, HairMaterial3d, HairMeets,
-    HairPhysics, HairReady, HairSupport, HairView, HairWind, NoHair,
+    ColliderShape, GlobalHairWind, Hair3d, HairCollider, HairDepth, HairDetail, HairHairCollision,
+    HairMaterial3d, HairPhysics, HairReady, HairSupport, HairView, HairWind, NoHair,
 };
 pub use groom_asset::HairGroom;
 pub use loader::{HairGroomLoader, HairGroomSettings};

@@ -59,10 +59,10 @@ impl AssetLoader for HairGroomLoader {
         let path = context.path().clone();
         let mut files: Vec<FileBytes<'_>> = vec![(path.path().to_path_buf(), Cow::Owned(bytes))];
         for name in &settings.beside {
-            let beside: AssetPath<'static> = path.resolve_embed_str(name)?;
-            let bytes = context.read_asset_bytes(beside.clone()).await;
+            let file: AssetPath<'static> = path.resolve_embed_str(name)?;
+            let bytes = context.read_asset_bytes(file.clone()).await;
             let bytes = bytes.map_err(|error| LoadError(format!("{path} needs {name}: {error}")))?;
-            files.push((PathBuf::from(beside.path()), Cow::Owned(bytes)));
+            files.push((PathBuf::from(file.path()), Cow::Owned(bytes)));
         }
         #[cfg(feature = "cooked")]
         if settings.strands.is_none()
@@ -74,12 +74,12 @@ impl AssetLoader for HairGroomLoader {
             }
             // For a skinned mesh, the cooked field covers only the head. Build one of the whole mesh.
             let mesh = cooked.head.as_ref();
-            let whole = if cooked.rig.is_some() {
+            let body_field = if cooked.rig.is_some() {
                 mesh.map(|mesh| sdf::build(mesh, &Default::default()))
             } else {
                 None
             };
-            let head = whole.transpose()?.or(cooked.field);
+            let head = body_field.transpose()?.or(cooked.field);
             return Ok(asset(cooked.groom, head, cooked.head));
         }
         #[cfg(feature = "edit")]

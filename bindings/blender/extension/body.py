@@ -86,40 +86,40 @@ class Body:
     def joints(self):
         """Return the transforms of all joints now, [j, 4, 4], in Tresses' space."""
         out = []
-        for kind, thing, bone in self.places:
-            out.append(thing.matrix_world @ thing.pose.bones[bone].matrix if kind == "bone" else thing.matrix_world)
+        for kind, owner, bone in self.joint_sources:
+            out.append(owner.matrix_world @ owner.pose.bones[bone].matrix if kind == "bone" else owner.matrix_world)
         return self.space.matrices(np.array(out, np.float64))
 
     def rig(self, depsgraph):
         """Return the arguments of `tresses.Rig` for the body at rest. `joints` follows the same order."""
-        self.places, names, parents, first = [], [], [], {}
+        self.joint_sources, names, parents, first = [], [], [], {}
         for armature in dict.fromkeys(a for a in self.armatures() if a):
             # Parents first.
             bones = sorted(armature.data.bones, key=lambda bone: len(bone.parent_recursive))
             index = {bone.name: len(names) + i for i, bone in enumerate(bones)}
             for bone in bones:
-                self.places.append(("bone", armature, bone.name))
+                self.joint_sources.append(("bone", armature, bone.name))
                 names.append(bone.name)
                 parents.append(index[bone.parent.name] if bone.parent else -1)
             first[armature] = index
         joints, weights = [], []
         for mesh, armature in zip(self.objects, self.armatures()):
             own = len(names)
-            self.places.append(("object", mesh, None))
+            self.joint_sources.append(("object", mesh, None))
             names.append(mesh.name)
             parents.append(-1)
             data = mesh.evaluated_get(depsgraph).data
             count = len(data.vertices)
-            of, share = np.full((count, 8), own, np.int64), np.zeros((count, 8), np.float32)
-            share[:, 0] = 1
+            of, vertex_weights = np.full((count, 8), own, np.int64), np.zeros((count, 8), np.float32)
+            vertex_weights[:, 0] = 1
             index = first.get(armature, {})
             group = {g.index: index[g.name] for g in mesh.vertex_groups if g.name in index}
             for i, vertex in enumerate(data.vertices if group else ()):
                 held = sorted(((g.weight, group[g.group]) for g in vertex.groups if g.group in group), reverse=True)[:8]
                 if held and held[0][0] > 0:
-                    share[i] = 0
+                    vertex_weights[i] = 0
                     for k, (weight, joint) in enumerate(held):
-                        of[i, k], share[i, k] = joint, weight
+                        of[i, k], vertex_weights[i, k] = joint, weight
             joints.append(of)
-            weights.append(share)
+            weights.append(vertex_weights)
         return names, parents, self.joints(), np.concatenate(joints), np.concatenate(weights)

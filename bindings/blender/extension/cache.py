@@ -11,10 +11,10 @@ import bpy
 import numpy as np
 
 
-def folder(thing):
+def folder(hair_object):
     """Return the folder for the frames of an object: beside the file, or in Blender's temporary folder."""
     base = bpy.path.abspath("//tresses") if bpy.data.filepath else os.path.join(bpy.app.tempdir, "tresses")
-    return os.path.join(base, bpy.path.clean_name(thing.name))
+    return os.path.join(base, bpy.path.clean_name(hair_object.name))
 
 
 class Cache:
@@ -41,7 +41,7 @@ class Cache:
         return os.path.join(self.path, f"state-{self.state_at}.bin")
 
     @classmethod
-    def create(cls, path, first, count, vertices, made=None):
+    def create(cls, path, first, count, vertices, description=None):
         """Begin a cache of `count` frames from `first` on. Replaces another in this folder."""
         os.makedirs(path, exist_ok=True)
         with open(os.path.join(path, "frames.f32"), "wb") as file:
@@ -49,7 +49,7 @@ class Cache:
         for name in os.listdir(path):
             if name.startswith("state-"):
                 os.remove(os.path.join(path, name))
-        _write(path, dict(first=first, count=count, vertices=vertices, done=0, made=made))
+        _write(path, dict(first=first, count=count, vertices=vertices, done=0, made=description))
         return cls(path)
 
     def _write(self):
@@ -95,9 +95,9 @@ class Cache:
         return os.path.exists(os.path.join(path, "frames.json"))
 
 
-def next_frame(thing):
+def next_frame(hair_object):
     """Return the frame of the scene with which an interrupted simulation of an object resumes, or None."""
-    path = folder(thing)
+    path = folder(hair_object)
     head = _head(path) if Cache.exists(path) else {}
     at = head.get("state_at", 0)
     return head["first"] + at if 0 < at and head["done"] < head["count"] else None

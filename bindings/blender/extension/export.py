@@ -14,18 +14,18 @@ from .space import Space
 WIDTH = 7e-5
 
 
-def strands(thing, space):
+def strands(hair_object, space):
     """Return points in Tresses' space, offsets and diameters in meters of an object's curves."""
-    curves, matrix = thing.data, thing.matrix_world
+    curves, matrix = hair_object.data, hair_object.matrix_world
     widths = hair.diameters(curves)
-    points = _points(thing, space)
+    points = _points(hair_object, space)
     scale = space.unit * np.mean(matrix.to_scale())
     widths = np.full(len(points), WIDTH, np.float32) if widths is None else widths * scale
     return points, hair.offsets(curves), widths
 
 
-def _points(thing, space):
-    return space.points(hair.positions(thing.data), thing.matrix_world)
+def _points(hair_object, space):
+    return space.points(hair.positions(hair_object.data), hair_object.matrix_world)
 
 
 @dataclass
@@ -40,11 +40,11 @@ class Source:
     attributes: dict
 
     @classmethod
-    def of(cls, thing, space):
-        curves = thing.data
+    def of(cls, hair_object, space):
+        curves = hair_object.data
         uvs = hair.root_uvs(curves)
         uvs = _own(curves, "groom_root_uv", 2) if uvs is None else uvs
-        return cls(strands(thing, space), uvs, hair.colors(curves), hair.custom(curves))
+        return cls(strands(hair_object, space), uvs, hair.colors(curves), hair.custom(curves))
 
     def __len__(self):
         return len(self.strands[1]) - 1
@@ -123,8 +123,8 @@ class _Parts:
         marks = {name: np.concatenate(all) for name, all in self.marks.items()}
         return tresses.Strands(
             *joined(of.strands for of in self.sources),
-            root_uvs=_whole([of.root_uvs for of in self.sources]),
-            colors=_whole([of.colors for of in self.sources]),
+            root_uvs=_concatenated([of.root_uvs for of in self.sources]),
+            colors=_concatenated([of.colors for of in self.sources]),
             guides=marks["guide"],
             ids=marks["ids"],
             groups=marks["group"],
@@ -144,44 +144,44 @@ class _Parts:
         }
 
 
-def _whole(arrays):
+def _concatenated(arrays):
     """Return arrays as one, or None if one is missing or not finite."""
     known = all(one is not None and np.isfinite(one).all() for one in arrays)
     return np.concatenate(arrays) if known else None
 
 
-def groom(context, things, path, unit="cm"):
+def groom(context, hair_objects, path, unit="cm"):
     """Write the hair at rest. Returns what the file cannot hold, as sentences."""
-    return at_rest(context, things).strands().write(path, unit=unit)
+    return at_rest(context, hair_objects).strands().write(path, unit=unit)
 
 
-def at_rest(context, things):
+def at_rest(context, hair_objects):
     """Return the hair at rest. Each object is a group; its own curves are the guides of what its modifiers make."""
     space, parts = Space(context.scene), _Parts()
-    bodies = dict.fromkeys(thing.data.surface for thing in things if thing.data.surface)
-    moved = [m for m in map(nodes.modifier, things) if m and m.show_viewport]
+    bodies = dict.fromkeys(hair_object.data.surface for hair_object in hair_objects if hair_object.data.surface)
+    modifiers = [m for m in map(nodes.modifier, hair_objects) if m and m.show_viewport]
     try:
-        for m in moved:
+        for m in modifiers:
             m.show_viewport = False
         with Body(list(bodies), space).at_rest(context.view_layer):
-            _add(things, space, context.evaluated_depsgraph_get(), parts)
+            _add(hair_objects, space, context.evaluated_depsgraph_get(), parts)
     finally:
-        for m in moved:
+        for m in modifiers:
             m.show_viewport = True
     return parts
 
 
-def _add(things, space, depsgraph, parts):
+def _add(hair_objects, space, depsgraph, parts):
     group = 0
-    for thing in things:
-        now, first = thing.evaluated_get(depsgraph), parts.next_id()
+    for hair_object in hair_objects:
+        now, first = hair_object.evaluated_get(depsgraph), parts.next_id()
         of = hair.attribute(now.data, "guide_curve_index", "CURVE", 1, np.int32)
         marks = _marks(now.data, group, first)
         if of is not None:
-            count = len(thing.data.curves)
+            count = len(hair_object.data.curves)
             if not ((of >= 0) & (of < count)).all():
-                raise BodyError(f"strands of {thing.name} follow guides that it does not have")
-            parts.add_plain(Source.of(thing, space), True, group, first + np.arange(count))
+                raise BodyError(f"strands of {hair_object.name} follow guides that it does not have")
+            parts.add_plain(Source.of(hair_object, space), True, group, first + np.arange(count))
             parts.add_plain(Source.of(now, space), False, group, first + of)
         elif marks is not None:
             parts.add(Source.of(now, space), marks)
@@ -191,7 +191,7 @@ def _add(things, space, depsgraph, parts):
         group = int(parts.marks["group"][-1].max()) + 1
 
 
-def cache(context, things, path, unit="cm"):
+def cache(context, hair_objects, path, unit="cm"):
     """Write the strands in all frames of the scene. Returns what the file cannot hold, as sentences."""
     scene, space = context.scene, Space(context.scene)
     before, frames = scene.frame_current, scene.frame_end - scene.frame_start + 1
@@ -200,7 +200,7 @@ def cache(context, things, path, unit="cm"):
         for i in range(frames):
             scene.frame_set(scene.frame_start + i)
             depsgraph = context.evaluated_depsgraph_get()
-            now = [thing.evaluated_get(depsgraph) for thing in things]
+            now = [hair_object.evaluated_get(depsgraph) for hair_object in hair_objects]
             points = np.concatenate([_points(one, space) for one in now])
             if writer is None:
                 parts = _Parts()

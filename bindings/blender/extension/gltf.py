@@ -36,40 +36,43 @@ def _accessor(values, kind):
 def _attribute(values, count):
     """Return a custom attribute of `count` strands."""
     kind = ("SCALAR", "VEC2", "VEC3", "VEC4")[values.shape[1] - 1 if values.ndim > 1 else 0]
-    said = {"accessor": _accessor(values.astype(np.float32), kind), "per": "strand" if len(values) == count else "vertex"}
+    attribute = {
+        "accessor": _accessor(values.astype(np.float32), kind),
+        "per": "strand" if len(values) == count else "vertex",
+    }
     if np.issubdtype(values.dtype, np.integer):
-        said["integer"] = True
-    return said
+        attribute["integer"] = True
+    return attribute
 
 
-def groom(context, things):
+def groom(context, hair_objects):
     """Return the members of the extension for hair objects at rest."""
-    strands = export.at_rest(context, things).strands()
+    strands = export.at_rest(context, hair_objects).strands()
     counts = np.diff(strands.offsets)
     vertices = np.concatenate([strands.positions, strands.widths[:, None]], 1)
-    said = {"count": len(strands), "vertices": _accessor(vertices, "VEC4"), "width": 1.0}
+    strand_data = {"count": len(strands), "vertices": _accessor(vertices, "VEC4"), "width": 1.0}
     if len(set(counts.tolist())) == 1:
-        said["vertexCount"] = int(counts[0])
+        strand_data["vertexCount"] = int(counts[0])
     else:
-        said["vertexCounts"] = _accessor(counts, "SCALAR")
+        strand_data["vertexCounts"] = _accessor(counts, "SCALAR")
     if strands.root_uvs is not None:
-        said["rootUvs"] = _accessor(strands.root_uvs, "VEC2")
+        strand_data["rootUvs"] = _accessor(strands.root_uvs, "VEC2")
     if strands.colors is not None:
-        said["colors"] = _accessor(strands.colors, "VEC3")
+        strand_data["colors"] = _accessor(strands.colors, "VEC3")
     if strands.attributes:
-        said["attributes"] = {name: _attribute(values, len(strands)) for name, values in strands.attributes.items()}
-    said["groups"] = _accessor(strands.groups, "SCALAR")
+        strand_data["attributes"] = {name: _attribute(values, len(strands)) for name, values in strands.attributes.items()}
+    strand_data["groups"] = _accessor(strands.groups, "SCALAR")
     if strands.guides.any():
-        said["flags"] = _accessor(strands.guides, "SCALAR")
-        said["ids"] = _accessor(strands.ids, "SCALAR")
-        said["closest"] = _accessor(strands.closest, "VEC3")
-        said["weights"] = _accessor(strands.weights, "VEC3")
+        strand_data["flags"] = _accessor(strands.guides, "SCALAR")
+        strand_data["ids"] = _accessor(strands.ids, "SCALAR")
+        strand_data["closest"] = _accessor(strands.closest, "VEC3")
+        strand_data["weights"] = _accessor(strands.weights, "VEC3")
     out = {
-        "name": things[0].name,
-        "groupNames": {str(group): thing.name for group, thing in enumerate(things)},
-        "strands": said,
+        "name": hair_objects[0].name,
+        "groupNames": {str(group): hair_object.name for group, hair_object in enumerate(hair_objects)},
+        "strands": strand_data,
     }
-    material = look.fiber(things[0])
+    material = look.fiber(hair_objects[0])
     if material:
         out["material"] = material
     return out
@@ -82,12 +85,14 @@ class Exporter:
         import bpy
 
         context = bpy.context
-        chosen = lambda thing: thing.select_get() if export_settings.get("gltf_selected") else thing.visible_get()
-        things = [o for o in context.scene.objects if o.type == "CURVES" and len(o.data.curves) and chosen(o)]
-        if not things or not scenes:
+        is_exported = lambda candidate: (
+            candidate.select_get() if export_settings.get("gltf_selected") else candidate.visible_get()
+        )
+        hair_objects = [o for o in context.scene.objects if o.type == "CURVES" and len(o.data.curves) and is_exported(o)]
+        if not hair_objects or not scenes:
             return
         *_, child, extension = _io()
-        held = child(path=["grooms"], name=NAME, extension=groom(context, things), required=False)
+        held = child(path=["grooms"], name=NAME, extension=groom(context, hair_objects), required=False)
         scene = scenes[active_scene if active_scene is not None else 0]
         scene.extensions = dict(scene.extensions or {})
         scene.extensions[NAME] = extension(name=NAME, extension={"groom": held}, required=False)

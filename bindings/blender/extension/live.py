@@ -11,15 +11,15 @@ def is_on():
     return _current is not None
 
 
-def start(context, things, meshes, options, drawn=False):
+def start(context, hair_objects, meshes, options, drawn=False):
     """Simulate at each new frame from now on, and show the result without a bake. If `drawn`, Tresses draws it."""
     global _current
     stop()
-    for thing in things:
-        _forget_bake(context, thing)
-    live = run.Run(context, things, meshes, options)
-    for thing in things:
-        nodes.add_modifier(thing)
+    for hair_object in hair_objects:
+        _forget_bake(context, hair_object)
+    live = run.Run(context, hair_objects, meshes, options)
+    for hair_object in hair_objects:
+        nodes.add_modifier(hair_object)
     live.reset()
     live.frame = context.scene.frame_current
     _show(live)
@@ -44,11 +44,11 @@ def stop():
     live.end()
 
 
-def _forget_bake(context, thing):
-    m = nodes.modifier(thing)
+def _forget_bake(context, hair_object):
+    m = nodes.modifier(hair_object)
     if m is not None and m.bakes:
         bpy.ops.object.geometry_node_bake_delete_single(
-            session_uid=thing.session_uid, modifier_name=m.name, bake_id=m.bakes[0].bake_id
+            session_uid=hair_object.session_uid, modifier_name=m.name, bake_id=m.bakes[0].bake_id
         )
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 
 
-def _shader(thing):
+def _shader(hair_object):
     """Return the Principled Hair BSDF of the first material that has one, or None."""
-    for material in thing.data.materials:
+    for material in hair_object.data.materials:
         tree = getattr(material, "node_tree", None)
         for node in tree.nodes if tree else ():
             if node.bl_idname == "ShaderNodeBsdfHairPrincipled":
@@ -13,12 +13,12 @@ def _shader(thing):
     return None
 
 
-def fiber(thing):
+def fiber(hair_object):
     """Return the material of EXT_tresses_hair for a hair object; empty without melanin.
 
     Blender's absorption by melanin and its redness is that of Tresses' pigments within 0.04 %.
     """
-    shader = _shader(thing)
+    shader = _shader(hair_object)
     if shader is None or shader.parametrization != "MELANIN":
         return {}
     value = lambda name, default: float(shader.inputs[name].default_value) if name in shader.inputs else default
@@ -34,7 +34,7 @@ def fiber(thing):
     }
 
 
-def settings(thing):
+def settings(hair_object):
     """Return the same material as values of Tresses' parameters."""
     names = {
         "eumelanin": "shading.eumelanin",
@@ -43,5 +43,5 @@ def settings(thing):
         "azimuthalRoughness": "shading.roughness_around",
         "ior": "shading.refraction",
     }
-    out = {names[name]: value for name, value in fiber(thing).items() if name in names}
+    out = {names[name]: value for name, value in fiber(hair_object).items() if name in names}
     return {"shading.color": "melanin", **out} if out else {}

@@ -32,12 +32,12 @@ def group():
     link(_output(named, "Exists"), live.inputs["Switch"])
     link(position.outputs[0], _input(live, "False"))
     link(_output(named, "Attribute"), _input(live, "True"))
-    moved = node("GeometryNodeSetPosition")
-    link(into.outputs[0], moved.inputs["Geometry"])
-    link(_output(live, "Output"), moved.inputs["Position"])
+    set_live = node("GeometryNodeSetPosition")
+    link(into.outputs[0], set_live.inputs["Geometry"])
+    link(_output(live, "Output"), set_live.inputs["Position"])
     bake = node("GeometryNodeBake")
     versions.add_bake_item(bake)
-    link(moved.outputs[0], bake.inputs[0])
+    link(set_live.outputs[0], bake.inputs[0])
     sample = node("GeometryNodeSampleIndex", data_type="FLOAT_VECTOR", domain="POINT")
     link(bake.outputs[0], sample.inputs["Geometry"])
     link(position.outputs[0], _input(sample, "Value"))
@@ -49,19 +49,19 @@ def group():
     same = node("FunctionNodeCompare", data_type="INT", operation="EQUAL")
     for size, name in zip(sizes, "AB"):
         link(size.outputs["Point Count"], _input(same, name))
-    carried = node("GeometryNodeSetPosition")
-    link(into.outputs[0], carried.inputs["Geometry"])
-    link(same.outputs["Result"], carried.inputs["Selection"])
-    link(_output(sample, "Value"), carried.inputs["Position"])
-    link(carried.outputs[0], out.inputs[0])
+    set_baked = node("GeometryNodeSetPosition")
+    link(into.outputs[0], set_baked.inputs["Geometry"])
+    link(same.outputs["Result"], set_baked.inputs["Selection"])
+    link(_output(sample, "Value"), set_baked.inputs["Position"])
+    link(set_baked.outputs[0], out.inputs[0])
     return tree
 
 
 def _node(tree, kind, values):
-    made = tree.nodes.new(kind)
+    new_node = tree.nodes.new(kind)
     for name, value in values.items():
-        setattr(made, name, value)
-    return made
+        setattr(new_node, name, value)
+    return new_node
 
 
 def _named(sockets, name):
@@ -77,16 +77,18 @@ def _output(node, name):
     return _named(node.outputs, name)
 
 
-def modifier(thing):
+def modifier(hair_object):
     """Return the modifier of a hair object, or None."""
-    return next((m for m in thing.modifiers if m.type == "NODES" and m.node_group and m.node_group.name == NAME), None)
+    return next(
+        (m for m in hair_object.modifiers if m.type == "NODES" and m.node_group and m.node_group.name == NAME), None
+    )
 
 
-def add_modifier(thing):
+def add_modifier(hair_object):
     """Return the modifier of a hair object; it is the first of its stack."""
-    found = modifier(thing)
+    found = modifier(hair_object)
     if found is None:
-        found = thing.modifiers.new(NAME, "NODES")
+        found = hair_object.modifiers.new(NAME, "NODES")
         found.node_group = group()
-        thing.modifiers.move(len(thing.modifiers) - 1, 0)
+        hair_object.modifiers.move(len(hair_object.modifiers) - 1, 0)
     return found

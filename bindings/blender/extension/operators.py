@@ -9,32 +9,35 @@ from .body import BodyError
 ERRORS = (BodyError, run.TressesError, OSError)
 
 
-def chosen(context):
+def selected_hair(context):
     """Return the selected objects of hair, or the active one."""
-    things = [thing for thing in context.selected_objects if thing.type == "CURVES"]
+    hair_objects = [hair_object for hair_object in context.selected_objects if hair_object.type == "CURVES"]
     active = context.active_object
-    return things or ([active] if active and active.type == "CURVES" else [])
+    return hair_objects or ([active] if active and active.type == "CURVES" else [])
 
 
-def prepared(context, things):
+def prepared(context, hair_objects):
     """Return the objects to simulate, their meshes and the options, from the properties of the first."""
-    first = things[0].tresses
+    first = hair_objects[0].tresses
     scene = context.scene
     begin, end = first.range(scene)
     # Strands made by modifiers are in the pose of the first frame.
-    posed = any(thing.tresses.source is not None for thing in things)
-    if any(thing.tresses.mode == "STRANDS" for thing in things):
+    posed = any(hair_object.tresses.source is not None for hair_object in hair_objects)
+    if any(hair_object.tresses.mode == "STRANDS" for hair_object in hair_objects):
         scene.frame_set(begin)
-        things = [strands.evaluated(thing, context) if thing.tresses.mode == "STRANDS" else thing for thing in things]
+        hair_objects = [
+            strands.evaluated(hair_object, context) if hair_object.tresses.mode == "STRANDS" else hair_object
+            for hair_object in hair_objects
+        ]
         posed = True
-    meshes = list(dict.fromkeys(mesh for thing in things for mesh in thing.tresses.meshes()))
-    return things, meshes, run.Options(begin, end, first.settle, posed, first.settings(scene))
+    meshes = list(dict.fromkeys(mesh for hair_object in hair_objects for mesh in hair_object.tresses.meshes()))
+    return hair_objects, meshes, run.Options(begin, end, first.settle, posed, first.settings(scene))
 
 
 class HairOperator:
     @classmethod
     def poll(cls, context):
-        return bool(chosen(context)) and context.mode == "OBJECT"
+        return bool(selected_hair(context)) and context.mode == "OBJECT"
 
 
 class TRESSES_OT_simulate(HairOperator, bpy.types.Operator):
@@ -49,9 +52,9 @@ class TRESSES_OT_simulate(HairOperator, bpy.types.Operator):
 
     def invoke(self, context, _event):
         context.window.cursor_modal_set("WAIT")
-        begun = self._begin(context)
+        started = self._begin(context)
         context.window.cursor_modal_restore()
-        if not begun:
+        if not started:
             return {"CANCELLED"}
         self.timer = context.window_manager.event_timer_add(0.01, window=context.window)
         context.window_manager.progress_begin(0, 100)
@@ -74,23 +77,23 @@ class TRESSES_OT_simulate(HairOperator, bpy.types.Operator):
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         try:
-            share = next(self.frames)
+            fraction = next(self.frames)
         except StopIteration:
             return self._finish(context)
         except ERRORS as error:
             return self._fail(context, error)
-        context.window_manager.progress_update(int(100 * share))
-        context.workspace.status_text_set(f"Tresses: {100 * share:.0f} %, Esc stops")
+        context.window_manager.progress_update(int(100 * fraction))
+        context.workspace.status_text_set(f"Tresses: {100 * fraction:.0f} %, Esc stops")
         return {"RUNNING_MODAL"}
 
     def _begin(self, context):
         live.stop()
         self.timer, self.run = None, None
         try:
-            self.things, meshes, options = prepared(context, chosen(context))
-            for thing in self.things:
-                run.clear(thing)
-            self.run = run.Run(context, self.things, meshes, options)
+            self.hair_objects, meshes, options = prepared(context, selected_hair(context))
+            for hair_object in self.hair_objects:
+                run.clear(hair_object)
+            self.run = run.Run(context, self.hair_objects, meshes, options)
         except ERRORS as error:
             self._fail(context, error)
             return False
@@ -116,8 +119,8 @@ class TRESSES_OT_simulate(HairOperator, bpy.types.Operator):
         self.frames.close()
         self._end(context)
         try:
-            for thing in self.things:
-                run.bake(context, thing)
+            for hair_object in self.hair_objects:
+                run.bake(context, hair_object)
         except ERRORS as error:
             self.report({"ERROR"}, _sentence(error))
             return {"CANCELLED"}
@@ -132,12 +135,12 @@ class TRESSES_OT_bake(HairOperator, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context):
-        for thing in chosen(context):
-            if not cache.Cache.exists(cache.folder(thing)):
-                self.report({"ERROR"}, f"There are no simulated frames of {thing.name}")
+        for hair_object in selected_hair(context):
+            if not cache.Cache.exists(cache.folder(hair_object)):
+                self.report({"ERROR"}, f"There are no simulated frames of {hair_object.name}")
                 return {"CANCELLED"}
             try:
-                run.bake(context, thing)
+                run.bake(context, hair_object)
             except ERRORS as error:
                 self.report({"ERROR"}, _sentence(error))
                 return {"CANCELLED"}
@@ -155,9 +158,9 @@ class TRESSES_OT_live(HairOperator, bpy.types.Operator):
             live.stop()
             return {"FINISHED"}
         try:
-            things, meshes, options = prepared(context, chosen(context))
+            hair_objects, meshes, options = prepared(context, selected_hair(context))
             options.first = context.scene.frame_current
-            live.start(context, things, meshes, options, things[0].tresses.drawn)
+            live.start(context, hair_objects, meshes, options, hair_objects[0].tresses.drawn)
         except ERRORS as error:
             self.report({"ERROR"}, _sentence(error))
             return {"CANCELLED"}
@@ -173,13 +176,13 @@ class TRESSES_OT_clear(HairOperator, bpy.types.Operator):
 
     def execute(self, context):
         live.stop()
-        for thing in chosen(context):
-            source = thing.tresses.source
-            run.clear(thing)
+        for hair_object in selected_hair(context):
+            source = hair_object.tresses.source
+            run.clear(hair_object)
             if source is not None:
                 source.hide_render = False
                 source.hide_set(False)
-                bpy.data.objects.remove(thing)
+                bpy.data.objects.remove(hair_object)
         return {"FINISHED"}
 
 
@@ -192,17 +195,17 @@ class TRESSES_OT_from_particles(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        thing = context.active_object
+        active = context.active_object
         hairy = lambda system: system.settings.type == "HAIR"
-        return context.mode == "OBJECT" and thing and thing.type == "MESH" and any(map(hairy, thing.particle_systems))
+        return context.mode == "OBJECT" and active and active.type == "MESH" and any(map(hairy, active.particle_systems))
 
     def execute(self, context):
-        made = strands.of_particles(context.active_object, context)
-        if not made:
+        created = strands.of_particles(context.active_object, context)
+        if not created:
             self.report({"ERROR"}, "The particle systems have no hair")
             return {"CANCELLED"}
-        for thing in made:
-            thing.select_set(True)
+        for hair_object in created:
+            hair_object.select_set(True)
         return {"FINISHED"}
 
 
@@ -215,18 +218,18 @@ class TRESSES_OT_check(HairOperator, bpy.types.Operator):
 
     def execute(self, context):
         found = 0
-        for thing in chosen(context):
+        for hair_object in selected_hair(context):
             try:
-                findings = run.findings(context, thing)
+                findings = run.findings(context, hair_object)
             except ERRORS as error:
                 self.report({"ERROR"}, _sentence(error))
                 return {"CANCELLED"}
             for finding in findings:
                 found += 1
-                self.report({"INFO" if finding.severity == "note" else "WARNING"}, f"{thing.name}: {finding.detail}")
+                self.report({"INFO" if finding.severity == "note" else "WARNING"}, f"{hair_object.name}: {finding.detail}")
             strands = [finding.first_strand for finding in findings if finding.first_strand is not None]
             if strands:
-                hair.select_curve(thing.data, strands[0])
+                hair.select_curve(hair_object.data, strands[0])
         if not found:
             self.report({"INFO"}, "Nothing is wrong")
         return {"FINISHED"}
@@ -249,7 +252,7 @@ class TRESSES_OT_export(HairOperator, bpy.types.Operator, ExportHelper):
     def execute(self, context):
         try:
             write = export.cache if self.animated else export.groom
-            for note in write(context, chosen(context), self.filepath, self.unit):
+            for note in write(context, selected_hair(context), self.filepath, self.unit):
                 self.report({"WARNING"}, note)
         except ERRORS as error:
             self.report({"ERROR"}, _sentence(error))

@@ -4,7 +4,7 @@ import bpy
 import tresses
 
 from . import cache, live, nodes, parameters
-from .operators import chosen
+from .operators import selected_hair
 
 
 class TressesPanel:
@@ -18,23 +18,23 @@ class TRESSES_PT_hair(TressesPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout = self.layout
-        things = chosen(context)
-        if not things:
+        hair_objects = selected_hair(context)
+        if not hair_objects:
             layout.label(text="Select hair: an object of curves")
             layout.operator("tresses.from_particles")
             return
-        thing = things[0]
-        own = thing.tresses
+        hair_object = hair_objects[0]
+        own = hair_object.tresses
         layout.use_property_split = True
         layout.use_property_decorate = False
         layout.prop(own, "mode", expand=True)
         layout.prop(own, "body")
-        if own.body is None and thing.data.surface is not None:
+        if own.body is None and hair_object.data.surface is not None:
             row = layout.split(factor=0.4)
             row.label(text="")
-            row.label(text=thing.data.surface.name, icon="MESH_DATA")
+            row.label(text=hair_object.data.surface.name, icon="MESH_DATA")
         layout.prop(own, "colliders")
-        layout.prop_search(own, "stiffness", thing.data, "attributes")
+        layout.prop_search(own, "stiffness", hair_object.data, "attributes")
         layout.prop(own, "settle")
         layout.prop(own, "use_scene_range")
         if not own.use_scene_range:
@@ -44,7 +44,7 @@ class TRESSES_PT_hair(TressesPanel, bpy.types.Panel):
         layout.prop(own, "use_scene_gravity")
         column = layout.column(align=True)
         column.operator("tresses.simulate", icon="PLAY")
-        frame = cache.next_frame(thing)
+        frame = cache.next_frame(hair_object)
         if frame is not None:
             column.operator("tresses.simulate", text=f"Go On from Frame {frame}", icon="FRAME_NEXT").resume = True
         column.operator("tresses.live", text="End Live" if live.is_on() else "Live", depress=live.is_on())
@@ -53,9 +53,9 @@ class TRESSES_PT_hair(TressesPanel, bpy.types.Panel):
         row.operator("tresses.check")
         row.operator("tresses.clear")
         layout.operator("tresses.export", icon="EXPORT")
-        if nodes.modifier(thing) is None and cache.Cache.exists(cache.folder(thing)):
+        if nodes.modifier(hair_object) is None and cache.Cache.exists(cache.folder(hair_object)):
             layout.operator("tresses.bake")
-        layout.label(text=f"{len(thing.data.curves):,} curves, {len(thing.data.points):,} points")
+        layout.label(text=f"{len(hair_object.data.curves):,} curves, {len(hair_object.data.points):,} points")
 
 
 class TRESSES_PT_parameters(TressesPanel, bpy.types.Panel):
@@ -65,7 +65,7 @@ class TRESSES_PT_parameters(TressesPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return bool(chosen(context))
+        return bool(selected_hair(context))
 
     def draw(self, context):
         self.layout.label(text=f"Tresses {tresses.__version__}")
@@ -83,11 +83,11 @@ def _group_panel(group, title, advanced):
         bl_options = {"DEFAULT_CLOSED"}
 
         def draw(self, context):
-            things = chosen(context)
+            hair_objects = selected_hair(context)
             self.layout.use_property_split = True
             self.layout.use_property_decorate = False
-            for row in shown if things else ():
-                self.layout.prop(things[0].tresses.values, parameters.identifier(row.name))
+            for row in shown if hair_objects else ():
+                self.layout.prop(hair_objects[0].tresses.values, parameters.identifier(row.name))
 
     return Panel if shown else None
 

@@ -25,20 +25,22 @@ def identifier(name):
 
 def _property(row):
     unit = f", {row.unit}" if row.unit else ""
-    said = dict(name=row.label, description=f"{row.hint.rstrip('.')}{unit}")
+    texts = dict(name=row.label, description=f"{row.hint.rstrip('.')}{unit}")
     if row.kind == "toggle":
-        return bpy.props.BoolProperty(default=bool(row.default), **said)
+        return bpy.props.BoolProperty(default=bool(row.default), **texts)
     if row.kind == "choice":
         # Unset means automatic.
         items = [(value, value.replace("-", " ").title(), hint) for value, hint in row.choices]
-        return bpy.props.EnumProperty(items=items, default=row.default or items[0][0], **said)
+        return bpy.props.EnumProperty(items=items, default=row.default or items[0][0], **texts)
     if row.kind == "color":
-        return bpy.props.StringProperty(default=row.default or "", **said)
-    most = 2**31 - 1
+        return bpy.props.StringProperty(default=row.default or "", **texts)
+    max_integer = 2**31 - 1
     default = row.least if row.default is None else row.default
     if row.kind == "integer":
-        return bpy.props.IntProperty(default=int(default), min=int(row.least), max=min(int(row.most), most), **said)
-    return bpy.props.FloatProperty(default=default, min=row.least, max=row.most, precision=3, **said)
+        return bpy.props.IntProperty(
+            default=int(default), min=int(row.least), max=min(int(row.most), max_integer), **texts
+        )
+    return bpy.props.FloatProperty(default=default, min=row.least, max=row.most, precision=3, **texts)
 
 
 def annotations():

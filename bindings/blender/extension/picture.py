@@ -4,7 +4,7 @@ import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
-from .space import TURN
+from .space import ROTATION
 
 _handle = None
 _last = None
@@ -23,33 +23,33 @@ void main() {
 
 def matrices(view, projection, unit):
     """Return Blender's view and projection for a camera of Tresses: meters, Y up, reversed depth."""
-    turn = np.eye(4)
-    turn[:3, :3] = TURN
-    view, projection = np.array(view, np.float64) @ turn.T, np.array(projection, np.float64)
+    rotation = np.eye(4)
+    rotation[:3, :3] = ROTATION
+    view, projection = np.array(view, np.float64) @ rotation.T, np.array(projection, np.float64)
     view[:3, 3] *= unit
-    ours = projection.copy()
-    ours[:, :3] /= unit
+    tresses_projection = projection.copy()
+    tresses_projection[:, :3] /= unit
     # Blender's depth is -w at the near plane and w at the far one.
-    ours[2] = 0.5 * (ours[3] - ours[2])
-    return view.astype(np.float32), ours.astype(np.float32)
+    tresses_projection[2] = 0.5 * (tresses_projection[3] - tresses_projection[2])
+    return view.astype(np.float32), tresses_projection.astype(np.float32)
 
 
 def render(simulation, view, projection, size, unit=1.0):
     """Return a picture [h, w, 4], linear and premultiplied, and Blender's window depth [h, w]; rows from the bottom."""
-    ours = matrices(view, projection, unit)
-    out = simulation.render(ours, size, ["color", "depth"], background="transparent", head="holdout")
+    camera = matrices(view, projection, unit)
+    out = simulation.render(camera, size, ["color", "depth"], background="transparent", head="holdout")
     far = -out["depth"].astype(np.float64) / unit
     projection = np.array(projection, np.float64)
-    seen = np.isfinite(far)
-    z = np.where(seen, far, -1.0)
+    has_depth = np.isfinite(far)
+    z = np.where(has_depth, far, -1.0)
     clip, w = projection[2, 2] * z + projection[2, 3], projection[3, 2] * z + projection[3, 3]
-    depth = np.where(seen, 0.5 + 0.5 * clip / w, 1.0)
+    depth = np.where(has_depth, 0.5 + 0.5 * clip / w, 1.0)
     color = out["color"].astype(np.float32) / 255
     # Blender's framebuffer is linear. Alpha is already.
     tone = color[..., :3]
     color[..., :3] = np.where(tone <= 0.04045, tone / 12.92, ((tone + 0.055) / 1.055) ** 2.4)
     # A pixel without depth cannot be hidden behind an object.
-    color[~seen] = 0
+    color[~has_depth] = 0
     return np.ascontiguousarray(color[::-1]), np.ascontiguousarray(depth[::-1].astype(np.float32))
 
 

@@ -5,8 +5,8 @@ import bpy
 from . import look, parameters
 
 
-def _is_mesh(_, thing):
-    return thing.type == "MESH"
+def _is_mesh(_, candidate):
+    return candidate.type == "MESH"
 
 
 class TressesParameters(bpy.types.PropertyGroup):

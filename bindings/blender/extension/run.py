@@ -17,7 +17,7 @@ from tresses import TressesError
 
 from . import cache, export, hair, nodes, versions
 from .body import Body, BodyError
-from .space import TURN, Space
+from .space import ROTATION, Space
 from .tripods import Tripods, is_attached
 
 
@@ -42,29 +42,29 @@ class Options:
 class Hair:
     """One hair object in a simulation."""
 
-    def __init__(self, thing, scene):
-        self.object = thing
-        if len(thing.data.curves) == 0:
-            raise BodyError(f"{thing.name} has no curves")
-        self.starts, self.rest = hair.offsets(thing.data), hair.positions(thing.data)
-        self.stiffness = stiffness(thing, self.starts)
+    def __init__(self, hair_object, scene):
+        self.object = hair_object
+        if len(hair_object.data.curves) == 0:
+            raise BodyError(f"{hair_object.name} has no curves")
+        self.starts, self.rest = hair.offsets(hair_object.data), hair.positions(hair_object.data)
+        self.stiffness = stiffness(hair_object, self.starts)
         self.tripods = None
-        self.attached = is_attached(thing)
+        self.attached = is_attached(hair_object)
         if self.attached:
-            if thing.data.surface is None or hair.root_uvs(thing.data) is None:
-                raise BodyError(f"{thing.name} is not attached: use Curves > Snap to Nearest Surface")
-            self.tripods = Tripods(thing, scene)
+            if hair_object.data.surface is None or hair.root_uvs(hair_object.data) is None:
+                raise BodyError(f"{hair_object.name} is not attached: use Curves > Snap to Nearest Surface")
+            self.tripods = Tripods(hair_object, scene)
 
     def stored(self, points, depsgraph):
         """Return what the modifier must give for vertices at `points` (of the object) to end there."""
         if not self.attached:
             return points
-        places, turns = self.tripods.frames(depsgraph)
-        of = np.repeat(np.arange(len(places)), np.diff(self.starts))
+        root_positions, rotations = self.tripods.frames(depsgraph)
+        of = np.repeat(np.arange(len(root_positions)), np.diff(self.starts))
         # The root lies where Blender attaches it.
         first = points[self.starts[:-1]]
-        points = points + (places - first)[of]
-        return np.einsum("nij,nj->ni", turns[of], points - places[of]) + self.tripods.roots[of]
+        points = points + (root_positions - first)[of]
+        return np.einsum("nij,nj->ni", rotations[of], points - root_positions[of]) + self.tripods.roots[of]
 
     def end(self):
         if self.tripods:
@@ -76,14 +76,14 @@ class Run:
 
     Parameters
     ----------
-    things : list of bpy.types.Object
+    hair_objects : list of bpy.types.Object
         Hair.
     meshes : list of bpy.types.Object
         The body, its surface first; empty for hair without a body.
     options : Options
     """
 
-    def __init__(self, context, things, meshes, options):
+    def __init__(self, context, hair_objects, meshes, options):
         self.scene, self.view_layer, self.options = context.scene, context.view_layer, options
         self.space = Space(self.scene)
         self.hair, self.caches, self.muted = [], [], []
@@ -92,8 +92,8 @@ class Run:
         self.before = self.scene.frame_current
         self.scene.frame_set(options.first)
         try:
-            for thing in things:
-                self.hair.append(Hair(thing, self.scene))
+            for hair_object in hair_objects:
+                self.hair.append(Hair(hair_object, self.scene))
             self._build(meshes)
         except BaseException:
             self.end()
@@ -131,7 +131,7 @@ class Run:
         if not self.has_wind:
             return {}
         velocity = sum((np.array(o.matrix_world.col[2][:3]) * o.field.strength for o in fields), np.zeros(3))
-        return dict(wind=TURN @ velocity)
+        return dict(wind=ROTATION @ velocity)
 
     def _mute(self):
         """Switch off the modifiers that only shape the result: they take time in each frame."""
@@ -151,7 +151,7 @@ class Run:
         if done == 0:
             self.scene.frame_set(options.first)
             self.caches = [
-                cache.Cache.create(cache.folder(one.object), options.first, count, len(one.rest), self._made())
+                cache.Cache.create(cache.folder(one.object), options.first, count, len(one.rest), self._description())
                 for one in self.hair
             ]
             self.reset(0)
@@ -175,11 +175,11 @@ class Run:
             self.caches[0].keep(self.simulation.state())
             raise
 
-    def _made(self):
+    def _description(self):
         """Return a text that differs if the simulation would."""
         options = self.options
-        things = [(one.object.name, len(one.rest)) for one in self.hair]
-        return json.dumps([things, options.first, options.last, options.settle, options.posed, options.settings])
+        objects = [(one.object.name, len(one.rest)) for one in self.hair]
+        return json.dumps([objects, options.first, options.last, options.settle, options.posed, options.settings])
 
     def _resume(self):
         """Continue from the state on disk. Returns the number of frames that are done."""
@@ -187,8 +187,8 @@ class Run:
         if not all(map(cache.Cache.exists, folders)):
             raise BodyError("There are no frames to go on from")
         self.caches = [cache.Cache(folder) for folder in folders]
-        state, made = self.caches[0].state(), self._made()
-        if state is None or any(kept.made != made for kept in self.caches):
+        state, description = self.caches[0].state(), self._description()
+        if state is None or any(kept.made != description for kept in self.caches):
             raise BodyError("The hair or its settings have changed since: simulate it again")
         done = self.caches[0].state_at
         for kept in self.caches:
@@ -228,35 +228,35 @@ class Run:
         self.scene.frame_set(self.before)
 
 
-def stiffness(thing, starts):
+def stiffness(hair_object, starts):
     """Return the factor on the stiffness of each curve, [n], from the attribute that the object names."""
-    name, counts = thing.tresses.stiffness, np.diff(starts)
+    name, counts = hair_object.tresses.stiffness, np.diff(starts)
     if not name:
         return np.ones(len(counts), np.float32)
-    whole, points = (hair.attribute(thing.data, name, domain) for domain in ("CURVE", "POINT"))
-    if whole is None and points is None:
-        raise BodyError(f"{thing.name} has no attribute {name} of numbers")
-    return np.maximum(whole if whole is not None else np.add.reduceat(points, starts[:-1]) / counts, 0)
+    per_curve, points = (hair.attribute(hair_object.data, name, domain) for domain in ("CURVE", "POINT"))
+    if per_curve is None and points is None:
+        raise BodyError(f"{hair_object.name} has no attribute {name} of numbers")
+    return np.maximum(per_curve if per_curve is not None else np.add.reduceat(points, starts[:-1]) / counts, 0)
 
 
 def rigid(matrix):
     """Return the rigid motion that is nearest to an affine one, [4, 4]."""
     left, _, right = np.linalg.svd(matrix[:3, :3])
-    turn = left @ np.diag([1, 1, np.linalg.det(left @ right)]) @ right
+    rotation = left @ np.diag([1, 1, np.linalg.det(left @ right)]) @ right
     out = np.eye(4)
-    out[:3, :3], out[:3, 3] = turn, matrix[:3, 3]
+    out[:3, :3], out[:3, 3] = rotation, matrix[:3, 3]
     return out
 
 
-def bake(context, thing):
+def bake(context, hair_object):
     """Let Blender bake the cache of a hair object into its modifier."""
-    frames = cache.Cache(cache.folder(thing))
-    if frames.vertices != len(thing.data.points) or frames.done == 0:
-        raise BodyError(f"{thing.name} has been edited since: simulate it again")
-    m = nodes.add_modifier(thing)
+    frames = cache.Cache(cache.folder(hair_object))
+    if frames.vertices != len(hair_object.data.points) or frames.done == 0:
+        raise BodyError(f"{hair_object.name} has been edited since: simulate it again")
+    m = nodes.add_modifier(hair_object)
 
     def write(scene, *_):
-        hair.write_vectors(thing.data, nodes.ATTRIBUTE, frames.frame(scene.frame_current))
+        hair.write_vectors(hair_object.data, nodes.ATTRIBUTE, frames.frame(scene.frame_current))
 
     current = context.scene.frame_current
     bpy.app.handlers.frame_change_pre.append(write)
@@ -265,11 +265,11 @@ def bake(context, thing):
         baked = m.bakes[0]
         versions.set_bake(baked, os.path.join(frames.path, "bake"), frames.first, frames.last)
         bpy.ops.object.geometry_node_bake_single(
-            session_uid=thing.session_uid, modifier_name=m.name, bake_id=baked.bake_id
+            session_uid=hair_object.session_uid, modifier_name=m.name, bake_id=baked.bake_id
         )
     finally:
         bpy.app.handlers.frame_change_pre.remove(write)
-        remove_attribute(thing.data)
+        remove_attribute(hair_object.data)
         # Blender learns here that the hair now depends on time.
         m.node_group = m.node_group
         context.scene.frame_set(current)
@@ -282,17 +282,17 @@ def remove_attribute(curves):
         curves.attributes.remove(found)
 
 
-def clear(thing):
+def clear(hair_object):
     """Remove the result of a simulation from a hair object."""
-    m = nodes.modifier(thing)
+    m = nodes.modifier(hair_object)
     if m is not None:
-        thing.modifiers.remove(m)
-    remove_attribute(thing.data)
+        hair_object.modifiers.remove(m)
+    remove_attribute(hair_object.data)
 
 
-def findings(context, thing):
+def findings(context, hair_object):
     """Return the problems of the curves of a hair object: a list of tresses.Finding."""
-    if len(thing.data.curves) == 0:
-        raise BodyError(f"{thing.name} has no curves")
-    points, starts, widths = export.strands(thing, Space(context.scene))
+    if len(hair_object.data.curves) == 0:
+        raise BodyError(f"{hair_object.name} has no curves")
+    points, starts, widths = export.strands(hair_object, Space(context.scene))
     return tresses.Strands(points, starts, widths).lint()

@@ -16,31 +16,31 @@ DEFORM = "GeometryNodeDeformCurvesOnSurface"
 GROUPS = ("Surface Deform", "Hair Dynamics", "Deform Curves on Surface")
 
 
-def deforms(group, seen=()):
+def deforms(group, visited=()):
     """Return whether a node group attaches curves to their surface."""
-    if group is None or group in seen:
+    if group is None or group in visited:
         return False
     if group.name.split(".")[0] in GROUPS:
         return True
     nodes = group.nodes
     return any(node.bl_idname == DEFORM for node in nodes) or any(
-        deforms(getattr(node, "node_tree", None), (*seen, group)) for node in nodes if node.bl_idname == "GeometryNodeGroup"
+        deforms(getattr(node, "node_tree", None), (*visited, group)) for node in nodes if node.bl_idname == "GeometryNodeGroup"
     )
 
 
-def is_attached(thing):
+def is_attached(hair_object):
     """Return whether the modifiers of a hair object move it with its surface."""
-    return any(m.type == "NODES" and m.show_viewport and deforms(m.node_group) for m in thing.modifiers)
+    return any(m.type == "NODES" and m.show_viewport and deforms(m.node_group) for m in hair_object.modifiers)
 
 
 class Tripods:
-    """The frames of the roots of `thing`, an object of hair that is attached to its surface.
+    """The frames of the roots of `hair_object`, an object of hair that is attached to its surface.
 
     `remove` deletes what this has added to the file.
     """
 
-    def __init__(self, thing, scene):
-        curves = thing.data
+    def __init__(self, hair_object, scene):
+        curves = hair_object.data
         starts, points = hair.offsets(curves), hair.positions(curves)
         self.roots = roots = points[starts[:-1]]
         data = bpy.data.hair_curves.new("Tresses roots")
@@ -52,7 +52,7 @@ class Tripods:
             data.attributes.new("surface_uv_coordinate", "FLOAT2", "CURVE").data.foreach_set("vector", uvs.ravel())
         data.surface, data.surface_uv_map = curves.surface, curves.surface_uv_map
         self.object = bpy.data.objects.new("Tresses roots", data)
-        self.object.parent, self.object.matrix_world = thing.parent, thing.matrix_world
+        self.object.parent, self.object.matrix_world = hair_object.parent, hair_object.matrix_world
         # Blender evaluates no hidden object, but it does not draw one that only shows instances.
         self.object.instance_type, self.object.show_instancer_for_viewport = "FACES", False
         self.object.hide_render = True
@@ -67,7 +67,7 @@ class Tripods:
         self.object.modifiers.new("Attach", "NODES").node_group = group
 
     def frames(self, depsgraph):
-        """Return where each root is, [n, 3], and the turn of its frame, [n, 3, 3] with the axes as rows."""
+        """Return where each root is, [n, 3], and the rotation of its frame, [n, 3, 3] with the axes as rows."""
         points = hair.positions(self.object.evaluated_get(depsgraph).data).reshape(-1, 4, 3).astype(np.float64)
         return points[:, 0], (points[:, 1:] - points[:, :1]) / STEP
 

@@ -43,9 +43,9 @@ def sheet(out):
     shades = np.nan_to_num((far - depth) / max(far - near, 1e-6))[..., None].repeat(3, axis=2)
     hues = np.random.default_rng(0).random((out["strand"].max() + 2, 3))
     hues[-1] = 0  # background
-    moved = np.nan_to_num(out["motion"]) / 8
-    ways = np.dstack([0.5 + moved, np.full(moved.shape[:2], 0.5)]) * hair
-    parts = [out["color"][..., :3] / 255, shades, 0.5 * (out["tangent"] + 1) * hair, hues[out["strand"]], ways]
+    motion = np.nan_to_num(out["motion"]) / 8
+    motion_colors = np.dstack([0.5 + motion, np.full(motion.shape[:2], 0.5)]) * hair
+    parts = [out["color"][..., :3] / 255, shades, 0.5 * (out["tangent"] + 1) * hair, hues[out["strand"]], motion_colors]
     return (255 * np.clip(np.hstack(parts), 0, 1)).astype(np.uint8)
 
 

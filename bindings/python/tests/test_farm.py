@@ -261,7 +261,7 @@ def test_taken_shards_account_for_repeated_steps():
     asked = schedule.Schedule([list(range(10)), list(range(10, 20))], [(i // 10, i % 10) for i in range(20)], 0.3)
     for worker in range(3):
         asked.take(worker)
-    third = asked.busy[2]
+    third = asked.running[2]
     assert 5 < third < 10
     assert asked.take(1) == 11
 
@@ -506,7 +506,7 @@ def test_run_fails_if_a_shard_kills_its_workers(small, tmp_path):
 def test_forecast_sums_costs(small):
     plan, whole = small
     each = {"grooms": 3.0, "shots": 0.25, "steps": 0.5, "pictures": 1.0}
-    costs = forecast.Costs(each, start=2.0, dispatch=0.01, shots={}, told="")
+    costs = forecast.Costs(each, start=2.0, dispatch=0.01, shots={}, source="")
     # Four shots of six steps and eight images; all use the same groom.
     by_hand = 2 + 8 * 0.01 + 4 * (0.25 + 6 * 0.5 + 8 * 1.0)
     assert forecast.forecast(plan, costs, 1).seconds == pytest.approx(by_hand + 3)

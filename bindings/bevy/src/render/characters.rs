@@ -33,7 +33,7 @@ pub(crate) struct HairModel {
 impl HairModel {
     /// Sets the pose from `hair`. Hair on a skin keeps its last pose while that skin is missing or being replaced.
     /// Returns whether a pose is known.
-    pub fn place(&mut self, hair: &SceneHair) -> bool {
+    pub fn set_pose(&mut self, hair: &SceneHair) -> bool {
         match (&self.recipe.skin, &hair.skin) {
             (None, _) => self.character.set_pose(hair.pose),
             (Some(own), SkinState::Loaded(skin, joints)) if Arc::ptr_eq(own, skin) => {
@@ -56,11 +56,11 @@ impl HairModel {
             let collider = collider.collider(&self.recipe.fields)?;
             Some(Obstacle { id: entity.to_bits(), collider, pose: *pose })
         });
-        all.take(self.room()).collect()
+        all.take(self.max_colliders()).collect()
     }
 
     /// Returns the largest number of colliders besides the head and the other parts of the body.
-    pub fn room(&self) -> usize {
+    pub fn max_colliders(&self) -> usize {
         let own = self.character.rig().map_or(0, |rig| rig.anatomy().solids().count());
         (MAX_COLLIDERS as usize).saturating_sub(1 + own)
     }
@@ -118,7 +118,7 @@ impl Recipe {
                 .with_simulation(physics)
                 .with_lod(detail)
                 .with_obstacles(&[], &fields)
-                .with_root_reach(skin.as_ref().map_or(0.0, |skin| skin.reach));
+                .with_root_reach(skin.as_ref().map_or(0.0, |skin| skin.max_root_distance));
             let mut character = Character::new(&CharacterAsset::new(&context, parts, &options, &()).await?)?;
             character.prepare_to_bend()?;
             // Hair and brows on one skin cast the skin's shadow only once.
@@ -187,7 +187,7 @@ impl Wardrobe {
     }
 
     /// Returns the characters visible in `layers`, in the scene's order.
-    pub fn seen<'a>(
+    pub fn visible<'a>(
         &'a self,
         scene: &'a Scene,
         layers: &'a RenderLayers,
@@ -197,15 +197,16 @@ impl Wardrobe {
         shown.filter_map(model).filter(|model| model.is_shown).map(|model| &model.character)
     }
 
-    /// Returns the characters with [`HairMeets`](crate::HairMeets) in this frame, in the scene's order.
-    pub fn meeting(&mut self, scene: &Scene) -> Vec<&mut Character> {
-        let place = |entity| scene.hair.iter().position(|hair| hair.meets && hair.entity == entity);
+    /// Returns the characters with [`HairHairCollision`](crate::HairHairCollision) in this frame, in the scene's order.
+    pub fn colliding(&mut self, scene: &Scene) -> Vec<&mut Character> {
+        let index =
+            |entity| scene.hair.iter().position(|hair| hair.collides_with_hair && hair.entity == entity);
         let found = self.slots.iter_mut().filter_map(|(entity, slot)| {
             let model = slot.model.as_mut().filter(|model| model.is_shown)?;
-            Some((place(*entity)?, &mut model.character))
+            Some((index(*entity)?, &mut model.character))
         });
         let mut found: Vec<_> = found.collect();
-        found.sort_by_key(|(place, _)| *place);
+        found.sort_by_key(|(index, _)| *index);
         found.into_iter().map(|(_, character)| character).collect()
     }
 }

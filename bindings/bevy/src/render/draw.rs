@@ -119,12 +119,12 @@ pub(crate) fn draw(
 ) {
     let (extracted, bevy_camera, target, depth, prepass, is_scaled) = query.into_inner();
     let entity = extracted.retained_view_entity.main_entity.entity();
-    let Some(seen_by) = scene.cameras.get(&entity) else { return };
+    let Some(scene_camera) = scene.cameras.get(&entity) else { return };
     // A new camera becomes HDR in the next frame.
     if !bevy_camera.hdr {
         return;
     }
-    let characters: Vec<_> = wardrobe.seen(&scene, &seen_by.layers).collect();
+    let characters: Vec<_> = wardrobe.visible(&scene, &scene_camera.layers).collect();
     if characters.is_empty() || extracted.viewport.z.min(extracted.viewport.w) == 0 {
         return;
     }
@@ -132,13 +132,13 @@ pub(crate) fn draw(
         errors.report(format!("camera {entity} has MainPassResolutionOverride, which hair does not support"));
         return;
     }
-    let options = seen_by.options.unwrap_or(default.options);
+    let options = scene_camera.options.unwrap_or(default.options);
     // Only tiles provide depth, motion and opacity of hair.
     let is_tiled = matches!(options.renderer, Renderer::Tiles(_));
-    if seen_by.depth && !is_tiled {
+    if scene_camera.depth && !is_tiled {
         errors.report(format!("camera {entity} has HairDepth, which needs tiled hair (Renderer::Tiles)"));
     }
-    if seen_by.fog.is_some() && !is_tiled {
+    if scene_camera.fog.is_some() && !is_tiled {
         errors.report(format!("the fog of camera {entity} needs tiled hair (Renderer::Tiles)"));
     }
     let (color, format) = (target.main_texture_view(), target.main_texture_format());
@@ -150,7 +150,7 @@ pub(crate) fn draw(
     let drawing = Drawing {
         characters,
         scene: &scene,
-        seen_by,
+        scene_camera,
         camera: camera(extracted),
         exposure: bevy_camera.exposure,
         casts: default.casts,
@@ -159,8 +159,8 @@ pub(crate) fn draw(
         entity,
         overlays: OverlayTargets {
             motion: motion.map(|motion| (&*motion.default_view, motion.texture.format(), 1)),
-            depth: (seen_by.depth && is_tiled).then_some((depth_view, depth_format, samples)),
-            fog: seen_by.fog.filter(|_| is_tiled).map(|fog| ((&**color, format, 1), fog)),
+            depth: (scene_camera.depth && is_tiled).then_some((depth_view, depth_format, samples)),
+            fog: scene_camera.fog.filter(|_| is_tiled).map(|fog| ((&**color, format, 1), fog)),
         },
     };
     let into = Surroundings {
@@ -180,7 +180,7 @@ pub(crate) fn draw(
 struct Drawing<'a> {
     characters: Vec<&'a Character>,
     scene: &'a Scene,
-    seen_by: &'a SceneCamera,
+    scene_camera: &'a SceneCamera,
     camera: Camera,
     exposure: f32,
     /// Strength of the shadows that hair casts on meshes.
@@ -201,13 +201,13 @@ impl Drawing<'_> {
         encoder: &mut wgpu::CommandEncoder,
         into: Surroundings<'_>,
     ) -> Result<()> {
-        let Self { characters, scene, seen_by, camera, exposure, .. } = self;
+        let Self { characters, scene, scene_camera, camera, exposure, .. } = self;
         // The library's lights are directional, so evaluate them at the nearest head.
         let foci = Character::foci(characters, camera);
         let at = foci.nearest.center;
         let (mut lights, sources, casts) =
-            lights::at(at, &scene.lights, &seen_by.layers, seen_by.ambient, *exposure);
-        let around = self.skies.at(at, seen_by, &scene.probes);
+            lights::at(at, &scene.lights, &scene_camera.layers, scene_camera.ambient, *exposure);
+        let around = self.skies.at(at, scene_camera, &scene.probes);
         lights.environment = lights.environment.blended(1.0, &around, *exposure);
         let picture = Picture { camera: *camera, lights, ..Default::default() };
         overlays.take_if(|kept| kept.size != camera.size);

@@ -21,47 +21,47 @@ use tresses::{
 };
 
 const SHADER: &str = "
-struct Fog { from_clip: mat4x4<f32>, color: vec4<f32>, lost: vec4<f32>, seen: vec4<f32> }
+struct Fog { from_clip: mat4x4<f32>, color: vec4<f32>, extinction: vec4<f32>, inscattering: vec4<f32> }
 @group(0) @binding(0) var geometry: texture_2d<f32>;
 @group(0) @binding(1) var<uniform> fog: Fog;
 
-struct Corner { @builtin(position) clip: vec4<f32>, @location(0) place: vec2<f32> }
+struct Corner { @builtin(position) clip: vec4<f32>, @location(0) uv: vec2<f32> }
 
 @vertex fn corner(@builtin(vertex_index) i: u32) -> Corner {
-    let place = vec2(f32(i & 1u), f32(i >> 1u)) * 2.0;
-    return Corner(vec4(place * vec2(2.0, -2.0) + vec2(-1.0, 1.0), 0.0, 1.0), place);
+    let uv = vec2(f32(i & 1u), f32(i >> 1u)) * 2.0;
+    return Corner(vec4(uv * vec2(2.0, -2.0) + vec2(-1.0, 1.0), 0.0, 1.0), uv);
 }
 
-fn found(place: vec2<f32>) -> vec4<f32> {
-    return textureLoad(geometry, vec2<i32>(place * vec2<f32>(textureDimensions(geometry))), 0);
+fn found(uv: vec2<f32>) -> vec4<f32> {
+    return textureLoad(geometry, vec2<i32>(uv * vec2<f32>(textureDimensions(geometry))), 0);
 }
 
 @fragment fn motion(in: Corner) -> @location(0) vec2<f32> {
-    let here = found(in.place);
-    if here.w < 0.5 { discard; }
-    return here.xy / vec2<f32>(textureDimensions(geometry));
+    let texel = found(in.uv);
+    if texel.w < 0.5 { discard; }
+    return texel.xy / vec2<f32>(textureDimensions(geometry));
 }
 
 @fragment fn depth(in: Corner) -> @builtin(frag_depth) f32 {
-    let here = found(in.place);
-    if here.w < 0.5 { discard; }
-    return here.z;
+    let texel = found(in.uv);
+    if texel.w < 0.5 { discard; }
+    return texel.z;
 }
 
 @fragment fn fogged(in: Corner) -> @location(0) vec4<f32> {
-    let here = found(in.place);
-    if here.w <= 0.0 { discard; }
-    let at = fog.from_clip * vec4(in.place * vec2(2.0, -2.0) + vec2(-1.0, 1.0), here.z, 1.0);
+    let texel = found(in.uv);
+    if texel.w <= 0.0 { discard; }
+    let at = fog.from_clip * vec4(in.uv * vec2(2.0, -2.0) + vec2(-1.0, 1.0), texel.z, 1.0);
     let far = length(at.xyz / at.w);
-    let power = fog.lost.w;
-    var lost = vec3(clamp((far - fog.lost.x) / (fog.lost.y - fog.lost.x), 0.0, 1.0));
-    var seen = lost;
+    let power = fog.extinction.w;
+    var attenuation = vec3(clamp((far - fog.extinction.x) / (fog.extinction.y - fog.extinction.x), 0.0, 1.0));
+    var inscattered = attenuation;
     if power > 0.0 {
-        lost = 1.0 - exp(-pow(far * fog.lost.xyz, vec3(power)));
-        seen = 1.0 - exp(-pow(far * fog.seen.xyz, vec3(power)));
+        attenuation = 1.0 - exp(-pow(far * fog.extinction.xyz, vec3(power)));
+        inscattered = 1.0 - exp(-pow(far * fog.inscattering.xyz, vec3(power)));
     }
-    let share = fog.color.w * here.w;
-    return vec4(fog.color.xyz * seen * share, share * dot(lost, vec3(1.0 / 3.0)));
+    let opacity = fog.color.w * texel.w;
+    return vec4(fog.color.xyz * inscattered * opacity, opacity * dot(attenuation, vec3(1.0 / 3.0)));
 }";
 
 /// A pass of a camera, named after its fragment shader.
@@ -152,10 +152,17 @@ impl Overlays {
         if let Some(target) = targets.depth {
             self.pass(context, encoder, (Overlay::Depth, target), origin);
         }
-        if let Some((target, SceneFog { color, lost, seen })) = targets.fog {
+        if let Some((target, SceneFog { color, extinction, inscattering })) = targets.fog {
             let from_clip = projection.inverse();
-            let words =
-                [from_clip.x_axis, from_clip.y_axis, from_clip.z_axis, from_clip.w_axis, color, lost, seen];
+            let words = [
+                from_clip.x_axis,
+                from_clip.y_axis,
+                from_clip.z_axis,
+                from_clip.w_axis,
+                color,
+                extinction,
+                inscattering,
+            ];
             let bytes: Vec<u8> = words.iter().flat_map(Vec4::to_array).flat_map(f32::to_le_bytes).collect();
             context.queue().write_buffer(&self.fog, 0, &bytes);
             self.pass(context, encoder, (Overlay::Fog, target), origin);

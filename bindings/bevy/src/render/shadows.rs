@@ -53,12 +53,12 @@ impl LightShadows<'_, '_> {
             .filter_map(|(map, view, of)| {
                 let id = &view.retained_view_entity;
                 let light = lights.iter().position(|light| *light == Some(id.main_entity.entity()))?;
-                let is_seen = id.auxiliary_entity.is_none_or(|seen_by| seen_by.entity() == camera);
+                let is_for_camera = id.auxiliary_entity.is_none_or(|viewer| viewer.entity() == camera);
                 let cascade = matches!(of, LightEntity::Directional { .. });
-                is_seen.then_some(((light, id.subview_index), cascade, map, view))
+                is_for_camera.then_some(((light, id.subview_index), cascade, map, view))
             })
             .collect();
-        found.sort_by_key(|(place, ..)| *place);
+        found.sort_by_key(|(key, ..)| *key);
         let mut shadows: Vec<SceneShadow<'_>> = Vec::new();
         let mut done: Vec<(usize, usize)> = Vec::new();
         for ((light, _), cascade, map, view) in found {
@@ -69,15 +69,20 @@ impl LightShadows<'_, '_> {
             let projection = projection(view);
             let part = Some([[0; 2], [view.viewport.z, view.viewport.w]]);
             let shadow = SceneShadow { light, depth: depth_view, part, projection, bias: 0.0 };
-            let seen: Vec<_> = (0..heads.len())
+            let covered: Vec<_> = (0..heads.len())
                 .filter(|head| !done.contains(&(light, *head)))
                 .filter_map(|head| Some((head, shadow.sees(&heads[head])?)))
                 .collect();
             let texels =
-                seen.iter().map(|(head, _)| texel(&projection, heads[*head].center, view.viewport.z));
+                covered.iter().map(|(head, _)| texel(&projection, heads[*head].center, view.viewport.z));
             let Some(coarsest) = texels.reduce(f32::max) else { continue };
             // A face of a point light may contain only part of a head; the other faces have the rest.
-            done.extend(seen.iter().filter(|(_, whole)| cascade && *whole).map(|(head, _)| (light, *head)));
+            done.extend(
+                covered
+                    .iter()
+                    .filter(|(_, is_contained)| cascade && *is_contained)
+                    .map(|(head, _)| (light, *head)),
+            );
             shadows.push(SceneShadow { bias: CLOSE + TEXELS * coarsest, ..shadow });
         }
         shadows.truncate(MOST_SCENE_SHADOWS);

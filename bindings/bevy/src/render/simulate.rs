@@ -31,34 +31,37 @@ pub(crate) fn simulate(
 ) {
     for hair in &scene.hair {
         if let Some(model) = wardrobe.get_mut(hair.entity) {
-            model.is_shown = model.place(hair) && hair.visible;
+            model.is_shown = model.set_pose(hair) && hair.visible;
             if !model.is_shown {
                 // Hidden hair is at rest when it is shown again.
                 model.character.reset();
             }
         }
     }
-    Character::meet_each_other(&mut wardrobe.meeting(&scene));
+    Character::meet_each_other(&mut wardrobe.colliding(&scene));
     for hair in &scene.hair {
         let Some(model) = wardrobe.get_mut(hair.entity).filter(|model| model.is_shown) else { continue };
-        let room = model.room();
-        if room < scene.colliders.len() {
+        let max_colliders = model.max_colliders();
+        if max_colliders < scene.colliders.len() {
             errors.report(format!(
-                "hair supports {room} colliders besides those of its body: the last ones are ignored"
+                "hair supports {max_colliders} colliders besides those of its body: the last ones are ignored"
             ));
         }
-        let sees = |entity: Entity| {
+        let is_visible_to = |entity: Entity| {
             scene.cameras.get(&entity).is_some_and(|camera| camera.layers.intersects(&hair.layers))
         };
-        let cameras: Vec<_> =
-            views.iter().filter(|(entity, _)| sees(entity.entity())).map(|(_, view)| camera(view)).collect();
+        let cameras: Vec<_> = views
+            .iter()
+            .filter(|(entity, _)| is_visible_to(entity.entity()))
+            .map(|(_, view)| camera(view))
+            .collect();
         let label = Some("hair");
         let mut encoder = tresses.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
-        let moved = model.advance(tresses.frame(&mut encoder).seen_by(&cameras), hair, &scene);
+        let result = model.advance(tresses.frame(&mut encoder).seen_by(&cameras), hair, &scene);
         // Submit even after an error: the skin may be posed already, and it is posed only once.
         context.add_command_buffer(encoder.finish());
-        model.is_shown = moved.is_ok();
-        if let Err(error) = moved {
+        model.is_shown = result.is_ok();
+        if let Err(error) = result {
             errors.report(format!("cannot simulate hair of entity {}: {error}", hair.entity));
         }
     }

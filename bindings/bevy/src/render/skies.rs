@@ -58,11 +58,11 @@ pub(crate) fn measure_skies(
         return;
     }
     let of_cameras = scene.cameras.values().filter_map(|camera| camera.sky.as_ref());
-    let mut wanted: Vec<_> = of_cameras.chain(&scene.probes).map(|sky| sky.map).collect();
-    wanted.sort();
-    wanted.dedup();
-    known.retain(|map, _| wanted.contains(map));
-    for map in wanted {
+    let mut maps: Vec<_> = of_cameras.chain(&scene.probes).map(|sky| sky.map).collect();
+    maps.sort();
+    maps.dedup();
+    known.retain(|map, _| maps.contains(map));
+    for map in maps {
         let Some(image) = images.get(map) else { continue };
         let sky = known.entry(map).or_insert_with(|| MapLight { age: AGAIN, ..Default::default() });
         sky.age = sky.age.saturating_add(1);
@@ -78,12 +78,12 @@ pub(crate) fn measure_skies(
             continue;
         }
         sky.age = 0;
-        let begun = usable(context.device(), image).and_then(|view| {
+        let measurement = usable(context.device(), image).and_then(|view| {
             let probe = probe.get_or_insert_with(|| CubeProbe::new(&context));
-            let begun = probe.measure(&view, CubeMap::Irradiance, MIRROR);
-            begun.map_err(|error| error.to_string())
+            let measurement = probe.measure(&view, CubeMap::Irradiance, MIRROR);
+            measurement.map_err(|error| error.to_string())
         });
-        match begun {
+        match measurement {
             Ok(light) => sky.pending = Some(light),
             Err(problem) => {
                 errors.report(format!("cannot light hair with an environment map: {problem}"));
@@ -112,19 +112,19 @@ fn usable(device: &wgpu::Device, image: &GpuImage) -> Result<wgpu::TextureView, 
 }
 
 impl Skies {
-    /// Returns the environment at `place`: the probes there, and the camera's map for the remaining weight.
-    pub fn at(&self, place: Vec3, camera: &SceneCamera, probes: &[SceneSky]) -> Environment {
-        let around: Vec<_> = probes.iter().map(|sky| (sky, sky.share(place))).collect();
-        let sum: f32 = around.iter().map(|(_, share)| share).sum();
+    /// Returns the environment at `position`: the probes there, and the camera's map for the remaining weight.
+    pub fn at(&self, position: Vec3, camera: &SceneCamera, probes: &[SceneSky]) -> Environment {
+        let around: Vec<_> = probes.iter().map(|sky| (sky, sky.weight(position))).collect();
+        let sum: f32 = around.iter().map(|(_, weight)| weight).sum();
         // As in Bevy's shader: the camera's map gets the weight that probes leave. Without a camera map, or if no
         // weight is left, normalize the probes.
         let left = if camera.sky.is_some() { (1.0 - sum).max(0.0) } else { 0.0 };
-        let whole = if left > 0.0 || sum <= 0.0 { 1.0 } else { sum };
+        let total = if left > 0.0 || sum <= 0.0 { 1.0 } else { sum };
         let skies = around.into_iter().chain(camera.sky.as_ref().map(|sky| (sky, left)));
-        let lit = skies.filter_map(|(sky, share)| {
-            let turned = self.known.get(&sky.map)?.environment.turned(sky.rotation);
-            Some((turned, share / whole * sky.intensity))
+        let lit = skies.filter_map(|(sky, weight)| {
+            let rotated = self.known.get(&sky.map)?.environment.turned(sky.rotation);
+            Some((rotated, weight / total * sky.intensity))
         });
-        lit.fold(Environment::default(), |light, (sky, share)| light.blended(1.0, &sky, share))
+        lit.fold(Environment::default(), |light, (sky, weight)| light.blended(1.0, &sky, weight))
     }
 }

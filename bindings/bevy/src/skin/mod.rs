@@ -40,13 +40,13 @@ pub struct HairSkin {
     /// Transform from the groom's space to the space of the mesh's vertices, in the bind pose.
     pub at: Option<Mat4>,
     /// Largest distance of a root from the skin at rest, meters. Hair with a farther root is rejected.
-    pub reach: f32,
+    pub max_root_distance: f32,
 }
 
 impl HairSkin {
     /// Attaches hair to the skin of an entity, with roots at most a centimeter from it.
     pub fn new(mesh: Entity) -> Self {
-        Self { mesh, at: None, reach: 0.01 }
+        Self { mesh, at: None, max_root_distance: 0.01 }
     }
 }
 
@@ -63,8 +63,8 @@ pub(crate) struct Skin {
     pub order: Vec<usize>,
     /// Transform from the groom's space at rest to the space of the vertices.
     pub to_mesh: Mat4,
-    /// [`HairSkin::reach`].
-    pub reach: f32,
+    /// [`HairSkin::max_root_distance`].
+    pub max_root_distance: f32,
 }
 
 /// Joint transforms and morph weights of a frame.

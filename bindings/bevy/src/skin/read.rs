@@ -35,7 +35,7 @@ pub(crate) struct SkinQueries<'w, 's> {
             ),
         >,
     >,
-    places: Extract<'w, 's, Query<'static, 'static, &'static GlobalTransform>>,
+    global_transforms: Extract<'w, 's, Query<'static, 'static, &'static GlobalTransform>>,
     parents: Extract<'w, 's, Query<'static, 'static, &'static ChildOf>>,
     names: Extract<'w, 's, Query<'static, 'static, &'static Name>>,
     weights: Extract<'w, 's, Query<'static, 'static, &'static MorphWeights>>,
@@ -60,13 +60,13 @@ pub(crate) struct SkinCache(EntityHashMap<(SkinKey, Option<Arc<Skin>>)>);
 
 impl SkinCache {
     /// Drops the skins of removed hair.
-    pub fn keep(&mut self, is_there: impl Fn(Entity) -> bool) {
-        self.0.retain(|entity, _| is_there(*entity));
+    pub fn keep(&mut self, exists: impl Fn(Entity) -> bool) {
+        self.0.retain(|entity, _| exists(*entity));
     }
 }
 
 impl SkinQueries<'_, '_> {
-    /// Returns the skin of hair on `entity` at `place`, from the cache or by reading it.
+    /// Returns the skin of hair on `entity` with `transform`, from the cache or by reading it.
     ///
     /// # Errors
     /// Returns why there is no skin.
@@ -75,13 +75,13 @@ impl SkinQueries<'_, '_> {
         cache: &mut SkinCache,
         entity: Entity,
         on: &HairSkin,
-        place: Mat4,
+        transform: Mat4,
     ) -> Result<SkinState, String> {
         let Ok((mesh, own, skinned, morph)) = self.bodies.get(on.mesh) else {
             return Err("HairSkin::mesh is an entity without a mesh".into());
         };
-        if !(on.reach.is_finite() && on.at.is_none_or(|at| at.is_finite())) {
-            return Err("HairSkin::at or HairSkin::reach is not finite".into());
+        if !(on.max_root_distance.is_finite() && on.at.is_none_or(|at| at.is_finite())) {
+            return Err("HairSkin::at or HairSkin::max_root_distance is not finite".into());
         }
         let (Some(asset), binds) =
             (self.meshes.get(&mesh.0), skinned.map(|skinned| self.binds.get(&skinned.inverse_bindposes)))
@@ -91,11 +91,11 @@ impl SkinQueries<'_, '_> {
         if binds.is_some_and(|binds| binds.is_none()) {
             return Ok(SkinState::Awaited);
         }
-        let alone = [on.mesh];
-        let joints: &[Entity] = skinned.map_or(&alone, |skinned| &skinned.joints);
+        let single_joint = [on.mesh];
+        let joints: &[Entity] = skinned.map_or(&single_joint, |skinned| &skinned.joints);
         let transforms = JointTransforms {
             joints: match skinned {
-                Some(_) => joints.iter().map(|joint| self.place(*joint)).collect(),
+                Some(_) => joints.iter().map(|joint| self.transform(*joint)).collect(),
                 None => vec![own.to_matrix()],
             },
             weights: match morph {
@@ -106,7 +106,7 @@ impl SkinQueries<'_, '_> {
                 None => Vec::new(),
             },
         };
-        let carrier = self.above(entity).find_map(|up| place_of(joints, up));
+        let carrier = self.above(entity).find_map(|up| index_of(joints, up));
         let key = SkinKey {
             on: *on,
             mesh: mesh.0.id(),
@@ -127,7 +127,7 @@ impl SkinQueries<'_, '_> {
                     binds.len()
                 ));
             }
-            let in_bind_pose = |i: usize| binds[i].inverse() * transforms.joints[i].inverse() * place;
+            let in_bind_pose = |i: usize| binds[i].inverse() * transforms.joints[i].inverse() * transform;
             let to_mesh = on.at.unwrap_or_else(|| carrier.map_or(Mat4::IDENTITY, in_bind_pose));
             if !to_mesh.is_finite() || to_mesh.determinant().abs() < 1e-12 {
                 // The joint may grow from zero size, so do not cache the failure.
@@ -141,8 +141,8 @@ impl SkinQueries<'_, '_> {
         Ok(skin.map_or(SkinState::Awaited, |skin| SkinState::Loaded(skin, transforms)))
     }
 
-    fn place(&self, entity: Entity) -> Mat4 {
-        self.places.get(entity).map_or(Mat4::IDENTITY, GlobalTransform::to_matrix)
+    fn transform(&self, entity: Entity) -> Mat4 {
+        self.global_transforms.get(entity).map_or(Mat4::IDENTITY, GlobalTransform::to_matrix)
     }
 
     fn read(
@@ -153,7 +153,7 @@ impl SkinQueries<'_, '_> {
         to_mesh: Mat4,
     ) -> Result<Skin, String> {
         // A rig lists parents before children.
-        let parent = |joint: Entity| self.above(joint).skip(1).find_map(|up| place_of(joints, up));
+        let parent = |joint: Entity| self.above(joint).skip(1).find_map(|up| index_of(joints, up));
         let depth = |joint: Entity| self.above(joint).filter(|up| joints.contains(up)).count();
         let mut order: Vec<usize> = (0..joints.len()).collect();
         order.sort_by_key(|i| (depth(joints[*i]), *i));
@@ -178,7 +178,7 @@ impl SkinQueries<'_, '_> {
             *n = upright.transform_vector3(*n).normalize_or(Vec3::Y);
         }
         let rig = Rig { nodes, joints: palette, vertices, targets, animations: Vec::new(), to_groom };
-        Ok(Skin { entity: on.mesh, rig, mesh, order, to_mesh, reach: on.reach })
+        Ok(Skin { entity: on.mesh, rig, mesh, order, to_mesh, max_root_distance: on.max_root_distance })
     }
 
     /// Returns an entity and its ancestors.
@@ -187,7 +187,7 @@ impl SkinQueries<'_, '_> {
     }
 }
 
-fn place_of(joints: &[Entity], entity: Entity) -> Option<usize> {
+fn index_of(joints: &[Entity], entity: Entity) -> Option<usize> {
     joints.iter().position(|joint| *joint == entity)
 }
 
@@ -214,13 +214,14 @@ fn bound(asset: &Mesh, mesh: &TriMesh, numbers: &[u16]) -> Result<Vec<Bind>, Str
     let Some((joints, weights)) = joints.zip(weights) else {
         return Ok(all.map(|(p, n)| Bind::rigid(*p, *n, 0)).collect());
     };
-    let bind = |((p, n), (four, shares)): ((&Vec3, &Vec3), (&[u16; 4], [f32; 4]))| {
+    let bind = |((p, n), (four, vertex_weights)): ((&Vec3, &Vec3), (&[u16; 4], [f32; 4]))| {
         let mut bind = Bind { position: *p, normal: *n, joints: [0; 8], weights: [0.0; 8] };
-        let sum: f32 = shares.iter().sum();
+        let sum: f32 = vertex_weights.iter().sum();
         if sum <= 0.0 {
             return Ok(Bind::rigid(*p, *n, 0));
         }
-        for (i, (joint, share)) in four.iter().zip(shares).enumerate().filter(|(_, (_, share))| *share > 0.0)
+        for (i, (joint, weight)) in
+            four.iter().zip(vertex_weights).enumerate().filter(|(_, (_, weight))| *weight > 0.0)
         {
             let Some(number) = numbers.get(usize::from(*joint)) else {
                 return Err(format!(
@@ -228,7 +229,7 @@ fn bound(asset: &Mesh, mesh: &TriMesh, numbers: &[u16]) -> Result<Vec<Bind>, Str
                     numbers.len()
                 ));
             };
-            (bind.joints[i], bind.weights[i]) = (*number, share / sum);
+            (bind.joints[i], bind.weights[i]) = (*number, weight / sum);
         }
         Ok(bind)
     };
@@ -241,13 +242,14 @@ fn bound(asset: &Mesh, mesh: &TriMesh, numbers: &[u16]) -> Result<Vec<Bind>, Str
 /// Splits Bevy's morph attributes into one morph target per run of `vertices` displacements.
 fn targets(all: &[MorphAttributes], vertices: usize) -> Vec<Target> {
     let target = |(i, of): (usize, &[MorphAttributes])| {
-        let moved = of.iter().enumerate().filter(|(_, d)| d.position != Vec3::ZERO || d.normal != Vec3::ZERO);
+        let displaced =
+            of.iter().enumerate().filter(|(_, d)| d.position != Vec3::ZERO || d.normal != Vec3::ZERO);
         let delta = |(vertex, d): (usize, &MorphAttributes)| Delta {
             vertex: vertex as u32,
             position: d.position,
             normal: d.normal,
         };
-        Target { name: i.to_string(), deltas: moved.map(delta).collect() }
+        Target { name: i.to_string(), deltas: displaced.map(delta).collect() }
     };
     all.chunks_exact(vertices.max(1)).enumerate().map(target).collect()
 }

@@ -11,7 +11,7 @@ use bevy::{
     },
 };
 use bevy_tresses::{
-    GlobalHairWind, Hair3d, HairCollider, HairDepth, HairGroom, HairMaterial3d, HairMeets, tri_mesh,
+    GlobalHairWind, Hair3d, HairCollider, HairDepth, HairGroom, HairHairCollision, HairMaterial3d, tri_mesh,
 };
 use tresses::{
     Context, Wind,
@@ -128,9 +128,9 @@ fn hair_of_two_heads_collides() {
     let facing = app.world_mut().spawn((Hair3d(groom), turned.with_translation(Vec3::X * 0.26))).id();
     wait(&mut app);
     let through = seen(&mut app, 40, &image, &bare);
-    app.world_mut().entity_mut(left).insert(HairMeets);
+    app.world_mut().entity_mut(left).insert(HairHairCollision);
     let alone = seen(&mut app, 40, &image, &bare);
-    app.world_mut().entity_mut(facing).insert(HairMeets);
+    app.world_mut().entity_mut(facing).insert(HairHairCollision);
     let beside = seen(&mut app, 40, &image, &bare);
     let differ = |a: &[[u32; 2]], b: &[[u32; 2]]| a.iter().filter(|p| !b.contains(p)).count();
     assert!(differ(&alone, &through) < 10, "there is nobody to meet: {}", differ(&alone, &through));

@@ -89,16 +89,16 @@ def labels(simulation, camera=None, size=(1280, 720), **view):
     """
     matrices = simulation.camera(camera, size, **view)
     given = (matrices["view"], matrices["projection"])
-    wanted = ["color", "body_depth", "body_normal", "coverage", "depth", "tangent", "strand", "groom", "share"]
-    out = simulation.render(given, size, wanted, background="transparent")
+    outputs = ["color", "body_depth", "body_normal", "coverage", "depth", "tangent", "strand", "groom", "share"]
+    out = simulation.render(given, size, outputs, background="transparent")
     direction = _projected(out["tangent"], out["depth"], *given)
-    seen = numpy.abs(direction).sum(-1) > 0
+    has_direction = numpy.abs(direction).sum(-1) > 0
     angle = numpy.degrees(numpy.arctan2(direction[..., 0], direction[..., 1])) % 180
     alpha = out["color"][..., 3].astype(numpy.float32) / 255
     mask, body = out["coverage"], numpy.clip(alpha - out["coverage"], 0, 1)
     strand_map = numpy.zeros((*mask.shape, 3))
     strand_map[..., 0] = numpy.clip(mask + 0.5 * body, 0, 1)
-    strand_map[..., 1:] = numpy.where(seen[..., None], 0.5 + 0.5 * direction, 0)
+    strand_map[..., 1:] = numpy.where(has_direction[..., None], 0.5 + 0.5 * direction, 0)
     found = {
         "color": out["color"],
         "mask": mask,
@@ -107,7 +107,7 @@ def labels(simulation, camera=None, size=(1280, 720), **view):
         "body_normal": out["body_normal"],
         "depth": out["depth"],
         "direction": direction,
-        "orientation": numpy.where(seen, angle, numpy.nan).astype(numpy.float32),
+        "orientation": numpy.where(has_direction, angle, numpy.nan).astype(numpy.float32),
         "strand_map": numpy.round(255 * strand_map).astype(numpy.uint8),
         "strand": out["strand"],
         "groom": out["groom"],
@@ -129,8 +129,8 @@ def _projected(tangent, depth, view, projection):
     y = 1 - (numpy.arange(height) + 0.5)[:, None] * 2 / height
     # Normalized coordinates of a point at this depth; its clip coordinate w follows from the depth alone.
     w = projection[3, 2] * -far + projection[3, 3]
-    moved = tangent.astype(numpy.float64) @ view[:3, :3].T
-    clip = moved @ projection[:, :3].T
+    view_tangent = tangent.astype(numpy.float64) @ view[:3, :3].T
+    clip = view_tangent @ projection[:, :3].T
     across = numpy.stack([clip[..., 0] - x * clip[..., 3], clip[..., 1] - y * clip[..., 3]], -1) / w[..., None]
     across *= [width, -height]
     length = numpy.linalg.norm(across, axis=-1, keepdims=True)

@@ -25,7 +25,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--out", metavar="FOLDER", help="output folder; default: out/NAME for NAME.toml")
     parser.add_argument("--workers", type=_count, metavar="N", help="number of workers; default: 1, or on Ray one per core")
     parser.add_argument("--ray", metavar="ADDRESS", help="run on Ray: an address, auto, or local to start Ray for this run")
-    parser.add_argument("--gpus", type=_share, default=0.0, metavar="SHARE", help="share of a GPU per worker, on Ray")
+    parser.add_argument("--gpus", type=_gpu_fraction, default=0.0, metavar="SHARE", help="share of a GPU per worker, on Ray")
     parser.add_argument("--dry-run", action="store_true", help="print the shots and render nothing")
     parser.add_argument("--simulate", type=_counts, metavar="N,N,…", help="estimate the time for N workers")
     parser.add_argument("--costs", metavar="FILE", help="costs.json of an earlier run, for --simulate and --dry-run")
@@ -43,14 +43,14 @@ def _counts(text: str) -> list[int]:
     return [_count(word) for word in text.split(",")]
 
 
-def _share(text: str) -> float:
+def _gpu_fraction(text: str) -> float:
     try:
-        share = float(text)
+        fraction = float(text)
     except ValueError:
-        share = -1.0
-    if not 0 <= share <= 16:
+        fraction = -1.0
+    if not 0 <= fraction <= 16:
         raise argparse.ArgumentTypeError(f"{text} is not a number from 0 to 16")
-    return share
+    return fraction
 
 
 def _described(plan: Plan, costs: forecast.Costs | None) -> str:
@@ -71,7 +71,7 @@ def _described(plan: Plan, costs: forecast.Costs | None) -> str:
         lines.append(f"  and {shots - 20} more")
     if costs:
         one = forecast.forecast(plan, costs, 1)
-        lines.append(f"one worker takes {duration(one.seconds)}, estimated from {costs.told}")
+        lines.append(f"one worker takes {duration(one.seconds)}, estimated from {costs.source}")
     return "\n".join(lines)
 
 

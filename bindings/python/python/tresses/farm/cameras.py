@@ -56,12 +56,12 @@ class Camera:
         return {"camera": ((target + distance * away).tolist(), target.tolist())}
 
 
-def _amount(table: Table, key: str, least: float, most: float) -> Amount | None:
+def _amount(table: Table, key: str, minimum: float, maximum: float) -> Amount | None:
     value = table.any(key)
     if value is None:
         return None
     path = table.at(key)
-    return range_of(value, path, least, most) if isinstance(value, dict) else number(value, path, least, most)
+    return range_of(value, path, minimum, maximum) if isinstance(value, dict) else number(value, path, minimum, maximum)
 
 
 def cameras(plan: Table) -> list[Camera]:
@@ -82,18 +82,18 @@ def cameras(plan: Table) -> list[Camera]:
             angle = name
         if angle is not None and angle not in ANGLES:
             raise PlanError(f"{table.at('angle')} is {angle}, but must be one of {', '.join(ANGLES)}")
-        if sum(way is not None for way in (angle, eye, azimuth)) != 1:
+        if sum(placement is not None for placement in (angle, eye, azimuth)) != 1:
             raise PlanError(f"{table.path} ({name}) must have one of: angle, eye and target, azimuth")
         if eye is not None and (target is None or math.dist(eye, target) < 1e-4):
             raise PlanError(f"{table.path} ({name}) has an eye, so it must have a target at another point")
-        for key, there, fits in [
+        for key, value, fits in [
             ("target", target, angle is None),
             ("zoom", zoom, angle is not None),
             ("elevation", elevation, azimuth is not None),
             ("distance", distance, eye is None),
             ("count", count if count > 1 else None, any(isinstance(v, Range) for v in (azimuth, elevation, distance))),
         ]:
-            if there is not None and not fits:
+            if value is not None and not fits:
                 raise PlanError(f"{table.at(key)} does not apply to camera {name}")
         for i in range(count):
             each = name if count == 1 else f"{name}-{i}"

@@ -31,19 +31,19 @@ class Table:
         self._known.append(key)
         return self._left.pop(key, default)
 
-    def integer(self, key: str, least: int, most: int, default: int | None = None) -> int:
+    def integer(self, key: str, minimum: int, maximum: int, default: int | None = None) -> int:
         value = self.any(key, default)
         if value is None:
-            raise PlanError(f"{self.at(key)} is missing: a whole number from {least} to {most}")
+            raise PlanError(f"{self.at(key)} is missing: a whole number from {minimum} to {maximum}")
         if isinstance(value, bool) or not isinstance(value, int):
-            raise PlanError(f"{self.at(key)} is {kind(value)}, but must be a whole number from {least} to {most}")
-        if not least <= value <= most:
-            raise PlanError(f"{self.at(key)} is {value}, but must be from {least} to {most}")
+            raise PlanError(f"{self.at(key)} is {kind(value)}, but must be a whole number from {minimum} to {maximum}")
+        if not minimum <= value <= maximum:
+            raise PlanError(f"{self.at(key)} is {value}, but must be from {minimum} to {maximum}")
         return value
 
-    def number(self, key: str, least: float, most: float, default: float | None = None) -> float | None:
+    def number(self, key: str, minimum: float, maximum: float, default: float | None = None) -> float | None:
         value = self.any(key, default)
-        return None if value is None else number(value, self.at(key), least, most)
+        return None if value is None else number(value, self.at(key), minimum, maximum)
 
     def text(self, key: str, default: str | None = None) -> str | None:
         value = self.any(key, default)
@@ -63,7 +63,7 @@ class Table:
         values = [value] if isinstance(value, str) else value
         if not isinstance(values, (list, tuple)) or not values or not all(isinstance(v, str) and v for v in values):
             raise PlanError(f"{self.at(key)} is {kind(value)}, but must be a string or a list of strings")
-        unlike(values, self.at(key))
+        check_distinct(values, self.at(key))
         return list(values)
 
     def vector(self, key: str, length: int = 3) -> tuple[float, ...] | None:
@@ -94,19 +94,19 @@ def kind(value: Any) -> str:
     return text if len(text) <= 40 else f"{text[:37]}..."
 
 
-def number(value: Any, path: str, least: float, most: float) -> float:
+def number(value: Any, path: str, minimum: float, maximum: float) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise PlanError(f"{path} is {kind(value)}, but must be a number from {least:g} to {most:g}")
-    if not (math.isfinite(value) and least <= value <= most):
-        raise PlanError(f"{path} is {value}, but must be from {least:g} to {most:g}")
+        raise PlanError(f"{path} is {kind(value)}, but must be a number from {minimum:g} to {maximum:g}")
+    if not (math.isfinite(value) and minimum <= value <= maximum):
+        raise PlanError(f"{path} is {value}, but must be from {minimum:g} to {maximum:g}")
     return float(value)
 
 
-def unlike(values: Iterable[Any], path: str) -> None:
+def check_distinct(values: Iterable[Any], path: str) -> None:
     """Raise an error for duplicate values."""
-    seen: list[Any] = []
+    known: list[Any] = []
     for value in values:
         # 1, 1.0 and True compare equal, but are different settings.
-        if any(value == other and type(value) is type(other) for other in seen):
+        if any(value == other and type(value) is type(other) for other in known):
             raise PlanError(f"{path} has {kind(value)} twice")
-        seen.append(value)
+        known.append(value)

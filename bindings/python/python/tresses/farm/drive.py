@@ -30,7 +30,7 @@ class Driver:
         self._starts: list[float] = []
         self._new = 0
         self._steps = self._all = 0.0
-        self._told = 0.0
+        self._reported = 0.0
         missing = {shard.index for shard in self.plan.shards} - set(self.records)
         self.schedule = Schedule(self.plan.runs(missing), self.plan.places())
         self.workers = min(workers, len(missing))
@@ -108,9 +108,9 @@ class Driver:
 
     def _progress(self) -> None:
         now = time.monotonic()
-        if now - self._told < _PACE and self.schedule.left:
+        if now - self._reported < _PACE and self.schedule.left:
             return
-        self._told = now
+        self._reported = now
         plan, passed = self.plan, now - self.began
         pictures = sum(record["samples"] for record in self.records.values())
         total = len(plan.shots) * plan.frames * len(plan.cameras)

@@ -25,27 +25,27 @@ class Moment:
         first, last = self.offsets[groom][strand], self.offsets[groom][strand + 1] - 1
         at = along.astype(float) * (last - first)
         vertex = np.minimum(first + at.astype(np.int64), last - 1)
-        share = (first + at - vertex)[:, None]
+        fraction = (first + at - vertex)[:, None]
         positions = self.positions[groom]
-        return (1 - share) * positions[vertex] + share * positions[vertex + 1]
+        return (1 - fraction) * positions[vertex] + fraction * positions[vertex + 1]
 
     def pixels(self, camera: str, points: np.ndarray, size: tuple[int, int]) -> np.ndarray:
         clip = np.c_[points, np.ones(len(points))] @ self.cameras[camera].T
         return (clip[:, :2] / clip[:, 3:] * [0.5, -0.5] + 0.5) * size
 
 
-def motion(seen: dict, now: Moment, before: Moment | None, camera: str) -> np.ndarray:
+def motion(rendered: dict, now: Moment, before: Moment | None, camera: str) -> np.ndarray:
     """Return the motion since the previous frame, pixels to the right and down: float32 [h, w, 2].
 
     It is nan without hair and in the first frame.
     """
-    height, width = seen["strand"].shape
+    height, width = rendered["strand"].shape
     out = np.full((height, width, 2), np.nan, np.float32)
     if before is None:
         return out
     for groom in range(len(now.positions)):
-        there = (seen["groom"] == groom) & np.isfinite(seen["along"])
-        which = (groom, seen["strand"][there], seen["along"][there])
-        places = [moment.pixels(camera, moment.points(*which), (width, height)) for moment in (now, before)]
-        out[there] = places[0] - places[1]
+        mask = (rendered["groom"] == groom) & np.isfinite(rendered["along"])
+        which = (groom, rendered["strand"][mask], rendered["along"][mask])
+        pixels = [moment.pixels(camera, moment.points(*which), (width, height)) for moment in (now, before)]
+        out[mask] = pixels[0] - pixels[1]
     return out

@@ -37,11 +37,11 @@ class Folder:
         file = self.path / "plan.json"
         try:
             if file.exists():
-                there = json.loads(file.read_text())
-                if there["fingerprint"] != own["fingerprint"]:
+                existing = json.loads(file.read_text())
+                if existing["fingerprint"] != own["fingerprint"]:
                     raise FolderError(f"{self.path} contains another plan, or its files have changed: choose another folder")
-                if there["tresses"] != own["tresses"]:
-                    raise FolderError(f"{self.path} was created by tresses {there['tresses']}, but this is {own['tresses']}")
+                if existing["tresses"] != own["tresses"]:
+                    raise FolderError(f"{self.path} was created by tresses {existing['tresses']}, but this is {own['tresses']}")
             elif self.path.is_dir() and any(self.path.iterdir()):
                 raise FolderError(f"{self.path} contains other files: choose an empty folder or a new path")
             (self.path / "shards").mkdir(parents=True, exist_ok=True)
@@ -73,7 +73,7 @@ class Folder:
             part.unlink(missing_ok=True)
         adapters = {json.dumps(record["adapter"], sort_keys=True) for record in records.values()}
         plan = self.plan
-        told = [
+        entries = [
             {
                 "file": records[shard.index]["file"],
                 "sha256": records[shard.index]["sha256"],
@@ -91,8 +91,8 @@ class Folder:
             "fingerprint": plan.fingerprint,
             "adapters": [json.loads(adapter) for adapter in sorted(adapters)],
             "zlib": zlib.ZLIB_RUNTIME_VERSION,
-            "samples": sum(shard["samples"] for shard in told),
-            "shards": told,
+            "samples": sum(shard["samples"] for shard in entries),
+            "shards": entries,
             "plan": described(plan),
         }
         write(self.path / "manifest.json", manifest)
@@ -131,8 +131,8 @@ def verify(path: str | os.PathLike[str]) -> str:
             for frame in range(first, last + 1)
             for camera in plan["cameras"]
         }
-        there = [key for key, _ in shards.read(file)]
-        if len(there) != len(due) or set(there) != due or keys & due:
+        stored = [key for key, _ in shards.read(file)]
+        if len(stored) != len(due) or set(stored) != due or keys & due:
             raise FolderError(f"{file} has other samples than the plan")
         keys |= due
     if len(keys) != len(plan["shots"]) * plan["frames"] * len(plan["cameras"]):

@@ -36,7 +36,7 @@ class Costs:
     start: float
     dispatch: float
     shots: dict[str, dict[str, float]]
-    told: str
+    source: str
 
     def of(self, shot: str) -> dict[str, float]:
         return self.shots.get(shot, self.each)
@@ -69,19 +69,19 @@ def read(file: str | os.PathLike[str]) -> Costs:
             if shard["first"] and warm
         ]
         start = run["engine_start"] + run["start"] + run["open"] + max(0.0, statistics.median(longer or [0.0]))
-        told = f"{len(shards)} shards on {run['engine']} with {run['workers']} workers"
-        return Costs(each, start, max(0.0, run["dispatch"]), shots, told)
+        source = f"{len(shards)} shards on {run['engine']} with {run['workers']} workers"
+        return Costs(each, start, max(0.0, run["dispatch"]), shots, source)
     except (OSError, ValueError, KeyError, TypeError) as error:
         reason = getattr(error, "strerror", None) or "the file has no costs of a run"
         raise PlanError(f"{file}: {reason}; a completed run writes costs.json into its folder") from None
 
 
-def _means(shards: Sequence[dict], usual: dict[str, float]) -> dict[str, float]:
+def _means(shards: Sequence[dict], default: dict[str, float]) -> dict[str, float]:
     out = {}
     for count, kinds in _KINDS.items():
         times = sum(shard[count] for shard in shards)
         seconds = sum(shard["seconds"].get(kind, 0.0) for shard in shards for kind in kinds)
-        out[count] = seconds / times if times else usual.get(count, 0.0)
+        out[count] = seconds / times if times else default.get(count, 0.0)
     return out
 
 
@@ -91,7 +91,7 @@ def forecast(plan: Plan, costs: Costs, workers: int) -> Forecast:
     schedule = Schedule(plan.runs({shard.index for shard in plan.shards}), plan.places(), again)
     stands: dict[int, tuple[int, int]] = {}
     grooms: dict[int, Any] = {}
-    drawing = stepping = busy = 0.0
+    drawing = stepping = working = 0.0
     driver = end = 0.0
     free = [(costs.start, worker) for worker in range(workers)]
     heapq.heapify(free)
@@ -118,12 +118,12 @@ def forecast(plan: Plan, costs: Costs, workers: int) -> Forecast:
         drawing += plan.pictures(shard) * cost["pictures"]
         took += (last - reached) * cost["steps"] + plan.pictures(shard) * cost["pictures"]
         stands[worker] = (shard.shot, last)
-        busy += took
+        working += took
         end = max(end, driver + took)
         heapq.heappush(free, (driver + took, worker))
     once = sum(plan.steps(plan.frames - 1) * costs.of(shot.name)["steps"] for shot in plan.shots)
     all_of_it = workers * end
-    return Forecast(workers, end, drawing / all_of_it, max(0.0, stepping - once) / all_of_it, 1 - busy / all_of_it)
+    return Forecast(workers, end, drawing / all_of_it, max(0.0, stepping - once) / all_of_it, 1 - working / all_of_it)
 
 
 def table(plan: Plan, costs: Costs, counts: Sequence[int]) -> str:

@@ -11,7 +11,7 @@ import tresses
 from .checks import PlanError, Table
 from .sweep import settings
 
-COMPANIONS = (
+COMPANION_FILES = (
     "density_map",
     "thickness_map",
     "length_map",
@@ -39,7 +39,7 @@ class Groom:
     files: dict[str, Any] = field(default_factory=dict)
     settings: dict[str, Any] = field(default_factory=dict)
 
-    def made(self, values: dict[str, Any]) -> tresses.Groom:
+    def build(self, values: dict[str, Any]) -> tresses.Groom:
         if self.way == "style":
             return tresses.Groom.built_in(self.of, values, **self.files)
         if self.way == "preset":
@@ -62,50 +62,50 @@ def grooms(plan: Table, folder: Path) -> list[Groom]:
 
 
 def _groom(table: Table, folder: Path) -> Groom:
-    ways = [way for way in ("style", "file", "preset") if table.has(way)]
-    if len(ways) != 1:
+    sources = [source for source in ("style", "file", "preset") if table.has(source)]
+    if len(sources) != 1:
         raise PlanError(f"{table.path} must have one of style, file or preset")
-    way = ways[0]
-    names = table.texts(way)
-    if way != "file" and len(names) > 1:
-        raise PlanError(f"{table.at(way)} must be one name; write a [[groom]] for each")
-    usual = names[0] if way == "style" else Path(names[0]).stem
-    name = table.text("name") or usual
+    source = sources[0]
+    names = table.texts(source)
+    if source != "file" and len(names) > 1:
+        raise PlanError(f"{table.at(source)} must be one name; write a [[groom]] for each")
+    default_name = names[0] if source == "style" else Path(names[0]).stem
+    name = table.text("name") or default_name
     own = settings(table)
-    if way == "style":
+    if source == "style":
         if names[0] not in STYLES:
             raise PlanError(f"{table.at('style')} is {names[0]}, but must be one of {', '.join(STYLES)}")
-        return Groom(name, way, names[0], files=_companions(table, folder), settings=own)
+        return Groom(name, source, names[0], files=_companion_files(table, folder), settings=own)
     files = tuple(str(folder / each) for each in names)
-    if way == "preset":
+    if source == "preset":
         table.done()
         try:
             tresses.Settings.open(files[0])
         except tresses.TressesError as error:
-            raise PlanError(f"{table.at(way)}: {error}") from None
-        return Groom(name, way, files[0], settings=own)
+            raise PlanError(f"{table.at(source)}: {error}") from None
+        return Groom(name, source, files[0], settings=own)
     head = tuple(str(folder / each) for each in table.texts("head")) if table.has("head") else ()
     words: dict[str, Any] = {word: table.text(word) for word in ("unit", "up", "front")}
     if table.has("mirror"):
         words["mirror"] = table.flag("mirror")
     words = {word: value for word, value in words.items() if value is not None}
-    beside = _companions(table, folder)
+    companion_files = _companion_files(table, folder)
     # Read the files once, so that errors show now and not an hour later in a worker.
     try:
         tresses.read(list(files), list(head) or None, **words)
     except tresses.TressesError as error:
-        raise PlanError(f"{table.at(way)}: {error}") from None
-    return Groom(name, way, files, head, words, beside, own)
+        raise PlanError(f"{table.at(source)}: {error}") from None
+    return Groom(name, source, files, head, words, companion_files, own)
 
 
-def _companions(table: Table, folder: Path) -> dict[str, str]:
-    beside = {}
-    for key in COMPANIONS:
+def _companion_files(table: Table, folder: Path) -> dict[str, str]:
+    companion_files = {}
+    for key in COMPANION_FILES:
         name = table.text(key)
         if name is not None:
             path = folder / name
             if not path.exists():
                 raise PlanError(f"{table.at(key)}: {path} does not exist")
-            beside[key] = str(path)
+            companion_files[key] = str(path)
     table.done()
-    return beside
+    return companion_files

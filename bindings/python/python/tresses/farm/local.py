@@ -67,8 +67,8 @@ class Local:
         self._threads = str(max(1, (os.cpu_count() or 1) // workers))
 
     def start(self, worker: int) -> None:
-        ours, theirs = self._context.Pipe()
-        process = self._context.Process(target=_serve, args=(theirs, self._plan, self._folder), daemon=True)
+        driver_pipe, worker_pipe = self._context.Pipe()
+        process = self._context.Process(target=_serve, args=(worker_pipe, self._plan, self._folder), daemon=True)
         given = os.environ.get("LP_NUM_THREADS")
         os.environ["LP_NUM_THREADS"] = given or self._threads
         # Ctrl-C goes to the driver, which stops its workers. A worker started here inherits the ignored signal.
@@ -81,8 +81,8 @@ class Local:
                 signal.signal(signal.SIGINT, handler)
             if given is None:
                 del os.environ["LP_NUM_THREADS"]
-        theirs.close()
-        self._pipes[worker], self._processes[worker] = ours, process
+        worker_pipe.close()
+        self._pipes[worker], self._processes[worker] = driver_pipe, process
 
     def give(self, worker: int, shard: int) -> None:
         try:

@@ -69,9 +69,9 @@ class OnRay:
         except (ConnectionError, ValueError, RuntimeError) as error:
             raise FolderError(f"cannot connect to Ray at {address}: {str(error).splitlines()[0]}") from None
         self.seconds = time.monotonic() - began
-        there = ray.cluster_resources()
-        cores = int(there.get("CPU", 1))
-        fit = min(cores, int(there.get("GPU", 0) / gpus)) if gpus else cores
+        resources = ray.cluster_resources()
+        cores = int(resources.get("CPU", 1))
+        fit = min(cores, int(resources.get("GPU", 0) / gpus)) if gpus else cores
         if fit == 0:
             ray.shutdown()
             raise FolderError(f"Ray at {address} has no GPU for a worker that reserves {gpus:g}")
@@ -84,24 +84,24 @@ class OnRay:
         self._make = ray.remote(Actor).options(**options)
         self._actors: dict[int, Any] = {}
         # Pending results and their workers.
-        self._asked: dict[Any, int] = {}
+        self._pending: dict[Any, int] = {}
 
     def start(self, worker: int) -> None:
         actor = self._actors[worker] = self._make.remote(self._plan, self._folder)
-        self._asked[actor.ready.remote()] = worker
+        self._pending[actor.ready.remote()] = worker
 
     def give(self, worker: int, shard: int) -> None:
-        self._asked[self._actors[worker].do.remote(shard)] = worker
+        self._pending[self._actors[worker].do.remote(shard)] = worker
 
     def wait(self, seconds: float) -> Iterator[tuple[str, int, Any]]:
         ray = self._ray
-        if not self._asked:
+        if not self._pending:
             return
         # With `num_returns=1`, `wait` returns only one result; fetch the other finished ones too.
-        first, _ = ray.wait(list(self._asked), num_returns=1, timeout=seconds)
-        more, _ = ray.wait(list(self._asked), num_returns=len(self._asked), timeout=0) if first else ([], [])
+        first, _ = ray.wait(list(self._pending), num_returns=1, timeout=seconds)
+        more, _ = ray.wait(list(self._pending), num_returns=len(self._pending), timeout=0) if first else ([], [])
         for answer in more:
-            worker = self._asked.pop(answer)
+            worker = self._pending.pop(answer)
             try:
                 kind, value = ray.get(answer)
             except ray.exceptions.RayActorError as error:
@@ -118,5 +118,5 @@ class OnRay:
         for actor in self._actors.values():
             with contextlib.suppress(Exception):
                 self._ray.kill(actor)
-        self._actors, self._asked = {}, {}
+        self._actors, self._pending = {}, {}
         self._ray.shutdown()

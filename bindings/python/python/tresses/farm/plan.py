@@ -12,7 +12,7 @@ import tresses
 
 from . import sweep
 from .cameras import Camera, cameras
-from .checks import PlanError, Table, kind, unlike
+from .checks import PlanError, Table, check_distinct, kind
 from .grooms import Groom, grooms
 
 OUTPUTS = (
@@ -21,7 +21,7 @@ OUTPUTS = (
 )  # fmt: skip
 # Outputs per frame instead of per image: the geometry of the hair.
 SHAPES = ("guides", "strands")
-_MOST_SHOTS = 1_000_000
+_MAX_SHOTS = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -126,7 +126,7 @@ def _plan(table: Table, folder: Path) -> Plan:
     table.integer("version", 1, 1, 1)
     seed = table.integer("seed", 0, 2**32 - 1, 0)
     frames, every = table.integer("frames", 1, 1_000_000), table.integer("every", 1, 100_000, 1)
-    settle, draws = table.integer("settle", 0, 1_000_000, 0), table.integer("draws", 1, _MOST_SHOTS, 1)
+    settle, draws = table.integer("settle", 0, 1_000_000, 0), table.integer("draws", 1, _MAX_SHOTS, 1)
     per_shard = table.integer("shard", 1, 1_000_000, min(frames, 32))
     rate = table.number("rate", 1, 10_000) or 60.0
     size = _size(table)
@@ -137,7 +137,7 @@ def _plan(table: Table, folder: Path) -> Plan:
     background = _background(table)
     compress = table.flag("compress")
     motions = [_motion(name, folder) for name in table.texts("motions", ["still"])]
-    unlike((name for name, _ in motions), "motions")
+    check_distinct((name for name, _ in motions), "motions")
     common = sweep.settings(table)
     hair, views = grooms(table, folder), cameras(table)
     looks = _looks(table)
@@ -149,8 +149,8 @@ def _plan(table: Table, folder: Path) -> Plan:
     count = len(hair) * len(looks) * len(motions) * draws
     for each in lists.values():
         count *= len(each)
-    if count > _MOST_SHOTS or count * frames > 100 * _MOST_SHOTS:
-        raise PlanError(f"has {count} shots of {frames} frames, but the limit is {_MOST_SHOTS} and {100 * _MOST_SHOTS} frames")
+    if count > _MAX_SHOTS or count * frames > 100 * _MAX_SHOTS:
+        raise PlanError(f"has {count} shots of {frames} frames, but the limit is {_MAX_SHOTS} and {100 * _MAX_SHOTS} frames")
 
     shots: list[Shot] = []
     for groom_index, groom in enumerate(hair):
@@ -241,7 +241,7 @@ def _looks(plan: Table) -> list[tuple[str, dict[str, Any]]]:
             raise PlanError(f"{table.at('name')} is missing")
         looks.append((name, sweep.settings(table)))
         table.done()
-    unlike((name for name, _ in looks), "look")
+    check_distinct((name for name, _ in looks), "look")
     return looks or [("", {})]
 
 

@@ -14,31 +14,31 @@ from typing import Hashable, Optional, Sequence
 class Schedule:
     """Schedule of `runs`, lists of consecutive shards of one shot.
 
-    `places` holds for each shard its shot and its index within the shot. `again` is the cost of simulating a shard
+    `positions` holds for each shard its shot and its index within the shot. `again` is the cost of simulating a shard
     without rendering it, relative to the cost of the whole shard.
     """
 
-    def __init__(self, runs: list[list[int]], places: Sequence[tuple[int, int]], again: float = 0.2) -> None:
+    def __init__(self, runs: list[list[int]], positions: Sequence[tuple[int, int]], again: float = 0.2) -> None:
         self.again = again
-        self._places = places
+        self._positions = positions
         self._last: dict[Hashable, int] = {}
         self._open = [list(run) for run in runs]
         self._mine: dict[Hashable, list[int]] = {}
-        self._busy: dict[Hashable, int] = {}
+        self._running: dict[Hashable, int] = {}
 
     def take(self, worker: Hashable) -> Optional[int]:
         """Return the next shard for a worker that has finished its last one; None if nothing is left to start."""
-        self._busy.pop(worker, None)
+        self._running.pop(worker, None)
         if not self._mine.get(worker):
             self._mine[worker] = self._open.pop(0) if self._open else self._end(worker)
         if not self._mine[worker]:
             return None
-        self._busy[worker] = self._last[worker] = self._mine[worker].pop(0)
-        return self._busy[worker]
+        self._running[worker] = self._last[worker] = self._mine[worker].pop(0)
+        return self._running[worker]
 
     def lost(self, worker: Hashable) -> Optional[int]:
         """Reopen the shards of a lost worker. Return the shard that it was working on."""
-        shard, rest = self._busy.pop(worker, None), self._mine.pop(worker, [])
+        shard, rest = self._running.pop(worker, None), self._mine.pop(worker, [])
         self._last.pop(worker, None)
         run = ([] if shard is None else [shard]) + rest
         if run:
@@ -52,13 +52,13 @@ class Schedule:
             run[:] = [shard for shard in run if shard not in shards]
 
     @property
-    def busy(self) -> dict[Hashable, int]:
-        return dict(self._busy)
+    def running(self) -> dict[Hashable, int]:
+        return dict(self._running)
 
     @property
     def left(self) -> int:
         """Number of unfinished shards."""
-        return sum(map(len, self._open)) + sum(map(len, self._mine.values())) + len(self._busy)
+        return sum(map(len, self._open)) + sum(map(len, self._mine.values())) + len(self._running)
 
     def _end(self, worker: Hashable) -> list[int]:
         """Return the shards that a worker takes over from another worker's run."""
@@ -80,9 +80,9 @@ class Schedule:
 
     def _before(self, worker: Hashable, shard: int) -> int:
         """Return the number of shards that a worker must simulate to reach `shard`."""
-        shot, before = self._places[shard]
+        shot, before = self._positions[shard]
         if worker in self._last:
-            other, passed = self._places[self._last[worker]]
+            other, passed = self._positions[self._last[worker]]
             if other == shot and passed < before:
                 return before - passed - 1
         return before

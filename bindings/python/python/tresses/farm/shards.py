@@ -28,7 +28,7 @@ class Sample:
 
     key: str
     arrays: dict[str, np.ndarray]
-    told: dict[str, Any]
+    metadata: dict[str, Any]
 
 
 def name(index: int, compress: bool) -> str:
@@ -101,7 +101,7 @@ def encoded(sample: Sample) -> Iterator[tuple[str, bytes]]:
             data = io.BytesIO()
             np.lib.format.write_array(data, np.ascontiguousarray(array), version=(1, 0), allow_pickle=False)
             yield f"{output}.npy", data.getvalue()
-    yield "json", json.dumps(sample.told, sort_keys=True).encode()
+    yield "json", json.dumps(sample.metadata, sort_keys=True).encode()
 
 
 def png(picture: np.ndarray) -> bytes:

@@ -15,7 +15,7 @@ from typing import Any, Iterator
 
 import tresses
 
-from .checks import PlanError, Table, kind, number, unlike
+from .checks import PlanError, Table, check_distinct, kind, number
 
 _ROWS = {row.name: row for row in tresses.parameters()}
 
@@ -46,12 +46,12 @@ class Range:
     whole: bool = False
 
     def drawn(self, seed: int, name: str) -> float:
-        share = chance(seed, name)
+        fraction = chance(seed, name)
         if self.whole:
-            return int(self.start) + int(share * (int(self.end) - int(self.start) + 1))
+            return int(self.start) + int(fraction * (int(self.end) - int(self.start) + 1))
         if self.log:
-            return self.start * (self.end / self.start) ** share
-        return self.start + (self.end - self.start) * share
+            return self.start * (self.end / self.start) ** fraction
+        return self.start + (self.end - self.start) * fraction
 
 
 @dataclass(frozen=True)
@@ -64,19 +64,19 @@ class Choice:
         return self.of[int(chance(seed, name) * len(self.of))]
 
 
-def range_of(value: Any, path: str, least: float, most: float, whole: bool = False) -> Range:
+def range_of(value: Any, path: str, minimum: float, maximum: float, is_integer: bool = False) -> Range:
     table = Table(value, path)
     start, end = table.any("from"), table.any("to")
     log = table.flag("log")
     table.done()
-    ends = [number(v, f"{path}.{key}", least, most) for key, v in (("from", start), ("to", end))]
-    if whole and any(end != int(end) for end in ends):
+    ends = [number(v, f"{path}.{key}", minimum, maximum) for key, v in (("from", start), ("to", end))]
+    if is_integer and any(end != int(end) for end in ends):
         raise PlanError(f"{path} is {kind(value)}, but must have whole numbers")
     if ends[0] > ends[1]:
         raise PlanError(f"{path} goes from {ends[0]:g} down to {ends[1]:g}, but must rise")
-    if log and (whole or ends[0] <= 0):
+    if log and (is_integer or ends[0] <= 0):
         raise PlanError(f"{path} is logarithmic (log), but has whole numbers or begins at 0 or below")
-    return Range(ends[0], ends[1], log, whole)
+    return Range(ends[0], ends[1], log, is_integer)
 
 
 def flat(values: Any, path: str) -> dict[str, Any]:
@@ -115,8 +115,8 @@ def checked(values: dict[str, Any], path: str) -> dict[str, Any]:
 
 def parted(values: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Split parameters into those that determine the strands, and those that a simulation can override."""
-    grown = {name: value for name, value in values.items() if _ROWS[name].cost == "regrow"}
-    return grown, {name: value for name, value in values.items() if name not in grown}
+    groom_settings = {name: value for name, value in values.items() if _ROWS[name].cost == "regrow"}
+    return groom_settings, {name: value for name, value in values.items() if name not in groom_settings}
 
 
 def settings(table: Table, key: str = "settings") -> dict[str, Any]:
@@ -129,7 +129,7 @@ def listed(table: Table) -> dict[str, list]:
     for name, values in lists.items():
         if not isinstance(values, list) or not values:
             raise PlanError(f"sweep: {name} is {kind(values)}, but must be a list of values")
-        unlike(values, f"sweep: {name}")
+        check_distinct(values, f"sweep: {name}")
         for value in values:
             checked({name: value}, "sweep")
     return lists
@@ -146,13 +146,13 @@ def drawn(table: Table) -> dict[str, Range | Choice]:
     for name, of in flat(table.any("draw", {}), "draw").items():
         row, path = _ROWS[name], f"draw: {name}"
         if isinstance(of, list) and of:
-            unlike(of, path)
+            check_distinct(of, path)
             for value in of:
                 checked({name: value}, "draw")
             out[name] = Choice(tuple(of))
         elif isinstance(of, dict) and row.kind in ("number", "integer"):
             ends = (-math.inf if row.least is None else row.least, math.inf if row.most is None else row.most)
-            out[name] = range_of(of, path, *ends, whole=row.kind == "integer")
+            out[name] = range_of(of, path, *ends, is_integer=row.kind == "integer")
         else:
             numbers = ", or { from = …, to = … }" if row.kind in ("number", "integer") else ""
             raise PlanError(f"{path} is {kind(of)}, but must be a list of values{numbers}")

@@ -76,19 +76,19 @@ class Stage:
             shapes["strands"] = self.sim.strands().grid()
         for name, where in self.views:
             # `render` needs at least one output; color adds no cost.
-            seen = self.sim.render(
+            rendered = self.sim.render(
                 size=plan.size, outputs=[*outputs, *labels] or ["color"], background=plan.background, **where
             )
-            arrays = {output: seen[output] for output in outputs}
+            arrays = {output: rendered[output] for output in outputs}
             if now is not None:
-                arrays["motion"] = flow.motion(seen, now, before, name)
+                arrays["motion"] = flow.motion(rendered, now, before, name)
             if "color" in arrays and plan.background != "transparent":
                 arrays["color"] = arrays["color"][..., :3]
             yield shards.Sample(
-                f"{self.shot.index:06}-{frame:06}-{name}", {**arrays, **shapes}, self.told(frame, name, where)
+                f"{self.shot.index:06}-{frame:06}-{name}", {**arrays, **shapes}, self.metadata(frame, name, where)
             )
 
-    def told(self, frame: int, name: str, where: dict[str, Any]) -> dict[str, Any]:
+    def metadata(self, frame: int, name: str, where: dict[str, Any]) -> dict[str, Any]:
         matrices = self.sim.camera(size=self.plan.size, **where)
         translation, rotation = self.sim.head
         return {
@@ -130,7 +130,7 @@ class Worker:
     def _done(self, index: int, folder: str) -> dict[str, Any]:
         self.done += 1
         plan, shard, clock = self.plan, self.plan.shards[index], Clock()
-        stage, made = self._stand(shard, clock)
+        stage, created = self._stand(shard, clock)
         steps = 0
         with shards.Writer(folder, index, plan.compress) as writer:
             # Motion also needs the frame before the first one.
@@ -157,7 +157,7 @@ class Worker:
             "cost": {
                 # A worker's first shard includes the driver's one-time compilation.
                 "first": self.done == 1,
-                **made,
+                **created,
                 "steps": steps,
                 "pictures": plan.pictures(shard),
                 "seconds": clock.seconds,
@@ -166,19 +166,19 @@ class Worker:
 
     def _stand(self, shard: Shard, clock: Clock) -> tuple[Stage, dict[str, int]]:
         """Return a stage that has not passed the shard's start, and the numbers of grooms and shots that it created."""
-        stage, made = self.stage, {"grooms": 0, "shots": 0}
+        stage, created = self.stage, {"grooms": 0, "shots": 0}
         if stage and stage.shot.index == shard.shot and stage.steps <= self.plan.steps(shard.first - 1 if shard.first else 0):
-            return stage, made
+            return stage, created
         shot = self.plan.shots[shard.shot]
-        grown, _ = sweep.parted(shot.settings)
-        key = (shot.groom, grown)
+        groom_settings, _ = sweep.parted(shot.settings)
+        key = (shot.groom, groom_settings)
         self.stage = None
         if self.groom is None or self.groom[0] != key:
             self.groom = None
-            self.groom = (key, self.plan.grooms[shot.groom].made(grown))
-            made["grooms"] = 1
+            self.groom = (key, self.plan.grooms[shot.groom].build(groom_settings))
+            created["grooms"] = 1
             clock.lap("groom")
         stage = self.stage = Stage(self.plan, shard.shot, self.groom[1])
-        made["shots"] = 1
+        created["shots"] = 1
         clock.lap("shot")
-        return stage, made
+        return stage, created
