@@ -12,7 +12,7 @@ use std::{
     sync::{Arc, Mutex, MutexGuard, PoisonError},
 };
 use tresses::{
-    CharacterSource, Gesture, Gpu, PipelineRequest, Progress, ViewOptions,
+    CharacterSource, Gesture, Gpu, PipelineRequest, Progress, ViewOptions, drape,
     groom::{cards::CardOptions, edit::GroomEditor, styles::Style},
     low_level::Tier,
     renderer::Renderer,
@@ -227,11 +227,11 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Prepa
     let base = match (base, source) {
         (Some(base), _) => base,
         (None, Source::Style(name)) => {
-            Arc::new(CharacterSource::built_in(&gpu.context, &name.parse::<Style>()?, progress).await?)
+            Arc::new(drape::style(&gpu.context, &name.parse::<Style>()?, progress).await?)
         }
         (None, Source::Head { style, files, options }) => {
             let (style, files) = (style.parse::<Style>()?, files.borrowed());
-            Arc::new(CharacterSource::styled(&gpu.context, &style, &files, options, progress).await?)
+            Arc::new(drape::style_on(&gpu.context, &style, &files, options, progress).await?)
         }
         (None, Source::Files { files, options }) => {
             Arc::new(CharacterSource::imported(&files.borrowed(), options, progress).await?)

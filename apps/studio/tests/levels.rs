@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use tresses::{
-    Background, CharacterSource, Gesture, Gpu, Timings, glam::Vec3, groom::styles::Style, low_level::Detail,
+    Background, Gesture, Gpu, Timings, drape, glam::Vec3, groom::styles::Style, low_level::Detail,
 };
 use tresses_scene::{
     Colliders, Quality, Scene, Settings, Viewpoint, camera::Angle, measure::MeasuredFrame, motion::Motion,
@@ -23,7 +23,7 @@ fn stage() -> Option<(Scene, Settings)> {
     let view = job::view_options(&settings, gpu.context.tier()).unwrap();
     let quality = Quality { view, ..Quality::new([64, 64]) };
     let stage = pollster::block_on(async {
-        let base = CharacterSource::built_in(&gpu.context, &Style::default(), &()).await.unwrap();
+        let base = drape::style(&gpu.context, &Style::default(), &()).await.unwrap();
         let styling = settings.styling(base.style(), &Default::default()).unwrap();
         let character = base.dress(&styling, &()).await.unwrap();
         let (colliders, progress) = (Colliders::default(), &());

@@ -7,9 +7,10 @@ use bevy::{
 };
 use std::sync::Arc;
 use tresses::{
-    Context, HairOptions, Tie, drape,
+    Context, HairOptions, Styling, Tie, drape,
     groom::{
-        BindOptions, Groom, SdfGrid, Strands, TriMesh, bind, card_sheet::CardSheet, mesh::sdf, styles::Style,
+        BindOptions, Groom, SdfGrid, Strands, TriMesh, bind, card_sheet::CardSheet, grow::Growth, mesh::sdf,
+        styles::Style,
     },
 };
 
@@ -64,7 +65,7 @@ impl HairGroom {
     /// custom parameters first settles on the GPU, which takes about a second.
     ///
     /// # Errors
-    /// Returns the errors of [`drape::character`].
+    /// Returns the errors of [`drape::style`], and an error for an invalid number of strands.
     pub fn character(
         device: &RenderDevice,
         queue: &RenderQueue,
@@ -72,9 +73,11 @@ impl HairGroom {
         strands: Option<u32>,
     ) -> tresses::Result<Self> {
         let context = Context::new(device.wgpu_device(), queue);
-        let character = pollster::block_on(drape::character(&context, style, strands))?;
-        let (head, mesh) = (Some(Arc::new(character.field)), Some(Arc::new(character.mesh)));
-        Ok(Self { head, mesh, ..Self::new(character.groom) })
+        let growth = strands.map(|count| Growth::for_style(style).with_strands(count));
+        let source = pollster::block_on(drape::style(&context, style, &()))?;
+        let parts = pollster::block_on(source.dress(&Styling { growth, ..Default::default() }, &()))?;
+        let head = parts.rest.or(parts.field).map(Arc::new);
+        Ok(Self { head, mesh: parts.head.map(Arc::new), ..Self::new(parts.groom) })
     }
 
     /// Adds ties that hold hair together or to the head.

@@ -13,7 +13,7 @@
 //! ```text
 //! attribute bulk columns curve error hash near progress rotation sdf srgb │ plain data; columns of integers
 //! mesh random range scalp strands                      │ triangle meshes; the scalp and maps on it; explicit strands
-//! card_sheet skin                                      │ cards to draw; the skin under roots
+//! card_sheet skin tie                                  │ cards to draw; the skin under roots; bands, braids, pins
 //! guides lint look rig                                 │ simulated strands; checks; materials; rigs of skinned meshes
 //! bound mannequin orient                               │ render strands; the built-in character; units and axes
 //! bind formats head report styles                      │ guides for strands; files; other heads; recipes of hairstyles
@@ -21,6 +21,7 @@
 //! fill restyle retarget                                │ strands between strands; their curls and clumps; other heads
 //! cards edit                                           │ textured ribbons in place of strands; brushes
 //! import                                               │ readers
+//! character                                            │ files or styles, then styled strands on their head
 //! ```
 //!
 //! Everything in this crate runs on the CPU. The crate `tresses` simulates and renders a [`Groom`]; it re-exports this
@@ -34,6 +35,7 @@ mod bulk;
 pub mod card_sheet;
 #[cfg(feature = "cards")]
 pub mod cards;
+pub mod character;
 mod columns;
 #[cfg(feature = "cooked")]
 pub mod cooked;
@@ -69,6 +71,7 @@ pub mod skin;
 pub mod srgb;
 pub mod strands;
 pub mod styles;
+pub mod tie;
 
 pub use bind::{BindOptions, GuideCount, bind};
 pub use bound::{BoundStrands, Groom, Influence};

@@ -4,7 +4,7 @@ use crate::{companions::Companions, preset::Preset, settings::HairColor, shelf::
 use anyhow::{Result, ensure};
 use std::str::FromStr;
 use tresses::{
-    CharacterFiles, CharacterParts, CharacterSource, Context, Progress, Styling,
+    CharacterFiles, CharacterParts, CharacterSource, Context, Progress, Styling, drape,
     groom::{
         edit::{GroomDocument, GroomEditor},
         styles::Style,
@@ -61,11 +61,9 @@ impl Preset {
         };
         let styling = self.settings.styling(style.as_ref(), &maps)?;
         let base = match &style {
-            Some(style) if source.is_mannequin() => {
-                CharacterSource::built_in(context, style, progress).await?
-            }
+            Some(style) if source.is_mannequin() => drape::style(context, style, progress).await?,
             Some(style) => {
-                CharacterSource::styled(context, style, &self.files(), &source.orientation, progress).await?
+                drape::style_on(context, style, &self.files(), &source.orientation, progress).await?
             }
             None => CharacterSource::imported(&self.files(), &source.orientation, progress).await?,
         };

@@ -4,9 +4,9 @@
 //! `cargo run --example character -- picture.png`
 
 use tresses::{
-    Body, Camera, Character, CharacterAsset, CharacterOptions, CharacterSource, Gpu, Picture, Pose, Styling,
-    View,
+    Body, Camera, Character, CharacterAsset, CharacterOptions, Gpu, Picture, Pose, Styling, View,
     collide::{Collider, FieldId, FieldSource, Shape},
+    drape,
     glam::{Quat, Vec3},
     groom::{TriMesh, mannequin::rig},
     low_level::{Drawing, Skin, Words},
@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 async fn render(path: &str) -> Result<(), Box<dyn std::error::Error>> {
     let tresses = Gpu::open().await?.context;
     let (device, queue) = (tresses.device(), tresses.queue());
-    let source = CharacterSource::built_in(&tresses, &"bob".parse()?, &()).await?;
+    let source = drape::style(&tresses, &"bob".parse()?, &()).await?;
     let mut parts = source.dress(&Styling::default(), &()).await?;
     // The engine replaces the built-in rig. Hair collides with the head, and with the shoulders, which do not bend.
     parts.anatomy = None;

@@ -8,6 +8,9 @@ use crate::math::Ray;
 /// Share of the image's height or width that a framed subject fills.
 const FILL: f32 = 0.9;
 
+/// Height that a portrait shows below the top of the hair or head, meters: a head with its chin.
+const HEAD_HEIGHT: f32 = 0.27;
+
 /// Maps linear radiance to display values from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToneMap {
@@ -24,6 +27,9 @@ impl Default for ToneMap {
         Self { exposure: 1.0, shoulder: 0.7, desaturation: 0.15 }
     }
 }
+
+/// A box: smallest and largest corner, meters.
+pub type Bounds = (Vec3, Vec3);
 
 /// A camera and the size of its image.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +64,7 @@ impl Camera {
 
     /// Creates a camera that shows all of `subject` (lowest and highest corner, meters) from `direction`, a unit vector
     /// from the subject to the camera.
-    pub fn framing(subject: (Vec3, Vec3), direction: Vec3, fov_y: f32, size: [u32; 2]) -> Self {
+    pub fn framing(subject: Bounds, direction: Vec3, fov_y: f32, size: [u32; 2]) -> Self {
         let aspect = size[0].max(1) as f32 / size[1].max(1) as f32;
         let middle = 0.5 * (subject.0 + subject.1);
         let eye = middle + direction * framing_distance(subject, direction, fov_y, aspect);
@@ -142,7 +148,7 @@ pub(crate) struct CameraUniform {
 /// Returns the distance to the middle of `subject` from which it fills 0.9 of the image's height or width. `direction`
 /// is a unit vector from the subject to the camera, `fov_y` the vertical field of view in radians, `aspect` width over
 /// height.
-pub fn framing_distance(subject: (Vec3, Vec3), direction: Vec3, fov_y: f32, aspect: f32) -> f32 {
+pub fn framing_distance(subject: Bounds, direction: Vec3, fov_y: f32, aspect: f32) -> f32 {
     let right = Vec3::new(direction.z, 0.0, -direction.x).normalize_or(Vec3::X);
     let up = direction.cross(right);
     let half = 0.5 * (subject.1 - subject.0);
@@ -160,9 +166,35 @@ pub fn framing_distance(subject: (Vec3, Vec3), direction: Vec3, fov_y: f32, aspe
         .fold(0.05, f32::max)
 }
 
+/// Returns the box that a portrait shows, given the boxes of hair and head: all hair, and the head down to its chin
+/// without the shoulders.
+pub fn subject(hair: Bounds, head: Option<Bounds>) -> Bounds {
+    let top = head.map_or(hair.1.y, |head| head.1.y.max(hair.1.y));
+    let mut lo = hair.0;
+    let mut hi = hair.1;
+    hi.y = top;
+    if let Some(head) = head {
+        lo.y = lo.y.min((top - HEAD_HEIGHT).max(head.0.y));
+        // A bust's shoulders are wider than the view needs to be; its face is not.
+        lo.z = lo.z.min(head.0.z.max(hair.0.z - 0.05));
+        hi.z = hi.z.max(head.1.z.min(hair.1.z + 0.05));
+    }
+    (lo, hi)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn subject_of_short_hair_includes_chin_not_shoulders() {
+        let hair = (Vec3::new(-0.09, 1.60, -0.10), Vec3::new(0.09, 1.70, 0.08));
+        let bust = (Vec3::new(-0.25, 1.20, -0.15), Vec3::new(0.25, 1.69, 0.12));
+        let (lo, hi) = subject(hair, Some(bust));
+        assert!((hi.y - lo.y - HEAD_HEIGHT).abs() < 1e-5);
+        assert!(hi.x < 0.1 && hi.z >= 0.12);
+        assert_eq!(subject(hair, None), hair);
+    }
 
     #[test]
     fn framed_subject_fills_the_image() {

@@ -97,23 +97,29 @@ mod shaders;
 pub use avoid::{AvoidMode, AvoidOptions};
 pub use body::{Body, BodyMaterial};
 pub use budget::Budget;
-pub use camera::{Camera, ToneMap};
+pub use camera::{Bounds, Camera, ToneMap};
 pub use character::{
-    BodyPose, Bounds, Character, CharacterAsset, CharacterFiles, CharacterOptions, CharacterParts,
-    CharacterSource, CrowdBudget, FaceGroom, FaceHair, FillOptions, Frame, Gesture, MapCoordinates, Obstacle,
-    RiggedBody, Styling,
+    BodyPose, Character, CharacterAsset, CharacterOptions, CrowdBudget, Frame, Gesture, Obstacle, RiggedBody,
 };
 pub use draw::{Compositor, Shade, Surroundings};
 pub use error::{Error, Result};
 pub use glam;
 pub use gpu::{Context, Gpu, Timings};
-pub use groom::{Progress, progress, range};
+pub use groom::{
+    Progress,
+    character::{
+        CharacterFiles, CharacterParts, CharacterSource, FaceGroom, FaceHair, FillOptions, LodLevel,
+        MapCoordinates, Styling,
+    },
+    progress, range,
+    tie::{Tie, TieTarget},
+};
 pub use hair::HairOptions;
-pub use lod::{LodLevel, LodMode, LodOptions};
+pub use lod::{LodMode, LodOptions};
 pub use math::pose::Pose;
 pub use prepare::PipelineRequest;
 pub use present::Background;
-pub use simulate::{RestOptions, RestShape, RootToTip, SimulationParams, Tie, TieTarget};
+pub use simulate::{RestOptions, RestShape, RootToTip, SimulationParams};
 pub use space::{Space, Velocity};
 pub use view::{Picture, View, ViewOptions};
 pub use volume::{HairHair, HairHairMode};

@@ -20,8 +20,8 @@ pub use crate::{
     avoid::{NO_HIT, StrandState},
     body::{Skin, Words},
     budget::{COARSEST, Costs, CrowdDetail, FASTEST, HeadDetail, ViewBytes, Work},
-    camera::framing_distance,
-    character::{Foci, source::strands_for, subject},
+    camera::{framing_distance, subject},
+    character::Foci,
     clock::{MAX_STEPS, MAX_SUBSTEPS},
     collide::{
         build::FieldBuilder,

@@ -9,7 +9,7 @@ use super::{
 use crate::{args::Size, photographer::Photographer, preset_args};
 use anyhow::{Context, Result};
 use std::{path::PathBuf, time::Instant};
-use tresses::{LodMode, low_level::strands_for};
+use tresses::{LodMode, groom::grow::Growth};
 use tresses_scene::{Motion, Preset, Settings, Source, Value, Viewpoint, camera::Angle};
 
 /// Warm-up frames, in which shaders are compiled.
@@ -190,6 +190,12 @@ pub fn of_preset(
 /// Returns the strand counts of the series.
 pub fn strand_counts(quick: bool) -> Vec<u32> {
     if quick { vec![1_000, 10_000, 100_000] } else { vec![1_000, 3_000, 10_000, 30_000, 100_000] }
+}
+
+/// Returns the number of strands of the default style that make about `triangles` triangles.
+fn strands_for(triangles: u64) -> u32 {
+    let segments = u64::from(Growth::default().vertices.max(2) - 1);
+    u32::try_from(triangles / (2 * segments)).unwrap_or(u32::MAX)
 }
 
 impl Workload {

@@ -5,7 +5,7 @@
 
 use std::{process::Command, str::FromStr};
 use tresses::{
-    CharacterSource, Gpu, LodMode, LodOptions,
+    Gpu, LodMode, LodOptions, drape,
     groom::styles::Style,
     low_level::{DebugDisplay, DebugView},
     renderer::Renderer,
@@ -88,7 +88,7 @@ fn work() {
     let source = Source::default();
     let maps = Companions::of(&source, Shelf::default()).maps().expect("none");
     let styling = settings.styling(Some(&style), &maps).expect("a styling");
-    let base = pollster::block_on(CharacterSource::built_in(&gpu.context, &style, &())).expect("a base");
+    let base = pollster::block_on(drape::style(&gpu.context, &style, &())).expect("a base");
     let character = pollster::block_on(base.dress(&styling, &())).expect("a character");
     let scene = Scene::new(gpu, character, Colliders::default(), &settings, &quality, &());
     let mut scene = pollster::block_on(scene).expect("a scene");

@@ -1,15 +1,14 @@
 //! The data that all instances of a character share.
 
-use super::{
-    CharacterParts, aside::BackgroundTask, facial, obstacles::Obstacles, parts::subject, rigged::RigAsset,
-};
+use super::{aside::BackgroundTask, facial, obstacles::Obstacles, rigged::RigAsset};
 use crate::{
     Context, Error, Progress, Result,
     body::Body,
-    character::Bounds,
+    camera::{Bounds, subject},
     collide::{Collider, ColliderDescriptor, FieldBuilder, FieldSource},
     groom::{
         Look, SdfGrid,
+        character::CharacterParts,
         rig::anatomy::{Field, PartForm},
     },
     hair::{HairAsset, HairDescriptor, HairOptions},

@@ -1,16 +1,17 @@
 //! Creating characters: from files, built in, from an asset, as an instance of another.
 
 use super::{
-    Character, CharacterAsset, CharacterFiles, CharacterOptions, CharacterSource, Fringe, Gesture,
-    RiggedBody, Styling,
+    Character, CharacterAsset, CharacterOptions, Fringe, Gesture, RiggedBody,
     asset::{FACE_REACH, GroomAsset},
 };
 use crate::{
     Context, Pose, Result,
     body::Skin,
     collide::Collider,
+    drape,
     groom::{
         TriMesh,
+        character::{CharacterFiles, CharacterSource, Styling},
         import::{self, FileBytes, ImportOptions},
         styles::Style,
     },
@@ -65,7 +66,7 @@ impl Character {
     /// # Errors
     /// [`crate::Error::Parameter`] for an unknown style, and the errors of [`new`](Self::new).
     pub async fn built_in(context: &Context, style: &str) -> Result<Self> {
-        let source = CharacterSource::built_in(context, &style.parse::<Style>()?, &()).await?;
+        let source = drape::style(context, &style.parse::<Style>()?, &()).await?;
         Self::of_source(context, &source).await
     }
 

@@ -29,13 +29,13 @@ pub struct Frame<'a> {
 ///
 /// ```no_run
 /// use tresses::{
-///     Character, CharacterAsset, CharacterOptions, CharacterSource, Context, CrowdBudget, HairOptions, LodOptions,
-///     Picture, Pose, Result, Styling, View,
+///     Character, CharacterAsset, CharacterOptions, Context, CrowdBudget, HairOptions, LodOptions, Picture, Pose,
+///     Result, Styling, View, drape,
 /// };
 ///
 /// /// Once: creates characters that share everything that does not move.
 /// async fn crowd(tresses: &Context, count: usize) -> Result<Vec<Character>> {
-///     let source = CharacterSource::built_in(tresses, &"long".parse()?, &()).await?;
+///     let source = drape::style(tresses, &"long".parse()?, &()).await?;
 ///     let parts = source.dress(&Styling::default(), &()).await?;
 ///     let hair = HairOptions { lod: LodOptions::CROWD, ..Default::default() };
 ///     let options = CharacterOptions::default().with_hair(hair);

@@ -7,7 +7,7 @@
 //!                                   ─► Frame::draw, composite: shadow focus and zones, then the stages of an image
 //! ```
 //!
-//! A [`Character`] holds everything about one character: hair, brows, lashes and a beard ([`facial`]), the mesh that
+//! A [`Character`] holds everything about one character: hair, brows, lashes and a beard, the mesh that
 //! they grow on, its skinning, the colliders of the hair, and the level of detail. The body is one of
 //! - rigid: [`Character::set_pose`] moves all of it;
 //! - deformed by its own rig: [`Character::animate`], [`Character::gesture`], or joints of the host
@@ -22,36 +22,32 @@
 //! body. Shadow focus and zones belong to the head. With one object per groom, every host reimplemented these rules,
 //! each a little differently.
 //!
-//! **A lost device** takes all buffers with it. The host keeps the [`CharacterParts`], creates a new
+//! **A lost device** takes all buffers with it. The host keeps the [`CharacterParts`](crate::CharacterParts), creates a new
 //! [`Context`](crate::Context), a [`CharacterAsset`] and a [`Character`], and calls [`Character::continue_from`].
 
 mod aside;
 mod asset;
 mod create;
-pub mod facial;
+mod facial;
 mod frame;
 mod gesture;
 mod light;
 mod motion;
 mod obstacles;
-mod parts;
 mod rigged;
 mod skinned;
-pub mod source;
 
 pub use asset::{CharacterAsset, CharacterOptions};
-pub use facial::{FaceGroom, FaceHair};
 pub use frame::{CrowdBudget, Frame};
 pub use gesture::Gesture;
 pub use light::Foci;
 pub use obstacles::Obstacle;
-pub use parts::{Bounds, CharacterParts, subject};
 pub use rigged::{BodyPose, RiggedBody};
-pub use source::{CharacterFiles, CharacterSource, FillOptions, MapCoordinates, Styling};
 
 use crate::{
     Error, Pose, Result,
     body::Body,
+    camera::Bounds,
     groom::{
         Look, SdfGrid,
         rig::anatomy::{Field, PartForm},

@@ -6,12 +6,12 @@
 //! that needs the GPU, and so it is here and not in `groom`.
 //!
 //! ```text
-//! Style ─┬─ default: stored guides ─────────────────────────────────────────┬─► grow (CPU) ─► Character
+//! Style ─┬─ default: stored guides ─────────────────────────────────────────┬─► CharacterSource (CPU)
 //!        └─ else: trace (CPU) ─► settle: drape on the head (GPU), read back ┘
 //! ```
 
-mod character;
 mod fall;
+mod styles;
 
-pub use character::{DrapedCharacter, character, character_with, fallen, settle, settled};
 pub(crate) use fall::{DrapeOptions, drape};
+pub use styles::{fallen, settle, settled, style, style_on};

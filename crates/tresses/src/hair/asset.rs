@@ -4,16 +4,16 @@ use super::HairOptions;
 use crate::{
     Context, Error, Progress, Result, avoid,
     collide::{Collider, ColliderDescriptor, FieldAtlas},
-    groom::{BoundStrands, Groom, Guides, TriMesh, card_sheet::CardSheet},
+    groom::{BoundStrands, Groom, Guides, TriMesh, card_sheet::CardSheet, character::LodLevel, tie::Tie},
     light::{
         cards::CardBuffers,
         hair::{SetAsset, knot_bytes},
     },
-    lod::{self, GuideOrder, LodLevel, LodTables},
+    lod::{self, GuideOrder, LodTables},
     math::hash::pcg,
     progress::at_once,
     roots::RootAsset,
-    simulate::{GuideTraits, LinkAsset, RestOptions, SimulationParams, Tie, TieAsset, rest},
+    simulate::{GuideTraits, LinkAsset, RestOptions, SimulationParams, TieAsset, rest},
     strands::{
         GuideAsset, GuideForce, GuideSample, RestGuides, Strand, StrandAsset, StrandBinding, buffers::storage,
     },

@@ -3,8 +3,9 @@
 use super::Hair;
 use crate::{
     Result,
+    groom::tie::Tie,
     math::Ray,
-    simulate::{Grab, MotionBrush, Target, Tie, TieAsset, TieReport},
+    simulate::{Grab, MotionBrush, Target, TieAsset, TieReport},
 };
 
 impl Hair {

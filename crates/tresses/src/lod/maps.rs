@@ -4,6 +4,7 @@ use crate::{
     Error, Result,
     groom::{
         BoundStrands,
+        character::LodLevel,
         scalp::{ScalpMap, scalp_uv},
     },
 };
@@ -14,19 +15,6 @@ pub const MAX_LEVELS: usize = 4;
 
 /// Maximum factor on strand width in a map, about 4: a factor is stored in a byte, of which 63 is 1.
 pub const MAX_THICKNESS: f32 = 255.0 / 63.0;
-
-/// A painted level of detail for one projected size of the hair. Factors between two levels are interpolated by the
-/// logarithm of the size; beyond the largest and smallest size they are constant.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LodLevel {
-    /// Diameter of the hair's bounding sphere in the image, pixels.
-    pub size: f32,
-    /// Share of the strands that is drawn, 0 to 1; `None` for all. Strands are dropped in a fixed order, and one that
-    /// is being dropped becomes narrower.
-    pub density: Option<ScalpMap>,
-    /// Factor on strand widths, 0 to `MAX_THICKNESS`; `None` for 1.
-    pub thickness: Option<ScalpMap>,
-}
 
 /// Baked factors of all strands.
 #[derive(Clone, Debug, Default, PartialEq)]

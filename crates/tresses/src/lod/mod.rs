@@ -65,14 +65,14 @@ pub(crate) use cover::CoverTable;
 pub(crate) use curve::CurveTable;
 pub use curve::resample;
 pub(crate) use guides::{GuideOrder, order as guide_order};
-pub use maps::{LodLevel, MAX_LEVELS};
+pub use maps::MAX_LEVELS;
 pub use options::{LodMode, LodOptions};
 pub use order::{arrange, buckets, order};
 pub(crate) use widths::Widths;
 
 use crate::{
     Camera, Context, Pose, Progress, Result,
-    groom::BoundStrands,
+    groom::{BoundStrands, character::LodLevel},
     strands::{DrawCount, Strand, StrandBuffers},
 };
 use glam::Vec3;

@@ -115,7 +115,7 @@ pub use params::{RootToTip, SimulationParams};
 pub(crate) use rest::GuideTraits;
 pub use rest::{RestOptions, RestShape};
 pub(crate) use shift::Shifting;
-pub use ties::{Tie, TieReport, TieTarget};
+pub use ties::TieReport;
 pub(crate) use ties::{TieAsset, Ties};
 
 /// Stride between the uniforms of consecutive steps, bytes: a multiple of every adapter's alignment.

@@ -2,8 +2,8 @@
 
 use crate::common;
 use tresses::{
-    Background, Camera, Character, CharacterAsset, CharacterOptions, CharacterParts, CharacterSource,
-    Context, FaceHair, Gesture, LodMode, LodOptions, Picture, Pose, Styling, View, ViewOptions,
+    Background, Camera, Character, CharacterAsset, CharacterOptions, CharacterParts, Context, FaceHair,
+    Gesture, LodMode, LodOptions, Picture, Pose, Styling, View, ViewOptions, drape,
     glam::{Quat, Vec3},
     groom::{
         cards::{CardOptions, bake},
@@ -17,7 +17,7 @@ use tresses::{
 /// The built-in character with a bob of 2,000 strands, and with cards instead.
 fn strands_and_cards(context: &Context) -> [CharacterParts; 2] {
     let style: Style = "bob".parse().unwrap();
-    let source = pollster::block_on(CharacterSource::built_in(context, &style, &())).unwrap();
+    let source = pollster::block_on(drape::style(context, &style, &())).unwrap();
     let growth = Growth::for_style(&style).with_strands(2000);
     let face = FaceHair { brows: false, lashes: false, beard: Beard::None };
     let styling = Styling { growth: Some(growth), face, ..Styling::default() };

@@ -3,10 +3,11 @@
 use crate::common::{self, advance_characters};
 use std::sync::OnceLock;
 use tresses::{
-    Body, Budget, Camera, Character, CharacterAsset, CharacterOptions, CharacterParts, CharacterSource,
-    Context, CrowdBudget, FaceHair, Gesture, HairOptions, LodMode, LodOptions, Obstacle, Picture, Pose,
-    RestOptions, SimulationParams, Styling, View,
+    Body, Budget, Camera, Character, CharacterAsset, CharacterOptions, CharacterParts, Context, CrowdBudget,
+    FaceHair, Gesture, HairOptions, LodMode, LodOptions, Obstacle, Picture, Pose, RestOptions,
+    SimulationParams, Styling, View,
     collide::{Collider, Shape},
+    drape,
     glam::{Quat, Vec3},
     groom::{grow::Growth, mannequin::facial::Beard, styles::Style},
     low_level::readback::blocking as readback,
@@ -21,7 +22,7 @@ fn bearded_with(context: &Context, hair: HairOptions) -> Character {
     static PARTS: OnceLock<CharacterParts> = OnceLock::new();
     let parts = PARTS.get_or_init(|| {
         let style = Style::default();
-        let source = pollster::block_on(CharacterSource::built_in(context, &style, &())).unwrap();
+        let source = pollster::block_on(drape::style(context, &style, &())).unwrap();
         let styling = Styling {
             growth: Some(Growth::for_style(&style).with_strands(300)),
             face: FaceHair { beard: Beard::Full, ..FaceHair::default() },
@@ -224,8 +225,7 @@ fn replaced_groom_keeps_time_material_and_gesture() {
     character.rig_mut().unwrap().set_shape("smile", 0.5).ok();
     advance_characters(&mut [&mut character], 0.5);
     let (time, material) = (character.time(), character.hair().set.material);
-    let source =
-        pollster::block_on(CharacterSource::built_in(context, &"bob".parse().unwrap(), &())).unwrap();
+    let source = pollster::block_on(drape::style(context, &"bob".parse().unwrap(), &())).unwrap();
     let growth = Growth::for_style(&"bob".parse().unwrap()).with_strands(200);
     let styling = Styling { growth: Some(growth), ..Styling::default() };
     let parts = pollster::block_on(source.dress(&styling, &())).unwrap();

@@ -1,13 +1,12 @@
 //! Many heads with one groom: shared memory, memory per head, levels of detail of the motion, and lighting zones.
 
 use crate::{
-    common::{self, frame, submit},
+    common::{self, DrapedCharacter, frame, submit},
     golden::difference,
 };
 use tresses::{
     Background, Body, Budget, Camera, Context, HairOptions, LodOptions, Picture, Pose, ToneMap, View,
     ViewOptions,
-    drape::DrapedCharacter,
     glam::{Quat, Vec3},
     groom::{BindOptions, Groom, GuideCount, bind},
     light::{HairMaterial, Lights, Sphere},

@@ -1,10 +1,13 @@
 //! Curls in motion: the curls of the rest shape must neither collapse nor unwind while the head turns.
 
-use crate::{common, moving};
+use crate::{
+    common::{self, DrapedCharacter},
+    moving,
+};
 
 use moving::{Character, TURN, advance_at, angle, drawn};
 use tresses::{
-    AvoidMode, AvoidOptions, drape,
+    AvoidMode, AvoidOptions,
     glam::Vec3,
     groom::{
         grow::{Curls, Growth},
@@ -50,7 +53,7 @@ fn curls_keep_their_shape_while_the_head_turns() {
     let style = Style::default();
     let curls = Curls { wavelength: 0.045, ..Curls::ringlets() };
     let growth = Growth::for_style(&style).with_strands(STRANDS).with_curls(curls);
-    let built = pollster::block_on(drape::character_with(context, &style, &growth, &())).unwrap();
+    let built = DrapedCharacter::new(context, &style, growth);
     let character = Character::new(built.groom, built.field, built.neck);
     let mut hair = character.avoiding(AvoidOptions::default());
     let n = character.groom.strands.vertex_count as usize;

@@ -3,8 +3,8 @@
 use crate::common;
 use std::{borrow::Cow, fmt::Write, path::PathBuf};
 use tresses::{
-    AvoidMode, AvoidOptions, CharacterFiles, CharacterSource, Context, HairOptions, Pose, RestOptions,
-    Result, SimulationParams, Styling, Wind,
+    AvoidMode, AvoidOptions, CharacterFiles, Context, HairOptions, Pose, RestOptions, Result,
+    SimulationParams, Styling, Wind, drape,
     glam::{Quat, Vec3},
     groom::{
         Groom, GuideCount, bind,
@@ -21,15 +21,14 @@ use tresses::{
 /// Returns an editor of a built-in style with `strands` strands.
 fn editor(context: &Context, style: &str, strands: u32) -> Result<GroomEditor> {
     let style: Style = style.parse()?;
-    let run = async {
-        let source = CharacterSource::built_in(context, &style, &()).await?;
+    pollster::block_on(async {
+        let source = drape::style(context, &style, &()).await?;
         let growth = Some(Growth::for_style(&style).with_strands(strands));
         let groom = source.dress(&Styling { growth, ..Styling::default() }, &()).await?.groom;
         let document = source.edit(groom, &CharacterFiles::Given(&[]))?;
         assert!(document.guides().len() >= 94 && *document.head() == HeadFiles::BuiltIn);
-        source.editor(document, &()).await
-    };
-    pollster::block_on(run)
+        Ok(source.editor(document, &()).await?)
+    })
 }
 
 /// Combs the left side back, and its mirror image.
@@ -225,14 +224,14 @@ fn built_in_style_grows_on_the_head_of_a_file() {
     let options = ImportOptions { orient_head, ..ImportOptions::default() };
     let style: Style = "bob".parse().unwrap();
     let run = async {
-        let source = CharacterSource::styled(context, &style, &files, &options, &()).await?;
+        let source = drape::style_on(context, &style, &files, &options, &()).await?;
         assert!(source.style() == Some(&style) && !source.is_mannequin());
         let growth = Some(Growth::for_style(&style).with_strands(400));
         let styling = Styling { growth, ..Styling::default() };
         let groom = source.dress(&styling, &()).await?.groom;
         let document = source.edit(groom.clone(), &files)?;
         assert!(matches!(document.head(), HeadFiles::Files { files, .. } if files.len() == 1));
-        let built_in = CharacterSource::built_in(context, &style, &()).await?.dress(&styling, &()).await?;
+        let built_in = drape::style(context, &style, &()).await?.dress(&styling, &()).await?;
         Ok::<_, tresses::Error>((groom, source.editor(document, &()).await?, built_in.groom))
     };
     let (groom, editor, built_in) = pollster::block_on(run).unwrap();

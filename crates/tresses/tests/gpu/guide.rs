@@ -17,7 +17,7 @@ use tresses::{Camera, Character, CharacterAsset, Context, Pose, Result, Space, V
 use tresses::{CharacterFiles, CharacterOptions, CharacterParts, CharacterSource};
 use tresses::{Compositor, Shade, Surroundings};
 use tresses::{CrowdBudget, Obstacle};
-use tresses::{FaceHair, FillOptions, Styling};
+use tresses::{FaceHair, FillOptions, Styling, drape};
 use tresses::{Picture, ViewOptions};
 use tresses::{Tie, TieTarget};
 
@@ -42,7 +42,7 @@ fn code_of_the_guide_runs() {
 
 async fn load(tresses: Context) -> Result<Guide> {
     let style: Style = "bob".parse()?;
-    let source = CharacterSource::built_in(&tresses, &style, &()).await?;
+    let source = drape::style(&tresses, &style, &()).await?;
     let growth = Some(Growth::for_style(&style).with_strands(500));
     let face = FaceHair { beard: Beard::Short, ..Default::default() };
     let styling = Styling { growth, face, ..Default::default() };

@@ -2,12 +2,11 @@
 //!
 //! `make proof` prints the table of `docs/validation/motion.md`.
 
-use crate::common;
+use crate::common::{self, DrapedCharacter};
 
 use std::collections::HashMap;
 use tresses::{
     HairHair, HairHairMode, HairOptions, Pose, SimulationParams,
-    drape::DrapedCharacter,
     glam::IVec3,
     groom::styles::Style,
     low_level::{Hair, HairFrame, readback::blocking as readback, unpack_velocity},

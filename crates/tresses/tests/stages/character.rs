@@ -10,6 +10,7 @@ use tresses::{
     glam::Vec3,
     groom::{
         SdfGrid,
+        grow::Growth,
         scalp::GridScalp,
         styles::{self, GUIDE_VERTICES, Style, StyledGuides},
     },
@@ -88,7 +89,8 @@ fn equal_seeds_give_identical_grooms() {
     let Some(context) = common::context() else { return };
     // A seed without cooked guides.
     let style = Style::default().with_seed(2);
-    let make = |style| pollster::block_on(drape::character(context, style, Some(500))).unwrap();
+    let make =
+        |style| common::DrapedCharacter::new(context, style, Growth::for_style(style).with_strands(500));
     let (once, twice) = (make(&style), make(&style));
     assert_eq!(once.groom, twice.groom);
     assert_eq!((once.groom.guides.len(), once.groom.strands.len()), (166, 500));

@@ -7,9 +7,30 @@ use std::{
     sync::{Arc, Mutex, OnceLock, PoisonError},
 };
 use tresses::{
-    drape::{self, DrapedCharacter},
-    groom::{SdfGrid, Strands, TriMesh, import, mesh::sdf, scalp::GridScalp, styles::Style},
+    Context, Styling, drape,
+    glam::Vec3,
+    groom::{
+        Groom, SdfGrid, Strands, TriMesh, grow::Growth, import, mesh::sdf, scalp::GridScalp, styles::Style,
+    },
 };
+
+/// A style on the mannequin, in meters.
+pub struct DrapedCharacter {
+    pub groom: Groom,
+    pub mesh: TriMesh,
+    pub field: SdfGrid,
+    pub neck: Vec3,
+}
+
+impl DrapedCharacter {
+    pub fn new(context: &Context, style: &Style, growth: Growth) -> Self {
+        let styling = Styling { growth: Some(growth), ..Styling::default() };
+        let source = pollster::block_on(drape::style(context, style, &())).expect("a source");
+        let parts = pollster::block_on(source.dress(&styling, &())).expect("a character");
+        let field = parts.whole().expect("a field").clone();
+        Self { groom: parts.groom, mesh: parts.head.expect("a mesh"), field, neck: parts.neck }
+    }
+}
 
 /// Returns the built-in style `name` with `strands` strands, created once. `None` without a GPU.
 pub fn character(name: &str, strands: u32) -> Option<Arc<DrapedCharacter>> {
@@ -22,8 +43,8 @@ pub fn character(name: &str, strands: u32) -> Option<Arc<DrapedCharacter>> {
     };
     let made = place.get_or_init(|| {
         let style = name.parse::<Style>().expect("a style");
-        let made = drape::character(context, &style, Some(strands));
-        Arc::new(pollster::block_on(made).expect("a character"))
+        let growth = Growth::for_style(&style).with_strands(strands);
+        Arc::new(DrapedCharacter::new(context, &style, growth))
     });
     Some(made.clone())
 }

@@ -7,7 +7,7 @@ mod skinned;
 pub use device::{
     advance, advance_characters, compute, context, draw_characters, frame, noop, simulate, submit, try_submit,
 };
-pub use fixtures::{SINTEL, asset, character, scalp, sintel};
+pub use fixtures::{DrapedCharacter, SINTEL, asset, character, scalp, sintel};
 pub use skinned::{SkinnedHair, moved};
 
 use tresses::{

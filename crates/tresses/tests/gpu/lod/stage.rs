@@ -1,10 +1,10 @@
 //! Renders hair at a level of detail.
 
-use crate::common;
+use crate::common::{self, DrapedCharacter};
 use tresses::{
-    Background, Camera, Context, HairOptions, LodOptions, Picture, Pose, ToneMap, View, ViewOptions, drape,
+    Background, Camera, Context, HairOptions, LodOptions, Picture, Pose, ToneMap, View, ViewOptions,
     glam::Vec3,
-    groom::{Groom, SdfGrid, srgb::linear, styles::Style},
+    groom::{Groom, SdfGrid, grow::Growth, srgb::linear, styles::Style},
     light::{Lights, Sphere},
     low_level::{Detail, Hair},
     renderer::Renderer,
@@ -32,8 +32,8 @@ impl Setup {
 
     /// Creates hair in any style, with options for its levels of detail.
     pub fn grown(&self, style: &Style, strands: u32, lod: LodOptions) -> Hair {
-        let made = drape::character(self.context, style, Some(strands));
-        self.measured(&pollster::block_on(made).unwrap().groom, None, lod)
+        let growth = Growth::for_style(style).with_strands(strands);
+        self.measured(&DrapedCharacter::new(self.context, style, growth).groom, None, lod)
     }
 
     pub fn hair(&self, groom: &Groom, field: Option<&SdfGrid>) -> Hair {

@@ -1,20 +1,19 @@
-//! A character on the CPU.
+//! The parts of a character.
 
-use super::facial::FaceGroom;
+use super::face::FaceGroom;
+#[cfg(feature = "cards")]
+use crate::cards::{CardStrands, Cards};
 use crate::{
-    Result,
-    groom::{
-        Groom, Look, Rig, SdfGrid, TriMesh,
-        card_sheet::CardSheet,
-        mannequin,
-        mesh::{
-            Level,
-            sdf::{self, SdfOptions},
-        },
-        rig::anatomy::{Anatomy, Field},
+    Groom, Look, Result, Rig, SdfGrid, TriMesh,
+    card_sheet::CardSheet,
+    mannequin,
+    mesh::{
+        Level,
+        sdf::{self, SdfOptions},
     },
-    lod::LodLevel,
-    simulate::Tie,
+    rig::anatomy::{Anatomy, Field},
+    scalp::ScalpMap,
+    tie::Tie,
 };
 use glam::Vec3;
 use std::sync::Arc;
@@ -25,9 +24,22 @@ const NECK_BELOW_CROWN: Vec3 = Vec3::new(0.0, -0.165, -0.012);
 /// Offset from that joint to the center of the braincase, meters.
 pub(super) const SKULL_ABOVE_NECK: Vec3 = Vec3::new(0.0, 0.075, 0.012);
 
+/// A painted level of detail for one projected size of the hair. Factors between two levels are interpolated by the
+/// logarithm of the size; beyond the largest and smallest size they are constant.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LodLevel {
+    /// Diameter of the hair's bounding sphere in the image, pixels.
+    pub size: f32,
+    /// Share of the strands that is drawn, 0 to 1; `None` for all. Strands are dropped in a fixed order, and one that
+    /// is being dropped becomes narrower.
+    pub density: Option<ScalpMap>,
+    /// Factor on strand widths, 0 to about 4; `None` for 1.
+    pub thickness: Option<ScalpMap>,
+}
+
 /// A character on the CPU, in groom space: meters, Y up, face towards +Z.
 ///
-/// [`Character::new`](super::Character::new) uploads it. A host that must survive a lost device keeps it.
+/// `CharacterAsset::new` of `tresses` uploads it. A host that must survive a lost device keeps it.
 #[derive(Clone, Debug)]
 pub struct CharacterParts {
     /// Guides and strands of the hair.
@@ -63,7 +75,7 @@ impl CharacterParts {
     /// collides with.
     ///
     /// # Errors
-    /// [`crate::groom::Error::Unusable`] when no root lies on the rig's mesh, or when the mesh encloses no volume.
+    /// [`Unusable`](crate::Error::Unusable) when no root lies on the rig's mesh, or when the mesh encloses no volume.
     pub fn new(groom: Groom, head: Option<TriMesh>, rig: Option<Rig>) -> Result<Self> {
         let guides = (0..groom.guides.len()).map(|i| groom.guides.guide(i));
         let anatomy =
@@ -97,13 +109,13 @@ impl CharacterParts {
     }
 
     /// Returns the character with a level of `cards` as its hair, instead of the strands. The cards must be baked from
-    /// the strands of the groom at rest ([`BoundStrands::unbound`](crate::groom::BoundStrands::unbound)).
+    /// the strands of the groom at rest ([`BoundStrands::unbound`](crate::BoundStrands::unbound)).
     ///
     /// # Errors
-    /// As [`Cards::strands`](crate::groom::cards::Cards::strands).
+    /// As [`Cards::strands`].
     #[cfg(feature = "cards")]
-    pub fn with_cards(self, cards: &crate::groom::cards::Cards, level: usize) -> Result<Self> {
-        let crate::groom::cards::CardStrands { groom, sheet } = cards.strands(level, &self.groom)?;
+    pub fn with_cards(self, cards: &Cards, level: usize) -> Result<Self> {
+        let CardStrands { groom, sheet } = cards.strands(level, &self.groom)?;
         Ok(Self { groom, cards: Some(sheet.into()), levels: Vec::new(), ..self })
     }
 
@@ -140,41 +152,4 @@ pub(super) fn neck(roots: impl Iterator<Item = Vec3>, head: Option<&TriMesh>) ->
     let middle = 0.5 * (lo + hi);
     let x = head.and_then(TriMesh::bounds).map_or(middle.x, |(lo, hi)| 0.5 * (lo.x + hi.x));
     Vec3::new(x, hi.y, middle.z) + NECK_BELOW_CROWN
-}
-
-/// A box: smallest and largest corner, meters.
-pub type Bounds = (Vec3, Vec3);
-
-/// Height that a portrait shows below the top of the hair or head, meters: a head with its chin.
-const HEAD_HEIGHT: f32 = 0.27;
-
-/// Returns the box that a portrait shows, given the boxes of hair and head: all hair, and the head down to its chin
-/// without the shoulders.
-pub fn subject(hair: Bounds, head: Option<Bounds>) -> Bounds {
-    let top = head.map_or(hair.1.y, |head| head.1.y.max(hair.1.y));
-    let mut lo = hair.0;
-    let mut hi = hair.1;
-    hi.y = top;
-    if let Some(head) = head {
-        lo.y = lo.y.min((top - HEAD_HEIGHT).max(head.0.y));
-        // A bust's shoulders are wider than the view needs to be; its face is not.
-        lo.z = lo.z.min(head.0.z.max(hair.0.z - 0.05));
-        hi.z = hi.z.max(head.1.z.min(hair.1.z + 0.05));
-    }
-    (lo, hi)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn subject_of_short_hair_includes_chin_not_shoulders() {
-        let hair = (Vec3::new(-0.09, 1.60, -0.10), Vec3::new(0.09, 1.70, 0.08));
-        let bust = (Vec3::new(-0.25, 1.20, -0.15), Vec3::new(0.25, 1.69, 0.12));
-        let (lo, hi) = subject(hair, Some(bust));
-        assert!((hi.y - lo.y - HEAD_HEIGHT).abs() < 1e-5);
-        assert!(hi.x < 0.1 && hi.z >= 0.12);
-        assert_eq!(subject(hair, None), hair);
-    }
 }

@@ -1,13 +1,10 @@
 //! Cooked characters: everything that opening their files computes is stored.
 
-use super::{super::parts::neck, CharacterFiles, CharacterSource, CookedParts, Hair, anatomy};
+use super::{CharacterFiles, CharacterSource, CookedParts, Hair, anatomy, neck};
 use crate::{
-    Result,
-    groom::{
-        CookedGroom,
-        import::{self, ImportOptions},
-        rig::anatomy::{BodyPart, Field},
-    },
+    CookedGroom, Result,
+    import::{self, ImportOptions},
+    rig::anatomy::{BodyPart, Field},
 };
 use std::path::{Path, PathBuf};
 

@@ -2,19 +2,16 @@
 
 use super::{CharacterSource, Hair, Styling};
 use crate::{
-    Error, Result,
-    groom::{
-        Groom, TriMesh,
-        bound::strand::pack_color,
-        grow::ScalpPaint,
-        skin::{SkinColors, TextureCoordinates},
-    },
+    Error, Groom, Result, TriMesh,
+    bound::strand::pack_color,
+    grow::ScalpPaint,
+    skin::{SkinColors, TextureCoordinates},
 };
 
 /// Coordinates in the maps of a [`Styling`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MapCoordinates {
-    /// The view from the center of the braincase ([`scalp_uv`](crate::groom::scalp::scalp_uv)).
+    /// The view from the center of the braincase ([`scalp_uv`](crate::scalp::scalp_uv)).
     #[default]
     Scalp,
     /// Root UVs of the groom, else texture coordinates of the skin. Built-in styles use [`Scalp`](Self::Scalp).
@@ -40,7 +37,7 @@ impl CharacterSource {
             Hair::Edited { .. } => None,
         };
         let found = of_roots.or_else(|| self.head.as_ref().and_then(TextureCoordinates::of_skin));
-        let none = || Error::unusable("maps by UV need root UVs in the groom or textures on its body");
+        let none = || Error::Unusable("maps by UV need root UVs in the groom or textures on its body".into());
         found.ok_or_else(none).map(Some)
     }
 
@@ -54,9 +51,8 @@ impl CharacterSource {
 
 /// Gives the strands of `groom` the color of the skin of `head` at their roots. Strands on parts without color keep theirs.
 pub(super) fn color_by_skin(groom: &mut Groom, head: Option<&TriMesh>) -> Result<()> {
-    let skin = head.and_then(SkinColors::new);
-    let skin =
-        skin.ok_or_else(|| Error::unusable("the color of the skin needs a body with textures or colors"))?;
+    let none = || Error::Unusable("the color of the skin needs a body with textures or colors".into());
+    let skin = head.and_then(SkinColors::new).ok_or_else(none)?;
     for i in 0..groom.strands.len() {
         let Some(color) = groom.strands.rest_positions(i).next().and_then(|root| skin.at(root)) else {
             continue;
@@ -71,7 +67,7 @@ pub(super) fn color_by_skin(groom: &mut Groom, head: Option<&TriMesh>) -> Result
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::groom::{Strands, mesh::shapes, scalp::ScalpMap};
+    use crate::{Strands, mesh::shapes, progress::at_once, scalp::ScalpMap};
     use glam::{Vec2, Vec3};
 
     /// A ball of 10 cm, red on its left half and blue on the right, with hair on its upper half.
@@ -89,13 +85,13 @@ mod tests {
                 strands.root_uvs.push(Vec2::new(i as f32 / 200.0, 0.5));
             }
         }
-        pollster::block_on(CharacterSource::given(strands, Some(head), None, &())).unwrap()
+        at_once(CharacterSource::given(strands, Some(head), None, &())).unwrap()
     }
 
     #[test]
     fn strands_have_color_of_skin_at_root() {
         let styling = Styling { skin_color: true, ..Styling::default() };
-        let groom = pollster::block_on(base(false).dress(&styling, &())).unwrap().groom;
+        let groom = at_once(base(false).dress(&styling, &())).unwrap().groom;
         let mut seen = [0; 2];
         for (i, strand) in groom.strands.strands.iter().enumerate() {
             let root = groom.strands.rest_positions(i).next().unwrap();
@@ -108,7 +104,7 @@ mod tests {
         assert!(seen.iter().all(|count| *count > 50), "{seen:?}");
         let mut bare = base(false);
         bare.head.as_mut().unwrap().colors.clear();
-        let refused = pollster::block_on(bare.dress(&styling, &())).unwrap_err().to_string();
+        let refused = at_once(bare.dress(&styling, &())).unwrap_err().to_string();
         assert!(refused.contains("textures or colors"), "{refused}");
     }
 
@@ -118,14 +114,14 @@ mod tests {
         let density = ScalpMap::from_fn(64, |uv| if uv.x > 0.5 { 1.0 } else { 0.0 });
         let paint = ScalpPaint { density: Some(density), ..ScalpPaint::default() };
         let styling = Styling { paint, coordinates: MapCoordinates::Uv, ..Styling::default() };
-        let character = pollster::block_on(base(true).dress(&styling, &())).unwrap();
+        let character = at_once(base(true).dress(&styling, &())).unwrap();
         let count = character.groom.strands.len();
         assert!((80..120).contains(&count), "{count}");
         // Strands are stored from low to high; the upper half stays.
         let lowest = (0..count).map(|i| character.groom.strands.rest_positions(i).next().unwrap().y);
         let lowest = lowest.fold(f32::INFINITY, f32::min);
         assert!(lowest > 0.05, "{lowest}");
-        let refused = pollster::block_on(base(false).dress(&styling, &())).unwrap_err().to_string();
+        let refused = at_once(base(false).dress(&styling, &())).unwrap_err().to_string();
         assert!(refused.contains("root UVs"), "{refused}");
     }
 }

@@ -1,12 +1,13 @@
-//! A complete built-in character: the mannequin with a draped hairstyle.
+//! Draped hairstyles, on the mannequin or on the head of files.
 
 use super::{DrapeOptions, drape};
 use crate::{
     Context, Progress, Result,
     groom::{
-        Groom, SdfGrid, TriMesh,
+        SdfGrid,
+        character::{CharacterFiles, CharacterSource},
         curve::resample_chords,
-        grow::{self, Growth},
+        import::ImportOptions,
         mannequin,
         scalp::GridScalp,
         styles::{self, GUIDE_VERTICES, Hold, Recipe, Style, StyledGuides},
@@ -18,60 +19,34 @@ use glam::Vec3;
 /// Minimum distance of settled guides from the skin, meters.
 const CLEARANCE: f32 = 1e-3;
 
-/// A groom on a head, on the CPU, in meters.
-#[derive(Clone, Debug)]
-pub struct DrapedCharacter {
-    /// Guides and strands.
-    pub groom: Groom,
-    /// Mesh that is drawn with the hair.
-    pub mesh: TriMesh,
-    /// Distance field that the hair collides with.
-    pub field: SdfGrid,
-    /// Joint that the head turns about, meters.
-    pub neck: Vec3,
-}
-
-/// Creates the mannequin with hair. Traces the guides of `style`, lets them fall onto the head under gravity (on the
-/// GPU, by the same step that later simulates them), and grows the strands from the settled guides. `strands` is the
-/// exact number of strands; `None` for the style's own.
+/// Creates the mannequin with hair: traces the guides of `style` and lets them fall onto the head under gravity (on the
+/// GPU, by the same step that later simulates them). [`CharacterSource::dress`] grows the strands.
 ///
 /// # Errors
-/// [`Error::Parameter`](crate::Error::Parameter) for an invalid style or number of strands,
 /// [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
-pub async fn character(context: &Context, style: &Style, strands: Option<u32>) -> Result<DrapedCharacter> {
-    let growth = Growth::for_style(style);
-    let growth = match strands {
-        Some(count) => growth.with_strands(count),
-        None => growth,
-    };
-    character_with(context, style, &growth, &()).await
+pub async fn style(context: &Context, style: &Style, progress: &impl Progress) -> Result<CharacterSource> {
+    let (styled, scalp) = settled(context, style, progress).await?;
+    Ok(CharacterSource::built_in(style, styled, scalp, progress).await)
 }
 
-/// [`character()`] with the given growth of strands. Reports to `progress`.
+/// Returns the source of `style` on the head of `files`, draped ([`CharacterSource::styled`]).
 ///
 /// # Errors
-/// [`Error::Parameter`](crate::Error::Parameter) and [`Error::Groom`](crate::Error::Groom) for an invalid style or
-/// growth, [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
-pub async fn character_with(
+/// An error that names the file when one cannot be read or no head is found in it, and
+/// [`Error::Gpu`](crate::Error::Gpu) when the device is lost.
+pub async fn style_on(
     context: &Context,
     style: &Style,
-    growth: &Growth,
+    files: &CharacterFiles<'_>,
+    options: &ImportOptions,
     progress: &impl Progress,
-) -> Result<DrapedCharacter> {
-    growth.check()?;
-    let (styled, scalp) = settled(context, style, progress).await?;
-    let grown = grow::grow_with(&styled, growth, &scalp, progress).await?;
-    Ok(DrapedCharacter {
-        groom: grown.bind(&styled),
-        mesh: mannequin::mesh_with(mannequin::RESOLUTION, progress).await,
-        field: scalp.field,
-        neck: mannequin::NECK_JOINT,
-    })
+) -> Result<CharacterSource> {
+    let drape = async |scalp: &GridScalp| fallen(context, &style.recipe(), scalp, progress).await;
+    CharacterSource::styled(style, files, options, progress, drape).await
 }
 
-/// Returns the draped guides of `style` on the mannequin, and its scalp: the inputs of [`grow::grow_with`] and
-/// [`GrownStrands::bind`](grow::GrownStrands::bind). The guides of default styles are stored ([`styles::settled`]) and
-/// need no GPU.
+/// Returns the draped guides of `style` on the mannequin, and its scalp: the inputs of [`CharacterSource::built_in`].
+/// The guides of default styles are stored ([`styles::settled`]) and need no GPU.
 ///
 /// # Errors
 /// [`Error::Gpu`](crate::Error::Gpu) when the device is lost.

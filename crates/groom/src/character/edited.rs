@@ -1,18 +1,15 @@
 //! Edited characters: versions of a groom under a brush, and their files.
 
-use super::{super::parts::neck, CharacterFiles, CharacterSource, Hair, Styling, anatomy, field_of, rebound};
+use super::{CharacterFiles, CharacterSource, Hair, Styling, anatomy, field_of, neck, rebound};
 use crate::{
-    Progress, Result,
-    groom::{
-        Groom, GuideCount, SdfGrid,
-        edit::{GroomDocument, GroomEditor, HeadFiles},
-        import::{self, ImportOptions},
-        mannequin,
-        mesh::sdf::{self, SdfOptions},
-        orient::Placement,
-        rig::anatomy::Anatomy,
-        scalp::GridScalp,
-    },
+    Groom, GuideCount, Progress, Result, SdfGrid,
+    edit::{GroomDocument, GroomEditor, HeadFiles},
+    import::{self, ImportOptions},
+    mannequin,
+    mesh::sdf::{self, SdfOptions},
+    orient::Placement,
+    rig::anatomy::Anatomy,
+    scalp::GridScalp,
 };
 use std::{
     path::{Path, PathBuf},
@@ -20,7 +17,7 @@ use std::{
 };
 
 /// Number of guides below which an edited groom gets more.
-pub const LEAST_GUIDES: usize = 600;
+const LEAST_GUIDES: usize = 600;
 /// Number of strands that follow one of these.
 const STRANDS_PER_GUIDE: u32 = 16;
 
@@ -112,7 +109,7 @@ impl CharacterSource {
     /// Returns an editor of `document`, a groom on this source's head. No hair enters the body, whole and at rest.
     ///
     /// # Errors
-    /// [`crate::groom::Error::Unusable`] when the body encloses no volume.
+    /// [`Unusable`](crate::Error::Unusable) when the body encloses no volume.
     pub async fn editor(&self, document: GroomDocument, progress: &impl Progress) -> Result<GroomEditor> {
         let is_part = self.anatomy.is_some() && *document.head() != HeadFiles::BuiltIn;
         let field = match &self.head {

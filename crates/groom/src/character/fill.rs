@@ -2,13 +2,10 @@
 
 use super::{CharacterSource, Hair, SKULL_ABOVE_NECK, Styling};
 use crate::{
-    Progress, Result,
-    groom::{
-        Fill, FilledStrands, Head, Strands,
-        fill::{fill_with, follow_with},
-        grow::ScalpPaint,
-        skin::MapProjection,
-    },
+    Fill, FilledStrands, Head, Progress, Result, Strands,
+    fill::{fill_with, follow_with},
+    grow::ScalpPaint,
+    skin::MapProjection,
 };
 
 /// How hair is filled in between the strands of files.
@@ -96,9 +93,10 @@ impl CharacterSource {
 #[cfg(test)]
 mod tests {
     use super::{super::CharacterFiles, *};
-    use crate::groom::{
+    use crate::{
         import::ImportOptions,
         orient::{Choice, Unit},
+        progress::at_once,
         scalp::ScalpMap,
     };
     use glam::Vec3;
@@ -118,7 +116,7 @@ mod tests {
         let given = [(PathBuf::from("a.tfx"), Cow::Owned(text.into_bytes()))];
         let unit = Some(Unit(1.0));
         let options = ImportOptions { orient: Choice { unit, ..Default::default() }, ..Default::default() };
-        pollster::block_on(CharacterSource::imported(&CharacterFiles::Given(&given), &options, &())).unwrap()
+        at_once(CharacterSource::imported(&CharacterFiles::Given(&given), &options, &())).unwrap()
     }
 
     const ASKING: &str = "numFollowHairsPerGuideHair 4\nmaxRadiusAroundGuideHair 0.002\n";
@@ -126,8 +124,7 @@ mod tests {
     /// Returns the number of strands and the last note.
     fn dressed(header: &str, grow: Option<u32>, styling: Styling) -> (usize, String) {
         let growing = FillOptions { strands: grow, ..FillOptions::default() };
-        let character =
-            pollster::block_on(base(header).dress(&Styling { fill: growing, ..styling }, &())).unwrap();
+        let character = at_once(base(header).dress(&Styling { fill: growing, ..styling }, &())).unwrap();
         (character.groom.strands.len(), character.notes.last().cloned().unwrap_or_default())
     }
 

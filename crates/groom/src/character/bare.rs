@@ -1,14 +1,12 @@
 //! Built-in styles on the heads of files.
 
-use super::{super::parts::SKULL_ABOVE_NECK, CharacterFiles, CharacterSource, Hair, anatomy, field_of};
+use super::{CharacterFiles, CharacterSource, Hair, SKULL_ABOVE_NECK, anatomy, field_of};
 use crate::{
-    Context, Error, Progress, Result, drape,
-    groom::{
-        SdfGrid,
-        head::{HeadFit, HeadShape},
-        import::{self, ImportOptions},
-        styles::Style,
-    },
+    Error, Progress, Result, SdfGrid,
+    head::{HeadFit, HeadShape},
+    import::{self, ImportOptions},
+    scalp::GridScalp,
+    styles::{Style, StyledGuides},
 };
 
 /// The head of a file under a built-in style, which grows in the built-in head's space.
@@ -20,34 +18,33 @@ pub(super) struct OwnHead {
     pub field: Option<SdfGrid>,
     /// From the files to groom space.
     #[cfg(feature = "edit")]
-    pub placement: crate::groom::orient::Placement,
+    pub placement: crate::orient::Placement,
 }
 
 impl CharacterSource {
     /// Creates the source of `style` on the head of `files`: a mesh, with or without a body. The style is scaled to the
-    /// head, whose landmarks are found by its shape ([`HeadShape`]). Its guides are draped on the GPU.
+    /// head, whose landmarks are found by its shape ([`HeadShape`]). `drape` returns its guides on the scalp.
     ///
     /// # Errors
-    /// An error that names the file when one cannot be read or no head is found in it, and [`Error::Gpu`] when the
-    /// device is lost.
-    pub async fn styled(
-        context: &Context,
+    /// An error that names the file when one cannot be read or no head is found in it, and the errors of `drape`.
+    pub async fn styled<E: From<Error>>(
         style: &Style,
         files: &CharacterFiles<'_>,
         options: &ImportOptions,
         progress: &impl Progress,
-    ) -> Result<Self> {
+        drape: impl AsyncFnOnce(&GridScalp) -> Result<StyledGuides, E>,
+    ) -> Result<Self, E> {
         progress.step("reading the head", 0.0).await;
         let body = match files {
             CharacterFiles::Disk { heads, .. } => import::read_body(heads, options)?,
             CharacterFiles::Given(files) => import::read_given_body(files, options)?,
         };
         let name = files.head_name();
-        let named = |error| Error::unusable(format!("{name}: {error}"));
+        let named = |error| Error::Unusable(format!("{name}: {error}"));
         let shape = HeadShape::of(&body.mesh).map_err(named)?;
         let fit = HeadFit::of(&shape);
         let scalp = fit.scalp(&shape, &body.mesh, progress).await.map_err(named)?;
-        let styled = drape::fallen(context, &style.recipe(), &scalp, progress).await?;
+        let styled = drape(&scalp).await?;
         let guides: Vec<_> = styled
             .guides
             .iter()

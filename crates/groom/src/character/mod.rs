@@ -1,52 +1,49 @@
-//! Sources of characters before styling: the groom and the body from files, or a built-in style.
+//! Characters on the CPU: the groom and the body from files, or a built-in style; then the strands, styled.
 //!
 //! ```text
 //! files ──────► CharacterSource ── dress(Styling) ──► CharacterParts
 //! Style ─drape─►   (slow)             (fast)
 //! ```
+//!
+//! The guides of a style that is not stored fall onto the head by the simulation of `tresses::drape`.
 
 mod bare;
 #[cfg(feature = "cooked")]
 mod cooked;
 #[cfg(feature = "edit")]
 mod edited;
+mod face;
 mod fill;
+mod parts;
 mod skin;
 
+pub use face::{FaceGroom, FaceHair};
 pub use fill::FillOptions;
+pub use parts::{CharacterParts, LodLevel};
 pub use skin::MapCoordinates;
 
-use super::{
-    CharacterParts,
-    facial::FaceHair,
-    parts::{SKULL_ABOVE_NECK, neck, rigid},
-};
 #[cfg(feature = "edit")]
-use crate::groom::edit::{GroomDocument, HeadFiles};
+use crate::edit::{GroomDocument, HeadFiles};
 use crate::{
-    Context, Error, Progress, Result,
-    constants::MAX_STRAND_VERTICES,
-    drape,
-    groom::{
-        BindOptions, Groom, GuideCount, Restyle, Rig, SdfGrid, Strands, TriMesh, bind, bind_filled, curve,
-        grow::{self, Curls, Growth, ScalpPaint},
-        import::{self, FileBytes, ImportOptions, ImportReport},
-        lint, mannequin,
-        mesh::{
-            Level,
-            sdf::{self, SdfOptions},
-        },
-        orient::Placement,
-        rig::anatomy::{Anatomy, Field},
-        scalp::{GridScalp, ScalpMap},
-        skin::MapProjection,
-        styles::{Style, StyledGuides},
+    BindOptions, Error, Groom, GuideCount, MAX_STRAND_VERTICES, Progress, Restyle, Result, Rig, SdfGrid,
+    Strands, TriMesh, bind, bind_filled, curve,
+    grow::{self, Curls, Growth, ScalpPaint},
+    import::{self, FileBytes, ImportOptions, ImportReport},
+    lint, mannequin,
+    mesh::{
+        Level,
+        sdf::{self, SdfOptions},
     },
-    lod::LodLevel,
-    simulate::Tie,
+    orient::Placement,
+    rig::anatomy::{Anatomy, Field},
+    scalp::{GridScalp, ScalpMap},
+    skin::MapProjection,
+    styles::{Style, StyledGuides},
+    tie::Tie,
 };
 use bare::OwnHead;
 use glam::Vec3;
+use parts::{SKULL_ABOVE_NECK, neck, rigid};
 use skin::color_by_skin;
 use std::{borrow::Cow, path::PathBuf};
 
@@ -164,21 +161,22 @@ struct CookedParts {
 }
 
 impl CharacterSource {
-    /// Creates the mannequin with the guides of `style`, draped on the GPU.
-    ///
-    /// # Errors
-    /// [`Error::Gpu`] when the device is lost.
-    pub async fn built_in(context: &Context, style: &Style, progress: &impl Progress) -> Result<Self> {
+    /// Creates the mannequin with `styled`, the draped guides of `style` on `scalp`, its scalp.
+    pub async fn built_in(
+        style: &Style,
+        styled: StyledGuides,
+        scalp: GridScalp,
+        progress: &impl Progress,
+    ) -> Self {
         let head = mannequin::mesh_with(mannequin::RESOLUTION, progress).await;
-        let (styled, scalp) = drape::settled(context, style, progress).await?;
-        Ok(Self {
+        Self {
             anatomy: Some(Anatomy::built_in(&head, &scalp.field)),
             head: Some(head),
             neck: mannequin::NECK_JOINT,
             hair: Hair::BuiltIn { style: *style, styled, scalp, own: None },
             notes: Vec::new(),
             report: None,
-        })
+        }
     }
 
     /// Reads the groom of `files`, on their head if they have one.
@@ -225,7 +223,7 @@ impl CharacterSource {
     /// the strands first.
     ///
     /// # Errors
-    /// [`Error::Groom`] when the strands or the head are invalid.
+    /// [`Error::Unusable`] when the strands or the head are invalid.
     pub async fn given(
         mut strands: Strands,
         head: Option<TriMesh>,
@@ -235,7 +233,7 @@ impl CharacterSource {
         lint::repair(&mut strands);
         if strands.is_empty() {
             let why = "no strand is usable: each has zero length or a single vertex";
-            return Err(Error::unusable(why));
+            return Err(Error::Unusable(why.into()));
         }
         Self::of(strands, head, rig, "the head", progress).await
     }
@@ -413,7 +411,7 @@ async fn field_of(
 ) -> Result<Option<SdfGrid>> {
     let Some(head) = rigid(anatomy, head) else { return Ok(None) };
     let built = sdf::build_with(head, &SdfOptions::default(), progress).await;
-    let named = |error| Error::unusable(format!("{name} ({} high as read): {error}", high(head)));
+    let named = |error| Error::Unusable(format!("{name} ({} high as read): {error}", high(head)));
     Ok(Some(built.map_err(named)?))
 }
 
@@ -465,12 +463,6 @@ fn rebound(groom: &Groom, guides: GuideCount) -> Result<Groom> {
     Ok(rebound)
 }
 
-/// Returns the number of strands of the default style that make about `triangles` triangles.
-pub fn strands_for(triangles: u64) -> u32 {
-    let segments = u64::from(Growth::default().vertices.max(2) - 1);
-    u32::try_from(triangles / (2 * segments)).unwrap_or(u32::MAX)
-}
-
 /// Returns about `count` evenly picked strands.
 fn thinned(strands: &Strands, count: usize) -> Strands {
     let all = strands.len();
@@ -483,6 +475,7 @@ fn thinned(strands: &Strands, count: usize) -> Strands {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::progress::at_once;
 
     #[test]
     fn notes_name_the_uncertain_file() {
@@ -512,7 +505,7 @@ mod tests {
         let file = |name: &str, text: String| (PathBuf::from(name), Cow::Owned(text.into_bytes()));
         let files = [file("odd.obj", groom), file("head.obj", head)];
         let (files, options) = (CharacterFiles::Given(&files), ImportOptions::default());
-        let base = pollster::block_on(CharacterSource::imported(&files, &options, &())).unwrap();
+        let base = at_once(CharacterSource::imported(&files, &options, &())).unwrap();
         for name in ["groom odd.obj: the size is a guess", "head head.obj: the size is a guess"] {
             assert!(base.notes.iter().any(|note| note.starts_with(name)), "{name}: {:?}", base.notes);
         }
