@@ -7,13 +7,13 @@
 //!
 //! The guides of a style that is not stored fall onto the head by the simulation of `tresses::drape`.
 
-mod bare;
 #[cfg(feature = "cooked")]
 mod cooked;
 #[cfg(feature = "edit")]
 mod edited;
 mod face;
 mod fill;
+mod own_head;
 mod parts;
 mod skin;
 
@@ -41,7 +41,7 @@ use crate::{
     styles::{Style, StyledGuides},
     tie::Tie,
 };
-use bare::OwnHead;
+use own_head::OwnHead;
 use glam::Vec3;
 use parts::{SKULL_ABOVE_NECK, neck, rigid};
 use skin::color_by_skin;

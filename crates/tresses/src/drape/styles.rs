@@ -14,7 +14,6 @@ use crate::{
     },
     simulate::{GuideTraits, RootToTip, SimulationParams},
 };
-use glam::Vec3;
 
 /// Minimum distance of settled guides from the skin, meters.
 const CLEARANCE: f32 = 1e-3;
