@@ -7,11 +7,11 @@ use tresses::{
     Gpu, LodMode, LodOptions,
     groom::{
         export::{CacheOptions, Writer},
-        formats::{self, Content},
-        orient::Unit,
+        formats::{self, ContentKind},
+        orient::LengthUnit,
     },
 };
-use tresses_scene::{Companions, Motion, Scene, Shelf};
+use tresses_scene::{CompanionFiles, Motion, Scene, Shelf};
 
 /// Longest cache, frames.
 const MAX_FRAMES: i64 = 100_000;
@@ -32,7 +32,7 @@ pub struct BakeArgs {
     pub fps: f64,
     /// Unit of the file: cm for Unreal and Maya [default: m]
     #[arg(long, value_name = "UNIT")]
-    pub out_unit: Option<Unit>,
+    pub out_unit: Option<LengthUnit>,
     /// Cache file
     #[arg(long, value_name = "FILE", default_value = "out/hair.abc", help = out_help())]
     pub out: PathBuf,
@@ -40,7 +40,7 @@ pub struct BakeArgs {
 
 /// Runs `tresses bake`.
 pub fn run(args: &BakeArgs) -> Result<()> {
-    let writer = Writer::holding(&args.out, Content::Frames)?;
+    let writer = Writer::holding(&args.out, ContentKind::Frames)?;
     let motion = Motion::open(&args.motion)?;
     let period = (motion.duration() * args.fps).round().clamp(1.0, MAX_FRAMES as f64);
     let frames = args.frames.unwrap_or(period as u32);
@@ -52,7 +52,7 @@ pub fn run(args: &BakeArgs) -> Result<()> {
     for note in &character.notes {
         preparing.suspend(|| eprintln!("note: {note}"));
     }
-    let colliders = Companions::of(&preset.source, Shelf::default()).colliders()?;
+    let colliders = CompanionFiles::of(&preset.source, Shelf::default()).colliders()?;
     let quality = preset.settings.quality([16, 16], 1)?;
     let scene = Scene::new(gpu, character, colliders, &preset.settings, &quality, &preparing);
     let mut scene = pollster::block_on(scene)?;
@@ -63,7 +63,7 @@ pub fn run(args: &BakeArgs) -> Result<()> {
     let (pivot, step) = (scene.character.neck(), 1.0 / args.fps);
     scene.reset(&motion.gesture(0.0, pivot))?;
     let first = drawn(&scene, [&scene.character.hair().strands])?;
-    let unit = args.out_unit.unwrap_or(Unit(1.0));
+    let unit = args.out_unit.unwrap_or(LengthUnit(1.0));
     let bar = progress::frames("baking", u64::from(frames));
     files::stream(&args.out, |file| {
         let mut cache =
@@ -84,6 +84,6 @@ pub fn run(args: &BakeArgs) -> Result<()> {
 }
 
 fn out_help() -> String {
-    let all = formats::listed(&formats::written(Content::Frames), "or");
+    let all = formats::listed(&formats::written(ContentKind::Frames), "or");
     format!("Cache file ({all}); .usda is text and several times as large as .abc")
 }

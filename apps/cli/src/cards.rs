@@ -13,7 +13,7 @@ use tresses::groom::{
     Progress, Rig,
     cards::{CardAlpha, CardOptions, Cards, bake_with},
 };
-use tresses_scene::cards::{self, AskedLevel, CardClip, CardFormat};
+use tresses_scene::cards::{self, CardClip, CardFormat, LevelRequest};
 
 /// Options of `tresses cards`.
 #[derive(clap::Args, Debug)]
@@ -22,7 +22,7 @@ pub struct CardsArgs {
     pub settings: SettingsArgs,
     /// Numbers of cards of the levels, falling; `helmet` at the end adds an opaque shell for heads of few pixels
     #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "400,150,40")]
-    pub levels: Vec<AskedLevel>,
+    pub levels: Vec<LevelRequest>,
     /// Edge of the textures, texels: a power of two from 128 to 8192
     #[arg(long, value_name = "N", default_value = "2048")]
     pub texture: u32,
@@ -79,10 +79,10 @@ impl From<Alpha> for CardAlpha {
 /// Runs `tresses cards`.
 pub fn run(args: &CardsArgs) -> Result<()> {
     let options = CardOptions {
-        texture: args.texture,
-        textures: args.textures,
+        texture_size: args.texture,
+        lock_texture_count: args.textures,
         triangles: args.triangles.clone(),
-        chains: args.bones,
+        chain_count: args.bones,
         ..cards::options(&args.levels)?
     };
     options.check()?;
@@ -111,9 +111,9 @@ pub fn run(args: &CardsArgs) -> Result<()> {
         let rig = rig.as_ref().filter(|rig| !rig.animations.is_empty());
         let rig = rig.context("--simulate needs a body with animations (.glb, .usd)")?;
         let built_in = preset.source.grooms.is_empty();
-        let asked = animations(rig, &args.simulate)?;
-        for (done, animation) in asked.iter().enumerate() {
-            pollster::block_on(preparing.step("simulating the hair", done as f32 / asked.len() as f32));
+        let requested = animations(rig, &args.simulate)?;
+        for (done, animation) in requested.iter().enumerate() {
+            pollster::block_on(preparing.step("simulating the hair", done as f32 / requested.len() as f32));
             let clip = CardClip { rig, animation: *animation, built_in };
             look.motions.push(cards::simulate(&mut scene, &baked.chains, clip)?);
         }
@@ -147,8 +147,8 @@ fn animations(rig: &Rig, names: &[String]) -> Result<Vec<usize>> {
     let find = |name: &String| {
         let found = rig.animations.iter().position(|animation| animation.name.eq_ignore_ascii_case(name));
         found.with_context(|| {
-            let there: Vec<_> = rig.animations.iter().map(|animation| animation.name.as_str()).collect();
-            format!("the body has no animation {name:?}; it has {}", there.join(", "))
+            let available: Vec<_> = rig.animations.iter().map(|animation| animation.name.as_str()).collect();
+            format!("the body has no animation {name:?}; it has {}", available.join(", "))
         })
     };
     names.iter().map(find).collect()

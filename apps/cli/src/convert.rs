@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail, ensure};
 use tresses::groom::{
-    export::{EncodedFile, Hair, Writer},
-    formats::{self, Content, GROOMS, WRITTEN},
+    export::{EncodedFile, ExportHair, Writer},
+    formats::{self, ContentKind, GROOMS, WRITTEN},
     import::{self, ImportOptions},
-    orient::{Axis, Choice, Unit},
+    orient::{Axis, LengthUnit, OrientationOverride},
 };
 
 use tresses::{CharacterFiles, CharacterSource};
@@ -35,7 +35,7 @@ pub struct ConvertArgs {
     as_is: bool,
     /// Unit of the file to write, Alembic and USD only: cm for Unreal and Maya [default: m]
     #[arg(long, value_name = "UNIT", conflicts_with = "as_is")]
-    out_unit: Option<Unit>,
+    out_unit: Option<LengthUnit>,
     /// Diameter of all strands, such as 80um, instead of the widths in the files
     #[arg(long, value_name = "LENGTH", value_parser = diameter, conflicts_with = "as_is")]
     width: Option<f32>,
@@ -82,30 +82,34 @@ pub fn run(args: ConvertArgs) -> anyhow::Result<()> {
     }
     let writer = Writer::of(output)?;
     if args.as_is {
-        options.orient =
-            Choice { unit: Some(Unit(1.0)), up: Some(Axis::Y), front: Some(Axis::Z), mirror: Some(false) };
+        options.orient = OrientationOverride {
+            unit: Some(LengthUnit(1.0)),
+            up: Some(Axis::Y),
+            front: Some(Axis::Z),
+            is_mirrored: Some(false),
+        };
         // With an unknown unit, lengths cannot be checked.
-        options.unrepaired = true;
+        options.skips_repair = true;
     }
     ensure!(!args.packed || writer.compresses, "only .glb files can be compressed: remove --packed");
     let (mut strands, head, report) = if args.as_is {
         let (strands, report) = import::read(inputs, &options)?;
         (strands, None, report)
     } else {
-        import::read_whole(inputs, &args.head, &options)?
+        import::read_complete(inputs, &args.head, &options)?
     };
     if let Some(diameter) = args.width {
         strands.radii = vec![0.5 * diameter; strands.positions.len()];
     }
     // Formats that store a hair material also get the body.
-    let whole = writer.holds(Content::Look) && !args.as_is && args.out_unit.is_none();
-    let encoded = if whole {
+    let includes_body = writer.holds(ContentKind::Look) && !args.as_is && args.out_unit.is_none();
+    let encoded = if includes_body {
         let body = head.as_ref().map(|head| (head, report.rig.as_ref()));
         let look = report.look.as_ref();
-        let hair = Hair { name: "hair", strands: &strands, packed: args.packed, look };
+        let hair = ExportHair { name: "hair", strands: &strands, packed: args.packed, look };
         EncodedFile::from(writer.character(body, &[hair])?)
     } else {
-        writer.strands(&strands, args.out_unit.or((!args.as_is).then_some(Unit(1.0))))?
+        writer.strands(&strands, args.out_unit.or((!args.as_is).then_some(LengthUnit(1.0))))?
     };
     files::write(output, &encoded.bytes)?;
     let done = report.repaired;
@@ -118,7 +122,7 @@ pub fn run(args: ConvertArgs) -> anyhow::Result<()> {
         done.merged_vertices,
         done.resampled_strands
     );
-    if let Some(head) = head.filter(|_| whole) {
+    if let Some(head) = head.filter(|_| includes_body) {
         println!("  with its body of {} triangles", head.triangles.len());
     }
     if !args.as_is {

@@ -2,7 +2,7 @@
 
 use crate::{
     photographer::Photographer,
-    picture::{Frame, Output, Picture},
+    picture::{FrameWriter, Image, OutputFrame},
     progress,
 };
 use anyhow::{Result, ensure};
@@ -13,7 +13,7 @@ use tresses::{
 use tresses_scene::{Crowd, CrowdOptions, Motion, crowd::ROWS, words::grouped};
 
 /// Most heads of a crowd.
-const MOST: u32 = 1000;
+const MAX_HEADS: u32 = 1000;
 
 /// Frames drawn before the first, to measure costs.
 const TRIALS: u32 = 4;
@@ -22,7 +22,7 @@ const TRIALS: u32 = 4;
 #[derive(clap::Args, Clone, Copy, Debug, Default)]
 pub struct CrowdArgs {
     /// Draw this many heads with the same hair in rows from 2 to 40 m, each with its own pose, phase and pigment
-    #[arg(long = "crowd", value_name = "HEADS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST)), help_heading = "Image", hide_short_help = true)]
+    #[arg(long = "crowd", value_name = "HEADS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_HEADS)), help_heading = "Image", hide_short_help = true)]
     crowd: Option<u32>,
     /// Time budget of a crowd's hair per frame, milliseconds; sets its levels of detail
     #[arg(
@@ -75,7 +75,7 @@ pub fn render(
     motion: &Motion,
     (frames, fps): (u32, f64),
     args: &CrowdArgs,
-    mut output: Output,
+    mut output: FrameWriter,
 ) -> Result<String> {
     let options = CrowdOptions { heads: args.crowd.unwrap_or(1), rows: ROWS, pigments: true };
     let mut crowd = Crowd::new(scene, &options)?;
@@ -84,16 +84,16 @@ pub fn render(
     let bar = progress::frames("drawing", u64::from(frames));
     // Costs are unknown before the first frames, so draw trial frames to find the first levels.
     for trial in 0..if timed { TRIALS } else { 0 } {
-        crowd.budget.choose_anew();
+        crowd.budget.reset_detail();
         let measured = scene.measured_crowd(&mut crowd, motion, (0.0, 0.0), false)?;
         // The first trial also compiles pipelines.
         if trial > 0 {
-            let work = crowd.chosen().work;
+            let work = crowd.detail().work;
             crowd.budget.costs.fit(&work, measured.wall);
         }
     }
     if timed {
-        crowd.budget.choose_anew();
+        crowd.budget.reset_detail();
     }
     for frame in 0..frames {
         let seconds = if frame == 0 { 0.0 } else { 1.0 / fps };
@@ -101,7 +101,7 @@ pub fn render(
         if timed {
             // Measure the frame, then draw it once more for the output.
             let measured = scene.measured_crowd(&mut crowd, motion, (time, seconds as f32), false)?;
-            let work = crowd.chosen().work;
+            let work = crowd.detail().work;
             crowd.budget.costs.fit(&work, measured.wall);
         } else {
             let mut encoder = scene.gpu.context.device().create_command_encoder(&Default::default());
@@ -109,17 +109,17 @@ pub fn render(
             scene.gpu.context.queue().submit([encoder.finish()]);
         }
         if !output.keeps_only_last() || frame + 1 == frames {
-            output.add(Frame::Shown(picture(scene, &crowd)?))?;
+            output.add(OutputFrame::Shown(picture(scene, &crowd)?))?;
         }
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let said = said(&crowd, scene);
-    Ok(format!("{}\n{said}", output.finish()?))
+    let description = describe(&crowd, scene);
+    Ok(format!("{}\n{description}", output.finish()?))
 }
 
 /// Renders the last frame. Blocks.
-fn picture(scene: &mut Photographer, crowd: &Crowd) -> Result<Picture> {
+fn picture(scene: &mut Photographer, crowd: &Crowd) -> Result<Image> {
     loop {
         let mut encoder = scene.gpu.context.device().create_command_encoder(&Default::default());
         crowd.record_draw(scene, &mut encoder, None)?;
@@ -130,20 +130,20 @@ fn picture(scene: &mut Photographer, crowd: &Crowd) -> Result<Picture> {
     }
     let rgba = pollster::block_on(scene.targets().read())?;
     let [width, height] = scene.targets().size;
-    Ok(Picture { width, height, rgba })
+    Ok(Image { width, height, rgba })
 }
 
 /// Describes the levels of detail of the last frame, and its costs.
-pub fn said(crowd: &Crowd, scene: &Photographer) -> String {
-    let chosen = crowd.chosen();
-    let seen = crowd.hair().filter(|hair| hair.is_seen()).count();
+pub fn describe(crowd: &Crowd, scene: &Photographer) -> String {
+    let detail = crowd.detail();
+    let visible = crowd.hair().filter(|hair| hair.is_visible()).count();
     let asleep = crowd.hair().filter(|hair| hair.is_asleep()).count();
-    let sum = |of: &dyn Fn(&HeadDetail) -> u64| grouped(chosen.heads.iter().map(of).sum());
+    let sum = |of: &dyn Fn(&HeadDetail) -> u64| grouped(detail.heads.iter().map(of).sum());
     let [shared, own, view] = crowd.bytes(scene).map(|bytes| bytes as f64 * 1e-6);
     let budget = crowd.budget.budget;
-    let kept = if chosen.fits {
+    let kept = if detail.fits {
         ""
-    } else if chosen.bias < COARSEST {
+    } else if detail.bias < COARSEST {
         ", approaching the levels for the budget by 1/8 octave per frame"
     } else {
         ", the coarsest levels, which exceed the budget"
@@ -151,19 +151,19 @@ pub fn said(crowd: &Crowd, scene: &Photographer) -> String {
     let mut of = String::new();
     if budget.milliseconds.is_finite() {
         of +=
-            &format!("\nTime: {:.1} ms expected, budget {:.1} ms", chosen.milliseconds, budget.milliseconds);
+            &format!("\nTime: {:.1} ms expected, budget {:.1} ms", detail.milliseconds, budget.milliseconds);
     }
     if budget.bytes < u64::MAX {
         let [held, all] = [crowd.held(scene), budget.bytes].map(|bytes| bytes as f64 * 1e-6);
         of += &format!("\nMemory of hair and its lighting: {held:.1} MB, budget {all:.1} MB");
     }
     format!(
-        "{} heads, {seen} in view, {asleep} asleep: {} strands, {} vertices, {} guides; bias {:.2}{kept}\n\
+        "{} heads, {visible} in view, {asleep} asleep: {} strands, {} vertices, {} guides; bias {:.2}{kept}\n\
          GPU memory: {shared:.1} MB shared, {own:.1} MB of heads, {view:.1} MB of the view{of}",
         crowd.len(),
-        sum(&|head| head.strands.into()),
-        sum(&|head| u64::from(head.strands) * u64::from(head.vertices)),
-        sum(&|head| head.guides.into()),
-        chosen.bias,
+        sum(&|head| head.strand_count.into()),
+        sum(&|head| u64::from(head.strand_count) * u64::from(head.vertex_count)),
+        sum(&|head| head.guide_count.into()),
+        detail.bias,
     )
 }

@@ -4,7 +4,7 @@ use crate::{
     args::{Size, SourceArgs},
     flags::{All, CompanionFlags, RowFlags},
     photographer::Photographer,
-    picture::Output,
+    picture::FrameWriter,
     preset_args::PresetArgs,
     progress::Preparing,
     render::{FrameTimes, animate},
@@ -49,7 +49,7 @@ pub struct DemoArgs {
     #[command(flatten)]
     pub preset: PresetArgs,
     #[command(flatten)]
-    pub companions: CompanionFlags,
+    pub companion_flags: CompanionFlags,
     #[command(flatten)]
     pub rows: RowFlags<All>,
 }
@@ -58,7 +58,7 @@ pub struct DemoArgs {
 pub fn run(args: &DemoArgs) -> Result<()> {
     let mut preset = args.preset.open()?;
     SourceArgs { style: args.style.clone(), ..Default::default() }.apply(&mut preset);
-    settings_args::apply(&args.companions, &args.rows, &mut preset)?;
+    settings_args::apply(&args.companion_flags, &args.rows, &mut preset)?;
     args.preset.finish(&mut preset)?;
     let motion = Motion::named("turn").context("the built-in motions hold a turn")?;
     if let Some(style) = &preset.source.style {
@@ -71,7 +71,8 @@ pub fn run(args: &DemoArgs) -> Result<()> {
     eprintln!("Rendering an image on {}.", scene.adapter_name());
     let drawing = Preparing::new("rendering the image");
     let camera = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), PICTURE.aspect(), 1.0);
-    let mut output = Output::create(&args.out.join("demo.png"), (PICTURE.width, PICTURE.height), 1, 1.0)?;
+    let mut output =
+        FrameWriter::create(&args.out.join("demo.png"), (PICTURE.width, PICTURE.height), 1, 1.0)?;
     let pivot = scene.character.neck();
     scene.reset(&motion.gesture(0.0, pivot))?;
     output.add(scene.frame(&camera, output.kind())?)?;
@@ -83,7 +84,7 @@ pub fn run(args: &DemoArgs) -> Result<()> {
     let (size, seconds) = fit(&mut scene, &motion, f64::from(frames))?;
     drop(fitting);
     let path = args.out.join("demo.webp");
-    let mut output = Output::create(&path, (size.width, size.height), frames, LOOP_FPS)?;
+    let mut output = FrameWriter::create(&path, (size.width, size.height), frames, LOOP_FPS)?;
     let times = FrameTimes { frames, fps: LOOP_FPS, lead: -motion.duration() };
     let camera = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), size.aspect(), 0.95);
     eprintln!("Rendering a loop of {frames} frames, {}x{}; about {seconds:.0} s.", size.width, size.height);
@@ -98,8 +99,8 @@ pub fn run(args: &DemoArgs) -> Result<()> {
 fn fit(scene: &mut Photographer, motion: &Motion, frames: f64) -> Result<(Size, f64)> {
     let pivot = scene.character.neck();
     let mut fitting = (LOOPS[0].0, 0.0);
-    for (i, (size, share)) in LOOPS.into_iter().enumerate() {
-        let mode = if share < 1.0 { LodMode::Fixed(share) } else { LodMode::Off };
+    for (i, (size, strand_fraction)) in LOOPS.into_iter().enumerate() {
+        let mode = if strand_fraction < 1.0 { LodMode::Fixed(strand_fraction) } else { LodMode::Off };
         let options = LodOptions { mode, ..scene.character.hair().lod.options };
         scene.set_lod(options)?;
         scene.resize([size.width, size.height])?;

@@ -10,13 +10,13 @@ use tresses::{
     Gesture, Gpu, LodMode, LodOptions,
     groom::{
         Guides, Rig, Strands, TriMesh,
-        export::{Hair, Writer},
-        formats::{self, Content, WRITTEN},
-        orient::Unit,
+        export::{ExportHair, Writer},
+        formats::{self, ContentKind, WRITTEN},
+        orient::LengthUnit,
     },
     low_level::StrandBuffers,
 };
-use tresses_scene::{Companions, Preset, Scene, Shelf, motion};
+use tresses_scene::{CompanionFiles, Preset, Scene, Shelf, motion};
 
 /// Options of `tresses export`.
 #[derive(clap::Args, Debug)]
@@ -42,7 +42,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     let writer = Writer::of(&args.out)?;
     let face_writer = args.face_out.as_deref().map(Writer::of).transpose()?;
     let head_writer =
-        args.head_out.as_deref().map(|path| Writer::holding(path, Content::Mesh)).transpose()?;
+        args.head_out.as_deref().map(|path| Writer::holding(path, ContentKind::Mesh)).transpose()?;
     ensure!(!args.packed || writer.compresses, "only .glb files can be compressed: remove --packed");
     let preset = args.settings.preset()?;
     let preparing = Preparing::new("opening the GPU");
@@ -50,15 +50,16 @@ pub fn run(args: &ExportArgs) -> Result<()> {
     ensure!(args.head_out.is_none() || head.is_some(), "this hair has no body: remove --head-out");
     let strands = colored(&scene)?;
     let body = head.as_ref().map(|head| (head, rig.as_ref()));
-    let whole = match writer.holds(Content::Rig) {
+    let character_bytes = match writer.holds(ContentKind::Rig) {
         true => {
             let look = scene.look(&preset.settings);
-            let hair = [Hair { name: "hair", strands: &strands, packed: args.packed, look: look.as_ref() }];
+            let hair =
+                [ExportHair { name: "hair", strands: &strands, packed: args.packed, look: look.as_ref() }];
             Some(writer.character(body, &hair)?)
         }
         false => None,
     };
-    let mut said = match whole {
+    let mut message = match character_bytes {
         Some(bytes) => {
             files::write(&args.out, &bytes)?;
             let body = head.as_ref().map(|head| format!(", a body of {} triangles", head.triangles.len()));
@@ -70,13 +71,13 @@ pub fn run(args: &ExportArgs) -> Result<()> {
         let face = || scene.character.grooms().skip(1);
         ensure!(face().next().is_some(), "this character has no facial hair: remove --face-out");
         let all = face().map(|hair| &hair.strands);
-        write!(said, "\n{}", write_strands(path, writer, &drawn(&scene, all)?)?)?;
+        write!(message, "\n{}", write_strands(path, writer, &drawn(&scene, all)?)?)?;
     }
     if let (Some(path), Some(writer), Some(head)) = (&args.head_out, head_writer, &head) {
-        write!(said, "\n{}", write_body(path, writer, head, rig.as_ref())?)?;
+        write!(message, "\n{}", write_body(path, writer, head, rig.as_ref())?)?;
     }
     drop(preparing);
-    say!("{said}");
+    say!("{message}");
     Ok(())
 }
 
@@ -100,7 +101,7 @@ impl RestingCharacter {
         let character = pollster::block_on(preset.character(&gpu.context, preparing))?;
         let (head, guides) = (character.head.clone(), character.groom.guides.clone());
         let rig = motion::animation::rig_of(&character, preset.source.is_mannequin());
-        let colliders = Companions::of(&preset.source, Shelf::default()).colliders()?;
+        let colliders = CompanionFiles::of(&preset.source, Shelf::default()).colliders()?;
         let quality = preset.settings.quality([16, 16], 1)?;
         let scene = Scene::new(gpu, character, colliders, &preset.settings, &quality, preparing);
         let mut scene = pollster::block_on(scene)?;
@@ -112,15 +113,15 @@ impl RestingCharacter {
 }
 
 fn out_help() -> String {
-    let whole = formats::listed(&formats::written(Content::Rig), "and");
+    let rig_formats = formats::listed(&formats::written(ContentKind::Rig), "and");
     format!(
-        "File for the strands, whose extension ({}) selects the format; {whole} also store the body and its skeleton",
+        "File for the strands, whose extension ({}) selects the format; {rig_formats} also store the body and its skeleton",
         formats::listed(WRITTEN, "or")
     )
 }
 
 fn head_help() -> String {
-    let (all, rigs) = (formats::written(Content::Mesh), formats::written(Content::Rig));
+    let (all, rigs) = (formats::written(ContentKind::Mesh), formats::written(ContentKind::Rig));
     let [all, rigs] = [(&all, "or"), (&rigs, "and")].map(|(list, joint)| formats::listed(list, joint));
     format!("File for the body ({all}); {rigs} also store its skeleton")
 }
@@ -128,23 +129,23 @@ fn head_help() -> String {
 /// Writes a body, with its rig where the format holds one. Returns a description of the file.
 pub fn write_body(path: &Path, writer: &Writer, body: &TriMesh, rig: Option<&Rig>) -> Result<String> {
     files::write(path, &writer.mesh(body, rig)?)?;
-    let mut said = format!("{}: {} triangles", path.display(), body.triangles.len());
-    if let Some(rig) = rig.filter(|_| writer.holds(Content::Rig)) {
+    let mut message = format!("{}: {} triangles", path.display(), body.triangles.len());
+    if let Some(rig) = rig.filter(|_| writer.holds(ContentKind::Rig)) {
         let (joints, shapes) = (rig.joints.len(), rig.targets.len());
-        write!(said, ", {joints} joints, {shapes} blend shapes, {} animations", rig.animations.len())?;
+        write!(message, ", {joints} joints, {shapes} blend shapes, {} animations", rig.animations.len())?;
     }
-    Ok(said)
+    Ok(message)
 }
 
 /// Writes `strands`. Returns a description of the file.
 pub fn write_strands(path: &Path, writer: &Writer, strands: &Strands) -> Result<String> {
-    let encoded = writer.strands(strands, Some(Unit(1.0)))?;
+    let encoded = writer.strands(strands, Some(LengthUnit(1.0)))?;
     files::write(path, &encoded.bytes)?;
-    let mut said = counted(path, strands);
+    let mut message = counted(path, strands);
     for note in &encoded.notes {
-        write!(said, "\n  {note}")?;
+        write!(message, "\n  {note}")?;
     }
-    Ok(said)
+    Ok(message)
 }
 
 /// Describes a file of strands.

@@ -41,7 +41,7 @@ impl Temporary {
     }
 
     /// Creates a temporary file in the folder of `path`.
-    pub fn beside(path: &Path) -> Result<Self> {
+    pub fn in_folder_of(path: &Path) -> Result<Self> {
         Self::new(path.parent().unwrap_or(Path::new(""))).with_context(|| path.display().to_string())
     }
 
@@ -94,7 +94,7 @@ pub type Pieces<'a> = BufWriter<&'a mut tempfile::NamedTempFile>;
 /// Writes a file through `write`, then moves it to `path`, replacing an existing file.
 pub fn stream(path: &Path, write: impl FnOnce(Pieces<'_>) -> Result<()>) -> Result<()> {
     let name = || path.display().to_string();
-    let mut temporary = Temporary::beside(path)?;
+    let mut temporary = Temporary::in_folder_of(path)?;
     if let Some(file) = &mut temporary.file {
         write(BufWriter::new(file))?;
     }

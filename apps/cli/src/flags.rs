@@ -4,14 +4,14 @@ use anyhow::Result;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches, error::ErrorKind};
 use std::{marker::PhantomData, str::FromStr};
 use tresses_scene::{
-    Companion, Settings, Source,
+    Companion, PresetSource, Settings,
     companions::{ColorSource, MapSource},
     knobs::{Flag, Knob, SECTIONS, ValueKind, flags::Assignment, removed},
-    source::{COMPANIONS, CompanionKind as Companionship},
+    source::{COMPANION_FILES, CompanionKind as Companionship},
 };
 
 /// Selects the parameters that a command has flags for.
-pub trait Rows {
+pub trait FlagSet {
     /// Whether the command has this flag.
     fn has(flag: &Flag) -> bool;
 }
@@ -20,7 +20,7 @@ pub trait Rows {
 #[derive(Clone, Debug, Default)]
 pub struct All;
 
-impl Rows for All {
+impl FlagSet for All {
     fn has(_: &Flag) -> bool {
         true
     }
@@ -33,7 +33,7 @@ pub struct RowFlags<R> {
     rows: PhantomData<R>,
 }
 
-impl<R: Rows> RowFlags<R> {
+impl<R: FlagSet> RowFlags<R> {
     /// Whether this flag is given.
     pub fn gives(&self, name: &str) -> bool {
         self.given.iter().any(|(given, _)| *given == name)
@@ -52,7 +52,7 @@ impl<R: Rows> RowFlags<R> {
     }
 }
 
-impl<R: Rows> Args for RowFlags<R> {
+impl<R: FlagSet> Args for RowFlags<R> {
     fn augment_args(command: Command) -> Command {
         let command =
             Self::rows().fold(command, |command, (title, row, flag)| command.arg(argument(title, row, flag)));
@@ -67,7 +67,7 @@ impl<R: Rows> Args for RowFlags<R> {
     }
 }
 
-impl<R: Rows> FromArgMatches for RowFlags<R> {
+impl<R: FlagSet> FromArgMatches for RowFlags<R> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
         let mut given = Vec::new();
         let refuse = |kind, sentence: String| Error::raw(kind, sentence + "\n");
@@ -82,8 +82,9 @@ impl<R: Rows> FromArgMatches for RowFlags<R> {
                 }
             };
             if texts.len() > flag.times {
-                let (name, count, most) = (flag.name, texts.len(), flag.times);
-                let sentence = format!("--{name} is given {count} times, but at most {most} are allowed");
+                let (name, count, max_count) = (flag.name, texts.len(), flag.times);
+                let sentence =
+                    format!("--{name} is given {count} times, but at most {max_count} are allowed");
                 return Err(refuse(ErrorKind::TooManyValues, sentence));
             }
             for (time, text) in texts.into_iter().enumerate() {
@@ -141,7 +142,7 @@ impl CompanionFlags {
     }
 
     /// Applies the given files to `source`.
-    pub fn apply(&self, source: &mut Source) {
+    pub fn apply(&self, source: &mut PresetSource) {
         self.given.iter().for_each(|(companion, name)| companion.set(source, Some(name.clone())));
     }
 }
@@ -153,7 +154,7 @@ const SCALP: &str = "\nA .png of the scalp from above: the top is the front, the
 
 impl Args for CompanionFlags {
     fn augment_args(command: Command) -> Command {
-        COMPANIONS.iter().fold(command, |command, companion| {
+        COMPANION_FILES.iter().fold(command, |command, companion| {
             let (heading, value) = match companion.kind {
                 Companionship::Map => ("Maps on the scalp", "IMAGE[:C]|NAME"),
                 Companionship::Colors => ("Maps on the scalp", "IMAGE"),
@@ -161,7 +162,7 @@ impl Args for CompanionFlags {
             };
             let mut long = format!("{}.", companion.hint);
             if companion.kind == Companionship::Map {
-                long += if companion.key == COMPANIONS[0].key {
+                long += if companion.key == COMPANION_FILES[0].key {
                     SCALP
                 } else {
                     "\nAn image or a name, as for --density-map."
@@ -188,7 +189,7 @@ impl Args for CompanionFlags {
 impl FromArgMatches for CompanionFlags {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, Error> {
         let name = |key| matches.get_one::<String>(key).cloned();
-        Ok(Self { given: COMPANIONS.iter().filter_map(|c| Some((c, name(c.key)?))).collect() })
+        Ok(Self { given: COMPANION_FILES.iter().filter_map(|c| Some((c, name(c.key)?))).collect() })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {

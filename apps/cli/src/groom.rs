@@ -72,9 +72,9 @@ pub fn run(args: &GroomArgs) -> Result<()> {
     let bytes = after.write();
     files::write(&args.out, &bytes)?;
     let (now, was) = (after.guides().len(), before.guides().len());
-    let moved = (0..now).filter(|i| now == was && after.guide(*i) != before.guide(*i)).count();
+    let changed_guides = (0..now).filter(|i| now == was && after.guide(*i) != before.guide(*i)).count();
     let guides = if now == was {
-        format!("{moved} of {now} guides moved")
+        format!("{changed_guides} of {now} guides moved")
     } else {
         format!("{now} guides instead of {was}")
     };

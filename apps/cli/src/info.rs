@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use tresses::groom::{
     BindOptions, Look, TriMesh,
     import::{self, ImportReport},
-    lint::{Report, Severity, Spread},
+    lint::{LintReport, Severity, Spread},
     orient::Placement,
     rig::Rig,
 };
@@ -40,9 +40,9 @@ pub fn run(args: InfoArgs) -> anyhow::Result<()> {
     strict.moment = args.moment.moment();
     // First report numbers that are not finite as findings, then fail on them as other commands do.
     let mut options = strict.clone();
-    options.lenient = true;
-    options.unrepaired = true;
-    let (strands, head, report) = import::read_whole(&args.files, &args.head, &options)?;
+    options.allows_non_finite = true;
+    options.skips_repair = true;
+    let (strands, head, report) = import::read_complete(&args.files, &args.head, &options)?;
     // Errors in the strands are reported below.
     let of = |(rig, head): (&Rig, &TriMesh)| Anatomy::new(rig.clone(), head, strands.iter()).ok();
     let anatomy = report.rig.as_ref().zip(head.as_ref()).and_then(of);
@@ -177,8 +177,8 @@ fn attributes(out: &mut String, report: &ImportReport) {
         ("scalp coordinates", has.root_uvs),
         ("strand IDs", has.ids),
     ];
-    let list = |there: bool| {
-        let some: Vec<_> = all.iter().filter(|(_, has)| *has == there).map(|(name, _)| *name).collect();
+    let list = |present: bool| {
+        let some: Vec<_> = all.iter().filter(|(_, has)| *has == present).map(|(name, _)| *name).collect();
         if some.is_empty() { "none".into() } else { some.join(", ") }
     };
     line(out, "has", format!("{} (missing: {})", list(true), list(false)));
@@ -199,7 +199,7 @@ fn attributes(out: &mut String, report: &ImportReport) {
     line(out, "guides", text);
     for (i, group) in report.groups.iter().enumerate() {
         // A file may have as many groups as strands.
-        if i == MOST_GROUPS {
+        if i == MAX_GROUPS {
             line(out, "", format!("and {} more", report.groups.len() - i));
             break;
         }
@@ -223,20 +223,21 @@ fn simulated(report: &ImportReport) -> usize {
 }
 
 /// Most groups that are listed.
-const MOST_GROUPS: usize = 12;
+const MAX_GROUPS: usize = 12;
 
 /// Describes the interpolated strands that the files request, if any.
 fn followers(report: &ImportReport) -> Option<String> {
     let all = &report.followers;
-    let most = all.iter().map(|f| f.count).max().filter(|count| *count > 0)?;
-    let least = all.iter().map(|f| f.count).min().unwrap_or(most);
-    let count = if least == most { most.to_string() } else { format!("{least} to {most}") };
+    let max_count = all.iter().map(|f| f.count).max().filter(|count| *count > 0)?;
+    let min_count = all.iter().map(|f| f.count).min().unwrap_or(max_count);
+    let count =
+        if min_count == max_count { max_count.to_string() } else { format!("{min_count} to {max_count}") };
     let radius = all.iter().filter_map(|f| f.radius).reduce(f32::max);
     let within = radius.map_or(String::new(), |radius| format!(" within {:.2} mm", 1e3 * radius));
     Some(format!("{count} around each strand{within}: {} strands are drawn", report.with_followers()))
 }
 
-fn measures(out: &mut String, lint: &Report) {
+fn measures(out: &mut String, lint: &LintReport) {
     let three = |s: &Spread, scale: f32, digits: usize| {
         let [a, b, c] = [s.min, s.median, s.max].map(|v| format!("{:.digits$}", v * scale));
         format!("{a} / {b} / {c}")

@@ -2,7 +2,7 @@
 
 use tresses::groom::{
     import::{ImportOptions, Moment},
-    orient::{Axis, Unit},
+    orient::{Axis, LengthUnit},
 };
 
 /// Heading of these options in help.
@@ -13,7 +13,7 @@ const HEADING: &str = "Unit and axes";
 pub struct OrientArgs {
     /// Groom's unit: m, cm, mm, dm, in, ft or meters per unit [default: guessed]
     #[arg(long, value_name = "UNIT", help_heading = HEADING, hide_short_help = true)]
-    unit: Option<Unit>,
+    unit: Option<LengthUnit>,
     /// Groom's axis that points up, such as y, z or -z [default: guessed]
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = HEADING, hide_short_help = true)]
     up: Option<Axis>,
@@ -29,7 +29,7 @@ pub struct OrientArgs {
     mirror: Option<bool>,
     /// Head's unit [default: guessed]
     #[arg(long, value_name = "UNIT", help_heading = HEADING, hide_short_help = true)]
-    head_unit: Option<Unit>,
+    head_unit: Option<LengthUnit>,
     /// Head's axis that points up [default: guessed]
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true, help_heading = HEADING, hide_short_help = true)]
     head_up: Option<Axis>,
@@ -67,7 +67,7 @@ impl OrientArgs {
         groom.unit = self.unit.or(groom.unit);
         groom.up = self.up.or(groom.up);
         groom.front = self.front.or(groom.front);
-        groom.mirror = self.mirror.or(groom.mirror);
+        groom.is_mirrored = self.mirror.or(groom.is_mirrored);
         head.unit = self.head_unit.or(head.unit);
         head.up = self.head_up.or(head.up);
         head.front = self.head_front.or(head.front);

@@ -3,7 +3,7 @@
 use crate::{
     args::Size,
     debug::{self, Debug},
-    picture::{Frame, OutputKind, Picture, layers},
+    picture::{Image, OutputFrame, OutputKind, layers},
     progress::Preparing,
 };
 use anyhow::{Result, ensure};
@@ -12,7 +12,7 @@ use std::{
     sync::Arc,
 };
 use tresses::{Background, Gpu, PipelineRequest, groom::cards::CardOptions};
-use tresses_scene::{Companions, Preset, Scene, Shelf, Viewpoint, cards, scene::OutputRequest};
+use tresses_scene::{CompanionFiles, Preset, Scene, Shelf, Viewpoint, cards, scene::OutputRequest};
 
 /// A scene, and the debug view shown in its images.
 pub struct Photographer {
@@ -64,7 +64,7 @@ impl Photographer {
 
     /// Opens a scene, with fewer samples per pixel if the adapter does not offer more, whose hair is drawn as this number
     /// of cards, or as strands.
-    pub fn with_samples_at_most(preset: &Preset, size: Size, cards: Option<u32>) -> Result<Self> {
+    pub fn with_clamped_samples(preset: &Preset, size: Size, cards: Option<u32>) -> Result<Self> {
         Self::with_samples(None, preset, size, Opening { fewer: true, cards, ..Opening::default() })
     }
 
@@ -86,19 +86,19 @@ impl Photographer {
     ) -> Result<Self> {
         let settings = &preset.settings;
         settings.check()?;
-        let companions = Companions::of(&preset.source, Shelf::default());
-        let surroundings = companions.surroundings()?;
+        let companion_files = CompanionFiles::of(&preset.source, Shelf::default());
+        let surroundings = companion_files.surroundings()?;
         let preparing = Preparing::new("opening the GPU");
         let gpu = gpu.map_or_else(|| pollster::block_on(Gpu::open()), Ok)?;
-        let most = gpu.context.tier().max_samples;
-        let mut quality = settings.quality([size.width, size.height], most)?;
+        let max_samples = gpu.context.tier().max_samples;
+        let mut quality = settings.quality([size.width, size.height], max_samples)?;
         ensure!(
-            quality.view.renderer.samples() <= most || fewer,
-            "{} samples per pixel were requested, but {} supports at most {most}",
+            quality.view.renderer.samples() <= max_samples || fewer,
+            "{} samples per pixel were requested, but {} supports at most {max_samples}",
             quality.view.renderer.samples(),
             gpu.info.name
         );
-        quality.view.renderer = quality.view.renderer.with_max_samples(most);
+        quality.view.renderer = quality.view.renderer.with_max_samples(max_samples);
         let context = gpu.context.clone();
         let compile = |requests: Vec<PipelineRequest>| pollster::block_on(context.prepare(&requests, &()));
         // Compile shaders while the character is built.
@@ -116,7 +116,7 @@ impl Photographer {
             for note in &character.notes {
                 preparing.suspend(|| eprintln!("note: {note}"));
             }
-            let colliders = companions.colliders()?;
+            let colliders = companion_files.colliders()?;
             let in_motion = settings.pipelines_of_motion(&character.guide_vertices());
             let in_motion = moves.then(|| scope.spawn(move || compile(in_motion)));
             let scene = Scene::new(gpu, character, colliders, settings, &quality, &preparing);
@@ -126,9 +126,9 @@ impl Photographer {
             }
             Ok(scene)
         })?;
-        if let Some(roots) = scene.character.roots().filter(|roots| roots.farthest > 0.01) {
-            let [mean, farthest] = [roots.mean, roots.farthest].map(|meters| 1e3 * meters);
-            eprintln!("note: roots are {mean:.1} mm from the body on average, {farthest:.0} mm at most");
+        if let Some(roots) = scene.character.roots().filter(|roots| roots.max_distance > 0.01) {
+            let [mean, max_distance] = [roots.mean_distance, roots.max_distance].map(|meters| 1e3 * meters);
+            eprintln!("note: roots are {mean:.1} mm from the body on average, {max_distance:.0} mm at most");
         }
         scene.apply(settings)?;
         scene.set_surroundings(surroundings.map(Arc::new));
@@ -157,9 +157,9 @@ impl Photographer {
     }
 
     /// Renders the current frame. Blocks.
-    pub fn picture(&mut self, camera: &Viewpoint) -> Result<Picture> {
+    pub fn picture(&mut self, camera: &Viewpoint) -> Result<Image> {
         let scene = &mut self.scene;
-        scene.place_colliders();
+        scene.move_colliders();
         if let Some(debug) = &mut self.debug {
             debug.prepare(scene)?;
         }
@@ -173,7 +173,7 @@ impl Photographer {
         }
         let rgba = pollster::block_on(scene.targets().read())?;
         let [width, height] = scene.targets().size;
-        let mut picture = Picture { width, height, rgba };
+        let mut picture = Image { width, height, rgba };
         if let (Some(debug), Some(shown)) = (&self.debug, self.scene.shown()) {
             debug.label(&shown, &mut picture);
         }
@@ -181,21 +181,21 @@ impl Photographer {
     }
 
     /// Renders the current frame for an output of `kind`. Blocks.
-    pub fn frame(&mut self, camera: &Viewpoint, kind: OutputKind) -> Result<Frame> {
+    pub fn frame(&mut self, camera: &Viewpoint, kind: OutputKind) -> Result<OutputFrame> {
         if !kind.has_layers() {
-            return Ok(Frame::Shown(self.picture(camera)?));
+            return Ok(OutputFrame::Shown(self.picture(camera)?));
         }
-        let asked = OutputRequest { linear: true, hair: true, ..Default::default() };
-        let captured = pollster::block_on(self.scene.capture(*camera, asked))?;
+        let request = OutputRequest { linear: true, hair: true, ..Default::default() };
+        let captured = pollster::block_on(self.scene.capture(*camera, request))?;
         let (size, projection) = (self.scene.targets().size, self.scene.picture.camera.projection);
-        Ok(Frame::File(layers::encode(&captured, size, &projection)?, size))
+        Ok(OutputFrame::File(layers::encode(&captured, size, &projection)?, size))
     }
 
     /// Returns the number of pixels that hair covers, including occluded hair. Blocks.
     pub fn hair_pixels(&mut self, camera: &Viewpoint) -> Result<f64> {
-        let asked = OutputRequest { bare: true, ..OutputRequest::default() };
+        let request = OutputRequest { hair_only: true, ..OutputRequest::default() };
         let background = std::mem::replace(&mut self.scene.picture.background, Background::transparent());
-        let captured = pollster::block_on(self.scene.capture(*camera, asked));
+        let captured = pollster::block_on(self.scene.capture(*camera, request));
         self.scene.picture.background = background;
         Ok(captured?.color.as_chunks::<4>().0.iter().map(|[.., alpha]| f64::from(*alpha) / 255.0).sum())
     }

@@ -4,7 +4,7 @@ use crate::{
     args::{self, Size},
     crowd, debug,
     photographer::Photographer,
-    picture::{Film, Output, OutputKind},
+    picture::{Film, FrameWriter, OutputKind},
     progress, say,
     settings_args::SettingsArgs,
 };
@@ -59,7 +59,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "METERS", value_parser = args::distance, help_heading = "Image", hide_short_help = true)]
     pub distance_to: Option<f32>,
     /// Draw the hair as this number of cards instead of strands; they are baked first
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(CardOptions::MOST_CARDS)), help_heading = "Image", hide_short_help = true)]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(CardOptions::MAX_CARDS)), help_heading = "Image", hide_short_help = true)]
     pub cards: Option<u32>,
     #[command(flatten)]
     pub crowd: crowd::CrowdArgs,
@@ -133,7 +133,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
     let period = bend(&mut scene, &motion, args)?.unwrap_or(motion.duration());
     let frames = frames(period)?;
     if args.crowd.is_given() {
-        let output = Output::create(&args.out, (args.size.width, args.size.height), frames, args.fps)?;
+        let output = FrameWriter::create(&args.out, (args.size.width, args.size.height), frames, args.fps)?;
         let written = crowd::render(&mut scene, &motion, (frames, args.fps), &args.crowd, output)?;
         say!("{written}");
         return Ok(());
@@ -143,7 +143,7 @@ pub fn run(args: &RenderArgs) -> Result<()> {
         scene.picture.background = Background::transparent();
     }
     let camera = Viewpoint::portrait(args.camera, scene.subject(), args.size.aspect(), args.zoom);
-    let camera = args.distance.map_or(camera, |distance| camera.moved(distance));
+    let camera = args.distance.map_or(camera, |distance| camera.at_distance(distance));
     let shot = args.distance_to.map_or(Shot::still(camera), |distance| Shot::moving(camera, distance));
     let written = record(&mut scene, &shot, &motion, (frames, period), args)?;
     say!("{written}");
@@ -166,9 +166,9 @@ fn bend(scene: &mut Photographer, motion: &Motion, args: &RenderArgs) -> Result<
     // Built-in motions use morph targets of the built-in character, which other characters may lack.
     let keyed = motion.shapes().filter(|_| !NAMES.contains(&args.motion.as_str()));
     let Some(rig) = scene.character.rig_mut() else {
-        let wanted = args.animation.is_some() || !args.morphs.is_empty() || keyed.count() > 0;
+        let needs_rig = args.animation.is_some() || !args.morphs.is_empty() || keyed.count() > 0;
         ensure!(
-            !wanted,
+            !needs_rig,
             "the head has no animations and no blend shapes: give a head that has them with --head (glTF, USD)"
         );
         return Ok(None);
@@ -197,7 +197,7 @@ fn record(
     args: &RenderArgs,
 ) -> Result<String> {
     let size = (args.size.width, args.size.height);
-    let mut output = Output::create(&args.out, size, frames, args.fps)?.with_alpha(args.transparent);
+    let mut output = FrameWriter::create(&args.out, size, frames, args.fps)?.with_alpha(args.transparent);
     // A whole period of a repeating motion loops, so the hair starts with a warm-up period.
     let is_loop = output.kind().is_animation()
         && (motion.repeats() || args.animation.is_some())
@@ -225,7 +225,7 @@ pub fn animate(
     shot: &Shot,
     motion: &Motion,
     times: FrameTimes,
-    output: &mut Output,
+    output: &mut FrameWriter,
 ) -> Result<()> {
     if times.frames > 1 && !output.keeps_only_last() && scene.seeks_range() {
         // One color range for all frames: simulate them once without drawing to measure it.

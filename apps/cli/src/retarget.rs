@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use tresses::groom::{
     export::Writer,
     import::{self, ImportOptions},
-    orient::Unit,
+    orient::LengthUnit,
     retarget::{Landmark, retarget},
 };
 
@@ -37,7 +37,7 @@ pub fn run(args: &RetargetArgs) -> Result<()> {
     let writer = Writer::of(&args.out)?;
     files::prepare(&args.out)?;
     let options = args.orient.options();
-    let (strands, head, report) = import::read_whole(&args.grooms, &args.from, &options)?;
+    let (strands, head, report) = import::read_complete(&args.grooms, &args.from, &options)?;
     let head = head.context("--from has no mesh")?;
     for doubt in report.head_placement.iter().flat_map(|placement| &placement.doubts) {
         eprintln!("note: {}: {doubt}", args.from[0].display());
@@ -50,22 +50,22 @@ pub fn run(args: &RetargetArgs) -> Result<()> {
         }
         None => Vec::new(),
     };
-    let (moved, done) = retarget(&strands, &head, &other, &landmarks)?;
-    let encoded = writer.strands(&moved, Some(Unit(1.0)))?;
+    let (retargeted, done) = retarget(&strands, &head, &other, &landmarks)?;
+    let encoded = writer.strands(&retargeted, Some(LengthUnit(1.0)))?;
     files::write(&args.out, &encoded.bytes)?;
     encoded.notes.iter().for_each(|note| eprintln!("note: {note}"));
     say!(
         "{}: {} strands; heads match {}; {:.2} % of the vertices deeper than 1 mm ({:.1} % before they were pushed out); bends change by {:.1}°, distances of neighbors by {:.1} mm",
         args.out.display(),
-        moved.len(),
-        match done.same_topology {
+        retargeted.len(),
+        match done.has_same_topology {
             true => "by their vertices".into(),
             false => format!("within {:.2} mm", 1e3 * done.skin_error),
         },
         100.0 * done.inside[1],
         100.0 * done.inside[0],
         done.bend.to_degrees(),
-        1e3 * done.apart,
+        1e3 * done.spacing_change,
     );
     Ok(())
 }

@@ -11,8 +11,8 @@ use anyhow::{Context, Result};
 use std::path::PathBuf;
 use tresses::groom::{
     Guides, Strands,
-    export::{Hair, Writer},
-    formats::Content,
+    export::{ExportHair, Writer},
+    formats::ContentKind,
 };
 use tresses_scene::Preset;
 
@@ -42,23 +42,23 @@ pub fn run(args: &SampleArgs) -> Result<()> {
     let body = head.as_ref().context("the built-in character has a body")?;
     let strands = drawn(&scene, [&scene.character.hair().strands])?;
     let at = |name: &str| args.folder.join(name);
-    let mut said = Vec::new();
+    let mut messages = Vec::new();
     for name in GROOMS {
         let path = at(name);
-        said.push(write_strands(&path, Writer::of(&path)?, &strands)?);
+        messages.push(write_strands(&path, Writer::of(&path)?, &strands)?);
     }
     let path = at("guides.tfx");
-    said.push(write_strands(&path, Writer::of(&path)?, &as_strands(&guides))?);
+    messages.push(write_strands(&path, Writer::of(&path)?, &as_strands(&guides))?);
     for (name, rig) in [("head.obj", None), ("body.glb", rig.as_ref())] {
         let path = at(name);
-        said.push(write_body(&path, Writer::holding(&path, Content::Mesh)?, body, rig)?);
+        messages.push(write_body(&path, Writer::holding(&path, ContentKind::Mesh)?, body, rig)?);
     }
     let (path, look) = (at("character.glb"), scene.look(&preset.settings));
-    let hair = [Hair { name: "hair", strands: &strands, packed: false, look: look.as_ref() }];
+    let hair = [ExportHair { name: "hair", strands: &strands, packed: false, look: look.as_ref() }];
     files::write(&path, &Writer::of(&path)?.character(Some((body, rig.as_ref())), &hair)?)?;
-    said.push(format!("{}: body and hair", path.display()));
+    messages.push(format!("{}: body and hair", path.display()));
     drop(preparing);
-    say!("{}", said.join("\n"));
+    say!("{}", messages.join("\n"));
     Ok(())
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{
     args::SourceArgs,
-    flags::{All, CompanionFlags, RowFlags, Rows},
+    flags::{All, CompanionFlags, FlagSet, RowFlags},
     preset_args::PresetArgs,
 };
 use anyhow::{Result, ensure};
@@ -19,7 +19,7 @@ pub struct SettingsArgs {
     #[command(flatten)]
     pub preset: PresetArgs,
     #[command(flatten)]
-    pub companions: CompanionFlags,
+    pub companion_flags: CompanionFlags,
     #[command(flatten)]
     pub rows: RowFlags<All>,
 }
@@ -29,14 +29,14 @@ impl SettingsArgs {
     pub fn preset(&self) -> Result<Preset> {
         let mut preset = self.preset.open()?;
         self.source.apply(&mut preset);
-        apply(&self.companions, &self.rows, &mut preset)?;
+        apply(&self.companion_flags, &self.rows, &mut preset)?;
         self.preset.finish(&mut preset)?;
         Ok(preset)
     }
 }
 
 /// Applies the given parameters to `settings`. Rejects pigments and roughness for a shading model without them.
-pub fn apply_rows<R: Rows>(rows: &RowFlags<R>, settings: &mut Settings) -> Result<()> {
+pub fn apply_rows<R: FlagSet>(rows: &RowFlags<R>, settings: &mut Settings) -> Result<()> {
     rows.apply(settings)?;
     let model = knobs::find("shading.model").map(|row| row.get(settings));
     for name in ["melanin", "roughness"] {
@@ -49,19 +49,19 @@ pub fn apply_rows<R: Rows>(rows: &RowFlags<R>, settings: &mut Settings) -> Resul
 }
 
 /// Applies the given files and parameters to `preset`. Rejects contradictions.
-pub fn apply(companions: &CompanionFlags, rows: &RowFlags<All>, preset: &mut Preset) -> Result<()> {
+pub fn apply(companion_flags: &CompanionFlags, rows: &RowFlags<All>, preset: &mut Preset) -> Result<()> {
     ensure!(
         !(rows.gives("color") && rows.gives("melanin")),
         "--color and --melanin both set the hair color: give one of them"
     );
     ensure!(
-        !(rows.gives("color") && companions.gives("color_map")),
+        !(rows.gives("color") && companion_flags.gives("color_map")),
         "--color and --color-map both set the hair color: give one of them"
     );
     let Preset { source, settings, .. } = preset;
-    companions.apply(source);
+    companion_flags.apply(source);
     apply_rows(rows, settings)?;
-    if companions.gives("color_map") {
+    if companion_flags.gives("color_map") {
         settings.shading.color = HairColor::File;
     } else if rows.gives("color") {
         source.color_map = None;
@@ -223,7 +223,7 @@ mod tests {
         let preset = parse(&words).unwrap();
         assert_eq!(preset.source.environment.as_deref(), Some("sky.hdr"));
         let lights = &preset.settings.lights;
-        assert_eq!((lights.environment_turn, lights.environment_strength), (-90f32.to_radians(), 2.0));
+        assert_eq!((lights.environment_rotation, lights.environment_strength), (-90f32.to_radians(), 2.0));
         assert!(parse(&["--environment-turn", "20"]).is_err(), "there is nothing to turn");
     }
 

@@ -2,7 +2,7 @@
 
 use crate::settings_args::SettingsArgs;
 use anyhow::{Context, Result};
-use tresses_scene::{Companions, Shelf};
+use tresses_scene::{CompanionFiles, Shelf};
 use tresses_studio::Options;
 
 /// Initial state of the window.
@@ -25,9 +25,9 @@ impl StudioArgs {
         for path in source.grooms.iter().chain(&source.heads) {
             std::fs::metadata(path).with_context(|| path.display().to_string())?;
         }
-        let companions = Companions::of(&source, Shelf::default());
-        companions.maps()?;
-        companions.colliders()?;
+        let companion_files = CompanionFiles::of(&source, Shelf::default());
+        companion_files.maps()?;
+        companion_files.colliders()?;
         if let Some(path) = &source.environment {
             std::fs::metadata(path).with_context(|| path.clone())?;
         }
@@ -36,7 +36,7 @@ impl StudioArgs {
             heads: source.heads,
             style: source.style,
             import: source.orientation,
-            companions,
+            companion_files,
             settings: preset.settings,
             ..Default::default()
         })
@@ -67,7 +67,7 @@ mod tests {
         let storm = options(&["--preset", preset]).unwrap();
         assert_eq!((storm.style.as_deref(), storm.settings.wind_speed()), (Some("long"), 14.0));
         let sparse = options(&["--density-map", "noise"]).unwrap();
-        assert_eq!(sparse.companions.names().density_map.as_deref(), Some("noise"));
+        assert_eq!(sparse.companion_files.names().density_map.as_deref(), Some("noise"));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use crate::{
     args::Size,
     photographer::Photographer,
-    picture::{Frame, Output, Picture},
+    picture::{FrameWriter, Image, OutputFrame},
     progress,
 };
 use anyhow::{Context, Result};
@@ -13,15 +13,15 @@ use tresses::{
     glam::{Vec2, Vec3},
     groom::edit::{GroomDocument, GroomEditor, ScriptStep, StrokeSample, StrokeScript},
 };
-use tresses_scene::{Companions, Preset, Scene, Shelf, Viewpoint, camera::VERTICAL_FOV};
+use tresses_scene::{CompanionFiles, Preset, Scene, Shelf, Viewpoint, camera::VERTICAL_FOV};
 
 /// Frames per second.
 const FPS: f64 = 10.0;
 /// Frames of a stroke, of the camera's way to the next, after a stroke, and of the turn at the end.
 const STROKE: u32 = 4;
-const WAY: u32 = 4;
+const TRANSITION: u32 = 4;
 const REST: u32 = 1;
-const TURN: u32 = 24;
+const ORBIT: u32 = 24;
 /// Angle between two views from which the camera takes a way, radians.
 const SAME: f32 = 0.05;
 /// Highest and lowest elevation of the camera, radians.
@@ -39,8 +39,9 @@ impl View {
     /// `center`.
     fn of(samples: &[StrokeSample], center: Vec3) -> Self {
         let back: Vec3 = samples.iter().map(|sample| -sample.direction).sum();
-        let middle = samples.iter().map(|sample| sample.origin).sum::<Vec3>() / samples.len().max(1) as f32;
-        let back = back.try_normalize().unwrap_or_else(|| (middle - center).normalize_or(Vec3::Z));
+        let mean_origin =
+            samples.iter().map(|sample| sample.origin).sum::<Vec3>() / samples.len().max(1) as f32;
+        let back = back.try_normalize().unwrap_or_else(|| (mean_origin - center).normalize_or(Vec3::Z));
         let elevation = back.y.asin().clamp(*ELEVATION.start(), *ELEVATION.end());
         Self(Vec2::new(back.x.atan2(back.z), elevation))
     }
@@ -51,11 +52,11 @@ impl View {
     }
 
     /// Returns the view between this one and `other`, by the shorter way around the head.
-    fn towards(self, other: Self, share: f32) -> Self {
-        let turn = std::f32::consts::TAU;
-        let mut way = other.0 - self.0;
-        way.x -= turn * (way.x / turn).round();
-        Self(self.0 + way * (share * share * (3.0 - 2.0 * share)))
+    fn towards(self, other: Self, fraction: f32) -> Self {
+        let full_circle = std::f32::consts::TAU;
+        let mut delta = other.0 - self.0;
+        delta.x -= full_circle * (delta.x / full_circle).round();
+        Self(self.0 + delta * (fraction * fraction * (3.0 - 2.0 * fraction)))
     }
 
     fn is_near(self, other: Self) -> bool {
@@ -71,7 +72,7 @@ pub struct Timelapse<'a> {
     size: Size,
     camera: Viewpoint,
     view: View,
-    output: Output,
+    output: FrameWriter,
 }
 
 impl<'a> Timelapse<'a> {
@@ -83,7 +84,7 @@ impl<'a> Timelapse<'a> {
         path: &Path,
         size: Size,
     ) -> Result<Self> {
-        let output = Output::create(path, (size.width, size.height), 0, FPS)?;
+        let output = FrameWriter::create(path, (size.width, size.height), 0, FPS)?;
         let camera = Viewpoint { eye: Vec3::Z, target: Vec3::ZERO };
         Ok(Self { gpu, preset, source, size, camera, view: View(Vec2::new(0.55, 0.1)), output })
     }
@@ -104,7 +105,7 @@ impl<'a> Timelapse<'a> {
             if let ScriptStep::Stroke { brush, samples } = step {
                 let view = View::of(samples, target);
                 if !self.view.is_near(view) {
-                    self.turn(&mut scene, view, WAY)?;
+                    self.move_camera(&mut scene, view, TRANSITION)?;
                 }
                 let Some((begin, others)) = samples.split_first() else { continue };
                 if editor.press(brush, begin)? {
@@ -126,11 +127,12 @@ impl<'a> Timelapse<'a> {
             (0..REST).try_for_each(|_| self.frame(&mut scene, None))?;
             bar.inc(1);
         }
-        for k in 1..=TURN {
-            let around = std::f32::consts::TAU * k as f32 / TURN as f32;
+        for k in 1..=ORBIT {
+            let around = std::f32::consts::TAU * k as f32 / ORBIT as f32;
             let view = View(Vec2::new(self.view.0.x + around, first.0.y));
-            let way = if k < WAY { self.view.towards(view, k as f32 / WAY as f32) } else { view };
-            self.look(way);
+            let shown_view =
+                if k < TRANSITION { self.view.towards(view, k as f32 / TRANSITION as f32) } else { view };
+            self.look(shown_view);
             self.frame(&mut scene, None)?;
         }
         bar.finish_and_clear();
@@ -141,15 +143,17 @@ impl<'a> Timelapse<'a> {
     fn scene(&self, document: &GroomDocument) -> Result<Photographer> {
         let settings = self.preset.settings.without_style();
         let source = self.source.with_document(document.clone());
-        let companions = Companions::of(&self.preset.source, Shelf::default());
-        let parts = pollster::block_on(source.dress(&settings.styling(None, &companions.maps()?)?, &()))?;
-        let most = self.gpu.context.tier().max_samples;
-        let mut quality = settings.quality([self.size.width, self.size.height], most)?;
-        quality.view.renderer = quality.view.renderer.with_max_samples(most);
-        let scene = Scene::new(self.gpu.clone(), parts, companions.colliders()?, &settings, &quality, &());
+        let companion_files = CompanionFiles::of(&self.preset.source, Shelf::default());
+        let parts =
+            pollster::block_on(source.dress(&settings.styling(None, &companion_files.maps()?)?, &()))?;
+        let max_samples = self.gpu.context.tier().max_samples;
+        let mut quality = settings.quality([self.size.width, self.size.height], max_samples)?;
+        quality.view.renderer = quality.view.renderer.with_max_samples(max_samples);
+        let scene =
+            Scene::new(self.gpu.clone(), parts, companion_files.colliders()?, &settings, &quality, &());
         let mut scene = pollster::block_on(scene)?;
         scene.apply(&settings)?;
-        scene.set_surroundings(companions.surroundings()?.map(Into::into));
+        scene.set_surroundings(companion_files.surroundings()?.map(Into::into));
         scene.reset(&Gesture::default())?;
         Ok(Photographer::of(scene))
     }
@@ -160,7 +164,7 @@ impl<'a> Timelapse<'a> {
     }
 
     /// Moves the camera.
-    fn turn(&mut self, scene: &mut Photographer, to: View, frames: u32) -> Result<()> {
+    fn move_camera(&mut self, scene: &mut Photographer, to: View, frames: u32) -> Result<()> {
         let from = self.view;
         for k in 1..=frames {
             self.look(from.towards(to, k as f32 / frames as f32));
@@ -182,16 +186,16 @@ impl<'a> Timelapse<'a> {
         if let Some((center, radius)) = brush {
             self.ring(&mut picture, scene.character.head().point(center), radius);
         }
-        self.output.add(Frame::Shown(picture))
+        self.output.add(OutputFrame::Shown(picture))
     }
 
     /// Draws a ring across the line of sight.
-    fn ring(&self, picture: &mut Picture, center: Vec3, radius: f32) {
+    fn ring(&self, picture: &mut Image, center: Vec3, radius: f32) {
         let size = [picture.width, picture.height];
         let camera = Camera::look_at(self.camera.eye, self.camera.target, VERTICAL_FOV, size);
-        let sight = (center - self.camera.eye).normalize_or(Vec3::NEG_Z);
-        let right = sight.cross(Vec3::Y).normalize_or(Vec3::X);
-        let up = right.cross(sight);
+        let view_direction = (center - self.camera.eye).normalize_or(Vec3::NEG_Z);
+        let right = view_direction.cross(Vec3::Y).normalize_or(Vec3::X);
+        let up = right.cross(view_direction);
         for i in 0..RING {
             let (sin, cos) = (std::f32::consts::TAU * i as f32 / RING as f32).sin_cos();
             let clip =
@@ -199,12 +203,12 @@ impl<'a> Timelapse<'a> {
             if clip.w <= 0.0 {
                 continue;
             }
-            let place = Vec2::new(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w);
-            let place = (place * Vec2::new(size[0] as f32, size[1] as f32)).floor();
+            let uv = Vec2::new(0.5 + 0.5 * clip.x / clip.w, 0.5 - 0.5 * clip.y / clip.w);
+            let pixel = (uv * Vec2::new(size[0] as f32, size[1] as f32)).floor();
             let inside =
-                place.cmpge(Vec2::ZERO).all() && place.x < size[0] as f32 && place.y < size[1] as f32;
+                pixel.cmpge(Vec2::ZERO).all() && pixel.x < size[0] as f32 && pixel.y < size[1] as f32;
             if inside {
-                let at = 4 * (place.y as usize * size[0] as usize + place.x as usize);
+                let at = 4 * (pixel.y as usize * size[0] as usize + pixel.x as usize);
                 picture.rgba[at..at + 3].copy_from_slice(&WHITE);
             }
         }

@@ -9,7 +9,7 @@ pub const RADIUS: f32 = 0.035;
 /// Initial gap between ball and hair, meters.
 const ABOVE: f32 = 0.12;
 /// Initial horizontal offset from the center, meters, so that the ball rolls off.
-const BESIDE: f32 = 0.03;
+const CENTER_OFFSET: f32 = 0.03;
 /// The ball is removed this far below the subject, meters.
 const BELOW: f32 = 0.12;
 /// Gravity, m/s².
@@ -39,7 +39,7 @@ impl Ball {
         // Multiples of the golden angle never repeat.
         let (sin, cos) = (number as f32 * 2.399_963 + 0.6).sin_cos();
         let top = Vec3::new(0.5 * (lo.x + hi.x), hi.y + ABOVE + RADIUS, 0.5 * (lo.z + hi.z));
-        let at = top + BESIDE * Vec3::new(sin, 0.0, cos);
+        let at = top + CENTER_OFFSET * Vec3::new(sin, 0.0, cos);
         Self { at, velocity: Vec3::ZERO, floor: lo.y - BELOW }
     }
 

@@ -9,7 +9,7 @@ use tresses::groom::{
 };
 use tresses_scene::{
     Settings,
-    cards::{self, AskedLevel, CardChain, CardFormat},
+    cards::{self, CardChain, CardFormat, LevelRequest},
 };
 
 /// The user's choices for a bake.
@@ -25,7 +25,7 @@ pub struct CardForm {
 
 impl Default for CardForm {
     fn default() -> Self {
-        let CardOptions { texture, chains, .. } = CardOptions::default();
+        let CardOptions { texture_size: texture, chain_count: chains, .. } = CardOptions::default();
         Self { levels: "400, 150, 40, helmet".into(), texture, bones: chains }
     }
 }
@@ -36,8 +36,9 @@ impl CardForm {
     /// # Errors
     /// Fails with a sentence for levels that make no sense.
     pub fn options(&self) -> Result<CardOptions> {
-        let levels = self.levels.split(',').map(str::parse).collect::<Result<Vec<AskedLevel>>>()?;
-        let options = CardOptions { texture: self.texture, chains: self.bones, ..cards::options(&levels)? };
+        let levels = self.levels.split(',').map(str::parse).collect::<Result<Vec<LevelRequest>>>()?;
+        let options =
+            CardOptions { texture_size: self.texture, chain_count: self.bones, ..cards::options(&levels)? };
         options.check()?;
         Ok(options)
     }
@@ -115,7 +116,7 @@ mod tests {
     #[test]
     fn levels_are_read_as_in_the_command() {
         let options = CardForm::default().options().unwrap();
-        assert_eq!((options.levels, options.helmet), (vec![400, 150, 40], true));
+        assert_eq!((options.levels, options.has_helmet), (vec![400, 150, 40], true));
         for (levels, error) in
             [("many", "number of cards"), ("40, 150", "falling"), ("helmet, 4", "last"), ("", "")]
         {

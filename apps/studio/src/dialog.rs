@@ -18,26 +18,26 @@ use web_time::Instant;
 
 /// Data to save.
 #[derive(Clone, Debug)]
-pub enum Content {
+pub enum SaveData {
     /// Bytes that do not depend on the file's location.
     Bytes(Vec<u8>),
     /// A preset. It stores file names relative to its own location.
     Preset(Box<Preset>),
 }
 
-impl From<Vec<u8>> for Content {
+impl From<Vec<u8>> for SaveData {
     fn from(bytes: Vec<u8>) -> Self {
         Self::Bytes(bytes)
     }
 }
 
-impl From<Preset> for Content {
+impl From<Preset> for SaveData {
     fn from(preset: Preset) -> Self {
         Self::Preset(Box::new(preset))
     }
 }
 
-impl Content {
+impl SaveData {
     /// Returns the bytes to write to `path`.
     fn bytes(&self, path: &Path) -> std::io::Result<Cow<'_, [u8]>> {
         match self {
@@ -61,46 +61,46 @@ impl Content {
 /// Opens dialogs and queues their answers for a window.
 #[derive(Clone)]
 pub struct Dialogs {
-    answers: Arc<Mutex<Vec<Answer>>>,
+    queue: Arc<Mutex<Vec<Answer>>>,
     context: egui::Context,
 }
 
 impl Dialogs {
     /// Creates the queue for the window of `context`.
     pub fn new(context: &egui::Context) -> Self {
-        Self { answers: Arc::default(), context: context.clone() }
+        Self { queue: Arc::default(), context: context.clone() }
     }
 
     /// Takes all answers queued since the last call.
     pub fn take(&self) -> Vec<Answer> {
-        std::mem::take(&mut *self.answers.lock().unwrap_or_else(PoisonError::into_inner))
+        std::mem::take(&mut *self.queue.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Queues an answer and wakes the window.
     pub fn tell(&self, answer: Answer) {
-        self.answers.lock().unwrap_or_else(PoisonError::into_inner).push(answer);
+        self.queue.lock().unwrap_or_else(PoisonError::into_inner).push(answer);
         self.context.request_repaint();
     }
 
     /// Reports an error if the dialog requested at `asked` did not open.
-    fn nothing(&self, asked: Instant) {
-        if no_dialog(asked) {
+    fn nothing(&self, request_time: Instant) {
+        if no_dialog(request_time) {
             let help = "drop files on the window or name them on the command line";
             self.tell(Answer::Failed(format!("{MISSING}: {help}")));
         }
     }
 
     /// Opens the file dialog that `ask` builds, reads the chosen files, and queues the answers of `sort`.
-    fn ask(
+    fn open_dialog(
         &self,
-        ask: impl FnOnce() -> AsyncFileDialog + Send + 'static,
+        build: impl FnOnce() -> AsyncFileDialog + Send + 'static,
         sort: impl FnOnce(Vec<Read>) -> Vec<Answer> + Send + 'static,
     ) {
         let dialogs = self.clone();
         task::spawn(move || async move {
-            let asked = Instant::now();
-            let Some(files) = ask().pick_files().await else {
-                dialogs.nothing(asked);
+            let request_time = Instant::now();
+            let Some(files) = build().pick_files().await else {
+                dialogs.nothing(request_time);
                 return;
             };
             let mut read = Vec::new();
@@ -115,22 +115,22 @@ impl Dialogs {
 
     /// Opens a dialog for a groom, a head, or both.
     pub fn open(&self) {
-        let ask = || {
-            let ask = AsyncFileDialog::new().set_title("Open a groom, a head, or both");
-            ask.add_filter("Grooms and heads", &[formats::GROOMS, formats::MESHES].concat())
+        let build = || {
+            let dialog = AsyncFileDialog::new().set_title("Open a groom, a head, or both");
+            dialog.add_filter("Grooms and heads", &[formats::GROOMS, formats::MESHES].concat())
         };
-        self.ask(ask, |files| sort::files(files, sort::IN_MEMORY));
+        self.open_dialog(build, |files| sort::files(files, sort::IN_MEMORY));
     }
 
     /// Opens a dialog for a preset.
     pub fn preset(&self) {
-        let ask = || AsyncFileDialog::new().set_title("Open a preset").add_filter("Presets", &["toml"]);
-        self.ask(ask, |files| sort::files(files, sort::IN_MEMORY));
+        let build = || AsyncFileDialog::new().set_title("Open a preset").add_filter("Presets", &["toml"]);
+        self.open_dialog(build, |files| sort::files(files, sort::IN_MEMORY));
     }
 
     /// Opens a dialog for a companion file of the hair.
     pub fn companion(&self, companion: &'static Companion) {
-        let ask = move || {
+        let build = move || {
             let mut endings = companion.kind.extensions().to_vec();
             if sort::IN_MEMORY {
                 // The studio cannot open files that this file names, so the user must choose them too.
@@ -138,7 +138,7 @@ impl Dialogs {
             }
             AsyncFileDialog::new().set_title(companion.title).add_filter(companion.title, &endings)
         };
-        self.ask(ask, move |files| vec![sort::chosen(companion, files, sort::IN_MEMORY)]);
+        self.open_dialog(build, move |files| vec![sort::for_companion(companion, files, sort::IN_MEMORY)]);
     }
 
     /// Reads and sorts files dropped on the window: grooms, heads, presets, maps, obstacles, environments.
@@ -168,16 +168,16 @@ impl Dialogs {
 
     /// Opens a save dialog for `content` with `name` as the suggested name.
     #[cfg(not(target_arch = "wasm32"))]
-    pub fn save(&self, title: &str, name: &str, content: impl Into<Content>) {
+    pub fn save(&self, title: &str, name: &str, content: impl Into<SaveData>) {
         let content = content.into();
         let dialogs = self.clone();
         let (title, name) = (title.to_owned(), name.to_owned());
         task::spawn(move || async move {
-            let asked = Instant::now();
-            let ask = AsyncFileDialog::new().set_title(title).set_file_name(&name);
-            let answer = match ask.save_file().await {
+            let request_time = Instant::now();
+            let dialog = AsyncFileDialog::new().set_title(title).set_file_name(&name);
+            let answer = match dialog.save_file().await {
                 Some(file) => write(&file, &name, &content),
-                None if no_dialog(asked) => write_here(&name, &content),
+                None if no_dialog(request_time) => write_to_current_folder(&name, &content),
                 None => return,
             };
             dialogs.tell(answer);
@@ -186,7 +186,7 @@ impl Dialogs {
 
     /// Downloads `content` as `name` through the browser.
     #[cfg(target_arch = "wasm32")]
-    pub fn save(&self, _: &str, name: &str, content: impl Into<Content>) {
+    pub fn save(&self, _: &str, name: &str, content: impl Into<SaveData>) {
         let done = content.into().bytes(Path::new(name)).map(|bytes| crate::page::download(name, &bytes));
         self.tell(match done {
             Ok(Ok(())) => Answer::Wrote(format!("{name} is downloaded by the browser")),
@@ -198,8 +198,9 @@ impl Dialogs {
 
 /// Whether the dialog requested at `asked` did not open: the system has none, or the request ended faster than a user
 /// could close a dialog. (The toolkit does not distinguish the two.)
-fn no_dialog(asked: Instant) -> bool {
-    cfg!(not(target_arch = "wasm32")) && (asked.elapsed() < Duration::from_millis(500) || !has_dialogs())
+fn no_dialog(request_time: Instant) -> bool {
+    cfg!(not(target_arch = "wasm32"))
+        && (request_time.elapsed() < Duration::from_millis(500) || !has_dialogs())
 }
 
 /// Whether the system can open file dialogs. On Linux that takes zenity or a desktop portal, which needs a session bus.
@@ -219,7 +220,7 @@ const MISSING: &str = "no file dialogs are available (on Linux install a desktop
 
 /// Writes `content` to the chosen file. A name without an extension gets the extension of `name`.
 #[cfg(not(target_arch = "wasm32"))]
-fn write(file: &rfd::FileHandle, name: &str, content: &Content) -> Answer {
+fn write(file: &rfd::FileHandle, name: &str, content: &SaveData) -> Answer {
     let mut path = file.path().to_path_buf();
     if path.extension().is_none()
         && let Some(ending) = Path::new(name).extension()
@@ -239,7 +240,7 @@ fn wrote(path: &Path, result: std::io::Result<()>) -> Answer {
 
 /// Writes `content` to the current folder, for systems without dialogs. Never overwrites a file.
 #[cfg(not(target_arch = "wasm32"))]
-fn write_here(name: &str, content: &Content) -> Answer {
+fn write_to_current_folder(name: &str, content: &SaveData) -> Answer {
     let name = Path::new(name);
     let (stem, ending) = (name.with_extension(""), name.extension().unwrap_or_default());
     let numbered = |i: u32| match i {
@@ -273,7 +274,8 @@ mod tests {
         std::fs::create_dir_all(&folder).unwrap();
         let name = folder.join("preset.toml");
         for (i, bytes) in [b"first", b"other"].into_iter().enumerate() {
-            let Answer::Wrote(said) = write_here(name.to_str().unwrap(), &bytes.to_vec().into()) else {
+            let Answer::Wrote(said) = write_to_current_folder(name.to_str().unwrap(), &bytes.to_vec().into())
+            else {
                 panic!("{i}")
             };
             assert!(said.contains(MISSING));
@@ -281,6 +283,9 @@ mod tests {
         assert_eq!(std::fs::read(&name).unwrap(), b"first");
         assert_eq!(std::fs::read(folder.join("preset-1.toml")).unwrap(), b"other");
         std::fs::remove_dir_all(&folder).unwrap();
-        assert!(matches!(write_here(name.to_str().unwrap(), &b"x".to_vec().into()), Answer::Failed(_)));
+        assert!(matches!(
+            write_to_current_folder(name.to_str().unwrap(), &b"x".to_vec().into()),
+            Answer::Failed(_)
+        ));
     }
 }

@@ -3,11 +3,11 @@
 use crate::{
     files::Files,
     groomer::Groomer,
-    hair::{COLORS, Hair, Source},
+    hair::{COLORS, DocumentHair, HairSource},
     job::{DisplayedCharacter, Job, JobResult, Order},
     journal::{Journal, LeftGroom},
     messages::Messages,
-    renderer::Renderer,
+    renderer::StudioRenderer,
     stage::CharacterDisplay,
 };
 use eframe::egui;
@@ -22,7 +22,7 @@ use tresses::{
         styles::Style,
     },
 };
-use tresses_scene::{Changes, Companion, Companions, History, Preset, Settings, Shelf, source};
+use tresses_scene::{Changes, Companion, CompanionFiles, History, Preset, Settings, Shelf, source};
 
 /// Memory of groomed versions that undo keeps, bytes.
 const UNDO_BYTES: usize = if cfg!(target_arch = "wasm32") { 96 << 20 } else { 256 << 20 };
@@ -32,7 +32,7 @@ pub struct Document {
     context: egui::Context,
     gpu: Gpu,
     /// Settings and hair, with undo history.
-    pub settings: History<Hair>,
+    pub settings: History<DocumentHair>,
     /// The character on the screen; `None` until the first job ends.
     pub shown: Option<DisplayedCharacter>,
     /// The running job.
@@ -51,7 +51,7 @@ pub struct Document {
 
 impl Document {
     /// Creates a document with `hair` and `settings`, without a character or a job.
-    pub fn new(context: &egui::Context, gpu: Gpu, settings: Settings, hair: Hair) -> Self {
+    pub fn new(context: &egui::Context, gpu: Gpu, settings: Settings, hair: DocumentHair) -> Self {
         Self {
             context: context.clone(),
             gpu,
@@ -68,7 +68,7 @@ impl Document {
 
     /// Prepares the hair on the screen for brushes if one `is_active`, and puts the body to rest meanwhile unless it is
     /// [live](crate::playback::Playback::live).
-    pub fn groom(&mut self, is_active: bool, renderer: &mut Renderer, messages: &mut Messages) {
+    pub fn groom(&mut self, is_active: bool, renderer: &mut StudioRenderer, messages: &mut Messages) {
         let at_rest = is_active && !renderer.playback.live;
         if renderer.playback.at_rest != at_rest {
             renderer.playback.at_rest = at_rest;
@@ -101,7 +101,7 @@ impl Document {
     }
 
     /// Puts guides that the brush has moved into the hair of `renderer`. No frame may be in flight.
-    pub fn pose(&mut self, renderer: &mut Renderer, messages: &mut Messages) {
+    pub fn pose(&mut self, renderer: &mut StudioRenderer, messages: &mut Messages) {
         let Some(groomer) = &mut self.groomer else { return };
         let Some(show) = &mut renderer.show else { return };
         if !renderer.playback.at_rest || show.frames == 0 {
@@ -110,7 +110,7 @@ impl Document {
         // Hair with other lengths is made anew.
         let shown = self.shown.as_ref().and_then(|shown| shown.hair.source.document());
         let is_pose = shown.is_some_and(|shown| shown.is_pose_of(groomer.document()));
-        if !is_pose || !groomer.take_moved() {
+        if !is_pose || !groomer.take_pose_due() {
             return;
         }
         if let Err(error) = show.stage.character.hair_mut().pose_guides(groomer.editor().positions()) {
@@ -124,22 +124,22 @@ impl Document {
             Some(Ok(Some(document))) => {
                 self.step(document, "Keep shape");
                 self.keep(messages);
-                messages.said = Some("The hair keeps this shape, and is at rest".into());
+                messages.notice = Some("The hair keeps this shape, and is at rest".into());
             }
             Some(Err(error)) => messages.fail(error),
-            _ => messages.said = Some("The hair has this shape already".into()),
+            _ => messages.notice = Some("The hair has this shape already".into()),
         }
     }
 
     /// Records a version as a step of the history.
     fn step(&mut self, document: GroomDocument, label: &str) {
         let now = self.settings.hair();
-        let source = Source::Edited { name: now.source.name(), document };
-        let hair = Hair { source, companions: now.companions.clone() };
+        let source = HairSource::Edited { name: now.source.name(), document };
+        let hair = DocumentHair { source, companion_files: now.companion_files.clone() };
         self.settings.change_both(self.settings.now().clone(), hair, label);
         self.settings.limit(UNDO_BYTES, |older, newer| {
             let pair = older.source.document().zip(newer.source.document());
-            pair.map_or(0, |(older, newer)| older.bytes_beside(newer))
+            pair.map_or(0, |(older, newer)| older.unshared_bytes(newer))
         });
     }
 
@@ -167,7 +167,7 @@ impl Document {
     /// # Errors
     /// Fails if its file cannot be read.
     pub fn recover(&mut self, left: &LeftGroom, messages: &mut Messages) -> anyhow::Result<()> {
-        let source = Source::Edited { name: left.name.clone(), document: left.read()? };
+        let source = HairSource::Edited { name: left.name.clone(), document: left.read()? };
         self.open(source, messages);
         self.recovered = Some(left.clone());
         Ok(())
@@ -182,15 +182,15 @@ impl Document {
     }
 
     /// Returns the hair of the running job, else the hair on the screen.
-    pub fn wanted(&self) -> Hair {
+    pub fn requested_hair(&self) -> DocumentHair {
         let coming = self.job.as_ref().map(|job| &job.hair);
         coming.or(self.shown.as_ref().map(|shown| &shown.hair)).cloned().unwrap_or_default()
     }
 
     /// Starts a job that reads `source` again. The current character stays until the job ends.
-    pub fn open(&mut self, source: Source, messages: &mut Messages) {
-        let companions = self.wanted().companions;
-        self.make(Hair { source, companions }, true, messages);
+    pub fn open(&mut self, source: HairSource, messages: &mut Messages) {
+        let companion_files = self.requested_hair().companion_files;
+        self.make(DocumentHair { source, companion_files }, true, messages);
     }
 
     /// Sets the companion file, or removes it if `name` is `None`.
@@ -201,11 +201,11 @@ impl Document {
         files: &Shelf,
         messages: &mut Messages,
     ) {
-        let Hair { source, companions } = self.wanted();
+        let DocumentHair { source, companion_files } = self.requested_hair();
         if companion.key == COLORS {
             self.painted.clone_from(&name);
         }
-        let hair = Hair { source, companions: companions.with(companion, name, files) };
+        let hair = DocumentHair { source, companion_files: companion_files.with(companion, name, files) };
         if companion.kind.is_of_hair() {
             self.make(hair, false, messages);
         } else {
@@ -214,11 +214,11 @@ impl Document {
     }
 
     /// Starts a job for `hair` unless it is already shown or loading.
-    fn go_to(&mut self, hair: Hair, messages: &mut Messages) {
+    fn go_to(&mut self, hair: DocumentHair, messages: &mut Messages) {
         self.painted = None;
         if let (Some(groomer), Some(document)) = (&mut self.groomer, hair.source.document())
             && document.is_version_of(groomer.document())
-            && self.shown.as_ref().is_some_and(|shown| shown.hair.companions == hair.companions)
+            && self.shown.as_ref().is_some_and(|shown| shown.hair.companion_files == hair.companion_files)
         {
             // The guides are put into the hair at once; it is made anew once the brush rests.
             match groomer.go_to(document.clone()) {
@@ -239,7 +239,7 @@ impl Document {
     }
 
     /// Starts a job for `hair`. If only the environment differs, the job loads just that.
-    fn light(&mut self, hair: Hair, messages: &mut Messages) {
+    fn light(&mut self, hair: DocumentHair, messages: &mut Messages) {
         let same = self.shown.as_ref().is_some_and(|shown| shown.hair.is_lit_otherwise(&hair));
         if same && self.job.as_ref().is_none_or(Job::is_light) {
             messages.clear();
@@ -250,7 +250,7 @@ impl Document {
     }
 
     /// Starts a job that builds `hair`. `fresh` reads its files again even if they are already shown.
-    pub fn make(&mut self, hair: Hair, fresh: bool, messages: &mut Messages) {
+    pub fn make(&mut self, hair: DocumentHair, fresh: bool, messages: &mut Messages) {
         let shown = self.shown.as_ref().filter(|shown| !fresh && shown.hair.source == hair.source);
         let base = match (shown, hair.source.document()) {
             (Some(shown), _) => Some(shown.base.clone()),
@@ -264,8 +264,9 @@ impl Document {
         let shown = shown.or(self.shown.as_ref().filter(|_| base.is_some()));
         // Reuse the environment if its file is the same.
         let same_light = |shown: &&DisplayedCharacter| {
-            let light = |hair: &Hair| hair.companions.names().environment.clone();
-            light(&shown.hair) == light(&hair) && !shown.hair.companions.files_differ(&hair.companions)
+            let light = |hair: &DocumentHair| hair.companion_files.names().environment.clone();
+            light(&shown.hair) == light(&hair)
+                && !shown.hair.companion_files.files_differ(&hair.companion_files)
         };
         let surroundings = shown.filter(same_light).and_then(|shown| shown.surroundings.clone());
         self.due.rebuild = false;
@@ -285,7 +286,7 @@ impl Document {
 
     /// Returns the result of a finished job and its hair. After an error the document reverts to the hair on the
     /// screen.
-    pub fn take_done(&mut self, messages: &mut Messages) -> Option<(Hair, JobResult)> {
+    pub fn take_done(&mut self, messages: &mut Messages) -> Option<(DocumentHair, JobResult)> {
         let done = self.job.as_ref()?.take()?;
         let Job { hair, .. } = self.job.take()?;
         let error = match done {
@@ -296,7 +297,7 @@ impl Document {
         match &self.shown {
             Some(shown) => self.settings.set_hair(shown.hair.clone()),
             // An empty window falls back to the built-in hair.
-            None if hair != Hair::default() => self.make(Hair::default(), true, messages),
+            None if hair != DocumentHair::default() => self.make(DocumentHair::default(), true, messages),
             None => {}
         }
         messages.fail(error);
@@ -307,7 +308,7 @@ impl Document {
     /// one of other hair.
     ///
     /// Returns whether it has closed one.
-    pub fn open_editor(&mut self, hair: &Hair, editor: Option<(GroomEditor, Settings)>) -> bool {
+    pub fn open_editor(&mut self, hair: &DocumentHair, editor: Option<(GroomEditor, Settings)>) -> bool {
         if let Some((editor, settings)) = editor {
             let label = hair.step_from(self.settings.hair());
             self.settings.change_both(settings, hair.clone(), &label);
@@ -323,7 +324,7 @@ impl Document {
     }
 
     /// Whether `hair` is a version of the hair under the brush.
-    fn is_version(&self, hair: &Hair) -> bool {
+    fn is_version(&self, hair: &DocumentHair) -> bool {
         let of = |document: &GroomDocument| {
             self.groomer.as_ref().is_some_and(|it| document.is_version_of(it.document()))
         };
@@ -332,9 +333,9 @@ impl Document {
 
     /// Records `hair` as the shown hair, as one undo step. If a color map was loaded for it, the same step switches the
     /// hair color to that map.
-    pub fn arrived(&mut self, hair: &Hair) {
+    pub fn arrived(&mut self, hair: &DocumentHair) {
         let painted = self.painted.take();
-        if self.is_version(hair) && self.settings.hair().companions == hair.companions {
+        if self.is_version(hair) && self.settings.hair().companion_files == hair.companion_files {
             // The history has it, and may have newer ones.
             return;
         }
@@ -345,7 +346,11 @@ impl Document {
         }
         let label = hair.step_from(self.settings.hair());
         let before = self.settings.now().clone();
-        self.settings.change_both(hair.seen_with(&before, painted.as_deref()), hair.clone(), &label);
+        self.settings.change_both(
+            hair.settings_with_color_map(&before, painted.as_deref()),
+            hair.clone(),
+            &label,
+        );
         self.follow(&before);
     }
 
@@ -371,36 +376,38 @@ impl Document {
         self.change(preset.settings, "Preset");
         // File names in a preset are relative to it.
         let source = preset.source.inside(path.parent().unwrap_or(Path::new("")));
-        let mut said = format!("{} is loaded", path.display());
-        let before = self.wanted();
-        let on_files = matches!(before.source, Source::Files { .. });
+        let mut notice = format!("{} is loaded", path.display());
+        let before = self.requested_hair();
+        let on_files = matches!(before.source, HairSource::Files { .. });
         let hair = match &source.style {
             // A preset for a style is applied to the current groom.
             Some(style) if on_files => {
-                said += &format!(" for the current groom; the preset was made for style {style}");
+                notice += &format!(" for the current groom; the preset was made for style {style}");
                 None
             }
-            Some(style) => Some(Source::Style(style.clone())),
+            Some(style) => Some(HairSource::Style(style.clone())),
             None if source.grooms.is_empty() => None,
             None => match groom(&source, &files) {
-                Some(files) => Some(Source::Files { files, options: Box::new(source.orientation.clone()) }),
+                Some(files) => {
+                    Some(HairSource::Files { files, options: Box::new(source.orientation.clone()) })
+                }
                 None => {
-                    said += " for the current hair; to load its groom, drop both together";
+                    notice += " for the current hair; to load its groom, drop both together";
                     None
                 }
             },
         };
-        let companions = Companions::of(&source, files);
+        let companion_files = CompanionFiles::of(&source, files);
         // New hair also replaces the companions.
-        let companions = match hair.is_some() || companions.all().next().is_some() {
-            true => companions,
-            false => before.companions.clone(),
+        let companion_files = match hair.is_some() || companion_files.all().next().is_some() {
+            true => companion_files,
+            false => before.companion_files.clone(),
         };
-        let hair = Hair { source: hair.unwrap_or(before.source.clone()), companions };
+        let hair = DocumentHair { source: hair.unwrap_or(before.source.clone()), companion_files };
         if hair != before {
             self.go_to(hair, messages);
         }
-        messages.said = Some(said);
+        messages.notice = Some(notice);
     }
 
     /// Undoes the last change, or redoes it if `again`.
@@ -441,7 +448,7 @@ impl Document {
         let Some(shown) = self.shown.as_ref().filter(|_| self.job.is_none()) else { return };
         let mut hair = shown.hair.clone();
         if let Some(groomer) = &self.groomer
-            && let Source::Edited { document, .. } = &mut hair.source
+            && let HairSource::Edited { document, .. } = &mut hair.source
             && let Some(wait) = groomer.settles(Some(document))
         {
             if wait > 0.0 && !self.due.rebuild {
@@ -465,12 +472,12 @@ fn rest(show: &mut CharacterDisplay, rests: bool, messages: &mut Messages) {
 }
 
 /// Returns the groom and head of a preset: paths on a desktop, bytes from `given` in a browser.
-fn groom(source: &source::Source, given: &Shelf) -> Option<Files> {
+fn groom(source: &source::PresetSource, given: &Shelf) -> Option<Files> {
     if !cfg!(target_arch = "wasm32") {
         return Some(Files::Disk { grooms: source.grooms.clone(), heads: source.heads.clone() });
     }
-    let there = source.grooms.iter().chain(&source.heads).all(|path| given.holds(path));
-    there.then(|| {
+    let are_given = source.grooms.iter().chain(&source.heads).all(|path| given.holds(path));
+    are_given.then(|| {
         let files = given.given().into_iter().filter(|(name, bytes)| import::kind(name, bytes).is_some());
         Files::Given(Arc::new(files.map(|(name, bytes)| (name, bytes.into_owned().into())).collect()))
     })

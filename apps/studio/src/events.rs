@@ -28,16 +28,16 @@ impl EventQueue {
 
 /// Returns how many of `events` the next frame can take.
 fn first_that_waits(events: &[Event]) -> usize {
-    let mut place: Option<Pos2> = None;
+    let mut press_position: Option<Pos2> = None;
     for (i, event) in events.iter().enumerate() {
         let (at, is_button) = match event {
             Event::PointerMoved(at) => (*at, false),
             Event::PointerButton { pos, .. } => (*pos, true),
             _ => continue,
         };
-        match place {
-            Some(place) if place.distance(at) > NEAR => return i,
-            None if is_button => place = Some(at),
+        match press_position {
+            Some(press_position) if press_position.distance(at) > NEAR => return i,
+            None if is_button => press_position = Some(at),
             _ => {}
         }
     }

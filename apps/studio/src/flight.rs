@@ -16,7 +16,7 @@ struct Parts {
 
 /// A frame in flight.
 pub struct Flight {
-    begun: Instant,
+    started: Instant,
     all: usize,
     parts: Arc<Mutex<Parts>>,
 }
@@ -44,19 +44,19 @@ impl Flight {
     /// Starts submitting `parts` in order. Calls `wake` when the last is done.
     pub fn start(
         queue: &wgpu::Queue,
-        begun: Instant,
+        started: Instant,
         parts: Vec<wgpu::CommandBuffer>,
         wake: impl FnOnce() + Send + 'static,
     ) -> Self {
         let all = parts.len();
         let parts = Arc::new(Mutex::new(Parts { left: parts.into(), done: 0, landed: None }));
         go_on(queue, &parts, wake);
-        Self { begun, all, parts }
+        Self { started, all, parts }
     }
 
     /// Returns the frame's duration in milliseconds once it is done.
     pub fn landed(&self) -> Option<f32> {
-        Some(lock(&self.parts).landed?.duration_since(self.begun).as_secs_f32() * 1e3)
+        Some(lock(&self.parts).landed?.duration_since(self.started).as_secs_f32() * 1e3)
     }
 
     /// Returns the number of finished parts and of all parts.
@@ -123,7 +123,7 @@ mod tests {
     use tresses::Gpu;
 
     #[test]
-    fn parts_are_submitted_in_turn_until_canceled() {
+    fn parts_are_submitted_in_order_until_canceled() {
         let Some(gpu) = tresses_testing::gpu_or_skip(pollster::block_on(Gpu::open())) else { return };
         let woken = Arc::new(AtomicU32::new(0));
         let start = || {

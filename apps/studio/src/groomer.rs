@@ -34,8 +34,8 @@ impl BrushKit {
             if brush.tool == changed.tool {
                 *brush = changed;
             }
-            (brush.radius, brush.reach, brush.mirror, brush.layer) =
-                (changed.radius, changed.reach, changed.mirror, changed.layer);
+            (brush.radius, brush.region, brush.mirror, brush.layer) =
+                (changed.radius, changed.region, changed.mirror, changed.layer);
         }
     }
 
@@ -66,7 +66,7 @@ pub struct Groomer {
     editor: GroomEditor,
     steps: Vec<Step>,
     /// The current stroke: its beginning, brush and samples.
-    begun: Instant,
+    started: Instant,
     brush: Brush,
     samples: Vec<StrokeSample>,
     /// End of the last stroke or undo.
@@ -87,7 +87,7 @@ impl Groomer {
             hash: editor.document().hash(),
             editor,
             steps: Vec::new(),
-            begun: now,
+            started: now,
             brush: Brush::default(),
             samples: Vec::new(),
             ended: now,
@@ -120,8 +120,8 @@ impl Groomer {
     }
 
     /// Whether the guides must be put into the hair on the screen since the last call.
-    pub fn take_moved(&mut self) -> bool {
-        self.editor.take_moved() | std::mem::take(&mut self.pose_due)
+    pub fn take_pose_due(&mut self) -> bool {
+        self.editor.take_changed() | std::mem::take(&mut self.pose_due)
     }
 
     /// Whether the hair on the screen, made from `shown`, is to be made anew. Returns how long to wait, s.
@@ -139,7 +139,7 @@ impl Groomer {
     pub fn press(&mut self, brush: &Brush, sample: &StrokeSample) -> Result<bool> {
         let begins = self.editor.press(brush, sample)?;
         if begins {
-            (self.begun, self.brush, self.samples) = (Instant::now(), *brush, vec![*sample]);
+            (self.started, self.brush, self.samples) = (Instant::now(), *brush, vec![*sample]);
         }
         Ok(begins)
     }
@@ -149,7 +149,7 @@ impl Groomer {
     /// # Errors
     /// As [`GroomEditor::drag`].
     pub fn drag(&mut self, sample: StrokeSample) -> Result<()> {
-        let sample = StrokeSample { time: self.begun.elapsed().as_secs_f32(), ..sample };
+        let sample = StrokeSample { time: self.started.elapsed().as_secs_f32(), ..sample };
         self.samples.push(sample);
         Ok(self.editor.drag(&sample)?)
     }

@@ -3,14 +3,14 @@
 use crate::files::Files;
 use tresses::CharacterFiles;
 use tresses::groom::{edit::GroomDocument, import::ImportOptions, styles::Style};
-use tresses_scene::{Companion, Companions, Settings, settings::HairColor, source};
+use tresses_scene::{Companion, CompanionFiles, Settings, settings::HairColor, source};
 
 /// Companion key of the color map on the scalp.
 pub const COLORS: &str = "color_map";
 
 /// A groom with its head.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Source {
+pub enum HairSource {
     /// Name of a built-in style.
     Style(String),
     /// A built-in style on the head of files.
@@ -38,7 +38,7 @@ pub enum Source {
     },
 }
 
-impl Source {
+impl HairSource {
     /// Returns a short name for titles.
     pub fn name(&self) -> String {
         match self {
@@ -99,30 +99,33 @@ impl Source {
 
 /// Hair and its maps, obstacles and environment.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Hair {
+pub struct DocumentHair {
     /// Groom and head.
-    pub source: Source,
+    pub source: HairSource,
     /// Maps, obstacles and environment.
-    pub companions: Companions,
+    pub companion_files: CompanionFiles,
 }
 
-impl Default for Hair {
+impl Default for DocumentHair {
     fn default() -> Self {
-        Self { source: Source::Style(Style::default().name().into()), companions: Companions::default() }
+        Self {
+            source: HairSource::Style(Style::default().name().into()),
+            companion_files: CompanionFiles::default(),
+        }
     }
 }
 
-impl Hair {
+impl DocumentHair {
     /// Whether `other` differs at most in its environment.
     pub fn is_lit_otherwise(&self, other: &Self) -> bool {
-        self.source == other.source && !self.companions.differ_in_hair(&other.companions)
+        self.source == other.source && !self.companion_files.differ_in_hair(&other.companion_files)
     }
 
     /// Returns `settings` with the hair color taken from the color map, if `painted` names this hair's map. A newly
     /// loaded map is visible at once this way.
-    pub fn seen_with(&self, settings: &Settings, painted: Option<&str>) -> Settings {
+    pub fn settings_with_color_map(&self, settings: &Settings, painted: Option<&str>) -> Settings {
         let mut settings = settings.clone();
-        if painted.is_some() && painted == self.companions.names().color_map.as_deref() {
+        if painted.is_some() && painted == self.companion_files.names().color_map.as_deref() {
             settings.shading.color = HairColor::File;
         }
         settings
@@ -130,36 +133,36 @@ impl Hair {
 
     /// Returns a label of a few words for the change from `before`.
     pub fn step_from(&self, before: &Self) -> String {
-        if matches!(self.source, Source::Edited { .. }) && before.source.document().is_none() {
+        if matches!(self.source, HairSource::Edited { .. }) && before.source.document().is_none() {
             return "Groom".into();
         }
         if self.source != before.source {
             return format!("Hair: {}", self.source.name());
         }
-        let name = |hair: &Self, companion: &Companion| hair.companions.name(companion);
-        let mut turned = source::COMPANIONS.iter().filter(|c| name(self, c) != name(before, c));
-        match (turned.next(), turned.next()) {
+        let name = |hair: &Self, companion: &Companion| hair.companion_files.name(companion);
+        let mut changed = source::COMPANION_FILES.iter().filter(|c| name(self, c) != name(before, c));
+        match (changed.next(), changed.next()) {
             (Some(one), None) => one.title.into(),
             _ => "Files".into(),
         }
     }
 
     /// Returns the source for a preset. Files in a browser and groomed hair have no path, so they are left out.
-    pub fn named(&self) -> source::Source {
-        let mut source = self.companions.names().clone();
+    pub fn named(&self) -> source::PresetSource {
+        let mut source = self.companion_files.names().clone();
         match &self.source {
-            Source::Style(name) => source.style = Some(name.clone()),
-            Source::Files { files: Files::Disk { grooms, heads }, options } => {
+            HairSource::Style(name) => source.style = Some(name.clone()),
+            HairSource::Files { files: Files::Disk { grooms, heads }, options } => {
                 (source.grooms, source.heads) = (grooms.clone(), heads.clone());
                 source.orientation = (**options).clone();
             }
-            Source::Head { style, files: Files::Disk { heads, .. }, options } => {
+            HairSource::Head { style, files: Files::Disk { heads, .. }, options } => {
                 (source.style, source.heads) = (Some(style.clone()), heads.clone());
                 source.orientation = (**options).clone();
             }
-            Source::Files { files: Files::Given(_), .. }
-            | Source::Head { files: Files::Given(_), .. }
-            | Source::Edited { .. } => {}
+            HairSource::Files { files: Files::Given(_), .. }
+            | HairSource::Head { files: Files::Given(_), .. }
+            | HairSource::Edited { .. } => {}
         }
         source
     }
@@ -172,18 +175,18 @@ mod tests {
 
     #[test]
     fn undo_label_names_the_change() {
-        let bob = Hair { source: Source::Style("bob".into()), ..Hair::default() };
-        let with = |hair: &Hair, key: &str| {
+        let bob = DocumentHair { source: HairSource::Style("bob".into()), ..DocumentHair::default() };
+        let with = |hair: &DocumentHair, key: &str| {
             let name = Some("front".into());
-            let companions = hair.companions.with(companion(key).unwrap(), name, &Shelf::default());
-            Hair { companions, ..hair.clone() }
+            let companions = hair.companion_files.with(companion(key).unwrap(), name, &Shelf::default());
+            DocumentHair { companion_files: companions, ..hair.clone() }
         };
         let (sparse, lit) = (with(&bob, "density_map"), with(&bob, "environment"));
-        assert_eq!(bob.step_from(&Hair::default()), "Hair: bob");
+        assert_eq!(bob.step_from(&DocumentHair::default()), "Hair: bob");
         assert_eq!((sparse.step_from(&bob), lit.step_from(&bob)), ("Density".into(), "Environment".into()));
         assert_eq!(lit.step_from(&sparse), "Files");
         assert!(lit.is_lit_otherwise(&bob) && !sparse.is_lit_otherwise(&bob));
-        assert!(!bob.is_lit_otherwise(&Hair::default()));
+        assert!(!bob.is_lit_otherwise(&DocumentHair::default()));
         assert_eq!(sparse.named().style.as_deref(), Some("bob"));
         assert_eq!(sparse.named().density_map.as_deref(), Some("front"));
     }
@@ -191,15 +194,17 @@ mod tests {
     #[test]
     fn loaded_color_map_becomes_the_hair_color() {
         let name = || Some("colors.png".to_owned());
-        let companions = Companions::default().with(companion(COLORS).unwrap(), name(), &Shelf::default());
-        let hair = Hair { companions, ..Hair::default() };
+        let companions =
+            CompanionFiles::default().with(companion(COLORS).unwrap(), name(), &Shelf::default());
+        let hair = DocumentHair { companion_files: companions, ..DocumentHair::default() };
         let mut brown = Settings::default();
         brown.shading.color = HairColor::Brown;
-        let color =
-            |hair: &Hair, painted: Option<String>| hair.seen_with(&brown, painted.as_deref()).shading.color;
+        let color = |hair: &DocumentHair, painted: Option<String>| {
+            hair.settings_with_color_map(&brown, painted.as_deref()).shading.color
+        };
         assert_eq!(color(&hair, name()), HairColor::File);
         // A preset that says brown, and hair without the map, keep their color.
         assert_eq!(color(&hair, None), HairColor::Brown);
-        assert_eq!(color(&Hair::default(), name()), HairColor::Brown);
+        assert_eq!(color(&DocumentHair::default(), name()), HairColor::Brown);
     }
 }

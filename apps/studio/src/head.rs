@@ -14,9 +14,9 @@ const FREE: f32 = 9.0;
 /// Damping ratio after release; 1 is critical damping.
 const FREE_DAMPING: f32 = 0.45;
 /// Largest displacement from the rest position, meters.
-const REACH: f32 = 0.3;
+const MAX_SHIFT: f32 = 0.3;
 /// Largest yaw and pitch, radians.
-const TURNS: Vec2 = Vec2::new(1.4, 0.7);
+const MAX_ROTATION: Vec2 = Vec2::new(1.4, 0.7);
 /// Thickness of skin and flat hair, added to the head for picking, meters.
 const SKIN: f32 = 0.012;
 
@@ -28,7 +28,7 @@ pub struct HeadSpring {
     /// Translation, meters.
     shift: Spring3,
     /// Yaw, pitch, 0; radians.
-    turn: Spring3,
+    rotation: Spring3,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,7 +63,7 @@ impl HeadSpring {
     /// Releases the head; it swings back to its rest position.
     pub fn release(&mut self) {
         self.held = None;
-        (self.shift.to, self.turn.to) = (Vec3::ZERO, Vec3::ZERO);
+        (self.shift.to, self.rotation.to) = (Vec3::ZERO, Vec3::ZERO);
     }
 
     /// Returns the distance from the eye to the grabbed point, meters, while held.
@@ -73,24 +73,24 @@ impl HeadSpring {
 
     /// Moves the target of a held head by `by`, meters.
     pub fn drag(&mut self, by: Vec3) {
-        self.shift.to = (self.shift.to + by).clamp_length_max(REACH);
+        self.shift.to = (self.shift.to + by).clamp_length_max(MAX_SHIFT);
     }
 
     /// Turns the target of a held head by `by`: yaw and pitch, radians.
-    pub fn turn(&mut self, by: Vec2) {
-        let to = (self.turn.to.truncate() + by).clamp(-TURNS, TURNS);
-        self.turn.to = to.extend(0.0);
+    pub fn rotate(&mut self, by: Vec2) {
+        let to = (self.rotation.to.truncate() + by).clamp(-MAX_ROTATION, MAX_ROTATION);
+        self.rotation.to = to.extend(0.0);
     }
 
     /// Whether all springs are at rest.
     pub fn is_still(&self) -> bool {
-        self.shift.is_still() && self.turn.is_still()
+        self.shift.is_still() && self.rotation.is_still()
     }
 
     /// Advances the springs by `seconds`.
     pub fn advance(&mut self, seconds: f32) {
         let (rate, damping) = if self.held.is_some() { (HELD, 1.0) } else { (FREE, FREE_DAMPING) };
-        for spring in [&mut self.shift, &mut self.turn] {
+        for spring in [&mut self.shift, &mut self.rotation] {
             spring.advance(seconds.clamp(0.0, 0.25), rate, damping);
             if self.held.is_none() && spring.is_still() {
                 *spring = Spring3::default();
@@ -100,9 +100,9 @@ impl HeadSpring {
 
     /// Adds the displacement to `gesture`: shifts the body and turns the head about `pivot` (groom space, meters).
     pub fn apply(&self, mut gesture: Gesture, pivot: Vec3) -> Gesture {
-        let [yaw, pitch, _] = self.turn.at.to_array();
-        let turn = Pose::about(pivot, Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch));
-        gesture.head = gesture.head.after(&turn);
+        let [yaw, pitch, _] = self.rotation.at.to_array();
+        let rotation = Pose::about(pivot, Quat::from_rotation_y(yaw) * Quat::from_rotation_x(pitch));
+        gesture.head = gesture.head.after(&rotation);
         gesture.body.translation += self.shift.at;
         gesture
     }
@@ -146,7 +146,7 @@ mod tests {
         hand.drag(Vec3::X);
         for _ in 0..20 {
             hand.advance(3.0);
-            assert!(hand.apply(Gesture::default(), Vec3::ZERO).rigid().translation.x <= REACH + 1e-3);
+            assert!(hand.apply(Gesture::default(), Vec3::ZERO).rigid().translation.x <= MAX_SHIFT + 1e-3);
         }
     }
 

@@ -1,6 +1,6 @@
 //! The studio embedded in a host page: no panels; the page sends commands by name and receives the state.
 
-use crate::{messages::Messages, renderer::Renderer, state::State};
+use crate::{messages::Messages, renderer::StudioRenderer, state::State};
 use anyhow::{Context, Result, bail};
 use tresses_scene::{
     Value,
@@ -76,7 +76,7 @@ pub struct Host {
 
 impl Host {
     /// Starts the requested animation on the current character.
-    pub fn animate(&mut self, renderer: &mut Renderer, messages: &mut Messages) {
+    pub fn animate(&mut self, renderer: &mut StudioRenderer, messages: &mut Messages) {
         let Some(show) = &mut renderer.show else { return };
         let Some(name) = self.animation.take() else { return };
         let Some(living) = show.stage.character.rig_mut() else {

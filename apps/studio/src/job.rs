@@ -2,7 +2,7 @@
 
 use crate::{
     cards::BakedCards,
-    hair::{Hair, Source},
+    hair::{DocumentHair, HairSource},
     task,
 };
 use anyhow::{Context, Result};
@@ -18,7 +18,7 @@ use tresses::{
     renderer::Renderer,
 };
 use tresses_scene::{
-    Quality, Scene, Settings, Surroundings,
+    EnvironmentMap, Quality, Scene, Settings,
     cards::{self, CardChain},
     motion::animation,
     open,
@@ -32,11 +32,11 @@ const PATIENCE: std::time::Duration = std::time::Duration::from_millis(40);
 /// Input of a job.
 pub struct Order {
     /// Hair and companions.
-    pub hair: Hair,
+    pub hair: DocumentHair,
     /// The loaded groom, if it can be reused.
     pub base: Option<Arc<CharacterSource>>,
     /// The loaded environment, if it can be reused.
-    pub surroundings: Option<Arc<Surroundings>>,
+    pub surroundings: Option<Arc<EnvironmentMap>>,
     /// All parameters.
     pub settings: Settings,
     /// Whether camera and motion stay unchanged.
@@ -48,13 +48,13 @@ pub struct Order {
 /// The character on the screen.
 pub struct DisplayedCharacter {
     /// Its source and companions.
-    pub hair: Hair,
+    pub hair: DocumentHair,
     /// Notes for the user, a sentence each.
     pub notes: Vec<String>,
     /// The groom before styling, and the import report.
     pub base: Arc<CharacterSource>,
     /// The environment map; `None` for the photographer's lights.
-    pub surroundings: Option<Arc<Surroundings>>,
+    pub surroundings: Option<Arc<EnvironmentMap>>,
 }
 
 /// A character that is ready to be shown.
@@ -74,7 +74,7 @@ pub enum JobResult {
     /// A character.
     Hair(Box<PreparedCharacter>),
     /// A new environment, or none, for the character on the screen.
-    Light(Option<Arc<Surroundings>>),
+    Light(Option<Arc<EnvironmentMap>>),
     /// Cards of the character on the screen.
     Cards(Box<BakedCards>),
 }
@@ -104,10 +104,10 @@ struct Inbox {
 pub struct Job {
     inbox: Arc<Mutex<Inbox>>,
     /// The hair that the job loads.
-    pub hair: Hair,
+    pub hair: DocumentHair,
     kind: JobKind,
     /// Start time.
-    pub begun: web_time::Instant,
+    pub started: web_time::Instant,
 }
 
 /// Reports a job's progress to the window.
@@ -160,12 +160,12 @@ impl Job {
     }
 
     /// Starts to load the environment of `hair`. Everything else of it is already shown.
-    pub fn light(context: &egui::Context, hair: Hair) -> Self {
-        let companions = hair.companions.clone();
+    pub fn light(context: &egui::Context, hair: DocumentHair) -> Self {
+        let companion_files = hair.companion_files.clone();
         let (job, teller) = Self::begin(context, hair, JobKind::Light);
         task::spawn(move || async move {
             teller.step("reading the environment map", 0.0).await;
-            teller.done(companions.surroundings().map(|read| JobResult::Light(read.map(Arc::new))));
+            teller.done(companion_files.surroundings().map(|read| JobResult::Light(read.map(Arc::new))));
         });
         job
     }
@@ -180,11 +180,11 @@ impl Job {
         job
     }
 
-    fn begin(context: &egui::Context, hair: Hair, kind: JobKind) -> (Self, ProgressSender) {
+    fn begin(context: &egui::Context, hair: DocumentHair, kind: JobKind) -> (Self, ProgressSender) {
         let inbox = Arc::<Mutex<Inbox>>::default();
-        let begun = web_time::Instant::now();
+        let started = web_time::Instant::now();
         let teller = ProgressSender { inbox: inbox.clone(), context: context.clone() };
-        (Self { inbox, hair, kind, begun }, teller)
+        (Self { inbox, hair, kind, started }, teller)
     }
 
     /// Whether the job only loads an environment.
@@ -215,28 +215,28 @@ impl Job {
 
 async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<PreparedCharacter> {
     let Order { mut hair, base, surroundings, mut settings, keep, groom } = order;
-    let Hair { source, companions } = &hair;
+    let DocumentHair { source, companion_files } = &hair;
     // Validate the inputs before the expensive work.
     progress.step("reading maps and the environment map", 0.0).await;
-    let (maps, colliders) = (companions.maps()?, companions.colliders()?);
+    let (maps, colliders) = (companion_files.maps()?, companion_files.colliders()?);
     let surroundings = match surroundings {
         Some(surroundings) => Some(surroundings),
-        None => companions.surroundings()?.map(Arc::new),
+        None => companion_files.surroundings()?.map(Arc::new),
     };
     let options = view_options(&settings, gpu.context.tier())?;
     let base = match (base, source) {
         (Some(base), _) => base,
-        (None, Source::Style(name)) => {
+        (None, HairSource::Style(name)) => {
             Arc::new(drape::style(&gpu.context, &name.parse::<Style>()?, progress).await?)
         }
-        (None, Source::Head { style, files, options }) => {
+        (None, HairSource::Head { style, files, options }) => {
             let (style, files) = (style.parse::<Style>()?, files.borrowed());
             Arc::new(drape::style_on(&gpu.context, &style, &files, options, progress).await?)
         }
-        (None, Source::Files { files, options }) => {
+        (None, HairSource::Files { files, options }) => {
             Arc::new(CharacterSource::imported(&files.borrowed(), options, progress).await?)
         }
-        (None, Source::Edited { name, document }) => {
+        (None, HairSource::Edited { name, document }) => {
             Arc::new(CharacterSource::edited(Path::new(name), document.clone(), progress).await?)
         }
     };
@@ -251,14 +251,14 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Prepa
         styling = settings.styling(None, &maps)?;
         base = Arc::new(base.with_document(document.clone()));
         editor = Some((base.editor(document.clone(), progress).await?, settings.clone()));
-        hair.source = Source::Edited { name: hair.source.name(), document };
+        hair.source = HairSource::Edited { name: hair.source.name(), document };
     }
     let mut character = base.dress(&styling, progress).await?;
     let notes = std::mem::take(&mut character.notes);
     // Pipelines that are already compiled cost nothing here.
-    let mut wanted = settings.pipelines(options);
-    wanted.extend(settings.pipelines_of_motion(&character.guide_vertices()));
-    gpu.context.prepare(&wanted, progress).await?;
+    let mut pipelines = settings.pipelines(options);
+    pipelines.extend(settings.pipelines_of_motion(&character.guide_vertices()));
+    gpu.context.prepare(&pipelines, progress).await?;
     let quality = Quality { size: FIRST, view: options, ssaa: settings.ssaa, lod: settings.lod() };
     let stage = Scene::new(gpu, character, colliders, &settings, &quality, progress).await;
     let mut stage = stage?;
@@ -279,10 +279,10 @@ async fn baked(
 ) -> Result<BakedCards> {
     let Order { hair, base, settings, .. } = order;
     let base = base.context("there is no hair on the screen")?;
-    let (maps, colliders) = (hair.companions.maps()?, hair.companions.colliders()?);
+    let (maps, colliders) = (hair.companion_files.maps()?, hair.companion_files.colliders()?);
     let view = view_options(&settings, gpu.context.tier())?;
     let parts = base.dress(&settings.styling(base.style(), &maps)?, progress).await?;
-    let colored = settings.material().file_colors;
+    let colored = settings.material().uses_file_colors;
     let cards = cards::of_parts(&parts, options, colored, progress).await?;
     gpu.context.prepare(&[PipelineRequest::Cards(view.renderer.samples())], progress).await?;
     let quality = Quality { view, lod: settings.lod(), ..Quality::new([1; 2]) };
@@ -305,7 +305,7 @@ pub fn view_options(settings: &Settings, tier: Tier) -> tresses::Result<ViewOpti
     if tier.software {
         fast.shadow_resolution = fast.shadow_resolution.min(256);
         // 12³ cells instead of 24³: their cost does not fall with the strand count.
-        fast.ambient_cells = fast.ambient_cells.min(12);
+        fast.ambient_resolution = fast.ambient_resolution.min(12);
     }
     Ok(fast)
 }

@@ -11,7 +11,7 @@ use std::sync::{
 static SHOWN: Mutex<Option<Box<Options>>> = Mutex::new(None);
 
 /// Why the window's device was lost.
-static GONE: Mutex<Option<String>> = Mutex::new(None);
+static LOSS_CAUSE: Mutex<Option<String>> = Mutex::new(None);
 
 /// Whether destroying the device counts as losing it. Only tests set this.
 static DESTROYS: AtomicBool = AtomicBool::new(false);
@@ -22,7 +22,7 @@ pub struct Loss {
     /// Cause, one sentence.
     sentence: String,
     /// Whether the device is lost, as opposed to a device error.
-    is_gone: bool,
+    is_lost: bool,
 }
 
 /// First loss or error that the driver reported.
@@ -36,8 +36,8 @@ impl DeviceLoss {
     }
 
     /// Whether the device is lost, so that the window cannot show the cause.
-    pub fn is_gone(&self) -> bool {
-        self.loss().is_some_and(|loss| loss.is_gone)
+    pub fn is_lost(&self) -> bool {
+        self.loss().is_some_and(|loss| loss.is_lost)
     }
 
     fn loss(&self) -> Option<Loss> {
@@ -47,30 +47,30 @@ impl DeviceLoss {
 
 /// Records errors and the loss of `device` in `lost` instead of panicking.
 pub fn listen(device: &wgpu::Device, context: &egui::Context, lost: &DeviceLoss) {
-    let tell = |sentence: &str, is_gone: bool| {
+    let tell = |sentence: &str, is_lost: bool| {
         let (lost, context, sentence) = (lost.clone(), context.clone(), sentence.to_owned());
         move |message: String| {
             let first = message.lines().next().unwrap_or_default().to_owned();
             let mut lost = lost.0.lock().unwrap_or_else(PoisonError::into_inner);
             // The first report is the cause, except that a lost device replaces a device error.
-            if lost.as_ref().is_none_or(|before| is_gone && !before.is_gone) {
+            if lost.as_ref().is_none_or(|before| is_lost && !before.is_lost) {
                 let cause = if first.is_empty() { sentence.clone() } else { format!("{sentence}: {first}") };
                 // egui has no device left to draw the message.
                 #[cfg(target_arch = "wasm32")]
                 crate::page::say(&cause);
-                if is_gone {
-                    *GONE.lock().unwrap_or_else(PoisonError::into_inner) = Some(cause.clone());
+                if is_lost {
+                    *LOSS_CAUSE.lock().unwrap_or_else(PoisonError::into_inner) = Some(cause.clone());
                 }
-                *lost = Some(Loss { sentence: cause, is_gone });
+                *lost = Some(Loss { sentence: cause, is_lost });
             }
             context.request_repaint();
         }
     };
-    let gone = tell("The GPU was lost", true);
+    let on_loss = tell("The GPU was lost", true);
     device.set_device_lost_callback(move |reason, message| {
         // A closing window destroys its device, which is no loss.
         if DESTROYS.load(Ordering::Relaxed) || reason != wgpu::DeviceLostReason::Destroyed {
-            gone(message);
+            on_loss(message);
         }
     });
     let wrong = tell("The GPU reported an error", false);
@@ -87,8 +87,8 @@ pub fn remember(shown: Options) {
 
 /// Takes the cause if the window's device was lost, and the options that reopen the window.
 pub fn take() -> (Option<String>, Option<Box<Options>>) {
-    let gone = GONE.lock().unwrap_or_else(PoisonError::into_inner).take();
-    (gone, SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take())
+    let cause = LOSS_CAUSE.lock().unwrap_or_else(PoisonError::into_inner).take();
+    (cause, SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take())
 }
 
 /// Destroys the device after the frame that `TRESSES_STUDIO_LOSE_AT` names, once, to test recovery.
@@ -101,7 +101,7 @@ pub fn lose_for_tests(device: &wgpu::Device, frames: u64) {
         // The callback runs here or on the polling thread; either way the device is lost.
         for _ in 0..1000 {
             let _ = device.poll(wgpu::PollType::Poll);
-            if GONE.lock().unwrap_or_else(PoisonError::into_inner).is_some() {
+            if LOSS_CAUSE.lock().unwrap_or_else(PoisonError::into_inner).is_some() {
                 break;
             }
             std::thread::sleep(std::time::Duration::from_millis(1));
@@ -132,11 +132,11 @@ mod tests {
         });
         assert!(
             now(&lost)
-                .is_some_and(|loss| !loss.is_gone && loss.sentence.starts_with("The GPU reported an error"))
+                .is_some_and(|loss| !loss.is_lost && loss.sentence.starts_with("The GPU reported an error"))
         );
         DESTROYS.store(true, Ordering::Relaxed);
         gpu.context.device().destroy();
         let _ = gpu.context.device().poll(wgpu::PollType::Poll);
-        assert!(now(&lost).is_some_and(|loss| loss.is_gone && loss.sentence.starts_with("The GPU was lost")));
+        assert!(now(&lost).is_some_and(|loss| loss.is_lost && loss.sentence.starts_with("The GPU was lost")));
     }
 }

@@ -8,7 +8,7 @@ pub struct Messages {
     /// The last error.
     pub error: Option<String>,
     /// The last result.
-    pub said: Option<String>,
+    pub notice: Option<String>,
 }
 
 impl Messages {

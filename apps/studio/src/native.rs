@@ -9,7 +9,7 @@ use std::panic::{self, AssertUnwindSafe};
 const SIZE: [f32; 2] = [1280.0, 800.0];
 
 /// How often the window is reopened after a device loss.
-const MOST: u32 = 3;
+const MAX_REOPENS: u32 = 3;
 
 /// Opens the window and returns when it is closed. A window that loses its device is reopened.
 ///
@@ -17,11 +17,11 @@ const MOST: u32 = 3;
 /// Fails with one sentence if there is no display or no suitable adapter, or the device was lost too often.
 pub fn run(options: Options) -> Result<()> {
     let mut next = options;
-    for _ in 0..=MOST {
+    for _ in 0..=MAX_REOPENS {
         // wgpu's helpers and egui's painter panic when they allocate on a lost device.
         let done = panic::catch_unwind(AssertUnwindSafe(|| open(next)));
-        let (gone, shown) = loss::take();
-        next = match (done, gone, shown) {
+        let (cause, shown) = loss::take();
+        next = match (done, cause, shown) {
             (Ok(_), Some(why), Some(shown)) => {
                 let trouble = format!("{why}. The window was opened again");
                 Options { trouble: Some(trouble), ..*shown }
@@ -32,7 +32,7 @@ pub fn run(options: Options) -> Result<()> {
             (Err(other), ..) => panic::resume_unwind(other),
         };
     }
-    Err(anyhow!("the GPU was lost {} times; the studio gives up", MOST + 1))
+    Err(anyhow!("the GPU was lost {} times; the studio gives up", MAX_REOPENS + 1))
 }
 
 fn open(options: Options) -> Result<()> {

@@ -4,7 +4,7 @@ use crate::files::Files;
 use anyhow::{Result, anyhow};
 use std::path::PathBuf;
 use tresses::groom::{edit::GroomDocument, import::ImportOptions, styles::Style};
-use tresses_scene::{Companions, Settings, knobs};
+use tresses_scene::{CompanionFiles, Settings, knobs};
 
 /// Options of a studio window.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,11 +18,11 @@ pub struct Options {
     /// Units and axes of the files; unset fields are guessed.
     pub import: ImportOptions,
     /// Maps, obstacles and environment.
-    pub companions: Companions,
+    pub companion_files: CompanionFiles,
     /// All parameters.
     pub settings: Settings,
     /// Whether to hide everything but the viewport, as in an embedded viewer.
-    pub bare: bool,
+    pub hides_panels: bool,
     /// Files in memory, used instead of those on disk.
     pub given: Option<Files>,
     /// Groomed hair and its name, used instead of files.

@@ -7,7 +7,7 @@ use tresses_scene::camera::{Angle, VERTICAL_FOV, Viewpoint};
 /// Range of the camera's distance from its target, meters.
 const DISTANCE: (f32, f32) = (0.05, 40.0);
 /// Radians per point of a drag.
-const TURN: f32 = 0.006;
+const RADIANS_PER_POINT: f32 = 0.006;
 /// Largest pitch up or down, radians.
 const STEEPEST: f32 = 1.5;
 /// Fraction of the distance that remains after gliding for a second.
@@ -53,8 +53,8 @@ pub struct Orbit {
 impl Orbit {
     /// Creates a portrait of `subject` from `view`.
     pub fn new(view: Angle, subject: Bounds) -> Self {
-        let place = Spot::of(&Viewpoint::portrait(view, subject, 1.3, 1.0));
-        Self { now: place, goal: place, framed: Some(view), subject, aspect: 1.3 }
+        let spot = Spot::of(&Viewpoint::portrait(view, subject, 1.3, 1.0));
+        Self { now: spot, goal: spot, framed: Some(view), subject, aspect: 1.3 }
     }
 
     /// Frames another subject from the same side.
@@ -88,8 +88,8 @@ impl Orbit {
     pub fn frame(&mut self, view: Angle) {
         self.goal = Spot::of(&Viewpoint::portrait(view, self.subject, self.aspect, 1.0));
         // Turn the short way round.
-        let turns = ((self.now.yaw - self.goal.yaw) / std::f32::consts::TAU).round();
-        self.goal.yaw += turns * std::f32::consts::TAU;
+        let revolutions = ((self.now.yaw - self.goal.yaw) / std::f32::consts::TAU).round();
+        self.goal.yaw += revolutions * std::f32::consts::TAU;
         self.framed = Some(view);
     }
 
@@ -99,16 +99,16 @@ impl Orbit {
     }
 
     /// Turns by a drag of `points`.
-    pub fn turn(&mut self, points: Vec2) {
-        self.taken();
-        self.now.yaw -= points.x * TURN;
-        self.now.pitch = (self.now.pitch + points.y * TURN).clamp(-STEEPEST, STEEPEST);
+    pub fn rotate(&mut self, points: Vec2) {
+        self.drop_named_view();
+        self.now.yaw -= points.x * RADIANS_PER_POINT;
+        self.now.pitch = (self.now.pitch + points.y * RADIANS_PER_POINT).clamp(-STEEPEST, STEEPEST);
         self.goal = self.now;
     }
 
     /// Pans by a drag of `points` in a viewport `height` points high; the target follows the pointer.
     pub fn pan(&mut self, points: Vec2, height: f32) {
-        self.taken();
+        self.drop_named_view();
         let (right, up) = self.plane();
         let meters = 2.0 * (0.5 * VERTICAL_FOV).tan() * self.now.distance / height.max(1.0);
         self.now.target += (up * points.y - right * points.x) * meters;
@@ -117,7 +117,7 @@ impl Orbit {
 
     /// Divides the distance by `factor`.
     pub fn zoom(&mut self, factor: f32) {
-        self.taken();
+        self.drop_named_view();
         // A move to a named view continues.
         for view in [&mut self.now, &mut self.goal] {
             view.distance = (view.distance / factor.max(1e-3)).clamp(DISTANCE.0, DISTANCE.1);
@@ -130,7 +130,7 @@ impl Orbit {
     }
 
     /// Drops the named view: the user has moved the camera.
-    fn taken(&mut self) {
+    fn drop_named_view(&mut self) {
         self.framed = None;
     }
 
@@ -144,11 +144,11 @@ impl Orbit {
         if !self.is_gliding() {
             return;
         }
-        let share = 1.0 - GLIDE.powf(seconds.clamp(0.0, 0.1));
-        let mix = |a: f32, b: f32| a + (b - a) * share;
+        let fraction = 1.0 - GLIDE.powf(seconds.clamp(0.0, 0.1));
+        let mix = |a: f32, b: f32| a + (b - a) * fraction;
         let (now, goal) = (self.now, self.goal);
         self.now = Spot {
-            target: now.target.lerp(goal.target, share),
+            target: now.target.lerp(goal.target, fraction),
             yaw: mix(now.yaw, goal.yaw),
             pitch: mix(now.pitch, goal.pitch),
             distance: mix(now.distance, goal.distance),
@@ -208,7 +208,7 @@ mod tests {
     fn turning_keeps_the_distance_and_never_tips_over() {
         let mut orbit = Orbit::new(Angle::Front, SUBJECT);
         let before = orbit.camera().distance();
-        orbit.turn(Vec2::new(300.0, 9000.0));
+        orbit.rotate(Vec2::new(300.0, 9000.0));
         assert!((orbit.camera().distance() - before).abs() < 1e-4);
         assert!(orbit.camera().eye.y > orbit.camera().target.y && orbit.framed().is_none());
         assert!(orbit.plane().1.y > 0.0);
@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn glide_turns_the_short_way() {
         let mut orbit = Orbit::new(Angle::Back, SUBJECT);
-        orbit.turn(Vec2::new(-100.0, 0.0));
+        orbit.rotate(Vec2::new(-100.0, 0.0));
         orbit.frame(Angle::Back);
         assert!((orbit.now.yaw - orbit.goal.yaw).abs() < std::f32::consts::PI);
     }

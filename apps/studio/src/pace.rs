@@ -7,7 +7,7 @@ use tresses_scene::{Scene, Settings};
 
 /// Quality of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Level {
+pub struct QualityLevel {
     /// Factor on the resolution.
     pub scale: f32,
     /// Offset added to the level-of-detail bias.
@@ -20,7 +20,7 @@ pub struct Level {
     pub ssaa: u32,
 }
 
-impl Level {
+impl QualityLevel {
     /// Full quality.
     pub const FULL: Self = Self { scale: 1.0, bias: 0.0, stray: 1.0, slow: false, ssaa: 1 };
 
@@ -78,28 +78,28 @@ impl Level {
 /// Levels from best to fastest. Fewer strands are drawn wider, so they still cover the scalp (`tresses::low_level::lod`). But
 /// fewer segments form chords that cut through the skull: no level has so few that skin shows through
 /// (`tests/levels.rs`).
-pub const LEVELS: [Level; 8] = [
-    Level::FULL,
-    Level { scale: 0.85, ..Level::FULL },
-    Level::lower(0.7, 0.3, 1.5),
-    Level::lower(0.55, 0.7, 2.5),
-    Level { slow: true, ..Level::lower(0.45, 1.2, 4.0) },
-    Level { slow: true, ..Level::lower(0.36, 1.8, 6.0) },
-    Level { slow: true, ..Level::lower(0.28, 2.5, 4.0) },
-    Level { slow: true, ..Level::lower(0.24, 2.8, 3.0) },
+pub const LEVELS: [QualityLevel; 8] = [
+    QualityLevel::FULL,
+    QualityLevel { scale: 0.85, ..QualityLevel::FULL },
+    QualityLevel::lower(0.7, 0.3, 1.5),
+    QualityLevel::lower(0.55, 0.7, 2.5),
+    QualityLevel { slow: true, ..QualityLevel::lower(0.45, 1.2, 4.0) },
+    QualityLevel { slow: true, ..QualityLevel::lower(0.36, 1.8, 6.0) },
+    QualityLevel { slow: true, ..QualityLevel::lower(0.28, 2.5, 4.0) },
+    QualityLevel { slow: true, ..QualityLevel::lower(0.24, 2.8, 3.0) },
 ];
 /// Frame budget of a software driver, milliseconds.
 const SOFTWARE: f32 = 80.0;
 /// Frame budget of a GPU, milliseconds: 30 frames per second.
 const HARDWARE: f32 = 33.0;
 /// Fraction of the budget below which a finer level may fit.
-const ROOM: f32 = 0.45;
+const HEADROOM: f32 = 0.45;
 /// Consecutive frames over the budget, and with time to spare, before the level changes.
 const PATIENCE: (u32, u32) = (2, 24);
 /// If a finer image takes longer than this, a cheaper one is drawn first, milliseconds.
 const SOON: f32 = 1000.0;
 /// A frame that takes longer than this is submitted in parts, milliseconds.
-const WHOLE: f32 = 120.0;
+const MAX_UNSPLIT: f32 = 120.0;
 
 /// Chooses the quality of frames from their duration.
 #[derive(Clone, Copy, Debug)]
@@ -113,9 +113,9 @@ pub struct Pace {
     /// Number of times that the level was lowered, at most 4. Each doubles the wait before a finer level is tried.
     failures: u32,
     /// Level of a still image being refined.
-    refined: Option<&'static Level>,
+    refined: Option<&'static QualityLevel>,
     /// The finest level.
-    finest: &'static Level,
+    finest: &'static QualityLevel,
     /// Whether a full-quality image was requested, even without `automatic`.
     finishes: bool,
     /// Duration of the last frame, milliseconds.
@@ -126,18 +126,18 @@ impl Pace {
     /// Creates the pace for a software driver or a GPU.
     pub fn new(software: bool) -> Self {
         let (budget, level) = if software { (SOFTWARE, 4) } else { (HARDWARE, 0) };
-        let finest = if software { &Level::STILL } else { &LEVELS[0] };
+        let finest = if software { &QualityLevel::STILL } else { &LEVELS[0] };
         let (runs, failures, refined, finishes, last) = ((0, 0), 0, None, false, 0.0);
         Self { automatic: true, level, budget, runs, failures, refined, finest, finishes, last }
     }
 
     /// Returns the level of the next frame.
-    pub fn level(&self) -> &'static Level {
+    pub fn level(&self) -> &'static QualityLevel {
         self.refined.unwrap_or(if self.automatic { &LEVELS[self.level] } else { &LEVELS[0] })
     }
 
     /// Returns the level of an image that is saved.
-    pub fn finest(&self) -> &'static Level {
+    pub fn finest(&self) -> &'static QualityLevel {
         if self.automatic { self.finest } else { &LEVELS[0] }
     }
 
@@ -147,7 +147,7 @@ impl Pace {
     }
 
     /// Ends refinement because something moves. Returns whether an image was being refined.
-    pub fn moved(&mut self) -> bool {
+    pub fn end_refinement(&mut self) -> bool {
         let was = self.refined.take().is_some();
         // A request made before the motion has stopped still holds.
         self.finishes &= !was;
@@ -165,7 +165,7 @@ impl Pace {
     }
 
     /// Whether `level` is the finest.
-    pub fn is_finest(&self, level: &Level) -> bool {
+    pub fn is_finest(&self, level: &QualityLevel) -> bool {
         level == self.finest
     }
 
@@ -175,8 +175,8 @@ impl Pace {
     }
 
     /// Whether a frame at `level` is long enough to be submitted in parts, estimated from the last frame.
-    pub fn is_long(&self, level: &Level) -> bool {
-        self.last * self.level().cost_of(level).max(1.0) > WHOLE
+    pub fn is_long(&self, level: &QualityLevel) -> bool {
+        self.last * self.level().cost_of(level).max(1.0) > MAX_UNSPLIT
     }
 
     /// Moves to a finer level for the next frame after nothing has moved for a while. Returns whether there is one. If
@@ -193,7 +193,7 @@ impl Pace {
     }
 
     /// Returns the best level that is ready soon, estimated from the last frame, else the finest.
-    fn finer(&self) -> Option<&'static Level> {
+    fn finer(&self) -> Option<&'static QualityLevel> {
         if self.last == 0.0 || !(self.automatic || self.finishes) {
             return None;
         }
@@ -213,9 +213,9 @@ impl Pace {
         if !self.automatic || self.refined.is_some() {
             return false;
         }
-        let (long, room) = (milliseconds > self.budget, milliseconds < ROOM * self.budget);
+        let (long, has_headroom) = (milliseconds > self.budget, milliseconds < HEADROOM * self.budget);
         self.runs.0 = if long { self.runs.0 + 1 } else { 0 };
-        self.runs.1 = if room { self.runs.1 + 1 } else { 0 };
+        self.runs.1 = if has_headroom { self.runs.1 + 1 } else { 0 };
         let before = self.level;
         if self.runs.0 >= PATIENCE.0 && self.level + 1 < LEVELS.len() {
             // Skip a level if the frame is far over the budget.
@@ -287,13 +287,13 @@ mod tests {
         }
         // First a level that is ready soon, then the finest regardless of its cost.
         assert!(all.len() == 2 && all[0].scale < 0.6, "{all:?}");
-        assert_eq!(all[1], Level::STILL);
-        assert!(pace.moved() && !pace.moved());
+        assert_eq!(all[1], QualityLevel::STILL);
+        assert!(pace.end_refinement() && !pace.end_refinement());
         assert!(pace.level().scale < 0.3);
         // A fast device draws the full image at once.
         pace.landed(5.0);
         assert!(pace.refine() && pace.level() == pace.finest() && !pace.refine());
-        assert_eq!(*pace.level(), Level::STILL);
+        assert_eq!(*pace.level(), QualityLevel::STILL);
     }
 
     #[test]
@@ -305,14 +305,16 @@ mod tests {
             assert_eq!(pace.can_refine(), automatic);
             pace.finish();
             // The motion that ends just after the request does not cancel it.
-            assert!(!pace.moved() && pace.finishes());
+            assert!(!pace.end_refinement() && pace.finishes());
             pace.landed(5000.0);
-            assert!(pace.refine() && pace.level() == &Level::STILL && pace.is_long(pace.level()));
+            assert!(pace.refine() && pace.level() == &QualityLevel::STILL && pace.is_long(pace.level()));
             // A later motion does.
             let mut stopped = pace;
-            assert!(stopped.moved() && !stopped.finishes() && stopped.level() != &Level::STILL);
+            assert!(
+                stopped.end_refinement() && !stopped.finishes() && stopped.level() != &QualityLevel::STILL
+            );
             pace.landed(20_000.0);
-            assert!(!pace.finishes() && !pace.refine() && pace.level() == &Level::STILL);
+            assert!(!pace.finishes() && !pace.refine() && pace.level() == &QualityLevel::STILL);
         }
     }
 
@@ -321,10 +323,10 @@ mod tests {
         let mut pace = Pace::new(false);
         pace.landed(20.0);
         assert!(!pace.refine(), "it draws in full already");
-        assert_eq!(*pace.finest(), Level::FULL);
+        assert_eq!(*pace.finest(), QualityLevel::FULL);
         let mut software = Pace { automatic: false, ..Pace::new(true) };
         software.landed(20.0);
         assert!(!software.refine());
-        assert_eq!(*software.finest(), Level::FULL);
+        assert_eq!(*software.finest(), QualityLevel::FULL);
     }
 }

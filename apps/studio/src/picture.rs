@@ -1,6 +1,6 @@
 //! Saves the image in the viewport as a file.
 
-use crate::{answer::Answer, dialog::Dialogs, messages::Messages, renderer::Renderer, task};
+use crate::{answer::Answer, dialog::Dialogs, messages::Messages, renderer::StudioRenderer, task};
 use anyhow::Result;
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use tresses_scene::{Settings, words::sentence};
@@ -9,7 +9,7 @@ use tresses_scene::{Settings, words::sentence};
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Snapshot {
     /// Whether an image is to be saved.
-    pub wanted: bool,
+    pub is_requested: bool,
     /// Whether the last frame was drawn to be saved.
     pub kept: bool,
 }
@@ -19,12 +19,12 @@ impl Snapshot {
     /// a frame was started for it.
     pub fn save(
         &mut self,
-        renderer: &mut Renderer,
+        renderer: &mut StudioRenderer,
         settings: &Settings,
         dialogs: &Dialogs,
         messages: &mut Messages,
     ) -> bool {
-        let Some(show) = renderer.show.as_ref().filter(|_| self.wanted) else { return false };
+        let Some(show) = renderer.show.as_ref().filter(|_| self.is_requested) else { return false };
         let level = renderer.pace.finest();
         let picture = show.picture().filter(|picture| picture.level == *level);
         let Some(size) = picture.map(|picture| picture.size).filter(|_| !renderer.dirty || self.kept) else {
@@ -33,7 +33,7 @@ impl Snapshot {
             match renderer.draw(&moment) {
                 Ok(()) => self.kept = true,
                 Err(error) => {
-                    self.wanted = false;
+                    self.is_requested = false;
                     messages.fail(error);
                 }
             }

@@ -49,7 +49,7 @@ impl Default for Play {
 
 impl Play {
     /// Starts another built-in motion. The head blends to it without a jump.
-    pub fn choose(&mut self, name: &str) {
+    pub fn set_motion(&mut self, name: &str) {
         self.leaving = self.motion.take().map(|motion| (motion, self.time, 0.0));
         self.motion = Motion::named(name);
         self.name = name.into();
@@ -85,8 +85,8 @@ impl Play {
 
     /// Advances to a frame `real` seconds after the last. Returns the simulated time step, `most` seconds or less while
     /// playing.
-    pub fn advance(&mut self, real: f32, most: f32) -> f32 {
-        let dt = if self.playing { (real * self.speed).min(most) } else { STEP * self.steps as f32 };
+    pub fn advance(&mut self, real: f32, max_step: f32) -> f32 {
+        let dt = if self.playing { (real * self.speed).min(max_step) } else { STEP * self.steps as f32 };
         self.steps = 0;
         self.time += f64::from(dt);
         if let Some((_, at, done)) = &mut self.leaving {
@@ -135,12 +135,12 @@ mod tests {
         let usual = run(&mut play.clone(), 300);
         run(&mut play, 30);
         let turned = play.gesture(pivot).rigid().rotation.angle_between(Pose::IDENTITY.rotation);
-        play.choose("still");
+        play.set_motion("still");
         let fastest = run(&mut play, 60);
         assert_eq!(play.gesture(pivot).rigid(), Pose::IDENTITY);
         assert!(turned > 3.0 * usual, "a jump would be seen: {turned}, {usual} radians");
         assert!(fastest < 1.5 * usual, "{fastest} radians in a step, {usual} in the motion itself");
-        play.choose("turn");
+        play.set_motion("turn");
         play.reset();
         assert_eq!(play.gesture(pivot).rigid(), Pose::IDENTITY);
     }

@@ -91,16 +91,16 @@ impl Playback {
         let now = Instant::now();
         let real = self.last.map_or(1.0 / 60.0, |last| now.duration_since(last).as_secs_f32());
         self.last = Some(now);
-        let most = if software { LONGEST.1 } else { LONGEST.0 };
+        let max_step = if software { LONGEST.1 } else { LONGEST.0 };
         // The hand moves in real time, also while the motion is paused.
         let live = self.is_live();
-        let hand = if live { real.min(most) } else { 0.0 };
+        let hand = if live { real.min(max_step) } else { 0.0 };
         if live {
             // The limit lets the head follow the pointer at low frame rates without jerking the hair.
             let felt = real.min(FELT);
             self.hand.advance(felt);
             self.awake -= felt;
         }
-        self.play.advance(real, most).max(hand)
+        self.play.advance(real, max_step).max(hand)
     }
 }

@@ -7,15 +7,15 @@ use crate::{
     answer::Answer,
     dialog::Dialogs,
     messages::Messages,
-    pace::{Level, Pace},
+    pace::{Pace, QualityLevel},
     play::Play,
-    renderer::Renderer,
+    renderer::StudioRenderer,
 };
 use anyhow::Result;
 use tresses::low_level::Pending;
 use tresses_scene::{
     Settings,
-    picture::{Format, Picture},
+    picture::{AnimationFormat, Image},
     words::sentence,
 };
 
@@ -36,12 +36,12 @@ pub struct RecordRequest {
     /// Width and height, pixels.
     pub size: [u32; 2],
     /// File format.
-    pub format: Format,
+    pub format: AnimationFormat,
 }
 
 impl Default for RecordRequest {
     fn default() -> Self {
-        Self { seconds: None, fps: 20, size: [640, 400], format: Format::ALL[0] }
+        Self { seconds: None, fps: 20, size: [640, 400], format: AnimationFormat::ALL[0] }
     }
 }
 
@@ -91,14 +91,14 @@ impl Recording {
     }
 
     /// Returns the level of the next frame. Warm-up frames are drawn as fast as possible.
-    fn level(&self, pace: &Pace) -> &'static Level {
+    fn level(&self, pace: &Pace) -> &'static QualityLevel {
         if self.next < self.lead { pace.level() } else { pace.finest() }
     }
 
     /// Passes the last frame to the encoder and draws the next. Returns whether more frames follow.
     fn draw(
         &mut self,
-        renderer: &mut Renderer,
+        renderer: &mut StudioRenderer,
         settings: &Settings,
         messages: &mut Messages,
     ) -> Result<bool> {
@@ -111,7 +111,7 @@ impl Recording {
                 return Ok(true);
             };
             let [width, height] = self.wish.size;
-            self.encoder.add(Picture { width, height, rgba: rgba? })?;
+            self.encoder.add(Image { width, height, rgba: rgba? })?;
             (self.copy, self.written) = (None, self.written + 1);
         }
         if self.next == self.lead + self.frames {
@@ -136,21 +136,21 @@ impl Recording {
 
 /// Records loops.
 #[derive(Default)]
-pub struct Recorder {
+pub struct LoopRecorder {
     /// Options of the next recording.
     pub wish: RecordRequest,
     /// The running recording.
     pub recording: Option<Recording>,
 }
 
-impl Recorder {
+impl LoopRecorder {
     /// Whether a loop is being recorded.
-    pub fn is_busy(&self) -> bool {
+    pub fn is_recording(&self) -> bool {
         self.recording.is_some()
     }
 
     /// Starts a recording with the current options.
-    pub fn start(&mut self, renderer: &mut Renderer, dialogs: &Dialogs, messages: &mut Messages) {
+    pub fn start(&mut self, renderer: &mut StudioRenderer, dialogs: &Dialogs, messages: &mut Messages) {
         let (wish, period) = (self.wish, renderer.period());
         let Some(show) = &mut renderer.show else { return };
         let frames = wish.frames(period);
@@ -165,7 +165,7 @@ impl Recorder {
         renderer.playback.ball = None;
         show.stage.character.reset();
         messages.clear();
-        renderer.pace.moved();
+        renderer.pace.end_refinement();
         self.recording = Some(Recording {
             wish,
             frames,
@@ -180,15 +180,20 @@ impl Recorder {
     }
 
     /// Stops and discards the recording.
-    pub fn stop(&mut self, renderer: &mut Renderer, messages: &mut Messages) {
+    pub fn stop(&mut self, renderer: &mut StudioRenderer, messages: &mut Messages) {
         if let Some(recording) = self.recording.take() {
             (renderer.playback.play, renderer.dirty) = (recording.before, true);
-            messages.said = Some("The recording was stopped; nothing was saved".into());
+            messages.notice = Some("The recording was stopped; nothing was saved".into());
         }
     }
 
     /// Draws the next frame of the recording. No frame may be in flight. Returns whether there is a recording.
-    pub fn go_on(&mut self, renderer: &mut Renderer, settings: &Settings, messages: &mut Messages) -> bool {
+    pub fn go_on(
+        &mut self,
+        renderer: &mut StudioRenderer,
+        settings: &Settings,
+        messages: &mut Messages,
+    ) -> bool {
         let Some(mut recording) = self.recording.take() else { return false };
         match recording.draw(renderer, settings, messages) {
             Ok(true) => {
@@ -197,7 +202,7 @@ impl Recorder {
             }
             Ok(false) => {
                 recording.encoder.finish();
-                messages.said = Some("The loop is recorded".into());
+                messages.notice = Some("The loop is recorded".into());
             }
             Err(error) => messages.fail(error),
         }
@@ -207,18 +212,18 @@ impl Recorder {
 }
 
 /// Returns the suggested file name.
-fn name(format: Format) -> String {
+fn name(format: AnimationFormat) -> String {
     format!("tresses.{}", format.extension())
 }
 
 /// Encodes frames on a thread, then asks where to save the file.
 #[cfg(not(target_arch = "wasm32"))]
-struct Encoder(std::sync::mpsc::Sender<Option<Picture>>);
+struct Encoder(std::sync::mpsc::Sender<Option<Image>>);
 
 #[cfg(not(target_arch = "wasm32"))]
 impl Encoder {
     fn new(dialogs: &Dialogs, wish: RecordRequest, frames: u32) -> Self {
-        let (sender, receiver) = std::sync::mpsc::channel::<Option<Picture>>();
+        let (sender, receiver) = std::sync::mpsc::channel::<Option<Image>>();
         let dialogs = dialogs.clone();
         task::spawn(move || async move {
             // If the channel closes without an end message, the recording was stopped: save nothing.
@@ -241,7 +246,7 @@ impl Encoder {
         Self(sender)
     }
 
-    fn add(&mut self, picture: Picture) -> Result<()> {
+    fn add(&mut self, picture: Image) -> Result<()> {
         self.0.send(Some(picture)).map_err(|_| anyhow::anyhow!(NOT_ENCODED))
     }
 
@@ -254,7 +259,7 @@ impl Encoder {
 /// Encodes frames on the main thread: a page has no threads.
 #[cfg(target_arch = "wasm32")]
 struct Encoder {
-    animation: Result<Box<dyn tresses_scene::picture::Animation>>,
+    animation: Result<Box<dyn tresses_scene::picture::AnimationEncoder>>,
     dialogs: Dialogs,
     name: String,
 }
@@ -266,7 +271,7 @@ impl Encoder {
         Self { animation, dialogs: dialogs.clone(), name: name(wish.format) }
     }
 
-    fn add(&mut self, picture: Picture) -> Result<()> {
+    fn add(&mut self, picture: Image) -> Result<()> {
         match &mut self.animation {
             Ok(animation) => animation.add(&picture),
             Err(error) => Err(anyhow::anyhow!("{NOT_ENCODED}: {}", sentence(error))),

@@ -4,7 +4,7 @@ use crate::{
     cards::{BakedCards, CardPreview},
     messages::Messages,
     orbit::Orbit,
-    pace::{Level, Pace},
+    pace::{Pace, QualityLevel},
     playback::Playback,
     stage::{CharacterDisplay, FrameContext},
 };
@@ -19,10 +19,10 @@ use web_time::Instant;
 const REST: Duration = Duration::from_millis(500);
 
 /// Smallest width and height, pixels.
-const LEAST: u32 = 16;
+const MIN_SIZE: u32 = 16;
 
 /// The character, its motion and camera, and the last frame.
-pub struct Renderer {
+pub struct StudioRenderer {
     context: egui::Context,
     state: RenderState,
     /// The window's device.
@@ -47,7 +47,7 @@ pub struct Renderer {
     rest: Option<Instant>,
 }
 
-impl Renderer {
+impl StudioRenderer {
     /// Creates a renderer for the window of `context`, without a character.
     pub fn new(context: &egui::Context, state: RenderState, gpu: Gpu) -> Self {
         let orbit = Orbit::new(Angle::default(), (Vec3::new(-0.1, 1.4, -0.1), Vec3::new(0.1, 1.7, 0.1)));
@@ -102,10 +102,10 @@ impl Renderer {
     pub fn is_free(&mut self, due: bool) -> bool {
         let Some(show) = &mut self.show else { return false };
         self.playback.touch(show.stage.character.hair().grabbed().is_active());
-        if show.is_under_way() && due && self.pace.moved() {
+        if show.is_in_flight() && due && self.pace.end_refinement() {
             show.give_up();
         }
-        !show.is_under_way()
+        !show.is_in_flight()
     }
 
     /// Draws the next frame if one is `due` or the image can be refined. No frame may be in flight. `works`: a job is
@@ -113,7 +113,7 @@ impl Renderer {
     pub fn draw_next(&mut self, due: bool, works: bool, settings: &Settings, messages: &mut Messages) {
         if due {
             self.rest = None;
-            self.pace.moved();
+            self.pace.end_refinement();
         } else if !self.refines(works) {
             return;
         }
@@ -144,7 +144,12 @@ impl Renderer {
     }
 
     /// Applies the settings to the stage at `level`, before each frame. Returns a frame with a time step of zero.
-    pub fn prepare(&mut self, level: &Level, settings: &Settings, messages: &mut Messages) -> FrameContext {
+    pub fn prepare(
+        &mut self,
+        level: &QualityLevel,
+        settings: &Settings,
+        messages: &mut Messages,
+    ) -> FrameContext {
         if let Some(show) = &mut self.show {
             let dressed = level.dress(&mut show.stage, settings);
             if let Err(error) = dressed.and_then(|()| show.stage.show(self.debug)) {
@@ -152,7 +157,7 @@ impl Renderer {
             }
         }
         let pivot = self.show.as_ref().map_or(Vec3::ZERO, |show| show.stage.character.neck());
-        let size = [self.area.x, self.area.y].map(|side| ((side * level.scale).round() as u32).max(LEAST));
+        let size = [self.area.x, self.area.y].map(|side| ((side * level.scale).round() as u32).max(MIN_SIZE));
         FrameContext {
             gesture: self.playback.gesture(pivot),
             seconds: 0.0,
@@ -176,9 +181,9 @@ impl Renderer {
 
     /// Returns the supersampling factor per axis for an image of `size` at `level`. It exceeds the setting only within
     /// the adapter's texture size limit.
-    pub fn ssaa_at(&self, level: &Level, size: [u32; 2], settings: &Settings) -> u32 {
-        let most = self.gpu.context.device().limits().max_texture_dimension_2d / size[0].max(size[1]);
-        settings.ssaa.max(level.ssaa.min(most))
+    pub fn ssaa_at(&self, level: &QualityLevel, size: [u32; 2], settings: &Settings) -> u32 {
+        let max_factor = self.gpu.context.device().limits().max_texture_dimension_2d / size[0].max(size[1]);
+        settings.ssaa.max(level.ssaa.min(max_factor))
     }
 
     /// Wakes the window in 5 ms, for work that ends without a callback.

@@ -12,7 +12,7 @@ use std::{
 use tresses::groom::import::{self, FileKind};
 use tresses_scene::{
     Companion, Shelf,
-    source::{COMPANIONS, companion},
+    source::{COMPANION_FILES, companion},
 };
 
 /// Whether only the bytes of files are available, as in a browser. On a desktop, readers open the path again and find
@@ -28,12 +28,12 @@ pub fn files(mut files: Vec<Read>, in_memory: bool) -> Vec<Answer> {
             Err(_) => vec![Answer::Failed(format!("{} is not UTF-8 text", path.display()))],
         };
     }
-    let mut answers = Vec::new();
+    let mut actions = Vec::new();
     while let Some(at) = files.iter().position(|(path, _)| has_ending(path, &["json"])) {
         let list = files.swap_remove(at);
         let text = String::from_utf8_lossy(&list.1).into_owned();
         let named: Vec<Read> = files.extract_if(.., |(path, _)| is_named(path, &text)).collect();
-        answers.push(match what(&list.1) {
+        actions.push(match what(&list.1) {
             Some(companion) => put(companion, list, named, in_memory),
             None => {
                 let name = list.0.display();
@@ -48,22 +48,22 @@ pub fn files(mut files: Vec<Read>, in_memory: bool) -> Vec<Answer> {
         files.extract_if(.., |(path, _)| has_ending(path, &["png"]) && is_named(path, &heads)).collect();
     for file in files {
         if has_ending(&file.0, surroundings().kind.extensions()) {
-            answers.push(put(surroundings(), file, Vec::new(), in_memory));
+            actions.push(put(surroundings(), file, Vec::new(), in_memory));
         } else if has_ending(&file.0, &["png"]) {
             let name = file.0.display().to_string();
-            answers.push(Answer::Picture(name, shelf(vec![file], in_memory)));
+            actions.push(Answer::Picture(name, shelf(vec![file], in_memory)));
         } else {
             rest.push(file);
         }
     }
     if !rest.is_empty() {
-        answers.push(Answer::Open(hair(rest, in_memory)));
+        actions.push(Answer::Open(hair(rest, in_memory)));
     }
-    answers
+    actions
 }
 
 /// Returns the action for files that the user chose for a companion.
-pub fn chosen(companion: &'static Companion, mut files: Vec<Read>, in_memory: bool) -> Answer {
+pub fn for_companion(companion: &'static Companion, mut files: Vec<Read>, in_memory: bool) -> Answer {
     let endings = companion.kind.extensions();
     match files.iter().position(|(path, _)| has_ending(path, endings)) {
         Some(at) => {
@@ -81,7 +81,7 @@ fn put(companion: &'static Companion, file: Read, mut with: Vec<Read>, in_memory
 }
 
 fn surroundings() -> &'static Companion {
-    companion("environment").unwrap_or(&COMPANIONS[COMPANIONS.len() - 1])
+    companion("environment").unwrap_or(&COMPANION_FILES[COMPANION_FILES.len() - 1])
 }
 
 /// Returns which companion a .json file is.
@@ -122,7 +122,7 @@ fn hair(files: Vec<Read>, in_memory: bool) -> Files {
     for (path, bytes) in files {
         match import::kind(&path, &bytes) {
             Some(FileKind::Mesh) => heads.push(path),
-            Some(FileKind::Companion) => {}
+            Some(FileKind::Resource) => {}
             // For unknown files the groom reader reports the error.
             Some(FileKind::Groom) | None => grooms.push(path),
         }
@@ -200,8 +200,8 @@ mod tests {
             |answer: &Answer, word: &str| matches!(answer, Answer::Failed(text) if text.contains(word));
         assert!(said(&files(vec![read("x.json", "{}")], false)[0], "x.json"));
         let curl = companion("curl_map").unwrap();
-        assert!(said(&chosen(curl, vec![read("a.tfx", "")], false), ".png"));
-        let put = chosen(curl, vec![read("a.tfx", ""), read("b.png", "")], true);
+        assert!(said(&for_companion(curl, vec![read("a.tfx", "")], false), ".png"));
+        let put = for_companion(curl, vec![read("a.tfx", ""), read("b.png", "")], true);
         assert!(matches!(put, Answer::Companion(c, name, _) if c == curl && name == "b.png"));
     }
 }

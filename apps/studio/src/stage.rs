@@ -4,7 +4,7 @@ use crate::{
     ball,
     blit::{Blit, DisplayImage},
     flight::{Flight, Watcher},
-    pace::Level,
+    pace::QualityLevel,
 };
 use anyhow::Result;
 use eframe::{egui, egui_wgpu::RenderState};
@@ -12,7 +12,7 @@ use std::time::Duration;
 use tresses::{
     Gesture, Pose, Timings,
     glam::Vec3,
-    low_level::{Pending, Rows},
+    low_level::{Pending, PendingTimings},
 };
 use tresses_scene::{Facts, Scene, Viewpoint};
 use web_time::Instant;
@@ -35,15 +35,15 @@ pub struct FrameContext {
     /// Whether only `ssaa` differs from the previous frame.
     pub again: bool,
     /// Quality of the frame.
-    pub level: Level,
+    pub level: QualityLevel,
     /// Whether to submit the frame in parts because it takes long.
     pub parts: bool,
 }
 
 /// The displayed frame. The frame in flight may be a newer one.
-pub struct Picture {
+pub struct DisplayedFrame {
     /// The texture, bound for painting.
-    pub seen: DisplayImage,
+    pub image: DisplayImage,
     /// The texture.
     view: wgpu::TextureView,
     /// Width and height, pixels.
@@ -51,7 +51,7 @@ pub struct Picture {
     /// Supersampling factor per axis.
     pub ssaa: u32,
     /// Quality of the frame.
-    pub level: Level,
+    pub level: QualityLevel,
     /// Number of drawn strands.
     pub strands: u32,
     /// Index of the frame, from 1.
@@ -62,8 +62,8 @@ pub struct Picture {
 pub struct CharacterDisplay {
     /// The character.
     pub stage: Scene,
-    picture: Option<Picture>,
-    flight: Option<(Flight, Level)>,
+    picture: Option<DisplayedFrame>,
+    flight: Option<(Flight, QualityLevel)>,
     blit: Blit,
     /// Frames drawn so far.
     pub frames: u64,
@@ -72,7 +72,7 @@ pub struct CharacterDisplay {
     /// GPU timestamps per stage, if the adapter's are meaningful.
     timings: Option<Timings>,
     /// Timestamps being read back.
-    rows: Option<Rows>,
+    rows: Option<PendingTimings>,
     /// Milliseconds per stage of a recent frame.
     stages: Vec<(&'static str, f64)>,
     watcher: Watcher,
@@ -122,17 +122,17 @@ impl CharacterDisplay {
         let ms = flight.landed()?;
         let targets = self.stage.targets();
         let view = targets.picture();
-        let seen = match self.picture.take().filter(|picture| picture.view == *view) {
-            Some(same) => same.seen,
+        let image = match self.picture.take().filter(|picture| picture.view == *view) {
+            Some(same) => same.image,
             None => self.blit.of(self.stage.gpu.context.device(), view),
         };
-        self.picture = Some(Picture {
-            seen,
+        self.picture = Some(DisplayedFrame {
+            image,
             view: view.clone(),
             size: targets.size,
             ssaa: targets.ssaa,
             level: *level,
-            strands: self.stage.detail().strands,
+            strands: self.stage.detail().strand_count,
             number: self.frames,
         });
         self.flight = None;
@@ -148,7 +148,7 @@ impl CharacterDisplay {
     }
 
     /// Whether a frame is in flight, as of the last call of [`landed`](Self::landed).
-    pub fn is_under_way(&self) -> bool {
+    pub fn is_in_flight(&self) -> bool {
         self.flight.is_some()
     }
 
@@ -169,7 +169,7 @@ impl CharacterDisplay {
     }
 
     /// Returns the last finished frame.
-    pub fn picture(&self) -> Option<&Picture> {
+    pub fn picture(&self) -> Option<&DisplayedFrame> {
         self.picture.as_ref()
     }
 
@@ -180,7 +180,7 @@ impl CharacterDisplay {
         context: &egui::Context,
         moment: &FrameContext,
     ) -> Result<()> {
-        let begun = Instant::now();
+        let started = Instant::now();
         let targets = self.stage.targets();
         if (targets.size, targets.ssaa) != (moment.size, moment.ssaa) {
             self.stage.resample(moment.size, moment.ssaa)?;
@@ -188,7 +188,7 @@ impl CharacterDisplay {
         let mut encoder = state.device.create_command_encoder(&Default::default());
         self.stage.watch(&moment.camera);
         self.stage.set_ball(moment.ball, ball::RADIUS)?;
-        if let Some(done) = self.rows.as_mut().and_then(Rows::take) {
+        if let Some(done) = self.rows.as_mut().and_then(PendingTimings::take) {
             (self.stages, self.rows) = (done?, None);
         }
         // Read back the timestamps of one frame at a time.
@@ -205,7 +205,7 @@ impl CharacterDisplay {
                 &moment.gesture,
                 moment.seconds,
             )?;
-            self.stage.place_colliders();
+            self.stage.move_colliders();
             self.stage.record_draw(&mut encoder, timings.as_deref_mut(), &moment.camera)?;
         }
         if let Some(timings) = &timings {
@@ -217,9 +217,9 @@ impl CharacterDisplay {
         let context = context.clone();
         // A request without delay would paint the window twice.
         let wake = move || context.request_repaint_after(Duration::from_nanos(1));
-        let flight = Flight::start(&state.queue, begun, recorded, wake);
+        let flight = Flight::start(&state.queue, started, recorded, wake);
         if is_timed && let Some(timings) = &mut self.timings {
-            self.rows = Some(timings.later(&self.stage.gpu.context));
+            self.rows = Some(timings.start_read(&self.stage.gpu.context));
         }
         self.watcher.watch(&flight);
         self.flight = Some((flight, moment.level));
@@ -231,7 +231,7 @@ impl CharacterDisplay {
     pub fn guides(&self) -> (Pending, usize, Pose) {
         let character = &self.stage.character;
         let hair = character.hair();
-        let back = character.head().inverse().after(&hair.place());
+        let back = character.head().inverse().after(&hair.simulation_transform());
         let pending = Pending::buffer(&self.stage.gpu.context, &hair.guides.current);
         (pending, hair.guides.count as usize, back)
     }

@@ -10,7 +10,8 @@ pub struct State {
     /// Frames of the hair so far.
     pub frames: u64,
     /// Index of the displayed frame.
-    pub seen: u64,
+    #[serde(rename = "seen")]
+    pub displayed_frame: u64,
     /// Number of times the window was painted.
     pub painted: u64,
     /// Strands of the groom; 0 while nothing is shown.
@@ -18,7 +19,8 @@ pub struct State {
     /// Name of the hair.
     pub file: String,
     /// Companion files: maps, obstacles, environment.
-    pub companions: Vec<String>,
+    #[serde(rename = "companions")]
+    pub companion_files: Vec<String>,
     /// Name of the level of cards on the screen, or `strands`; empty before a bake.
     pub cards: String,
     /// The hair under the brush; none unless a brush is active.
@@ -52,7 +54,8 @@ pub struct State {
     /// Whether the device is lost.
     pub lost: bool,
     /// Whether a frame is in flight or due.
-    pub busy: bool,
+    #[serde(rename = "busy")]
+    pub pending: bool,
 }
 
 /// State of grooming.

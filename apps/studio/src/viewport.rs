@@ -6,9 +6,9 @@ use crate::{
     head,
     messages::Messages,
     playback::Playback,
-    renderer::Renderer,
-    stage::{CharacterDisplay, Picture},
-    strokes::{self, Sight},
+    renderer::StudioRenderer,
+    stage::{CharacterDisplay, DisplayedFrame},
+    strokes::{self, ViewportProjection},
     theme,
     tool::Tool,
 };
@@ -18,14 +18,14 @@ use eframe::egui::{
 use tresses::{
     glam::{Vec2, Vec3},
     groom::edit::BrushTool,
-    low_level::{Ray, Target},
+    low_level::{GrabTarget, Ray},
 };
 use tresses_scene::camera::Angle;
 
 /// Zoom exponent per point of the wheel.
 const WHEEL: f32 = 0.0025;
 /// Rotation of the head per point of a drag, radians.
-const TURN: f32 = 0.008;
+const RADIANS_PER_POINT: f32 = 0.008;
 /// Radius of a pulled lock, meters.
 const LOCK: f32 = 0.02;
 
@@ -41,7 +41,7 @@ pub struct Viewport {
     /// Last position of the pointer in a drag.
     pointer: Option<Pos2>,
     /// [Number](Picture::number) of the displayed frame, or 0.
-    pub seen: u64,
+    pub displayed_frame: u64,
 }
 
 impl Viewport {
@@ -49,7 +49,7 @@ impl Viewport {
     /// viewport's rectangle.
     pub fn show(
         &mut self,
-        renderer: &mut Renderer,
+        renderer: &mut StudioRenderer,
         document: &mut Document,
         records: bool,
         messages: &mut Messages,
@@ -65,27 +65,27 @@ impl Viewport {
         self.pointer(renderer, document, messages, ui, &response);
         let painter = ui.painter_at(rect);
         let picture = renderer.show.as_ref().and_then(CharacterDisplay::picture);
-        let place = picture.map(|picture| if records { fitted(picture, rect) } else { rect });
-        if place != Some(rect) {
+        let image_rect = picture.map(|picture| if records { fitted(picture, rect) } else { rect });
+        if image_rect != Some(rect) {
             painter.rect_filled(rect, 0.0, Color32::from_rgb(0x24, 0x26, 0x29));
         }
-        if let (Some(picture), Some(place)) = (picture, place) {
-            painter.add(picture.seen.at(place));
+        if let (Some(picture), Some(image_rect)) = (picture, image_rect) {
+            painter.add(picture.image.at(image_rect));
         }
         if let Some(tool) = self.tool.brush().filter(|_| response.contains_pointer()) {
-            let sight = Sight { renderer, rect };
+            let projection = ViewportProjection { renderer, rect };
             let live = renderer.playback.live;
-            if strokes::ring(tool, &self.kit, live, document, sight, &painter, &response) {
+            if strokes::ring(tool, &self.kit, live, document, projection, &painter, &response) {
                 ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
             }
         }
-        self.seen = picture.map_or(0, |picture| picture.number);
+        self.displayed_frame = picture.map_or(0, |picture| picture.number);
         rect
     }
 
     /// Agrees on whether hair moves: grooming begins with the motion paused, and playing it while a brush is active makes
     /// that live. Brushes that need hair at rest stop both.
-    pub fn lead(&mut self, renderer: &mut Renderer) {
+    pub fn lead(&mut self, renderer: &mut StudioRenderer) {
         let Playback { live, play, .. } = &mut renderer.playback;
         let brush = self.tool.brush();
         if brush.is_some() && !self.grooms {
@@ -98,7 +98,7 @@ impl Viewport {
     }
 
     /// Lets hair move under the brush, or ends that.
-    pub fn set_live(&mut self, live: bool, renderer: &mut Renderer) {
+    pub fn set_live(&mut self, live: bool, renderer: &mut StudioRenderer) {
         renderer.playback.live = live;
         if !live {
             renderer.playback.play.playing = false;
@@ -109,7 +109,7 @@ impl Viewport {
 
     fn pointer(
         &mut self,
-        renderer: &mut Renderer,
+        renderer: &mut StudioRenderer,
         document: &mut Document,
         messages: &mut Messages,
         ui: &Ui,
@@ -139,7 +139,7 @@ impl Viewport {
         });
         if response.drag_started_by(PointerButton::Primary)
             && self.tool == Tool::Hand
-            && let Some(depth) = press.and_then(|at| head_under(renderer, rect, at))
+            && let Some(depth) = press.and_then(|at| head_distance(renderer, rect, at))
         {
             renderer.playback.hand.take(depth);
         }
@@ -155,7 +155,7 @@ impl Viewport {
         } else if response.dragged_by(PointerButton::Primary) {
             if let Some(depth) = renderer.playback.hand.held() {
                 if shift {
-                    renderer.playback.hand.turn(delta * TURN);
+                    renderer.playback.hand.rotate(delta * RADIANS_PER_POINT);
                 } else {
                     let (right, up) = renderer.orbit.plane();
                     let meters = renderer.orbit.height_at(depth) / rect.height();
@@ -167,11 +167,11 @@ impl Viewport {
             } else if shift {
                 renderer.orbit.pan(delta, rect.height());
             } else {
-                renderer.orbit.turn(delta);
+                renderer.orbit.rotate(delta);
             }
             renderer.dirty |= delta != Vec2::ZERO;
         } else if response.dragged_by(PointerButton::Secondary) {
-            renderer.orbit.turn(delta);
+            renderer.orbit.rotate(delta);
             renderer.dirty |= delta != Vec2::ZERO;
         } else if response.dragged_by(PointerButton::Middle) {
             renderer.orbit.pan(delta, rect.height());
@@ -192,7 +192,7 @@ impl Viewport {
 }
 
 /// Fits a frame of another aspect ratio into `rect`.
-fn fitted(picture: &Picture, rect: Rect) -> Rect {
+fn fitted(picture: &DisplayedFrame, rect: Rect) -> Rect {
     let [width, height] = picture.size.map(|side| side as f32);
     let scale = (rect.width() / width).min(rect.height() / height);
     Rect::from_center_size(rect.center(), scale * vec2(width, height))
@@ -203,29 +203,29 @@ pub fn alarm(sentence: &str, ui: &Ui, rect: Rect) {
     let painter = ui.painter_at(rect);
     let galley =
         painter.layout(sentence.into(), FontId::proportional(15.0), theme::ALARM, 0.7 * rect.width());
-    let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
-    painter.rect_filled(place.expand2(vec2(18.0, 12.0)), 6.0, Color32::from_black_alpha(200));
-    painter.galley(place.min, galley, theme::ALARM);
+    let text_rect = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
+    painter.rect_filled(text_rect.expand2(vec2(18.0, 12.0)), 6.0, Color32::from_black_alpha(200));
+    painter.galley(text_rect.min, galley, theme::ALARM);
 }
 
 /// Returns the normalized device coordinates of `at`: -1 to 1, right and up.
-fn place(rect: Rect, at: Pos2) -> Vec2 {
+fn to_ndc(rect: Rect, at: Pos2) -> Vec2 {
     let p = (at - rect.center()) / (0.5 * rect.size());
     Vec2::new(p.x, -p.y)
 }
 
 /// Returns the distance to the head under the pointer, meters.
-fn head_under(renderer: &Renderer, rect: Rect, at: Pos2) -> Option<f32> {
+fn head_distance(renderer: &StudioRenderer, rect: Rect, at: Pos2) -> Option<f32> {
     let stage = &renderer.show.as_ref()?.stage;
-    let (eye, direction) = renderer.orbit.ray(place(rect, at));
+    let (eye, direction) = renderer.orbit.ray(to_ndc(rect, at));
     head::hit(stage.character.field()?, &stage.character.head(), eye, direction)
 }
 
 /// Pulls a lock.
-fn lock(tool: Tool, renderer: &mut Renderer, messages: &mut Messages, ui: &Ui, response: &Response) {
+fn lock(tool: Tool, renderer: &mut StudioRenderer, messages: &mut Messages, ui: &Ui, response: &Response) {
     let rect = response.rect;
     let ray = |at: Pos2| {
-        let (origin, direction) = renderer.orbit.ray(place(rect, at));
+        let (origin, direction) = renderer.orbit.ray(to_ndc(rect, at));
         Ray { origin, direction }
     };
     let begins = tool == Tool::Lock && response.drag_started_by(PointerButton::Primary);
@@ -238,7 +238,7 @@ fn lock(tool: Tool, renderer: &mut Renderer, messages: &mut Messages, ui: &Ui, r
     }
     let done = match (begins.then_some(from).flatten(), to) {
         (Some(from), _) => hair.grab(&from, LOCK),
-        (None, Some(to)) => hair.drag_to(&Target::Ray(to)),
+        (None, Some(to)) => hair.drag_to(&GrabTarget::Ray(to)),
         (None, None) => Ok(()),
     };
     if let Err(error) = done {
@@ -246,7 +246,7 @@ fn lock(tool: Tool, renderer: &mut Renderer, messages: &mut Messages, ui: &Ui, r
     }
 }
 
-fn hover(renderer: &mut Renderer, tool: Tool, kit: &mut BrushKit, ui: &Ui, response: &Response) {
+fn hover(renderer: &mut StudioRenderer, tool: Tool, kit: &mut BrushKit, ui: &Ui, response: &Response) {
     if !response.contains_pointer() {
         return;
     }
@@ -270,7 +270,7 @@ fn hover(renderer: &mut Renderer, tool: Tool, kit: &mut BrushKit, ui: &Ui, respo
     } else if response.dragged() {
         CursorIcon::Move
     } else if tool == Tool::Hand
-        && response.hover_pos().is_some_and(|at| head_under(renderer, response.rect, at).is_some())
+        && response.hover_pos().is_some_and(|at| head_distance(renderer, response.rect, at).is_some())
     {
         CursorIcon::Grab
     } else {

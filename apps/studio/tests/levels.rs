@@ -10,7 +10,7 @@ use tresses_scene::{
 };
 use tresses_studio::{
     job,
-    pace::{LEVELS, Level},
+    pace::{LEVELS, QualityLevel},
 };
 
 /// Size of the viewport in a window of the initial size, points.
@@ -32,7 +32,7 @@ fn stage() -> Option<(Scene, Settings)> {
     Some((stage, settings))
 }
 
-fn picture(stage: &mut Scene, settings: &Settings, level: &Level, view: Angle) -> Vec<u8> {
+fn picture(stage: &mut Scene, settings: &Settings, level: &QualityLevel, view: Angle) -> Vec<u8> {
     let size = AREA.map(|side| (side * level.scale).round() as u32);
     stage.resize(size).unwrap();
     level.dress(stage, settings).unwrap();
@@ -100,7 +100,7 @@ fn frame_in_parts_is_bit_identical() {
     stage.resize([300, 220]).unwrap();
     let camera = Viewpoint::portrait(Angle::default(), stage.subject(), AREA[0] / AREA[1], 1.0);
     let mut picture = |leave: Option<usize>| {
-        Level::STILL.dress(&mut stage, &settings).unwrap();
+        QualityLevel::STILL.dress(&mut stage, &settings).unwrap();
         stage.character.reset();
         let context = stage.gpu.context.clone();
         let (mut apart, mut encoder) =
@@ -143,7 +143,7 @@ fn cost_of_each_level() {
     let motion = Motion::named("shake").unwrap();
     let camera = Viewpoint::portrait(Angle::default(), stage.subject(), AREA[0] / AREA[1], 1.0);
     let all = LEVELS.iter().enumerate().map(|(i, level)| (i.to_string(), level));
-    for (name, level) in all.skip(3).chain([("still".into(), &Level::STILL)]) {
+    for (name, level) in all.skip(3).chain([("still".into(), &QualityLevel::STILL)]) {
         stage.resample(AREA.map(|side| (side * level.scale).round() as u32), level.ssaa).unwrap();
         stage.character.reset();
         let (frames, mut rows, mut whole) =
@@ -165,7 +165,7 @@ fn cost_of_each_level() {
             }
         }
         let each = 1.0 / f64::from(frames / 2);
-        let Detail { strands, segments, .. } = stage.detail();
+        let Detail { strand_count: strands, segment_count: segments, .. } = stage.detail();
         println!("level {name}: {:.1} ms, {strands} strands, {segments:.1} segments", whole * each);
         let rows: Vec<_> = rows.iter().map(|(name, ms)| format!("{name} {:.1}", ms * each)).collect();
         println!("  {}", rows.join(", "));
@@ -174,18 +174,18 @@ fn cost_of_each_level() {
 
 fn cover_as_much(views: &[Angle]) {
     let Some((mut stage, settings)) = stage() else { return };
-    let whole = Level { scale: 0.5, ..Level::FULL };
+    let whole = QualityLevel { scale: 0.5, ..QualityLevel::FULL };
     // The chords of so few segments cut through the skull.
-    let bald = Level { stray: 10.0, ..LEVELS[LEVELS.len() - 1] };
+    let bald = QualityLevel { stray: 10.0, ..LEVELS[LEVELS.len() - 1] };
     for &view in views {
-        let mut seen = |name: &str, level: &Level| {
+        let mut seen = |name: &str, level: &QualityLevel| {
             let picture = picture(&mut stage, &settings, level, view);
             if let Some(folder) = std::env::var_os("TRESSES_PICTURES") {
                 let path = Path::new(&folder).join(format!("level-{view:?}-{name}.png"));
                 let [width, height] = stage.targets().size;
                 image::save_buffer(path, &picture, width, height, image::ExtendedColorType::Rgba8).unwrap();
             }
-            let Detail { strands, segments, .. } = stage.detail();
+            let Detail { strand_count: strands, segment_count: segments, .. } = stage.detail();
             println!("{view:?}, {name}: {strands} strands, {segments:.1} segments");
             hair(&stage, &picture)
         };

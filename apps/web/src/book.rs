@@ -22,12 +22,12 @@ pub fn build_book(mdbook: &Path, out: &Path) -> Result<()> {
     let mut command = Command::new(mdbook);
     let output = command.arg("build").arg(pages.path()).arg("--dest-dir").arg(&out).output();
     let output = output.with_context(|| format!("cannot start {}", mdbook.display()))?;
-    let said = String::from_utf8_lossy(&output.stderr);
-    let problem = said.lines().find(|line| line.contains("WARN") || line.contains("ERROR"));
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    let problem = stderr.lines().find(|line| line.contains("WARN") || line.contains("ERROR"));
     if let Some(problem) = problem {
         bail!("mdBook: {problem}");
     }
-    ensure!(output.status.success(), "mdBook: {said}");
+    ensure!(output.status.success(), "mdBook: {stderr}");
     Ok(())
 }
 

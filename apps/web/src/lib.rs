@@ -9,5 +9,5 @@ pub mod serve;
 pub mod three;
 
 pub use book::build_book;
-pub use pack::{CARDS_LIMIT, LIMIT, Page, Sizes, pack};
+pub use pack::{CARDS_LIMIT, LIMIT, Sizes, WebPage, pack};
 pub use serve::Server;

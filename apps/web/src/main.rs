@@ -3,7 +3,7 @@
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
-use tresses_web::{Page, Server, build_book, pack};
+use tresses_web::{Server, WebPage, build_book, pack};
 
 /// Builds the web pages of Tresses and serves them.
 #[derive(Parser)]
@@ -17,8 +17,8 @@ enum Command {
     /// Build a page into a folder that any static file server can host.
     Build {
         /// Page to build
-        #[arg(long, value_enum, default_value_t = Page::Studio)]
-        page: Page,
+        #[arg(long, value_enum, default_value_t = WebPage::Studio)]
+        page: WebPage,
         /// Output folder; existing files in it are overwritten
         #[arg(long, default_value = "dist")]
         out: PathBuf,

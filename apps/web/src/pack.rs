@@ -22,7 +22,7 @@ const CARDS: &str = "tresses-cards.js";
 
 /// A page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Page {
+pub enum WebPage {
     /// The studio.
     Studio,
     /// The studio's viewport as a custom element, `<tresses-viewer>`, packaged for npm.
@@ -31,7 +31,7 @@ pub enum Page {
     Minimal,
 }
 
-impl Page {
+impl WebPage {
     /// Returns cargo's arguments, and the file that cargo builds.
     fn program(self) -> (&'static [&'static str], &'static str) {
         match self {
@@ -121,12 +121,12 @@ impl fmt::Display for Sizes {
 ///
 /// # Errors
 /// Fails if the program cannot be compiled or the folder cannot be written.
-pub fn pack(page: Page, out: &Path, small: bool) -> Result<Sizes> {
+pub fn pack(page: WebPage, out: &Path, small: bool) -> Result<Sizes> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize()?;
     let (what, file) = page.program();
     std::fs::create_dir_all(out).with_context(|| out.display().to_string())?;
     let mut cards = Vec::new();
-    if page == Page::Viewer {
+    if page == WebPage::Viewer {
         cards = three::copy(&root.join("target/tools/three"), out)?;
         cards.push(CARDS.into());
     }

@@ -5,8 +5,8 @@ use pyo3::prelude::*;
 use std::{fs::File, io::BufWriter, path::PathBuf};
 use tresses::groom::{
     export::{self, CacheOptions, Writer},
-    formats::Content,
-    orient::Unit,
+    formats::ContentKind,
+    orient::LengthUnit,
 };
 
 /// A file of moving strands, written frame by frame: Alembic (``.abc``) or USD (``.usda``).
@@ -27,7 +27,7 @@ use tresses::groom::{
 ///     Unit of the file, such as ``"cm"`` for Unreal and Maya.
 #[pyclass(unsendable, module = "tresses")]
 pub struct Cache {
-    writer: Option<Box<dyn export::Cache>>,
+    writer: Option<Box<dyn export::CacheWriter>>,
     file: PathBuf,
     left: u32,
 }
@@ -40,8 +40,8 @@ impl Cache {
         if frames == 0 || !(fps.is_finite() && fps > 0.0) {
             return Err(TressesError::new_err("a cache needs frames, and frames per second above 0"));
         }
-        let writer = Writer::holding(&file, Content::Frames).map_err(raised)?;
-        let options = CacheOptions { unit: unit.parse::<Unit>().map_err(raised)?, rate: fps, frames };
+        let writer = Writer::holding(&file, ContentKind::Frames).map_err(raised)?;
+        let options = CacheOptions { unit: unit.parse::<LengthUnit>().map_err(raised)?, rate: fps, frames };
         let named = |error| raised(anyhow::anyhow!("{}: {error}", file.display()));
         let out = Box::new(BufWriter::new(File::create(&file).map_err(named)?));
         let writer = writer.cache(out, &strands.0, options).map_err(named)?;

@@ -3,7 +3,7 @@
 use crate::raised;
 use pyo3::{exceptions::PyTypeError, prelude::*};
 use std::path::PathBuf;
-use tresses::groom::orient::{Axis, Choice, Unit};
+use tresses::groom::orient::{Axis, LengthUnit, OrientationOverride};
 
 /// Converts one path or several, each a `str` or an `os.PathLike`.
 pub fn paths(of: &Bound<'_, PyAny>) -> PyResult<Vec<PathBuf>> {
@@ -30,14 +30,14 @@ pub struct Orientation {
 
 impl Orientation {
     /// Converts to the library's options.
-    pub fn choice(&self) -> PyResult<Choice> {
+    pub fn choice(&self) -> PyResult<OrientationOverride> {
         let axis =
             |text: &Option<String>| text.as_deref().map(str::parse::<Axis>).transpose().map_err(raised);
-        Ok(Choice {
-            unit: self.unit.as_deref().map(str::parse::<Unit>).transpose().map_err(raised)?,
+        Ok(OrientationOverride {
+            unit: self.unit.as_deref().map(str::parse::<LengthUnit>).transpose().map_err(raised)?,
             up: axis(&self.up)?,
             front: axis(&self.front)?,
-            mirror: self.mirror,
+            is_mirrored: self.mirror,
         })
     }
 }

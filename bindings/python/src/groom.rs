@@ -32,8 +32,8 @@ use tresses::{
     low_level::lod,
 };
 use tresses_scene::{
-    Companions, Preset, Shelf, Source,
-    cards::{AskedLevel, of_parts, options},
+    CompanionFiles, Preset, PresetSource, Shelf,
+    cards::{LevelRequest, of_parts, options},
     settings::Settings,
     source,
 };
@@ -47,7 +47,7 @@ pub struct Groom {
     /// The character, with strands in drawing order.
     pub character: CharacterParts,
     /// Names of the companion files.
-    pub source: Source,
+    pub source: PresetSource,
     /// Settings the groom was made with.
     pub settings: Settings,
     /// Source index of each strand.
@@ -57,11 +57,11 @@ pub struct Groom {
 }
 
 /// Sets the companion files that the keyword arguments name in `source`.
-fn companions_of(source: &mut Source, files: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+fn set_companion_files(source: &mut PresetSource, files: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
     for (key, file) in files.into_iter().flatten() {
         let key: String = key.extract()?;
         let companion = source::companion(&key)
-            .ok_or_else(|| unknown(&key, source::COMPANIONS.iter().map(|companion| companion.key)))?;
+            .ok_or_else(|| unknown(&key, source::COMPANION_FILES.iter().map(|companion| companion.key)))?;
         let file: PathBuf = file.extract()?;
         companion.set(source, Some(file.to_string_lossy().into_owned()));
     }
@@ -132,8 +132,8 @@ impl Groom {
     ) -> PyResult<Self> {
         let style: groom::styles::Style = style.parse().map_err(raised)?;
         let heads = head.map(paths).transpose()?.unwrap_or_default();
-        let mut source = Source { style: Some(style.name().to_owned()), heads, ..Default::default() };
-        companions_of(&mut source, files)?;
+        let mut source = PresetSource { style: Some(style.name().to_owned()), heads, ..Default::default() };
+        set_companion_files(&mut source, files)?;
         Self::open(py, Preset { name: None, source, settings: settings_of(settings)? }, progress)
     }
 
@@ -166,13 +166,13 @@ impl Groom {
         beside: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
         let orient = Orientation { unit, up, front, mirror }.choice()?;
-        let mut source = Source {
+        let mut source = PresetSource {
             grooms: paths(files)?,
             heads: head.map(paths).transpose()?.unwrap_or_default(),
             orientation: ImportOptions { orient, ..Default::default() },
             ..Default::default()
         };
-        companions_of(&mut source, beside)?;
+        set_companion_files(&mut source, beside)?;
         Self::open(py, Preset { name: None, source, settings: settings_of(settings)? }, progress)
     }
 
@@ -205,11 +205,11 @@ impl Groom {
             (Some(_), None) => return Err(TressesError::new_err("a rig needs the head that it moves")),
             (None, _) => None,
         };
-        let mut source = Source::default();
-        companions_of(&mut source, files)?;
+        let mut source = PresetSource::default();
+        set_companion_files(&mut source, files)?;
         let settings = settings_of(settings)?;
         let character = run(py, progress, async |teller| {
-            let maps = Companions::of(&source, Shelf::default()).maps()?;
+            let maps = CompanionFiles::of(&source, Shelf::default()).maps()?;
             let head = head.map(|head| head.0.clone());
             let base = CharacterSource::given(strands.0.clone(), head, rig, teller).await?;
             Ok(base.dress(&settings.styling(None, &maps)?, teller).await?)
@@ -275,17 +275,24 @@ impl Groom {
         bones: u32,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Cards> {
-        let asked = match levels {
+        let level_options = match levels {
             Some(levels) => {
-                let level =
-                    |level: &Bound<'_, PyAny>| level.str()?.to_string().parse::<AskedLevel>().map_err(raised);
+                let level = |level: &Bound<'_, PyAny>| {
+                    level.str()?.to_string().parse::<LevelRequest>().map_err(raised)
+                };
                 options(&levels.iter().map(level).collect::<PyResult<Vec<_>>>()?).map_err(raised)?
             }
             None => CardOptions::default(),
         };
         let triangles = triangles.unwrap_or_default();
-        let options = CardOptions { texture, textures, triangles, chains: bones, ..asked };
-        let (character, colored) = (&self.character, self.settings.material().file_colors);
+        let options = CardOptions {
+            texture_size: texture,
+            lock_texture_count: textures,
+            triangles,
+            chain_count: bones,
+            ..level_options
+        };
+        let (character, colored) = (&self.character, self.settings.material().uses_file_colors);
         let head = character.head.clone();
         let rig = self.character.anatomy.as_ref().map(|anatomy| anatomy.rig.clone());
         let baked = run(py, progress, async |teller| of_parts(character, &options, colored, teller).await)?;
@@ -367,7 +374,7 @@ impl Groom {
                 let character = &self.character;
                 let document =
                     GroomDocument::new(character.groom.clone(), HeadFiles::None, character.neck.x)?;
-                let field = character.whole().cloned().map(Arc::new);
+                let field = character.body_field().cloned().map(Arc::new);
                 let mut editor = GroomEditor::new(document, field);
                 if let Some(body) = &character.head {
                     editor = editor.on_skin(body);

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 use tresses::{
     glam::Vec3,
-    groom::{TriMesh, export::Writer, formats::Content, import},
+    groom::{TriMesh, export::Writer, formats::ContentKind, import},
 };
 
 /// A triangle mesh, for example a head that hair grows on.
@@ -92,7 +92,7 @@ impl Mesh {
     /// Write a file. Its extension selects the format, one of ``formats()["meshes_written"]``.
     fn write(&self, py: Python<'_>, file: PathBuf) -> PyResult<()> {
         py.detach(|| -> anyhow::Result<()> {
-            std::fs::write(&file, Writer::holding(&file, Content::Mesh)?.mesh(&self.0, None)?)
+            std::fs::write(&file, Writer::holding(&file, ContentKind::Mesh)?.mesh(&self.0, None)?)
                 .map_err(|error| anyhow::anyhow!("{}: {error}", file.display()))
         })
         .map_err(raised)

@@ -2,7 +2,7 @@
 
 use crate::{
     TressesError,
-    pose::{told, vector},
+    pose::{pose_to_tuple, vector},
     raised,
 };
 use pyo3::{prelude::*, types::PyDict};
@@ -58,8 +58,8 @@ impl Motion {
         for (name, weight) in &gesture.shapes {
             shapes.set_item(&**name, *weight)?;
         }
-        dict.set_item("head", told(&gesture.head))?;
-        dict.set_item("body", told(&gesture.body))?;
+        dict.set_item("head", pose_to_tuple(&gesture.head))?;
+        dict.set_item("body", pose_to_tuple(&gesture.body))?;
         dict.set_item("shapes", shapes)?;
         Ok(dict)
     }

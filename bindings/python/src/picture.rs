@@ -9,7 +9,7 @@ use numpy::PyArrayDyn;
 use pyo3::{prelude::*, types::PyDict};
 use tresses::{Bounds, glam::Mat4, groom::Strands};
 use tresses_scene::{
-    Sight, Viewpoint,
+    CaptureCamera, Viewpoint,
     camera::Angle,
     scene::{Capture, OutputRequest},
 };
@@ -41,10 +41,10 @@ pub enum HeadDrawing {
 
 impl HeadDrawing {
     /// Returns `asked` with this drawing of the head.
-    pub fn request(&self, asked: OutputRequest) -> PyResult<OutputRequest> {
+    pub fn request(&self, request: OutputRequest) -> PyResult<OutputRequest> {
         match self {
-            Self::Shown(shown) => Ok(OutputRequest { bare: !shown, ..asked }),
-            Self::Word(word) if word == "holdout" => Ok(OutputRequest { holdout: true, ..asked }),
+            Self::Shown(shown) => Ok(OutputRequest { hair_only: !shown, ..request }),
+            Self::Word(word) if word == "holdout" => Ok(OutputRequest { holdout: true, ..request }),
             Self::Word(word) => {
                 Err(TressesError::new_err(format!("head is {word}, but must be True, False or \"holdout\"")))
             }
@@ -66,11 +66,11 @@ impl OutputNames {
     }
 
     fn has(&self, name: &str) -> bool {
-        self.0.iter().any(|wanted| wanted == name)
+        self.0.iter().any(|requested| requested == name)
     }
 
     /// Returns the capture options of the scene.
-    pub fn asked(&self) -> OutputRequest {
+    pub fn request(&self) -> OutputRequest {
         OutputRequest {
             linear: self.has("linear"),
             hair: OUTPUTS[4..].iter().any(|name| self.has(name)),
@@ -86,13 +86,13 @@ impl OutputNames {
 }
 
 /// Converts a camera from Python: the name of an angle, eye and target, or view and projection.
-pub fn sight(
+pub fn capture_camera(
     camera: &Bound<'_, PyAny>,
     subject: Bounds,
     size: [u32; 2],
     zoom: f32,
     distance: Option<f32>,
-) -> PyResult<Sight> {
+) -> PyResult<CaptureCamera> {
     if let Ok(pair) = camera.extract::<(Bound<'_, PyAny>, Bound<'_, PyAny>)>()
         && let Ok(view) = given_matrix(&pair.0, "the camera's view")
     {
@@ -101,9 +101,9 @@ pub fn sight(
         if !both.is_finite() || both.determinant() == 0.0 {
             return Err(TressesError::new_err("view and projection of the camera need an inverse"));
         }
-        return Ok(Sight::Matrices(view, projection));
+        return Ok(CaptureCamera::Matrices(view, projection));
     }
-    viewpoint(camera, subject, size, zoom, distance).map(Sight::Viewpoint)
+    viewpoint(camera, subject, size, zoom, distance).map(CaptureCamera::Viewpoint)
 }
 
 fn viewpoint(
@@ -142,7 +142,7 @@ fn viewpoint(
     }
     match distance {
         None => Ok(view),
-        Some(distance) if distance.is_finite() && distance > 0.0 => Ok(view.moved(distance)),
+        Some(distance) if distance.is_finite() && distance > 0.0 => Ok(view.at_distance(distance)),
         Some(distance) => Err(TressesError::new_err(format!("distance is {distance}, but must be above 0"))),
     }
 }
@@ -156,7 +156,7 @@ pub fn matrix<'py>(py: Python<'py>, matrix: Mat4) -> PyResult<Bound<'py, PyArray
 /// `strands` holds the strands of each groom, if [`needs_strands`](OutputNames::needs_strands).
 pub fn outputs<'py>(
     py: Python<'py>,
-    wanted: &OutputNames,
+    names: &OutputNames,
     captured: &Capture,
     ([width, height], projection): ([u32; 2], Mat4),
     strands: &[Strands],
@@ -164,11 +164,11 @@ pub fn outputs<'py>(
     let (w, h) = (width as usize, height as usize);
     let dict = PyDict::new(py);
     let labels = &captured.labels;
-    for name in &wanted.0 {
+    for name in &names.0 {
         let plane = [h, w];
-        let one =
+        let numbers =
             |of: &dyn Fn(usize) -> f32| array(py, &plane, (0..w * h).map(of).collect()).map(Bound::into_any);
-        let whole =
+        let integers =
             |of: &dyn Fn(usize) -> i32| array(py, &plane, (0..w * h).map(of).collect()).map(Bound::into_any);
         let value = match name.as_str() {
             "color" => array(py, &[h, w, 4], captured.color.clone())?.into_any(),
@@ -183,15 +183,15 @@ pub fn outputs<'py>(
                 array(py, &[h, w, 3], normals.collect())?.into_any()
             }
             "motion" => array(py, &[h, w, 2], captured.motions().into_flattened())?.into_any(),
-            "strand" => whole(&|i| labels[i].map_or(-1, |label| label.strand as i32))?,
-            "groom" => whole(&|i| labels[i].map_or(-1, |label| label.groom as i32))?,
-            "share" => one(&|i| labels[i].map_or(0.0, |label| label.share))?,
-            "along" => one(&|i| {
-                let place = labels[i].and_then(|label| {
+            "strand" => integers(&|i| labels[i].map_or(-1, |label| label.strand as i32))?,
+            "groom" => integers(&|i| labels[i].map_or(-1, |label| label.groom as i32))?,
+            "share" => numbers(&|i| labels[i].map_or(0.0, |label| label.coverage))?,
+            "along" => numbers(&|i| {
+                let position = labels[i].and_then(|label| {
                     let segments = strands.get(label.groom as usize)?.range(label.strand as usize).len() - 1;
                     Some((label.vertex as f32 + label.along) / segments as f32)
                 });
-                place.unwrap_or(f32::NAN)
+                position.unwrap_or(f32::NAN)
             })?,
             _ => {
                 let tangent = |i: usize| {

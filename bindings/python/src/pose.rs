@@ -14,7 +14,7 @@ const TOLERANCE: f32 = 1e-3;
 pub type PoseTuple = ([f32; 3], [f32; 4]);
 
 /// Converts a pose to Python.
-pub fn told(pose: &Pose) -> PoseTuple {
+pub fn pose_to_tuple(pose: &Pose) -> PoseTuple {
     (pose.translation.to_array(), pose.rotation.to_array())
 }
 
@@ -41,15 +41,15 @@ pub fn pose(of: &Bound<'_, PyAny>, what: &str) -> PyResult<Pose> {
                 refuse("must be a matrix [4, 4], or a translation of 3 and a quaternion of 4 numbers (x, y, z, w)")
             })?;
             let matrix = Mat4::from_cols_array(&rows).transpose();
-            let turn = Mat3::from_mat4(matrix);
-            let square = turn * turn.transpose() - Mat3::IDENTITY;
-            let off = square.to_cols_array().iter().fold(0.0, |most: f32, v| most.max(v.abs()));
+            let rotation = Mat3::from_mat4(matrix);
+            let square = rotation * rotation.transpose() - Mat3::IDENTITY;
+            let off = square.to_cols_array().iter().fold(0.0, |max: f32, v| max.max(v.abs()));
             let last = (matrix.row(3) - tresses::glam::Vec4::W).abs().max_element();
-            let is_rigid = off < TOLERANCE && last < TOLERANCE && turn.determinant() > 0.0;
+            let is_rigid = off < TOLERANCE && last < TOLERANCE && rotation.determinant() > 0.0;
             if !is_rigid {
                 return Err(refuse("must be a rigid matrix, with rotation and translation only"));
             }
-            Pose { rotation: Quat::from_mat3(&turn).normalize(), translation: matrix.w_axis.truncate() }
+            Pose { rotation: Quat::from_mat3(&rotation).normalize(), translation: matrix.w_axis.truncate() }
         }
     };
     if pose.translation.is_finite() { Ok(pose) } else { Err(refuse("must have a finite translation")) }

@@ -10,7 +10,7 @@ use crate::{
 use pyo3::{prelude::*, types::PyDict};
 use tresses::groom::{
     export::Writer,
-    formats::{self as endings, Content},
+    formats::{self as endings, ContentKind},
     import,
     orient::Placement,
 };
@@ -88,12 +88,12 @@ pub fn read(
         orient: Orientation { unit, up, front, mirror }.choice()?,
         orient_head: Orientation { unit: head_unit, up: head_up, front: head_front, mirror: None }
             .choice()?,
-        lenient,
-        unrepaired: !repair,
+        allows_non_finite: lenient,
+        skips_repair: !repair,
         moment: frame.map_or(import::Moment::First, import::Moment::Frame),
     };
     let (strands, head, report) =
-        py.detach(|| import::read_whole(&files, &heads, &options)).map_err(raised)?;
+        py.detach(|| import::read_complete(&files, &heads, &options)).map_err(raised)?;
     let placements = || std::iter::once(&report.placement).chain(&report.head_placement);
     let mut notes: Vec<String> = report.files.iter().flat_map(|file| file.notes.clone()).collect();
     notes.extend(placements().flat_map(|placement| placement.reasons.clone()));
@@ -127,7 +127,7 @@ pub fn formats(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let of = |kept: fn(&Writer) -> bool| {
         all.clone().filter(|it| kept(it)).map(|it| it.extension).collect::<Vec<_>>()
     };
-    dict.set_item("meshes_written", of(|writer| writer.holds(Content::Mesh)))?;
+    dict.set_item("meshes_written", of(|writer| writer.holds(ContentKind::Mesh)))?;
     dict.set_item("any_unit", of(|writer| writer.any_unit))?;
     Ok(dict)
 }

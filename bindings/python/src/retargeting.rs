@@ -48,13 +48,14 @@ pub fn retarget<'py>(
         }
         None => Vec::new(),
     };
-    let (moved, report) = py.detach(|| fitted(&strands.0, &head.0, &other.0, &landmarks)).map_err(raised)?;
+    let (retargeted, report) =
+        py.detach(|| fitted(&strands.0, &head.0, &other.0, &landmarks)).map_err(raised)?;
     let dict = PyDict::new(py);
-    dict.set_item("same_topology", report.same_topology)?;
+    dict.set_item("same_topology", report.has_same_topology)?;
     dict.set_item("skin_error", report.skin_error)?;
     dict.set_item("inside", report.inside[1])?;
     dict.set_item("inside_before", report.inside[0])?;
     dict.set_item("bend", report.bend)?;
-    dict.set_item("apart", report.apart)?;
-    Ok((Strands(moved), dict))
+    dict.set_item("apart", report.spacing_change)?;
+    Ok((Strands(retargeted), dict))
 }

@@ -35,11 +35,11 @@ pub struct Rig {
     nodes: Vec<Node>,
     rest: Vec<Mat4>,
     /// Joints and shares of each vertex; empty if all vertices follow the only joint.
-    vertices: Vec<VertexShares>,
+    vertices: Vec<VertexWeights>,
 }
 
 /// Joints that a vertex follows, and their shares.
-type VertexShares = ([u16; INFLUENCES], [f32; INFLUENCES]);
+type VertexWeights = ([u16; INFLUENCES], [f32; INFLUENCES]);
 
 fn refuse(why: String) -> PyErr {
     TressesError::new_err(why)
@@ -99,9 +99,9 @@ impl Rig {
         if let Some(joint) = lost {
             return Err(refuse(format!("a vertex follows joint {joint}, but there are {count} joints")));
         }
-        let vertex = |vertex: usize| -> PyResult<VertexShares> {
-            let place = vertex * each..(vertex + 1) * each;
-            let mut all: Vec<_> = joints[place.clone()].iter().zip(&weights[place]).collect();
+        let vertex = |vertex: usize| -> PyResult<VertexWeights> {
+            let range = vertex * each..(vertex + 1) * each;
+            let mut all: Vec<_> = joints[range.clone()].iter().zip(&weights[range]).collect();
             all.sort_by(|a, b| b.1.total_cmp(a.1));
             all.truncate(INFLUENCES);
             let sum: f32 = all.iter().map(|(_, weight)| **weight).sum();
@@ -111,11 +111,11 @@ impl Rig {
                     format!("the weights of vertex {vertex} must be finite, none below 0, and one above 0");
                 return Err(refuse(why));
             }
-            let (mut of, mut shares) = ([0; INFLUENCES], [0.0; INFLUENCES]);
+            let (mut of, mut fractions) = ([0; INFLUENCES], [0.0; INFLUENCES]);
             for (slot, (joint, weight)) in all.into_iter().enumerate() {
-                (of[slot], shares[slot]) = (*joint as u16, weight / sum);
+                (of[slot], fractions[slot]) = (*joint as u16, weight / sum);
             }
-            Ok((of, shares))
+            Ok((of, fractions))
         };
         let vertices = (0..vertices).map(vertex).collect::<PyResult<_>>()?;
         Ok(Self { nodes, rest, vertices })

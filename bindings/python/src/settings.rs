@@ -28,9 +28,11 @@ pub struct Parameter {
     /// Unit of numbers; empty for plain numbers.
     unit: &'static str,
     /// Minimum, or None.
-    least: Option<f64>,
+    #[pyo3(name = "least")]
+    min: Option<f64>,
     /// Maximum, or None.
-    most: Option<f64>,
+    #[pyo3(name = "most")]
+    max: Option<f64>,
     /// Allowed values, in words.
     range: String,
     /// Names and descriptions of a choice's values: a list of pairs.
@@ -57,10 +59,10 @@ impl Parameter {
 #[pyfunction]
 pub fn parameters(py: Python<'_>) -> PyResult<Vec<Py<Parameter>>> {
     let row = |knob: &'static Knob| {
-        let (kind, unit, least, most) = match knob.kind {
-            ValueKind::Number { unit, least, most, .. } => ("number", unit.symbol, Some(least), Some(most)),
-            ValueKind::Integer { unit, least, most, .. } => {
-                ("integer", unit.symbol, Some(f64::from(least)), Some(f64::from(most)))
+        let (kind, unit, min, max) = match knob.kind {
+            ValueKind::Number { unit, min, max, .. } => ("number", unit.symbol, Some(min), Some(max)),
+            ValueKind::Integer { unit, min, max, .. } => {
+                ("integer", unit.symbol, Some(f64::from(min)), Some(f64::from(max)))
             }
             ValueKind::Toggle => ("toggle", "", None, None),
             ValueKind::Choice(_) => ("choice", "", None, None),
@@ -86,8 +88,8 @@ pub fn parameters(py: Python<'_>) -> PyResult<Vec<Py<Parameter>>> {
                 hint,
                 kind,
                 unit,
-                least,
-                most,
+                min,
+                max,
                 range,
                 choices,
                 default,

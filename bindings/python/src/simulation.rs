@@ -8,10 +8,10 @@ use crate::{
     arrays::{floats, points},
     body::BodyInput,
     device,
-    given::GivenPlaces,
+    given::StrandAttachments,
     groom::Groom,
-    picture::{self, HeadDrawing, OutputNames, matrix, sight},
-    pose::{PoseTuple, pose, told, vector},
+    picture::{self, HeadDrawing, OutputNames, capture_camera, matrix},
+    pose::{PoseTuple, pose, pose_to_tuple, vector},
     raised, settings,
     strands::Strands,
     work::run,
@@ -28,7 +28,7 @@ use tresses::{
     glam::Vec3,
     low_level::{GuideState, MAX_STEPS},
 };
-use tresses_scene::{Companions, Quality, Scene, Shelf, Sight, settings::Settings as Values};
+use tresses_scene::{CaptureCamera, CompanionFiles, Quality, Scene, Shelf, settings::Settings as Values};
 
 /// Maximum length of a step, seconds.
 const LONGEST: f32 = 3600.0;
@@ -41,10 +41,10 @@ struct Inner {
     /// Vertices of the body and transforms of its joints, in place of the gesture.
     body: BodyInput,
     /// Whether the hair has been put at rest, by `reset` or on first use.
-    begun: bool,
+    is_initialized: bool,
     /// The groom, if it was made from given strands, until their places are known.
     groom: Option<Py<Groom>>,
-    places: Option<GivenPlaces>,
+    attachments: Option<StrandAttachments>,
 }
 
 /// Hair simulation on the GPU.
@@ -79,7 +79,7 @@ impl Simulation {
     }
 
     /// Applies the given arguments to the current gesture. Arguments that are `None` keep their last value.
-    fn said(
+    fn pose_input(
         &self,
         py: Python<'_>,
         head: Option<&Bound<'_, PyAny>>,
@@ -117,13 +117,13 @@ impl Simulation {
 }
 
 impl Inner {
-    fn take(&mut self, said: &PoseInput) -> anyhow::Result<()> {
+    fn take(&mut self, input: &PoseInput) -> anyhow::Result<()> {
         if let Some(rig) = self.scene.character.rig() {
-            for (name, _) in &said.gesture.shapes {
+            for (name, _) in &input.gesture.shapes {
                 rig.find_shape(name)?;
             }
         }
-        if let Some(wind) = said.wind {
+        if let Some(wind) = input.wind {
             let mut physics = self.scene.character.physics;
             physics.wind.velocity = wind;
             physics.check()?;
@@ -148,17 +148,17 @@ impl Inner {
         Ok(())
     }
 
-    fn rest(&mut self, said: PoseInput) -> anyhow::Result<()> {
-        self.take(&said)?;
-        self.deform(&said.body)?;
-        self.scene.reset(&said.gesture)?;
-        (self.gesture, self.body, self.begun) = (said.gesture, said.body, true);
+    fn rest(&mut self, input: PoseInput) -> anyhow::Result<()> {
+        self.take(&input)?;
+        self.deform(&input.body)?;
+        self.scene.reset(&input.gesture)?;
+        (self.gesture, self.body, self.is_initialized) = (input.gesture, input.body, true);
         Ok(())
     }
 
     /// Puts the hair at rest unless this has happened already.
     fn begin(&mut self) -> anyhow::Result<()> {
-        if self.begun {
+        if self.is_initialized {
             return Ok(());
         }
         let (gesture, body) = (self.gesture.clone(), self.body.clone());
@@ -176,7 +176,7 @@ impl Simulation {
         settings: Option<&Bound<'_, PyAny>>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
-        let made = groom.get().given.is_some().then(|| groom.clone().unbind());
+        let given_groom = groom.get().given.is_some().then(|| groom.clone().unbind());
         let groom = groom.get();
         let mut all = settings::Settings(groom.settings.clone());
         if let Some(values) = settings {
@@ -185,8 +185,8 @@ impl Simulation {
         let settings = settings_of_groom(all.0, groom)?;
         let inner = run(py, progress, async |teller| {
             let gpu = device::open()?;
-            let companions = Companions::of(&groom.source, Shelf::default());
-            let (colliders, surroundings) = (companions.colliders()?, companions.surroundings()?);
+            let companion_files = CompanionFiles::of(&groom.source, Shelf::default());
+            let (colliders, surroundings) = (companion_files.colliders()?, companion_files.surroundings()?);
             let character = groom.character.clone();
             let quality = sampled(&settings, [16, 16], &gpu)?;
             let motion = settings.pipelines_of_motion(&character.guide_vertices());
@@ -200,9 +200,9 @@ impl Simulation {
                 settings: settings.clone(),
                 gesture: Gesture::default(),
                 body: BodyInput::default(),
-                begun: false,
-                groom: made,
-                places: None,
+                is_initialized: false,
+                groom: given_groom,
+                attachments: None,
             })
         })?;
         Ok(Self { inner: Mutex::new(inner) })
@@ -247,30 +247,30 @@ impl Simulation {
         if !(0.0..=LONGEST).contains(&dt) {
             return Err(TressesError::new_err(format!("dt is {dt} s, but must be from 0 to {LONGEST}")));
         }
-        let said = self.said(py, head, body, shapes, wind, [skin, joints])?;
+        let input = self.pose_input(py, head, body, shapes, wind, [skin, joints])?;
         run(py, None, async |teller| {
             let mut inner = self.lock();
             inner.begin()?;
-            inner.take(&said)?;
+            inner.take(&input)?;
             // The library runs at most `MAX_STEPS` fixed steps per frame and drops the rest, so split long steps.
-            let most = MAX_STEPS as f32 * inner.scene.character.physics.step;
-            let parts = (dt / most).ceil().max(1.0) as u32;
+            let max_dt = MAX_STEPS as f32 * inner.scene.character.physics.step;
+            let parts = (dt / max_dt).ceil().max(1.0) as u32;
             let (from, first) = (inner.gesture.clone(), inner.body.clone());
             for part in 1..=parts {
                 if part == parts {
-                    inner.deform(&said.body)?;
+                    inner.deform(&input.body)?;
                 } else {
-                    inner.deform(&first.lerp(&said.body, part as f32 / parts as f32))?;
+                    inner.deform(&first.lerp(&input.body, part as f32 / parts as f32))?;
                 }
                 let gesture = match part == parts {
-                    true => said.gesture.clone(),
-                    false => from.lerp(&said.gesture, part as f32 / parts as f32),
+                    true => input.gesture.clone(),
+                    false => from.lerp(&input.gesture, part as f32 / parts as f32),
                 };
                 inner.scene.advance(&gesture, dt / parts as f32)?;
                 inner.gesture = gesture;
                 tresses::Progress::step(teller, "simulating", part as f32 / parts as f32).await;
             }
-            inner.body = said.body;
+            inner.body = input.body;
             Ok(())
         })
     }
@@ -296,12 +296,12 @@ impl Simulation {
         joints: Option<&Bound<'_, PyAny>>,
         state: Option<&[u8]>,
     ) -> PyResult<()> {
-        let said = self.said(py, head, body, shapes, wind, [skin, joints])?;
+        let input = self.pose_input(py, head, body, shapes, wind, [skin, joints])?;
         run(py, None, async |_| {
             let mut inner = self.lock();
             let words = state.map(bytemuck::pod_collect_to_vec::<u8, u32>);
             let states = words.map(|words| GuideState::all_of(&words)).transpose()?;
-            inner.rest(said)?;
+            inner.rest(input)?;
             let Some(states) = states else { return Ok(()) };
             inner.scene.character.set_state(&states)?;
             // A frame without time draws the strands anew.
@@ -358,23 +358,23 @@ impl Simulation {
     /// vertex in the given order. Strands that the repair has dropped move with the head. Curls, length and other settings
     /// that restyle strands do not show.
     fn given<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
-        let carried = run(py, None, async |_| {
+        let positions = run(py, None, async |_| {
             let mut inner = self.lock();
             inner.begin()?;
-            if inner.places.is_none() {
+            if inner.attachments.is_none() {
                 let groom = inner.groom.as_ref().map(Py::get);
                 let (groom, given) = groom
                     .and_then(|groom| Some((groom, groom.given.as_ref()?)))
                     .context("the groom was not made by Groom.of")?;
                 let rest = groom.character.groom.strands.unbound();
-                inner.places = Some(GivenPlaces::new(given, &rest, &groom.order)?);
+                inner.attachments = Some(StrandAttachments::new(given, &rest, &groom.order)?);
                 inner.groom = None;
             }
             let drawn = inner.scene.drawn([&inner.scene.character.hair().strands]).await?;
-            let places = inner.places.as_ref().context("the places of the strands are known")?;
-            places.carried(&drawn.positions, &inner.scene.character.head())
+            let attachments = inner.attachments.as_ref().context("the places of the strands are known")?;
+            attachments.deformed_positions(&drawn.positions, &inner.scene.character.head())
         })?;
-        points(py, &carried)
+        points(py, &positions)
     }
 
     /// Return brows, lashes and beard in their current state, one Strands each. Outputs of `render` number them as
@@ -458,7 +458,7 @@ impl Simulation {
         background: Option<&Bound<'py, PyAny>>,
         head: HeadDrawing,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let wanted = OutputNames::new(outputs.unwrap_or_else(|| vec!["color".into()]))?;
+        let names = OutputNames::new(outputs.unwrap_or_else(|| vec!["color".into()]))?;
         let size = sized(size)?;
         let background = match background {
             None => Background::default(),
@@ -468,29 +468,29 @@ impl Simulation {
             Some(of) => Background::flat(vector(of, "background")?),
         };
         let view = self.look(py, camera, size, zoom, distance)?;
-        let asked = head.request(wanted.asked())?;
+        let request = head.request(names.request())?;
         let (captured, projection, strands) = run(py, None, async |_| {
             let mut inner = self.lock();
             inner.begin()?;
             let Inner { scene, settings, .. } = &mut *inner;
             let quality = sampled(settings, size, &scene.gpu)?;
             ensure!(
-                !asked.hair || quality.ssaa == 1,
+                !request.hair || quality.ssaa == 1,
                 "outputs of the hair need images without supersampling: set edges.ssaa to 1"
             );
             scene.set_quality(&quality)?;
             scene.gpu.context.prepare(&settings.pipelines(quality.view), &()).await?;
             scene.picture.background = background;
-            let captured = scene.capture(view, asked).await?;
+            let captured = scene.capture(view, request).await?;
             let mut strands = Vec::new();
-            if wanted.needs_strands() {
+            if names.needs_strands() {
                 for hair in scene.character.grooms() {
                     strands.push(scene.drawn([&hair.strands]).await?);
                 }
             }
             Ok((captured, scene.picture.camera.projection, strands))
         })?;
-        picture::outputs(py, &wanted, &captured, (size, projection), &strands)
+        picture::outputs(py, &names, &captured, (size, projection), &strands)
     }
 
     /// Return the matrices of a camera. `render` describes the parameters.
@@ -534,7 +534,7 @@ impl Simulation {
     /// Pose of the head relative to its rest pose: translation and quaternion (x, y, z, w).
     #[getter]
     fn head(&self, py: Python<'_>) -> PoseTuple {
-        py.detach(|| told(&self.lock().scene.character.head()))
+        py.detach(|| pose_to_tuple(&self.lock().scene.character.head()))
     }
 
     /// Names of the character's blend shapes.
@@ -572,20 +572,20 @@ impl Simulation {
         size: [u32; 2],
         zoom: f32,
         distance: Option<f32>,
-    ) -> PyResult<Sight> {
+    ) -> PyResult<CaptureCamera> {
         let subject = py.detach(|| self.lock().scene.subject());
-        let usual = pyo3::types::PyString::new(py, "three-quarter").into_any();
-        sight(camera.unwrap_or(&usual), subject, size, zoom, distance)
+        let default_camera = pyo3::types::PyString::new(py, "three-quarter").into_any();
+        capture_camera(camera.unwrap_or(&default_camera), subject, size, zoom, distance)
     }
 }
 
 /// Returns the image quality for frames of `size` pixels.
 fn sampled(settings: &Values, size: [u32; 2], gpu: &Gpu) -> anyhow::Result<Quality> {
-    let most = gpu.context.tier().max_samples;
-    let quality = settings.quality(size, most)?;
+    let max_samples = gpu.context.tier().max_samples;
+    let quality = settings.quality(size, max_samples)?;
     ensure!(
-        quality.view.renderer.samples() <= most,
-        "renderer.samples is {}, but {} supports at most {most}",
+        quality.view.renderer.samples() <= max_samples,
+        "renderer.samples is {}, but {} supports at most {max_samples}",
         quality.view.renderer.samples(),
         gpu.info.name
     );

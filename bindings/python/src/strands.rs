@@ -17,7 +17,7 @@ use pyo3::{
     types::{PyDict, PyList},
 };
 use std::path::PathBuf;
-use tresses::groom::{self, MAX_VERTICES, export::Writer, lint, orient::Unit, strands::Mark};
+use tresses::groom::{self, MAX_VERTICES, export::Writer, lint, orient::LengthUnit, strands::Mark};
 
 /// Hair strands as polylines, root first.
 ///
@@ -150,8 +150,8 @@ impl Strands {
     ) -> PyResult<Vec<String>> {
         py.detach(|| -> anyhow::Result<Vec<String>> {
             let unit = match unit {
-                Some(unit) => Some(unit.parse::<Unit>()?),
-                None => oriented.then_some(Unit(1.0)),
+                Some(unit) => Some(unit.parse::<LengthUnit>()?),
+                None => oriented.then_some(LengthUnit(1.0)),
             };
             let encoded = Writer::of(&file)?.strands(&self.0, unit)?;
             std::fs::write(&file, &encoded.bytes)
@@ -288,12 +288,12 @@ impl Strands {
 
     fn __getitem__<'py>(&self, py: Python<'py>, index: isize) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let count = self.0.len();
-        let place = if index < 0 { index.checked_add_unsigned(count) } else { Some(index) };
-        let place = place.and_then(|i| usize::try_from(i).ok()).filter(|i| *i < count);
-        let place = place.ok_or_else(|| {
+        let strand_index = if index < 0 { index.checked_add_unsigned(count) } else { Some(index) };
+        let strand_index = strand_index.and_then(|i| usize::try_from(i).ok()).filter(|i| *i < count);
+        let strand_index = strand_index.ok_or_else(|| {
             PyIndexError::new_err(format!("index {index} is out of range: there are {count} strands"))
         })?;
-        points(py, self.0.strand(place))
+        points(py, self.0.strand(strand_index))
     }
 
     fn __repr__(&self) -> String {
@@ -349,16 +349,16 @@ fn marks(
             let each = shape.get(1).copied().unwrap_or(1);
             let numbers =
                 numbers.into_iter().map(|value| number(value, "closest")).collect::<PyResult<Vec<_>>>()?;
-            let share = 1.0 / each.max(1) as f32;
+            let default_weight = 1.0 / each.max(1) as f32;
             let weights = match weights {
                 Some(weights) => given_floats(weights, "weights")?,
-                None => (shape.clone(), vec![share; numbers.len()]),
+                None => (shape.clone(), vec![default_weight; numbers.len()]),
             };
             let closest = given_triples((shape, numbers), "closest", count, 0)?;
             let weights = given_triples(weights, "weights", count, 0.0)?;
             for ((mark, mut closest), weights) in marks.iter_mut().zip(closest).zip(weights) {
                 // Unused places repeat the first guide: 0 could be the number of another.
-                (each..3).for_each(|place| closest[place] = closest[0]);
+                (each..3).for_each(|slot| closest[slot] = closest[0]);
                 (mark.closest, mark.weights) = (closest, weights);
             }
         }
@@ -408,7 +408,7 @@ impl Finding {
 
 impl Finding {
     /// Converts the findings of a report.
-    pub fn all(py: Python<'_>, report: &lint::Report) -> PyResult<Vec<Py<Self>>> {
+    pub fn all(py: Python<'_>, report: &lint::LintReport) -> PyResult<Vec<Py<Self>>> {
         let one = |finding: &lint::Finding| {
             let lint::Finding { kind, severity, count, first_strand, detail, action } = finding;
             let (detail, action) = (detail.clone(), action.clone());

@@ -22,7 +22,7 @@ pub struct ProgressCallback {
 
 struct State {
     task: &'static str,
-    told: Option<Instant>,
+    last_report: Option<Instant>,
     failed: Option<PyErr>,
 }
 
@@ -37,20 +37,20 @@ impl ProgressCallback {
         {
             let mut state = self.state();
             let now = Instant::now();
-            let soon = state.told.is_some_and(|told| now - told < PACE);
+            let soon = state.last_report.is_some_and(|last_report| now - last_report < PACE);
             if soon && state.task == task {
                 return state.failed.is_none();
             }
-            (state.task, state.told) = (task, Some(now));
+            (state.task, state.last_report) = (task, Some(now));
         }
-        let told = Python::attach(|py| -> PyResult<()> {
+        let result = Python::attach(|py| -> PyResult<()> {
             py.check_signals()?;
             if let Some(callback) = &self.callback {
                 callback.call1(py, (task, f64::from(fraction.clamp(0.0, 1.0))))?;
             }
             Ok(())
         });
-        self.keep(told)
+        self.keep(result)
     }
 
     /// Checks for signals.
@@ -58,8 +58,8 @@ impl ProgressCallback {
         Python::attach(|py| py.check_signals())
     }
 
-    fn keep(&self, told: PyResult<()>) -> bool {
-        match told {
+    fn keep(&self, result: PyResult<()>) -> bool {
+        match result {
             Ok(()) => true,
             Err(error) => {
                 self.state().failed = Some(error);
@@ -93,7 +93,7 @@ pub fn run<T: Send>(
     work: impl AsyncFnOnce(&ProgressCallback) -> anyhow::Result<T> + Send,
 ) -> PyResult<T> {
     py.detach(|| {
-        let state = State { task: "", told: None, failed: None };
+        let state = State { task: "", last_report: None, failed: None };
         let teller = ProgressCallback { callback, state: Mutex::new(state) };
         let mut future = pin!(work(&teller));
         let waker = Waker::from(Arc::new(Unpark(thread::current())));

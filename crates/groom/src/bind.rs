@@ -33,10 +33,10 @@ pub struct BindOptions {
     pub guides: GuideCount,
     /// Vertices per guide, 3 to 64. `None`: 32, 8 for short hair, or the median vertex count of the strands if all are
     /// guides.
-    pub guide_vertices: Option<u32>,
+    pub guide_vertex_count: Option<u32>,
     /// Vertices per render strand, 2 to 64. `None`: about 32, chosen so that the input vertices are among them. Short
     /// hair (to 8 input vertices and 5 cm) has 4 to 8, by the error of the curve.
-    pub strand_vertices: Option<u32>,
+    pub strand_vertex_count: Option<u32>,
     /// Radius at root and tip, meters. `None`: the radii in the file, or a radius that covers a head.
     pub radius: Option<(f32, f32)>,
 }
@@ -55,7 +55,12 @@ impl GuideCount {
 
 impl Default for BindOptions {
     fn default() -> Self {
-        Self { guides: GuideCount::OneIn(16), guide_vertices: None, strand_vertices: None, radius: None }
+        Self {
+            guides: GuideCount::OneIn(16),
+            guide_vertex_count: None,
+            strand_vertex_count: None,
+            radius: None,
+        }
     }
 }
 
@@ -125,12 +130,12 @@ pub(crate) fn bind_any(
     let given = origins.map_or(strands.len(), |origins| origins.given);
     let typical = typical_vertices(&strands.offsets[..=given]);
     let short = short::drawn_vertices(strands, given, typical);
-    let guide_vertices = options.guide_vertices.unwrap_or(match (options.guides, short) {
+    let guide_vertices = options.guide_vertex_count.unwrap_or(match (options.guides, short) {
         (GuideCount::All, _) => typical.clamp(8, MAX_GUIDE_VERTICES),
         (_, Some(_)) => short::GUIDE,
         _ => 32,
     });
-    let strand_vertices = options.strand_vertices.or(short).unwrap_or_else(|| drawn_vertices(typical));
+    let strand_vertices = options.strand_vertex_count.or(short).unwrap_or_else(|| drawn_vertices(typical));
     in_range("guide_vertices", guide_vertices, 3, MAX_GUIDE_VERTICES, "3 to 64")?;
     in_range("strand_vertices", strand_vertices, 2, MAX_STRAND_VERTICES, "2 to 64")?;
 
@@ -144,23 +149,23 @@ pub(crate) fn bind_any(
     let marked = MarkedGuides::of(strands, given, options);
     let all =
         marked.is_none() && (options.guides == GuideCount::All || (origins.is_some() && count >= given));
-    let chosen: Vec<u32> = match &marked {
+    let guide_strands: Vec<u32> = match &marked {
         Some(marked) => marked.guides.clone(),
         None if all => (0..given as u32).collect(),
-        None => shapes.choose(count),
+        None => shapes.select_guides(count),
     };
     let mut guides = Guides::new(guide_vertices);
-    for &i in &chosen {
+    for &i in &guide_strands {
         guides.push(strands.strand(i as usize), 1.0, shapes.pinned[i as usize]);
     }
     if !strands.marks.is_empty() {
-        guides.groups = chosen.iter().map(|i| strands.marks[*i as usize].group).collect();
+        guides.groups = guide_strands.iter().map(|i| strands.marks[*i as usize].group).collect();
     }
     let lengths: Vec<f32> = (0..guides.len()).map(|i| curve::length(guides.guide(i)).max(1e-9)).collect();
 
     let mut bound = BoundStrands::new(strand_vertices);
-    let finder = Finder::new(&shapes, &chosen);
-    let mut lineage = origins.map(|origins| Lineage::new(origins, &chosen));
+    let finder = Finder::new(&shapes, &guide_strands);
+    let mut lineage = origins.map(|origins| Lineage::new(origins, &guide_strands));
     for i in 0..strands.len() {
         let influences = if all && i < given {
             vec![Influence { guide: i as u32, weight: 1.0, scale: 1.0 }]
@@ -204,7 +209,7 @@ pub(crate) fn bind_any(
 /// Assigns to new strands the guides of their parents.
 struct Lineage<'a> {
     origins: &'a Origins<'a>,
-    chosen: &'a [u32],
+    guide_strands: &'a [u32],
     /// Current index of each remaining input strand, by its index before thinning.
     now: HashMap<u32, u32>,
     /// Influences of each input strand.
@@ -212,9 +217,9 @@ struct Lineage<'a> {
 }
 
 impl<'a> Lineage<'a> {
-    fn new(origins: &'a Origins<'a>, chosen: &'a [u32]) -> Self {
+    fn new(origins: &'a Origins<'a>, guide_strands: &'a [u32]) -> Self {
         let now = (0u32..).zip(origins.original).map(|(i, was)| (*was, i)).collect();
-        Self { origins, chosen, now, follows: Vec::with_capacity(origins.given) }
+        Self { origins, guide_strands, now, follows: Vec::with_capacity(origins.given) }
     }
 
     /// Returns the guides of new strand `i`, or the guides nearest in shape if its parents provide none.
@@ -229,14 +234,14 @@ impl<'a> Lineage<'a> {
         let parents = &self.origins.parents[i - self.origins.given];
         let lead = parents.strands[0];
         let together = |guide: u32| {
-            let strand = self.origins.original[self.chosen[guide as usize] as usize];
+            let strand = self.origins.original[self.guide_strands[guide as usize] as usize];
             (self.origins.runs_with)(lead, strand)
         };
         let mut found: Vec<Influence> = Vec::new();
-        for (parent, share) in parents.iter() {
+        for (parent, parent_weight) in parents.iter() {
             let Some(&now) = self.now.get(&parent) else { continue };
             for influence in &self.follows[now as usize] {
-                let weight = share * influence.weight;
+                let weight = parent_weight * influence.weight;
                 match found.iter_mut().find(|f| f.guide == influence.guide) {
                     Some(known) => known.weight += weight,
                     None => found.push(Influence { weight, ..*influence }),
@@ -266,8 +271,8 @@ fn in_range(name: &'static str, value: u32, lo: u32, hi: u32, range: &'static st
 /// Returns the median number of vertices per strand.
 fn typical_vertices(offsets: &[u32]) -> u32 {
     let mut counts: Vec<_> = offsets.windows(2).map(|w| w[1] - w[0]).collect();
-    let middle = counts.len() / 2;
-    *counts.select_nth_unstable(middle).1
+    let median = counts.len() / 2;
+    *counts.select_nth_unstable(median).1
 }
 
 /// Returns a vertex count near 32 whose segments are a multiple of a typical strand's segments.
@@ -333,7 +338,7 @@ impl Shapes {
     }
 
     /// Chooses `count` strands spread evenly over the roots. Strands with pinned tips get guides of their own.
-    fn choose(&self, count: usize) -> Vec<u32> {
+    fn select_guides(&self, count: usize) -> Vec<u32> {
         let (lo, hi) = self
             .points
             .iter()
@@ -346,24 +351,24 @@ impl Shapes {
         });
         let count = count.clamp(1, order.len());
         let first_pinned = order.partition_point(|&i| !self.pinned[i as usize]);
-        let pinned_share = (order.len() - first_pinned) as f32 / order.len() as f32;
-        let mut pinned_runs = (count as f32 * pinned_share).round() as usize;
+        let pinned_fraction = (order.len() - first_pinned) as f32 / order.len() as f32;
+        let mut pinned_runs = (count as f32 * pinned_fraction).round() as usize;
         if first_pinned < order.len() {
             pinned_runs = pinned_runs.max(1);
         }
         if first_pinned > 0 {
             pinned_runs = pinned_runs.min(count.saturating_sub(1));
         }
-        let mut chosen = Vec::with_capacity(count);
+        let mut selected = Vec::with_capacity(count);
         for (part, runs) in
             [(&order[..first_pinned], count - pinned_runs), (&order[first_pinned..], pinned_runs)]
         {
             for run in 0..runs {
                 let members = &part[run * part.len() / runs..(run + 1) * part.len() / runs];
-                chosen.extend(self.medoid(members));
+                selected.extend(self.medoid(members));
             }
         }
-        chosen
+        selected
     }
 
     /// Returns the strand nearest to the mean of `members`.
@@ -384,32 +389,32 @@ struct Finder {
     cell: f32,
     cells: HashMap<glam::IVec3, Vec<u32>>,
     /// Strand index of each guide.
-    chosen: Vec<u32>,
+    guide_strands: Vec<u32>,
 }
 
 impl Finder {
-    fn new(shapes: &Shapes, chosen: &[u32]) -> Self {
-        let (lo, hi) = chosen.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), &i| {
+    fn new(shapes: &Shapes, guide_strands: &[u32]) -> Self {
+        let (lo, hi) = guide_strands.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), &i| {
             let root = shapes.points[i as usize][0];
             (lo.min(root), hi.max(root))
         });
         // Roots lie on a surface: cells of this size hold about two each.
-        let cell = ((hi - lo).length() / (chosen.len() as f32).sqrt()).max(1e-6);
+        let cell = ((hi - lo).length() / (guide_strands.len() as f32).sqrt()).max(1e-6);
         let mut cells: HashMap<_, Vec<u32>> = HashMap::new();
-        for (guide, &i) in chosen.iter().enumerate() {
+        for (guide, &i) in guide_strands.iter().enumerate() {
             let key = (shapes.points[i as usize][0] / cell).floor().as_ivec3();
             cells.entry(key).or_default().push(guide as u32);
         }
-        Self { cell, cells, chosen: chosen.to_vec() }
+        Self { cell, cells, guide_strands: guide_strands.to_vec() }
     }
 
     /// Returns the guides within `reach` cells of `root`.
-    fn around(&self, root: Vec3, reach: i32) -> Vec<u32> {
+    fn around(&self, root: Vec3, radius: i32) -> Vec<u32> {
         let center = (root / self.cell).floor().as_ivec3();
         let mut found = Vec::new();
-        for z in -reach..=reach {
-            for y in -reach..=reach {
-                for x in -reach..=reach {
+        for z in -radius..=radius {
+            for y in -radius..=radius {
+                for x in -radius..=radius {
                     if let Some(guides) = self.cells.get(&(center + glam::IVec3::new(x, y, z))) {
                         found.extend_from_slice(guides);
                     }
@@ -429,23 +434,23 @@ impl Finder {
         suits: impl Fn(u32) -> bool,
     ) -> Vec<Influence> {
         let mut candidates = Vec::new();
-        for reach in [1, 2, 4] {
-            candidates = self.around(own[0], reach);
-            candidates.retain(|g| shapes.pinned[self.chosen[*g as usize] as usize] == pinned);
+        for radius in [1, 2, 4] {
+            candidates = self.around(own[0], radius);
+            candidates.retain(|g| shapes.pinned[self.guide_strands[*g as usize] as usize] == pinned);
             if candidates.len() >= 3 {
                 break;
             }
         }
         if candidates.is_empty() {
             // The strand is far from every guide of its kind: consider all guides.
-            candidates = (0..self.chosen.len() as u32).collect();
+            candidates = (0..self.guide_strands.len() as u32).collect();
         }
         if candidates.iter().any(|g| suits(*g)) {
             candidates.retain(|g| suits(*g));
         }
         let mut ranked: Vec<(f32, u32)> = candidates
             .into_iter()
-            .map(|g| (Shapes::distance(own, &shapes.points[self.chosen[g as usize] as usize]), g))
+            .map(|g| (Shapes::distance(own, &shapes.points[self.guide_strands[g as usize] as usize]), g))
             .collect();
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         ranked.truncate(3);

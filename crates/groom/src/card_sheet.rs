@@ -33,16 +33,16 @@ impl CardSheet {
     /// # Errors
     /// [`Error::Unusable`] for strips between strands that are not in `order`.
     pub fn strips_in(&self, order: &[u32]) -> Result<Vec<CardStrip>> {
-        let mut places = vec![None; order.len()];
-        for (place, strand) in (0..).zip(order) {
-            if let Some(there) = places.get_mut(*strand as usize) {
-                *there = Some(place);
+        let mut indices = vec![None; order.len()];
+        for (index, strand) in (0..).zip(order) {
+            if let Some(slot) = indices.get_mut(*strand as usize) {
+                *slot = Some(index);
             }
         }
         let mut strips = self.strips.clone();
         for column in strips.iter_mut().flat_map(|strip| &mut strip.columns) {
-            let place = places.get(*column as usize).copied().flatten();
-            *column = place.ok_or_else(|| Error::Unusable("the cards belong to another groom".into()))?;
+            let index = indices.get(*column as usize).copied().flatten();
+            *column = index.ok_or_else(|| Error::Unusable("the cards belong to another groom".into()))?;
         }
         Ok(strips)
     }

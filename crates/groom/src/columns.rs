@@ -30,8 +30,8 @@ impl<const N: usize> Writer<N> {
         for column in &self.0 {
             // The lowest bit is the sign, so that small negative numbers have no high bytes.
             let folded: Vec<u32> = column.iter().map(|v| ((v << 1) ^ (v >> 31)) as u32).collect();
-            let most = folded.iter().copied().max().unwrap_or(0);
-            let planes = 4 - most.leading_zeros() / 8;
+            let max = folded.iter().copied().max().unwrap_or(0);
+            let planes = 4 - max.leading_zeros() / 8;
             bytes.extend((folded.len() as u32).to_le_bytes());
             bytes.push(planes as u8);
             (0..planes).for_each(|plane| bytes.extend(folded.iter().map(|v| (v >> (8 * plane)) as u8)));

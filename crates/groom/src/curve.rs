@@ -11,16 +11,20 @@ pub fn length(points: &[Vec3]) -> f32 {
 fn walk(points: &[Vec3], distances: impl Iterator<Item = f32>) -> Vec<Vec3> {
     let mut segment = 0;
     let mut passed = 0.0;
-    let mut here = points[0].distance(points[1.min(points.len() - 1)]);
+    let mut segment_length = points[0].distance(points[1.min(points.len() - 1)]);
     distances
         .map(|distance| {
-            while segment + 2 < points.len() && passed + here < distance {
-                passed += here;
+            while segment + 2 < points.len() && passed + segment_length < distance {
+                passed += segment_length;
                 segment += 1;
-                here = points[segment].distance(points[segment + 1]);
+                segment_length = points[segment].distance(points[segment + 1]);
             }
             let next = points[(segment + 1).min(points.len() - 1)];
-            let t = if here > 0.0 { ((distance - passed) / here).clamp(0.0, 1.0) } else { 0.0 };
+            let t = if segment_length > 0.0 {
+                ((distance - passed) / segment_length).clamp(0.0, 1.0)
+            } else {
+                0.0
+            };
             points[segment].lerp(next, t)
         })
         .collect()
@@ -75,16 +79,16 @@ pub fn subdivide(points: &[Vec3], count: usize) -> Vec<Vec3> {
     };
     (0..count)
         .map(|j| {
-            let (whole, part) = ((j * last) / (count - 1), (j * last) % (count - 1));
+            let (segment, part) = ((j * last) / (count - 1), (j * last) % (count - 1));
             if part == 0 {
-                return points[whole];
+                return points[segment];
             }
             let t = part as f32 / (count - 1) as f32;
-            let k = whole as isize;
+            let k = segment as isize;
             let (p0, p1, p2, p3) = (at(k - 1), at(k), at(k + 1), at(k + 2));
             // Centripetal knots: no loops or overshoots between segments of different length.
-            let knot = |a: Vec3, b: Vec3| a.distance(b).sqrt().max(1e-6);
-            let (d0, d1, d2) = (knot(p0, p1), knot(p1, p2), knot(p2, p3));
+            let parameter_step = |a: Vec3, b: Vec3| a.distance(b).sqrt().max(1e-6);
+            let (d0, d1, d2) = (parameter_step(p0, p1), parameter_step(p1, p2), parameter_step(p2, p3));
             let m1 = (p2 - p1) + d1 * ((p1 - p0) / d0 - (p2 - p0) / (d0 + d1));
             let m2 = (p2 - p1) + d1 * ((p3 - p2) / d2 - (p3 - p1) / (d1 + d2));
             let (t2, t3) = (t * t, t * t * t);

@@ -71,11 +71,11 @@ impl Error {
     pub fn unless_within(
         name: &'static str,
         value: f32,
-        least: f32,
-        most: f32,
+        min: f32,
+        max: f32,
         range: &'static str,
     ) -> Result<()> {
-        if (least..=most).contains(&value) {
+        if (min..=max).contains(&value) {
             return Ok(());
         }
         Err(Self::Parameter { name, value: value.to_string(), range })

@@ -30,12 +30,12 @@ impl<'a> PointTree<'a> {
                 (lo.min(p), hi.max(p))
             });
             let axis = (hi - lo).max_position();
-            let middle = order.len() / 2;
+            let median = order.len() / 2;
             let key = |i: u32| points[i as usize][axis];
-            order.select_nth_unstable_by(middle, |a, b| key(*a).total_cmp(&key(*b)).then(a.cmp(b)));
-            near.axes[part.start + middle] = axis as u8;
-            parts.push((start, start + middle));
-            parts.push((start + middle + 1, end));
+            order.select_nth_unstable_by(median, |a, b| key(*a).total_cmp(&key(*b)).then(a.cmp(b)));
+            near.axes[part.start + median] = axis as u8;
+            parts.push((start, start + median));
+            parts.push((start + median + 1, end));
         }
         near
     }
@@ -49,29 +49,29 @@ impl<'a> PointTree<'a> {
 
     /// Puts the `count` points nearest to `p` and nearer than `reach` meters into `found`, nearest first, as squared
     /// distances and indices.
-    pub(crate) fn nearest(&self, p: Vec3, count: usize, reach: f32, found: &mut Vec<(f32, u32)>) {
+    pub(crate) fn nearest(&self, p: Vec3, count: usize, max_distance: f32, found: &mut Vec<(f32, u32)>) {
         found.clear();
-        let mut most = reach * reach;
+        let mut max_squared = max_distance * max_distance;
         let mut parts: Vec<(std::ops::Range<usize>, f32)> = vec![(0..self.order.len(), 0.0)];
-        while let Some((part, least)) = parts.pop() {
-            if part.is_empty() || least > most {
+        while let Some((part, min_squared)) = parts.pop() {
+            if part.is_empty() || min_squared > max_squared {
                 continue;
             }
-            let middle = part.start + part.len() / 2;
-            let i = self.order[middle];
+            let median = part.start + part.len() / 2;
+            let i = self.order[median];
             let q = self.points[i as usize];
             let d = q.distance_squared(p);
-            if d <= most {
+            if d <= max_squared {
                 let at = found.partition_point(|f| (f.0, f.1) < (d, i));
                 found.insert(at, (d, i));
                 found.truncate(count);
                 if found.len() == count {
-                    most = found[count - 1].0;
+                    max_squared = found[count - 1].0;
                 }
             }
-            let axis = usize::from(self.axes[middle]);
+            let axis = usize::from(self.axes[median]);
             let across = p[axis] - q[axis];
-            let (low, high) = (part.start..middle, middle + 1..part.end);
+            let (low, high) = (part.start..median, median + 1..part.end);
             let (near, far) = if across < 0.0 { (low, high) } else { (high, low) };
             parts.push((far, across * across));
             parts.push((near, 0.0));

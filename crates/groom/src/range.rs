@@ -8,23 +8,23 @@ pub struct Range {
     /// Name of the parameter in errors.
     pub name: &'static str,
     /// Smallest valid value.
-    pub least: f64,
+    pub min: f64,
     /// Largest valid value.
-    pub most: f64,
+    pub max: f64,
     /// Part of the range that interfaces offer because it makes sense for hair.
-    pub usual: [f64; 2],
+    pub typical: [f64; 2],
     words: &'static str,
 }
 
 impl Range {
-    /// Creates a range from `least` to `most`; `words` is its text.
-    pub const fn new(name: &'static str, least: f64, most: f64, words: &'static str) -> Self {
-        Self { name, least, most, usual: [least, most], words }
+    /// Creates a range from `min` to `max`; `words` is its text.
+    pub const fn new(name: &'static str, min: f64, max: f64, words: &'static str) -> Self {
+        Self { name, min, max, typical: [min, max], words }
     }
 
     /// Sets the part of the range that interfaces offer.
-    pub const fn usually(mut self, least: f64, most: f64) -> Self {
-        self.usual = [least, most];
+    pub const fn usually(mut self, min: f64, max: f64) -> Self {
+        self.typical = [min, max];
         self
     }
 
@@ -33,12 +33,12 @@ impl Range {
     /// # Errors
     /// [`Error::Parameter`] if it is not.
     pub fn check(&self, value: f32) -> Result<()> {
-        Error::unless_within(self.name, value, self.least as f32, self.most as f32, self.words)
+        Error::unless_within(self.name, value, self.min as f32, self.max as f32, self.words)
     }
 
     /// Clamps `value` to the range; NaN stays NaN.
     pub fn clamp(&self, value: f32) -> f32 {
-        value.clamp(self.least as f32, self.most as f32)
+        value.clamp(self.min as f32, self.max as f32)
     }
 }
 
@@ -47,17 +47,17 @@ impl Range {
 /// ```
 /// use tresses_groom::{range, range::Range};
 /// const DRAG: Range = range!("drag", 0.0 to 1e4, "1/s"; usually 0.0 to 100.0);
-/// assert!(DRAG.check(500.0).is_ok() && DRAG.usual[1] == 100.0);
+/// assert!(DRAG.check(500.0).is_ok() && DRAG.typical[1] == 100.0);
 /// assert_eq!(DRAG.check(-1.0).unwrap_err().to_string(), "drag is -1, but must be from 0.0 to 1e4 1/s");
 /// ```
 #[macro_export]
 macro_rules! range {
-    ($name:literal, $least:literal to $most:literal $(, $unit:literal)? $(; usually $from:literal to $to:literal)?) => {
+    ($name:literal, $min:literal to $max:literal $(, $unit:literal)? $(; usually $from:literal to $to:literal)?) => {
         $crate::range::Range::new(
             $name,
-            $least,
-            $most,
-            concat!("from ", stringify!($least), " to ", stringify!($most) $(, " ", $unit)?),
+            $min,
+            $max,
+            concat!("from ", stringify!($min), " to ", stringify!($max) $(, " ", $unit)?),
         )
         $(.usually($from, $to))?
     };

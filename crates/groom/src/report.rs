@@ -30,13 +30,13 @@ pub struct ImportReport {
     /// Rig of the head, if its files have one.
     pub rig: Option<Rig>,
     /// Lint findings before the repair.
-    pub lint: lint::Report,
+    pub lint: lint::LintReport,
     /// Changes made by the repair.
     pub repaired: lint::RepairReport,
     /// Child strands that the files request, one entry per strand, radii in meters; empty if they request none.
     pub followers: Vec<Followers>,
     /// Groups of strands in the files, by number; empty without groups.
-    pub groups: Vec<Group>,
+    pub groups: Vec<StrandGroup>,
     /// Attributes of strands and vertices in the files.
     pub attributes: Attributes,
     /// Appearance of the hair, from the first file that describes it.
@@ -46,7 +46,7 @@ pub struct ImportReport {
 /// A group of strands.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
-pub struct Group {
+pub struct StrandGroup {
     /// Number of the group.
     pub id: i32,
     /// Name of the group, if the file has one.

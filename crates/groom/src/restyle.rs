@@ -21,7 +21,7 @@ use super::{
     Groom,
     bound::BoundStrands,
     curve,
-    grow::{Clumps, CurlStrand, Curls, Growth, Twist, Unrest, frames_from, unrest},
+    grow::{Clumps, CurlStrand, Curls, Growth, StrandVariation, Twist, add_variation, frames_from},
     random::{Rng, smoothstep},
     scalp::ScalpMap,
     skin::MapProjection,
@@ -45,7 +45,7 @@ pub struct Restyle {
     /// effect.
     pub clumps: Option<Clumps>,
     /// Frizz, strays and flyaways; `None` for none. `shorter` has no effect.
-    pub unrest: Option<Unrest>,
+    pub variation: Option<StrandVariation>,
     /// Median diameter, meters; `None` keeps the diameters.
     pub diameter: Option<f32>,
     /// Standard deviation of the width over the strands, as a fraction.
@@ -75,9 +75,16 @@ impl Restyle {
     }
 
     /// Returns the frizz, strays and flyaways to apply.
-    fn unruly(&self) -> Unrest {
-        let still = Unrest { frizz: 0.0, strays: 0.0, stray: 0.0, flyaways: 0.0, flyaway: 0.0, shorter: 0.0 };
-        self.unrest.unwrap_or(still)
+    fn variation(&self) -> StrandVariation {
+        let still = StrandVariation {
+            frizz: 0.0,
+            strays: 0.0,
+            stray: 0.0,
+            flyaways: 0.0,
+            flyaway: 0.0,
+            shorter: 0.0,
+        };
+        self.variation.unwrap_or(still)
     }
 
     /// Checks that every value is in the range of the growth parameter.
@@ -88,7 +95,7 @@ impl Restyle {
         Growth {
             curls: self.curls.clone(),
             clumps: self.clumps(),
-            unrest: self.unruly(),
+            variation: self.variation(),
             diameter: self.diameter,
             width_variation: self.width_variation,
             tip_width: self.tip_width.unwrap_or(1.0),
@@ -107,26 +114,27 @@ impl Restyle {
     pub fn apply<'a>(&self, groom: &mut Groom, skull: Vec3, on: impl Into<MapProjection<'a>>) -> Result<()> {
         self.check()?;
         let on = on.into();
-        let (clumps, unruly) = (self.clumps(), self.unruly());
+        let (clumps, variation) = (self.clumps(), self.variation());
         let n = groom.strands.vertex_count as usize;
         let lines: Vec<Vec<Vec3>> =
             (0..groom.strands.len()).map(|i| groom.strands.rest_positions(i).collect()).collect();
         let lengths: Vec<f32> = lines.iter().map(|line| curve::length(line)).collect();
         self.curls.fits(median(&lengths), groom.strands.vertex_count)?;
-        let usual = median(&groom.strands.strands.iter().map(|s| s.radius).collect::<Vec<_>>()).max(1e-9);
-        let shaped = self.curls.any() || self.clumps.is_some() || self.unrest.is_some();
+        let median_radius =
+            median(&groom.strands.strands.iter().map(|s| s.radius).collect::<Vec<_>>()).max(1e-9);
+        let shaped = self.curls.any() || self.clumps.is_some() || self.variation.is_some();
         let ids: Vec<u32> = (0..lines.len() as u32).collect();
         let locks = if shaped { Locks::new(&lines, clumps.spacing, &ids) } else { Locks::default() };
         let shaper = Shaper {
             curls: &self.curls,
             clumps,
-            unruly,
+            variation,
             locks: &locks,
             lines: &lines,
             skull,
             seed: self.seed,
             clumping: 1.0,
-            farthest: f32::MAX,
+            max_displacement: f32::MAX,
         };
         let old = std::mem::take(&mut groom.strands);
         groom.strands = BoundStrands::new(old.vertex_count);
@@ -137,7 +145,7 @@ impl Restyle {
             let mut binding = old.bindings[i];
             let mut radii = old.vertices(i).1;
             let stray = rng.unit();
-            let flyaway = stray < unruly.flyaways;
+            let flyaway = stray < variation.flyaways;
             let mut line = line.clone();
             let held = groom.guides.tip_pinned.get(binding.guides[0] as usize) == Some(&true);
             if shaped && !held && lengths[i] > 0.0 {
@@ -148,7 +156,7 @@ impl Restyle {
                 binding.scale = binding.scale.map(|scale| scale * f);
             }
             if let Some(diameter) = self.diameter {
-                strand.radius *= 0.5 * diameter / usual;
+                strand.radius *= 0.5 * diameter / median_radius;
             }
             let width = 1.0 + self.width_variation * rng.bell().clamp(-2.0, 2.0);
             strand.radius *= width.max(0.2) * if flyaway { 0.65 } else { 1.0 };
@@ -167,7 +175,7 @@ impl Restyle {
 struct Shaper<'a> {
     curls: &'a Curls,
     clumps: Clumps,
-    unruly: Unrest,
+    variation: StrandVariation,
     locks: &'a Locks,
     lines: &'a [Vec<Vec3>],
     skull: Vec3,
@@ -175,7 +183,7 @@ struct Shaper<'a> {
     /// Factor on the strength of clumps.
     clumping: f32,
     /// Largest way to the middle of a lock, meters.
-    farthest: f32,
+    max_displacement: f32,
 }
 
 impl Shaper<'_> {
@@ -183,39 +191,39 @@ impl Shaper<'_> {
     /// the radius of curls. Returns the fraction of its path that the strand covers.
     fn shape(&self, line: &mut [Vec3], lock: u32, name: u32, curl: f32, stray: f32, rng: &mut Rng) -> f32 {
         let center = &self.lines[self.locks.centers[lock as usize] as usize];
-        let flyaway = stray < self.unruly.flyaways;
-        let share = if flyaway { 0.3 } else { 1.0 };
-        self.gather(line, center, share * self.clumping, name, rng);
+        let flyaway = stray < self.variation.flyaways;
+        let weight = if flyaway { 0.3 } else { 1.0 };
+        self.gather(line, center, weight * self.clumping, name, rng);
         let mut fraction = 1.0;
         if self.curls.any() {
             let twist = Twist::new(self.curls, self.seed, name, center[0]);
             let own = CurlStrand::new(self.curls, flyaway, rng);
             fraction = wind(line, self.curls, &twist, &own, curl, center[0] - self.skull);
         }
-        unrest(&self.unruly, stray, rng, line);
+        add_variation(&self.variation, stray, rng, line);
         fraction
     }
 
     /// Pulls the strand toward the center of its lock: each vertex toward the center's point at the same distance from the
     /// root.
-    fn gather(&self, line: &mut [Vec3], center: &[Vec3], share: f32, name: u32, rng: &mut Rng) {
+    fn gather(&self, line: &mut [Vec3], center: &[Vec3], weight: f32, name: u32, rng: &mut Rng) {
         let mut shared = Rng::new(self.seed ^ 0xbeef, name);
-        let strength = self.clumps.strength * shared.range(0.45, 1.0).sqrt() * rng.range(0.75, 1.0) * share;
+        let strength = self.clumps.strength * shared.range(0.45, 1.0).sqrt() * rng.range(0.75, 1.0) * weight;
         let strength = strength.min(1.0);
         if strength <= 0.0 {
             return;
         }
-        let (own, reach) = (curve::length(line), curve::length(center).max(1e-6));
+        let (own, center_length) = (curve::length(line), curve::length(center).max(1e-6));
         let last = (line.len() - 1) as f32;
         let mut walk = Walk::new(center);
         for (k, p) in line.iter_mut().enumerate().skip(1) {
             let t = k as f32 / last;
             let along = own * t;
             // A strand longer than the center continues beside its end.
-            let there = 1.0 - smoothstep(0.85 * reach, 1.05 * reach, along);
-            let middle = walk.at(along.min(reach));
-            let share = strength * smoothstep(self.clumps.start, 0.85, t) * there;
-            *p = p.lerp(middle, share.min(self.farthest / p.distance(middle).max(1e-9)));
+            let end_fade = 1.0 - smoothstep(0.85 * center_length, 1.05 * center_length, along);
+            let center_point = walk.at(along.min(center_length));
+            let blend = strength * smoothstep(self.clumps.start, 0.85, t) * end_fade;
+            *p = p.lerp(center_point, blend.min(self.max_displacement / p.distance(center_point).max(1e-9)));
         }
     }
 }
@@ -307,9 +315,9 @@ impl Locks {
         let mut cells: HashMap<IVec3, Vec<u32>> = HashMap::new();
         let mut centers: Vec<u32> = Vec::new();
         let around = |cells: &HashMap<IVec3, Vec<u32>>, p: Vec3| -> Vec<u32> {
-            let middle = cell(p);
+            let center_cell = cell(p);
             (0..27)
-                .filter_map(|k| cells.get(&(middle + IVec3::new(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1))))
+                .filter_map(|k| cells.get(&(center_cell + IVec3::new(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1))))
                 .flatten()
                 .copied()
                 .collect()

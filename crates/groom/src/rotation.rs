@@ -40,7 +40,7 @@ pub fn nearest_rotation(pairs: impl Iterator<Item = (Vec3, Vec3)>) -> Quat {
     let mut power = n * (1.0 / size) + DMat4::IDENTITY;
     for _ in 0..16 {
         power = power * power;
-        power = power * (1.0 / power.to_cols_array().iter().fold(1e-300, |most: f64, v| most.max(v.abs())));
+        power = power * (1.0 / power.to_cols_array().iter().fold(1e-300, |max: f64, v| max.max(v.abs())));
     }
     let columns = [power.x_axis, power.y_axis, power.z_axis, power.w_axis];
     let longer = |best: glam::DVec4, column: glam::DVec4| {

@@ -51,7 +51,7 @@ impl SdfGrid {
         // An axis with a single node has no next one.
         let [dx, dy, dz] =
             [(sx, 1), (sy, sx), (sz, sx * sy)].map(|(size, step)| if size > 1 { step } else { 0 });
-        let [x, y, z] = base.to_array().map(|place| place as usize);
+        let [x, y, z] = base.to_array().map(|index| index as usize);
         let first = x + sx * (y + sy * z);
         // Plain lines: the functional form is not inlined, and takes twice the time.
         let d = &self.distances[..];

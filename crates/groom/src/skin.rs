@@ -124,7 +124,7 @@ mod tests {
         TriMesh {
             positions,
             triangles: vec![[0, 2, 1], [0, 3, 2]],
-            paint: Some(Arc::new(Paint { places, of: vec![0; 4], coats: vec![coat] })),
+            paint: Some(Arc::new(Paint { uvs: places, of: vec![0; 4], coats: vec![coat] })),
             ..TriMesh::default()
         }
     }

@@ -10,7 +10,7 @@
     feature = "usd"
 ))]
 
-use tresses_groom::formats::{Content, FORMATS, listed, markdown};
+use tresses_groom::formats::{ContentKind, FORMATS, listed, markdown};
 
 #[test]
 fn docs_contain_format_table() {
@@ -21,7 +21,8 @@ fn docs_contain_format_table() {
 #[test]
 fn web_component_lists_readable_formats() {
     let page = include_str!("../../../apps/web/component/README.md");
-    let read = FORMATS.iter().filter(|format| format.in_browsers && format.reads.contains(&Content::Strands));
+    let read =
+        FORMATS.iter().filter(|format| format.in_browsers && format.reads.contains(&ContentKind::Strands));
     let all: Vec<_> = read.flat_map(|format| format.extensions.iter().copied()).collect();
     let all = listed(&all, "or");
     assert!(page.contains(&all), "apps/web/component/README.md does not list {all}");

@@ -71,7 +71,7 @@ impl Viewpoint {
     }
 
     /// Returns the same view from `distance` meters.
-    pub fn moved(&self, distance: f32) -> Self {
+    pub fn at_distance(&self, distance: f32) -> Self {
         let back = (self.eye - self.target).normalize_or(Vec3::Z);
         Self { eye: self.target + back * distance, ..*self }
     }
@@ -79,20 +79,20 @@ impl Viewpoint {
 
 /// A camera of a capture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Sight {
+pub enum CaptureCamera {
     /// Position and target, with [`VERTICAL_FOV`].
     Viewpoint(Viewpoint),
     /// View and projection of [`tresses::Camera`].
     Matrices(Mat4, Mat4),
 }
 
-impl From<Viewpoint> for Sight {
+impl From<Viewpoint> for CaptureCamera {
     fn from(viewpoint: Viewpoint) -> Self {
         Self::Viewpoint(viewpoint)
     }
 }
 
-impl Sight {
+impl CaptureCamera {
     /// Returns the camera for an image of `size` pixels.
     pub fn camera(&self, size: [u32; 2]) -> Camera {
         match *self {
@@ -139,14 +139,14 @@ impl Shot {
     /// Moves `camera`, a viewpoint of this shot, along with the head pose `head`. The camera does not turn with the
     /// head.
     pub fn with(&self, camera: &Viewpoint, head: &Pose) -> Viewpoint {
-        let by = self.follows.map_or(Vec3::ZERO, |middle| head.point(middle) - middle);
+        let by = self.follows.map_or(Vec3::ZERO, |center| head.point(center) - center);
         Viewpoint { eye: camera.eye + by, target: camera.target + by }
     }
 
     /// Returns the viewpoint at time `t` of the shot, 0 to 1. The distance changes by equal factors in equal times.
     pub fn at(&self, t: f32) -> Viewpoint {
         let from = self.from.distance();
-        if from == self.to { self.from } else { self.from.moved(from * (self.to / from).powf(t)) }
+        if from == self.to { self.from } else { self.from.at_distance(from * (self.to / from).powf(t)) }
     }
 }
 
@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn shots_move_by_equal_factors() {
-        let camera = Viewpoint::portrait(Angle::Side, HAIR, 1.6, 1.0).moved(0.5);
+        let camera = Viewpoint::portrait(Angle::Side, HAIR, 1.6, 1.0).at_distance(0.5);
         assert!((camera.distance() - 0.5).abs() < 1e-6 && camera.eye.x > 0.3);
         let shot = Shot::moving(camera, 8.0);
         for (t, distance) in [(0.0, 0.5), (0.5, 2.0), (1.0, 8.0)] {

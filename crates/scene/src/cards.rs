@@ -40,14 +40,14 @@ pub fn look(settings: &Settings, alpha: CardAlpha) -> CardLook {
 
 /// A level of detail that a user asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum AskedLevel {
+pub enum LevelRequest {
     /// A number of cards.
     Cards(u32),
     /// A helmet.
     Helmet,
 }
 
-impl FromStr for AskedLevel {
+impl FromStr for LevelRequest {
     type Err = anyhow::Error;
 
     fn from_str(word: &str) -> Result<Self> {
@@ -65,15 +65,15 @@ impl FromStr for AskedLevel {
 ///
 /// # Errors
 /// Fails for a helmet before other levels.
-pub fn options(levels: &[AskedLevel]) -> Result<CardOptions> {
-    let helmet = levels.last() == Some(&AskedLevel::Helmet);
+pub fn options(levels: &[LevelRequest]) -> Result<CardOptions> {
+    let helmet = levels.last() == Some(&LevelRequest::Helmet);
     let cards = &levels[..levels.len() - usize::from(helmet)];
-    let count = |level: &AskedLevel| match level {
-        AskedLevel::Cards(count) => Ok(*count),
-        AskedLevel::Helmet => bail!("the helmet is the last level, once"),
+    let count = |level: &LevelRequest| match level {
+        LevelRequest::Cards(count) => Ok(*count),
+        LevelRequest::Helmet => bail!("the helmet is the last level, once"),
     };
     let levels = cards.iter().map(count).collect::<Result<_>>()?;
-    Ok(CardOptions { levels, helmet, ..Default::default() })
+    Ok(CardOptions { levels, has_helmet: helmet, ..Default::default() })
 }
 
 /// Bakes the hair of `parts` at rest. `colored` tells whether strands have the colors of the groom's file.
@@ -141,7 +141,7 @@ impl CardFormat {
                 };
                 (0..cards.levels.len()).map(file).collect()
             }
-            Self::Obj => Ok(beside(path, cards.obj(stem(path)?, look)?)),
+            Self::Obj => Ok(in_folder_of(path, cards.obj(stem(path)?, look)?)),
         }
     }
 }
@@ -152,7 +152,7 @@ impl CardFormat {
 /// # Errors
 /// Fails for a path without a file name.
 pub fn ktx2(cards: &Cards, alpha: CardAlpha, path: &Path) -> Result<Vec<(PathBuf, Vec<u8>)>> {
-    Ok(beside(path, cards.textures.ktx2(stem(path)?, alpha)))
+    Ok(in_folder_of(path, cards.textures.ktx2(stem(path)?, alpha)))
 }
 
 /// Returns the file name of `path` without its extension.
@@ -161,7 +161,7 @@ fn stem(path: &Path) -> Result<&str> {
 }
 
 /// Puts files into the folder of `path`.
-fn beside(path: &Path, files: Vec<NamedFile>) -> Vec<(PathBuf, Vec<u8>)> {
+fn in_folder_of(path: &Path, files: Vec<NamedFile>) -> Vec<(PathBuf, Vec<u8>)> {
     files.into_iter().map(|(name, bytes)| (path.with_file_name(name), bytes)).collect()
 }
 

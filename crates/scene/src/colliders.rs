@@ -32,7 +32,7 @@ use tresses::{
     groom::{
         TriMesh, import,
         mesh::SdfOptions,
-        rig::anatomy::{Anatomy, Capsule, Field, PartForm},
+        rig::anatomy::{Anatomy, Capsule, DistanceFieldSource, PartForm},
     },
     low_level::FieldBuilder,
 };
@@ -41,13 +41,13 @@ use tresses::{
 #[serde(deny_unknown_fields)]
 struct File {
     colliders: Option<Vec<Entry>>,
-    joints: Option<Vec<Joint>>,
+    joints: Option<Vec<JointCollider>>,
 }
 
 /// Collider settings of a joint.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Joint {
+pub struct JointCollider {
     /// Joint name, or `#` and the index of its node.
     pub joint: String,
     /// Collision shape of the joint's part.
@@ -80,7 +80,7 @@ pub enum Role {
     Nothing,
 }
 
-impl Joint {
+impl JointCollider {
     /// Returns the collision shape of the joint's part. `fitted` is the capsule fitted to it.
     fn form(&self, fitted: Option<Capsule>) -> Result<PartForm> {
         Ok(match self.shape {
@@ -147,11 +147,11 @@ pub struct Colliders {
     /// Shapes, anchors and friction.
     pub list: Vec<Collider>,
     /// Meshes for drawing, each in its own frame.
-    looks: Vec<TriMesh>,
+    meshes: Vec<TriMesh>,
     motions: Vec<Motion>,
-    fields: Vec<Field>,
+    fields: Vec<DistanceFieldSource>,
     /// Settings of a skinned body's joints.
-    joints: Vec<Joint>,
+    joints: Vec<JointCollider>,
     /// Center and radius of the ball, meters.
     ball: Option<(Vec3, f32)>,
 }
@@ -171,7 +171,7 @@ impl Colliders {
         let File { colliders, joints } = serde_json::from_slice(text)?;
         ensure!(colliders.is_some() || joints.is_some(), "the file has neither colliders nor joints");
         let joints = joints.unwrap_or_default();
-        for Joint { joint, shape, friction } in &joints {
+        for JointCollider { joint, shape, friction } in &joints {
             let numbers = match shape {
                 Role::Capsule { from, to, radius } => [from.as_slice(), to, &[*radius, *friction]].concat(),
                 _ => vec![*friction],
@@ -202,7 +202,7 @@ impl Colliders {
                     false => import::mesh::read(&path)?.mesh,
                 };
                 let options = SdfOptions { resolution: resolution.unwrap_or(64), ..Default::default() };
-                self.fields.push(Field::Mesh(mesh.clone(), options));
+                self.fields.push(DistanceFieldSource::Mesh(mesh.clone(), options));
                 (Shape::Field(FieldId(self.fields.len() as u32 - 1)), mesh)
             }
         };
@@ -215,12 +215,12 @@ impl Colliders {
         ensure!(entry.keys.iter().all(is_rigid), "keys of colliders cannot have lean or shapes");
         self.motions.push(Motion::keyed(entry.keys, entry.repeats)?);
         self.list.push(Collider { shape, anchor, friction: entry.friction });
-        self.looks.push(look);
+        self.meshes.push(look);
         Ok(())
     }
 
     /// Returns the joint settings of the file.
-    pub fn joints(&self) -> &[Joint] {
+    pub fn joints(&self) -> &[JointCollider] {
         &self.joints
     }
 
@@ -263,9 +263,9 @@ impl Colliders {
 
     /// Returns the sources of the mesh colliders' distance fields.
     pub fn fields<'a>(&'a self, builder: &'a FieldBuilder) -> Vec<FieldSource<'a>> {
-        let source = |field: &'a Field| match field {
-            Field::Mesh(mesh, options) => FieldSource::Mesh { builder, mesh, options },
-            Field::Grid(grid) => FieldSource::Grid(grid),
+        let source = |field: &'a DistanceFieldSource| match field {
+            DistanceFieldSource::Mesh(mesh, options) => FieldSource::Mesh { builder, mesh, options },
+            DistanceFieldSource::Grid(grid) => FieldSource::Grid(grid),
         };
         self.fields.iter().map(source).collect()
     }
@@ -300,7 +300,7 @@ impl Colliders {
         let skin = BodyMaterial::default().color;
         let ball = self.ball.map(|(_, radius)| ball(|p| p * radius));
         let poses = poses.iter().copied().chain(std::iter::repeat(Pose::IDENTITY));
-        for (look, pose) in self.looks.iter().chain(&ball).zip(poses) {
+        for (look, pose) in self.meshes.iter().chain(&ball).zip(poses) {
             let first = all.positions.len() as u32;
             all.positions.extend(look.positions.iter().map(|p| pose.point(*p)));
             all.normals.extend(look.normals.iter().map(|n| pose.rotation * *n));
@@ -358,7 +358,7 @@ mod tests {
         assert!(Colliders::read(Path::new("c.json"), &files).is_err(), "the mesh is not given");
         files.put("leaf.obj".into(), *b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
         let all = Colliders::read(Path::new("c.json"), &files).unwrap();
-        assert_eq!((all.list.len(), all.looks[0].triangles.len()), (1, 1));
+        assert_eq!((all.list.len(), all.meshes[0].triangles.len()), (1, 1));
     }
 
     #[test]
@@ -369,18 +369,18 @@ mod tests {
             {"shape": {"ellipsoid": {"radii": [0.1, 0.2, 0.3]}}, "anchor": "head", "friction": 2,
              "keys": [{"time": 0, "translation": [0, 1, 0]}]}]}"#;
         let all = parse(text).unwrap();
-        assert_eq!((all.list.len(), all.looks.len()), (2, 2));
+        assert_eq!((all.list.len(), all.meshes.len()), (2, 2));
         assert_eq!((all.list[1].anchor, all.list[1].friction), (Anchor::Head, 2.0));
         assert!((all.poses(1.0)[0].translation - Vec3::X * 0.5).length() < 1e-6);
         assert_eq!(all.poses(9.0)[0].translation, Vec3::X);
-        let (lo, hi) = all.looks[0].bounds().unwrap();
+        let (lo, hi) = all.meshes[0].bounds().unwrap();
         assert!((hi.y - 0.13).abs() < 1e-4 && (lo.y + 0.13).abs() < 1e-4 && (hi.x - 0.03).abs() < 1e-4);
         // Normals point outward.
-        let look = &all.looks[1];
+        let look = &all.meshes[1];
         assert!(look.positions.iter().zip(&look.normals).all(|(p, n)| p.dot(*n) > 0.0));
         let together = all.mesh(&all.poses(0.0));
         assert_eq!(together.positions.len(), together.normals.len());
-        assert_eq!(together.triangles.len(), look.triangles.len() + all.looks[0].triangles.len());
+        assert_eq!(together.triangles.len(), look.triangles.len() + all.meshes[0].triangles.len());
     }
 
     #[test]

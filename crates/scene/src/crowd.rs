@@ -17,7 +17,7 @@ use tresses::{
 /// Distances of the first and the last row from the camera, meters.
 pub const ROWS: [f32; 2] = [2.0, 40.0];
 /// Minimum distance between the centers of two heads in a row, meters.
-const APART: f32 = 0.62;
+const MIN_SPACING: f32 = 0.62;
 /// Height of the camera above the heads per meter of distance to the first row.
 const ABOVE: f32 = 0.22;
 
@@ -36,7 +36,7 @@ pub struct CrowdOptions {
 struct Head {
     character: Character,
     /// Transform from groom space, with the head facing forward, to its place in the world.
-    place: Pose,
+    pose: Pose,
     /// Phase offset, as a share of the motion's period.
     phase: f64,
 }
@@ -60,11 +60,11 @@ impl Crowd {
         ensure!(options.heads > 0, "a crowd needs at least one head");
         ensure!(scene.character.props.is_empty(), "a crowd does not support colliders: remove them");
         let (lo, hi) = scene.subject();
-        let middle = 0.5 * (lo + hi);
+        let center = 0.5 * (lo + hi);
         let rows = rows(options, scene.targets().size);
-        let eye = Vec3::new(0.0, middle.y + ABOVE * options.rows[0] + 0.5 * (hi.y - lo.y), middle.z);
+        let eye = Vec3::new(0.0, center.y + ABOVE * options.rows[0] + 0.5 * (hi.y - lo.y), center.z);
         // Aim between the first and the last row, so that both are in the frame.
-        let down = |away: f32| ((eye.y - middle.y) / away).atan();
+        let down = |away: f32| ((eye.y - center.y) / away).atan();
         let pitch = 0.5 * (down(options.rows[0]) + down(options.rows[1]));
         let camera =
             Viewpoint { eye, target: eye + Vec3::new(0.0, -pitch.sin(), -pitch.cos()) * options.rows[0] };
@@ -76,9 +76,9 @@ impl Crowd {
             character.set_material(materials[pcg(i as u32 + 31) as usize % materials.len()]);
             // Face the camera, up to 0.8 rad to either side.
             let yaw = (random(0) - 0.5) * 1.6 + (-at.x).atan2(-at.z);
-            let turn = Pose::about(middle, Quat::from_rotation_y(yaw));
-            let place = Pose { translation: turn.translation + at, ..turn };
-            heads.push(Head { character, place, phase: f64::from(random(3)) });
+            let rotation = Pose::about(center, Quat::from_rotation_y(yaw));
+            let pose = Pose { translation: rotation.translation + at, ..rotation };
+            heads.push(Head { character, pose, phase: f64::from(random(3)) });
         }
         Ok(Self { heads, camera, budget: CrowdBudget::default() })
     }
@@ -94,8 +94,8 @@ impl Crowd {
     }
 
     /// Returns the levels chosen for the last frame, one per groom.
-    pub fn chosen(&self) -> &CrowdDetail {
-        &self.budget.chosen
+    pub fn detail(&self) -> &CrowdDetail {
+        &self.budget.detail
     }
 
     /// Sets the level of detail options of all heads.
@@ -149,16 +149,16 @@ impl Crowd {
         scene.look_from(self.camera);
         let eye = [scene.eye(&self.camera)];
         let neck = scene.character.neck();
-        for Head { character, place, phase } in &mut self.heads {
-            let ahead = *phase * motion.duration();
-            let gesture = motion.gesture(time + ahead, neck);
-            character.gesture = Gesture { body: place.after(&gesture.body), ..gesture };
+        for Head { character, pose, phase } in &mut self.heads {
+            let time_offset = *phase * motion.duration();
+            let gesture = motion.gesture(time + time_offset, neck);
+            character.gesture = Gesture { body: pose.after(&gesture.body), ..gesture };
             // Offset body animations too.
             let period = character.rig().and_then(|rig| rig.duration()).unwrap_or_default();
             character.seek(time - f64::from(seconds) + *phase * f64::from(period));
         }
         let mut all: Vec<_> = self.heads.iter_mut().map(|head| &mut head.character).collect();
-        let frame = scene.gpu.context.frame(encoder).timed(timings).seen_by(&eye);
+        let frame = scene.gpu.context.frame(encoder).timed(timings).with_cameras(&eye);
         Ok(frame.within(&mut self.budget).advance(&mut all, seconds)?)
     }
 
@@ -184,28 +184,28 @@ impl Crowd {
 
     /// Returns the distance of each head from the camera, meters.
     pub fn distances(&self) -> Vec<f32> {
-        let of = |head: &Head| head.place.point(head.character.neck()).distance(self.camera.eye);
+        let of = |head: &Head| head.pose.point(head.character.neck()).distance(self.camera.eye);
         self.heads.iter().map(of).collect()
     }
 }
 
 /// Returns the level of detail options of a head in a crowd: options that have their defaults get the crowd's defaults.
 pub fn levels(own: LodOptions) -> LodOptions {
-    fn said<T: PartialEq>(own: T, one: T, many: T) -> T {
+    fn or_crowd_default<T: PartialEq>(own: T, one: T, many: T) -> T {
         if own == one { many } else { own }
     }
     let (one, many) = (LodOptions::default(), LodOptions::CROWD);
     LodOptions {
         mode: own.mode,
         bias: own.bias,
-        strand_width: said(own.strand_width, one.strand_width, many.strand_width),
-        curve_error: said(own.curve_error, one.curve_error, many.curve_error),
-        slowest: said(own.slowest, one.slowest, many.slowest),
-        slow_pixel: said(own.slow_pixel, one.slow_pixel, many.slow_pixel),
-        guides: said(own.guides, one.guides, many.guides),
-        substep_pixel: said(own.substep_pixel, one.substep_pixel, many.substep_pixel),
-        alone_pixel: said(own.alone_pixel, one.alone_pixel, many.alone_pixel),
-        sleep: own.sleep || many.sleep,
+        strand_width: or_crowd_default(own.strand_width, one.strand_width, many.strand_width),
+        curve_error: or_crowd_default(own.curve_error, one.curve_error, many.curve_error),
+        slowest: or_crowd_default(own.slowest, one.slowest, many.slowest),
+        slow_pixel: or_crowd_default(own.slow_pixel, one.slow_pixel, many.slow_pixel),
+        guides: or_crowd_default(own.guides, one.guides, many.guides),
+        substep_pixel: or_crowd_default(own.substep_pixel, one.substep_pixel, many.substep_pixel),
+        collision_pixel: or_crowd_default(own.collision_pixel, one.collision_pixel, many.collision_pixel),
+        can_sleep: own.can_sleep || many.can_sleep,
     }
 }
 
@@ -221,15 +221,16 @@ fn rows(options: &CrowdOptions, [width, height]: [u32; 2]) -> Vec<Vec3> {
         let left = count - heads.len() as u32;
         let away = near + (far - near) * if rows > 1 { row as f32 / (rows - 1) as f32 } else { 0.0 };
         let wide = 1.9 * away * (0.5 * VERTICAL_FOV).tan() * aspect;
-        let fits = ((wide / APART) as u32).max(1);
+        let fits = ((wide / MIN_SPACING) as u32).max(1);
         let own = left.div_ceil(rows - row).min(if row + 1 == rows { left } else { fits });
-        let apart = (wide / own.max(1) as f32).clamp(APART, 2.5 * APART + 0.04 * away);
+        let spacing = (wide / own.max(1) as f32).clamp(MIN_SPACING, 2.5 * MIN_SPACING + 0.04 * away);
         for i in 0..own {
             let random = |k: u32| pcg(4 * heads.len() as u32 + k) as f32 / u32::MAX as f32 - 0.5;
             // Jitter, so that heads do not form a grid.
-            let aside = (i as f32 - 0.5 * (own - 1) as f32) * apart + 0.25 * (apart - APART) * random(0);
+            let lateral_offset =
+                (i as f32 - 0.5 * (own - 1) as f32) * spacing + 0.25 * (spacing - MIN_SPACING) * random(0);
             let back = if row == 0 { 0.0 } else { 0.5 * random(1) };
-            heads.push(Vec3::new(aside, 0.12 * random(2), -away + back));
+            heads.push(Vec3::new(lateral_offset, 0.12 * random(2), -away + back));
         }
     }
     heads
@@ -243,8 +244,8 @@ fn pigments(own: HairMaterial, several: bool) -> Vec<HairMaterial> {
             [HairMaterial::black(), HairMaterial::brown(), HairMaterial::blond(), HairMaterial::red()];
         // Keep the fiber and the minimum width of the settings.
         all.extend(named.map(|other| {
-            let HairMaterial { file_colors, min_width, .. } = own;
-            let mut material = HairMaterial { file_colors, min_width, ..other };
+            let HairMaterial { uses_file_colors: file_colors, min_width, .. } = own;
+            let mut material = HairMaterial { uses_file_colors: file_colors, min_width, ..other };
             material.fiber = FiberMaterial {
                 root_absorption: other.fiber.root_absorption,
                 tip_absorption: other.fiber.tip_absorption,

@@ -57,13 +57,13 @@ impl<H: Clone + PartialEq> History<H> {
 
     /// Drops the oldest steps from which on the history needs more than `most` bytes. `bytes` returns the memory of one hair
     /// besides another.
-    pub fn limit(&mut self, most: usize, bytes: impl Fn(&H, &H) -> usize) {
+    pub fn limit(&mut self, max_bytes: usize, bytes: impl Fn(&H, &H) -> usize) {
         let newer = self.past.iter().skip(1).map(|step| &step.hair).chain([&self.hair]);
         let pairs: Vec<_> = self.past.iter().map(|step| &step.hair).zip(newer).collect();
         let mut sum = 0;
         let kept = pairs.iter().rev().take_while(|(older, newer)| {
             sum += bytes(older, newer);
-            sum <= most
+            sum <= max_bytes
         });
         let kept = kept.count();
         self.past.drain(..self.past.len() - kept);
@@ -84,9 +84,9 @@ impl<H: Clone + PartialEq> History<H> {
     /// Replaces the settings. If one parameter differs, the step is named after that parameter and merges into the
     /// previous step of the same parameter. Otherwise it is a new step named `label`.
     pub fn change(&mut self, settings: Settings, label: &str) {
-        let mut turned = knobs::all().filter(|knob| knob.get(&settings) != knob.get(&self.now));
-        let Some(first) = turned.next() else { return };
-        let single = turned.next().is_none();
+        let mut changed = knobs::all().filter(|knob| knob.get(&settings) != knob.get(&self.now));
+        let Some(first) = changed.next() else { return };
+        let single = changed.next().is_none();
         let knob = single.then_some(first.path);
         self.future.clear();
         let goes_on = self.open && knob.is_some() && self.past.last().is_some_and(|step| step.knob == knob);

@@ -47,9 +47,9 @@ mod shelf;
 pub mod source;
 pub mod words;
 
-pub use camera::{Shot, Sight, Viewpoint};
+pub use camera::{CaptureCamera, Shot, Viewpoint};
 pub use colliders::Colliders;
-pub use companions::{Companions, Surroundings};
+pub use companions::{CompanionFiles, EnvironmentMap};
 pub use crowd::{Crowd, CrowdOptions};
 pub use history::History;
 pub use knobs::{Change, Changes, Knob, Value};
@@ -59,5 +59,5 @@ pub use quality::Quality;
 pub use scene::{Facts, Scene};
 pub use settings::Settings;
 pub use shelf::Shelf;
-pub use source::{Companion, Source};
+pub use source::{Companion, PresetSource};
 pub use tresses::groom::rig::anatomy::{self, Anatomy};

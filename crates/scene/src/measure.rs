@@ -93,7 +93,12 @@ impl Scene {
     }
 
     /// Measures a frame without separating its stages, ms.
-    pub fn measured_whole(&mut self, gesture: &Gesture, seconds: f32, camera: &Viewpoint) -> Result<f64> {
+    pub fn measured_frame_time(
+        &mut self,
+        gesture: &Gesture,
+        seconds: f32,
+        camera: &Viewpoint,
+    ) -> Result<f64> {
         self.watch(camera);
         let start = (self.clock)();
         let mut encoder = self.gpu.context.device().create_command_encoder(&Default::default());

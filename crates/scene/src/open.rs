@@ -1,6 +1,6 @@
 //! Loads the character of a preset: a groom and its head, imported or built in.
 
-use crate::{companions::Companions, preset::Preset, settings::HairColor, shelf::Shelf};
+use crate::{companions::CompanionFiles, preset::Preset, settings::HairColor, shelf::Shelf};
 use anyhow::{Result, ensure};
 use std::str::FromStr;
 use tresses::{
@@ -54,7 +54,7 @@ impl Preset {
             source.color_map.is_none() || self.settings.shading.color == HairColor::File,
             "a color map needs shading.color = file"
         );
-        let maps = Companions::of(source, Shelf::default()).maps()?;
+        let maps = CompanionFiles::of(source, Shelf::default()).maps()?;
         let style = match source.grooms.is_empty() {
             true => Some(Style::from_str(source.style.as_deref().unwrap_or("long"))?),
             false => None,

@@ -2,7 +2,7 @@
 
 mod animation;
 
-pub use animation::{Animation, Format};
+pub use animation::{AnimationEncoder, AnimationFormat};
 
 use anyhow::Result;
 pub use tresses::groom::srgb::encoded;
@@ -10,7 +10,7 @@ use tresses::groom::srgb::linear;
 
 /// An sRGB image, row by row from the top left.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Picture {
+pub struct Image {
     /// Width, pixels.
     pub width: u32,
     /// Height, pixels.
@@ -19,7 +19,7 @@ pub struct Picture {
     pub rgba: Vec<u8>,
 }
 
-impl Picture {
+impl Image {
     /// Encodes the image as PNG without alpha.
     ///
     /// # Errors
@@ -77,7 +77,7 @@ mod tests {
         assert!(r.abs_diff(200) <= 1 && (g, b, a) == (0, 255, 128), "{r}");
         assert_eq!(straight([90, 80, 70, 255]), [90, 80, 70, 255]);
         assert_eq!(straight([9, 9, 9, 0]), [0; 4]);
-        let picture = Picture { width: 2, height: 1, rgba: vec![90, 80, 70, 255, 0, 0, 0, 0] };
+        let picture = Image { width: 2, height: 1, rgba: vec![90, 80, 70, 255, 0, 0, 0, 0] };
         let bytes = picture.png_with_alpha().unwrap();
         let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];

@@ -10,7 +10,7 @@ pub use surface::SurfaceSample;
 use crate::{
     camera::Viewpoint,
     colliders::Colliders,
-    companions::Surroundings,
+    companions::EnvironmentMap,
     quality::Quality,
     settings::{LightSettings, Settings},
 };
@@ -40,8 +40,8 @@ pub struct Facts {
 }
 
 /// Returns the settings that the light of an environment map depends on: rotation, radians, and strength.
-fn turned(lights: &LightSettings) -> [f32; 2] {
-    [lights.environment_turn, lights.environment_strength]
+fn environment_parameters(lights: &LightSettings) -> [f32; 2] {
+    [lights.environment_rotation, lights.environment_strength]
 }
 
 /// A character on the GPU, with its colliders, lighting and a view.
@@ -66,7 +66,7 @@ pub struct Scene {
     views: Option<DebugViews>,
     /// Environment map that replaces key, rim and sky light, the rotation and strength for which its light was
     /// computed, and that light.
-    surroundings: Option<(Arc<Surroundings>, [f32; 2], Lights)>,
+    surroundings: Option<(Arc<EnvironmentMap>, [f32; 2], Lights)>,
     /// Key, rim and sky light, and additional lights.
     pub lighting: LightSettings,
     colliders: Colliders,
@@ -108,7 +108,7 @@ pub(crate) async fn uploaded(
         },
         obstacles: &colliders.list,
         fields: &fields,
-        ambient_cells: quality.view.ambient_cells,
+        ambient_resolution: quality.view.ambient_resolution,
         ..Default::default()
     };
     let mut character = Character::new(&CharacterAsset::new(context, parts, &options, progress).await?)?;
@@ -191,9 +191,10 @@ impl Scene {
         self.character.set_lod(settings.lod());
         self.lighting = settings.lights;
         if let Some((surroundings, as_then, lights)) = &mut self.surroundings
-            && *as_then != turned(&settings.lights)
+            && *as_then != environment_parameters(&settings.lights)
         {
-            (*as_then, *lights) = (turned(&settings.lights), surroundings.lights(&settings.lights));
+            (*as_then, *lights) =
+                (environment_parameters(&settings.lights), surroundings.lights(&settings.lights));
         }
         self.dress(settings);
         Ok(())
@@ -208,7 +209,7 @@ impl Scene {
 
     /// Rebuilds the mesh of the colliders.
     pub(super) fn make_obstacles(&mut self) {
-        let cells = self.view.options().ambient_cells;
+        let cells = self.view.options().ambient_resolution;
         let mesh = Some(self.colliders.mesh(&[])).filter(|mesh| !mesh.triangles.is_empty());
         let body = mesh.map(|mesh| Body::with_levels(&self.gpu.context, &mesh, &[], cells));
         self.character.props = body.into_iter().collect();
@@ -227,11 +228,11 @@ impl Scene {
     }
 
     /// Sets the environment map that lights the scene. `None` selects the key, rim and sky light of the settings.
-    pub fn set_surroundings(&mut self, surroundings: Option<Arc<Surroundings>>) {
+    pub fn set_surroundings(&mut self, surroundings: Option<Arc<EnvironmentMap>>) {
         let lighting = &self.lighting;
         self.surroundings = surroundings.map(|surroundings| {
             let lights = surroundings.lights(lighting);
-            (surroundings, turned(lighting), lights)
+            (surroundings, environment_parameters(lighting), lights)
         });
     }
 

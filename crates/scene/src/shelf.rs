@@ -66,8 +66,8 @@ impl Shelf {
     }
 
     fn find(&self, path: &Path) -> Option<&[u8]> {
-        let whole = self.0.iter().find(|(name, _)| name == path);
-        let found = whole.or_else(|| self.0.iter().find(|(name, _)| name.file_name() == path.file_name()));
+        let exact = self.0.iter().find(|(name, _)| name == path);
+        let found = exact.or_else(|| self.0.iter().find(|(name, _)| name.file_name() == path.file_name()));
         found.map(|(_, bytes)| &**bytes)
     }
 }

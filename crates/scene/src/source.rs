@@ -6,7 +6,7 @@ use tresses::groom::{formats, import::ImportOptions};
 
 /// Groom, head and companion files, or a built-in style. All fields are optional.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Source {
+pub struct PresetSource {
     /// Name of a built-in hairstyle, on the head of `heads` if there is one.
     pub style: Option<String>,
     /// Groom files.
@@ -39,7 +39,7 @@ pub struct Source {
     pub environment: Option<String>,
 }
 
-impl Source {
+impl PresetSource {
     /// Whether the hair is a built-in style on the built-in body.
     pub fn is_mannequin(&self) -> bool {
         self.grooms.is_empty() && self.heads.is_empty()
@@ -80,7 +80,7 @@ impl CompanionKind {
     pub fn needs(self) -> Vec<&'static str> {
         match self {
             Self::Levels => vec!["png"],
-            Self::Colliders => [formats::MESHES, formats::COMPANIONS].concat(),
+            Self::Colliders => [formats::MESHES, formats::RESOURCES].concat(),
             _ => Vec::new(),
         }
     }
@@ -104,7 +104,7 @@ pub struct Companion {
     pub hint: &'static str,
     /// File type.
     pub kind: CompanionKind,
-    pub(crate) place: fn(&mut Source) -> &mut Option<String>,
+    pub(crate) field: fn(&mut PresetSource) -> &mut Option<String>,
 }
 
 impl PartialEq for Companion {
@@ -115,14 +115,14 @@ impl PartialEq for Companion {
 
 impl Companion {
     /// Returns the companion's file name in `source`.
-    pub fn name(&self, source: &Source) -> Option<String> {
+    pub fn name(&self, source: &PresetSource) -> Option<String> {
         // `place` needs a mutable source, so read from a copy.
-        (self.place)(&mut source.clone()).clone()
+        (self.field)(&mut source.clone()).clone()
     }
 
     /// Sets or removes the companion's file name in `source`.
-    pub fn set(&self, source: &mut Source, name: Option<String>) {
-        *(self.place)(source) = name;
+    pub fn set(&self, source: &mut PresetSource, name: Option<String>) {
+        *(self.field)(source) = name;
     }
 }
 
@@ -134,13 +134,13 @@ macro_rules! companion {
             title: $title,
             hint: $hint,
             kind: CompanionKind::$kind,
-            place: |source| &mut source.$key,
+            field: |source| &mut source.$key,
         }
     };
 }
 
 /// All companions, in the order of presets.
-pub static COMPANIONS: [Companion; 11] = [
+pub static COMPANION_FILES: [Companion; 11] = [
     companion!(
         density_map,
         "density-map",
@@ -198,5 +198,5 @@ pub static COMPANIONS: [Companion; 11] = [
 
 /// Returns the companion with the given key.
 pub fn companion(key: &str) -> Option<&'static Companion> {
-    COMPANIONS.iter().find(|companion| companion.key == key)
+    COMPANION_FILES.iter().find(|companion| companion.key == key)
 }

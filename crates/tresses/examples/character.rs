@@ -50,7 +50,7 @@ async fn render(path: &str) -> Result<(), Box<dyn std::error::Error>> {
     let mut parts = source.dress(&Styling::default(), &()).await?;
     // The engine replaces the built-in rig. Hair collides with the head, and with the shoulders, which do not bend.
     parts.anatomy = None;
-    let [torso, ..] = rig::parts(parts.whole().ok_or("the character has no distance field")?);
+    let [torso, ..] = rig::parts(parts.body_field().ok_or("the character has no distance field")?);
     let fields = [FieldSource::Grid(&torso)];
     let obstacles = [Collider::new(Shape::Field(FieldId(0)))];
     let options = CharacterOptions::default().with_obstacles(&obstacles, &fields);
@@ -61,7 +61,7 @@ async fn render(path: &str) -> Result<(), Box<dyn std::error::Error>> {
     let engine = Engine::new(device, &mesh, ann.body().ok_or("the character has no body")?);
     let at = |first| (&engine.vertices, Words { first, stride: WORDS });
     let report = ann.skinned_by(&mesh, &Skin { positions: at(0), normals: at(3) }, 0.01)?;
-    println!("mean distance of the roots from the mesh: {:.2} mm", 1e3 * report.mean);
+    println!("mean distance of the roots from the mesh: {:.2} mm", 1e3 * report.mean_distance);
 
     let size = [480, 600];
     let mut view = View::new(&tresses, &Default::default(), size, 1)?;
@@ -74,7 +74,7 @@ async fn render(path: &str) -> Result<(), Box<dyn std::error::Error>> {
         let head = Pose::about(ann.neck(), Quat::from_rotation_y(2.4 * seconds));
         ann.set_pose(body);
         ann.gesture.head = head;
-        ann.place_obstacles(&[body])?;
+        ann.set_obstacle_poses(&[body])?;
         let mut encoder = device.create_command_encoder(&Default::default());
         engine.skin(queue, &mut encoder, &head);
         let mut frame = tresses.frame(&mut encoder);

@@ -6,7 +6,7 @@ use half::f16;
 use tresses::light::{HairMaterial, Lights, SceneShadow};
 use tresses::wgpu::{self, FragmentState, TextureUsages as Usage, VertexState, util::DeviceExt};
 use tresses::{Camera, Character, Pose, glam::Quat, glam::Vec3, groom::mannequin};
-use tresses::{Compositor, Surroundings, low_level::shade};
+use tresses::{Compositor, HostFrame, low_level::shade};
 use tresses::{
     Gpu,
     low_level::{Binding, bindings, readback},
@@ -138,7 +138,7 @@ async fn picture(path: &str) -> Result<(), Box<dyn std::error::Error>> {
     // The renderer: its image.
     draw(&mut encoder, 0, &depth, Some(view.light_group()));
     // Tresses: the hair over it.
-    let into = Surroundings { lit: true, ..Surroundings::new(&color, &depth, camera.projection) };
+    let into = HostFrame { is_lit: true, ..HostFrame::new(&color, &depth, camera.projection) };
     tresses.frame(&mut encoder).composite(&mut view, &[&ann], &picture, &embed, into)?;
     // The renderer: tone mapping.
     queue.submit([encoder.finish()]);

@@ -22,18 +22,18 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let builder = FieldBuilder::new(&context);
     println!("{name}: {} triangles, on {}", mesh.triangles.len(), info.name);
     for resolution in [64, 128] {
-        let options = SdfOptions { resolution, fill_cavities: false, ..Default::default() };
+        let options = SdfOptions { resolution, fills_cavities: false, ..Default::default() };
         // The first call compiles the kernels.
         let coarse = SdfOptions { resolution: 8, ..options.clone() };
         pollster::block_on(builder.grid(&mesh, &coarse))?;
         let start = Instant::now();
-        let ours = pollster::block_on(builder.grid(&mesh, &options))?;
+        let grid = pollster::block_on(builder.grid(&mesh, &options))?;
         let gpu = start.elapsed().as_secs_f64() * 1e3;
         let start = Instant::now();
         let reference = sdf::build(&mesh, &options)?;
         let cpu = start.elapsed().as_secs_f64() * 1e3;
-        let pairs = ours.distances.iter().zip(&reference.distances);
-        let near = pairs.filter(|(a, b)| a.min(**b).abs() < 4.0 * ours.cell);
+        let pairs = grid.distances.iter().zip(&reference.distances);
+        let near = pairs.filter(|(a, b)| a.min(**b).abs() < 4.0 * grid.cell);
         let mut off: Vec<f32> = near.map(|(a, b)| (a - b).abs()).collect();
         off.sort_by(f32::total_cmp);
         println!(

@@ -43,8 +43,8 @@ impl Show {
             _ => return Ok(()),
         };
         // Turn the head on its neck.
-        let turn = Quat::from_rotation_y(0.7 * (2.0 * self.ann.time() as f32).sin());
-        self.ann.gesture.head = Pose::about(self.ann.neck(), turn);
+        let rotation = Quat::from_rotation_y(0.7 * (2.0 * self.ann.time() as f32).sin());
+        self.ann.gesture.head = Pose::about(self.ann.neck(), rotation);
         let camera = Camera::framing(self.ann.subject(), Vec3::Z, 0.5, self.view.targets().size);
         // Simulate 1/60 s of hair, then draw it.
         let tresses = &self.gpu.context;

@@ -99,7 +99,7 @@ impl Work {
 
 /// Cost of work, ms.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Costs {
+pub struct CostModel {
     /// Cost per frame, head, drawn vertex, solve, grid step and pixel.
     factors: [f64; KINDS],
     /// Factors before any frame was timed.
@@ -111,14 +111,14 @@ pub struct Costs {
 /// Number of timed frames kept.
 const REMEMBERED: usize = 48;
 
-impl Default for Costs {
+impl Default for CostModel {
     /// Factors of a software driver on two cores.
     fn default() -> Self {
         Self::new([20.0, 4.0, 1.5e-3, 4e-5, 4.0, 2e-4])
     }
 }
 
-impl Costs {
+impl CostModel {
     /// Creates costs from factors in ms: per frame, head in view, drawn vertex, solve, grid step and pixel.
     pub fn new(factors: [f64; KINDS]) -> Self {
         let factors = factors.map(|factor| if factor.is_finite() { factor.max(0.0) } else { 0.0 });
@@ -182,17 +182,17 @@ impl Costs {
 #[non_exhaustive]
 pub struct HeadDetail {
     /// Whether the head is in view.
-    pub seen: bool,
+    pub is_visible: bool,
     /// Whether the hair has come to rest.
-    pub asleep: bool,
+    pub is_asleep: bool,
     /// Drawn strands.
-    pub strands: u32,
+    pub strand_count: u32,
     /// Vertices per strand.
-    pub vertices: u32,
+    pub vertex_count: u32,
     /// Simulated guides.
-    pub guides: u32,
+    pub guide_count: u32,
     /// Substeps per step.
-    pub substeps: u32,
+    pub substep_count: u32,
     /// Diameter of the hair in the image, pixels.
     pub size: f32,
     /// GPU memory owned by this head, bytes.
@@ -223,52 +223,52 @@ impl Budget {
     /// allows any change of levels, for a first frame or after a cut. `held` describes the view's memory for the heads.
     pub fn look_from(
         &self,
-        costs: &Costs,
+        costs: &CostModel,
         camera: &Camera,
         heads: &mut [(&mut Hair, Pose)],
         before: Option<f32>,
         held: &ViewBytes<'_>,
     ) -> CrowdDetail {
         let plan = |bias: f32, heads: &[(&mut Hair, Pose)]| -> (CrowdDetail, Vec<Detail>) {
-            let mut chosen = CrowdDetail { bias, ..CrowdDetail::default() };
+            let mut crowd = CrowdDetail { bias, ..CrowdDetail::default() };
             let mut details = Vec::with_capacity(heads.len());
-            chosen.bytes = heads.iter().map(|(hair, _)| hair.shared_bytes()).max().unwrap_or(0);
+            crowd.bytes = heads.iter().map(|(hair, _)| hair.shared_bytes()).max().unwrap_or(0);
             for (i, (hair, pose)) in heads.iter().enumerate() {
-                let detail = hair.lod.seen_coarser(camera, pose, bias);
+                let detail = hair.lod.detail_with_bias(camera, pose, bias);
                 let (mut head, work) = hair.at(&detail, camera, pose, held.vertex);
-                head.bytes += if head.seen { (held.head)(i, bias) } else { 0 };
-                chosen.bytes += head.bytes;
-                chosen.work.add(&work);
-                chosen.heads.push(head);
+                head.bytes += if head.is_visible { (held.head)(i, bias) } else { 0 };
+                crowd.bytes += head.bytes;
+                crowd.work.add(&work);
+                crowd.heads.push(head);
                 details.push(detail);
             }
-            chosen.milliseconds = costs.of(&chosen.work);
-            chosen.fits = chosen.milliseconds <= f64::from(self.milliseconds) && chosen.bytes <= self.bytes;
-            (chosen, details)
+            crowd.milliseconds = costs.of(&crowd.work);
+            crowd.fits = crowd.milliseconds <= f64::from(self.milliseconds) && crowd.bytes <= self.bytes;
+            (crowd, details)
         };
-        let wanted = self.least(|bias| plan(bias, heads).0.fits);
+        let target = self.min_bias(|bias| plan(bias, heads).0.fits);
         // The limited rate applies to time only, which may be a passing disturbance. Memory must fit at once.
-        let reachable = before.map_or(wanted, |bias| wanted.clamp(bias - FASTEST, bias + FASTEST));
+        let reachable = before.map_or(target, |bias| target.clamp(bias - FASTEST, bias + FASTEST));
         let reachable = reachable.clamp(0.0, COARSEST);
-        let (mut chosen, mut details) = plan(reachable, heads);
-        if chosen.bytes > self.bytes && wanted > reachable {
-            (chosen, details) = plan(wanted, heads);
+        let (mut crowd, mut details) = plan(reachable, heads);
+        if crowd.bytes > self.bytes && target > reachable {
+            (crowd, details) = plan(target, heads);
         }
         for ((hair, pose), detail) in heads.iter_mut().zip(details) {
             hair.look_at(camera, pose, detail);
         }
-        chosen
+        crowd
     }
 
     /// Returns the smallest bias that meets the budget, or the largest bias if none does.
-    fn least(&self, fits: impl Fn(f32) -> bool) -> f32 {
+    fn min_bias(&self, fits: impl Fn(f32) -> bool) -> f32 {
         if fits(0.0) {
             return 0.0;
         }
         let (mut low, mut high) = (0.0, COARSEST);
         for _ in 0..10 {
-            let middle = 0.5 * (low + high);
-            if fits(middle) { high = middle } else { low = middle }
+            let midpoint = 0.5 * (low + high);
+            if fits(midpoint) { high = midpoint } else { low = midpoint }
         }
         high
     }
@@ -277,24 +277,24 @@ impl Budget {
 impl Hair {
     /// Returns the level and the work of this hair at `detail`, seen by `camera` on a head at `pose`.
     fn at(&self, detail: &Detail, camera: &Camera, pose: &Pose, view_bytes: u64) -> (HeadDetail, Work) {
-        let seen = !self.lod.options.sleep || self.sees(camera, pose);
-        let vertices = detail.segments.ceil() as u32 + 1;
+        let is_visible = !self.lod.options.can_sleep || self.is_in_view(camera, pose);
+        let vertices = detail.segment_count.ceil() as u32 + 1;
         let [guides, substeps] = self.motion_at(detail);
-        let need = if seen { [detail.strands, detail.strands * vertices] } else { [0; 2] };
-        let (room, own) = self.sized_for(need);
-        let bytes = own + view_bytes * u64::from(room.vertices);
+        let need = if is_visible { [detail.strand_count, detail.strand_count * vertices] } else { [0; 2] };
+        let (capacity, own) = self.sized_for(need);
+        let bytes = own + view_bytes * u64::from(capacity.vertices);
         let asleep = self.is_asleep();
         let head = HeadDetail {
-            seen,
-            asleep,
-            strands: if seen { detail.strands } else { 0 },
-            vertices,
-            guides: if seen && !asleep { guides } else { 0 },
-            substeps,
+            is_visible,
+            is_asleep: asleep,
+            strand_count: if is_visible { detail.strand_count } else { 0 },
+            vertex_count: vertices,
+            guide_count: if is_visible && !asleep { guides } else { 0 },
+            substep_count: substeps,
             size: detail.size,
             bytes,
         };
-        if !seen {
+        if !is_visible {
             return (head, Work::default());
         }
         // Assumes one frame per fixed step.
@@ -302,7 +302,7 @@ impl Hair {
         let moves = if asleep { 0.0 } else { steps };
         let work = Work {
             heads: 1.0,
-            vertices: f64::from(detail.strands) * f64::from(vertices),
+            vertices: f64::from(detail.strand_count) * f64::from(vertices),
             solves: f64::from(guides) * f64::from(self.guides.vertex_count) * f64::from(substeps) * moves,
             grids: if detail.together > 0.0 { moves } else { 0.0 },
             pixels: f64::from(detail.size).powi(2).min(f64::from(camera.size[0]) * f64::from(camera.size[1])),
@@ -336,9 +336,9 @@ mod tests {
 
     #[test]
     fn fit_recovers_factors_from_noisy_frames() {
-        let truth = Costs::new([3.0, 0.5, 4e-5, 2e-6, 0.3, 1e-5]);
-        let mut costs = Costs::default();
-        let off = |costs: &Costs| {
+        let truth = CostModel::new([3.0, 0.5, 4e-5, 2e-6, 0.3, 1e-5]);
+        let mut costs = CostModel::default();
+        let off = |costs: &CostModel| {
             (100..130).map(|i| (costs.of(&work(i)) / truth.of(&work(i)) - 1.0).abs()).fold(0.0, f64::max)
         };
         let before = off(&costs);
@@ -351,7 +351,7 @@ mod tests {
         // Frames that were not used for fitting: within twice the noise of the timed ones.
         assert!(before > 3.0 && off(&costs) < 0.2, "{before} {}", off(&costs));
         // Identical frames determine only their own cost; the proportions of the factors stay.
-        let mut costs = Costs::default();
+        let mut costs = CostModel::default();
         (0..20).for_each(|_| costs.fit(&work(3), 7.0));
         assert!((costs.of(&work(3)) - 7.0).abs() < 0.2, "{}", costs.of(&work(3)));
         assert!(costs.factors().iter().all(|factor| *factor > 0.0));
@@ -363,9 +363,9 @@ mod tests {
     #[test]
     fn least_bias_is_smallest_that_fits() {
         let budget = Budget::default();
-        assert_eq!(budget.least(|_| true), 0.0);
-        assert_eq!(budget.least(|_| false), COARSEST);
-        let found = budget.least(|bias| bias >= 1.7);
+        assert_eq!(budget.min_bias(|_| true), 0.0);
+        assert_eq!(budget.min_bias(|_| false), COARSEST);
+        let found = budget.min_bias(|bias| bias >= 1.7);
         assert!((1.7..1.71).contains(&found), "{found}");
     }
 }

@@ -66,9 +66,9 @@ impl Camera {
     /// from the subject to the camera.
     pub fn framing(subject: Bounds, direction: Vec3, fov_y: f32, size: [u32; 2]) -> Self {
         let aspect = size[0].max(1) as f32 / size[1].max(1) as f32;
-        let middle = 0.5 * (subject.0 + subject.1);
-        let eye = middle + direction * framing_distance(subject, direction, fov_y, aspect);
-        Self::look_at(eye, middle, fov_y, size)
+        let center = 0.5 * (subject.0 + subject.1);
+        let eye = center + direction * framing_distance(subject, direction, fov_y, aspect);
+        Self::look_at(eye, center, fov_y, size)
     }
 
     /// Returns a perspective projection with reversed depth and no far plane. `fov_y` is the vertical field of view in

@@ -21,7 +21,7 @@ pub(crate) enum Mode {
     #[default]
     Step = 0,
     /// Carries every strand rigidly with the head, including its velocity.
-    Carry = 1,
+    Rigid = 1,
     /// Puts every strand into its rest pose, with zero velocity in the world.
     Reset = 2,
 }
@@ -79,7 +79,7 @@ pub(crate) struct StepClock {
     state: Option<Pose>,
     reset: bool,
     /// Whether the next frame is a teleport, whatever the distance.
-    carries: bool,
+    teleports: bool,
 }
 
 impl Default for StepClock {
@@ -90,7 +90,7 @@ impl Default for StepClock {
             accumulator: 0.0,
             state: None,
             reset: false,
-            carries: false,
+            teleports: false,
         }
     }
 }
@@ -113,8 +113,8 @@ impl StepClock {
     }
 
     /// Makes the next frame a teleport, whatever the distance.
-    pub fn carry(&mut self) {
-        self.carries = true;
+    pub fn teleport(&mut self) {
+        self.teleports = true;
     }
 
     /// Returns the head's pose at the end of the last step, or `None` if the next frame starts from the rest pose.
@@ -146,7 +146,7 @@ impl StepClock {
     pub(crate) fn jumps(&self, at: &Pose, head: &Pose, steps: f32) -> bool {
         let distance = at.translation.distance(head.translation);
         let angle = at.rotation.angle_between(head.rotation);
-        self.carries
+        self.teleports
             || distance > self.teleport_distance * steps
             || angle > self.teleport_angle * steps
             || !distance.is_finite()
@@ -154,7 +154,7 @@ impl StepClock {
 
     /// Returns the size of the motion from `at` to `head`, relative to the largest that one step takes without a
     /// teleport.
-    pub(crate) fn way(&self, at: &Pose, head: &Pose) -> f32 {
+    pub(crate) fn relative_motion(&self, at: &Pose, head: &Pose) -> f32 {
         let distance = at.translation.distance(head.translation) / self.teleport_distance;
         distance.max(at.rotation.angle_between(head.rotation) / self.teleport_angle)
     }
@@ -163,12 +163,12 @@ impl StepClock {
     /// now at `head`. A `dt` that is negative or NaN counts as 0. Time beyond [`MAX_STEPS`] steps is dropped and
     /// reported in [`Ticks::skipped`].
     pub fn tick(&mut self, dt: f32, step: f32, head: &Pose) -> Ticks {
-        let whole = |mode| Step { mode, begin: *head, end: *head, from: 0.0, to: 1.0 };
+        let full_step = |mode| Step { mode, begin: *head, end: *head, from: 0.0, to: 1.0 };
         let Some(at) = self.state.filter(|_| !self.reset) else {
-            (self.reset, self.carries) = (false, false);
+            (self.reset, self.teleports) = (false, false);
             self.accumulator = 0.0;
             self.state = Some(*head);
-            return Ticks { steps: vec![whole(Mode::Reset)], alpha: 1.0, skipped: 0.0 };
+            return Ticks { steps: vec![full_step(Mode::Reset)], alpha: 1.0, skipped: 0.0 };
         };
         let step = f64::from(step.clamp(1e-4, 0.1));
         let dt = if dt.is_finite() { f64::from(dt.max(0.0)) } else { 0.0 };
@@ -183,9 +183,9 @@ impl StepClock {
         let span = (before + dt - skipped).max(1e-9);
         let mut steps = Vec::with_capacity(count as usize);
         let jumps = self.jumps(&at, head, (span / step).max(1.0) as f32);
-        self.carries = false;
+        self.teleports = false;
         if jumps {
-            steps.push(Step { mode: Mode::Carry, begin: at, end: *head, from: 0.0, to: 0.0 });
+            steps.push(Step { mode: Mode::Rigid, begin: at, end: *head, from: 0.0, to: 0.0 });
             self.state = Some(*head);
             self.accumulator = 0.0;
             return Ticks { steps, alpha: 1.0, skipped: (skipped + count * step) as f32 };
@@ -249,7 +249,7 @@ mod tests {
         assert!((ticks.skipped - (2.0 - 8.0 / 60.0)).abs() < 0.02);
         assert_eq!(ticks.steps.last().map(|s| s.to > 0.99), Some(true));
         let ticks = clock.tick(1.0 / 60.0, 1.0 / 60.0, &at(5.0));
-        assert_eq!(ticks.steps[0].mode, Mode::Carry);
+        assert_eq!(ticks.steps[0].mode, Mode::Rigid);
         assert_eq!(ticks.steps[0].end, at(5.0));
         assert!(clock.tick(f32::NAN, 1.0 / 60.0, &at(5.0)).steps.is_empty());
         clock.reset();

@@ -60,11 +60,11 @@ impl Error {
     pub(crate) fn unless_within(
         name: &'static str,
         value: f32,
-        least: f32,
-        most: f32,
+        min: f32,
+        max: f32,
         range: &'static str,
     ) -> Result<()> {
-        Ok(groom::Error::unless_within(name, value, least, most, range)?)
+        Ok(groom::Error::unless_within(name, value, min, max, range)?)
     }
 }
 

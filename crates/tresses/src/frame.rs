@@ -13,7 +13,7 @@
 use crate::{
     Context, Error, Result,
     body::Body,
-    draw::{Compositor, Surroundings, canvas::Canvas},
+    draw::{Compositor, HostFrame, canvas::Canvas},
     gpu::{Commands, Timings},
     hair::{Hair, HairFrame},
     light::{self, HairSet, HairShading, HairView, Part, SceneShadow},
@@ -39,15 +39,15 @@ pub struct Drawing<'a> {
     /// Whether to write hair geometry and strand labels as well: [`Targets::geometry`](crate::draw::Targets::geometry),
     /// [`Targets::labels`](crate::draw::Targets::labels). Applies to [`ViewContent::Hair`] and [`ViewContent::Again`],
     /// and requires [`Renderer::Tiles`](crate::renderer::Renderer::Tiles).
-    pub asks: bool,
+    pub labels: bool,
     /// Whether the hair is drawn alone, without bodies and their shadows.
-    pub bare: bool,
+    pub hair_only: bool,
 }
 
 impl<'a> Drawing<'a> {
     /// Draws bodies and hair into the view's own target.
     pub fn new(picture: &'a Picture) -> Self {
-        Self { picture, output: None, shows: ViewContent::Hair, asks: false, bare: false }
+        Self { picture, output: None, shows: ViewContent::Hair, labels: false, hair_only: false }
     }
 }
 
@@ -63,7 +63,7 @@ pub enum ViewContent<'a> {
     Again,
     /// Hair composited into a scene that is already drawn and hides hair behind it. Bodies are
     /// not drawn, but cast shadows on hair. Background and tone mapping are not used.
-    Over(&'a Compositor, Surroundings<'a>),
+    Over(&'a Compositor, HostFrame<'a>),
     /// A debug view (feature `debug-views`). Nothing is read back.
     Inside(&'a mut DebugViews, &'a DebugDisplay),
 }
@@ -71,7 +71,7 @@ pub enum ViewContent<'a> {
 impl ViewContent<'_> {
     /// Whether the lighting is already recorded.
     pub(crate) fn is_lit(&self) -> bool {
-        matches!(self, Self::Again | Self::Over(_, Surroundings { lit: true, .. }))
+        matches!(self, Self::Again | Self::Over(_, HostFrame { is_lit: true, .. }))
     }
 
     /// Returns the shadow maps of the host's scene.
@@ -158,12 +158,12 @@ impl Recorder<'_> {
     /// # Errors
     /// As [`record`](Self::record).
     pub fn simulate(&mut self, hair: &mut Hair, frame: &HairFrame<'_>) -> Result<()> {
-        hair.make_room()?;
+        hair.resize_buffers()?;
         let steps = hair.begin(frame)?;
         if hair.is_shifted() {
             self.stage(Stage::Simulate, |pass| hair.record_shift(pass))?;
         }
-        if hair.is_on_skin() && hair.is_seen() {
+        if hair.is_on_skin() && hair.is_visible() {
             self.stage(Stage::Roots, |pass| hair.record_roots(pass))?;
         }
         for step in 0..steps {
@@ -185,7 +185,7 @@ impl Recorder<'_> {
     /// # Errors
     /// As [`record`](Self::record).
     pub fn follow(&mut self, hair: &mut Hair, frame: &HairFrame<'_>) -> Result<()> {
-        hair.make_room()?;
+        hair.resize_buffers()?;
         if hair.is_drawn() {
             return Ok(());
         }
@@ -206,8 +206,8 @@ impl Recorder<'_> {
         view: &View,
         drawing: Drawing<'_>,
     ) -> Result<()> {
-        let seen = |hair: &Hair| hair.motion.drawn_in;
-        if hair.windows(2).any(|pair| !seen(pair[0]).is_where(&seen(pair[1]))) {
+        let space = |hair: &Hair| hair.motion.drawn_in;
+        if hair.windows(2).any(|pair| !space(pair[0]).is_where(&space(pair[1]))) {
             let why = "all hair of a view must be drawn in the same space; set the same HairFrame::drawn_in for all";
             return Err(Error::unusable(why));
         }
@@ -244,12 +244,12 @@ impl Recorder<'_> {
         scene: &[SceneShadow<'_>],
     ) -> Result<()> {
         let parts = view.parts(picture.focus, [strands.len(), bodies.len()], true);
-        let shares = shares(view, strands, &parts, view.options().renderer.rate())?;
-        let seen = seen(strands, &shares, &parts);
+        let shadings = hair_shadings(view, strands, &parts, view.options().renderer.rate())?;
+        let hair_views = hair_views(strands, &shadings, &parts);
         bodies.iter().for_each(|body| body.prepare());
-        let lit = view.prepare(picture, &seen, &parts);
-        view.made(&parts);
-        self.cast(&parts, &lit, &seen, bodies, (&picture.lights, scene))
+        let lit = view.prepare(picture, &hair_views, &parts);
+        view.mark_light_recorded(&parts);
+        self.cast(&parts, &lit, &hair_views, bodies, (&picture.lights, scene))
     }
 
     /// Records the stages of an image in order.
@@ -261,8 +261,8 @@ impl Recorder<'_> {
         view: &View,
         drawing: Drawing<'_>,
     ) -> Result<()> {
-        let Drawing { picture, output, shows, asks, bare } = drawing;
-        let bodies = if bare { &[][..] } else { bodies };
+        let Drawing { picture, output, shows, labels, hair_only } = drawing;
+        let bodies = if hair_only { &[][..] } else { bodies };
         let inside = match &shows {
             ViewContent::Inside(_, shown) => Some(*shown),
             _ => None,
@@ -272,19 +272,20 @@ impl Recorder<'_> {
         // Debug views write a color per vertex.
         let renderer = view.options().renderer;
         let renderer = if inside.is_some() { renderer.per_vertex() } else { renderer };
-        let shares = shares(view, sets, &parts, renderer.rate())?;
-        let seen = seen(sets, &shares, &parts);
+        let shadings = hair_shadings(view, sets, &parts, renderer.rate())?;
+        let hair_views = hair_views(sets, &shadings, &parts);
         // Hides the hair where it would cover what a debug view shows.
         let hides = inside.is_some_and(|shown| shown.hides_hair());
-        let visible = if hides { &[][..] } else { &seen[..] };
-        let (cards, strands): (Vec<_>, Vec<_>) = seen.iter().partition(|seen| seen.hair.cards().is_some());
+        let visible = if hides { &[][..] } else { &hair_views[..] };
+        let (cards, strands): (Vec<_>, Vec<_>) =
+            hair_views.iter().partition(|groom| groom.hair.cards().is_some());
         let grooms = [&strands, &cards].map(|grooms| if hides { &[][..] } else { &grooms[..] });
 
         self.commands.start();
         bodies.iter().for_each(|body| body.prepare());
-        let lit = view.prepare(picture, &seen, &parts);
+        let lit = view.prepare(picture, &hair_views, &parts);
         if !shows.is_lit() {
-            view.made(&parts);
+            view.mark_light_recorded(&parts);
             self.cast(&parts, &lit, visible, bodies, (&picture.lights, shows.shadows()))?;
         }
         let canvas = &mut Canvas {
@@ -298,8 +299,8 @@ impl Recorder<'_> {
             lights: &picture.lights,
             focus: &picture.focus,
             renderer,
-            geometry: Compositor::known(renderer, asks)?,
-            labels: asks,
+            geometry: Compositor::identity_depth_map(renderer, labels)?,
+            labels,
             space: hair.first().map(|hair| hair.motion.drawn_in).unwrap_or_default(),
         };
         let output = output.unwrap_or_else(|| view.targets().picture());
@@ -316,14 +317,21 @@ impl Recorder<'_> {
             ViewContent::Inside(views, shown) => {
                 paint(canvas, view, bodies, grooms, |canvas| {
                     // Debug views show all segments.
-                    match views.shade(canvas.commands, shown, picture, hair, &seen)? {
+                    match views.shade(canvas.commands, shown, picture, hair, &hair_views)? {
                         true => Ok(()),
                         false => view.light.shade(canvas.commands, &strands, canvas.renderer.rate()),
                     }
                 })?;
                 view.present().record(&mut self.commands, view.targets(), output)?;
                 self.commands.lap(Stage::Present);
-                views.over(&mut self.commands, shown, picture, (view, output), (hair, &seen), bodies)?;
+                views.over(
+                    &mut self.commands,
+                    shown,
+                    picture,
+                    (view, output),
+                    (hair, &hair_views),
+                    bodies,
+                )?;
                 self.commands.lap(Stage::Debug);
                 return Ok(());
             }
@@ -344,7 +352,7 @@ impl Recorder<'_> {
     ) -> Result<()> {
         for (part, lit) in parts.iter().zip(lit) {
             let (hair, bodies) = (Part::of(&part.hair, hair), Part::of(&part.bodies, bodies));
-            let scene = part.light.bring(lights, lit, scene)?;
+            let scene = part.light.import_shadows(lights, lit, scene)?;
             part.light.record_shadows(&mut self.commands, lit, &hair, (&bodies, &scene))?;
         }
         self.commands.lap(Stage::Shadow);
@@ -384,7 +392,7 @@ fn paint<'a, 'c>(
         canvas.commands.lap(Stage::Body);
         draw.cards.record(canvas, cards)?;
     }
-    draw.record_seen(targets, canvas, strands)?;
+    draw.record_visibility(targets, canvas, strands)?;
     shade(canvas)?;
     canvas.commands.lap(Stage::Shade);
     draw.record_hair(targets, canvas, strands, true)?;
@@ -401,13 +409,13 @@ fn paint<'a, 'c>(
 fn composite(
     canvas: &mut Canvas<'_, '_>,
     view: &View,
-    (embed, into): (&Compositor, &Surroundings<'_>),
+    (embed, into): (&Compositor, &HostFrame<'_>),
     [strands, cards]: [&[HairView<'_>]; 2],
 ) -> Result<()> {
-    canvas.geometry = Compositor::asked(canvas.renderer, canvas.camera.projection, into)?;
+    canvas.geometry = Compositor::geometry_depth_map(canvas.renderer, canvas.camera.projection, into)?;
     embed.record_depth(canvas, canvas.camera.projection, into);
     view.draw.cards.record(canvas, cards)?;
-    view.draw.record_seen(view.targets(), canvas, strands)?;
+    view.draw.record_visibility(view.targets(), canvas, strands)?;
     shade(canvas, view, strands)?;
     canvas.commands.lap(Stage::Shade);
     view.draw.record_hair(view.targets(), canvas, strands, false)?;
@@ -420,21 +428,21 @@ fn composite(
 
 /// Shades the visible segments of `hair` if they are known, otherwise all segments.
 fn shade(canvas: &mut Canvas<'_, '_>, view: &View, hair: &[HairView<'_>]) -> Result<()> {
-    if view.draw.shade_seen(view.targets(), canvas, hair)? {
+    if view.draw.shade_visible(view.targets(), canvas, hair)? {
         return Ok(());
     }
     view.light.shade(canvas.commands, hair, canvas.renderer.rate())
 }
 
 /// Returns the buffers of `view` for each of `sets`, lit by the light of its part.
-fn shares(
+fn hair_shadings(
     view: &View,
     sets: &[&HairSet],
     parts: &[Part<'_>],
     rate: ShadingRate,
 ) -> Result<Vec<Arc<HairShading>>> {
     let lights: Vec<_> = (0..sets.len()).map(|i| light_of(i, parts).0).collect();
-    view.shares(sets, &lights, rate)
+    view.hair_shadings(sets, &lights, rate)
 }
 
 /// Returns the light of groom `i`, and whether it is a zone's. Each groom belongs to one part.
@@ -444,10 +452,14 @@ fn light_of<'a>(i: usize, parts: &[Part<'a>]) -> (&'a light::LightState, bool) {
 }
 
 /// Pairs each of `sets` with its buffers and light in a view.
-fn seen<'a>(sets: &[&'a HairSet], shares: &'a [Arc<HairShading>], parts: &[Part<'a>]) -> Vec<HairView<'a>> {
-    let seen = |(i, (hair, shaded)): (usize, (&&'a HairSet, &'a Arc<HairShading>))| {
+fn hair_views<'a>(
+    sets: &[&'a HairSet],
+    shadings: &'a [Arc<HairShading>],
+    parts: &[Part<'a>],
+) -> Vec<HairView<'a>> {
+    let view = |(i, (hair, shaded)): (usize, (&&'a HairSet, &'a Arc<HairShading>))| {
         let (light, zoned) = light_of(i, parts);
         HairView { hair, shaded, light, zoned }
     };
-    sets.iter().zip(shares).enumerate().map(seen).collect()
+    sets.iter().zip(shadings).enumerate().map(view).collect()
 }

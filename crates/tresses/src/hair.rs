@@ -11,14 +11,14 @@ use crate::{
     lod::{Detail, Lod, LodOptions},
     roots::{RootAsset, RootReport, Roots},
     simulate::{Links, RestOptions, Shifting, Simulation, SimulationParams},
-    strands::{GuideBuffers, Room, Strand, StrandBuffers, StrandVertex},
+    strands::{GuideBuffers, Strand, StrandBuffers, StrandCapacity, StrandVertex},
     volume::{Volume, VolumeOptions},
     wind::Air,
 };
 
 use effects::Effects;
 use motion::Motion;
-use sleep::{Sleep, sees};
+use sleep::{Sleep, is_sphere_in_view};
 use std::sync::Arc;
 
 mod asset;
@@ -112,7 +112,8 @@ impl Hair {
         let mut guides = GuideBuffers::of(context, &asset.guides)?;
         context.queue.write_buffer(&guides.samples, 0, bytemuck::cast_slice(&asset.samples()));
         // The first frame allocates the buffers, when their size is known.
-        let mut strands = StrandBuffers::of(context, &asset.strands, Room { strands: 1, vertices: 1 })?;
+        let mut strands =
+            StrandBuffers::of(context, &asset.strands, StrandCapacity { strands: 1, vertices: 1 })?;
         let buffers = (&mut guides, &mut strands);
         let roots = roots.map(|(roots, skin)| Roots::new(context, roots, buffers, skin)).transpose()?;
         let volume = Volume::new(context, &asset.volume, &guides)?;
@@ -138,7 +139,7 @@ impl Hair {
             volume,
             guides,
             strands,
-            substeps: options.simulation.substeps,
+            substeps: options.simulation.substep_count,
             asset: asset.clone(),
         })
     }
@@ -156,11 +157,11 @@ impl Hair {
     /// # Errors
     /// [`crate::groom::Error::Unusable`] for a root that is too far away, or a skin that does not fit `mesh`;
     /// [`crate::Error::Limit`].
-    pub fn attach(&mut self, mesh: &TriMesh, skin: &Skin<'_>, reach: f32) -> Result<RootReport> {
+    pub fn attach(&mut self, mesh: &TriMesh, skin: &Skin<'_>, max_distance: f32) -> Result<RootReport> {
         for (buffer, words) in [skin.positions, skin.normals] {
             words.hold(buffer, mesh)?;
         }
-        let roots = self.asset.bind_roots(mesh, reach)?;
+        let roots = self.asset.bind_roots(mesh, max_distance)?;
         let buffers = (&mut self.guides, &mut self.strands);
         self.roots = Some(Roots::new(&self.asset.context, &roots, buffers, skin)?);
         self.bind_guides()?;
@@ -197,7 +198,7 @@ impl Hair {
     /// Makes the next frame carry the hair rigidly with the head, whatever the distance.
     pub fn teleport(&mut self) {
         self.sleep.wake();
-        self.motion.clock.carry();
+        self.motion.clock.teleport();
     }
 
     /// Puts the hair into its rest pose at the next frame, at the head's pose then.
@@ -218,7 +219,7 @@ impl Hair {
     /// Returns the transform from simulation space to the space in which the hair is drawn, as of the last frame.
     /// Simulation space has its origin near the hair and moves with it. Callers that read the state
     /// of guides or of a grab need it.
-    pub fn place(&self) -> Pose {
+    pub fn simulation_transform(&self) -> Pose {
         self.motion.to_drawn
     }
 
@@ -226,30 +227,30 @@ impl Hair {
     /// [`Lod::options`](crate::lod::Lod::options). Camera and head are in the space in which the hair is drawn. Call it
     /// before a frame is recorded; otherwise hair is drawn at full detail.
     pub fn look_from(&mut self, camera: &Camera, head: &Pose) {
-        self.look_at(camera, head, self.lod.seen(camera, head));
+        self.look_at(camera, head, self.lod.detail_for_camera(camera, head));
     }
 
     /// [`look_from`](Self::look_from) with a given level of detail.
     pub(crate) fn look_at(&mut self, camera: &Camera, head: &Pose, detail: Detail) {
         self.set_detail(detail);
-        self.sleep.unseen = self.lod.options.sleep && !self.sees(camera, head);
+        self.sleep.out_of_view = self.lod.options.can_sleep && !self.is_in_view(camera, head);
     }
 
     /// Whether any hair is in view of `camera` on a head at `head`.
-    pub(crate) fn sees(&self, camera: &Camera, head: &Pose) -> bool {
-        let (middle, radius) = self.lod.sphere();
-        sees(camera, (head.point(middle), radius))
+    pub(crate) fn is_in_view(&self, camera: &Camera, head: &Pose) -> bool {
+        let (center, radius) = self.lod.sphere();
+        is_sphere_in_view(camera, (head.point(center), radius))
     }
 
     /// Excludes the hair from frames until [`look_from`](Self::look_from) is called again.
     pub(crate) fn hide(&mut self) {
-        self.sleep.unseen = true;
+        self.sleep.out_of_view = true;
     }
 
     /// Whether the hair was in view at the last call of [`look_from`](Self::look_from). Hair that is out of view and
     /// may [sleep](crate::lod::LodOptions::sleep) is neither simulated nor drawn.
-    pub fn is_seen(&self) -> bool {
-        !self.sleep.unseen
+    pub fn is_visible(&self) -> bool {
+        !self.sleep.out_of_view
     }
 
     /// Whether the hair has come to rest and is not simulated.
@@ -265,26 +266,26 @@ impl Hair {
 
     /// Sets the level of detail of the next frames, as returned by [`Lod::detail`](crate::lod::Lod::detail).
     pub fn set_detail(&mut self, detail: Detail) {
-        self.sleep.unseen = false;
+        self.sleep.out_of_view = false;
         self.lod.set(&self.asset.context, &mut self.strands, detail);
     }
 
     /// Resizes the strand buffers to what the level of detail draws. Must run before a frame records anything that
     /// reads strands.
-    pub(crate) fn make_room(&mut self) -> Result<()> {
+    pub(crate) fn resize_buffers(&mut self) -> Result<()> {
         let (context, drawn) = (&self.asset.context, self.strands.drawn);
-        if self.sleep.unseen {
+        if self.sleep.out_of_view {
             self.set.drawn.count = 0;
             return Ok(());
         }
         let need = [drawn.count, drawn.count * drawn.vertex_count];
-        let Some(room) = self.strands.room.resized(need, self.asset.strands.whole()) else {
+        let Some(capacity) = self.strands.capacity.resized(need, self.asset.strands.full_capacity()) else {
             self.set.show(&drawn);
             return Ok(());
         };
         let roots = self.strands.roots.clone();
         self.strands =
-            StrandBuffers { roots, drawn, ..StrandBuffers::of(context, &self.asset.strands, room)? };
+            StrandBuffers { roots, drawn, ..StrandBuffers::of(context, &self.asset.strands, capacity)? };
         self.lod.resize(context, &self.strands);
         self.avoidance.resize(context, &self.guides, &self.strands)?;
         self.curves = Curves::new(context, &self.guides, &self.strands);
@@ -295,14 +296,14 @@ impl Hair {
 
     /// Returns the capacity of the strand buffers for `strands` strands with `vertices` vertices in total, and the GPU
     /// memory of this head with it, bytes.
-    pub(crate) fn sized_for(&self, need: [u32; 2]) -> (Room, u64) {
+    pub(crate) fn sized_for(&self, need: [u32; 2]) -> (StrandCapacity, u64) {
         // Strands, their widening, their collision state and their vertices.
-        let bytes = |room: Room| {
-            (size_of::<Strand>() + 4 + size_of::<StrandState>()) as u64 * u64::from(room.strands)
-                + size_of::<StrandVertex>() as u64 * u64::from(room.vertices)
+        let bytes = |capacity: StrandCapacity| {
+            (size_of::<Strand>() + 4 + size_of::<StrandState>()) as u64 * u64::from(capacity.strands)
+                + size_of::<StrandVertex>() as u64 * u64::from(capacity.vertices)
         };
-        let room = Room::of(need, self.asset.strands.whole());
-        (room, self.own_bytes() - bytes(self.strands.room) + bytes(room))
+        let capacity = StrandCapacity::of(need, self.asset.strands.full_capacity());
+        (capacity, self.own_bytes() - bytes(self.strands.capacity) + bytes(capacity))
     }
 
     /// Returns the GPU memory that all hair of the asset shares, bytes.

@@ -19,7 +19,7 @@
 pub use crate::{
     avoid::{NO_HIT, StrandState},
     body::{Skin, Words},
-    budget::{COARSEST, Costs, CrowdDetail, FASTEST, HeadDetail, ViewBytes, Work},
+    budget::{COARSEST, CostModel, CrowdDetail, FASTEST, HeadDetail, ViewBytes, Work},
     camera::{framing_distance, subject},
     character::Foci,
     clock::{MAX_STEPS, MAX_SUBSTEPS},
@@ -29,7 +29,9 @@ pub use crate::{
     },
     draw::{Targets, targets::PICTURE_FORMAT, tiles::Label},
     frame::{Drawing, Recorder, ViewContent},
-    gpu::{Binding, Buffer, Clock, ComputePass, Counts, Tier, readback::Pending, timings::Rows, wall},
+    gpu::{
+        Binding, Buffer, Clock, ComputePass, Counts, Tier, readback::Pending, timings::PendingTimings, wall,
+    },
     hair::{GuideState, Hair, HairAsset, HairDescriptor, HairFrame},
     light::{
         ambient_probe::{AmbientProbe, IncidentLight},
@@ -42,13 +44,13 @@ pub use crate::{
         material::srgb,
         probe::{Shadow, ShadowProbe},
         radiance::unpack_radiance,
-        scene::MOST_SCENE_SHADOWS,
+        scene::MAX_SCENE_SHADOWS,
         zone::Zone,
     },
     lod::{Detail, Lod},
     math::Ray,
     roots::RootReport,
-    simulate::{BrushEffect, MotionBrush, Target, TieReport, grab::GrabState},
+    simulate::{BrushEffect, GrabTarget, MotionBrush, TieReport, grab::GrabState},
     strands::{
         GuideBuffers, StrandBuffers, StrandVertex,
         guide::unpack_velocity,
@@ -59,7 +61,7 @@ pub use crate::{
 };
 
 #[cfg(feature = "debug-views")]
-pub use crate::views::{DebugDisplay, DebugView, DebugViews, GridView, Peak, Scale, Term, panels, ramp};
+pub use crate::views::{ColorScale, DebugDisplay, DebugView, DebugViews, GridView, Peak, Term, panels, ramp};
 
 /// Bind groups and their layouts by position.
 pub mod bindings {

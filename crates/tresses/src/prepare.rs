@@ -101,7 +101,7 @@ fn jobs<'a>(context: &Context, request: &PipelineRequest, sets: &'a ViewSets) ->
         PipelineRequest::Cards(samples) => sets.1.cards.jobs(samples),
         PipelineRequest::View(options) => {
             let (light, draw, present) = sets;
-            let ViewOptions { renderer, output, strand_map, .. } = options;
+            let ViewOptions { renderer, output, strand_map_resolution: strand_map, .. } = options;
             let mut jobs = light.jobs(renderer.is_tiles(), strand_map > 0);
             jobs.extend(draw.jobs(renderer));
             // The supersampling factor is not known yet; 1 is the usual one.

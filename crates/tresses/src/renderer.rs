@@ -32,7 +32,7 @@ pub struct TileOptions {
     /// Shading model.
     pub shading: ShadingModel,
     /// Samples per pixel of bodies: 1, 4, 8 or 16, as far as the adapter allows. Hair has no samples.
-    pub samples: u32,
+    pub sample_count: u32,
 }
 
 /// Options of [`Renderer::Masks`].
@@ -42,7 +42,7 @@ pub struct MaskOptions {
     pub shading: ShadingModel,
     /// Samples per pixel: 1, 4, 8 or 16, as far as the adapter allows. With 1, coverage is a probability: a strand ends
     /// where it becomes too thin for its own threshold.
-    pub samples: u32,
+    pub sample_count: u32,
 }
 
 /// Options of [`Renderer::Classic`].
@@ -121,13 +121,13 @@ impl Default for Renderer {
 
 impl Default for TileOptions {
     fn default() -> Self {
-        Self { shading: ShadingModel::default(), samples: 4 }
+        Self { shading: ShadingModel::default(), sample_count: 4 }
     }
 }
 
 impl Default for MaskOptions {
     fn default() -> Self {
-        Self { shading: ShadingModel::default(), samples: 4 }
+        Self { shading: ShadingModel::default(), sample_count: 4 }
     }
 }
 
@@ -153,12 +153,12 @@ impl ClassicCoverage {
 impl Renderer {
     /// Returns [`Tiles`](Self::Tiles) with `samples` per pixel of bodies.
     pub const fn tiles(samples: u32) -> Self {
-        Self::Tiles(TileOptions { shading: ShadingModel::Fiber, samples })
+        Self::Tiles(TileOptions { shading: ShadingModel::Fiber, sample_count: samples })
     }
 
     /// Returns [`Masks`](Self::Masks) with `samples` per pixel.
     pub const fn masks(samples: u32) -> Self {
-        Self::Masks(MaskOptions { shading: ShadingModel::Fiber, samples })
+        Self::Masks(MaskOptions { shading: ShadingModel::Fiber, sample_count: samples })
     }
 
     /// Returns [`Classic`](Self::Classic) with depth peeling, shading per vertex and deep opacity maps.
@@ -209,8 +209,8 @@ impl Renderer {
     /// Returns the samples per pixel of the targets.
     pub fn samples(self) -> u32 {
         match self {
-            Self::Tiles(TileOptions { samples, .. })
-            | Self::Masks(MaskOptions { samples, .. })
+            Self::Tiles(TileOptions { sample_count: samples, .. })
+            | Self::Masks(MaskOptions { sample_count: samples, .. })
             | Self::Classic(ClassicOptions {
                 coverage: ClassicCoverage::AlphaToCoverage { samples }, ..
             }) => samples,
@@ -222,8 +222,8 @@ impl Renderer {
     #[must_use]
     pub fn with_max_samples(mut self, max: u32) -> Self {
         match &mut self {
-            Self::Tiles(TileOptions { samples, .. })
-            | Self::Masks(MaskOptions { samples, .. })
+            Self::Tiles(TileOptions { sample_count: samples, .. })
+            | Self::Masks(MaskOptions { sample_count: samples, .. })
             | Self::Classic(ClassicOptions {
                 coverage: ClassicCoverage::AlphaToCoverage { samples }, ..
             }) => *samples = (*samples).min(max),

@@ -62,7 +62,7 @@ stages! {
     /// Tiles: sorts segments into lists.
     Bins "bins" "draw" "segment and tile",
     /// Tiles: finds the visible segments.
-    See "see" "draw" "row of a tile",
+    Visibility "see" "draw" "row of a tile",
     /// Depth peeling: accumulates the optical thickness behind the layers.
     Thickness "thickness" "draw" "strip vertex and pixel",
     /// Draws hair into the HDR target.

@@ -44,10 +44,10 @@ pub struct ViewOptions {
     /// 0 for none. With them, shadows between strands follow their geometry instead of being stochastic
     /// ([`Shadows::strand_by_strand`]). Takes effect in [`ShadingModel::Fiber`](crate::renderer::ShadingModel::Fiber),
     /// when every strand is drawn and the head is near. Takes 16 bytes per texel.
-    pub strand_map: u32,
+    pub strand_map_resolution: u32,
     /// Cells along each edge of the grid of ambient light, clamped to 4 to 64. Takes 300
     /// bytes per cell.
-    pub ambient_cells: u32,
+    pub ambient_resolution: u32,
     /// Format of the output texture.
     pub output: wgpu::TextureFormat,
 }
@@ -58,8 +58,8 @@ impl Default for ViewOptions {
         Self {
             renderer: Renderer::default(),
             shadow_resolution: 1024,
-            strand_map: 0,
-            ambient_cells: 24,
+            strand_map_resolution: 0,
+            ambient_resolution: 24,
             output: PICTURE_FORMAT,
         }
     }
@@ -121,8 +121,9 @@ impl View {
     /// # Errors
     /// As [`new`](Self::new). The view is unchanged after an error.
     pub fn set_options(&mut self, options: &ViewOptions) -> Result<()> {
-        let lit =
-            |options: &ViewOptions| (options.shadow_resolution, options.strand_map, options.ambient_cells);
+        let lit = |options: &ViewOptions| {
+            (options.shadow_resolution, options.strand_map_resolution, options.ambient_resolution)
+        };
         let light = (lit(options) != lit(&self.options)).then(|| light(&self.context, options, &self.camera));
         let before = std::mem::replace(&mut self.options, *options);
         let Targets { size, ssaa, .. } = self.targets;
@@ -198,14 +199,14 @@ impl View {
     ///
     /// # Errors
     /// [`crate::Error::Limit`].
-    pub fn chosen(&self, hair: &HairSet, seen: &wgpu::Buffer) -> Result<ShadingSubset> {
+    pub fn shading_subset(&self, hair: &HairSet, visible: &wgpu::Buffer) -> Result<ShadingSubset> {
         let of = [&*hair.strands.vertices, &self.light.lights];
         let shaded = self.lock().iter().find(|(known, _)| known.each_ref() == of).map(|(_, s)| s.clone());
         let shaded = match shaded {
             Some(shaded) => shaded,
-            None => self.shares(&[hair], &[&self.light], ShadingRate::PerVertex)?.remove(0),
+            None => self.hair_shadings(&[hair], &[&self.light], ShadingRate::PerVertex)?.remove(0),
         };
-        ShadingSubset::new(&self.context, (&self.light, &self.camera), hair, &shaded, seen.entire())
+        ShadingSubset::new(&self.context, (&self.light, &self.camera), hair, &shaded, visible.entire())
     }
 
     /// Sets the lighting zones from the next image on. Grooms and bodies in a zone are lit by it, all others by the
@@ -220,7 +221,7 @@ impl View {
     /// lower resolution. `counts` are the numbers of grooms and bodies. Call it before each image, as an alternative
     /// to [`set_zones`](Self::set_zones).
     pub fn fit_light(&mut self, (picture, coarser): (&Picture, f32), counts: [usize; 2]) {
-        let finest = [self.options.shadow_resolution, self.options.ambient_cells];
+        let finest = [self.options.shadow_resolution, self.options.ambient_resolution];
         let Picture { focus, camera, .. } = picture;
         let zone = Zone::far(*focus, (camera, coarser), finest, self.zones.first(), counts);
         self.set_zones(zone.as_slice());
@@ -265,8 +266,8 @@ impl View {
     }
 
     /// Marks the lighting of these parts as recorded.
-    pub(crate) fn made(&self, parts: &[Part<'_>]) {
-        self.zones.made(parts);
+    pub(crate) fn mark_light_recorded(&self, parts: &[Part<'_>]) {
+        self.zones.mark_recorded(parts);
     }
 
     /// Divides the grooms and bodies of an image into parts with a common lighting.
@@ -276,7 +277,7 @@ impl View {
 
     /// Returns this view's buffers for each of `hair`, shaded by the respective one of `lights`. Reuses existing ones,
     /// creates the missing ones and drops those no longer needed.
-    pub(crate) fn shares(
+    pub(crate) fn hair_shadings(
         &self,
         hair: &[&HairSet],
         lights: &[&light::LightState],
@@ -284,7 +285,7 @@ impl View {
     ) -> Result<Vec<Arc<HairShading>>> {
         let mut known = self.lock();
         let mut before = std::mem::take(&mut *known);
-        let shares = hair.iter().zip(lights).map(|(set, light)| {
+        let shadings = hair.iter().zip(lights).map(|(set, light)| {
             let of = [(*set.strands.vertices).clone(), light.lights.clone()];
             // The same hair may be listed twice.
             let again = || known.iter().find(|(known, _)| *known == of).map(|(_, shaded)| shaded.clone());
@@ -296,7 +297,7 @@ impl View {
             known.push((of, shaded.clone()));
             Ok(shaded)
         });
-        shares.collect()
+        shadings.collect()
     }
 
     /// Writes the uniforms of a frame. Returns what to record of each part's lighting.
@@ -311,9 +312,9 @@ impl View {
         self.present.prepare(&self.context, &picture.background, &picture.tone, &self.targets);
         let renderer = self.options.renderer;
         let mut first = 0;
-        for seen in hair {
-            seen.shaded.prepare(&self.context, seen.hair, renderer.shading(), first);
-            first += seen.hair.strands.count;
+        for hair_view in hair {
+            hair_view.shaded.prepare(&self.context, hair_view.hair, renderer.shading(), first);
+            first += hair_view.hair.strands.count;
         }
         let lit = |part: &Part<'_>| {
             let lights = (&picture.lights, &picture.shadows, &part.focus);
@@ -337,6 +338,6 @@ impl View {
 }
 
 fn light(context: &Context, options: &ViewOptions, camera: &wgpu::Buffer) -> light::LightState {
-    let sizes = [options.shadow_resolution, options.ambient_cells];
-    light::LightState::new(context, sizes, options.strand_map, camera)
+    let sizes = [options.shadow_resolution, options.ambient_resolution];
+    light::LightState::new(context, sizes, options.strand_map_resolution, camera)
 }

@@ -54,7 +54,7 @@ const GROOMS: &[(&[&str], usize, usize)] = &[
 fn counts_match_the_readmes() {
     let Some(assets) = assets() else { return };
     for (i, (files, strands, vertices)) in GROOMS.iter().enumerate() {
-        let options = ImportOptions { unrepaired: true, ..Default::default() };
+        let options = ImportOptions { skips_repair: true, ..Default::default() };
         let (groom, report) = import::read(&paths(&assets, i), &options).unwrap();
         assert_eq!((groom.len(), groom.positions.len()), (*strands, *vertices), "{files:?}");
         assert_eq!(report.files.len(), files.len());
@@ -181,7 +181,7 @@ fn rotations() -> impl Iterator<Item = (Axis, Axis, glam::Mat3)> {
 #[test]
 fn rotated_and_scaled_groom_and_head_are_restored() {
     let Some(assets) = assets() else { return };
-    let options = ImportOptions { unrepaired: true, ..Default::default() };
+    let options = ImportOptions { skips_repair: true, ..Default::default() };
     let (strands, mesh, _) =
         import::read_with_head(&paths(&assets, 2), &[assets.join("sintel_lite21/sintel.obj")], &options)
             .unwrap();
@@ -192,7 +192,7 @@ fn rotated_and_scaled_groom_and_head_are_restored() {
         let unknown = orient::KnownOrientation::default();
         let (own, of_head) = orient::pair(&groom, &unknown, &head, &unknown);
         assert_eq!((own.up, own.front, own.mirrored), (up, front, false), "{own:?}");
-        assert_eq!((of_head.up, of_head.front, of_head.unit), (up, front, orient::Unit(0.01)));
+        assert_eq!((of_head.up, of_head.front, of_head.unit), (up, front, orient::LengthUnit(0.01)));
     }
 }
 

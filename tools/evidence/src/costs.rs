@@ -39,7 +39,7 @@ pub const RUNS: u64 = 6;
 
 /// Costs of the parts of the simulation.
 #[derive(Debug, Default, Serialize)]
-pub struct Costs {
+pub struct SimulationCosts {
     /// Number of guides.
     pub guides: u32,
     /// Vertices per guide.
@@ -72,10 +72,11 @@ pub struct Limit {
     /// Measured ratio.
     pub ratio: f64,
     /// Largest allowed ratio.
-    pub most: f64,
+    #[serde(rename = "most")]
+    pub max: f64,
 }
 
-impl Costs {
+impl SimulationCosts {
     /// Adds a part and returns its median.
     fn part(&mut self, name: &str, time: Summary) -> f64 {
         self.parts.push(CostRow { name: name.into(), time });
@@ -100,14 +101,14 @@ impl Costs {
         rows.extend(
             self.limits
                 .iter()
-                .map(|l| vec![l.what.clone(), format!("{:.2}", l.ratio), format!("{:.2}", l.most)]),
+                .map(|l| vec![l.what.clone(), format!("{:.2}", l.ratio), format!("{:.2}", l.max)]),
         );
         text + &table(&rows)
     }
 
     /// Adds the ratio of `time` to `of`.
-    fn limit(&mut self, what: &str, time: f64, of: f64, most: f64) {
-        self.limits.push(Limit { what: what.into(), ratio: time / of, most });
+    fn limit(&mut self, what: &str, time: f64, of: f64, max: f64) {
+        self.limits.push(Limit { what: what.into(), ratio: time / of, max });
     }
 }
 
@@ -196,8 +197,11 @@ impl Rig {
 
     fn hair(&self, variant: &Variant) -> Result<Hair> {
         let colliders: Vec<_> = variant.colliders.iter().map(|(collider, _)| *collider).collect();
-        let colliders =
-            ColliderDescriptor { head: self.character.whole(), colliders: &colliders, ..Default::default() };
+        let colliders = ColliderDescriptor {
+            head: self.character.body_field(),
+            colliders: &colliders,
+            ..Default::default()
+        };
         let what = HairDescriptor { options: variant.options, colliders, ..Default::default() };
         Ok(Hair::new(&HairAsset::new(&self.context, self.character.groom.clone(), &what)?)?)
     }
@@ -231,22 +235,22 @@ impl Rig {
 }
 
 /// Measures all parts.
-pub fn measure(Sitting { frames, clock, bar }: Sitting<'_>) -> Result<Costs> {
+pub fn measure(Sitting { frames, clock, bar }: Sitting<'_>) -> Result<SimulationCosts> {
     let rig = Rig::new(frames, clock)?;
     let groom = &rig.character.groom;
-    let mut costs = Costs {
+    let mut costs = SimulationCosts {
         guides: groom.guides.len() as u32,
         guide_vertices: groom.guides.vertex_count,
         strands: groom.strands.len() as u32,
         frames,
-        ..Costs::default()
+        ..SimulationCosts::default()
     };
-    let alone = Variant {
+    let base = Variant {
         options: HairOptions::default(),
         physics: SimulationParams { hair_hair: HairHair::OFF, ..Default::default() },
         colliders: Vec::new(),
     };
-    let mut variants = [(); RUNS as usize].map(|()| alone.clone());
+    let mut variants = [(); RUNS as usize].map(|()| base.clone());
     let [_, dense, denser, windy, one, many] = &mut variants;
     for (variant, resolution) in [(dense, 32), (denser, 64)] {
         variant.options.volume = VolumeOptions { resolution, ..variant.options.volume };
@@ -254,22 +258,22 @@ pub fn measure(Sitting { frames, clock, bar }: Sitting<'_>) -> Result<Costs> {
     }
     // As in a render, the wind is measured with the density, which it needs.
     windy.physics.hair_hair = HairHair::default();
-    windy.physics.wind = Wind { cells: 32, ..Wind::new(WIND) };
+    windy.physics.wind = Wind { resolution: 32, ..Wind::new(WIND) };
     for (variant, count) in [(one, 1), (many, 64)] {
         variant.colliders = rig.capsules(count);
     }
     let rows = rig.run(&variants, bar)?;
-    let [alone, dense, denser, windy, one, many] = &rows[..] else { unreachable!("a row per variant") };
+    let [base, dense, denser, windy, one, many] = &rows[..] else { unreachable!("a row per variant") };
     let simulate = ["simulate"];
-    let solve = costs.part("guide solve", alone.sum(&simulate));
+    let solve = costs.part("guide solve", base.sum(&simulate));
     costs.part("density, 32³", dense.sum(&["volume"]));
     costs.part("density, 64³", denser.sum(&["volume"]));
     costs.part("wind, 32³", windy.sum(&["wind"]));
     let air = costs.part("density and wind, 32³", windy.sum(&["volume", "wind"]));
     costs.limit("density and wind at 32³ / guide solve", air, solve, 1.0);
     costs.part("solve with the forces of density and wind", windy.sum(&simulate));
-    let interpolate = costs.part("interpolation", alone.sum(&["interpolate"]));
-    let avoid = costs.part("avoidance", alone.sum(&["avoid"]));
+    let interpolate = costs.part("interpolation", base.sum(&["interpolate"]));
+    let avoid = costs.part("avoidance", base.sum(&["avoid"]));
     costs.limit("avoidance / interpolation", avoid, interpolate, 1.0);
     let one = costs.part("solve with 1 capsule", one.sum(&simulate));
     let many = costs.part("solve with 64 capsules", many.sum(&simulate));
@@ -289,11 +293,11 @@ mod tests {
 
     #[test]
     fn tables_show_medians_and_ratios() {
-        let costs = Costs {
+        let costs = SimulationCosts {
             guides: 1000,
             parts: vec![CostRow { name: "solve".into(), time: Summary { median: 4.0, p95: 6.0 } }],
-            limits: vec![Limit { what: "density / solve".into(), ratio: 0.25, most: 1.0 }],
-            ..Costs::default()
+            limits: vec![Limit { what: "density / solve".into(), ratio: 0.25, max: 1.0 }],
+            ..SimulationCosts::default()
         };
         let text = costs.text();
         let line = |name: &str| text.lines().find(|line| line.trim_start().starts_with(name)).unwrap();

@@ -288,19 +288,19 @@ pub(crate) fn absolute(path: &[String], module: &Module, own: &BTreeSet<String>)
 
 /// Returns the arrows that lie on a cycle, or `None` if there are none.
 fn circle(arrows: Vec<Arrow>) -> Option<Vec<Arrow>> {
-    let reaches = |start: &str, end: &str| {
-        let (mut seen, mut next) = (BTreeSet::new(), vec![start]);
+    let has_path = |start: &str, end: &str| {
+        let (mut visited, mut next) = (BTreeSet::new(), vec![start]);
         while let Some(at) = next.pop() {
             if at == end {
                 return true;
             }
-            if seen.insert(at) {
+            if visited.insert(at) {
                 next.extend(arrows.iter().filter(|arrow| arrow.from == at).map(|arrow| arrow.to.as_str()));
             }
         }
         false
     };
-    let on_circle = |arrow: &&Arrow| reaches(&arrow.to, &arrow.from);
+    let on_circle = |arrow: &&Arrow| has_path(&arrow.to, &arrow.from);
     let found: Vec<_> = arrows.iter().filter(on_circle).cloned().collect();
     (!found.is_empty()).then_some(found)
 }

@@ -20,9 +20,9 @@ impl Slot {
     fn take() -> Self {
         let count = std::thread::available_parallelism().map_or(1, usize::from).min(SLOTS);
         let mut users = users();
-        let least = (0..count).min_by_key(|slot| users[*slot]).unwrap_or(0);
-        users[least] += 1;
-        Self(least)
+        let slot = (0..count).min_by_key(|slot| users[*slot]).unwrap_or(0);
+        users[slot] += 1;
+        Self(slot)
     }
 }
 

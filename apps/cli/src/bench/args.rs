@@ -25,7 +25,7 @@ pub struct BenchArgs {
     #[arg(long, requires = "preset")]
     pub distance: Option<f32>,
     /// Draw that preset's hair as this number of cards instead of strands
-    #[arg(long, value_name = "N", requires = "preset", value_parser = clap::value_parser!(u32).range(1..=i64::from(CardOptions::MOST_CARDS)))]
+    #[arg(long, value_name = "N", requires = "preset", value_parser = clap::value_parser!(u32).range(1..=i64::from(CardOptions::MAX_CARDS)))]
     pub cards: Option<u32>,
     /// Measure fewer frames and fewer strand counts
     #[arg(long)]

@@ -35,7 +35,8 @@ pub struct CrowdTimes {
     /// Times per stage: of the portrait, then of the crowd.
     pub stages: [Vec<StageTime>; 2],
     /// Bytes of GPU memory of a single head, and of its view.
-    pub alone: [u64; 2],
+    #[serde(rename = "alone")]
+    pub single_head_bytes: [u64; 2],
     /// Bytes shared by all heads, bytes of all heads, and bytes of their view.
     pub bytes: [u64; 3],
     /// Averages of heads at similar distances.
@@ -60,8 +61,8 @@ pub fn measure(heads: u32, sitting: Sitting<'_>) -> Result<CrowdTimes> {
     let Sitting { frames, bar, .. } = sitting;
     let mut preset = workload::style(Some(STRANDS), workload::TILES);
     // The crowd's options, except that the portrait has full detail and does not sleep.
-    preset.settings.lod = LodOptions { mode: LodMode::Off, sleep: false, ..LodOptions::CROWD };
-    let mut scene = Photographer::with_samples_at_most(&preset, SIZE, None).context("a crowd")?;
+    preset.settings.lod = LodOptions { mode: LodMode::Off, can_sleep: false, ..LodOptions::CROWD };
+    let mut scene = Photographer::with_clamped_samples(&preset, SIZE, None).context("a crowd")?;
     scene.measure_by(sitting.clock);
     // Remove brows, lashes and beard: only the main groom is measured.
     scene.character.shave();
@@ -74,13 +75,13 @@ pub fn measure(heads: u32, sitting: Sitting<'_>) -> Result<CrowdTimes> {
     scene.reset(&gesture(0))?;
     let mut portrait = Vec::new();
     for frame in 1..=WARM_UP + frames {
-        let wall = scene.measured_whole(&gesture(frame), dt, &camera)?;
+        let wall = scene.measured_frame_time(&gesture(frame), dt, &camera)?;
         if frame > WARM_UP {
             portrait.push(wall);
             bar.inc(1);
         }
     }
-    let alone = [
+    let single_head_bytes = [
         scene.character.hair().bytes(),
         scene.view.shadow_bytes()
             + scene.view.ambient_bytes()
@@ -112,9 +113,9 @@ pub fn measure(heads: u32, sitting: Sitting<'_>) -> Result<CrowdTimes> {
         portrait: Summary::of(portrait),
         crowd: Summary::of(all),
         stages: stages.map(StageTime::all),
-        alone,
+        single_head_bytes,
         bytes: crowd.bytes(&scene),
-        rows: rows(&crowd.distances(), &crowd.chosen().heads),
+        rows: rows(&crowd.distances(), &crowd.detail().heads),
     })
 }
 
@@ -130,7 +131,7 @@ fn gather(stages: &mut Vec<(&'static str, Vec<f64>)>, measured: Vec<(&'static st
 /// Groups heads by distance, in steps of a factor of 1.5.
 fn rows(distances: &[f32], heads: &[HeadDetail]) -> Vec<Row> {
     let mut rows: Vec<(i32, Row)> = Vec::new();
-    for (distance, head) in distances.iter().zip(heads).filter(|(_, head)| head.seen) {
+    for (distance, head) in distances.iter().zip(heads).filter(|(_, head)| head.is_visible) {
         let step = (distance.max(0.1).ln() / 1.5f32.ln()).floor() as i32;
         let at = rows.binary_search_by_key(&step, |(step, _)| *step).unwrap_or_else(|at| {
             rows.insert(at, (step, Row::default()));
@@ -140,8 +141,13 @@ fn rows(distances: &[f32], heads: &[HeadDetail]) -> Vec<Row> {
         row.heads += 1;
         row.distance += distance;
         row.bytes += head.bytes;
-        let values =
-            [head.size, head.strands as f32, head.vertices as f32, head.guides as f32, head.substeps as f32];
+        let values = [
+            head.size,
+            head.strand_count as f32,
+            head.vertex_count as f32,
+            head.guide_count as f32,
+            head.substep_count as f32,
+        ];
         row.means.iter_mut().zip(values).for_each(|(mean, value)| *mean += f64::from(value));
     }
     for (_, row) in &mut rows {
@@ -180,12 +186,12 @@ pub fn text(times: &CrowdTimes) -> String {
     let [one, all] = &times.stages;
     let mut lines = vec![["stage", "one head in a portrait", "crowd"].map(String::from).to_vec()];
     let names = one.iter().chain(all).map(|stage| &stage.name);
-    let mut said: Vec<&String> = Vec::new();
+    let mut unique_names: Vec<&String> = Vec::new();
     for name in names {
-        if said.contains(&name) {
+        if unique_names.contains(&name) {
             continue;
         }
-        said.push(name);
+        unique_names.push(name);
         let of = |list: &[StageTime]| {
             list.iter().find(|stage| stage.name == *name).map_or("-".into(), |stage| ms(stage.time.median))
         };
@@ -194,15 +200,15 @@ pub fn text(times: &CrowdTimes) -> String {
     let (portrait, crowd) = (times.portrait.median, times.crowd.median);
     lines.push(vec!["whole frame".into(), ms(portrait), ms(crowd)]);
     text += &table(&lines);
-    let [alone, view] = times.alone;
-    let [shared, own, seen] = times.bytes;
+    let [head_bytes, view] = times.single_head_bytes;
+    let [shared, own, crowd_view] = times.bytes;
     text += &format!(
         "One head alone uses {} MB and its view {} MB; the crowd shares {} MB, its heads use {} MB, its view {} MB.\n",
-        mb(alone),
+        mb(head_bytes),
         mb(view),
         mb(shared),
         mb(own),
-        mb(seen)
+        mb(crowd_view)
     );
     let ratio = crowd / portrait.max(1e-9);
     text += &format!("{} heads cost as much as {ratio:.2} portraits", times.heads);
@@ -222,7 +228,7 @@ mod tests {
     fn crowd_is_compared_with_a_portrait() {
         let head = |strands| {
             let mut head = HeadDetail::default();
-            (head.seen, head.strands, head.vertices) = (true, strands, 10);
+            (head.is_visible, head.strand_count, head.vertex_count) = (true, strands, 10);
             head
         };
         let unseen = HeadDetail::default();
@@ -237,7 +243,7 @@ mod tests {
                 StageTime::all(vec![("shadow", vec![1.0])]),
                 StageTime::all(vec![("shadow", vec![3.0])]),
             ],
-            alone: [1; 2],
+            single_head_bytes: [1; 2],
             bytes: [1; 3],
             rows: Vec::new(),
         };

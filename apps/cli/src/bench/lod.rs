@@ -63,24 +63,24 @@ pub struct LodTimes {
 /// Measures the long style in motion at all distances.
 pub fn measure(sitting: Sitting<'_>) -> Result<Vec<LodPoint>> {
     let preset = workload::style(Some(STRANDS), workload::TILES);
-    let mut scene = Photographer::with_samples_at_most(&preset, SIZE, None).context("levels of detail")?;
+    let mut scene = Photographer::with_clamped_samples(&preset, SIZE, None).context("levels of detail")?;
     scene.measure_by(sitting.clock);
     let near = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), SIZE.aspect(), 1.0);
-    DISTANCES.iter().map(|distance| point(&mut scene, &near.moved(*distance), sitting)).collect()
+    DISTANCES.iter().map(|distance| point(&mut scene, &near.at_distance(*distance), sitting)).collect()
 }
 
 fn point(scene: &mut Photographer, camera: &Viewpoint, sitting: Sitting<'_>) -> Result<LodPoint> {
     let Sitting { frames, bar, .. } = sitting;
     let motion = Motion::named("turn").context("a built-in motion")?;
     let pivot = scene.character.neck();
-    let way = |mode| LodOptions { mode, ..LodOptions::default() };
+    let lod_options = |mode| LodOptions { mode, ..LodOptions::default() };
     let mut rows = Vec::new();
     for mode in [LodMode::Off, LodMode::Auto] {
-        scene.set_lod(way(mode))?;
+        scene.set_lod(lod_options(mode))?;
         scene.watch(camera);
         scene.reset(&motion.gesture(0.0, pivot))?;
         let mut stages: Vec<(&'static str, Vec<f64>)> = Vec::new();
-        let (mut strands, mut guides, mut whole) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut strands, mut guides, mut frame_times) = (Vec::new(), Vec::new(), Vec::new());
         for frame in 0..WARM_UP + frames {
             let pose = motion.gesture(f64::from(frame + 1) / FPS, pivot);
             let MeasuredFrame { wall, stages: times, .. } =
@@ -103,19 +103,19 @@ fn point(scene: &mut Photographer, camera: &Viewpoint, sitting: Sitting<'_>) -> 
             }
             strands.push(of_strands);
             guides.push(of_guides);
-            whole.push(wall);
+            frame_times.push(wall);
         }
         let detail = scene.detail();
         rows.push(LodTimes {
-            strands: detail.strands,
-            segments: detail.segments,
+            strands: detail.strand_count,
+            segments: detail.segment_count,
             strand_stages: Summary::of(strands),
             stages: StageTime::all(stages),
             guide_stages: guides.iter().sum::<f64>() / f64::from(frames.max(1)),
-            frame: Summary::of(whole),
+            frame: Summary::of(frame_times),
         });
     }
-    scene.set_lod(way(LodMode::Off))?;
+    scene.set_lod(lod_options(LodMode::Off))?;
     scene.reset(&motion.gesture(0.0, pivot))?;
     let pixels = scene.hair_pixels(camera)?;
     let lod = rows.pop().context("two ways")?;
@@ -126,7 +126,7 @@ fn point(scene: &mut Photographer, camera: &Viewpoint, sitting: Sitting<'_>) -> 
 /// Formats the results as tables, with a verdict on the goal.
 pub fn text(points: &[LodPoint]) -> String {
     let Some(portrait) = points.first() else { return String::new() };
-    let share =
+    let cost_ratio =
         |point: &LodPoint| point.lod.strand_stages.median / portrait.lod.strand_stages.median.max(1e-9);
     let head = [
         "meters",
@@ -151,7 +151,7 @@ pub fn text(points: &[LodPoint]) -> String {
             format!("{:.1}", lod.segments),
             ms(full.strand_stages.median),
             ms(lod.strand_stages.median),
-            format!("{:.3}", share(point)),
+            format!("{:.3}", cost_ratio(point)),
             ms(full.guide_stages),
             ms(lod.guide_stages),
             ms(full.frame.median),
@@ -174,15 +174,16 @@ pub fn text(points: &[LodPoint]) -> String {
         rows.push(std::iter::once(stage.name.clone()).chain(points.iter().map(time)).collect());
     }
     text += &table(&rows);
-    let (meters, most) = GOAL;
+    let (meters, max_ratio) = GOAL;
     if let Some(point) = points.iter().find(|point| point.distance == meters) {
-        let share = share(point);
-        let verdict = if share <= most { "within the goal of at most" } else { "above the goal of at most" };
+        let ratio = cost_ratio(point);
+        let verdict =
+            if ratio <= max_ratio { "within the goal of at most" } else { "above the goal of at most" };
         text += &format!(
             "At {meters} m, strand stages cost 1/{:.1} of their cost at {} m; {verdict} 1/{}.\n",
-            1.0 / share.max(1e-9),
+            1.0 / ratio.max(1e-9),
             portrait.distance,
-            1.0 / most
+            1.0 / max_ratio
         );
     }
     text

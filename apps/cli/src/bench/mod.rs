@@ -22,14 +22,14 @@ pub use sitting::Sitting;
 
 use crate::{progress, say};
 use anyhow::Result;
-use report::Report;
+use report::BenchReport;
 use tresses::low_level::wall;
 
 /// Runs `tresses bench`.
 pub(crate) fn run(args: &BenchArgs) -> Result<()> {
     let of_preset = |path| workload::of_preset(path, args.size, (args.distance, args.cards));
     let own = args.preset.as_ref().map(of_preset).transpose()?;
-    let mut report = Report { adapter: args.timing.adapter()?, ..Report::default() };
+    let mut report = BenchReport { adapter: args.timing.adapter()?, ..BenchReport::default() };
     let (frames, clock) = (args.frames(), args.timing.clock().unwrap_or(wall));
 
     let mut groups = Vec::new();

@@ -3,7 +3,7 @@
 use super::{
     adapter::Adapter,
     crowd, lod,
-    results::{Group, StrandPoint},
+    results::{SceneResults, StrandPoint},
     statistics::line,
     strokes,
     table::{ms, table},
@@ -13,11 +13,11 @@ use tresses_scene::words::grouped;
 
 /// All results.
 #[derive(Debug, Default, Serialize)]
-pub struct Report {
+pub struct BenchReport {
     /// The adapter.
     pub adapter: Adapter,
     /// The scenes.
-    pub groups: Vec<Group>,
+    pub groups: Vec<SceneResults>,
     /// Cost against distance.
     pub lod: Vec<lod::LodPoint>,
     /// Cost of a crowd.
@@ -30,7 +30,7 @@ pub struct Report {
     pub line: Vec<StrandPoint>,
 }
 
-impl Report {
+impl BenchReport {
     /// Formats the cost against the strand count as a table.
     pub fn line_text(&self) -> String {
         let points: Vec<_> = self.line.iter().map(|p| (f64::from(p.strands), p.frame.median)).collect();
@@ -62,7 +62,7 @@ mod tests {
         *,
     };
 
-    fn report() -> Report {
+    fn report() -> BenchReport {
         let time = |median| Summary { median, p95: median * 1.5 };
         let run = |state: &str, scale| Run {
             state: state.into(),
@@ -75,20 +75,20 @@ mod tests {
             gpu: time(50.25 * scale),
             frame: time(60.0 * scale),
         };
-        Report {
-            groups: vec![Group {
+        BenchReport {
+            groups: vec![SceneResults {
                 name: "a scene".into(),
                 samples: 4,
                 size: [1920, 1200],
                 triangles: 990_016,
                 runs: vec![run("at rest", 1.0), run("in motion", 2.0)],
-                ..Group::default()
+                ..SceneResults::default()
             }],
             line: vec![
                 StrandPoint { strands: 1000, gpu: time(1.0), frame: time(3.0) },
                 StrandPoint { strands: 100_000, gpu: time(100.0), frame: time(102.0) },
             ],
-            ..Report::default()
+            ..BenchReport::default()
         }
     }
 

@@ -11,7 +11,7 @@ use tresses_scene::words::grouped;
 
 /// One scene in one or several states.
 #[derive(Debug, Default, Serialize)]
-pub struct Group {
+pub struct SceneResults {
     /// Name of the scene.
     pub name: String,
     /// Published measurements of the scene.
@@ -86,11 +86,11 @@ pub struct StrandPoint {
 
 /// Formats the number of measured frames per run, as a range if it varies.
 pub fn measured(runs: impl Iterator<Item = u32> + Clone) -> String {
-    let (fewest, most) = (runs.clone().min().unwrap_or(0), runs.max().unwrap_or(0));
-    if fewest == most { format!("{most} frames") } else { format!("{fewest} to {most} frames") }
+    let (min, max) = (runs.clone().min().unwrap_or(0), runs.max().unwrap_or(0));
+    if min == max { format!("{max} frames") } else { format!("{min} to {max} frames") }
 }
 
-impl Group {
+impl SceneResults {
     /// Formats the results as a table.
     pub fn text(&self) -> String {
         let [width, height] = self.size;

@@ -13,7 +13,7 @@ use tresses::{
     glam::{Quat, Vec3},
     groom::edit::{Brush, BrushTool, GroomEditor, StrokeSample},
 };
-use tresses_scene::{Companions, Preset, Shelf, words::grouped};
+use tresses_scene::{CompanionFiles, Preset, Shelf, words::grouped};
 
 /// Strands that are all guides, for dabs.
 const GUIDES: u32 = 5_000;
@@ -74,8 +74,8 @@ pub fn measure(sitting: Sitting<'_>) -> Result<GroomTimes> {
     let first = editor.document().clone();
     let mut rows = Vec::new();
     let (mut picks, mut undos) = (Vec::new(), Vec::new());
-    let in_place = |tool: BrushTool| !(tool.draws() || tool.acts_on_roots());
-    for tool in BrushTool::ALL.map(|(tool, _)| tool).into_iter().filter(|tool| in_place(*tool)) {
+    let deforms_strands = |tool: BrushTool| !(tool.draws() || tool.acts_on_roots());
+    for tool in BrushTool::ALL.map(|(tool, _)| tool).into_iter().filter(|tool| deforms_strands(*tool)) {
         let mut dabs = Vec::new();
         for stroke in path(&editor) {
             let (begin, others) = stroke.split_first().context("a stroke has samples")?;
@@ -114,7 +114,7 @@ fn settle(gpu: &Gpu, preset: &Preset, sitting: Sitting<'_>) -> Result<(usize, Ve
     let styling = preset
         .settings
         .without_style()
-        .styling(None, &Companions::of(&preset.source, Shelf::default()).maps()?)?;
+        .styling(None, &CompanionFiles::of(&preset.source, Shelf::default()).maps()?)?;
     let (mut strands, mut times) = (0, Vec::new());
     for stroke in path(&editor) {
         let (begin, others) = stroke.split_first().context("a stroke has samples")?;
@@ -133,13 +133,13 @@ fn settle(gpu: &Gpu, preset: &Preset, sitting: Sitting<'_>) -> Result<(usize, Ve
 /// Returns strokes from top to bottom, seen from around the hair.
 fn path(editor: &GroomEditor) -> Vec<Vec<StrokeSample>> {
     let positions = editor.positions();
-    let middle = positions.iter().sum::<Vec3>() / positions.len().max(1) as f32;
+    let center = positions.iter().sum::<Vec3>() / positions.len().max(1) as f32;
     let steps = (LENGTH / STEP) as usize;
     let stroke = |k: u32| {
-        let turn = Quat::from_rotation_y(std::f32::consts::TAU * k as f32 / STROKES as f32);
-        let eye = middle + turn * Vec3::Z * EYE;
+        let rotation = Quat::from_rotation_y(std::f32::consts::TAU * k as f32 / STROKES as f32);
+        let eye = center + rotation * Vec3::Z * EYE;
         let sample = |i: usize| {
-            let target = middle + Vec3::Y * (0.5 * LENGTH - i as f32 * STEP);
+            let target = center + Vec3::Y * (0.5 * LENGTH - i as f32 * STEP);
             StrokeSample { time: i as f32 * TICK, ..StrokeSample::ray(eye, target - eye) }
         };
         (0..=steps).map(sample).collect()

@@ -2,7 +2,7 @@
 
 use super::{
     recorded::StageCommands,
-    results::{Group, Run, StageTime, StrandPoint},
+    results::{Run, SceneResults, StageTime, StrandPoint},
     sitting::Sitting,
     statistics::Summary,
 };
@@ -10,7 +10,7 @@ use crate::{args::Size, photographer::Photographer, preset_args};
 use anyhow::{Context, Result};
 use std::{path::PathBuf, time::Instant};
 use tresses::{LodMode, groom::grow::Growth};
-use tresses_scene::{Motion, Preset, Settings, Source, Value, Viewpoint, camera::Angle};
+use tresses_scene::{Motion, Preset, PresetSource, Settings, Value, Viewpoint, camera::Angle};
 
 /// Warm-up frames, in which shaders are compiled.
 pub const WARM_UP: u32 = 2;
@@ -18,7 +18,7 @@ pub const WARM_UP: u32 = 2;
 /// Time limit of a scene, seconds. After it, at least [`LEAST`] frames are measured and no more: a software driver's
 /// frames take seconds.
 const LONG: f64 = 10.0;
-const LEAST: usize = 5;
+const MIN_FRAMES: usize = 5;
 
 /// Frames per second of the measured motion.
 pub const FPS: f64 = 60.0;
@@ -43,23 +43,23 @@ pub struct Workload {
 }
 
 /// Parameters of the renderer with values other than the command's defaults.
-pub type Drawing = &'static [(&'static str, Value)];
+pub type RendererOverrides = &'static [(&'static str, Value)];
 
 /// The command's default: tiles.
-pub const TILES: Drawing = &[];
+pub const TILES: RendererOverrides = &[];
 
 /// Sample masks with one sample, as a WebGPU peer draws.
-const ONE_SAMPLE: Drawing =
+const ONE_SAMPLE: RendererOverrides =
     &[("renderer.kind", Value::Choice("masks")), ("renderer.samples", Value::Choice("1"))];
 
 /// The talk of 2008: alpha to coverage with 8×MSAA, or the adapter's maximum.
-const TALK: Drawing = &[
+const TALK: RendererOverrides = &[
     ("renderer.kind", Value::Choice("classic")),
     ("renderer.coverage", Value::Choice("alpha")),
     ("renderer.samples", Value::Choice("8")),
 ];
 /// The second scene of the talk.
-const TALK_SUPERSAMPLED: Drawing = &[
+const TALK_SUPERSAMPLED: RendererOverrides = &[
     ("renderer.kind", Value::Choice("classic")),
     ("renderer.coverage", Value::Choice("alpha")),
     ("renderer.samples", Value::Choice("8")),
@@ -67,7 +67,7 @@ const TALK_SUPERSAMPLED: Drawing = &[
 ];
 
 /// Returns a preset of `source`, drawn by `drawing`, without level of detail.
-pub fn preset(source: Source, drawing: Drawing) -> Preset {
+pub fn preset(source: PresetSource, drawing: RendererOverrides) -> Preset {
     let mut settings = Settings::default();
     for (path, value) in drawing {
         settings.set(path, *value).expect("values of the table");
@@ -77,8 +77,8 @@ pub fn preset(source: Source, drawing: Drawing) -> Preset {
 }
 
 /// Returns the built-in long style, with its own or the given number of strands.
-pub fn style(strands: Option<u32>, drawing: Drawing) -> Preset {
-    let mut preset = preset(Source { style: Some("long".into()), ..Source::default() }, drawing);
+pub fn style(strands: Option<u32>, drawing: RendererOverrides) -> Preset {
+    let mut preset = preset(PresetSource { style: Some("long".into()), ..PresetSource::default() }, drawing);
     if let Some(strands) = strands {
         preset.settings.set("style.strands", strands).expect("a number of strands");
     }
@@ -132,7 +132,7 @@ pub fn peer(grooms: &[PathBuf], heads: &[PathBuf]) -> Option<[Workload; 2]> {
     } else {
         ""
     };
-    let source = Source { grooms, heads, ..Source::default() };
+    let source = PresetSource { grooms, heads, ..PresetSource::default() };
     let drawn = |name: &str, drawing| {
         let mut preset = preset(source.clone(), drawing);
         preset.settings.style.all_guides = true;
@@ -194,7 +194,7 @@ pub fn strand_counts(quick: bool) -> Vec<u32> {
 
 /// Returns the number of strands of the default style that make about `triangles` triangles.
 fn strands_for(triangles: u64) -> u32 {
-    let segments = u64::from(Growth::default().vertices.max(2) - 1);
+    let segments = u64::from(Growth::default().vertex_count.max(2) - 1);
     u32::try_from(triangles / (2 * segments)).unwrap_or(u32::MAX)
 }
 
@@ -210,9 +210,9 @@ impl Workload {
 }
 
 /// Measures `workload` in each of its states.
-pub fn measure(workload: &Workload, sitting: Sitting<'_>) -> Result<Group> {
+pub fn measure(workload: &Workload, sitting: Sitting<'_>) -> Result<SceneResults> {
     let preset = workload.counted_preset()?;
-    let scene = Photographer::with_samples_at_most(&preset, workload.size, workload.cards);
+    let scene = Photographer::with_clamped_samples(&preset, workload.size, workload.cards);
     let mut scene = scene.with_context(|| workload.name.clone())?;
     let camera = camera(&scene, workload.size, workload.distance);
     let runs = workload
@@ -221,7 +221,7 @@ pub fn measure(workload: &Workload, sitting: Sitting<'_>) -> Result<Group> {
         .map(|(state, motion)| run(&mut scene, state, motion, &camera, sitting))
         .collect::<Result<_>>()?;
     let facts = scene.facts();
-    Ok(Group {
+    Ok(SceneResults {
         name: workload.name.clone(),
         others: workload.others.into(),
         size: [workload.size.width, workload.size.height],
@@ -241,7 +241,7 @@ pub fn measure(workload: &Workload, sitting: Sitting<'_>) -> Result<Group> {
 /// Measures the long style with `strands` strands.
 pub fn point(strands: u32, sitting: Sitting<'_>) -> Result<StrandPoint> {
     let size = Size { width: 1280, height: 720 };
-    let mut scene = Photographer::with_samples_at_most(&style(Some(strands), TILES), size, None)?;
+    let mut scene = Photographer::with_clamped_samples(&style(Some(strands), TILES), size, None)?;
     let camera = camera(&scene, size, None);
     let run = run(&mut scene, "in motion", "turn", &camera, sitting)?;
     Ok(StrandPoint { strands: scene.facts().strands, gpu: run.gpu, frame: run.frame })
@@ -250,7 +250,7 @@ pub fn point(strands: u32, sitting: Sitting<'_>) -> Result<StrandPoint> {
 /// Returns a portrait camera, or the same direction from `distance` meters.
 pub fn camera(scene: &Photographer, size: Size, distance: Option<f32>) -> Viewpoint {
     let portrait = Viewpoint::portrait(Angle::ThreeQuarter, scene.subject(), size.aspect(), 1.0);
-    distance.map_or(portrait, |meters| portrait.moved(meters))
+    distance.map_or(portrait, |meters| portrait.at_distance(meters))
 }
 
 /// Measures `scene` in a motion.
@@ -269,7 +269,7 @@ pub fn run(
     let (mut sums, mut walls, mut counts) = (Vec::new(), Vec::new(), Vec::new());
     let start = Instant::now();
     for frame in 0..WARM_UP + frames {
-        if walls.len() >= LEAST && start.elapsed().as_secs_f64() > LONG {
+        if walls.len() >= MIN_FRAMES && start.elapsed().as_secs_f64() > LONG {
             bar.inc(u64::from(WARM_UP + frames - frame));
             break;
         }

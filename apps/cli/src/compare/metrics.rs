@@ -1,6 +1,6 @@
 //! Differences between two images.
 
-use crate::picture::Picture;
+use crate::picture::Image;
 use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8};
 use serde::Serialize;
 
@@ -35,7 +35,7 @@ impl Linear {
 }
 
 /// Returns the indices of pixels whose mask value exceeds one half.
-pub fn hair(mask: &Picture) -> impl Iterator<Item = usize> {
+pub fn hair(mask: &Image) -> impl Iterator<Item = usize> {
     mask.rgba.as_chunks::<4>().0.iter().enumerate().filter(|(_, rgba)| rgba[0] > 127).map(|(i, _)| i)
 }
 
@@ -46,9 +46,9 @@ pub fn mean(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Returns the difference of `test` from `reference`, and an image of it.
-pub fn flip(reference: &Picture, test: &Picture, mask: &Picture) -> (Difference, Picture) {
+pub fn flip(reference: &Image, test: &Image, mask: &Image) -> (Difference, Image) {
     let (width, height) = (reference.width, reference.height);
-    let image = |picture: &Picture| FlipImageRgb8::with_data(width, height, &picture.rgb());
+    let image = |picture: &Image| FlipImageRgb8::with_data(width, height, &picture.rgb());
     let errors = nv_flip::flip(image(reference), image(test), DEFAULT_PIXELS_PER_DEGREE);
     let map = errors.apply_color_lut(&nv_flip::magma_lut()).to_vec();
     let rgba = map.as_chunks::<3>().0.iter().flat_map(|[r, g, b]| [*r, *g, *b, 255]).collect();
@@ -57,19 +57,19 @@ pub fn flip(reference: &Picture, test: &Picture, mask: &Picture) -> (Difference,
         picture: mean(errors.iter().map(|e| f64::from(*e))),
         hair: mean(hair(mask).map(|i| f64::from(errors[i]))),
     };
-    (difference, Picture { width, height, rgba })
+    (difference, Image { width, height, rgba })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn flat(left: u8, right: u8) -> Picture {
+    fn flat(left: u8, right: u8) -> Image {
         let (width, height) = (64, 32);
         let gray = |x| if x < 32 { left } else { right };
         let rgba =
             (0..height).flat_map(|_| (0..width).flat_map(|x| [gray(x), gray(x), gray(x), 255])).collect();
-        Picture { width, height, rgba }
+        Image { width, height, rgba }
     }
 
     #[test]

@@ -16,16 +16,16 @@ mod tones;
 
 use crate::{
     args,
-    flags::{RowFlags, Rows},
+    flags::{FlagSet, RowFlags},
     picture, progress, say,
 };
 use anyhow::{Context, Result, ensure};
 use metrics::{Difference, Linear};
 use orders::ScatteringOrders;
-use rig::Rig;
+use rig::ReferenceScene;
 use scenes::{Folders, ONCE, Pair, ReferenceView, Scenes};
 use serde::Serialize;
-use share::Share;
+use share::Transmission;
 use std::{fmt::Write, path::PathBuf};
 use tones::{Regions, Tones};
 use tresses_scene::knobs::Flag;
@@ -59,7 +59,7 @@ pub struct CompareArgs {
 #[derive(Clone, Debug, Default)]
 pub struct Shading;
 
-impl Rows for Shading {
+impl FlagSet for Shading {
     fn has(flag: &Flag) -> bool {
         ["shading", "melanin", "roughness", "ambient", "ambient-cells", "shadows", "strand-map"]
             .contains(&flag.name)
@@ -73,7 +73,8 @@ struct Row {
     /// FLIP difference; `None` for images of a single light.
     #[serde(flatten)]
     difference: Option<Difference>,
-    ours: Tones,
+    #[serde(rename = "ours")]
+    rendered: Tones,
     reference: Tones,
 }
 
@@ -87,7 +88,8 @@ struct Report {
     /// The light of lamps by how often it was scattered.
     orders: Vec<ScatteringOrders>,
     /// Transmitted fractions of single lights.
-    shares: Vec<Share>,
+    #[serde(rename = "shares")]
+    transmissions: Vec<Transmission>,
 }
 
 /// Runs `tresses compare`.
@@ -106,32 +108,32 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let mut last = None;
     for view in &views {
         let stage = stage(&mut last, view, &folders, args.samples)?;
-        let ours = stage.draw(view, &scenes, &args.shading)?;
+        let rendered = stage.draw(view, &scenes, &args.shading)?;
         let linear = stage.radiance(view, &scenes, &args.shading)?;
         let reference = folders.picture(view.name)?;
-        let mask = folders.mask(view, (ours.width, ours.height))?;
+        let mask = folders.mask(view, (rendered.width, rendered.height))?;
         ensure!(
-            (ours.width, ours.height) == (reference.width, reference.height),
+            (rendered.width, rendered.height) == (reference.width, reference.height),
             "{}: the reference is {} × {} pixels, but its description says {} × {}",
             view.name,
             reference.width,
             reference.height,
-            ours.width,
-            ours.height
+            rendered.width,
+            rendered.height
         );
-        let (difference, map) = metrics::flip(&reference, &ours, &mask);
-        let size = (ours.width, ours.height);
+        let (difference, map) = metrics::flip(&reference, &rendered, &mask);
+        let size = (rendered.width, rendered.height);
         let radiance = folders.radiance(view.name, size)?;
         let regions = Regions::new(&mask, &radiance);
-        let row = |name: &str, difference, noise, ours: &Linear, reference: &Linear| Row {
+        let row = |name: &str, difference, noise, rendered: &Linear, reference: &Linear| Row {
             name: name.to_owned(),
             difference,
-            ours: Tones::new(ours, &regions, Some(0.0)),
+            rendered: Tones::new(rendered, &regions, Some(0.0)),
             reference: Tones::new(reference, &regions, noise),
         };
         report.views.push(row(view.name, Some(difference), Some(view.noise), &linear, &radiance.linear));
         let mut once = Vec::new();
-        for one in view.alone() {
+        for one in view.single_lights() {
             let linear = stage.radiance(&one, &scenes, &args.shading)?;
             let radiance = folders.radiance(one.name, size)?;
             // The noise of images of a single light is unknown.
@@ -148,18 +150,23 @@ pub fn run(args: &CompareArgs) -> Result<()> {
         }
         if let Some(folder) = &args.out {
             std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-            let sheet = picture::beside(&[&ours, &reference, &map]);
+            let sheet = picture::side_by_side(&[&rendered, &reference, &map]);
             picture::write(&sheet, &folder.join(format!("{}.png", view.name)))?;
         }
         bar.inc(1);
     }
     for Pair { view, unshadowed } in &pairs {
         let stage = stage(&mut last, view, &folders, args.samples)?;
-        let ours = stage.draw_once(view, &scenes, &args.shading)?;
-        let size = ours[0].size();
+        let rendered = stage.draw_once(view, &scenes, &args.shading)?;
+        let size = rendered[0].size();
         let reference =
             [folders.radiance(view.name, size)?.linear, folders.radiance(unshadowed, size)?.linear];
-        report.shares.push(Share::new(view.name, &ours, &reference, &folders.mask(view, size)?));
+        report.transmissions.push(Transmission::new(
+            view.name,
+            &rendered,
+            &reference,
+            &folders.mask(view, size)?,
+        ));
         bar.inc(1);
     }
     bar.finish_and_clear();
@@ -173,13 +180,13 @@ pub fn run(args: &CompareArgs) -> Result<()> {
 
 /// Returns the rig with the groom of `view`. Consecutive views of one groom share it.
 fn stage<'a>(
-    last: &'a mut Option<Rig>,
+    last: &'a mut Option<ReferenceScene>,
     view: &ReferenceView<'_>,
     folders: &Folders<'_>,
     samples: Option<u32>,
-) -> Result<&'a mut Rig> {
+) -> Result<&'a mut ReferenceScene> {
     if last.as_ref().is_none_or(|stage| stage.groom() != view.groom_name) {
-        *last = Some(Rig::new(view, folders, samples)?);
+        *last = Some(ReferenceScene::new(view, folders, samples)?);
     }
     last.as_mut().context("the stage was made just now")
 }
@@ -194,7 +201,7 @@ impl Report {
     fn text(&self) -> String {
         let mut text = String::new();
         let views = self.views.iter().chain(&self.lights).map(|row| &row.name);
-        let names = views.chain(self.shares.iter().map(|row| &row.name));
+        let names = views.chain(self.transmissions.iter().map(|row| &row.name));
         let wide = names.map(String::len).max().unwrap_or(0);
         for (rows, title) in [(&self.views, ""), (&self.lights, "\nEach light alone\n")] {
             if rows.is_empty() {
@@ -205,16 +212,16 @@ impl Report {
                 "{title}{:wide$}  {:>6}  {:>7}  {:>9}  {:>7}  {:>8}  {:>9}  {:>8}  {:>6}",
                 "", "FLIP", "on hair", "luminance", "of hair", "dimmest", "brightest", "contrast", "skin"
             );
-            for Row { name, difference, ours, reference } in rows {
+            for Row { name, difference, rendered, reference } in rows {
                 let flip =
                     difference.map(|found| [found.picture, found.hair].map(|flip| format!("{flip:.3}")));
-                let [whole, hair] = flip.unwrap_or(["-", "-"].map(String::from));
-                let [luminance, dimmest, brightest, contrast, skin] = ours.over(reference).map(ratio);
+                let [image, hair] = flip.unwrap_or(["-", "-"].map(String::from));
+                let [luminance, dimmest, brightest, contrast, skin] = rendered.over(reference).map(ratio);
                 let _ = writeln!(
                     text,
-                    "{name:wide$}  {whole:>6}  {hair:>7}  {:9.4}  {luminance:>7}  {dimmest:>8}  {brightest:>9}  \
+                    "{name:wide$}  {image:>6}  {hair:>7}  {:9.4}  {luminance:>7}  {dimmest:>8}  {brightest:>9}  \
                      {contrast:>8}  {skin:>6}",
-                    ours.luminance
+                    rendered.luminance
                 );
             }
         }
@@ -234,15 +241,15 @@ impl Report {
                 "", "once, part", "once", "several", "red", "green", "blue"
             );
         }
-        for ScatteringOrders { name, share, once, several, channels } in &self.orders {
+        for ScatteringOrders { name, once_fraction, once, several, channels } in &self.orders {
             let [red, green, blue] = channels.map(ratio);
             let [once, several] = [once, several].map(|found| ratio(*found));
             let _ = writeln!(
                 text,
-                "{name:wide$}  {share:10.2}  {once:>6}  {several:>7}  {red:>6}  {green:>6}  {blue:>6}"
+                "{name:wide$}  {once_fraction:10.2}  {once:>6}  {several:>7}  {red:>6}  {green:>6}  {blue:>6}"
             );
         }
-        if !self.shares.is_empty() {
+        if !self.transmissions.is_empty() {
             let _ = writeln!(
                 text,
                 "\nTransmitted fraction of each light (single scattering, with shadows over without)\n\
@@ -250,11 +257,11 @@ impl Report {
                 "", "ours", "reference", "mean error", "unshadowed"
             );
         }
-        for row in &self.shares {
+        for row in &self.transmissions {
             let _ = writeln!(
                 text,
                 "{:wide$}  {:8.4}  {:9.4}  {:10.4}  {:10.4}",
-                row.name, row.share, row.reference_share, row.error, row.unshadowed
+                row.name, row.fraction, row.reference_fraction, row.error, row.unshadowed
             );
         }
         text

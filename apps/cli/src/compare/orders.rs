@@ -10,7 +10,8 @@ pub struct ScatteringOrders {
     /// Name of the image of the light alone.
     pub name: String,
     /// Fraction of the reference's light that was scattered once.
-    pub share: f64,
+    #[serde(rename = "share")]
+    pub once_fraction: f64,
     /// Luminance of light scattered once.
     pub once: Option<f64>,
     /// Luminance of light scattered several times.
@@ -21,20 +22,21 @@ pub struct ScatteringOrders {
 
 impl ScatteringOrders {
     /// Part of all light below which a ratio says nothing.
-    const LEAST: f64 = 0.005;
+    const MIN_FRACTION: f64 = 0.005;
 
     /// Compares images of all light and of light scattered once.
     pub(super) fn new(all: &Row, once: &Row) -> Self {
-        let ratio = |own: f64, other: f64, all: f64| (other > Self::LEAST * all).then(|| own / other);
+        let ratio = |own: f64, other: f64, all: f64| (other > Self::MIN_FRACTION * all).then(|| own / other);
         let several = |of: &dyn Fn(&Tones) -> f64| {
-            let (own, other) = (of(&all.ours) - of(&once.ours), of(&all.reference) - of(&once.reference));
+            let (own, other) =
+                (of(&all.rendered) - of(&once.rendered), of(&all.reference) - of(&once.reference));
             ratio(own, other, of(&all.reference))
         };
         let luminance = all.reference.luminance;
         Self {
             name: all.name.clone(),
-            share: once.reference.luminance / luminance.max(1e-12),
-            once: ratio(once.ours.luminance, once.reference.luminance, luminance),
+            once_fraction: once.reference.luminance / luminance.max(1e-12),
+            once: ratio(once.rendered.luminance, once.reference.luminance, luminance),
             several: several(&|tones| tones.luminance),
             channels: [0, 1, 2].map(|c| several(&|tones| tones.rgb[c])),
         }
@@ -50,7 +52,7 @@ mod tests {
     }
 
     fn row(ours: Tones, reference: Tones) -> Row {
-        Row { name: "a".into(), difference: None, ours, reference }
+        Row { name: "a".into(), difference: None, rendered: ours, reference }
     }
 
     #[test]
@@ -60,7 +62,7 @@ mod tests {
         let found = ScatteringOrders::new(&all, &once);
         assert_eq!((found.once, found.several), (Some(1.5), Some(0.75)));
         assert_eq!(found.channels, [Some(0.5), Some(0.75), Some(1.0)]);
-        assert!((found.share - 1.0 / 3.0).abs() < 1e-12);
+        assert!((found.once_fraction - 1.0 / 3.0).abs() < 1e-12);
     }
 
     #[test]

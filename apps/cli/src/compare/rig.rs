@@ -3,9 +3,9 @@
 use super::Shading;
 use super::{
     metrics::Linear,
-    scenes::{Folders, Groom as Description, Radius, ReferenceView, Scenes},
+    scenes::{Folders, GroomDescription as Description, Radius, ReferenceView, Scenes},
 };
-use crate::{flags::RowFlags, picture::Picture, settings_args::apply_rows};
+use crate::{flags::RowFlags, picture::Image, settings_args::apply_rows};
 use anyhow::{Context as _, Error, Result, ensure};
 use half::f16;
 use tresses::{
@@ -16,7 +16,7 @@ use tresses::{
     groom::{
         BindOptions, MAX_STRAND_VERTICES, Strands, TriMesh, bind,
         import::{self, ImportOptions},
-        orient::{Axis, Choice, Unit},
+        orient::{Axis, LengthUnit, OrientationOverride},
         srgb::linear,
     },
     light::{Directional, Lights, MAX_LIGHTS, Shadows, Sky, Sphere},
@@ -26,7 +26,7 @@ use tresses::{
     },
     renderer::Renderer,
 };
-use tresses_scene::{Settings, Shelf, Surroundings, knobs};
+use tresses_scene::{EnvironmentMap, Settings, Shelf, knobs};
 
 /// Format of the output texture.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -38,7 +38,7 @@ const POINT: f32 = 0.0005;
 const FINER: usize = 2;
 
 /// A groom of the reference, at rest.
-pub struct Rig {
+pub struct ReferenceScene {
     name: String,
     context: Context,
     hair: Hair,
@@ -52,26 +52,31 @@ pub struct Rig {
     focus: Sphere,
 }
 
-impl Rig {
+impl ReferenceScene {
     /// Uploads the groom of `view`.
     pub fn new(view: &ReferenceView<'_>, folders: &Folders<'_>, samples: Option<u32>) -> Result<Self> {
         let gpu = pollster::block_on(Gpu::open())?;
         let context = gpu.context;
-        let most = context.tier().max_samples;
-        let samples = samples.unwrap_or(most.min(8));
+        let max_samples = context.tier().max_samples;
+        let samples = samples.unwrap_or(max_samples.min(8));
         ensure!(
-            samples <= most,
-            "--samples is {samples}, but {} supports at most {most} per pixel",
+            samples <= max_samples,
+            "--samples is {samples}, but {} supports at most {max_samples} per pixel",
             gpu.info.name
         );
         let unit = view.groom.unit()?;
-        let orient =
-            Choice { unit: Some(Unit(unit)), up: Some(Axis::Y), front: Some(Axis::Z), mirror: Some(false) };
-        let options = ImportOptions { orient, orient_head: orient, unrepaired: true, ..Default::default() };
+        let orient = OrientationOverride {
+            unit: Some(LengthUnit(unit)),
+            up: Some(Axis::Y),
+            front: Some(Axis::Z),
+            is_mirrored: Some(false),
+        };
+        let options = ImportOptions { orient, orient_head: orient, skips_repair: true, ..Default::default() };
         let (strands, _) = import::read(&[view.groom.strands(folders)?], &options)?;
         let strands = curves(&strands, view.groom, unit);
         let vertices = strands.range(0).len() as u32;
-        let groom = bind(&strands, &BindOptions { strand_vertices: Some(vertices), ..Default::default() })?;
+        let groom =
+            bind(&strands, &BindOptions { strand_vertex_count: Some(vertices), ..Default::default() })?;
         let head = head(view.groom, folders, &options, unit)?;
         let hair_bounds = groom.bounds().context("the groom is empty")?;
         let hair = Hair::new(&HairAsset::new(&context, groom, &HairDescriptor::default())?)?;
@@ -108,13 +113,13 @@ impl Rig {
         view: &ReferenceView<'_>,
         scenes: &Scenes,
         shading: &RowFlags<Shading>,
-    ) -> Result<Picture> {
+    ) -> Result<Image> {
         let scene = self.scene(view, scenes, shading)?;
         let shown = self.shown(&scene, None)?;
         let [width, height] = self.view.targets().size;
         let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
         let rgba = shown.iter().flat_map(|[r, g, b]| [byte(*r), byte(*g), byte(*b), 255]).collect();
-        Ok(Picture { width, height, rgba })
+        Ok(Image { width, height, rgba })
     }
 
     /// Renders linear radiance in front of black: all light of `view`, or light scattered once.
@@ -139,14 +144,14 @@ impl Rig {
         shading: &RowFlags<Shading>,
     ) -> Result<[Linear; 2]> {
         let scene = dim(self.scene(view, scenes, shading)?);
-        let off = Shadows { enabled: false, ..scene.shadows };
+        let off = Shadows { is_enabled: false, ..scene.shadows };
         Ok([self.once(scene)?, self.once(Shot { shadows: off, ..scene })?])
     }
 
     /// Renders the single-scattered radiance of `scene`.
     fn once(&mut self, scene: Shot) -> Result<Linear> {
         // Ambient light includes light reflected by bodies, which is scattered twice.
-        let scene = Shot { shadows: Shadows { ambient: false, ..scene.shadows }, ..scene };
+        let scene = Shot { shadows: Shadows { has_ambient: false, ..scene.shadows }, ..scene };
         let width = self.view.targets().size[0];
         let mut views = self.debug.take().map_or_else(|| DebugViews::new(&self.context, FORMAT), Ok)?;
         // Direct light minus multiple scattering. The subtraction also removes the body, so add it back: the sky is
@@ -170,15 +175,15 @@ impl Rig {
         let mut settings = material(view)?;
         apply_rows(shading, &mut settings)?;
         let options = ViewOptions {
-            ambient_cells: settings.view.ambient_cells,
-            strand_map: settings.view.strand_map,
+            ambient_resolution: settings.view.ambient_resolution,
+            strand_map_resolution: settings.view.strand_map_resolution,
             renderer: self.view.options().renderer.with_shading(settings.renderer.model),
             ..*self.view.options()
         };
         self.view.set_options(&options)?;
         let camera = &view.groom.camera;
-        let place = |p: [f32; 3]| Vec3::from(p) * self.unit;
-        let (eye, target) = (place(camera.origin), place(camera.target));
+        let in_meters = |p: [f32; 3]| Vec3::from(p) * self.unit;
+        let (eye, target) = (in_meters(camera.origin), in_meters(camera.target));
         self.hair.set.material = settings.material();
         Ok(Shot {
             camera: Camera::look_at(eye, target, camera.vertical_fov_degrees.to_radians(), camera.resolution),
@@ -289,13 +294,13 @@ fn material(view: &ReferenceView<'_>) -> Result<Settings> {
 fn lights(view: &ReferenceView<'_>, scenes: &Scenes) -> Result<Lights> {
     if let Some(map) = view.environment_map {
         ensure!(view.lights.is_empty(), "{}: an environment map cannot be combined with lights", view.name);
-        return Ok(Surroundings::read(map, &Shelf::default())?.lights(&Settings::default().lights));
+        return Ok(EnvironmentMap::read(map, &Shelf::default())?.lights(&Settings::default().lights));
     }
     ensure!(view.lights.len() <= MAX_LIGHTS, "{}: too many lights", view.name);
     let mut directional = [Directional::OFF; MAX_LIGHTS];
-    for (place, name) in directional.iter_mut().zip(view.lights) {
+    for (slot, name) in directional.iter_mut().zip(view.lights) {
         let light = view.groom.lights.get(name).with_context(|| format!("there is no light {name}"))?;
-        *place = Directional {
+        *slot = Directional {
             direction: light.direction_to_light.into(),
             irradiance: light.irradiance_rgb.into(),
         };
@@ -309,9 +314,9 @@ fn lights(view: &ReferenceView<'_>, scenes: &Scenes) -> Result<Lights> {
 /// mirrored end points and linearly decreasing radii. Meters.
 fn curves(strands: &Strands, groom: &Description, unit: f32) -> Strands {
     let mut curves = Strands::default();
-    let most = strands.iter().map(<[Vec3]>::len).max().unwrap_or(0);
+    let max_vertices = strands.iter().map(<[Vec3]>::len).max().unwrap_or(0);
     // Strands that already have the maximum number of vertices are fine enough.
-    let finer = if (most.max(1) - 1) * FINER < MAX_STRAND_VERTICES as usize { FINER } else { 1 };
+    let finer = if (max_vertices.max(1) - 1) * FINER < MAX_STRAND_VERTICES as usize { FINER } else { 1 };
     for strand in strands.iter() {
         let last = strand.len() - 1;
         let at = |i: isize| match usize::try_from(i) {
@@ -343,11 +348,11 @@ fn curves(strands: &Strands, groom: &Description, unit: f32) -> Strands {
 /// Returns the head of the reference, each part in its color.
 fn head(groom: &Description, folders: &Folders<'_>, options: &ImportOptions, unit: f32) -> Result<TriMesh> {
     let parts = groom.head_parts.iter().map(|part| {
-        let (mut mesh, _) = import::read_head(&[folders.beside(&part.file)], options)?;
+        let (mut mesh, _) = import::read_head(&[folders.resolve(&part.file)], options)?;
         mesh.colors = vec![part.reflectance_rgb.into(); mesh.positions.len()];
-        let mut place = Mat4::from_cols_array_2d(&part.to_world_row_major).transpose();
-        place.w_axis = (place.w_axis.truncate() * unit).extend(1.0);
-        mesh.transform_affine(Affine3A::from_mat4(place));
+        let mut to_world = Mat4::from_cols_array_2d(&part.to_world_row_major).transpose();
+        to_world.w_axis = (to_world.w_axis.truncate() * unit).extend(1.0);
+        mesh.transform_affine(Affine3A::from_mat4(to_world));
         anyhow::Ok(mesh)
     });
     Ok(TriMesh::merge(&parts.collect::<Result<Vec<_>>>()?))

@@ -1,7 +1,7 @@
 //! The description of the reference images, and the paths of the files that it names.
 
 use super::metrics::Linear;
-use crate::picture::{self, Picture};
+use crate::picture::{self, Image};
 use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
 use std::{
@@ -16,13 +16,13 @@ pub struct Scenes {
     pub background_linear: f32,
     /// Radiance of the uniform environment, linear.
     pub environment_radiance_rgb: [f32; 3],
-    grooms: BTreeMap<String, Groom>,
+    grooms: BTreeMap<String, GroomDescription>,
     pictures: BTreeMap<String, Shot>,
 }
 
 /// A groom and its head, in the groom's unit.
 #[derive(Debug, Deserialize)]
-pub struct Groom {
+pub struct GroomDescription {
     scale_note: String,
     strand_file: String,
     /// Radius of all strands.
@@ -127,7 +127,7 @@ pub struct ReferenceView<'a> {
     /// Name of the groom.
     pub groom_name: &'a str,
     /// The groom.
-    pub groom: &'a Groom,
+    pub groom: &'a GroomDescription,
     /// Name of the hair's material.
     pub material: &'a str,
     /// Names of the active lights.
@@ -145,7 +145,7 @@ pub struct ReferenceView<'a> {
     /// Whether the image shows only light that was scattered once.
     pub once: bool,
     /// Images of the same view with each light alone.
-    alone: &'a [PathBuf],
+    single_light_files: &'a [PathBuf],
 }
 
 /// A linear image of the reference, in front of nothing.
@@ -184,8 +184,8 @@ impl Scenes {
         }
         let mut views = Vec::new();
         for (name, shot) in &self.pictures {
-            let wanted = if only.is_empty() { shot.is_complete() } else { only.contains(name) };
-            if !wanted || shot.scatters_once() {
+            let is_requested = if only.is_empty() { shot.is_complete() } else { only.contains(name) };
+            if !is_requested || shot.scatters_once() {
                 continue;
             }
             match self.view(name, shot)? {
@@ -234,7 +234,7 @@ impl Scenes {
             roughness: shot.roughness,
             noise: shot.noise(),
             once: false,
-            alone: &shot.per_light_files,
+            single_light_files: &shot.per_light_files,
         }))
     }
 }
@@ -242,9 +242,9 @@ impl Scenes {
 impl<'a> ReferenceView<'a> {
     /// Returns the same view with each light alone, as far as the reference has images of them: all its light, and light
     /// that was scattered once.
-    pub fn alone(&self) -> impl Iterator<Item = Self> {
+    pub fn single_lights(&self) -> impl Iterator<Item = Self> {
         let view = *self;
-        self.alone.iter().filter_map(move |file| {
+        self.single_light_files.iter().filter_map(move |file| {
             let name = file.file_stem()?.to_str()?;
             let part = name.strip_prefix(view.name)?.strip_prefix('_')?;
             let (light, once) = part.strip_suffix(ONCE).map_or((part, false), |light| (light, true));
@@ -255,7 +255,7 @@ impl<'a> ReferenceView<'a> {
                 lights: one.unwrap_or_default(),
                 environment,
                 once,
-                alone: &[],
+                single_light_files: &[],
                 ..view
             })
         })
@@ -279,7 +279,7 @@ impl Shot {
     }
 }
 
-impl Groom {
+impl GroomDescription {
     /// Returns the meters per unit, parsed from the scale note.
     pub fn unit(&self) -> Result<f32> {
         let words: Vec<_> = self.scale_note.split_whitespace().collect();
@@ -300,7 +300,7 @@ impl Groom {
         // Remarks in parentheses follow the path.
         let path = self.strand_file.split(" (").next().unwrap_or_default();
         match path.strip_prefix("asset ") {
-            None => Ok(folders.beside(Path::new(path))),
+            None => Ok(folders.resolve(Path::new(path))),
             Some(path) => {
                 let assets =
                     folders.assets.context("the grooms are assets: give their folder with --assets")?;
@@ -320,13 +320,13 @@ pub struct Folders<'a> {
 
 impl Folders<'_> {
     /// Returns a path relative to the description's folder.
-    pub fn beside(&self, path: &Path) -> PathBuf {
+    pub fn resolve(&self, path: &Path) -> PathBuf {
         self.scenes.parent().unwrap_or(Path::new("")).join(path)
     }
 
     /// Reads the linear radiance of an image of `size` pixels.
     pub fn radiance(&self, name: &str, size: (u32, u32)) -> Result<Reference> {
-        let path = self.beside(Path::new(&format!("{name}.exr")));
+        let path = self.resolve(Path::new(&format!("{name}.exr")));
         let picture = image::open(&path).with_context(|| path.display().to_string())?.into_rgba32f();
         let (width, height) = size;
         ensure!(
@@ -341,7 +341,7 @@ impl Folders<'_> {
     }
 
     /// Reads the hair mask of `view`, an image of `size` pixels.
-    pub fn mask(&self, view: &ReferenceView<'_>, size: (u32, u32)) -> Result<Picture> {
+    pub fn mask(&self, view: &ReferenceView<'_>, size: (u32, u32)) -> Result<Image> {
         let mask = self.picture(&format!("{}_hairmask", view.groom_name))?;
         ensure!(
             (mask.width, mask.height) == size,
@@ -356,8 +356,8 @@ impl Folders<'_> {
     }
 
     /// Reads an image of the reference.
-    pub fn picture(&self, name: &str) -> Result<Picture> {
-        picture::read(&self.beside(Path::new(&format!("{name}.png"))))
+    pub fn picture(&self, name: &str) -> Result<Image> {
+        picture::read(&self.resolve(Path::new(&format!("{name}.png"))))
     }
 }
 
@@ -365,8 +365,8 @@ impl Folders<'_> {
 mod tests {
     use super::*;
 
-    fn groom(scale_note: &str) -> Groom {
-        Groom {
+    fn groom(scale_note: &str) -> GroomDescription {
+        GroomDescription {
             scale_note: scale_note.into(),
             strand_file: "asset a/b.tfx (all strands)".into(),
             radius: Radius { root: 1.0, tip: 1.0 },

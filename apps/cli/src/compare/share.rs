@@ -2,7 +2,7 @@
 //! shadows.
 
 use super::metrics::{Linear, hair};
-use crate::picture::Picture;
+use crate::picture::Image;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -15,22 +15,24 @@ pub type Pictures = [Linear; 2];
 
 /// Our fractions and the reference's, over the hair pixels.
 #[derive(Debug, Serialize)]
-pub struct Share {
+pub struct Transmission {
     /// Name of the image with shadows.
     pub name: String,
     /// Fraction of the light that arrives.
-    pub share: f64,
+    #[serde(rename = "share")]
+    pub fraction: f64,
     /// The reference's fraction.
-    pub reference_share: f64,
+    #[serde(rename = "reference_share")]
+    pub reference_fraction: f64,
     /// Mean absolute difference of the fractions in squares of 12 pixels, weighted by their light.
     pub error: f64,
     /// Mean linear luminance without shadows, relative to the reference's.
     pub unshadowed: f64,
 }
 
-impl Share {
+impl Transmission {
     /// Compares our images with `reference`.
-    pub fn new(name: &str, ours: &Pictures, reference: &Pictures, mask: &Picture) -> Self {
+    pub fn new(name: &str, rendered: &Pictures, reference: &Pictures, mask: &Image) -> Self {
         let of = |pictures: &Pictures| {
             let mut squares = BTreeMap::<_, [f64; 2]>::new();
             let wide = pictures[0].width as usize;
@@ -42,22 +44,22 @@ impl Share {
             }
             squares
         };
-        let (ours, theirs) = (of(ours), of(reference));
+        let (rendered_squares, reference_squares) = (of(rendered), of(reference));
         let all = |squares: &BTreeMap<_, [f64; 2]>| {
             squares.values().fold([0.0; 2], |sum, square| [sum[0] + square[0], sum[1] + square[1]])
         };
-        let share = |[lit, open]: [f64; 2]| lit / open.max(1e-12);
-        let (mine, other) = (all(&ours), all(&theirs));
-        let errors = ours.iter().map(|(square, a)| {
-            let b = theirs[square];
-            (share(*a) - share(b)).abs() * b[1]
+        let fraction = |[lit, open]: [f64; 2]| lit / open.max(1e-12);
+        let (rendered_sums, reference_sums) = (all(&rendered_squares), all(&reference_squares));
+        let errors = rendered_squares.iter().map(|(square, a)| {
+            let b = reference_squares[square];
+            (fraction(*a) - fraction(b)).abs() * b[1]
         });
         Self {
             name: name.into(),
-            share: share(mine),
-            reference_share: share(other),
-            error: errors.sum::<f64>() / other[1].max(1e-12),
-            unshadowed: mine[1] / other[1].max(1e-12),
+            fraction: fraction(rendered_sums),
+            reference_fraction: fraction(reference_sums),
+            error: errors.sum::<f64>() / reference_sums[1].max(1e-12),
+            unshadowed: rendered_sums[1] / reference_sums[1].max(1e-12),
         }
     }
 }
@@ -77,14 +79,14 @@ mod tests {
 
     #[test]
     fn shares_are_compared_per_square() {
-        let mask = Picture { width: 48, height: 24, rgba: vec![255; 4 * 48 * 24] };
-        let row = |ours: &Pictures| Share::new("a", ours, &pictures(1.0, 2.0), &mask);
+        let mask = Image { width: 48, height: 24, rgba: vec![255; 4 * 48 * 24] };
+        let row = |ours: &Pictures| Transmission::new("a", ours, &pictures(1.0, 2.0), &mask);
         let same = row(&pictures(1.0, 2.0));
-        assert!((same.share - 0.75).abs() < 1e-6 && same.error < 1e-9);
+        assert!((same.fraction - 0.75).abs() < 1e-6 && same.error < 1e-9);
         // First the same light in the wrong place, then too little light.
         let moved = row(&pictures(2.0, 1.0));
-        assert!((moved.share - 0.75).abs() < 1e-6 && (moved.error - 0.5).abs() < 1e-6, "{moved:?}");
+        assert!((moved.fraction - 0.75).abs() < 1e-6 && (moved.error - 0.5).abs() < 1e-6, "{moved:?}");
         let dark = row(&pictures(0.8, 1.6));
-        assert!((dark.share - 0.6).abs() < 1e-6 && (dark.error - 0.15).abs() < 1e-6, "{dark:?}");
+        assert!((dark.fraction - 0.6).abs() < 1e-6 && (dark.error - 0.15).abs() < 1e-6, "{dark:?}");
     }
 }

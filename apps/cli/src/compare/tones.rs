@@ -5,7 +5,7 @@ use super::{
     metrics::{Linear, hair, mean},
     scenes::Reference,
 };
-use crate::picture::Picture;
+use crate::picture::Image;
 use serde::Serialize;
 
 /// Edge length of the square that a pixel is compared with for contrast, pixels.
@@ -40,26 +40,28 @@ pub struct Regions {
 
 impl Regions {
     /// Creates the regions from the hair mask (more than half of a pixel) and the coverage of `reference`.
-    pub fn new(mask: &Picture, reference: &Reference) -> Self {
+    pub fn new(mask: &Image, reference: &Reference) -> Self {
         let (width, height) = (mask.width as usize, mask.height as usize);
-        let share: Vec<u8> = mask.rgba.as_chunks::<4>().0.iter().map(|rgba| rgba[0]).collect();
+        let hair_coverage: Vec<u8> = mask.rgba.as_chunks::<4>().0.iter().map(|rgba| rgba[0]).collect();
         let hair: Vec<usize> = hair(mask).collect();
-        let reach = FINER / 2;
+        let radius = FINER / 2;
         let is_amid = |pixel: &usize| {
             let (x, y) = (pixel % width, pixel / width);
-            let inside = x >= reach && y >= reach && x + reach < width && y + reach < height;
-            inside && around(*pixel, width).all(|other| share[other] > 127)
+            let inside = x >= radius && y >= radius && x + radius < width && y + radius < height;
+            inside && around(*pixel, width).all(|other| hair_coverage[other] > 127)
         };
         let amid = hair.iter().copied().filter(is_amid).collect();
-        let skin = (0..share.len()).filter(|i| share[*i] == 0 && reference.alpha[*i] > 0.99).collect();
+        let skin = (0..hair_coverage.len())
+            .filter(|i| hair_coverage[*i] == 0 && reference.alpha[*i] > 0.99)
+            .collect();
         Self { hair, amid, skin, width }
     }
 }
 
 /// Returns the 5 × 5 pixels around one.
 fn around(pixel: usize, width: usize) -> impl Iterator<Item = usize> {
-    let reach = FINER / 2;
-    let first = pixel - reach * width - reach;
+    let radius = FINER / 2;
+    let first = pixel - radius * width - radius;
     (0..FINER * FINER).map(move |i| first + i / FINER * width + i % FINER)
 }
 
@@ -96,8 +98,8 @@ impl Tones {
     /// Returns the ratios to `other`, where that is not black: hair, its darkest and its brightest tenth, contrast,
     /// skin.
     pub fn over(&self, other: &Self) -> [Option<f64>; 5] {
-        let least = 1e-4 * other.luminance;
-        let lit = |own: f64, other: f64| (other > least).then(|| own / other);
+        let min_luminance = 1e-4 * other.luminance;
+        let lit = |own: f64, other: f64| (other > min_luminance).then(|| own / other);
         let both = |own: Option<f64>, other: Option<f64>| lit(own?, other?);
         [
             lit(self.luminance, other.luminance),
@@ -118,7 +120,7 @@ mod tests {
     /// Hair in the columns on the left, skin on the right.
     fn regions() -> Regions {
         let rgba = (0..WIDTH * WIDTH).flat_map(|i| [if i % WIDTH < 30 { 255 } else { 0 }; 4]).collect();
-        let mask = Picture { width: WIDTH as u32, height: WIDTH as u32, rgba };
+        let mask = Image { width: WIDTH as u32, height: WIDTH as u32, rgba };
         let alpha = vec![1.0; WIDTH * WIDTH];
         Regions::new(&mask, &Reference { linear: picture(|_| 0.0), alpha })
     }

@@ -1,6 +1,6 @@
 //! Legend of a debug view: a color bar with numbers, drawn into the image.
 
-use crate::picture::Picture;
+use crate::picture::Image;
 use embedded_graphics::{
     Pixel,
     mono_font::{MonoFont, MonoTextStyle, iso_8859_1},
@@ -25,7 +25,7 @@ pub struct Legend {
 }
 
 /// Draw target that clips to the image.
-struct Canvas<'a>(&'a mut Picture);
+struct Canvas<'a>(&'a mut Image);
 
 impl OriginDimensions for Canvas<'_> {
     fn size(&self) -> Size {
@@ -50,7 +50,7 @@ impl DrawTarget for Canvas<'_> {
 
 impl Legend {
     /// Draws the legend into the lower left corner, unless the image is too small.
-    pub fn draw(&self, picture: &mut Picture) {
+    pub fn draw(&self, picture: &mut Image) {
         let font = font(picture);
         let (wide, high) = (font.character_size.width as i32, font.character_size.height as i32);
         let bar = Size::new(24 * wide as u32, (high / 2) as u32);
@@ -76,7 +76,7 @@ impl Legend {
 }
 
 /// Returns a font that suits the image height.
-fn font(picture: &Picture) -> &'static MonoFont<'static> {
+fn font(picture: &Image) -> &'static MonoFont<'static> {
     if picture.height >= 400 { &iso_8859_1::FONT_10X20 } else { &iso_8859_1::FONT_6X10 }
 }
 
@@ -89,11 +89,11 @@ fn write(canvas: &mut Canvas<'_>, font: &MonoFont<'_>, words: &str, at: Point, a
 }
 
 /// Writes text below and to the right of `at`, pixels. Small images get none.
-pub fn caption(picture: &mut Picture, words: &str, at: [i32; 2]) {
+pub fn caption(picture: &mut Image, words: &str, at: [i32; 2]) {
     let font = font(picture);
     if picture.height >= 200 {
-        let place = Point::new(at[0] + 6, at[1] + 3 + font.character_size.height as i32 * 3 / 4);
-        write(&mut Canvas(picture), font, words, place, Alignment::Left);
+        let position = Point::new(at[0] + 6, at[1] + 3 + font.character_size.height as i32 * 3 / 4);
+        write(&mut Canvas(picture), font, words, position, Alignment::Left);
     }
 }
 
@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn legend_is_drawn_if_it_fits() {
         let legend = Legend { title: "speed, m/s".into(), min: 0.0, max: 2.0 };
-        let blank = |width, height| Picture { width, height, rgba: vec![100; (width * height * 4) as usize] };
+        let blank = |width, height| Image { width, height, rgba: vec![100; (width * height * 4) as usize] };
         for (width, height) in [(640, 480), (320, 200)] {
             let mut picture = blank(width, height);
             legend.draw(&mut picture);

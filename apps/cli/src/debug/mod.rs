@@ -2,7 +2,7 @@
 
 mod legend;
 
-use crate::picture::Picture;
+use crate::picture::Image;
 use anyhow::{Result, ensure};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use legend::Legend;
@@ -112,7 +112,7 @@ impl Debug {
     }
 
     /// Draws the legend of `shown` into a frame.
-    pub fn label(&self, shown: &DebugDisplay, picture: &mut Picture) {
+    pub fn label(&self, shown: &DebugDisplay, picture: &mut Image) {
         if let Some(scale) = shown.scale() {
             let of = if self.is_of_sequence { ", up to the peak of all frames" } else { "" };
             let title = format!("{}{of}", scale.title);

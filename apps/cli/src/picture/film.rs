@@ -1,6 +1,6 @@
 //! Videos, `.mp4` and `.webm`: frames are piped to ffmpeg, if it is installed.
 
-use super::Picture;
+use super::Image;
 use crate::files::Temporary;
 use anyhow::{Context, Result, bail, ensure};
 use std::{
@@ -23,7 +23,7 @@ pub struct Film {
     child: Child,
     frames: Option<ChildStdin>,
     /// Error output of the program, read as it arrives so that a full pipe does not block the program.
-    said: Option<JoinHandle<String>>,
+    error_output: Option<JoinHandle<String>>,
     file: Option<Temporary>,
     program: String,
 }
@@ -33,7 +33,7 @@ impl Film {
     pub fn begin(path: &Path, (width, height): (u32, u32), fps: f64) -> Result<Self> {
         let program = program();
         let is_webm = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("webm"));
-        let file = Temporary::beside(path)?;
+        let file = Temporary::in_folder_of(path)?;
         let mut command = Command::new(&program);
         command
             .args(["-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pix_fmt", "rgba"])
@@ -49,15 +49,15 @@ impl Film {
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut child = command.spawn().with_context(|| missing(path, &program))?;
         let frames = child.stdin.take();
-        let said = child.stderr.take().map(|mut stderr| {
+        let error_output = child.stderr.take().map(|mut stderr| {
             std::thread::spawn(move || {
-                let mut said = String::new();
+                let mut text = String::new();
                 // Ignore output that is not UTF-8.
-                let _ = stderr.read_to_string(&mut said);
-                said
+                let _ = stderr.read_to_string(&mut text);
+                text
             })
         });
-        Ok(Self { child, frames, said, file: Some(file), program })
+        Ok(Self { child, frames, error_output, file: Some(file), program })
     }
 
     /// Fails if the encoder for the video at `path` is missing.
@@ -69,7 +69,7 @@ impl Film {
     }
 
     /// Adds a frame.
-    pub fn add(&mut self, picture: &Picture) -> Result<()> {
+    pub fn add(&mut self, picture: &Image) -> Result<()> {
         let frames = self.frames.as_mut().context("the video is complete")?;
         match frames.write_all(&picture.rgba) {
             Ok(()) => Ok(()),
@@ -95,11 +95,11 @@ impl Film {
     fn ended(&mut self) -> Result<()> {
         drop(self.frames.take());
         let status = self.child.wait()?;
-        let said = self.said.take().and_then(|said| said.join().ok()).unwrap_or_default();
+        let error_output = self.error_output.take().and_then(|reader| reader.join().ok()).unwrap_or_default();
         if status.success() {
             return Ok(());
         }
-        let why = said.lines().next().unwrap_or("no error message");
+        let why = error_output.lines().next().unwrap_or("no error message");
         bail!("{} failed: {why}", self.program)
     }
 }

@@ -18,7 +18,7 @@ pub fn encode(captured: &Capture, [width, height]: [u32; 2], projection: &Mat4) 
     let half = |values: &mut dyn Iterator<Item = f32>| FlatSamples::F16(values.map(f16::from_f32).collect());
     let light = |c: usize| half(&mut captured.linear.iter().map(|texel| texel[c]));
     let (motions, labels) = (captured.motions(), &captured.labels);
-    let moved = |axis: usize| FlatSamples::F32(motions.iter().map(|motion| motion[axis]).collect());
+    let motion_channel = |axis: usize| FlatSamples::F32(motions.iter().map(|motion| motion[axis]).collect());
     let label = |of: fn(&tresses::low_level::Label) -> u32| {
         FlatSamples::U32(labels.iter().map(|label| label.as_ref().map_or(NONE, of)).collect())
     };
@@ -29,8 +29,8 @@ pub fn encode(captured: &Capture, [width, height]: [u32; 2], projection: &Mat4) 
         ("A", light(3)),
         ("hair.A", half(&mut captured.coverages().into_iter())),
         ("hair.Z", FlatSamples::F32(captured.depths(projection))),
-        ("hair.motion.X", moved(0)),
-        ("hair.motion.Y", moved(1)),
+        ("hair.motion.X", motion_channel(0)),
+        ("hair.motion.Y", motion_channel(1)),
         ("hair.strand", label(|label| label.strand)),
         ("hair.groom", label(|label| label.groom)),
     ];

@@ -10,12 +10,12 @@ use crate::files;
 use anyhow::{Context, Result, bail, ensure};
 pub use film::Film;
 use std::path::{Path, PathBuf};
-pub use tresses_scene::picture::Picture;
-use tresses_scene::picture::{Animation, Format};
+pub use tresses_scene::picture::Image;
+use tresses_scene::picture::{AnimationEncoder, AnimationFormat};
 
 /// Reads a PNG file.
-pub fn read(path: &Path) -> Result<Picture> {
-    let read = || -> Result<Picture> {
+pub fn read(path: &Path) -> Result<Image> {
+    let read = || -> Result<Image> {
         let mut decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path)?));
         decoder
             .set_transformations(png::Transformations::normalize_to_color8() | png::Transformations::ALPHA);
@@ -27,25 +27,25 @@ pub fn read(path: &Path) -> Result<Picture> {
             _ => [p[0], p[1], p[2], p[3]],
         };
         let rows = bytes[..info.buffer_size()].chunks_exact(info.color_type.samples());
-        Ok(Picture { width: info.width, height: info.height, rgba: rows.flat_map(pixel).collect() })
+        Ok(Image { width: info.width, height: info.height, rgba: rows.flat_map(pixel).collect() })
     };
     read().with_context(|| path.display().to_string())
 }
 
 /// Joins images of equal height from left to right.
-pub fn beside(pictures: &[&Picture]) -> Picture {
+pub fn side_by_side(pictures: &[&Image]) -> Image {
     let height = pictures.iter().map(|p| p.height).min().unwrap_or(0);
-    let row = |picture: &Picture, y: u32| {
+    let row = |picture: &Image, y: u32| {
         let width = 4 * picture.width as usize;
         let from = y as usize * width;
         picture.rgba[from..from + width].to_vec()
     };
     let rgba = (0..height).flat_map(|y| pictures.iter().flat_map(move |p| row(p, y))).collect();
-    Picture { width: pictures.iter().map(|p| p.width).sum(), height, rgba }
+    Image { width: pictures.iter().map(|p| p.width).sum(), height, rgba }
 }
 
 /// Writes a PNG file.
-pub fn write(picture: &Picture, path: &Path) -> Result<()> {
+pub fn write(picture: &Image, path: &Path) -> Result<()> {
     files::write(path, &picture.png()?)
 }
 
@@ -147,14 +147,14 @@ fn frame(path: &Path, number: u32) -> PathBuf {
 }
 
 /// A frame.
-pub enum Frame {
+pub enum OutputFrame {
     /// The displayed image.
-    Shown(Picture),
+    Shown(Image),
     /// An encoded file, and its size in pixels.
     File(Vec<u8>, [u32; 2]),
 }
 
-impl Frame {
+impl OutputFrame {
     fn size(&self) -> [u32; 2] {
         match self {
             Self::Shown(picture) => [picture.width, picture.height],
@@ -164,7 +164,7 @@ impl Frame {
 }
 
 /// Writes the frames of one output in order.
-pub struct Output {
+pub struct FrameWriter {
     path: PathBuf,
     kind: OutputKind,
     /// Whether PNG files have an alpha channel.
@@ -174,15 +174,15 @@ pub struct Output {
 
 enum Sink {
     /// The last frame.
-    Still(Option<Frame>),
+    Still(Option<OutputFrame>),
     Frames {
         next: u32,
     },
-    Animation(Box<dyn Animation>),
+    Animation(Box<dyn AnimationEncoder>),
     Film(Film),
 }
 
-impl Output {
+impl FrameWriter {
     /// Prepares to write `frames` frames of `width` × `height` pixels at `fps` frames per second. Creates folders now,
     /// so that an unwritable path fails before the work.
     pub fn create(path: &Path, size: (u32, u32), frames: u32, fps: f64) -> Result<Self> {
@@ -199,9 +199,9 @@ impl Output {
         let sink = match kind {
             OutputKind::Still(_) => Sink::Still(None),
             OutputKind::Frames(_) => Sink::Frames { next: 0 },
-            OutputKind::WebP => Sink::Animation(Format::WebP.begin([width, height], frames, fps)?),
-            OutputKind::Gif => Sink::Animation(Format::Gif.begin([width, height], frames, fps)?),
-            OutputKind::Apng => Sink::Animation(Format::Apng.begin([width, height], frames, fps)?),
+            OutputKind::WebP => Sink::Animation(AnimationFormat::WebP.begin([width, height], frames, fps)?),
+            OutputKind::Gif => Sink::Animation(AnimationFormat::Gif.begin([width, height], frames, fps)?),
+            OutputKind::Apng => Sink::Animation(AnimationFormat::Apng.begin([width, height], frames, fps)?),
             OutputKind::Film => Sink::Film(Film::begin(&path, size, fps)?),
         };
         Ok(Self { path, kind, alpha: false, sink })
@@ -223,20 +223,20 @@ impl Output {
     }
 
     /// Adds a frame.
-    pub fn add(&mut self, added: Frame) -> Result<()> {
+    pub fn add(&mut self, added: OutputFrame) -> Result<()> {
         match (&mut self.sink, added) {
             (Sink::Still(last), added) => *last = Some(added),
             (Sink::Frames { next }, added) => {
                 write_frame(&added, &frame(&self.path, *next), self.alpha)?;
                 *next += 1;
             }
-            (Sink::Animation(animation), Frame::Shown(picture)) => {
+            (Sink::Animation(animation), OutputFrame::Shown(picture)) => {
                 animation.add(&picture).with_context(|| self.path.display().to_string())?;
             }
-            (Sink::Film(film), Frame::Shown(picture)) => {
+            (Sink::Film(film), OutputFrame::Shown(picture)) => {
                 film.add(&picture).with_context(|| self.path.display().to_string())?;
             }
-            (Sink::Animation(_) | Sink::Film(_), Frame::File(..)) => {
+            (Sink::Animation(_) | Sink::Film(_), OutputFrame::File(..)) => {
                 bail!("{}: animations cannot store layers", self.path.display())
             }
         }
@@ -272,11 +272,11 @@ impl Output {
     }
 }
 
-fn write_frame(frame: &Frame, path: &Path, alpha: bool) -> Result<()> {
+fn write_frame(frame: &OutputFrame, path: &Path, alpha: bool) -> Result<()> {
     match frame {
-        Frame::Shown(picture) if alpha => files::write(path, &picture.png_with_alpha()?),
-        Frame::Shown(picture) => write(picture, path),
-        Frame::File(bytes, _) => files::write(path, bytes),
+        OutputFrame::Shown(picture) if alpha => files::write(path, &picture.png_with_alpha()?),
+        OutputFrame::Shown(picture) => write(picture, path),
+        OutputFrame::File(bytes, _) => files::write(path, bytes),
     }
 }
 
@@ -284,12 +284,12 @@ fn write_frame(frame: &Frame, path: &Path, alpha: bool) -> Result<()> {
 mod tests {
     use super::*;
 
-    fn gradient(shift: u8) -> Picture {
+    fn gradient(shift: u8) -> Image {
         let (width, height) = (48, 32);
         let rgba = (0..height)
             .flat_map(|y| (0..width).flat_map(move |x| [(x * 5) as u8 ^ shift, (y * 7) as u8, 90, 255]))
             .collect();
-        Picture { width, height, rgba }
+        Image { width, height, rgba }
     }
 
     /// Returns the mean absolute difference of the channels, 0 to 255.
@@ -298,12 +298,12 @@ mod tests {
         a.iter().zip(b).map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>() / a.len() as f64
     }
 
-    fn write(name: &str, frames: &[Picture]) -> (tempfile::TempDir, PathBuf) {
+    fn write(name: &str, frames: &[Image]) -> (tempfile::TempDir, PathBuf) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("new").join(name);
-        let mut output = Output::create(&path, (48, 32), frames.len() as u32, 25.0).unwrap();
+        let mut output = FrameWriter::create(&path, (48, 32), frames.len() as u32, 25.0).unwrap();
         for frame in frames {
-            output.add(Frame::Shown(frame.clone())).unwrap();
+            output.add(OutputFrame::Shown(frame.clone())).unwrap();
         }
         output.finish().unwrap();
         (folder, path)
@@ -408,8 +408,8 @@ mod tests {
     fn dropped_output_leaves_no_file() {
         let folder = tempfile::tempdir().unwrap();
         for name in ["a.png", "a.webp", "a.gif", "a.apng"] {
-            let mut output = Output::create(&folder.path().join(name), (48, 32), 2, 25.0).unwrap();
-            output.add(Frame::Shown(gradient(0))).unwrap();
+            let mut output = FrameWriter::create(&folder.path().join(name), (48, 32), 2, 25.0).unwrap();
+            output.add(OutputFrame::Shown(gradient(0))).unwrap();
             drop(output);
         }
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
@@ -420,7 +420,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("file");
         std::fs::write(&file, "x").unwrap();
-        assert!(Output::create(&file.join("a.png"), (48, 32), 1, 25.0).is_err());
-        assert!(Output::create(&folder.path().join("a.webp"), (20_000, 32), 1, 25.0).is_err());
+        assert!(FrameWriter::create(&file.join("a.png"), (48, 32), 1, 25.0).is_err());
+        assert!(FrameWriter::create(&folder.path().join("a.webp"), (20_000, 32), 1, 25.0).is_err());
     }
 }

@@ -158,7 +158,7 @@ fn danced(name: &str, seconds: f32, deforms: bool, grown: f32) -> Option<(f32, u
         let skin = TriMesh { positions: skin, triangles: mesh.triangles.clone(), ..TriMesh::default() };
         let bvh = Bvh::new(&skin);
         let depth = |p: &[f32; 4]| {
-            let p = hair.place().point(Vec3::new(p[0], p[1], p[2]));
+            let p = hair.simulation_transform().point(Vec3::new(p[0], p[1], p[2]));
             let Some(near) = bvh.closest_point_within(p, reach) else { return -1.0 };
             let [a, b, c] = skin.triangles[near.triangle as usize].map(|i| skin.positions[i as usize]);
             let out = (p - near.point).dot((b - a).cross(c - a));

@@ -11,7 +11,8 @@ use tresses::{
     renderer::Renderer,
 };
 use tresses_scene::{
-    Colliders, Companions, Motion, Quality, Scene, Settings, Shelf, Source, Viewpoint, camera::Angle,
+    Colliders, CompanionFiles, Motion, PresetSource, Quality, Scene, Settings, Shelf, Viewpoint,
+    camera::Angle,
 };
 
 /// Warm-up frames: afterwards all pipelines, buffer sizes and shader variants exist.
@@ -76,7 +77,7 @@ fn work() {
         Err(error) => return println!("no GPU adapter: {error}"),
     };
     let mut quality = Quality::new(SIZES[0]);
-    (quality.view.shadow_resolution, quality.view.ambient_cells) = (64, 8);
+    (quality.view.shadow_resolution, quality.view.ambient_resolution) = (64, 8);
     if samples > 0 {
         quality.view.renderer = Renderer::masks(samples);
     }
@@ -85,8 +86,8 @@ fn work() {
     settings.set("wind.cells", 16u32).expect("air in large cells");
     settings.set("style.strands", 200u32).expect("there are strands");
     let style = Style::from_str("short").expect("a built-in style");
-    let source = Source::default();
-    let maps = Companions::of(&source, Shelf::default()).maps().expect("none");
+    let source = PresetSource::default();
+    let maps = CompanionFiles::of(&source, Shelf::default()).maps().expect("none");
     let styling = settings.styling(Some(&style), &maps).expect("a styling");
     let base = pollster::block_on(drape::style(&gpu.context, &style, &())).expect("a base");
     let character = pollster::block_on(base.dress(&styling, &())).expect("a character");

@@ -10,7 +10,7 @@ use crate::{
     document::Document,
     events::EventQueue,
     files::Files,
-    hair::{Hair, Source},
+    hair::{DocumentHair, HairSource},
     hosted::Host,
     job::Job,
     journal::{self, LeftGroom},
@@ -19,8 +19,8 @@ use crate::{
     options::Options,
     panels::{self, Panels, overlay::Overlay},
     picture::Snapshot,
-    record::Recorder,
-    renderer::Renderer,
+    record::LoopRecorder,
+    renderer::StudioRenderer,
     stage::CharacterDisplay,
     state::{self, GroomState, State},
     theme,
@@ -35,15 +35,15 @@ use tresses::groom::styles::Style;
 /// The studio.
 pub struct Studio {
     document: Document,
-    renderer: Renderer,
+    renderer: StudioRenderer,
     viewport: Viewport,
-    recorder: Recorder,
+    recorder: LoopRecorder,
     snapshot: Snapshot,
     pub(crate) dialogs: Dialogs,
     messages: Messages,
     panels: Panels,
     /// Whether the panels are hidden, as in an embedded viewer.
-    bare: bool,
+    hides_panels: bool,
     /// The host page.
     pub(crate) host: Host,
     /// Pointer events deferred to the next frame.
@@ -67,36 +67,36 @@ impl Studio {
         let lost = DeviceLoss::default();
         loss::listen(gpu.context.device(), context, &lost);
         let source = if let Some((name, document)) = options.edited {
-            Source::Edited { name, document }
+            HairSource::Edited { name, document }
         } else {
             let style = options.style.unwrap_or_else(|| Style::default().name().into());
             let on_disk = !options.grooms.is_empty() || !options.heads.is_empty();
             let disk = on_disk.then_some(Files::Disk { grooms: options.grooms, heads: options.heads });
             match options.given.or(disk) {
-                Some(files) => Source::of_files(files, &style, Box::new(options.import)),
-                None => Source::Style(style),
+                Some(files) => HairSource::of_files(files, &style, Box::new(options.import)),
+                None => HairSource::Style(style),
             }
         };
-        let hair = Hair { source, companions: options.companions };
+        let hair = DocumentHair { source, companion_files: options.companion_files };
         let mut messages = Messages::default();
         let mut document = Document::new(context, gpu.clone(), options.settings, hair.clone());
         document.make(hair, true, &mut messages);
         messages.error = options.trouble;
         let dialogs = Dialogs::new(context);
-        if !options.bare {
+        if !options.hides_panels {
             let dialogs = dialogs.clone();
             journal::find(move |left| dialogs.tell(Answer::Left(left)));
         }
         Ok(Self {
             document,
-            renderer: Renderer::new(context, state, gpu),
+            renderer: StudioRenderer::new(context, state, gpu),
             viewport: Viewport::default(),
-            recorder: Recorder::default(),
+            recorder: LoopRecorder::default(),
             snapshot: Snapshot::default(),
             dialogs,
             messages,
             panels: Panels::default(),
-            bare: options.bare,
+            hides_panels: options.hides_panels,
             host: Host::default(),
             waiting: EventQueue::default(),
             lost,
@@ -107,33 +107,33 @@ impl Studio {
     /// Closes a window whose device is lost; [`crate::run`] opens another. Returns whether the window closes: nothing
     /// can be drawn then.
     #[cfg(not(target_arch = "wasm32"))]
-    fn leaves_if_gone(&self, context: &egui::Context) -> bool {
+    fn close_if_device_lost(&self, context: &egui::Context) -> bool {
         let frames = self.renderer.show.as_ref().map_or(0, |show| show.frames);
         loss::lose_for_tests(self.renderer.gpu.context.device(), frames);
         loss::remember(self.again());
-        let gone = self.lost.is_gone();
-        if gone {
+        let is_lost = self.lost.is_lost();
+        if is_lost {
             context.send_viewport_cmd(egui::ViewportCommand::Close);
         }
-        gone
+        is_lost
     }
 
     /// Returns options that open the studio again with the same hair and settings.
     #[cfg(not(target_arch = "wasm32"))]
     fn again(&self) -> Options {
-        let wanted = self.document.wanted();
-        let named = wanted.named();
+        let hair = self.document.requested_hair();
+        let named = hair.named();
         Options {
             grooms: named.grooms,
             heads: named.heads,
             style: named.style,
             import: named.orientation,
-            companions: wanted.companions,
+            companion_files: hair.companion_files,
             settings: self.document.settings.now().clone(),
-            bare: self.bare,
+            hides_panels: self.hides_panels,
             given: None,
-            edited: match wanted.source {
-                Source::Edited { name, document } => Some((name, document)),
+            edited: match hair.source {
+                HairSource::Edited { name, document } => Some((name, document)),
                 _ => None,
             },
             trouble: None,
@@ -143,12 +143,12 @@ impl Studio {
     /// Handles keys and shows the panels around the viewport.
     fn frame(&mut self, ui: &mut egui::Ui) {
         let Self { document, renderer, viewport, snapshot, dialogs, messages, panels, .. } = self;
-        let records = self.recorder.is_busy();
+        let records = self.recorder.is_recording();
         panels::keys::answer(panels, document, renderer, viewport, (dialogs, messages), ui.ctx());
         let can_record = renderer.show.is_some() && !records;
         panels::top::show(panels, document, snapshot, can_record, dialogs, messages, ui);
         let hint = if renderer.show.is_some() { viewport.tool.hint(renderer.playback.live) } else { "" };
-        let hint = messages.said.as_deref().unwrap_or(hint);
+        let hint = messages.notice.as_deref().unwrap_or(hint);
         panels::status::show(hint, &panels.frames, renderer, ui);
         panels::transport::show(renderer, records, messages, ui);
         panels::side::show(panels, document, renderer, dialogs, messages, ui);
@@ -157,14 +157,14 @@ impl Studio {
     /// Shows the viewport and the controls over it.
     fn picture(&mut self, ui: &mut egui::Ui) {
         let Self { document, renderer, viewport, recorder, messages, .. } = self;
-        let rect = viewport.show(renderer, document, recorder.is_busy(), messages, ui);
+        let rect = viewport.show(renderer, document, recorder.is_recording(), messages, ui);
         if let Some(sentence) = self.lost.sentence() {
             viewport::alarm(&sentence, ui, rect);
             return;
         }
         let over = Overlay::new(ui, rect, viewport.tool.brush().is_some());
         let shown = renderer.show.is_some();
-        if shown && !self.bare {
+        if shown && !self.hides_panels {
             over.tools(viewport, document, renderer, &self.dialogs);
             over.views(renderer);
             match viewport.tool.brush() {
@@ -178,7 +178,7 @@ impl Studio {
         if recorder.recording.as_ref().is_some_and(|recording| over.recording(recording)) {
             recorder.stop(renderer, messages);
         }
-        if let Some(parts) = renderer.refined().filter(|_| !recorder.is_busy()) {
+        if let Some(parts) = renderer.refined().filter(|_| !recorder.is_recording()) {
             over.refined(parts);
         }
         match &mut messages.error {
@@ -209,13 +209,13 @@ impl Studio {
     /// Shows the dialogs inside the window.
     fn windows(&mut self, ui: &egui::Ui) {
         let Self { document, renderer, recorder, messages, panels, .. } = self;
-        if panels.record && !recorder.is_busy() {
+        if panels.record && !recorder.is_recording() {
             let period = renderer.period();
             if panels::record::show(&mut panels.record, &mut recorder.wish, period, ui) {
                 recorder.start(renderer, &self.dialogs, messages);
             }
         }
-        panels::ask::show(&mut panels.asked, document, messages, ui);
+        panels::ask::show(&mut panels.map_choices, document, messages, ui);
     }
 
     /// Draws the next frame: of the hair, of a recording, or of an image to save. Does nothing while a frame is in
@@ -249,16 +249,16 @@ impl Studio {
     fn publish(&self, context: &egui::Context) {
         let Self { document, renderer, .. } = self;
         let (show, shown, records) =
-            (renderer.show.as_ref(), document.shown.as_ref(), self.recorder.is_busy());
+            (renderer.show.as_ref(), document.shown.as_ref(), self.recorder.is_recording());
         let (picture, lost) = (show.and_then(CharacterDisplay::picture), self.lost.sentence());
         let state = State {
             frames: show.map_or(0, |show| show.frames),
-            seen: self.viewport.seen,
+            displayed_frame: self.viewport.displayed_frame,
             painted: context.cumulative_frame_nr(),
             strands: show.map_or(0, |show| show.facts().strands),
             file: shown.map(|shown| shown.hair.source.name()).unwrap_or_default(),
-            companions: shown.map_or_else(Vec::new, |shown| {
-                shown.hair.companions.all().map(|(what, name)| format!("{}: {name}", what.key)).collect()
+            companion_files: shown.map_or_else(Vec::new, |shown| {
+                shown.hair.companion_files.all().map(|(what, name)| format!("{}: {name}", what.key)).collect()
             }),
             recovers: self.left.is_some(),
             groom: document.groomer.as_ref().map(GroomState::of),
@@ -276,13 +276,13 @@ impl Studio {
             distance: renderer.orbit.camera().distance(),
             milliseconds: show.map_or(0.0, |show| show.milliseconds),
             adapter: renderer.gpu.info.name.clone(),
-            busy: document.works()
+            pending: document.works()
                 || renderer.dirty
                 || records
                 || renderer.may_refine(document.job.is_some())
                 || renderer.playback.is_due()
                 || renderer.orbit.is_gliding()
-                || show.is_some_and(CharacterDisplay::is_under_way),
+                || show.is_some_and(CharacterDisplay::is_in_flight),
         };
         if let Some(tell) = &self.host.tell {
             tell(&state);
@@ -301,18 +301,18 @@ impl eframe::App for Studio {
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
         let context = ui.ctx().clone();
         #[cfg(not(target_arch = "wasm32"))]
-        if self.leaves_if_gone(&context) {
+        if self.close_if_device_lost(&context) {
             return;
         }
         self.receive(&context);
-        if let Some(ms) = self.renderer.land(self.recorder.is_busy()) {
+        if let Some(ms) = self.renderer.land(self.recorder.is_recording()) {
             self.panels.frames.push(ms);
         }
-        if !self.bare {
+        if !self.hides_panels {
             self.frame(ui);
         }
         egui::CentralPanel::no_frame().show(ui, |ui| self.picture(ui));
-        if !self.bare {
+        if !self.hides_panels {
             self.windows(ui);
         }
         self.document.work_off(&mut self.messages);

@@ -4,7 +4,7 @@ use super::Studio;
 use crate::{
     answer::Answer,
     files::Files,
-    hair::{Hair, Source},
+    hair::{DocumentHair, HairSource},
     hosted::Command,
     job::{JobResult, PreparedCharacter},
     panels::ask::MapChoice,
@@ -13,7 +13,7 @@ use crate::{
 use eframe::egui;
 use std::sync::Arc;
 use tresses::groom::{import::ImportOptions, styles::Style};
-use tresses_scene::Surroundings;
+use tresses_scene::EnvironmentMap;
 
 impl Studio {
     /// Handles the result of a finished job, queued answers, and dropped files.
@@ -35,7 +35,7 @@ impl Studio {
                 Answer::Companion(companion, name, files) => {
                     document.put(companion, Some(name), &files, messages)
                 }
-                Answer::Picture(name, files) => self.panels.asked.push(MapChoice::new(name, files)),
+                Answer::Picture(name, files) => self.panels.map_choices.push(MapChoice::new(name, files)),
                 Answer::Do(command) => self.obey(command),
                 Answer::Kept(guides) => {
                     document.keep_shape(&guides, messages);
@@ -44,7 +44,7 @@ impl Studio {
                     }
                 }
                 Answer::Left(left) => self.left = Some(left),
-                Answer::Wrote(sentence) => messages.said = Some(sentence),
+                Answer::Wrote(sentence) => messages.notice = Some(sentence),
                 Answer::Failed(sentence) => messages.error = Some(sentence),
             }
         }
@@ -56,15 +56,16 @@ impl Studio {
 
     /// Opens a groom, a head, or both. A head alone goes under the current groom or built-in style.
     fn open_files(&mut self, mut files: Files) {
-        let wanted = self.document.wanted().source;
+        let requested_source = self.document.requested_hair().source;
         let mut choice = Box::<ImportOptions>::default();
         if let Files::Disk { grooms, .. } = &mut files
             && grooms.is_empty()
-            && let Source::Files { files: Files::Disk { grooms: shown, .. }, options } = &wanted
+            && let HairSource::Files { files: Files::Disk { grooms: shown, .. }, options } = &requested_source
         {
             (*grooms, choice) = (shown.clone(), options.clone());
         }
-        let source = Source::of_files(files, wanted.style().unwrap_or(Style::default().name()), choice);
+        let source =
+            HairSource::of_files(files, requested_source.style().unwrap_or(Style::default().name()), choice);
         self.document.open(source, &mut self.messages);
     }
 
@@ -92,7 +93,7 @@ impl Studio {
     }
 
     /// Lights the character with `surroundings`, or with the photographer's lights if there are none.
-    fn light_up(&mut self, hair: Hair, surroundings: Option<Arc<Surroundings>>) {
+    fn light_up(&mut self, hair: DocumentHair, surroundings: Option<Arc<EnvironmentMap>>) {
         self.document.arrived(&hair);
         let (Some(shown), Some(show)) = (&mut self.document.shown, &mut self.renderer.show) else { return };
         show.stage.set_surroundings(surroundings.clone());
@@ -113,7 +114,7 @@ impl Studio {
             }
             Command::Playing(playing) => self.renderer.playback.play.playing = playing,
             Command::Motion(name) => {
-                self.renderer.playback.play.choose(name);
+                self.renderer.playback.play.set_motion(name);
                 self.renderer.playback.play.playing = true;
             }
             Command::Animation(name) => {

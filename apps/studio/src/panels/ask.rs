@@ -4,7 +4,7 @@ use crate::{document::Document, messages::Messages, panels::files::last, theme};
 use eframe::egui::{self, Align2, Key, RichText, Ui, vec2};
 use tresses_scene::{
     Companion, Shelf,
-    source::{COMPANIONS, CompanionKind},
+    source::{COMPANION_FILES, CompanionKind},
 };
 
 /// Channels of an image: suffix of the file name, and label.
@@ -34,47 +34,48 @@ impl MapChoice {
 
 /// Shows the dialog for the first question.
 pub fn show(questions: &mut Vec<MapChoice>, document: &mut Document, messages: &mut Messages, ui: &Ui) {
-    let Some(asked) = questions.first_mut() else { return };
-    let (mut open, mut chosen) = (true, None);
+    let Some(choice) = questions.first_mut() else { return };
+    let (mut open, mut selected) = (true, None);
     let window = egui::Window::new("Which map is this?").collapsible(false).resizable(false).open(&mut open);
-    window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ui.ctx(), |ui| chosen = inside(asked, ui));
+    window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ui.ctx(), |ui| selected = inside(choice, ui));
     let canceled = !open || ui.input(|input| input.key_pressed(Key::Escape));
-    if chosen.is_none() && !canceled {
+    if selected.is_none() && !canceled {
         return;
     }
-    let asked = questions.remove(0);
-    if let Some(companion) = chosen {
-        document.put(companion, Some(asked.name_as(companion)), &asked.files, messages);
+    let choice = questions.remove(0);
+    if let Some(companion) = selected {
+        document.put(companion, Some(choice.name_as(companion)), &choice.files, messages);
     }
 }
 
-fn inside(asked: &mut MapChoice, ui: &mut Ui) -> Option<&'static Companion> {
+fn inside(choice: &mut MapChoice, ui: &mut Ui) -> Option<&'static Companion> {
     ui.set_width(300.0);
-    ui.add(egui::Label::new(RichText::new(last(&asked.name)).strong()).truncate()).on_hover_text(&asked.name);
-    let mut chosen = None;
-    let maps = |kind: CompanionKind| COMPANIONS.iter().filter(move |companion| companion.kind == kind);
+    ui.add(egui::Label::new(RichText::new(last(&choice.name)).strong()).truncate())
+        .on_hover_text(&choice.name);
+    let mut selected = None;
+    let maps = |kind: CompanionKind| COMPANION_FILES.iter().filter(move |companion| companion.kind == kind);
     ui.add_space(2.0);
     ui.horizontal(|ui| {
         ui.label(RichText::new("Channel").color(theme::QUIET));
         for (i, (_, name)) in CHANNELS.iter().enumerate() {
             let help = if i == 0 { "Mean of all channels" } else { "Only this channel" };
-            ui.selectable_value(&mut asked.channel, i, *name).on_hover_text(help);
+            ui.selectable_value(&mut choice.channel, i, *name).on_hover_text(help);
         }
     });
     ui.horizontal_wrapped(|ui| {
         for companion in maps(CompanionKind::Map) {
             if ui.button(companion.title).on_hover_text(companion.hint).clicked() {
-                chosen = Some(companion);
+                selected = Some(companion);
             }
         }
     });
     ui.separator();
     for companion in maps(CompanionKind::Colors) {
         if ui.button(companion.title).on_hover_text(companion.hint).clicked() {
-            chosen = Some(companion);
+            selected = Some(companion);
         }
     }
-    chosen
+    selected
 }
 
 #[cfg(test)]

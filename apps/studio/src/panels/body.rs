@@ -1,13 +1,13 @@
 //! Controls of a skinned character: its animations, their time, and its morph targets.
 
-use crate::{messages::Messages, renderer::Renderer, theme};
+use crate::{messages::Messages, renderer::StudioRenderer, theme};
 use eframe::egui::{ComboBox, RichText, Slider, Ui};
 
 /// Range of morph-target weights.
 const WEIGHTS: std::ops::RangeInclusive<f32> = -1.0..=2.0;
 
 /// Shows the animation and its time, if the character has any.
-pub fn time(renderer: &mut Renderer, messages: &mut Messages, ui: &mut Ui) {
+pub fn time(renderer: &mut StudioRenderer, messages: &mut Messages, ui: &mut Ui) {
     let Some(show) = &mut renderer.show else { return };
     let time = show.stage.character.time();
     let Some(living) = show.stage.character.rig_mut().filter(|living| living.animations().next().is_some())
@@ -18,22 +18,22 @@ pub fn time(renderer: &mut Renderer, messages: &mut Messages, ui: &mut Ui) {
     ui.horizontal(|ui| {
         ui.label(RichText::new("Animation").color(theme::QUIET));
         let before = living.animation().map(str::to_string);
-        let mut chosen = before.clone();
+        let mut selected = before.clone();
         let choice =
-            ComboBox::from_id_salt("animation").selected_text(chosen.as_deref().unwrap_or("at rest"));
+            ComboBox::from_id_salt("animation").selected_text(selected.as_deref().unwrap_or("at rest"));
         let choice = choice.show_ui(ui, |ui| {
-            ui.selectable_value(&mut chosen, None, "at rest");
+            ui.selectable_value(&mut selected, None, "at rest");
             for name in living.animations() {
-                ui.selectable_value(&mut chosen, Some(name.to_string()), name);
+                ui.selectable_value(&mut selected, Some(name.to_string()), name);
             }
         });
         choice.response.on_hover_text("Animation of the body; the motion below also turns the head");
-        if chosen != before {
-            if let Err(error) = living.set_animation(chosen.as_deref()) {
+        if selected != before {
+            if let Err(error) = living.set_animation(selected.as_deref()) {
                 messages.fail(error);
             }
             to = Some(0.0);
-            renderer.playback.play.playing |= chosen.is_some();
+            renderer.playback.play.playing |= selected.is_some();
         }
         if let Some(length) = living.duration().filter(|length| *length > 0.0) {
             let mut at = time.rem_euclid(f64::from(length));
@@ -52,7 +52,7 @@ pub fn time(renderer: &mut Renderer, messages: &mut Messages, ui: &mut Ui) {
 }
 
 /// Shows the morph targets, if the character has any.
-pub fn shapes(renderer: &mut Renderer, ui: &mut Ui) {
+pub fn shapes(renderer: &mut StudioRenderer, ui: &mut Ui) {
     let Some(living) = renderer.show.as_mut().and_then(|show| show.stage.character.rig_mut()) else { return };
     let names: Vec<String> = living.shapes().map(str::to_string).collect();
     if names.is_empty() {

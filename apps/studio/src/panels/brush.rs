@@ -2,7 +2,7 @@
 
 use crate::{dialog::Dialogs, document::Document, groomer::Groomer, theme};
 use eframe::egui::{ComboBox, DragValue, RichText, Slider, Ui};
-use tresses::groom::edit::{Brush, BrushTool, CurlType, Falloff, Reach};
+use tresses::groom::edit::{Brush, BrushRegion, BrushTool, CurlType, Falloff};
 
 /// Shows the strip.
 pub fn show(brush: &mut Brush, document: &Document, dialogs: &Dialogs, ui: &mut Ui) {
@@ -46,12 +46,12 @@ pub fn show(brush: &mut Brush, document: &Document, dialogs: &Dialogs, ui: &mut 
             number(&mut brush.root_tip, "Root, tip", 1e2, -100.0..=100.0, " %", help, ui);
         }
         ui.checkbox(&mut brush.mirror, "Symmetry").on_hover_text("The brush acts on both sides of the head");
-        let reaches = [
-            (Reach::Shell, "near side", "Hair under the brush on the near side of the head"),
-            (Reach::Ball, "ball", "Hair in a ball around the middle of the brush"),
-            (Reach::Through, "through", "All hair under the brush, also on the far side"),
+        let regions = [
+            (BrushRegion::Shell, "near side", "Hair under the brush on the near side of the head"),
+            (BrushRegion::Ball, "ball", "Hair in a ball around the middle of the brush"),
+            (BrushRegion::Through, "through", "All hair under the brush, also on the far side"),
         ];
-        choice("Which hair the brush reaches", &mut brush.reach, &reaches, ui);
+        choice("Which hair the brush reaches", &mut brush.region, &regions, ui);
         let help = "Falloff, share and what hair keeps; strokes as a file";
         ui.menu_button("More", |ui| more(brush, document, dialogs, ui)).response.on_hover_text(help);
     });
@@ -143,7 +143,7 @@ fn more(brush: &mut Brush, document: &Document, dialogs: &Dialogs, ui: &mut Ui) 
         choice("How the effect falls off from the middle to the edge", &mut brush.falloff, &falloffs, ui);
     });
     ui.spacing_mut().slider_width = 90.0;
-    percent(&mut brush.share, "Share of hair", "Share of the hair that takes part", ui);
+    percent(&mut brush.guide_fraction, "Share of hair", "Share of the hair that takes part", ui);
     percent(&mut brush.keep_shape, "Keep shape", "How far hair keeps its shape beside the brush", ui);
     let help = "Share of its distance from the skin that hair keeps, so that it is not pasted to the head";
     percent(&mut brush.keep_volume, "Keep volume", help, ui);

@@ -5,7 +5,7 @@ use crate::{
     dialog::Dialogs,
     document::Document,
     messages::Messages,
-    renderer::Renderer,
+    renderer::StudioRenderer,
     theme,
 };
 use eframe::egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, Slider, TextEdit, Ui};
@@ -19,7 +19,7 @@ const SIZES: [u32; 5] = [512, 1024, 2048, 4096, 8192];
 pub fn show(
     form: &mut CardForm,
     document: &mut Document,
-    renderer: &mut Renderer,
+    renderer: &mut StudioRenderer,
     dialogs: &Dialogs,
     messages: &mut Messages,
     ui: &mut Ui,
@@ -102,7 +102,7 @@ fn choices(form: &mut CardForm, ui: &mut Ui) -> anyhow::Result<CardOptions> {
         ui.end_row();
         title(ui, "Bones");
         let help = "Chains of bones in the file, for spring bones of engines; 32 suit long hair";
-        ui.add(DragValue::new(&mut form.bones).range(0..=CardOptions::MOST_CHAINS)).on_hover_text(help);
+        ui.add(DragValue::new(&mut form.bones).range(0..=CardOptions::MAX_CHAINS)).on_hover_text(help);
         ui.end_row();
     });
     form.options()

@@ -17,7 +17,7 @@ use tresses_scene::{
     Companion, Shelf,
     knobs::SECTIONS,
     settings::HairColor,
-    source::{COMPANIONS, CompanionKind},
+    source::{COMPANION_FILES, CompanionKind},
 };
 
 /// Width of the titles, points.
@@ -55,15 +55,15 @@ enum RowAction {
 
 /// Shows the rows.
 pub fn show(document: &mut Document, dialogs: &Dialogs, messages: &mut Messages, ui: &mut Ui) {
-    let companions = document.wanted().companions;
+    let companion_files = document.requested_hair().companion_files;
     let mut wish = None;
     ScrollArea::vertical().id_salt("files").auto_shrink(false).show(ui, |ui| {
         for (title, help, kinds) in GROUPS {
             ui.label(RichText::new(title).strong()).on_hover_text(help);
-            for companion in COMPANIONS.iter().filter(|companion| kinds.contains(&companion.kind)) {
-                let name = companions.name(companion);
-                if let Some(wanted) = row(companion, name.as_deref(), ui) {
-                    wish = Some((companion, wanted));
+            for companion in COMPANION_FILES.iter().filter(|companion| kinds.contains(&companion.kind)) {
+                let name = companion_files.name(companion);
+                if let Some(action) = row(companion, name.as_deref(), ui) {
+                    wish = Some((companion, action));
                 }
                 if name.is_some() {
                     more(document, companion, ui);
@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn every_companion_has_one_row() {
-        for companion in &COMPANIONS {
+        for companion in &COMPANION_FILES {
             let rows = GROUPS.iter().filter(|group| group.2.contains(&companion.kind)).count();
             assert_eq!(rows, 1, "{}", companion.key);
         }

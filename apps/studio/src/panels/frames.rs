@@ -32,14 +32,14 @@ impl Frames {
 
     /// Draws the plot, with a line at `budget` milliseconds.
     pub fn plot(&self, ui: &mut Ui, budget: f32) -> egui::Response {
-        let (whole, response) = ui.allocate_exact_size(vec2(ui.available_width(), 72.0), Sense::hover());
-        let painter = ui.painter_at(whole);
-        let rect = Rect::from_min_max(pos2(whole.left() + AXIS, whole.top()), whole.max);
+        let (area, response) = ui.allocate_exact_size(vec2(ui.available_width(), 72.0), Sense::hover());
+        let painter = ui.painter_at(area);
+        let rect = Rect::from_min_max(pos2(area.left() + AXIS, area.top()), area.max);
         painter.rect_filled(rect, 4.0, Color32::from_rgb(0x12, 0x13, 0x14));
         let longest = self.0.iter().copied().fold(1.5 * budget, f32::max);
         let step = step(longest);
-        let most = 1.08 * longest;
-        let high = |ms: f32| rect.bottom() - rect.height() * ms / most;
+        let max_ms = 1.08 * longest;
+        let high = |ms: f32| rect.bottom() - rect.height() * ms / max_ms;
         let width = rect.width() / MANY as f32;
         for (i, ms) in self.0.iter().enumerate() {
             let left = rect.right() - (self.0.len() - i) as f32 * width;
@@ -64,10 +64,14 @@ impl Frames {
 }
 
 /// Returns the axis step in milliseconds: 1, 2 or 5 times a power of ten, for two or three marks.
-fn step(most: f32) -> f32 {
-    let least = most / 3.5;
-    let power = 10f32.powf(least.log10().floor());
-    [1.0, 2.0, 5.0, 10.0].map(|digit| digit * power).into_iter().find(|step| *step >= least).unwrap_or(least)
+fn step(max_ms: f32) -> f32 {
+    let min_step = max_ms / 3.5;
+    let power = 10f32.powf(min_step.log10().floor());
+    [1.0, 2.0, 5.0, 10.0]
+        .map(|digit| digit * power)
+        .into_iter()
+        .find(|step| *step >= min_step)
+        .unwrap_or(min_step)
 }
 
 #[cfg(test)]

@@ -1,17 +1,19 @@
 //! The groom: facts, findings of the lint, and options that reimport it.
 
-use crate::{document::Document, hair::Source, messages::Messages, panels::body, renderer::Renderer, theme};
+use crate::{
+    document::Document, hair::HairSource, messages::Messages, panels::body, renderer::StudioRenderer, theme,
+};
 use eframe::egui::{self, ComboBox, Grid, RichText, ScrollArea, Ui};
 use tresses::groom::{
     formats,
     import::{ImportOptions, ImportReport},
     lint::Severity,
-    orient::{Axis, Choice, Placement, Unit},
+    orient::{Axis, LengthUnit, OrientationOverride, Placement},
 };
 use tresses_scene::words::grouped;
 
 /// Shows the page.
-pub fn show(document: &mut Document, renderer: &mut Renderer, messages: &mut Messages, ui: &mut Ui) {
+pub fn show(document: &mut Document, renderer: &mut StudioRenderer, messages: &mut Messages, ui: &mut Ui) {
     ScrollArea::vertical().id_salt("groom").auto_shrink(false).show(ui, |ui| {
         facts(renderer, ui);
         body::shapes(renderer, ui);
@@ -24,21 +26,21 @@ pub fn show(document: &mut Document, renderer: &mut Renderer, messages: &mut Mes
         ui.separator();
         findings(report, ui);
         ui.separator();
-        let Source::Files { files, options } = &shown.hair.source else { return };
+        let HairSource::Files { files, options } = &shown.hair.source else { return };
         // A cooked or edited groom is always in meters and upright.
-        if report.files.iter().any(|file| formats::is_whole(&file.path)) {
+        if report.files.iter().any(|file| formats::is_complete_groom(&file.path)) {
             return;
         }
         let mut changed = options.clone();
         orientation(&mut changed, report, ui);
         if changed != *options {
-            let source = Source::Files { files: files.clone(), options: changed };
+            let source = HairSource::Files { files: files.clone(), options: changed };
             document.open(source, messages);
         }
     });
 }
 
-fn facts(renderer: &Renderer, ui: &mut Ui) {
+fn facts(renderer: &StudioRenderer, ui: &mut Ui) {
     let Some(show) = &renderer.show else { return };
     let facts = show.facts();
     Grid::new("facts").num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
@@ -95,7 +97,7 @@ fn orientation(options: &mut ImportOptions, report: &ImportReport, ui: &mut Ui) 
     }
 }
 
-fn placement(title: &str, choice: &mut Choice, found: &Placement, ui: &mut Ui) {
+fn placement(title: &str, choice: &mut OrientationOverride, found: &Placement, ui: &mut Ui) {
     ui.label(RichText::new(title).strong()).on_hover_text(found.reasons.join("\n"));
     Grid::new(("placement", title)).num_columns(2).spacing([16.0, 4.0]).show(ui, |ui| {
         ui.label(RichText::new("Unit").color(theme::QUIET));
@@ -104,7 +106,7 @@ fn placement(title: &str, choice: &mut Choice, found: &Placement, ui: &mut Ui) {
             (title, "unit"),
             &mut choice.unit,
             found.unit,
-            &Unit::KNOWN.map(|known| Unit(known.1)),
+            &LengthUnit::KNOWN.map(|known| LengthUnit(known.1)),
             |u| u.name(),
         );
         ui.end_row();
@@ -127,7 +129,7 @@ fn pick<T: Copy + PartialEq>(
     name: impl Fn(T) -> String,
 ) {
     let text = match choice {
-        Some(chosen) => name(*chosen),
+        Some(selected) => name(*selected),
         None => format!("{} (guessed)", name(guess)),
     };
     ComboBox::from_id_salt(id)

@@ -72,8 +72,8 @@ fn paint(painter: &Painter, icon: Icon, at: Rect, color: Color32) {
 /// Paints three quarters of a circle with an arrow head.
 fn turning(painter: &Painter, at: Rect, color: Color32) {
     let radius = 0.42 * at.width();
-    let place = |angle: f32| -> Pos2 { at.center() + radius * vec2(angle.cos(), angle.sin()) };
-    let line: Vec<Pos2> = (0..=18).map(|i| place(-0.75 * PI + 1.5 * PI * i as f32 / 18.0)).collect();
+    let point = |angle: f32| -> Pos2 { at.center() + radius * vec2(angle.cos(), angle.sin()) };
+    let line: Vec<Pos2> = (0..=18).map(|i| point(-0.75 * PI + 1.5 * PI * i as f32 / 18.0)).collect();
     let tip = line[0];
     painter.add(Shape::line(line, Stroke::new(1.4, color)));
     let head = vec![tip + vec2(-2.4, 2.6), tip + vec2(-1.6, -3.4), tip + vec2(3.4, 0.4)];

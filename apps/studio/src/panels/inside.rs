@@ -1,6 +1,6 @@
 //! Debug views of the library.
 
-use crate::{renderer::Renderer, theme};
+use crate::{renderer::StudioRenderer, theme};
 use eframe::egui::{self, RichText, ScrollArea, Slider, Ui};
 use tresses::low_level::{DebugDisplay, DebugView};
 
@@ -37,12 +37,12 @@ const GROUPS: [(&str, &[DebugView]); 4] = [
 ];
 
 /// Shows the list of views.
-pub fn show(renderer: &mut Renderer, ui: &mut Ui) {
+pub fn show(renderer: &mut StudioRenderer, ui: &mut Ui) {
     let now = renderer.debug.map(|shown| shown.view);
-    let mut chosen = None;
+    let mut selected = None;
     if ui.selectable_label(now.is_none(), "No debug view").on_hover_text("Shows the rendered hair").clicked()
     {
-        chosen = Some(None);
+        selected = Some(None);
     }
     ui.add_space(4.0);
     ScrollArea::vertical().id_salt("views").auto_shrink(false).show(ui, |ui| {
@@ -53,7 +53,7 @@ pub fn show(renderer: &mut Renderer, ui: &mut Ui) {
                 for view in views {
                     let button = egui::Button::selectable(now == Some(*view), view.label());
                     if ui.add(button).on_hover_text(view.hint()).clicked() {
-                        chosen = Some(if now == Some(*view) { None } else { Some(*view) });
+                        selected = Some(if now == Some(*view) { None } else { Some(*view) });
                     }
                 }
             });
@@ -61,21 +61,22 @@ pub fn show(renderer: &mut Renderer, ui: &mut Ui) {
         }
         scale(renderer, ui);
     });
-    if let Some(view) = chosen {
+    if let Some(view) = selected {
         renderer.debug = view.map(DebugDisplay::new);
         renderer.dirty = true;
     }
 }
 
 /// Shows the active view's hint and a slider for the top of its scale.
-fn scale(renderer: &mut Renderer, ui: &mut Ui) {
+fn scale(renderer: &mut StudioRenderer, ui: &mut Ui) {
     let Some(shown) = &mut renderer.debug else { return };
     ui.separator();
     ui.label(shown.view.hint());
-    let (Some(scale), Some(usual)) = (shown.scale(), shown.view.scale()) else { return };
+    let (Some(scale), Some(default_scale)) = (shown.scale(), shown.view.scale()) else { return };
     ui.label(RichText::new(format!("{}: {} to", scale.title, scale.low)).color(theme::QUIET));
     let mut high = scale.high;
-    let slider = Slider::new(&mut high, 0.01 * usual.high..=100.0 * usual.high).logarithmic(true);
+    let slider =
+        Slider::new(&mut high, 0.01 * default_scale.high..=100.0 * default_scale.high).logarithmic(true);
     let slider = ui.add(slider).on_hover_text("Value of the brightest color. A double click resets it.");
     if slider.changed() {
         (shown.high, renderer.dirty) = (Some(high), true);

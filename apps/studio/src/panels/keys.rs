@@ -1,8 +1,8 @@
 //! Keyboard shortcuts.
 
 use crate::{
-    dialog::Dialogs, document::Document, messages::Messages, panels::Panels, renderer::Renderer, tool::Tool,
-    viewport::Viewport,
+    dialog::Dialogs, document::Document, messages::Messages, panels::Panels, renderer::StudioRenderer,
+    tool::Tool, viewport::Viewport,
 };
 use eframe::egui::{self, Key, KeyboardShortcut, Modifiers};
 use tresses_scene::camera::Angle;
@@ -24,7 +24,7 @@ pub const VIEWS: [(Angle, &str, Key, &str); 4] = [
 pub fn answer(
     panels: &mut Panels,
     document: &mut Document,
-    renderer: &mut Renderer,
+    renderer: &mut StudioRenderer,
     viewport: &mut Viewport,
     (dialogs, messages): (&Dialogs, &mut Messages),
     context: &egui::Context,

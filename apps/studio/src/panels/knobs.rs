@@ -10,7 +10,7 @@ use eframe::egui::{
 };
 use tresses_scene::{
     Settings,
-    knobs::{Choice, Knob, SECTIONS, Scale, Section, Value, ValueKind},
+    knobs::{Choice, Knob, SECTIONS, Section, SliderScale, Value, ValueKind},
 };
 
 /// Keys of the sections that are open at start, the most used.
@@ -120,8 +120,8 @@ pub fn row(knob: &Knob, settings: &mut Settings, resolved: &Settings, ui: &mut U
             new = Some(knob.default());
         }
         let shown = if value == Value::Auto { knob.get(resolved) } else { value };
-        if let Some(turned) = widget(knob, shown, value == Value::Auto, ui) {
-            new = Some(turned);
+        if let Some(edited) = widget(knob, shown, value == Value::Auto, ui) {
+            new = Some(edited);
         }
         if !default {
             let text = format!("Reset to {}", knob.text(knob.default()));
@@ -162,24 +162,24 @@ fn widget(knob: &Knob, value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
     };
     ui.spacing_mut().slider_width = (ui.available_width() - 114.0).max(40.0);
     match (knob.kind, value) {
-        (ValueKind::Number { unit, least, most, scale }, Value::Number(number)) => {
+        (ValueKind::Number { unit, min, max, scale }, Value::Number(number)) => {
             let mut shown = knob.shown(number);
             let before = short(shown);
-            let slider = Slider::new(&mut shown, least..=most)
-                .logarithmic(scale == Scale::Log)
-                .smallest_positive((most * 1e-5).max(1e-9))
+            let slider = Slider::new(&mut shown, min..=max)
+                .logarithmic(scale == SliderScale::Log)
+                .smallest_positive((max * 1e-5).max(1e-9))
                 // Do not round: showing a value must not change it.
                 .max_decimals(17)
                 .custom_formatter(|shown, _| short(shown))
                 .suffix(mark(unit.symbol));
             let slider = ui.add(slider).on_hover_text(knob.hint);
             // After focus without an edit, the widget returns its text, which has fewer digits.
-            let turned = slider.changed() && (slider.dragged() || short(shown) != before);
-            turned.then(|| Value::Number(knob.inner(shown.clamp(least, most))))
+            let is_edited = slider.changed() && (slider.dragged() || short(shown) != before);
+            is_edited.then(|| Value::Number(knob.inner(shown.clamp(min, max))))
         }
-        (ValueKind::Integer { unit, least, most, step }, Value::Integer(mut number)) => {
-            let slider = Slider::new(&mut number, least..=most)
-                .logarithmic(most > 1000)
+        (ValueKind::Integer { unit, min, max, step }, Value::Integer(mut number)) => {
+            let slider = Slider::new(&mut number, min..=max)
+                .logarithmic(max > 1000)
                 .step_by(step.into())
                 .suffix(mark(unit.symbol));
             ui.add(slider).on_hover_text(knob.hint).changed().then_some(Value::Integer(number))
@@ -198,10 +198,10 @@ fn widget(knob: &Knob, value: Value, auto: bool, ui: &mut Ui) -> Option<Value> {
             .on_hover_text("Value of the file or the style; click to set another")
             .clicked()
             .then(|| match kind {
-                ValueKind::Number { least, most, .. } => {
-                    Value::Number(knob.inner((least * most.max(0.0)).sqrt().clamp(least, most)))
+                ValueKind::Number { min, max, .. } => {
+                    Value::Number(knob.inner((min * max.max(0.0)).sqrt().clamp(min, max)))
                 }
-                ValueKind::Integer { least, .. } => Value::Integer(least),
+                ValueKind::Integer { min, .. } => Value::Integer(min),
                 ValueKind::Toggle => Value::Toggle(true),
                 ValueKind::Color => Value::Color([128, 96, 64]),
                 ValueKind::Choice(choices) => Value::Choice(choices[0].name),
@@ -225,25 +225,25 @@ fn choice(knob: &Knob, choices: &[Choice], value: Value, auto: bool, ui: &mut Ui
         Value::Choice(name) => name.into(),
         _ => "auto".into(),
     };
-    let mut chosen = None;
+    let mut selected = None;
     let width = (ui.available_width() - 24.0).clamp(60.0, 150.0);
     ComboBox::from_id_salt(knob.path)
         .selected_text(text)
         .width(width)
         .show_ui(ui, |ui| {
             if knob.automatic && ui.selectable_label(auto, "auto").clicked() {
-                chosen = Some(Value::Auto);
+                selected = Some(Value::Auto);
             }
             for Choice { name, hint } in choices {
                 let label = ui.selectable_label(!auto && value == Value::Choice(name), *name);
                 if label.on_hover_text(*hint).clicked() {
-                    chosen = Some(Value::Choice(name));
+                    selected = Some(Value::Choice(name));
                 }
             }
         })
         .response
         .on_hover_text(knob.hint);
-    chosen
+    selected
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Legend of the debug view, at the bottom of the viewport.
 
-use crate::{renderer::Renderer, theme};
+use crate::{renderer::StudioRenderer, theme};
 use eframe::egui::{Align2, Color32, Mesh, Pos2, Rect, RichText, Sense, TextStyle, Ui, pos2, vec2};
 use tresses::low_level::ramp;
 use tresses_scene::picture::encoded;
@@ -12,11 +12,11 @@ const WIDTH: f32 = 280.0;
 const PIECES: u32 = 32;
 
 /// Shows name and scale of the view, at most `room` points wide.
-pub fn show(renderer: &Renderer, ui: &mut Ui, room: f32) {
+pub fn show(renderer: &StudioRenderer, ui: &mut Ui, max_width: f32) {
     let Some(shown) = &renderer.debug else { return };
     let physics = renderer.show.as_ref().map(|show| &show.stage.character.physics);
     ui.vertical_centered(|ui| {
-        ui.set_max_width(room.min(WIDTH));
+        ui.set_max_width(max_width.min(WIDTH));
         ui.label(RichText::new(shown.view.label()).strong()).on_hover_text(shown.view.hint());
         if let Some(why) = physics.and_then(|physics| shown.view.missing(physics)) {
             ui.label(RichText::new(format!("Nothing to show: {why}")).color(theme::ACCENT));

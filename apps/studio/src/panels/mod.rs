@@ -22,12 +22,12 @@ pub mod top;
 pub mod transport;
 pub mod wind;
 
-use crate::{answer::Answer, cards::CardForm, dialog::Dialogs, renderer::Renderer, task};
+use crate::{answer::Answer, cards::CardForm, dialog::Dialogs, renderer::StudioRenderer, task};
 use eframe::egui;
 use tresses::glam::Vec3;
 
 /// Reads the simulated guides back and queues their shapes, for the groom to keep.
-pub fn keep(renderer: &Renderer, dialogs: &Dialogs) {
+pub fn keep(renderer: &StudioRenderer, dialogs: &Dialogs) {
     let Some(show) = &renderer.show else { return };
     let (pending, count, back) = show.guides();
     let dialogs = dialogs.clone();
@@ -53,7 +53,7 @@ pub struct Panels {
     /// Durations of the last frames.
     pub frames: frames::Frames,
     /// Page of the side panel.
-    pub page: side::Page,
+    pub page: side::SidePage,
     /// Choices for baking cards.
     pub cards: CardForm,
     /// Search words for parameters.
@@ -61,18 +61,18 @@ pub struct Panels {
     /// Whether the dialog that records a loop is open.
     pub record: bool,
     /// Dropped images whose kind the user must choose.
-    pub asked: Vec<ask::MapChoice>,
+    pub map_choices: Vec<ask::MapChoice>,
     /// Whether the side panel is hidden; `None` hides it in narrow windows.
     folded: Option<bool>,
 }
 
 /// Window width from which the side panel is shown by default, points.
-const ROOM: f32 = 760.0;
+const MIN_UNFOLDED_WIDTH: f32 = 760.0;
 
 impl Panels {
     /// Whether the side panel is hidden.
     pub fn is_folded(&self, context: &egui::Context) -> bool {
-        self.folded.unwrap_or(context.content_rect().width() < ROOM)
+        self.folded.unwrap_or(context.content_rect().width() < MIN_UNFOLDED_WIDTH)
     }
 
     /// Hides or shows the side panel.

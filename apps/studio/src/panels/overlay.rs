@@ -9,7 +9,7 @@ use crate::{
     orbit::Orbit,
     panels::{self, keys::VIEWS, palette},
     record::Recording,
-    renderer::Renderer,
+    renderer::StudioRenderer,
     theme::{self, plate},
     tool::Tool,
     viewport::Viewport,
@@ -65,7 +65,7 @@ impl<'a> Overlay<'a> {
         &self,
         viewport: &mut Viewport,
         document: &mut Document,
-        renderer: &mut Renderer,
+        renderer: &mut StudioRenderer,
         dialogs: &Dialogs,
     ) {
         self.at("tools", Align2::LEFT_TOP, Vec2::ZERO, |ui| match viewport.tool.brush() {
@@ -79,12 +79,12 @@ impl<'a> Overlay<'a> {
         &self,
         brush: BrushTool,
         viewport: &mut Viewport,
-        (document, renderer): (&mut Document, &mut Renderer),
+        (document, renderer): (&mut Document, &mut StudioRenderer),
         dialogs: &Dialogs,
         ui: &mut Ui,
     ) {
-        if let Some(chosen) = palette::show(brush, renderer.playback.live, self.rect, ui) {
-            viewport.tool = Tool::Brush(chosen);
+        if let Some(selected) = palette::show(brush, renderer.playback.live, self.rect, ui) {
+            viewport.tool = Tool::Brush(selected);
         }
         ui.separator();
         ui.horizontal_wrapped(|ui| {
@@ -105,7 +105,7 @@ impl<'a> Overlay<'a> {
     }
 
     /// Shows the named views, centered at the top.
-    pub fn views(&self, renderer: &mut Renderer) {
+    pub fn views(&self, renderer: &mut StudioRenderer) {
         self.at("views", Align2::CENTER_TOP, Vec2::ZERO, |ui| {
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 2.0;
@@ -160,7 +160,7 @@ impl<'a> Overlay<'a> {
                 bar(ui, job.fraction());
                 // The step comes before the name, which is truncated.
                 ui.label(job.step());
-                let seconds = format!("{:.0} s", job.begun.elapsed().as_secs_f32());
+                let seconds = format!("{:.0} s", job.started.elapsed().as_secs_f32());
                 ui.label(RichText::new(seconds).color(theme::QUIET));
                 ui.scope(|ui| {
                     ui.set_max_width(WORDS);
@@ -196,7 +196,7 @@ impl<'a> Overlay<'a> {
     }
 
     /// Shows the legend of the debug view, if one is active.
-    pub fn legend(&self, renderer: &Renderer) {
+    pub fn legend(&self, renderer: &StudioRenderer) {
         if renderer.show.is_some() && renderer.debug.is_some() {
             let free = free(self.rect);
             let lift = vec2(0.0, -free.lift - self.strip);
@@ -240,7 +240,7 @@ impl<'a> Overlay<'a> {
 fn hands(
     Viewport { tool, .. }: &mut Viewport,
     document: &Document,
-    renderer: &mut Renderer,
+    renderer: &mut StudioRenderer,
     dialogs: &Dialogs,
     ui: &mut Ui,
 ) {
@@ -268,7 +268,7 @@ fn hands(
 }
 
 /// Shows the button that keeps the shape of moving hair.
-fn keep_button(renderer: &Renderer, dialogs: &Dialogs, ui: &mut Ui) {
+fn keep_button(renderer: &StudioRenderer, dialogs: &Dialogs, ui: &mut Ui) {
     let help = "The groomed hair keeps the shape that it has now, pulled or blown\nKeys Shift Space";
     if ui.button("Keep").on_hover_text(help).clicked() {
         panels::keep(renderer, dialogs);
@@ -292,12 +292,12 @@ struct Free {
 
 /// Returns the position for messages: in the center if it is wide enough, else beside the dial, else above it.
 fn free(rect: Rect) -> Free {
-    let (middle, beside) = (rect.width() - 2.0 * DIAL, rect.width() - DIAL - GAP);
+    let (centered_width, side_width) = (rect.width() - 2.0 * DIAL, rect.width() - DIAL - GAP);
     let other = if dial(rect) == Align2::LEFT_BOTTOM { Align2::RIGHT_BOTTOM } else { Align2::LEFT_BOTTOM };
-    if middle > 320.0 {
-        Free { anchor: Align2::CENTER_BOTTOM, lift: 0.0, width: middle }
-    } else if beside > 180.0 {
-        Free { anchor: other, lift: 0.0, width: beside }
+    if centered_width > 320.0 {
+        Free { anchor: Align2::CENTER_BOTTOM, lift: 0.0, width: centered_width }
+    } else if side_width > 180.0 {
+        Free { anchor: other, lift: 0.0, width: side_width }
     } else {
         Free { anchor: Align2::CENTER_BOTTOM, lift: DIAL, width: 0.9 * rect.width() }
     }

@@ -14,7 +14,7 @@ const SPACE: f32 = 3.0;
 /// Side of a picture, points.
 const PICTURE: f32 = 17.0;
 /// Width of the viewport below which words do not fit, points.
-const ROOM: f32 = 560.0;
+const MIN_LABELED_WIDTH: f32 = 560.0;
 /// Tools with which groups begin.
 const GROUPS: [BrushTool; 3] = [BrushTool::Cut, BrushTool::Plant, BrushTool::Clump];
 
@@ -32,16 +32,16 @@ pub fn width(viewport: Rect) -> f32 {
 }
 
 fn button_width(viewport: Rect) -> f32 {
-    if viewport.width() < ROOM { NARROW } else { WIDE }
+    if viewport.width() < MIN_LABELED_WIDTH { NARROW } else { WIDE }
 }
 
 /// Shows the palette in a viewport of this size. Returns the tool that the user chooses. `live` grays tools that need
 /// hair at rest.
 pub fn show(active: BrushTool, live: bool, viewport: Rect, ui: &mut Ui) -> Option<BrushTool> {
     let width = button_width(viewport);
-    let mut chosen = None;
-    let most = (viewport.height() - 110.0).max(120.0);
-    ScrollArea::vertical().max_height(most).show(ui, |ui| {
+    let mut selected = None;
+    let max_height = (viewport.height() - 110.0).max(120.0);
+    ScrollArea::vertical().max_height(max_height).show(ui, |ui| {
         let mut rest = &Tool::BRUSHES[..];
         while let Some(first) = rest.first() {
             let next = |(tool, ..): &(BrushTool, _, _)| GROUPS.contains(tool) && *tool != first.0;
@@ -55,7 +55,7 @@ pub fn show(active: BrushTool, live: bool, viewport: Rect, ui: &mut Ui) -> Optio
                     let title = groomer::title(*tool);
                     let text = format!("{title}: {}\nKey {}{note}", sentence(help), key.name());
                     if response.on_hover_text(text).clicked() {
-                        chosen = Some(*tool);
+                        selected = Some(*tool);
                     }
                     if index % 2 == 1 {
                         ui.end_row();
@@ -67,7 +67,7 @@ pub fn show(active: BrushTool, live: bool, viewport: Rect, ui: &mut Ui) -> Optio
             }
         }
     });
-    chosen
+    selected
 }
 
 /// Returns `help` with a small first letter.
@@ -87,26 +87,26 @@ fn button(ui: &mut Ui, tool: BrushTool, (is_active, is_off): (bool, bool), width
     let at = pos2(rect.left() + 0.5 * NARROW, rect.center().y);
     paint(ui.painter(), tool, Rect::from_center_size(at, vec2(PICTURE, PICTURE)), color);
     if width > NARROW {
-        let place = pos2(rect.left() + NARROW, rect.center().y);
+        let label_position = pos2(rect.left() + NARROW, rect.center().y);
         let font = FontId::proportional(12.5);
-        ui.painter().text(place, Align2::LEFT_CENTER, groomer::title(tool), font, color);
+        ui.painter().text(label_position, Align2::LEFT_CENTER, groomer::title(tool), font, color);
     }
     response
 }
 
 /// Paints the picture of a tool.
 fn paint(painter: &Painter, tool: BrushTool, at: Rect, color: Color32) {
-    let place = |[x, y]: [f32; 2]| -> Pos2 { at.left_top() + vec2(x, y) * at.size() };
+    let point = |[x, y]: [f32; 2]| -> Pos2 { at.left_top() + vec2(x, y) * at.size() };
     let stroke = Stroke::new(1.3, color);
     let Sketch { lines, rings, dots } = sketch(tool);
     for line in lines {
-        painter.add(Shape::line(line.iter().copied().map(place).collect(), stroke));
+        painter.add(Shape::line(line.iter().copied().map(point).collect(), stroke));
     }
     for (center, radius) in rings {
-        painter.circle_stroke(place(*center), radius * at.width(), stroke);
+        painter.circle_stroke(point(*center), radius * at.width(), stroke);
     }
     for (center, radius) in dots {
-        painter.circle_filled(place(*center), radius * at.width(), color);
+        painter.circle_filled(point(*center), radius * at.width(), color);
     }
 }
 

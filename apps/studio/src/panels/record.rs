@@ -5,7 +5,7 @@ use crate::{
     theme,
 };
 use eframe::egui::{self, Align2, ComboBox, DragValue, Grid, RichText, Ui, vec2};
-use tresses_scene::picture::Format;
+use tresses_scene::picture::AnimationFormat;
 
 /// Shows the dialog while it is `open`. Returns whether the recording of `wish` starts. The motion repeats after
 /// `period` seconds.
@@ -24,10 +24,14 @@ fn inside(wish: &mut RecordRequest, period: f64, ui: &mut Ui) -> bool {
         let quiet = |text: &str| RichText::new(text).color(theme::QUIET);
         ui.label(quiet("Length"));
         ui.horizontal(|ui| {
-            let mut whole = seconds.is_none();
+            let mut full_period = seconds.is_none();
             let help = "One period of the motion, so that the file loops";
-            if ui.checkbox(&mut whole, format!("One period ({period:.1} s)")).on_hover_text(help).changed() {
-                *seconds = (!whole).then_some(period);
+            if ui
+                .checkbox(&mut full_period, format!("One period ({period:.1} s)"))
+                .on_hover_text(help)
+                .changed()
+            {
+                *seconds = (!full_period).then_some(period);
             }
             if let Some(seconds) = seconds {
                 ui.add(DragValue::new(seconds).range(0.1..=LONGEST).speed(0.05).suffix(" s"));
@@ -46,7 +50,7 @@ fn inside(wish: &mut RecordRequest, period: f64, ui: &mut Ui) -> bool {
         ui.end_row();
         ui.label(quiet("File"));
         ComboBox::from_id_salt("format").selected_text(words(*format)).width(220.0).show_ui(ui, |ui| {
-            for each in Format::ALL {
+            for each in AnimationFormat::ALL {
                 ui.selectable_value(format, *each, words(*each));
             }
         });
@@ -56,11 +60,11 @@ fn inside(wish: &mut RecordRequest, period: f64, ui: &mut Ui) -> bool {
     ui.button(format!("Record {} frames", wish.frames(period))).clicked()
 }
 
-fn words(format: Format) -> &'static str {
+fn words(format: AnimationFormat) -> &'static str {
     match format {
         #[cfg(not(target_arch = "wasm32"))]
-        Format::WebP => "WebP: small, true color",
-        Format::Gif => "GIF: shown everywhere, 256 colors",
-        Format::Apng => "APNG: lossless, large",
+        AnimationFormat::WebP => "WebP: small, true color",
+        AnimationFormat::Gif => "GIF: shown everywhere, 256 colors",
+        AnimationFormat::Apng => "APNG: lossless, large",
     }
 }

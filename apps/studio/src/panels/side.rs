@@ -5,13 +5,13 @@ use crate::{
     document::Document,
     messages::Messages,
     panels::{Panels, cards, files, groom, inside, knobs, time},
-    renderer::Renderer,
+    renderer::StudioRenderer,
 };
 use eframe::egui::{self, Panel, Ui};
 
 /// Page of the side panel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Page {
+pub enum SidePage {
     /// Debug views.
     Inside,
     /// Parameters.
@@ -27,7 +27,7 @@ pub enum Page {
     Time,
 }
 
-impl Page {
+impl SidePage {
     const ALL: [(Self, &str, &str); 6] = [
         (Self::Knobs, "Parameters", "All parameters"),
         (Self::Groom, "Groom", "Contents, problems found, unit and axes"),
@@ -42,7 +42,7 @@ impl Page {
 pub fn show(
     panels: &mut Panels,
     document: &mut Document,
-    renderer: &mut Renderer,
+    renderer: &mut StudioRenderer,
     dialogs: &Dialogs,
     messages: &mut Messages,
     ui: &mut Ui,
@@ -53,22 +53,22 @@ pub fn show(
     let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 8));
     // Leave room for the viewport in narrow windows.
     let widest = (0.55 * ui.available_width()).clamp(280.0, 520.0);
-    let usual = (0.31 * ui.available_width()).clamp(348.0, 404.0);
-    Panel::right("side").frame(frame).default_size(usual).size_range(280.0..=widest).show(ui, |ui| {
+    let default_width = (0.31 * ui.available_width()).clamp(348.0, 404.0);
+    Panel::right("side").frame(frame).default_size(default_width).size_range(280.0..=widest).show(ui, |ui| {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
-            for (page, name, help) in Page::ALL {
+            for (page, name, help) in SidePage::ALL {
                 ui.selectable_value(&mut panels.page, page, name).on_hover_text(help);
             }
         });
         ui.separator();
         match panels.page {
-            Page::Knobs => knobs::show(document, &mut panels.search, ui),
-            Page::Inside => inside::show(renderer, ui),
-            Page::Groom => groom::show(document, renderer, messages, ui),
-            Page::Cards => cards::show(&mut panels.cards, document, renderer, dialogs, messages, ui),
-            Page::Files => files::show(document, dialogs, messages, ui),
-            Page::Time => time::show(&panels.frames, renderer, ui),
+            SidePage::Knobs => knobs::show(document, &mut panels.search, ui),
+            SidePage::Inside => inside::show(renderer, ui),
+            SidePage::Groom => groom::show(document, renderer, messages, ui),
+            SidePage::Cards => cards::show(&mut panels.cards, document, renderer, dialogs, messages, ui),
+            SidePage::Files => files::show(document, dialogs, messages, ui),
+            SidePage::Time => time::show(&panels.frames, renderer, ui),
         }
     });
 }

@@ -1,11 +1,11 @@
 //! The status line: hints for the pointer, image size and frame time.
 
-use crate::{pace::Level, panels::frames::Frames, renderer::Renderer, theme};
+use crate::{pace::QualityLevel, panels::frames::Frames, renderer::StudioRenderer, theme};
 use eframe::egui::{self, Align, Label, Layout, Panel, RichText, Ui};
 use tresses_scene::words::grouped;
 
 /// Shows the line with `hint`: help for the pointer, or the last result.
-pub fn show(hint: &str, frames: &Frames, renderer: &Renderer, ui: &mut Ui) {
+pub fn show(hint: &str, frames: &Frames, renderer: &StudioRenderer, ui: &mut Ui) {
     let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 4));
     Panel::bottom("status").frame(frame).show_separator_line(false).show(ui, |ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -17,7 +17,7 @@ pub fn show(hint: &str, frames: &Frames, renderer: &Renderer, ui: &mut Ui) {
     });
 }
 
-fn right(frames: &Frames, renderer: &Renderer, ui: &mut Ui) {
+fn right(frames: &Frames, renderer: &StudioRenderer, ui: &mut Ui) {
     let quiet = |text: String| RichText::new(text).small().color(theme::QUIET);
     let software = if renderer.gpu.context.tier().software { " · software" } else { "" };
     ui.label(quiet(format!("{}{software}", short(&renderer.gpu.info.name))))
@@ -33,7 +33,7 @@ fn right(frames: &Frames, renderer: &Renderer, ui: &mut Ui) {
         _ => format!("{} strands", grouped(u64::from(picture.strands))),
     };
     let mut text = format!("{hair} · {width}×{height}");
-    let coarse = ![Level::FULL, Level::STILL].contains(level);
+    let coarse = ![QualityLevel::FULL, QualityLevel::STILL].contains(level);
     if coarse {
         text += &format!(" ({:.0} %)", level.scale * 100.0);
     } else if picture.ssaa > 1 {

@@ -1,10 +1,10 @@
 //! Frame time, and GPU time per stage.
 
-use crate::{panels::frames::Frames, renderer::Renderer, theme};
+use crate::{panels::frames::Frames, renderer::StudioRenderer, theme};
 use eframe::egui::{Grid, RichText, Ui};
 
 /// Shows the page.
-pub fn show(frames: &Frames, renderer: &mut Renderer, ui: &mut Ui) {
+pub fn show(frames: &Frames, renderer: &mut StudioRenderer, ui: &mut Ui) {
     let budget = renderer.pace.budget();
     let text = frames.median().map_or(String::new(), |ms| format!("{ms:.1} ms"));
     ui.horizontal(|ui| {
@@ -26,7 +26,7 @@ pub fn show(frames: &Frames, renderer: &mut Renderer, ui: &mut Ui) {
 }
 
 /// Shows the GPU time of each stage.
-fn stages(renderer: &Renderer, ui: &mut Ui) {
+fn stages(renderer: &StudioRenderer, ui: &mut Ui) {
     let Some(show) = &renderer.show else { return };
     if !show.times_stages() {
         let why = if renderer.gpu.context.tier().software {

@@ -1,8 +1,8 @@
 //! The top bar: choice of hair, and actions.
 
 use crate::{
-    dialog::Dialogs, document::Document, hair::Source, messages::Messages, panels::Panels, picture::Snapshot,
-    theme,
+    dialog::Dialogs, document::Document, hair::HairSource, messages::Messages, panels::Panels,
+    picture::Snapshot, theme,
 };
 use eframe::egui::{self, Align, ComboBox, Layout, Panel, RichText, Ui};
 use tresses::groom::{formats, styles::Style};
@@ -62,7 +62,7 @@ fn files(
     ui.separator();
     presets(document, dialogs, ui);
     if ui.button("Save image…").on_hover_text("Saves the current image as PNG").clicked() {
-        snapshot.wanted = true;
+        snapshot.is_requested = true;
     }
     let help = "Records the motion as an animated image";
     if ui.add_enabled(can_record, egui::Button::new("Record loop…")).on_hover_text(help).clicked() {
@@ -74,10 +74,10 @@ fn source(document: &mut Document, messages: &mut Messages, ui: &mut Ui) {
     let shown =
         document.job.as_ref().map(|job| &job.hair).or(document.shown.as_ref().map(|shown| &shown.hair));
     let shown = shown.map(|hair| &hair.source);
-    let name = shown.map(Source::name).unwrap_or_default();
-    let current = shown.and_then(Source::style);
-    let (built_in, on_head) = (current.is_some(), matches!(shown, Some(Source::Head { .. })));
-    let mut chosen = None;
+    let name = shown.map(HairSource::name).unwrap_or_default();
+    let current = shown.and_then(HairSource::style);
+    let (built_in, on_head) = (current.is_some(), matches!(shown, Some(HairSource::Head { .. })));
+    let mut selected = None;
     ComboBox::from_id_salt("style")
         .selected_text(if built_in { format!("Style: {name}") } else { name.clone() })
         .width(150.0)
@@ -85,19 +85,19 @@ fn source(document: &mut Document, messages: &mut Messages, ui: &mut Ui) {
         .show_ui(ui, |ui| {
             for style in Style::NAMES {
                 if ui.selectable_label(current == Some(style), style).clicked() {
-                    chosen = shown.map(|source| source.with_style(style));
+                    selected = shown.map(|source| source.with_style(style));
                 }
             }
             if let Some(style) = current.filter(|_| on_head) {
                 ui.separator();
                 if ui.selectable_label(false, "built-in head").clicked() {
-                    chosen = Some(Source::Style(style.into()));
+                    selected = Some(HairSource::Style(style.into()));
                 }
             }
         })
         .response
         .on_hover_text(if built_in { "Built-in styles".into() } else { name.clone() });
-    if let Some(source) = chosen {
+    if let Some(source) = selected {
         document.open(source, messages);
     }
 }
@@ -131,7 +131,7 @@ fn presets(document: &Document, dialogs: &Dialogs, ui: &mut Ui) {
     }
     let help = "Saves all parameters, the hair and the names of its files to a text file";
     if ui.button("Save preset…").on_hover_text(help).clicked() {
-        let (settings, source) = (document.settings.now().clone(), document.wanted().named());
+        let (settings, source) = (document.settings.now().clone(), document.requested_hair().named());
         let preset = Preset { settings, source, ..Default::default() };
         dialogs.save("Save the preset", "preset.toml", preset);
     }

@@ -7,7 +7,7 @@ use crate::{
         icons::{self, Icon},
     },
     play::SPEEDS,
-    renderer::Renderer,
+    renderer::StudioRenderer,
     theme,
 };
 use eframe::egui::{self, Button, DragValue, Panel, RichText, Slider, Ui};
@@ -17,7 +17,7 @@ use tresses_scene::motion::NAMES;
 const SLIDER: f32 = 250.0;
 
 /// Shows the transport. `records`: a loop is being recorded.
-pub fn show(renderer: &mut Renderer, records: bool, messages: &mut Messages, ui: &mut Ui) {
+pub fn show(renderer: &mut StudioRenderer, records: bool, messages: &mut Messages, ui: &mut Ui) {
     let frame = egui::Frame::new().inner_margin(egui::Margin::symmetric(12, 7));
     Panel::bottom("transport").frame(frame).show(ui, |ui| {
         body::time(renderer, messages, ui);
@@ -54,7 +54,7 @@ pub fn show(renderer: &mut Renderer, records: bool, messages: &mut Messages, ui:
                     _ => "The head shakes repeatedly",
                 };
                 if ui.selectable_label(play.name == name, name).on_hover_text(help).clicked() {
-                    play.choose(name);
+                    play.set_motion(name);
                     play.playing = true;
                 }
             }

@@ -19,7 +19,7 @@ use tresses::groom::{
     mannequin,
     scalp::GridScalp,
 };
-use tresses_web::{Page, Server, pack};
+use tresses_web::{Server, WebPage, pack};
 
 /// Size of the page, pixels. Narrower pages hide the panel.
 const SIZE: [u32; 2] = [780, 420];
@@ -88,7 +88,7 @@ fn open_at(
     address: &str,
 ) -> Option<(Browser, Server, thread::JoinHandle<()>)> {
     let mut browser = Browser::start(size)?;
-    pack(Page::Studio, folder, false).unwrap();
+    pack(WebPage::Studio, folder, false).unwrap();
     let (server, serving) = serve(folder);
     browser.go(&format!("http://127.0.0.1:{}/{address}", server.port()));
     // The browser compiles WebAssembly, then the shaders.

@@ -17,9 +17,9 @@ impl GuideFinder {
         (0..guides.len()).for_each(|i| lines.push(guides.guide(i)));
         lines.tip_pinned.clone_from(&guides.tip_pinned);
         let shapes = Shapes::new(&lines, lines.len());
-        let chosen: Vec<u32> = (0..lines.len() as u32).collect();
+        let guide_strands: Vec<u32> = (0..lines.len() as u32).collect();
         let lengths = lines.iter().map(|line| curve::length(line).max(1e-9)).collect();
-        Self { finder: Finder::new(&shapes, &chosen), shapes, lengths }
+        Self { finder: Finder::new(&shapes, &guide_strands), shapes, lengths }
     }
 
     /// Returns up to three guides for a strand along `line`, as [`bind`] chooses them. A guide that `suits` rejects is used

@@ -113,7 +113,7 @@ fn marked_guides_of_a_file_are_used() {
 #[test]
 fn invalid_input_is_rejected() {
     assert!(bind(&Strands::default(), &BindOptions::default()).is_err());
-    let options = BindOptions { guide_vertices: Some(1000), ..Default::default() };
+    let options = BindOptions { guide_vertex_count: Some(1000), ..Default::default() };
     assert!(bind(&groom(10), &options).unwrap_err().to_string().contains("guide_vertices is 1000"));
 }
 
@@ -143,7 +143,8 @@ fn fur_is_drawn_with_as_many_vertices_as_its_curve_needs() {
     // Long hair.
     assert_eq!(count(&fur(0.2, 0.3)), (31, 32));
     // Options override both counts.
-    let options = BindOptions { strand_vertices: Some(20), guide_vertices: Some(12), ..Default::default() };
+    let options =
+        BindOptions { strand_vertex_count: Some(20), guide_vertex_count: Some(12), ..Default::default() };
     let groom = bind(&fur(0.2, 0.03), &options).unwrap();
     assert_eq!((groom.strands.vertex_count, groom.guides.vertex_count), (20, 12));
 }

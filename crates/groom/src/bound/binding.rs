@@ -81,14 +81,14 @@ pub struct PackedRest {
 }
 
 /// Quantization step of [`PackedRest::sunk`], meters.
-pub const SUNK_STEP: f32 = 1.0 / 8e3;
+pub const PENETRATION_STEP: f32 = 1.0 / 8e3;
 
 impl PackedRest {
     /// Packs `position` relative to the bounding cube of `binding`. The error is at most `extent / 131070` meters per
     /// axis.
     pub fn pack(position: Vec3, radius: f32, binding: &StrandBinding) -> Self {
         let fraction = (position - binding.origin) / binding.extent.max(1e-12);
-        let bits = |v: f32, most: f32| (v.clamp(0.0, 1.0) * most + 0.5) as u32;
+        let bits = |v: f32, max: f32| (v.clamp(0.0, 1.0) * max + 0.5) as u32;
         Self {
             xy: bits(fraction.x, 65_535.0) | bits(fraction.y, 65_535.0) << 16,
             z_radius_penetration: bits(fraction.z, 65_535.0) | bits(radius, 255.0) << 16,
@@ -106,16 +106,16 @@ impl PackedRest {
     /// Returns the vertex with a rest depth of `sunk` meters inside the clearance that strands keep from obstacles,
     /// rounded up to a [`SUNK_STEP`]. Above 254 steps (32 mm), the depth is unlimited.
     #[must_use]
-    pub fn sink(self, sunk: f32) -> Self {
-        let steps = (sunk / SUNK_STEP).ceil().clamp(0.0, 255.0) as u32;
+    pub fn with_penetration(self, penetration: f32) -> Self {
+        let steps = (penetration / PENETRATION_STEP).ceil().clamp(0.0, 255.0) as u32;
         Self { z_radius_penetration: (self.z_radius_penetration & 0xff_ffff) | steps << 24, ..self }
     }
 
     /// Returns how far inside the clearance from obstacles the vertex may be, meters.
-    pub fn sunk(&self) -> f32 {
+    pub fn penetration(&self) -> f32 {
         match self.z_radius_penetration >> 24 {
             255 => f32::INFINITY,
-            steps => steps as f32 * SUNK_STEP,
+            steps => steps as f32 * PENETRATION_STEP,
         }
     }
 }
@@ -130,13 +130,16 @@ mod tests {
             StrandBinding { origin: Vec3::new(-0.1, 1.5, 0.02), extent: 0.3, ..StrandBinding::default() };
         let p = Vec3::new(0.05, 1.61, 0.17);
         for sunk in [-1.0f32, 0.0, 0.4e-3, 9e-3, 1.0] {
-            let packed = PackedRest::pack(p, 0.7, &binding).sink(0.01).sink(sunk);
+            let packed = PackedRest::pack(p, 0.7, &binding).with_penetration(0.01).with_penetration(sunk);
             let (back, radius) = packed.unpack(&binding);
             assert!(back.distance(p) < 5e-6 && (radius - 0.7).abs() < 0.002, "{back} {radius}");
             // Never less than requested, and at most one step more.
-            let kept = packed.sunk();
-            assert!(kept >= sunk && (sunk > 0.032 || kept <= sunk.max(0.0) + SUNK_STEP), "{sunk} {kept}");
+            let kept = packed.penetration();
+            assert!(
+                kept >= sunk && (sunk > 0.032 || kept <= sunk.max(0.0) + PENETRATION_STEP),
+                "{sunk} {kept}"
+            );
         }
-        assert_eq!(PackedRest::pack(p, 0.7, &binding).sunk(), 0.0);
+        assert_eq!(PackedRest::pack(p, 0.7, &binding).penetration(), 0.0);
     }
 }

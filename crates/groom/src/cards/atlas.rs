@@ -24,10 +24,10 @@ pub(super) fn pack(tiles: &[Extent], size: usize) -> Option<(Vec<Rect>, f32)> {
     let widest = tiles.iter().flatten().copied().fold(1e-6, f32::max);
     let (mut low, mut high) = (0.0, size as f32 / widest * 2.0);
     for _ in 0..24 {
-        let middle = 0.5 * (low + high);
-        match shelves(tiles, size, middle) {
-            Some(found) => (best, low) = (found, middle),
-            None => high = middle,
+        let midpoint = 0.5 * (low + high);
+        match shelves(tiles, size, midpoint) {
+            Some(found) => (best, low) = (found, midpoint),
+            None => high = midpoint,
         }
     }
     Some((best, low))
@@ -39,7 +39,7 @@ fn shelves(tiles: &[Extent], size: usize, density: f32) -> Option<Vec<Rect>> {
     let texels = |meters: f32| ((meters * density).min(1e6) as usize).max(4).next_multiple_of(4);
     let mut order: Vec<usize> = (0..tiles.len()).collect();
     order.sort_by_key(|i| (std::cmp::Reverse(texels(tiles[*i][1])), *i));
-    let mut places = vec![Rect::default(); tiles.len()];
+    let mut rects = vec![Rect::default(); tiles.len()];
     let (mut x, mut y, mut shelf) = (gap, gap, 0);
     for i in order {
         let [width, height] = tiles[i].map(texels);
@@ -49,11 +49,11 @@ fn shelves(tiles: &[Extent], size: usize, density: f32) -> Option<Vec<Rect>> {
         if x + width + gap > size || y + height + gap > size {
             return None;
         }
-        places[i] = Rect { x, y, width, height };
+        rects[i] = Rect { x, y, width, height };
         x += width + gap;
         shelf = shelf.max(height);
     }
-    Some(places)
+    Some(rects)
 }
 
 #[cfg(test)]

@@ -101,7 +101,7 @@ impl CardLevel {
 /// A level before it has triangles.
 struct Draft {
     /// Number of the level among those of the options.
-    asked: usize,
+    level: usize,
     locks: Vec<Lock>,
     likenesses: Vec<Likeness>,
     /// Locks that have a tile, ascending.
@@ -143,33 +143,33 @@ pub async fn bake_with(
     let mut lines = Lines::new(strands);
     progress.step(TASK, 0.1).await;
     let studio = Studio::new(bounds, [SIZES[0] as usize, 4], head);
-    let (pictures, seen) = studio.strands(strands, &lines.radii);
-    lines.weigh(&seen);
+    let (pictures, visible_samples) = studio.strands(strands, &lines.radii);
+    lines.weigh(&visible_samples);
     progress.step(TASK, 0.25).await;
     let volume = HairVolume::new(strands, &lines.radii, field.as_ref(), BLUR);
     let scene = Stage { lines, volume, field: field.as_ref(), options };
     let drafts = scene.drafts();
     progress.step(TASK, 0.5).await;
     let small = Studio::new(bounds, DRAFT_PICTURE, head);
-    let (wanted, _) = small.strands(strands, &scene.lines.radii);
+    let (target, _) = small.strands(strands, &scene.lines.radii);
     let mut widenings = Vec::new();
     for (level, draft) in drafts.iter().enumerate() {
-        widenings.push(scene.widening(draft, &small, &wanted)?);
+        widenings.push(scene.widening(draft, &small, &target)?);
         progress.step(TASK, 0.5 + 0.3 * (level + 1) as f32 / drafts.len() as f32).await;
     }
     let mut notes = Vec::new();
-    let shell = options.helmet.then(|| scene.shell(bounds, head, &pictures, &mut notes)).flatten();
-    let size = options.texture as usize;
-    let (places, density) = scene.places(&drafts, size, shell.is_some())?;
-    let mut tiles = scene.tiles(&drafts, &places, &widenings);
+    let shell = options.has_helmet.then(|| scene.shell(bounds, head, &pictures, &mut notes)).flatten();
+    let size = options.texture_size as usize;
+    let (rects, density) = scene.pack_tiles(&drafts, size, shell.is_some())?;
+    let mut tiles = scene.tiles(&drafts, &rects, &widenings);
     if shell.is_some() {
-        tiles.push(scene.helmet_tile(&drafts[0], *places.last().unwrap(), widenings[0]));
+        tiles.push(scene.helmet_tile(&drafts[0], *rects.last().unwrap(), widenings[0]));
     }
     progress.step(TASK, 0.9).await;
     tiles.iter_mut().for_each(Tile::spread);
-    let alpha = Pyramid::new(size, texture::coverage(size, &places, &tiles));
-    let tones = texture::tones(size, &places, &tiles);
-    let chains = CardChains::new(&scene.lines, &kept, options.chains as usize, options.seed);
+    let alpha = Pyramid::new(size, texture::coverage(size, &rects, &tiles));
+    let tones = texture::tones(size, &rects, &tiles);
+    let chains = CardChains::new(&scene.lines, &kept, options.chain_count as usize, options.seed);
     // Pictures of the level before, at first of the strands.
     let mut before = pictures.clone();
     let mut measure = |mesh: &CardMesh, alpha: &Pyramid| {
@@ -182,7 +182,7 @@ pub async fn bake_with(
     let mut levels = Vec::new();
     let mut first = 0;
     for (level, (draft, widening)) in drafts.iter().zip(&widenings).enumerate() {
-        let mesh = scene.mesh(draft, &places[first..], size);
+        let mesh = scene.mesh(draft, &rects[first..], size);
         first += draft.drawn.len();
         let order = order::ordered(&small, &mesh, &alpha, &tones);
         let mesh = mesh.reordered(&order);
@@ -208,7 +208,7 @@ pub async fn bake_with(
         });
     }
     if let Some(shell) = &shell {
-        let mesh = helmet::textured(shell, &scene.lines, &scene.volume, (places[first], size));
+        let mesh = helmet::textured(shell, &scene.lines, &scene.volume, (rects[first], size));
         let (accuracy, pop) = measure(&mesh, &Pyramid::new(1, vec![1.0]));
         levels.push(CardLevel {
             index: levels.len() as u32,
@@ -223,8 +223,8 @@ pub async fn bake_with(
             ..Default::default()
         });
     }
-    let area: usize = places.iter().map(|place| place.width * place.height).sum();
-    let textures = CardTextures::new(size, &places, &tiles, !strands.colors.is_empty());
+    let area: usize = rects.iter().map(|rect| rect.width * rect.height).sum();
+    let textures = CardTextures::new(size, &rects, &tiles, !strands.colors.is_empty());
     progress.step(TASK, 1.0).await;
     notes.splice(0..0, scene.notes(&levels, lost, density));
     let scalp = head.map(|head| CardScalp::new(head, &scene.lines)).unwrap_or_default();
@@ -276,7 +276,7 @@ impl Stage<'_> {
             let mut drawn: Vec<u32> = likenesses.iter().map(|like| like.lock).collect();
             drawn.sort_unstable();
             drawn.dedup();
-            drafts.push(Draft { asked: level, locks, likenesses, drawn });
+            drafts.push(Draft { level, locks, likenesses, drawn });
         }
         drafts
     }
@@ -284,10 +284,10 @@ impl Stage<'_> {
     /// Sorts locks from the inside out, so that blended cards mostly draw over those behind them.
     fn sort(&self, locks: &mut [Lock]) {
         let depth = |lock: &Lock| {
-            let middle = lock.ribbon.row(0.6).point(0.0);
+            let center = lock.ribbon.row(0.6).point(0.0);
             match self.field {
-                Some(head) => head.sample(middle),
-                None => -self.volume.density(middle),
+                Some(head) => head.sample(center),
+                None => -self.volume.density(center),
             }
         };
         locks.sort_by_cached_key(|lock| (depth(lock) * 1e6) as i64);
@@ -319,9 +319,9 @@ impl Stage<'_> {
             return None;
         }
         let studio = Studio::new(bounds, HELMET_PICTURE, head);
-        let wanted = shrunk(pictures, HELMET_PICTURE[0]);
-        let triangles = self.options.most_triangles(self.options.levels.len());
-        let shell = helmet::shell(&self.lines, self.field, (&studio, &wanted), triangles);
+        let target = shrunk(pictures, HELMET_PICTURE[0]);
+        let triangles = self.options.max_triangles(self.options.levels.len());
+        let shell = helmet::shell(&self.lines, self.field, (&studio, &target), triangles);
         if shell.is_none() {
             notes.push("helmet: left out, because the hair has no surface outside of the head".into());
         }
@@ -329,18 +329,18 @@ impl Stage<'_> {
     }
 
     /// Draws the picture of a helmet: the lock that covers most of the finest level.
-    fn helmet_tile(&self, finest: &Draft, place: Rect, widening: f32) -> Tile {
+    fn helmet_tile(&self, finest: &Draft, rect: Rect, widening: f32) -> Tile {
         let area = |lock: u32| -> f32 {
             let uses = finest.locks.iter().zip(&finest.likenesses).filter(|(_, like)| like.lock == lock);
             uses.map(|(lock, _)| lock.ribbon.half() * lock.ribbon.length).sum()
         };
-        let most = finest.drawn.iter().copied().max_by(|a, b| area(*a).total_cmp(&area(*b)));
-        let lock = &finest.locks[most.unwrap_or(0) as usize];
-        helmet::tile(place.width, place.height, |size| lock.draw(&self.lines, size, widening))
+        let largest = finest.drawn.iter().copied().max_by(|a, b| area(*a).total_cmp(&area(*b)));
+        let lock = &finest.locks[largest.unwrap_or(0) as usize];
+        helmet::tile(rect.width, rect.height, |size| lock.draw(&self.lines, size, widening))
     }
 
     /// Returns the places of all tiles in textures of `size` texels, that of a helmet last, and the texels per meter.
-    fn places(&self, drafts: &[Draft], size: usize, helmet: bool) -> Result<(Vec<Rect>, f32)> {
+    fn pack_tiles(&self, drafts: &[Draft], size: usize, helmet: bool) -> Result<(Vec<Rect>, f32)> {
         let mut extents = in_parallel(&self.drawn(drafts), |(_, lock)| {
             let squash = (0.5 / lock.slope(&self.lines).max(1e-3)).clamp(1.0, SQUASH);
             [2.0 * lock.ribbon.half(), lock.ribbon.length / squash]
@@ -355,35 +355,35 @@ impl Stage<'_> {
     }
 
     /// Draws all tiles.
-    fn tiles(&self, drafts: &[Draft], places: &[Rect], widenings: &[f32]) -> Vec<Tile> {
-        let work: Vec<_> = self.drawn(drafts).into_iter().zip(places).collect();
-        in_parallel(&work, |((level, lock), place)| {
-            lock.draw(&self.lines, [place.width, place.height], widenings[*level])
+    fn tiles(&self, drafts: &[Draft], rects: &[Rect], widenings: &[f32]) -> Vec<Tile> {
+        let work: Vec<_> = self.drawn(drafts).into_iter().zip(rects).collect();
+        in_parallel(&work, |((level, lock), rect)| {
+            lock.draw(&self.lines, [rect.width, rect.height], widenings[*level])
         })
     }
 
     /// Returns the triangles of a level whose tiles are at `places`.
-    fn mesh(&self, draft: &Draft, places: &[Rect], size: usize) -> CardMesh {
+    fn mesh(&self, draft: &Draft, rects: &[Rect], size: usize) -> CardMesh {
         let ribbons = draft.locks.iter().map(|lock| &lock.ribbon);
-        let plans = mesh::plan(ribbons, self.options.most_triangles(draft.asked));
+        let plans = mesh::plan(ribbons, self.options.max_triangles(draft.level));
         let mut mesh = CardMesh::default();
         for (plan, like) in plans.iter().zip(&draft.likenesses) {
             let tile = draft.drawn.partition_point(|lock| *lock < like.lock);
-            mesh.push(plan, (places[tile], like.mirrored), size, &self.volume, self.field);
+            mesh.push(plan, (rects[tile], like.mirrored), size, &self.volume, self.field);
         }
         mesh
     }
 
     /// Returns the factor on the widths of strands with which the level covers as much as the strands in `wanted`.
-    fn widening(&self, draft: &Draft, studio: &Studio, wanted: &[Opacity]) -> Result<f32> {
-        let size = self.options.texture.min(DRAFT) as usize;
-        let alone = std::slice::from_ref(draft);
-        let (places, _) = self.places(alone, size, false)?;
-        let mesh = self.mesh(draft, &places, size);
-        let goal: f32 = wanted.iter().flatten().sum();
+    fn widening(&self, draft: &Draft, studio: &Studio, target: &[Opacity]) -> Result<f32> {
+        let size = self.options.texture_size.min(DRAFT) as usize;
+        let single_draft = std::slice::from_ref(draft);
+        let (rects, _) = self.pack_tiles(single_draft, size, false)?;
+        let mesh = self.mesh(draft, &rects, size);
+        let goal: f32 = target.iter().flatten().sum();
         Ok(root(WIDENING, |widening| {
-            let tiles = self.tiles(alone, &places, &[widening]);
-            let alpha = Pyramid::new(size, texture::coverage(size, &places, &tiles));
+            let tiles = self.tiles(single_draft, &rects, &[widening]);
+            let alpha = Pyramid::new(size, texture::coverage(size, &rects, &tiles));
             let found = studio.cards(&mesh.surface(), &alpha);
             found.iter().flatten().sum::<f32>() / goal.max(1e-6) - 1.0
         }))
@@ -402,10 +402,12 @@ impl Stage<'_> {
                 levels[0].cards, self.options.levels[0]
             ));
         }
-        let made = levels.iter().filter(|level| !level.helmet).count();
-        if made < self.options.levels.len() {
-            notes
-                .push(format!("levels: {made} instead of {}; equal ones are one", self.options.levels.len()));
+        let card_levels = levels.iter().filter(|level| !level.helmet).count();
+        if card_levels < self.options.levels.len() {
+            notes.push(format!(
+                "levels: {card_levels} instead of {}; equal ones are one",
+                self.options.levels.len()
+            ));
         }
         for level in levels.iter().filter(|level| !level.helmet) {
             let percent = 100.0 * level.accuracy.coverage;
@@ -420,7 +422,7 @@ impl Stage<'_> {
         let mean = self.lines.radii.iter().sum::<f32>() / self.lines.radii.len().max(1) as f32;
         let texels = 2.0 * mean * density * levels.first().map_or(1.0, |level| level.widening);
         if texels < 0.7 {
-            let size = (self.options.texture as f32 * 0.7 / texels) as u32;
+            let size = (self.options.texture_size as f32 * 0.7 / texels) as u32;
             notes.push(format!(
                 "a strand is {texels:.1} texels wide: textures of {} texels would show single strands",
                 size.next_power_of_two()
@@ -441,16 +443,16 @@ fn root([mut low, mut high]: [f32; 2], excess: impl Fn(f32) -> f32) -> f32 {
     }
     // False position; the end that stays counts less, so that it moves as well (Illinois).
     for _ in 0..8 {
-        let middle = low + (high - low) * (-below / (above - below)).clamp(0.05, 0.95);
-        let found = excess(middle);
+        let estimate = low + (high - low) * (-below / (above - below)).clamp(0.05, 0.95);
+        let found = excess(estimate);
         if found.abs() < 0.003 {
-            return middle;
+            return estimate;
         }
         if found < 0.0 {
-            (low, below) = (middle, found);
+            (low, below) = (estimate, found);
             above *= 0.5;
         } else {
-            (high, above) = (middle, found);
+            (high, above) = (estimate, found);
             below *= 0.5;
         }
     }

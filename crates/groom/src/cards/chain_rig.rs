@@ -90,23 +90,23 @@ impl CardChains {
                 rotation(rig.to_groom * node.copied().unwrap_or_default())
             };
             let still = self.chain(chain);
-            let mut turns = [const { Vec::new() }; BONES];
+            let mut rotations = [const { Vec::new() }; BONES];
             for (pose, joints) in poses.iter().zip(&motion.joints) {
                 let ends = &joints[chain * NODES..(chain + 1) * NODES];
                 let body = above(&pose.globals);
                 // Each bone continues the turn of the one before with the smallest rotation to its own direction.
-                let mut turn = body * above(&rest.globals).conjugate();
+                let mut bone_rotation = body * above(&rest.globals).conjugate();
                 let mut over = body;
-                for (k, turns) in turns.iter_mut().enumerate() {
-                    let from = turn * (still[k + 1] - still[k]).normalize_or(Vec3::NEG_Y);
+                for (k, bone_keys) in rotations.iter_mut().enumerate() {
+                    let from = bone_rotation * (still[k + 1] - still[k]).normalize_or(Vec3::NEG_Y);
                     let to = (ends[k + 1] - ends[k]).normalize_or(from);
-                    turn = (Quat::from_rotation_arc(from, to) * turn).normalize();
-                    turns.push(over.conjugate() * turn);
-                    over = turn;
+                    bone_rotation = (Quat::from_rotation_arc(from, to) * bone_rotation).normalize();
+                    bone_keys.push(over.conjugate() * bone_rotation);
+                    over = bone_rotation;
                 }
             }
-            for (k, turns) in turns.into_iter().enumerate() {
-                let values = turns.iter().flat_map(|turn| turn.to_array()).collect();
+            for (k, bone_keys) in rotations.into_iter().enumerate() {
+                let values = bone_keys.iter().flat_map(|key| key.to_array()).collect();
                 let curve = Curve { times: motion.times.clone(), values, ..Curve::default() };
                 let node = (first + chain * NODES + k) as u32;
                 channels.push(Channel { node, property: Property::Rotation, curve });

@@ -6,7 +6,7 @@
 
 use super::{
     cluster::cluster,
-    lines::{KNOTS, Lines},
+    lines::{Lines, PATH_POINTS},
     mesh::CardMesh,
 };
 use crate::{
@@ -23,7 +23,7 @@ const SHORTER: f32 = 0.6;
 /// Distance to a chain that counts as none, meters.
 const NEAR: f32 = 0.003;
 // Bones end at knots.
-const _: () = assert!((KNOTS - 1).is_multiple_of(BONES));
+const _: () = assert!((PATH_POINTS - 1).is_multiple_of(BONES));
 
 /// Chains of [`BONES`] bones each.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -58,19 +58,18 @@ impl CardChains {
         for members in members.iter_mut().filter(|members| !members.is_empty()) {
             members.sort_by(|a, b| lines.length(*a).total_cmp(&lines.length(*b)));
             let total: f32 = members.iter().map(|i| lines.weights[*i as usize]).sum();
-            let mut middle = [0.0; 16];
+            let mut mean = [0.0; 16];
             for i in members.iter() {
-                let share = lines.weights[*i as usize] / total.max(1e-12);
-                middle.iter_mut().zip(points[*i as usize]).for_each(|(sum, x)| *sum += share * x);
+                let weight = lines.weights[*i as usize] / total.max(1e-12);
+                mean.iter_mut().zip(points[*i as usize]).for_each(|(sum, x)| *sum += weight * x);
             }
-            let far = |i: u32| -> f32 {
-                points[i as usize].iter().zip(&middle).map(|(a, b)| (a - b).powi(2)).sum()
-            };
+            let far =
+                |i: u32| -> f32 { points[i as usize].iter().zip(&mean).map(|(a, b)| (a - b).powi(2)).sum() };
             let long = &members[((members.len() as f32 * SHORTER) as usize).min(members.len() - 1)..];
             let strand =
                 long.iter().copied().min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(members[0]);
             chains.strands.push(kept[strand as usize]);
-            chains.joints.extend(lines.knots(strand).iter().step_by(KNOTS / BONES));
+            chains.joints.extend(lines.path_points(strand).iter().step_by(PATH_POINTS / BONES));
         }
         chains
     }
@@ -84,7 +83,9 @@ impl CardChains {
         let mut own = Strands::default();
         self.strands.iter().for_each(|i| own.push(strands.strand(*i as usize)));
         let curves = Curves::new(&own, None, Smoothing::WEAK);
-        (0..self.len() as u32).flat_map(|i| curves.knots(i).iter().copied().step_by(KNOTS / BONES)).collect()
+        (0..self.len() as u32)
+            .flat_map(|i| curves.path_points(i).iter().copied().step_by(PATH_POINTS / BONES))
+            .collect()
     }
 
     /// Number of chains.
@@ -151,11 +152,11 @@ fn bind(chains: impl Iterator<Item = (usize, f32)>, at: impl Fn(usize) -> f32) -
     let mut all = Vec::new();
     for (chain, weight) in chains {
         // From the middle of a bone to the middle of the next one.
-        let place = (at(chain) * BONES as f32 - 0.5).clamp(0.0, BONES as f32 - 1.0);
-        let bone = (place as usize).min(BONES - 2);
-        let share = place - bone as f32;
-        all.push((chain * BONES + bone, weight * (1.0 - share)));
-        all.push((chain * BONES + bone + 1, weight * share));
+        let coordinate = (at(chain) * BONES as f32 - 0.5).clamp(0.0, BONES as f32 - 1.0);
+        let bone = (coordinate as usize).min(BONES - 2);
+        let fraction = coordinate - bone as f32;
+        all.push((chain * BONES + bone, weight * (1.0 - fraction)));
+        all.push((chain * BONES + bone + 1, weight * fraction));
     }
     all.sort_by(|a, b| b.1.total_cmp(&a.1));
     let mut bind = CardBind::default();

@@ -6,7 +6,7 @@ use crate::{progress::in_parallel, random::Rng};
 pub(super) type Point<const N: usize> = [f32; N];
 
 /// Turns of Lloyd's algorithm.
-const TURNS: usize = 15;
+const ITERATIONS: usize = 15;
 /// Largest number of points that determine the clusters; the others join the nearest.
 const SAMPLE: usize = 60_000;
 
@@ -38,7 +38,7 @@ pub(super) fn cluster<const N: usize>(
     let sample: Vec<Point<N>> = points.iter().step_by(every).copied().collect();
     let heavy: Vec<f32> = weights.iter().step_by(every).copied().collect();
     let mut centers = seeds(&sample, &heavy, count.min(sample.len()), seed);
-    for _ in 0..TURNS {
+    for _ in 0..ITERATIONS {
         let of = in_parallel(&sample, |point| nearest(point, &centers).0);
         centers = means(&sample, &heavy, &of, &centers);
     }
@@ -57,11 +57,11 @@ fn seeds<const N: usize>(points: &[Point<N>], weights: &[f32], count: usize, see
             break;
         }
         let mut left = f64::from(rng.unit()) * sum;
-        let chosen = (0..points.len()).find(|i| {
+        let selected = (0..points.len()).find(|i| {
             left -= chance(*i);
             left < 0.0
         });
-        let center = points[chosen.unwrap_or(points.len() - 1)];
+        let center = points[selected.unwrap_or(points.len() - 1)];
         let closer = in_parallel(points, |point| distance(point, &center));
         far.iter_mut().zip(closer).for_each(|(far, d)| *far = far.min(d));
         centers.push(center);

@@ -72,14 +72,14 @@ impl Cards {
                 skin = rig.map(|rig| CardSkin::Body { rig, vertices, palette: rig.rest_pose().palette });
             } else {
                 let still = Rig::still(&mesh);
-                let made = self.chains.on(rig.unwrap_or(&still), &vertices, &look.motions);
-                file.body(&mesh, Some(&made.rig))?;
-                skin = Some(CardSkin::chains(&mut file, &made.bones));
+                let chain_rig = self.chains.on(rig.unwrap_or(&still), &vertices, &look.motions);
+                file.body(&mesh, Some(&chain_rig.rig))?;
+                skin = Some(CardSkin::chains(&mut file, &chain_rig.bones));
             }
         } else if !self.chains.is_empty() {
-            let made = self.chains.on(&Rig::default(), &vertices, &[]);
-            file.skeleton(&made.rig);
-            skin = Some(CardSkin::chains(&mut file, &made.bones));
+            let chain_rig = self.chains.on(&Rig::default(), &vertices, &[]);
+            file.skeleton(&chain_rig.rig);
+            skin = Some(CardSkin::chains(&mut file, &chain_rig.bones));
         }
         let materials = self.materials(&mut file, tint, look.alpha)?;
         if body.is_some() {
@@ -288,7 +288,7 @@ fn put_level(
 
 /// Writes positions, normals and tangents.
 fn shaped(file: &mut File, positions: &[Vec3], normals: &[Vec3], tangents: &[Vec3]) -> Value {
-    let position = file.places(positions);
+    let position = file.position_accessor(positions);
     let normal = file.floats("VEC3", 3, normals.iter().flat_map(|n| n.to_array()));
     // The bitangent, normal × tangent × w, runs against V, from tip to root.
     let tangent = file.floats("VEC4", 4, tangents.iter().flat_map(|t| t.extend(1.0).to_array()));

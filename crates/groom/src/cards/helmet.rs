@@ -3,7 +3,7 @@
 use super::{
     accuracy::soft_iou,
     atlas::{Extent, Rect},
-    lines::{KNOTS, Lines},
+    lines::{Lines, PATH_POINTS},
     mesh::{CardMesh, Surface},
     picture::{Opacity, Pyramid, Studio},
     tile::{Texel, Tile},
@@ -39,7 +39,7 @@ pub(super) fn solid(pictures: &[Opacity]) -> f32 {
 pub(super) fn shell(
     lines: &Lines<'_>,
     head: Option<&SdfGrid>,
-    (studio, wanted): (&Studio, &[Opacity]),
+    (studio, target): (&Studio, &[Opacity]),
     triangles: usize,
 ) -> Option<TriMesh> {
     let volume = HairVolume::new(lines.strands, &lines.radii, head, 0.0);
@@ -50,30 +50,30 @@ pub(super) fn shell(
         let shell = outside(volume.surface(level), head, volume.cell(), triangles)?;
         let uvs = vec![Vec2::splat(0.5); shell.positions.len()];
         let surface = Surface { positions: &shell.positions, uvs: &uvs, triangles: &shell.triangles };
-        Some((soft_iou(wanted, &studio.cards(&surface, &opaque)), shell))
+        Some((soft_iou(target, &studio.cards(&surface, &opaque)), shell))
     });
     let best = shells.into_iter().flatten().max_by(|a, b| a.0.total_cmp(&b.0));
     best.map(|(_, shell)| shell)
 }
 
 /// Keeps the large parts of `surface` that are not hidden by the head, with at most about `most` triangles.
-fn outside(mut surface: TriMesh, head: Option<&SdfGrid>, cell: f32, most: usize) -> Option<TriMesh> {
+fn outside(mut surface: TriMesh, head: Option<&SdfGrid>, cell: f32, max_triangles: usize) -> Option<TriMesh> {
     if let Some(head) = head {
         let p = surface.positions.clone();
         surface.triangles.retain(|triangle| {
             let [a, b, c] = triangle.map(|v| p[v as usize]);
-            let middle = (a + b + c) / 3.0;
-            let far = head.sample(middle);
+            let center = (a + b + c) / 3.0;
+            let far = head.sample(center);
             // The side of the shell that lies on the head cannot be seen.
-            let hidden = far < cell && (b - a).cross(c - a).dot(head.normal(middle)) < 0.0;
+            let hidden = far < cell && (b - a).cross(c - a).dot(head.normal(center)) < 0.0;
             !(far < 0.0 || hidden)
         });
     }
     let parts = surface.parts();
-    let least = SMALL * parts.first()?.area;
-    let kept = parts.iter().filter(|part| part.area >= least).flat_map(|part| &part.triangles);
+    let min_area = SMALL * parts.first()?.area;
+    let kept = parts.iter().filter(|part| part.area >= min_area).flat_map(|part| &part.triangles);
     surface.triangles = kept.map(|i| surface.triangles[*i as usize]).collect();
-    surface.triangles = surface.simplified(most)?;
+    surface.triangles = surface.simplified(max_triangles)?;
     // Drop vertices without triangles.
     let mut new = vec![u32::MAX; surface.positions.len()];
     let mut positions = Vec::new();
@@ -95,7 +95,7 @@ fn outside(mut surface: TriMesh, head: Option<&SdfGrid>, cell: f32, most: usize)
 struct Nearby {
     weight: f32,
     root: Vec3,
-    way: Vec3,
+    direction: Vec3,
     /// Fraction of the length, 0 root, 1 tip.
     along: f32,
     /// Distance from the root, meters.
@@ -103,18 +103,18 @@ struct Nearby {
 }
 
 /// Returns the mean of the strands around `p`: those farther away than `reach` count little.
-fn nearby(lines: &Lines<'_>, p: Vec3, reach: f32) -> Nearby {
+fn nearby(lines: &Lines<'_>, p: Vec3, radius: f32) -> Nearby {
     let mut sum = Nearby::default();
     for i in 0..lines.strands.len() as u32 {
-        let path = lines.knots(i);
-        for k in 0..KNOTS {
-            let near = reach * reach / (path[k].distance_squared(p) + 0.1 * reach * reach);
+        let path = lines.path_points(i);
+        for k in 0..PATH_POINTS {
+            let near = radius * radius / (path[k].distance_squared(p) + 0.1 * radius * radius);
             let weight = near.powi(4) * lines.weights[i as usize];
             sum.weight += weight;
             sum.root += weight * path[0];
-            sum.way +=
-                weight * (path[(k + 1).min(KNOTS - 1)] - path[k.saturating_sub(1)]).normalize_or_zero();
-            let along = k as f32 / (KNOTS - 1) as f32;
+            sum.direction +=
+                weight * (path[(k + 1).min(PATH_POINTS - 1)] - path[k.saturating_sub(1)]).normalize_or_zero();
+            let along = k as f32 / (PATH_POINTS - 1) as f32;
             sum.along += weight * along;
             sum.distance += weight * along * lines.length(i);
         }
@@ -123,7 +123,7 @@ fn nearby(lines: &Lines<'_>, p: Vec3, reach: f32) -> Nearby {
     Nearby {
         weight: sum.weight,
         root: sum.root * scale,
-        way: sum.way * scale,
+        direction: sum.direction * scale,
         along: sum.along * scale,
         distance: sum.distance * scale,
     }
@@ -135,7 +135,7 @@ pub(super) fn textured(
     shell: &TriMesh,
     lines: &Lines<'_>,
     volume: &HairVolume<'_>,
-    (place, size): (Rect, usize),
+    (rect, size): (Rect, usize),
 ) -> CardMesh {
     let mut mesh = CardMesh { triangles: shell.triangles.clone(), ..Default::default() };
     let (lo, hi) = shell.bounds().unwrap_or_default();
@@ -145,11 +145,11 @@ pub(super) fn textured(
         let from = *p - axis;
         let around = from.x.abs().atan2(from.z) / PI;
         let inner = |texels: usize, at: f32| INSET + at.clamp(0.0, 1.0) * (texels as f32 - 2.0 * INSET);
-        let corner = Vec2::new(place.x as f32, place.y as f32);
-        let at = Vec2::new(inner(place.width, around), inner(place.height, nearby.along));
+        let corner = Vec2::new(rect.x as f32, rect.y as f32);
+        let at = Vec2::new(inner(rect.width, around), inner(rect.height, nearby.along));
         mesh.positions.push(*p);
         mesh.normals.push(*normal);
-        mesh.tangents.push(normal.cross(nearby.way).normalize_or(normal.any_orthonormal_vector()));
+        mesh.tangents.push(normal.cross(nearby.direction).normalize_or(normal.any_orthonormal_vector()));
         mesh.uvs.push((corner + at) / size as f32);
         mesh.light.push(volume.open(*p + normal * 0.004));
         mesh.roots.push(nearby.root);
@@ -165,8 +165,8 @@ pub(super) fn tile(width: usize, height: usize, draw: impl FnOnce([usize; 2]) ->
     lock.spread();
     let texel = |i: usize| {
         let (x, y) = (i % width, i / width);
-        let (turn, at) = (x / lock.width, x % lock.width);
-        let mirrored = turn % 2 == 1;
+        let (repeat, at) = (x / lock.width, x % lock.width);
+        let mirrored = repeat % 2 == 1;
         let texel = &lock.texels[y * lock.width + if mirrored { lock.width - 1 - at } else { at }];
         let mut tangent = texel.tangent;
         if mirrored {

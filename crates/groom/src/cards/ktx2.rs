@@ -91,10 +91,10 @@ fn mips(
 }
 
 /// Returns the factor on the coverage with which the share `wanted` of the texels is opaque.
-fn opaque(sums: &[[f32; 4]], wanted: f64) -> f32 {
+fn opaque(sums: &[[f32; 4]], target_fraction: f64) -> f32 {
     let mut coverage: Vec<f32> = sums.iter().map(|sum| sum[3]).collect();
     coverage.sort_by(|a, b| b.total_cmp(a));
-    let count = (wanted * coverage.len() as f64).round() as usize;
+    let count = (target_fraction * coverage.len() as f64).round() as usize;
     match coverage.get(count.saturating_sub(1)) {
         // A little more, so that rounding to bytes does not lose the last one.
         Some(last) if count > 0 && *last > 1e-3 => (CUTOFF + 0.004) / last,

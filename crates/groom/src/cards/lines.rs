@@ -1,7 +1,7 @@
 //! Strands as cards see them: smooth paths, widths, and weights.
 
 use super::cluster::Point;
-pub(super) use crate::fill::curves::KNOTS;
+pub(super) use crate::fill::curves::PATH_POINTS;
 use crate::{
     Strands,
     bound::covering_radius,
@@ -10,7 +10,7 @@ use crate::{
 use glam::Vec3;
 
 /// Distance in a cluster's space between strands of different groups, meters.
-const APART: f32 = 10.0;
+const GROUP_DISTANCE: f32 = 10.0;
 /// Scale of the root's coordinates in a cluster's space.
 const ROOT: f32 = 0.6;
 
@@ -36,9 +36,11 @@ impl<'a> Lines<'a> {
     }
 
     /// Sets the weights from the visible area of each strand: hidden strands have a fifth of the mean weight.
-    pub(super) fn weigh(&mut self, seen: &[u32]) {
-        let mean = seen.iter().map(|count| *count as f32).sum::<f32>() / seen.len().max(1) as f32;
-        self.weights = seen.iter().map(|count| (*count as f32).max(0.2 * mean).max(1e-3)).collect();
+    pub(super) fn weigh(&mut self, visible_samples: &[u32]) {
+        let mean = visible_samples.iter().map(|count| *count as f32).sum::<f32>()
+            / visible_samples.len().max(1) as f32;
+        self.weights =
+            visible_samples.iter().map(|count| (*count as f32).max(0.2 * mean).max(1e-3)).collect();
     }
 
     /// Length of strand `i`, meters.
@@ -47,8 +49,8 @@ impl<'a> Lines<'a> {
     }
 
     /// Some points of the path of strand `i`.
-    pub(super) fn knots(&self, i: u32) -> &[Vec3] {
-        self.curves.knots(i)
+    pub(super) fn path_points(&self, i: u32) -> &[Vec3] {
+        self.curves.path_points(i)
     }
 
     /// Returns `count` points of the path of strand `i` at equal fractions of its length.
@@ -68,13 +70,13 @@ impl<'a> Lines<'a> {
         let group = |i: usize| self.strands.marks.get(i).map_or(0, |mark| mark.group);
         (0..self.strands.len())
             .map(|i| {
-                let path = self.knots(i as u32);
+                let path = self.path_points(i as u32);
                 let mut point = [0.0; 16];
                 for k in 0..5 {
                     let at = path[2 * k] * if k == 0 { ROOT } else { 1.0 };
                     point[3 * k..3 * k + 3].copy_from_slice(&at.to_array());
                 }
-                point[15] = APART * group(i) as f32;
+                point[15] = GROUP_DISTANCE * group(i) as f32;
                 point
             })
             .collect()

@@ -103,18 +103,18 @@ pub(super) fn plan<'a>(ribbons: impl IntoIterator<Item = &'a Ribbon>, triangles:
         match rows {
             None => plan.columns = 3,
             Some([row, next]) => {
-                let middle = (row + next) / 2;
-                let place = plan.rows.partition_point(|k| *k < middle);
-                plan.rows.insert(place, middle);
-                heap.extend(stretch(plan.ribbon, card, row, middle));
-                heap.extend(stretch(plan.ribbon, card, middle, next));
+                let midpoint = (row + next) / 2;
+                let index = plan.rows.partition_point(|k| *k < midpoint);
+                plan.rows.insert(index, midpoint);
+                heap.extend(stretch(plan.ribbon, card, row, midpoint));
+                heap.extend(stretch(plan.ribbon, card, midpoint, next));
             }
         }
     }
     plans
 }
 
-fn share(row: usize) -> f32 {
+fn row_fraction(row: usize) -> f32 {
     row as f32 / (ROWS - 1) as f32
 }
 
@@ -123,23 +123,23 @@ fn stretch(ribbon: &Ribbon, card: usize, row: usize, next: usize) -> Option<Refi
     if next < row + 2 {
         return None;
     }
-    let (a, b) = (ribbon.row(share(row)), ribbon.row(share(next)));
+    let (a, b) = (ribbon.row(row_fraction(row)), ribbon.row(row_fraction(next)));
     let mut error = 0.0f32;
     for k in row + 1..next {
         let t = (k - row) as f32 / (next - row) as f32;
-        let here = ribbon.row(share(k));
+        let actual_row = ribbon.row(row_fraction(k));
         for across in [-1.0, 0.0, 1.0] {
             let line = a.point(across).lerp(b.point(across), t);
-            error = error.max(here.point(across).distance(line));
+            error = error.max(actual_row.point(across).distance(line));
         }
     }
-    let error = error * ribbon.length * share(next - row);
+    let error = error * ribbon.length * row_fraction(next - row);
     (error > 1e-9).then_some(Refinement { error, card, stretch: Some([row, next]) })
 }
 
 /// Returns the refinement by a column in the middle, if the card bends across.
 fn column(ribbon: &Ribbon, card: usize) -> Option<Refinement> {
-    let bends: f32 = (0..ROWS).map(|k| ribbon.row(share(k)).bend[2].abs()).sum();
+    let bends: f32 = (0..ROWS).map(|k| ribbon.row(row_fraction(k)).bend[2].abs()).sum();
     // The mean distance of a parabola from a line at its mean height.
     let error = 0.26 * bends / ROWS as f32 * ribbon.length;
     (error > 1e-9).then_some(Refinement { error, card, stretch: None })
@@ -182,7 +182,7 @@ impl CardMesh {
     pub(super) fn push(
         &mut self,
         plan: &Plan<'_>,
-        (place, mirrored): (Rect, bool),
+        (rect, mirrored): (Rect, bool),
         size: usize,
         volume: &HairVolume<'_>,
         head: Option<&SdfGrid>,
@@ -191,7 +191,7 @@ impl CardMesh {
         self.starts.push(first);
         let columns = plan.columns;
         for k in &plan.rows {
-            let row = plan.ribbon.row(share(*k));
+            let row = plan.ribbon.row(row_fraction(*k));
             for c in 0..columns {
                 let across = 2.0 * c as f32 / (columns - 1) as f32 - 1.0;
                 // Two columns make a flat card, at the mean height of the bent one.
@@ -199,26 +199,26 @@ impl CardMesh {
                 let mut p = row.point(across) + level;
                 if let Some(head) = head {
                     // Roots are in the skin, also where the card is thick.
-                    let (least, most) = if *k == 0 { (0.0, ROOT) } else { (CLEAR, 0.0) };
+                    let (clearance, snap_distance) = if *k == 0 { (0.0, ROOT) } else { (CLEAR, 0.0) };
                     let far = head.sample(p);
-                    if far < least.max(most) {
-                        p += head.normal(p) * (least - far);
+                    if far < clearance.max(snap_distance) {
+                        p += head.normal(p) * (clearance - far);
                     }
                 }
                 let slope = (row.bend[1] + 2.0 * across * row.bend[2]) / row.half;
                 let card = (row.out - row.side * slope).normalize_or(row.out);
                 let normal = (card * (1.0 - VOLUME) + volume.outward(p) * VOLUME).normalize_or(card);
                 let u = if mirrored { -across } else { across };
-                let at =
-                    Vec2::new(0.5 * u + 0.5, share(*k)) * Vec2::new(place.width as f32, place.height as f32);
+                let at = Vec2::new(0.5 * u + 0.5, row_fraction(*k))
+                    * Vec2::new(rect.width as f32, rect.height as f32);
                 self.positions.push(p);
                 self.normals.push(normal);
                 self.tangents
                     .push(row.side.reject_from(normal).normalize_or(normal.any_orthonormal_vector()));
-                self.uvs.push((at + Vec2::new(place.x as f32, place.y as f32)) / size as f32);
+                self.uvs.push((at + Vec2::new(rect.x as f32, rect.y as f32)) / size as f32);
                 self.light.push(volume.open(p + normal * 0.004));
                 self.roots.push(self.positions[first as usize]);
-                self.along.push(share(*k) * plan.ribbon.length);
+                self.along.push(row_fraction(*k) * plan.ribbon.length);
             }
         }
         let (rows, columns) = (plan.rows.len() as u32, columns as u32);
@@ -238,8 +238,8 @@ impl CardMesh {
             (b - a).cross(c - a).normalize_or_zero()
         };
         let fold = |pair: [[u32; 3]; 2]| front(pair[0]).dot(front(pair[1]));
-        let ways = [[[a, c, b], [b, c, d]], [[a, c, d], [a, d, b]]];
-        if fold(ways[1]) > fold(ways[0]) { ways[1] } else { ways[0] }
+        let splits = [[[a, c, b], [b, c, d]], [[a, c, d], [a, d, b]]];
+        if fold(splits[1]) > fold(splits[0]) { splits[1] } else { splits[0] }
     }
 
     /// Turns the normals of the triangles from `first` on to the fronts of these triangles: engines that draw both

@@ -31,24 +31,25 @@ pub(super) fn ordered(studio: &Studio, mesh: &CardMesh, alpha: &Pyramid, tones: 
     }
     let count = mesh.starts.len();
     // For each card, the others that it meets: the cost of being drawn before them and after them.
-    let mut meets = vec![Vec::new(); count];
+    let mut overlaps = vec![Vec::new(); count];
     for (&(front, back), &weight) in &conflicts {
-        meets[front as usize].push((back, weight, 0.0));
-        meets[back as usize].push((front, 0.0, weight));
+        overlaps[front as usize].push((back, weight, 0.0));
+        overlaps[back as usize].push((front, 0.0, weight));
     }
     let mut order: Vec<u32> = (0..count as u32).collect();
-    let mut place: Vec<usize> = (0..count).collect();
+    let mut ranks: Vec<usize> = (0..count).collect();
     for _ in 0..ROUNDS {
-        let mut moved = false;
+        let mut changed = false;
         for card in 0..count {
-            let meets = &mut meets[card];
-            meets.sort_unstable_by_key(|(other, before, _)| (place[*other as usize], before.to_bits()));
+            let card_overlaps = &mut overlaps[card];
+            card_overlaps
+                .sort_unstable_by_key(|(other, before, _)| (ranks[*other as usize], before.to_bits()));
             // The cost relative to that before all others, after each of them.
             let (mut cost, mut best, mut now) = (0.0f32, (0.0f32, None), 0.0);
-            for (other, before, after) in meets.iter() {
-                let at = place[*other as usize];
+            for (other, before, after) in card_overlaps.iter() {
+                let at = ranks[*other as usize];
                 cost += after - before;
-                if at < place[card] {
+                if at < ranks[card] {
                     now = cost;
                 }
                 if cost < best.0 {
@@ -56,7 +57,7 @@ pub(super) fn ordered(studio: &Studio, mesh: &CardMesh, alpha: &Pyramid, tones: 
                 }
             }
             if best.0 < now - 1e-3 * now.abs() - 1e-6 {
-                let from = place[card];
+                let from = ranks[card];
                 order.remove(from);
                 let to = match best.1 {
                     None => 0,
@@ -65,11 +66,11 @@ pub(super) fn ordered(studio: &Studio, mesh: &CardMesh, alpha: &Pyramid, tones: 
                 };
                 order.insert(to, card as u32);
                 let (low, high) = (from.min(to), from.max(to));
-                (low..=high).for_each(|k| place[order[k] as usize] = k);
-                moved = true;
+                (low..=high).for_each(|k| ranks[order[k] as usize] = k);
+                changed = true;
             }
         }
-        if !moved {
+        if !changed {
             break;
         }
     }
@@ -78,9 +79,9 @@ pub(super) fn ordered(studio: &Studio, mesh: &CardMesh, alpha: &Pyramid, tones: 
 
 /// Adds how much a sample changes if two of its layers, which are sorted from the front, are drawn in the wrong order.
 fn add_conflicts(conflicts: &mut Conflicts, layers: &[Layer]) {
-    let mut reaches = 1.0;
+    let mut transmittance = 1.0;
     for (i, front) in layers.iter().enumerate() {
-        let mut passes = reaches;
+        let mut passes = transmittance;
         for back in &layers[i + 1..] {
             let weight = passes * front.alpha * back.alpha * (0.02 + (front.tone - back.tone).abs());
             if weight > 1e-3 && front.card != back.card {
@@ -88,7 +89,7 @@ fn add_conflicts(conflicts: &mut Conflicts, layers: &[Layer]) {
             }
             passes *= 1.0 - back.alpha;
         }
-        reaches *= 1.0 - front.alpha;
+        transmittance *= 1.0 - front.alpha;
     }
 }
 

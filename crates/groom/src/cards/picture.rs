@@ -2,7 +2,7 @@
 
 use super::{
     mesh::{CardMesh, Surface},
-    strip::{samples, shares},
+    strip::{sample_coverage, samples},
 };
 use crate::{Strands, TriMesh, progress::in_parallel};
 use glam::{Vec2, Vec3};
@@ -39,7 +39,7 @@ pub(super) struct Layer {
 
 /// Parallel projections of a sphere, and a head that hides hair behind it.
 pub(super) struct Studio {
-    middle: Vec3,
+    center: Vec3,
     /// Samples per meter.
     scale: f32,
     /// Pixels along each edge, and samples along each edge of a pixel.
@@ -65,7 +65,7 @@ impl Studio {
     pub(super) fn new((lo, hi): (Vec3, Vec3), [size, fine]: [usize; 2], head: Option<&TriMesh>) -> Self {
         let radius = (0.51 * lo.distance(hi)).max(1e-6);
         let scale = (size * fine) as f32 / (2.0 * radius);
-        let mut studio = Self { middle: 0.5 * (lo + hi), scale, size, fine, head: Vec::new() };
+        let mut studio = Self { center: 0.5 * (lo + hi), scale, size, fine, head: Vec::new() };
         studio.head = in_parallel(&EYES, |back| studio.eye(*back).depths(head));
         studio
     }
@@ -74,7 +74,7 @@ impl Studio {
     /// front.
     pub(super) fn strands(&self, strands: &Strands, radii: &[f32]) -> (Vec<Opacity>, Vec<u32>) {
         const NONE: u32 = u32::MAX;
-        let seen = in_parallel(&self.eyes(), |(back, behind)| {
+        let views = in_parallel(&self.eyes(), |(back, behind)| {
             let eye = self.eye(*back);
             let mut depths = behind.to_vec();
             let mut nearest = vec![NONE; depths.len()];
@@ -82,7 +82,7 @@ impl Studio {
             for i in 0..strands.len() {
                 let range = strands.range(i);
                 for k in range.start + 1..range.end {
-                    let (a, b) = (eye.place(strands.positions[k - 1]), eye.place(strands.positions[k]));
+                    let (a, b) = (eye.project(strands.positions[k - 1]), eye.project(strands.positions[k]));
                     let half = [radii[k - 1] * self.scale, radii[k] * self.scale];
                     let depth = |t: f32| a.1 + (b.1 - a.1) * t;
                     samples([a.0, b.0], half, [eye.wide(); 2], |at, t| {
@@ -90,9 +90,9 @@ impl Studio {
                             (depths[at], nearest[at]) = (depth(t), i as u32);
                         }
                     });
-                    shares([a.0, b.0], half, [eye.wide(); 2], |at, t, share| {
+                    sample_coverage([a.0, b.0], half, [eye.wide(); 2], |at, t, coverage| {
                         if depth(t) > behind[at] {
-                            passes[at] *= 1.0 - share;
+                            passes[at] *= 1.0 - coverage;
                         }
                     });
                 }
@@ -104,7 +104,7 @@ impl Studio {
         });
         let mut counts = vec![0; strands.len()];
         let mut images = Vec::new();
-        for (opacity, found) in seen {
+        for (opacity, found) in views {
             counts.iter_mut().zip(found).for_each(|(sum, found)| *sum += found);
             images.push(opacity);
         }
@@ -138,7 +138,7 @@ impl Studio {
         mesh: &CardMesh,
         alpha: &Pyramid,
         tones: &[f32],
-        see: impl Fn(&mut R, &[Layer]) + Sync,
+        visit: impl Fn(&mut R, &[Layer]) + Sync,
     ) -> Vec<R> {
         in_parallel(&self.eyes(), |(back, depths)| {
             let eye = self.eye(*back);
@@ -163,7 +163,7 @@ impl Studio {
             let mut found = R::default();
             for layers in samples.iter_mut().filter(|layers| !layers.is_empty()) {
                 layers.sort_by(|a, b| b.depth.total_cmp(&a.depth));
-                see(&mut found, layers);
+                visit(&mut found, layers);
             }
             found
         })
@@ -176,8 +176,8 @@ impl Studio {
 
     fn eye(&self, back: Vec3) -> Eye<'_> {
         let back = back.normalize();
-        let aside = if back.y.abs() > 0.99 { Vec3::Z } else { Vec3::Y };
-        let right = aside.cross(back).normalize();
+        let reference_axis = if back.y.abs() > 0.99 { Vec3::Z } else { Vec3::Y };
+        let right = reference_axis.cross(back).normalize();
         Eye { studio: self, right, up: back.cross(right), back }
     }
 
@@ -194,15 +194,15 @@ impl Studio {
 }
 
 /// A position in samples, and towards the eye in meters.
-type Place = (Vec2, f32);
+type ProjectedPoint = (Vec2, f32);
 
 impl Eye<'_> {
     fn wide(&self) -> usize {
         self.studio.size * self.studio.fine
     }
 
-    fn place(&self, p: Vec3) -> Place {
-        let from = p - self.studio.middle;
+    fn project(&self, p: Vec3) -> ProjectedPoint {
+        let from = p - self.studio.center;
         let flat = Vec2::new(from.dot(self.right), -from.dot(self.up)) * self.studio.scale;
         (flat + 0.5 * self.wide() as f32, from.dot(self.back))
     }
@@ -220,8 +220,8 @@ impl Eye<'_> {
 
     /// Calls `see` for each sample of a triangle: its index, barycentric coordinates, depth, and the triangle's area in
     /// samples.
-    fn fill(&self, corners: [Vec3; 3], mut see: impl FnMut(usize, [f32; 3], f32, f32)) {
-        let [a, b, c] = corners.map(|p| self.place(p));
+    fn fill(&self, corners: [Vec3; 3], mut visit: impl FnMut(usize, [f32; 3], f32, f32)) {
+        let [a, b, c] = corners.map(|p| self.project(p));
         let twice = (b.0 - a.0).perp_dot(c.0 - a.0);
         if twice.abs() < 1e-9 {
             return;
@@ -238,7 +238,7 @@ impl Eye<'_> {
                 let v = (c.0 - p).perp_dot(a.0 - p) / twice;
                 let w = 1.0 - u - v;
                 if u >= 0.0 && v >= 0.0 && w > 0.0 {
-                    see(y * wide + x, [u, v, w], u * a.1 + v * b.1 + w * c.1, 0.5 * twice.abs());
+                    visit(y * wide + x, [u, v, w], u * a.1 + v * b.1 + w * c.1, 0.5 * twice.abs());
                 }
             }
         }

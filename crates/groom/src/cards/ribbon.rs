@@ -16,7 +16,7 @@ const INSIDE: f32 = 0.98;
 const ROOTS: f32 = 0.995;
 const TIPS: f32 = 0.98;
 /// Least half width, meters.
-const LEAST: f32 = 0.0005;
+const MIN_HALF_WIDTH: f32 = 0.0005;
 /// Fraction of the depth's standard deviation by which the ribbon lies outside the middle of its lock: outer strands
 /// make the silhouette.
 const OUTSIDE: f32 = 0.7;
@@ -140,9 +140,9 @@ fn bell(k: usize, breadth: f32) -> impl Iterator<Item = (usize, f32)> {
 }
 
 /// Returns the value below which the fraction `share` of the weight of `values` lies.
-fn percentile(values: &mut [(f32, f32)], share: f32) -> f32 {
+fn percentile(values: &mut [(f32, f32)], fraction: f32) -> f32 {
     values.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut left = share * values.iter().map(|(_, weight)| weight).sum::<f32>();
+    let mut left = fraction * values.iter().map(|(_, weight)| weight).sum::<f32>();
     for (value, weight) in values.iter() {
         left -= weight;
         if left <= 0.0 {
@@ -155,7 +155,7 @@ fn percentile(values: &mut [(f32, f32)], share: f32) -> f32 {
 impl Ribbon {
     /// Fits a ribbon to the strands `members`.
     pub(super) fn fit(lines: &Lines<'_>, members: &[u32], volume: &HairVolume<'_>) -> Self {
-        let mut ribbon = Self::middle(lines, members);
+        let mut ribbon = Self::mean_line(lines, members);
         (0..2).for_each(|_| ribbon.refine(lines, members));
         ribbon.face(lines, members, volume);
         ribbon.widen(lines, members);
@@ -163,16 +163,17 @@ impl Ribbon {
     }
 
     /// Returns the mean line of the members, with their mean length.
-    fn middle(lines: &Lines<'_>, members: &[u32]) -> Self {
+    fn mean_line(lines: &Lines<'_>, members: &[u32]) -> Self {
         let total: f32 = members.iter().map(|i| lines.weights[*i as usize]).sum();
         let mean = |k: usize| {
-            let sum = members.iter().map(|i| lines.weights[*i as usize] * lines.knots(*i)[k]).sum::<Vec3>();
+            let sum =
+                members.iter().map(|i| lines.weights[*i as usize] * lines.path_points(*i)[k]).sum::<Vec3>();
             sum / total
         };
-        let points: Vec<_> = (0..super::lines::KNOTS).map(mean).collect();
-        let wanted =
+        let points: Vec<_> = (0..super::lines::PATH_POINTS).map(mean).collect();
+        let target_length =
             members.iter().map(|i| lines.weights[*i as usize] * lines.length(*i)).sum::<f32>() / total;
-        let scale = (wanted / curve::length(&points).max(1e-9)).clamp(1.0, 1.5);
+        let scale = (target_length / curve::length(&points).max(1e-9)).clamp(1.0, 1.5);
         let mut at = points[0];
         let stretched: Vec<_> = std::iter::once(at)
             .chain(points.windows(2).map(|edge| {
@@ -188,8 +189,8 @@ impl Ribbon {
         let length = curve::length(points).max(1e-6);
         let even = curve::resample_chords(points, ROWS);
         let row = |k: usize| {
-            let way = even[(k + 1).min(ROWS - 1)] - even[k.saturating_sub(1)];
-            let along = way.normalize_or(Vec3::NEG_Y);
+            let delta = even[(k + 1).min(ROWS - 1)] - even[k.saturating_sub(1)];
+            let along = delta.normalize_or(Vec3::NEG_Y);
             let side = along.any_orthonormal_vector();
             Row { center: even[k], along, side, out: along.cross(side), ..Row::default() }
         };
@@ -206,7 +207,7 @@ impl Ribbon {
             let weight = lines.weights[*i as usize];
             let mut guess = 0.0;
             for (step, p) in lines.path(*i, STEPS + 1).enumerate() {
-                guess = self.share(p, guess);
+                guess = self.closest_fraction(p, guess);
                 points.push((guess, p, weight));
                 match step {
                     0 => roots.push((guess, weight)),
@@ -223,11 +224,13 @@ impl Ribbon {
         for (v, p, weight) in points {
             let x = (v - begin) / step;
             for k in (x.floor() as isize - 1)..=(x.floor() as isize + 2) {
-                if let Some((sum, share, total)) = usize::try_from(k).ok().and_then(|k| sums.get_mut(k)) {
+                if let Some((sum, fraction_sum, total)) =
+                    usize::try_from(k).ok().and_then(|k| sums.get_mut(k))
+                {
                     let off = (x - k as f32) * step / breadth;
                     let weight = weight * (-0.5 * off * off).exp();
                     *sum += weight * p;
-                    *share += weight * v;
+                    *fraction_sum += weight * v;
                     *total += weight;
                 }
             }
@@ -251,10 +254,10 @@ impl Ribbon {
             .map(|k| 0.5 * get(k) + 0.2 * (get(k - 1) + get(k + 1)) + 0.05 * (get(k - 2) + get(k + 2)))
             .collect();
         // The means at the ends are of points inside: lengthen the line to the roots and tips.
-        let beyond =
+        let extend =
             |end: Vec3, next: Vec3, far: f32| end + (end - next).normalize_or_zero() * (far * self.length);
-        let first = beyond(points[0], points[1], means[0].1 - begin);
-        let tip = beyond(points[last as usize], points[last as usize - 1], end - means[last as usize].1);
+        let first = extend(points[0], points[1], means[0].1 - begin);
+        let tip = extend(points[last as usize], points[last as usize - 1], end - means[last as usize].1);
         points.insert(0, first);
         points.push(tip);
         if points.len() > 1 && curve::length(&points) > 1e-5 {
@@ -269,7 +272,7 @@ impl Ribbon {
             let weight = lines.weights[*i as usize];
             let mut guess = 0.0;
             for p in lines.path(*i, ROWS) {
-                let v = self.share(p, guess).clamp(0.0, 1.0);
+                let v = self.closest_fraction(p, guess).clamp(0.0, 1.0);
                 guess = v;
                 let x = v * (ROWS - 1) as f32;
                 let low = (x as usize).min(ROWS - 2);
@@ -301,15 +304,15 @@ impl Ribbon {
             tensors.push((form(*a, *b), 0.5 * (form(*a, *a) - form(*b, *b)), out));
         }
         let mut angle = None;
-        let most = TWIST * self.length / (ROWS - 1) as f32;
+        let max_twist = TWIST * self.length / (ROWS - 1) as f32;
         for ((row, (a, b)), (cross, difference, _)) in self.rows.iter_mut().zip(&frames).zip(&tensors) {
             let found = 0.5 * cross.atan2(*difference);
             let next = match angle {
                 None => found,
                 // The axis has no sign: take the nearest of the two.
                 Some(last) => {
-                    let turn: f32 = found - last;
-                    last + (turn - PI * (turn / PI).round()).clamp(-most, most)
+                    let change: f32 = found - last;
+                    last + (change - PI * (change / PI).round()).clamp(-max_twist, max_twist)
                 }
             };
             angle = Some(next);
@@ -330,7 +333,8 @@ impl Ribbon {
             let (strand, radii) = lines.strand(*i);
             let weight = lines.weights[*i as usize] / strand.len() as f32;
             for (k, (p, radius)) in strand.iter().zip(radii).enumerate() {
-                let v = self.share(*p, k as f32 / (strand.len() - 1).max(1) as f32).clamp(0.0, 1.0);
+                let v =
+                    self.closest_fraction(*p, k as f32 / (strand.len() - 1).max(1) as f32).clamp(0.0, 1.0);
                 let row = self.row(v);
                 let off = *p - row.center;
                 let x = (v * (ROWS - 1) as f32).round() as usize;
@@ -356,7 +360,7 @@ impl Ribbon {
             }
             let [left, right] = sum.map(|sum| sum / f32::max(total, 1e-9));
             let row = &mut self.rows[k];
-            row.half = (0.5 * (left + right)).max(LEAST);
+            row.half = (0.5 * (left + right)).max(MIN_HALF_WIDTH);
             row.shift = 0.5 * (right - left);
         }
         let mut moments = vec![Moments::default(); ROWS];
@@ -382,12 +386,12 @@ impl Ribbon {
 
     /// Returns the fraction of the length at which the line is nearest to `p`, below 0 or above 1 beyond its ends.
     /// `guess` is close to it.
-    fn share(&self, p: Vec3, guess: f32) -> f32 {
+    fn closest_fraction(&self, p: Vec3, guess: f32) -> f32 {
         let mut v = guess;
         for _ in 0..4 {
             let row = self.row(v);
-            let beyond = v - v.clamp(0.0, 1.0);
-            let center = row.center + row.along * (beyond * self.length);
+            let excess = v - v.clamp(0.0, 1.0);
+            let center = row.center + row.along * (excess * self.length);
             v = (v + ((p - center).dot(row.along) / self.length).clamp(-0.2, 0.2)).clamp(-0.5, 2.0);
         }
         v
@@ -395,7 +399,7 @@ impl Ribbon {
 
     /// Returns `p` in the frame of the ribbon. `guess` is close to its position along.
     pub(super) fn flat(&self, p: Vec3, guess: f32) -> Flat {
-        let v = self.share(p, guess);
+        let v = self.closest_fraction(p, guess);
         let row = self.row(v);
         let off = p - row.center;
         let across = (off.dot(row.side) - row.shift) / row.half;

@@ -6,7 +6,7 @@ use glam::Vec3;
 use std::f32::consts::PI;
 
 /// Distance from a root within which hair colors the skin, meters.
-const REACH: f32 = 0.008;
+const RADIUS: f32 = 0.008;
 /// Number of roots by which the density at a vertex is measured.
 const COUNT: usize = 16;
 /// Length of the part of a strand that lies over the skin near its root, meters.
@@ -31,9 +31,9 @@ impl CardScalp {
         let color = |i: usize| lines.strands.colors.get(first(i)).copied().unwrap_or(Vec3::ONE);
         let found = in_parallel(&head.positions, |p| {
             let mut near = Vec::new();
-            tree.nearest(*p, COUNT, REACH, &mut near);
+            tree.nearest(*p, COUNT, RADIUS, &mut near);
             // The area in which these roots are; with fewer than asked for, all of the reach.
-            let radius = if near.len() < COUNT { REACH } else { near[COUNT - 1].0.sqrt().max(1e-4) };
+            let radius = if near.len() < COUNT { RADIUS } else { near[COUNT - 1].0.sqrt().max(1e-4) };
             let width: f32 = near.iter().map(|(_, i)| 2.0 * lines.radii[first(*i as usize)]).sum();
             let cover = 1.0 - (-width * LYING / (PI * radius * radius)).exp();
             let sum: Vec3 = near.iter().map(|(_, i)| color(*i as usize)).sum();

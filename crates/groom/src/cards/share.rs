@@ -27,15 +27,15 @@ pub(super) struct Likeness {
 
 /// Returns for each lock the lock whose tile it uses; at most `count` different ones.
 pub(super) fn alike(lines: &Lines<'_>, locks: &[Lock], count: usize, seed: u32) -> Vec<Likeness> {
-    let looks: Vec<(Point<FEATURES>, bool)> = in_parallel(locks, |lock| look(lines, lock));
-    let points: Vec<_> = looks.iter().map(|(point, _)| *point).collect();
+    let features: Vec<(Point<FEATURES>, bool)> = in_parallel(locks, |lock| look(lines, lock));
+    let points: Vec<_> = features.iter().map(|(point, _)| *point).collect();
     let weights: Vec<f32> = locks.iter().map(|lock| lock.ribbon.half() * lock.ribbon.length).collect();
     let of = cluster(&points, &weights, count, seed);
     let classes = of.iter().max().map_or(0, |last| *last as usize + 1);
     let medoids: Vec<u32> = (0..classes as u32).map(|class| medoid(&points, &weights, &of, class)).collect();
     let like = |i: usize| {
         let lock = medoids[of[i] as usize];
-        Likeness { lock, mirrored: looks[i].1 != looks[lock as usize].1 }
+        Likeness { lock, mirrored: features[i].1 != features[lock as usize].1 }
     };
     (0..locks.len()).map(like).collect()
 }

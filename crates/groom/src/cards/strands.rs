@@ -102,19 +102,19 @@ fn columns(mesh: &CardMesh, card: usize) -> Vec<Column> {
 
 /// Returns the guides that most of the hair of a card follows, without scales.
 fn influences(strands: &BoundStrands, members: &[u32]) -> Vec<Influence> {
-    let mut shares = std::collections::BTreeMap::new();
+    let mut totals = std::collections::BTreeMap::new();
     for i in members {
         let binding = &strands.bindings[*i as usize];
         let weights = [1.0 - binding.weight_b - binding.weight_c, binding.weight_b, binding.weight_c];
         for (guide, weight) in binding.guides.into_iter().zip(weights) {
-            *shares.entry(guide).or_insert(0.0) += weight;
+            *totals.entry(guide).or_insert(0.0) += weight;
         }
     }
-    let mut shares: Vec<(u32, f32)> = shares.into_iter().filter(|(_, share)| *share > 0.0).collect();
-    shares.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-    shares.truncate(INFLUENCES);
-    let sum: f32 = shares.iter().map(|(_, share)| share).sum();
-    shares.into_iter().map(|(guide, share)| Influence { guide, weight: share / sum, scale: 1.0 }).collect()
+    let mut ranked: Vec<(u32, f32)> = totals.into_iter().filter(|(_, weight)| *weight > 0.0).collect();
+    ranked.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    ranked.truncate(INFLUENCES);
+    let sum: f32 = ranked.iter().map(|(_, weight)| weight).sum();
+    ranked.into_iter().map(|(guide, weight)| Influence { guide, weight: weight / sum, scale: 1.0 }).collect()
 }
 
 /// Returns a strand as wide as the share of one of `columns` in the hair of a card, with its color, and the fraction of
@@ -130,9 +130,9 @@ fn fibers(strands: &BoundStrands, members: &[u32], columns: usize) -> (Strand, V
     let sum: f32 = members.iter().map(|i| strand(*i).radius).sum();
     let radii = (0..ROWS).map(|k| {
         let reached = longest * k as f32 / (ROWS - 1) as f32;
-        let there = members.iter().zip(&lengths).filter(|(_, length)| **length >= reached);
-        there.map(|(i, _)| strand(*i).radius).sum::<f32>() / sum.max(1e-12)
+        let reaching = members.iter().zip(&lengths).filter(|(_, length)| **length >= reached);
+        reaching.map(|(i, _)| strand(*i).radius).sum::<f32>() / sum.max(1e-12)
     });
-    let middle = members[members.len() / 2];
-    (Strand { radius: sum / columns as f32, ..*strand(middle) }, radii.collect())
+    let representative = members[members.len() / 2];
+    (Strand { radius: sum / columns as f32, ..*strand(representative) }, radii.collect())
 }

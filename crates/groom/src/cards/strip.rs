@@ -10,8 +10,8 @@ struct Slice {
     /// Fraction of the way from the first end.
     t: f32,
     /// Middle and half of the extent, samples.
-    middle: f32,
-    reach: f32,
+    center: f32,
+    half_extent: f32,
     /// Index of the column's first sample, and the step to its next one.
     first: usize,
     step: usize,
@@ -20,11 +20,11 @@ struct Slice {
 }
 
 /// Calls `see` for each column of samples between the ends of a strip.
-fn slices([a, b]: [Vec2; 2], half: [f32; 2], [width, height]: [usize; 2], mut see: impl FnMut(Slice)) {
-    let way = b - a;
-    let steep = way.y.abs() > way.x.abs();
-    let turned = |p: Vec2| if steep { Vec2::new(p.y, p.x) } else { p };
-    let (mut low, mut high) = (turned(a), turned(b));
+fn slices([a, b]: [Vec2; 2], half: [f32; 2], [width, height]: [usize; 2], mut visit: impl FnMut(Slice)) {
+    let delta = b - a;
+    let steep = delta.y.abs() > delta.x.abs();
+    let swap_if_steep = |p: Vec2| if steep { Vec2::new(p.y, p.x) } else { p };
+    let (mut low, mut high) = (swap_if_steep(a), swap_if_steep(b));
     let backward = low.x > high.x;
     if backward {
         (low, high) = (high, low);
@@ -42,11 +42,11 @@ fn slices([a, b]: [Vec2; 2], half: [f32; 2], [width, height]: [usize; 2], mut se
     let last = ((high.x - 0.5).ceil() - 1.0).min(columns as f32 - 1.0);
     let mut column = first;
     while column <= last {
-        let share = (column + 0.5 - low.x) / long;
-        let t = if backward { 1.0 - share } else { share };
-        let middle = low.y + slope * (column + 0.5 - low.x);
-        let reach = (half[0] + (half[1] - half[0]) * t) * stretch;
-        see(Slice { t, middle, reach, first: column as usize * across, step, count });
+        let fraction = (column + 0.5 - low.x) / long;
+        let t = if backward { 1.0 - fraction } else { fraction };
+        let center = low.y + slope * (column + 0.5 - low.x);
+        let half_extent = (half[0] + (half[1] - half[0]) * t) * stretch;
+        visit(Slice { t, center, half_extent, first: column as usize * across, step, count });
         column += 1.0;
     }
 }
@@ -54,13 +54,13 @@ fn slices([a, b]: [Vec2; 2], half: [f32; 2], [width, height]: [usize; 2], mut se
 /// Calls `see` with the index of every sample whose center (0.5, 1.5, …) is in the strip from `a` to `b`, and the
 /// fraction of the way from `a`. A strip narrower than a sample covers no sample in some places, but on average as many
 /// as its area has. `half` is half its width at both ends.
-pub(super) fn samples(ends: [Vec2; 2], half: [f32; 2], size: [usize; 2], mut see: impl FnMut(usize, f32)) {
+pub(super) fn samples(ends: [Vec2; 2], half: [f32; 2], size: [usize; 2], mut visit: impl FnMut(usize, f32)) {
     slices(ends, half, size, |slice| {
-        let from = (slice.middle - slice.reach - 0.5).ceil().max(0.0);
-        let to = ((slice.middle + slice.reach - 0.5).ceil() - 1.0).min(slice.count as f32 - 1.0);
+        let from = (slice.center - slice.half_extent - 0.5).ceil().max(0.0);
+        let to = ((slice.center + slice.half_extent - 0.5).ceil() - 1.0).min(slice.count as f32 - 1.0);
         let mut row = from;
         while row <= to {
-            see(slice.first + row as usize * slice.step, slice.t);
+            visit(slice.first + row as usize * slice.step, slice.t);
             row += 1.0;
         }
     });
@@ -68,19 +68,19 @@ pub(super) fn samples(ends: [Vec2; 2], half: [f32; 2], size: [usize; 2], mut see
 
 /// Calls `see` with the index of every sample that the strip touches, the fraction of the way from its first end, and
 /// the fraction of the sample that it covers.
-pub(super) fn shares(
+pub(super) fn sample_coverage(
     ends: [Vec2; 2],
     half: [f32; 2],
     size: [usize; 2],
-    mut see: impl FnMut(usize, f32, f32),
+    mut visit: impl FnMut(usize, f32, f32),
 ) {
     slices(ends, half, size, |slice| {
-        let (low, high) = (slice.middle - slice.reach, slice.middle + slice.reach);
+        let (low, high) = (slice.center - slice.half_extent, slice.center + slice.half_extent);
         let to = (high.ceil() - 1.0).min(slice.count as f32 - 1.0);
         let mut row = low.floor().max(0.0);
         while row <= to {
-            let share = high.min(row + 1.0) - low.max(row);
-            see(slice.first + row as usize * slice.step, slice.t, share);
+            let coverage = high.min(row + 1.0) - low.max(row);
+            visit(slice.first + row as usize * slice.step, slice.t, coverage);
             row += 1.0;
         }
     });
@@ -104,7 +104,7 @@ mod tests {
                     assert!((0.0..=1.0).contains(&t));
                     found += 1;
                 });
-                shares(ends, [half; 2], [100, 100], |_, _, share| shared += share);
+                sample_coverage(ends, [half; 2], [100, 100], |_, _, share| shared += share);
             }
             assert!((shared / area - 1.0).abs() < 0.01, "{half}: {shared} of {area}");
             assert!((found as f32 / area - 1.0).abs() < 0.02, "{half}: {found} of {area}");

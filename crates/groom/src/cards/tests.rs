@@ -53,7 +53,7 @@ fn hair(count: u32) -> Strands {
 }
 
 fn options(levels: &[u32]) -> CardOptions {
-    CardOptions { levels: levels.to_vec(), texture: 512, textures: 16, ..Default::default() }
+    CardOptions { levels: levels.to_vec(), texture_size: 512, lock_texture_count: 16, ..Default::default() }
 }
 
 fn baked(strands: &Strands, head: Option<&TriMesh>, levels: &[u32]) -> Cards {
@@ -150,7 +150,7 @@ fn budgets_belong_to_the_levels_that_are_asked_for() {
 
 /// Returns cards with a helmet of hair with a number of strands.
 fn with_helmet(strands: u32) -> Cards {
-    let options = CardOptions { helmet: true, triangles: vec![400, 200], ..options(&[20]) };
+    let options = CardOptions { has_helmet: true, triangles: vec![400, 200], ..options(&[20]) };
     bake(&hair(strands), Some(&head()), &options).unwrap()
 }
 
@@ -288,10 +288,13 @@ fn unusable_input_is_refused_with_a_reason() {
         assert!(refused(&strands, &options(&levels)).contains("list of levels"), "{levels:?}");
     }
     for texture in [0, 100, 16384] {
-        assert!(refused(&strands, &CardOptions { texture, ..options(&[4]) }).contains("texture size"));
+        assert!(
+            refused(&strands, &CardOptions { texture_size: texture, ..options(&[4]) })
+                .contains("texture size")
+        );
     }
     assert!(refused(&strands, &CardOptions { triangles: vec![3], ..options(&[4]) }).contains("two per card"));
-    let crowded = CardOptions { texture: 128, textures: 1024, ..options(&[1500]) };
+    let crowded = CardOptions { texture_size: 128, lock_texture_count: 1024, ..options(&[1500]) };
     assert!(refused(&hair(1600), &crowded).contains("do not fit"));
     let mut points = Strands::default();
     points.push(&[Vec3::ONE; 3]);
@@ -403,7 +406,8 @@ mod files {
     /// Returns how far cards of swaying hair are from where they should be with a number of chains, and how far without.
     fn swayed(chains: u32) -> [f32; 2] {
         let (strands, head) = (&sample().0, &sample().1);
-        let cards = bake(strands, Some(head), &CardOptions { chains, ..options(&[60]) }).unwrap();
+        let cards =
+            bake(strands, Some(head), &CardOptions { chain_count: chains, ..options(&[60]) }).unwrap();
         let sway = |p: Vec3, root: Vec3| p + 2.0 * (p - root).length_squared() * Vec3::X;
         let mut moved = strands.clone();
         for i in 0..moved.len() {
@@ -437,7 +441,8 @@ mod files {
     #[test]
     fn chains_of_bones_carry_the_cards() {
         let (strands, head) = (&sample().0, &sample().1);
-        let cards = bake(strands, Some(head), &CardOptions { chains: 12, ..options(&[60, 20]) }).unwrap();
+        let cards =
+            bake(strands, Some(head), &CardOptions { chain_count: 12, ..options(&[60, 20]) }).unwrap();
         assert_eq!(cards.chains.len(), 12);
         assert_eq!(cards.chains.followed(strands), cards.chains.joints);
         for level in &cards.levels {

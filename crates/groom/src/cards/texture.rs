@@ -39,24 +39,24 @@ fn byte(value: f32) -> u8 {
 
 /// Calls `see` with the index of each texel of a texture that a tile covers or that is close to one, the tile's texel
 /// there, and whether it is in the tile.
-fn each(size: usize, places: &[Rect], tiles: &[Tile], mut see: impl FnMut(usize, &Texel, bool)) {
+fn each(size: usize, rects: &[Rect], tiles: &[Tile], mut visit: impl FnMut(usize, &Texel, bool)) {
     let margin = gutter(size) / 2;
-    for (place, tile) in places.iter().zip(tiles) {
-        for y in place.y.saturating_sub(margin)..(place.y + place.height + margin).min(size) {
-            for x in place.x.saturating_sub(margin)..(place.x + place.width + margin).min(size) {
-                let i = x.saturating_sub(place.x).min(place.width - 1);
-                let j = y.saturating_sub(place.y).min(place.height - 1);
-                let inside = place.x + i == x && place.y + j == y;
-                see(y * size + x, &tile.texels[j * tile.width + i], inside);
+    for (rect, tile) in rects.iter().zip(tiles) {
+        for y in rect.y.saturating_sub(margin)..(rect.y + rect.height + margin).min(size) {
+            for x in rect.x.saturating_sub(margin)..(rect.x + rect.width + margin).min(size) {
+                let i = x.saturating_sub(rect.x).min(rect.width - 1);
+                let j = y.saturating_sub(rect.y).min(rect.height - 1);
+                let inside = rect.x + i == x && rect.y + j == y;
+                visit(y * size + x, &tile.texels[j * tile.width + i], inside);
             }
         }
     }
 }
 
 /// Returns the coverage of a texture of `size` texels with `tiles` at `places`.
-pub(super) fn coverage(size: usize, places: &[Rect], tiles: &[Tile]) -> Vec<f32> {
+pub(super) fn coverage(size: usize, rects: &[Rect], tiles: &[Tile]) -> Vec<f32> {
     let mut coverage = vec![0.0; size * size];
-    each(size, places, tiles, |i, texel, inside| coverage[i] = if inside { texel.coverage } else { 0.0 });
+    each(size, rects, tiles, |i, texel, inside| coverage[i] = if inside { texel.coverage } else { 0.0 });
     coverage
 }
 
@@ -66,9 +66,9 @@ fn tinted(texel: &Texel) -> Vec3 {
 }
 
 /// Returns the brightness of a texture of `size` texels with `tiles` at `places`.
-pub(super) fn tones(size: usize, places: &[Rect], tiles: &[Tile]) -> Vec<f32> {
+pub(super) fn tones(size: usize, rects: &[Rect], tiles: &[Tile]) -> Vec<f32> {
     let mut tones = vec![0.0; size * size];
-    each(size, places, tiles, |i, texel, _| tones[i] = tinted(texel).dot(LUMINANCE));
+    each(size, rects, tiles, |i, texel, _| tones[i] = tinted(texel).dot(LUMINANCE));
     tones
 }
 
@@ -90,7 +90,7 @@ impl CardTextures {
         (Texture { width: self.size, height: self.size, rgba }, mean)
     }
 
-    pub(super) fn new(size: usize, places: &[Rect], tiles: &[Tile], has_colors: bool) -> Self {
+    pub(super) fn new(size: usize, rects: &[Rect], tiles: &[Tile], has_colors: bool) -> Self {
         let texels = tiles.iter().flat_map(|tile| &tile.texels);
         let depth = texels.map(|texel| texel.depth.abs()).fold(1e-6, f32::max);
         let count = size * size;
@@ -103,7 +103,7 @@ impl CardTextures {
             depth: 2.0 * depth,
             has_colors,
         };
-        each(size, places, tiles, |i, texel, inside| {
+        each(size, rects, tiles, |i, texel, inside| {
             let coverage = if inside { byte(texel.coverage) } else { 0 };
             let [r, g, b] = tinted(texel).to_array().map(|c| byte(srgb::encoded(c.clamp(0.0, 1.0))));
             textures.color[i] = [r, g, b, coverage];

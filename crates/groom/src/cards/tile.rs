@@ -106,8 +106,8 @@ impl Lock {
         let (mut sum, mut total) = (0.0, 0.0);
         self.each(lines, |_, strand| {
             for edge in strand.windows(2) {
-                let way = edge[1].at - edge[0].at;
-                let (x, y) = (way.x * self.ribbon.half(), way.y * self.ribbon.length);
+                let delta = edge[1].at - edge[0].at;
+                let (x, y) = (delta.x * self.ribbon.half(), delta.y * self.ribbon.length);
                 let long = x.hypot(y);
                 sum += long * (x / y.abs().max(1e-6)).powi(2).min(4.0);
                 total += long;
@@ -126,7 +126,7 @@ impl Lock {
     }
 
     /// Calls `see` with each strand in the frame of the ribbon. Widths stay in meters.
-    fn each(&self, lines: &Lines<'_>, mut see: impl FnMut(u32, &[Vertex])) {
+    fn each(&self, lines: &Lines<'_>, mut visit: impl FnMut(u32, &[Vertex])) {
         let mut vertices = Vec::new();
         for i in &self.members {
             let (points, radii) = lines.strand(*i);
@@ -137,7 +137,7 @@ impl Lock {
                 guess = flat.at.y.clamp(0.0, 1.0);
                 Vertex { at: flat.at, half: *radius, depth: flat.depth }
             }));
-            see(*i, &vertices);
+            visit(*i, &vertices);
         }
     }
 
@@ -164,19 +164,19 @@ impl Lock {
                 (k as u32, [from, to], [curve(k, j), curve(k, j + 1)])
             });
             for (k, [from, to], edge) in start.into_iter().chain(parts) {
-                let place = |v: &Vertex| Vec2::new(0.5 * v.at.x + 0.5, v.at.y) * size;
-                let (a, b) = (place(&edge[0]), place(&edge[1]));
-                let way = (b - a).abs();
-                let real = Vec2::new(way.x * across, way.y * down);
+                let to_samples = |v: &Vertex| Vec2::new(0.5 * v.at.x + 0.5, v.at.y) * size;
+                let (a, b) = (to_samples(&edge[0]), to_samples(&edge[1]));
+                let delta = (b - a).abs();
+                let real = Vec2::new(delta.x * across, delta.y * down);
                 // A strip is as wide along its minor axis as in space.
-                let scale = match way.y > way.x {
+                let scale = match delta.y > delta.x {
                     true => {
                         (1.0 + (real.x / real.y).powi(2)).sqrt()
-                            / ((1.0 + (way.x / way.y).powi(2)).sqrt() * across)
+                            / ((1.0 + (delta.x / delta.y).powi(2)).sqrt() * across)
                     }
                     false => {
                         (1.0 + (real.y / real.x.max(1e-12)).powi(2)).sqrt()
-                            / ((1.0 + (way.y / way.x.max(1e-9)).powi(2)).sqrt() * down)
+                            / ((1.0 + (delta.y / delta.x.max(1e-9)).powi(2)).sqrt() * down)
                     }
                 };
                 let half = [widening * edge[0].half * scale, widening * edge[1].half * scale];
@@ -208,7 +208,7 @@ impl Lock {
             }
             let (points, _) = lines.strand(found.strand);
             let k = found.vertex as usize;
-            let way = (points[k + 1] - points[k]).normalize_or_zero();
+            let direction = (points[k + 1] - points[k]).normalize_or_zero();
             let color = match lines.strands.colors.get(lines.strands.range(found.strand as usize).start + k) {
                 Some(color) => *color,
                 None => Vec3::ONE,
@@ -217,7 +217,11 @@ impl Lock {
                 &Texel {
                     coverage: 0.0,
                     depth: found.depth,
-                    tangent: Vec3::new(way.dot(row.side), way.dot(row.along), way.dot(row.out)),
+                    tangent: Vec3::new(
+                        direction.dot(row.side),
+                        direction.dot(row.along),
+                        direction.dot(row.out),
+                    ),
                     along: (k as f32 + found.t) / (points.len() - 1) as f32,
                     seed: pcg(found.strand) as f32 / u32::MAX as f32,
                     color,
@@ -239,12 +243,12 @@ impl Lock {
 impl Tile {
     /// Darkens strands below the surface: by 1/e at a depth of half the ribbon's width.
     fn shade(&mut self, width: f32) {
-        const REACH: usize = 2;
+        const RADIUS: usize = 2;
         let (w, h) = (self.width, self.height);
         let covered = |i: usize| self.texels[i].coverage > 0.0;
         let top = |x: usize, y: usize| {
-            let near = (y.saturating_sub(REACH)..(y + REACH + 1).min(h))
-                .flat_map(|y| (x.saturating_sub(REACH)..(x + REACH + 1).min(w)).map(move |x| y * w + x));
+            let near = (y.saturating_sub(RADIUS)..(y + RADIUS + 1).min(h))
+                .flat_map(|y| (x.saturating_sub(RADIUS)..(x + RADIUS + 1).min(w)).map(move |x| y * w + x));
             near.filter(|i| covered(*i)).map(|i| self.texels[i].depth).fold(f32::NEG_INFINITY, f32::max)
         };
         let tops: Vec<f32> = (0..w * h).map(|i| top(i % w, i / w)).collect();

@@ -64,7 +64,7 @@ impl<'a> HairVolume<'a> {
     fn blur(&mut self, blur: f32) {
         // The variance of a box of 2 r + 1 cells is (r² + r) / 3.
         let variance = (blur / self.cell).powi(2);
-        let reach = (((1.0 + 4.0 * variance).sqrt() - 1.0) * 0.5).round().max(1.0) as usize;
+        let radius = (((1.0 + 4.0 * variance).sqrt() - 1.0) * 0.5).round().max(1.0) as usize;
         let size = self.size.to_array().map(|n| n as usize);
         let strides = [1, size[0], size[0] * size[1]];
         for axis in 0..3 {
@@ -78,10 +78,10 @@ impl<'a> HairVolume<'a> {
                     (0..count).for_each(|k| line[k] = self.density[start + k * stride]);
                     let get =
                         |k: isize| usize::try_from(k).ok().and_then(|k| line.get(k)).copied().unwrap_or(0.0);
-                    let mut sum: f32 = (0..=reach as isize).map(get).sum();
+                    let mut sum: f32 = (0..=radius as isize).map(get).sum();
                     for k in 0..count as isize {
-                        self.density[start + k as usize * stride] = sum / (2 * reach + 1) as f32;
-                        sum += get(k + 1 + reach as isize) - get(k - reach as isize);
+                        self.density[start + k as usize * stride] = sum / (2 * radius + 1) as f32;
+                        sum += get(k + 1 + radius as isize) - get(k - radius as isize);
                     }
                 }
             }

@@ -1,10 +1,10 @@
 //! Cooked characters: everything that opening their files computes is stored.
 
-use super::{CharacterFiles, CharacterSource, CookedParts, Hair, anatomy, neck};
+use super::{CharacterFiles, CharacterSource, CookedParts, HairInput, anatomy, neck};
 use crate::{
     CookedGroom, Result,
     import::{self, ImportOptions},
-    rig::anatomy::{BodyPart, Field},
+    rig::anatomy::{BodyPart, DistanceFieldSource},
 };
 use std::path::{Path, PathBuf};
 
@@ -29,7 +29,7 @@ impl CharacterSource {
         }
         let known = Some(CookedParts { groom, levels_of_head: levels });
         let neck = neck(strands.iter().filter_map(|strand| strand.first().copied()), head.as_ref());
-        let hair = Hair::Imported { strands, field, known };
+        let hair = HairInput::Imported { strands, field, known };
         let mut base = Self { head, neck, anatomy, hair, notes: Vec::new(), report: None };
         let name = path.display().to_string();
         base.tell(report, &name, &name);
@@ -44,10 +44,10 @@ impl CharacterSource {
         #[cfg(feature = "edit")]
         let edited;
         let (strands, field, report, groom) = match (&self.hair, &self.report) {
-            (Hair::Imported { strands, field, .. }, Some(report)) => (strands, field, report, None),
+            (HairInput::Imported { strands, field, .. }, Some(report)) => (strands, field, report, None),
             #[cfg(feature = "edit")]
-            (Hair::Edited { document, field }, _) => {
-                edited = import::edited_whole(Path::new("the edited groom"), document)?;
+            (HairInput::Edited { document, field }, _) => {
+                edited = import::edited_complete(Path::new("the edited groom"), document)?;
                 (&edited.0, field, &edited.2, Some(document.groom()))
             }
             _ => return Ok(None),
@@ -57,8 +57,8 @@ impl CharacterSource {
             anatomy.measure();
             rig = Some(anatomy.rig);
             let grid = |part: BodyPart| match part.field {
-                Field::Grid(grid) => Some((part.node, grid)),
-                Field::Mesh(..) => None,
+                DistanceFieldSource::Grid(grid) => Some((part.node, grid)),
+                DistanceFieldSource::Mesh(..) => None,
             };
             parts = anatomy.parts.into_iter().filter_map(grid).collect();
         }

@@ -1,6 +1,6 @@
 //! Edited characters: versions of a groom under a brush, and their files.
 
-use super::{CharacterFiles, CharacterSource, Hair, Styling, anatomy, field_of, neck, rebound};
+use super::{CharacterFiles, CharacterSource, HairInput, Styling, anatomy, field_of, neck, rebound};
 use crate::{
     Groom, GuideCount, Progress, Result, SdfGrid,
     edit::{GroomDocument, GroomEditor, HeadFiles},
@@ -17,7 +17,7 @@ use std::{
 };
 
 /// Number of guides below which an edited groom gets more.
-const LEAST_GUIDES: usize = 600;
+const MIN_GUIDES: usize = 600;
 /// Number of strands that follow one of these.
 const STRANDS_PER_GUIDE: u32 = 16;
 
@@ -47,7 +47,7 @@ impl CharacterSource {
                 anatomy: Some(Anatomy::built_in(&head, &scalp.field)),
                 head: Some(head),
                 neck: mannequin::NECK_JOINT,
-                hair: Hair::Edited { document, field: Some(scalp.field) },
+                hair: HairInput::Edited { document, field: Some(scalp.field) },
                 notes: Vec::new(),
                 report: None,
             });
@@ -59,14 +59,14 @@ impl CharacterSource {
         let anatomy = anatomy(rig, head.as_ref(), guides())?;
         let field = field_of(anatomy.as_ref(), head.as_ref(), &path.display().to_string(), progress).await?;
         let neck = neck(guides().map(|guide| guide[0]), head.as_ref());
-        let hair = Hair::Edited { document, field };
+        let hair = HairInput::Edited { document, field };
         Ok(Self { head, neck, anatomy, hair, notes: Vec::new(), report: None })
     }
 
     /// Returns the version of the groom, if the source is an edited one.
     pub fn document(&self) -> Option<&GroomDocument> {
         match &self.hair {
-            Hair::Edited { document, .. } => Some(document),
+            HairInput::Edited { document, .. } => Some(document),
             _ => None,
         }
     }
@@ -79,17 +79,17 @@ impl CharacterSource {
     /// An error when a file of the head cannot be read again, and when the groom is empty.
     pub fn edit(&self, groom: Groom, files: &CharacterFiles<'_>) -> Result<GroomDocument> {
         let head = match &self.hair {
-            Hair::BuiltIn { own: None, .. } => HeadFiles::BuiltIn,
-            Hair::BuiltIn { own: Some(own), .. } => head_files(files, &own.placement)?,
-            Hair::Edited { document, .. } => document.head().clone(),
-            Hair::Imported { .. } => {
+            HairInput::BuiltIn { own: None, .. } => HeadFiles::BuiltIn,
+            HairInput::BuiltIn { own: Some(own), .. } => head_files(files, &own.placement)?,
+            HairInput::Edited { document, .. } => document.head().clone(),
+            HairInput::Imported { .. } => {
                 let report = self.report.as_ref().and_then(|report| report.head_placement.as_ref());
                 report.map_or(Ok(HeadFiles::None), |placement| head_files(files, placement))?
             }
         };
         let more = GuideCount::OneIn(STRANDS_PER_GUIDE);
-        let few = groom.guides.len() < LEAST_GUIDES.min(more.among(groom.strands.len()));
-        let groom = if few { rebound(&groom, more)? } else { groom };
+        let is_sparse = groom.guides.len() < MIN_GUIDES.min(more.among(groom.strands.len()));
+        let groom = if is_sparse { rebound(&groom, more)? } else { groom };
         Ok(GroomDocument::new(groom, head, self.neck.x)?)
     }
 
@@ -100,7 +100,7 @@ impl CharacterSource {
             head: self.head.clone(),
             neck: self.neck,
             anatomy: self.anatomy.clone(),
-            hair: Hair::Edited { document, field: self.field().cloned() },
+            hair: HairInput::Edited { document, field: self.field().cloned() },
             notes: self.notes.clone(),
             report: self.report.clone(),
         }
@@ -126,9 +126,9 @@ impl CharacterSource {
     /// Returns the distance field of the head.
     pub fn field(&self) -> Option<&SdfGrid> {
         match &self.hair {
-            Hair::BuiltIn { scalp, own: None, .. } => Some(&scalp.field),
-            Hair::BuiltIn { own: Some(own), .. } => own.field.as_ref(),
-            Hair::Edited { field, .. } | Hair::Imported { field, .. } => field.as_ref(),
+            HairInput::BuiltIn { scalp, own: None, .. } => Some(&scalp.field),
+            HairInput::BuiltIn { own: Some(own), .. } => own.field.as_ref(),
+            HairInput::Edited { field, .. } | HairInput::Imported { field, .. } => field.as_ref(),
         }
     }
 }
@@ -145,9 +145,9 @@ impl Styling {
     /// Returns a note for the first setting that an edited groom ignores.
     pub(super) fn ignored_by_edited(&self) -> Option<String> {
         let ignored = [
-            (self.strands.is_some(), "style.strands"),
+            (self.max_strands.is_some(), "style.strands"),
             (self.guides.is_some(), "style.guides"),
-            (self.fill.strands.is_some(), "style.grow"),
+            (self.fill.strand_count.is_some(), "style.grow"),
             (self.paint != Default::default(), "maps and style.length"),
         ];
         let (_, name) = ignored.into_iter().find(|(given, _)| *given)?;

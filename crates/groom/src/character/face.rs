@@ -9,16 +9,16 @@ use crate::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FaceHair {
     /// Whether there are brows.
-    pub brows: bool,
+    pub has_brows: bool,
     /// Whether there are lashes.
-    pub lashes: bool,
+    pub has_lashes: bool,
     /// The kind of beard.
     pub beard: Beard,
 }
 
 impl Default for FaceHair {
     fn default() -> Self {
-        Self { brows: true, lashes: true, beard: Beard::None }
+        Self { has_brows: true, has_lashes: true, beard: Beard::None }
     }
 }
 
@@ -39,10 +39,10 @@ impl FaceHair {
     /// As [`bind()`].
     pub fn grow(&self, mesh: &TriMesh) -> Result<Vec<FaceGroom>> {
         let (mut fine, mut beard) = (Strands::default(), Strands::default());
-        if self.brows {
+        if self.has_brows {
             facial::brows(&mut fine);
         }
-        if self.lashes {
+        if self.has_lashes {
             facial::lashes(&mut fine);
         }
         facial::beard(&mut beard, self.beard, mesh);
@@ -53,8 +53,8 @@ impl FaceHair {
                 let vertices = strands.range(0).len() as u32;
                 let options = BindOptions {
                     guides: GuideCount::OneIn(of),
-                    guide_vertices: Some(vertices.max(8)),
-                    strand_vertices: Some(vertices),
+                    guide_vertex_count: Some(vertices.max(8)),
+                    strand_vertex_count: Some(vertices),
                     ..Default::default()
                 };
                 Ok(FaceGroom { groom: bind(&strands, &options)?, hangs })

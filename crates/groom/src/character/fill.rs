@@ -1,6 +1,6 @@
 //! Filling: grows hair between the strands of files, up to a requested number or as the file's follower settings say.
 
-use super::{CharacterSource, Hair, SKULL_ABOVE_NECK, Styling};
+use super::{CharacterSource, HairInput, SKULL_ABOVE_NECK, Styling};
 use crate::{
     Fill, FilledStrands, Head, Progress, Result, Strands,
     fill::{fill_with, follow_with},
@@ -13,7 +13,7 @@ use crate::{
 pub struct FillOptions {
     /// Number of strands to fill up to. 0 keeps only the file's strands. `None` grows the followers that the file asks
     /// for. [`Styling::strands`] limits the number in any case.
-    pub strands: Option<u32>,
+    pub strand_count: Option<u32>,
     /// Angle between neighboring strands above which new hair follows one of them instead of blending, radians.
     pub parting: f32,
     /// Seed of all random choices.
@@ -23,15 +23,15 @@ pub struct FillOptions {
 impl Default for FillOptions {
     fn default() -> Self {
         let Fill { parting, seed, .. } = Fill::default();
-        Self { strands: None, parting, seed }
+        Self { strand_count: None, parting, seed }
     }
 }
 
 impl FillOptions {
     /// Returns a note on the strands that grew.
-    pub(super) fn told(&self, filled: &FilledStrands) -> String {
+    pub(super) fn growth_note(&self, filled: &FilledStrands) -> String {
         let (given, new) = (filled.given, filled.strands.len() - filled.given);
-        match self.strands {
+        match self.strand_count {
             None => format!(
                 "the file requests child strands: {new} are grown around its {given} strands (--grow 0 for none, --grow N for N strands in total)"
             ),
@@ -41,8 +41,8 @@ impl FillOptions {
 
     /// Returns a note when filling is requested for built-in hair.
     pub(super) fn unused(&self) -> Option<String> {
-        let asked = self.strands.is_some_and(|strands| strands > 0);
-        asked.then(|| "--grow applies to groom files; use --strands for built-in styles".into())
+        let is_requested = self.strand_count.is_some_and(|strands| strands > 0);
+        is_requested.then(|| "--grow applies to groom files; use --strands for built-in styles".into())
     }
 }
 
@@ -56,32 +56,38 @@ impl CharacterSource {
         on: MapProjection<'_>,
         progress: &impl Progress,
     ) -> Result<Option<FilledStrands>> {
-        let Hair::Imported { field, .. } = &self.hair else { return Ok(None) };
+        let HairInput::Imported { field, .. } = &self.hair else { return Ok(None) };
         let head = Head { mesh: self.head.as_ref(), field: field.as_ref() };
         let skull = self.neck + SKULL_ABOVE_NECK;
-        let FillOptions { strands: wanted, parting, seed } = styling.fill;
-        let most = styling.strands.unwrap_or(u32::MAX);
+        let FillOptions { strand_count: requested, parting, seed } = styling.fill;
+        let max_strands = styling.max_strands.unwrap_or(u32::MAX);
         let followers = self.report.as_ref().map_or(&[][..], |report| &report.followers);
         // Nothing to fill when strands are thinned out or the requested number is already reached.
-        let more = match wanted {
-            Some(wanted) => wanted.min(most) as usize > strands.len(),
-            None => followers.len() == strands.len() && most as usize > strands.len(),
+        let more = match requested {
+            Some(requested) => requested.min(max_strands) as usize > strands.len(),
+            None => followers.len() == strands.len() && max_strands as usize > strands.len(),
         };
         if !more {
             return Ok(None);
         }
-        let filled = match wanted {
-            Some(wanted) => {
+        let filled = match requested {
+            Some(requested) => {
                 // New strands follow a map over the scalp; by UV, they are thinned out afterwards.
                 let density = match on {
                     MapProjection::Scalp(_) => styling.paint.density.clone(),
                     MapProjection::Texture(_) => None,
                 };
-                let fill =
-                    Fill { strands: wanted.min(most), density, skull, parting, seed, ..Fill::default() };
+                let fill = Fill {
+                    strand_count: requested.min(max_strands),
+                    density,
+                    skull,
+                    parting,
+                    seed,
+                    ..Fill::default()
+                };
                 fill_with(strands, head, &fill, progress).await?
             }
-            None => follow_with(strands, head, followers, most, seed, progress).await?,
+            None => follow_with(strands, head, followers, max_strands, seed, progress).await?,
         };
         Ok(Some(match styling.paint != ScalpPaint::default() {
             true => filled.painted(&styling.paint, on, 1)?,
@@ -95,7 +101,7 @@ mod tests {
     use super::{super::CharacterFiles, *};
     use crate::{
         import::ImportOptions,
-        orient::{Choice, Unit},
+        orient::{LengthUnit, OrientationOverride},
         progress::at_once,
         scalp::ScalpMap,
     };
@@ -114,8 +120,11 @@ mod tests {
             }
         }
         let given = [(PathBuf::from("a.tfx"), Cow::Owned(text.into_bytes()))];
-        let unit = Some(Unit(1.0));
-        let options = ImportOptions { orient: Choice { unit, ..Default::default() }, ..Default::default() };
+        let unit = Some(LengthUnit(1.0));
+        let options = ImportOptions {
+            orient: OrientationOverride { unit, ..Default::default() },
+            ..Default::default()
+        };
         at_once(CharacterSource::imported(&CharacterFiles::Given(&given), &options, &())).unwrap()
     }
 
@@ -123,7 +132,7 @@ mod tests {
 
     /// Returns the number of strands and the last note.
     fn dressed(header: &str, grow: Option<u32>, styling: Styling) -> (usize, String) {
-        let growing = FillOptions { strands: grow, ..FillOptions::default() };
+        let growing = FillOptions { strand_count: grow, ..FillOptions::default() };
         let character = at_once(base(header).dress(&Styling { fill: growing, ..styling }, &())).unwrap();
         (character.groom.strands.len(), character.notes.last().cloned().unwrap_or_default())
     }
@@ -142,10 +151,10 @@ mod tests {
         assert!(!said(Some(0)).contains("grown"), "{}", said(Some(0)));
         // Never more than the limit.
         let at_most =
-            |most, grow| dressed(ASKING, grow, Styling { strands: Some(most), ..Styling::default() }).0;
+            |most, grow| dressed(ASKING, grow, Styling { max_strands: Some(most), ..Styling::default() }).0;
         assert_eq!([at_most(200, None), at_most(30, None), at_most(200, Some(900))], [200, 30, 200]);
         assert!(FillOptions::default().unused().is_none());
-        assert!(FillOptions { strands: Some(9), ..FillOptions::default() }.unused().is_some());
+        assert!(FillOptions { strand_count: Some(9), ..FillOptions::default() }.unused().is_some());
     }
 
     #[test]

@@ -31,18 +31,18 @@ use crate::{
     import::{self, FileBytes, ImportOptions, ImportReport},
     lint, mannequin,
     mesh::{
-        Level,
+        MeshLevel,
         sdf::{self, SdfOptions},
     },
     orient::Placement,
-    rig::anatomy::{Anatomy, Field},
+    rig::anatomy::{Anatomy, DistanceFieldSource},
     scalp::{GridScalp, ScalpMap},
     skin::MapProjection,
     styles::{Style, StyledGuides},
     tie::Tie,
 };
-use own_head::OwnHead;
 use glam::Vec3;
+use own_head::OwnHead;
 use parts::{SKULL_ABOVE_NECK, neck, rigid};
 use skin::color_by_skin;
 use std::{borrow::Cow, path::PathBuf};
@@ -56,7 +56,7 @@ pub struct Styling {
     /// Growth of strands on a built-in style; `None` for the style's own. Ignored for files, which have strands.
     pub growth: Option<Growth>,
     /// Maximum number of strands drawn from a file; `None` for all.
-    pub strands: Option<u32>,
+    pub max_strands: Option<u32>,
     /// Filling between the strands of a file.
     pub fill: FillOptions,
     /// Number of simulated guides; `None` for the default.
@@ -66,7 +66,7 @@ pub struct Styling {
     /// Coordinates in all maps except [`levels`](Self::levels).
     pub coordinates: MapCoordinates,
     /// Whether strands have the color of the skin at their roots.
-    pub skin_color: bool,
+    pub uses_skin_color: bool,
     /// Changes to a file's strands after they are bound.
     pub restyle: Option<Restyle>,
     /// Factors on stiffness over the scalp.
@@ -81,8 +81,8 @@ pub struct Styling {
 
 impl Styling {
     /// Whether a file's strands are bound unchanged by [`BindOptions::default`], apart from filling.
-    fn leaves_files_alone(&self) -> bool {
-        self.strands.is_none()
+    fn leaves_strands_unchanged(&self) -> bool {
+        self.max_strands.is_none()
             && self.guides.is_none()
             && self.restyle.is_none()
             && self.paint == ScalpPaint::default()
@@ -134,7 +134,7 @@ pub struct CharacterSource {
     head: Option<TriMesh>,
     neck: Vec3,
     anatomy: Option<Anatomy>,
-    hair: Hair,
+    hair: HairInput,
     notes: Vec<String>,
     /// Report on the files and their orientation; `None` for built-in styles.
     pub report: Option<ImportReport>,
@@ -142,7 +142,7 @@ pub struct CharacterSource {
 
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant)] // One instance per source.
-enum Hair {
+enum HairInput {
     /// Draped guides, on a head of a file if it is given.
     BuiltIn { style: Style, styled: StyledGuides, scalp: GridScalp, own: Option<OwnHead> },
     /// A version of an edited groom.
@@ -157,7 +157,7 @@ enum Hair {
 struct CookedParts {
     /// The strands bound by [`BindOptions::default`].
     groom: Groom,
-    levels_of_head: Vec<Level>,
+    levels_of_head: Vec<MeshLevel>,
 }
 
 impl CharacterSource {
@@ -173,7 +173,7 @@ impl CharacterSource {
             anatomy: Some(Anatomy::built_in(&head, &scalp.field)),
             head: Some(head),
             neck: mannequin::NECK_JOINT,
-            hair: Hair::BuiltIn { style: *style, styled, scalp, own: None },
+            hair: HairInput::BuiltIn { style: *style, styled, scalp, own: None },
             notes: Vec::new(),
             report: None,
         }
@@ -198,7 +198,7 @@ impl CharacterSource {
             return Self::edited(&path, document, progress).await;
         }
         let (strands, head, mut report) = match files {
-            CharacterFiles::Disk { grooms, heads } => import::read_whole(grooms, heads, options)?,
+            CharacterFiles::Disk { grooms, heads } => import::read_complete(grooms, heads, options)?,
             CharacterFiles::Given(files) => import::read_given(files, options)?,
         };
         let mut base = Self::of(strands, head, report.rig.take(), &files.head_name(), progress).await?;
@@ -253,7 +253,7 @@ impl CharacterSource {
             head,
             neck,
             anatomy,
-            hair: Hair::Imported { strands, field, known: None },
+            hair: HairInput::Imported { strands, field, known: None },
             notes: Vec::new(),
             report: None,
         })
@@ -267,14 +267,14 @@ impl CharacterSource {
     /// Returns the built-in style, if the source is one.
     pub fn style(&self) -> Option<&Style> {
         match &self.hair {
-            Hair::BuiltIn { style, .. } => Some(style),
+            HairInput::BuiltIn { style, .. } => Some(style),
             _ => None,
         }
     }
 
     /// Whether the body is the built-in one, under a built-in style.
     pub fn is_mannequin(&self) -> bool {
-        matches!(self.hair, Hair::BuiltIn { own: None, .. })
+        matches!(self.hair, HairInput::BuiltIn { own: None, .. })
     }
 
     /// Creates the character with strands styled by `styling`.
@@ -289,7 +289,7 @@ impl CharacterSource {
         notes.extend(self.scalp_note(styling));
         let mut face = Vec::new();
         let (mut groom, field) = match &self.hair {
-            Hair::BuiltIn { style, styled, scalp, own } => {
+            HairInput::BuiltIn { style, styled, scalp, own } => {
                 let growth = styling.growth.clone().unwrap_or_else(|| Growth::for_style(style));
                 let grown = grow::grow_with(styled, &growth, scalp, progress).await?;
                 let groom = grown.bind(styled);
@@ -307,13 +307,13 @@ impl CharacterSource {
                         (groom, Some(scalp.field.clone()))
                     }
                     Some(OwnHead { fit, field, .. }) => {
-                        fit.place(&mut groom);
+                        fit.transform_groom(&mut groom);
                         (groom, field.clone())
                     }
                 }
             }
             #[cfg(feature = "edit")]
-            Hair::Edited { document, field } => {
+            HairInput::Edited { document, field } => {
                 let mut groom = document.groom();
                 if let Some(restyle) = &styling.restyle {
                     restyle.apply(&mut groom, skull, on)?;
@@ -324,9 +324,9 @@ impl CharacterSource {
                 notes.extend(styling.ignored_by_edited());
                 (groom, field.clone())
             }
-            Hair::Imported { strands, field, known } => {
+            HairInput::Imported { strands, field, known } => {
                 let mut strands = Cow::Borrowed(strands);
-                if let Some(count) = styling.strands {
+                if let Some(count) = styling.max_strands {
                     strands = Cow::Owned(thinned(&strands, count as usize));
                 }
                 let filled = self.filled(&strands, styling, on, progress).await?;
@@ -337,14 +337,15 @@ impl CharacterSource {
                 let restyle = styling.restyle.as_ref();
                 // Curls need the maximum number of vertices.
                 let strand_vertices = restyle.and_then(|r| r.curls.any().then_some(MAX_STRAND_VERTICES));
-                let options = BindOptions { guides, strand_vertices, ..Default::default() };
-                let known = known.as_ref().filter(|_| styling.leaves_files_alone());
+                let options =
+                    BindOptions { guides, strand_vertex_count: strand_vertices, ..Default::default() };
+                let known = known.as_ref().filter(|_| styling.leaves_strands_unchanged());
                 let mut groom = match (&filled, known) {
                     (Some(filled), _) => bind_filled(filled, &options)?,
                     (None, Some(known)) => known.groom.clone(),
                     (None, None) => bind(&strands, &options)?,
                 };
-                notes.extend(filled.map(|filled| styling.fill.told(&filled)));
+                notes.extend(filled.map(|filled| styling.fill.growth_note(&filled)));
                 if let Some(restyle) = restyle {
                     restyle.apply(&mut groom, skull, on)?;
                     notes.extend(note(&restyle.curls, &groom));
@@ -355,21 +356,21 @@ impl CharacterSource {
         if let Some(map) = &styling.stiffness {
             groom.guides.stiffen(map, on);
         }
-        if styling.skin_color {
+        if styling.uses_skin_color {
             color_by_skin(&mut groom, self.head.as_ref())?;
         }
         let (head, levels, anatomy) = (self.head.clone(), styling.levels.clone(), self.anatomy.clone());
         let ties = styling.ties.clone();
         let part = anatomy.as_ref().and_then(|anatomy| match &anatomy.head.field {
-            Field::Grid(part) => Some(part.clone()),
-            Field::Mesh(..) => None,
+            DistanceFieldSource::Grid(part) => Some(part.clone()),
+            DistanceFieldSource::Mesh(..) => None,
         });
         let (field, rest) = match part {
             Some(part) => (Some(part), field),
             None => (field, None),
         };
         let levels_of_head = match &self.hair {
-            Hair::Imported { known: Some(known), .. } => Some(known.levels_of_head.clone()),
+            HairInput::Imported { known: Some(known), .. } => Some(known.levels_of_head.clone()),
             _ => None,
         };
         let neck = self.neck;
@@ -453,8 +454,8 @@ fn rebound(groom: &Groom, guides: GuideCount) -> Result<Groom> {
     }
     let options = BindOptions {
         guides,
-        guide_vertices: Some(groom.strands.vertex_count),
-        strand_vertices: Some(groom.strands.vertex_count),
+        guide_vertex_count: Some(groom.strands.vertex_count),
+        strand_vertex_count: Some(groom.strands.vertex_count),
         ..Default::default()
     };
     let mut rebound = bind(&strands, &options)?;

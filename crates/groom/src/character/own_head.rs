@@ -1,6 +1,6 @@
 //! Built-in styles on the heads of files.
 
-use super::{CharacterFiles, CharacterSource, Hair, SKULL_ABOVE_NECK, anatomy, field_of};
+use super::{CharacterFiles, CharacterSource, HairInput, SKULL_ABOVE_NECK, anatomy, field_of};
 use crate::{
     Error, Progress, Result, SdfGrid,
     head::{HeadFit, HeadShape},
@@ -57,7 +57,7 @@ impl CharacterSource {
             head: Some(body.mesh),
             neck: shape.landmarks.skull - SKULL_ABOVE_NECK,
             anatomy,
-            hair: Hair::BuiltIn {
+            hair: HairInput::BuiltIn {
                 style: *style,
                 styled,
                 scalp,

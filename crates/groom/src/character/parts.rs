@@ -8,10 +8,10 @@ use crate::{
     card_sheet::CardSheet,
     mannequin,
     mesh::{
-        Level,
+        MeshLevel,
         sdf::{self, SdfOptions},
     },
-    rig::anatomy::{Anatomy, Field},
+    rig::anatomy::{Anatomy, DistanceFieldSource},
     scalp::ScalpMap,
     tie::Tie,
 };
@@ -51,7 +51,7 @@ pub struct CharacterParts {
     /// The mesh of the head or the whole body, drawn with the hair.
     pub head: Option<TriMesh>,
     /// Precomputed coarser levels of the mesh; `None` to compute them.
-    pub levels_of_head: Option<Vec<Level>>,
+    pub levels_of_head: Option<Vec<MeshLevel>>,
     /// The distance field of the rigid part that the hair grows on.
     pub field: Option<SdfGrid>,
     /// Distance field that the hair rests on, where it covers more than [`field`](Self::field).
@@ -86,11 +86,11 @@ impl CharacterParts {
         };
         let roots = (0..groom.guides.len()).filter_map(|i| groom.guides.guide(i).first().copied());
         let neck = neck(roots, head.as_ref());
-        Ok(Self { head, field, neck, anatomy, ..Self::bare(groom) })
+        Ok(Self { head, field, neck, anatomy, ..Self::without_body(groom) })
     }
 
     /// Creates a character of hair without a body.
-    pub fn bare(groom: Groom) -> Self {
+    pub fn without_body(groom: Groom) -> Self {
         Self {
             groom,
             cards: None,
@@ -120,7 +120,7 @@ impl CharacterParts {
     }
 
     /// Returns the distance field of the whole body as one rigid piece.
-    pub fn whole(&self) -> Option<&SdfGrid> {
+    pub fn body_field(&self) -> Option<&SdfGrid> {
         self.rest.as_ref().or(self.field.as_ref())
     }
 
@@ -139,7 +139,7 @@ impl CharacterParts {
 /// Returns the rigid part of `head` that hair grows on: all of it without a rig.
 pub(super) fn rigid<'a>(anatomy: Option<&'a Anatomy>, head: Option<&'a TriMesh>) -> Option<&'a TriMesh> {
     match anatomy.map(|anatomy| &anatomy.head.field) {
-        Some(Field::Mesh(mesh, _)) => Some(mesh),
+        Some(DistanceFieldSource::Mesh(mesh, _)) => Some(mesh),
         _ => head,
     }
 }
@@ -149,7 +149,7 @@ pub(super) fn neck(roots: impl Iterator<Item = Vec3>, head: Option<&TriMesh>) ->
     let Some((lo, hi)) = roots.map(|p| (p, p)).reduce(|(lo, hi), (p, _)| (lo.min(p), hi.max(p))) else {
         return Vec3::ZERO;
     };
-    let middle = 0.5 * (lo + hi);
-    let x = head.and_then(TriMesh::bounds).map_or(middle.x, |(lo, hi)| 0.5 * (lo.x + hi.x));
-    Vec3::new(x, hi.y, middle.z) + NECK_BELOW_CROWN
+    let center = 0.5 * (lo + hi);
+    let x = head.and_then(TriMesh::bounds).map_or(center.x, |(lo, hi)| 0.5 * (lo.x + hi.x));
+    Vec3::new(x, hi.y, center.z) + NECK_BELOW_CROWN
 }

@@ -1,6 +1,6 @@
 //! Color of the skin at the roots, and coordinates of maps.
 
-use super::{CharacterSource, Hair, Styling};
+use super::{CharacterSource, HairInput, Styling};
 use crate::{
     Error, Groom, Result, TriMesh,
     bound::strand::pack_color,
@@ -31,10 +31,10 @@ impl CharacterSource {
     pub(super) fn texture_coordinates(&self, styling: &Styling) -> Result<Option<TextureCoordinates>> {
         let of_roots = match &self.hair {
             _ if styling.coordinates == MapCoordinates::Scalp || !styling.has_maps() => return Ok(None),
-            Hair::BuiltIn { .. } => return Ok(None),
-            Hair::Imported { strands, .. } => TextureCoordinates::of_roots(strands),
+            HairInput::BuiltIn { .. } => return Ok(None),
+            HairInput::Imported { strands, .. } => TextureCoordinates::of_roots(strands),
             #[cfg(feature = "edit")]
-            Hair::Edited { .. } => None,
+            HairInput::Edited { .. } => None,
         };
         let found = of_roots.or_else(|| self.head.as_ref().and_then(TextureCoordinates::of_skin));
         let none = || Error::Unusable("maps by UV need root UVs in the groom or textures on its body".into());
@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn strands_have_color_of_skin_at_root() {
-        let styling = Styling { skin_color: true, ..Styling::default() };
+        let styling = Styling { uses_skin_color: true, ..Styling::default() };
         let groom = at_once(base(false).dress(&styling, &())).unwrap().groom;
         let mut seen = [0; 2];
         for (i, strand) in groom.strands.strands.iter().enumerate() {

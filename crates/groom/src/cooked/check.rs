@@ -10,7 +10,7 @@ use glam::Vec3;
 
 /// Maximum nodes of a distance field along one axis: the largest [`SdfOptions::resolution`](crate::mesh::SdfOptions),
 /// plus one for rounding.
-const MOST_NODES: u32 = 513;
+const MAX_NODES: u32 = 513;
 /// Maximum depth of the rig's node tree, as in the glTF reader.
 const DEEPEST: usize = 256;
 
@@ -30,17 +30,17 @@ impl CookedGroom {
     pub(super) fn check(&self) -> Result<(), String> {
         strands(&self.strands)?;
         let count = self.strands.len();
-        let followers = &self.said.followers;
+        let followers = &self.report_text.followers;
         let within =
             followers.iter().filter_map(|f| f.radius).all(|radius| radius.is_finite() && radius >= 0.0);
         ensure(
             all_or_none(followers.len(), count) && within,
             "the child strand settings do not match the strands",
         )?;
-        let placements = [Some(&self.said.placement), self.said.head_placement.as_ref()];
+        let placements = [Some(&self.report_text.placement), self.report_text.head_placement.as_ref()];
         let placed = |p: &Placement| p.unit.0.is_finite() && p.unit.0 > 0.0 && p.translation.is_finite();
         ensure(placements.into_iter().flatten().all(placed), "the unit or the translation is invalid")?;
-        self.said.look.as_ref().map_or(Ok(()), Look::check).map_err(|error| error.to_string())?;
+        self.report_text.look.as_ref().map_or(Ok(()), Look::check).map_err(|error| error.to_string())?;
         groom(&self.groom)?;
         // Strands marked as guides are not drawn if the groom has other strands.
         let guides = self.strands.marks.iter().filter(|mark| mark.guide).count();
@@ -49,8 +49,8 @@ impl CookedGroom {
         let vertices = self.head.as_ref().map_or(0, |head| head.positions.len());
         if let Some(head) = &self.head {
             head.validate().map_err(|error| error.to_string())?;
-            let whole = head.normals.len() == vertices && !head.triangles.is_empty();
-            ensure(whole, "the head mesh lacks normals or triangles")?;
+            let is_complete = head.normals.len() == vertices && !head.triangles.is_empty();
+            ensure(is_complete, "the head mesh lacks normals or triangles")?;
         }
         for level in &self.levels {
             let inside = level.triangles.as_flattened().iter().all(|i| (*i as usize) < vertices);
@@ -72,9 +72,10 @@ impl CookedGroom {
 fn strands(strands: &Strands) -> Result<(), String> {
     let (count, vertices) = (strands.len(), strands.positions.len());
     let offsets = &strands.offsets;
-    let whole = offsets.first() == Some(&0) && offsets.last().is_some_and(|last| *last as usize == vertices);
+    let is_complete =
+        offsets.first() == Some(&0) && offsets.last().is_some_and(|last| *last as usize == vertices);
     ensure(
-        count > 0 && whole && vertices as u64 <= MAX_VERTICES,
+        count > 0 && is_complete && vertices as u64 <= MAX_VERTICES,
         "the strand offsets do not match the vertices",
     )?;
     // `checked_sub` rejects offsets that decrease.
@@ -126,7 +127,7 @@ fn groom(groom: &Groom) -> Result<(), String> {
 
 fn field(field: &SdfGrid) -> Result<(), String> {
     let nodes = field.size.to_array().into_iter().map(u64::from).try_fold(1u64, u64::checked_mul);
-    let sized = field.size.min_element() >= 2 && field.size.max_element() <= MOST_NODES;
+    let sized = field.size.min_element() >= 2 && field.size.max_element() <= MAX_NODES;
     let fits = sized && nodes == Some(field.distances.len() as u64);
     let placed = field.origin.is_finite() && field.cell.is_finite() && field.cell > 0.0;
     ensure(fits && placed, "the distance field has an invalid size or position")?;
@@ -162,9 +163,12 @@ fn rig(rig: &Rig, vertices: usize) -> Result<(), String> {
     )?;
     for bind in &rig.vertices {
         let follows = bind.joints.iter().all(|joint| usize::from(*joint) < joints);
-        let shares = bind.weights.iter().all(|weight| weight.is_finite() && *weight >= 0.0);
+        let has_valid_weights = bind.weights.iter().all(|weight| weight.is_finite() && *weight >= 0.0);
         let placed = bind.position.is_finite() && bind.normal.is_finite();
-        ensure(follows && shares && placed, "a vertex refers to a missing joint or has invalid numbers")?;
+        ensure(
+            follows && has_valid_weights && placed,
+            "a vertex refers to a missing joint or has invalid numbers",
+        )?;
     }
     for target in &rig.targets {
         let ascends = target.deltas.windows(2).all(|w| w[0].vertex < w[1].vertex);

@@ -23,7 +23,7 @@ use crate::{
     BindOptions, Followers, Groom, Look, Rig, SdfGrid, Strands, TriMesh, bind,
     error::{At, Error, Result},
     lint, mesh, orient,
-    report::{Attributes, FileReport, Group, ImportReport},
+    report::{Attributes, FileReport, ImportReport, StrandGroup},
 };
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -48,7 +48,7 @@ pub struct CookedGroom {
     /// Head mesh that the strands grow on.
     pub head: Option<TriMesh>,
     /// Coarser meshes of the head ([`TriMesh::levels`]).
-    pub levels: Vec<mesh::Level>,
+    pub levels: Vec<mesh::MeshLevel>,
     /// Collision field of the head. For a skinned head: of the part that carries the hair.
     pub field: Option<SdfGrid>,
     /// Rig that deforms the head.
@@ -57,7 +57,7 @@ pub struct CookedGroom {
     pub parts: Vec<(u32, SdfGrid)>,
     /// The strands bound to guides with [`BindOptions::default`].
     pub groom: Groom,
-    said: ReportText,
+    report_text: ReportText,
 }
 
 /// Contents of the [`ImportReport`] besides the fields of [`CookedGroom`].
@@ -66,10 +66,10 @@ struct ReportText {
     sources: Vec<String>,
     placement: orient::Placement,
     head_placement: Option<orient::Placement>,
-    lint: lint::Report,
+    lint: lint::LintReport,
     repaired: lint::RepairReport,
     followers: Vec<Followers>,
-    groups: Vec<Group>,
+    groups: Vec<StrandGroup>,
     attributes: Attributes,
     look: Option<Look>,
 }
@@ -91,10 +91,10 @@ impl CookedGroom {
         let levels = head.as_ref().map_or(Vec::new(), TriMesh::levels);
         let source = |file: &FileReport| {
             let name = file.path.file_name().unwrap_or_default().to_string_lossy();
-            let told: String = file.notes.iter().map(|note| format!(", {note}")).collect();
-            format!("made of {name} ({}){told}", file.format)
+            let notes: String = file.notes.iter().map(|note| format!(", {note}")).collect();
+            format!("made of {name} ({}){notes}", file.format)
         };
-        let said = ReportText {
+        let report_text = ReportText {
             sources: report.files.iter().map(source).collect(),
             placement: report.placement.clone(),
             head_placement: report.head_placement.clone(),
@@ -105,7 +105,7 @@ impl CookedGroom {
             attributes: report.attributes.clone(),
             look: report.look,
         };
-        Ok(Self { strands, head, levels, field, rig, parts: Vec::new(), groom, said })
+        Ok(Self { strands, head, levels, field, rig, parts: Vec::new(), groom, report_text })
     }
 
     /// Encodes the groom as a file.
@@ -172,25 +172,25 @@ impl CookedGroom {
     /// Returns the import report for the groom, opened as `path`. [`ImportReport::rig`] is `None`: the rig stays in
     /// `self`.
     pub fn report(&self, path: &Path) -> ImportReport {
-        let said = self.said.clone();
+        let text = self.report_text.clone();
         let file = FileReport {
             path: path.to_path_buf(),
             format: FORMAT,
             strands: self.strands.len(),
             vertices: self.strands.positions.len(),
-            notes: said.sources,
+            notes: text.sources,
         };
         ImportReport {
             files: vec![file],
-            placement: said.placement,
-            head_placement: said.head_placement,
+            placement: text.placement,
+            head_placement: text.head_placement,
             rig: None,
-            lint: said.lint,
-            repaired: said.repaired,
-            followers: said.followers,
-            groups: said.groups,
-            attributes: said.attributes,
-            look: said.look,
+            lint: text.lint,
+            repaired: text.repaired,
+            followers: text.followers,
+            groups: text.groups,
+            attributes: text.attributes,
+            look: text.look,
         }
     }
 }

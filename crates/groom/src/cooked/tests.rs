@@ -1,6 +1,6 @@
 use super::*;
 use crate::bound::Strand;
-use crate::rig::{Animation, Bind, Channel, Curve, Delta, Interpolation, Joint, Node, Property, Target};
+use crate::rig::{Animation, Bind, Channel, Curve, Delta, Interpolation, Joint, MorphTarget, Node, Property};
 use crate::{
     BoundStrands, Guides, Influence,
     mesh::{
@@ -27,7 +27,7 @@ fn sample() -> CookedGroom {
     };
     head.normals = vec![Vec3::Y; 4];
     head.paint = Some(std::sync::Arc::new(Paint {
-        places: vec![glam::Vec2::X; 4],
+        uvs: vec![glam::Vec2::X; 4],
         of: vec![0, Paint::NONE, 0, 0],
         coats: vec![Coat { base: Texture::even([9; 4]), relief: Texture::even([1; 4]), cutout: Some(0.5) }],
     }));
@@ -48,7 +48,7 @@ fn sample() -> CookedGroom {
         nodes: vec![Node { name: "head".into(), weights: vec![(0, 0.5)], ..Default::default() }],
         joints: vec![Joint { node: 0, inverse_bind: glam::Mat4::IDENTITY }],
         vertices: head.positions.iter().map(bind).collect(),
-        targets: vec![Target { name: "smile".into(), deltas: vec![shape] }],
+        targets: vec![MorphTarget { name: "smile".into(), deltas: vec![shape] }],
         animations: vec![Animation { name: "nod".into(), length: 1.0, channels: vec![turn] }],
         to_groom: glam::Mat4::IDENTITY,
     };
@@ -67,13 +67,13 @@ fn sample() -> CookedGroom {
         lint: lint::check(&strands, Some(&head)),
         repaired: lint::RepairReport { merged_vertices: 7, ..Default::default() },
         followers: vec![Followers { count: 2, radius: Some(0.001) }; 40],
-        groups: vec![Group { id: 4, name: "fringe".into(), strands: 40, guides: 0 }],
+        groups: vec![StrandGroup { id: 4, name: "fringe".into(), strands: 40, guides: 0 }],
         attributes: Attributes { widths: true, ..Default::default() },
         look: Some(Look { eumelanin: 3.0, ..Default::default() }),
     };
     let mut cooked = CookedGroom::new(strands, Some(head), Some(field), Some(rig), &report).unwrap();
     cooked.parts = vec![(0, cooked.field.clone().unwrap())];
-    cooked.levels = vec![mesh::Level { stray: 1e-3, triangles: vec![[0, 1, 2]] }];
+    cooked.levels = vec![mesh::MeshLevel { stray: 1e-3, triangles: vec![[0, 1, 2]] }];
     cooked
 }
 
@@ -106,8 +106,8 @@ fn groom_survives_round_trip() {
 fn layout_matches_version() {
     let mut still = sample();
     // Replace everything that lint and binding compute, so that only a change of layout fails the test.
-    still.said.lint =
-        lint::Report { strands: 40, bounds: Some((Vec3::ZERO, Vec3::ONE)), ..Default::default() };
+    still.report_text.lint =
+        lint::LintReport { strands: 40, bounds: Some((Vec3::ZERO, Vec3::ONE)), ..Default::default() };
     still.groom.guides = Guides {
         vertex_count: 2,
         positions: vec![Vec3::ZERO, Vec3::Y],
@@ -161,14 +161,14 @@ fn paint(cooked: &mut CookedGroom) -> &mut Paint {
 #[test]
 fn inconsistent_groom_is_rejected() {
     let wrongs: [fn(&mut CookedGroom); 34] = [
-        |c| c.said.look.as_mut().unwrap().eumelanin = f32::NAN,
+        |c| c.report_text.look.as_mut().unwrap().eumelanin = f32::NAN,
         |c| c.strands.offsets[3] = 2,
         |c| c.strands.offsets[40] = 1000,
         |c| c.strands.offsets.clear(),
         |c| c.strands.positions[0].y = f32::NAN,
         |c| c.strands.radii.truncate(1),
         |c| c.strands.tip_pinned.truncate(1),
-        |c| c.said.followers.truncate(1),
+        |c| c.report_text.followers.truncate(1),
         |c| c.groom.strands.bindings[7].guides[2] = 1 << 20,
         |c| c.groom.guides.vertex_count = u32::MAX,
         |c| c.groom.strands.rest.truncate(1),
@@ -178,13 +178,13 @@ fn inconsistent_groom_is_rejected() {
         |c| c.head.as_mut().unwrap().normals.truncate(1),
         |c| c.levels[0].triangles[0][0] = 4,
         |c| paint(c).of[1] = 1,
-        |c| paint(c).places.truncate(1),
+        |c| paint(c).uvs.truncate(1),
         |c| paint(c).coats[0].base.width = 2,
         |c| c.field.as_mut().unwrap().size = UVec3::new(u32::MAX, u32::MAX, 2),
         |c| c.field.as_mut().unwrap().cell = 0.0,
         |c| c.strands.positions[1] = c.strands.positions[0],
         |c| c.strands.radii[0] = -1.0,
-        |c| c.said.placement.unit.0 = 0.0,
+        |c| c.report_text.placement.unit.0 = 0.0,
         |c| c.rig.as_mut().unwrap().nodes[0].rest.scale.x = f32::NAN,
         |c| c.rig.as_mut().unwrap().nodes[0].parent = Some(7),
         |c| {

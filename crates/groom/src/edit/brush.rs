@@ -133,7 +133,7 @@ impl BrushTool {
     }
 
     /// Whether the tool also acts while the brush stands still.
-    pub fn acts_in_place(self) -> bool {
+    pub fn acts_while_still(self) -> bool {
         use BrushTool::{Blow, Length, Pinch, Puff, Smooth, Spread};
         matches!(self, Smooth | Puff | Pinch | Spread | Blow | Length)
     }
@@ -198,7 +198,7 @@ pub enum CurlType {
 /// Which hair the brush reaches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Reach {
+pub enum BrushRegion {
     /// The near side: hair in front of the brush and a little behind it, never the far side of the head.
     #[default]
     Shell,
@@ -222,11 +222,13 @@ pub struct Brush {
     /// Falloff towards the edge.
     pub falloff: Falloff,
     /// Which hair it reaches.
-    pub reach: Reach,
+    #[serde(rename = "reach")]
+    pub region: BrushRegion,
     /// Where along the hair it acts: 0 everywhere, 1 more towards the tip, -1 more towards the root.
     pub root_tip: f32,
     /// Share of the guides that take part, 0 to 1.
-    pub share: f32,
+    #[serde(rename = "share")]
+    pub guide_fraction: f32,
     /// How far hair keeps its shape beside the brush, 0 to 1.
     pub keep_shape: f32,
     /// Share of its distance from the skin (up to 15 mm) that hair keeps, 0 to 1.
@@ -258,9 +260,9 @@ impl Default for Brush {
             radius: 0.03,
             strength: 0.5,
             falloff: Falloff::Smooth,
-            reach: Reach::Shell,
+            region: BrushRegion::Shell,
             root_tip: 0.0,
-            share: 1.0,
+            guide_fraction: 1.0,
             keep_shape: 0.3,
             keep_volume: 0.5,
             neighbors: 0.5,
@@ -306,14 +308,14 @@ impl Brush {
         for channel in self.color {
             Error::unless_within("brush.color", channel, 0.0, 1.0, "from 0 to 1 per channel")?;
         }
-        let shares = [
+        let fractions = [
             ("brush.strength", self.strength),
-            ("brush.share", self.share),
+            ("brush.share", self.guide_fraction),
             ("brush.keep_shape", self.keep_shape),
             ("brush.keep_volume", self.keep_volume),
             ("brush.neighbors", self.neighbors),
         ];
-        shares
+        fractions
             .into_iter()
             .try_for_each(|(name, value)| Error::unless_within(name, value, 0.0, 1.0, "from 0 to 1"))
     }

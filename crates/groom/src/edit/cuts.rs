@@ -13,7 +13,7 @@ use glam::Vec3;
 use std::collections::BTreeMap;
 
 /// Length of a guide beyond the longest strand that follows it, meters.
-const BEYOND: f32 = 3e-3;
+const EXTRA_LENGTH: f32 = 3e-3;
 /// Shortest share of a strand and of a guide that a cut leaves.
 const SHORTEST: f32 = 0.005;
 /// Change of a guide's share below which it stays.
@@ -31,9 +31,9 @@ pub(super) struct LengthChanges {
 impl LengthChanges {
     /// Leaves a share of each of these strands, or less.
     pub fn shorten(&mut self, strands: Vec<(usize, f32)>) {
-        for (i, share) in strands {
+        for (i, fraction) in strands {
             let left = self.strands.entry(i).or_insert(1.0);
-            *left = left.min(share);
+            *left = left.min(fraction);
         }
     }
 }
@@ -56,8 +56,8 @@ fn at(points: &[Vec3], x: f32) -> Vec3 {
 }
 
 /// Returns the first `share` of a polyline, with as many points.
-fn shortened(points: &[Vec3], share: f32) -> Vec<Vec3> {
-    (0..points.len()).map(|i| at(points, share * i as f32)).collect()
+fn shortened(points: &[Vec3], fraction: f32) -> Vec<Vec3> {
+    (0..points.len()).map(|i| at(points, fraction * i as f32)).collect()
 }
 
 impl Cuts {
@@ -70,8 +70,8 @@ impl Cuts {
     /// Returns these lengths of `source` after `changes`.
     pub fn changed(&self, source: &Groom, changes: &LengthChanges) -> Self {
         let mut after = self.clone();
-        for (i, share) in &changes.strands {
-            after.strands[*i] = (self.strands[*i] * share).clamp(SHORTEST, 1.0);
+        for (i, fraction) in &changes.strands {
+            after.strands[*i] = (self.strands[*i] * fraction).clamp(SHORTEST, 1.0);
         }
         for (i, factor) in &changes.guides {
             after.growth[*i] *= factor;
@@ -94,9 +94,9 @@ impl Cuts {
         }
         for i in (0..is_touched.len()).filter(|i| is_touched[*i] && longest[*i] > 0.0) {
             let length = curve::length(source.guides.guide(i)) * after.growth[i];
-            let share = (longest[i] + BEYOND / length.max(1e-6)).clamp(SHORTEST, 1.0);
-            if (share - self.guides[i]).abs() > SMALL {
-                after.guides[i] = share;
+            let fraction = (longest[i] + EXTRA_LENGTH / length.max(1e-6)).clamp(SHORTEST, 1.0);
+            if (fraction - self.guides[i]).abs() > SMALL {
+                after.guides[i] = fraction;
             }
         }
         after
@@ -105,8 +105,8 @@ impl Cuts {
     /// Returns guide `i`, which is `vertices` with these lengths, with the lengths `after`; `None` if it is the same.
     pub fn guide_to(&self, after: &Self, i: usize, vertices: &[Vec3]) -> Option<Vec<Vec3>> {
         let factor = after.growth[i] / self.growth[i];
-        let share = after.guides[i] / self.guides[i];
-        if factor == 1.0 && share == 1.0 {
+        let fraction = after.guides[i] / self.guides[i];
+        if factor == 1.0 && fraction == 1.0 {
             return None;
         }
         // A guide that gets its end back continues straight.
@@ -117,7 +117,7 @@ impl Cuts {
             true => vertices[last] + end * (x - last as f32),
             false => at(vertices, x),
         };
-        Some((0..=last).map(|k| root + (point(share * k as f32) - root) * factor).collect())
+        Some((0..=last).map(|k| root + (point(fraction * k as f32) - root) * factor).collect())
     }
 
     /// Returns `source` with these lengths.

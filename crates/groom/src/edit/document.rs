@@ -1,12 +1,12 @@
 //! Versions of an edited groom.
 
 use super::{
-    carry::CarriedStrands,
+    carry::DeformedStrands,
     cuts::{Cuts, LengthChanges},
     guide_blocks::GuideBlocks,
-    looks::StrandLooks,
+    looks::PaintedValues,
 };
-use crate::{Error, Groom, Result, orient::Choice, restyle::painted};
+use crate::{Error, Groom, Result, orient::OrientationOverride, restyle::painted};
 use glam::Vec3;
 use std::{
     path::PathBuf,
@@ -26,7 +26,7 @@ pub enum HeadFiles {
         /// Names and contents.
         files: Vec<(PathBuf, Arc<[u8]>)>,
         /// Unit and axes of the head.
-        orientation: Choice,
+        orientation: OrientationOverride,
     },
 }
 
@@ -35,7 +35,7 @@ pub enum HeadFiles {
 pub(super) struct Family {
     head: HeadFiles,
     /// Plane between left and right: x, meters.
-    middle: f32,
+    mirror_x: f32,
 }
 
 /// Data that versions with the same lengths share.
@@ -90,7 +90,7 @@ pub struct GroomDocument {
     base: Arc<Base>,
     guides: GuideBlocks,
     /// Painted values; `None` for the values of the base.
-    looks: Option<Arc<StrandLooks>>,
+    painted_values: Option<Arc<PaintedValues>>,
 }
 
 impl PartialEq for GroomDocument {
@@ -105,9 +105,9 @@ impl GroomDocument {
     ///
     /// # Errors
     /// [`Error::Unusable`] for a groom without guides or strands, and for one that its bindings do not fit.
-    pub fn new(groom: Groom, head: HeadFiles, middle: f32) -> Result<Self> {
+    pub fn new(groom: Groom, head: HeadFiles, mirror_x: f32) -> Result<Self> {
         check(&groom)?;
-        Ok(Self::at_base(Base::new(Arc::new(Family { head, middle }), Arc::new(groom), None)))
+        Ok(Self::at_base(Base::new(Arc::new(Family { head, mirror_x }), Arc::new(groom), None)))
     }
 
     /// Returns this version with other vertices for the guides in `changed`.
@@ -125,11 +125,11 @@ impl GroomDocument {
         let base =
             Base::new(family.clone(), source.clone(), Some(after)).with_origins(self.base.origins.clone());
         let after = base.cuts.as_ref().unwrap_or(&before);
-        let moved: Vec<(usize, Vec<Vec3>)> = (0..self.guides.len())
+        let changed_guides: Vec<(usize, Vec<Vec3>)> = (0..self.guides.len())
             .filter_map(|i| Some((i, before.guide_to(after, i, self.guide(i))?)))
             .collect();
-        let guides = self.guides.with(moved.iter().map(|(i, guide)| (*i, &guide[..])));
-        Self { base: Arc::new(base), guides, looks: self.looks.clone() }
+        let guides = self.guides.with(changed_guides.iter().map(|(i, guide)| (*i, &guide[..])));
+        Self { base: Arc::new(base), guides, painted_values: self.painted_values.clone() }
     }
 
     pub(super) fn family(&self) -> Arc<Family> {
@@ -138,7 +138,7 @@ impl GroomDocument {
 
     /// Returns the version of `base` before the first stroke.
     pub(super) fn at_base(base: Base) -> Self {
-        Self { guides: base.guides.clone(), base: Arc::new(base), looks: None }
+        Self { guides: base.guides.clone(), base: Arc::new(base), painted_values: None }
     }
 
     /// Returns this version before the first stroke, with its lengths.
@@ -164,8 +164,8 @@ impl GroomDocument {
     }
 
     /// Returns the plane between left and right: x, meters.
-    pub fn middle(&self) -> f32 {
-        self.base.family.middle
+    pub fn mirror_x(&self) -> f32 {
+        self.base.family.mirror_x
     }
 
     /// Returns the guides.
@@ -191,69 +191,69 @@ impl GroomDocument {
     /// Whether `other` is a version of the same groom with the same guides, lengths and painted values, so that only shapes
     /// differ.
     pub fn is_pose_of(&self, other: &Self) -> bool {
-        let same_looks = match (&self.looks, &other.looks) {
+        let has_same_painted_values = match (&self.painted_values, &other.painted_values) {
             (Some(a), Some(b)) => Arc::ptr_eq(a, b),
             (a, b) => a.is_none() && b.is_none(),
         };
-        Arc::ptr_eq(&self.base, &other.base) && same_looks
+        Arc::ptr_eq(&self.base, &other.base) && has_same_painted_values
     }
 
     /// Returns the groom: the guides, and the strands that they carry.
     pub fn groom(&self) -> Groom {
-        self.looking(self.carried())
+        self.painted_groom(self.deformed_strands())
     }
 
     /// Returns the groom without painted clumps, curls and frizz.
     pub(super) fn unshaped_groom(&self) -> Groom {
-        self.looking(self.unshaped())
+        self.painted_groom(self.unshaped())
     }
 
-    fn looking(&self, carried: CarriedStrands) -> Groom {
-        let mut groom = carried.groom(&self.guides);
-        if let Some(looks) = &self.looks {
-            groom.strands.strands.clone_from(&looks.strands);
-            groom.guides.stiffness.clone_from(&looks.stiffness);
+    fn painted_groom(&self, strands: DeformedStrands) -> Groom {
+        let mut groom = strands.groom(&self.guides);
+        if let Some(painted_values) = &self.painted_values {
+            groom.strands.strands.clone_from(&painted_values.strands);
+            groom.guides.stiffness.clone_from(&painted_values.stiffness);
         }
         groom
     }
 
     /// Returns the painted values.
-    pub(super) fn looks(&self) -> StrandLooks {
+    pub(super) fn painted_values(&self) -> PaintedValues {
         let Groom { guides, strands } = &*self.base.source;
-        let unpainted = || StrandLooks {
+        let unpainted = || PaintedValues {
             strands: strands.strands.clone(),
             shapes: Vec::new(),
             stiffness: guides.stiffness.clone(),
             held: vec![false; guides.len()],
         };
-        self.looks.as_deref().cloned().unwrap_or_else(unpainted)
+        self.painted_values.as_deref().cloned().unwrap_or_else(unpainted)
     }
 
     /// Returns this version with other painted values.
-    pub(super) fn with_looks(&self, looks: StrandLooks) -> Self {
-        Self { looks: Some(Arc::new(looks)), ..self.clone() }
+    pub(super) fn with_painted_values(&self, painted_values: PaintedValues) -> Self {
+        Self { painted_values: Some(Arc::new(painted_values)), ..self.clone() }
     }
 
     /// Returns the strands, carried by the guides.
-    pub(super) fn carried(&self) -> CarriedStrands {
+    pub(super) fn deformed_strands(&self) -> DeformedStrands {
         let shapes = self.shapes();
         match shapes.iter().any(|shape| shape.any()) {
             true => {
                 let base = Arc::new(painted::shaped(&self.base.groom(), shapes));
-                CarriedStrands::new(base, &self.guides, &self.base.guides)
+                DeformedStrands::new(base, &self.guides, &self.base.guides)
             }
             false => self.unshaped(),
         }
     }
 
     /// Returns the strands without painted clumps, curls and frizz, carried by the guides.
-    pub(super) fn unshaped(&self) -> CarriedStrands {
-        CarriedStrands::new(self.base.groom(), &self.guides, &self.base.guides)
+    pub(super) fn unshaped(&self) -> DeformedStrands {
+        DeformedStrands::new(self.base.groom(), &self.guides, &self.base.guides)
     }
 
     /// Returns clumps, curls and frizz of each strand; empty for none.
     pub(super) fn shapes(&self) -> &[painted::StrandShape] {
-        self.looks.as_ref().map_or(&[], |looks| &looks.shapes)
+        self.painted_values.as_ref().map_or(&[], |values| &values.shapes)
     }
 
     /// Returns a hash of guides, lengths and the number of strands (FNV-1a of their bits): equal for equal numbers.
@@ -262,24 +262,29 @@ impl GroomDocument {
         let bits = bits.chain(self.base.cuts.iter().flat_map(Cuts::numbers));
         let count = self.base.source.strands.len() as u64;
         bits.flat_map(|x| x.to_bits().to_le_bytes())
-            .chain(self.looks.iter().flat_map(|looks| looks.bits()).flat_map(u32::to_le_bytes))
+            .chain(self.painted_values.iter().flat_map(|values| values.bits()).flat_map(u32::to_le_bytes))
             .chain(count.to_le_bytes())
             .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
     }
 
     /// Returns the bytes that this version needs besides `other`.
-    pub fn bytes_beside(&self, other: &Self) -> usize {
+    pub fn unshared_bytes(&self, other: &Self) -> usize {
         let is_pose = Arc::ptr_eq(&self.base, &other.base);
-        let shares =
-            |looks: &&Arc<StrandLooks>| other.looks.as_ref().is_some_and(|it| Arc::ptr_eq(it, looks));
-        let looks = self.looks.as_ref().filter(|looks| !shares(looks)).map_or(0, |looks| looks.bytes());
+        let is_shared = |values: &&Arc<PaintedValues>| {
+            other.painted_values.as_ref().is_some_and(|it| Arc::ptr_eq(it, values))
+        };
+        let painted_bytes = self
+            .painted_values
+            .as_ref()
+            .filter(|values| !is_shared(values))
+            .map_or(0, |values| values.bytes());
         let cuts = self.base.cuts.as_ref().filter(|_| !is_pose).map_or(0, Cuts::bytes);
         if self.guides.len() != other.guides.len() {
-            return looks + cuts + self.base.bytes() + self.guides.bytes();
+            return painted_bytes + cuts + self.base.bytes() + self.guides.bytes();
         }
         let source = if Arc::ptr_eq(&self.base.source, &other.base.source) { 0 } else { self.base.bytes() };
-        let base = if is_pose { 0 } else { self.base.guides.bytes_beside(&other.base.guides) };
-        self.guides.bytes_beside(&other.guides) + looks + cuts + base + source
+        let base = if is_pose { 0 } else { self.base.guides.unshared_bytes(&other.base.guides) };
+        self.guides.unshared_bytes(&other.guides) + painted_bytes + cuts + base + source
     }
 }
 

@@ -4,7 +4,7 @@ use super::{
     Brush, BrushTool, GroomDocument,
     ground::Ground,
     hair::EditedHair,
-    looks::StrandLooks,
+    looks::PaintedValues,
     sample::StrokeSample,
     solve::{PressState, Solver},
     stroke::ActiveStroke,
@@ -52,7 +52,7 @@ impl GroomEditor {
     }
 
     /// Whether guides have moved since the last call.
-    pub fn take_moved(&mut self) -> bool {
+    pub fn take_changed(&mut self) -> bool {
         std::mem::take(&mut self.hair.guides.changed)
     }
 
@@ -86,26 +86,26 @@ impl GroomEditor {
     }
 
     /// Returns the painted values, with the changes of the current stroke.
-    fn looks(&self) -> &StrandLooks {
+    fn painted_values(&self) -> &PaintedValues {
         let painted = self.stroke.as_ref().and_then(|stroke| stroke.paint.as_ref());
-        painted.map_or(&self.hair.looks, |paint| &paint.looks)
+        painted.map_or(&self.hair.painted_values, |paint| &paint.painted_values)
     }
 
     /// Returns root, normal of the skin and stiffness of each guide. The last is relative to that before the first stroke.
     pub fn stiffness(&self) -> Vec<(Vec3, Vec3, f32)> {
-        let pairs = self.looks().stiffness.iter().zip(&self.hair.base.guides.stiffness);
+        let pairs = self.painted_values().stiffness.iter().zip(&self.hair.base.guides.stiffness);
         self.hair.guides.at_roots(pairs.map(|(now, first)| now / first.max(1e-6))).collect()
     }
 
     /// Returns root and normal of the skin of each guide, and whether it is held.
     pub fn held(&self) -> impl Iterator<Item = (Vec3, Vec3, bool)> {
-        self.hair.guides.at_roots(self.looks().held.iter().copied())
+        self.hair.guides.at_roots(self.painted_values().held.iter().copied())
     }
 
     /// Returns root and normal of the skin of each guide, and how much of the effect of `tool` its hair has, 0 to 1.
     pub fn amounts(&self, tool: BrushTool) -> Vec<(Vec3, Vec3, f32)> {
         let mut sums = vec![(0.0, 0.0f32); self.hair.guides.len()];
-        for (shape, binding) in self.looks().shapes.iter().zip(&self.hair.base.strands.bindings) {
+        for (shape, binding) in self.painted_values().shapes.iter().zip(&self.hair.base.strands.bindings) {
             let amount = match tool {
                 BrushTool::Clump => shape.clump,
                 BrushTool::Curl => shape.curl,

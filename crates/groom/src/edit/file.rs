@@ -20,12 +20,12 @@
 //!
 //! Later versions read this version. Unknown chunks are skipped.
 
-use super::{GroomDocument, HeadFiles, looks::StrandLooks};
+use super::{GroomDocument, HeadFiles, looks::PaintedValues};
 use crate::{
     BoundStrands, Groom, Guides, MAX_VERTICES,
     bound::{PackedRest, Strand, StrandBinding},
     error::{At, Error, Result},
-    orient::{Choice, Unit},
+    orient::{LengthUnit, OrientationOverride},
     restyle::painted::StrandShape,
 };
 use bytemuck::Pod;
@@ -52,7 +52,8 @@ struct Info {
     has_groups: bool,
     strands: u64,
     strand_vertices: u32,
-    middle: f32,
+    #[serde(rename = "middle")]
+    mirror_x: f32,
     head: HeadInfo,
 }
 
@@ -86,7 +87,7 @@ impl GroomDocument {
     pub fn write(&self) -> Vec<u8> {
         let base = self.base();
         let (guides, strands) = (&base.guides, &base.strands);
-        let looks = self.looks();
+        let painted_values = self.painted_values();
         let (head, files) = match self.head() {
             HeadFiles::None => (HeadInfo::None, &[][..]),
             HeadFiles::BuiltIn => (HeadInfo::BuiltIn, &[][..]),
@@ -96,7 +97,7 @@ impl GroomDocument {
                     unit: orientation.unit.map(|unit| unit.0),
                     up: orientation.up.map(|axis| axis.name().into()),
                     front: orientation.front.map(|axis| axis.name().into()),
-                    mirror: orientation.mirror,
+                    mirror: orientation.is_mirrored,
                 };
                 (info, &files[..])
             }
@@ -107,14 +108,14 @@ impl GroomDocument {
             has_groups: !guides.groups.is_empty(),
             strands: strands.len() as u64,
             strand_vertices: strands.vertex_count,
-            middle: self.middle(),
+            mirror_x: self.mirror_x(),
             head,
         };
         let traits: Vec<_> = (0..guides.len())
             .map(|i| Traits {
-                stiffness: looks.stiffness[i],
+                stiffness: painted_values.stiffness[i],
                 strands: guides.strands[i],
-                flags: u32::from(guides.tip_pinned[i]) | u32::from(looks.held[i]) << 1,
+                flags: u32::from(guides.tip_pinned[i]) | u32::from(painted_values.held[i]) << 1,
                 group: guides.groups.get(i).copied().unwrap_or_default(),
             })
             .collect();
@@ -124,9 +125,9 @@ impl GroomDocument {
         push(&mut file, *b"GPOS", &packed(&guides.positions));
         push(&mut file, *b"GNOW", &packed(&self.guides().positions()));
         push(&mut file, *b"GTRA", &packed(&traits));
-        push(&mut file, *b"STRA", &packed(&looks.strands));
-        if !looks.shapes.is_empty() {
-            push(&mut file, *b"SHAP", &packed(&looks.shapes));
+        push(&mut file, *b"STRA", &packed(&painted_values.strands));
+        if !painted_values.shapes.is_empty() {
+            push(&mut file, *b"SHAP", &packed(&painted_values.shapes));
         }
         push(&mut file, *b"BIND", &packed(&strands.bindings));
         push(&mut file, *b"REST", &packed(&strands.rest));
@@ -168,20 +169,21 @@ impl GroomDocument {
         let now: Vec<Vec3> = file.array(&chunks, *b"GNOW", count * n)?;
         let head = file.head(&chunks, info.head)?;
         let unusable = |error: Error| file.wrong(At::File, error.to_string());
-        let original = Self::new(Groom { guides, strands }, head, info.middle).map_err(unusable)?;
+        let original = Self::new(Groom { guides, strands }, head, info.mirror_x).map_err(unusable)?;
         if !now.iter().all(|p| p.is_finite() && p.abs().max_element() < 1e3) {
             return Err(file.wrong(At::File, "a guide is not within a kilometer".into()));
         }
         let n = n as usize;
-        let moved = now.chunks_exact(n).enumerate().filter(|(i, guide)| original.guide(*i) != *guide);
-        let document = original.with(moved);
+        let changed_guides =
+            now.chunks_exact(n).enumerate().filter(|(i, guide)| original.guide(*i) != *guide);
+        let document = original.with(changed_guides);
         let held: Vec<bool> = traits.iter().map(|traits| traits.flags & 2 != 0).collect();
         let shapes = match chunks.iter().any(|(name, _)| *name == *b"SHAP") {
             true => file.array::<StrandShape>(&chunks, *b"SHAP", info.strands)?,
             false => Vec::new(),
         };
         Ok(match held.contains(&true) || !shapes.is_empty() {
-            true => document.with_looks(StrandLooks { held, shapes, ..document.looks() }),
+            true => document.with_painted_values(PaintedValues { held, shapes, ..document.painted_values() }),
             false => document,
         })
     }
@@ -222,7 +224,7 @@ impl<'a> Reader<'a> {
             );
         };
         let ends = |at: usize| self.wrong(At::Byte(at as u64), "the file ends within a chunk".into());
-        let place = |rest: &[u8]| self.bytes.len() - rest.len();
+        let byte_offset = |rest: &[u8]| self.bytes.len() - rest.len();
         let Some((version, mut rest)) = rest.split_first_chunk::<4>() else { return Err(ends(8)) };
         let version = u32::from_le_bytes(*version);
         if version != VERSION {
@@ -231,7 +233,7 @@ impl<'a> Reader<'a> {
         }
         let mut chunks = Vec::new();
         while !rest.is_empty() {
-            let at = place(rest);
+            let at = byte_offset(rest);
             let header = rest.split_first_chunk::<4>().and_then(|(name, rest)| {
                 let (length, rest) = rest.split_first_chunk::<8>()?;
                 let (sum, rest) = rest.split_first_chunk::<4>()?;
@@ -288,7 +290,12 @@ impl<'a> Reader<'a> {
             return Err(self.wrong(At::File, problem));
         }
         let axis = |name: Option<String>| name.map(|name| name.parse()).transpose();
-        let orientation = Choice { unit: unit.map(Unit), up: axis(up)?, front: axis(front)?, mirror };
+        let orientation = OrientationOverride {
+            unit: unit.map(LengthUnit),
+            up: axis(up)?,
+            front: axis(front)?,
+            is_mirrored: mirror,
+        };
         orientation.check()?;
         Ok(HeadFiles::Files {
             files: names.into_iter().map(PathBuf::from).zip(contents).collect(),

@@ -39,10 +39,10 @@ impl Ground {
 
     /// Returns the point of the skin nearest to `p` and its outward normal; `None` if there is no skin within `reach`
     /// meters.
-    pub fn nearest(&self, p: Vec3, reach: f32) -> Option<(Vec3, Vec3)> {
+    pub fn nearest(&self, p: Vec3, max_distance: f32) -> Option<(Vec3, Vec3)> {
         if let Some(mesh) = &self.mesh {
             let (mesh, bvh) = &**mesh;
-            let closest = bvh.closest_point_within(p, reach)?;
+            let closest = bvh.closest_point_within(p, max_distance)?;
             let [a, b, c] = mesh.triangles[closest.triangle as usize].map(|v| mesh.positions[v as usize]);
             let facet = unit((b - a).cross(c - a), Vec3::ZERO);
             // Normals of a field are smooth, and point outwards whatever the winding of the triangles.
@@ -54,6 +54,6 @@ impl Ground {
         for _ in 0..STEPS {
             point -= field.normal(point) * field.sample(point);
         }
-        (point.distance(p) <= reach).then(|| (point, field.normal(point)))
+        (point.distance(p) <= max_distance).then(|| (point, field.normal(point)))
     }
 }

@@ -38,14 +38,14 @@ impl GuideBlocks {
             let root = positions[i as usize * vertex_count];
             (morton(((root - lo) * scale).as_uvec3()), i)
         });
-        let mut place = vec![0; at.len()];
-        (0u32..).zip(&at).for_each(|(slot, guide)| place[*guide as usize] = slot);
+        let mut slots = vec![0; at.len()];
+        (0u32..).zip(&at).for_each(|(slot, guide)| slots[*guide as usize] = slot);
         let block = |guides: &[u32]| -> Arc<[Vec3]> {
             let vertices = |i: &u32| positions[*i as usize * vertex_count..][..vertex_count].iter().copied();
             guides.iter().flat_map(vertices).collect()
         };
         let blocks = at.chunks(BLOCK).map(block).collect();
-        Self { vertex_count, order: Arc::new((place, at)), blocks }
+        Self { vertex_count, order: Arc::new((slots, at)), blocks }
     }
 
     /// Returns the number of guides.
@@ -59,14 +59,14 @@ impl GuideBlocks {
     }
 
     /// Returns the block of guide `i`, and its first vertex there.
-    fn place(&self, i: usize) -> (usize, usize) {
+    fn locate(&self, i: usize) -> (usize, usize) {
         let slot = self.order.0[i] as usize;
         (slot / BLOCK, slot % BLOCK * self.vertex_count)
     }
 
     /// Returns the vertices of guide `i`.
     pub fn guide(&self, i: usize) -> &[Vec3] {
-        let (block, first) = self.place(i);
+        let (block, first) = self.locate(i);
         &self.blocks[block][first..][..self.vertex_count]
     }
 
@@ -80,7 +80,7 @@ impl GuideBlocks {
     pub fn with<'a>(&self, changed: impl IntoIterator<Item = (usize, &'a [Vec3])>) -> Self {
         let mut blocks: BTreeMap<usize, Vec<Vec3>> = BTreeMap::new();
         for (i, vertices) in changed {
-            let (block, first) = self.place(i);
+            let (block, first) = self.locate(i);
             let block = blocks.entry(block).or_insert_with(|| self.blocks[block].to_vec());
             block[first..][..self.vertex_count].copy_from_slice(vertices);
         }
@@ -104,7 +104,7 @@ impl GuideBlocks {
     }
 
     /// Returns the bytes of the blocks that `other` does not share.
-    pub fn bytes_beside(&self, other: &Self) -> usize {
+    pub fn unshared_bytes(&self, other: &Self) -> usize {
         let pairs = self.blocks.iter().zip(&other.blocks);
         pairs.filter(|(a, b)| !Arc::ptr_eq(a, b)).map(|(block, _)| size_of_val(&**block)).sum()
     }

@@ -1,7 +1,7 @@
 //! The hair under the brush.
 
 use super::{
-    Brush, BrushTool, GroomDocument, StrokeSample, brush::chance, ground::Ground, looks::StrandLooks,
+    Brush, BrushTool, GroomDocument, StrokeSample, brush::chance, ground::Ground, looks::PaintedValues,
     posed_guides::PosedGuides, solve::PressState, tools::Dab,
 };
 use crate::{Groom, SdfGrid, progress::in_parallel};
@@ -20,7 +20,7 @@ pub(super) struct EditedHair {
     pub base: Arc<Groom>,
     pub ground: Ground,
     /// Painted values before the stroke.
-    pub looks: StrandLooks,
+    pub painted_values: PaintedValues,
     pub guides: PosedGuides,
     /// State at the press of each guide that the last stroke has moved.
     pub pressed: Vec<Option<Arc<PressState>>>,
@@ -32,7 +32,7 @@ impl EditedHair {
     pub fn new(document: GroomDocument, ground: Ground) -> Self {
         Self {
             base: document.base(),
-            looks: document.looks(),
+            painted_values: document.painted_values(),
             pressed: vec![None; document.guides().len()],
             guides: PosedGuides::new(&document, ground.field.as_deref()),
             document,
@@ -115,19 +115,19 @@ impl EditedHair {
     /// Whether `brush` acts on guide `i` and the strands that follow it most: they are of its layer, and not held.
     pub fn is_open(&self, brush: &Brush, i: usize) -> bool {
         let group = || self.base.guides.groups.get(i).copied().unwrap_or_default();
-        let held = self.looks.held[i] && brush.tool != BrushTool::Hold;
+        let held = self.painted_values.held[i] && brush.tool != BrushTool::Hold;
         !held && brush.layer.is_none_or(|layer| group() == layer)
     }
 
     /// Returns the guides that `dabs` may reach and that take part in the stroke with `seed`.
     pub fn affected(&self, brush: &Brush, seed: u32, dabs: &[Dab]) -> Vec<usize> {
         let pinned = &self.base.guides.tip_pinned;
-        let meets: Vec<_> = dabs.iter().map(|dab| dab.meets(brush.reach)).collect();
+        let overlap_tests: Vec<_> = dabs.iter().map(|dab| dab.overlap_test(brush.region)).collect();
         let takes_part = |i: &usize| {
             !pinned[*i]
                 && self.is_open(brush, *i)
-                && (brush.share >= 1.0 || chance(seed, *i as u32) < brush.share)
-                && meets.iter().any(|meets| meets(self.guides.spheres[*i]))
+                && (brush.guide_fraction >= 1.0 || chance(seed, *i as u32) < brush.guide_fraction)
+                && overlap_tests.iter().any(|overlaps| overlaps(self.guides.spheres[*i]))
         };
         (0..self.guides.len()).filter(takes_part).collect()
     }

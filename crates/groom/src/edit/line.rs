@@ -33,9 +33,9 @@ impl CutLine {
         }
     }
 
-    fn mirrored(&self, middle: f32) -> Self {
+    fn mirrored(&self, mirror_x: f32) -> Self {
         let flip = |v: Vec3| Vec3::new(-v.x, v.y, v.z);
-        let eye = Vec3::new(2.0 * middle - self.eye.x, self.eye.y, self.eye.z);
+        let eye = Vec3::new(2.0 * mirror_x - self.eye.x, self.eye.y, self.eye.z);
         Self { eye, from: flip(self.from), to: flip(self.to) }
     }
 
@@ -45,10 +45,10 @@ impl CutLine {
         let crossing = move |(i, edge): (usize, &[Vec3])| {
             let [a, b] = [edge[0], edge[1]].map(|p| (p - self.eye).dot(normal));
             let t = a / (a - b);
-            let way = edge[0].lerp(edge[1], t) - self.eye;
-            let (left, right) = (self.from.cross(way).dot(normal), way.cross(self.to).dot(normal));
+            let ray = edge[0].lerp(edge[1], t) - self.eye;
+            let (left, right) = (self.from.cross(ray).dot(normal), ray.cross(self.to).dot(normal));
             let crosses = a * b <= 0.0 && a != b && left >= 0.0 && right >= 0.0 && left + right > 0.0;
-            crosses.then(|| Crossing { at: i as f32 + t, along: left / (left + right), depth: way.length() })
+            crosses.then(|| Crossing { at: i as f32 + t, along: left / (left + right), depth: ray.length() })
         };
         points.windows(2).enumerate().filter_map(crossing)
     }
@@ -74,18 +74,18 @@ impl CutPath {
         (lines.len() > 2).then_some(Self { lines, is_closed: true })
     }
 
-    pub fn mirrored(&self, middle: f32) -> Self {
-        Self { lines: self.lines.iter().map(|line| line.mirrored(middle)).collect(), ..self.clone() }
+    pub fn mirrored(&self, mirror_x: f32) -> Self {
+        Self { lines: self.lines.iter().map(|line| line.mirrored(mirror_x)).collect(), ..self.clone() }
     }
 
     /// Whether `p` is within the outline, as seen from the eye.
     fn holds(&self, p: Vec3) -> bool {
         let Some(first) = self.lines.first().filter(|_| self.is_closed) else { return false };
-        let sight = unit(self.lines.iter().map(|line| unit(line.from, Vec3::ZERO)).sum(), Vec3::NEG_Z);
-        let right = unit(sight.cross(Vec3::Y), Vec3::X);
-        let up = right.cross(sight);
+        let forward = unit(self.lines.iter().map(|line| unit(line.from, Vec3::ZERO)).sum(), Vec3::NEG_Z);
+        let right = unit(forward.cross(Vec3::Y), Vec3::X);
+        let up = right.cross(forward);
         let flat = |v: Vec3| {
-            let depth = v.dot(sight).max(1e-6);
+            let depth = v.dot(forward).max(1e-6);
             [v.dot(right) / depth, v.dot(up) / depth]
         };
         let [x, y] = flat(p - first.eye);
@@ -130,8 +130,8 @@ impl CutPath {
             let hair = around.map(|i| nearest[i]).fold(f32::MAX, f32::min) + CURTAIN;
             let at = (i as f32 + 0.5) / BINS as f32 * self.lines.len() as f32;
             let line = self.lines[at as usize];
-            let sight = unit(line.from.lerp(line.to, at.fract()), Vec3::NEG_Z);
-            let skin = field.and_then(|field| field.trace(line.eye, sight, 0.0));
+            let direction = unit(line.from.lerp(line.to, at.fract()), Vec3::NEG_Z);
+            let skin = field.and_then(|field| field.trace(line.eye, direction, 0.0));
             skin.map_or(hair, |skin| hair.min(skin + SKIN))
         };
         (0..BINS).map(depth).collect()

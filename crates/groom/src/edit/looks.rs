@@ -4,7 +4,7 @@ use crate::{bound::Strand, restyle::painted::StrandShape};
 
 /// Painted values of a version.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct StrandLooks {
+pub(super) struct PaintedValues {
     /// Width and colors of each strand.
     pub strands: Vec<Strand>,
     /// Clumps, curls and frizz of each strand; empty for none.
@@ -15,7 +15,7 @@ pub(super) struct StrandLooks {
     pub held: Vec<bool>,
 }
 
-impl StrandLooks {
+impl PaintedValues {
     /// Returns the size, bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.strands)

@@ -40,7 +40,7 @@ mod solve;
 mod stroke;
 mod tools;
 
-pub use brush::{Brush, BrushTool, CurlType, Falloff, Reach};
+pub use brush::{Brush, BrushRegion, BrushTool, CurlType, Falloff};
 pub use document::{GroomDocument, HeadFiles};
 pub use editor::GroomEditor;
 pub use guide_blocks::GuideBlocks;

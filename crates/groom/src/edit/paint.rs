@@ -1,7 +1,7 @@
 //! Strokes that paint: widths, colors, clumps, curls and frizz of strands, stiffness of guides.
 
 use super::{
-    Brush, BrushTool, GroomDocument, brush::chance, hair::EditedHair, looks::StrandLooks,
+    Brush, BrushTool, GroomDocument, brush::chance, hair::EditedHair, looks::PaintedValues,
     posed_guides::sphere, tools::Dab,
 };
 use crate::{
@@ -23,7 +23,7 @@ const TINT: f32 = 0.3;
 /// Painted values in a stroke.
 #[derive(Debug)]
 pub(super) struct PaintStroke {
-    pub looks: StrandLooks,
+    pub painted_values: PaintedValues,
     /// Whether they differ from those before.
     is_changed: bool,
     /// Each strand at the press, with a sphere around it; empty unless the tool paints strands.
@@ -36,18 +36,18 @@ impl PaintStroke {
             true => hair.map_strands(|line| (sphere(line), line.to_vec())),
             false => Vec::new(),
         };
-        Self { looks: hair.looks.clone(), is_changed: false, lines }
+        Self { painted_values: hair.painted_values.clone(), is_changed: false, lines }
     }
 
     /// Paints strands or guides under `dabs`. `seed` is the seed of the stroke.
     pub fn dab(&mut self, hair: &EditedHair, brush: &Brush, seed: u32, dabs: &[Dab]) {
-        let Self { looks, is_changed, lines } = self;
-        let reach = |dab: &Dab| (dab.meets(brush.reach), dab.falloff(brush), dab.strength);
-        let reaches: Vec<_> = dabs.iter().map(reach).collect();
+        let Self { painted_values, is_changed, lines } = self;
+        let influence = |dab: &Dab| (dab.overlap_test(brush.region), dab.falloff(brush), dab.strength);
+        let influences: Vec<_> = dabs.iter().map(influence).collect();
         let weight = |sphere: (Vec3, f32), line: &[Vec3]| {
-            let met = reaches.iter().filter(|(meets, ..)| meets(sphere));
-            let most = |near: &dyn Fn(Vec3) -> f32| line.iter().map(|p| near(*p)).fold(0.0, f32::max);
-            met.map(|(_, near, strength)| most(near) * strength).fold(0.0, f32::max)
+            let overlapping = influences.iter().filter(|(overlaps, ..)| overlaps(sphere));
+            let max_falloff = |near: &dyn Fn(Vec3) -> f32| line.iter().map(|p| near(*p)).fold(0.0, f32::max);
+            overlapping.map(|(_, near, strength)| max_falloff(near) * strength).fold(0.0, f32::max)
         };
         let changed = |value: f32, first: f32, weight: f32| {
             let factor = 1.0 + CHANGE * weight;
@@ -57,7 +57,7 @@ impl PaintStroke {
         if !brush.tool.paints_strands() {
             for i in (0..hair.guides.len()).filter(|i| hair.is_open(brush, *i)) {
                 let weight = weight(hair.guides.spheres[i], hair.guides.guide(i));
-                let (stiffness, held) = (&mut looks.stiffness[i], &mut looks.held[i]);
+                let (stiffness, held) = (&mut painted_values.stiffness[i], &mut painted_values.held[i]);
                 if weight <= 0.0 || brush.tool == BrushTool::Hold && *held != brush.inverted {
                     continue;
                 }
@@ -70,11 +70,11 @@ impl PaintStroke {
             return;
         }
         let color = Vec3::from(brush.color.map(linear));
-        if brush.tool.paints_shapes() && looks.shapes.is_empty() {
-            looks.shapes = vec![StrandShape::default(); looks.strands.len()];
+        if brush.tool.paints_shapes() && painted_values.shapes.is_empty() {
+            painted_values.shapes = vec![StrandShape::default(); painted_values.strands.len()];
         }
         let base = &hair.base.strands;
-        let strands = looks.strands.iter_mut().zip(&base.bindings).zip(&base.strands);
+        let strands = painted_values.strands.iter_mut().zip(&base.bindings).zip(&base.strands);
         for (i, (((strand, binding), first), (sphere, line))) in strands.zip(lines).enumerate() {
             let weight = weight(*sphere, line);
             if weight <= 0.0 || !hair.is_open(brush, binding.guides[0] as usize) {
@@ -86,7 +86,7 @@ impl PaintStroke {
                 continue;
             }
             if brush.tool.paints_shapes() {
-                let shape = &mut looks.shapes[i];
+                let shape = &mut painted_values.shapes[i];
                 let amount = match brush.tool {
                     BrushTool::Clump => &mut shape.clump,
                     BrushTool::Curl => &mut shape.curl,
@@ -106,9 +106,9 @@ impl PaintStroke {
             }
             // The pigment of strands without a color is not known here, so a random share of them takes the color whole.
             let chance = chance(seed, i as u32);
-            let mixed = |now: u32, share: f32| match unpack_color(now) {
-                Some(now) => pack_color(now.lerp(color, (TINT * weight * share).min(1.0))),
-                None if chance < weight * share => pack_color(color),
+            let mixed = |now: u32, fraction: f32| match unpack_color(now) {
+                Some(now) => pack_color(now.lerp(color, (TINT * weight * fraction).min(1.0))),
+                None if chance < weight * fraction => pack_color(color),
                 None => 0,
             };
             let tip = if strand.tip_color == 0 { strand.root_color } else { strand.tip_color };
@@ -119,6 +119,6 @@ impl PaintStroke {
 
     /// Returns `document` with the painted values; `None` without changes.
     pub fn applied(&self, document: &GroomDocument) -> Option<GroomDocument> {
-        self.is_changed.then(|| document.with_looks(self.looks.clone()))
+        self.is_changed.then(|| document.with_painted_values(self.painted_values.clone()))
     }
 }

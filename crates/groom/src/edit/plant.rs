@@ -16,7 +16,7 @@ use glam::Vec3;
 
 /// Candidates per dab, relative to the places that the brush has for guides; and the most.
 const TRIES: f32 = 3.0;
-const MOST_TRIES: usize = 400;
+const MAX_TRIES: usize = 400;
 /// Slope of new hair at its root: sine and cosine of the angle to the skin.
 const SLOPE: (f32, f32) = (0.57, 0.82);
 /// Length over which hanging hair bends down, meters.
@@ -27,7 +27,7 @@ const RISE: f32 = 0.03;
 /// Cosine of the largest angle between the brush's direction and the skin's normal.
 const FACING: f32 = 0.1;
 /// Distance of guides whose shapes new hair takes on, in distances between guides.
-const BESIDE: f32 = 3.0;
+const NEIGHBOR_DISTANCE: f32 = 3.0;
 
 /// Changes of roots in a stroke.
 #[derive(Debug)]
@@ -39,9 +39,9 @@ pub(super) struct RootStroke {
 
 impl RootStroke {
     pub fn new(brush: &Brush, hair: &EditedHair) -> Self {
-        let (spacing, reach, group) = (brush.spacing, brush.radius, brush.layer);
+        let (spacing, rebind_distance, group) = (brush.spacing, brush.radius, brush.layer);
         let density = if brush.tool == BrushTool::Plant { brush.density * 1e4 } else { 0.0 };
-        let changes = RootChanges { spacing, density, reach, group, ..RootChanges::default() };
+        let changes = RootChanges { spacing, density, rebind_distance, group, ..RootChanges::default() };
         let needs_lines = matches!(brush.tool, BrushTool::Remove | BrushTool::Refine);
         let lines = if needs_lines { hair.map_strands(<[Vec3]>::to_vec) } else { Vec::new() };
         Self { changes, lines }
@@ -90,23 +90,23 @@ impl RootStroke {
     fn plant(&mut self, hair: &EditedHair, brush: &Brush, seed: u32, dabs: &[Dab]) {
         let (ground, n) = (&hair.ground, hair.document.vertex_count());
         let ratio = brush.radius / brush.spacing;
-        let tries = ((TRIES * ratio * ratio) as usize).clamp(1, MOST_TRIES);
-        let middles: Vec<_> = dabs.iter().map(|dab| ground.nearest(dab.center, dab.radius)).collect();
+        let tries = ((TRIES * ratio * ratio) as usize).clamp(1, MAX_TRIES);
+        let centers: Vec<_> = dabs.iter().map(|dab| ground.nearest(dab.center, dab.radius)).collect();
         for k in 0..tries {
             let random = pcg(seed ^ pcg(hair.dab_count as u32) ^ pcg(k as u32));
             // The first candidate is in the middle: a click plants there.
-            let place = if k == 0 { [0.0; 2] } else { in_disc(random) };
+            let disc_point = if k == 0 { [0.0; 2] } else { in_disc(random) };
             for (side, dab) in dabs.iter().enumerate() {
-                let Some((middle, normal)) = middles[side] else { continue };
+                let Some((center, normal)) = centers[side] else { continue };
                 let right = unit(normal.cross(Vec3::Y), Vec3::X);
                 let up = right.cross(normal);
                 // A mirror image turns the other way round.
-                let (u, v) = (place[0] * dab.radius, place[1] * dab.radius);
+                let (u, v) = (disc_point[0] * dab.radius, disc_point[1] * dab.radius);
                 let u = if side == 1 { -u } else { u };
-                let Some((root, normal)) = ground.nearest(middle + right * u + up * v, dab.radius) else {
+                let Some((root, normal)) = ground.nearest(center + right * u + up * v, dab.radius) else {
                     continue;
                 };
-                let faces = dab.sight == Vec3::ZERO || normal.dot(dab.sight) < -FACING;
+                let faces = dab.view_direction == Vec3::ZERO || normal.dot(dab.view_direction) < -FACING;
                 let planted = self.changes.planted.iter().map(Vec::as_slice);
                 let lines = || hair.guides.lines().chain(planted.clone());
                 let near = |line: &[Vec3]| line[0].distance_squared(root) < brush.spacing * brush.spacing;
@@ -114,7 +114,7 @@ impl RootStroke {
                     continue;
                 }
                 let layer = hash::unit(pcg(random ^ 0x51ed));
-                let fallen = fallen(ground, root, normal, hair.document.middle(), brush, layer, n);
+                let fallen = fallen(ground, root, normal, hair.document.mirror_x(), brush, layer, n);
                 let line = match brush.neighbors > 0.0 {
                     true => like_neighbors(fallen, lines(), brush),
                     false => fallen,
@@ -145,10 +145,10 @@ impl RootStroke {
 
 /// Returns `line` with edges that are a mean of its edges and of the edges of guides beside it.
 fn like_neighbors<'a>(line: Vec<Vec3>, others: impl Iterator<Item = &'a [Vec3]>, brush: &Brush) -> Vec<Vec3> {
-    let reach = BESIDE * brush.spacing;
+    let radius = NEIGHBOR_DISTANCE * brush.spacing;
     let mut sums = vec![Vec3::ZERO; line.len() - 1];
-    for other in others.filter(|other| other[0].distance(line[0]) < reach) {
-        let weight = 1.0 - other[0].distance(line[0]) / reach;
+    for other in others.filter(|other| other[0].distance(line[0]) < radius) {
+        let weight = 1.0 - other[0].distance(line[0]) / radius;
         for (sum, edge) in sums.iter_mut().zip(other.windows(2)) {
             *sum += unit(edge[1] - edge[0], Vec3::ZERO) * weight;
         }
@@ -157,8 +157,8 @@ fn like_neighbors<'a>(line: Vec<Vec3>, others: impl Iterator<Item = &'a [Vec3]>,
     for (k, (edge, sum)) in line.windows(2).zip(sums).enumerate() {
         let edge = edge[1] - edge[0];
         let (length, own) = (edge.length(), unit(edge, Vec3::Y));
-        let way = unit(own * (1.0 - brush.neighbors) + unit(sum, own) * brush.neighbors, own);
-        mixed.push(mixed[k] + way * length);
+        let direction = unit(own * (1.0 - brush.neighbors) + unit(sum, own) * brush.neighbors, own);
+        mixed.push(mixed[k] + direction * length);
     }
     mixed
 }
@@ -183,24 +183,24 @@ fn fallen(
     ground: &Ground,
     root: Vec3,
     normal: Vec3,
-    middle: f32,
+    mirror_x: f32,
     brush: &Brush,
     layer: f32,
     n: usize,
 ) -> Vec<Vec3> {
     let flat = |v: Vec3| v - normal * v.dot(normal);
     // On top of the head, down is nowhere along the skin: hair falls to the sides there.
-    let side = Vec3::new(root.x - middle, 0.0, 0.0);
+    let side = Vec3::new(root.x - mirror_x, 0.0, 0.0);
     let flow = unit(flat(Vec3::NEG_Y + unit(side, Vec3::ZERO) * 0.3), unit(flat(Vec3::Z), Vec3::X));
-    let mut way = unit(normal * SLOPE.0 + flow * SLOPE.1, normal);
+    let mut direction = unit(normal * SLOPE.0 + flow * SLOPE.1, normal);
     let step = brush.length / (n - 1) as f32;
     let mut line = vec![root];
     for k in 1..n {
         let along = step * k as f32;
-        let turn = (step / DROOP).min(1.0);
-        way = unit(way * (1.0 - turn) + Vec3::NEG_Y * turn, way);
+        let blend = (step / DROOP).min(1.0);
+        direction = unit(direction * (1.0 - blend) + Vec3::NEG_Y * blend, direction);
         let start = line[k - 1];
-        let mut p = start + way * step;
+        let mut p = start + direction * step;
         if let Some(field) = ground.field.as_deref() {
             let wish = (LAYERS.0 + (LAYERS.1 - LAYERS.0) * layer) * (along / RISE).min(1.0);
             for _ in 0..3 {
@@ -208,8 +208,8 @@ fn fallen(
                 if depth <= 0.0 {
                     break;
                 }
-                way = unit(p + field.normal(p) * depth - start, way);
-                p = start + way * step;
+                direction = unit(p + field.normal(p) * depth - start, direction);
+                p = start + direction * step;
             }
         }
         line.push(p);

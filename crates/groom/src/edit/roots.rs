@@ -2,7 +2,7 @@
 //!
 //! Hair is carried to its current shape once, and becomes the hair before the first stroke of the new version.
 
-use super::{GroomDocument, document::Base, ground::Ground, looks::StrandLooks, solve::unit};
+use super::{GroomDocument, document::Base, ground::Ground, looks::PaintedValues, solve::unit};
 use crate::{
     BoundStrands, Fill, Groom, Guides, Head, Result, Strands,
     bind::finder::GuideFinder,
@@ -28,9 +28,9 @@ const TAPER: f32 = 0.4;
 const CLOSE: f32 = 0.6;
 /// Area of a guide where no more fit at random, in squared distances between guides (Feder 1980: discs placed at random
 /// cover 0.547 of a plane).
-const SHARE: f32 = std::f32::consts::FRAC_PI_4 / 0.547;
+const GUIDE_AREA: f32 = std::f32::consts::FRAC_PI_4 / 0.547;
 /// Distance from new guides in which others are neighbors, in distances between guides.
-const BESIDE: f32 = 2.5;
+const NEIGHBOR_DISTANCE: f32 = 2.5;
 
 /// A place on a parting.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +56,7 @@ pub(super) struct RootChanges {
     /// A parting that strands do not follow guides across.
     pub parting: Vec<PartingPoint>,
     /// Distance from the parting in which strands are rebound, meters.
-    pub reach: f32,
+    pub rebind_distance: f32,
 }
 
 impl RootChanges {
@@ -100,7 +100,7 @@ impl GroomDocument {
         let stays_at = |i: &usize| !changes.removed.contains(i);
         let left = |i: usize| stays_at(&i).then_some(origins[i]);
         let mut origins: Vec<u32> = (0..origins.len()).filter_map(left).collect();
-        let StrandLooks { shapes, held, .. } = self.looks();
+        let PaintedValues { shapes, held, .. } = self.painted_values();
         let mut shapes: Vec<StrandShape> = (0..shapes.len()).filter(stays_at).map(|i| shapes[i]).collect();
         while origins.len() < groom.strands.len() {
             origins.push(fresh);
@@ -111,32 +111,32 @@ impl GroomDocument {
         if !held.contains(&true) && shapes.is_empty() {
             return Ok(Some(document));
         }
-        let mut looks = document.looks();
+        let mut painted_values = document.painted_values();
         if !shapes.is_empty() {
-            shapes.resize(looks.strands.len(), StrandShape::default());
-            looks.shapes = shapes;
+            shapes.resize(painted_values.strands.len(), StrandShape::default());
+            painted_values.shapes = shapes;
         }
-        looks.held.iter_mut().zip(stays).for_each(|(now, was)| *now = held[was]);
-        Ok(Some(document.with_looks(looks)))
+        painted_values.held.iter_mut().zip(stays).for_each(|(now, was)| *now = held[was]);
+        Ok(Some(document.with_painted_values(painted_values)))
     }
 
     /// Returns this version with the strands that follow `moved` guides rooted in the skin: each is moved there as a
     /// whole.
-    pub(super) fn rooted(&self, moved: &BTreeSet<usize>, ground: &Ground) -> Self {
+    pub(super) fn rooted(&self, guides: &BTreeSet<usize>, ground: &Ground) -> Self {
         let mut groom = self.unshaped_groom();
         let strands = &groom.strands;
-        let follows = |i: &usize| strands.bindings[*i].weighted().any(|(guide, _)| moved.contains(&guide));
+        let follows = |i: &usize| strands.bindings[*i].weighted().any(|(guide, _)| guides.contains(&guide));
         let of: Vec<usize> = (0..strands.len()).filter(follows).collect();
-        let ways = in_parallel(&of, |i| {
+        let offsets = in_parallel(&of, |i| {
             let root = strands.rest_positions(*i).next()?;
             Some(ground.nearest(root, OFF_SKIN)?.0 - root)
         });
-        for (i, way) in of.into_iter().zip(ways).filter_map(|(i, way)| Some((i, way?))) {
-            groom.strands.bindings[i].origin += way;
+        for (i, offset) in of.into_iter().zip(offsets).filter_map(|(i, offset)| Some((i, offset?))) {
+            groom.strands.bindings[i].origin += offset;
         }
         let origins = Some(self.origins().into());
         let base = Base::new(self.family(), Arc::new(groom), None).with_origins(origins);
-        Self::at_base(base).with_looks(self.looks())
+        Self::at_base(base).with_painted_values(self.painted_values())
     }
 }
 
@@ -157,12 +157,12 @@ fn without(groom: Groom, removed: &BTreeSet<usize>) -> (Groom, Vec<usize>) {
         }
     }
     let stays: Vec<usize> = (0..groom.guides.len()).filter(|i| followed[*i][0] == followed[*i][1]).collect();
-    let mut place = vec![0; groom.guides.len()];
-    (0u32..).zip(&stays).for_each(|(now, was)| place[*was] = now);
+    let mut new_index = vec![0; groom.guides.len()];
+    (0u32..).zip(&stays).for_each(|(now, was)| new_index[*was] = now);
     let mut left = BoundStrands::new(strands.vertex_count);
     for i in (0..strands.len()).filter(|i| !removed.contains(i)) {
         let mut binding = strands.bindings[i];
-        binding.guides = binding.guides.map(|guide| place[guide as usize]);
+        binding.guides = binding.guides.map(|guide| new_index[guide as usize]);
         left.strands.push(strands.strands[i]);
         left.bindings.push(binding);
         left.rest.extend(&strands.rest[i * m..(i + 1) * m]);
@@ -208,7 +208,7 @@ fn rebind(groom: &mut Groom, old: usize, changes: &RootChanges, finder: &GuideFi
         let line: Vec<Vec3> = groom.strands.rest_positions(i).collect();
         let binding = &groom.strands.bindings[i];
         tree.nearest(line[0], 1, changes.spacing, &mut found);
-        let side = changes.side(line[0]).filter(|(_, distance)| *distance <= changes.reach);
+        let side = changes.side(line[0]).filter(|(_, distance)| *distance <= changes.rebind_distance);
         let crosses = side.is_some_and(|(side, _)| {
             binding.weighted().any(|(guide, _)| sides[guide].is_some_and(|other| other.0 != side))
         });
@@ -231,25 +231,25 @@ fn grow(groom: &mut Groom, old: usize, changes: &RootChanges, ground: &Ground) -
     let (tree, mut found) = (PointTree::new(&planted), Vec::new());
     let mut of: Vec<usize> = (old..guides.len()).collect();
     for i in 0..old {
-        tree.nearest(guides.guide(i)[0], 1, BESIDE * spacing, &mut found);
+        tree.nearest(guides.guide(i)[0], 1, NEIGHBOR_DISTANCE * spacing, &mut found);
         if !found.is_empty() {
             of.push(i);
         }
     }
     let mut given = Strands::default();
     of.iter().for_each(|i| given.push(guides.guide(*i)));
-    let each = changes.density * spacing * spacing * SHARE;
+    let each = changes.density * spacing * spacing * GUIDE_AREA;
     let strands = (given.len() as f32 * each.max(1.0)) as u32;
     let seed = planted.iter().fold(1, |seed, p| pcg(seed ^ p.x.to_bits() ^ p.y.to_bits()));
-    let options = Fill { strands: strands.min(Growth::MOST_STRANDS), seed, ..Fill::default() };
+    let options = Fill { strand_count: strands.min(Growth::MAX_STRANDS), seed, ..Fill::default() };
     let head = Head { mesh: ground.mesh.as_ref().map(|mesh| &mesh.0), field: ground.field.as_deref() };
     let filled = fill(&given, head, &options)?;
 
     let m = groom.strands.vertex_count as usize;
-    let taken: Vec<Vec3> =
+    let occupied: Vec<Vec3> =
         (0..groom.strands.len()).filter_map(|i| groom.strands.rest_positions(i).next()).collect();
-    let taken = PointTree::new(&taken);
-    let apart = CLOSE * (2.0 / (3f32.sqrt() * changes.density)).sqrt();
+    let occupied = PointTree::new(&occupied);
+    let min_distance = CLOSE * (2.0 / (3f32.sqrt() * changes.density)).sqrt();
     let radii: Vec<f32> = (0..m).map(|k| 1.0 - (1.0 - TAPER) * k as f32 / (m - 1) as f32).collect();
     let radius = bound::covering_radius((changes.density * HEAD_AREA) as usize);
     let mut new: Vec<(Vec<Vec3>, Vec<Influence>)> = Vec::new();
@@ -272,7 +272,7 @@ fn grow(groom: &mut Groom, old: usize, changes: &RootChanges, ground: &Ground) -
         new.push((line.to_vec(), parents.iter().map(influence).collect()));
     }
     for (line, influences) in new {
-        taken.nearest(line[0], 1, apart, &mut found);
+        occupied.nearest(line[0], 1, min_distance, &mut found);
         if !found.is_empty() {
             continue;
         }

@@ -33,7 +33,7 @@ impl StrokeSample {
     }
 
     /// Whether the pointer has moved since `self` to `other`, by a thousandth of the distance.
-    pub(super) fn is_apart(&self, other: &Self) -> bool {
+    pub(super) fn differs_from(&self, other: &Self) -> bool {
         let is_at = |a: Vec3, b: Vec3, near: f32| a.distance_squared(b) < near * near;
         !(is_at(self.direction, other.direction, 1e-3) && is_at(self.origin, other.origin, 1e-3))
     }

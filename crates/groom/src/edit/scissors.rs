@@ -1,8 +1,8 @@
 //! Strokes that cut: the strands under the brush, or along a path, with the share that is left of each.
 
 use super::{
-    Brush, Reach,
-    carry::CarriedStrands,
+    Brush, BrushRegion,
+    carry::DeformedStrands,
     hair::EditedHair,
     line::{Crossing, CutPath},
     tools::Dab,
@@ -12,7 +12,7 @@ use crate::progress::in_parallel;
 /// Returns the strands that `dabs` cut.
 pub(super) fn by_brush(
     hair: &EditedHair,
-    strands: &CarriedStrands,
+    strands: &DeformedStrands,
     brush: &Brush,
     seed: u32,
     dabs: &[Dab],
@@ -35,14 +35,14 @@ pub(super) fn by_brush(
 ///
 /// Painted curls are left out: guides have none, and sines are not the same on all machines.
 pub(super) fn along_path(hair: &EditedHair, path: CutPath, brush: &Brush, seed: u32) -> Vec<(usize, f32)> {
-    let mirrored = brush.mirror.then(|| path.mirrored(hair.document.middle()));
+    let mirrored = brush.mirror.then(|| path.mirrored(hair.document.mirror_x()));
     let paths: Vec<CutPath> = std::iter::once(path).chain(mirrored).collect();
     let strands = hair.document.unshaped();
     let base = &strands.base().strands;
     let is_open =
         |i: &usize| brush.takes(seed, *i as u32) && hair.is_open(brush, base.bindings[*i].guides[0] as usize);
     let all: Vec<usize> = (0..base.len()).filter(is_open).collect();
-    let through = brush.reach == Reach::Through;
+    let through = brush.region == BrushRegion::Through;
     let mut cut = vec![f32::MAX; all.len()];
     for path in &paths {
         let crossings = in_parallel(&all, |i| path.crossings(&strands.strand(*i).0));

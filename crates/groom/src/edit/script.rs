@@ -75,8 +75,8 @@ impl StrokeScript {
             let wrong =
                 |problem: String| Error::File { path: path.to_path_buf(), at: At::Line(number), problem };
             let line: Line = serde_json::from_str(text).map_err(|error| {
-                let said = error.to_string();
-                wrong(said.split(" at line ").next().unwrap_or_default().into())
+                let message = error.to_string();
+                wrong(message.split(" at line ").next().unwrap_or_default().into())
             })?;
             if !has_version {
                 if line.version != Some(VERSION) {

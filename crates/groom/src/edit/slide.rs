@@ -4,7 +4,7 @@ use super::{
     Brush,
     hair::EditedHair,
     line::SKIN,
-    solve::{Solver, turned},
+    solve::{Solver, rotate_between},
     tools::Dab,
 };
 use glam::Vec3;
@@ -22,7 +22,8 @@ pub(super) fn slide(hair: &mut EditedHair, brush: &Brush, seed: u32, dabs: &[Dab
         }
         let (_, before) = hair.ground.nearest(guide[0], SKIN)?;
         let (root, normal) = hair.ground.nearest(guide[0] + offset, SKIN + offset.length())?;
-        let line: Vec<Vec3> = guide.iter().map(|p| root + turned(*p - guide[0], before, normal)).collect();
+        let line: Vec<Vec3> =
+            guide.iter().map(|p| root + rotate_between(*p - guide[0], before, normal)).collect();
         let press = hair.pressed(i);
         let solver = Solver { field: hair.field(), keep_shape: 0.0, keep_volume: 0.0, bend: None };
         Some((solver.solve(&line, &line, &near, 1, &press), press))

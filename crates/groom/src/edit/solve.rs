@@ -7,7 +7,7 @@ use glam::Vec3;
 /// Distance that combed hair keeps from the skin, if it had it, meters.
 pub(super) const CLEARANCE: f32 = 1.5e-3;
 /// Largest distance from the skin that a brush preserves, meters.
-const MOST_VOLUME: f32 = 0.015;
+const MAX_VOLUME: f32 = 0.015;
 /// Smallest radius to which a stroke bends hair, meters.
 pub(super) const BEND: f32 = 6e-3;
 /// Error of a distance field, meters.
@@ -48,7 +48,7 @@ impl PressState {
     }
 
     /// Returns the state of a guide that grows by `factor`.
-    pub fn grown(&self, factor: f32) -> Self {
+    pub fn scaled(&self, factor: f32) -> Self {
         let lengths = self.lengths.iter().map(|length| length * factor).collect();
         Self { lengths, growth: self.growth * factor, ..self.clone() }
     }
@@ -72,7 +72,7 @@ pub(super) struct Solver<'a> {
 }
 
 /// Returns `v` rotated by the smallest rotation from the direction `a` to the direction `b`, both units.
-pub(super) fn turned(v: Vec3, a: Vec3, b: Vec3) -> Vec3 {
+pub(super) fn rotate_between(v: Vec3, a: Vec3, b: Vec3) -> Vec3 {
     let (c, cosine) = (a.cross(b), a.dot(b));
     if cosine < -0.9999 {
         // Opposite: a half turn about any axis across.
@@ -116,17 +116,17 @@ impl Solver<'_> {
         let edge_before = |i: usize| unit(before[i + 1] - before[i], Vec3::Y);
         for i in first.max(1) - 1..n - 1 {
             let length = press.lengths[i];
-            let carried = match i {
+            let transported = match i {
                 0 => edge_before(0),
-                _ => turned(
+                _ => rotate_between(
                     edge_before(i),
                     edge_before(i - 1),
                     unit(line[i] - line[i - 1], edge_before(i - 1)),
                 ),
             };
-            let moved = unit(target[i + 1] - line[i], carried);
+            let toward_target = unit(target[i + 1] - line[i], transported);
             let keep = self.keep_shape * (1.0 - near[i + 1]);
-            let direction = unit(moved * (1.0 - keep) + carried * keep, carried);
+            let direction = unit(toward_target * (1.0 - keep) + transported * keep, transported);
             let direction = match self.bend {
                 Some(radius) if i > 0 => {
                     let sharpest = edge_before(i).dot(edge_before(i - 1));
@@ -134,7 +134,7 @@ impl Solver<'_> {
                 }
                 _ => direction,
             };
-            line[i + 1] = self.outside(line[i], direction, length, i + 1, press, carried);
+            line[i + 1] = self.outside(line[i], direction, length, i + 1, press, transported);
         }
         line
     }
@@ -147,13 +147,13 @@ impl Solver<'_> {
         length: f32,
         vertex: usize,
         press: &PressState,
-        carried: Vec3,
+        transported: Vec3,
     ) -> Vec3 {
         let end = |direction: Vec3| start + direction * length;
         let Some(field) = self.field else { return end(direction) };
-        let least = press.clear[vertex];
-        let wish = least.max((self.keep_volume * press.volume[vertex]).min(MOST_VOLUME));
-        let (mut way, mut p) = (direction, end(direction));
+        let min_distance = press.clear[vertex];
+        let wish = min_distance.max((self.keep_volume * press.volume[vertex]).min(MAX_VOLUME));
+        let (mut corrected_direction, mut p) = (direction, end(direction));
         if press.is_clear(vertex, p, wish) {
             return p;
         }
@@ -162,26 +162,27 @@ impl Solver<'_> {
             if depth <= 0.0 {
                 return p;
             }
-            way = unit(p + field.normal(p) * depth - start, way);
-            p = end(way);
+            corrected_direction = unit(p + field.normal(p) * depth - start, corrected_direction);
+            p = end(corrected_direction);
         }
-        if field.sample(p) >= least {
+        if field.sample(p) >= min_distance {
             return p;
         }
         // The start is outside, so the way along the normal is too, unless the skin folds over it.
         let normal = field.normal(start);
         let (mut low, mut high) = (0.0f32, 1.0f32);
-        let at = |t: f32| end(unit(way * (1.0 - t) + normal * t, normal));
+        let at = |t: f32| end(unit(corrected_direction * (1.0 - t) + normal * t, normal));
         for _ in 0..BISECTIONS {
-            let middle = 0.5 * (low + high);
-            if field.sample(at(middle)) >= least { high = middle } else { low = middle }
+            let midpoint = 0.5 * (low + high);
+            if field.sample(at(midpoint)) >= min_distance { high = midpoint } else { low = midpoint }
         }
         // Steps of the bisection would be visible, and would differ between mirror images.
         let [below, above] = [low, high].map(|t| field.sample(at(t)));
-        let between = low + (high - low) * ((least - below) / (above - below).max(1e-9)).clamp(0.0, 1.0);
-        let best = [at(between), at(high), end(normal), end(carried), p];
+        let between =
+            low + (high - low) * ((min_distance - below) / (above - below).max(1e-9)).clamp(0.0, 1.0);
+        let best = [at(between), at(high), end(normal), end(transported), p];
         // Rounding may leave the first a little too deep.
-        let deep = |p: &Vec3| field.sample(*p).min(least - 1e-5);
+        let deep = |p: &Vec3| field.sample(*p).min(min_distance - 1e-5);
         best.into_iter()
             .reduce(|best, other| if deep(&other) > deep(&best) { other } else { best })
             .unwrap_or(p)
@@ -190,24 +191,24 @@ impl Solver<'_> {
 
 /// Returns the targets of held hair after some passes of FABRIK (Aristidou and Lasenby 2011), so that the vertex that is
 /// held most reaches its target if the hair is long enough; and the falloff, 1 up to that vertex.
-pub(super) fn reached(
+pub(super) fn fabrik_targets(
     guide: &[Vec3],
     mut target: Vec<Vec3>,
     (weight, near): (&[f32], &[f32]),
     lengths: &[f32],
 ) -> (Vec<Vec3>, Vec<f32>) {
-    let most = (1..guide.len()).fold(1, |most, i| if weight[i] >= weight[most] { i } else { most });
-    let goal = target[most];
+    let heaviest = (1..guide.len()).fold(1, |best, i| if weight[i] >= weight[best] { i } else { best });
+    let goal = target[heaviest];
     for _ in 0..PASSES {
-        target[most] = goal;
-        for i in (1..most).rev() {
+        target[heaviest] = goal;
+        for i in (1..heaviest).rev() {
             target[i] = target[i + 1] + unit(target[i] - target[i + 1], Vec3::Y) * lengths[i];
         }
         target[0] = guide[0];
-        for i in 0..most {
+        for i in 0..heaviest {
             target[i + 1] = target[i] + unit(target[i + 1] - target[i], Vec3::Y) * lengths[i];
         }
     }
-    let near = near.iter().enumerate().map(|(i, near)| if i <= most { 1.0 } else { *near });
+    let near = near.iter().enumerate().map(|(i, near)| if i <= heaviest { 1.0 } else { *near });
     (target, near.collect())
 }

@@ -2,14 +2,14 @@
 
 use super::{
     Brush, BrushTool, StrokeSample,
-    carry::CarriedStrands,
+    carry::DeformedStrands,
     cuts::LengthChanges,
     hair::EditedHair,
     line::{CutPath, SKIN},
     paint::PaintStroke,
     plant::RootStroke,
     scissors, slide,
-    solve::{BEND, PressState, Solver, reached, unit},
+    solve::{BEND, PressState, Solver, fabrik_targets, unit},
     tools::{Dab, Surroundings, Weights},
 };
 use crate::hash::pcg;
@@ -57,7 +57,7 @@ pub(super) struct ActiveStroke {
     pub roots: RootStroke,
     pub paint: Option<PaintStroke>,
     /// For [`BrushTool::Cut`]: the strands at the press.
-    strands: Option<CarriedStrands>,
+    strands: Option<DeformedStrands>,
 }
 
 impl ActiveStroke {
@@ -98,7 +98,7 @@ impl ActiveStroke {
             stroke.grabbed =
                 hair.affected(brush, stroke.seed, &dabs).into_iter().filter_map(weights).collect();
         }
-        if tool.acts_in_place() || tool.acts_on_roots() || tool.paints() {
+        if tool.acts_while_still() || tool.acts_on_roots() || tool.paints() {
             stroke.dab(hair, Vec3::ZERO);
         }
         Some(stroke)
@@ -136,7 +136,7 @@ impl ActiveStroke {
 
     /// Adds a corner to the outline.
     fn draw(&mut self, sample: &StrokeSample) {
-        if self.outline.last().is_some_and(|last| last.is_apart(sample)) {
+        if self.outline.last().is_some_and(|last| last.differs_from(sample)) {
             self.outline.push(*sample);
             if self.outline.len() > MAX_CORNERS {
                 self.outline = self.outline.iter().step_by(2).copied().collect();
@@ -146,7 +146,7 @@ impl ActiveStroke {
 
     /// Lets `seconds` pass at the last sample.
     fn hold(&mut self, hair: &mut EditedHair, seconds: f32) {
-        if !self.brush.tool.acts_in_place() {
+        if !self.brush.tool.acts_while_still() {
             return;
         }
         self.held += seconds.clamp(0.0, 1.0);
@@ -176,17 +176,18 @@ impl ActiveStroke {
 
     /// Returns the dab at `center`, and its mirror image if the brush is symmetric.
     fn dabs(&self, hair: &EditedHair, center: Vec3, motion: Vec3) -> Vec<Dab> {
-        let (brush, sight) = (&self.brush, self.last.direction);
+        let (brush, view_direction) = (&self.brush, self.last.direction);
         let mut behind = f32::MAX;
-        if let Some(field) = hair.field().filter(|_| sight != Vec3::ZERO) {
+        if let Some(field) = hair.field().filter(|_| view_direction != Vec3::ZERO) {
             let before = 3.0 * brush.radius;
-            behind =
-                field.trace(center - sight * before, sight, 0.0).map_or(behind, |skin| skin - before + SKIN);
+            behind = field
+                .trace(center - view_direction * before, view_direction, 0.0)
+                .map_or(behind, |skin| skin - before + SKIN);
         }
         let strength = brush.strength * self.last.pressure.clamp(0.0, 1.0);
-        let dab = Dab { center, motion, sight, behind, radius: brush.radius, strength };
+        let dab = Dab { center, motion, view_direction, behind, radius: brush.radius, strength };
         match brush.mirror {
-            true => vec![dab, dab.mirrored(hair.document.middle())],
+            true => vec![dab, dab.mirrored(hair.document.mirror_x())],
             false => vec![dab],
         }
     }
@@ -246,11 +247,12 @@ impl ActiveStroke {
         match brush.acts() {
             BrushTool::Comb => near.clone_from(&weights.near),
             BrushTool::Grab => {
-                (target, near) = reached(guide, target, (&weights.weight, &weights.near), &press.lengths);
+                (target, near) =
+                    fabrik_targets(guide, target, (&weights.weight, &weights.near), &press.lengths);
                 first = 1;
             }
             BrushTool::Length => {
-                press = Arc::new(press.grown(around.growth(weights)));
+                press = Arc::new(press.scaled(around.growth(weights)));
                 if !GROWTH.contains(&press.growth) {
                     return None;
                 }
@@ -282,20 +284,21 @@ impl ActiveStroke {
         self.lengths.guides.extend(growth.filter(|(_, growth)| *growth != 1.0));
         let paint = || self.paint.as_ref().and_then(|paint| paint.applied(&hair.document));
         let replanted = self.roots.applied(hair).or_else(paint);
-        let moved = touched.iter().map(|i| (*i, hair.guides.guide(*i)));
-        let moved: Vec<_> = moved.filter(|(i, guide)| *guide != hair.document.guide(*i)).collect();
+        let changed_guides = touched.iter().map(|i| (*i, hair.guides.guide(*i)));
+        let changed_guides: Vec<_> =
+            changed_guides.filter(|(i, guide)| *guide != hair.document.guide(*i)).collect();
         let document = if let Some(document) = replanted {
             // Guides that a parting has moved are the same guides.
-            document.with(moved)
+            document.with(changed_guides)
         } else if !(self.lengths.strands.is_empty() && self.lengths.guides.is_empty()) {
-            hair.document.with_lengths(&self.lengths).with(moved)
-        } else if moved.is_empty() {
+            hair.document.with_lengths(&self.lengths).with(changed_guides)
+        } else if changed_guides.is_empty() {
             return false;
         } else if self.brush.tool == BrushTool::Slide {
-            let guides: BTreeSet<usize> = moved.iter().map(|(i, _)| *i).collect();
-            hair.document.with(moved).rooted(&guides, &hair.ground)
+            let guides: BTreeSet<usize> = changed_guides.iter().map(|(i, _)| *i).collect();
+            hair.document.with(changed_guides).rooted(&guides, &hair.ground)
         } else {
-            hair.document = hair.document.with(moved);
+            hair.document = hair.document.with(changed_guides);
             return true;
         };
         hair.go_to(document);

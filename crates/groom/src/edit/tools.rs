@@ -1,9 +1,9 @@
 //! The effect of each tool on one guide, before the [solve](super::solve).
 
 use super::{
-    Brush, BrushTool, Falloff, Reach,
+    Brush, BrushRegion, BrushTool, Falloff,
     roots::across,
-    solve::{PressState, turned, unit},
+    solve::{PressState, rotate_between, unit},
 };
 use crate::SdfGrid;
 use glam::Vec3;
@@ -36,7 +36,7 @@ pub(super) struct Dab {
     /// Way of the brush since the last dab, meters.
     pub motion: Vec3,
     /// Direction of sight, unit; zero without a camera.
-    pub sight: Vec3,
+    pub view_direction: Vec3,
     /// Largest distance behind the middle at which hair is reached, meters.
     pub behind: f32,
     /// Radius, meters.
@@ -47,32 +47,32 @@ pub(super) struct Dab {
 
 impl Dab {
     /// Returns the same dab on the other side of the plane x = `middle`.
-    pub fn mirrored(&self, middle: f32) -> Self {
+    pub fn mirrored(&self, mirror_x: f32) -> Self {
         let flip = |v: Vec3| Vec3::new(-v.x, v.y, v.z);
-        let center = Vec3::new(2.0 * middle - self.center.x, self.center.y, self.center.z);
-        Self { center, motion: flip(self.motion), sight: flip(self.sight), ..*self }
+        let center = Vec3::new(2.0 * mirror_x - self.center.x, self.center.y, self.center.z);
+        Self { center, motion: flip(self.motion), view_direction: flip(self.view_direction), ..*self }
     }
 
     /// Whether the dab acts along the sight, instead of in a ball.
-    fn is_across(&self, reach: Reach) -> bool {
-        reach != Reach::Ball && self.sight != Vec3::ZERO
+    fn is_across(&self, region: BrushRegion) -> bool {
+        region != BrushRegion::Ball && self.view_direction != Vec3::ZERO
     }
 
     /// Returns the function of a sphere that tells whether it may be in reach.
-    pub fn meets(&self, reach: Reach) -> impl Fn((Vec3, f32)) -> bool + use<> {
-        let (off, own) = (self.off(reach), self.radius);
+    pub fn overlap_test(&self, region: BrushRegion) -> impl Fn((Vec3, f32)) -> bool + use<> {
+        let (off, own) = (self.off(region), self.radius);
         move |(center, radius)| off(center).length() <= own + radius
     }
 
     /// Returns the function from a place to its offset from the way of the brush, meters.
-    fn off(&self, reach: Reach) -> impl Fn(Vec3) -> Vec3 + use<> {
-        let (is_across, sight) = (self.is_across(reach), self.sight);
-        let across = move |v: Vec3| if is_across { v - sight * v.dot(sight) } else { v };
-        let way = across(self.motion);
-        let (begin, length_squared) = (self.center - self.motion, way.length_squared().max(1e-18));
+    fn off(&self, region: BrushRegion) -> impl Fn(Vec3) -> Vec3 + use<> {
+        let (is_across, view_direction) = (self.is_across(region), self.view_direction);
+        let across = move |v: Vec3| if is_across { v - view_direction * v.dot(view_direction) } else { v };
+        let motion = across(self.motion);
+        let (begin, length_squared) = (self.center - self.motion, motion.length_squared().max(1e-18));
         move |p| {
             let to = across(p - begin);
-            to - way * (to.dot(way) / length_squared).clamp(0.0, 1.0)
+            to - motion * (to.dot(motion) / length_squared).clamp(0.0, 1.0)
         }
     }
 
@@ -82,21 +82,21 @@ impl Dab {
         let first = line.iter().position(|p| inside(*p)).filter(|first| *first > 0)?;
         let (mut low, mut high) = (0.0f32, 1.0f32);
         for _ in 0..8 {
-            let middle = 0.5 * (low + high);
-            let is_in = inside(line[first - 1].lerp(line[first], middle));
-            if is_in { high = middle } else { low = middle }
+            let midpoint = 0.5 * (low + high);
+            let is_in = inside(line[first - 1].lerp(line[first], midpoint));
+            if is_in { high = midpoint } else { low = midpoint }
         }
         Some((first - 1) as f32 + high)
     }
 
     /// Returns the falloff of `brush` as a function of a place, 0 outside.
     pub fn falloff(&self, brush: &Brush) -> impl Fn(Vec3) -> f32 + use<> {
-        let (off, radius, falloff) = (self.off(brush.reach), self.radius, brush.falloff);
-        let is_shell = brush.reach == Reach::Shell && self.is_across(Reach::Shell);
+        let (off, radius, falloff) = (self.off(brush.region), self.radius, brush.falloff);
+        let is_shell = brush.region == BrushRegion::Shell && self.is_across(BrushRegion::Shell);
         let depths = -BEFORE * radius..=self.behind.min(BEHIND * radius);
-        let (center, sight) = (self.center, self.sight);
+        let (center, view_direction) = (self.center, self.view_direction);
         move |p| {
-            if is_shell && !depths.contains(&(p - center).dot(sight)) {
+            if is_shell && !depths.contains(&(p - center).dot(view_direction)) {
                 return 0.0;
             }
             falloff.at(off(p).length() / radius)
@@ -197,7 +197,7 @@ impl Surroundings<'_> {
                 let across = across(self.normal, dab.motion);
                 let side = if (guide[0] - dab.center).dot(across) < 0.0 { -across } else { across };
                 let to = unit(side + self.normal * PART_RISE, side);
-                (across != Vec3::ZERO).then(|| self.turned_root(guide, weights.weight[0], to))?
+                (across != Vec3::ZERO).then(|| self.rotate_root(guide, weights.weight[0], to))?
             }
             // These change no shapes before the stroke ends.
             _ => None,
@@ -211,7 +211,7 @@ impl Surroundings<'_> {
     }
 
     fn combed(&self, guide: &[Vec3], weights: &Weights) -> Vec<Vec3> {
-        let moved = |(i, p): (usize, &Vec3)| {
+        let displaced = |(i, p): (usize, &Vec3)| {
             let mut by = self.dabs[weights.side[i]].motion * weights.weight[i];
             let near = |field: &&SdfGrid| !self.press.is_clear(i, *p, SKIN) && field.sample(*p) < SKIN;
             if let Some(field) = self.field.filter(|_| by != Vec3::ZERO).filter(near) {
@@ -220,32 +220,32 @@ impl Surroundings<'_> {
             }
             *p + by
         };
-        guide.iter().enumerate().map(moved).collect()
+        guide.iter().enumerate().map(displaced).collect()
     }
 
-    fn pinched(&self, guide: &[Vec3], weights: &Weights, share: f32) -> Vec<Vec3> {
-        let moved = |(i, p): (usize, &Vec3)| {
+    fn pinched(&self, guide: &[Vec3], weights: &Weights, fraction: f32) -> Vec<Vec3> {
+        let displaced = |(i, p): (usize, &Vec3)| {
             let dab = &self.dabs[weights.side[i]];
             let along = unit(dab.motion, Vec3::ZERO);
             let off = *p - dab.center;
             // Depth is no distance from the line that is drawn.
-            let off = off - dab.sight * off.dot(dab.sight);
-            *p + (off - along * off.dot(along)) * (share * weights.weight[i])
+            let off = off - dab.view_direction * off.dot(dab.view_direction);
+            *p + (off - along * off.dot(along)) * (fraction * weights.weight[i])
         };
-        guide.iter().enumerate().map(moved).collect()
+        guide.iter().enumerate().map(displaced).collect()
     }
 
     /// Pushes vertices away from the middle of the brush and along the sight.
     fn blown(&self, guide: &[Vec3], weights: &Weights) -> Vec<Vec3> {
         let sign = if self.brush.inverted { -BLOW } else { BLOW };
-        let moved = |(i, p): (usize, &Vec3)| {
+        let displaced = |(i, p): (usize, &Vec3)| {
             let dab = &self.dabs[weights.side[i]];
             let off = *p - dab.center;
-            let off = off - dab.sight * off.dot(dab.sight);
-            let way = unit(off + dab.sight * dab.radius, Vec3::ZERO);
-            *p + way * (sign * dab.radius * weights.weight[i])
+            let off = off - dab.view_direction * off.dot(dab.view_direction);
+            let direction = unit(off + dab.view_direction * dab.radius, Vec3::ZERO);
+            *p + direction * (sign * dab.radius * weights.weight[i])
         };
-        guide.iter().enumerate().map(moved).collect()
+        guide.iter().enumerate().map(displaced).collect()
     }
 
     fn smoothed(&self, guide: &[Vec3], weights: &Weights) -> Vec<Vec3> {
@@ -260,20 +260,20 @@ impl Surroundings<'_> {
         let mut line = vec![guide[0]];
         for i in 0..n - 1 {
             let (edge, mean) = (even[i + 1] - even[i], self.along.get(i).copied().unwrap_or(Vec3::ZERO));
-            let share = if mean == Vec3::ZERO { 0.0 } else { SMOOTH * others * weights.weight[i + 1] };
+            let fraction = if mean == Vec3::ZERO { 0.0 } else { SMOOTH * others * weights.weight[i + 1] };
             let length = edge.length();
-            line.push(line[i] + unit(edge * (1.0 - share) + mean * (length * share), edge) * length);
+            line.push(line[i] + unit(edge * (1.0 - fraction) + mean * (length * fraction), edge) * length);
         }
         line
     }
 
     /// Turns the root towards `towards` by the weight near it.
     fn raised(&self, guide: &[Vec3], weights: &Weights, towards: Vec3) -> Option<(Vec<Vec3>, usize)> {
-        self.turned_root(guide, weights.at_root().0, towards)
+        self.rotate_root(guide, weights.at_root().0, towards)
     }
 
     /// Turns the root towards `towards`, and less the part after it.
-    fn turned_root(&self, guide: &[Vec3], weight: f32, towards: Vec3) -> Option<(Vec<Vec3>, usize)> {
+    fn rotate_root(&self, guide: &[Vec3], weight: f32, towards: Vec3) -> Option<(Vec<Vec3>, usize)> {
         let root = unit(guide[1] - guide[0], towards);
         let to = unit(root * (1.0 - RAISE * weight) + towards * (RAISE * weight), root);
         if weight <= 0.0 || to == root {
@@ -282,9 +282,9 @@ impl Surroundings<'_> {
         let last = (guide.len() - 1) as f32;
         let mut line = vec![guide[0]];
         for (i, edge) in guide.windows(2).enumerate() {
-            let (edge, share) = (edge[1] - edge[0], (1.0 - i as f32 / last / ROOT).max(0.0));
-            let way = unit(edge * (1.0 - share) + turned(edge, root, to) * share, edge);
-            line.push(line[i] + way * edge.length());
+            let (edge, fraction) = (edge[1] - edge[0], (1.0 - i as f32 / last / ROOT).max(0.0));
+            let direction = unit(edge * (1.0 - fraction) + rotate_between(edge, root, to) * fraction, edge);
+            line.push(line[i] + direction * edge.length());
         }
         Some((line, 1))
     }

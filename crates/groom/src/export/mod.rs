@@ -4,14 +4,14 @@
 //! fractions of a bounding box. [`EncodedFile::notes`] lists data that the format cannot hold. A file in meters, Y up, face
 //! +Z says so, and the importer need not guess; only `.data` has no field for it.
 
-pub use crate::formats::writer::{Cache, CacheOptions, EncodedFile, Hair, Output, Writer};
+pub use crate::formats::writer::{CacheOptions, CacheSink, CacheWriter, EncodedFile, ExportHair, Writer};
 
 use crate::{
     Rig, Strands, TriMesh,
     attribute::StrandAttribute,
     error::{At, Error, Result},
-    formats::{self, Content},
-    orient::Unit,
+    formats::{self, ContentKind},
+    orient::LengthUnit,
 };
 use std::{io, path::Path};
 
@@ -26,7 +26,7 @@ impl Writer {
     /// # Errors
     /// [`Error::File`] with the extensions of grooms that can be written.
     pub fn of(path: impl AsRef<Path>) -> Result<&'static Self> {
-        Self::holding(path, Content::Strands)
+        Self::holding(path, ContentKind::Strands)
     }
 
     /// Returns the writer for `path` that can hold `content`: a [`Mesh`](Content::Mesh), or the
@@ -34,15 +34,15 @@ impl Writer {
     ///
     /// # Errors
     /// [`Error::File`] with the extensions that can hold it.
-    pub fn holding(path: impl AsRef<Path>, content: Content) -> Result<&'static Self> {
+    pub fn holding(path: impl AsRef<Path>, content: ContentKind) -> Result<&'static Self> {
         let (path, extension) = (path.as_ref(), formats::extension(path.as_ref()));
         let mut all = writers().filter(|writer| writer.holds(content));
         if let Some(writer) = all.find(|writer| writer.extension == extension) {
             return Ok(writer);
         }
         let what = match content {
-            Content::Mesh => "a head",
-            Content::Frames => "a cache",
+            ContentKind::Mesh => "a head",
+            ContentKind::Frames => "a cache",
             _ => "a groom",
         };
         let problem = match formats::is_cooked(path) {
@@ -55,7 +55,7 @@ impl Writer {
     }
 
     /// Returns whether the format can hold `content`.
-    pub fn holds(&self, content: Content) -> bool {
+    pub fn holds(&self, content: ContentKind) -> bool {
         self.holds.contains(&content)
     }
 
@@ -65,7 +65,7 @@ impl Writer {
     /// # Errors
     /// [`Error::Unusable`] if there are no strands, if `unit` is not meters and the format has no units, or if the
     /// strands exceed the format's counts, or for a custom attribute of another number of strands or vertices.
-    pub fn strands(&self, strands: &Strands, unit: Option<Unit>) -> Result<EncodedFile> {
+    pub fn strands(&self, strands: &Strands, unit: Option<LengthUnit>) -> Result<EncodedFile> {
         if strands.is_empty() {
             return Err(Error::Unusable("a groom without strands cannot be written".into()));
         }
@@ -78,16 +78,17 @@ impl Writer {
         }
         let mut encoded = (self.strands)(strands, unit)?;
         let lost = [
-            (Content::Units, unit.is_some(), "unit and axes"),
-            (Content::Widths, !strands.radii.is_empty(), "widths"),
-            (Content::Colors, !strands.colors.is_empty(), "colors"),
-            (Content::RootUvs, !strands.root_uvs.is_empty(), "scalp texture coordinates"),
-            (Content::PinnedTips, strands.tip_pinned.contains(&true), "pinned tips"),
-            (Content::Guides, strands.has_guides(), "guide marks"),
+            (ContentKind::Units, unit.is_some(), "unit and axes"),
+            (ContentKind::Widths, !strands.radii.is_empty(), "widths"),
+            (ContentKind::Colors, !strands.colors.is_empty(), "colors"),
+            (ContentKind::RootUvs, !strands.root_uvs.is_empty(), "scalp texture coordinates"),
+            (ContentKind::PinnedTips, strands.tip_pinned.contains(&true), "pinned tips"),
+            (ContentKind::Guides, strands.has_guides(), "guide marks"),
         ];
         let lost = lost.into_iter().filter(|(content, any, _)| *any && !self.holds(*content));
         let notes = lost.map(|(.., what)| format!("{what} are not written: the format cannot store them"));
-        let custom = (!self.holds(Content::Attributes)).then_some(&strands.attributes).into_iter().flatten();
+        let custom =
+            (!self.holds(ContentKind::Attributes)).then_some(&strands.attributes).into_iter().flatten();
         let custom = custom.map(|it| format!("“{}” is not written: the format cannot store it", it.name));
         encoded.notes = notes.chain(custom).chain(encoded.notes).collect();
         Ok(encoded)
@@ -99,7 +100,11 @@ impl Writer {
     /// # Errors
     /// [`Error::Unusable`] for a format without characters, for a rig of another mesh and for hair without strands; in
     /// USD also for a joint whose bind matrix has no inverse, and for animations of more than 100,000 frames.
-    pub fn character(&self, body: Option<(&TriMesh, Option<&Rig>)>, hair: &[Hair<'_>]) -> Result<Vec<u8>> {
+    pub fn character(
+        &self,
+        body: Option<(&TriMesh, Option<&Rig>)>,
+        hair: &[ExportHair<'_>],
+    ) -> Result<Vec<u8>> {
         hair.iter().try_for_each(|hair| check_attributes(hair.strands))?;
         self.character.ok_or_else(|| self.cannot("a character"))?(body, hair)
     }
@@ -118,10 +123,10 @@ impl Writer {
     /// The errors of `out`, and [`Unsupported`](io::ErrorKind::Unsupported) for a format without frames.
     pub fn cache<'a>(
         &self,
-        out: Box<dyn Output + 'a>,
+        out: Box<dyn CacheSink + 'a>,
         strands: &Strands,
         options: CacheOptions,
-    ) -> io::Result<Box<dyn Cache + 'a>> {
+    ) -> io::Result<Box<dyn CacheWriter + 'a>> {
         let unsupported =
             || io::Error::new(io::ErrorKind::Unsupported, self.cannot("a cache of moving hair"));
         self.cache.ok_or_else(unsupported)?(out, strands, options)

@@ -11,7 +11,7 @@ use glam::{Quat, Vec3};
 const STEPS: usize = 32;
 
 /// Points of each path for comparing strands, root and tip included.
-pub(crate) const KNOTS: usize = 9;
+pub(crate) const PATH_POINTS: usize = 9;
 
 /// Standard deviation of the Gaussian smoothing kernel, in turns of the curl. 0.45 leaves 2% of the curl.
 const BREADTH: f32 = 0.45;
@@ -44,11 +44,11 @@ pub(crate) struct Curves {
     pub(crate) path: Vec<Vec3>,
     pub(crate) detail: Vec<Vec3>,
     /// Rotation of the path since the root, accumulated from the smallest rotation between edges.
-    pub(crate) turn: Vec<Quat>,
+    pub(crate) rotation: Vec<Quat>,
     /// Length of each strand, meters.
     pub(crate) length: Vec<f32>,
     /// Path points at equal fractions of the length, `KNOTS` per strand.
-    pub(crate) knots: Vec<Vec3>,
+    pub(crate) path_points: Vec<Vec3>,
     /// Distance of each knot from the head, meters; empty without a head.
     pub(crate) clear: Vec<f32>,
 }
@@ -60,9 +60,9 @@ impl Curves {
             along: Vec::with_capacity(strands.positions.len()),
             path: Vec::with_capacity(strands.positions.len()),
             detail: Vec::with_capacity(strands.positions.len()),
-            turn: Vec::with_capacity(strands.positions.len()),
+            rotation: Vec::with_capacity(strands.positions.len()),
             length: Vec::with_capacity(strands.len()),
-            knots: Vec::with_capacity(strands.len() * KNOTS),
+            path_points: Vec::with_capacity(strands.len() * PATH_POINTS),
             clear: Vec::new(),
         };
         let mut path = Vec::new();
@@ -71,7 +71,7 @@ impl Curves {
             let length = curve::length(strand).max(1e-9);
             smooth(&even, breadth(&even, length, smoothing), &mut path);
             let mut passed = 0.0;
-            let (mut turn, mut last) = (Quat::IDENTITY, Vec3::ZERO);
+            let (mut rotation, mut last) = (Quat::IDENTITY, Vec3::ZERO);
             for (k, &p) in strand.iter().enumerate() {
                 if k > 0 {
                     passed += strand[k - 1].distance(p);
@@ -81,19 +81,21 @@ impl Curves {
                 let edge =
                     (at(&path, (s + 0.02).min(1.0)) - at(&path, (s - 0.02).max(0.0))).normalize_or(last);
                 if k > 0 {
-                    turn = (Quat::from_rotation_arc(last, edge) * turn).normalize();
+                    rotation = (Quat::from_rotation_arc(last, edge) * rotation).normalize();
                 }
                 last = edge.normalize_or(Vec3::Y);
                 curves.along.push(s);
                 curves.path.push(on);
                 curves.detail.push(p - on);
-                curves.turn.push(turn);
+                curves.rotation.push(rotation);
             }
             curves.length.push(length);
-            curves.knots.extend((0..KNOTS).map(|k| at(&path, k as f32 / (KNOTS - 1) as f32)));
+            curves
+                .path_points
+                .extend((0..PATH_POINTS).map(|k| at(&path, k as f32 / (PATH_POINTS - 1) as f32)));
         }
         if let Some(field) = field {
-            curves.clear = curves.knots.iter().map(|p| field.sample(*p)).collect();
+            curves.clear = curves.path_points.iter().map(|p| field.sample(*p)).collect();
         }
         curves
     }
@@ -103,8 +105,8 @@ impl Curves {
         self.offsets[i as usize] as usize..self.offsets[i as usize + 1] as usize
     }
 
-    pub(crate) fn knots(&self, i: u32) -> &[Vec3] {
-        &self.knots[i as usize * KNOTS..(i as usize + 1) * KNOTS]
+    pub(crate) fn path_points(&self, i: u32) -> &[Vec3] {
+        &self.path_points[i as usize * PATH_POINTS..(i as usize + 1) * PATH_POINTS]
     }
 
     /// Returns the point on the path of strand `i` at the fraction `s` of its length. `from` is a cursor for calls with
@@ -171,9 +173,9 @@ fn breadth(even: &[Vec3], length: f32, smoothing: Smoothing) -> f32 {
 fn smooth(even: &[Vec3], breadth: f32, out: &mut Vec<Vec3>) {
     let n = even.len() as isize - 1;
     let deviation = breadth * n as f32;
-    let reach = ((3.0 * deviation).ceil() as isize).min(n);
+    let radius = ((3.0 * deviation).ceil() as isize).min(n);
     let weight = |d: isize| (-0.5 * (d as f32 / deviation).powi(2)).exp();
-    let weights: Vec<f32> = (0..=reach).map(weight).collect();
+    let weights: Vec<f32> = (0..=radius).map(weight).collect();
     let total = weights[0] + 2.0 * weights[1..].iter().sum::<f32>();
     let get = |i: isize| match i {
         i if i < 0 => 2.0 * even[0] - even[(-i) as usize],
@@ -182,7 +184,7 @@ fn smooth(even: &[Vec3], breadth: f32, out: &mut Vec<Vec3>) {
     };
     out.clear();
     out.extend((0..=n).map(|i| {
-        (1..=reach).fold(weights[0] * get(i), |sum, d| sum + weights[d as usize] * (get(i - d) + get(i + d)))
+        (1..=radius).fold(weights[0] * get(i), |sum, d| sum + weights[d as usize] * (get(i - d) + get(i + d)))
             / total
     }));
     // The ends are exact except for rounding.

@@ -20,7 +20,7 @@ pub async fn follow_with(
     given: &Strands,
     head: Head<'_>,
     followers: &[Followers],
-    most: u32,
+    max_strands: u32,
     seed: u32,
     progress: &impl Progress,
 ) -> Result<FilledStrands> {
@@ -32,10 +32,10 @@ pub async fn follow_with(
         return Err(Error::Unusable(problem));
     }
     let total = n as u64 + (0..n).map(|i| u64::from(of(i).count)).sum::<u64>();
-    if total.min(u64::from(most)) > u64::from(Growth::MOST_STRANDS) {
+    if total.min(u64::from(max_strands)) > u64::from(Growth::MAX_STRANDS) {
         return Err(Error::Unusable(format!(
             "with the child strands of the file there are {total} strands, more than the {} that can be rendered; set how many to grow, or 0 for none",
-            Growth::MOST_STRANDS
+            Growth::MAX_STRANDS
         )));
     }
     const RADIUS: crate::range::Range = crate::range!("child strand radius", 0.0 to 1.0, "m");
@@ -43,38 +43,38 @@ pub async fn follow_with(
         RADIUS.check(radius)?;
     }
     let scalp = Scalp::new(given, head, PI)?;
-    let room = (total.min(u64::from(most)) as usize).saturating_sub(n);
-    let mut grown = NewStrands::new(given, room);
+    let capacity = (total.min(u64::from(max_strands)) as usize).saturating_sub(n);
+    let mut new_strands = NewStrands::new(given, capacity);
     let (shaper, mut line) = (scalp.shaper(head), Vec::new());
     // Add the first child of every strand, then the second: if not all fit, each strand has some.
     let rounds = (0..n).map(|i| of(i).count).max().unwrap_or(0);
     'all: for k in 0..rounds {
         for i in 0..n {
             let Followers { count, radius } = of(i);
-            if grown.parents.len() == room {
+            if new_strands.parents.len() == capacity {
                 break 'all;
             }
             if k >= count {
                 continue;
             }
-            if grown.parents.len().is_multiple_of(256) {
-                progress.step(TASK, grown.parents.len() as f32 / room as f32).await;
+            if new_strands.parents.len().is_multiple_of(256) {
+                progress.step(TASK, new_strands.parents.len() as f32 / capacity as f32).await;
             }
             let site = scalp.surface.site(i as u32);
             let radius = radius.unwrap_or(0.5 * scalp.surface.spacing[site]);
             // Sunflower spiral: evenly spread in a disc for any count.
-            let turned = Rng::new(seed ^ 0xf0110, i as u32).unit() * TAU;
-            let (sin, cos) = (turned + k as f32 * 2.399_963).sin_cos();
+            let start_angle = Rng::new(seed ^ 0xf0110, i as u32).unit() * TAU;
+            let (sin, cos) = (start_angle + k as f32 * 2.399_963).sin_cos();
             let out = radius * ((k as f32 + 0.5) / count as f32).sqrt();
             let normal = scalp.surface.normals[site];
             let across = normal.any_orthonormal_vector();
             let root = given.strand(i)[0] + (across * cos + normal.cross(across) * sin) * out;
-            let mut rng = Rng::new(seed ^ 0x6f12, grown.parents.len() as u32);
+            let mut rng = Rng::new(seed ^ 0x6f12, new_strands.parents.len() as u32);
             let parents = Parents::one(i as u32);
             shaper.grow(root, &parents, false, &mut rng, &mut line);
             shaper.clear(&mut line, &parents);
-            grown.push(given, parents, &line);
+            new_strands.push(given, parents, &line);
         }
     }
-    Ok(grown.filled(given, false, scalp.kin))
+    Ok(new_strands.filled(given, false, scalp.kin))
 }

@@ -38,7 +38,7 @@ mod tufts;
 
 pub use followers::follow_with;
 
-use crate::grow::{Growth, ScalpPaint, Unrest};
+use crate::grow::{Growth, ScalpPaint, StrandVariation};
 use crate::random::Rng;
 use crate::scalp::ScalpMap;
 use crate::skin::MapProjection;
@@ -53,7 +53,7 @@ use crate::{
 use curves::{Curves, Smoothing};
 use glam::Vec3;
 use kin::Kin;
-use place::{Place, Thrower};
+use place::{RootPoint, Thrower};
 use shape::Shaper;
 use skin::Skin;
 use surface::Surface;
@@ -65,7 +65,7 @@ const TASK: &str = "filling the groom";
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fill {
     /// Total number of strands, input strands included, before the map removes some.
-    pub strands: u32,
+    pub strand_count: u32,
     /// Density over the scalp: the fraction of new strands to keep, 0 to 1; `None` for all.
     pub density: Option<ScalpMap>,
     /// Center of the braincase, groom space, meters; the map is projected from it.
@@ -76,22 +76,28 @@ pub struct Fill {
     /// Strength of the tufts that new strands beside one input strand form toward their tips, 0 to 1.
     pub tufts: f32,
     /// Random variation of single new strands; `shorter` has no effect.
-    pub unrest: Unrest,
+    pub variation: StrandVariation,
     /// Seed of every random choice.
     pub seed: u32,
 }
 
 impl Default for Fill {
     fn default() -> Self {
-        let unrest =
-            Unrest { frizz: 2e-4, strays: 0.2, stray: 0.0025, flyaways: 0.02, flyaway: 0.008, shorter: 0.0 };
+        let variation = StrandVariation {
+            frizz: 2e-4,
+            strays: 0.2,
+            stray: 0.0025,
+            flyaways: 0.02,
+            flyaway: 0.008,
+            shorter: 0.0,
+        };
         Self {
-            strands: 20_000,
+            strand_count: 20_000,
             density: None,
             skull: Vec3::ZERO,
             parting: 60f32.to_radians(),
             tufts: 0.55,
-            unrest,
+            variation,
             seed: 1,
         }
     }
@@ -106,9 +112,9 @@ impl Fill {
         const TUFTS: Range = range!("tuft strength", 0.0 to 1.0);
         Self::PARTING.check(self.parting)?;
         TUFTS.check(self.tufts)?;
-        self.unrest.check()?;
-        if self.strands > Growth::MOST_STRANDS {
-            let value = self.strands.to_string();
+        self.variation.check()?;
+        if self.strand_count > Growth::MAX_STRANDS {
+            let value = self.strand_count.to_string();
             return Err(Error::Parameter { name: "number of strands", value, range: "at most 4,000,000" });
         }
         Ok(())
@@ -202,36 +208,36 @@ pub async fn fill_with(
     options.check()?;
     progress.step(TASK, 0.0).await;
     let scalp = Scalp::new(given, head, options.parting)?;
-    let wanted = (options.strands as usize).saturating_sub(given.len());
+    let requested = (options.strand_count as usize).saturating_sub(given.len());
     let map = options.density.as_ref().map(|map| (map, options.skull));
     let thrower = Thrower::new(&scalp.surface, map, options.seed);
-    let count = (wanted as f32 * thrower.share(4096)).round() as usize;
-    let density = (given.len() + wanted) as f32 / given.len() as f32;
-    let places = thrower.places(count, density, progress, TASK).await;
+    let count = (requested as f32 * thrower.kept_fraction(4096)).round() as usize;
+    let density = (given.len() + requested) as f32 / given.len() as f32;
+    let points = thrower.scatter(count, density, progress, TASK).await;
 
-    let mut grown = NewStrands::new(given, places.len());
+    let mut new_strands = NewStrands::new(given, points.len());
     let (shaper, mut line) = (scalp.shaper(head), Vec::new());
     let done = |from: f32, i: usize| from + 0.25 * i as f32 / count as f32;
-    for (i, place) in places.iter().enumerate() {
+    for (i, point) in points.iter().enumerate() {
         if i % 256 == 0 {
             progress.step(TASK, done(0.5, i)).await;
         }
         let mut rng = Rng::new(options.seed ^ 0x6f11, i as u32);
-        let parents = scalp.parents(place, head.field, &mut rng);
-        shaper.grow(place.root, &parents, true, &mut rng, &mut line);
-        grown.push(given, parents, &line);
+        let parents = scalp.parents(point, head.field, &mut rng);
+        shaper.grow(point.root, &parents, true, &mut rng, &mut line);
+        new_strands.push(given, parents, &line);
     }
-    let tufts = Tufts::new(&grown, given.len(), &scalp.surface);
-    for i in 0..places.len() {
+    let tufts = Tufts::new(&new_strands, given.len(), &scalp.surface);
+    for i in 0..points.len() {
         if i % 256 == 0 {
             progress.step(TASK, done(0.75, i)).await;
         }
-        let range = grown.strands.range(given.len() + i);
-        let line = &mut grown.strands.positions[range];
+        let range = new_strands.strands.range(given.len() + i);
+        let line = &mut new_strands.strands.positions[range];
         tufts.comb(i, options, &mut Rng::new(options.seed ^ 0x70f7, i as u32), line);
-        shaper.clear(line, &grown.parents[i]);
+        shaper.clear(line, &new_strands.parents[i]);
     }
-    Ok(grown.filled(given, options.density.is_some(), scalp.kin))
+    Ok(new_strands.filled(given, options.density.is_some(), scalp.kin))
 }
 
 /// Surface, relations and skin of the input strands.
@@ -251,9 +257,9 @@ impl Scalp {
         }
         let curves = Curves::new(given, head.field, Smoothing::STRONG);
         let roots: Vec<Vec3> = given.iter().map(|strand| strand[0]).collect();
-        let ways: Vec<Vec3> =
-            (0..given.len() as u32).map(|i| curves.knots(i)[1] - curves.knots(i)[0]).collect();
-        let surface = Surface::new(&roots, &ways, head.field);
+        let outward: Vec<Vec3> =
+            (0..given.len() as u32).map(|i| curves.path_points(i)[1] - curves.path_points(i)[0]).collect();
+        let surface = Surface::new(&roots, &outward, head.field);
         let pinned = (0..given.len()).map(|i| given.tip_pinned.get(i) == Some(&true)).collect();
         let kin = Kin::new(curves, pinned, &surface, parting);
         Ok(Self { skin: head.mesh.and_then(|mesh| Skin::new(mesh, &roots)), surface, kin })
@@ -264,19 +270,19 @@ impl Scalp {
     }
 
     /// Chooses the parents of a strand rooted at `place`.
-    fn parents(&self, place: &Place, field: Option<&SdfGrid>, rng: &mut Rng) -> Parents {
-        let strands = place.sites.map(|site| {
+    fn parents(&self, point: &RootPoint, field: Option<&SdfGrid>, rng: &mut Rng) -> Parents {
+        let strands = point.sites.map(|site| {
             let all = self.surface.strands(site);
             all[pcg(rng.bits()) as usize % all.len()]
         });
-        if place.sites[0] == place.sites[1] {
+        if point.sites[0] == point.sites[1] {
             return Parents::one(strands[0]);
         }
         // The nearest strand determines the side of the parting and the clump.
         let mut order = [0, 1, 2];
-        order.sort_by(|a, b| place.weights[*b].total_cmp(&place.weights[*a]));
+        order.sort_by(|a, b| point.weights[*b].total_cmp(&point.weights[*a]));
         let [near, second, third] = order;
-        let mut weights = place.weights;
+        let mut weights = point.weights;
         for k in [second, third] {
             if !self.kin.mixes(strands[near], strands[k], field) {
                 weights[k] = 0.0;

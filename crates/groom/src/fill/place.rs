@@ -16,7 +16,7 @@ use std::{collections::HashMap, f32::consts::TAU};
 
 /// Root of a new strand before projection onto the head.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct RootPoint {
     /// Position on the triangle between the input roots.
     pub(super) root: Vec3,
     /// Sites around the root; an isolated site three times.
@@ -51,7 +51,7 @@ pub(super) struct Thrower<'a> {
 impl<'a> Thrower<'a> {
     /// `map` is a density over the scalp and the center of the skull that it is projected from.
     pub(super) fn new(surface: &'a Surface, map: Option<(&'a ScalpMap, Vec3)>, seed: u32) -> Self {
-        let mut sums = Vec::with_capacity(surface.triangles.len() + surface.lonely.len());
+        let mut sums = Vec::with_capacity(surface.triangles.len() + surface.isolated.len());
         let mut peaks = Vec::with_capacity(surface.triangles.len());
         let mut sum = 0.0;
         for &t in &surface.triangles {
@@ -60,7 +60,7 @@ impl<'a> Thrower<'a> {
             peaks.push(peak);
             sums.push(sum);
         }
-        for &(site, _) in &surface.lonely {
+        for &(site, _) in &surface.isolated {
             sum += surface.strands(site).len() as f64;
             sums.push(sum);
         }
@@ -73,19 +73,19 @@ impl<'a> Thrower<'a> {
     }
 
     /// Estimates the fraction of the hair that the map keeps from `tries` darts.
-    pub(super) fn share(&self, tries: u32) -> f32 {
+    pub(super) fn kept_fraction(&self, tries: u32) -> f32 {
         if self.map.is_none() {
             return 1.0;
         }
         let darts = (0..tries).filter_map(|i| self.throw(i ^ 0x5a5a_0000));
         let (count, sum) = darts
-            .fold((0u32, 0.0f32), |(count, sum), (place, ..)| (count + 1, sum + self.painted(place.root)));
+            .fold((0u32, 0.0f32), |(count, sum), (point, ..)| (count + 1, sum + self.painted(point.root)));
         if count > 0 { sum / count as f32 } else { 0.0 }
     }
 
     /// Throws the `i`-th dart. Returns its place and the density there (strands per m², before the map), or `None` if
     /// the dart is rejected.
-    pub(super) fn throw(&self, i: u32) -> Option<(Place, f32, Rng)> {
+    pub(super) fn throw(&self, i: u32) -> Option<(RootPoint, f32, Rng)> {
         let mut rng = Rng::new(self.seed ^ 0xda27, i);
         let total = *self.sums.last()?;
         // 48 bits, because there can be many triangles.
@@ -106,72 +106,75 @@ impl<'a> Thrower<'a> {
             if rim > 0.5 {
                 let near = sites[(0..3).fold(0, |m, k| if weights[k] > weights[m] { k } else { m })] as usize;
                 let (u, away) = (surface.normals[near].any_orthonormal_vector(), rng.unit() * TAU);
-                let reach = FRAYED.min(0.4 * surface.spacing[near]) * (2.0 * rim - 1.0) * rng.unit();
-                root += (u * away.cos() + surface.normals[near].cross(u) * away.sin()) * reach;
+                let displacement = FRAYED.min(0.4 * surface.spacing[near]) * (2.0 * rim - 1.0) * rng.unit();
+                root += (u * away.cos() + surface.normals[near].cross(u) * away.sin()) * displacement;
             }
-            return Some((Place { root, sites, weights }, density, rng));
+            return Some((RootPoint { root, sites, weights }, density, rng));
         }
-        let (site, radius) = surface.lonely[at - surface.triangles.len()];
+        let (site, radius) = surface.isolated[at - surface.triangles.len()];
         let normal = surface.normals[site as usize];
         let u = normal.any_orthonormal_vector();
         let (sin, cos) = (rng.unit() * TAU).sin_cos();
         let away = (u * cos + normal.cross(u) * sin) * (radius * rng.unit().sqrt());
-        let place =
-            Place { root: surface.sites[site as usize] + away, sites: [site; 3], weights: [1.0, 0.0, 0.0] };
-        Some((place, surface.density[site as usize], rng))
+        let point = RootPoint {
+            root: surface.sites[site as usize] + away,
+            sites: [site; 3],
+            weights: [1.0, 0.0, 0.0],
+        };
+        Some((point, surface.density[site as usize], rng))
     }
 
     /// Returns `count` places, or fewer if the map leaves no room. `times` is the density of all strands relative to
     /// the input strands where the map removes none.
-    pub(super) async fn places(
+    pub(super) async fn scatter(
         &self,
         count: usize,
         times: f32,
         progress: &impl Progress,
         task: &'static str,
-    ) -> Vec<Place> {
-        let mut places: Vec<Place> = Vec::with_capacity(count);
+    ) -> Vec<RootPoint> {
+        let mut points: Vec<RootPoint> = Vec::with_capacity(count);
         // Spacing of a triangular grid of this density.
-        let apart = |density: f32| (2.0 / (3f32.sqrt() * density * times)).sqrt();
-        let mut taken = RootGrids::new(&self.surface.density, apart, self.map.is_some());
+        let spacing = |density: f32| (2.0 / (3f32.sqrt() * density * times)).sqrt();
+        let mut occupied = RootGrids::new(&self.surface.density, spacing, self.map.is_some());
         for (i, root) in (0u32..).zip(&self.surface.sites) {
             // Skip input roots at random where the map removes hair, to make room for new ones.
             if Rng::new(self.seed ^ 0x9a9, i).unit() < self.painted(*root) {
-                taken.add(*root);
+                occupied.add(*root);
             }
         }
         let mut factor = CLOSE;
         let mut dart = 0u32;
         for round in 0..=ROUNDS {
-            let tries = (3 * (count - places.len()) + 64) as u32;
+            let tries = (3 * (count - points.len()) + 64) as u32;
             // The last round accepts any distance; a map may still reject darts.
             let tries = if round == ROUNDS { tries.saturating_mul(64) } else { tries };
             for k in 0..tries {
-                if places.len() == count {
+                if points.len() == count {
                     break;
                 }
                 if k % 1024 == 0 {
-                    progress.step(task, 0.5 * places.len() as f32 / count as f32).await;
+                    progress.step(task, 0.5 * points.len() as f32 / count as f32).await;
                 }
-                let Some((place, density, mut rng)) = self.throw(dart.wrapping_add(k)) else { continue };
-                let painted = self.painted(place.root);
+                let Some((point, density, mut rng)) = self.throw(dart.wrapping_add(k)) else { continue };
+                let painted = self.painted(point.root);
                 if rng.unit() >= painted {
                     continue;
                 }
-                let radius = factor * apart(density * painted.max(1e-3));
-                if round < ROUNDS && taken.near(place.root, radius) {
+                let radius = factor * spacing(density * painted.max(1e-3));
+                if round < ROUNDS && occupied.near(point.root, radius) {
                     continue;
                 }
-                taken.add(place.root);
-                places.push(place);
+                occupied.add(point.root);
+                points.push(point);
             }
             dart = dart.wrapping_add(tries);
-            if places.len() == count {
+            if points.len() == count {
                 break;
             }
             factor *= SHRINK;
         }
-        places
+        points
     }
 }
 
@@ -183,10 +186,10 @@ struct RootGrids {
 }
 
 impl RootGrids {
-    fn new(densities: &[f32], apart: impl Fn(f32) -> f32, painted: bool) -> Self {
+    fn new(densities: &[f32], spacing: impl Fn(f32) -> f32, painted: bool) -> Self {
         let (lo, hi) = densities
             .iter()
-            .map(|d| apart(*d))
+            .map(|d| spacing(*d))
             .fold((f32::INFINITY, 0.0f32), |(lo, hi), r| (lo.min(r), hi.max(r)));
         let finest = lo.max(1e-6);
         // Where a map thins hair out, roots are farther apart than anywhere without it.
@@ -215,8 +218,8 @@ impl RootGrids {
         for z in lo.z..=hi.z {
             for y in lo.y..=hi.y {
                 for x in lo.x..=hi.x {
-                    let there = self.grids[level].get(&IVec3::new(x, y, z));
-                    if there.into_iter().flatten().any(|q| q.distance_squared(root) < radius * radius) {
+                    let cell_roots = self.grids[level].get(&IVec3::new(x, y, z));
+                    if cell_roots.into_iter().flatten().any(|q| q.distance_squared(root) < radius * radius) {
                         return true;
                     }
                 }

@@ -44,11 +44,11 @@ impl Shaper<'_> {
         let (mut length, mut own, mut base) = (0.0, 0.0, Vec3::ZERO);
         let mut chance = rng.unit();
         for &(strand, weight) in &from {
-            let reach = curves.length[strand as usize];
-            length += weight * reach;
-            base += weight * curves.knots(strand)[0];
+            let parent_length = curves.length[strand as usize];
+            length += weight * parent_length;
+            base += weight * curves.path_points(strand)[0];
             if chance >= 0.0 {
-                own = reach;
+                own = parent_length;
             }
             chance -= weight;
         }
@@ -60,16 +60,16 @@ impl Shaper<'_> {
 
         // Build the path with the mean step length of the parents, because the mean of two directions is shorter.
         line.clear();
-        let mut aside = Vec::with_capacity(range.len());
-        let mut places = [0usize; 3];
+        let mut lateral_offsets = Vec::with_capacity(range.len());
+        let mut cursors = [0usize; 3];
         let mut last: Option<(Vec3, [Vec3; 3])> = None;
         for k in range.clone() {
             let s = curves.along[k];
             let mut on = [Vec3::ZERO; 3];
-            let (mut middle, mut spread) = (Vec3::ZERO, 0.0);
+            let (mut mean_point, mut spread) = (Vec3::ZERO, 0.0);
             for (j, &(strand, weight)) in from.iter().enumerate() {
-                on[j] = curves.path_at(strand, s, &mut places[j]);
-                middle += weight * on[j];
+                on[j] = curves.path_at(strand, s, &mut cursors[j]);
+                mean_point += weight * on[j];
                 spread += weight * if spreads { self.kin.spread(strand, s) } else { 1.0 };
             }
             let p = match last {
@@ -77,36 +77,38 @@ impl Shaper<'_> {
                     let step: f32 =
                         from.iter().enumerate().map(|(j, (_, w))| w * on[j].distance(parts[j])).sum();
                     let was = line[line.len() - 1];
-                    was + (middle - before).normalize_or_zero() * step
+                    was + (mean_point - before).normalize_or_zero() * step
                 }
-                None => middle,
+                None => mean_point,
             };
-            last = Some((middle, on));
+            last = Some((mean_point, on));
             line.push(p);
-            aside.push(curves.turn[k] * offset * spread + lift * (1.0 - smoothstep(0.0, ease, s * length)));
+            lateral_offsets.push(
+                curves.rotation[k] * offset * spread + lift * (1.0 - smoothstep(0.0, ease, s * length)),
+            );
         }
-        line.iter_mut().zip(&aside).for_each(|(p, aside)| *p += *aside);
+        line.iter_mut().zip(&lateral_offsets).for_each(|(p, lateral_offset)| *p += *lateral_offset);
         let n = line.len();
 
         // Add the detail of the lead, rotated from the lead's path to the new path.
         let path = &curves.path[range.clone()];
-        let turned: Vec<Vec3> = (0..n)
+        let rotated_details: Vec<Vec3> = (0..n)
             .map(|k| {
                 let (a, b) = (k.saturating_sub(1), (k + 1).min(n - 1));
                 let (u, v) = (path[b] - path[a], line[b] - line[a]);
-                let turn = match (u.try_normalize(), v.try_normalize()) {
+                let rotation = match (u.try_normalize(), v.try_normalize()) {
                     (Some(u), Some(v)) => Quat::from_rotation_arc(u, v),
                     _ => Quat::IDENTITY,
                 };
-                turn * curves.detail[range.start + k]
+                rotation * curves.detail[range.start + k]
             })
             .collect();
-        line.iter_mut().zip(turned).for_each(|(p, detail)| *p += detail);
+        line.iter_mut().zip(rotated_details).for_each(|(p, detail)| *p += detail);
 
-        let here = crate::curve::length(line);
+        let current_length = crate::curve::length(line);
         let first = line[0];
-        if here > 0.0 {
-            line.iter_mut().for_each(|p| *p = first + (*p - first) * (length / here));
+        if current_length > 0.0 {
+            line.iter_mut().for_each(|p| *p = first + (*p - first) * (length / current_length));
         }
     }
 
@@ -116,20 +118,21 @@ impl Shaper<'_> {
         let along = &self.kin.curves.along[self.kin.curves.range(parents.strands[0])];
         let lengths = lengths(line);
         for _ in 0..ROUNDS {
-            let mut moved = false;
+            let mut was_pushed = false;
             for (k, p) in line.iter_mut().enumerate().skip(1) {
                 let d = field.sample(*p);
                 if d >= CLEARANCE {
                     continue;
                 }
-                let usual: f32 = parents.iter().map(|(i, w)| w * self.kin.clear(i, along[k])).sum();
-                let wanted = usual.min(CLEARANCE);
-                if d < wanted - 1e-4 {
-                    *p += field.normal(*p) * (wanted - d);
-                    moved = true;
+                let parent_clearance: f32 =
+                    parents.iter().map(|(i, w)| w * self.kin.clear(i, along[k])).sum();
+                let min_clearance = parent_clearance.min(CLEARANCE);
+                if d < min_clearance - 1e-4 {
+                    *p += field.normal(*p) * (min_clearance - d);
+                    was_pushed = true;
                 }
             }
-            if !moved {
+            if !was_pushed {
                 return;
             }
             // Aim each edge at the current position of its end, so that later vertices stay in place.

@@ -21,7 +21,7 @@ const NEIGHBORS: usize = 32;
 const WIDEST: f32 = 2.2;
 
 /// Half the size of the patch around a root without neighbors, meters.
-const ALONE: f32 = 0.004;
+const ISOLATED_RADIUS: f32 = 0.004;
 
 /// Scalp surface reconstructed from the roots.
 #[derive(Default)]
@@ -39,7 +39,7 @@ pub(super) struct Surface {
     /// Triangles of site indices.
     pub(super) triangles: Vec<[u32; 3]>,
     /// Isolated sites, which are in no triangle, and the radius of the patch around each, meters.
-    pub(super) lonely: Vec<(u32, f32)>,
+    pub(super) isolated: Vec<(u32, f32)>,
     /// Site of each strand.
     of: Vec<u32>,
     /// The strands of site `i` are `members[starts[i]..starts[i + 1]]`.
@@ -61,18 +61,18 @@ impl Surface {
             found.retain(|(_, j)| *j as usize != i);
             let first = &found[..found.len().min(6)];
             let spacing = first.iter().map(|(d, _)| d.sqrt()).sum::<f32>() / first.len().max(1) as f32;
-            let way = outward[surface.members[surface.starts[i] as usize] as usize];
-            let normal = normal(site, &found, &sites, way, field);
-            surface.spacing.push(if first.is_empty() { 2.0 * ALONE } else { spacing });
+            let direction = outward[surface.members[surface.starts[i] as usize] as usize];
+            let normal = normal(site, &found, &sites, direction, field);
+            surface.spacing.push(if first.is_empty() { 2.0 * ISOLATED_RADIUS } else { spacing });
             surface.normals.push(normal);
             for [a, b] in star(site, normal, WIDEST * spacing, &found, &sites) {
                 let mut corners = [i as u32, a, b];
                 corners.sort_unstable();
-                let seen = votes.entry(corners).or_default();
-                if *seen == 0 {
+                let vote_count = votes.entry(corners).or_default();
+                if *vote_count == 0 {
                     order.push(corners);
                 }
-                *seen += 1;
+                *vote_count += 1;
             }
         }
         order.retain(|corners| votes[corners] > 1);
@@ -151,16 +151,16 @@ impl Surface {
         }
         self.density = sums.iter().map(|(strands, area)| strands / area.max(1e-12)).collect();
         for i in (0..n).filter(|i| angle[*i] == 0.0) {
-            let radius = (0.5 * self.spacing[i]).clamp(1e-4, ALONE);
+            let radius = (0.5 * self.spacing[i]).clamp(1e-4, ISOLATED_RADIUS);
             self.density[i] = self.strands(i as u32).len() as f32 / (std::f32::consts::PI * radius * radius);
-            self.lonely.push((i as u32, radius));
+            self.isolated.push((i as u32, radius));
         }
         // Limit the range of densities, so that no site dominates.
         let mut sorted = self.density.clone();
         sorted.sort_by(f32::total_cmp);
-        let middle = sorted[sorted.len() / 2];
+        let median = sorted[sorted.len() / 2];
         for density in &mut self.density {
-            *density = density.clamp(middle / 16.0, middle * 16.0);
+            *density = density.clamp(median / 16.0, median * 16.0);
         }
     }
 }
@@ -172,7 +172,7 @@ pub(super) fn area_of([a, b, c]: [Vec3; 3]) -> f32 {
 
 /// Returns the outward normal at a root: of the head's distance field near the head, else of the plane through its
 /// neighbors.
-fn normal(site: Vec3, found: &[(f32, u32)], sites: &[Vec3], way: Vec3, field: Option<&SdfGrid>) -> Vec3 {
+fn normal(site: Vec3, found: &[(f32, u32)], sites: &[Vec3], outward: Vec3, field: Option<&SdfGrid>) -> Vec3 {
     if let Some(field) = field.filter(|field| field.sample(site).abs() < 0.02) {
         return field.normal(site);
     }
@@ -192,9 +192,9 @@ fn normal(site: Vec3, found: &[(f32, u32)], sites: &[Vec3], way: Vec3, field: Op
         _ => Vec3::new(xy * yz - xz * yy, xy * xz - yz * xx, minors.z),
     };
     let flat = minors.max_element() > 1e-6 * diagonal.element_sum().powi(2);
-    let plane = if flat { plane.normalize_or(way) } else { way };
+    let plane = if flat { plane.normalize_or(outward) } else { outward };
     let plane = plane.normalize_or(Vec3::Y);
-    if plane.dot(way) < 0.0 { -plane } else { plane }
+    if plane.dot(outward) < 0.0 { -plane } else { plane }
 }
 
 /// Returns the two other corners of each triangle around `site`, in its tangent plane, with a circumradius of at most
@@ -253,7 +253,7 @@ mod tests {
         let roots: Vec<Vec3> = (0..900).map(|i| 0.09 * spread_direction(i, Vec2::new(0.1, 0.4))).collect();
         let outward: Vec<Vec3> = roots.iter().map(|p| p.normalize()).collect();
         let surface = Surface::new(&roots, &outward, None);
-        assert!(surface.lonely.is_empty());
+        assert!(surface.isolated.is_empty());
         let normals = surface.normals.iter().zip(&outward).map(|(a, b)| a.dot(*b)).fold(1.0, f32::min);
         assert!(normals > 0.97, "{normals}");
         // The cap up to 2.4 radians, minus the area beyond its outermost roots.
@@ -279,7 +279,7 @@ mod tests {
         let line: Vec<Vec3> = (0..9).map(|i| Vec3::X * i as f32 * 0.01).collect();
         let up = vec![Vec3::Y; 9];
         let surface = Surface::new(&line, &up, None);
-        assert_eq!((surface.triangles.len(), surface.lonely.len()), (0, 9));
+        assert_eq!((surface.triangles.len(), surface.isolated.len()), (0, 9));
         let surface = Surface::new(&[Vec3::X; 5], &up[..5], None);
         assert_eq!((surface.sites.len(), surface.strands(0)), (1, &[0, 1, 2, 3, 4][..]));
         // A square grid, where four roots share a circumcircle, is covered without holes.

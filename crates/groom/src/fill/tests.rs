@@ -51,7 +51,7 @@ fn curly(count: u32, radius: f32, pitch: f32) -> Strands {
 }
 
 fn filled(given: &Strands, count: u32) -> FilledStrands {
-    fill(given, Head::default(), &Fill { strands: count, ..Fill::default() }).unwrap()
+    fill(given, Head::default(), &Fill { strand_count: count, ..Fill::default() }).unwrap()
 }
 
 /// Iterates over the new strands with their parents.
@@ -88,7 +88,7 @@ fn input_strands_stay_bit_identical() {
 fn same_seed_gives_same_strands() {
     let given = parted(200);
     let grow =
-        |seed| fill(&given, Head::default(), &Fill { strands: 1500, seed, ..Fill::default() }).unwrap();
+        |seed| fill(&given, Head::default(), &Fill { strand_count: 1500, seed, ..Fill::default() }).unwrap();
     assert_eq!(grow(5).strands, grow(5).strands);
     assert_ne!(grow(5).strands, grow(6).strands);
     // A count below the number of input strands changes nothing.
@@ -99,7 +99,8 @@ fn same_seed_gives_same_strands() {
 /// parting.
 fn mixed(parting: f32, guides: GuideCount) -> [usize; 3] {
     let given = parted(500);
-    let filled = fill(&given, Head::default(), &Fill { strands: 8000, parting, ..Fill::default() }).unwrap();
+    let filled =
+        fill(&given, Head::default(), &Fill { strand_count: 8000, parting, ..Fill::default() }).unwrap();
     let groom = bind_filled(&filled, &BindOptions { guides, ..BindOptions::default() }).unwrap();
     let both = |sides: &mut dyn Iterator<Item = f32>| {
         let sides: Vec<f32> = sides.collect();
@@ -209,7 +210,7 @@ fn roots_are_even_and_on_the_skin() {
     // A head mesh finer than the spacing of the guides; its triangles sag less than 0.1 mm.
     let mesh = crate::mesh::shapes::sphere(BALL, 160);
     let head = Head { mesh: Some(&mesh), field: None };
-    let filled = fill(&given, head, &Fill { strands: 6000, ..Fill::default() }).unwrap();
+    let filled = fill(&given, head, &Fill { strand_count: 6000, ..Fill::default() }).unwrap();
     let bvh = Bvh::new(&mesh);
     let roots: Vec<Vec3> = filled.strands.iter().map(|line| line[0]).collect();
     let far = roots.iter().map(|p| bvh.closest_point(*p).unwrap().distance).fold(0.0, f32::max);
@@ -265,13 +266,13 @@ fn density_follows_input_roots_or_map() {
     let painted = fill(
         &parted(400),
         Head::default(),
-        &Fill { strands: 8000, density: Some(map.clone()), ..Fill::default() },
+        &Fill { strand_count: 8000, density: Some(map.clone()), ..Fill::default() },
     )
     .unwrap();
     let count = |side: f32| painted.strands.iter().skip(400).filter(|s| s[0].x * side > 0.012).count() as f32;
     assert!((count(-1.0) / count(1.0) - 0.25).abs() < 0.04, "{}", count(-1.0) / count(1.0));
     assert!((painted.strands.len() as f32 / 8000.0 - 0.64).abs() < 0.06, "{}", painted.strands.len());
-    let black = Fill { strands: 500, density: Some(ScalpMap::from_fn(2, |_| 0.0)), ..Fill::default() };
+    let black = Fill { strand_count: 500, density: Some(ScalpMap::from_fn(2, |_| 0.0)), ..Fill::default() };
     let bald = fill(&parted(40), Head::default(), &black).unwrap();
     assert_eq!(bald.strands.len(), 40);
     let paint = ScalpPaint { density: Some(map), ..ScalpPaint::default() };
@@ -310,11 +311,11 @@ fn clumps_stay_clumps() {
         [far[far.len() / 2], far[far.len() * 95 / 100]]
     };
     let grow = |options: Fill| {
-        let filled = fill(&given, Head::default(), &Fill { strands: 6000, ..options }).unwrap();
+        let filled = fill(&given, Head::default(), &Fill { strand_count: 6000, ..options }).unwrap();
         off(&filled.strands, filled.given)
     };
-    let calm = Unrest { frizz: 0.0, stray: 0.0, flyaway: 0.0, ..Fill::default().unrest };
-    let (old, new) = (off(&given, 0), grow(Fill { tufts: 0.0, unrest: calm, ..Fill::default() }));
+    let calm = StrandVariation { frizz: 0.0, stray: 0.0, flyaway: 0.0, ..Fill::default().variation };
+    let (old, new) = (off(&given, 0), grow(Fill { tufts: 0.0, variation: calm, ..Fill::default() }));
     // Tips of clumps are about 25 mm apart: hair between two would be at least 8 mm from both.
     assert!(new[0] < old[0] + 5e-4 && new[1] < old[1] + 2e-3, "{old:?} {new:?}");
     // Stray hairs deviate by 3 mm.
@@ -381,7 +382,7 @@ fn hair_stays_out_of_the_head() {
         given.push(&line);
     }
     let deepest = |head| {
-        let filled = fill(&given, head, &Fill { strands: 4000, ..Fill::default() }).unwrap();
+        let filled = fill(&given, head, &Fill { strand_count: 4000, ..Fill::default() }).unwrap();
         let all = &filled.strands.positions[given.positions.len()..];
         let mut depths: Vec<f32> = all.iter().map(|p| p.length() - BALL).collect();
         depths.sort_by(f32::total_cmp);
@@ -429,9 +430,9 @@ fn degenerate_grooms_are_filled_or_rejected() {
     let line = |root: Vec3| (0..150).map(move |k| root * (1.0 - 0.001 * k as f32)).collect::<Vec<_>>();
     roots(12).into_iter().for_each(|root| long.push(&line(root)));
     let head = Head { mesh: None, field: Some(&field) };
-    assert_eq!(fill(&long, head, &Fill { strands: 90, ..Fill::default() }).unwrap().strands.len(), 90);
+    assert_eq!(fill(&long, head, &Fill { strand_count: 90, ..Fill::default() }).unwrap().strands.len(), 90);
     let given = parted(10);
-    let many = Fill { strands: u32::MAX, ..Fill::default() };
+    let many = Fill { strand_count: u32::MAX, ..Fill::default() };
     assert!(refused(&given, many).to_string().contains("4294967295"));
     for parting in [f32::NAN, -1.0, 9.0] {
         assert!(fill(&given, Head::default(), &Fill { parting, ..Fill::default() }).is_err());

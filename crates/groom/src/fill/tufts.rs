@@ -7,7 +7,7 @@
 
 use super::shape::{lengths, restore};
 use super::{Fill, NewStrands, surface::Surface};
-use crate::grow::unrest;
+use crate::grow::add_variation;
 use crate::random::{Rng, smoothstep};
 use glam::Vec3;
 use std::collections::HashMap;
@@ -29,16 +29,16 @@ pub(super) struct Tufts {
 
 impl Tufts {
     /// Groups the new strands, which follow the first `given` ones, into tufts. `surface` provides the root spacing.
-    pub(super) fn new(grown: &NewStrands, given: usize, surface: &Surface) -> Self {
-        let mut tufts = Self { of: Vec::with_capacity(grown.parents.len()), lines: Vec::new() };
+    pub(super) fn new(new_strands: &NewStrands, given: usize, surface: &Surface) -> Self {
+        let mut tufts = Self { of: Vec::with_capacity(new_strands.parents.len()), lines: Vec::new() };
         let mut centers: HashMap<u32, Vec<u32>> = HashMap::new();
-        for (i, parents) in grown.parents.iter().enumerate() {
-            let line = grown.strands.strand(given + i);
-            let apart = surface.spacing[surface.site(parents.strands[0])];
-            let firm = smoothstep(SPARSE[0], SPARSE[1], apart / SPACING);
+        for (i, parents) in new_strands.parents.iter().enumerate() {
+            let line = new_strands.strands.strand(given + i);
+            let spacing = surface.spacing[surface.site(parents.strands[0])];
+            let firm = smoothstep(SPARSE[0], SPARSE[1], spacing / SPACING);
             let known = centers.entry(parents.strands[0]).or_default();
-            let reach = |at: u32| (tufts.lines[at as usize].distance_squared(line[0]), at);
-            let near = known.iter().map(|at| reach(*at)).min_by(|a, b| a.0.total_cmp(&b.0));
+            let distance_to = |at: u32| (tufts.lines[at as usize].distance_squared(line[0]), at);
+            let near = known.iter().map(|at| distance_to(*at)).min_by(|a, b| a.0.total_cmp(&b.0));
             tufts.of.push(match near {
                 Some((squared, at)) if squared < SPACING * SPACING => Some((at, firm)),
                 _ => {
@@ -57,16 +57,16 @@ impl Tufts {
         let lengths = lengths(line);
         let stray = rng.unit();
         // Flyaways follow their tuft only weakly.
-        let held = if stray < options.unrest.flyaways { 0.3 } else { rng.range(0.5, 1.0) };
+        let held = if stray < options.variation.flyaways { 0.3 } else { rng.range(0.5, 1.0) };
         if let Some((at, firm)) = self.of[i] {
             let mut own = Rng::new(options.seed ^ 0xbeef, at);
             let strength = options.tufts * firm * own.range(0.4, 1.0) * held;
             let center = &self.lines[at as usize..][..line.len()];
-            for (k, (p, middle)) in line.iter_mut().zip(center).enumerate().skip(1) {
-                *p = p.lerp(*middle, strength * smoothstep(0.05, 0.9, k as f32 / last));
+            for (k, (p, center_point)) in line.iter_mut().zip(center).enumerate().skip(1) {
+                *p = p.lerp(*center_point, strength * smoothstep(0.05, 0.9, k as f32 / last));
             }
         }
-        unrest(&options.unrest, stray, rng, line);
+        add_variation(&options.variation, stray, rng, line);
         restore(line, &lengths);
     }
 }

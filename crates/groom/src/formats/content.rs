@@ -2,7 +2,7 @@
 
 /// A kind of data that a file can hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Content {
+pub enum ContentKind {
     /// Vertices of strands.
     Strands,
     /// Widths along strands.
@@ -37,7 +37,7 @@ pub enum Content {
     Computed,
 }
 
-impl Content {
+impl ContentKind {
     /// Returns the name for use in a sentence.
     pub fn name(self) -> &'static str {
         match self {

@@ -9,7 +9,7 @@ use super::{
 use crate::{
     Strands,
     error::{At, Error, Result},
-    orient::Unit,
+    orient::LengthUnit,
 };
 
 /// Reads the whole file.
@@ -50,7 +50,7 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
 }
 
 /// Encodes strands.
-pub(super) fn encode(strands: &Strands, _: Option<Unit>) -> Result<EncodedFile> {
+pub(super) fn encode(strands: &Strands, _: Option<LengthUnit>) -> Result<EncodedFile> {
     let count = |n: usize| {
         let many = || Error::Unusable(format!("a .data file cannot store a count of {n}"));
         i32::try_from(n).map_err(|_| many())

@@ -11,7 +11,7 @@ pub(super) fn fan(
     corners: &[i64],
     points: usize,
     base: u32,
-    turned: bool,
+    reverse_winding: bool,
     triangles: &mut Vec<[u32; 3]>,
 ) -> Result<(), String> {
     if let Some(index) = corners.iter().find(|index| !(0..points as i64).contains(index)) {
@@ -26,7 +26,7 @@ pub(super) fn fan(
         rest = more;
         // Indices are below 2^28.
         let corner = |k: usize| base + face[k] as u32;
-        triangles.extend((2..face.len()).map(|k| match turned {
+        triangles.extend((2..face.len()).map(|k| match reverse_winding {
             false => [corner(0), corner(k - 1), corner(k)],
             true => [corner(0), corner(k), corner(k - 1)],
         }));

@@ -30,7 +30,7 @@ mod tfxmesh;
 mod usd;
 pub(crate) mod writer;
 
-pub use content::Content;
+pub use content::ContentKind;
 
 use crate::{
     Result,
@@ -43,7 +43,7 @@ use writer::Writer;
 
 /// A file format.
 #[derive(Clone, Copy, Debug)]
-pub struct Format {
+pub struct FileFormat {
     /// Display name.
     pub name: &'static str,
     /// Lowercase file extensions, the usual one first.
@@ -53,11 +53,11 @@ pub struct Format {
     /// Whether the web page reads the format.
     pub in_browsers: bool,
     /// Contents that the readers return.
-    pub reads: &'static [Content],
+    pub reads: &'static [ContentKind],
     /// Writers, one per extension.
     pub writers: &'static [Writer],
     /// Extensions of files that a mesh may refer to: materials, buffers, textures.
-    pub companions: &'static [&'static str],
+    pub resources: &'static [&'static str],
     /// Reads strands at one moment. `None` if the feature is off or the format has no strands.
     pub(crate) read: Option<fn(&Source<'_>, Moment) -> Result<Raw>>,
     /// Reads a mesh. `None` if the feature is off or the format has no meshes.
@@ -67,12 +67,12 @@ pub struct Format {
     /// Returns whether a file with strands also has the mesh that they grow on.
     pub(crate) holds_body: Option<fn(&Path, &[u8]) -> bool>,
     /// Kind of a file that holds a complete groom, instead of `read` and `read_mesh`.
-    pub(crate) whole: Option<WholeGroom>,
+    pub(crate) complete: Option<CompleteGroom>,
 }
 
 /// A file with a groom that is complete: guides, strands and head.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum WholeGroom {
+pub(crate) enum CompleteGroom {
     /// [`CookedGroom`](crate::cooked::CookedGroom).
     Cooked,
     /// [`GroomDocument`](crate::edit::GroomDocument).
@@ -80,19 +80,19 @@ pub(crate) enum WholeGroom {
 }
 
 /// Default values for rows.
-const NONE: Format = Format {
+const NONE: FileFormat = FileFormat {
     name: "",
     extensions: &[],
     feature: None,
     in_browsers: true,
     reads: &[],
     writers: &[],
-    companions: &[],
+    resources: &[],
     read: None,
     read_mesh: None,
     is_groom: None,
     holds_body: None,
-    whole: None,
+    complete: None,
 };
 
 /// Expands to `Some` of the value if the feature is on, else to `None`.
@@ -109,11 +109,11 @@ macro_rules! with {
     }};
 }
 
-use Content::*;
+use ContentKind::*;
 
 /// All formats, in display order.
-pub const FORMATS: &[Format] = &[
-    Format {
+pub const FORMATS: &[FileFormat] = &[
+    FileFormat {
         name: "TressFX",
         extensions: &["tfx"],
         reads: &[Strands, Colors, RootUvs, PinnedTips, Followers, Units],
@@ -121,7 +121,7 @@ pub const FORMATS: &[Format] = &[
         writers: &[Writer::new("tfx", &[Strands, Colors, RootUvs, PinnedTips, Units], tfx::encode)],
         ..NONE
     },
-    Format {
+    FileFormat {
         name: "Cem Yuksel's hair files",
         extensions: &["hair"],
         reads: &[Strands, Widths, Colors, Units],
@@ -129,21 +129,21 @@ pub const FORMATS: &[Format] = &[
         writers: &[Writer::new("hair", &[Strands, Widths, Colors, Units], hair::encode)],
         ..NONE
     },
-    Format {
+    FileFormat {
         name: "Wavefront OBJ",
         extensions: &["obj"],
         reads: &[Strands, Units, Mesh],
         read: Some(|source, _| obj::read(source)),
         read_mesh: Some(obj::read_mesh),
         is_groom: Some(obj::is_groom),
-        companions: &["mtl"],
+        resources: &["mtl"],
         writers: &[Writer {
             mesh: Some(obj::encode_mesh),
             ..Writer::new("obj", &[Strands, Units, Mesh], obj::encode)
         }],
         ..NONE
     },
-    Format {
+    FileFormat {
         name: "USC-HairSalon strands",
         extensions: &["data"],
         reads: &[Strands],
@@ -151,7 +151,7 @@ pub const FORMATS: &[Format] = &[
         writers: &[Writer::new("data", &[Strands], data::encode)],
         ..NONE
     },
-    Format {
+    FileFormat {
         name: "NumPy arrays, DiffLocks",
         extensions: &["npz"],
         feature: Some("npz"),
@@ -160,7 +160,7 @@ pub const FORMATS: &[Format] = &[
         read: with!("npz", |source, _| npz::read(source)),
         ..NONE
     },
-    Format {
+    FileFormat {
         name: "PLY line sets",
         extensions: &["ply"],
         reads: &[Strands, Widths, Units],
@@ -168,7 +168,7 @@ pub const FORMATS: &[Format] = &[
         writers: &[Writer::new("ply", &[Strands, Widths, Units], ply::encode)],
         ..NONE
     },
-    Format {
+    FileFormat {
         name: "glTF with EXT_tresses_hair",
         extensions: &["glb", "gltf"],
         feature: Some("gltf"),
@@ -180,7 +180,7 @@ pub const FORMATS: &[Format] = &[
         read_mesh: with!("gltf", gltf::read_mesh),
         is_groom: with!("gltf", gltf::is_groom),
         holds_body: with!("gltf", gltf::holds_body),
-        companions: &["bin", "png", "jpg", "jpeg"],
+        resources: &["bin", "png", "jpg", "jpeg"],
         writers: &[
             #[cfg(feature = "gltf")]
             Writer {
@@ -199,7 +199,7 @@ pub const FORMATS: &[Format] = &[
         ],
         ..NONE
     },
-    Format {
+    FileFormat {
         name: "Alembic (Ogawa)",
         extensions: &["abc"],
         feature: Some("alembic"),
@@ -221,7 +221,7 @@ pub const FORMATS: &[Format] = &[
         ],
         ..NONE
     },
-    Format {
+    FileFormat {
         name: "USD",
         extensions: &["usd", "usda", "usdc", "usdz"],
         feature: Some("usd"),
@@ -260,7 +260,7 @@ pub const FORMATS: &[Format] = &[
         ],
         ..NONE
     },
-    Format {
+    FileFormat {
         name: "cooked groom, for one version of Tresses",
         extensions: &["tresses"],
         feature: Some("cooked"),
@@ -269,25 +269,25 @@ pub const FORMATS: &[Format] = &[
             Textures, Rig, Animations, Computed,
         ],
         read: with!("cooked", |source, _| {
-            let alone = "a cooked groom is complete and cannot be part of another";
-            Err(source.problem(At::File, alone))
+            let problem = "a cooked groom is complete and cannot be part of another";
+            Err(source.problem(At::File, problem))
         }),
-        whole: Some(WholeGroom::Cooked),
+        complete: Some(CompleteGroom::Cooked),
         ..NONE
     },
-    Format {
+    FileFormat {
         name: "groom edited in the studio",
         extensions: &["groom"],
         feature: Some("edit"),
         reads: &[Strands, Widths, Colors, PinnedTips, Guides, Units, Mesh, Textures, Rig, Animations],
         read: with!("edit", |source, _| {
-            let alone = "an edited groom is complete and cannot be part of another";
-            Err(source.problem(At::File, alone))
+            let problem = "an edited groom is complete and cannot be part of another";
+            Err(source.problem(At::File, problem))
         }),
-        whole: Some(WholeGroom::Edited),
+        complete: Some(CompleteGroom::Edited),
         ..NONE
     },
-    Format {
+    FileFormat {
         name: "TressFX collision mesh",
         extensions: &["tfxmesh"],
         reads: &[Mesh],
@@ -305,22 +305,22 @@ pub const MESHES: &[&str] = &joined::<{ count(List::Meshes) }>(List::Meshes);
 /// Extensions of grooms that can be written.
 pub const WRITTEN: &[&str] = &joined::<{ count(List::Written) }>(List::Written);
 /// Extensions of files that a mesh may refer to.
-pub const COMPANIONS: &[&str] = &joined::<{ count(List::Companions) }>(List::Companions);
+pub const RESOURCES: &[&str] = &joined::<{ count(List::Resources) }>(List::Resources);
 
 #[derive(Clone, Copy)]
 enum List {
     Grooms,
     Meshes,
     Written,
-    Companions,
+    Resources,
 }
 
 /// Returns the `k`-th extension that `format` adds to `list`.
-const fn entry(format: &Format, list: List, k: usize) -> Option<&'static str> {
+const fn entry(format: &FileFormat, list: List, k: usize) -> Option<&'static str> {
     let all = match list {
         List::Grooms if format.read.is_some() => format.extensions,
         List::Meshes if format.read_mesh.is_some() => format.extensions,
-        List::Companions if format.read_mesh.is_some() => format.companions,
+        List::Resources if format.read_mesh.is_some() => format.resources,
         List::Written if k < format.writers.len() => return Some(format.writers[k].extension),
         _ => &[],
     };
@@ -353,7 +353,7 @@ const fn joined<const N: usize>(list: List) -> [&'static str; N] {
     all
 }
 
-impl Format {
+impl FileFormat {
     /// Returns the format of `path`, by its extension.
     pub fn of(path: &Path) -> Option<&'static Self> {
         let extension = extension(path);
@@ -374,7 +374,7 @@ impl Format {
 }
 
 /// Returns the extensions of writers that can hold `content`.
-pub fn written(content: Content) -> Vec<&'static str> {
+pub fn written(content: ContentKind) -> Vec<&'static str> {
     let writers = FORMATS.iter().flat_map(|format| format.writers);
     writers.filter(|writer| writer.holds.contains(&content)).map(|writer| writer.extension).collect()
 }
@@ -386,12 +386,12 @@ pub fn extension(path: &Path) -> String {
 
 /// Returns whether `path` has the extension of a cooked groom.
 pub fn is_cooked(path: &Path) -> bool {
-    Format::of(path).is_some_and(|format| format.whole == Some(WholeGroom::Cooked))
+    FileFormat::of(path).is_some_and(|format| format.complete == Some(CompleteGroom::Cooked))
 }
 
 /// Returns whether `path` has the extension of a groom with its head, in meters and upright: a cooked or edited one.
-pub fn is_whole(path: &Path) -> bool {
-    Format::of(path).is_some_and(|format| format.whole.is_some())
+pub fn is_complete_groom(path: &Path) -> bool {
+    FileFormat::of(path).is_some_and(|format| format.complete.is_some())
 }
 
 /// Joins extensions for a sentence, with `joint` before the last: ".tfx, .hair or .obj".
@@ -406,7 +406,7 @@ pub fn listed(extensions: &[&str], joint: &str) -> String {
 
 /// Returns the table as Markdown, for the documentation.
 pub fn markdown() -> String {
-    let names = |contents: &[Content]| contents.iter().map(|it| it.name()).collect::<Vec<_>>().join(", ");
+    let names = |contents: &[ContentKind]| contents.iter().map(|it| it.name()).collect::<Vec<_>>().join(", ");
     let files = |all: &[&str]| all.iter().map(|it| format!("`.{it}`")).collect::<Vec<_>>().join(", ");
     let mut text =
         String::from("| files | format | reads | writes | read by the web page |\n|---|---|---|---|---|\n");
@@ -419,9 +419,9 @@ pub fn markdown() -> String {
             }
         };
         let mut written: Vec<String> = format.writers.iter().map(written).collect();
-        match format.whole {
-            Some(WholeGroom::Cooked) => written.push("by `tresses convert`".into()),
-            Some(WholeGroom::Edited) => written.push("by the studio and `tresses groom`".into()),
+        match format.complete {
+            Some(CompleteGroom::Cooked) => written.push("by `tresses convert`".into()),
+            Some(CompleteGroom::Edited) => written.push("by the studio and `tresses groom`".into()),
             None => {}
         }
         text += &format!(
@@ -462,7 +462,7 @@ mod tests {
                 Some(other) => panic!("{name}: no feature {other}"),
                 None => true,
             };
-            let has_mesh = reads(Mesh) && format.whole.is_none();
+            let has_mesh = reads(Mesh) && format.complete.is_none();
             assert_eq!(format.read.is_some(), on && reads(Strands), "{name}");
             assert_eq!(format.read_mesh.is_some(), on && has_mesh, "{name}");
             assert_eq!(format.is_groom.is_some(), on && reads(Strands) && has_mesh, "{name}");

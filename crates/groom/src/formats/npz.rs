@@ -8,7 +8,7 @@ use super::{raw::Raw, source::Source};
 use crate::{
     Look,
     error::{At, Result},
-    orient::Choice,
+    orient::OrientationOverride,
 };
 use glam::{Vec2, Vec3};
 use npyz::{NpyFile, Order, TypeChar};
@@ -17,7 +17,7 @@ use std::io::{Cursor, Read};
 use zip::ZipArchive;
 
 /// Largest array, bytes.
-const MOST: u64 = 1 << 32;
+const MAX_ARRAY_BYTES: u64 = 1 << 32;
 /// Files that DiffLocks writes beside the strands.
 const UVS: &str = "roots_uv01.npz";
 const MATERIAL: &str = "hair.json";
@@ -74,28 +74,28 @@ pub(super) fn read(source: &Source<'_>) -> Result<Raw> {
         Some(uvs) => Some(uvs),
         None => archive.array("root_uvs")?,
     };
-    let beside = |name: &str| source.companion(name).ok();
-    let uvs = match (uvs, beside(UVS)) {
+    let resource = |name: &str| source.resource(name).ok();
+    let uvs = match (uvs, resource(UVS)) {
         (None, Some(bytes)) => Archive::open(source, &bytes)?.array("uv_coords")?,
         (uvs, _) => uvs,
     };
     // Files of `save_npz` do not state their axes. DiffLocks uses SMPL-X's.
     let is_smplx = shape.len() == 3 && (shape[1] == 256 || archive.has("root_normal"));
     if is_smplx {
-        (raw.format, raw.declared) = ("DiffLocks", Choice::METERS);
+        (raw.format, raw.declared) = ("DiffLocks", OrientationOverride::METERS);
     }
     let uvs = uvs.filter(|uvs| uvs.values.len() == 2 * strands);
     if let Some(uvs) = uvs {
         out.root_uvs =
             uvs.values.as_chunks().0.iter().map(|[u, v]| Vec2::new(*u as f32, *v as f32)).collect();
     }
-    if let Some(metadata) = beside(METADATA).filter(|_| is_smplx) {
+    if let Some(metadata) = resource(METADATA).filter(|_| is_smplx) {
         let metadata = json(source, METADATA, &metadata)?;
         if metadata.get("mirror_hair").and_then(Value::as_bool) == Some(true) {
             out.root_uvs.iter_mut().for_each(|uv| uv.x = 1.0 - uv.x);
         }
     }
-    if let Some(material) = beside(MATERIAL).filter(|_| is_smplx) {
+    if let Some(material) = resource(MATERIAL).filter(|_| is_smplx) {
         raw.look = look(&json(source, MATERIAL, &material)?);
     }
     Ok(raw)
@@ -144,11 +144,11 @@ impl<'a> Archive<'a> {
             return Ok(None);
         }
         let file = self.files.by_name(&format!("{name}.npy")).map_err(|error| broken(error.to_string()))?;
-        let array = NpyFile::new(file.take(MOST)).map_err(|error| broken(error.to_string()))?;
+        let array = NpyFile::new(file.take(MAX_ARRAY_BYTES)).map_err(|error| broken(error.to_string()))?;
         let shape = array.shape().to_vec();
         let count = shape.iter().try_fold(1u64, |product, side| product.checked_mul(*side));
         // A stored value takes at least a byte, and deflate shrinks by at most 1,032.
-        let justified = 1032u64.saturating_mul(source.bytes.len() as u64).min(MOST);
+        let justified = 1032u64.saturating_mul(source.bytes.len() as u64).min(MAX_ARRAY_BYTES);
         if count.is_none_or(|count| count > justified) {
             return Err(broken(format!("its shape {shape:?} is larger than the file")));
         }
@@ -216,7 +216,7 @@ mod tests {
         let uvs = packed(&[("uv_coords", &[3, 2], vec![0.1, 0.2, 0.3, 0.4, 0.5, 0.6])]);
         let material = br#"{"melanin": 0.5, "redness": 0.25, "root_darkness_start": 0.1}"#;
         let raw = raw(&bytes, &[("roots_uv01.npz", &uvs), ("hair.json", material)]).unwrap();
-        assert_eq!((raw.strands.len(), raw.declared), (3, Choice::METERS));
+        assert_eq!((raw.strands.len(), raw.declared), (3, OrientationOverride::METERS));
         assert!(raw.strands.strand(1)[0].distance(Vec3::new(0.768, 0.769, 0.77)) < 1e-6);
         assert_eq!(raw.strands.root_uvs[2], Vec2::new(0.5, 0.6));
         let look = raw.look.unwrap();
@@ -245,7 +245,7 @@ mod tests {
             ("widths", &[5], vec![8e-5; 5]),
         ]);
         let raw = raw(&bytes, &[]).unwrap();
-        assert_eq!((raw.strands.offsets, raw.declared), (vec![0, 2, 5], Choice::default()));
+        assert_eq!((raw.strands.offsets, raw.declared), (vec![0, 2, 5], OrientationOverride::default()));
         assert_eq!(raw.strands.radii, [4e-5; 5]);
     }
 

@@ -1,7 +1,7 @@
 //! Parses one groom file.
 
 use super::{
-    Content, Format, GROOMS,
+    ContentKind, FileFormat, GROOMS,
     raw::{Moment, Raw},
     source::{Files, Source},
 };
@@ -24,17 +24,17 @@ pub(crate) fn parse_source(source: &Source, moment: Moment) -> Result<Raw> {
     if bytes.is_empty() {
         return Err(source.problem(At::Byte(0), "the file is empty"));
     }
-    let format = Format::of(path);
+    let format = FileFormat::of(path);
     let Some((format, read)) = format.and_then(|format| Some((format, format.read?))) else {
         return Err(match format.is_some_and(|format| format.read_mesh.is_some()) {
             true => {
                 source.problem(At::File, "the file is a mesh, not a groom; use it as the head of a groom")
             }
-            false => Format::unread(path, "a groom", GROOMS),
+            false => FileFormat::unread(path, "a groom", GROOMS),
         });
     };
     let raw = read(source, moment)?;
-    if moment != Moment::First && !format.reads.contains(&Content::Frames) {
+    if moment != Moment::First && !format.reads.contains(&ContentKind::Frames) {
         return Err(source.problem(At::File, "the format has no frames; a frame cannot be selected"));
     }
     if raw.strands.is_empty() {

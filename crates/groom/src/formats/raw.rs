@@ -3,7 +3,7 @@
 use crate::{
     Followers, Look, Rig, Strands, TriMesh,
     attribute::StrandAttribute,
-    orient::{Choice, Unit},
+    orient::{LengthUnit, OrientationOverride},
     strands::Mark,
 };
 use std::collections::BTreeMap;
@@ -31,7 +31,7 @@ pub(crate) struct Raw {
     pub format: &'static str,
     pub notes: Vec<String>,
     /// Unit and axes that the file states.
-    pub declared: Choice,
+    pub declared: OrientationOverride,
     /// Child strands around each strand, in the file's unit; may be empty.
     pub followers: Vec<Followers>,
     /// Group names by group id.
@@ -41,11 +41,13 @@ pub(crate) struct Raw {
 }
 
 /// Parses unit and axes from a text that may contain [`MARK`] or [`CENTIMETERS`].
-pub(super) fn declared(text: &str) -> Choice {
+pub(super) fn declared(text: &str) -> OrientationOverride {
     match text {
-        _ if text.contains(CENTIMETERS) => Choice { unit: Some(Unit(0.01)), ..Choice::METERS },
-        _ if text.contains(MARK) => Choice::METERS,
-        _ => Choice::default(),
+        _ if text.contains(CENTIMETERS) => {
+            OrientationOverride { unit: Some(LengthUnit(0.01)), ..OrientationOverride::METERS }
+        }
+        _ if text.contains(MARK) => OrientationOverride::METERS,
+        _ => OrientationOverride::default(),
     }
 }
 
@@ -56,7 +58,7 @@ impl Raw {
             format,
             look: None,
             notes: Vec::new(),
-            declared: Choice::default(),
+            declared: OrientationOverride::default(),
             followers: Vec::new(),
             group_names: BTreeMap::new(),
         }
@@ -90,8 +92,8 @@ impl Raw {
         join(&mut a.root_uvs, b.root_uvs, "texture coordinates", &mut notes);
         let shared = |of: &StrandAttribute, others: &[StrandAttribute]| others.iter().any(|it| it.joins(of));
         for (of, others) in [(&a.attributes, &b.attributes), (&b.attributes, &a.attributes)] {
-            let alone = of.iter().filter(|attribute| !shared(attribute, others));
-            notes.extend(alone.map(|it| format!("“{}” is ignored: not every file has it", it.name)));
+            let unmatched = of.iter().filter(|attribute| !shared(attribute, others));
+            notes.extend(unmatched.map(|it| format!("“{}” is ignored: not every file has it", it.name)));
         }
         a.attributes.retain(|attribute| shared(attribute, &b.attributes));
         for attribute in &mut a.attributes {
@@ -111,7 +113,7 @@ impl Raw {
         }
         if !a.marks.is_empty() || !b.marks.is_empty() {
             // Each file numbers its strands from its own start.
-            let free = a.marks.iter().map(|mark| mark.id).max().map_or(0, |most| most.saturating_add(1));
+            let free = a.marks.iter().map(|mark| mark.id).max().map_or(0, |max| max.saturating_add(1));
             a.marks.resize(before, Mark::default());
             a.marks.extend(b.marks.into_iter().map(|mark| Mark {
                 id: mark.id.saturating_add(free),
@@ -134,7 +136,7 @@ pub struct RawMesh {
     /// The mesh at rest, in the file's own unit and axes.
     pub mesh: TriMesh,
     /// Unit and axes that the file or its format states.
-    pub declared: Choice,
+    pub declared: OrientationOverride,
     /// Rig of the mesh, with the same vertices in the same order, if the file has a skin, morph targets or an
     /// animation.
     pub rig: Option<Rig>,

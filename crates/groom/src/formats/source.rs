@@ -82,7 +82,7 @@ pub(crate) struct Source<'a> {
 
 impl<'a> Source<'a> {
     /// Reads the file `name` that this one refers to.
-    pub fn companion(&self, name: &str) -> Result<Cow<'a, [u8]>> {
+    pub fn resource(&self, name: &str) -> Result<Cow<'a, [u8]>> {
         let path = self.path.parent().unwrap_or(Path::new("")).join(name);
         self.files.load(&path).map_err(|error| match self.files {
             Files::Disk => error,

@@ -1,7 +1,7 @@
 //! Writer types.
 
-use super::content::Content;
-use crate::{Look, Result, Rig, Strands, TriMesh, orient::Unit};
+use super::content::ContentKind;
+use crate::{Look, Result, Rig, Strands, TriMesh, orient::LengthUnit};
 use glam::Vec3;
 use std::io;
 
@@ -11,14 +11,14 @@ pub struct Writer {
     /// Lowercase extension.
     pub extension: &'static str,
     /// Contents that such files can hold.
-    pub holds: &'static [Content],
+    pub holds: &'static [ContentKind],
     /// Whether files may be in units other than meters.
     pub any_unit: bool,
     /// Whether hair can be compressed ([`Hair::packed`]).
     pub compresses: bool,
     /// Encodes strands, which are in meters, Y up, face +Z, as a file in the given unit. With `None` the file states
     /// neither unit nor axes.
-    pub(crate) strands: fn(&Strands, Option<Unit>) -> Result<EncodedFile>,
+    pub(crate) strands: fn(&Strands, Option<LengthUnit>) -> Result<EncodedFile>,
     pub(crate) character: Option<WriteCharacter>,
     pub(crate) mesh: Option<WriteMesh>,
     pub(crate) cache: Option<WriteCache>,
@@ -28,8 +28,8 @@ impl Writer {
     /// Returns a writer that supports only strands in meters; rows of the table add more.
     pub(super) const fn new(
         extension: &'static str,
-        holds: &'static [Content],
-        strands: fn(&Strands, Option<Unit>) -> Result<EncodedFile>,
+        holds: &'static [ContentKind],
+        strands: fn(&Strands, Option<LengthUnit>) -> Result<EncodedFile>,
     ) -> Self {
         let (any_unit, compresses) = (false, false);
         Self { extension, holds, any_unit, compresses, strands, character: None, mesh: None, cache: None }
@@ -37,9 +37,9 @@ impl Writer {
 }
 
 pub(super) type WriteMesh = fn(&TriMesh, Option<&Rig>) -> Result<Vec<u8>>;
-pub(super) type WriteCharacter = fn(Option<(&TriMesh, Option<&Rig>)>, &[Hair<'_>]) -> Result<Vec<u8>>;
+pub(super) type WriteCharacter = fn(Option<(&TriMesh, Option<&Rig>)>, &[ExportHair<'_>]) -> Result<Vec<u8>>;
 pub(super) type WriteCache =
-    for<'a> fn(Box<dyn Output + 'a>, &Strands, CacheOptions) -> io::Result<Box<dyn Cache + 'a>>;
+    for<'a> fn(Box<dyn CacheSink + 'a>, &Strands, CacheOptions) -> io::Result<Box<dyn CacheWriter + 'a>>;
 
 /// An encoded file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -58,7 +58,7 @@ impl From<Vec<u8>> for EncodedFile {
 
 /// Hair of a character to be written.
 #[derive(Clone, Copy, Debug)]
-pub struct Hair<'a> {
+pub struct ExportHair<'a> {
     /// Name. USD replaces characters other than letters, digits and underscores.
     pub name: &'a str,
     /// Strands at rest, meters, Y up, in the mesh's space.
@@ -74,7 +74,7 @@ pub struct Hair<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CacheOptions {
     /// Unit of the file. The strands are in meters, Y up.
-    pub unit: Unit,
+    pub unit: LengthUnit,
     /// Frames per second.
     pub rate: f64,
     /// Number of frames.
@@ -82,7 +82,7 @@ pub struct CacheOptions {
 }
 
 /// A cache being written: strands whose positions change from frame to frame. Each frame is written immediately.
-pub trait Cache {
+pub trait CacheWriter {
     /// Writes a frame: one position per vertex of the strands, meters.
     ///
     /// # Errors
@@ -97,9 +97,9 @@ pub trait Cache {
 }
 
 /// An output of caches.
-pub trait Output: io::Write + io::Seek {}
+pub trait CacheSink: io::Write + io::Seek {}
 
-impl<T: io::Write + io::Seek> Output for T {}
+impl<T: io::Write + io::Seek> CacheSink for T {}
 
 /// Appends little-endian numbers.
 pub(super) fn put<const N: usize>(bytes: &mut Vec<u8>, values: [f32; N]) {

@@ -46,7 +46,7 @@ impl<'a> Keeper<'a> {
 
     /// Pushes vertices out. Returns the largest displacement, meters.
     fn push(&self, line: &mut [Vec3], full: f32, lengths: &[f32; 64]) -> f32 {
-        let mut moved = 0.0f32;
+        let mut max_displacement = 0.0f32;
         let mut along = 0.0;
         let mut free = 0.0f32;
         for i in 1..line.len() {
@@ -62,26 +62,26 @@ impl<'a> Keeper<'a> {
             {
                 p = face.clear(p, p.x.signum());
             }
-            let wanted = full.min(0.15 * along + 1e-4);
+            let min_distance = full.min(0.15 * along + 1e-4);
             let mut d = self.scalp.distance(p);
             for _ in 0..4 {
-                if d >= wanted {
+                if d >= min_distance {
                     break;
                 }
-                p += self.scalp.normal(p) * (wanted - d + 1e-5);
+                p += self.scalp.normal(p) * (min_distance - d + 1e-5);
                 d = self.scalp.distance(p);
             }
-            let face_room = self
+            let face_distance = self
                 .face
                 .map_or(1.0, |face| ((p - face.center).length() - face.radii.max_element()).max(0.0));
             if p != line[i] {
-                moved = moved.max(p.distance(line[i]));
+                max_displacement = max_displacement.max(p.distance(line[i]));
                 line[i] = p;
                 free = 0.0;
             } else {
-                free = TRUST * (d - wanted).min(face_room);
+                free = TRUST * (d - min_distance).min(face_distance);
             }
         }
-        moved
+        max_displacement
     }
 }

@@ -103,16 +103,18 @@ impl<'a> Scaffold<'a> {
     /// lies on the scalp, and the guides have similar directions.
     fn keeps(&self, t: [u32; 3], spacing: f32, scalp: &dyn Scalp) -> bool {
         let roots = t.map(|g| self.root(g as usize));
-        let ways = t.map(|g| {
+        let directions = t.map(|g| {
             (self.points[g as usize * SAMPLES + SAMPLES / 4] - self.root(g as usize)).normalize_or_zero()
         });
-        let middle = scalp.point((roots[0] + roots[1] + roots[2]) / 3.0 - self.skull);
-        if self.styled.hairline.inside(middle) < -0.004 {
+        let center = scalp.point((roots[0] + roots[1] + roots[2]) / 3.0 - self.skull);
+        if self.styled.hairline.inside(center) < -0.004 {
             return false;
         }
         (0..3).all(|k| {
             let (a, b) = (roots[k], roots[(k + 1) % 3]);
-            a.distance(b) < 2.6 * spacing && ways[k].dot(ways[(k + 1) % 3]) > -0.1 && !self.crosses(a, b)
+            a.distance(b) < 2.6 * spacing
+                && directions[k].dot(directions[(k + 1) % 3]) > -0.1
+                && !self.crosses(a, b)
         })
     }
 
@@ -150,7 +152,7 @@ impl<'a> Scaffold<'a> {
         Some(GuideWeights { guides: [guide; 3], weights: [1.0, 0.0, 0.0] })
     }
 
-    fn place(t: f32) -> (usize, f32) {
+    fn locate(t: f32) -> (usize, f32) {
         let x = t.clamp(0.0, 1.0) * (SAMPLES - 1) as f32;
         let i = (x as usize).min(SAMPLES - 2);
         (i, x - i as f32)
@@ -158,14 +160,14 @@ impl<'a> Scaffold<'a> {
 
     /// Samples a guide at the fraction `t` of its length.
     pub(crate) fn sample(&self, guide: u32, t: f32) -> Vec3 {
-        let (i, f) = Self::place(t);
+        let (i, f) = Self::locate(t);
         let at = guide as usize * SAMPLES + i;
         self.points[at].lerp(self.points[at + 1], f)
     }
 
     /// Returns the two directions across a guide at the fraction `t` of its length.
     pub(crate) fn across(&self, guide: u32, t: f32) -> [Vec3; 2] {
-        let (i, f) = Self::place(t);
+        let (i, f) = Self::locate(t);
         let at = guide as usize * SAMPLES + i;
         let [a, b] = [self.across[at], self.across[at + 1]];
         [a[0].lerp(b[0], f), a[1].lerp(b[1], f)]

@@ -20,7 +20,7 @@ pub(crate) fn totals(
             StrandKind::Clump => [total, 0],
             StrandKind::Multi => [0, total],
             StrandKind::Both => {
-                let clump = (total as f32 * growth.clump_share) as usize;
+                let clump = (total as f32 * growth.clump_fraction) as usize;
                 [clump, total - clump]
             }
         };
@@ -66,9 +66,9 @@ pub(crate) fn multi_density(growth: &Growth, edge: f32, open: f32, uv: Vec2) -> 
 }
 
 /// Returns how exposed a scalp point is, 0 to 1: beside the parting and around the whorl, no hair covers the roots.
-pub(crate) fn open(styled: &StyledGuides, p: Vec3, beside: f32) -> f32 {
+pub(crate) fn open(styled: &StyledGuides, p: Vec3, parting_distance: f32) -> f32 {
     match &styled.parting {
-        Some(_) => (1.0 - smoothstep(0.003, 0.01, beside))
+        Some(_) => (1.0 - smoothstep(0.003, 0.01, parting_distance))
             .max(1.0 - smoothstep(0.006, 0.018, p.distance(styled.whorl))),
         None => 1.0 - smoothstep(0.01, 0.035, p.distance(styled.whorl)),
     }

@@ -31,8 +31,8 @@ pub(crate) use bind::frames_from;
 pub use curl::{CurlCurve, Curls};
 pub(crate) use curl::{Strand as CurlStrand, Twist};
 pub use paint::{ColorMap, ScalpPaint};
-pub use params::{Clumps, Growth, StrandKind, Unrest};
-pub(crate) use unrest::unrest;
+pub use params::{Clumps, Growth, StrandKind, StrandVariation};
+pub(crate) use unrest::add_variation;
 
 use crate::hash::pcg;
 use crate::random::Rng;
@@ -105,14 +105,14 @@ pub async fn grow_with(
     progress.step(TASK, 0.0).await;
     let scaffold = bind::Scaffold::new(styled, scalp);
     let totals = count::totals(&scaffold, styled, growth, scalp);
-    growth.curls.fits(median_length(styled), growth.vertices)?;
+    growth.curls.fits(median_length(styled), growth.vertex_count)?;
     let seeds = seed::seeds(&scaffold, styled, growth, scalp, totals)?;
     let n = seeds.len();
     // Painted maps that thin hair out do not change the diameter.
     let diameter = growth.diameter_for(totals[0] + totals[1]);
     let shaper = shape::Shaper::new(&scaffold, styled, growth, scalp, &seeds);
 
-    let vertices = growth.vertices as usize;
+    let vertices = growth.vertex_count as usize;
     let mut out = GrownStrands {
         vertex_count: vertices,
         strands: Vec::with_capacity(n),

@@ -111,20 +111,21 @@ impl ScalpPaint {
             let n = line.len();
             let range = strands.range(i);
             // The same number of vertices over a shorter length.
-            let places = if length < 1.0 { cut(line, length) } else { (0..n).map(|k| k as f32).collect() };
+            let vertex_positions =
+                if length < 1.0 { cut(line, length) } else { (0..n).map(|k| k as f32).collect() };
             let lerp_at = |x: f32| {
                 ((x as usize).min(n.saturating_sub(2)), x - (x as usize).min(n.saturating_sub(2)) as f32)
             };
-            out.positions.extend(places.iter().map(|x| {
+            out.positions.extend(vertex_positions.iter().map(|x| {
                 let (k, f) = lerp_at(*x);
                 line[k].lerp(line[(k + 1).min(n - 1)], f)
             }));
-            places.iter().for_each(|x| {
+            vertex_positions.iter().for_each(|x| {
                 let (k, f) = lerp_at(*x);
                 out.push_custom(strands, [k, (k + 1).min(n - 1)].map(|k| range.start + k), f);
             });
             if let Some(radii) = strands.radii.get(range.clone()).filter(|r| !r.is_empty()) {
-                out.radii.extend(places.iter().map(|x| {
+                out.radii.extend(vertex_positions.iter().map(|x| {
                     let (k, f) = lerp_at(*x);
                     width * (radii[k] + (radii[(k + 1).min(n - 1)] - radii[k]) * f)
                 }));
@@ -154,9 +155,9 @@ impl ScalpPaint {
 
 /// Returns for each vertex of `line` its new position, in vertex indices, if the line ends at the fraction `share` of
 /// its length.
-fn cut(line: &[Vec3], share: f32) -> Vec<f32> {
+fn cut(line: &[Vec3], fraction: f32) -> Vec<f32> {
     let n = line.len();
-    let end = share * curve::length(line);
+    let end = fraction * curve::length(line);
     let mut passed = 0.0;
     let mut last = (n - 1) as f32;
     for (k, w) in line.windows(2).enumerate() {

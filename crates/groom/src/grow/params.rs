@@ -70,7 +70,7 @@ impl Clumps {
 
 /// Random variation of single strands.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Unrest {
+pub struct StrandVariation {
     /// Amplitude of the fine waves of every strand, meters.
     pub frizz: f32,
     /// Fraction of strands that stray slightly, at the tip only.
@@ -85,7 +85,7 @@ pub struct Unrest {
     pub shorter: f32,
 }
 
-impl Unrest {
+impl StrandVariation {
     /// The range of [`frizz`](Self::frizz).
     pub const FRIZZ: Range = range!("frizz", 0.0 to 1.0, "m"; usually 0.0 to 0.02);
     /// The range of [`strays`](Self::strays).
@@ -117,7 +117,7 @@ pub struct Growth {
     /// Exact number of strands, before [`paint`](Self::paint) thins them out; `None` to use the counts and maps.
     pub strand_count: Option<u32>,
     /// Fraction of clump-based strands if the total is given and both kinds grow.
-    pub clump_share: f32,
+    pub clump_fraction: f32,
     /// Strands per guide where the map is 1.
     pub clump_count: u32,
     /// Strands per triangle of guides where the map is 1.
@@ -130,7 +130,7 @@ pub struct Growth {
     /// the hairline.
     pub thickness_map: Option<ScalpMap>,
     /// Vertices per strand, 2 to 64.
-    pub vertices: u32,
+    pub vertex_count: u32,
     /// Diameter of a strand, meters; `None` for 80 µm at 100,000 strands and more for fewer strands, so that they cover
     /// as much.
     pub diameter: Option<f32>,
@@ -147,7 +147,7 @@ pub struct Growth {
     /// Maps on top of the above. They only take away: `strand_count` is the number before the painted density.
     pub paint: ScalpPaint,
     /// Random variation of single strands.
-    pub unrest: Unrest,
+    pub variation: StrandVariation,
     /// Minimum distance of strands from the skin, meters.
     pub clearance: f32,
     /// Seed of every random choice.
@@ -169,26 +169,26 @@ impl Growth {
     pub const TIP_WIDTH: Range = range!("tip width", 0.0 to 1.0);
     /// Maximum of [`strand_count`](Self::strand_count): more than any adapter holds today, and few enough to be grown
     /// in memory.
-    pub const MOST_STRANDS: u32 = 4_000_000;
+    pub const MAX_STRANDS: u32 = 4_000_000;
 
     /// Returns the growth that suits `style`.
     pub fn for_style(style: &Style) -> Self {
         let base = Self {
             kind: StrandKind::Both,
             strand_count: Some(20_000),
-            clump_share: 0.3,
+            clump_fraction: 0.3,
             clump_count: 80,
             multi_count: 45,
             clump_map: None,
             density_map: None,
             thickness_map: None,
-            vertices: 32,
+            vertex_count: 32,
             diameter: None,
             width_variation: 0.13,
             taper_start: 0.45,
             tip_width: 0.25,
             clumps: Clumps { spacing: 0.0055, strength: 0.8, start: 0.05, lock: 0.35, tip_spread: 0.45 },
-            unrest: Unrest {
+            variation: StrandVariation {
                 frizz: 0.0003,
                 strays: 0.25,
                 stray: 0.004,
@@ -205,23 +205,41 @@ impl Growth {
             Style::Long(_) => base,
             Style::Bob(_) => Self {
                 clumps: Clumps { spacing: 0.005, strength: 0.55, start: 0.1, lock: 0.15, tip_spread: 0.7 },
-                unrest: Unrest { frizz: 0.0003, stray: 0.0025, flyaway: 0.01, shorter: 0.06, ..base.unrest },
+                variation: StrandVariation {
+                    frizz: 0.0003,
+                    stray: 0.0025,
+                    flyaway: 0.01,
+                    shorter: 0.06,
+                    ..base.variation
+                },
                 ..base
             },
             Style::Curly(Curly { diameter, .. }) => Self {
-                vertices: 64,
+                vertex_count: 64,
                 curls: Curls { radius: 0.5 * diameter, ..Curls::ringlets() },
-                clump_share: 0.2,
+                clump_fraction: 0.2,
                 clumps: Clumps { spacing: 0.013, strength: 0.97, start: -0.4, lock: 0.1, tip_spread: 0.8 },
-                unrest: Unrest { frizz: 0.0005, flyaways: 0.05, flyaway: 0.014, shorter: 0.2, ..base.unrest },
+                variation: StrandVariation {
+                    frizz: 0.0005,
+                    flyaways: 0.05,
+                    flyaway: 0.014,
+                    shorter: 0.2,
+                    ..base.variation
+                },
                 ..base
             },
             Style::Short(_) => Self {
                 strand_count: Some(30_000),
-                vertices: 16,
-                clump_share: 0.25,
+                vertex_count: 16,
+                clump_fraction: 0.25,
                 clumps: Clumps { spacing: 0.0065, strength: 0.6, start: 0.1, lock: 0.2, tip_spread: 0.6 },
-                unrest: Unrest { frizz: 0.0004, stray: 0.003, flyaway: 0.006, shorter: 0.22, ..base.unrest },
+                variation: StrandVariation {
+                    frizz: 0.0004,
+                    stray: 0.003,
+                    flyaway: 0.006,
+                    shorter: 0.22,
+                    ..base.variation
+                },
                 ..base
             },
         }
@@ -231,7 +249,7 @@ impl Growth {
     /// with the maximum number of vertices.
     pub fn with_curls(mut self, curls: Curls) -> Self {
         if curls.any() {
-            self.vertices = MAX_STRAND_VERTICES;
+            self.vertex_count = MAX_STRAND_VERTICES;
             self.clumps = self.clumps.curled(&curls);
         }
         self.curls = curls;
@@ -254,18 +272,18 @@ impl Growth {
     /// # Errors
     /// [`Error::Parameter`] for a value out of range.
     pub fn check(&self) -> Result<()> {
-        if !(2..=64).contains(&self.vertices) {
-            let value = self.vertices.to_string();
+        if !(2..=64).contains(&self.vertex_count) {
+            let value = self.vertex_count.to_string();
             return Err(Error::Parameter { name: "vertices of each strand", value, range: "from 2 to 64" });
         }
-        if let Some(count) = self.strand_count.filter(|count| *count > Self::MOST_STRANDS) {
+        if let Some(count) = self.strand_count.filter(|count| *count > Self::MAX_STRANDS) {
             let value = count.to_string();
             return Err(Error::Parameter { name: "number of strands", value, range: "at most 4,000,000" });
         }
-        const SHARE: Range = range!("clump share", 0.0 to 1.0);
+        const CLUMP_FRACTION: Range = range!("clump share", 0.0 to 1.0);
         const TAPER: Range = range!("taper start", 0.0 to 1.0);
         const CLEARANCE: Range = range!("clearance", 0.0 to 1.0, "m");
-        SHARE.check(self.clump_share)?;
+        CLUMP_FRACTION.check(self.clump_fraction)?;
         TAPER.check(self.taper_start)?;
         CLEARANCE.check(self.clearance)?;
         Self::TIP_WIDTH.check(self.tip_width)?;
@@ -273,6 +291,6 @@ impl Growth {
         Self::DIAMETER.check(self.diameter.unwrap_or(0.0))?;
         self.curls.check()?;
         self.clumps.check()?;
-        self.unrest.check()
+        self.variation.check()
     }
 }

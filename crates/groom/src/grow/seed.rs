@@ -17,7 +17,7 @@ pub(crate) struct Seed {
     pub(crate) bound: GuideWeights,
     /// Side of the parting, 1 or -1; `beside` is the distance from it, meters.
     pub(crate) side: f32,
-    pub(crate) beside: f32,
+    pub(crate) parting_distance: f32,
     /// Whether the strand follows one guide.
     pub(crate) clump: bool,
     /// Fraction of the guides' length at which the strand ends.
@@ -30,7 +30,7 @@ pub(crate) struct Seed {
 }
 
 /// Distance from the whorl below which strands follow one guide, meters.
-const ALONE: f32 = 0.035;
+const SINGLE_GUIDE_RADIUS: f32 = 0.035;
 
 /// Tries per strand before growth fails for lack of a place.
 const PATIENCE: u64 = 400;
@@ -69,15 +69,15 @@ pub(crate) fn seeds(
         if edge < 0.0 {
             continue;
         }
-        let (side, beside) = styled.parting.as_ref().map_or((1.0, 1.0), |parting| {
+        let (side, parting_distance) = styled.parting.as_ref().map_or((1.0, 1.0), |parting| {
             let q = parting.nearest(root);
             (if root.x >= q.x { 1.0 } else { -1.0 }, q.distance(root))
         });
-        if beside < styled.recipe.parting_half_width * rng.range(0.6, 1.4) {
+        if parting_distance < styled.recipe.parting_half_width * rng.range(0.6, 1.4) {
             continue;
         }
         let uv = scalp_uv(root - skull);
-        let open = open(styled, root, beside);
+        let open = open(styled, root, parting_distance);
         let density =
             if clump { clump_density(growth, edge, open, uv) } else { multi_density(growth, edge, open, uv) };
         if rng.unit() >= density {
@@ -85,7 +85,8 @@ pub(crate) fn seeds(
         }
         // At a whorl, hair parts in all directions. The mean of three guides is a stub that covers little, and single
         // guides leave gaps. Half of each kind closes both.
-        let crown = styled.parting.is_none() && root.distance(styled.whorl) < ALONE * rng.range(0.5, 1.0);
+        let crown = styled.parting.is_none()
+            && root.distance(styled.whorl) < SINGLE_GUIDE_RADIUS * rng.range(0.5, 1.0);
         let single = clump || (crown && rng.unit() < 0.5);
         let bound = if single { scaffold.single(root) } else { scaffold.blend(root) };
         let Some(bound) = bound else { continue };
@@ -96,7 +97,7 @@ pub(crate) fn seeds(
             uv,
             bound,
             side,
-            beside,
+            parting_distance,
             clump: single,
             fraction,
             paint: growth.paint.strand(uv, rng.unit()),
@@ -123,7 +124,7 @@ pub(crate) fn seeds(
 
 /// Returns the length of a strand relative to its guides: slightly shorter, with many short strands at the hairline.
 fn fraction(growth: &Growth, edge: f32, rng: &mut Rng) -> f32 {
-    let shorter = 1.0 - growth.unrest.shorter * (0.15 + 0.85 * rng.unit());
+    let shorter = 1.0 - growth.variation.shorter * (0.15 + 0.85 * rng.unit());
     let fringe = 1.0 - smoothstep(0.0, 0.01, edge);
     if rng.unit() < 0.55 * fringe { shorter * rng.range(0.12, 0.45) } else { shorter }
 }

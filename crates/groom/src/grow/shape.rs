@@ -4,7 +4,7 @@ use super::avoid::Keeper;
 use super::bind::{Scaffold, frames_from};
 use super::cells::Cells;
 use super::seed::Seed;
-use super::unrest::unrest;
+use super::unrest::add_variation;
 use super::{CurlStrand, Curls, Growth, Twist};
 use crate::random::{Rng, lerp, smoothstep};
 use crate::scalp::{Scalp, stereographic};
@@ -65,17 +65,17 @@ impl<'a> Shaper<'a> {
             twists: Vec::new(),
         };
         // A scalp has about 0.065 m². The first strands, which become centers, are as evenly spread as all.
-        let wanted = (0.065 / growth.clumps.spacing.max(5e-4).powi(2)) as usize;
-        let count = wanted.min(seeds.len() / 4);
+        let target_count = (0.065 / growth.clumps.spacing.max(5e-4).powi(2)) as usize;
+        let count = target_count.min(seeds.len() / 4);
         let flat = |seed: &Seed| stereographic(seed.root - skull);
-        let places: Vec<Vec2> = seeds[..count].iter().map(flat).collect();
+        let flat_roots: Vec<Vec2> = seeds[..count].iter().map(flat).collect();
         let sizes: Vec<f32> =
             (0..count).map(|i| Rng::new(growth.seed ^ 0xc1, i as u32).range(0.55, 1.6).powi(-2)).collect();
-        let cells = Cells::new(places);
+        let cells = Cells::new(flat_roots);
         for (i, seed) in seeds.iter().enumerate() {
             let cost = |k: usize, d: f32| {
                 // Clumps do not gather hair across the parting.
-                let across = seed.beside < 0.02 && seeds[k].side != seed.side;
+                let across = seed.parting_distance < 0.02 && seeds[k].side != seed.side;
                 d * sizes[k] + if across { 1.0 } else { 0.0 }
             };
             // A center belongs to its own clump, even if another center costs less.
@@ -120,13 +120,13 @@ impl<'a> Shaper<'a> {
             let clumped = || {
                 let [u, v] = self.scaffold.across(lead, t);
                 let shrink = lerp(1.0, clumps.tip_spread, smoothstep(0.0, 1.0, t));
-                let middle = self.scaffold.sample(lead, t);
+                let center = self.scaffold.sample(lead, t);
                 // The part of the offset along the guide fades out.
                 let along = seed.root - self.scaffold.sample(lead, 0.0) - {
                     let [u, v] = self.scaffold.across(lead, 0.0);
                     u * around.x + v * around.y
                 };
-                middle + (u * around.x + v * around.y) * shrink + along * (1.0 - smoothstep(0.0, 0.5, t))
+                center + (u * around.x + v * around.y) * shrink + along * (1.0 - smoothstep(0.0, 0.5, t))
             };
             *p = if seed.clump {
                 clumped()
@@ -147,32 +147,32 @@ impl<'a> Shaper<'a> {
         let seed = &Seed { fraction: seed.fraction * twist.map_or(1.0, |t| t.fraction), ..*seed };
         self.base(seed, line);
         let stray = rng.unit();
-        let flyaway = stray < self.growth.unrest.flyaways;
+        let flyaway = stray < self.growth.variation.flyaways;
         self.gather(clump, seed, if flyaway { 0.3 } else { 1.0 }, rng, line);
         if let Some(twist) = twist {
             self.wind(clump, twist, seed, flyaway, rng, line);
         }
-        unrest(&self.growth.unrest, stray, rng, line);
+        add_variation(&self.growth.variation, stray, rng, line);
         self.keeper.keep(line, rng);
         StrandOutcome { fineness: if flyaway { 0.65 } else { 1.0 }, fraction: seed.fraction }
     }
 
     /// Pulls the strand toward the center of its clump.
-    fn gather(&self, clump: u32, seed: &Seed, share: f32, rng: &mut Rng, line: &mut [Vec3]) {
+    fn gather(&self, clump: u32, seed: &Seed, weight: f32, rng: &mut Rng, line: &mut [Vec3]) {
         let at = clump as usize * CENTER_POINTS;
         let Some(center) = self.centers.get(at..at + CENTER_POINTS) else { return };
         let clumps = self.growth.clumps;
         let mut shared = Rng::new(self.growth.seed ^ 0xbeef, clump);
         // Some clumps are tight, some open.
-        let strength = clumps.strength * shared.range(0.45, 1.0).sqrt() * rng.range(0.75, 1.0) * share;
+        let strength = clumps.strength * shared.range(0.45, 1.0).sqrt() * rng.range(0.75, 1.0) * weight;
         let last = (line.len() - 1) as f32;
         for (k, p) in line.iter_mut().enumerate().skip(1) {
             let t = k as f32 / last * seed.fraction;
             let x = t * (CENTER_POINTS - 1) as f32;
             let i = (x as usize).min(CENTER_POINTS - 2);
-            let middle = center[i].lerp(center[i + 1], x - i as f32);
+            let center_point = center[i].lerp(center[i + 1], x - i as f32);
             let profile = smoothstep(clumps.start, 0.85, t);
-            *p = p.lerp(middle, strength * profile);
+            *p = p.lerp(center_point, strength * profile);
         }
     }
 

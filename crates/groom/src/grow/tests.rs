@@ -141,7 +141,7 @@ fn unstructured_strands_blend_their_guides() {
     let styled = guides(&style, head());
     let mut growth = Growth { kind: StrandKind::Multi, clearance: 0.0, ..some(&style, 400) };
     growth.clumps = Clumps { strength: 0.0, lock: 0.0, ..growth.clumps };
-    growth.unrest = Unrest { frizz: 0.0, strays: 0.0, flyaways: 0.0, ..growth.unrest };
+    growth.variation = StrandVariation { frizz: 0.0, strays: 0.0, flyaways: 0.0, ..growth.variation };
     let grown = grow(&styled, &growth, head()).unwrap();
     let mut off: Vec<f32> = (0..400)
         .map(|i| {
@@ -169,7 +169,8 @@ fn clumps_converge_toward_tips() {
     let spread = |strength: f32| {
         let mut growth = Growth { kind: StrandKind::Multi, ..some(&style, 3000) };
         growth.clumps.strength = strength;
-        growth.unrest = Unrest { frizz: 0.0, strays: 0.0, flyaways: 0.0, shorter: 0.0, ..growth.unrest };
+        growth.variation =
+            StrandVariation { frizz: 0.0, strays: 0.0, flyaways: 0.0, shorter: 0.0, ..growth.variation };
         let grown = grow(&styled, &growth, head()).unwrap();
         let tips: Vec<Vec3> = (0..3000).map(|i| grown.strand(i)[30]).collect();
         let nearest = |i: usize| {
@@ -195,10 +196,10 @@ fn strand_count_sets_exact_triangle_count() {
 fn parameters_are_checked() {
     let styled = guides(&Style::default(), head());
     let bad = [
-        Growth { vertices: 1, ..Growth::default() },
+        Growth { vertex_count: 1, ..Growth::default() },
         Growth { strand_count: Some(u32::MAX), ..Growth::default() },
-        Growth { vertices: 65, ..Growth::default() },
-        Growth { clump_share: 1.5, ..Growth::default() },
+        Growth { vertex_count: 65, ..Growth::default() },
+        Growth { clump_fraction: 1.5, ..Growth::default() },
         Growth { clearance: f32::NAN, ..Growth::default() },
     ];
     for growth in bad {
@@ -210,10 +211,16 @@ fn parameters_are_checked() {
 fn smooth_growth(style: &Style, count: u32, curls: Curls) -> Growth {
     let mut growth =
         Growth { kind: StrandKind::Multi, clearance: 0.0, ..some(style, count) }.with_curls(curls);
-    growth.vertices = 64;
+    growth.vertex_count = 64;
     growth.clumps = Clumps { strength: 0.0, lock: 0.0, spacing: 0.03, ..growth.clumps };
-    growth.unrest =
-        Unrest { frizz: 0.0, strays: 0.0, stray: 0.0, flyaways: 0.0, shorter: 0.0, ..growth.unrest };
+    growth.variation = StrandVariation {
+        frizz: 0.0,
+        strays: 0.0,
+        stray: 0.0,
+        flyaways: 0.0,
+        shorter: 0.0,
+        ..growth.variation
+    };
     growth
 }
 

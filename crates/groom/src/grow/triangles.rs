@@ -11,14 +11,14 @@ pub(crate) fn delaunay(points: &[Vec2]) -> Vec<[u32; 3]> {
     let first = points[0].as_dvec2();
     let (lo, hi) =
         points.iter().fold((first, first), |(lo, hi), p| (lo.min(p.as_dvec2()), hi.max(p.as_dvec2())));
-    let middle = 0.5 * (lo + hi);
+    let center = 0.5 * (lo + hi);
     let span = (hi - lo).max_element().max(1e-9) * 1e3;
     // Three corners far outside form a triangle around all points; their triangles are dropped at the end.
     let mut all: Vec<DVec2> = points.iter().map(|p| p.as_dvec2()).collect();
     all.extend([
-        middle + DVec2::new(-span, -span),
-        middle + DVec2::new(span, -span),
-        middle + DVec2::new(0.0, span),
+        center + DVec2::new(-span, -span),
+        center + DVec2::new(span, -span),
+        center + DVec2::new(0.0, span),
     ]);
     let mut triangles = vec![Circumcircle::new(&all, [n as u32, n as u32 + 1, n as u32 + 2])];
     let mut edges: Vec<(u32, u32)> = Vec::new();

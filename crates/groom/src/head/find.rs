@@ -73,7 +73,7 @@ fn unusable(problem: &str) -> Error {
 /// Outlines of the upper end of a mesh. Entry `i` of each is at the height `top - i STEP`.
 struct Outlines {
     /// Middle between left and right, meters.
-    middle: f32,
+    center_x: f32,
     top: Vec3,
     /// Smallest and largest x.
     sides: Vec<(f32, f32)>,
@@ -122,16 +122,16 @@ impl Outlines {
             .iter()
             .filter(|(lo, hi)| lo < hi)
             .fold((0.0, 0.0f32), |(sum, of), (lo, hi)| (sum + 0.5 * (lo + hi), of + 1.0));
-        let middle = sum / of.max(1.0);
+        let center_x = sum / of.max(1.0);
         let mut profile = vec![NOTHING; count];
         for t in triangles() {
-            let Some([p, q]) = crossing(t, |p| p.x - middle) else { continue };
+            let Some([p, q]) = crossing(t, |p| p.x - center_x) else { continue };
             for i in rows(p.y.min(q.y), p.y.max(q.y)) {
                 let z = p.z + (q.z - p.z) * ((top.y - i as f32 * STEP - p.y) / (q.y - p.y));
                 profile[i] = (profile[i].0.min(z), profile[i].1.max(z));
             }
         }
-        Some(Self { middle, top, sides, profile })
+        Some(Self { center_x, top, sides, profile })
     }
 
     fn width(&self, row: usize) -> f32 {
@@ -172,21 +172,21 @@ impl Outlines {
             .ok_or_else(|| unusable("it has no neck, a part that is narrower than the head above it"))?;
         let part = |x: f32| (x * neck as f32) as usize;
         let front = |row: usize| self.front(row);
-        let is_whole = |row: &usize| self.profile[*row].0 < self.profile[*row].1;
-        let nose = Self::largest(part(NOSE.start)..part(NOSE.end), front).filter(is_whole);
+        let is_complete = |row: &usize| self.profile[*row].0 < self.profile[*row].1;
+        let nose = Self::largest(part(NOSE.start)..part(NOSE.end), front).filter(is_complete);
         let nose = nose.ok_or_else(|| unusable("its face is open in the middle"))?;
         // Below the nose, the profile recedes from the lips to the throat. The chest may be in front of both.
-        let below = |share: f32| nose + (share * nose as f32) as usize;
+        let below = |fraction: f32| nose + (fraction * nose as f32) as usize;
         let last = self.profile.len();
         let lips = Self::largest(below(LIPS.start)..below(LIPS.end).min(last), front);
         let lips = lips.ok_or_else(|| unusable("its nose is at its lower end"))?;
         let throat = Self::largest(lips..below(THROAT).min(last), |row| -front(row)).unwrap_or(neck);
         let recedes = front(lips) + CHIN * (front(throat) - front(lips));
         let chin = (lips..throat).rev().find(|row| front(*row) >= recedes).unwrap_or(lips);
-        let row = |share: f32| nose - (share * nose as f32) as usize;
+        let row = |fraction: f32| nose - (fraction * nose as f32) as usize;
         let (brow, ear) = (row(BROW), row(EAR));
         let nape = chin - (NAPE * chin as f32) as usize;
-        let point = |row: usize, z: f32| Vec3::new(self.middle, self.top.y - row as f32 * STEP, z);
+        let point = |row: usize, z: f32| Vec3::new(self.center_x, self.top.y - row as f32 * STEP, z);
         let (back, face) = self.profile[brow];
         if !(face - back).is_finite() || face <= back {
             return Err(unusable("its forehead is open in the middle"));
@@ -194,7 +194,7 @@ impl Outlines {
         let height = chin as f32 * STEP;
         let skull = point(brow, 0.5 * (back + face) + SKULL * height);
         let ear = Vec3::new(
-            self.middle + 0.5 * self.width(brow) * EAR_SIDE,
+            self.center_x + 0.5 * self.width(brow) * EAR_SIDE,
             point(ear, 0.0).y,
             skull.z + (mannequin::EAR.z - mannequin::SKULL_CENTER.z) / HEIGHT * height,
         );
@@ -205,7 +205,7 @@ impl Outlines {
             ear,
             nape: point(nape, self.profile[nape].0),
         };
-        Ok(HeadShape { landmarks, crown: Vec3::new(self.middle, self.top.y, self.top.z) })
+        Ok(HeadShape { landmarks, crown: Vec3::new(self.center_x, self.top.y, self.top.z) })
     }
 }
 

@@ -66,7 +66,7 @@ impl HeadFit {
     }
 
     /// Moves `groom` from the built-in head's space to groom space. Widths stay.
-    pub fn place(&self, groom: &mut Groom) {
+    pub fn transform_groom(&self, groom: &mut Groom) {
         groom.guides.positions.iter_mut().for_each(|p| *p = self.point(*p));
         for binding in &mut groom.strands.bindings {
             binding.origin = self.point(binding.origin);

@@ -1,6 +1,6 @@
 //! Imports cooked grooms, which are complete, oriented and repaired.
 
-use super::{FileBytes, Heads, ImportOptions, SortedFiles, alone};
+use super::{FileBytes, Heads, ImportOptions, SortedFiles, check_single};
 use crate::{
     CookedGroom,
     error::Result,
@@ -46,6 +46,6 @@ pub(super) fn find<'a, P: AsRef<Path>>(
     options: &ImportOptions,
 ) -> Result<Option<(&'a Path, CookedGroom)>> {
     let Some(path) = paths.iter().map(AsRef::as_ref).find(|path| is_cooked(path)) else { return Ok(None) };
-    alone(path, paths.len(), heads, options)?;
+    check_single(path, paths.len(), heads, options)?;
     Ok(Some((path, CookedGroom::read(path, &from.load(path)?)?)))
 }

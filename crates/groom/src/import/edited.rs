@@ -1,6 +1,8 @@
 //! Imports edited grooms, which are complete, oriented and repaired; and the files of a head, to store them with one.
 
-use super::{Attributes, Body, FileBytes, FileReport, Heads, ImportOptions, ImportReport, SortedFiles};
+use super::{
+    Attributes, FileBytes, FileReport, Heads, ImportOptions, ImportReport, ImportedBody, SortedFiles,
+};
 use crate::{
     Strands, TriMesh,
     bound::StrandBinding,
@@ -11,7 +13,7 @@ use crate::{
         source::{Files, RecordedFiles},
     },
     lint, mannequin,
-    orient::{Choice, Placement},
+    orient::{OrientationOverride, Placement},
     strands::Mark,
 };
 use std::{
@@ -62,7 +64,7 @@ pub(super) fn find<'a, P: AsRef<Path>>(
     options: &ImportOptions,
 ) -> Result<Option<(&'a Path, GroomDocument)>> {
     let Some(path) = paths.iter().map(AsRef::as_ref).find(|path| is_edited(path)) else { return Ok(None) };
-    super::alone(path, paths.len(), heads, options)?;
+    super::check_single(path, paths.len(), heads, options)?;
     Ok(Some((path, GroomDocument::read(path, &from.load(path)?)?)))
 }
 
@@ -70,7 +72,7 @@ pub(super) fn find<'a, P: AsRef<Path>>(
 ///
 /// # Errors
 /// The errors of [`super::read_body`].
-pub fn edited_whole(
+pub fn edited_complete(
     path: &Path,
     document: &GroomDocument,
 ) -> Result<(Strands, Option<TriMesh>, ImportReport)> {
@@ -126,12 +128,12 @@ fn pinned(document: &GroomDocument) -> Vec<bool> {
 ///
 /// # Errors
 /// The errors of [`super::read_body`].
-pub fn edited_body(document: &GroomDocument) -> Result<Option<Body>> {
+pub fn edited_body(document: &GroomDocument) -> Result<Option<ImportedBody>> {
     let (files, orientation) = match document.head() {
         HeadFiles::None => return Ok(None),
         HeadFiles::BuiltIn => {
             let mesh = mannequin::mesh(mannequin::RESOLUTION);
-            return Ok(Some(Body { mesh, rig: None, placement: Placement::default() }));
+            return Ok(Some(ImportedBody { mesh, rig: None, placement: Placement::default() }));
         }
         HeadFiles::Files { files, orientation } => (files, orientation),
     };
@@ -141,7 +143,7 @@ pub fn edited_body(document: &GroomDocument) -> Result<Option<Body>> {
     {
         let cooked = crate::CookedGroom::read(path, bytes)?;
         let placement = Placement::default();
-        return Ok(cooked.head.map(|mesh| Body { mesh, rig: cooked.rig, placement }));
+        return Ok(cooked.head.map(|mesh| ImportedBody { mesh, rig: cooked.rig, placement }));
     }
     let files: Vec<FileBytes<'_>> =
         files.iter().map(|(name, bytes)| (name.clone(), Cow::Borrowed(&**bytes))).collect();
@@ -190,7 +192,11 @@ fn recorded(from: Files<'_>, paths: &[&Path], placement: &Placement) -> Result<H
     let files: Vec<(PathBuf, Arc<[u8]>)> =
         read.into_iter().map(|(path, bytes)| (name(path), bytes)).collect();
     let Placement { unit, up, front, mirrored, .. } = placement;
-    let orientation =
-        Choice { unit: Some(*unit), up: Some(*up), front: Some(*front), mirror: Some(*mirrored) };
+    let orientation = OrientationOverride {
+        unit: Some(*unit),
+        up: Some(*up),
+        front: Some(*front),
+        is_mirrored: Some(*mirrored),
+    };
     Ok(HeadFiles::Files { files, orientation })
 }

@@ -25,7 +25,10 @@ pub(super) fn read<P: AsRef<Path>>(
         let path = path.as_ref();
         let raw = {
             let bytes = files.load(path)?;
-            parse_source(&Source { path, bytes: &bytes, files, lenient: options.lenient }, options.moment)?
+            parse_source(
+                &Source { path, bytes: &bytes, files, lenient: options.allows_non_finite },
+                options.moment,
+            )?
         };
         reports.push(FileReport {
             path: path.to_path_buf(),

@@ -1,6 +1,6 @@
 //! Kinds of files, by name and content.
 
-use crate::formats::{COMPANIONS, Format, extension};
+use crate::formats::{FileFormat, RESOURCES, extension};
 use std::path::Path;
 
 /// Kind of a file.
@@ -11,18 +11,18 @@ pub enum FileKind {
     /// A mesh without strands.
     Mesh,
     /// A file that a mesh may refer to: materials, buffers, textures.
-    Companion,
+    Resource,
 }
 
 /// Returns whether the groom `name` also holds a mesh, which is its head if no other is given. Such grooms are glTF
 /// and USD files with hair and a visible mesh.
 pub fn holds_body(name: &Path, bytes: &[u8]) -> bool {
-    Format::of(name).and_then(|format| format.holds_body).is_some_and(|holds| holds(name, bytes))
+    FileFormat::of(name).and_then(|format| format.holds_body).is_some_and(|holds| holds(name, bytes))
 }
 
 /// Returns the kind of the file `name`; `None` if no reader accepts it.
 pub fn kind(name: &Path, bytes: &[u8]) -> Option<FileKind> {
-    let format = Format::of(name);
+    let format = FileFormat::of(name);
     let is_groom = format.and_then(|format| match (format.read, format.read_mesh) {
         (Some(_), Some(_)) => Some(format.is_groom.is_none_or(|is_groom| is_groom(name, bytes))),
         (Some(_), None) => Some(true),
@@ -32,6 +32,6 @@ pub fn kind(name: &Path, bytes: &[u8]) -> Option<FileKind> {
     match is_groom {
         Some(true) => Some(FileKind::Groom),
         Some(false) => Some(FileKind::Mesh),
-        None => COMPANIONS.contains(&&*extension(name)).then_some(FileKind::Companion),
+        None => RESOURCES.contains(&&*extension(name)).then_some(FileKind::Resource),
     }
 }

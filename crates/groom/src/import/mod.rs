@@ -15,12 +15,12 @@ pub mod mesh;
 #[cfg(feature = "cooked")]
 pub use cooked::{cooked, given_cooked};
 #[cfg(feature = "edit")]
-pub use edited::{edited, edited_body, edited_whole, given_edited, given_head_files, head_files};
+pub use edited::{edited, edited_body, edited_complete, given_edited, given_head_files, head_files};
 pub use kind::{FileKind, holds_body, kind};
 
 pub use crate::{
     formats::{raw::Moment, source::FileBytes},
-    report::{Attributes, FileReport, Group, ImportReport},
+    report::{Attributes, FileReport, ImportReport, StrandGroup},
 };
 
 use std::{collections::BTreeMap, path::Path};
@@ -28,7 +28,7 @@ use std::{collections::BTreeMap, path::Path};
 use crate::{
     Rig, Strands, TriMesh,
     error::{At, Error, Result},
-    formats::{self, Format, source::Files},
+    formats::{self, FileFormat, source::Files},
     lint,
     orient::{self, KnownOrientation},
 };
@@ -37,23 +37,23 @@ use crate::{
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImportOptions {
     /// Known unit and axes of the groom; the rest is guessed.
-    pub orient: orient::Choice,
+    pub orient: orient::OrientationOverride,
     /// Known unit and axes of the head; the rest is guessed.
-    pub orient_head: orient::Choice,
+    pub orient_head: orient::OrientationOverride,
     /// Whether numbers that are not finite are kept for the lint to count. Otherwise they are errors.
-    pub lenient: bool,
+    pub allows_non_finite: bool,
     /// Whether to skip [`lint::repair`].
-    pub unrepaired: bool,
+    pub skips_repair: bool,
     /// Moment of an animated file to read.
     pub moment: Moment,
 }
 
 /// Returns the groups of `strands`.
-fn groups(strands: &Strands, names: &BTreeMap<i32, String>) -> Vec<Group> {
-    let mut all: BTreeMap<i32, Group> = BTreeMap::new();
+fn groups(strands: &Strands, names: &BTreeMap<i32, String>) -> Vec<StrandGroup> {
+    let mut all: BTreeMap<i32, StrandGroup> = BTreeMap::new();
     for mark in &strands.marks {
         let name = || names.get(&mark.group).cloned().unwrap_or_default();
-        let group = all.entry(mark.group).or_insert_with(|| Group {
+        let group = all.entry(mark.group).or_insert_with(|| StrandGroup {
             id: mark.group,
             name: name(),
             ..Default::default()
@@ -67,7 +67,7 @@ fn groups(strands: &Strands, names: &BTreeMap<i32, String>) -> Vec<Group> {
 
 /// A head or whole character from files, in meters, Y up, face +Z.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Body {
+pub struct ImportedBody {
     /// The mesh at rest.
     pub mesh: TriMesh,
     /// Rig with the same vertices in the same order, if the files have one.
@@ -101,7 +101,7 @@ pub fn read_with_head<P: AsRef<Path>, H: AsRef<Path>>(
 ///
 /// # Errors
 /// See [`read`].
-pub fn read_whole<P: AsRef<Path>, H: AsRef<Path>>(
+pub fn read_complete<P: AsRef<Path>, H: AsRef<Path>>(
     paths: &[P],
     heads: &[H],
     options: &ImportOptions,
@@ -152,7 +152,7 @@ pub fn read_given_head(
 ///
 /// # Errors
 /// See [`read_given`].
-pub fn read_given_body(files: &[FileBytes<'_>], options: &ImportOptions) -> Result<Body> {
+pub fn read_given_body(files: &[FileBytes<'_>], options: &ImportOptions) -> Result<ImportedBody> {
     let sorted = SortedFiles::new(files)?;
     body_of(Files::Given(files), &sorted.meshes, options)
 }
@@ -175,11 +175,11 @@ impl<'a> SortedFiles<'a> {
                     sorted.bodies.extend(holds_body(name, bytes).then_some(&**name));
                 }
                 Some(FileKind::Mesh) => sorted.meshes.push(name),
-                Some(FileKind::Companion) => {}
+                Some(FileKind::Resource) => {}
                 None => {
                     let grooms = formats::listed(formats::GROOMS, "or");
                     let what = format!("a groom is a {grooms} file, a head");
-                    return Err(Format::unread(name, &what, formats::MESHES));
+                    return Err(FileFormat::unread(name, &what, formats::MESHES));
                 }
             }
         }
@@ -195,7 +195,7 @@ impl<'a> SortedFiles<'a> {
 
 /// Returns whether a groom with this name may hold a mesh.
 fn may_hold_body(path: &Path) -> bool {
-    Format::of(path).is_some_and(|format| format.holds_body.is_some())
+    FileFormat::of(path).is_some_and(|format| format.holds_body.is_some())
 }
 
 /// The files of a head.
@@ -218,7 +218,7 @@ impl<'a> Heads<'a> {
 /// Checks that the groom at `path`, which is complete, is the only one of `count` files, and that nothing is asked of it
 /// that its file states.
 #[cfg(any(feature = "cooked", feature = "edit"))]
-fn alone(path: &Path, count: usize, heads: &Heads<'_>, options: &ImportOptions) -> Result<()> {
+fn check_single(path: &Path, count: usize, heads: &Heads<'_>, options: &ImportOptions) -> Result<()> {
     let kind = if formats::is_cooked(path) { "a cooked groom" } else { "an edited groom" };
     let wrong = |problem: &str| {
         Err(Error::File { path: path.to_path_buf(), at: At::File, problem: format!("{kind} {problem}") })
@@ -245,22 +245,22 @@ pub fn read_head<H: AsRef<Path>>(
 }
 
 /// [`read_head`] with the head's rig.
-pub fn read_body<H: AsRef<Path>>(heads: &[H], options: &ImportOptions) -> Result<Body> {
+pub fn read_body<H: AsRef<Path>>(heads: &[H], options: &ImportOptions) -> Result<ImportedBody> {
     body_of(Files::Disk, heads, options)
 }
 
-fn body_of<H: AsRef<Path>>(files: Files<'_>, heads: &[H], options: &ImportOptions) -> Result<Body> {
+fn body_of<H: AsRef<Path>>(files: Files<'_>, heads: &[H], options: &ImportOptions) -> Result<ImportedBody> {
     options.orient_head.check()?;
     let mut raw = mesh::read_from(files, heads)?;
     let known = KnownOrientation { given: options.orient_head, declared: raw.declared };
     let mut placement = orient::head(&raw.mesh, &known);
     placement.doubts.append(&mut raw.notes);
-    place(&mut raw, &placement);
-    Ok(Body { mesh: raw.mesh, rig: raw.rig, placement })
+    orient_mesh(&mut raw, &placement);
+    Ok(ImportedBody { mesh: raw.mesh, rig: raw.rig, placement })
 }
 
 /// Transforms a mesh and its rig to meters, Y up, face +Z.
-fn place(raw: &mut mesh::RawMesh, placement: &orient::Placement) {
+fn orient_mesh(raw: &mut mesh::RawMesh, placement: &orient::Placement) {
     placement.apply_to_mesh(&mut raw.mesh);
     if let Some(rig) = &mut raw.rig {
         placement.apply_to_rig(rig);
@@ -283,7 +283,7 @@ fn read_all<P: AsRef<Path>>(
     }
     #[cfg(feature = "edit")]
     if let Some((path, document)) = edited::find(from, paths, &heads, options)? {
-        return edited_whole(path, &document);
+        return edited_complete(path, &document);
     }
     let (raw, files) = join::read(from, paths, options)?;
     let (mut strands, mut followers) = (raw.strands, raw.followers);
@@ -291,7 +291,7 @@ fn read_all<P: AsRef<Path>>(
     let known = KnownOrientation { given: options.orient, declared: raw.declared };
     let (placement, mut head_placement) = match &head {
         // A file that states its unit and axes needs no comparison with the head.
-        Some(head) if heads.own && raw.declared == orient::Choice::METERS => {
+        Some(head) if heads.own && raw.declared == orient::OrientationOverride::METERS => {
             let given = options.orient_head.or(options.orient);
             let of_head = KnownOrientation { given, declared: head.declared };
             (orient::groom(&strands, &known), Some(orient::head(&head.mesh, &of_head)))
@@ -311,13 +311,13 @@ fn read_all<P: AsRef<Path>>(
         *radius *= placement.unit.0;
     }
     if let (Some(head), Some(placement)) = (&mut head, &head_placement) {
-        place(head, placement);
+        orient_mesh(head, placement);
     }
     let (head, rig) = head.map_or((None, None), |h| (Some(h.mesh), h.rig));
     let (groups, attributes) = (groups(&strands, &raw.group_names), Attributes::of(&strands));
     let lint = lint::check(&strands, head.as_ref());
     let mut repaired = lint::RepairReport::default();
-    if !options.unrepaired {
+    if !options.skips_repair {
         let left;
         (repaired, left) = lint::repair_kept(&mut strands);
         if !followers.is_empty() {

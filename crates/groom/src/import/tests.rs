@@ -11,8 +11,8 @@ use crate::{
     Followers, Strands,
     attribute::StrandAttribute,
     export::Writer,
-    formats::{Content, FORMATS},
-    orient::Unit,
+    formats::{ContentKind, FORMATS},
+    orient::LengthUnit,
 };
 
 /// Generates grooms of up to 11 strands with equal or different numbers of vertices.
@@ -56,7 +56,7 @@ fn grooms() -> impl Strategy<Value = Strands> {
 }
 
 /// Encodes a groom. `None` omits the unit.
-fn encoded(strands: &Strands, name: &str, unit: Option<Unit>) -> Vec<u8> {
+fn encoded(strands: &Strands, name: &str, unit: Option<LengthUnit>) -> Vec<u8> {
     Writer::of(name).unwrap().strands(strands, unit).unwrap().bytes
 }
 
@@ -153,24 +153,24 @@ proptest! {
             if writer.extension == "glb" || format.read.is_none() {
                 continue;
             }
-            let raw = parse(Path::new(name), &encoded(&groom, name, Some(Unit(1.0))), false).unwrap();
-            let declared = if keeps(Content::Units) { orient::Choice::METERS } else { orient::Choice::default() };
+            let raw = parse(Path::new(name), &encoded(&groom, name, Some(LengthUnit(1.0))), false).unwrap();
+            let declared = if keeps(ContentKind::Units) { orient::OrientationOverride::METERS } else { orient::OrientationOverride::default() };
             prop_assert_eq!(raw.declared, declared);
             let mut back = raw.strands;
             let mut expected = groom.clone();
-            if !keeps(Content::Widths) {
+            if !keeps(ContentKind::Widths) {
                 expected.radii.clear();
             }
-            if !keeps(Content::Colors) {
+            if !keeps(ContentKind::Colors) {
                 expected.colors.clear();
             }
-            if !keeps(Content::RootUvs) {
+            if !keeps(ContentKind::RootUvs) {
                 expected.root_uvs.clear();
             }
-            if !keeps(Content::Attributes) {
+            if !keeps(ContentKind::Attributes) {
                 expected.attributes.clear();
             }
-            if !keeps(Content::PinnedTips) || expected.tip_pinned.iter().all(|p| !p) {
+            if !keeps(ContentKind::PinnedTips) || expected.tip_pinned.iter().all(|p| !p) {
                 expected.tip_pinned.clear();
             }
             if writer.extension == "tfx" {
@@ -376,15 +376,16 @@ fn writers_report_lost_attributes() {
     let mut groom = Strands::default();
     groom.push(&[Vec3::ZERO, Vec3::X]);
     (groom.radii, groom.colors, groom.tip_pinned) = (vec![1e-5; 2], vec![Vec3::ONE; 2], vec![true]);
-    let notes =
-        |name: &str| Writer::of(name).unwrap().strands(&groom, Some(Unit(1.0))).unwrap().notes.join("; ");
+    let notes = |name: &str| {
+        Writer::of(name).unwrap().strands(&groom, Some(LengthUnit(1.0))).unwrap().notes.join("; ")
+    };
     let lost = |what: &str| format!("{what} are not written: the format cannot store them");
     assert_eq!(notes("a.hair"), lost("pinned tips"));
     assert_eq!(notes("a.tfx"), lost("widths"));
     let all = ["unit and axes", "widths", "colors", "pinned tips"];
     assert_eq!(notes("a.data"), all.map(lost).join("; "));
     let error =
-        |unit| Writer::of("a.hair").unwrap().strands(&groom, Some(Unit(unit))).unwrap_err().to_string();
+        |unit| Writer::of("a.hair").unwrap().strands(&groom, Some(LengthUnit(unit))).unwrap_err().to_string();
     assert!(
         error(0.01).contains("only .") && error(0.01).contains("a unit other than meters"),
         "{}",
@@ -427,7 +428,7 @@ fn followers_are_read() {
         .replace("0 0.1 0\n", "0 0 0\n");
     let files = [("a.tfx", four), ("b.tfx", dropped.into_bytes()), ("c.tfx", asking(""))];
     let files: Vec<FileBytes> = files.map(|(name, bytes)| (name.into(), bytes.into())).into();
-    let orient = orient::Choice { unit: Some(orient::Unit(0.01)), ..Default::default() };
+    let orient = orient::OrientationOverride { unit: Some(orient::LengthUnit(0.01)), ..Default::default() };
     let (strands, _, report) = read_given(&files, &ImportOptions { orient, ..Default::default() }).unwrap();
     assert_eq!((strands.len(), report.followers.len()), (5, 5));
     assert_eq!(report.followers[2], Followers { count: 4, radius: Some(0.01) });

@@ -96,7 +96,7 @@ pub struct Finding {
 /// Statistics and findings of a groom.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
-pub struct Report {
+pub struct LintReport {
     /// Number of strands.
     pub strands: usize,
     /// Number of vertices of all strands.
@@ -115,7 +115,7 @@ pub struct Report {
     pub findings: Vec<Finding>,
 }
 
-impl Report {
+impl LintReport {
     /// Returns the finding of a kind, if there is one.
     pub fn find(&self, kind: FindingKind) -> Option<&Finding> {
         self.findings.iter().find(|f| f.kind == kind)
@@ -144,8 +144,8 @@ impl Tally {
 }
 
 /// Checks a groom in meters and, if a head is given, the distance of its roots to the head. Changes nothing.
-pub fn check(strands: &Strands, head: Option<&TriMesh>) -> Report {
-    let mut report = Report {
+pub fn check(strands: &Strands, head: Option<&TriMesh>) -> LintReport {
+    let mut report = LintReport {
         strands: strands.len(),
         vertices: strands.positions.len(),
         per_strand: Spread::of(strands.iter().map(|s| s.len() as f32)).unwrap_or_default(),
@@ -169,7 +169,7 @@ pub fn check(strands: &Strands, head: Option<&TriMesh>) -> Report {
     report
 }
 
-fn shape(strands: &Strands, report: &mut Report) {
+fn shape(strands: &Strands, report: &mut LintReport) {
     let [mut nan, mut single, mut flat, mut same, mut short, mut many] = [(); 6].map(|()| Tally::default());
     for (i, s) in strands.iter().enumerate() {
         nan.add(s.iter().filter(|p| !p.is_finite()).count(), i);
@@ -230,17 +230,17 @@ fn shape(strands: &Strands, report: &mut Report) {
 /// Counts strands that equal an earlier one in root, middle vertex, tip and number of vertices.
 fn copies(strands: &Strands) -> Tally {
     let mut tally = Tally::default();
-    let mut seen = std::collections::HashSet::with_capacity(strands.len());
+    let mut known = std::collections::HashSet::with_capacity(strands.len());
     for (i, s) in strands.iter().enumerate() {
         if let (Some(root), Some(tip)) = (s.first(), s.last()) {
             let bits = |p: &Vec3| p.to_array().map(f32::to_bits);
-            tally.add((!seen.insert((bits(root), bits(tip), bits(&s[s.len() / 2]), s.len()))) as usize, i);
+            tally.add((!known.insert((bits(root), bits(tip), bits(&s[s.len() / 2]), s.len()))) as usize, i);
         }
     }
     tally
 }
 
-fn pins(strands: &Strands, report: &mut Report) {
+fn pins(strands: &Strands, report: &mut LintReport) {
     let count = strands.tip_pinned.iter().filter(|p| **p).count();
     if count > 0 {
         report.findings.push(Finding {
@@ -254,7 +254,7 @@ fn pins(strands: &Strands, report: &mut Report) {
     }
 }
 
-fn widths(report: &mut Report) {
+fn widths(report: &mut LintReport) {
     let Some(radii) = report.radii else { return };
     let odd = radii.min < 0.0 || radii.max == 0.0;
     if odd || radii.median > 3e-4 || radii.median < 5e-6 {
@@ -272,7 +272,7 @@ fn widths(report: &mut Report) {
     }
 }
 
-fn size(report: &mut Report) {
+fn size(report: &mut LintReport) {
     let bytes = report.vertices.saturating_mul(16);
     if report.strands > 500_000 || bytes > PROMISED_BINDING {
         report.findings.push(Finding {
@@ -288,7 +288,7 @@ fn size(report: &mut Report) {
     }
 }
 
-fn roots(strands: &Strands, head: &TriMesh, report: &mut Report) {
+fn roots(strands: &Strands, head: &TriMesh, report: &mut LintReport) {
     let bvh = Bvh::new(head);
     let distances: Vec<f32> = strands
         .iter()

@@ -8,7 +8,7 @@ mod check;
 mod repair;
 mod stats;
 
-pub use check::{Finding, FindingKind, Report, Severity, check};
+pub use check::{Finding, FindingKind, LintReport, Severity, check};
 pub use repair::{RepairReport, repair, repair_kept};
 pub use stats::Spread;
 

@@ -108,13 +108,13 @@ fn resample(points: &[Vec3], length: f32, count: usize) -> Vec<(usize, f32)> {
                 return (last, 1.0);
             }
             let goal = length * i as f32 / (count - 1) as f32;
-            let mut here = points[segment].distance(points[segment + 1]);
-            while segment < last && before + here < goal {
-                before += here;
+            let mut segment_length = points[segment].distance(points[segment + 1]);
+            while segment < last && before + segment_length < goal {
+                before += segment_length;
                 segment += 1;
-                here = points[segment].distance(points[segment + 1]);
+                segment_length = points[segment].distance(points[segment + 1]);
             }
-            (segment, ((goal - before) / here).clamp(0.0, 1.0))
+            (segment, ((goal - before) / segment_length).clamp(0.0, 1.0))
         })
         .collect()
 }

@@ -19,7 +19,7 @@ impl Spread {
     pub fn of(values: impl IntoIterator<Item = f32>) -> Option<Self> {
         let mut values: Vec<f32> = values.into_iter().filter(|v| v.is_finite()).collect();
         values.sort_unstable_by(f32::total_cmp);
-        let at = |share: f32| values.get((values.len() as f32 * share) as usize);
+        let at = |fraction: f32| values.get((values.len() as f32 * fraction) as usize);
         Some(Self {
             min: *values.first()?,
             median: *at(0.5)?,

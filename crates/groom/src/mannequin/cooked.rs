@@ -55,8 +55,8 @@ pub fn cook() -> Vec<u8> {
 
 /// Columns of the file. Residuals of positions and normals take one per coordinate.
 const RUN: usize = 0;
-const PLACE: usize = 1;
-const TURNED: usize = 4;
+const POSITION: usize = 1;
+const FLIPPED: usize = 4;
 const NORMAL: usize = 5;
 const FIELD: usize = 7;
 const COLUMNS: usize = 8;
@@ -77,16 +77,16 @@ fn write(lattice: &Lattice, mesh: &TriMesh, field: &SdfGrid) -> Vec<u8> {
     for (i, at) in nets.surface_points.iter().enumerate() {
         if signs.is_left(*at) {
             let off = steps(mesh.positions[i] - signs.point(nets.positions[i]));
-            (0..3).for_each(|a| out.put(PLACE + a, off[a]));
+            (0..3).for_each(|a| out.put(POSITION + a, off[a]));
         }
     }
     let quads = |indices: &[u32]| indices.as_chunks::<6>().0.to_vec();
     let indices: Vec<u32> = mesh.triangles.iter().flatten().copied().collect();
     let mut rough = TriMesh { positions: placed(&mesh.positions, &signs, &nets), ..Default::default() };
-    for (own, its) in quads(&nets.indices).iter().zip(quads(&indices)) {
-        let is_turned = diagonal(own) != diagonal(&its);
-        out.put(TURNED, is_turned.into());
-        rough.triangles.extend(split(own, is_turned));
+    for (own, mesh_quad) in quads(&nets.indices).iter().zip(quads(&indices)) {
+        let is_flipped = diagonal(own) != diagonal(&mesh_quad);
+        out.put(FLIPPED, is_flipped.into());
+        rough.triangles.extend(split(own, is_flipped));
     }
     for (i, (at, normal)) in nets.surface_points.iter().zip(guessed(&rough)).enumerate() {
         if signs.is_left(*at) {
@@ -96,7 +96,7 @@ fn write(lattice: &Lattice, mesh: &TriMesh, field: &SdfGrid) -> Vec<u8> {
     }
     let rounded: Vec<i32> = field.distances.iter().map(|d| (d / STEP).round() as i32).collect();
     for (i, d) in rounded.iter().enumerate() {
-        out.put(FIELD, d - beside(&rounded, field, i));
+        out.put(FIELD, d - predict(&rounded, field, i));
     }
     out.finish()
 }
@@ -119,7 +119,7 @@ fn read(bytes: &[u8]) -> Bust {
     for (i, at) in nets.surface_points.iter().enumerate() {
         let p = match signs.is_left(*at) {
             true => {
-                let off = IVec3::from_array([0, 1, 2].map(|a| next(PLACE + a)));
+                let off = IVec3::from_array([0, 1, 2].map(|a| next(POSITION + a)));
                 signs.point(nets.positions[i]) + off.as_vec3() * STEP
             }
             false => mirrored(mesh.positions[signs.twin(&nets, *at)]),
@@ -127,7 +127,7 @@ fn read(bytes: &[u8]) -> Bust {
         mesh.positions.push(p);
     }
     for quad in nets.indices.as_chunks::<6>().0 {
-        mesh.triangles.extend(split(quad, next(TURNED) == 1));
+        mesh.triangles.extend(split(quad, next(FLIPPED) == 1));
     }
     for (at, normal) in nets.surface_points.iter().zip(guessed(&mesh)) {
         let normal = match signs.is_left(*at) {
@@ -142,7 +142,7 @@ fn read(bytes: &[u8]) -> Bust {
     let mut field = grid(FIELD_RESOLUTION);
     let mut rounded = Vec::with_capacity(field.size.element_product() as usize);
     for i in 0..rounded.capacity() {
-        let d = beside(&rounded, &field, i) + next(FIELD);
+        let d = predict(&rounded, &field, i) + next(FIELD);
         rounded.push(d);
     }
     assert!(columns.is_done(), "{OUT_OF_DATE}");
@@ -180,9 +180,9 @@ fn diagonal(quad: &[u32; 6]) -> [u32; 2] {
 }
 
 /// Returns the triangles of a quad, along its other diagonal if `is_turned`.
-fn split(quad: &[u32; 6], is_turned: bool) -> [[u32; 3]; 2] {
+fn split(quad: &[u32; 6], is_flipped: bool) -> [[u32; 3]; 2] {
     let [a, b, c, d, e, f] = *quad;
-    match is_turned {
+    match is_flipped {
         false => [[a, b, c], [d, e, f]],
         true if b == f => [[c, e, b], [c, a, e]],
         true => [[b, c, f], [b, f, a]],
@@ -220,7 +220,7 @@ fn round(steps: IVec2) -> Vec3 {
 }
 
 /// Predicts node `i` of a field from the nodes before it; exact for linear fields.
-fn beside(before: &[i32], field: &SdfGrid, i: usize) -> i32 {
+fn predict(before: &[i32], field: &SdfGrid, i: usize) -> i32 {
     let (nx, ny) = (field.size.x as usize, field.size.y as usize);
     let at = [i % nx, i / nx % ny, i / (nx * ny)];
     let stride = [1, nx, nx * ny];

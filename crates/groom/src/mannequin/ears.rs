@@ -4,7 +4,7 @@ use super::forms::*;
 use glam::{Vec2, Vec3, vec2, vec3};
 
 /// Center of the ear where it joins the head, mm.
-const MIDDLE: Vec3 = vec3(74.0, 90.0, -9.0);
+const CENTER: Vec3 = vec3(74.0, 90.0, -9.0);
 /// Backward tilt of the ear, radians.
 const LEAN: f32 = 0.22;
 /// Directions backward along the ear and out of its bowl. The ear stands off the head by 27°.
@@ -13,7 +13,7 @@ const OUT: Vec3 = vec3(0.891, 0.0, 0.454);
 
 /// Returns the signed distance to the ear, mm; `p.x` must not be negative.
 pub fn ear(p: Vec3) -> f32 {
-    let q = p - MIDDLE;
+    let q = p - CENTER;
     let bound = q.length() - 36.0;
     if bound > 12.0 {
         return bound;

@@ -14,13 +14,13 @@ pub fn join(a: f32, b: f32, k: f32) -> f32 {
 }
 
 /// Returns the intersection of two solids with a rounded edge.
-pub fn meet(a: f32, b: f32, k: f32) -> f32 {
+pub fn intersect(a: f32, b: f32, k: f32) -> f32 {
     -join(-a, -b, k)
 }
 
 /// Returns `a` without `b`, with a rounded edge.
 pub fn carve(a: f32, b: f32, k: f32) -> f32 {
-    meet(a, -b, k)
+    intersect(a, -b, k)
 }
 
 /// Returns the distance to an ellipsoid about `c` with semi-axes `r`: exact on its surface, within a few percent near
@@ -58,12 +58,12 @@ pub fn step(a: f32, b: f32, x: f32) -> f32 {
 
 /// Evaluates a profile over the height `y`: a uniform cubic B-spline over `knots`, the first at `start`, the others
 /// `spacing` apart. Returns value and slope. Constant beyond the ends.
-pub fn curve(knots: &[f32], start: f32, spacing: f32, y: f32) -> (f32, f32) {
-    let last = knots.len() as i32 - 1;
+pub fn curve(control_values: &[f32], start: f32, spacing: f32, y: f32) -> (f32, f32) {
+    let last = control_values.len() as i32 - 1;
     let s = ((y - start) / spacing).clamp(0.0, last as f32);
     let i = (s as i32).min(last - 1);
     let f = s - i as f32;
-    let at = |j: i32| knots[(i + j).clamp(0, last) as usize];
+    let at = |j: i32| control_values[(i + j).clamp(0, last) as usize];
     let (a, b, c, d) = (at(-1), at(0), at(1), at(2));
     let g = 1.0 - f;
     let value = (g * g * g * a

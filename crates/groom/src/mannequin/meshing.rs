@@ -135,13 +135,13 @@ impl Lattice {
                     let from = [bx, by, bz];
                     let to = [0, 1, 2].map(|a| (from[a] + BLOCK).min(half[a]) - 1);
                     let (lo, hi) = (self.at(from), self.at(to));
-                    let middle = distance(0.5 * (lo + hi));
-                    let far = middle.abs()
+                    let center_distance = distance(0.5 * (lo + hi));
+                    let far = center_distance.abs()
                         > 0.75 * (hi - lo).length() + 2.0 * (hi - lo).max_element() / BLOCK as f32;
                     for z in bz..=to[2] {
                         for y in by..=to[1] {
                             for x in bx..=to[0] {
-                                let d = if far { middle } else { distance(self.at([x, y, z])) };
+                                let d = if far { center_distance } else { distance(self.at([x, y, z])) };
                                 self.distances[index(x, y, z)] = d;
                                 self.distances[index(size[0] - 1 - x, y, z)] = d;
                             }

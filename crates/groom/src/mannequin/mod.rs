@@ -32,7 +32,7 @@ pub use model::{mesh, mesh_with, sdf, sdf_with};
 pub use scalp::scalp_point;
 
 use crate::scalp::Landmarks;
-use forms::{join, meet};
+use forms::{intersect, join};
 use glam::{Vec3, vec3};
 
 /// Recommended resolution for [`mesh`]: cells of 1.9 mm in the face, about 130,000 triangles.
@@ -73,7 +73,7 @@ pub fn distance(p: Vec3) -> f32 {
     let neck = neck::neck(p);
     // Skip the shoulders where they are too low to have an effect.
     let body = if p.y - shoulders::TOP > neck + 40.0 { neck } else { join(neck, shoulders::torso(p), 40.0) };
-    let body = meet(body, shoulders::cut(p), 18.0);
+    let body = intersect(body, shoulders::cut(p), 18.0);
     // Skip the head outside of its bounding sphere.
     if (p - vec3(0.0, 112.0, 0.0)).length() - 150.0 > body + 18.0 {
         return body * 0.001;

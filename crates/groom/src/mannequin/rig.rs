@@ -10,8 +10,8 @@ use super::{NECK_JOINT, forms::step, neck, skull};
 use crate::{
     SdfGrid, TriMesh,
     rig::{
-        Bind, Delta, INFLUENCES, Joint, Node, Rig, Target, Transform,
-        anatomy::{Anatomy, BodyPart, Field, PartForm},
+        Bind, Delta, INFLUENCES, Joint, MorphTarget, Node, Rig, Transform,
+        anatomy::{Anatomy, BodyPart, DistanceFieldSource, PartForm},
     },
 };
 use glam::{Mat4, Quat, Vec3, vec3};
@@ -20,7 +20,7 @@ use glam::{Mat4, Quat, Vec3, vec3};
 pub const JOINTS: [(&str, Vec3); 3] =
     [("Torso", vec3(0.0, -0.25, -0.05)), ("Neck", NECK), ("Head", NECK_JOINT)];
 /// Shares of the neck's and the head's joint in a turn of the head.
-pub const SHARES: [(u32, f32); 2] = [(1, 0.4), (2, 0.6)];
+pub const ROTATION_WEIGHTS: [(u32, f32); 2] = [(1, 0.4), (2, 0.6)];
 /// Names of the blend shapes: the chest rises, the jaw drops, the brows rise.
 pub const SHAPES: [&str; 3] = ["Breath", "Jaw", "Brows"];
 
@@ -32,7 +32,7 @@ const UP: Vec3 = vec3(0.0, 0.980_58, 0.196_12);
 /// Overlap of the fields of two neighboring parts beyond the point where they meet, mm.
 const OVERLAP: f32 = 22.0;
 /// Heights along the axis where neck meets torso and head meets neck, mm.
-const MEETS: [f32; 2] = [30.0, 86.0];
+const BOUNDARY_HEIGHTS: [f32; 2] = [30.0, 86.0];
 
 /// Returns the rig of `mesh`, a mesh of the bust ([`super::mesh`]). Poses are relative to groom space.
 pub fn rig(mesh: &TriMesh) -> Rig {
@@ -48,7 +48,7 @@ pub fn rig(mesh: &TriMesh) -> Rig {
         .map(|(node, (_, at))| Joint { node: node as u32, inverse_bind: Mat4::from_translation(-*at) });
     let vertices = mesh.positions.iter().zip(&mesh.normals).map(|(position, normal)| {
         let mut weights = [0.0; INFLUENCES];
-        weights[..3].copy_from_slice(&shares(*position));
+        weights[..3].copy_from_slice(&skin_weights(*position));
         Bind { position: *position, normal: *normal, joints: [0, 1, 2, 0, 0, 0, 0, 0], weights }
     });
     let shapes: [fn(Vec3) -> Vec3; 3] = [breath, jaw, brows];
@@ -65,20 +65,20 @@ pub fn rig(mesh: &TriMesh) -> Rig {
 impl Anatomy {
     /// Returns the anatomy of the built-in character; `bust` is its distance field.
     pub fn built_in(mesh: &TriMesh, bust: &SdfGrid) -> Self {
-        let [torso, neck, head] = parts(bust).map(Field::Grid);
+        let [torso, neck, head] = parts(bust).map(DistanceFieldSource::Grid);
         let part = |node, field| BodyPart::new(node, field, PartForm::Field);
         Self {
             rig: rig(mesh),
             head: part(2, head),
             parts: vec![part(1, neck), part(0, torso)],
-            turns: SHARES.to_vec(),
+            rotation_weights: ROTATION_WEIGHTS.to_vec(),
             is_rigid: true,
         }
     }
 }
 
 /// Returns the skin weights of torso, neck and head at `p`, meters.
-pub fn shares(p: Vec3) -> [f32; 3] {
+pub fn skin_weights(p: Vec3) -> [f32; 3] {
     let p = p * 1000.0;
     let mirrored = vec3(p.x.abs(), p.y, p.z);
     let up = (p - FOOT).dot(UP);
@@ -86,18 +86,18 @@ pub fn shares(p: Vec3) -> [f32; 3] {
     let on_head = step(24.0, 5.0, skull::head(mirrored)) * step(70.0, 100.0, up);
     let head = step(56.0, 114.0, up).max(on_head);
     // Shoulders belong to the torso, however high they reach.
-    let aside = step(45.0, 85.0, mirrored.x) * step(0.0, 25.0, neck::neck(mirrored));
-    let torso = step(58.0, 2.0, up).max(aside) * (1.0 - head);
+    let shoulder = step(45.0, 85.0, mirrored.x) * step(0.0, 25.0, neck::neck(mirrored));
+    let torso = step(58.0, 2.0, up).max(shoulder) * (1.0 - head);
     [torso, 1.0 - torso - head, head]
 }
 
 /// Returns the part of the bust's field for each joint. The parts overlap where they meet.
 pub fn parts(bust: &SdfGrid) -> [SdfGrid; 3] {
     let up = |p: Vec3| 0.001 * (p * 1000.0 - FOOT).dot(UP);
-    let [low, high] = MEETS.map(|mm| 0.001 * mm);
+    let [low, high] = BOUNDARY_HEIGHTS.map(|mm| 0.001 * mm);
     let lap = 0.001 * OVERLAP;
-    let part = |least: f32, most: f32| {
-        let inside = |p: Vec3| (least - up(p)).max(up(p) - most);
+    let part = |bottom: f32, top: f32| {
+        let inside = |p: Vec3| (bottom - up(p)).max(up(p) - top);
         clipped(bust, inside)
     };
     [part(-1.0, low + lap), part(low - lap, high + lap), part(high - lap, 1.0)]
@@ -126,18 +126,18 @@ fn clipped(field: &SdfGrid, inside: impl Fn(Vec3) -> f32) -> SdfGrid {
 }
 
 /// Returns a blend shape that adds `moves` to each position of `mesh`.
-fn target(name: &str, mesh: &TriMesh, moves: impl Fn(Vec3) -> Vec3) -> Target {
+fn target(name: &str, mesh: &TriMesh, displacement: impl Fn(Vec3) -> Vec3) -> MorphTarget {
     // Half a millimeter: the normal follows from the deformation of a small disc of skin.
     const H: f32 = 5e-4;
     let deltas = mesh.positions.iter().zip(&mesh.normals).enumerate().filter_map(|(i, (p, n))| {
-        let position = moves(*p);
+        let position = displacement(*p);
         let (a, b) = n.any_orthonormal_pair();
-        let along = |t: Vec3| t + (moves(*p + H * t) - moves(*p - H * t)) / (2.0 * H);
+        let along = |t: Vec3| t + (displacement(*p + H * t) - displacement(*p - H * t)) / (2.0 * H);
         let normal = along(a).cross(along(b)).normalize_or(*n) - *n;
-        let is_moved = position.length_squared() > 1e-12 || normal.length_squared() > 1e-8;
-        is_moved.then_some(Delta { vertex: i as u32, position, normal })
+        let is_displaced = position.length_squared() > 1e-12 || normal.length_squared() > 1e-8;
+        is_displaced.then_some(Delta { vertex: i as u32, position, normal })
     });
-    Target { name: name.into(), deltas: deltas.collect() }
+    MorphTarget { name: name.into(), deltas: deltas.collect() }
 }
 
 /// Breath: ribs move out and up, and the shoulders rise.
@@ -163,9 +163,9 @@ fn jaw(p: Vec3) -> Vec3 {
     // The neck stays.
     let on_head = step(20.0, 2.0, skull::head(vec3(x, q.y, q.z)));
     let front = step(5.0, 40.0, q.z);
-    let share = below * on_head * front;
-    let turned = HINGE + Quat::from_rotation_x(9f32.to_radians() * share) * (q - HINGE);
-    (turned - q) * 0.001
+    let weight = below * on_head * front;
+    let rotated = HINGE + Quat::from_rotation_x(9f32.to_radians() * weight) * (q - HINGE);
+    (rotated - q) * 0.001
 }
 
 /// Brows: rise by 6 mm and fold the forehead above them.

@@ -10,17 +10,17 @@ use crate::{
 fn skin_weights_sum_to_one_and_match_regions() {
     let mesh = mannequin::mesh(60);
     for p in &mesh.positions {
-        let shares = shares(*p);
+        let shares = skin_weights(*p);
         assert!(shares.iter().all(|share| (-1e-6..=1.0 + 1e-6).contains(share)), "{p}: {shares:?}");
         assert!((shares.iter().sum::<f32>() - 1.0).abs() < 1e-5);
     }
-    let whole = |p: Vec3, part: usize| assert!(shares(p)[part] > 0.999, "{p}: {:?}", shares(p));
+    let whole = |p: Vec3, part: usize| assert!(skin_weights(p)[part] > 0.999, "{p}: {:?}", skin_weights(p));
     for p in [mannequin::CHIN, mannequin::NOSE_TIP, mannequin::EAR, mannequin::NAPE, mannequin::CROWN] {
         whole(p, 2);
     }
     whole(vec3(0.16, -0.13, -0.06), 0);
     whole(vec3(0.0, -0.15, 0.02), 0);
-    assert!(shares(NECK + vec3(0.0, 0.01, 0.04))[1] > 0.6);
+    assert!(skin_weights(NECK + vec3(0.0, 0.01, 0.04))[1] > 0.6);
 }
 
 /// The scalp is rigid, so hair follows the head's joint without skinning of its roots.
@@ -29,7 +29,7 @@ fn hair_roots_follow_the_head_rigidly() {
     let scalp = GridScalp::of_mannequin(mannequin::sdf(mannequin::FIELD_RESOLUTION));
     let carried = |p: &Vec3| {
         let still = [jaw(*p), brows(*p)].iter().all(|by| by.length() < 1e-6);
-        shares(*p)[2] > 0.9999 && still
+        skin_weights(*p)[2] > 0.9999 && still
     };
     for name in Style::NAMES {
         let style: Style = name.parse().unwrap();
@@ -68,10 +68,10 @@ fn the_head_turns_and_the_shoulders_stay() {
     let off = at_rest.positions.iter().zip(&mesh.positions).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
     assert!(off < 1e-6, "at rest it is the bust: {off}");
     let turn = Quat::from_rotation_y(45f32.to_radians());
-    let turns = SHARES.map(|(node, share)| (node, Quat::IDENTITY.slerp(turn, share)));
-    let turned = bent(&rig, &mesh, &rig.pose_turned(None, &[], &turns));
+    let turns = ROTATION_WEIGHTS.map(|(node, share)| (node, Quat::IDENTITY.slerp(turn, share)));
+    let turned = bent(&rig, &mesh, &rig.pose_with_rotations(None, &[], &turns));
     for ((now, was), p) in turned.positions.iter().zip(&mesh.positions).zip(&mesh.positions) {
-        let (moved, shares) = (now.distance(*was), shares(*p));
+        let (moved, shares) = (now.distance(*was), skin_weights(*p));
         if shares[0] > 0.9999 {
             assert!(moved < 2e-5, "{p} is the torso's and moves by {moved}");
         }
@@ -80,7 +80,7 @@ fn the_head_turns_and_the_shoulders_stay() {
     let nose =
         |mesh: &TriMesh| *mesh.positions.iter().max_by(|a, b| a.length().total_cmp(&b.length())).unwrap();
     let forward = mannequin::NOSE_TIP - mannequin::EAR.with_x(0.0);
-    let tip = rig.pose_turned(None, &[], &turns).palette[2].transform_vector3(forward);
+    let tip = rig.pose_with_rotations(None, &[], &turns).palette[2].transform_vector3(forward);
     assert!(tip.angle_between(turn * forward) < 1e-3, "{}", nose(&turned));
     // Skin between the joints stretches but does not tear.
     let drawn = stretch(&turned, &mesh);
@@ -148,8 +148,8 @@ fn built_in_anatomy_has_head_neck_and_torso() {
     let anatomy = Anatomy::built_in(&mesh, &bust);
     assert_eq!((anatomy.head.node, anatomy.parts.len(), anatomy.is_rigid), (2, 2, true));
     let field = |part: &BodyPart| match &part.field {
-        Field::Grid(grid) => grid.clone(),
-        Field::Mesh(..) => panic!("it is known"),
+        DistanceFieldSource::Grid(grid) => grid.clone(),
+        DistanceFieldSource::Mesh(..) => panic!("it is known"),
     };
     assert!(field(&anatomy.head).sample(mannequin::CROWN).abs() < 2e-3);
     let shoulder = Vec3::new(0.12, -0.095, -0.06);

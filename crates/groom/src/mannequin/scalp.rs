@@ -30,8 +30,8 @@ pub fn scalp_point(direction: Vec3) -> Option<(Vec3, Vec3)> {
     let direction = direction.try_normalize()?;
     let (mut inside, mut outside) = (0.02, 0.2);
     for _ in 0..12 {
-        let middle = 0.5 * (inside + outside);
-        if skin(SKULL_CENTER + direction * middle) < 0.0 { inside = middle } else { outside = middle }
+        let midpoint = 0.5 * (inside + outside);
+        if skin(SKULL_CENTER + direction * midpoint) < 0.0 { inside = midpoint } else { outside = midpoint }
     }
     let mut point = SKULL_CENTER + direction * (0.5 * (inside + outside));
     if distance(point).abs() > 1e-3 {

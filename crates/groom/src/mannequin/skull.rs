@@ -37,10 +37,10 @@ pub fn face_wedge(p: Vec3) -> f32 {
     // Gradient of f, up to the factor sum^-0.6. Its vertical part comes from the slopes of the two profiles.
     let g = vec3(sx / w, (sx * q.0 * dw / w + sz * q.1 * dd / d).abs(), sz / d);
     let sides = (f - 1.0) / (g.length() * f / sum).max(1e-3);
-    let under = -(p.y + 3.0 - 0.0015 * p.x * p.x) * 0.948 - (p.z - 88.0) * 0.319;
+    let bottom_plane = -(p.y + 3.0 - 0.0015 * p.x * p.x) * 0.948 - (p.z - 88.0) * 0.319;
     // The top of the face lies inside the cranium.
     let dome = ellipsoid(p, vec3(0.0, 60.0, -5.0), vec3(95.0, 97.0, 125.0));
-    meet(meet(sides, under, 20.0), dome, 30.0)
+    intersect(intersect(sides, bottom_plane, 20.0), dome, 30.0)
 }
 
 /// Returns the distance to cranium and face as one form.

@@ -34,7 +34,7 @@ impl TriMesh {
                 self.triangles[i]
             )));
         }
-        if self.paint.as_ref().is_some_and(|paint| !paint.is_whole(count)) {
+        if self.paint.as_ref().is_some_and(|paint| !paint.fits(count)) {
             return Err(Error::Unusable(format!(
                 "the textures of the mesh do not match its {count} vertices"
             )));
@@ -47,19 +47,19 @@ impl TriMesh {
     /// stay invisible, but hard edges become smooth too. The normal of a vertex without triangles points up. Triangles
     /// with an index out of range are ignored.
     pub fn compute_normals(&mut self) {
-        let places = parts::places(&self.positions);
+        let weld = parts::weld_map(&self.positions);
         let mut sums = vec![Vec3::ZERO; self.positions.len()];
-        for t in self.triangles.iter().filter(|t| t.iter().all(|&v| (v as usize) < places.len())) {
+        for t in self.triangles.iter().filter(|t| t.iter().all(|&v| (v as usize) < weld.len())) {
             let corners = t.map(|v| self.positions[v as usize]);
             let [a, b, c] = corners;
             let normal = (b - a).cross(c - a).normalize_or_zero();
             for i in 0..3 {
                 let (to, from) = (corners[(i + 1) % 3] - corners[i], corners[(i + 2) % 3] - corners[i]);
                 let angle = to.cross(from).length().atan2(to.dot(from));
-                sums[places[t[i] as usize] as usize] += normal * angle;
+                sums[weld[t[i] as usize] as usize] += normal * angle;
             }
         }
-        self.normals = places.iter().map(|&p| sums[p as usize].normalize_or(Vec3::Y)).collect();
+        self.normals = weld.iter().map(|&p| sums[p as usize].normalize_or(Vec3::Y)).collect();
     }
 
     /// Merges `meshes` into one. Normals and colors are kept if every mesh with vertices has them, and dropped
@@ -102,8 +102,8 @@ impl TriMesh {
         let [x, y, z] = [by.matrix3.x_axis, by.matrix3.y_axis, by.matrix3.z_axis];
         let cofactors = [y.cross(z) * sign, z.cross(x) * sign, x.cross(y) * sign].map(Vec3::from);
         for n in &mut self.normals {
-            let turned = cofactors[0] * n.x + cofactors[1] * n.y + cofactors[2] * n.z;
-            *n = turned.normalize_or(Vec3::Y);
+            let transformed = cofactors[0] * n.x + cofactors[1] * n.y + cofactors[2] * n.z;
+            *n = transformed.normalize_or(Vec3::Y);
         }
         if mirrors {
             self.triangles.iter_mut().for_each(|t| t.swap(1, 2));

@@ -14,9 +14,9 @@ use std::sync::Arc;
 
 pub use bvh::{Bvh, Closest, TreeNode};
 pub use paint::Paint;
-pub use parts::{MeshPart, places};
+pub use parts::{MeshPart, weld_map};
 pub use sdf::SdfOptions;
-pub use simplify::Level;
+pub use simplify::MeshLevel;
 
 /// A triangle mesh, meters, in the same space as the groom.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -11,7 +11,7 @@ pub struct Paint {
     /// Texture coordinates of each vertex in the images of its coat: from the left and from the top, 1 at the other
     /// edge, repeating.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
-    pub places: Vec<Vec2>,
+    pub uvs: Vec<Vec2>,
     /// Coat of each vertex; [`Paint::NONE`] for a vertex that only has a color.
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub of: Vec<u8>,
@@ -53,14 +53,14 @@ impl Texture {
     }
 
     /// Returns the texel at texture coordinates, which repeat.
-    fn texel(&self, place: Vec2) -> Option<[u8; 4]> {
+    fn texel(&self, uv: Vec2) -> Option<[u8; 4]> {
         let at = |x: f32, n: u32| ((x - x.floor()) * n as f32) as usize % (n as usize).max(1);
-        let (x, y) = (at(place.x, self.width), at(place.y, self.height));
+        let (x, y) = (at(uv.x, self.width), at(uv.y, self.height));
         self.rgba.as_chunks::<4>().0.get(y * self.width as usize + x).copied()
     }
 
     /// Returns whether `rgba` has as many texels as width and height require, and at least one.
-    pub fn is_whole(&self) -> bool {
+    pub fn is_valid(&self) -> bool {
         let texels = u64::from(self.width) * u64::from(self.height);
         texels > 0 && self.rgba.len() as u64 == 4 * texels
     }
@@ -87,13 +87,13 @@ impl Paint {
 
     /// Returns whether the paint fits a mesh of `vertices` vertices: each has texture coordinates and an existing coat,
     /// and all textures are whole.
-    pub fn is_whole(&self, vertices: usize) -> bool {
+    pub fn fits(&self, vertices: usize) -> bool {
         let known = |of: &u8| *of == Self::NONE || usize::from(*of) < self.coats.len();
-        self.places.len() == vertices
+        self.uvs.len() == vertices
             && self.of.len() == vertices
             && self.of.iter().all(known)
-            && self.places.iter().all(|place| place.is_finite())
-            && self.coats.iter().all(|coat| coat.base.is_whole() && coat.relief.is_whole())
+            && self.uvs.iter().all(|place| place.is_finite())
+            && self.coats.iter().all(|coat| coat.base.is_valid() && coat.relief.is_valid())
             && self.coats.len() <= usize::from(Self::NONE)
     }
 
@@ -102,16 +102,17 @@ impl Paint {
     #[cfg(feature = "textures")]
     pub fn level(&mut self, bytes: u64) {
         let largest = PICTURES.map(|picture| self.largest(picture));
-        let takes = |most: u32| {
-            let one = largest.map(|size| 4 * size.map(|n| u64::from(n.min(most))).iter().product::<u64>());
+        let takes = |max_size: u32| {
+            let one =
+                largest.map(|size| 4 * size.map(|n| u64::from(n.min(max_size))).iter().product::<u64>());
             self.coats.len() as u64 * one.iter().sum::<u64>()
         };
-        let mut most = 1 << 15;
-        while most > 1 && takes(most) > bytes {
-            most /= 2;
+        let mut max_size = 1 << 15;
+        while max_size > 1 && takes(max_size) > bytes {
+            max_size /= 2;
         }
         for (picture, size) in PICTURES.into_iter().zip(largest) {
-            let size = size.map(|n| n.min(most));
+            let size = size.map(|n| n.min(max_size));
             for coat in &mut self.coats {
                 if [picture(coat).width, picture(coat).height] != size {
                     *picture(coat) = picture(coat).resized(size);
@@ -134,9 +135,9 @@ impl Paint {
     /// Returns the linear albedo of the point with barycentric weights in the triangle of three vertices, if its coat
     /// has one.
     pub fn color_at(&self, triangle: [u32; 3], barycentric: Vec3) -> Option<Vec3> {
-        let place = mean(self.corners(triangle)?, barycentric);
+        let uv = mean(self.corners(triangle)?, barycentric);
         let coat = &self.coats[usize::from(self.of[triangle[0] as usize])];
-        let [r, g, b, _] = coat.base.texel(place)?;
+        let [r, g, b, _] = coat.base.texel(uv)?;
         Some(Vec3::from([r, g, b].map(|byte| linear(f32::from(byte) / 255.0))))
     }
 
@@ -144,7 +145,7 @@ impl Paint {
     pub(crate) fn corners(&self, triangle: [u32; 3]) -> Option<[Vec2; 3]> {
         let of = *self.of.get(triangle[0] as usize)?;
         let is_painted = usize::from(of) < self.coats.len();
-        let [a, b, c] = triangle.map(|i| self.places.get(i as usize).copied().filter(|_| is_painted));
+        let [a, b, c] = triangle.map(|i| self.uvs.get(i as usize).copied().filter(|_| is_painted));
         Some([a?, b?, c?])
     }
 
@@ -159,18 +160,18 @@ impl Paint {
             return None;
         }
         let mut all = own.cloned().unwrap_or_default();
-        all.places.resize(vertices, Vec2::ZERO);
+        all.uvs.resize(vertices, Vec2::ZERO);
         all.of.resize(vertices, Self::NONE);
         if let Some(other) = other {
             let first = all.coats.len();
             // Vertices of coats beyond the largest index keep only their color.
-            let moved = |of: &u8| u8::try_from(first + usize::from(*of)).unwrap_or(Self::NONE);
-            all.of.extend(other.of.iter().map(|of| if *of == Self::NONE { *of } else { moved(of) }));
-            all.places.extend(&other.places);
+            let remapped = |of: &u8| u8::try_from(first + usize::from(*of)).unwrap_or(Self::NONE);
+            all.of.extend(other.of.iter().map(|of| if *of == Self::NONE { *of } else { remapped(of) }));
+            all.uvs.extend(&other.uvs);
             all.coats.extend(other.coats.iter().cloned());
             all.coats.truncate(usize::from(Self::NONE));
         }
-        all.places.resize(vertices + more, Vec2::ZERO);
+        all.uvs.resize(vertices + more, Vec2::ZERO);
         all.of.resize(vertices + more, Self::NONE);
         Some(all)
     }
@@ -207,7 +208,7 @@ mod tests {
         let mut paint = Paint { coats: vec![coat(2), coat(8), coat(64)], ..Default::default() };
         paint.level(3 * (4 * 16 * 16 + 4));
         for (coat, was) in paint.coats.iter().zip([2, 8, 64]) {
-            assert!(coat.base.is_whole() && [coat.base.width, coat.base.height] == [16; 2]);
+            assert!(coat.base.is_valid() && [coat.base.width, coat.base.height] == [16; 2]);
             assert!(coat.base.rgba.chunks(4).all(|t| t == [was, 0, 0, 255]));
             assert_eq!(coat.relief, Texture::even([1, 2, 3, 4]));
         }
@@ -225,10 +226,10 @@ mod tests {
     fn joined_meshes_keep_their_coats() {
         let coat =
             |r| Coat { base: Texture::even([r, 0, 0, 255]), relief: Texture::even([0; 4]), cutout: None };
-        let one = Paint { places: vec![Vec2::ZERO; 2], of: vec![0, Paint::NONE], coats: vec![coat(255)] };
+        let one = Paint { uvs: vec![Vec2::ZERO; 2], of: vec![0, Paint::NONE], coats: vec![coat(255)] };
         let all = Paint::join(Some(&one), 2, Some(&one), 2).unwrap();
         assert_eq!(all.of, [0, Paint::NONE, 1, Paint::NONE]);
-        assert!(all.is_whole(4) && !all.is_whole(3));
+        assert!(all.fits(4) && !all.fits(3));
         let late = Paint::join(None, 3, Some(&one), 2).unwrap();
         assert_eq!(late.of, [Paint::NONE, Paint::NONE, Paint::NONE, 0, Paint::NONE]);
         assert_eq!((late.color(3), late.color(0)), (Some(Vec3::X), None));

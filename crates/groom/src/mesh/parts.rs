@@ -32,10 +32,10 @@ impl TriMesh {
     /// Returns the connected parts, the one with the largest surface first. Triangles with an index out of range belong
     /// to none.
     pub fn parts(&self) -> Vec<MeshPart> {
-        let places = places(&self.positions);
-        let mut groups = Groups((0..places.len() as u32).collect());
-        let valid = |t: &[u32; 3]| t.iter().all(|&v| (v as usize) < places.len());
-        let welded = |t: &[u32; 3]| t.map(|v| places[v as usize]);
+        let weld = weld_map(&self.positions);
+        let mut groups = Groups((0..weld.len() as u32).collect());
+        let valid = |t: &[u32; 3]| t.iter().all(|&v| (v as usize) < weld.len());
+        let welded = |t: &[u32; 3]| t.map(|v| weld[v as usize]);
         for t in self.triangles.iter().filter(|t| valid(t)).map(welded) {
             groups.join(t[0], t[1]);
             groups.join(t[0], t[2]);
@@ -43,18 +43,18 @@ impl TriMesh {
         let mut of = HashMap::new();
         let mut parts: Vec<Vec<u32>> = Vec::new();
         for (i, t) in self.triangles.iter().enumerate().filter(|(_, t)| valid(t)) {
-            let part = *of.entry(groups.root(places[t[0] as usize])).or_insert_with(|| {
+            let part = *of.entry(groups.root(weld[t[0] as usize])).or_insert_with(|| {
                 parts.push(Vec::new());
                 parts.len() - 1
             });
             parts[part].push(i as u32);
         }
-        let mut parts: Vec<MeshPart> = parts.into_iter().map(|t| self.measure(t, &places)).collect();
+        let mut parts: Vec<MeshPart> = parts.into_iter().map(|t| self.measure(t, &weld)).collect();
         parts.sort_by(|a, b| b.area.total_cmp(&a.area));
         parts
     }
 
-    fn measure(&self, triangles: Vec<u32>, places: &[u32]) -> MeshPart {
+    fn measure(&self, triangles: Vec<u32>, weld: &[u32]) -> MeshPart {
         let (mut area, mut volume) = (0.0, 0.0);
         let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
         let corner = |v: u32| self.positions[v as usize].as_dvec3();
@@ -65,7 +65,7 @@ impl TriMesh {
             area += 0.5 * (b - a).cross(c - a).length();
             volume += a.dot(b.cross(c)) / 6.0;
             for (from, to) in [(0, 1), (1, 2), (2, 0)] {
-                let (from, to) = (places[t[from] as usize], places[t[to] as usize]);
+                let (from, to) = (weld[t[from] as usize], weld[t[to] as usize]);
                 *edges.entry((from.min(to), from.max(to))).or_default() +=
                     (to > from) as i32 - (to < from) as i32;
             }
@@ -76,7 +76,7 @@ impl TriMesh {
 }
 
 /// Returns for every vertex the first one at the same position.
-pub fn places(positions: &[Vec3]) -> Vec<u32> {
+pub fn weld_map(positions: &[Vec3]) -> Vec<u32> {
     let mut first = HashMap::with_capacity(positions.len());
     // Adding 0 makes a negative zero positive, so that equal positions have equal bits.
     let key = |p: Vec3| (p + Vec3::ZERO).to_array().map(f32::to_bits);

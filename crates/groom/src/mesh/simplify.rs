@@ -9,7 +9,7 @@ use meshoptimizer_rs::{
 /// A level of detail: fewer triangles over the vertices of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
-pub struct Level {
+pub struct MeshLevel {
     /// Deviation from the mesh's surface, meters, as estimated by the quadric error of the collapsed edges.
     pub stray: f32,
     /// Triangles as in [`TriMesh::triangles`].
@@ -31,8 +31,8 @@ const COLOR: f32 = 0.3;
 impl TriMesh {
     /// Returns levels of ever fewer triangles and ever larger deviation. Returns none for a mesh with corners that do
     /// not exist or positions that are not numbers.
-    pub fn levels(&self) -> Vec<Level> {
-        let mut levels: Vec<Level> = Vec::new();
+    pub fn levels(&self) -> Vec<MeshLevel> {
+        let mut levels: Vec<MeshLevel> = Vec::new();
         for stray in STRAYS {
             let (before, triangles) =
                 levels.last().map_or((0.0, &self.triangles), |level| (level.stray, &level.triangles));
@@ -41,7 +41,7 @@ impl TriMesh {
                 break;
             };
             if (fewer.len() as f32) < FEWER * triangles.len() as f32 {
-                levels.push(Level { stray, triangles: fewer });
+                levels.push(MeshLevel { stray, triangles: fewer });
             }
         }
         levels
@@ -63,7 +63,7 @@ impl TriMesh {
             .flat_map(|i| [at(&self.normals, i), at(&self.colors, i)])
             .flatten()
             .collect();
-        let made = simplify_with_attributes(
+        let simplified = simplify_with_attributes(
             triangles.as_flattened(),
             Positions::from_packed(&positions),
             Attributes::from_interleaved(&attributes, positions.len(), 6, 6, 0).ok()?,
@@ -76,6 +76,6 @@ impl TriMesh {
             },
             &mut Workspace::default(),
         );
-        Some(made.ok()?.indices.as_chunks().0.to_vec())
+        Some(simplified.ok()?.indices.as_chunks().0.to_vec())
     }
 }

@@ -69,11 +69,11 @@ fn on_segment(p: Vec3, a: Vec3, b: Vec3, weights: impl Fn(f32, f32) -> Vec3) -> 
 pub struct SolidAngle {
     re: f32,
     im: f32,
-    turns: i32,
+    revolutions: i32,
 }
 
 impl SolidAngle {
-    pub const ZERO: Self = Self { re: 1.0, im: 0.0, turns: 0 };
+    pub const ZERO: Self = Self { re: 1.0, im: 0.0, revolutions: 0 };
 
     /// Adds the solid angle of triangle `[a, b, c]` seen from `p`: 0 from a corner or an edge.
     pub fn add(&mut self, p: Vec3, [a, b, c]: [Vec3; 3]) {
@@ -90,9 +90,9 @@ impl SolidAngle {
         let product = (self.re * re - self.im * im, self.re * im + self.im * re);
         // Two angles of up to half a turn to the same side passed the half turn if their sum has the other sign.
         if self.im >= 0.0 && im > 0.0 && product.1 < 0.0 {
-            self.turns += 1;
+            self.revolutions += 1;
         } else if self.im < 0.0 && im < 0.0 && product.1 >= 0.0 {
-            self.turns -= 1;
+            self.revolutions -= 1;
         }
         let size = product.0.abs() + product.1.abs();
         (self.re, self.im) = (product.0 / size, product.1 / size);
@@ -100,7 +100,7 @@ impl SolidAngle {
 
     /// Returns the sum, steradians.
     pub fn total(self) -> f32 {
-        2.0 * self.im.atan2(self.re) + 2.0 * TAU * self.turns as f32
+        2.0 * self.im.atan2(self.re) + 2.0 * TAU * self.revolutions as f32
     }
 }
 

@@ -85,9 +85,9 @@ impl FromStr for Axis {
 /// Meters per unit of a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
-pub struct Unit(pub f32);
+pub struct LengthUnit(pub f32);
 
-impl Unit {
+impl LengthUnit {
     /// Common units of files, with their names and meters.
     pub const KNOWN: [(&'static str, f32); 6] =
         [("m", 1.0), ("cm", 0.01), ("mm", 0.001), ("dm", 0.1), ("in", 0.0254), ("ft", 0.3048)];
@@ -101,7 +101,7 @@ impl Unit {
     }
 }
 
-impl FromStr for Unit {
+impl FromStr for LengthUnit {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
@@ -122,21 +122,25 @@ impl FromStr for Unit {
 
 /// Known unit and axes of a file. `None` means that the importer guesses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Choice {
+pub struct OrientationOverride {
     /// Meters per unit.
-    pub unit: Option<Unit>,
+    pub unit: Option<LengthUnit>,
     /// Axis of the file that points up.
     pub up: Option<Axis>,
     /// Axis of the file along which the face looks.
     pub front: Option<Axis>,
     /// Whether the file is a mirror image, left for right.
-    pub mirror: Option<bool>,
+    pub is_mirrored: Option<bool>,
 }
 
-impl Choice {
+impl OrientationOverride {
     /// A file in meters, Y up, face +Z.
-    pub const METERS: Self =
-        Self { unit: Some(Unit(1.0)), up: Some(Axis::Y), front: Some(Axis::Z), mirror: Some(false) };
+    pub const METERS: Self = Self {
+        unit: Some(LengthUnit(1.0)),
+        up: Some(Axis::Y),
+        front: Some(Axis::Z),
+        is_mirrored: Some(false),
+    };
 
     /// Returns the values on which both agree.
     pub(crate) fn shared(self, other: Self) -> Self {
@@ -144,7 +148,7 @@ impl Choice {
             unit: self.unit.filter(|_| self.unit == other.unit),
             up: self.up.filter(|_| self.up == other.up),
             front: self.front.filter(|_| self.front == other.front),
-            mirror: self.mirror.filter(|_| self.mirror == other.mirror),
+            is_mirrored: self.is_mirrored.filter(|_| self.is_mirrored == other.is_mirrored),
         }
     }
 
@@ -158,7 +162,7 @@ impl Choice {
             unit: self.unit.or(file.unit),
             up,
             front: self.front.or(file.front.filter(|front| across(front, up))),
-            mirror: self.mirror.or(file.mirror),
+            is_mirrored: self.is_mirrored.or(file.is_mirrored),
         }
     }
 

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
-use super::{Sphere, frame::Frame, likeness};
+use super::{FittedSphere, frame::Frame, likeness};
 use crate::{Strands, TriMesh, mesh::bvh::Bvh};
 
 /// Least mean direction of the roots on a head: 0.5 on a hemisphere, 0 all around.
@@ -21,7 +21,7 @@ pub(super) struct HairFacts {
     /// Up to a few thousand roots, in the file's unit.
     pub roots: Vec<Vec3>,
     /// Sphere fitted to the roots.
-    pub sphere: Sphere,
+    pub sphere: FittedSphere,
     /// Mean direction from the sphere's center to the roots. It points up and back, since faces have no hair.
     pub mean: Vec3,
     /// Mean direction from root to tip. It points down.
@@ -40,10 +40,10 @@ impl HairFacts {
             .collect();
         let roots: Vec<Vec3> = ends.iter().map(|e| e.0).collect();
         let n = roots.len() as f32;
-        let middle = roots.iter().sum::<Vec3>() / n;
-        let spread = (roots.iter().map(|p| p.distance_squared(middle)).sum::<f32>() / n).sqrt();
-        let sphere = Sphere::fit(&roots).filter(|s| s.radius < 10.0 * spread);
-        let sphere = sphere.unwrap_or(Sphere { center: middle, radius: spread });
+        let centroid = roots.iter().sum::<Vec3>() / n;
+        let spread = (roots.iter().map(|p| p.distance_squared(centroid)).sum::<f32>() / n).sqrt();
+        let sphere = FittedSphere::fit(&roots).filter(|s| s.radius < 10.0 * spread);
+        let sphere = sphere.unwrap_or(FittedSphere { center: centroid, radius: spread });
         if roots.is_empty() || !sphere.radius.is_finite() || sphere.radius <= 0.0 {
             return None;
         }
@@ -65,7 +65,7 @@ impl HairFacts {
     /// Returns the length of the body, in the file's unit, if the roots lie all around it, as fur does, or on no sphere;
     /// `None` if they lie on one side of a sphere, as on a head.
     pub fn body(&self) -> Option<f32> {
-        let Sphere { center, radius } = self.sphere;
+        let FittedSphere { center, radius } = self.sphere;
         let mut off: Vec<f32> =
             self.roots.iter().map(|root| (root.distance(center) / radius - 1.0).abs()).collect();
         off.sort_unstable_by(f32::total_cmp);
@@ -79,7 +79,7 @@ impl HairFacts {
     pub fn half_breadth(&self, side: Vec3) -> f32 {
         let mut along: Vec<f32> = self.roots.iter().map(|p| p.dot(side)).collect();
         along.sort_unstable_by(f32::total_cmp);
-        let at = |share: f32| along[((along.len() - 1) as f32 * share) as usize];
+        let at = |fraction: f32| along[((along.len() - 1) as f32 * fraction) as usize];
         0.5 * (at(0.98) - at(0.02))
     }
 }
@@ -107,13 +107,13 @@ impl MeshFacts {
     /// Returns the features of a mesh; `bvh` is the mesh's tree.
     pub fn of(mesh: &TriMesh, bvh: &Bvh) -> Self {
         let (lo, hi) = mesh.bounds().unwrap_or_default();
-        let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
+        let (center, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
         let size = half.max_element().max(f32::MIN_POSITIVE);
         let mut asymmetry = Vec3::ZERO;
         for axis in 0..3 {
             for p in mesh.positions.iter().step_by((mesh.positions.len() / 400).max(1)) {
                 let mut q = *p;
-                q[axis] = 2.0 * middle[axis] - q[axis];
+                q[axis] = 2.0 * center[axis] - q[axis];
                 asymmetry[axis] += bvh.closest_point(q).map_or(0.0, |c| c.distance);
             }
         }
@@ -134,7 +134,7 @@ impl MeshFacts {
         if !differences.iter().any(|d| d.1 < ALIKE) {
             differences.clear();
         }
-        Self { asymmetry, detail, cut: cut(mesh).map_or(Vec3::ZERO, |c| (c - middle) / size), differences }
+        Self { asymmetry, detail, cut: cut(mesh).map_or(Vec3::ZERO, |c| (c - center) / size), differences }
     }
 
     /// Returns the agreement with a frame.
@@ -152,19 +152,19 @@ impl MeshFacts {
 /// Returns the mean of the boundary edges, which belong to one triangle only, weighted by length.
 fn cut(mesh: &TriMesh) -> Option<Vec3> {
     // Vertices at one position count as one, so that texture seams are not boundaries.
-    let mut places = HashMap::with_capacity(mesh.positions.len());
-    let place: Vec<u32> = mesh
+    let mut position_ids = HashMap::with_capacity(mesh.positions.len());
+    let weld: Vec<u32> = mesh
         .positions
         .iter()
         .map(|p| {
-            let next = places.len() as u32;
-            *places.entry(p.to_array().map(f32::to_bits)).or_insert(next)
+            let next = position_ids.len() as u32;
+            *position_ids.entry(p.to_array().map(f32::to_bits)).or_insert(next)
         })
         .collect();
     let mut edges: HashMap<(u32, u32), (u32, [u32; 2])> = HashMap::with_capacity(mesh.triangles.len() * 2);
     for t in &mesh.triangles {
         for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
-            let (x, y) = (place[a as usize], place[b as usize]);
+            let (x, y) = (weld[a as usize], weld[b as usize]);
             edges.entry((x.min(y), x.max(y))).or_insert((0, [a, b])).0 += 1;
         }
     }

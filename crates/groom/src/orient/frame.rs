@@ -1,6 +1,6 @@
 //! Candidate frames of a file.
 
-use super::{Axis, Choice};
+use super::{Axis, OrientationOverride};
 
 /// A candidate frame: the file's axes that point up and forward.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +28,7 @@ impl Frame {
     }
 }
 
-impl Choice {
+impl OrientationOverride {
     pub(super) fn allows(&self, frame: Frame) -> bool {
         self.up.is_none_or(|up| up == frame.up) && self.front.is_none_or(|front| front == frame.front)
     }

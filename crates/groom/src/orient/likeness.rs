@@ -34,12 +34,12 @@ pub(super) fn difference(points: &[Vec3], frame: Frame) -> f32 {
     let mut points: Vec<Vec3> =
         points.iter().map(|p| Vec3::new(p.dot(side), p.dot(up), p.dot(front))).collect();
     points.sort_unstable_by(|a, b| b.y.total_cmp(&a.y));
-    let Some((radius, crown, middle)) = skull(&points) else { return WORST };
+    let Some((radius, crown, center)) = skull(&points) else { return WORST };
     let mut slices = [[f32::MIN; 3]; SLICES];
     for p in &points {
         let slice = ((crown - p.y) / (SLICE * radius)) as usize;
         let Some([front, back, breadth]) = slices.get_mut(slice) else { break };
-        let q = (*p - middle) / radius;
+        let q = (*p - center) / radius;
         *breadth = breadth.max(q.x.abs());
         if q.x.abs() < 0.35 {
             *front = front.max(q.z);

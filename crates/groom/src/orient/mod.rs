@@ -16,11 +16,11 @@ mod seat;
 mod size;
 mod sphere;
 
-pub use choice::{Axis, Choice, Unit};
+pub use choice::{Axis, LengthUnit, OrientationOverride};
 pub use pair::pair;
 pub use placement::Placement;
 pub use seat::seat;
-pub use sphere::Sphere;
+pub use sphere::FittedSphere;
 
 use evidence::{HairFacts, MeshFacts};
 use frame::Frame;
@@ -35,14 +35,14 @@ const DOUBT: f32 = 0.1;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct KnownOrientation {
     /// Given by the user; takes precedence.
-    pub given: Choice,
+    pub given: OrientationOverride,
     /// Stated by the file or its format.
-    pub declared: Choice,
+    pub declared: OrientationOverride,
 }
 
 impl KnownOrientation {
     /// Returns both combined.
-    fn whole(&self) -> Choice {
+    fn combined(&self) -> OrientationOverride {
         self.given.or(self.declared)
     }
 }
@@ -57,7 +57,7 @@ fn source<'a, T>(given: Option<T>, declared: Option<T>, stated: &'a str, otherwi
 }
 
 /// Returns the best frame that a choice allows, its lead over the next, and the next.
-fn best_frame(choice: &Choice, score: impl Fn(Frame) -> f32) -> (Frame, f32, Option<Frame>) {
+fn best_frame(choice: &OrientationOverride, score: impl Fn(Frame) -> f32) -> (Frame, f32, Option<Frame>) {
     let mut ranked: Vec<(f32, Frame)> =
         Frame::all().filter(|f| choice.allows(*f)).map(|f| (score(f), f)).collect();
     // A contradictory choice allows no frame.
@@ -69,11 +69,11 @@ fn best_frame(choice: &Choice, score: impl Fn(Frame) -> f32) -> (Frame, f32, Opt
 
 /// Adds the reasons for the axes.
 fn explain_axes(placement: &mut Placement, known: &KnownOrientation, why: &str) {
-    let (whole, KnownOrientation { given, declared: file }) = (known.whole(), known);
+    let (combined, KnownOrientation { given, declared: file }) = (known.combined(), known);
     let (up, front) = (placement.up.name(), placement.front.name());
     let source = |given, file| source(given, file, "stated by the file", why);
-    let of_up = source(given.up, file.up.filter(|up| whole.up == Some(*up)));
-    let of_front = source(given.front, file.front.filter(|front| whole.front == Some(*front)));
+    let of_up = source(given.up, file.up.filter(|up| combined.up == Some(*up)));
+    let of_front = source(given.front, file.front.filter(|front| combined.front == Some(*front)));
     placement.reasons.push(match of_up == of_front {
         true => format!("up {up}, face {front}: {of_up}"),
         false if of_up == why => format!("face {front}: {of_front}; up {up}: {why}"),
@@ -93,10 +93,10 @@ fn explain_doubt(placement: &mut Placement, lead: f32, next: Option<Frame>) {
 
 /// Orients a groom without a head: returns its transform to meters, Y up, face +Z.
 pub fn groom(strands: &Strands, known: &KnownOrientation) -> Placement {
-    let choice = known.whole();
-    let mut placement = Placement { mirrored: choice.mirror.unwrap_or(false), ..Default::default() };
+    let choice = known.combined();
+    let mut placement = Placement { mirrored: choice.is_mirrored.unwrap_or(false), ..Default::default() };
     let Some(facts) = HairFacts::of(strands) else {
-        placement.unit = choice.unit.unwrap_or(Unit(1.0));
+        placement.unit = choice.unit.unwrap_or(LengthUnit(1.0));
         placement.up = choice.up.unwrap_or(Axis::Y);
         placement.front = choice.front.unwrap_or(Axis::Z);
         placement.doubts.push("too few roots to guess the orientation; set unit, up and front".into());
@@ -131,12 +131,12 @@ fn unit_of_hair(placement: &mut Placement, facts: &HairFacts, known: &KnownOrien
         return;
     }
     placement.unit = unit;
-    let seen = format!(
+    let measurement = format!(
         "the area with roots is {:.3} units wide; on a head it is {} cm",
         2.0 * breadth,
         200.0 * HALF_BREADTH
     );
-    explain_unit(placement, known, &seen);
+    explain_unit(placement, known, &measurement);
 }
 
 /// Sets the unit of a `body` of this length, if hair lies around one. Returns whether a known unit fits.
@@ -154,12 +154,12 @@ fn explain_body(placement: &mut Placement, body: Option<f32>) -> bool {
     true
 }
 
-fn explain_unit(placement: &mut Placement, known: bool, seen: &str) {
+fn explain_unit(placement: &mut Placement, known: bool, measurement: &str) {
     let unit = placement.unit;
     placement.reasons.push(if known {
-        format!("1 unit is 1 {}: {seen}", unit.name())
+        format!("1 unit is 1 {}: {measurement}", unit.name())
     } else {
-        format!("1 unit is {:.3} mm, not a common unit, but the size of a head: {seen}", 1e3 * unit.0)
+        format!("1 unit is {:.3} mm, not a common unit, but the size of a head: {measurement}", 1e3 * unit.0)
     });
     if !known {
         placement
@@ -170,8 +170,8 @@ fn explain_unit(placement: &mut Placement, known: bool, seen: &str) {
 
 /// Orients a head without a groom: returns its transform to meters, Y up, face +Z.
 pub fn head(mesh: &TriMesh, known: &KnownOrientation) -> Placement {
-    let choice = known.whole();
-    let mut placement = Placement { mirrored: choice.mirror.unwrap_or(false), ..Default::default() };
+    let choice = known.combined();
+    let mut placement = Placement { mirrored: choice.is_mirrored.unwrap_or(false), ..Default::default() };
     let facts = MeshFacts::of(mesh, &Bvh::new(mesh));
     // Common frames get a larger bonus: a mesh has less evidence than hair.
     let (frame, lead, next) = best_frame(&choice, |f| facts.score(f) + 2.0 * f.habit());
@@ -190,7 +190,7 @@ fn unit_of_head(
     placement: &mut Placement,
     mesh: &TriMesh,
     hair: Option<(f32, Option<f32>)>,
-    choice: &Choice,
+    choice: &OrientationOverride,
     source: &str,
 ) {
     if let Some(unit) = choice.unit {
@@ -204,20 +204,20 @@ fn unit_of_head(
     let half_breadth = hair.map(|(breadth, _)| breadth);
     let found = size::head(mesh, placement.axes(), half_breadth);
     let found = found.filter(|h| half_breadth.is_none_or(|b| (2.0..3.6).contains(&(h.height / b))));
-    let (known, seen) = match (found, half_breadth) {
+    let (known, measurement) = match (found, half_breadth) {
         (Some(head), Some(breadth)) => {
             // Heads may be long or broad, so use both measures.
             let (unit, known) =
                 size::unit((head.height * breadth).sqrt(), (HEAD_HEIGHT * HALF_BREADTH).sqrt());
             placement.unit = unit;
-            let seen = format!(
+            let measurement = format!(
                 "crown to chin is {:.3} units and the area with roots {:.3} wide; on a head they are {} and {} cm",
                 head.height,
                 2.0 * breadth,
                 100.0 * HEAD_HEIGHT,
                 200.0 * HALF_BREADTH
             );
-            (known, seen)
+            (known, measurement)
         }
         (Some(head), None) => {
             let (unit, known) = size::unit(head.height, HEAD_HEIGHT);
@@ -250,7 +250,7 @@ fn unit_of_head(
             (true, "assumed".into())
         }
     };
-    explain_unit(placement, known, &seen);
+    explain_unit(placement, known, &measurement);
 }
 
 #[cfg(test)]

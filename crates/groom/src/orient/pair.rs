@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{
-    Axis, Choice, DOUBT, KnownOrientation, Placement, Unit,
+    Axis, DOUBT, KnownOrientation, LengthUnit, OrientationOverride, Placement,
     evidence::{HairFacts, MeshFacts},
     explain_axes, explain_unit,
     frame::Frame,
@@ -26,10 +26,10 @@ pub fn pair(
     mesh: &TriMesh,
     of_head: &KnownOrientation,
 ) -> (Placement, Placement) {
-    let (choice, choice_head) = (of_groom.whole(), of_head.whole());
+    let (choice, choice_head) = (of_groom.combined(), of_head.combined());
     let bvh = Bvh::new(mesh);
-    let alone = || (groom(strands, of_groom), head(mesh, of_head));
-    let Some(facts) = HairFacts::of(strands) else { return alone() };
+    let separately = || (groom(strands, of_groom), head(mesh, of_head));
+    let Some(facts) = HairFacts::of(strands) else { return separately() };
     let relations = relations(&facts, &bvh, &choice, &choice_head);
     let surface = MeshFacts::of(mesh, &bvh);
     // Choose the relation and the head's frame together: the relation must move the roots to the skin, the frame must
@@ -38,11 +38,11 @@ pub fn pair(
     for (relation, cost) in relations.iter().filter(|r| r.1 < BELONGS) {
         let exact = exact(&facts, relation, &bvh);
         for frame in Frame::all().filter(|f| choice_head.allows(*f)) {
-            let mirrored = choice_head.mirror.unwrap_or(false);
+            let mirrored = choice_head.is_mirrored.unwrap_or(false);
             let upright = Placement { up: frame.up, front: frame.front, mirrored, ..Default::default() };
-            let whole = compose(&upright, relation);
-            let own = Frame { up: whole.up, front: whole.front };
-            if choice.allows(own) && choice.mirror.is_none_or(|m| m == whole.mirrored) {
+            let composed = compose(&upright, relation);
+            let own = Frame { up: composed.up, front: composed.front };
+            if choice.allows(own) && choice.is_mirrored.is_none_or(|m| m == composed.mirrored) {
                 let score = facts.score(own) + surface.score(frame) + frame.habit() - 10.0 * cost
                     + 0.5 * exact
                     + habit(relation);
@@ -52,17 +52,17 @@ pub fn pair(
     }
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
     let Some((score, relation, mut upright)) = ranked.first().cloned() else {
-        let (own, head) = alone();
+        let (own, head) = separately();
         let own = seat(strands, own, mesh, &head);
         return (own, head);
     };
     let why = "guessed from the head's profile and symmetry, the roots and the falling hair";
     explain_axes(&mut upright, of_head, why);
     // A unit given for one of the two files determines the other's.
-    let given = choice_head.unit.or(choice.unit.map(|u| Unit(u.0 / relation.unit.0)));
+    let given = choice_head.unit.or(choice.unit.map(|u| LengthUnit(u.0 / relation.unit.0)));
     let side = relation.axes().transpose() * upright.up.vector().cross(upright.front.vector());
     let breadth = facts.half_breadth(side) * relation.unit.0;
-    let sized = Choice { unit: given, ..choice_head };
+    let sized = OrientationOverride { unit: given, ..choice_head };
     unit_of_head(
         &mut upright,
         mesh,
@@ -102,21 +102,26 @@ fn explain_relation(own: &mut Placement, relation: &Placement, known: &KnownOrie
     own.reasons.insert(0, format!("the groom, {how}, has its roots on the mesh"));
     let unit = own.unit;
     let source = source(known.given.unit, known.declared.unit, "stated by the file", "from the head");
-    explain_unit(own, Unit::KNOWN.iter().any(|k| k.1 == unit.0) || unit.0 == 1.0, source);
+    explain_unit(own, LengthUnit::KNOWN.iter().any(|k| k.1 == unit.0) || unit.0 == 1.0, source);
 }
 
 /// Returns a penalty for unusual relations between a groom and its head.
 fn habit(relation: &Placement) -> f32 {
-    let turned = relation.axes() != glam::Mat3::IDENTITY;
+    let is_rotated = relation.axes() != glam::Mat3::IDENTITY;
     let mut score = 0.0;
     score -= if relation.unit.0 != 1.0 { 0.1 } else { 0.0 };
-    score -= if turned { 0.1 } else { 0.0 };
+    score -= if is_rotated { 0.1 } else { 0.0 };
     score - if relation.mirrored { 0.02 } else { 0.0 }
 }
 
 /// Returns every rotation, reflection and scale from the groom's file to the head's, with the median distance of the
 /// roots to the mesh, in radii of their sphere.
-fn relations(facts: &HairFacts, bvh: &Bvh, groom: &Choice, head: &Choice) -> Vec<(Placement, f32)> {
+fn relations(
+    facts: &HairFacts,
+    bvh: &Bvh,
+    groom: &OrientationOverride,
+    head: &OrientationOverride,
+) -> Vec<(Placement, f32)> {
     let given = match (groom.unit, head.unit) {
         (Some(g), Some(h)) => Some(g.0 / h.0),
         _ => None,
@@ -127,7 +132,7 @@ fn relations(facts: &HairFacts, bvh: &Bvh, groom: &Choice, head: &Choice) -> Vec
     for scale in given.map_or(SCALES.to_vec(), |g| vec![g]) {
         for frame in Frame::all() {
             for mirrored in [false, true] {
-                let unit = Unit(scale);
+                let unit = LengthUnit(scale);
                 let relation =
                     Placement { unit, up: frame.up, front: frame.front, mirrored, ..Default::default() };
                 let cost = cost(&sample, &relation, bvh) / (facts.sphere.radius * scale);
@@ -147,8 +152,8 @@ fn cost(roots: &[Vec3], relation: &Placement, bvh: &Bvh) -> f32 {
         .iter()
         .map(|p| bvh.closest_point(relation.point(*p)).map_or(f32::MAX, |c| c.distance))
         .collect();
-    let middle = distances.len() / 2;
-    *distances.select_nth_unstable_by(middle, f32::total_cmp).1
+    let median = distances.len() / 2;
+    *distances.select_nth_unstable_by(median, f32::total_cmp).1
 }
 
 /// Returns the fraction of roots that lie exactly on the mesh.
@@ -162,7 +167,7 @@ fn exact(facts: &HairFacts, relation: &Placement, bvh: &Bvh) -> f32 {
 fn compose(outer: &Placement, inner: &Placement) -> Placement {
     let axes = outer.axes() * inner.axes();
     Placement {
-        unit: Unit(outer.unit.0 * inner.unit.0),
+        unit: LengthUnit(outer.unit.0 * inner.unit.0),
         up: Axis::nearest(axes.row(1)),
         front: Axis::nearest(axes.row(2)),
         mirrored: axes.determinant() < 0.0,
@@ -178,14 +183,14 @@ mod tests {
     #[test]
     fn compose_applies_inner_then_outer() {
         let inner = Placement {
-            unit: Unit(0.1),
+            unit: LengthUnit(0.1),
             up: Axis::Z,
             front: Axis::NegX,
             mirrored: true,
             translation: Vec3::new(1.0, 2.0, 3.0),
             ..Default::default()
         };
-        let outer = Placement { unit: Unit(2.0), up: Axis::NegY, front: Axis::X, ..Default::default() };
+        let outer = Placement { unit: LengthUnit(2.0), up: Axis::NegY, front: Axis::X, ..Default::default() };
         let p = Vec3::new(0.3, -0.7, 5.0);
         let whole = compose(&outer, &inner);
         assert!(whole.point(p).distance(outer.point(inner.point(p))) < 1e-5);

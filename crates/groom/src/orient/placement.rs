@@ -2,7 +2,7 @@
 
 use glam::{Mat3, Mat4, Vec3};
 
-use super::{Axis, Unit};
+use super::{Axis, LengthUnit};
 use crate::{Rig, Strands, TriMesh};
 
 /// Transform from a file's coordinates to meters, Y up, face +Z, with its reasons.
@@ -10,7 +10,7 @@ use crate::{Rig, Strands, TriMesh};
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
 pub struct Placement {
     /// Meters per unit of the file.
-    pub unit: Unit,
+    pub unit: LengthUnit,
     /// Axis of the file that points up.
     pub up: Axis,
     /// Axis of the file along which the face looks.
@@ -28,7 +28,7 @@ pub struct Placement {
 impl Default for Placement {
     fn default() -> Self {
         Self {
-            unit: Unit(1.0),
+            unit: LengthUnit(1.0),
             up: Axis::Y,
             front: Axis::Z,
             mirrored: false,
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn up_and_front_map_to_y_and_z() {
-        let zup = Placement { up: Axis::Z, front: Axis::Y, unit: Unit(0.01), ..Default::default() };
+        let zup = Placement { up: Axis::Z, front: Axis::Y, unit: LengthUnit(0.01), ..Default::default() };
         assert_eq!(zup.point(Vec3::new(1.0, 2.0, 3.0)), Vec3::new(-0.01, 0.03, 0.02));
         assert!(zup.axes().determinant() > 0.0);
         let mirrored = Placement { front: Axis::NegZ, mirrored: true, ..Default::default() };

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Placement, Unit, evidence::HairFacts, size};
+use super::{LengthUnit, Placement, evidence::HairFacts, size};
 use crate::{Strands, TriMesh, mesh::bvh::Bvh};
 
 /// Moves and scales `own`, the placement of a groom, so that the roots lie on `mesh`, whose placement is `head`. The
@@ -21,8 +21,8 @@ pub fn seat(strands: &Strands, own: Placement, mesh: &TriMesh, head: &Placement)
         let mut pairs: Vec<(f32, Vec3, Vec3)> = roots
             .iter()
             .filter_map(|r| {
-                let here = *r * scale + shift;
-                bvh.closest_point(here).map(|c| (c.distance, *r, c.point))
+                let position = *r * scale + shift;
+                bvh.closest_point(position).map(|c| (c.distance, *r, c.point))
             })
             .collect();
         pairs.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
@@ -43,7 +43,7 @@ pub fn seat(strands: &Strands, own: Placement, mesh: &TriMesh, head: &Placement)
     if !shift.is_finite() {
         return Placement { doubts: vec!["the groom cannot be fitted onto this mesh".into()], ..own };
     }
-    let mut placed = Placement { unit: Unit(scale), translation: shift, ..own };
+    let mut placed = Placement { unit: LengthUnit(scale), translation: shift, ..own };
     placed.reasons.push(format!(
         "no unit and orientation puts the roots on this mesh, so the groom is fitted onto it: {:.5} m per unit, moved by {:.3} m, median distance of the roots {:.1} mm",
         scale,

@@ -2,7 +2,7 @@
 
 use glam::{Mat3, Vec3};
 
-use super::Unit;
+use super::LengthUnit;
 use crate::TriMesh;
 
 /// Half the breadth of the rooted area of a human head, meters.
@@ -14,23 +14,23 @@ pub(super) const HEAD_HEIGHT: f32 = 0.22;
 
 /// Returns the known unit in which `measured` units are about `real` meters, or else the unit in which they are exactly
 /// that; and whether it is a known one.
-pub(super) fn unit(measured: f32, real: f32) -> (Unit, bool) {
+pub(super) fn unit(measured: f32, real: f32) -> (LengthUnit, bool) {
     let scale = real / measured;
     // Broken files give lengths that no head has. Any valid unit will do.
     let scale = if scale.is_finite() { scale.clamp(1e-9, 1e9) } else { 1.0 };
     let near = |meters: f32| (meters / scale).max(scale / meters);
-    let metric = &Unit::KNOWN[..4];
+    let metric = &LengthUnit::KNOWN[..4];
     // Heads differ by less than this factor. Inches and feet are too close to other units to be guessed.
     match metric.iter().find(|(_, meters)| near(*meters) < 1.4) {
-        Some((_, meters)) => (Unit(*meters), true),
-        None => (Unit(scale), false),
+        Some((_, meters)) => (LengthUnit(*meters), true),
+        None => (LengthUnit(scale), false),
     }
 }
 
 /// Returns the first known metric unit in which an animal may be `measured` units long.
-pub(super) fn unit_of_body(measured: f32) -> Option<Unit> {
+pub(super) fn unit_of_body(measured: f32) -> Option<LengthUnit> {
     let fits = |meters: f32| BODY.contains(&(measured * meters));
-    Unit::KNOWN[..4].iter().find(|(_, meters)| fits(*meters)).map(|(_, meters)| Unit(*meters))
+    LengthUnit::KNOWN[..4].iter().find(|(_, meters)| fits(*meters)).map(|(_, meters)| LengthUnit(*meters))
 }
 
 /// Crown and chin of a head, in the mesh's unit.
@@ -60,14 +60,14 @@ pub(super) fn head(mesh: &TriMesh, axes: Mat3, half_breadth: Option<f32>) -> Opt
         lo = lo.min(**p);
         hi = hi.max(**p);
     }
-    let middle = 0.5 * (lo + hi);
+    let center = 0.5 * (lo + hi);
     const BINS: usize = 48;
     let depth = 4.0 * breadth;
     let mut profile = [f32::MIN; BINS];
-    for p in points.iter().filter(|p| (p.x - middle.x).abs() < 0.3 * breadth) {
+    for p in points.iter().filter(|p| (p.x - center.x).abs() < 0.3 * breadth) {
         let bin = ((crown - p.y) / depth * BINS as f32) as usize;
         if let Some(front) = profile.get_mut(bin) {
-            *front = front.max(p.z - middle.z);
+            *front = front.max(p.z - center.z);
         }
     }
     let face = profile[..BINS * 3 / 4].iter().copied().fold(f32::MIN, f32::max);
@@ -98,11 +98,11 @@ mod tests {
 
     #[test]
     fn known_units_snap_and_others_scale() {
-        assert_eq!(unit(0.085, HALF_BREADTH), (Unit(1.0), true));
-        assert_eq!(unit(8.3, HALF_BREADTH), (Unit(0.01), true));
+        assert_eq!(unit(0.085, HALF_BREADTH), (LengthUnit(1.0), true));
+        assert_eq!(unit(8.3, HALF_BREADTH), (LengthUnit(0.01), true));
         let (free, known) = unit(24.0, HALF_BREADTH);
         assert!(!known && (free.0 - 0.08 / 24.0).abs() < 1e-6);
-        assert_eq!([1.2, 120.0, 1200.0].map(unit_of_body), [1.0, 0.01, 0.001].map(|m| Some(Unit(m))));
+        assert_eq!([1.2, 120.0, 1200.0].map(unit_of_body), [1.0, 0.01, 0.001].map(|m| Some(LengthUnit(m))));
         assert_eq!(unit_of_body(1e9), None);
     }
 }

@@ -4,14 +4,14 @@ use glam::{DMat3, DVec3, Vec3};
 
 /// A sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sphere {
+pub struct FittedSphere {
     /// Center, in the unit of the points.
     pub center: Vec3,
     /// Radius, in the unit of the points.
     pub radius: f32,
 }
 
-impl Sphere {
+impl FittedSphere {
     /// Fits a sphere to the 70 % of the points that are closest to it, so that hair rooted in a band does not count.
     /// Returns `None` for fewer than four points or for coplanar points.
     pub fn fit(points: &[Vec3]) -> Option<Self> {
@@ -30,7 +30,7 @@ impl Sphere {
 }
 
 /// Algebraic least-squares fit: |p|² = 2 c·p + (r² − |c|²) is linear in the center c and in the bracket.
-fn least_squares(points: &[Vec3]) -> Option<Sphere> {
+fn least_squares(points: &[Vec3]) -> Option<FittedSphere> {
     if points.len() < 4 {
         return None;
     }
@@ -51,7 +51,7 @@ fn least_squares(points: &[Vec3]) -> Option<Sphere> {
     let center = matrix.inverse() * right;
     let radius = (mean_square + center.length_squared()).sqrt() as f32;
     let center = (center + mean).as_vec3();
-    (center.is_finite() && radius.is_finite() && radius > 0.0).then_some(Sphere { center, radius })
+    (center.is_finite() && radius.is_finite() && radius > 0.0).then_some(FittedSphere { center, radius })
 }
 
 #[cfg(test)]
@@ -69,8 +69,8 @@ mod tests {
             })
             .collect();
         points.extend((0..60).map(|i| center + Vec3::new(0.0, -10.0, -40.0 - 0.1 * i as f32)));
-        let sphere = Sphere::fit(&points).unwrap();
+        let sphere = FittedSphere::fit(&points).unwrap();
         assert!(sphere.center.distance(center) < 0.1 && (sphere.radius - 25.0).abs() < 0.1, "{sphere:?}");
-        assert!(Sphere::fit(&[Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::ONE.with_z(0.0)]).is_none());
+        assert!(FittedSphere::fit(&[Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::ONE.with_z(0.0)]).is_none());
     }
 }

@@ -51,23 +51,29 @@ proptest! {
 
 #[test]
 fn contradicting_axes_are_refused() {
-    let choice = Choice { up: Some(Axis::Y), front: Some(Axis::NegY), ..Default::default() };
+    let choice = OrientationOverride { up: Some(Axis::Y), front: Some(Axis::NegY), ..Default::default() };
     assert!(choice.check().is_err());
-    assert!(Choice { front: Some(Axis::X), ..choice }.check().is_ok());
+    assert!(OrientationOverride { front: Some(Axis::X), ..choice }.check().is_ok());
     assert!("w".parse::<Axis>().is_err() && "-z".parse::<Axis>().is_ok_and(|a| a == Axis::NegZ));
-    assert!("0".parse::<Unit>().is_err() && "cm".parse::<Unit>().is_ok_and(|u| u.0 == 0.01));
+    assert!("0".parse::<LengthUnit>().is_err() && "cm".parse::<LengthUnit>().is_ok_and(|u| u.0 == 0.01));
 }
 
 #[test]
 fn partial_declarations_leave_the_rest_to_guess() {
-    let file = Choice { unit: Some(Unit(0.01)), up: Some(Axis::Z), ..Default::default() };
-    let both = Choice::default().or(file);
-    assert_eq!((both.unit, both.up, both.front), (Some(Unit(0.01)), Some(Axis::Z), None));
+    let file = OrientationOverride { unit: Some(LengthUnit(0.01)), up: Some(Axis::Z), ..Default::default() };
+    let both = OrientationOverride::default().or(file);
+    assert_eq!((both.unit, both.up, both.front), (Some(LengthUnit(0.01)), Some(Axis::Z), None));
     // A given value overrides the file's, and discards an axis that conflicts with it.
-    let given = Choice { front: Some(Axis::NegZ), unit: Some(Unit(1.0)), ..Default::default() };
-    assert_eq!(given.or(file), Choice { mirror: None, up: None, ..given });
-    assert_eq!(Choice::METERS.shared(file), Choice::default());
-    assert_eq!(Choice::METERS.shared(Choice { mirror: None, ..Choice::METERS }).up, Some(Axis::Y));
+    let given =
+        OrientationOverride { front: Some(Axis::NegZ), unit: Some(LengthUnit(1.0)), ..Default::default() };
+    assert_eq!(given.or(file), OrientationOverride { is_mirrored: None, up: None, ..given });
+    assert_eq!(OrientationOverride::METERS.shared(file), OrientationOverride::default());
+    assert_eq!(
+        OrientationOverride::METERS
+            .shared(OrientationOverride { is_mirrored: None, ..OrientationOverride::METERS })
+            .up,
+        Some(Axis::Y)
+    );
     // A dome of hair, Z up. The reasons name who stated each value.
     let mut dome = Strands::default();
     for i in 0..200 {
@@ -76,7 +82,7 @@ fn partial_declarations_leave_the_rest_to_guess() {
         dome.push(&[out * 8.0, out * 9.0, out * 10.0 - Vec3::Z]);
     }
     let placed = groom(&dome, &KnownOrientation { declared: file, ..Default::default() });
-    assert_eq!((placed.up, placed.unit), (Axis::Z, Unit(0.01)));
+    assert_eq!((placed.up, placed.unit), (Axis::Z, LengthUnit(0.01)));
     let reasons = placed.reasons.join("; ");
     assert!(
         reasons.contains("up z: stated by the file; face") && reasons.contains("0.01 m: stated by the file"),
@@ -84,7 +90,10 @@ fn partial_declarations_leave_the_rest_to_guess() {
     );
     let told = groom(
         &dome,
-        &KnownOrientation { declared: file, given: Choice { up: Some(Axis::X), ..Default::default() } },
+        &KnownOrientation {
+            declared: file,
+            given: OrientationOverride { up: Some(Axis::X), ..Default::default() },
+        },
     )
     .reasons
     .join("; ");
@@ -106,7 +115,7 @@ fn fur_around_a_body_keeps_its_size() {
     };
     for (unit, meters) in [(1.0, 1.0), (100.0, 0.01), (1000.0, 0.001)] {
         let placement = around(unit);
-        assert_eq!(placement.unit, Unit(meters), "{:?}", placement.reasons);
+        assert_eq!(placement.unit, LengthUnit(meters), "{:?}", placement.reasons);
         assert!(placement.doubts.iter().any(|doubt| doubt.contains("set the unit")));
     }
 }

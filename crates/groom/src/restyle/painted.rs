@@ -5,7 +5,7 @@ use crate::{
     Groom,
     bound::BoundStrands,
     curve,
-    grow::{Clumps, Curls, Unrest},
+    grow::{Clumps, Curls, StrandVariation},
     hash::pcg,
     progress::in_parallel,
     random::{Rng, lerp},
@@ -33,10 +33,16 @@ impl StrandShape {
 /// Painted clumps.
 const CLUMPS: Clumps = Clumps { spacing: 0.008, strength: 0.95, start: 0.0, lock: 0.0, tip_spread: 1.0 };
 /// Largest way to the middle of a painted clump, meters.
-const FARTHEST: f32 = 0.02;
+const MAX_DISPLACEMENT: f32 = 0.02;
 /// Painted frizz.
-const FRIZZ: Unrest =
-    Unrest { frizz: 0.0018, strays: 0.3, stray: 0.006, flyaways: 0.06, flyaway: 0.015, shorter: 0.0 };
+const FRIZZ: StrandVariation = StrandVariation {
+    frizz: 0.0018,
+    strays: 0.3,
+    stray: 0.006,
+    flyaways: 0.06,
+    flyaway: 0.015,
+    shorter: 0.0,
+};
 /// Strength of the clumps of painted curls: nearly all strands of a lock lie in its middle.
 const TIGHT: f32 = 1.4;
 /// Vertices of strands with painted curls.
@@ -95,7 +101,7 @@ pub(crate) fn shaped(groom: &Groom, shapes: &[StrandShape]) -> Groom {
             };
             // A curl needs its lock; hair that is only clumped stays free at the root.
             let clumps = if curl > clump { Clumps { spacing, strength: TIGHT, ..curled } } else { CLUMPS };
-            let unruly = Unrest {
+            let variation = StrandVariation {
                 frizz: FRIZZ.frizz * frizz,
                 stray: FRIZZ.stray * frizz,
                 flyaway: FRIZZ.flyaway * frizz,
@@ -104,13 +110,13 @@ pub(crate) fn shaped(groom: &Groom, shapes: &[StrandShape]) -> Groom {
             let shaper = Shaper {
                 curls: &own,
                 clumps,
-                unruly,
+                variation,
                 locks: &locks,
                 lines: &lines,
                 skull: Vec3::ZERO,
                 seed: SEED,
                 clumping: clump.max(curl),
-                farthest: FARTHEST,
+                max_displacement: MAX_DISPLACEMENT,
             };
             let mut rng = Rng::new(pcg(SEED ^ pcg(ids[*i])), 1);
             let stray = if frizz > 0.0 { rng.unit() } else { 1.0 };

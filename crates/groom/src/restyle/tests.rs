@@ -11,7 +11,7 @@ fn ball(count: u32) -> Groom {
         strands.push(&line);
     }
     let options =
-        BindOptions { guides: GuideCount::OneIn(8), strand_vertices: Some(64), ..Default::default() };
+        BindOptions { guides: GuideCount::OneIn(8), strand_vertex_count: Some(64), ..Default::default() };
     bind(&strands, &options).unwrap()
 }
 
@@ -121,7 +121,8 @@ fn widths_vary_and_narrow() {
 fn invalid_options_leave_groom_unchanged() {
     let mut strands = Strands::default();
     strands.push(&[Vec3::ZERO, Vec3::Y * 0.3]);
-    let mut groom = bind(&strands, &BindOptions { strand_vertices: Some(16), ..Default::default() }).unwrap();
+    let mut groom =
+        bind(&strands, &BindOptions { strand_vertex_count: Some(16), ..Default::default() }).unwrap();
     let kept = groom.clone();
     let curls = Restyle { curls: regular(), ..Restyle::default() };
     let error = curls.apply(&mut groom, Vec3::ZERO, Vec3::ZERO).unwrap_err().to_string();

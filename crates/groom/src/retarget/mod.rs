@@ -28,10 +28,10 @@ use glam::{Quat, Vec3};
 
 /// Number of roots whose turns are averaged, and the distance at which a turn counts 1/e, meters.
 const NEIGHBORS: usize = 24;
-const REACH: f32 = 0.03;
+const SMOOTHING_RADIUS: f32 = 0.03;
 /// Number of vertices of the skin around a root whose motion gives the turn, and the largest distance, meters.
 const SKIN_VERTICES: usize = 96;
-const SKIN_REACH: f32 = 0.05;
+const SKIN_RADIUS: f32 = 0.05;
 /// Largest distance from the skin that strands keep, meters.
 const CLEARANCE: f32 = 4e-3;
 /// Rounds in which a vertex is pushed out.
@@ -43,7 +43,7 @@ const INSIDE: f32 = 1e-3;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RetargetReport {
     /// Whether the heads have the same triangles, so that their vertices correspond.
-    pub same_topology: bool,
+    pub has_same_topology: bool,
     /// Mean distance of the warped head from the other, near the roots, meters.
     pub skin_error: f32,
     /// Share of vertices that are deeper than 1 mm inside the other head, before and after.
@@ -51,11 +51,11 @@ pub struct RetargetReport {
     /// Mean change of the angle between two segments, radians.
     pub bend: f32,
     /// Mean change of the distance between the middles of neighboring strands, meters.
-    pub apart: f32,
+    pub spacing_change: f32,
 }
 
 /// A place on the skin of a head: a triangle, barycentric weights, and height above it.
-struct SkinPlace {
+struct SkinPoint {
     triangle: u32,
     barycentric: Vec3,
     height: f32,
@@ -88,71 +88,73 @@ pub fn retarget(
         true => other.clone(),
         false => warp::warped(head, other, &roots, landmarks)?,
     };
-    let places: Vec<SkinPlace> = roots
+    let skin_points: Vec<SkinPoint> = roots
         .iter()
         .zip(&found)
         .map(|(root, closest)| {
             let (triangle, barycentric) = (closest.triangle, closest.barycentric);
             let height = (*root - closest.point).dot(normal_at(head, triangle, barycentric));
-            SkinPlace { triangle, barycentric, height }
+            SkinPoint { triangle, barycentric, height }
         })
         .collect();
     let skin = Bvh::new(other);
-    let settled = |place: &SkinPlace| {
-        let on = point_at(&warped, place);
+    let settled = |skin_point: &SkinPoint| {
+        let on = point_at(&warped, skin_point);
         let closest = skin.closest_point(on);
         let (point, error) = closest.map_or((on, 0.0), |closest| (closest.point, closest.distance));
         let normal = target.normal(point);
-        (point + normal * place.height, error)
+        (point + normal * skin_point.height, error)
     };
-    let settled = in_parallel(&places, settled);
+    let settled = in_parallel(&skin_points, settled);
     let vertices = PointTree::new(&head.positions);
-    let turn = |root: &Vec3| {
+    let skin_rotation = |root: &Vec3| {
         let mut found = Vec::new();
-        vertices.nearest(*root, SKIN_VERTICES, SKIN_REACH, &mut found);
+        vertices.nearest(*root, SKIN_VERTICES, SKIN_RADIUS, &mut found);
         let of = |mesh: &TriMesh| -> Vec<Vec3> {
             let points: Vec<Vec3> = found.iter().map(|(_, i)| mesh.positions[*i as usize]).collect();
-            let middle = points.iter().sum::<Vec3>() / points.len().max(1) as f32;
-            points.into_iter().map(|p| p - middle).collect()
+            let center = points.iter().sum::<Vec3>() / points.len().max(1) as f32;
+            points.into_iter().map(|p| p - center).collect()
         };
         nearest_rotation(of(head).into_iter().zip(of(&warped)))
     };
-    let turns: Vec<Quat> = in_parallel(&roots, turn);
+    let skin_rotations: Vec<Quat> = in_parallel(&roots, skin_rotation);
     let tree = PointTree::new(&roots);
     let smooth = |root: &Vec3| {
         let mut found = Vec::new();
-        tree.nearest(*root, NEIGHBORS, 4.0 * REACH, &mut found);
-        mean_turn(found.iter().map(|(squared, i)| (turns[*i as usize], (-squared / (REACH * REACH)).exp())))
+        tree.nearest(*root, NEIGHBORS, 4.0 * SMOOTHING_RADIUS, &mut found);
+        mean_rotation(found.iter().map(|(squared, i)| {
+            (skin_rotations[*i as usize], (-squared / (SMOOTHING_RADIUS * SMOOTHING_RADIUS)).exp())
+        }))
     };
-    let turns = in_parallel(&roots, smooth);
+    let rotations = in_parallel(&roots, smooth);
     let numbers: Vec<usize> = (0..strands.len()).collect();
-    let carried = in_parallel(&numbers, |i: &usize| {
-        let (root, turn) = (settled[*i].0, turns[*i]);
-        let line: Vec<Vec3> = strands.strand(*i).iter().map(|p| root + turn * (*p - roots[*i])).collect();
+    let transformed = in_parallel(&numbers, |i: &usize| {
+        let (root, rotation) = (settled[*i].0, rotations[*i]);
+        let line: Vec<Vec3> = strands.strand(*i).iter().map(|p| root + rotation * (*p - roots[*i])).collect();
         let out = pushed(strands.strand(*i), &line, &field, &target);
         (line, out)
     });
     let is_in = |line: &[Vec3]| line.iter().skip(1).filter(|p| target.sample(**p) < -INSIDE).count() as f32;
     let count: f32 = strands.iter().map(|strand| strand.len().saturating_sub(1) as f32).sum::<f32>().max(1.0);
     let inside = [
-        carried.iter().map(|(line, _)| is_in(line)).sum::<f32>() / count,
-        carried.iter().map(|(_, out)| is_in(out)).sum::<f32>() / count,
+        transformed.iter().map(|(line, _)| is_in(line)).sum::<f32>() / count,
+        transformed.iter().map(|(_, out)| is_in(out)).sum::<f32>() / count,
     ];
-    let positions: Vec<Vec3> = carried.into_iter().flat_map(|(_, out)| out).collect();
+    let positions: Vec<Vec3> = transformed.into_iter().flat_map(|(_, out)| out).collect();
     let out = Strands { positions, ..strands.clone() };
     let report = RetargetReport {
-        same_topology,
+        has_same_topology: same_topology,
         skin_error: settled.iter().map(|(_, error)| error).sum::<f32>() / settled.len() as f32,
         inside,
         bend: bend(strands, &out),
-        apart: apart(strands, &out, &tree, &roots),
+        spacing_change: spacing_change(strands, &out, &tree, &roots),
     };
     Ok((out, report))
 }
 
-fn point_at(mesh: &TriMesh, place: &SkinPlace) -> Vec3 {
-    let [a, b, c] = corners(mesh, place.triangle);
-    mean([a, b, c], place.barycentric)
+fn point_at(mesh: &TriMesh, skin_point: &SkinPoint) -> Vec3 {
+    let [a, b, c] = corners(mesh, skin_point.triangle);
+    mean([a, b, c], skin_point.barycentric)
 }
 
 fn corners(mesh: &TriMesh, triangle: u32) -> [Vec3; 3] {
@@ -170,12 +172,12 @@ fn normal_at(mesh: &TriMesh, triangle: u32, barycentric: Vec3) -> Vec3 {
 }
 
 /// Returns the weighted mean of rotations that are near each other.
-fn mean_turn(turns: impl Iterator<Item = (Quat, f32)>) -> Quat {
+fn mean_rotation(rotations: impl Iterator<Item = (Quat, f32)>) -> Quat {
     let mut sum: Option<Quat> = None;
-    for (turn, weight) in turns {
+    for (rotation, weight) in rotations {
         sum = Some(match sum {
-            None => turn * weight,
-            Some(sum) => sum + if sum.dot(turn) < 0.0 { turn * -weight } else { turn * weight },
+            None => rotation * weight,
+            Some(sum) => sum + if sum.dot(rotation) < 0.0 { rotation * -weight } else { rotation * weight },
         });
     }
     sum.filter(|sum| sum.length_squared() > 1e-12).map_or(Quat::IDENTITY, Quat::normalize)
@@ -197,8 +199,8 @@ fn pushed(before: &[Vec3], line: &[Vec3], field: &SdfGrid, target: &SdfGrid) -> 
             if depth <= 0.0 {
                 break;
             }
-            let moved = p + target.normal(p) * depth;
-            p = start + (moved - start).normalize_or(edge) * length;
+            let displaced = p + target.normal(p) * depth;
+            p = start + (displaced - start).normalize_or(edge) * length;
         }
         out.push(p);
     }
@@ -222,13 +224,14 @@ fn bend(before: &Strands, after: &Strands) -> f32 {
 }
 
 /// Returns the mean change of the distance between the middles of strands with neighboring roots, meters.
-fn apart(before: &Strands, after: &Strands, tree: &PointTree<'_>, roots: &[Vec3]) -> f32 {
-    let middle = |strands: &Strands, i: usize| strands.strand(i).get(strands.strand(i).len() / 2).copied();
+fn spacing_change(before: &Strands, after: &Strands, tree: &PointTree<'_>, roots: &[Vec3]) -> f32 {
+    let midpoint = |strands: &Strands, i: usize| strands.strand(i).get(strands.strand(i).len() / 2).copied();
     let (mut sum, mut count, mut found) = (0.0, 0, Vec::new());
     for (i, root) in roots.iter().enumerate() {
         tree.nearest(*root, 4, 1.0, &mut found);
         for (_, j) in found.iter().filter(|(_, j)| *j as usize != i) {
-            let away = |strands: &Strands| Some(middle(strands, i)?.distance(middle(strands, *j as usize)?));
+            let away =
+                |strands: &Strands| Some(midpoint(strands, i)?.distance(midpoint(strands, *j as usize)?));
             if let (Some(a), Some(b)) = (away(before), away(after)) {
                 sum += (a - b).abs();
                 count += 1;

@@ -19,7 +19,7 @@ const RADII: [f32; 5] = [0.12, 0.08, 0.05, 0.03, 0.02];
 const SMOOTH: f32 = 0.05;
 /// Largest distance and angle (cosine) of normals between points that correspond.
 const FAR: f32 = 0.05;
-const TURNED: f32 = 0.5;
+const MIN_NORMAL_COSINE: f32 = 0.5;
 /// Weight of a landmark among sites.
 const LANDMARK: f32 = 20.0;
 /// Distance from the roots to which the skin is matched, meters.
@@ -81,12 +81,14 @@ pub(super) fn warped(
         let mut pairs = matches(&mesh, &near, &target);
         // The other way round: points of the other head, to theirs on this one.
         let own = Skin::new(&mesh);
-        let reach = bounds(near.iter().map(|i| mesh.positions[*i as usize]));
-        let back = spread(other.positions.len(), SAMPLES, |i| inside(other.positions[i], reach));
+        let near_bounds = bounds(near.iter().map(|i| mesh.positions[*i as usize]));
+        let back = spread(other.positions.len(), SAMPLES, |i| inside(other.positions[i], near_bounds));
         let back = in_parallel(&back, |i: &u32| {
             own.closest(other.positions[*i as usize], other.normals.get(*i as usize))
         });
-        pairs.extend(back.into_iter().flatten().map(|(there, here)| (here, there)));
+        pairs.extend(
+            back.into_iter().flatten().map(|(target_point, source_point)| (source_point, target_point)),
+        );
         if pairs.len() < FEWEST {
             return Err(Error::Unusable(
                 "the heads do not resemble each other: too few places of their skin match".into(),
@@ -104,7 +106,7 @@ pub(super) fn warped(
             break;
         }
     }
-    let sites = chosen(&near, &mesh);
+    let sites = select_sites(&near, &mesh);
     for radius in RADII {
         let mut pairs: Vec<(Vec3, Vec3, f32)> = in_parallel(&sites, |i: &u32| {
             let p = mesh.positions[*i as usize];
@@ -155,8 +157,10 @@ impl<'a> Skin<'a> {
     /// Returns `p` and the nearest point, if it is near and the skin there faces alike.
     fn closest(&self, p: Vec3, normal: Option<&Vec3>) -> Option<(Vec3, Vec3)> {
         let closest = self.bvh.closest_point_within(p, FAR)?;
-        let there = super::normal_at(self.mesh, closest.triangle, closest.barycentric);
-        normal.is_none_or(|normal| normal.dot(there) > TURNED).then_some((p, closest.point))
+        let target_normal = super::normal_at(self.mesh, closest.triangle, closest.barycentric);
+        normal
+            .is_none_or(|normal| normal.dot(target_normal) > MIN_NORMAL_COSINE)
+            .then_some((p, closest.point))
     }
 }
 
@@ -183,9 +187,9 @@ fn matches(mesh: &TriMesh, near: &[u32], target: &Skin<'_>) -> Vec<(Vec3, Vec3)>
 
 /// Returns about `count` of the indices below `all` that `takes` accepts, evenly.
 fn spread(all: usize, count: usize, takes: impl Fn(usize) -> bool) -> Vec<u32> {
-    let taken: Vec<u32> = (0..all).filter(|i| takes(*i)).map(|i| i as u32).collect();
-    let step = (taken.len() / count).max(1);
-    taken.into_iter().step_by(step).collect()
+    let accepted: Vec<u32> = (0..all).filter(|i| takes(*i)).map(|i| i as u32).collect();
+    let step = (accepted.len() / count).max(1);
+    accepted.into_iter().step_by(step).collect()
 }
 
 fn bounds(points: impl Iterator<Item = Vec3>) -> (Vec3, Vec3) {
@@ -197,7 +201,7 @@ fn inside(p: Vec3, (low, high): (Vec3, Vec3)) -> bool {
 }
 
 /// Returns vertices that are far from each other: each the farthest from those before.
-fn chosen(near: &[u32], mesh: &TriMesh) -> Vec<u32> {
+fn select_sites(near: &[u32], mesh: &TriMesh) -> Vec<u32> {
     let Some(first) = near.first() else { return Vec::new() };
     let mut away: Vec<f32> = vec![f32::MAX; near.len()];
     let (mut sites, mut last) = (vec![*first], mesh.positions[*first as usize]);
@@ -243,9 +247,9 @@ impl Gaussians {
             }
             out
         };
-        let wanted: Vec<Vec3> = pairs.iter().map(|(from, to, _)| *to - *from).collect();
+        let displacements: Vec<Vec3> = pairs.iter().map(|(from, to, _)| *to - *from).collect();
         let mut x = vec![Vec3::ZERO; sites.len()];
-        let (mut rest, mut way) = (wanted.clone(), wanted);
+        let (mut rest, mut direction) = (displacements.clone(), displacements);
         let dot =
             |a: &[Vec3], b: &[Vec3]| -> f64 { a.iter().zip(b).map(|(a, b)| f64::from(a.dot(*b))).sum() };
         let mut size = dot(&rest, &rest);
@@ -254,15 +258,18 @@ impl Gaussians {
             if size <= end || size == 0.0 {
                 break;
             }
-            let moved = system(&way);
-            let step = (size / dot(&way, &moved).max(1e-30)) as f32;
+            let product = system(&direction);
+            let step = (size / dot(&direction, &product).max(1e-30)) as f32;
             for i in 0..x.len() {
-                x[i] += way[i] * step;
-                rest[i] -= moved[i] * step;
+                x[i] += direction[i] * step;
+                rest[i] -= product[i] * step;
             }
             let next = dot(&rest, &rest);
             let keep = (next / size) as f32;
-            way.iter_mut().zip(&rest).for_each(|(way, rest)| *way = *rest + *way * keep);
+            direction
+                .iter_mut()
+                .zip(&rest)
+                .for_each(|(component, rest)| *component = *rest + *component * keep);
             size = next;
         }
         Self { sites, weights: x, radius }

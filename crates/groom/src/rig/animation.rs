@@ -80,7 +80,7 @@ impl Curve {
     /// Writes the values at `time` (seconds) to `out`, which is as long as a key has numbers. Before the first key and
     /// after the last one, that key holds. `turn` marks the numbers as a quaternion. Without keys, or with too few
     /// numbers for them, nothing is written.
-    pub fn sample(&self, time: f32, turn: bool, out: &mut [f32]) {
+    pub fn sample(&self, time: f32, is_rotation: bool, out: &mut [f32]) {
         let parts = if self.interpolation == Interpolation::CubicSpline { 3 } else { 1 };
         if self.values.len() < self.times.len() * out.len() * parts {
             return;
@@ -93,14 +93,14 @@ impl Curve {
         let to = next.min(last);
         let (start, end) = (self.times[from], self.times[to]);
         let length = end - start;
-        let share = if length > 0.0 { (time - start) / length } else { 0.0 };
+        let fraction = if length > 0.0 { (time - start) / length } else { 0.0 };
         match self.interpolation {
             _ if from == to || length <= 0.0 => out.copy_from_slice(self.key(from, out.len())),
             Interpolation::Step => out.copy_from_slice(self.key(from, out.len())),
-            Interpolation::Linear => self.linear(from, to, share, turn, out),
-            Interpolation::CubicSpline => self.hermite([from, to], share, length, out),
+            Interpolation::Linear => self.linear(from, to, fraction, is_rotation, out),
+            Interpolation::CubicSpline => self.hermite([from, to], fraction, length, out),
         }
-        if turn && let Some(q) = quaternion(out) {
+        if is_rotation && let Some(q) = quaternion(out) {
             out.copy_from_slice(&q.normalize().to_array());
         }
     }
@@ -118,14 +118,14 @@ impl Curve {
         &self.values[(3 * key + part) * width..][..width]
     }
 
-    fn linear(&self, from: usize, to: usize, share: f32, turn: bool, out: &mut [f32]) {
+    fn linear(&self, from: usize, to: usize, fraction: f32, is_rotation: bool, out: &mut [f32]) {
         let (a, b) = (self.key(from, out.len()), self.key(to, out.len()));
-        if turn && let (Some(a), Some(b)) = (quaternion(a), quaternion(b)) {
-            out.copy_from_slice(&a.slerp(b, share).to_array());
+        if is_rotation && let (Some(a), Some(b)) = (quaternion(a), quaternion(b)) {
+            out.copy_from_slice(&a.slerp(b, fraction).to_array());
             return;
         }
         for ((out, a), b) in out.iter_mut().zip(a).zip(b) {
-            *out = a + (b - a) * share;
+            *out = a + (b - a) * fraction;
         }
     }
 

@@ -23,7 +23,7 @@ impl Rig {
         for ((p, n), bind) in vertices.zip(&self.vertices) {
             let by = blend(&pose.palette, bind);
             *p = by.transform_point3(*p);
-            *n = turn(&by, *n);
+            *n = transform_normal(&by, *n);
         }
     }
 
@@ -66,17 +66,17 @@ impl Rig {
 
 /// Returns the weighted sum of a vertex's palette entries.
 fn blend(palette: &[Mat4], bind: &Bind) -> Mat4 {
-    let shares = bind.joints.iter().zip(bind.weights).filter(|(_, weight)| *weight != 0.0);
-    shares.fold(Mat4::ZERO, |sum, (joint, weight)| {
+    let influences = bind.joints.iter().zip(bind.weights).filter(|(_, weight)| *weight != 0.0);
+    influences.fold(Mat4::ZERO, |sum, (joint, weight)| {
         sum + palette.get(*joint as usize).copied().unwrap_or_default() * weight
     })
 }
 
 /// Transforms a normal, so that it stays perpendicular, of unit length, and on the same side.
-fn turn(by: &Mat4, normal: Vec3) -> Vec3 {
+fn transform_normal(by: &Mat4, normal: Vec3) -> Vec3 {
     let [x, y, z] = [by.x_axis, by.y_axis, by.z_axis].map(|a| a.truncate());
     let cofactors = [y.cross(z), z.cross(x), x.cross(y)];
     let sign = if x.dot(cofactors[0]) < 0.0 { -1.0 } else { 1.0 };
-    let turned = cofactors[0] * normal.x + cofactors[1] * normal.y + cofactors[2] * normal.z;
-    (turned * sign).normalize_or(Vec3::Y)
+    let transformed = cofactors[0] * normal.x + cofactors[1] * normal.y + cofactors[2] * normal.z;
+    (transformed * sign).normalize_or(Vec3::Y)
 }

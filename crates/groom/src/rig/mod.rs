@@ -37,7 +37,7 @@ pub struct Rig {
     #[cfg_attr(feature = "cooked", serde(with = "crate::bulk"))]
     pub vertices: Vec<Bind>,
     /// Blend shapes. Shapes with the same name are one, whichever parts of the mesh they move.
-    pub targets: Vec<Target>,
+    pub targets: Vec<MorphTarget>,
     /// Animations, in the file's order.
     pub animations: Vec<Animation>,
     /// Transform from the file's space (glTF: Y up, meters) to groom space: a similarity, and the identity until the
@@ -102,7 +102,7 @@ pub struct Bind {
 /// A blend shape: the offsets that it adds to vertices at weight 1.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "cooked", derive(serde::Serialize, serde::Deserialize))]
-pub struct Target {
+pub struct MorphTarget {
     /// Name, unique in a rig.
     pub name: String,
     /// Offsets of the moved vertices, ascending by vertex.

@@ -31,19 +31,19 @@ impl Rig {
     ///
     /// If several nodes have shapes with the same name, the largest of their weights counts, by magnitude.
     pub fn pose_with(&self, animation: Option<(&Animation, f32)>, morphs: &[(usize, f32)]) -> RigPose {
-        self.pose_turned(animation, morphs, &[])
+        self.pose_with_rotations(animation, morphs, &[])
     }
 
     /// [`pose_with`](Self::pose_with) that also turns some nodes, each about its current position, in groom space: for
     /// example, a head looks aside during a walk. Children turn with their node, so the turns along a chain multiply.
-    pub fn pose_turned(
+    pub fn pose_with_rotations(
         &self,
         animation: Option<(&Animation, f32)>,
         morphs: &[(usize, f32)],
-        turns: &[(u32, Quat)],
+        rotations: &[(u32, Quat)],
     ) -> RigPose {
         let mut locals: Vec<Transform> = self.nodes.iter().map(|n| n.rest).collect();
-        let mut moved = vec![false; self.nodes.len()];
+        let mut animated = vec![false; self.nodes.len()];
         let mut blended = vec![false; self.nodes.len()];
         let mut weights = vec![0.0f32; self.targets.len()];
         let mut raise = |target: u32, weight: f32| {
@@ -81,7 +81,7 @@ impl Rig {
                     continue;
                 }
             }
-            moved[node] = true;
+            animated[node] = true;
         }
         let resting = self.nodes.iter().zip(&blended).filter(|(_, blended)| !**blended);
         resting.flat_map(|(node, _)| &node.weights).for_each(|(target, weight)| raise(*target, *weight));
@@ -91,15 +91,15 @@ impl Rig {
             }
         }
         let mut globals: Vec<Mat4> = Vec::with_capacity(self.nodes.len());
-        for ((node, local), moved) in self.nodes.iter().zip(&locals).zip(&moved) {
-            let local = node.matrix.filter(|_| !moved).unwrap_or_else(|| local.matrix());
+        for ((node, local), is_animated) in self.nodes.iter().zip(&locals).zip(&animated) {
+            let local = node.matrix.filter(|_| !is_animated).unwrap_or_else(|| local.matrix());
             let parent = node.parent.and_then(|p| globals.get(p as usize));
             let mut global = parent.map_or(local, |parent| *parent * local);
-            for (_, turn) in turns.iter().filter(|(node, _)| *node as usize == globals.len()) {
+            for (_, rotation) in rotations.iter().filter(|(node, _)| *node as usize == globals.len()) {
                 let (_, to_groom, _) = self.to_groom.to_scale_rotation_translation();
-                let turn = to_groom.conjugate() * *turn * to_groom;
+                let file_rotation = to_groom.conjugate() * *rotation * to_groom;
                 let at = global.w_axis.truncate();
-                global = Mat4::from_rotation_translation(turn, at - turn * at) * global;
+                global = Mat4::from_rotation_translation(file_rotation, at - file_rotation * at) * global;
             }
             globals.push(global);
         }

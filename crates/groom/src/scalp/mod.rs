@@ -102,8 +102,8 @@ pub fn scalp_direction(uv: Vec2) -> Vec3 {
     let pole = pole();
     let front = Vec3::X.cross(pole);
     let flat = (uv - Vec2::splat(0.5)) * (2.0 * MAP_ANGLE);
-    let (angle, way) = (flat.length(), flat.normalize_or_zero());
-    (pole * angle.cos() + (Vec3::X * way.x + front * way.y) * angle.sin()).normalize()
+    let (angle, direction) = (flat.length(), flat.normalize_or_zero());
+    (pole * angle.cos() + (Vec3::X * direction.x + front * direction.y) * angle.sin()).normalize()
 }
 
 /// Returns the stereographic projection about the middle of the scalp. It maps circles to circles, so a Delaunay

@@ -40,7 +40,7 @@ pub fn cook(styles: &[StyledGuides]) -> Vec<u8> {
             let mut line = Vec::with_capacity(GUIDE_VERTICES);
             for p in guide {
                 let at = (p / STEP).round().as_ivec3();
-                let (first, off) = (column(&line), at - ahead(&line));
+                let (first, off) = (column(&line), at - predict(&line));
                 (0..3).for_each(|a| out.put(first + a, off[a]));
                 line.push(at);
             }
@@ -59,7 +59,7 @@ fn read(bytes: &[u8]) -> Vec<Strands> {
             for _ in 0..GUIDE_VERTICES {
                 let first = column(&line);
                 let off = [0, 1, 2].map(|a| next(first + a));
-                line.push(ahead(&line) + IVec3::from_array(off));
+                line.push(predict(&line) + IVec3::from_array(off));
             }
             let line: Vec<Vec3> = line.iter().map(|p| p.as_vec3() * STEP).collect();
             strands.push(&line);
@@ -80,7 +80,7 @@ fn column(line: &[IVec3]) -> usize {
 }
 
 /// Predicts the next vertex by continuing straight on.
-fn ahead(line: &[IVec3]) -> IVec3 {
+fn predict(line: &[IVec3]) -> IVec3 {
     match line {
         [] => IVec3::ZERO,
         [root] => *root,

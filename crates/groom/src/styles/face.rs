@@ -27,14 +27,14 @@ impl Face {
     }
 
     /// Returns a lower bound of the distance from `p` to the region, meters.
-    pub fn room(&self, p: Vec3) -> f32 {
+    pub fn distance_bound(&self, p: Vec3) -> f32 {
         ((((p - self.center) / self.radii).length() - 1.0) * self.radii.min_element()).max(0.0)
     }
 
     /// Returns the direction of the nearest way out that does not lead up or down: to the side, and a little back.
-    pub fn aside(&self, p: Vec3, side: f32) -> Vec3 {
-        let way = if p.x.abs() > 0.004 { p.x.signum() } else { side };
-        Vec3::new(way, 0.0, -0.35).normalize()
+    pub fn sideways_direction(&self, p: Vec3, side: f32) -> Vec3 {
+        let sign = if p.x.abs() > 0.004 { p.x.signum() } else { side };
+        Vec3::new(sign, 0.0, -0.35).normalize()
     }
 
     /// Returns `p`, moved sideways to the edge of the region if it is inside.
@@ -44,7 +44,7 @@ impl Face {
         if self.depth(p) <= 0.0 || across <= 0.0 {
             return p;
         }
-        let way = if p.x.abs() > 0.004 { p.x.signum() } else { side };
-        Vec3::new(way * across.sqrt() * self.radii.x * 1.001, p.y, p.z)
+        let sign = if p.x.abs() > 0.004 { p.x.signum() } else { side };
+        Vec3::new(sign * across.sqrt() * self.radii.x * 1.001, p.y, p.z)
     }
 }

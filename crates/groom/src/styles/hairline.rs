@@ -19,7 +19,7 @@ const STEPS: usize = 90;
 
 /// Knots of the line: azimuth in degrees from the front (the ear is at 90), reference landmark, and height above it in
 /// centimeters.
-const KNOTS: [(f32, Mark, f32); 17] = [
+const CONTROL_POINTS: [(f32, Mark, f32); 17] = [
     (0.0, Mark::Brow, 5.7),
     (14.0, Mark::Brow, 5.9),
     (26.0, Mark::Brow, 6.1),
@@ -57,7 +57,7 @@ impl Hairline {
     pub fn new(scalp: &dyn Scalp, raise: f32, irregularity: f32, seed: u32) -> Self {
         let marks = scalp.landmarks();
         let ear_azimuth = (marks.ear.x).atan2(marks.ear.z - marks.skull.z).to_degrees();
-        let knots = KNOTS.map(|(azimuth, mark, height)| {
+        let control_points = CONTROL_POINTS.map(|(azimuth, mark, height)| {
             let base = match mark {
                 Mark::Brow => marks.brow.y,
                 Mark::Ear => marks.ear.y,
@@ -70,8 +70,8 @@ impl Hairline {
         let line = (0..=STEPS)
             .map(|i| {
                 let azimuth = 180.0 * i as f32 / STEPS as f32;
-                let at = knots[1..knots.len() - 1].partition_point(|k| k.0 < azimuth);
-                let ((a0, y0), (a1, y1)) = (knots[at], knots[at + 1]);
+                let at = control_points[1..control_points.len() - 1].partition_point(|k| k.0 < azimuth);
+                let ((a0, y0), (a1, y1)) = (control_points[at], control_points[at + 1]);
                 let y = y0
                     + (y1 - y0)
                         * smoothstep(a0, a1, azimuth)
@@ -91,10 +91,10 @@ impl Hairline {
         let x = v.x.atan2(v.z).abs() / std::f32::consts::PI * STEPS as f32;
         let i = (x as usize).min(STEPS - 1);
         let line = self.line[i] + (self.line[i + 1] - self.line[i]) * (x - i as f32);
-        let ahead = (i + 3).min(STEPS);
-        let behind = i.saturating_sub(2);
+        let next = (i + 3).min(STEPS);
+        let previous = i.saturating_sub(2);
         let step = std::f32::consts::PI / STEPS as f32 * elevation.cos().max(0.2);
-        let slope = (self.line[ahead] - self.line[behind]) / (step * (ahead - behind) as f32);
+        let slope = (self.line[next] - self.line[previous]) / (step * (next - previous) as f32);
         let wander = noise(p * 130.0, self.seed) * 0.6 + noise(p * 300.0, self.seed ^ 5) * 0.4;
         (elevation - line) * r / (1.0 + slope * slope).sqrt() + wander * self.irregularity
     }
@@ -112,11 +112,11 @@ impl Hairline {
 fn elevation_at_height(scalp: &dyn Scalp, azimuth: f32, y: f32) -> f32 {
     let (mut lo, mut hi) = (-1.2f32, 1.4f32);
     for _ in 0..18 {
-        let middle = 0.5 * (lo + hi);
-        if scalp.point(direction(azimuth, middle)).y < y {
-            lo = middle;
+        let midpoint = 0.5 * (lo + hi);
+        if scalp.point(direction(azimuth, midpoint)).y < y {
+            lo = midpoint;
         } else {
-            hi = middle;
+            hi = midpoint;
         }
     }
     0.5 * (lo + hi)

@@ -26,8 +26,8 @@ impl Parting {
                 let t = i as f32 / 48.0;
                 let angle = (front + (102.0 - front) * t).to_radians();
                 let astray = recipe.parting_wander * noise(Vec3::new(t * 9.0, 0.5, 0.5), recipe.seed);
-                let aside = x * (1.0 - 0.35 * t * t) + astray;
-                let dir = Vec3::new(aside / 0.085, angle.sin(), angle.cos());
+                let lateral = x * (1.0 - 0.35 * t * t) + astray;
+                let dir = Vec3::new(lateral / 0.085, angle.sin(), angle.cos());
                 scalp.point(dir)
             })
             .collect();
@@ -51,9 +51,9 @@ impl Parting {
 
     /// Returns whether the parting runs between the scalp points `a` and `b`.
     pub fn separates(&self, a: Vec3, b: Vec3) -> bool {
-        let (middle, reach) = (0.5 * (a + b), 0.55 * a.distance(b));
-        let q = self.nearest(middle);
-        q.distance_squared(middle) < reach * reach && self.side(a) != self.side(b)
+        let (midpoint, radius) = (0.5 * (a + b), 0.55 * a.distance(b));
+        let q = self.nearest(midpoint);
+        q.distance_squared(midpoint) < radius * radius && self.side(a) != self.side(b)
     }
 
     /// Returns the side of `p`, -1 or 1: the sign of its x relative to the parting.

@@ -25,7 +25,7 @@ pub(crate) fn guide_roots(
     let mut rng = Rng::new(seed, 0x0700);
     let start = Vec2::new(rng.unit(), rng.unit());
     // The fourth coordinate moves the two sides of the parting apart, so that no root covers both.
-    let apart = |p: Vec3| match parting {
+    let embed = |p: Vec3| match parting {
         Some(parting) => {
             let near = 1.0 - (parting.nearest(p).distance(p) / 0.03).min(1.0);
             p.extend(parting.side(p) * 0.03 * near)
@@ -38,12 +38,12 @@ pub(crate) fn guide_roots(
         let p = scalp.point(spread_direction(i, start));
         i += 1;
         let inside = hairline.inside(p);
-        let beside = parting.map_or(1.0, |line| line.nearest(p).distance(p) - line.half_width);
-        if inside < 0.001 || beside < 0.001 {
+        let parting_distance = parting.map_or(1.0, |line| line.nearest(p).distance(p) - line.half_width);
+        if inside < 0.001 || parting_distance < 0.001 {
             continue;
         }
-        let edge = inside.min(beside);
-        samples.push((apart(p), if edge < 0.006 { 3.0 } else { 1.0 }));
+        let edge = inside.min(parting_distance);
+        samples.push((embed(p), if edge < 0.006 { 3.0 } else { 1.0 }));
     }
     // The samples are an evenly spread sequence, so any run of them is a good start.
     let mut roots: Vec<Vec4> = samples.iter().take(count).map(|sample| sample.0).collect();
@@ -64,10 +64,10 @@ pub(crate) fn guide_roots(
     let skull = scalp.landmarks().skull;
     let settle = |root: &Vec4| {
         let p = scalp.point(root.truncate() - skull);
-        let bare = hairline.inside(p) < 0.0005
+        let is_bald = hairline.inside(p) < 0.0005
             || parting.is_some_and(|line| line.nearest(p).distance(p) < line.half_width + 0.0005);
         // A mean can fall outside of a concave region; its nearest sample does not.
-        if bare { samples[nearest_sample(&samples, *root)].0.truncate() } else { p }
+        if is_bald { samples[nearest_sample(&samples, *root)].0.truncate() } else { p }
     };
     roots.iter().map(settle).collect()
 }

@@ -77,7 +77,7 @@ impl Field<'_> {
             None => 1f32.copysign(root.x),
         };
         // Hair lies flatter at the parting.
-        let beside =
+        let parting_fade =
             self.parting.map_or(1.0, |parting| smoothstep(0.0, 0.04, parting.nearest(root).distance(root)));
         // Around a whorl hair stands up, or the crown would look hollow.
         let stand = match self.parting {
@@ -85,9 +85,9 @@ impl Field<'_> {
             None => 1.0 - smoothstep(0.005, 0.06, root.distance(self.whorl)),
         };
         let lift = lerp(recipe.lift.at(layer), 0.75, stand)
-            * lerp(0.6, 1.0, beside)
+            * lerp(0.6, 1.0, parting_fade)
             * (1.0 + 0.2 * rng.bell().clamp(-1.5, 1.5));
-        let volume = recipe.volume.at(layer) * lerp(0.6, 1.0, beside) * (1.0 + 0.12 * rng.bell());
+        let volume = recipe.volume.at(layer) * lerp(0.6, 1.0, parting_fade) * (1.0 + 0.12 * rng.bell());
         // Where hair parts in all directions, some of it crosses over and covers the spot.
         let wild = match self.parting {
             Some(_) => 0.8 * (1.0 - smoothstep(0.006, 0.03, root.distance(self.whorl))),
@@ -113,8 +113,8 @@ impl Field<'_> {
         });
         let mut along = 0.0;
         // Where the head holds a path up, it gets no longer.
-        let most = (2.0 * longest / STEP) as usize;
-        while along < longest && path.len() < most {
+        let max_points = (2.0 * longest / STEP) as usize;
+        while along < longest && path.len() < max_points {
             let d = self.scalp.distance(p);
             let n = self.broad_normal(p);
             let up = smoothstep(-0.35, 0.5, n.y) * smoothstep(self.marks.chin.y, self.marks.ear.y, p.y);
@@ -133,8 +133,8 @@ impl Field<'_> {
             target = target.normalize_or(t);
             // Over the ears hair lies closer than above, or it would stand off like the brim of a hat.
             let full = volume * lerp(0.35, 1.0, smoothstep(self.marks.ear.y, self.marks.skull.y + 0.04, p.y));
-            let wanted = full * smoothstep(0.0, 0.035, along).max(0.1);
-            let error = (wanted - d) / 0.012;
+            let target_distance = full * smoothstep(0.0, 0.035, along).max(0.1);
+            let error = (target_distance - d) / 0.012;
             target += n * if error > 0.0 { error.min(1.0) * 0.8 } else { error.max(-1.0) * 0.45 * up };
             if let Some(hem) = hem
                 && recipe.tip_in > 0.0
@@ -146,10 +146,10 @@ impl Field<'_> {
             }
             let depth = self.face.depth(p + t * 0.01);
             if depth > 0.0 && !fringe {
-                target += self.face.aside(p, side) * (depth * 8.0).min(2.0);
+                target += self.face.sideways_direction(p, side) * (depth * 8.0).min(2.0);
             }
-            let turn = 1.0 - (-STEP / (recipe.bend * (1.0 + stand))).exp();
-            t = t.lerp(target.normalize_or(t), turn).normalize_or(t);
+            let blend = 1.0 - (-STEP / (recipe.bend * (1.0 + stand))).exp();
+            t = t.lerp(target.normalize_or(t), blend).normalize_or(t);
             p += t * STEP;
             if !fringe {
                 p = self.face.clear(p, side);
@@ -209,9 +209,10 @@ impl Field<'_> {
             let grow = smoothstep(0.04, 0.2f32.min(path.len() as f32 * STEP), along);
             let angle = std::f32::consts::TAU * along / length + phase;
             let offset = (side * angle.sin() + out * 0.35 * angle.cos()) * recipe.wave * grow;
-            let moved = self.face.clear(straight[i] + offset, root.x.signum());
-            let d = self.scalp.distance(moved);
-            path[i] = if d < 0.002 { moved + self.scalp.normal(moved) * (0.002 - d) } else { moved };
+            let displaced = self.face.clear(straight[i] + offset, root.x.signum());
+            let d = self.scalp.distance(displaced);
+            path[i] =
+                if d < 0.002 { displaced + self.scalp.normal(displaced) * (0.002 - d) } else { displaced };
         }
     }
 }

@@ -60,8 +60,8 @@ impl CardChain {
         if level == self.shown || level.is_some_and(|level| !self.can_show(level)) {
             return false;
         }
-        for place in [self.shown, level].into_iter().flatten() {
-            if let Some(other) = &mut self.characters[place] {
+        for index in [self.shown, level].into_iter().flatten() {
+            if let Some(other) = &mut self.characters[index] {
                 scene.exchange(other);
             }
         }

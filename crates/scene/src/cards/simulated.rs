@@ -67,8 +67,8 @@ pub fn simulate(scene: &mut Scene, chains: &CardChains, clip: CardClip<'_>) -> R
     // The end of the first time leads to the start of the second one.
     let blend = ((BLEND / second) as usize).min(keys / 2).max(1);
     for (key, old) in before.iter().enumerate().skip(keys - blend) {
-        let share = (key + blend - keys) as f32 / blend as f32;
-        joints[key].iter_mut().zip(old).for_each(|(now, old)| *now = now.lerp(*old, share));
+        let weight = (key + blend - keys) as f32 / blend as f32;
+        joints[key].iter_mut().zip(old).for_each(|(now, old)| *now = now.lerp(*old, weight));
     }
     let times = (0..=keys).map(|key| (key as f64 * second) as f32).collect();
     Ok(ChainMotion { animation: clip.animation, times, joints })

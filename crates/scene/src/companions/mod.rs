@@ -9,13 +9,13 @@ pub(crate) mod ties;
 
 pub use levels::levels;
 pub use maps::{ColorSource, MapSource};
-pub use surroundings::Surroundings;
+pub use surroundings::EnvironmentMap;
 pub use ties::ties;
 
 use crate::{
     colliders::Colliders,
     shelf::Shelf,
-    source::{COMPANIONS, Companion, Source},
+    source::{COMPANION_FILES, Companion, PresetSource},
 };
 use anyhow::{Error, Result};
 use std::path::Path;
@@ -44,24 +44,24 @@ pub struct Maps {
 
 /// Names of a groom's companion files, and the contents of those held in memory.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Companions {
-    names: Source,
+pub struct CompanionFiles {
+    names: PresetSource,
     /// Files in memory.
     pub files: Shelf,
 }
 
-impl Companions {
+impl CompanionFiles {
     /// Collects the companions that `source` names.
-    pub fn of(source: &Source, files: Shelf) -> Self {
-        let mut names = Source::default();
-        for companion in &COMPANIONS {
+    pub fn of(source: &PresetSource, files: Shelf) -> Self {
+        let mut names = PresetSource::default();
+        for companion in &COMPANION_FILES {
             companion.set(&mut names, companion.name(source));
         }
         Self { names, files }
     }
 
     /// Returns a source that names only the companions, without hair.
-    pub fn names(&self) -> &Source {
+    pub fn names(&self) -> &PresetSource {
         &self.names
     }
 
@@ -92,14 +92,14 @@ impl Companions {
 
     /// Iterates over the companions that are set, with their file names.
     pub fn all(&self) -> impl Iterator<Item = (&'static Companion, String)> {
-        COMPANIONS.iter().filter_map(|companion| Some((companion, self.name(companion)?)))
+        COMPANION_FILES.iter().filter_map(|companion| Some((companion, self.name(companion)?)))
     }
 
     /// Returns whether replacing `other` with these companions requires rebuilding the hair.
     pub fn differ_in_hair(&self, other: &Self) -> bool {
         let differs = |companion: &Companion| self.name(companion) != other.name(companion);
         self.files_of_hair() != other.files_of_hair()
-            || COMPANIONS.iter().any(|c| c.kind.is_of_hair() && differs(c))
+            || COMPANION_FILES.iter().any(|c| c.kind.is_of_hair() && differs(c))
     }
 
     /// Returns whether `self` and `other` have different files in memory.
@@ -130,16 +130,16 @@ impl Companions {
     ///
     /// # Errors
     /// Fails if the file cannot be read. The message names the file.
-    pub fn surroundings(&self) -> Result<Option<Surroundings>> {
+    pub fn surroundings(&self) -> Result<Option<EnvironmentMap>> {
         self.names
             .environment
             .as_ref()
-            .map(|path| Surroundings::read(Path::new(path), &self.files))
+            .map(|path| EnvironmentMap::read(Path::new(path), &self.files))
             .transpose()
     }
 }
 
-fn maps(source: &Source, files: &Shelf) -> Result<Maps> {
+fn maps(source: &PresetSource, files: &Shelf) -> Result<Maps> {
     let read = |name: &Option<String>| {
         let read = |name: &String| name.parse::<MapSource>().map_err(Error::msg)?.read(files);
         name.as_ref().map(read).transpose()
@@ -179,21 +179,21 @@ mod tests {
 
     #[test]
     fn each_companion_has_its_own_field() {
-        let mut source = Source { style: Some("bob".into()), ..Source::default() };
-        for companion in &COMPANIONS {
+        let mut source = PresetSource { style: Some("bob".into()), ..PresetSource::default() };
+        for companion in &COMPANION_FILES {
             companion.set(&mut source, Some(companion.key.into()));
         }
-        for companion in &COMPANIONS {
+        for companion in &COMPANION_FILES {
             assert_eq!(companion.name(&source).as_deref(), Some(companion.key));
         }
-        let companions = Companions::of(&source, Shelf::default());
+        let companions = CompanionFiles::of(&source, Shelf::default());
         assert_eq!(companions.names().style, None, "the hair is no companion");
-        assert_eq!(Companions::of(companions.names(), Shelf::default()), companions);
-        for companion in &COMPANIONS {
+        assert_eq!(CompanionFiles::of(companions.names(), Shelf::default()), companions);
+        for companion in &COMPANION_FILES {
             let less = companions.with(companion, None, &Shelf::default());
             assert_eq!(less.name(companion), None);
             assert_eq!(less.differ_in_hair(&companions), companion.key != "environment");
-            assert_eq!(less.all().count(), COMPANIONS.len() - 1);
+            assert_eq!(less.all().count(), COMPANION_FILES.len() - 1);
         }
         // An environment map in memory does not require rebuilding the hair; a scalp map does.
         let mut sky = Shelf::default();
@@ -206,20 +206,20 @@ mod tests {
 
     #[test]
     fn maps_and_curve_load_from_memory() {
-        let names = Source {
+        let names = PresetSource {
             density_map: Some("not-front".into()),
             curl_curve: Some("wave.obj".into()),
-            ..Source::default()
+            ..PresetSource::default()
         };
         let mut files = Shelf::default();
         files.put("wave.obj".into(), *b"v 0 0 0\nv 1 1 0\nv 0 2 0\nv -1 3 0\nv 0 4 0\nl 1 2 3 4 5\n");
-        let companions = Companions::of(&names, files);
+        let companions = CompanionFiles::of(&names, files);
         let maps = companions.maps().unwrap();
         assert!(maps.paint.density.is_some() && maps.curl.is_some() && maps.paint.length.is_none());
         let with = |key: &str, name: &str| {
             companions.with(companion(key).unwrap(), Some(name.into()), &Shelf::default())
         };
-        let error = |companions: &Companions| format!("{:#}", companions.maps().unwrap_err());
+        let error = |companions: &CompanionFiles| format!("{:#}", companions.maps().unwrap_err());
         let wrong = with("length_map", "nowhere.png");
         assert!(error(&wrong).contains("nowhere.png"));
         let wrong = with("color_map", "noise");

@@ -16,13 +16,13 @@ const COLUMNS: usize = 512;
 
 /// Equirectangular environment map in linear color, reduced in size. The face (+Z) looks at its center.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Surroundings {
+pub struct EnvironmentMap {
     width: usize,
     height: usize,
     pixels: Vec<[f32; 3]>,
 }
 
-impl Surroundings {
+impl EnvironmentMap {
     /// Reads the .hdr or .exr image at `path`.
     ///
     /// # Errors
@@ -34,23 +34,23 @@ impl Surroundings {
 
     /// Returns the lights of the map, with the rotation and strength from `settings`.
     pub fn lights(&self, settings: &LightSettings) -> Lights {
-        let (turn, strength) = (settings.environment_turn, settings.environment_strength);
+        let (rotation, strength) = (settings.environment_rotation, settings.environment_strength);
         // `decode` rejects empty images.
         let (mut environment, suns) =
-            Environment::from_equirectangular(self.width, self.height, &self.pixels, turn)
+            Environment::from_equirectangular(self.width, self.height, &self.pixels, rotation)
                 .unwrap_or_default();
         for coefficient in &mut environment.coefficients {
             *coefficient *= strength;
         }
         let mut directional = [Directional::OFF; MAX_LIGHTS];
-        for (place, sun) in directional.iter_mut().zip(suns) {
-            *place = Directional { irradiance: sun.irradiance * strength, ..sun };
+        for (slot, sun) in directional.iter_mut().zip(suns) {
+            *slot = Directional { irradiance: sun.irradiance * strength, ..sun };
         }
         Lights { directional, sky: Sky::default(), environment }
     }
 }
 
-fn decode(path: &Path, bytes: &[u8]) -> Result<Surroundings> {
+fn decode(path: &Path, bytes: &[u8]) -> Result<EnvironmentMap> {
     let format = image::ImageFormat::from_path(path).ok();
     let format =
         format.filter(|format| matches!(format, image::ImageFormat::Hdr | image::ImageFormat::OpenExr));
@@ -80,7 +80,7 @@ fn decode(path: &Path, bytes: &[u8]) -> Result<Surroundings> {
         }
         (sum / count).to_array()
     });
-    Ok(Surroundings { width: columns, height: rows, pixels: pixels.collect() })
+    Ok(EnvironmentMap { width: columns, height: rows, pixels: pixels.collect() })
 }
 
 #[cfg(test)]
@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn hdr_and_exr_load() {
         for name in ["sky.hdr", "sky.exr"] {
-            let read = Surroundings::read(Path::new(name), &written(name, 64, 32)).unwrap();
+            let read = EnvironmentMap::read(Path::new(name), &written(name, 64, 32)).unwrap();
             let usual = LightSettings::default();
             let lights = read.lights(&usual);
             assert_eq!(lights.active().count(), 1, "{name}");
@@ -116,7 +116,7 @@ mod tests {
             let brighter = read.lights(&LightSettings { environment_strength: 2.0, ..usual });
             assert!((brighter.environment.around(Vec3::Y) / above - 2.0).abs().max_element() < 1e-3);
             assert!(brighter.directional[0].irradiance.x > 1.9 * lights.directional[0].irradiance.x);
-            let turned = read.lights(&LightSettings { environment_turn: 1.0, ..usual });
+            let turned = read.lights(&LightSettings { environment_rotation: 1.0, ..usual });
             let (before, after) = (lights.directional[0].direction, turned.directional[0].direction);
             let expected = Quat::from_rotation_y(1.0) * before;
             assert!(after.angle_between(expected) < 0.05, "{before} {after}");
@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn invalid_environment_maps_fail() {
-        let read = |name: &str, shelf: &Shelf| match Surroundings::read(Path::new(name), shelf) {
+        let read = |name: &str, shelf: &Shelf| match EnvironmentMap::read(Path::new(name), shelf) {
             Ok(_) => panic!("{name}"),
             Err(error) => format!("{error:#}"),
         };

@@ -82,7 +82,7 @@ pub(super) const fn word(word: &'static str, sets: &'static [Set]) -> FlagValue 
     FlagValue { path: "", word, sets, resets: &[] }
 }
 
-pub(super) const fn place(part: FlagValue, missing: OmittedValue) -> Slot {
+pub(super) const fn slot(part: FlagValue, missing: OmittedValue) -> Slot {
     Slot { part, missing }
 }
 
@@ -146,8 +146,8 @@ impl Flag {
     }
 
     /// Adds further comma-separated elements.
-    pub(super) const fn then(mut self, places: &'static [Slot]) -> Self {
-        self.more = places;
+    pub(super) const fn then(mut self, slots: &'static [Slot]) -> Self {
+        self.more = slots;
         self
     }
 }
@@ -168,20 +168,20 @@ impl Knob {
             Some(successor) => format!("use {successor}"),
             None => refusal(first),
         })?;
-        for place in flag.more {
-            text = match (texts.next(), place.missing) {
+        for slot in flag.more {
+            text = match (texts.next(), slot.missing) {
                 (Some(text), _) | (None, OmittedValue::Is(text)) => text,
                 (None, OmittedValue::Same) => text,
                 (None, OmittedValue::Kept) => continue,
                 (None, OmittedValue::Refused) => return Err(refused()),
             };
-            let part = std::slice::from_ref(&place.part);
+            let part = std::slice::from_ref(&slot.part);
             assigned.add(read_any(part, text).ok_or_else(|| refusal(part))?);
         }
         if texts.next().is_some() {
             return Err(refused());
         }
-        Ok(if time == 0 { assigned } else { assigned.of_another(time) })
+        Ok(if time == 0 { assigned } else { assigned.for_occurrence(time) })
     }
 
     /// Describes the flag's argument, such as `SPEED[,DEGREES]`, with the range of each element.
@@ -191,8 +191,8 @@ impl Knob {
             [] => flag_range(self),
             parts => parts.iter().map(FlagValue::range).collect::<Vec<_>>().join(", or "),
         };
-        for place in flag.more {
-            words += &format!("; {}", place.part.range());
+        for slot in flag.more {
+            words += &format!("; {}", slot.part.range());
         }
         words
     }
@@ -201,7 +201,7 @@ impl Knob {
     #[cfg(test)]
     pub(super) fn flag_paths(&self) -> Vec<&'static str> {
         let Some(flag) = self.flag else { return Vec::new() };
-        let parts = flag.first.iter().chain(flag.more.iter().map(|place| &place.part));
+        let parts = flag.first.iter().chain(flag.more.iter().map(|slot| &slot.part));
         let paths = |part: &FlagValue| {
             let own = (!part.path.is_empty()).then_some(part.path);
             let others = part.sets.iter().map(|(path, _)| *path).chain(part.resets.iter().copied());
@@ -227,8 +227,8 @@ impl Knob {
         }
         let own = if flag.first.is_empty() { of_row(self) } else { any(flag.first) };
         let mut lines = vec![sentence(&own)];
-        for place in flag.more {
-            if let Some(row) = find(place.part.path) {
+        for slot in flag.more {
+            if let Some(row) = find(slot.part.path) {
                 lines.push(format!("Then: {} {}", row.hint, sentence(&of_row(row))));
             }
         }
@@ -243,7 +243,7 @@ impl Assignment {
     }
 
     /// Returns the assignments for the rows of the occurrence with index `time`.
-    fn of_another(self, time: usize) -> Self {
+    fn for_occurrence(self, time: usize) -> Self {
         let other = |path: &str| {
             let path = path.replace('1', &(time + 1).to_string());
             find(&path).map_or("", |row| row.path)
@@ -283,8 +283,8 @@ fn refusal(parts: &[FlagValue]) -> String {
 fn flag_value(row: &Knob, text: &str) -> Option<Value> {
     match row.kind {
         ValueKind::Number { unit: PERCENT, .. } if !text.ends_with('%') && text != "auto" => {
-            let share: f64 = text.parse().ok()?;
-            row.parse(&(100.0 * share).to_string()).ok()
+            let fraction: f64 = text.parse().ok()?;
+            row.parse(&(100.0 * fraction).to_string()).ok()
         }
         _ => row.parse(text).ok(),
     }
@@ -293,14 +293,12 @@ fn flag_value(row: &Knob, text: &str) -> Option<Value> {
 /// Describes the values that flags accept for `row`.
 fn flag_range(row: &Knob) -> String {
     match row.kind {
-        ValueKind::Number { unit: PERCENT, least, most, .. } => {
-            format!("from {} to {}", share(least), share(most))
+        ValueKind::Number { unit: PERCENT, min, max, .. } => {
+            format!("from {} to {}", fraction_text(min), fraction_text(max))
         }
-        ValueKind::Number { unit, least, most, .. } => {
-            with_unit(&format!("from {least} to {most}"), unit.symbol)
-        }
-        ValueKind::Integer { unit, least, most, .. } => {
-            with_unit(&format!("a whole number from {least} to {most}"), unit.symbol)
+        ValueKind::Number { unit, min, max, .. } => with_unit(&format!("from {min} to {max}"), unit.symbol),
+        ValueKind::Integer { unit, min, max, .. } => {
+            with_unit(&format!("a whole number from {min} to {max}"), unit.symbol)
         }
         ValueKind::Choice(choices) => format!("one of {}", names(choices)),
         ValueKind::Toggle => "on or off".into(),
@@ -310,14 +308,14 @@ fn flag_range(row: &Knob) -> String {
 
 fn flag_text(row: &Knob, value: Value) -> String {
     match (row.kind, value) {
-        (ValueKind::Number { unit: PERCENT, .. }, Value::Number(v)) => share(row.shown(v)),
+        (ValueKind::Number { unit: PERCENT, .. }, Value::Number(v)) => fraction_text(row.shown(v)),
         (_, Value::Toggle(on)) => if on { "on" } else { "off" }.into(),
         (_, value) => row.text(value),
     }
 }
 
 /// Converts percent to a share, rounded to remove floating-point noise.
-fn share(percent: f64) -> String {
+fn fraction_text(percent: f64) -> String {
     ((percent * 1e7).round() / 1e9).to_string()
 }
 

@@ -2,7 +2,7 @@
 
 use super::{
     Knob, Section, ValueKind,
-    flags::{FlagValue, OmittedValue, Slot, flag, place, value},
+    flags::{FlagValue, OmittedValue, Slot, flag, slot, value},
     rows,
     value::*,
 };
@@ -22,7 +22,7 @@ const KNOBS: &[Knob] = rows! { "lights";
         "Strength of the light from behind, which outlines the hair and shines through it.";
     "sky" "Ambient light" [lights.sky] number(TIMES, 0.0, 10.0),
         "Strength of the light from all other directions; lower for more contrast.";
-    "turn" "Rotation" [lights.turn] number(DEGREES, -360.0, 360.0),
+    "turn" "Rotation" [lights.rotation] number(DEGREES, -360.0, 360.0),
         "Rotation of key and rim light about the head, toward its left.";
     "follow" "Follow the camera" [lights.follow] ValueKind::Toggle,
         "Key and rim light move with the camera; otherwise they stay in place.";
@@ -32,7 +32,7 @@ const KNOBS: &[Knob] = rows! { "lights";
         flag(flag("environment-strength", "FACTOR")),
         also("hdri strength; world strength"),
         "Factor on the light of the environment map.";
-    "environment_turn" "Environment rotation" [lights.environment_turn] number(DEGREES, -360.0, 360.0),
+    "environment_turn" "Environment rotation" [lights.environment_rotation] number(DEGREES, -360.0, 360.0),
         flag(flag("environment-turn", "DEGREES")),
         also("hdri rotation"),
         "Rotation of the environment map about the head, toward its left.";
@@ -63,6 +63,6 @@ const LAMP: &[FlagValue] = &[value("lights.lamp1_azimuth").resets(&[
 ])];
 
 const LAMP_MORE: &[Slot] = &[
-    place(value("lights.lamp1_elevation"), OmittedValue::Refused),
-    place(value("lights.lamp1_strength"), OmittedValue::Is("2")),
+    slot(value("lights.lamp1_elevation"), OmittedValue::Refused),
+    slot(value("lights.lamp1_strength"), OmittedValue::Is("2")),
 ];

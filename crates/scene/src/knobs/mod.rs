@@ -40,7 +40,7 @@ pub use document::markdown;
 pub use flags::Flag;
 pub(crate) use style::CURLS;
 pub use text::color;
-pub use value::{Choice, Refusal, Scale, Unit, Value, ValueKind};
+pub use value::{Choice, Refusal, SliderScale, Unit, Value, ValueKind};
 
 use crate::settings::{RendererKind, Settings};
 
@@ -204,7 +204,7 @@ impl Knob {
     }
 
     /// Copies the value from `from` to `to`, unless it is automatic in `from`.
-    pub(crate) fn lay(&self, to: &mut Settings, from: &Settings) {
+    pub(crate) fn copy_value(&self, to: &mut Settings, from: &Settings) {
         if !self.automatic || from.given.contains(self.path) {
             (self.field.copy)(to, from);
         }
@@ -272,8 +272,8 @@ macro_rules! rows {
     };
     (@ [$($field:tt)+]) => {
         $crate::knobs::Access {
-            get: |settings| $crate::knobs::value::Field::value(&settings.$($field)+),
-            set: |settings, value| $crate::knobs::value::Field::put(&mut settings.$($field)+, value),
+            get: |settings| $crate::knobs::value::SettingsField::value(&settings.$($field)+),
+            set: |settings, value| $crate::knobs::value::SettingsField::put(&mut settings.$($field)+, value),
             copy: |to, from| to.$($field)+.clone_from(&from.$($field)+),
         }
     };

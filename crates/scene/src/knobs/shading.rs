@@ -2,7 +2,7 @@
 
 use super::{
     Knob, Section, Value, ValueKind,
-    flags::{FlagValue, OmittedValue, Set, Slot, flag, place, value},
+    flags::{FlagValue, OmittedValue, Set, Slot, flag, slot, value},
     rows,
     value::*,
 };
@@ -112,6 +112,6 @@ const COLOR: &[FlagValue] =
 const FIBER: Set = ("shading.model", Value::Choice("fiber"));
 const MELANIN: &[FlagValue] =
     &[value("shading.eumelanin").sets(&[("shading.color", Value::Choice("melanin")), FIBER])];
-const PHEOMELANIN: &[Slot] = &[place(value("shading.pheomelanin"), OmittedValue::Is("0"))];
+const PHEOMELANIN: &[Slot] = &[slot(value("shading.pheomelanin"), OmittedValue::Is("0"))];
 const ALONG: &[FlagValue] = &[value("shading.roughness_along").sets(&[FIBER])];
-const AROUND: &[Slot] = &[place(value("shading.roughness_around"), OmittedValue::Same)];
+const AROUND: &[Slot] = &[slot(value("shading.roughness_around"), OmittedValue::Same)];

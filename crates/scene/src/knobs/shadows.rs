@@ -11,7 +11,7 @@ pub(super) const SECTION: Section = Section {
 };
 
 const KNOBS: &[Knob] = rows! { "shadows";
-    "enabled" "Shadows" [shadows.enabled] ValueKind::Toggle, flag(flag("shadows", "on|off")),
+    "enabled" "Shadows" [shadows.is_enabled] ValueKind::Toggle, flag(flag("shadows", "on|off")),
         "Shadows of hair and bodies; off lets every light reach every point.";
     "softness" "Softness on hair" [shadows.hair_radius] number(MILLIMETERS, 0.1, 50.0).log(),
         flag(flag("shadow-softness", "MM")),
@@ -22,15 +22,15 @@ const KNOBS: &[Knob] = rows! { "shadows";
     "strand_by_strand" "Per-strand variation" [shadows.strand_by_strand] number(PERCENT, 0.0, 100.0),
         flag(flag("shadow-strands", "SHARE")),
         "Variation of light and shadow from strand to strand; 100 % as in real hair (fiber only).";
-    "strand_map" "Strand map" [view.strand_map] integer(TEXELS, 0, 2048, 1), rebuild, flag(flag("strand-map", "N")),
+    "strand_map" "Strand map" [view.strand_map_resolution] integer(TEXELS, 0, 2048, 1), rebuild, flag(flag("strand-map", "N")),
         "Texels along each edge of the maps of lit strands; 1024 for stills, 0 for stochastic shadows (fiber only).";
-    "ambient" "Propagate ambient light" [shadows.ambient] ValueKind::Toggle, flag(flag("ambient", "on|off")),
+    "ambient" "Propagate ambient light" [shadows.has_ambient] ValueKind::Toggle, flag(flag("ambient", "on|off")),
         "Propagates light from the sky and from skin through the hair; off estimates sky visibility.";
     "resolution" "Resolution" [view.shadow_resolution] integer(TEXELS, 64, 2048, 1),
         advanced, rebuild, flag(flag("shadow-resolution", "N")),
         also("shadow map size"),
         "Texels along each edge of a shadow map; higher for shadows of single locks on skin.";
-    "ambient_cells" "Ambient cells" [view.ambient_cells] integer(PLAIN, 4, 64, 1), advanced, rebuild,
+    "ambient_cells" "Ambient cells" [view.ambient_resolution] integer(PLAIN, 4, 64, 1), advanced, rebuild,
         flag(flag("ambient-cells", "N")),
         "Cells along each edge of the ambient light grid; 48 suits short hair and takes 8 times as long as 24.";
     "body_softness" "Softness on skin" [shadows.body_radius] number(MILLIMETERS, 0.1, 50.0).log(), advanced,

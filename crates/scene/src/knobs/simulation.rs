@@ -51,8 +51,8 @@ const KNOBS: &[Knob] = rows! { "simulation";
     "cohesion_limit" "Cohesion limit" [simulation.hair_hair.cohesion_limit]
         within(ACCELERATION, HairHair::COHESION_LIMIT).log(), advanced,
         "Maximum acceleration by one cohesion spring; beyond it, hair slides along hair.";
-    "cohesion_reach" "Cohesion distance" [simulation.hair_hair.cohesion_reach]
-        within(CENTIMETERS, HairHair::COHESION_REACH).log(), advanced,
+    "cohesion_reach" "Cohesion distance" [simulation.hair_hair.cohesion_distance]
+        within(CENTIMETERS, HairHair::COHESION_DISTANCE).log(), advanced,
         "Maximum distance of guides that a cohesion spring connects.";
     "line_density" "Mass per length" [simulation.line_density] within(LINE_DENSITY, Params::LINE_DENSITY).log(), advanced,
         also("hair mass; vertex mass; strands density; linear density"),
@@ -91,7 +91,7 @@ const KNOBS: &[Knob] = rows! { "simulation";
     "step" "Fixed step" [simulation.step] within(MILLISECONDS, Params::STEP).log(), advanced,
         also("time step; timestep"),
         "Duration of one simulation step; shorter is more accurate and costs more.";
-    "substeps" "Substeps" [simulation.substeps] integer(PLAIN, 1, MAX_SUBSTEPS, 1), advanced,
+    "substeps" "Substeps" [simulation.substep_count] integer(PLAIN, 1, MAX_SUBSTEPS, 1), advanced,
         also("sub steps; quality steps"),
         "Substeps per step; more for stiff hair and fast motion, at proportional cost.";
 };

@@ -2,14 +2,14 @@
 
 use super::{
     Knob, Section, Value, ValueKind,
-    flags::{FlagValue, OmittedValue, Slot, flag, place, value, word},
+    flags::{FlagValue, OmittedValue, Slot, flag, slot, value, word},
     rows,
     value::*,
 };
 use crate::settings::Curl;
 use tresses::MapCoordinates;
 use tresses::groom::{
-    grow::{Clumps, Curls, Growth, Unrest},
+    grow::{Clumps, Curls, Growth, StrandVariation},
     mannequin::facial::Beard,
 };
 
@@ -37,11 +37,11 @@ const KNOBS: &[Knob] = rows! { "style";
         auto, regrow,
         also("kink frequency; curl frequency"),
         "Length of one turn along the strand; shorter is tighter and needs more vertices.";
-    "strands" "Strands" [style.growth.strand_count] integer(PLAIN, 1, Growth::MOST_STRANDS, 1),
+    "strands" "Strands" [style.growth.strand_count] integer(PLAIN, 1, Growth::MAX_STRANDS, 1),
         auto, regrow, flag(flag("strands", "N").common()),
         also("strand count; hair count; number of strands; curve decimation"),
         "Maximum number of strands drawn; built-in styles grow exactly this many.";
-    "grow" "Fill to" [style.grow] integer(PLAIN, 0, Growth::MOST_STRANDS, 1),
+    "grow" "Fill to" [style.grow] integer(PLAIN, 0, Growth::MAX_STRANDS, 1),
         auto, regrow, flag(flag("grow", "N").common()),
         also("interpolate hair curves; children; child strands; render amount; follow hairs; hair generate; hair density"),
         "Number of strands that a groom file is filled to by interpolation; 0 draws only its own strands.";
@@ -53,11 +53,11 @@ const KNOBS: &[Knob] = rows! { "style";
         auto, regrow, flag(flag("clump", "STRENGTH")),
         also("clump factor; clump tightness"),
         "Convergence of neighboring strands toward their tips; high for wet or greasy hair.";
-    "frizz" "Frizz" [style.growth.unrest.frizz] within(MILLIMETERS, Unrest::FRIZZ).log(),
+    "frizz" "Frizz" [style.growth.variation.frizz] within(MILLIMETERS, StrandVariation::FRIZZ).log(),
         auto, regrow, flag(flag("frizz", "LENGTH")),
         also("roughness uniform; frizz hair curves; hair curves noise; noise magnitude"),
         "Amplitude of fine waves on each strand; roughens the surface.";
-    "flyaways" "Flyaways" [style.growth.unrest.flyaways] within(PERCENT, Unrest::FLYAWAYS),
+    "flyaways" "Flyaways" [style.growth.variation.flyaways] within(PERCENT, StrandVariation::FLYAWAYS),
         auto, regrow, flag(flag("flyaways", "SHARE[,LENGTH]").then(FLYAWAYS)),
         also("fly away; fly-aways"),
         "Fraction of thin strands that stand off far and form a halo in backlight.";
@@ -70,9 +70,9 @@ const KNOBS: &[Knob] = rows! { "style";
         "Coordinates of maps on the hair of a groom file: the view from above the head, or UVs.";
     "beard" "Beard" [style.face.beard] choice::<Beard>(), regrow, flag(flag("beard", "KIND").common()),
         "Beard on chin and cheeks of the built-in character.";
-    "brows" "Brows" [style.face.brows] ValueKind::Toggle, regrow,
+    "brows" "Brows" [style.face.has_brows] ValueKind::Toggle, regrow,
         "Whether the built-in character has brows.";
-    "lashes" "Lashes" [style.face.lashes] ValueKind::Toggle, regrow,
+    "lashes" "Lashes" [style.face.has_lashes] ValueKind::Toggle, regrow,
         "Whether the built-in character has lashes.";
     "grow_parting" "Parting angle" [style.grow_parting] number(DEGREES, 0.0, 180.0), advanced, regrow,
         also("child parting"),
@@ -115,15 +115,15 @@ const KNOBS: &[Knob] = rows! { "style";
         "Position along the strand where clumping begins; below 0, strands leave the scalp together.";
     "clump_lock" "Locks" [style.growth.clumps.lock] within(PERCENT, Clumps::LOCK), auto, advanced, regrow,
         "Convergence of clumps toward their guides, which forms locks; built-in styles only.";
-    "strays" "Strays" [style.growth.unrest.strays] within(PERCENT, Unrest::STRAYS),
+    "strays" "Strays" [style.growth.variation.strays] within(PERCENT, StrandVariation::STRAYS),
         auto, advanced, regrow, flag(flag("strays", "SHARE[,LENGTH]").then(STRAYS)),
         also("stray hairs"),
         "Fraction of strands that stand off slightly near the tip; makes hair less tidy.";
-    "stray_reach" "Stray distance" [style.growth.unrest.stray] within(MILLIMETERS, Unrest::STRAY).log(),
+    "stray_reach" "Stray distance" [style.growth.variation.stray] within(MILLIMETERS, StrandVariation::STRAY).log(),
         auto, advanced, regrow,
         also("roughness endpoint; tip spread"),
         "Distance by which strays stand off.";
-    "flyaway_reach" "Flyaway distance" [style.growth.unrest.flyaway] within(MILLIMETERS, Unrest::FLYAWAY).log(),
+    "flyaway_reach" "Flyaway distance" [style.growth.variation.flyaway] within(MILLIMETERS, StrandVariation::FLYAWAY).log(),
         auto, advanced, regrow,
         "Distance by which flyaways stand off.";
     "width_variation" "Width variation" [style.growth.width_variation] within(PERCENT, Growth::WIDTH_VARIATION),
@@ -150,8 +150,8 @@ pub(crate) const CURLS: [&str; 9] = [
 /// A new curl type resets the parameters that modified the previous one.
 const CURL: &[FlagValue] = &[value("style.curl").resets(&CURLS)];
 
-const STRAYS: &[Slot] = &[place(value("style.stray_reach"), OmittedValue::Kept)];
-const FLYAWAYS: &[Slot] = &[place(value("style.flyaway_reach"), OmittedValue::Kept)];
+const STRAYS: &[Slot] = &[slot(value("style.stray_reach"), OmittedValue::Kept)];
+const FLYAWAYS: &[Slot] = &[slot(value("style.flyaway_reach"), OmittedValue::Kept)];
 
 const GUIDES: &[FlagValue] = &[
     word("all", &[("style.all_guides", Value::Toggle(true))]),

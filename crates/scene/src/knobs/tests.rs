@@ -4,10 +4,10 @@ use crate::companions::Maps;
 /// Returns both ends of a knob's range, or all values of a choice.
 fn ends(knob: &Knob) -> Vec<Value> {
     let mut values = match knob.kind {
-        ValueKind::Number { least, most, .. } => {
+        ValueKind::Number { min: least, max: most, .. } => {
             vec![Value::Number(knob.inner(least)), Value::Number(knob.inner(most))]
         }
-        ValueKind::Integer { least, most, .. } => vec![Value::Integer(least), Value::Integer(most)],
+        ValueKind::Integer { min: least, max: most, .. } => vec![Value::Integer(least), Value::Integer(most)],
         ValueKind::Toggle => vec![Value::Toggle(false), Value::Toggle(true)],
         ValueKind::Choice(choices) => choices.iter().map(|choice| Value::Choice(choice.name)).collect(),
         ValueKind::Color => vec![Value::Color([0; 3]), Value::Color([255; 3])],
@@ -19,7 +19,7 @@ fn ends(knob: &Knob) -> Vec<Value> {
 /// Returns invalid values.
 fn wrong(knob: &Knob) -> Vec<Value> {
     let mut values = match knob.kind {
-        ValueKind::Number { least, most, .. } => {
+        ValueKind::Number { min: least, max: most, .. } => {
             let over = 1e-3 * (most - least);
             vec![
                 Value::Number(knob.inner(least - over)),
@@ -29,7 +29,7 @@ fn wrong(knob: &Knob) -> Vec<Value> {
                 Value::Integer(1),
             ]
         }
-        ValueKind::Integer { most, step, .. } => {
+        ValueKind::Integer { max: most, step, .. } => {
             let mut values = vec![Value::Integer(most + step), Value::Number(1.0)];
             values.extend((step > 1).then_some(Value::Integer(step + 1)));
             values
@@ -75,7 +75,7 @@ fn out_of_range_values_fail_without_effect() {
 fn ranges_stay_within_library_limits() {
     let mut limited = 0;
     for knob in all() {
-        let ValueKind::Number { least, most, .. } = knob.kind else { continue };
+        let ValueKind::Number { min: least, max: most, .. } = knob.kind else { continue };
         for end in [least, most] {
             let mut settings = Settings::default();
             knob.put(&mut settings, Value::Number(knob.inner(end)));
@@ -136,7 +136,7 @@ fn automatic_values_resolve() {
         let (auto, fixed) =
             (Settings::default().growth(&style, &maps).unwrap(), resolved.growth(&style, &maps).unwrap());
         assert_eq!(auto.clumps, fixed.clumps, "{name}");
-        assert_eq!(auto.unrest, fixed.unrest, "{name}");
+        assert_eq!(auto.variation, fixed.variation, "{name}");
         assert_eq!((auto.curls.any(), auto.seed), (fixed.curls.any(), fixed.seed), "{name}");
     }
     let file = Settings::default().resolved(None);

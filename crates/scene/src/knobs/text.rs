@@ -27,11 +27,11 @@ impl Knob {
     pub fn range(&self) -> String {
         let auto = if self.automatic { ", or auto" } else { "" };
         match self.kind {
-            ValueKind::Number { unit, least, most, .. } => {
-                with_unit(&format!("from {least} to {most}"), unit.symbol) + auto
+            ValueKind::Number { unit, min, max, .. } => {
+                with_unit(&format!("from {min} to {max}"), unit.symbol) + auto
             }
-            ValueKind::Integer { unit, least, most, step } => {
-                let range = with_unit(&format!("from {least} to {most}"), unit.symbol);
+            ValueKind::Integer { unit, min, max, step } => {
+                let range = with_unit(&format!("from {min} to {max}"), unit.symbol);
                 let multiple = if step > 1 { format!(", a multiple of {step}") } else { String::new() };
                 format!("a whole number {range}{multiple}{auto}")
             }

@@ -84,7 +84,7 @@ pub(super) const TIMES: Unit = Unit::new("×", 1.0);
 
 /// Mapping of a range to a slider.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scale {
+pub enum SliderScale {
     /// Linear.
     Linear,
     /// Logarithmic. In a range that begins at 0, the slider has a separate stop at 0.
@@ -108,20 +108,20 @@ pub enum ValueKind {
         /// Display unit.
         unit: Unit,
         /// Minimum.
-        least: f64,
+        min: f64,
         /// Maximum.
-        most: f64,
+        max: f64,
         /// Mapping to a slider.
-        scale: Scale,
+        scale: SliderScale,
     },
     /// An integer. The range is inclusive.
     Integer {
         /// Display unit.
         unit: Unit,
         /// Minimum.
-        least: u32,
+        min: u32,
         /// Maximum.
-        most: u32,
+        max: u32,
         /// Values are multiples of this.
         step: u32,
     },
@@ -137,25 +137,25 @@ impl ValueKind {
     /// Switches to a logarithmic slider.
     pub(super) const fn log(self) -> Self {
         match self {
-            Self::Number { unit, least, most, .. } => Self::Number { unit, least, most, scale: Scale::Log },
+            Self::Number { unit, min, max, .. } => Self::Number { unit, min, max, scale: SliderScale::Log },
             other => other,
         }
     }
 }
 
 /// Returns a range of numbers from `least` to `most`, both in `unit`.
-pub(super) const fn number(unit: Unit, least: f64, most: f64) -> ValueKind {
-    ValueKind::Number { unit, least, most, scale: Scale::Linear }
+pub(super) const fn number(unit: Unit, min: f64, max: f64) -> ValueKind {
+    ValueKind::Number { unit, min, max, scale: SliderScale::Linear }
 }
 
 /// Returns the usual part of a library range, converted to `unit`.
 pub(super) const fn within(unit: Unit, range: Range) -> ValueKind {
-    let [least, most] = range.usual;
-    number(unit, unit.of(least), unit.of(most))
+    let [min, max] = range.typical;
+    number(unit, unit.of(min), unit.of(max))
 }
 
-pub(super) const fn integer(unit: Unit, least: u32, most: u32, step: u32) -> ValueKind {
-    ValueKind::Integer { unit, least, most, step }
+pub(super) const fn integer(unit: Unit, min: u32, max: u32, step: u32) -> ValueKind {
+    ValueKind::Integer { unit, min, max, step }
 }
 
 pub(super) const fn choice<T: NamedEnum>() -> ValueKind {
@@ -182,12 +182,12 @@ impl Knob {
     pub fn check(&self, value: Value) -> Result<(), Refusal> {
         let fits = match (self.kind, value) {
             (_, Value::Auto) => self.automatic,
-            (ValueKind::Number { unit, least, most, .. }, Value::Number(v)) => {
+            (ValueKind::Number { unit, min, max, .. }, Value::Number(v)) => {
                 // Compare with the ends after the same rounding as values that users enter.
-                ((least * unit.si) as f32..=(most * unit.si) as f32).contains(&v)
+                ((min * unit.si) as f32..=(max * unit.si) as f32).contains(&v)
             }
-            (ValueKind::Integer { least, most, step, .. }, Value::Integer(v)) => {
-                (least..=most).contains(&v) && v.is_multiple_of(step)
+            (ValueKind::Integer { min, max, step, .. }, Value::Integer(v)) => {
+                (min..=max).contains(&v) && v.is_multiple_of(step)
             }
             (ValueKind::Toggle, Value::Toggle(_)) | (ValueKind::Color, Value::Color(_)) => true,
             (ValueKind::Choice(choices), Value::Choice(name)) => {
@@ -221,7 +221,7 @@ impl Knob {
 }
 
 /// A settings field of a row. Values passed to [`put`](Self::put) have passed [`Knob::check`].
-pub trait Field {
+pub trait SettingsField {
     /// Returns the field as a value.
     fn value(&self) -> Value;
     /// Sets the field from a value; ignores values of the wrong type.
@@ -230,7 +230,7 @@ pub trait Field {
 
 macro_rules! plain {
     ($($type:ty: $variant:ident),*) => {$(
-        impl Field for $type {
+        impl SettingsField for $type {
             fn value(&self) -> Value {
                 Value::$variant(*self)
             }
@@ -243,7 +243,7 @@ macro_rules! plain {
         }
 
         /// An option that defaults to automatic.
-        impl Field for Option<$type> {
+        impl SettingsField for Option<$type> {
             fn value(&self) -> Value {
                 self.map_or(Value::Auto, Value::$variant)
             }
@@ -261,7 +261,7 @@ macro_rules! plain {
 plain!(f32: Number, u32: Integer, bool: Toggle, [u8; 3]: Color);
 
 /// A linear color, shown as sRGB.
-impl Field for Vec3 {
+impl SettingsField for Vec3 {
     fn value(&self) -> Value {
         Value::Color(self.to_array().map(|v| (255.0 * encoded(v)).round() as u8))
     }
@@ -285,7 +285,7 @@ macro_rules! named {
             const CHOICES: &'static [Choice] = &[$(Choice { name: $name, hint: $hint }),*];
         }
 
-        impl Field for $type {
+        impl SettingsField for $type {
             fn value(&self) -> Value {
                 // The exhaustive match ensures that every variant has a name.
                 Value::Choice(match self { $(Self::$variant $($payload)? => $name),* })

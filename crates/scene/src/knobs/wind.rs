@@ -2,7 +2,7 @@
 
 use super::{
     Access, Knob, Section, Value,
-    flags::{OmittedValue, Slot, flag, place, value},
+    flags::{OmittedValue, Slot, flag, slot, value},
     rows,
     value::*,
 };
@@ -31,13 +31,13 @@ const KNOBS: &[Knob] = rows! { "wind";
         "Size of gusts; a gust passes in about this length over the wind speed.";
     "seed" "Seed" [simulation.wind.seed] integer(PLAIN, 0, 9999, 1), advanced, flag(flag("wind-seed", "N")),
         "Random seed of the gusts.";
-    "cells" "Grid cells" [simulation.wind.cells] integer(PLAIN, 0, MAX_CELLS, 8), advanced,
+    "cells" "Grid cells" [simulation.wind.resolution] integer(PLAIN, 0, MAX_CELLS, 8), advanced,
         "Cells of the air grid along each axis; more resolve the flow around the head. 0: uniform wind.";
-    "room" "Grid size" [simulation.wind.room] within(TIMES, Wind::ROOM).log(), advanced,
+    "room" "Grid size" [simulation.wind.grid_size] within(TIMES, Wind::GRID_SIZE).log(), advanced,
         "Edge of the air grid relative to the size of the hair.";
 };
 
-const WIND: &[Slot] = &[place(value("wind.direction"), OmittedValue::Kept)];
+const WIND: &[Slot] = &[slot(value("wind.direction"), OmittedValue::Kept)];
 
 /// Wind speed along -Z; a separate parameter sets the direction.
 const SPEED: Access = Access {

@@ -17,14 +17,14 @@ const RATE: f64 = 60.0;
 pub fn rig_of(parts: &CharacterParts, built_in: bool) -> Option<Rig> {
     let mut rig = parts.anatomy.as_ref()?.rig.clone();
     if built_in {
-        rig.animations = of_the_character(&rig);
+        rig.animations = built_in_animations(&rig);
     }
     Some(rig)
 }
 
 /// Returns the built-in motions, except standing still, as animations of `rig`, the rig of the built-in character.
 /// Rotations between keys follow the shortest arc.
-pub(crate) fn of_the_character(rig: &Rig) -> Vec<Animation> {
+pub(crate) fn built_in_animations(rig: &Rig) -> Vec<Animation> {
     let moves = NAMES.iter().filter(|name| **name != "still");
     moves.filter_map(|name| Some(animation(name, &Motion::named(name)?, rig))).collect()
 }
@@ -37,17 +37,18 @@ fn animation(name: &str, motion: &Motion, rig: &Rig) -> Animation {
         let times = times.iter().map(|time| *time as f32).collect();
         Channel { node, property, curve: Curve { times, values, ..Curve::default() } }
     };
-    let rotation = |node: u32, turn: &dyn Fn(usize) -> Quat| {
-        let values = (0..gestures.len()).flat_map(|i| turn(i).to_array()).collect();
+    let rotation = |node: u32, rotation_at: &dyn Fn(usize) -> Quat| {
+        let values = (0..gestures.len()).flat_map(|i| rotation_at(i).to_array()).collect();
         channel(node, Property::Rotation, values)
     };
-    let (_, place): (_, Vec3) = mannequin::rig::JOINTS[0];
-    let places = gestures.iter().flat_map(|gesture| gesture.body.point(place).to_array()).collect();
+    let (_, root_position): (_, Vec3) = mannequin::rig::JOINTS[0];
+    let root_positions =
+        gestures.iter().flat_map(|gesture| gesture.body.point(root_position).to_array()).collect();
     let mut channels =
-        vec![channel(0, Property::Translation, places), rotation(0, &|i| gestures[i].body.rotation)];
-    for (node, share) in mannequin::rig::SHARES {
+        vec![channel(0, Property::Translation, root_positions), rotation(0, &|i| gestures[i].body.rotation)];
+    for (node, fraction) in mannequin::rig::ROTATION_WEIGHTS {
         // Rest rotations are identity and all shares of one turn have the same axis, so each is relative to its parent.
-        channels.push(rotation(node, &|i| Quat::IDENTITY.slerp(gestures[i].head.rotation, share)));
+        channels.push(rotation(node, &|i| Quat::IDENTITY.slerp(gestures[i].head.rotation, fraction)));
     }
     let targets: Vec<u32> = motion.shapes().filter_map(|shape| Some(rig.target(shape)? as u32)).collect();
     if !targets.is_empty() {
@@ -69,7 +70,7 @@ mod tests {
     fn animation_matches_motion() {
         let mesh = mannequin::mesh(50);
         let rig = mannequin::rig::rig(&mesh);
-        let all = of_the_character(&rig);
+        let all = built_in_animations(&rig);
         assert_eq!(
             all.iter().map(|a| a.name.as_str()).collect::<Vec<_>>(),
             ["Nod", "Turn", "Shake", "Walk", "Dance"]
@@ -80,7 +81,7 @@ mod tests {
                 let gesture = motion.gesture(time, mannequin::NECK_JOINT);
                 let share =
                     |(node, share): (u32, f32)| (node, Quat::IDENTITY.slerp(gesture.head.rotation, share));
-                let turned = rig.pose_turned(None, &[], &mannequin::rig::SHARES.map(share));
+                let turned = rig.pose_with_rotations(None, &[], &mannequin::rig::ROTATION_WEIGHTS.map(share));
                 let played = rig.pose(animation, time as f32);
                 for p in [mannequin::NOSE_TIP, mannequin::CROWN] {
                     let here = gesture.body.point(turned.palette[2].transform_point3(p));

@@ -188,14 +188,14 @@ impl Motion {
     /// Returns the gesture at `time` (seconds). `pivot` is the neck joint about which the head turns, meters.
     pub fn gesture(&self, time: f64, pivot: Vec3) -> Gesture {
         let at = self.at(time);
-        let turn = |angles: &[f64]| {
+        let rotation = |angles: &[f64]| {
             let [yaw, pitch, roll] = [angles[0], angles[1], angles[2]].map(|a| a.to_radians() as f32);
             Quat::from_euler(EulerRot::YXZ, yaw, pitch, roll)
         };
-        let mut body = Pose::about(pivot - Vec3::Y * WAIST, turn(&at[3..6]));
+        let mut body = Pose::about(pivot - Vec3::Y * WAIST, rotation(&at[3..6]));
         body.translation += Vec3::new(at[6] as f32, at[7] as f32, at[8] as f32);
         let shapes = self.shapes.iter().cloned().zip(at[FIXED..].iter().map(|weight| *weight as f32));
-        Gesture { body, head: Pose::about(pivot, turn(&at[..3])), shapes: shapes.collect() }
+        Gesture { body, head: Pose::about(pivot, rotation(&at[..3])), shapes: shapes.collect() }
     }
 
     /// Returns the pose of a rigid object at `time` (seconds), which turns about `pivot` (meters).

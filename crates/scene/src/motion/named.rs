@@ -13,9 +13,9 @@ impl Motion {
     /// the end.
     pub fn named(name: &str) -> Option<Self> {
         let keys = match name {
-            "still" => turns(&[(0.0, 0.0, 0.0), (2.0, 0.0, 0.0)]),
+            "still" => head_keyframes(&[(0.0, 0.0, 0.0), (2.0, 0.0, 0.0)]),
             // Time in seconds; yaw and pitch in degrees. Heads turn by 60 to 120 degrees in half a second.
-            "nod" => turns(&[
+            "nod" => head_keyframes(&[
                 (0.0, 0.0, 0.0),
                 (0.25, 0.0, 30.0),
                 (0.35, 0.0, 30.0),
@@ -26,7 +26,7 @@ impl Motion {
                 (1.34, 0.0, 0.0),
                 (2.5, 0.0, 0.0),
             ]),
-            "turn" => turns(&[
+            "turn" => head_keyframes(&[
                 (0.0, 0.0, 0.0),
                 (0.30, 45.0, 0.0),
                 (0.80, 45.0, 0.0),
@@ -35,7 +35,7 @@ impl Motion {
                 (2.20, 0.0, 0.0),
                 (3.0, 0.0, 0.0),
             ]),
-            "shake" => turns(&[
+            "shake" => head_keyframes(&[
                 (0.0, 0.0, 0.0),
                 (0.20, 30.0, 0.0),
                 (0.50, -30.0, 0.0),
@@ -53,7 +53,7 @@ impl Motion {
 }
 
 /// Returns keys that move only the head. Unless it stays still, the chest breathes once per loop.
-fn turns(keys: &[(f64, f64, f64)]) -> Vec<Keyframe> {
+fn head_keyframes(keys: &[(f64, f64, f64)]) -> Vec<Keyframe> {
     let moves = keys.iter().any(|(_, yaw, pitch)| *yaw != 0.0 || *pitch != 0.0);
     let length = keys[keys.len() - 1].0;
     let key = |&(time, yaw, pitch): &(f64, f64, f64)| {
@@ -79,8 +79,8 @@ fn walk() -> Vec<Keyframe> {
     const KEYS: u32 = 32;
     let key = |i: u32| {
         // Reduce the index, so that the last key equals the first exactly.
-        let share = f64::from(i % KEYS) / f64::from(KEYS);
-        let stride = 4.0 * std::f64::consts::PI * share;
+        let phase = f64::from(i % KEYS) / f64::from(KEYS);
+        let stride = 4.0 * std::f64::consts::PI * phase;
         let (swing, sway) = (stride.sin(), (stride + 0.6).sin());
         let step = (2.0 * stride).cos();
         Keyframe {
@@ -88,7 +88,7 @@ fn walk() -> Vec<Keyframe> {
             rotation: [-4.5 * swing, -2.0 - 1.5 * step, -1.5 * sway],
             lean: [6.0 * swing, 3.0 + 0.8 * step, 2.0 * sway],
             translation: [0.012 * sway, 0.015 * step, 0.0],
-            shapes: [(BREATH.to_string(), breath(share))].into(),
+            shapes: [(BREATH.to_string(), breath(phase))].into(),
         }
     };
     (0..=KEYS).map(key).collect()

@@ -68,8 +68,8 @@ impl Settings {
     ///
     /// # Errors
     /// As [`renderer`](Self::renderer).
-    pub fn view_options(&self, most: u32) -> Result<ViewOptions> {
-        Ok(ViewOptions { renderer: self.renderer(most)?, ..self.view })
+    pub fn view_options(&self, max_samples: u32) -> Result<ViewOptions> {
+        Ok(ViewOptions { renderer: self.renderer(max_samples)?, ..self.view })
     }
 
     /// Returns the pipelines that render hair at rest in a view with `options`.
@@ -95,8 +95,8 @@ impl Settings {
     ///
     /// # Errors
     /// As [`view_options`](Self::view_options).
-    pub fn quality(&self, size: [u32; 2], most: u32) -> Result<Quality> {
-        Ok(Quality { size, view: self.view_options(most)?, ssaa: self.ssaa, lod: self.lod() })
+    pub fn quality(&self, size: [u32; 2], max_samples: u32) -> Result<Quality> {
+        Ok(Quality { size, view: self.view_options(max_samples)?, ssaa: self.ssaa, lod: self.lod() })
     }
 
     /// Returns the styling options for a built-in style, or for a groom from files if `style` is `None`.
@@ -106,12 +106,12 @@ impl Settings {
     pub fn styling(&self, style: Option<&Style>, maps: &Maps) -> Result<Styling> {
         Ok(Styling {
             growth: style.map(|style| self.growth(style, maps)).transpose()?,
-            strands: self.strands(),
+            max_strands: self.strands(),
             fill: self.growing(),
             guides: self.guides(),
             paint: self.paint(maps),
             coordinates: self.style.maps,
-            skin_color: self.shading.color == HairColor::Skin,
+            uses_skin_color: self.shading.color == HairColor::Skin,
             restyle: if style.is_none() { self.restyle(maps)? } else { None },
             stiffness: maps.stiffness.clone(),
             levels: maps.levels.clone(),

@@ -32,12 +32,14 @@ impl Settings {
         };
         let renderer = match kind {
             // Tiled hair is not multisampled; the samples are for bodies.
-            RendererKind::Tiles => {
-                Renderer::Tiles(TileOptions { shading: model, samples: given.unwrap_or(max_samples.min(4)) })
-            }
-            RendererKind::Masks => {
-                Renderer::Masks(MaskOptions { shading: model, samples: given.unwrap_or(max_samples.min(8)) })
-            }
+            RendererKind::Tiles => Renderer::Tiles(TileOptions {
+                shading: model,
+                sample_count: given.unwrap_or(max_samples.min(4)),
+            }),
+            RendererKind::Masks => Renderer::Masks(MaskOptions {
+                shading: model,
+                sample_count: given.unwrap_or(max_samples.min(8)),
+            }),
             RendererKind::Classic => {
                 let coverage = match (coverage, given) {
                     (ClassicBlending::Peel, Some(samples)) if samples != 1 => {
@@ -117,14 +119,15 @@ mod tests {
     }
 
     fn tiles(samples: u32) -> Renderer {
-        Renderer::Tiles(TileOptions { samples, ..TileOptions::default() })
+        Renderer::Tiles(TileOptions { sample_count: samples, ..TileOptions::default() })
     }
 
     #[test]
     fn automatic_renderer_follows_its_options() {
         assert_eq!(renderer(&[], 16).unwrap(), tiles(4));
         assert_eq!(renderer(&[("renderer.samples", "8")], 8).unwrap(), tiles(8));
-        let masks = |samples| Renderer::Masks(MaskOptions { samples, ..MaskOptions::default() });
+        let masks =
+            |samples| Renderer::Masks(MaskOptions { sample_count: samples, ..MaskOptions::default() });
         assert_eq!(renderer(&[("renderer.kind", "masks")], 16).unwrap(), masks(8));
         assert_eq!(renderer(&[("renderer.kind", "masks")], 4).unwrap(), masks(4));
         let one = [("renderer.kind", "masks"), ("renderer.samples", "1")];

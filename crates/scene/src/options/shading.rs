@@ -16,7 +16,7 @@ impl Settings {
         let mut onto = self.clone();
         onto.shading.material =
             HairMaterial { min_width: self.shading.material.min_width, ..self.shading.of_color() };
-        knobs::section("shading").for_each(|knob| knob.lay(&mut onto, self));
+        knobs::section("shading").for_each(|knob| knob.copy_value(&mut onto, self));
         let mut material = onto.shading.material;
         let fiber = &mut material.fiber;
         fiber.root_absorption *= self.shading.root_pigment / NATURAL.0;
@@ -42,15 +42,15 @@ impl Settings {
         own.shading.color = HairColor::Melanin;
         (own.shading.eumelanin, own.shading.pheomelanin) = (look.eumelanin, look.pheomelanin);
         own.shading.material.fiber.shape = self.shape_of(look);
-        HairMaterial { file_colors: true, ..own.material() }
+        HairMaterial { uses_file_colors: true, ..own.material() }
     }
 
     /// Returns the fiber shape for a groom whose file stores `look`.
     fn shape_of(&self, look: &Look) -> FiberShape {
         let own = self.shading.material.fiber.shape;
         let [longitudinal, azimuthal] = look.roughness;
-        let theirs = FiberShape { longitudinal, azimuthal, tilt: look.tilt, eta: look.ior };
-        if own == FiberShape::default() { theirs.clamped() } else { own }
+        let file_shape = FiberShape { longitudinal, azimuthal, tilt: look.tilt, eta: look.ior };
+        if own == FiberShape::default() { file_shape.clamped() } else { own }
     }
 
     /// Returns the pigments and fiber shape of these settings. `file` is the material stored in the groom's file.
@@ -103,7 +103,7 @@ mod tests {
         for (color, name) in
             [(HairColor::Blond, "blond"), (HairColor::Red, "red"), (HairColor::Black, "black")]
         {
-            let expected = HairMaterial { file_colors: false, ..HairMaterial::named(name).unwrap() };
+            let expected = HairMaterial { uses_file_colors: false, ..HairMaterial::named(name).unwrap() };
             assert_eq!(colored(color).material(), expected);
         }
     }
@@ -127,7 +127,7 @@ mod tests {
         let whole = settings.material();
         assert!((half.fiber.tip_absorption / whole.fiber.tip_absorption - 0.5).abs().max_element() < 1e-5);
         assert_eq!(half.fiber.root_absorption, whole.fiber.root_absorption);
-        assert!(!half.file_colors);
+        assert!(!half.uses_file_colors);
         assert_ne!(whole.fiber.tip_absorption, Vec3::ZERO);
     }
 
@@ -137,7 +137,7 @@ mod tests {
         let mut settings = Settings::default();
         let of_file = settings.material_of(Some(&red));
         assert_eq!(of_file.fiber.root_absorption, HairMaterial::red().fiber.root_absorption);
-        assert!(of_file.file_colors && of_file.fiber.shape.azimuthal == 0.4);
+        assert!(of_file.uses_file_colors && of_file.fiber.shape.azimuthal == 0.4);
         assert_eq!(settings.look(Some(&red)), Some(red));
         // Explicit settings take precedence.
         settings.set("shading.roughness_along", 0.5).unwrap();

@@ -9,14 +9,14 @@ use tresses::{
     FillOptions, Result,
     groom::{
         GuideCount, Restyle,
-        grow::{Curls, Growth, ScalpPaint, Unrest},
+        grow::{Curls, Growth, ScalpPaint, StrandVariation},
         scalp::ScalpMap,
         styles::Style,
     },
 };
 
 const CLUMPS: [&str; 4] = ["style.clump", "style.clump_spacing", "style.clump_start", "style.clump_lock"];
-const UNREST: [&str; 3] = ["style.frizz", "style.strays", "style.flyaways"];
+const VARIATION: [&str; 3] = ["style.frizz", "style.strays", "style.flyaways"];
 
 impl Settings {
     /// Returns the strand count if it is set.
@@ -36,7 +36,7 @@ impl Settings {
     pub(super) fn growing(&self) -> FillOptions {
         let plain = FillOptions::default();
         FillOptions {
-            strands: self.gives("style.grow").then_some(self.style.grow),
+            strand_count: self.gives("style.grow").then_some(self.style.grow),
             parting: self.style.grow_parting,
             seed: if self.gives("style.seed") { self.style.growth.seed } else { plain.seed },
         }
@@ -70,7 +70,13 @@ impl Settings {
             clumps: if curls.any() { plain.clumps.curled(&curls) } else { plain.clumps },
             curls,
             // Strands from files already have flyaways and frizz, so add only what the settings request.
-            unrest: Unrest { frizz: 0.0, strays: 0.0, flyaways: 0.0, shorter: 0.0, ..plain.unrest },
+            variation: StrandVariation {
+                frizz: 0.0,
+                strays: 0.0,
+                flyaways: 0.0,
+                shorter: 0.0,
+                ..plain.variation
+            },
             diameter: None,
             width_variation: 0.0,
             seed: 1,
@@ -80,7 +86,7 @@ impl Settings {
             curls: growth.curls,
             curl_map: maps.paint.curl.clone(),
             clumps: any(&CLUMPS).then_some(growth.clumps),
-            unrest: any(&UNREST).then_some(growth.unrest),
+            variation: any(&VARIATION).then_some(growth.variation),
             diameter: growth.diameter,
             width_variation: growth.width_variation,
             tip_width: any(&["style.tip_width"]).then_some(growth.tip_width),
@@ -103,7 +109,7 @@ impl Settings {
     fn over(&self, growth: Growth) -> Growth {
         let mut onto = self.clone();
         onto.style.growth = growth;
-        knobs::section("style").for_each(|knob| knob.lay(&mut onto, self));
+        knobs::section("style").for_each(|knob| knob.copy_value(&mut onto, self));
         onto.style.growth
     }
 
@@ -160,7 +166,7 @@ impl Settings {
                     curls: restyle.curls,
                     clumps: restyle.clumps.unwrap_or(plain.clumps),
                     // Strands from files already have flyaways and frizz; add none.
-                    unrest: Unrest { frizz: 0.0, strays: 0.0, flyaways: 0.0, ..plain.unrest },
+                    variation: StrandVariation { frizz: 0.0, strays: 0.0, flyaways: 0.0, ..plain.variation },
                     width_variation: restyle.width_variation,
                     seed: restyle.seed,
                     ..plain

@@ -1,17 +1,17 @@
 //! Encoders of animation files. Each frame is compressed when it is added; `finish` assembles the file.
 
-use super::Picture;
+use super::Image;
 use anyhow::{Result, ensure};
 #[cfg(not(target_arch = "wasm32"))]
 use webp_animation::{EncoderOptions, EncodingConfig, EncodingType, LossyEncodingConfig};
 
 /// Encoder of one animation file.
-pub trait Animation {
+pub trait AnimationEncoder {
     /// Adds the next frame.
     ///
     /// # Errors
     /// Fails if the frame's size differs from the animation's.
-    fn add(&mut self, picture: &Picture) -> Result<()>;
+    fn add(&mut self, picture: &Image) -> Result<()>;
 
     /// Returns the bytes of the file.
     ///
@@ -22,7 +22,7 @@ pub trait Animation {
 
 /// Format of animation files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub enum AnimationFormat {
     /// `.webp`: small, in true color, shown by every browser. The encoder is libwebp, a C library that is unavailable
     /// on wasm.
     #[cfg(not(target_arch = "wasm32"))]
@@ -33,7 +33,7 @@ pub enum Format {
     Apng,
 }
 
-impl Format {
+impl AnimationFormat {
     /// Available formats, the most useful first.
     pub const ALL: &[Self] = &[
         #[cfg(not(target_arch = "wasm32"))]
@@ -57,7 +57,12 @@ impl Format {
     ///
     /// # Errors
     /// Fails if the format does not support the size or frame rate.
-    pub fn begin(self, [width, height]: [u32; 2], frames: u32, fps: f64) -> Result<Box<dyn Animation>> {
+    pub fn begin(
+        self,
+        [width, height]: [u32; 2],
+        frames: u32,
+        fps: f64,
+    ) -> Result<Box<dyn AnimationEncoder>> {
         Ok(match self {
             #[cfg(not(target_arch = "wasm32"))]
             Self::WebP => Box::new(WebP::new(width, height, fps)?),
@@ -100,8 +105,8 @@ impl WebP {
 }
 
 #[cfg(not(target_arch = "wasm32"))]
-impl Animation for WebP {
-    fn add(&mut self, picture: &Picture) -> Result<()> {
+impl AnimationEncoder for WebP {
+    fn add(&mut self, picture: &Image) -> Result<()> {
         self.encoder.add_frame(&picture.rgba, self.time())?;
         self.frame += 1;
         Ok(())
@@ -132,8 +137,8 @@ impl Gif {
     }
 }
 
-impl Animation for Gif {
-    fn add(&mut self, picture: &Picture) -> Result<()> {
+impl AnimationEncoder for Gif {
+    fn add(&mut self, picture: &Image) -> Result<()> {
         // Neural quantization of every tenth pixel: fast, and close to the best palette.
         let mut pixels = picture.rgba.clone();
         let mut frame =
@@ -173,8 +178,8 @@ impl Apng {
     }
 }
 
-impl Animation for Apng {
-    fn add(&mut self, picture: &Picture) -> Result<()> {
+impl AnimationEncoder for Apng {
+    fn add(&mut self, picture: &Image) -> Result<()> {
         self.writer.write_image_data(&picture.rgb())?;
         Ok(())
     }

@@ -24,7 +24,7 @@ mod write;
 
 pub use write::Extent;
 
-use crate::{settings::Settings, source::Source};
+use crate::{settings::Settings, source::PresetSource};
 use std::path::Path;
 
 /// Format version that this crate writes, and the only one it reads.
@@ -36,7 +36,7 @@ pub struct Preset {
     /// Display name.
     pub name: Option<String>,
     /// Files or built-in style of the hair. File names in a preset file are relative to that file.
-    pub source: Source,
+    pub source: PresetSource,
     /// All parameters.
     pub settings: Settings,
 }
@@ -101,7 +101,7 @@ impl Preset {
     /// # Errors
     /// Fails if the current directory is unknown.
     pub fn text_at(&self, path: &Path, extent: Extent) -> std::io::Result<String> {
-        let source = self.source.seen_from(path.parent().unwrap_or(Path::new("")))?;
+        let source = self.source.relative_to(path.parent().unwrap_or(Path::new("")))?;
         Ok(Self { source, ..self.clone() }.write(extent))
     }
 }

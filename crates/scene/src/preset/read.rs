@@ -7,7 +7,7 @@ use super::{
 use crate::{
     knobs::{self, Knob, SECTIONS, Value, ValueKind, color},
     settings::Settings,
-    source::Source,
+    source::PresetSource,
 };
 use std::{ops::Range, path::PathBuf};
 use toml::{
@@ -131,7 +131,7 @@ fn value(knob: &Knob, found: &DeValue) -> Option<Value> {
     })
 }
 
-fn source(entries: &[Entry], source: &mut Source) -> Result<(), (Range<usize>, String)> {
+fn source(entries: &[Entry], source: &mut PresetSource) -> Result<(), (Range<usize>, String)> {
     for (key, found, at) in entries {
         let refuse = |problem: String| Err((at.clone(), problem));
         if let Some((_, files)) = FILES.iter().find(|file| file.0 == *key) {
@@ -150,11 +150,11 @@ fn source(entries: &[Entry], source: &mut Source) -> Result<(), (Range<usize>, S
                 return refuse(format!("source.{key}: {problem}"));
             }
         } else if let (&MIRROR, DeValue::Boolean(mirror)) = (key, found) {
-            source.orientation.orient.mirror = Some(*mirror);
+            source.orientation.orient.is_mirrored = Some(*mirror);
         } else if *key == MIRROR {
             return refuse(format!("source.{MIRROR} is {}, but must be true or false", show(found)));
         } else {
-            let nearest = nearest(key, Source::keys()).unwrap_or_default();
+            let nearest = nearest(key, PresetSource::keys()).unwrap_or_default();
             return refuse(format!("there is no source.{key}; the nearest is source.{nearest}"));
         }
     }

@@ -1,19 +1,19 @@
 //! The `[source]` table of a preset: its keys, and file names relative to the preset.
 
-use crate::source::{COMPANIONS, Source};
+use crate::source::{COMPANION_FILES, PresetSource};
 use std::path::{Component, Path, PathBuf};
 use tresses::groom::{
-    orient::{Axis, Unit},
+    orient::{Axis, LengthUnit},
     scalp::ScalpMap,
     styles::Style,
 };
 
 /// Key, getter and setter of a text value.
 pub(super) type Text =
-    (&'static str, fn(&Source) -> Option<String>, fn(&mut Source, &str) -> Result<(), String>);
+    (&'static str, fn(&PresetSource) -> Option<String>, fn(&mut PresetSource, &str) -> Result<(), String>);
 
 /// Key and accessor of a list of files.
-pub(super) type Files = (&'static str, fn(&mut Source) -> &mut Vec<PathBuf>);
+pub(super) type Files = (&'static str, fn(&mut PresetSource) -> &mut Vec<PathBuf>);
 
 pub(super) const FILES: &[Files] = &[("groom", |s| &mut s.grooms), ("head", |s| &mut s.heads)];
 
@@ -55,10 +55,10 @@ pub(super) const TEXTS: &[Text] = &[
             Ok(())
         },
     ),
-    orientation!("unit", orient, unit, Unit),
+    orientation!("unit", orient, unit, LengthUnit),
     orientation!("up", orient, up, Axis),
     orientation!("front", orient, front, Axis),
-    orientation!("head_unit", orient_head, unit, Unit),
+    orientation!("head_unit", orient_head, unit, LengthUnit),
     orientation!("head_up", orient_head, up, Axis),
     orientation!("head_front", orient_head, front, Axis),
     file!(density_map),
@@ -77,7 +77,7 @@ pub(super) const TEXTS: &[Text] = &[
 /// The only Boolean key.
 pub(super) const MIRROR: &str = "mirror";
 
-impl Source {
+impl PresetSource {
     /// Returns whether every field has its default.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
@@ -94,7 +94,7 @@ impl Source {
     }
 
     /// Returns a copy whose file names, relative to the current directory, are made relative to `folder`.
-    pub(super) fn seen_from(&self, folder: &Path) -> std::io::Result<Self> {
+    pub(super) fn relative_to(&self, folder: &Path) -> std::io::Result<Self> {
         let from = std::path::absolute(if folder.as_os_str().is_empty() { Path::new(".") } else { folder })?;
         self.renamed(|path| Ok(relative(&std::path::absolute(path)?, &from)))
     }
@@ -106,8 +106,8 @@ impl Source {
                 *path = rename(path)?;
             }
         }
-        for companion in &COMPANIONS {
-            if let Some(name) = (companion.place)(&mut renamed)
+        for companion in &COMPANION_FILES {
+            if let Some(name) = (companion.field)(&mut renamed)
                 && !ScalpMap::NAMES.contains(&name.strip_prefix("not-").unwrap_or(name))
             {
                 *name = slashes(&rename(Path::new(&name))?);
@@ -153,7 +153,7 @@ mod tests {
 
     #[test]
     fn file_names_convert_to_and_from_the_preset_folder() {
-        let source = Source {
+        let source = PresetSource {
             grooms: vec!["hair/a.tfx".into()],
             density_map: Some("maps/d.png:r".into()),
             curl_map: Some("not-front".into()),
@@ -163,13 +163,13 @@ mod tests {
         assert_eq!(inside.grooms, [PathBuf::from("presets/hair/a.tfx")]);
         assert_eq!(inside.density_map.as_deref(), Some("presets/maps/d.png:r"));
         assert_eq!(inside.curl_map.as_deref(), Some("not-front"), "no file");
-        assert_eq!(inside.seen_from(Path::new("presets")).unwrap(), source);
-        let above = source.seen_from(Path::new("presets/deep")).unwrap();
+        assert_eq!(inside.relative_to(Path::new("presets")).unwrap(), source);
+        let above = source.relative_to(Path::new("presets/deep")).unwrap();
         assert_eq!(above.grooms, [PathBuf::from("../../hair/a.tfx")]);
-        assert_eq!(source.seen_from(Path::new("")).unwrap(), source);
-        let far = Source { grooms: vec!["/far/a.tfx".into()], ..Default::default() };
+        assert_eq!(source.relative_to(Path::new("")).unwrap(), source);
+        let far = PresetSource { grooms: vec!["/far/a.tfx".into()], ..Default::default() };
         assert_eq!(far.inside(Path::new("presets")).grooms, far.grooms);
-        assert_eq!(far.seen_from(Path::new("/near")).unwrap(), far);
-        assert_eq!(far.seen_from(Path::new("/far/away")).unwrap().grooms, [PathBuf::from("../a.tfx")]);
+        assert_eq!(far.relative_to(Path::new("/near")).unwrap(), far);
+        assert_eq!(far.relative_to(Path::new("/far/away")).unwrap().grooms, [PathBuf::from("../a.tfx")]);
     }
 }

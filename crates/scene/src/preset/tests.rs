@@ -8,11 +8,11 @@ fn any_value(knob: &Knob, (share, bits, pick): (f64, u32, u8)) -> Value {
         return Value::Auto;
     }
     match knob.kind {
-        ValueKind::Number { least, most, .. } => {
+        ValueKind::Number { min: least, max: most, .. } => {
             // Any float in the range, not only round ones.
             Value::Number(knob.inner(least + (most - least) * share))
         }
-        ValueKind::Integer { least, most, step, .. } => {
+        ValueKind::Integer { min: least, max: most, step, .. } => {
             let count = (most - least) / step + 1;
             Value::Integer(least + bits % count * step)
         }
@@ -76,7 +76,7 @@ fn smallest_change_survives_round_trip() {
 #[test]
 fn written_preset_matches_expected_text() {
     let mut preset = Preset { name: Some("storm \"1\"".into()), ..Preset::default() };
-    preset.source = Source {
+    preset.source = PresetSource {
         grooms: vec!["a.tfx".into(), "b.tfx".into()],
         heads: vec!["head.obj".into()],
         density_map: Some("noise".into()),
@@ -84,7 +84,7 @@ fn written_preset_matches_expected_text() {
     };
     preset.source.orientation.orient.unit = "cm".parse().ok();
     preset.source.orientation.orient_head.front = "-z".parse().ok();
-    preset.source.orientation.orient.mirror = Some(true);
+    preset.source.orientation.orient.is_mirrored = Some(true);
     preset.settings.set("style.curl_radius", 0.009).unwrap();
     preset.settings.wind_direction = 45f32.to_radians();
     preset.settings.set("renderer.samples", "4").unwrap();
@@ -174,7 +174,7 @@ fn file_names_are_relative_to_the_preset() {
     let folder = std::env::temp_dir().join(format!("tresses-preset-{}", std::process::id()));
     let path = folder.join("deep/storm.toml");
     let preset = Preset {
-        source: Source { grooms: vec![folder.join("a.tfx")], ..Default::default() },
+        source: PresetSource { grooms: vec![folder.join("a.tfx")], ..Default::default() },
         ..Preset::default()
     };
     preset.save(&path, Extent::All).unwrap();

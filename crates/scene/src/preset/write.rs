@@ -7,7 +7,7 @@ use super::{
 use crate::{
     knobs::{Knob, SECTIONS, Value, ValueKind},
     settings::Settings,
-    source::Source,
+    source::PresetSource,
 };
 
 /// Which parameters a preset lists.
@@ -52,7 +52,7 @@ impl Preset {
     }
 }
 
-fn source(source: &Source) -> String {
+fn source(source: &PresetSource) -> String {
     if source.is_empty() {
         return String::new();
     }
@@ -71,7 +71,7 @@ fn source(source: &Source) -> String {
             text += &format!("{key} = {}\n", quoted(&value));
         }
     }
-    if let Some(mirror) = source.orientation.orient.mirror {
+    if let Some(mirror) = source.orientation.orient.is_mirrored {
         text += &format!("{MIRROR} = {mirror}\n");
     }
     text

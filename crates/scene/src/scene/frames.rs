@@ -1,7 +1,7 @@
 //! Frames of a scene: advance the character, then draw it.
 
 use super::{OutputRequest, Scene};
-use crate::camera::{Sight, Viewpoint};
+use crate::camera::{CaptureCamera, Viewpoint};
 use anyhow::{Context as _, Result};
 use tresses::{
     Gesture, Timings,
@@ -35,7 +35,7 @@ impl Scene {
     }
 
     /// Moves the collider mesh to the poses that are drawn. Call it after advancing a frame and before drawing it.
-    pub fn place_colliders(&mut self) {
+    pub fn move_colliders(&mut self) {
         if let Some(obstacles) = self.character.props.first() {
             let poses = self.character.drawn_obstacles();
             if !poses.is_empty() {
@@ -46,12 +46,12 @@ impl Scene {
 
     /// Returns the library's camera for `camera`.
     pub(crate) fn eye(&self, camera: &Viewpoint) -> tresses::Camera {
-        Sight::from(*camera).camera(self.targets().size)
+        CaptureCamera::from(*camera).camera(self.targets().size)
     }
 
     /// Sets camera and lights. Key and rim light follow the camera unless the settings fix them or an environment map
     /// lights the scene.
-    pub(crate) fn look_from(&mut self, camera: impl Into<Sight>) {
+    pub(crate) fn look_from(&mut self, camera: impl Into<CaptureCamera>) {
         let camera = camera.into();
         self.picture.camera = camera.camera(self.targets().size);
         let back = camera.back();
@@ -71,10 +71,10 @@ impl Scene {
         seconds: f32,
     ) -> Result<()> {
         let time = self.character.time() + f64::from(seconds);
-        self.character.place_obstacles(&self.colliders.poses(time))?;
+        self.character.set_obstacle_poses(&self.colliders.poses(time))?;
         self.character.gesture.clone_from(gesture);
         let eye = self.watcher.map(|camera| self.eye(&camera));
-        let mut frame = self.gpu.context.frame(encoder).timed(timings).seen_by(eye.as_slice());
+        let mut frame = self.gpu.context.frame(encoder).timed(timings).with_cameras(eye.as_slice());
         Ok(frame.advance(&mut [&mut self.character], seconds)?)
     }
 
@@ -120,14 +120,19 @@ impl Scene {
         encoder: &mut wgpu::CommandEncoder,
         timings: Option<&mut Timings>,
         again: bool,
-        asked: OutputRequest,
+        request: OutputRequest,
     ) -> Result<()> {
         let shows = match (&self.shown, &mut self.views) {
             _ if again => ViewContent::Again,
             (Some(shown), Some(views)) => ViewContent::Inside(views, shown),
             _ => ViewContent::Hair,
         };
-        let drawing = Drawing { shows, asks: asked.hair, bare: asked.bare, ..Drawing::new(&self.picture) };
+        let drawing = Drawing {
+            shows,
+            labels: request.hair,
+            hair_only: request.hair_only,
+            ..Drawing::new(&self.picture)
+        };
         let mut frame = self.gpu.context.frame(encoder).timed(timings);
         Ok(frame.draw_as(&mut self.view, &[&self.character], drawing)?)
     }

@@ -5,7 +5,7 @@ use super::{
     Scene,
     surface::{self, SurfaceSample},
 };
-use crate::camera::Sight;
+use crate::camera::CaptureCamera;
 use anyhow::{Result, ensure};
 use tresses::{
     ToneMap,
@@ -24,7 +24,7 @@ pub struct OutputRequest {
     /// Depth and normals of the bodies.
     pub body: bool,
     /// Draws only the hair, without bodies and their shadows.
-    pub bare: bool,
+    pub hair_only: bool,
     /// Bodies hide hair behind them, but are not drawn.
     pub holdout: bool,
 }
@@ -60,8 +60,8 @@ impl Capture {
 
     /// Returns the hair motion per pixel since the previous frame, pixels to the right and down; NaN if unknown.
     pub fn motions(&self) -> Vec<[f32; 2]> {
-        let moved = |[x, y, ..]: &[f32; 4]| if self.knows_motion { [*x, *y] } else { [f32::NAN; 2] };
-        self.geometry.iter().map(moved).collect()
+        let motion = |[x, y, ..]: &[f32; 4]| if self.knows_motion { [*x, *y] } else { [f32::NAN; 2] };
+        self.geometry.iter().map(motion).collect()
     }
 
     /// Returns the hair opacity per pixel.
@@ -79,26 +79,30 @@ impl Scene {
     /// # Errors
     /// Fails if the adapter cannot allocate what the view needs, if the GPU is lost, or if [`OutputRequest::hair`] is set and
     /// the hair is not tiled, or drawn as cards.
-    pub async fn capture(&mut self, camera: impl Into<Sight>, asked: OutputRequest) -> Result<Capture> {
+    pub async fn capture(
+        &mut self,
+        camera: impl Into<CaptureCamera>,
+        request: OutputRequest,
+    ) -> Result<Capture> {
         ensure!(
-            !asked.hair || !self.character.hair().is_cards(),
+            !request.hair || !self.character.hair().is_cards(),
             "depth, coverage, motion and strands of the hair are known for strands, not for cards"
         );
-        self.place_colliders();
+        self.move_colliders();
         self.look_from(camera);
-        self.hold_out(asked.holdout);
-        let drawn = self.draw_whole(asked).await;
+        self.hold_out(request.holdout);
+        let drawn = self.draw_until_complete(request).await;
         self.hold_out(false);
         drawn?;
         let targets = self.targets();
         let mut captured = Capture { color: targets.read().await?, ..Default::default() };
-        if asked.linear {
+        if request.linear {
             captured.linear = self.linear().await?;
         }
-        if asked.body {
-            captured.surface = self.surface(asked.bare).await?;
+        if request.body {
+            captured.surface = self.surface(request.hair_only).await?;
         }
-        if asked.hair {
+        if request.hair {
             let texels = targets.size.map(|side| (side * targets.ssaa) as usize).iter().product();
             let known = targets.geometry().await?;
             captured.geometry = known.unwrap_or_else(|| vec![[0.0; 4]; texels]);
@@ -109,10 +113,10 @@ impl Scene {
     }
 
     /// Draws until the frame is complete.
-    async fn draw_whole(&mut self, asked: OutputRequest) -> Result<()> {
+    async fn draw_until_complete(&mut self, request: OutputRequest) -> Result<()> {
         loop {
             let mut encoder = self.gpu.context.device().create_command_encoder(&Default::default());
-            self.record_picture(&mut encoder, None, false, asked)?;
+            self.record_picture(&mut encoder, None, false, request)?;
             self.gpu.context.queue().submit([encoder.finish()]);
             if self.is_complete().await? {
                 return Ok(());
@@ -122,17 +126,17 @@ impl Scene {
 
     fn hold_out(&mut self, holdout: bool) {
         let character = &mut self.character;
-        character.props.iter_mut().for_each(|prop| prop.material.holdout = holdout);
+        character.props.iter_mut().for_each(|prop| prop.material.is_holdout = holdout);
         if let Some(body) = character.body_mut() {
-            body.material.holdout = holdout;
+            body.material.is_holdout = holdout;
         }
     }
 
     /// Returns the bodies in the last frame; none if it is `bare`.
-    async fn surface(&self, bare: bool) -> Result<Vec<SurfaceSample>> {
+    async fn surface(&self, hair_only: bool) -> Result<Vec<SurfaceSample>> {
         let mut meshes = Vec::new();
         let bodies = self.character.body().into_iter().chain(&self.character.props);
-        for body in bodies.filter(|_| !bare) {
+        for body in bodies.filter(|_| !hair_only) {
             meshes.push(body.read().await?);
         }
         let camera = &self.picture.camera;
@@ -191,7 +195,7 @@ impl Scene {
     /// # Errors
     /// Fails if the GPU is lost.
     pub async fn drawn_colors(&self, buffers: &StrandBuffers) -> Result<Vec<Vec3>> {
-        if !self.character.hair().set.material.file_colors {
+        if !self.character.hair().set.material.uses_file_colors {
             return Ok(Vec::new());
         }
         let strands: Vec<Strand> = readback::buffer(&self.gpu.context, &buffers.strands).await?;
@@ -214,10 +218,10 @@ impl Scene {
         let hair = self.character.hair();
         let GuideBuffers { count, vertex_count, current, .. } = &hair.guides;
         let points: Vec<[f32; 4]> = readback::buffer(&self.gpu.context, current).await?;
-        let (count, place) = (*count as usize, hair.place());
+        let (count, transform) = (*count as usize, hair.simulation_transform());
         let at = |guide: usize, vertex: usize| {
             let [x, y, z, _] = points[vertex * count + guide];
-            place.point(Vec3::new(x, y, z))
+            transform.point(Vec3::new(x, y, z))
         };
         Ok((0..count)
             .flat_map(|g| (0..*vertex_count as usize).map(move |v| (g, v)))

@@ -42,13 +42,13 @@ pub struct LightSettings {
     /// Strength factor of the sky light, which comes from all other directions.
     pub sky: f32,
     /// Rotation of key and rim light about the head, radians, toward the head's left.
-    pub turn: f32,
+    pub rotation: f32,
     /// Whether key and rim light follow the camera. Otherwise they stay in place, as for a camera in front of the face.
     pub follow: bool,
     /// Additional lights.
     pub lamps: [Lamp; 2],
     /// Rotation of the environment map about the head, radians, toward the head's left.
-    pub environment_turn: f32,
+    pub environment_rotation: f32,
     /// Strength factor of the environment map.
     pub environment_strength: f32,
     /// Exposure factor, applied to all light before tone mapping.
@@ -61,10 +61,10 @@ impl Default for LightSettings {
             key: 1.0,
             rim: 1.0,
             sky: 1.0,
-            turn: 0.0,
+            rotation: 0.0,
             follow: true,
             lamps: [Lamp::default(); 2],
-            environment_turn: 0.0,
+            environment_rotation: 0.0,
             environment_strength: 1.0,
             exposure: 1.0,
         }
@@ -80,7 +80,7 @@ impl LightSettings {
             Some(lights) => *lights,
             None => {
                 let azimuth = if self.follow { azimuth } else { 0.0 };
-                let mut lights = Lights::around(azimuth + self.turn);
+                let mut lights = Lights::around(azimuth + self.rotation);
                 lights.directional[Lights::KEY].irradiance *= self.key;
                 lights.directional[Lights::RIM].irradiance *= self.rim;
                 let sky = &mut lights.sky;
@@ -90,11 +90,11 @@ impl LightSettings {
                 lights
             }
         };
-        for (place, lamp) in lights.directional[2..].iter_mut().zip(&self.lamps) {
+        for (slot, lamp) in lights.directional[2..].iter_mut().zip(&self.lamps) {
             // Lights extracted from an environment map may occupy this slot, so an additional light that is off leaves
             // it unchanged.
             if lamp.irradiance > 0.0 {
-                *place = lamp.directional();
+                *slot = lamp.directional();
             }
         }
         lights
@@ -109,7 +109,7 @@ mod tests {
     fn default_lights_match_the_library() {
         let settings = LightSettings::default();
         assert_eq!(settings.lights(0.7, None), Lights::around(0.7));
-        let still = LightSettings { follow: false, turn: 0.3, ..settings };
+        let still = LightSettings { follow: false, rotation: 0.3, ..settings };
         assert_eq!(still.lights(0.7, None), Lights::around(0.3));
         let dark = LightSettings { key: 0.0, ..settings };
         assert_eq!(dark.lights(0.0, None).active().count(), 1);

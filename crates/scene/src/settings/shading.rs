@@ -79,6 +79,6 @@ impl ShadingSettings {
                 ..HairMaterial::default()
             },
         };
-        HairMaterial { file_colors: matches!(self.color, HairColor::File | HairColor::Skin), ..material }
+        HairMaterial { uses_file_colors: matches!(self.color, HairColor::File | HairColor::Skin), ..material }
     }
 }

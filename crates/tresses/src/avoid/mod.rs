@@ -255,19 +255,19 @@ impl Avoidance {
 /// Creates the initial states, as many as the strand buffers can hold.
 fn states(context: &Context, strands: &StrandBuffers) -> Result<wgpu::Buffer> {
     let Context { device, queue, .. } = context;
-    let states = storage::<StrandState>(device, "avoidance", strands.room.strands.into())?;
+    let states = storage::<StrandState>(device, "avoidance", strands.capacity.strands.into())?;
     let none = StrandState { hit: NO_HIT, amount: 0.0, at: 0.0, hit_before: 0 };
-    queue.write_buffer(&states, 0, bytemuck::cast_slice(&vec![none; strands.room.strands as usize]));
+    queue.write_buffer(&states, 0, bytemuck::cast_slice(&vec![none; strands.capacity.strands as usize]));
     Ok(states)
 }
 
 /// Returns the rest vertices of `strands`, each with the difference by which it rests closer to the surface of a
 /// `field` than `clearance`.
-pub fn sunk(strands: &BoundStrands, field: &SdfGrid, clearance: f32) -> Vec<PackedRest> {
+pub fn with_penetration(strands: &BoundStrands, field: &SdfGrid, clearance: f32) -> Vec<PackedRest> {
     let n = strands.vertex_count.max(1) as usize;
     let vertex = |(i, rest): (usize, &PackedRest)| {
         let (p, _) = rest.unpack(&strands.bindings[i / n]);
-        rest.sink(clearance - field.sample(p))
+        rest.with_penetration(clearance - field.sample(p))
     };
     strands.rest.iter().enumerate().map(vertex).collect()
 }

@@ -31,9 +31,9 @@ impl PipelineSet for Pipelines {
         let device = &context.device;
         let colliders = collide::layout(device);
         Self {
-            first_hit: Kernel::beside::<kernels::FirstHit>(device, &[&colliders]),
-            push_out: Kernel::beside::<kernels::PushOut>(device, &[&colliders]),
-            change_over: Kernel::beside::<kernels::ChangeOver>(device, &[&colliders]),
+            first_hit: Kernel::with_shared::<kernels::FirstHit>(device, &[&colliders]),
+            push_out: Kernel::with_shared::<kernels::PushOut>(device, &[&colliders]),
+            change_over: Kernel::with_shared::<kernels::ChangeOver>(device, &[&colliders]),
         }
     }
 

@@ -17,7 +17,7 @@ use wgpu::util::DeviceExt;
 use crate::{
     Camera, Context, Pose, Result,
     gpu::{Binding, bindings, readback},
-    groom::{TriMesh, mesh::Level},
+    groom::{TriMesh, mesh::MeshLevel},
 };
 
 /// Material of a body: matte with soft gloss.
@@ -32,7 +32,7 @@ pub struct BodyMaterial {
     /// How far light wraps around the edge of the shadow: 0 for stone, 0.3 for skin.
     pub wrap: f32,
     /// Whether the body is a holdout: drawn with opacity 0, so that it only hides other objects.
-    pub holdout: bool,
+    pub is_holdout: bool,
 }
 
 impl Default for BodyMaterial {
@@ -43,7 +43,7 @@ impl Default for BodyMaterial {
             gloss: 0.25,
             gloss_exponent: 14.0,
             wrap: 0.2,
-            holdout: false,
+            is_holdout: false,
         }
     }
 }
@@ -123,7 +123,7 @@ impl Body {
     /// edge of the views' grids of ambient light
     /// ([`ViewOptions::ambient_cells`](crate::view::ViewOptions::ambient_cells)): coarse grids need fewer points on the
     /// surface.
-    pub fn with_levels(context: &Context, mesh: &TriMesh, levels: &[Level], cells: u32) -> Self {
+    pub fn with_levels(context: &Context, mesh: &TriMesh, levels: &[MeshLevel], cells: u32) -> Self {
         let Context { device, .. } = context;
         let vertices = vertices(mesh);
         let buffer = |label, contents: &[u8], usage| {
@@ -250,8 +250,8 @@ impl Body {
     pub fn move_to(&self, mesh: &TriMesh) {
         let vertices = vertices(mesh);
         let bytes: &[u8] = bytemuck::cast_slice(&vertices);
-        let room = self.vertices.size().min(bytes.len() as u64) as usize;
-        self.asset.context.queue.write_buffer(&self.vertices, 0, &bytes[..room]);
+        let byte_count = self.vertices.size().min(bytes.len() as u64) as usize;
+        self.asset.context.queue.write_buffer(&self.vertices, 0, &bytes[..byte_count]);
     }
 
     /// Smallest clip coordinate `w` of the body's points for `camera`: for a perspective camera, the distance of the
@@ -343,7 +343,7 @@ impl BodyMaterial {
             wrap: self.wrap,
             gloss_exponent: self.gloss_exponent,
             outward,
-            shown: if self.holdout { 0.0 } else { 1.0 },
+            shown: if self.is_holdout { 0.0 } else { 1.0 },
         }
     }
 }
@@ -357,7 +357,7 @@ mod tests {
     fn level_is_the_coarsest_within_the_error() {
         let context = &crate::gpu::noop();
         let mesh = TriMesh { triangles: vec![[0, 1, 2], [2, 1, 3]], ..Default::default() };
-        let levels = [Level { stray: 1e-3, triangles: vec![[0, 1, 3]] }];
+        let levels = [MeshLevel { stray: 1e-3, triangles: vec![[0, 1, 3]] }];
         let body = Body::with_levels(context, &mesh, &levels, 4);
         let drawn = [1.0, 1e-3, 5e-4, 0.0, -1.0, f32::NAN].map(|stray| body.level(stray));
         assert_eq!(drawn, [6..9, 6..9, 0..6, 0..6, 0..6, 0..6]);

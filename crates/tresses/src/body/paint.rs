@@ -16,7 +16,7 @@ use wgpu::util::DeviceExt;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, NoUninit)]
 struct PaintVertex {
-    place: [f32; 2],
+    uv: [f32; 2],
     /// Bits 0 to 7: texture layer. Bits from 8: [`Coat::cutout`](crate::groom::mesh::paint::Coat::cutout) in 255ths.
     coat: u32,
 }
@@ -56,18 +56,18 @@ impl Body {
     /// [`Error::Limit`] if they are more or larger than the adapter supports.
     pub fn paint(&mut self, paint: &Paint) -> Result<()> {
         let count = (self.vertices.size() / (4 * u64::from(Self::WORDS))) as usize;
-        if !paint.is_whole(count) || paint.coats.is_empty() {
+        if !paint.fits(count) || paint.coats.is_empty() {
             return Err(Error::unusable("the textures do not match the body's mesh"));
         }
         let cutout = |coat: u8| {
             let cutout = paint.coats.get(usize::from(coat)).and_then(|coat| coat.cutout);
-            cutout.map_or(0, |share| (255.0 * share.clamp(0.0, 1.0)) as u32)
+            cutout.map_or(0, |threshold| (255.0 * threshold.clamp(0.0, 1.0)) as u32)
         };
-        let vertex = |(place, of): (&glam::Vec2, &u8)| PaintVertex {
-            place: place.to_array(),
+        let vertex = |(uv, of): (&glam::Vec2, &u8)| PaintVertex {
+            uv: uv.to_array(),
             coat: u32::from(*of) | cutout(*of) << 8,
         };
-        let vertices: Vec<_> = paint.places.iter().zip(&paint.of).map(vertex).collect();
+        let vertices: Vec<_> = paint.uvs.iter().zip(&paint.of).map(vertex).collect();
         let vertices = self.asset.context.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("painted vertices"),
             contents: bytemuck::cast_slice(&vertices),
@@ -198,8 +198,8 @@ fn half(picture: &Texture, is_srgb: bool) -> Texture {
             });
             let light =
                 |k: usize| encoded(0.25 * four.iter().map(|texel| table[usize::from(texel[k])]).sum::<f32>());
-            let share = four.iter().map(|texel| u32::from(texel[3])).sum::<u32>();
-            rgba.extend([light(0), light(1), light(2), ((share + 2) / 4) as u8]);
+            let alpha = four.iter().map(|texel| u32::from(texel[3])).sum::<u32>();
+            rgba.extend([light(0), light(1), light(2), ((alpha + 2) / 4) as u8]);
         }
     }
     Texture { width, height, rgba }

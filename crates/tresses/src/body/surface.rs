@@ -60,11 +60,11 @@ fn area([a, b, c]: [Vec3; 3]) -> f64 {
 /// Vertices and area (float bits, square meters) of `count` points at even distances along the cumulative area of the
 /// triangles.
 fn points(mesh: &TriMesh, count: usize) -> Vec<[u32; 4]> {
-    let whole: f64 = triangles(mesh).map(|(_, corners)| area(corners)).filter(|a| a.is_finite()).sum();
-    if whole <= 0.0 {
+    let total_area: f64 = triangles(mesh).map(|(_, corners)| area(corners)).filter(|a| a.is_finite()).sum();
+    if total_area <= 0.0 {
         return Vec::new();
     }
-    let each = whole / count as f64;
+    let each = total_area / count as f64;
     let bits = (each as f32).to_bits();
     let mut points = Vec::with_capacity(count);
     let mut sum = 0.0;
@@ -80,9 +80,9 @@ fn points(mesh: &TriMesh, count: usize) -> Vec<[u32; 4]> {
 
 /// Finds the winding from the sign of the enclosed volume, seen from the mean vertex.
 fn outward(mesh: &TriMesh) -> f32 {
-    let middle = mesh.positions.iter().sum::<Vec3>() / mesh.positions.len().max(1) as f32;
+    let center = mesh.positions.iter().sum::<Vec3>() / mesh.positions.len().max(1) as f32;
     let volume: f32 = triangles(mesh)
-        .map(|(_, [a, b, c])| (a - middle).dot((b - middle).cross(c - middle)))
+        .map(|(_, [a, b, c])| (a - center).dot((b - center).cross(c - center)))
         .filter(|v| v.is_finite())
         .sum();
     if volume < 0.0 { -1.0 } else { 1.0 }

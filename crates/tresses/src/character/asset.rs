@@ -9,7 +9,7 @@ use crate::{
     groom::{
         Look, SdfGrid,
         character::CharacterParts,
-        rig::anatomy::{Field, PartForm},
+        rig::anatomy::{DistanceFieldSource, PartForm},
     },
     hair::{HairAsset, HairDescriptor, HairOptions},
     light::Sphere,
@@ -22,7 +22,7 @@ use glam::Vec3;
 use std::sync::Arc;
 
 /// Maximum distance of a face groom's roots from the skin, meters.
-pub(super) const FACE_REACH: f32 = 0.01;
+pub(super) const MAX_FACE_ROOT_DISTANCE: f32 = 0.01;
 /// Radius of the sphere covered by shadow maps, relative to the hair at rest. Keeps moving hair inside.
 const SWING: f32 = 1.15;
 
@@ -43,10 +43,10 @@ pub struct CharacterOptions<'a> {
     pub fields: &'a [FieldSource<'a>],
     /// Maximum resolution of the grid of ambient light that the body is drawn with, cells per edge
     /// ([`ViewOptions::ambient_cells`](crate::view::ViewOptions::ambient_cells)).
-    pub ambient_cells: u32,
+    pub ambient_resolution: u32,
     /// Maximum distance of a root of the hair from a skinned mesh, meters. Grooms made for another head may be
     /// centimeters off.
-    pub root_reach: f32,
+    pub max_root_distance: f32,
 }
 
 impl Default for CharacterOptions<'_> {
@@ -55,8 +55,8 @@ impl Default for CharacterOptions<'_> {
             hair: HairOptions::default(),
             obstacles: &[],
             fields: &[],
-            ambient_cells: u32::MAX,
-            root_reach: 0.2,
+            ambient_resolution: u32::MAX,
+            max_root_distance: 0.2,
         }
     }
 }
@@ -91,13 +91,13 @@ impl<'a> CharacterOptions<'a> {
     /// Sets the [resolution of ambient light](Self::ambient_cells).
     #[must_use]
     pub fn with_ambient_cells(self, ambient_cells: u32) -> Self {
-        Self { ambient_cells, ..self }
+        Self { ambient_resolution: ambient_cells, ..self }
     }
 
     /// Sets the [maximum distance of roots](Self::root_reach), meters.
     #[must_use]
-    pub fn with_root_reach(self, root_reach: f32) -> Self {
-        Self { root_reach, ..self }
+    pub fn with_max_root_distance(self, max_root_distance: f32) -> Self {
+        Self { max_root_distance, ..self }
     }
 }
 
@@ -160,8 +160,10 @@ impl CharacterAsset {
         let builder = FieldBuilder::new(context);
         let solids = anatomy.iter().flat_map(|anatomy| anatomy.solids());
         let part_fields = solids.filter(|part| part.form == PartForm::Field).map(|part| match &part.field {
-            Field::Mesh(mesh, options) => FieldSource::Mesh { builder: &builder, mesh, options },
-            Field::Grid(grid) => FieldSource::Grid(grid),
+            DistanceFieldSource::Mesh(mesh, options) => {
+                FieldSource::Mesh { builder: &builder, mesh, options }
+            }
+            DistanceFieldSource::Grid(grid) => FieldSource::Grid(grid),
         });
         let fields: Vec<_> = options.fields.iter().copied().chain(part_fields).collect();
         let colliders = ColliderDescriptor {
@@ -183,7 +185,7 @@ impl CharacterAsset {
         let mut body = None;
         let (mut face, mut rig, mut roots) = (Vec::new(), None, None);
         if let Some(head) = head {
-            let mut drawn = Body::with_levels(context, &head, &levels, options.ambient_cells);
+            let mut drawn = Body::with_levels(context, &head, &levels, options.ambient_resolution);
             if let Some(paint) = &head.paint {
                 drawn.paint(paint)?;
             }
@@ -202,12 +204,13 @@ impl CharacterAsset {
                     ..Default::default()
                 };
                 let hair = HairAsset::with_progress(context, groom.groom, &what, progress).await?;
-                let roots = anatomy.is_some().then(|| hair.bind_roots(&head, FACE_REACH)).transpose()?;
+                let roots =
+                    anatomy.is_some().then(|| hair.bind_roots(&head, MAX_FACE_ROOT_DISTANCE)).transpose()?;
                 face.push(GroomAsset { hair, roots, hangs });
             }
             if let Some(anatomy) = anatomy {
                 if !anatomy.is_rigid {
-                    roots = Some(hair.bind_roots(&head, options.root_reach)?);
+                    roots = Some(hair.bind_roots(&head, options.max_root_distance)?);
                 }
                 rig = Some(Arc::new(RigAsset::new(context, anatomy, head, &drawn)?));
             }

@@ -2,7 +2,7 @@
 
 use super::{
     Character, CharacterAsset, CharacterOptions, Fringe, Gesture, RiggedBody,
-    asset::{FACE_REACH, GroomAsset},
+    asset::{GroomAsset, MAX_FACE_ROOT_DISTANCE},
 };
 use crate::{
     Context, Pose, Result,
@@ -140,10 +140,10 @@ impl Character {
     /// # Errors
     /// [`crate::groom::Error::Unusable`] for a root that is too far away and for a skin that does not fit the mesh;
     /// [`crate::Error::Limit`].
-    pub fn skinned_by(&mut self, mesh: &TriMesh, skin: &Skin<'_>, reach: f32) -> Result<RootReport> {
-        let report = self.hair.attach(mesh, skin, reach)?;
+    pub fn skinned_by(&mut self, mesh: &TriMesh, skin: &Skin<'_>, max_distance: f32) -> Result<RootReport> {
+        let report = self.hair.attach(mesh, skin, max_distance)?;
         for face in &mut self.face {
-            face.hair.attach(mesh, skin, reach.max(FACE_REACH))?;
+            face.hair.attach(mesh, skin, max_distance.max(MAX_FACE_ROOT_DISTANCE))?;
         }
         self.roots = Some(report);
         Ok(report)

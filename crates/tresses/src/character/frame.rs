@@ -4,8 +4,8 @@ use super::{Character, light::Lighting};
 use crate::{
     Camera, Context, Result,
     body::Body,
-    budget::{Budget, Costs, CrowdDetail, ViewBytes},
-    draw::{Compositor, Surroundings},
+    budget::{Budget, CostModel, CrowdDetail, ViewBytes},
+    draw::{Compositor, HostFrame},
     frame::{Drawing, Recorder, ViewContent},
     gpu::Timings,
     hair::Hair,
@@ -70,9 +70,9 @@ pub struct CrowdBudget {
     /// Limits for all characters of a frame.
     pub budget: Budget,
     /// Cost of work, fitted to timed frames ([`Costs::fit`]).
-    pub costs: Costs,
+    pub costs: CostModel,
     /// Levels of the last frame: the hair of each character, followed by its face grooms if they are drawn.
-    pub chosen: CrowdDetail,
+    pub detail: CrowdDetail,
 }
 
 impl Context {
@@ -85,7 +85,7 @@ impl Context {
 impl<'a> Frame<'a> {
     /// Chooses the level of detail of each character for the camera in which it is largest. Without cameras the levels
     /// do not change.
-    pub fn seen_by(mut self, cameras: &'a [Camera]) -> Self {
+    pub fn with_cameras(mut self, cameras: &'a [Camera]) -> Self {
         self.cameras = cameras;
         self
     }
@@ -111,7 +111,7 @@ impl<'a> Frame<'a> {
         for character in &mut *characters {
             character.find_pose(dt)?;
         }
-        self.choose_detail(characters);
+        self.select_detail(characters);
         let bodies: Vec<&Skinning> =
             characters.iter().filter_map(|character| Some(character.rigged.as_ref()?.skinning())).collect();
         if !bodies.is_empty() {
@@ -120,14 +120,14 @@ impl<'a> Frame<'a> {
         characters.iter_mut().try_for_each(|character| character.advance(&mut self.recorder, dt))
     }
 
-    fn choose_detail(&mut self, characters: &mut [&mut Character]) {
+    fn select_detail(&mut self, characters: &mut [&mut Character]) {
         let Some(camera) = self.cameras.first() else { return };
         if let Some(crowd) = &mut self.budget {
-            return crowd.choose(camera, characters);
+            return crowd.select(camera, characters);
         }
         for character in characters {
             let head = character.head_drawn();
-            let size = |camera: &Camera| character.hair.lod.seen(camera, &head).size;
+            let size = |camera: &Camera| character.hair.lod.detail_for_camera(camera, &head).size;
             let largest = self.cameras.iter().max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(camera);
             character.grooms_mut().for_each(|hair| hair.look_from(largest, &head));
             character.bias = 0.0;
@@ -160,7 +160,7 @@ impl<'a> Frame<'a> {
         characters: &[&Character],
         picture: &Picture,
         embed: &Compositor,
-        into: Surroundings<'_>,
+        into: HostFrame<'_>,
     ) -> Result<()> {
         let shows = ViewContent::Over(embed, into);
         self.draw_as(view, characters, Drawing { shows, ..Drawing::new(picture) })
@@ -195,8 +195,8 @@ impl<'a> Frame<'a> {
         characters: &[&Character],
         drawing: Drawing<'_>,
     ) -> Result<()> {
-        let Drawing { picture, output, shows, asks, bare } = drawing;
-        let (bodies, numbers) = match bare {
+        let Drawing { picture, output, shows, labels, hair_only } = drawing;
+        let (bodies, numbers) = match hair_only {
             true => (Vec::new(), vec![Vec::new(); characters.len()]),
             false => bodies(characters),
         };
@@ -206,7 +206,7 @@ impl<'a> Frame<'a> {
             false => lighting.set(view, characters, bodies.len(), picture),
         };
         let hair: Vec<&Hair> = characters.iter().flat_map(|character| character.grooms()).collect();
-        let drawing = Drawing { output, shows, asks, ..Drawing::new(&picture) };
+        let drawing = Drawing { output, shows, labels, ..Drawing::new(&picture) };
         self.recorder.draw(&hair, &bodies, view, drawing)
     }
 }
@@ -241,11 +241,11 @@ const FACE: f32 = 24.0;
 
 impl CrowdBudget {
     /// Makes the next choice ignore the levels of the last frame.
-    pub fn choose_anew(&mut self) {
-        self.chosen = CrowdDetail::default();
+    pub fn reset_detail(&mut self) {
+        self.detail = CrowdDetail::default();
     }
 
-    fn choose(&mut self, camera: &Camera, characters: &mut [&mut Character]) {
+    fn select(&mut self, camera: &Camera, characters: &mut [&mut Character]) {
         let foci: Vec<_> = characters.iter().map(|character| character.focus_drawn()).collect();
         let mut all = Vec::new();
         let mut owners = Vec::new();
@@ -253,7 +253,7 @@ impl CrowdBudget {
             let head = character.head_drawn();
             all.push((&mut character.hair, head));
             owners.push(Some(i));
-            let is_small = all[all.len() - 1].0.lod.seen(camera, &head).size < FACE;
+            let is_small = all[all.len() - 1].0.lod.detail_for_camera(camera, &head).size < FACE;
             for face in &mut character.face {
                 match is_small {
                     true => face.hair.hide(),
@@ -266,13 +266,14 @@ impl CrowdBudget {
         }
         // The lighting of a zone is counted once per character.
         let light = |groom: usize, bias: f32| {
-            owners[groom].map_or(0, |i| Zone::seen(foci[i], camera, bias, Vec::new(), Vec::new()).bytes())
+            owners[groom]
+                .map_or(0, |i| Zone::for_camera(foci[i], camera, bias, Vec::new(), Vec::new()).bytes())
         };
         let held = ViewBytes { vertex: ViewBytes::BY_TILES, head: &light };
-        let before = (!self.chosen.heads.is_empty()).then_some(self.chosen.bias);
-        self.chosen = self.budget.look_from(&self.costs, camera, &mut all, before, &held);
+        let before = (!self.detail.heads.is_empty()).then_some(self.detail.bias);
+        self.detail = self.budget.look_from(&self.costs, camera, &mut all, before, &held);
         for character in characters {
-            character.bias = self.chosen.bias;
+            character.bias = self.detail.bias;
         }
     }
 }

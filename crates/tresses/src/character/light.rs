@@ -54,8 +54,8 @@ impl Lighting {
         let groups = groups(&spheres);
         let eye = camera.eye();
         let away = |group: &&Group| group.focus.center.distance(eye);
-        let seen = |group: &&Group| group.members.iter().any(|i| characters[*i].hair().is_seen());
-        let nearest = groups.iter().filter(seen).min_by(|a, b| away(a).total_cmp(&away(b)));
+        let is_visible = |group: &&Group| group.members.iter().any(|i| characters[*i].hair().is_visible());
+        let nearest = groups.iter().filter(is_visible).min_by(|a, b| away(a).total_cmp(&away(b)));
         let focus = nearest.or(groups.first()).map_or(Sphere::default(), |group| group.focus);
         if groups.len() < 2 {
             return Self { focus, zones: Vec::new() };
@@ -75,9 +75,9 @@ impl Lighting {
             on.sort_unstable();
             on.dedup();
             let first = characters[group.members[0]];
-            Zone { pose: first.head_drawn(), ..Zone::seen(group.focus, camera, first.bias, hair, on) }
+            Zone { pose: first.head_drawn(), ..Zone::for_camera(group.focus, camera, first.bias, hair, on) }
         };
-        Self { focus, zones: groups.iter().filter(seen).map(zone).collect() }
+        Self { focus, zones: groups.iter().filter(is_visible).map(zone).collect() }
     }
 
     /// Sets the zones of `view` for an image of `characters` and `bodies`. Returns `picture` with its focus.
@@ -113,8 +113,8 @@ fn groups(spheres: &[Sphere]) -> Vec<Group> {
             |group: &&mut Group| group.focus.center.distance(sphere.center) < 0.75 * group.focus.radius;
         match groups.iter_mut().find(near) {
             Some(group) => {
-                let reach = group.focus.center.distance(sphere.center) + sphere.radius;
-                group.focus.radius = group.focus.radius.max(reach);
+                let radius = group.focus.center.distance(sphere.center) + sphere.radius;
+                group.focus.radius = group.focus.radius.max(radius);
                 group.members.push(i);
             }
             None => groups.push(Group { focus: sphere, members: vec![i] }),

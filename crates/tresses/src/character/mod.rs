@@ -50,7 +50,7 @@ use crate::{
     camera::Bounds,
     groom::{
         Look, SdfGrid,
-        rig::anatomy::{Field, PartForm},
+        rig::anatomy::{DistanceFieldSource, PartForm},
     },
     hair::GuideState,
     hair::Hair,
@@ -163,7 +163,7 @@ impl Character {
     ///
     /// # Errors
     /// [`Error::Colliders`] unless there is one pose per obstacle.
-    pub fn place_obstacles(&mut self, poses: &[Pose]) -> Result<()> {
+    pub fn set_obstacle_poses(&mut self, poses: &[Pose]) -> Result<()> {
         let fixed = &mut self.obstacles.fixed;
         if poses.len() != fixed.len() {
             let problem = format!("{} poses were given for {} obstacles", poses.len(), fixed.len());
@@ -210,7 +210,7 @@ impl Character {
         let head = self.field().map(|field| (field, self.head));
         let solids = self.rigged.iter().flat_map(|rigged| rigged.anatomy().solids());
         let parts = solids.zip(&self.parts).filter_map(|(part, pose)| match (&part.form, &part.field) {
-            (PartForm::Field, Field::Grid(grid)) => Some((grid, *pose)),
+            (PartForm::Field, DistanceFieldSource::Grid(grid)) => Some((grid, *pose)),
             _ => None,
         });
         head.into_iter().chain(parts).collect()
@@ -364,7 +364,7 @@ impl Character {
     /// Lets the hair of nearby characters collide in the next frame. Call it before [`Frame::advance`].
     pub fn meet_each_other(characters: &mut [&mut Self]) {
         let mut hair: Vec<_> = characters.iter_mut().map(|character| &mut character.hair).collect();
-        Hair::meet_each_other(&mut hair);
+        Hair::collide_nearby(&mut hair);
     }
 }
 

@@ -56,7 +56,7 @@ impl Character {
     pub(super) fn drawn(&self, pose: &Pose) -> Pose {
         match self.drawn_in {
             Some(_) => HairFrame { space: self.space, drawn_in: self.drawn_in, ..HairFrame::default() }
-                .way_to_view()
+                .to_drawn_space()
                 .pose(pose),
             None => *pose,
         }
@@ -71,7 +71,7 @@ impl Character {
         recorder.advance(&mut self.hair, &frame)?;
         for Fringe { hair, hangs } in &mut self.face {
             hair.lod.options = self.hair.lod.options;
-            hair.set.share_fibers(&self.hair.set);
+            hair.set.reuse_fibers(&self.hair.set);
             let simulation = &facial::physics(&physics, *hangs);
             let colliders = if *hangs { &colliders } else { &nowhere };
             recorder.advance(hair, &HairFrame { simulation, colliders, ..frame })?;

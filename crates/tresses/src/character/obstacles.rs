@@ -44,7 +44,7 @@ impl Obstacles {
             Self { list: fixed.to_vec(), fixed: vec![Pose::IDENTITY; fixed.len()], ..Self::default() };
         let mut next = first_field as u32..;
         for part in anatomy.iter().flat_map(|anatomy| anatomy.solids()) {
-            let (shape, place) = match part.form {
+            let (shape, entry) = match part.form {
                 PartForm::Capsule(Capsule { ends: [a, b], radius }) => {
                     let (shape, pose) = Shape::capsule(a, b, radius);
                     (shape, Part::Capsule(pose))
@@ -55,7 +55,7 @@ impl Obstacles {
                 }
             };
             all.list.push(Collider { friction: part.friction, ..Collider::new(shape) });
-            all.parts.push(place);
+            all.parts.push(entry);
         }
         all
     }
@@ -100,9 +100,9 @@ impl Obstacles {
     }
 
     /// Returns the entries of `places` (one per collider) that are not body parts.
-    pub fn visible<'a>(&self, places: &'a [Pose]) -> impl Iterator<Item = Pose> + 'a {
+    pub fn visible<'a>(&self, poses: &'a [Pose]) -> impl Iterator<Item = Pose> + 'a {
         let (fixed, own) = (self.fixed.len(), self.own());
-        places.iter().enumerate().filter(move |(i, _)| *i < fixed || *i >= own).map(|(_, pose)| *pose)
+        poses.iter().enumerate().filter(move |(i, _)| *i < fixed || *i >= own).map(|(_, pose)| *pose)
     }
 }
 

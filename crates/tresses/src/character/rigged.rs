@@ -6,7 +6,7 @@ use crate::{
     body::Body,
     collide::{
         FieldId,
-        deform::{DeformPlaces, DeformingField},
+        deform::{DeformPoints, DeformingField},
     },
     groom::{
         RigPose, TriMesh,
@@ -60,7 +60,7 @@ pub struct RiggedBody {
 /// How the distance fields of a body deform with its skin.
 #[derive(Debug)]
 struct DeformingSkin {
-    places: Option<DeformPlaces>,
+    points: Option<DeformPoints>,
     /// Whether the field of each solid deforms; the head is first.
     deforms: Vec<bool>,
 }
@@ -126,8 +126,8 @@ impl RiggedBody {
             return Ok(());
         };
         let Some(animation) = rig.animation(name) else {
-            let there = listed(self.animations());
-            return Err(Error::unusable(format!("the body has no animation {name:?}; it has {there}")));
+            let available = listed(self.animations());
+            return Err(Error::unusable(format!("the body has no animation {name:?}; it has {available}")));
         };
         self.animation = rig.animations.iter().position(|other| std::ptr::eq(other, animation));
         Ok(())
@@ -153,8 +153,8 @@ impl RiggedBody {
     /// [`crate::groom::Error::Unusable`] with a list of the available names.
     pub fn find_shape(&self, name: &str) -> Result<usize> {
         let missing = || {
-            let there = listed(self.shapes());
-            Error::unusable(format!("the body has no blend shape {name:?}; it has {there}"))
+            let available = listed(self.shapes());
+            Error::unusable(format!("the body has no blend shape {name:?}; it has {available}"))
         };
         self.asset.anatomy.rig.target(name).ok_or_else(missing)
     }
@@ -263,13 +263,14 @@ impl RiggedBody {
         let animation = self.animation.map(|i| &rig.animations[i]);
         // Take the remainder in double precision: a long time has few digits left within a loop.
         let animation = animation.map(|it| (it, time.rem_euclid(f64::from(it.length.max(1e-3))) as f32));
-        let turn = gesture.head.rotation;
-        let is_turned = turn != Quat::IDENTITY;
-        let share = |(node, share): &(u32, f32)| (*node, Quat::IDENTITY.slerp(turn, *share));
-        let turns: Vec<_> = self.asset.anatomy.turns.iter().filter(|_| is_turned).map(share).collect();
+        let rotation = gesture.head.rotation;
+        let is_rotated = rotation != Quat::IDENTITY;
+        let node_rotation = |(node, weight): &(u32, f32)| (*node, Quat::IDENTITY.slerp(rotation, *weight));
+        let rotations: Vec<_> =
+            self.asset.anatomy.rotation_weights.iter().filter(|_| is_rotated).map(node_rotation).collect();
         let named = gesture.shapes.iter().filter_map(|(name, weight)| Some((rig.target(name)?, *weight)));
         let shapes: Vec<_> = named.chain(self.shapes.iter().copied()).collect();
-        self.posed(rig.pose_turned(animation, &shapes, &turns))
+        self.posed(rig.pose_with_rotations(animation, &shapes, &rotations))
     }
 
     /// Adds the poses of head and parts.
@@ -308,11 +309,11 @@ impl RiggedBody {
                     let is_free = matches!(self.host, Some(HostPose::Vertices(_)));
                     let flesh = Flesh::new(&asset.anatomy, &asset.mesh, has_head, is_free);
                     let fields = DeformingField::of(&flesh, fields.iter().copied());
-                    let places = hair.colliders.deform_places(&asset.mesh, &fields)?;
-                    asset.deforming.get_or_init(|| DeformingSkin { places, deforms: flesh.deforms() })
+                    let points = hair.colliders.find_deform_points(&asset.mesh, &fields)?;
+                    asset.deforming.get_or_init(|| DeformingSkin { points, deforms: flesh.deforms() })
                 }
             };
-            hair.colliders.deform_with(known.places.as_ref(), &body.into())?;
+            hair.colliders.deform_with(known.points.as_ref(), &body.into())?;
         }
         self.has_bent = true;
         Ok(())

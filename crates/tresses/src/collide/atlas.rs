@@ -7,31 +7,31 @@ use glam::{UVec3, Vec3};
 /// Returns the positions of tiles of `sizes`, and the size of the texture; tiles are stacked along the axes that waste
 /// least.
 pub(super) fn pack(sizes: &[UVec3]) -> (Vec<UVec3>, UVec3) {
-    const TURNS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
-    let turned = |[x, y, z]: [usize; 3]| {
-        let there = |v: &UVec3| UVec3::new(v[x], v[y], v[z]);
+    const AXIS_ORDERS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+    let stack_permuted = |[x, y, z]: [usize; 3]| {
+        let permute = |v: &UVec3| UVec3::new(v[x], v[y], v[z]);
         let back = |v: UVec3| {
-            let mut turned = UVec3::ZERO;
-            (turned[x], turned[y], turned[z]) = (v.x, v.y, v.z);
-            turned
+            let mut restored = UVec3::ZERO;
+            (restored[x], restored[y], restored[z]) = (v.x, v.y, v.z);
+            restored
         };
-        let (tiles, whole) = stack(&sizes.iter().map(there).collect::<Vec<_>>());
-        (tiles.into_iter().map(back).collect(), back(whole))
+        let (tiles, total_size) = stack(&sizes.iter().map(permute).collect::<Vec<_>>());
+        (tiles.into_iter().map(back).collect(), back(total_size))
     };
-    let ways = TURNS.into_iter().map(turned);
-    ways.min_by_key(|(_, whole)| whole.as_u64vec3().element_product()).unwrap_or_default()
+    let packings = AXIS_ORDERS.into_iter().map(stack_permuted);
+    packings.min_by_key(|(_, total_size)| total_size.as_u64vec3().element_product()).unwrap_or_default()
 }
 
 /// Packs tiles in rows along x, layers of rows along y, stacked along z; a layer is about as wide as high.
 fn stack(sizes: &[UVec3]) -> (Vec<UVec3>, UVec3) {
     let volume: f64 = sizes.iter().map(|s| s.as_dvec3().element_product()).sum();
-    let most = |axis: usize| sizes.iter().map(|s| s[axis]).max().unwrap_or(1);
+    let max_size = |axis: usize| sizes.iter().map(|s| s[axis]).max().unwrap_or(1);
     let side = volume.cbrt().ceil() as u32;
-    let (width, height) = (side.max(most(0)), side.max(most(1)));
+    let (width, height) = (side.max(max_size(0)), side.max(max_size(1)));
     let mut at = UVec3::ZERO;
     let (mut row, mut layer) = (0, 0);
-    let mut whole = UVec3::ONE;
-    let places = sizes.iter().map(|size| {
+    let mut total_size = UVec3::ONE;
+    let positions = sizes.iter().map(|size| {
         if at.x + size.x > width {
             at = UVec3::new(0, at.y + row, at.z);
             row = 0;
@@ -40,14 +40,14 @@ fn stack(sizes: &[UVec3]) -> (Vec<UVec3>, UVec3) {
             at = UVec3::new(0, 0, at.z + layer);
             (row, layer) = (0, 0);
         }
-        let place = at;
+        let position = at;
         at.x += size.x;
         row = row.max(size.y);
         layer = layer.max(size.z);
-        whole = whole.max(place + size);
-        place
+        total_size = total_size.max(position + size);
+        position
     });
-    (places.collect(), whole)
+    (positions.collect(), total_size)
 }
 
 /// The texture of all fields.
@@ -63,10 +63,10 @@ impl Atlas {
     /// # Errors
     /// [`Error::Colliders`] if the adapter does not support a texture of that size.
     pub fn new(device: &wgpu::Device, size: UVec3) -> Result<Self> {
-        let most = device.limits().max_texture_dimension_3d;
-        if size.max_element() > most {
+        let max_size = device.limits().max_texture_dimension_3d;
+        if size.max_element() > max_size {
             return Err(Error::Colliders(format!(
-                "their distance fields need a 3-D texture of {} x {} x {} texels, but this adapter allows {most} along an axis; use fewer or coarser fields",
+                "their distance fields need a 3-D texture of {} x {} x {} texels, but this adapter allows {max_size} along an axis; use fewer or coarser fields",
                 size.x, size.y, size.z
             )));
         }
@@ -101,13 +101,13 @@ impl Atlas {
 
     /// Writes the texture coordinates of a field into `shape`. The field is a tile of `size` at `at` with tile
     /// coordinates `p * scale + bias`.
-    pub fn place(&self, shape: &mut ShapeData, at: UVec3, size: UVec3, bias: Vec3, scale: Vec3) {
-        let whole = self.size.as_vec3();
+    pub fn write_coordinates(&self, shape: &mut ShapeData, at: UVec3, size: UVec3, bias: Vec3, scale: Vec3) {
+        let atlas_size = self.size.as_vec3();
         let (at, size) = (at.as_vec3(), size.as_vec3());
-        shape.scale = scale * size / whole;
-        shape.bias = (at + bias * size) / whole;
-        shape.low = (at + 0.5) / whole;
-        shape.high = (at + size - 0.5) / whole;
+        shape.scale = scale * size / atlas_size;
+        shape.bias = (at + bias * size) / atlas_size;
+        shape.low = (at + 0.5) / atlas_size;
+        shape.high = (at + size - 0.5) / atlas_size;
     }
 
     /// Bytes of GPU memory.

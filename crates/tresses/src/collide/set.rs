@@ -5,7 +5,7 @@ use super::{
     Moments, PoseData, PoseHead, Shape, ShapeData, ShapeTable, SolidBounds,
     atlas::{Atlas, pack},
     build::Plan,
-    deform::{self, DeformPlaces, DeformTarget, Deformation, DeformingField},
+    deform::{self, DeformPoints, DeformTarget, Deformation, DeformingField},
     places::{Journey, Track},
 };
 use crate::{
@@ -103,15 +103,15 @@ impl FieldAtlas {
         let sources = what.head.map(FieldSource::Grid).into_iter().chain(what.fields.iter().copied());
         let fields = sources.map(Field::new).collect::<Result<Vec<_>>>()?;
         let sizes: Vec<_> = fields.iter().map(|f| f.size).collect();
-        let (places, size) = pack(&sizes);
+        let (positions, size) = pack(&sizes);
         let atlas = Atlas::new(&context.device, size)?;
-        for (field, at) in fields.iter().zip(&places) {
+        for (field, at) in fields.iter().zip(&positions) {
             match &field.texels {
                 Texels::Ready(volume) => atlas.write(context, *at, volume),
                 Texels::Planned(builder, plan) => builder.write(plan, &atlas.texture, *at)?,
             }
         }
-        let tiles = fields.iter().zip(places).map(|(field, at)| Tile {
+        let tiles = fields.iter().zip(positions).map(|(field, at)| Tile {
             at,
             size: field.size,
             bias: field.bias,
@@ -142,7 +142,7 @@ pub struct ColliderSet {
     spheres: Vec<(Vec3, f32)>,
     count: u32,
     table: wgpu::Buffer,
-    places: wgpu::Buffer,
+    poses: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
 
@@ -163,9 +163,9 @@ impl ColliderSet {
     pub(crate) fn of(fields: &FieldAtlas, colliders: &[Collider]) -> Result<Self> {
         let device = &fields.context.device;
         let table = bindings::uniform(device, "collider shapes", size_of::<ShapeTable>());
-        let places = storage::<PoseData>(device, "collider places", most_places(1))?;
+        let poses = storage::<PoseData>(device, "collider places", pose_capacity(1))?;
         let mut set = Self {
-            group: bind(device, &table, &places, &fields.atlas, &deform::none(device)),
+            group: bind(device, &table, &poses, &fields.atlas, &deform::none(device)),
             fields: fields.clone(),
             deformation: None,
             deforming: Vec::new(),
@@ -174,7 +174,7 @@ impl ColliderSet {
             spheres: Vec::new(),
             count: 0,
             table,
-            places,
+            poses,
         };
         set.replace(colliders)?;
         Ok(set)
@@ -211,16 +211,16 @@ impl ColliderSet {
                 })?;
                 let SolidBounds { center, half, radius } = tile.bounds;
                 (data.center, data.size, data.bound) = (center, half, radius);
-                self.fields.atlas.place(data, tile.at, tile.size, tile.bias, tile.scale);
+                self.fields.atlas.write_coordinates(data, tile.at, tile.size, tile.bias, tile.scale);
                 if let Some(part) = self.deforming.iter().position(|field| *field == at) {
                     Deformation::widen(data, part);
                 }
             }
             spheres.push((data.center, data.bound));
         }
-        let most = most_places(count);
-        if self.places.size() < most * size_of::<PoseData>() as u64 {
-            self.places = storage::<PoseData>(&self.fields.context.device, "collider places", most)?;
+        let capacity = pose_capacity(count);
+        if self.poses.size() < capacity * size_of::<PoseData>() as u64 {
+            self.poses = storage::<PoseData>(&self.fields.context.device, "collider places", capacity)?;
             self.regroup();
         }
         let queue = &self.fields.context.queue;
@@ -228,7 +228,7 @@ impl ColliderSet {
         let count_at = std::mem::offset_of!(PoseHead, count) as u64;
         let side = self.deformation.as_ref().map_or(0, Deformation::side);
         // The count and `side`, which follows it.
-        queue.write_buffer(&self.places, count_at, bytemuck::bytes_of(&[count as u32, side]));
+        queue.write_buffer(&self.poses, count_at, bytemuck::bytes_of(&[count as u32, side]));
         self.track.replace(anchors);
         self.list = colliders.to_vec();
         (self.spheres, self.count) = (spheres, count as u32);
@@ -239,7 +239,7 @@ impl ColliderSet {
         let deformed = self.deformation.as_ref().map(|deformation| deformation.texture.clone());
         let device = &self.fields.context.device;
         let deformed = deformed.unwrap_or_else(|| deform::none(device));
-        self.group = bind(device, &self.table, &self.places, &self.fields.atlas, &deformed);
+        self.group = bind(device, &self.table, &self.poses, &self.fields.atlas, &deformed);
     }
 
     /// Lets `fields` deform with a skin from the next frame on; an empty slice stops all deformation. `mesh` is the
@@ -252,16 +252,16 @@ impl ColliderSet {
     /// it; [`Error::Limit`].
     pub fn deform(&mut self, mesh: &TriMesh, skin: &Skin<'_>, fields: &[DeformingField<'_>]) -> Result<()> {
         skin.positions.1.hold(skin.positions.0, mesh)?;
-        let places = self.deform_places(mesh, fields)?;
-        self.deform_with(places.as_ref(), skin)
+        let points = self.find_deform_points(mesh, fields)?;
+        self.deform_with(points.as_ref(), skin)
     }
 
     /// Finds the points of `mesh`, at rest, with which the fields deform; `None` without fields.
-    pub(crate) fn deform_places(
+    pub(crate) fn find_deform_points(
         &self,
         mesh: &TriMesh,
         fields: &[DeformingField<'_>],
-    ) -> Result<Option<DeformPlaces>> {
+    ) -> Result<Option<DeformPoints>> {
         let first = usize::from(self.fields.has_head);
         let (mut numbers, mut grids) = (Vec::new(), Vec::with_capacity(fields.len()));
         for field in fields {
@@ -280,15 +280,15 @@ impl ColliderSet {
         if grids.is_empty() {
             return Ok(None);
         }
-        DeformPlaces::new(&self.fields.context, mesh, &grids, numbers).map(Some)
+        DeformPoints::new(&self.fields.context, mesh, &grids, numbers).map(Some)
     }
 
     /// Lets fields deform at precomputed `places` with `skin`; `None` stops all deformation.
-    pub(crate) fn deform_with(&mut self, places: Option<&DeformPlaces>, skin: &Skin<'_>) -> Result<()> {
+    pub(crate) fn deform_with(&mut self, points: Option<&DeformPoints>, skin: &Skin<'_>) -> Result<()> {
         let deformation =
-            places.map(|places| Deformation::new(&self.fields.context, places, skin)).transpose()?;
+            points.map(|points| Deformation::new(&self.fields.context, points, skin)).transpose()?;
         self.deformation = deformation;
-        self.deforming = places.map_or_else(Vec::new, |places| places.fields.clone());
+        self.deforming = points.map_or_else(Vec::new, |points| points.fields.clone());
         self.regroup();
         self.replace(&self.list.clone())
     }
@@ -325,15 +325,15 @@ impl ColliderSet {
         };
         let header = size_of::<PoseHead>() as u64;
         let now = list(&self.track.now);
-        self.fields.context.queue.write_buffer(&self.places, header, bytemuck::cast_slice(&now));
+        self.fields.context.queue.write_buffer(&self.poses, header, bytemuck::cast_slice(&now));
         if !steps.is_empty() {
             let interval = frame.step / frame.substeps as f32;
             let moments = steps.len() as u32 * frame.substeps;
-            let places = PoseHead { interval, moments, count: self.count, side: side.unwrap_or(0) };
-            self.fields.context.queue.write_buffer(&self.places, 0, bytemuck::bytes_of(&places));
+            let pose_head = PoseHead { interval, moments, count: self.count, side: side.unwrap_or(0) };
+            self.fields.context.queue.write_buffer(&self.poses, 0, bytemuck::bytes_of(&pose_head));
             let at = header + size_of_val(&*now) as u64;
             self.fields.context.queue.write_buffer(
-                &self.places,
+                &self.poses,
                 at,
                 bytemuck::cast_slice(&list(&self.track.moments)),
             );
@@ -377,7 +377,7 @@ impl ColliderSet {
     /// Bytes of GPU memory of this head alone.
     pub(crate) fn own_bytes(&self) -> u64 {
         let deformation = self.deformation.as_ref().map_or(0, Deformation::bytes);
-        self.table.size() + self.places.size() + deformation
+        self.table.size() + self.poses.size() + deformation
     }
 }
 
@@ -394,14 +394,14 @@ fn total(has_head: bool, colliders: &[Collider]) -> Result<usize> {
 
 /// Returns the size of the places buffer for `count` colliders, in places: all moments of a frame, drawing time, and
 /// the header.
-fn most_places(count: usize) -> u64 {
+fn pose_capacity(count: usize) -> u64 {
     u64::from(MAX_STEPS * MAX_SUBSTEPS + 2) * count.max(1) as u64 + 1
 }
 
 fn bind(
     device: &Device,
     table: &wgpu::Buffer,
-    places: &wgpu::Buffer,
+    poses: &wgpu::Buffer,
     atlas: &Atlas,
     deformed: &wgpu::Texture,
 ) -> wgpu::BindGroup {
@@ -411,7 +411,7 @@ fn bind(
         &layout(device),
         &[
             table.as_entire_binding(),
-            places.as_entire_binding(),
+            poses.as_entire_binding(),
             wgpu::BindingResource::TextureView(&atlas.texture.create_view(&Default::default())),
             wgpu::BindingResource::Sampler(&sampler),
             wgpu::BindingResource::TextureView(&deformed.create_view(&Default::default())),

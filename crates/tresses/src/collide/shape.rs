@@ -93,9 +93,9 @@ impl ShapeData {
 /// Returns unit normal (xyz) and distance (w, meters) of a capsule at `p` in its frame.
 #[cfg(test)]
 pub fn capsule(p: Vec3, radius: f32, half_length: f32) -> Vec4 {
-    let way = p - Vec3::Y * p.y.clamp(-half_length, half_length);
-    let far = way.length();
-    let n = if far > 1e-9 { way / far } else { Vec3::X };
+    let offset = p - Vec3::Y * p.y.clamp(-half_length, half_length);
+    let far = offset.length();
+    let n = if far > 1e-9 { offset / far } else { Vec3::X };
     n.extend(far - radius)
 }
 

@@ -72,7 +72,7 @@ pub async fn drape(
         let mut commands = context.commands(&mut encoder);
         let mut pass = commands.compute("drape");
         let steps = vec![step; now as usize];
-        let (substeps, length) = (params.substeps, params.step);
+        let (substeps, length) = (params.substep_count, params.step);
         let moments = Moments { steps: &steps, substeps, step: length, head: still, alpha: 1.0 };
         colliders.advance(&ColliderPoses::default(), &moments)?;
         simulation.run(context, &mut pass, &params, &steps, &colliders)?;

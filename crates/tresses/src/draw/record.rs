@@ -8,7 +8,7 @@ use crate::{Result, body::Body, light::HairView, renderer::Renderer, stage::Stag
 
 impl Pipelines {
     /// Records the passes that find visible hair before shading. Only tiles have such passes.
-    pub(crate) fn record_seen(
+    pub(crate) fn record_visibility(
         &self,
         targets: &Targets,
         canvas: &mut Canvas<'_, '_>,
@@ -21,7 +21,7 @@ impl Pipelines {
     }
 
     /// Shades only the visible hair, where the renderer knows it. Returns false if the caller must shade all hair.
-    pub(crate) fn shade_seen(
+    pub(crate) fn shade_visible(
         &self,
         targets: &Targets,
         canvas: &mut Canvas<'_, '_>,

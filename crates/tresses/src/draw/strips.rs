@@ -65,7 +65,7 @@ pub(super) fn record(
     hair: &[HairView<'_>],
     clear: bool,
 ) {
-    if !canvas.commands.takes_apart() {
+    if !canvas.commands.is_split() {
         let mut pass = pass(canvas, "hair", clear);
         pass.set_pipeline(pipeline);
         return hair.iter().for_each(|view| view.record_strips(&mut pass));

@@ -46,8 +46,8 @@ impl Targets {
         renderer.check()?;
         let samples = renderer.samples();
         let ssaa = ssaa.clamp(1, 4);
-        let most = device.limits().max_texture_dimension_2d;
-        if width == 0 || height == 0 || width.max(height) > most / ssaa {
+        let max_size = device.limits().max_texture_dimension_2d;
+        if width == 0 || height == 0 || width.max(height) > max_size / ssaa {
             return Err(Error::Parameter {
                 name: "size",
                 value: format!("{width}x{height} (times {ssaa} for supersampling)"),

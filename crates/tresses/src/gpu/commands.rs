@@ -168,8 +168,8 @@ impl<'a> Commands<'a> {
     }
 
     /// Whether the frame is submitted in parts, which should be short.
-    pub(crate) fn takes_apart(&self) -> bool {
-        self.timings.as_ref().is_some_and(|timings| timings.takes_apart())
+    pub(crate) fn is_split(&self) -> bool {
+        self.timings.as_ref().is_some_and(|timings| timings.is_split())
     }
 }
 
@@ -197,13 +197,13 @@ pub(crate) fn deep(
 
 /// Bytes that the attachments of a pass read when it begins and write when it ends.
 fn attached(descriptor: &wgpu::RenderPassDescriptor<'_>) -> u64 {
-    fn moved<V>(ops: &wgpu::Operations<V>) -> u64 {
+    fn transfer_count<V>(ops: &wgpu::Operations<V>) -> u64 {
         u64::from(matches!(ops.load, wgpu::LoadOp::Load)) + u64::from(ops.store == wgpu::StoreOp::Store)
     }
-    let color = descriptor.color_attachments.iter().flatten().map(|to| (to.view, moved(&to.ops)));
+    let color = descriptor.color_attachments.iter().flatten().map(|to| (to.view, transfer_count(&to.ops)));
     let depth = descriptor.depth_stencil_attachment.iter();
     // Read-only depth is read once.
-    let depth = depth.map(|to| (to.view, to.depth_ops.as_ref().map_or(1, moved)));
+    let depth = depth.map(|to| (to.view, to.depth_ops.as_ref().map_or(1, transfer_count)));
     color.chain(depth).map(|(view, times)| times * bytes(view.texture())).sum()
 }
 

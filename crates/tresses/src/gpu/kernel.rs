@@ -35,12 +35,12 @@ pub(crate) fn jobs<'a>(kernels: impl IntoIterator<Item = &'a Kernel>) -> Vec<Job
 impl Kernel {
     /// Creates the kernel whose bindings are `B`. Its entry point is named after the last part of its module.
     pub(crate) fn new<B: Bindings>(device: &Device) -> Self {
-        Self::beside::<B>(device, &[])
+        Self::with_shared::<B>(device, &[])
     }
 
     /// As [`new`](Self::new), for a shader that also binds groups of the layouts `shared`, `@group(1)` first. The
     /// caller sets them on the pass before [`record`](Self::record).
-    pub(crate) fn beside<B: Bindings>(device: &Device, shared: &[&wgpu::BindGroupLayout]) -> Self {
+    pub(crate) fn with_shared<B: Bindings>(device: &Device, shared: &[&wgpu::BindGroupLayout]) -> Self {
         Self::named::<B>(device, B::MODULES[0], shared)
     }
 
@@ -79,7 +79,7 @@ impl Kernel {
     }
 
     fn pipeline(&self) -> Result<&wgpu::ComputePipeline> {
-        let made = self.pipeline.get_or_init(|| {
+        let compiled = self.pipeline.get_or_init(|| {
             // Parts after the entry point name the variant: `simulate::step::workgroup::32`.
             let text = shaders::source(self.module);
             let is_entry = |part: &&str| text.contains(&format!("fn {part}("));
@@ -94,7 +94,7 @@ impl Kernel {
             pipeline::compute(&self.device, self.module, source, &layouts, options)
                 .map_err(|error| error.to_string())
         });
-        made.as_ref().map_err(|problem| Error::Gpu { stage: self.module, problem: problem.clone() })
+        compiled.as_ref().map_err(|problem| Error::Gpu { stage: self.module, problem: problem.clone() })
     }
 
     /// Creates a bind group for [`record`](Self::record).

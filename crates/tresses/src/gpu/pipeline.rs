@@ -179,9 +179,9 @@ pub(crate) fn scoped<T>(device: &wgpu::Device, stage: &'static str, make: impl F
     #[cfg(not(target_arch = "wasm32"))]
     {
         let scopes = Scopes::open(device);
-        let made = make();
+        let value = make();
         pollster::block_on(scopes.close(stage))?;
-        Ok(made)
+        Ok(value)
     }
     #[cfg(target_arch = "wasm32")]
     {
@@ -211,7 +211,7 @@ impl<K: Eq + Hash, V: Clone> PipelineCache<K, V> {
         let slot = lock(&self.0).entry(key).or_default().clone();
         let mut slot = lock(&slot);
         Ok(match &*slot {
-            Some(there) => there.clone(),
+            Some(value) => value.clone(),
             None => slot.insert(make()?).clone(),
         })
     }

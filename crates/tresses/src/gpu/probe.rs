@@ -43,8 +43,8 @@ impl Groups {
 
     /// Notes a group that the pass sets.
     pub fn set(&mut self, index: u32, group: &wgpu::BindGroup) {
-        if let Some(place) = self.0.as_mut().and_then(|(_, groups, _)| groups.get_mut(index as usize)) {
-            *place = Some(group.clone());
+        if let Some(slot) = self.0.as_mut().and_then(|(_, groups, _)| groups.get_mut(index as usize)) {
+            *slot = Some(group.clone());
         }
     }
 

@@ -129,10 +129,10 @@ impl Pending {
         record(&mut encoder, &target);
         queue.submit([encoder.finish()]);
         let mapping = Arc::new(Mutex::new(Mapping::default()));
-        let told = Arc::clone(&mapping);
+        let callback_mapping = Arc::clone(&mapping);
         target.slice(..).map_async(wgpu::MapMode::Read, move |result| {
             let waker = {
-                let mut mapping = lock(&told);
+                let mut mapping = lock(&callback_mapping);
                 mapping.result = Some(result);
                 mapping.waker.take()
             };

@@ -91,7 +91,7 @@ impl Timings {
     }
 
     /// Whether the frame is split into parts, which should be short.
-    pub(crate) fn takes_apart(&self) -> bool {
+    pub(crate) fn is_split(&self) -> bool {
         matches!(self.source, Source::Parts(_))
     }
 
@@ -181,7 +181,7 @@ impl Timings {
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
     pub async fn read(&mut self, context: &Context) -> Result<Vec<(&'static str, f64)>> {
-        let Rows { source } = self.later(context);
+        let PendingTimings { source } = self.start_read(context);
         match source {
             RowSource::Ticks { ticks, names, period } => Ok(rows(&ticks.wait().await?, &names, period)),
             RowSource::Known(known) => known.unwrap_or_else(|| Ok(Vec::new())),
@@ -190,7 +190,7 @@ impl Timings {
 
     /// Begins to read the times, after the frame is submitted, and starts over. The next frame can be recorded
     /// immediately.
-    pub fn later(&mut self, context: &Context) -> Rows {
+    pub fn start_read(&mut self, context: &Context) -> PendingTimings {
         self.counts.clear();
         let source = match &mut self.source {
             Source::Timestamps { resolved, names, period, .. } => RowSource::Ticks {
@@ -204,13 +204,13 @@ impl Timings {
             })),
             Source::Parts(_) => RowSource::Known(None),
         };
-        Rows { source }
+        PendingTimings { source }
     }
 }
 
 /// Times of one frame that are still being read back.
 #[derive(Debug)]
-pub struct Rows {
+pub struct PendingTimings {
     source: RowSource,
 }
 
@@ -220,7 +220,7 @@ enum RowSource {
     Known(Option<Result<Vec<(&'static str, f64)>>>),
 }
 
-impl Rows {
+impl PendingTimings {
     /// Returns milliseconds per name, once, if they have arrived. This requires that the GPU has finished the frame and
     /// that the device was polled, as a submission does.
     ///

@@ -7,7 +7,7 @@ use crate::{
     groom::{BoundStrands, Groom, Guides, TriMesh, card_sheet::CardSheet, character::LodLevel, tie::Tie},
     light::{
         cards::CardBuffers,
-        hair::{SetAsset, knot_bytes},
+        hair::{SetAsset, sample_bytes},
     },
     lod::{self, GuideOrder, LodTables},
     math::hash::pcg,
@@ -121,15 +121,15 @@ impl HairAsset {
         // A step uses the scratch memory for the cells of the density grid, then for the forces on guides; drawing uses
         // it for shading samples. None of these is read after another has been written, in any order of heads and views.
         let forces = u64::from(guide_count) * u64::from(n) * size_of::<GuideForce>() as u64;
-        let scratch = knot_bytes([count, vertex_count]).max(options.volume.cell_bytes()?).max(forces);
+        let scratch = sample_bytes([count, vertex_count]).max(options.volume.cell_bytes()?).max(forces);
         let scratch = storage::<u8>(device, "scratch of a groom", scratch)?;
         let guide_asset = GuideAsset::new(context, [guide_count, n, sample_count], scratch.clone().into())?;
         rest.write(context, &guide_asset.info, &guide_asset.rest);
 
         let strand_asset = StrandAsset::new(context, count, vertex_count)?;
         queue.write_buffer(&strand_asset.bindings, 0, bytemuck::cast_slice(&strands.bindings));
-        let sunk = resting.map(|field| avoid::sunk(&strands, field, clearance));
-        let curves = sunk.as_ref().unwrap_or(&strands.rest);
+        let rest_with_penetration = resting.map(|field| avoid::with_penetration(&strands, field, clearance));
+        let curves = rest_with_penetration.as_ref().unwrap_or(&strands.rest);
         queue.write_buffer(&strand_asset.rest, 0, bytemuck::cast_slice(curves));
 
         let fields = FieldAtlas::new(context, colliders)?;
@@ -176,14 +176,14 @@ impl HairAsset {
     }
 
     /// Returns the links between guide vertices that are about `reach` meters apart.
-    pub(super) fn links(&self, reach: f32) -> Result<LinkAsset> {
+    pub(super) fn links(&self, distance: f32) -> Result<LinkAsset> {
         let mut links = self.links.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = links.as_ref().filter(|known| known.reach == reach) {
+        if let Some(known) = links.as_ref().filter(|known| known.distance == distance) {
             return Ok(known.clone());
         }
         // Positions do not depend on physics.
         let rest = rested(&self.rest, &self.distances, &self.options.simulation, &self.options.rest)?;
-        Ok(links.insert(LinkAsset::new(&self.context, &rest, reach)?).clone())
+        Ok(links.insert(LinkAsset::new(&self.context, &rest, distance)?).clone())
     }
 
     /// Returns the guides' samples at rest; none where strands are their own guides.
@@ -199,9 +199,15 @@ impl HairAsset {
     }
 
     /// Binds the roots to `mesh`, the skin at rest (groom space).
-    pub(crate) fn bind_roots(&self, mesh: &TriMesh, reach: f32) -> Result<RootAsset> {
+    pub(crate) fn bind_roots(&self, mesh: &TriMesh, max_distance: f32) -> Result<RootAsset> {
         let guides: Vec<_> = (0..self.rest.len()).map(|i| self.rest.guide(i)[0]).collect();
-        RootAsset::new(&self.context, [&guides, &self.roots], self.guides.sample_count == 0, mesh, reach)
+        RootAsset::new(
+            &self.context,
+            [&guides, &self.roots],
+            self.guides.sample_count == 0,
+            mesh,
+            max_distance,
+        )
     }
 
     /// Returns the GPU memory of the asset, bytes, without that of its hair.
@@ -230,7 +236,7 @@ fn rested(
         .map(|i| GuideTraits {
             stiffness: guides.stiffness[i],
             strands: guides.strands[i],
-            tip_pinned: guides.tip_pinned[i],
+            is_tip_pinned: guides.tip_pinned[i],
         })
         .collect();
     rest::guides_at(&guides.positions, guides.vertex_count, &traits, physics, options, distances)

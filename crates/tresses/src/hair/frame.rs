@@ -40,12 +40,12 @@ impl Default for HairFrame<'_> {
 
 impl HairFrame<'_> {
     /// Returns the space in which the hair is drawn.
-    pub(crate) fn seen(&self) -> Space {
+    pub(crate) fn drawn_space(&self) -> Space {
         self.drawn_in.unwrap_or(self.space).normalized()
     }
 
     /// Returns the map from the space of the poses to the space in which the hair is drawn.
-    pub(crate) fn way_to_view(&self) -> Map {
-        self.seen().from(&self.space.normalized())
+    pub(crate) fn to_drawn_space(&self) -> Map {
+        self.drawn_space().from(&self.space.normalized())
     }
 }

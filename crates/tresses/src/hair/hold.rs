@@ -5,7 +5,7 @@ use crate::{
     Result,
     groom::tie::Tie,
     math::Ray,
-    simulate::{Grab, MotionBrush, Target, TieAsset, TieReport},
+    simulate::{Grab, GrabTarget, MotionBrush, TieAsset, TieReport},
 };
 
 impl Hair {
@@ -46,7 +46,7 @@ impl Hair {
     ///
     /// # Errors
     /// [`Error::Parameter`](crate::Error::Parameter) for a target that is not finite.
-    pub fn drag_to(&mut self, target: &Target) -> Result<()> {
+    pub fn drag_to(&mut self, target: &GrabTarget) -> Result<()> {
         self.effects.grab.drag(target)
     }
 

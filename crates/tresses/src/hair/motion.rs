@@ -28,7 +28,7 @@ pub(crate) struct Motion {
     /// Pose of the head as drawn in the current frame.
     pub head: Pose,
     /// Whether the last frame carried or reset the hair.
-    pub moved_away: bool,
+    pub has_jumped: bool,
     /// Whether the skin below the hair has not changed since the last frame.
     pub skin_is_still: bool,
 }
@@ -46,7 +46,7 @@ impl Default for Motion {
             states: (Pose::IDENTITY, Pose::IDENTITY, 1.0),
             span: 0.0,
             head: Pose::IDENTITY,
-            moved_away: false,
+            has_jumped: false,
             skin_is_still: false,
         }
     }

@@ -1,7 +1,7 @@
 //! The work of a frame on one groom. [`begin`](Hair::begin) and [`prepare`](Hair::prepare) write the inputs of its
 //! stages; the other methods record them, in the order of [`crate::frame`].
 
-use super::{Hair, HairFrame, sleep::Back};
+use super::{Hair, HairFrame, sleep::Reentry};
 use crate::{
     Result,
     clock::{Mode, Step, Steps},
@@ -21,36 +21,42 @@ impl Hair {
         frame.space.check()?;
         frame.drawn_in.map_or(Ok(()), |space| space.check())?;
         self.volume.begin();
-        self.substeps = frame.simulation.substeps;
+        self.substeps = frame.simulation.substep_count;
         if !self.wakes(frame) {
             self.motion.shifts = false;
             return Ok(0);
         }
         let physics = &self.coarse(frame.simulation);
         self.fit_to(physics)?;
-        let carried = self.tick(frame, physics)?;
-        self.shift(carried.shift.as_ref());
-        self.blow(physics, &carried.fields)?;
-        let is_forced = self.prepare_forces(physics, &carried);
-        let is_held = self.prepare_grab(frame, physics, &carried, is_forced)?;
-        self.prepare_roots(frame, &carried.steps);
+        let carrier_frame = self.tick(frame, physics)?;
+        self.shift(carrier_frame.shift.as_ref());
+        self.blow(physics, &carrier_frame.fields)?;
+        let is_forced = self.prepare_forces(physics, &carrier_frame);
+        let is_held = self.prepare_grab(frame, physics, &carrier_frame, is_forced)?;
+        self.prepare_roots(frame, &carrier_frame.steps);
         let context = &self.asset.context;
-        self.simulation.prepare_in(context, physics, &carried.steps, &carried.fields, is_forced || is_held)
+        self.simulation.prepare_in(
+            context,
+            physics,
+            &carrier_frame.steps,
+            &carrier_frame.fields,
+            is_forced || is_held,
+        )
     }
 
     /// Whether the frame moves the hair. Hair that comes back into view continues where its head is now.
     fn wakes(&mut self, frame: &HairFrame<'_>) -> bool {
-        let back = self.sleep.carried(frame);
+        let reentry = self.sleep.reentry(frame);
         if self.dozes(frame) {
             if let Some(deformation) = &mut self.colliders.deformation {
                 deformation.forget();
             }
             return false;
         }
-        match back {
-            Back::Here => {}
-            Back::Moved => self.motion.clock.carry(),
-            Back::Elsewhere => self.motion.clock.reset(),
+        match reentry {
+            Reentry::InPlace => {}
+            Reentry::WithHead => self.motion.clock.teleport(),
+            Reentry::AtRest => self.motion.clock.reset(),
         }
         true
     }
@@ -63,9 +69,9 @@ impl Hair {
             self.guides.add_twist(context)?;
             self.bind_guides()?;
         }
-        let reach = (physics.hair_hair.cohesion > 0.0).then_some(physics.hair_hair.cohesion_reach);
-        if self.effects.links.as_ref().map(|links| links.asset.reach) != reach {
-            let links = reach.map(|reach| Links::new(context, &self.guides, asset.links(reach)?));
+        let distance = (physics.hair_hair.cohesion > 0.0).then_some(physics.hair_hair.cohesion_distance);
+        if self.effects.links.as_ref().map(|links| links.asset.distance) != distance {
+            let links = distance.map(|distance| Links::new(context, &self.guides, asset.links(distance)?));
             self.effects.links = links.transpose()?;
         }
         let [enough, _] = self.motion_at(self.lod.current());
@@ -93,9 +99,9 @@ impl Hair {
     }
 
     /// Writes the inputs of the grids, links and forces. Returns whether any of them acts.
-    fn prepare_forces(&mut self, physics: &SimulationParams, carried: &CarrierFrame) -> bool {
+    fn prepare_forces(&mut self, physics: &SimulationParams, carrier_frame: &CarrierFrame) -> bool {
         let Self { asset, volume, effects, air, colliders, simulation, .. } = self;
-        let CarrierFrame { steps, fields, .. } = carried;
+        let CarrierFrame { steps, fields, .. } = carrier_frame;
         let context = &asset.context;
         let mut air = air.as_mut().filter(|_| effects.windy);
         effects.forced = effects.windy
@@ -106,9 +112,9 @@ impl Hair {
             links.prepare(context, &physics.hair_hair, physics.step);
         }
         if effects.forced {
-            let due = Steps { steps, length: physics.step, substeps: physics.substeps };
+            let due = Steps { steps, length: physics.step, substeps: physics.substep_count };
             volume.prepare(context, &physics.hair_hair, &due, colliders);
-            volume.prepare_others(context, &physics.hair_hair, &due, carried.displacement());
+            volume.prepare_others(context, &physics.hair_hair, &due, carrier_frame.displacement());
             if let Some(air) = &mut air {
                 let hair = HairGrid { bias: volume.grid.bias, scale: volume.grid.scale };
                 air.prepare_in(context, &physics.wind, physics.diameter, &due, fields, Some(hair));
@@ -123,17 +129,17 @@ impl Hair {
         &mut self,
         frame: &HairFrame<'_>,
         physics: &SimulationParams,
-        carried: &CarrierFrame,
+        carrier_frame: &CarrierFrame,
         is_forced: bool,
     ) -> Result<bool> {
         let rays = RayTransforms {
-            to_carrier: carried.passage.at(1.0).after(&frame.way_to_view().inverse()),
-            to_last: self.motion.drawn_in.from(&frame.seen()),
-            shift: carried.displacement(),
+            to_carrier: carrier_frame.passage.at(1.0).after(&frame.to_drawn_space().inverse()),
+            to_last: self.motion.drawn_in.from(&frame.drawn_space()),
+            shift: carrier_frame.displacement(),
         };
         let buffers = (&self.guides, &self.strands);
         let context = &self.asset.context;
-        self.effects.grab.prepare(context, physics, &carried.steps, buffers, &rays, is_forced)
+        self.effects.grab.prepare(context, physics, &carrier_frame.steps, buffers, &rays, is_forced)
     }
 
     /// Writes the inputs of roots on skin.
@@ -141,7 +147,7 @@ impl Hair {
         if let Some(roots) = &mut self.roots {
             let counts = [self.guides.count, self.strands.drawn.count];
             let fresh = steps.first().is_some_and(|step| step.mode == Mode::Reset);
-            roots.prepare(&self.asset.context, (&frame.head, &frame.way_to_view()), counts, fresh);
+            roots.prepare(&self.asset.context, (&frame.head, &frame.to_drawn_space()), counts, fresh);
         }
     }
 
@@ -152,7 +158,7 @@ impl Hair {
         let make = || Shifting::new(&self.asset.context, &self.guides);
         self.motion.shifting.get_or_insert_with(make).prepare(&self.asset.context, shift);
         if let Some(air) = &mut self.air {
-            air.shift(shift.way);
+            air.shift(shift.offset);
         }
     }
 
@@ -171,27 +177,27 @@ impl Hair {
     /// Whether the frame skips the hair because it is out of view or at rest.
     fn dozes(&mut self, frame: &HairFrame<'_>) -> bool {
         // Grabs, wind, other hair and skinning move the hair while the inputs of the frame stay equal.
-        let may = self.lod.options.sleep
+        let may = self.lod.options.can_sleep
             && (!self.is_on_skin() || self.motion.skin_is_still)
             && !self.effects.grab.is_active()
-            && !self.volume.meets()
+            && !self.volume.has_neighbors()
             && !frame.simulation.wind.blows();
         if !may {
             self.sleep.wake();
         }
-        self.sleep.unseen || (may && self.sleep.rests(frame, self.lod.current().pixel))
+        self.sleep.out_of_view || (may && self.sleep.rests(frame, self.lod.current().pixel))
     }
 
     /// Whether the drawn strands are already up to date for this frame.
     pub(crate) fn is_drawn(&mut self) -> bool {
         let drawn = self.sleep.drawn && self.lod.is_set();
         self.sleep.drawn = self.sleep.asleep;
-        self.sleep.unseen || drawn
+        self.sleep.out_of_view || drawn
     }
 
     /// Returns the physics at the current level of detail.
     fn coarse(&self, physics: &SimulationParams) -> SimulationParams {
-        let Detail { step, substeps, together, .. } = *self.lod.current();
+        let Detail { step, substep_scale: substeps, together, .. } = *self.lod.current();
         let mut hair_hair = physics.hair_hair;
         if together < 1.0 {
             hair_hair.speed *= together;
@@ -203,7 +209,7 @@ impl Hair {
         }
         SimulationParams {
             step: (physics.step * step).min(0.1),
-            substeps: ((physics.substeps as f32 * substeps).round() as u32).max(1),
+            substep_count: ((physics.substep_count as f32 * substeps).round() as u32).max(1),
             hair_hair,
             ..*physics
         }
@@ -211,24 +217,26 @@ impl Hair {
 
     /// Returns the number of guides to simulate at `detail`, and the number of substeps.
     pub(crate) fn motion_at(&self, detail: &Detail) -> [u32; 2] {
-        let guides = match detail.reach {
+        let guides = match detail.guide_distance {
             // Roots on skin and grabbed guides are individual: none of them can follow another guide.
-            reach if reach > 0.0 && self.roots.is_none() && !self.effects.grab.is_active() => {
-                self.asset.order.enough(reach)
+            guide_distance
+                if guide_distance > 0.0 && self.roots.is_none() && !self.effects.grab.is_active() =>
+            {
+                self.asset.order.enough(guide_distance)
             }
             _ => self.guides.count,
         };
-        let substeps = self.substeps as f32 * detail.substeps;
+        let substeps = self.substeps as f32 * detail.substep_scale;
         [guides, (substeps.round() as u32).max(1)]
     }
 
     /// Creates the air for `wind` unless it exists.
     fn make_air(&mut self, wind: &Wind) -> Result<()> {
-        let (middle, side) = self.asset.extent;
-        let size = side * wind.room;
-        let fits = |air: &Air| air.cells == wind.cells && air.cell == size / wind.cells as f32;
+        let (center, side) = self.asset.extent;
+        let size = side * wind.grid_size;
+        let fits = |air: &Air| air.cells == wind.resolution && air.cell == size / wind.resolution as f32;
         if !self.air.as_ref().is_some_and(fits) {
-            let air = Air::new(&self.asset.context, wind.cells, (middle, size), &self.volume.hair)?;
+            let air = Air::new(&self.asset.context, wind.resolution, (center, size), &self.volume.hair)?;
             self.effects.forces = Forces::new(&self.asset.context, &self.guides, &self.volume, Some(&air));
             self.air = Some(air);
         }
@@ -281,7 +289,7 @@ impl Hair {
         }
         let ticks = self.motion.clock.tick(frame.dt, params.step, head);
         let world = Field::of(params.gravity, params.wind.velocity);
-        let carried = self.motion.carrier.carry(
+        let carrier_frame = self.motion.carrier.advance(
             &space,
             (&self.motion.clock, &ticks),
             times,
@@ -289,35 +297,35 @@ impl Hair {
             &world,
         );
         let moments = Moments {
-            steps: &carried.steps,
-            substeps: params.substeps,
+            steps: &carrier_frame.steps,
+            substeps: params.substep_count,
             step: params.step,
-            head: frame.way_to_view().pose(head),
+            head: frame.to_drawn_space().pose(head),
             alpha: ticks.alpha,
         };
-        let journey = Journey { head: *head, passage: carried.passage };
+        let journey = Journey { head: *head, passage: carrier_frame.passage };
         self.colliders.journey(frame.colliders, &moments, &journey)?;
-        self.motion.passage = carried.passage;
+        self.motion.passage = carrier_frame.passage;
         self.motion.states.2 = ticks.alpha;
         if !ticks.steps.is_empty() {
             self.motion.span = params.step;
         }
-        self.motion.moved_away = ticks.steps.iter().any(|step| step.mode != Mode::Step);
-        for step in &carried.steps {
+        self.motion.has_jumped = ticks.steps.iter().any(|step| step.mode != Mode::Step);
+        for step in &carrier_frame.steps {
             self.motion.states = match step.mode {
                 Mode::Step => (step.begin, step.end, ticks.alpha),
-                Mode::Carry | Mode::Reset => (step.end, step.end, ticks.alpha),
+                Mode::Rigid | Mode::Reset => (step.end, step.end, ticks.alpha),
             };
         }
-        Ok(carried)
+        Ok(carrier_frame)
     }
 
     /// Writes the uniforms of the stages after the guides.
     pub(crate) fn prepare(&mut self, frame: &HairFrame<'_>) {
-        let seen = frame.way_to_view();
-        self.motion.head = seen.pose(&frame.head);
-        self.motion.drawn_in = frame.seen();
-        self.motion.to_drawn = seen.after(&self.motion.passage.at(1.0).inverse()).as_pose();
+        let to_drawn_space = frame.to_drawn_space();
+        self.motion.head = to_drawn_space.pose(&frame.head);
+        self.motion.drawn_in = frame.drawn_space();
+        self.motion.to_drawn = to_drawn_space.after(&self.motion.passage.at(1.0).inverse()).as_pose();
         let (previous, current, blend) = self.motion.states;
         let drawn = (blend, self.simulation.twists());
         let params = TessellateParams::new(
@@ -330,7 +338,7 @@ impl Hair {
         self.curves.interpolation.prepare(&self.asset.context, &self.guides, &self.strands);
         let counts = (&self.guides, &self.strands);
         let fresh = self.lod.begin();
-        self.avoidance.prepare(&self.asset.context, counts, frame.dt, self.motion.moved_away, fresh);
+        self.avoidance.prepare(&self.asset.context, counts, frame.dt, self.motion.has_jumped, fresh);
     }
 
     /// Records step `i` of the guides: forces, links and grab, then the step itself.

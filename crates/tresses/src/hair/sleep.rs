@@ -19,7 +19,7 @@ const SWING: f32 = 0.05;
 /// Amplitude at which hair falls asleep, pixels.
 const LEFT: f32 = 0.1;
 /// Factor on the bounding sphere that must be out of view.
-const ROOM: f32 = 1.3;
+const BOUNDS_SCALE: f32 = 1.3;
 
 /// Sleep state of one groom.
 #[derive(Clone, Debug, Default)]
@@ -31,7 +31,7 @@ pub(super) struct Sleep {
     /// Whether the hair is asleep.
     pub asleep: bool,
     /// Whether the hair is out of view.
-    pub unseen: bool,
+    pub out_of_view: bool,
     /// Pose of the head and its space when the hair left the view; `None` while it is in view.
     left_at: Option<(Pose, Space)>,
     /// Whether the drawn strands are up to date.
@@ -42,7 +42,7 @@ impl Sleep {
     /// Updates the state from a frame and returns whether the hair sleeps. `pixel` is the height of a pixel at the
     /// hair, meters.
     pub fn rests(&mut self, frame: &HairFrame<'_>, pixel: f32) -> bool {
-        let spaces = [frame.space, frame.seen()];
+        let spaces = [frame.space, frame.drawn_space()];
         let same = self.last.as_ref().is_some_and(|(head, colliders, physics, before)| {
             let still = *head == frame.head && *before == spaces;
             still && colliders == frame.colliders && physics == frame.simulation
@@ -60,47 +60,47 @@ impl Sleep {
 
     /// Wakes the hair.
     pub fn wake(&mut self) {
-        *self = Self { unseen: self.unseen, left_at: self.left_at, ..Self::default() };
+        *self = Self { out_of_view: self.out_of_view, left_at: self.left_at, ..Self::default() };
     }
 
     /// Records the head's pose while the hair is out of view. Returns how the hair comes back.
-    pub fn carried(&mut self, frame: &HairFrame<'_>) -> Back {
-        if self.unseen {
+    pub fn reentry(&mut self, frame: &HairFrame<'_>) -> Reentry {
+        if self.out_of_view {
             self.left_at.get_or_insert((frame.head, frame.space));
-            return Back::Here;
+            return Reentry::InPlace;
         }
         match self.left_at.take() {
-            Some((_, space)) if !space.is_where(&frame.space) => Back::Elsewhere,
-            Some((head, _)) if head != frame.head => Back::Moved,
-            _ => Back::Here,
+            Some((_, space)) if !space.is_where(&frame.space) => Reentry::AtRest,
+            Some((head, _)) if head != frame.head => Reentry::WithHead,
+            _ => Reentry::InPlace,
         }
     }
 }
 
 /// How hair that was out of view comes back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Back {
+pub(super) enum Reentry {
     /// Continues in place, or was never out of view.
-    Here,
+    InPlace,
     /// Carried with its head, which has moved.
-    Moved,
+    WithHead,
     /// At rest, because its space has moved.
-    Elsewhere,
+    AtRest,
 }
 
 /// Returns the time after which a swing is invisible, s.
 fn settled(drag: f32, pixel: f32) -> f32 {
-    let least = LEFT * pixel.max(1e-4);
-    if drag < 0.05 { f32::INFINITY } else { 2.0 / drag * (SWING / least).max(3.0).ln() }
+    let min_amplitude = LEFT * pixel.max(1e-4);
+    if drag < 0.05 { f32::INFINITY } else { 2.0 / drag * (SWING / min_amplitude).max(3.0).ln() }
 }
 
 /// Whether any part of a sphere (center and radius, meters), enlarged by [`ROOM`], is in view of `camera`.
-pub(super) fn sees(camera: &Camera, (middle, radius): (Vec3, f32)) -> bool {
+pub(super) fn is_sphere_in_view(camera: &Camera, (center, radius): (Vec3, f32)) -> bool {
     let clip = camera.projection * camera.view;
     let (x, y, w) = (clip.row(0), clip.row(1), clip.row(3));
     [w + x, w - x, w + y, w - y, w]
         .iter()
-        .all(|plane| plane.dot(middle.extend(1.0)) >= -ROOM * radius * plane.truncate().length())
+        .all(|plane| plane.dot(center.extend(1.0)) >= -BOUNDS_SCALE * radius * plane.truncate().length())
 }
 
 #[cfg(test)]
@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn sphere_visibility_matches_frustum() {
         let camera = Camera::look_at(Vec3::ZERO, Vec3::NEG_Z, std::f32::consts::FRAC_PI_6, [160, 90]);
-        let seen = |at: Vec3| sees(&camera, (at, 0.2));
+        let seen = |at: Vec3| is_sphere_in_view(&camera, (at, 0.2));
         // At 10 m half the image is 2.68 m high and 4.76 m wide.
         for (at, there) in [
             (Vec3::new(0.0, 0.0, -10.0), true),

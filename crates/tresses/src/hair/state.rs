@@ -10,7 +10,7 @@ use glam::{Quat, Vec3};
 #[derive(Clone, Debug, PartialEq)]
 pub struct GuideState {
     /// [`Hair::place`] of that frame.
-    place: Pose,
+    simulation_transform: Pose,
     /// Poses of the head before and after the last step, and at the clock's last step.
     heads: [Pose; 3],
     /// Blend of the two poses of the head, and length of the last step, s.
@@ -30,8 +30,8 @@ const HEADER: usize = 4 * POSE + 6;
 impl GuideState {
     /// Encodes the state as words, for a file.
     pub fn words(&self) -> Vec<u32> {
-        let Self { place, heads, blend, rest, current, velocity } = self;
-        let poses = std::iter::once(place).chain(heads);
+        let Self { simulation_transform, heads, blend, rest, current, velocity } = self;
+        let poses = std::iter::once(simulation_transform).chain(heads);
         let numbers =
             poses.flat_map(|pose| pose.rotation.to_array().into_iter().chain(pose.translation.to_array()));
         let mut words: Vec<u32> = numbers.chain(*blend).map(f32::to_bits).collect();
@@ -74,7 +74,7 @@ impl GuideState {
             return Err(broken());
         }
         Ok(Self {
-            place: pose(0),
+            simulation_transform: pose(0),
             heads: [pose(1), pose(2), pose(3)],
             blend: [number(4 * POSE), number(4 * POSE + 1)],
             rest,
@@ -98,7 +98,7 @@ impl Hair {
         let (before, after, blend) = motion.states;
         let (rest, head) = motion.clock.progress();
         Ok(GuideState {
-            place: motion.to_drawn,
+            simulation_transform: motion.to_drawn,
             heads: [before, after, head],
             blend: [blend, motion.span],
             rest,
@@ -113,7 +113,7 @@ impl Hair {
     /// # Errors
     /// [`crate::groom::Error::Unusable`] for the state of other hair.
     pub fn set_state(&mut self, state: &GuideState) -> Result<()> {
-        let GuideState { place, heads, blend, rest, current, velocity } = state;
+        let GuideState { simulation_transform, heads, blend, rest, current, velocity } = state;
         let vertices = (self.guides.count * self.guides.vertex_count) as usize;
         let is_own = current.len() == vertices && 4 * velocity.len() as u64 == self.guides.velocity.size();
         if !is_own {
@@ -122,7 +122,7 @@ impl Hair {
         self.sleep.wake();
         let queue = self.asset.context.queue();
         // The origin of the simulation may have moved.
-        let shift = place.translation - self.motion.to_drawn.translation;
+        let shift = simulation_transform.translation - self.motion.to_drawn.translation;
         let shift = self.motion.to_drawn.rotation.inverse() * shift;
         let mut current = current.clone();
         if shift != Vec3::ZERO {

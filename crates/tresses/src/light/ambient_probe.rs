@@ -15,7 +15,7 @@ pub struct IncidentLight {
     /// Sky visibility for fibers that remove 0, 1/8, 1/2 and all of the light that hits them. Meshes remove all of it.
     pub open: Vec4,
     /// Mean radiance of meshes.
-    pub glow: Vec3,
+    pub radiance: Vec3,
 }
 
 /// A set of points at which ambient light is evaluated.
@@ -29,15 +29,17 @@ impl AmbientProbe {
     /// # Errors
     /// [`crate::Error::Limit`] when the adapter cannot hold the points.
     pub fn new(context: &Context, light: &LightState, points: &[(Vec3, Vec3)]) -> Result<Self> {
-        let words: Vec<_> =
-            points.iter().flat_map(|(at, middle)| [at.extend(0.0), middle.extend(0.0)]).collect();
+        let words: Vec<_> = points
+            .iter()
+            .flat_map(|(at, mean_direction)| [at.extend(0.0), mean_direction.extend(0.0)])
+            .collect();
         let (transmittance, ambient) = (light.transmittance(), light.ambient());
-        let bind = |kernel: &Kernel, points: &wgpu::Buffer, answers: &wgpu::Buffer| {
+        let bind = |kernel: &Kernel, points: &wgpu::Buffer, results: &wgpu::Buffer| {
             kernel.bind(&kernels::Query {
                 points: points.entire(),
                 transmittance,
                 ambient,
-                results: answers.entire(),
+                results: results.entire(),
             })
         };
         let query = PointQuery::new::<kernels::Query<'_>>(context, &words, points.len(), bind);
@@ -57,8 +59,8 @@ impl AmbientProbe {
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
     pub async fn read(&self) -> Result<Vec<IncidentLight>> {
-        let answers = self.0.read().await?;
-        let around = |[open, glow]: [Vec4; 2]| IncidentLight { open, glow: glow.truncate() };
-        Ok(answers.into_iter().map(around).collect())
+        let results = self.0.read().await?;
+        let around = |[open, glow]: [Vec4; 2]| IncidentLight { open, radiance: glow.truncate() };
+        Ok(results.into_iter().map(around).collect())
     }
 }

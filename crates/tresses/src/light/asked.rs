@@ -15,9 +15,9 @@ pub(super) struct PointQuery<A> {
     context: Context,
     kernel: Kernel,
     group: wgpu::BindGroup,
-    answers: wgpu::Buffer,
+    results: wgpu::Buffer,
     points: u32,
-    answer: std::marker::PhantomData<A>,
+    result: std::marker::PhantomData<A>,
 }
 
 impl<A: Pod> PointQuery<A> {
@@ -36,15 +36,15 @@ impl<A: Pod> PointQuery<A> {
         let kernel = Kernel::new::<B>(device);
         let buffer = storage::<Vec4>(device, "points", words.len().max(1) as u64)?;
         queue.write_buffer(&buffer, 0, bytemuck::cast_slice(words));
-        let answers = storage::<A>(device, "answers", points.max(1) as u64)?;
-        let group = bind(&kernel, &buffer, &answers);
+        let results = storage::<A>(device, "answers", points.max(1) as u64)?;
+        let group = bind(&kernel, &buffer, &results);
         Ok(Self {
             context: context.clone(),
             kernel,
             group,
-            answers,
+            results,
             points: points as u32,
-            answer: std::marker::PhantomData,
+            result: std::marker::PhantomData,
         })
     }
 
@@ -64,8 +64,8 @@ impl<A: Pod> PointQuery<A> {
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
     pub(super) async fn read(&self) -> Result<Vec<A>> {
-        let mut answers = readback::buffer(&self.context, &self.answers).await?;
-        answers.truncate(self.points as usize);
-        Ok(answers)
+        let mut results = readback::buffer(&self.context, &self.results).await?;
+        results.truncate(self.points as usize);
+        Ok(results)
     }
 }

@@ -17,7 +17,7 @@ pub struct ShadingSubset {
     workgroups: wgpu::Buffer,
     /// Knots and spans, each as a count followed by indices.
     lists: [wgpu::Buffer; 2],
-    choose: wgpu::BindGroup,
+    select_visible: wgpu::BindGroup,
     groups: [wgpu::BindGroup; 2],
     /// Whether the light has strand maps.
     strand_maps: bool,
@@ -34,14 +34,16 @@ impl ShadingSubset {
         (state, camera): (&LightState, &wgpu::Buffer),
         hair: &HairSet,
         shaded: &HairShading,
-        seen: BufferBinding<'_, u32>,
+        visible: BufferBinding<'_, u32>,
     ) -> Result<Self> {
         let Context { device, .. } = context;
         let pipelines = context.pipelines::<Pipelines>();
         // Room for all knots.
-        let most = 1 + shaded.most_knots;
-        let lists =
-            [storage::<u32>(device, "chosen knots", most)?, storage::<u32>(device, "chosen spans", most)?];
+        let capacity = 1 + shaded.sample_capacity;
+        let lists = [
+            storage::<u32>(device, "chosen knots", capacity)?,
+            storage::<u32>(device, "chosen spans", capacity)?,
+        ];
         let workgroups = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("chosen workgroups"),
             size: 32,
@@ -49,18 +51,18 @@ impl ShadingSubset {
             mapped_at_creation: false,
         });
         let groups = lists.each_ref().map(|list| {
-            let knot = shaded.knot(camera, hair, list);
-            pipelines.shade(false).bind(&state.shading(knot))
+            let sample_bindings = shaded.sample_bindings(camera, hair, list);
+            pipelines.shade(false).bind(&state.shading(sample_bindings))
         });
-        let choose = pipelines.choose.bind(&kernels::SelectVisible {
+        let select_visible = pipelines.select_visible.bind(&kernels::SelectVisible {
             hair: shaded.uniform.entire(),
-            visible: seen,
+            visible,
             samples: lists[0].entire(),
             spans: lists[1].entire(),
             workgroups: workgroups.entire(),
         });
         let strand_maps = state.maps.strand_map > 0;
-        Ok(Self { workgroups, lists, choose, groups, strand_maps })
+        Ok(Self { workgroups, lists, select_visible, groups, strand_maps })
     }
 
     /// Clears the lists. Call it before [`record`](Self::record), outside of passes.
@@ -76,10 +78,15 @@ impl ShadingSubset {
         pass: &mut crate::gpu::ComputePass<'_>,
         hair: &HairSet,
     ) {
-        pipelines.choose.record(pass, &self.choose, &[], hair.drawn.count.div_ceil(STRAND_WORKGROUP));
+        pipelines.select_visible.record(
+            pass,
+            &self.select_visible,
+            &[],
+            hair.drawn.count.div_ceil(STRAND_WORKGROUP),
+        );
         pass.set_bind_group(1, &pipelines.gap, &[]);
         pass.set_bind_group(2, &hair.fiber().group, &[]);
-        let kernels: [&Kernel; 2] = [&pipelines.knots, pipelines.shade(self.strand_maps)];
+        let kernels: [&Kernel; 2] = [&pipelines.shading_samples, pipelines.shade(self.strand_maps)];
         for (i, (kernel, group)) in kernels.into_iter().zip(&self.groups).enumerate() {
             kernel.record_indirect(pass, group, &[], (&self.workgroups, 16 * i as u64));
         }

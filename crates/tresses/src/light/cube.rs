@@ -60,12 +60,12 @@ impl CubeProbe {
     /// # Errors
     /// [`crate::Error::Gpu`] when the kernel does not compile.
     pub fn measure(&self, map: &wgpu::TextureView, of: CubeMap, to_map: Mat3) -> Result<CubeLight> {
-        let turn = storage::<Vec4>(&self.context.device, "cube probe", 3)?;
+        let matrix = storage::<Vec4>(&self.context.device, "cube probe", 3)?;
         let columns = [to_map.x_axis, to_map.y_axis, to_map.z_axis].map(|column| column.extend(0.0));
-        self.context.queue.write_buffer(&turn, 0, bytemuck::cast_slice(&columns));
+        self.context.queue.write_buffer(&matrix, 0, bytemuck::cast_slice(&columns));
         let sums = storage::<Vec4>(&self.context.device, "cube probe", 9)?;
         let group = self.kernel.bind(&kernels::Cube {
-            to_map: turn.entire(),
+            to_map: matrix.entire(),
             map,
             smooth_sampler: &self.sampler,
             results: sums.entire(),

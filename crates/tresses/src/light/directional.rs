@@ -20,32 +20,35 @@ impl Directional {
 
     /// Creates the light that a point light at `at` (meters) gives at `place`, the position of the hair. `intensity`
     /// (radiance times square meters) falls off with the squared distance, which is at least 1 cm².
-    pub fn from_point(at: Vec3, intensity: Vec3, place: Vec3) -> Self {
-        const LEAST: f32 = 1e-4;
-        let way = at - place;
-        Self { direction: way.normalize_or(Vec3::Y), irradiance: intensity / way.length_squared().max(LEAST) }
+    pub fn from_point(at: Vec3, intensity: Vec3, target: Vec3) -> Self {
+        const MIN_DISTANCE_SQUARED: f32 = 1e-4;
+        let offset = at - target;
+        Self {
+            direction: offset.normalize_or(Vec3::Y),
+            irradiance: intensity / offset.length_squared().max(MIN_DISTANCE_SQUARED),
+        }
     }
 
     /// Creates the light that a polygonal area light gives at `place`. `corners` (meters) are in order,
     /// counter-clockwise as seen from the front, and the front emits `radiance` in all directions. The direction is the
     /// mean over the polygon. The irradiance is for a surface that faces this direction, with all of the polygon in
     /// front of it (Lambert's formula, 1760). The back emits nothing.
-    pub fn from_polygon(corners: &[Vec3], radiance: Vec3, place: Vec3) -> Self {
+    pub fn from_polygon(corners: &[Vec3], radiance: Vec3, target: Vec3) -> Self {
         let edge = |i: usize| {
-            let [a, b] = [i, (i + 1) % corners.len()].map(|i| corners[i] - place);
+            let [a, b] = [i, (i + 1) % corners.len()].map(|i| corners[i] - target);
             let across = a.cross(b);
             // The tangent is accurate for small angles too.
             0.5 * across.length().atan2(a.dot(b)) * across.normalize_or_zero()
         };
         let arrives: Vec3 = (0..corners.len()).map(edge).sum();
-        let middle = corners.iter().sum::<Vec3>() / corners.len().max(1) as f32 - place;
+        let center = corners.iter().sum::<Vec3>() / corners.len().max(1) as f32 - target;
         // The edges of a counter-clockwise polygon add up to a vector towards `place`. A place in the plane of the
         // polygon gets no light, or NaN.
-        let share = -arrives.length() * arrives.dot(middle).signum();
-        if !(share > 1e-6 && share.is_finite()) {
+        let solid_angle = -arrives.length() * arrives.dot(center).signum();
+        if !(solid_angle > 1e-6 && solid_angle.is_finite()) {
             return Self::OFF;
         }
-        Self { direction: -arrives.normalize_or(Vec3::Y), irradiance: share * radiance }
+        Self { direction: -arrives.normalize_or(Vec3::Y), irradiance: solid_angle * radiance }
     }
 
     /// Whether the light emits anything.

@@ -54,23 +54,23 @@ impl Environment {
     }
 
     /// Returns the environment after a rotation.
-    pub fn turned(&self, rotation: Quat) -> Self {
+    pub fn rotated(&self, rotation: Quat) -> Self {
         let [constant, y, z, x, xy, yz, zz, xz, squares] = self.coefficients;
         // Band 1 is a vector per color channel, band 2 a symmetric traceless matrix.
-        let turn = Mat3::from_quat(rotation);
+        let matrix = Mat3::from_quat(rotation);
         let mut coefficients = [Vec3::ZERO; 9];
         coefficients[0] = constant;
         for color in 0..3 {
-            let first = turn * Vec3::new(x[color], y[color], z[color]);
+            let first = matrix * Vec3::new(x[color], y[color], z[color]);
             let [xy, yz, zz, xz, squares] = [xy, yz, zz, xz, squares].map(|sum| sum[color]);
-            let [cross, along, aside] = [0.5 * 1.092_548, 0.315_392, 0.546_274];
+            let [cross, along, planar] = [0.5 * 1.092_548, 0.315_392, 0.546_274];
             let second = Mat3::from_cols(
-                Vec3::new(-along * zz + aside * squares, cross * xy, cross * xz),
-                Vec3::new(cross * xy, -along * zz - aside * squares, cross * yz),
+                Vec3::new(-along * zz + planar * squares, cross * xy, cross * xz),
+                Vec3::new(cross * xy, -along * zz - planar * squares, cross * yz),
                 Vec3::new(cross * xz, cross * yz, 2.0 * along * zz),
             );
-            let second = turn * second * turn.transpose();
-            let turned = [
+            let second = matrix * second * matrix.transpose();
+            let rotated = [
                 first.y,
                 first.z,
                 first.x,
@@ -78,16 +78,16 @@ impl Environment {
                 second.y_axis.z / cross,
                 second.z_axis.z / (2.0 * along),
                 second.x_axis.z / cross,
-                (second.x_axis.x - second.y_axis.y) / (2.0 * aside),
+                (second.x_axis.x - second.y_axis.y) / (2.0 * planar),
             ];
-            coefficients[1..].iter_mut().zip(turned).for_each(|(sum, new)| sum[color] = new);
+            coefficients[1..].iter_mut().zip(rotated).for_each(|(sum, new)| sum[color] = new);
         }
         Self { coefficients }
     }
 
     /// Returns the weighted sum of two environments.
-    pub fn blended(&self, share: f32, other: &Self, of_other: f32) -> Self {
-        let both = |i: usize| share * self.coefficients[i] + of_other * other.coefficients[i];
+    pub fn blended(&self, weight: f32, other: &Self, other_weight: f32) -> Self {
+        let both = |i: usize| weight * self.coefficients[i] + other_weight * other.coefficients[i];
         Self { coefficients: std::array::from_fn(both) }
     }
 
@@ -102,7 +102,7 @@ impl Environment {
         width: usize,
         height: usize,
         pixels: &[[f32; 3]],
-        turn: f32,
+        angle: f32,
     ) -> Option<(Self, Vec<Directional>)> {
         if width == 0 || height == 0 || pixels.len() != width.checked_mul(height)? {
             return None;
@@ -110,7 +110,7 @@ impl Environment {
         let direction = |i: usize| {
             let (x, y) = ((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
             let elevation = PI * (0.5 - y / height as f32);
-            let azimuth = turn + TAU * (0.5 - x / width as f32);
+            let azimuth = angle + TAU * (0.5 - x / width as f32);
             let (sin, cos) = azimuth.sin_cos();
             Vec3::new(sin * elevation.cos(), elevation.sin(), cos * elevation.cos())
         };
@@ -133,9 +133,9 @@ impl Environment {
                 (0..left.len()).max_by(|a, b| left[*a].element_sum().total_cmp(&left[*b].element_sum()))?;
             // The brightest pixel may lie at the edge of a light.
             let near = (0..left.len()).filter(|i| direction(*i).dot(direction(brightest)) > *inner);
-            let middle = near.map(|i| direction(i) * (left[i].element_sum() * area(i))).sum::<Vec3>();
-            let middle = middle.normalize_or(direction(brightest));
-            let towards = |i: usize| direction(i).dot(middle);
+            let center = near.map(|i| direction(i) * (left[i].element_sum() * area(i))).sum::<Vec3>();
+            let center = center.normalize_or(direction(brightest));
+            let towards = |i: usize| direction(i).dot(center);
             let inside: Vec<usize> = (0..left.len()).filter(|i| towards(*i) > *inner).collect();
             // The background continues behind the light.
             let around = (0..left.len()).filter(|i| (*outer..=*inner).contains(&towards(*i)));
@@ -160,7 +160,7 @@ impl Environment {
                 continue;
             }
             left = rest;
-            lights.push(Directional { direction: to.normalize_or(middle), irradiance: sum });
+            lights.push(Directional { direction: to.normalize_or(center), irradiance: sum });
         }
         let mut environment = Self::default();
         for (i, v) in left.iter().enumerate() {
@@ -199,7 +199,7 @@ mod tests {
             basis(d).into_iter().zip(of.coefficients).map(|(y, sum)| y * sum).sum()
         };
         let rotation = Quat::from_euler(glam::EulerRot::YXZ, 0.7, -1.1, 2.3);
-        let turned = environment.turned(rotation);
+        let turned = environment.rotated(rotation);
         for d in [Vec3::X, Vec3::NEG_Y, Vec3::new(0.48, 0.6, -0.64), Vec3::new(-0.36, 0.48, 0.8)] {
             let off = raw(&turned, rotation * d) - raw(&environment, d);
             assert!(off.abs().max_element() < 1e-5, "{off}");

@@ -12,7 +12,7 @@ use crate::{
     gpu::{BindBuffer, bindings},
     renderer::{ShadingModel, ShadingRate},
     shaders::kernels::light as kernels,
-    strands::{DrawCount, Room, StrandBuffers, buffers::storage, indices::Chunks},
+    strands::{DrawCount, StrandBuffers, StrandCapacity, buffers::storage, indices::Chunks},
 };
 use glam::Vec3;
 use std::{
@@ -133,11 +133,11 @@ impl HairSet {
 
     /// Shares the fiber tables of `other` if the fibers of both have the same shape, whatever their pigments. The
     /// tables are then computed and stored once.
-    pub(crate) fn share_fibers(&self, other: &Self) {
+    pub(crate) fn reuse_fibers(&self, other: &Self) {
         let key = |set: &Self| (set.material.fiber.shape, set.material.fiber.density_back);
         if key(self) == key(other) {
-            let theirs = other.fiber().clone();
-            *self.fiber() = theirs;
+            let tables = other.fiber().clone();
+            *self.fiber() = tables;
         }
     }
 
@@ -228,24 +228,24 @@ fn words_for(rate: ShadingRate) -> u64 {
 }
 
 /// Bytes of a shading sample.
-const KNOT: u64 = 8;
+const SAMPLE_BYTES: u64 = 8;
 
 /// Returns the maximum number of shading samples of `count` strands with `vertex_count` vertices, over all levels of
 /// detail that `room` allows.
-fn most_knots([count, vertex_count]: [u32; 2], room: &Room) -> u64 {
-    let most = (1..=vertex_count).flat_map(|vertices| {
+fn max_samples([count, vertex_count]: [u32; 2], capacity: &StrandCapacity) -> u64 {
+    let counts = (1..=vertex_count).flat_map(|vertices| {
         (1..=STRIDE).map(move |of| {
-            let strands = (count / of).min(room.strands).min(room.vertices / vertices.max(1));
+            let strands = (count / of).min(capacity.strands).min(capacity.vertices / vertices.max(1));
             u64::from(strands) * u64::from(spans(vertices, of)[1] + 1)
         })
     });
-    most.max().unwrap_or(2).max(2)
+    counts.max().unwrap_or(2).max(2)
 }
 
 /// Returns the bytes of the shading samples of `count` strands with `vertex_count` vertices.
-pub(crate) fn knot_bytes([count, vertex_count]: [u32; 2]) -> u64 {
-    let room = Room { strands: count, vertices: count.saturating_mul(vertex_count) };
-    most_knots([count, vertex_count], &room) * KNOT
+pub(crate) fn sample_bytes([count, vertex_count]: [u32; 2]) -> u64 {
+    let capacity = StrandCapacity { strands: count, vertices: count.saturating_mul(vertex_count) };
+    max_samples([count, vertex_count], &capacity) * SAMPLE_BYTES
 }
 
 /// Data of a groom per view: its shaded colors, which depend on camera and lights.
@@ -253,15 +253,15 @@ pub(crate) fn knot_bytes([count, vertex_count]: [u32; 2]) -> u64 {
 pub(crate) struct HairShading {
     pub(crate) uniform: wgpu::Buffer,
     pub(crate) colors: wgpu::Buffer,
-    pub(super) knots: wgpu::Buffer,
+    pub(super) shading_samples: wgpu::Buffer,
     /// Capacity of `knots`.
-    pub(super) most_knots: u64,
+    pub(super) sample_capacity: u64,
     /// Whether `knots` is scratch memory of the groom.
     lent: bool,
     pub(crate) group: wgpu::BindGroup,
     pub(crate) shade: wgpu::BindGroup,
     pub(super) splat: wgpu::BindGroup,
-    pub(super) lay: wgpu::BindGroup,
+    pub(super) ambient_splat: wgpu::BindGroup,
 }
 
 impl HairShading {
@@ -278,13 +278,14 @@ impl HairShading {
     ) -> Result<Self> {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
-        let StrandBuffers { count, vertex_count, vertices, strands, widening, room, .. } = &hair.strands;
-        let words = words_for(rate) * u64::from(room.vertices);
+        let StrandBuffers { count, vertex_count, vertices, strands, widening, capacity, .. } = &hair.strands;
+        let words = words_for(rate) * u64::from(capacity.vertices);
         let colors = storage::<u32>(device, "shaded strands", words)?;
-        let most_knots = most_knots([*count, *vertex_count], room);
-        let lent = hair.asset.scratch.clone().filter(|scratch| scratch.size() >= most_knots * KNOT);
-        let own = || storage::<u8>(device, "knots of strands", most_knots * KNOT);
-        let (lent, knots) = (lent.is_some(), lent.map_or_else(own, Ok)?);
+        let sample_capacity = max_samples([*count, *vertex_count], capacity);
+        let lent =
+            hair.asset.scratch.clone().filter(|scratch| scratch.size() >= sample_capacity * SAMPLE_BYTES);
+        let own = || storage::<u8>(device, "knots of strands", sample_capacity * SAMPLE_BYTES);
+        let (lent, shading_samples) = (lent.is_some(), lent.map_or_else(own, Ok)?);
         let uniform = bindings::uniform(device, "hair", size_of::<HairUniform>());
         let own = [&uniform, vertices, strands, &colors].map(wgpu::Buffer::as_entire_binding);
         let [hair_maps, hair_blocks] = state.maps.hair_buffers().map(BindBuffer::entire);
@@ -300,19 +301,20 @@ impl HairShading {
             hair_blocks,
             widening,
         });
-        let lay = kernels::ambient::SplatHair { lights, hair: set, vertices, strands, cells };
-        let lay = pipelines.ambient.lay.bind(&lay);
-        let knot = knot_bindings(camera, &uniform, &hair.strands, &colors, &knots, &pipelines.all);
-        let shade = pipelines.shade(false).bind(&state.shading(knot));
+        let ambient_splat = kernels::ambient::SplatHair { lights, hair: set, vertices, strands, cells };
+        let ambient_splat = pipelines.ambient.splat_hair.bind(&ambient_splat);
+        let sample_bindings =
+            bind_samples(camera, &uniform, &hair.strands, &colors, &shading_samples, &pipelines.all);
+        let shade = pipelines.shade(false).bind(&state.shading(sample_bindings));
         Ok(Self {
             group: device.group("hair", &pipelines.hair, &own),
             shade,
             splat,
-            lay,
+            ambient_splat,
             uniform,
             colors,
-            knots,
-            most_knots,
+            shading_samples,
+            sample_capacity,
             lent,
         })
     }
@@ -327,33 +329,33 @@ impl HairShading {
     }
 
     /// Bindings of the kernels that shade the samples of `hair` whose indices are in `chosen`.
-    pub(super) fn knot<'a>(
+    pub(super) fn sample_bindings<'a>(
         &'a self,
         camera: &'a wgpu::Buffer,
         hair: &'a HairSet,
-        chosen: &'a wgpu::Buffer,
+        selected: &'a wgpu::Buffer,
     ) -> kernels::ShadingSample<'a> {
-        knot_bindings(camera, &self.uniform, &hair.strands, &self.colors, &self.knots, chosen)
+        bind_samples(camera, &self.uniform, &hair.strands, &self.colors, &self.shading_samples, selected)
     }
 
     /// Whether the buffers have room for shading the strands at `rate`.
     pub(crate) fn holds(&self, hair: &HairSet, rate: ShadingRate) -> bool {
-        self.colors.size() >= 4 * words_for(rate) * u64::from(hair.strands.room.vertices)
+        self.colors.size() >= 4 * words_for(rate) * u64::from(hair.strands.capacity.vertices)
     }
 
     /// Bytes of GPU memory, without memory of the groom.
     pub fn bytes(&self) -> u64 {
-        self.uniform.size() + self.colors.size() + if self.lent { 0 } else { self.knots.size() }
+        self.uniform.size() + self.colors.size() + if self.lent { 0 } else { self.shading_samples.size() }
     }
 }
 
-fn knot_bindings<'a>(
+fn bind_samples<'a>(
     camera: &'a wgpu::Buffer,
     uniform: &'a wgpu::Buffer,
     strands: &'a StrandBuffers,
     colors: &'a wgpu::Buffer,
-    knots: &'a wgpu::Buffer,
-    chosen: &'a wgpu::Buffer,
+    shading_samples: &'a wgpu::Buffer,
+    selected: &'a wgpu::Buffer,
 ) -> kernels::ShadingSample<'a> {
     kernels::ShadingSample {
         view: camera.entire(),
@@ -361,8 +363,8 @@ fn knot_bindings<'a>(
         vertices: strands.vertices.entire(),
         strands: strands.strands.entire(),
         shaded: colors.entire(),
-        shading_samples: knots.entire(),
-        selected: chosen.entire(),
+        shading_samples: shading_samples.entire(),
+        selected: selected.entire(),
     }
 }
 

@@ -48,14 +48,14 @@ impl Lights {
     /// cooler rim light from behind on its right, and a dim sky. The other lights are off. `azimuth` is the angle of
     /// the camera around the head, radians, from in front of the face (+Z) towards the head's left (+X).
     pub fn around(azimuth: f32) -> Self {
-        let turn = glam::Quat::from_rotation_y(azimuth);
+        let rotation = glam::Quat::from_rotation_y(azimuth);
         let mut directional = [Directional::OFF; MAX_LIGHTS];
         directional[Self::KEY] = Directional {
-            direction: turn * Vec3::new(-0.42, 0.62, 0.66).normalize(),
+            direction: rotation * Vec3::new(-0.42, 0.62, 0.66).normalize(),
             irradiance: Vec3::new(5.6, 5.3, 4.85),
         };
         directional[Self::RIM] = Directional {
-            direction: turn * Vec3::new(0.85, 0.28, -0.45).normalize(),
+            direction: rotation * Vec3::new(0.85, 0.28, -0.45).normalize(),
             irradiance: Vec3::new(3.1, 3.25, 3.5),
         };
         Self {
@@ -232,7 +232,7 @@ impl Lights {
             strand_map: 0,
             ambient: 0,
             maps: shadows.maps(count) as u32,
-            strand_by_strand: if shadows.enabled { shadows.strand_by_strand.clamp(0.0, 1.0) } else { 0.0 },
+            strand_by_strand: if shadows.is_enabled { shadows.strand_by_strand.clamp(0.0, 1.0) } else { 0.0 },
             environment: self.environment.coefficients.map(|c| c.extend(0.0)),
             ambient_origin: focus.center - focus.radius,
             ambient_scale: 0.5 / focus.radius,

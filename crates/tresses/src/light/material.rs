@@ -64,7 +64,7 @@ pub struct HairMaterial {
     /// Albedo at the tip, linear.
     pub tip_color: Vec3,
     /// Whether strands use their own colors, if they have any, instead of the two above.
-    pub file_colors: bool,
+    pub uses_file_colors: bool,
     /// Spread of the lightness over strands: 0.3 is ±30 %.
     pub lightness_spread: f32,
     /// Spread of the warmth over strands: 0.1 is ±10 % red against blue.
@@ -184,7 +184,7 @@ impl HairMaterial {
         Self {
             root_color: albedo * 0.8,
             tip_color: (albedo * 1.25).min(Vec3::ONE),
-            file_colors: true,
+            uses_file_colors: true,
             lightness_spread: 0.35,
             warmth_spread: 0.08,
             root_darkness: 0.7,
@@ -218,7 +218,7 @@ impl HairMaterial {
         let fiber = &self.fiber;
         let shape = fiber.shape.clamped();
         let four = |values: [f64; 4]| Vec4::from_array(values.map(|v| v as f32));
-        let turns = four(shape.turns());
+        let shifts = four(shape.shifts());
         HairUniform {
             root_color: self.root_color,
             lightness_spread: self.lightness_spread,
@@ -240,15 +240,15 @@ impl HairMaterial {
             opacity: self.opacity.max(0.0),
             saturation: self.saturation,
             min_width: self.min_width.max(0.0),
-            file_colors: u32::from(self.file_colors),
+            file_colors: u32::from(self.uses_file_colors),
             count: drawn.count,
             vertex_count: drawn.vertex_count,
             sample_stride: spans[0],
             splat_stride: splat[0],
             splat_segments: splat[1],
             variances: four(shape.variances()),
-            shift_sin: turns.map(f32::sin),
-            shift_cos: turns.map(f32::cos),
+            shift_sin: shifts.map(f32::sin),
+            shift_cos: shifts.map(f32::cos),
             root_absorption: fiber.root_absorption.max(Vec3::ZERO),
             model: u32::from(model == ShadingModel::Fiber),
             tip_absorption: fiber.tip_absorption.max(Vec3::ZERO),
@@ -265,7 +265,7 @@ impl HairMaterial {
             spans: spans[1],
             single: drawn.single,
             dense: drawn.dense,
-            depth_offset: drawn.sunk,
+            depth_offset: drawn.depth_offset,
             packed: drawn.packed,
             _pad: 0,
         }

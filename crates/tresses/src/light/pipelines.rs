@@ -42,13 +42,13 @@ pub(crate) struct Pipelines {
     pub(super) deep: [Kernel; 3],
     pub(super) ambient: ambient::Pipelines,
     /// Shading samples.
-    pub(super) knots: Kernel,
+    pub(super) shading_samples: Kernel,
     /// Radiance of vertices, without and with strand maps.
     shade: [Kernel; 2],
     /// Incoming light of vertices, for shading per pixel by [`crate::draw::classic`].
     pub(super) arrive: Kernel,
     /// Selects the visible knots and spans.
-    pub(super) choose: Kernel,
+    pub(super) select_visible: Kernel,
     /// A list that selects all knots and spans.
     pub(super) all: wgpu::Buffer,
     /// An empty group, because the fiber tables are `@group(2)` as in the draw pipelines.
@@ -78,10 +78,10 @@ impl PipelineSet for Pipelines {
             deep: ["light::front", "light::cover", "light::stack"].map(maps),
             ambient: ambient::Pipelines::new(context),
             gap: device.group("nothing", &nothing, &[]),
-            knots: shading("light::shading_samples"),
+            shading_samples: shading("light::shading_samples"),
             shade: ["light::shade::0", "light::shade::1"].map(shading),
             arrive: shading("draw::classic::arrive"),
-            choose: Kernel::new::<kernels::SelectVisible>(&context.device),
+            select_visible: Kernel::new::<kernels::SelectVisible>(&context.device),
             all: device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("all strands"),
                 size: 4,
@@ -115,11 +115,12 @@ impl Pipelines {
 
     /// Returns the jobs that compile all pipelines for a frame with default shadows. `chosen`: the frame shades only
     /// visible hair. `strand_maps`: it uses strand maps.
-    pub(crate) fn jobs(&self, chosen: bool, strand_maps: bool) -> Vec<Job<'_>> {
+    pub(crate) fn jobs(&self, visible_only: bool, strand_maps: bool) -> Vec<Job<'_>> {
         let [front, cover, stack] = &self.deep;
-        let mut kernels = vec![&self.splat, front, cover, stack, &self.knots, self.shade(strand_maps)];
+        let mut kernels =
+            vec![&self.splat, front, cover, stack, &self.shading_samples, self.shade(strand_maps)];
         kernels.extend(strand_maps.then_some(&self.strand_map));
-        kernels.extend(chosen.then_some(&self.choose));
+        kernels.extend(visible_only.then_some(&self.select_visible));
         kernels.extend(self.ambient.kernels());
         let mut jobs = kernel::jobs(kernels);
         jobs.push(Box::new(|| self.shadow_body().map(|_| ())));

@@ -34,8 +34,8 @@ impl ShadowProbe {
         let words: Vec<_> =
             std::iter::once(eye).chain(points.iter().map(|point| point.extend(0.0))).collect();
         let transmittance = light.transmittance();
-        let bind = |kernel: &Kernel, points: &wgpu::Buffer, answers: &wgpu::Buffer| {
-            kernel.bind(&kernels::Probe { points: points.entire(), transmittance, results: answers.entire() })
+        let bind = |kernel: &Kernel, points: &wgpu::Buffer, results: &wgpu::Buffer| {
+            kernel.bind(&kernels::Probe { points: points.entire(), transmittance, results: results.entire() })
         };
         let query = PointQuery::new::<kernels::Probe<'_>>(context, &words, points.len(), bind);
         Ok(Self(query?))
@@ -54,8 +54,8 @@ impl ShadowProbe {
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.
     pub async fn read(&self) -> Result<Vec<[Shadow; MAX_LIGHTS]>> {
-        let answers = self.0.read().await?;
+        let results = self.0.read().await?;
         let shadow = |[fibers, solid]: [f32; 2]| Shadow { fibers, solid };
-        Ok(answers.into_iter().map(|lights| lights.map(shadow)).collect())
+        Ok(results.into_iter().map(|lights| lights.map(shadow)).collect())
     }
 }

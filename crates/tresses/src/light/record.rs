@@ -28,28 +28,28 @@ impl LightState {
         let Context { queue, .. } = context;
         let resolution = self.maps.resolution;
         // Without shadows the maps stay empty. Empty deep opacity maps are the cheapest to read.
-        let method = if shadows.enabled { renderer.shadows() } else { ShadowMethod::DeepOpacity };
+        let method = if shadows.is_enabled { renderer.shadows() } else { ShadowMethod::DeepOpacity };
         let mut uniform = lights.uniform((shadows, method), focus, resolution);
         if shadows.follows_ambient() {
             uniform.ambient = self.ambient.cells();
         }
-        if shadows.enabled && method == ShadowMethod::DeepOpacity && shadows.strand_by_strand > 0.0 {
+        if shadows.is_enabled && method == ShadowMethod::DeepOpacity && shadows.strand_by_strand > 0.0 {
             uniform.strand_map = self.maps.strand_map;
         }
         // Meshes have enough sample points for fine cells. A zone may have coarser ones.
         (uniform.zone, uniform.every) = (zone, if zone > 0 { self.ambient.every() } else { 1 });
-        let whole: f32 = hair.iter().map(|seen| seen.hair.area).sum();
-        for seen in hair {
-            let (passes, forward) = seen.hair.passes(renderer.shading());
-            let share = if whole > 0.0 { seen.hair.area / whole } else { 1.0 / hair.len() as f32 };
-            uniform.passes += share * passes;
-            uniform.forward += share * forward;
+        let total_area: f32 = hair.iter().map(|view| view.hair.area).sum();
+        for view in hair {
+            let (passes, forward) = view.hair.passes(renderer.shading());
+            let weight = if total_area > 0.0 { view.hair.area / total_area } else { 1.0 / hair.len() as f32 };
+            uniform.passes += weight * passes;
+            uniform.forward += weight * forward;
         }
         queue.write_buffer(&self.lights, 0, bytemuck::bytes_of(&uniform));
         self.maps.prepare(context, &uniform);
         let texel = 2.0 * focus.radius.max(1e-6) / resolution as f32;
         FrameLight {
-            casts: shadows.enabled,
+            casts: shadows.is_enabled,
             method,
             maps: shadows.maps(lights.active().count()),
             strands: if uniform.strand_map > 0 { uniform.count as usize } else { 0 },
@@ -67,7 +67,7 @@ impl LightState {
     ///
     /// # Errors
     /// As [`ImportedShadows::new`].
-    pub(crate) fn bring(
+    pub(crate) fn import_shadows(
         &self,
         lights: &Lights,
         lit: &FrameLight,
@@ -91,7 +91,7 @@ impl LightState {
         hair: &[HairView<'_>],
         bodies: (&[&Body], &ImportedShadows),
     ) -> Result<()> {
-        let hair: Vec<_> = hair.iter().map(|seen| seen.caster()).collect();
+        let hair: Vec<_> = hair.iter().map(|view| view.caster()).collect();
         self.maps.record(&self.pipelines, commands, lit, &hair, bodies)
     }
 
@@ -102,7 +102,7 @@ impl LightState {
         hair: &[HairView<'_>],
         bodies: (&[&Body], u32),
     ) -> Result<()> {
-        let hair: Vec<_> = hair.iter().map(|seen| (seen.hair.drawn, &seen.shaded.lay)).collect();
+        let hair: Vec<_> = hair.iter().map(|view| (view.hair.drawn, &view.shaded.ambient_splat)).collect();
         self.ambient.record(&self.pipelines.ambient, commands, &hair, bodies)
     }
 
@@ -123,7 +123,7 @@ impl LightState {
             };
             match rate {
                 ShadingRate::PerVertex => {
-                    run(&self.pipelines.knots, spans + 1);
+                    run(&self.pipelines.shading_samples, spans + 1);
                     run(self.pipelines.shade(self.maps.strand_map > 0), spans);
                 }
                 ShadingRate::PerPixel => run(&self.pipelines.arrive, hair.drawn.vertex_count),
@@ -133,15 +133,15 @@ impl LightState {
     }
 
     /// Records the shading of the selected vertices only.
-    pub fn shade_chosen(
+    pub fn shade_subsets(
         &self,
         commands: &mut Commands<'_>,
         hair: &[(&HairSet, &ShadingSubset)],
     ) -> Result<()> {
-        hair.iter().for_each(|(_, chosen)| chosen.clear(commands));
+        hair.iter().for_each(|(_, subset)| subset.clear(commands));
         let mut pass = commands.compute("shade");
-        for (hair, chosen) in hair {
-            chosen.record(&self.pipelines, &mut pass, hair);
+        for (hair, subset) in hair {
+            subset.record(&self.pipelines, &mut pass, hair);
         }
         pass.end()
     }

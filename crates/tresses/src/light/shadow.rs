@@ -23,9 +23,9 @@ use crate::{
 };
 
 /// Maximum texels along an edge: the maps stay within the 128 MiB that every device can bind.
-const MOST: u32 = 2048;
+const MAX_RESOLUTION: u32 = 2048;
 /// Minimum texels along an edge of a strand map. Coarser maps do not resolve strands.
-const LEAST_STRANDS: u32 = 256;
+const MIN_STRAND_RESOLUTION: u32 = 256;
 /// Words per texel of a deep opacity map, as in `light::deep`.
 const DEEP_WORDS: u32 = DEEP_LAYERS + 2;
 /// Limit, in units of the bias, on the deviation of a shadow-casting mesh from the drawn one. A texel is the other
@@ -69,7 +69,8 @@ impl ShadowMaps {
     pub(super) fn new(context: &Context, pipelines: &Pipelines, [resolution, strand_map]: [u32; 2]) -> Self {
         let Context { device, .. } = context;
         let resolution = Self::within(resolution);
-        let strand_map = if strand_map > 0 { strand_map.clamp(LEAST_STRANDS, MOST) } else { 0 };
+        let strand_map =
+            if strand_map > 0 { strand_map.clamp(MIN_STRAND_RESOLUTION, MAX_RESOLUTION) } else { 0 };
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("shadow maps"),
             size: wgpu::Extent3d {
@@ -135,7 +136,7 @@ impl ShadowMaps {
 
     /// Clamps a resolution to the supported range.
     pub(super) fn within(resolution: u32) -> u32 {
-        resolution.clamp(BLOCK, MOST)
+        resolution.clamp(BLOCK, MAX_RESOLUTION)
     }
 
     /// Bytes of GPU memory.
@@ -216,8 +217,8 @@ impl ShadowMaps {
             let workgroups = threads.div_ceil(u64::from(STRAND_WORKGROUP)) as u32;
             kernel.record(&mut pass, of.group, &[], workgroups);
         };
-        for seen in hair {
-            run(&pipelines.splat, seen, u64::from(seen.drawn.count) * u64::from(seen.splat[1]));
+        for caster in hair {
+            run(&pipelines.splat, caster, u64::from(caster.drawn.count) * u64::from(caster.splat[1]));
         }
         // Kernels over texels do the same with the bindings of any groom.
         match method {
@@ -225,18 +226,18 @@ impl ShadowMaps {
                 let texels = words / u64::from(DEEP_WORDS);
                 let [front, cover, stack] = &pipelines.deep;
                 run(front, first, texels);
-                for seen in hair {
-                    let DrawCount { count, vertex_count, .. } = seen.drawn;
+                for caster in hair {
+                    let DrawCount { count, vertex_count, .. } = caster.drawn;
                     let strands = count.div_ceil(count.div_ceil(COVER_STRANDS).max(1));
-                    let stride = seen.splat[0].min(COVER_STRIDE);
+                    let stride = caster.splat[0].min(COVER_STRIDE);
                     let steps = vertex_count.saturating_sub(1).div_ceil(stride);
-                    run(cover, seen, u64::from(strands) * u64::from(steps));
+                    run(cover, caster, u64::from(strands) * u64::from(steps));
                 }
                 run(stack, first, texels);
-                for seen in hair.iter().filter(|_| strands > 0) {
-                    let DrawCount { count, vertex_count, .. } = seen.drawn;
+                for caster in hair.iter().filter(|_| strands > 0) {
+                    let DrawCount { count, vertex_count, .. } = caster.drawn;
                     let segments = u64::from(vertex_count.saturating_sub(1));
-                    run(&pipelines.strand_map, seen, u64::from(count) * segments);
+                    run(&pipelines.strand_map, caster, u64::from(count) * segments);
                 }
             }
             ShadowMethod::Opaque | ShadowMethod::Absorption => {

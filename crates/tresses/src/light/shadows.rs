@@ -6,7 +6,7 @@ use crate::renderer::ShadowMethod;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shadows {
     /// Whether lights cast shadows. Otherwise every light reaches every point.
-    pub enabled: bool,
+    pub is_enabled: bool,
     /// Radius of the disk over which shadows on hair are averaged, meters. It sets the resolution of the hair maps. A
     /// texel of a deep opacity map is at least three texels of a depth map wide.
     pub hair_radius: f32,
@@ -23,20 +23,20 @@ pub struct Shadows {
     pub strand_by_strand: f32,
     /// Whether light from the sky and from meshes is propagated through the hair. Otherwise sky
     /// visibility is estimated from the zenith and the lights that are on, and meshes reflect no light.
-    pub ambient: bool,
+    pub has_ambient: bool,
 }
 
 impl Default for Shadows {
     fn default() -> Self {
         Self {
-            enabled: true,
+            is_enabled: true,
             hair_radius: 0.003,
             body_radius: 0.004,
             density: 400.0,
             body_opacity: 1.0,
             bias: 0.0015,
             strand_by_strand: 1.0,
-            ambient: true,
+            has_ambient: true,
         }
     }
 }
@@ -44,7 +44,7 @@ impl Default for Shadows {
 impl Shadows {
     /// Whether ambient light is computed. Without shadows there is no need: all of the sky arrives.
     pub(crate) fn follows_ambient(&self) -> bool {
-        self.ambient && self.enabled
+        self.has_ambient && self.is_enabled
     }
 
     /// Returns the number of maps for `lights` lights that are on. The last map is the sky's. It exists only where sky
@@ -58,7 +58,7 @@ impl Shadows {
     /// spline over 3×3 texels reads deep opacity maps: texels of 0.866 radii make it as wide as the disk. A spline over
     /// 9×9 texels reads the depths of the nearest hair.
     pub(crate) fn hair_texels(&self, method: ShadowMethod, texel: f32) -> u32 {
-        let texels = |share: f32| (share * self.hair_radius / texel).round() as u32;
+        let texels = |radii: f32| (radii * self.hair_radius / texel).round() as u32;
         match method {
             ShadowMethod::DeepOpacity => texels(0.866).clamp(DEEP_FINEST, 64),
             ShadowMethod::Opaque | ShadowMethod::Absorption => texels(0.333).clamp(1, 64),

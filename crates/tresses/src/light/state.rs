@@ -45,12 +45,8 @@ impl LightState {
     }
 
     /// Bindings of the kernels that shade the hair of `knot`.
-    pub(super) fn shading<'a>(&'a self, knot: kernels::ShadingSample<'a>) -> kernels::Shading<'a> {
-        kernels::Shading {
-            shading_sample: knot,
-            transmittance: self.transmittance(),
-            ambient: self.ambient(),
-        }
+    pub(super) fn shading<'a>(&'a self, shading_sample: kernels::ShadingSample<'a>) -> kernels::Shading<'a> {
+        kernels::Shading { shading_sample, transmittance: self.transmittance(), ambient: self.ambient() }
     }
 
     /// Bindings of kernels that read ambient light.

@@ -80,7 +80,13 @@ impl Zone {
     /// Creates a zone around `focus`, as fine as `camera` requires: texels of the hair maps of at most two pixels, up
     /// to the finest maps, and cells of about eight pixels. `coarser` reduces the image resolution by this number of
     /// octaves. Sizes change in steps, so that a moving head seldom changes them.
-    pub fn seen(focus: Sphere, camera: &Camera, coarser: f32, hair: Vec<usize>, bodies: Vec<usize>) -> Self {
+    pub fn for_camera(
+        focus: Sphere,
+        camera: &Camera,
+        coarser: f32,
+        hair: Vec<usize>,
+        bodies: Vec<usize>,
+    ) -> Self {
         let pixels = focus.pixels(camera) * (-coarser).exp2();
         // A texel of the hair maps is three texels of a depth map wide, and is smoothed over three.
         let octaves = (1.5 * pixels / RESOLUTIONS[0] as f32).max(1.0).log2().ceil();
@@ -120,13 +126,13 @@ impl Zone {
         if (self.focus.radius, &self.hair, &self.bodies) != (then.focus.radius, &then.hair, &then.bodies) {
             return false;
         }
-        let turn = self.pose.rotation * then.pose.rotation.conjugate();
+        let rotation = self.pose.rotation * then.pose.rotation.conjugate();
         // Length of the chord for an axis through the focus: twice the sine of half the angle, times the radius.
-        let swing = 2.0 * self.focus.radius * turn.xyz().length();
-        let middle =
+        let swing = 2.0 * self.focus.radius * rotation.xyz().length();
+        let local_center =
             |zone: &Self| zone.pose.rotation.conjugate() * (zone.focus.center - zone.pose.translation);
         let cell = 2.0 * self.focus.radius / self.cells.max(1) as f32;
-        swing + middle(self).distance(middle(then)) <= STRAY * cell
+        swing + local_center(self).distance(local_center(then)) <= STRAY * cell
     }
 
     /// Bytes of GPU memory of the zone's light.
@@ -141,13 +147,13 @@ struct CachedZone {
     zone: Zone,
     light: Arc<LightState>,
     /// Zone for which ambient light was computed; `None` if it must be recomputed.
-    made: Mutex<Option<Zone>>,
+    ambient_zone: Mutex<Option<Zone>>,
 }
 
 impl CachedZone {
-    fn made(&self) -> MutexGuard<'_, Option<Zone>> {
+    fn ambient_zone(&self) -> MutexGuard<'_, Option<Zone>> {
         // The value is valid even if another thread has panicked.
-        self.made.lock().unwrap_or_else(PoisonError::into_inner)
+        self.ambient_zone.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -168,11 +174,11 @@ impl Zones {
             let kept = before.get_mut(i).and_then(|old| old.take_if(|old| old.light.fits(sizes)));
             let Some(kept) = kept else {
                 let light = Arc::new(LightState::new(context, sizes, 0, camera));
-                return CachedZone { zone: zone.clone(), light, made: Mutex::default() };
+                return CachedZone { zone: zone.clone(), light, ambient_zone: Mutex::default() };
             };
             // The ambient light may be for another zone.
-            let made = kept.made().take().filter(|then| zone.keeps(then));
-            CachedZone { zone: zone.clone(), light: kept.light, made: made.into() }
+            let ambient_zone = kept.ambient_zone().take().filter(|then| zone.keeps(then));
+            CachedZone { zone: zone.clone(), light: kept.light, ambient_zone: ambient_zone.into() }
         };
         self.list = zones.iter().enumerate().map(&mut set).collect();
     }
@@ -183,10 +189,10 @@ impl Zones {
     }
 
     /// Marks the ambient light of these parts as computed, once per frame.
-    pub fn made(&self, parts: &[Part<'_>]) {
+    pub fn mark_recorded(&self, parts: &[Part<'_>]) {
         for part in parts.iter().filter(|part| part.fresh) {
             if let Some(kept) = (part.number as usize).checked_sub(1).and_then(|i| self.list.get(i)) {
-                *kept.made() = Some(kept.zone.clone());
+                *kept.ambient_zone() = Some(kept.zone.clone());
             }
         }
         self.pictures.fetch_add(1, Ordering::Relaxed);
@@ -219,7 +225,7 @@ impl Zones {
             let due = picture.wrapping_add(number).is_multiple_of(zone.every.max(1));
             parts.push(Part {
                 number,
-                fresh: due || kept.made().is_none(),
+                fresh: due || kept.ambient_zone().is_none(),
                 light,
                 focus: zone.focus,
                 hair: own(&mut { own_hair }, of_hair),
@@ -272,7 +278,7 @@ mod tests {
         let zone = |away: f32| {
             let camera =
                 Camera::look_at(Vec3::Z * away, Vec3::ZERO, std::f32::consts::FRAC_PI_6, [1280, 720]);
-            Zone::seen(focus, &camera, 0.0, vec![0], vec![])
+            Zone::for_camera(focus, &camera, 0.0, vec![0], vec![])
         };
         let sizes = [1.0, 2.0, 5.0, 12.0, 20.0, 40.0].map(|away| [zone(away).resolution, zone(away).cells]);
         assert_eq!(sizes, [[1024, 24], [1024, 24], [512, 24], [256, 12], [256, 12], [256, 12]]);

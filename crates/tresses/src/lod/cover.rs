@@ -14,11 +14,11 @@ use crate::{Progress, groom::BoundStrands, strands::Strand};
 use glam::Vec3;
 
 /// Maximum number of strands that represent all of them.
-const MOST: usize = 6000;
+const MAX_STRANDS: usize = 6000;
 /// Maximum number of strands for the front where light first meets the hair.
-const MOST_FRONTS: usize = 60_000;
+const MAX_FRONTS: usize = 60_000;
 /// Smallest share of strands that is measured.
-const LEAST: f32 = 0.004;
+const MIN_FRACTION: f32 = 0.004;
 /// Minimum factor on widths.
 const NARROWEST: f32 = 0.3;
 /// Maximum factor on widths.
@@ -70,34 +70,34 @@ impl CoverTable {
     ) -> Self {
         const TASK: &str = "computing levels of detail";
         let mut table = Self::none();
-        let base = infos.len().min(MOST);
+        let base = infos.len().min(MAX_STRANDS);
         if base == 0 || sphere.1 <= 0.0 || strands.vertex_count < 2 {
             return table;
         }
         // The base represents all strands, widened to keep the area.
-        let share = base as f32 / infos.len() as f32;
+        let fraction = base as f32 / infos.len() as f32;
         // The front where light first meets the hair needs more strands.
         let fronts: Vec<_> =
-            (0..infos.len().min(MOST_FRONTS)).map(|i| Strip::new(strands, infos, i, None)).collect();
+            (0..infos.len().min(MAX_FRONTS)).map(|i| Strip::new(strands, infos, i, None)).collect();
         let all = &fronts[..base];
         progress.step(TASK, 0.0).await;
         let mut pictures = Pictures::new(all, sphere);
         let fine = pictures.finest();
-        let full = pictures.area(share.recip(), fine);
+        let full = pictures.area(fraction.recip(), fine);
         progress.step(TASK, 0.1).await;
-        let seen = pictures.seen(share.recip(), fine);
+        let visibility = pictures.visibility(fraction.recip(), fine);
         progress.step(TASK, 0.3).await;
         let wide = infos.len() as f32 / fronts.len() as f32;
-        let lit = LightDepths::new(&seen, &fibers(all, &fronts, sphere, wide), share.recip());
-        let height = height(all, &seen);
-        drop((pictures, seen, fronts));
-        let whole = FullDetail { strands, infos, sphere, fine, full, lit, height };
+        let lit = LightDepths::new(&visibility, &fibers(all, &fronts, sphere, wide), fraction.recip());
+        let height = height(all, &visibility);
+        drop((pictures, visibility, fronts));
+        let full_detail = FullDetail { strands, infos, sphere, fine, full, lit, height };
         // Skip levels with at least as many strands as the base, and levels at which hair is only a few pixels large.
         let count = |level: &CoverLevel| (level.drawn * infos.len() as f32).ceil() as usize;
         let levels: Vec<_> =
             levels.iter().filter(|level| count(level) < base && level.pixel <= 0.5 * sphere.1).collect();
         progress.step(TASK, 0.4).await;
-        for [fine, coarse] in whole.levels(&levels, progress, TASK).await {
+        for [fine, coarse] in full_detail.levels(&levels, progress, TASK).await {
             table.points[0].push(fine);
             table.points[1].push(coarse);
         }
@@ -113,22 +113,23 @@ impl CoverTable {
     /// eye see deeper, wide ones close gaps, and few segments cut corners.
     pub fn factors(&self, fraction: f32, automatic: f32) -> Factors {
         let [fine, coarse] = &self.points;
-        let (own, beside, there) = (at(fine, fraction), at(coarse, automatic), at(fine, automatic));
-        let [width, before, behind] = [0, 1, 2].map(|i| own[i] * (beside[i] / there[i]));
-        [width, before, behind, (own[3] + beside[3] - there[3]).max(0.0)]
+        let (own, coarse_factors, fine_factors) =
+            (at(fine, fraction), at(coarse, automatic), at(fine, automatic));
+        let [width, before, behind] = [0, 1, 2].map(|i| own[i] * (coarse_factors[i] / fine_factors[i]));
+        [width, before, behind, (own[3] + coarse_factors[3] - fine_factors[3]).max(0.0)]
     }
 }
 
 /// Returns the mean position of the visible parts of `strips` along the directions to the eyes, meters. `seen` are the
 /// visible fractions.
-fn height(strips: &[Strip], seen: &[Visibility]) -> f32 {
+fn height(strips: &[Strip], visibility: &[Visibility]) -> f32 {
     let points = strips.iter().flat_map(|strip| &strip.points);
     let eyes = EYES.map(Vec3::normalize);
     let mut sums = EYES.map(|_| [0.0f64; 2]);
-    for (point, seen) in points.zip(seen) {
-        for ((sum, seen), eye) in sums.iter_mut().zip(seen).zip(eyes) {
-            sum[0] += f64::from(seen * point.dot(eye));
-            sum[1] += f64::from(*seen);
+    for (point, fractions) in points.zip(visibility) {
+        for ((sum, visible), eye) in sums.iter_mut().zip(fractions).zip(eyes) {
+            sum[0] += f64::from(visible * point.dot(eye));
+            sum[1] += f64::from(*visible);
         }
     }
     sums.map(|[sum, all]| (sum / all.max(1e-12)) as f32).iter().sum::<f32>() / EYES.len() as f32
@@ -208,10 +209,10 @@ impl FullDetail<'_> {
                 pause().await;
                 at_b = cover(b);
             }
-            let seen = pictures.seen(level.widening * b, cell);
+            let visibility = pictures.visibility(level.widening * b, cell);
             // Shadow maps contain the area of full detail.
-            let [before, behind] = self.lit.matching(&LightDepths::new(&seen, &fibers, level.widening));
-            point.1 = [b, before, behind, self.height - height(&strips, &seen)];
+            let [before, behind] = self.lit.matching(&LightDepths::new(&visibility, &fibers, level.widening));
+            point.1 = [b, before, behind, self.height - height(&strips, &visibility)];
         }
         points
     }
@@ -225,8 +226,8 @@ fn at(points: &[(f32, Factors)], fraction: f32) -> Factors {
     if k == 0 {
         return points[0].1;
     }
-    let ((many, a), (few, b)) = (points[k - 1], points[k]);
-    let t = (many / fraction).ln() / (many / few).ln();
+    let ((high, a), (low, b)) = (points[k - 1], points[k]);
+    let t = (high / fraction).ln() / (high / low).ln();
     [0, 1, 2, 3].map(|i| a[i] + (b[i] - a[i]) * t)
 }
 
@@ -242,7 +243,7 @@ pub fn levels(
 ) -> Vec<CoverLevel> {
     let mut levels = Vec::new();
     let mut fraction = 0.5f32;
-    while fraction >= LEAST {
+    while fraction >= MIN_FRACTION {
         let pixel = limit / fraction;
         let segments = segments(pixel);
         let drawn = fraction.max(first);

@@ -23,7 +23,7 @@ impl CurveTable {
         let step = (strands.len() / SAMPLES).max(1);
         let lines: Vec<Vec<Vec3>> =
             (0..strands.len()).step_by(step).map(|i| strands.rest_positions(i).collect()).collect();
-        let whole: f32 = lines.iter().map(|line| length(line)).sum();
+        let total: f32 = lines.iter().map(|line| length(line)).sum();
         let mut table = Self { error: Vec::new(), length: Vec::new() };
         for s in 1..=segments {
             let coarse: Vec<Vec<Vec3>> = lines.iter().map(|line| resample(line, s as f32)).collect();
@@ -31,7 +31,7 @@ impl CurveTable {
             errors.sort_by(f32::total_cmp);
             let high = errors.get(errors.len() * 9 / 10).copied().unwrap_or(0.0);
             table.error.push(if s == segments { 0.0 } else { high });
-            let left = coarse.iter().map(|line| length(line)).sum::<f32>() / whole.max(1e-12);
+            let left = coarse.iter().map(|line| length(line)).sum::<f32>() / total.max(1e-12);
             table.length.push(if s == segments { 1.0 } else { left.clamp(0.1, 1.0) });
         }
         // More segments are never worse.

@@ -23,16 +23,16 @@ const COMPARED: usize = 2048;
 /// Maximum number of earlier guides among which the nearest is searched.
 const NEAREST_OF: usize = 1024;
 /// Minimum number of simulated guides. With fewer, locks on both sides of a head would swing as one.
-pub const LEAST_GUIDES: u32 = 12;
+pub const MIN_GUIDES: u32 = 12;
 
 /// Guides in the order in which levels of detail drop them, computed when first needed.
 #[derive(Debug)]
 pub(crate) struct GuideOrder {
     /// Rest positions of each guide's root, middle and tip, meters.
-    places: Vec<[Vec3; 3]>,
+    positions: Vec<[Vec3; 3]>,
     /// The order given by the strands, for guides that are not ordered by distance.
     strands: Vec<u32>,
-    made: OnceLock<GuidePrefixes>,
+    prefixes: OnceLock<GuidePrefixes>,
     /// GPU data of each guide, and of the order once it is needed.
     data: Mutex<(Vec<Guide>, Option<Tree>)>,
 }
@@ -43,27 +43,27 @@ pub(crate) struct GuidePrefixes {
     /// For each place: the guide, and the place of the guide that it follows.
     pub tree: Vec<[u32; 2]>,
     /// `reach[k - 1]`: largest distance of a guide from the one that it follows, if `k` guides are simulated, meters.
-    pub reach: Vec<f32>,
+    pub max_distances: Vec<f32>,
 }
 
 impl GuideOrder {
     /// Creates the order of `guides`. `firsts` are the first guides of the strands in drawing order.
     pub fn new(guides: &Guides, infos: Vec<Guide>, firsts: impl Iterator<Item = u32>) -> Self {
         let n = guides.vertex_count as usize;
-        let place = |i: usize| [0, (n - 1) / 2, n - 1].map(|j| guides.positions[i * n + j]);
-        let places: Vec<_> = (0..guides.len()).map(place).collect();
-        let mut seen = vec![false; places.len()];
+        let positions_of = |i: usize| [0, (n - 1) / 2, n - 1].map(|j| guides.positions[i * n + j]);
+        let positions: Vec<_> = (0..guides.len()).map(positions_of).collect();
+        let mut added = vec![false; positions.len()];
         let mut strands: Vec<u32> = firsts
-            .filter(|i| seen.get_mut(*i as usize).is_some_and(|seen| !std::mem::replace(seen, true)))
+            .filter(|i| added.get_mut(*i as usize).is_some_and(|is_added| !std::mem::replace(is_added, true)))
             .collect();
-        strands.extend((0..places.len() as u32).filter(|i| !seen[*i as usize]));
-        Self { places, strands, made: OnceLock::new(), data: Mutex::new((infos, None)) }
+        strands.extend((0..positions.len() as u32).filter(|i| !added[*i as usize]));
+        Self { positions, strands, prefixes: OnceLock::new(), data: Mutex::new((infos, None)) }
     }
 
     /// Returns the order.
     pub fn get(&self) -> &GuidePrefixes {
-        self.made.get_or_init(|| {
-            if self.places.len() <= COMPARED { self.by_distance() } else { self.by_strands() }
+        self.prefixes.get_or_init(|| {
+            if self.positions.len() <= COMPARED { self.by_distance() } else { self.by_strands() }
         })
     }
 
@@ -110,29 +110,29 @@ impl GuideOrder {
         self.data().1.as_ref().map_or(0, Tree::bytes)
     }
 
-    fn apart(&self, a: u32, b: u32) -> f32 {
-        let (a, b) = (&self.places[a as usize], &self.places[b as usize]);
+    fn distance_squared(&self, a: u32, b: u32) -> f32 {
+        let (a, b) = (&self.positions[a as usize], &self.positions[b as usize]);
         (0..3).map(|i| a[i].distance_squared(b[i])).fold(0.0, f32::max)
     }
 
     fn by_distance(&self) -> GuidePrefixes {
-        let count = self.places.len();
+        let count = self.positions.len();
         let mut order = Vec::with_capacity(count);
         let mut left = vec![f32::INFINITY; count];
         let mut next = self.strands[0];
-        let mut reach = Vec::with_capacity(count);
+        let mut max_distances = Vec::with_capacity(count);
         for _ in 0..count {
             order.push(next);
             left[next as usize] = -1.0;
             for (i, far) in left.iter_mut().enumerate().filter(|(_, far)| **far >= 0.0) {
-                *far = far.min(self.apart(i as u32, next));
+                *far = far.min(self.distance_squared(i as u32, next));
             }
-            let farthest = left.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
-            let (i, far) = farthest.map_or((0, 0.0), |(i, far)| (i, *far));
-            reach.push(far.max(0.0).sqrt());
+            let candidate = left.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
+            let (i, far) = candidate.map_or((0, 0.0), |(i, far)| (i, *far));
+            max_distances.push(far.max(0.0).sqrt());
             next = i as u32;
         }
-        self.with(order, Some(reach))
+        self.with(order, Some(max_distances))
     }
 
     fn by_strands(&self) -> GuidePrefixes {
@@ -140,36 +140,36 @@ impl GuideOrder {
     }
 
     /// Finds the guide that each one follows in that order.
-    fn with(&self, order: Vec<u32>, reach: Option<Vec<f32>>) -> GuidePrefixes {
+    fn with(&self, order: Vec<u32>, max_distances: Option<Vec<f32>>) -> GuidePrefixes {
         let nearest = |k: usize| {
             // The guides before the octave that contains `k`.
             let among = if k == 0 { 0 } else { 1usize << k.ilog2() };
-            let apart = |q: &usize| self.apart(order[k], order[*q]);
-            (0..among.min(NEAREST_OF)).min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap_or(0)
+            let distance = |q: &usize| self.distance_squared(order[k], order[*q]);
+            (0..among.min(NEAREST_OF)).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
         };
         let tree: Vec<_> = (0..order.len()).map(|k| [order[k], nearest(k) as u32]).collect();
-        let reach = reach.unwrap_or_else(|| {
+        let max_distances = max_distances.unwrap_or_else(|| {
             // With `k` guides, the guides with index `k` or higher follow.
-            let mut reach = vec![0f32; order.len()];
+            let mut max_distances = vec![0f32; order.len()];
             for k in (1..order.len()).rev() {
-                let own = self.apart(order[k], order[tree[k][1] as usize]).sqrt();
-                reach[k - 1] = reach[k].max(own);
+                let own = self.distance_squared(order[k], order[tree[k][1] as usize]).sqrt();
+                max_distances[k - 1] = max_distances[k].max(own);
             }
-            reach
+            max_distances
         });
-        GuidePrefixes { tree, reach }
+        GuidePrefixes { tree, max_distances }
     }
 
     /// Returns the number of guides to simulate so that the others are at most `reach` meters from the ones that they
     /// follow.
-    pub fn enough(&self, reach: f32) -> u32 {
-        let count = self.places.len() as u32;
-        if reach <= 0.0 {
+    pub fn enough(&self, max_distance: f32) -> u32 {
+        let count = self.positions.len() as u32;
+        if max_distance <= 0.0 {
             return count;
         }
-        let made = self.get();
-        let enough = made.reach.partition_point(|far| *far > reach) as u32 + 1;
-        enough.max(LEAST_GUIDES).min(count)
+        let prefixes = self.get();
+        let enough = prefixes.max_distances.partition_point(|far| *far > max_distance) as u32 + 1;
+        enough.max(MIN_GUIDES).min(count)
     }
 }
 
@@ -213,21 +213,23 @@ mod tests {
             if count as usize > COMPARED {
                 for simulated in [1, 100, 1500, 2047, 2400] {
                     let followers = made.tree.iter().skip(simulated);
-                    let apart = |[guide, with]: &[u32; 2]| order.apart(*guide, made.tree[*with as usize][0]);
+                    let apart = |[guide, with]: &[u32; 2]| {
+                        order.distance_squared(*guide, made.tree[*with as usize][0])
+                    };
                     let farthest = followers.map(apart).fold(0.0, f32::max).sqrt();
-                    assert_eq!(made.reach[simulated - 1], farthest, "{simulated}");
+                    assert_eq!(made.max_distances[simulated - 1], farthest, "{simulated}");
                 }
             }
-            assert!(made.reach.windows(2).all(|w| w[0] >= w[1]), "{count}: more are never worse");
+            assert!(made.max_distances.windows(2).all(|w| w[0] >= w[1]), "{count}: more are never worse");
         }
         // An even sample of a unit square by 64 points: at most about its diagonal over 8; at random twice that.
         let order = guides(300);
-        assert!(order.get().reach[63] < 0.14, "{}", order.get().reach[63]);
+        assert!(order.get().max_distances[63] < 0.14, "{}", order.get().max_distances[63]);
         // The smallest number of guides with that reach.
         let enough = order.enough(0.14) as usize;
-        let reach = &order.get().reach;
+        let reach = &order.get().max_distances;
         assert!(reach[enough - 1] <= 0.14 && reach[enough - 2] > 0.14, "{enough}");
-        assert_eq!([order.enough(0.0), order.enough(10.0)], [300, LEAST_GUIDES]);
+        assert_eq!([order.enough(0.0), order.enough(10.0)], [300, MIN_GUIDES]);
         assert!(guides(2500).enough(0.2) < 300, "{}", guides(2500).enough(0.2));
     }
 }

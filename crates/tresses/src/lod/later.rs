@@ -20,7 +20,7 @@ pub(super) struct Promise<T> {
     value: OnceLock<T>,
     /// Returns `None` if the work was abandoned.
     thread: Mutex<Option<JoinHandle<Option<T>>>>,
-    wanted: CancelToken,
+    cancel_token: CancelToken,
 }
 
 /// The work's progress listener. Suspends the work forever once its result is no longer wanted.
@@ -38,7 +38,11 @@ impl Progress for CancelToken {
 impl<T> Promise<T> {
     /// Creates a value that is already computed.
     pub fn known(value: T) -> Self {
-        Self { value: value.into(), thread: Mutex::new(None), wanted: CancelToken(Arc::new(true.into())) }
+        Self {
+            value: value.into(),
+            thread: Mutex::new(None),
+            cancel_token: CancelToken(Arc::new(true.into())),
+        }
     }
 
     /// Starts `work` on a thread. `work` may await nothing but the listener that it receives.
@@ -47,13 +51,13 @@ impl<T> Promise<T> {
     where
         T: Send + 'static,
     {
-        let wanted = CancelToken(Arc::new(true.into()));
-        let listener = wanted.clone();
+        let cancel_token = CancelToken(Arc::new(true.into()));
+        let listener = cancel_token.clone();
         let measure = move || {
             let done = pin!(work(&listener)).poll(&mut Context::from_waker(Waker::noop()));
             if let Poll::Ready(value) = done { Some(value) } else { None }
         };
-        Self { value: OnceLock::new(), thread: Mutex::new(Some(thread::spawn(measure))), wanted }
+        Self { value: OnceLock::new(), thread: Mutex::new(Some(thread::spawn(measure))), cancel_token }
     }
 
     /// Returns the value. Blocks until it is computed.
@@ -70,7 +74,7 @@ impl<T> Promise<T> {
 
 impl<T> Drop for Promise<T> {
     fn drop(&mut self) {
-        self.wanted.0.store(false, Relaxed);
+        self.cancel_token.0.store(false, Relaxed);
     }
 }
 

@@ -21,7 +21,7 @@ pub(super) fn fibers(
     sphere: (Vec3, f32),
     wide: f32,
 ) -> Vec<[f32; LIGHTS.len()]> {
-    let (middle, radius) = sphere;
+    let (center, radius) = sphere;
     let cell = TEXEL.max(2.1 * radius / FINEST);
     let grid = (2.1 * radius / cell).ceil() as usize;
     let length: f32 = fronts.iter().map(Strip::length).sum();
@@ -32,14 +32,14 @@ pub(super) fn fibers(
     for (i, back) in LIGHTS.into_iter().enumerate() {
         let (right, up, back) = axes(back);
         // Cells across, and meters behind the light's side of the hair.
-        let place = |p: Vec3| {
-            let p = p - middle;
+        let project = |p: Vec3| {
+            let p = p - center;
             let across = Vec2::new(p.dot(right), p.dot(up)) / cell + 0.5 * grid as f32;
             across.extend(1.05 * radius - p.dot(back))
         };
-        map.lay(strips, fronts, cell, wide, place);
+        map.splat(strips, fronts, cell, wide, project);
         for (p, fibers) in points().zip(&mut fibers) {
-            fibers[i] = map.before(place(*p));
+            fibers[i] = map.before(project(*p));
         }
     }
     fibers
@@ -60,20 +60,20 @@ pub(super) struct LightDepths {
 /// Bins per octave of the fiber count, the count at which the first bin ends, and the number of bins.
 const BINS: f32 = 4.0;
 const FEWEST: f32 = 0.01;
-const MOST_BINS: usize = 80;
+const MAX_BINS: usize = 80;
 
 impl LightDepths {
     /// Bins vertices by `scale` times their count in `fibers`, weighted by their visible fraction `seen`.
-    pub(super) fn new(seen: &[Visibility], fibers: &[[f32; LIGHTS.len()]], scale: f32) -> Self {
-        let mut bins = EYES.map(|_| LIGHTS.map(|_| vec![[0.0; 2]; MOST_BINS]));
-        for (seen, fibers) in seen.iter().zip(fibers) {
+    pub(super) fn new(visibility: &[Visibility], fibers: &[[f32; LIGHTS.len()]], scale: f32) -> Self {
+        let mut bins = EYES.map(|_| LIGHTS.map(|_| vec![[0.0; 2]; MAX_BINS]));
+        for (fractions, fibers) in visibility.iter().zip(fibers) {
             for (light, fibers) in fibers.iter().enumerate() {
                 let fibers = scale * fibers;
                 let bin = (BINS * (fibers / FEWEST).max(1e-3).log2()).max(0.0) as usize;
-                for (bins, seen) in bins.iter_mut().zip(seen) {
-                    let bin: &mut [f32; 2] = &mut bins[light][bin.min(MOST_BINS - 1)];
-                    bin[0] += seen;
-                    bin[1] += seen * fibers;
+                for (bins, visible) in bins.iter_mut().zip(fractions) {
+                    let bin: &mut [f32; 2] = &mut bins[light][bin.min(MAX_BINS - 1)];
+                    bin[0] += visible;
+                    bin[1] += visible * fibers;
                 }
             }
         }
@@ -109,29 +109,29 @@ impl LightDepths {
             pairs.iter().map(|(near, _, level)| near * light_in(level, factor * (slope * near).exp2())).sum()
         };
         let behind = power(all, n);
-        [behind + slope, behind].map(|power| power.clamp(-MOST_MATCHED, MOST_MATCHED).exp2())
+        [behind + slope, behind].map(|power| power.clamp(-MAX_LOG2_FACTOR, MAX_LOG2_FACTOR).exp2())
     }
 }
 
 /// Maximum absolute value of a factor's base-2 logarithm.
-const MOST_MATCHED: f32 = 3.0;
+const MAX_LOG2_FACTOR: f32 = 3.0;
 
 /// Returns the mean share of the light that hits no fiber if each fiber counts as `factor`.
 fn light_in(bins: &[[f32; 2]], factor: f32) -> f32 {
     let (mut sum, mut all) = (0.0, 0.0);
-    for [seen, fibers] in bins.iter().filter(|[seen, _]| *seen > 0.0) {
-        sum += seen * (-factor * fibers / seen).exp();
-        all += seen;
+    for [visible, fibers] in bins.iter().filter(|[visible, _]| *visible > 0.0) {
+        sum += visible * (-factor * fibers / visible).exp();
+        all += visible;
     }
     sum / all.max(1e-20)
 }
 
 /// Returns the base-2 logarithm of the factor at which `light`, a decreasing function, equals `wanted`.
-fn power(light: impl Fn(f32) -> f32, wanted: f32) -> f32 {
-    let (mut low, mut high) = (-MOST_MATCHED, MOST_MATCHED);
+fn power(light: impl Fn(f32) -> f32, target: f32) -> f32 {
+    let (mut low, mut high) = (-MAX_LOG2_FACTOR, MAX_LOG2_FACTOR);
     for _ in 0..16 {
-        let middle = 0.5 * (low + high);
-        if light(middle.exp2()) > wanted { low = middle } else { high = middle }
+        let midpoint = 0.5 * (low + high);
+        if light(midpoint.exp2()) > target { low = midpoint } else { high = midpoint }
     }
     0.5 * (low + high)
 }
@@ -157,30 +157,30 @@ struct DeepMap {
 }
 
 /// Same as `layer_of` in `light/deep.wesl`.
-fn layer_of(way: f32) -> f32 {
-    if way < 0.0 {
-        return (way / 0.012).max(-1.0);
+fn layer_of(depth: f32) -> f32 {
+    if depth < 0.0 {
+        return (depth / 0.012).max(-1.0);
     }
-    (1.2 * (1.0 + way / 0.004).log2()).min((LAYERS - 1) as f32)
+    (1.2 * (1.0 + depth / 0.004).log2()).min((LAYERS - 1) as f32)
 }
 
 impl DeepMap {
     /// Builds the map from `strips` with cells of `cell` meters. `place` maps positions to cells and depth.
-    fn lay(
+    fn splat(
         &mut self,
         strips: &[Strip],
         fronts: &[Strip],
         cell: f32,
         wide: f32,
-        place: impl Fn(Vec3) -> Vec3,
+        project: impl Fn(Vec3) -> Vec3,
     ) {
         let grid = self.grid;
         let mut nearest = vec![f32::INFINITY; grid * grid];
-        walk(fronts, &place, |strip, at, aside, _| {
+        walk(fronts, &project, |strip, at, perpendicular, _| {
             // A whole number of cells per strip that has the width `wide` on average.
             let lanes = (wide + (strip as f32 * GOLDEN).fract()).floor();
             for lane in 0..lanes as u32 {
-                let off = aside * (lane as f32 - 0.5 * (lanes - 1.0));
+                let off = perpendicular * (lane as f32 - 0.5 * (lanes - 1.0));
                 let (x, y) = (at.x + off.x, at.y + off.y);
                 if x >= 0.0 && y >= 0.0 && x < grid as f32 && y < grid as f32 {
                     let nearest = &mut nearest[y as usize * grid + x as usize];
@@ -201,7 +201,7 @@ impl DeepMap {
         }));
         self.layers.clear();
         self.layers.resize(grid * grid, [0.0; LAYERS]);
-        walk(strips, &place, |_, at, _, area| {
+        walk(strips, &project, |_, at, _, area| {
             for (column, weight) in columns(grid, at) {
                 // Layers follow the front; strips far in front of it are in no layer.
                 let layer = layer_of(at.z - self.fronts[column]).floor() + 1.0;
@@ -233,17 +233,17 @@ impl DeepMap {
 
 /// Walks along `strips` from cell to cell. For each step, calls `see` with the strip's index, the position, the axis
 /// perpendicular to the strip, and the covered area divided by the edge of a cell (meters).
-fn walk(strips: &[Strip], place: impl Fn(Vec3) -> Vec3, mut see: impl FnMut(usize, Vec3, Vec2, f32)) {
+fn walk(strips: &[Strip], project: impl Fn(Vec3) -> Vec3, mut visit: impl FnMut(usize, Vec3, Vec2, f32)) {
     for (k, strip) in strips.iter().enumerate() {
         for (points, radii) in strip.points.windows(2).zip(strip.radii.windows(2)) {
-            let a = place(points[0]);
-            let way = place(points[1]) - a;
-            let across = way.truncate().abs();
+            let a = project(points[0]);
+            let delta = project(points[1]) - a;
+            let across = delta.truncate().abs();
             let steps = across.max_element().ceil().max(1.0);
-            let aside = if across.x > across.y { Vec2::Y } else { Vec2::X };
-            let area = (radii[0] + radii[1]) * way.truncate().length() / steps;
+            let perpendicular = if across.x > across.y { Vec2::Y } else { Vec2::X };
+            let area = (radii[0] + radii[1]) * delta.truncate().length() / steps;
             for i in 0..steps as u32 {
-                see(k, a + way * ((i as f32 + 0.5) / steps), aside, area);
+                visit(k, a + delta * ((i as f32 + 0.5) / steps), perpendicular, area);
             }
         }
     }

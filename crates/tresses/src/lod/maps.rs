@@ -26,7 +26,7 @@ pub(super) struct PaintedFactors {
     /// One byte per level for each strand: 63 is 1.
     pub thickness: Vec<u32>,
     /// Maximum density of each level.
-    pub most: [f32; MAX_LEVELS],
+    pub max_density: [f32; MAX_LEVELS],
 }
 
 impl PaintedFactors {
@@ -36,7 +36,7 @@ impl PaintedFactors {
             sizes: Vec::new(),
             density: vec![u32::MAX; count],
             thickness: vec![0x3f3f_3f3f; count],
-            most: [1.0; MAX_LEVELS],
+            max_density: [1.0; MAX_LEVELS],
         }
     }
 
@@ -56,7 +56,7 @@ impl PaintedFactors {
         if levels.is_empty() {
             return Ok(painted);
         }
-        let mut most = [0u32; MAX_LEVELS];
+        let mut max_density = [0u32; MAX_LEVELS];
         for i in 0..strands.len() {
             let uv = strands.rest_positions(i).next().map(|root| scalp_uv(root - skull)).unwrap_or_default();
             let byte = |map: &Option<ScalpMap>, full: f32| {
@@ -66,13 +66,13 @@ impl PaintedFactors {
             let (mut density, mut thickness) = (0, 0);
             for (k, level) in levels.iter().enumerate() {
                 let d = byte(&level.density, 1.0);
-                most[k] = most[k].max(d);
+                max_density[k] = max_density[k].max(d);
                 density |= d << (8 * k);
                 thickness |= byte(&level.thickness, MAX_THICKNESS) << (8 * k);
             }
             (painted.density[i], painted.thickness[i]) = (density, thickness);
         }
-        painted.most = most.map(|d| d as f32 / 255.0);
+        painted.max_density = max_density.map(|d| d as f32 / 255.0);
         Ok(painted)
     }
 
@@ -98,7 +98,7 @@ impl PaintedFactors {
 
     /// Returns an upper bound of the density at `weights`.
     pub fn most(&self, weights: &[f32; MAX_LEVELS]) -> f32 {
-        weights.iter().zip(&self.most).map(|(w, d)| w * d).sum::<f32>().min(1.0)
+        weights.iter().zip(&self.max_density).map(|(w, d)| w * d).sum::<f32>().min(1.0)
     }
 }
 

@@ -94,7 +94,7 @@ pub struct Detail {
     /// Share of the strands that is drawn.
     pub fraction: f32,
     /// Maximum number of drawn strands, including those that are fading in.
-    pub strands: u32,
+    pub strand_count: u32,
     /// Factor on strand widths.
     pub width: f32,
     /// Factor on strand widths in shadow maps and ambient light, so that they contain the area of full detail.
@@ -104,15 +104,15 @@ pub struct Detail {
     pub deeper: [f32; 2],
     /// How much deeper visible hair lies than at full detail, meters. Ambient light is sampled that much nearer to the
     /// eye.
-    pub sunk: f32,
+    pub depth_offset: f32,
     /// Number of segments per strand; may be fractional.
-    pub segments: f32,
+    pub segment_count: f32,
     /// Factor on the length of a fixed step.
     pub step: f32,
     /// Maximum distance of a guide that is not simulated from a simulated one, meters; 0 simulates all guides.
-    pub reach: f32,
+    pub guide_distance: f32,
     /// Factor on the number of substeps.
-    pub substeps: f32,
+    pub substep_scale: f32,
     /// Factor on the strength of self-collision.
     pub together: f32,
     /// Blend weights of the painted levels.
@@ -121,20 +121,20 @@ pub struct Detail {
 
 /// Maximum size of the first bucket, which is always drawn. With only a few hundred strands, the random brightness of
 /// single strands would be visible.
-const LEAST: u32 = 1000;
+const FIRST_BUCKET: u32 = 1000;
 
 /// Minimum number of segments. With one or two, light along a strand would be the light at its ends.
-const LEAST_SEGMENTS: f32 = 3.0;
+const MIN_SEGMENTS: f32 = 3.0;
 
 /// Minimum length of the last segment, relative to the others. Rounding would change the direction of a shorter one, so
 /// it is dropped.
-const LEAST_REST: f32 = 0.02;
+const MIN_REMAINDER: f32 = 0.02;
 
 /// Mean numbers of overlapping fibers. At the first, ambient-light cells that are larger than default begin to darken
 /// hair. At the second, sampling the light half a cell further ahead compensates for it. [`MOST_PACKED`] limits this
 /// offset, in half cells.
 const PACKED: [f32; 2] = [3.0, 5.0];
-const MOST_PACKED: f32 = 2.0;
+const MAX_PACKED: f32 = 2.0;
 
 /// Levels of detail of a groom, as measured: how the strands change with fewer and wider ones.
 #[derive(Debug)]
@@ -199,7 +199,7 @@ impl LodTables {
         progress: &impl Progress,
     ) -> Result<Self> {
         options.check()?;
-        let ends = buckets(infos.len() as u32, LEAST);
+        let ends = buckets(infos.len() as u32, FIRST_BUCKET);
         let n = strands.vertex_count as usize;
         let (mut areas, mut area, mut length) = (Vec::new(), 0.0f64, 0.0f64);
         let (mut lo, mut hi) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
@@ -226,7 +226,7 @@ impl LodTables {
             diameter: (area / length.max(1e-12)).max(1e-9) as f32,
             dense: lit::dense(length as f32 / infos.len().max(1) as f32, radius),
             packed: ((lit::dense(area as f32, radius) - PACKED[0]) / (PACKED[1] - PACKED[0]))
-                .clamp(0.0, MOST_PACKED),
+                .clamp(0.0, MAX_PACKED),
             segments: strands.vertex_count.saturating_sub(1).max(1),
             columns,
             lods: widths::upload(context, &infos, &ends, &painted)?,
@@ -247,8 +247,8 @@ impl LodTables {
         #[cfg(not(target_arch = "wasm32"))]
         {
             let _ = progress;
-            tables.cover = Promise::start(async move |wanted: &CancelToken| {
-                CoverTable::new(&strands, &infos, sphere, &levels, wanted).await
+            tables.cover = Promise::start(async move |token: &CancelToken| {
+                CoverTable::new(&strands, &infos, sphere, &levels, token).await
             });
         }
         #[cfg(target_arch = "wasm32")]
@@ -277,9 +277,9 @@ impl LodTables {
     /// have a reliable direction.
     fn segments(&self, options: &LodOptions, pixel: f32) -> f32 {
         let segments = self.curve.segments(options.curve_error * (pixel - self.limit(options)).max(0.0));
-        let least = LEAST_SEGMENTS.min(self.segments as f32);
-        let segments = segments.clamp(least, self.segments as f32);
-        if segments.fract() < LEAST_REST { segments.floor() } else { segments }
+        let min_segments = MIN_SEGMENTS.min(self.segments as f32);
+        let segments = segments.clamp(min_segments, self.segments as f32);
+        if segments.fract() < MIN_REMAINDER { segments.floor() } else { segments }
     }
 
     /// Returns the bucket that contains the end of a share of the strands.
@@ -295,9 +295,9 @@ impl LodTables {
         }
         let bucket = self.bucket(fraction);
         let [from, to] = span(&self.ends, bucket);
-        let there = f64::from(((fraction - from) / (to - from)).clamp(0.0, 1.0));
+        let bucket_fraction = f64::from(((fraction - from) / (to - from)).clamp(0.0, 1.0));
         let before = if bucket == 0 { 0.0 } else { self.areas[bucket - 1] };
-        let area = before + (self.areas[bucket] - before) * there;
+        let area = before + (self.areas[bucket] - before) * bucket_fraction;
         let all = self.areas[self.areas.len() - 1];
         if area > 0.0 { (all / area) as f32 } else { 1.0 }
     }
@@ -314,15 +314,15 @@ impl Lod {
                 pixel: 0.0,
                 size: f32::INFINITY,
                 fraction: 1.0,
-                strands: buffers.count,
+                strand_count: buffers.count,
                 width: 1.0,
                 area: 1.0,
                 deeper: [1.0; 2],
-                sunk: 0.0,
-                segments: tables.segments as f32,
+                depth_offset: 0.0,
+                segment_count: tables.segments as f32,
                 step: 1.0,
-                reach: 0.0,
-                substeps: 1.0,
+                guide_distance: 0.0,
+                substep_scale: 1.0,
                 together: 1.0,
                 levels: [1.0, 0.0, 0.0, 0.0],
             },
@@ -335,7 +335,7 @@ impl Lod {
     /// Switches to `buffers` of another capacity.
     pub(crate) fn resize(&mut self, context: &Context, buffers: &StrandBuffers) {
         let infos = &self.tables.strands;
-        let infos = &infos[..infos.len().min(buffers.room.strands as usize)];
+        let infos = &infos[..infos.len().min(buffers.capacity.strands as usize)];
         context.queue.write_buffer(&buffers.strands, 0, bytemuck::cast_slice(infos));
         self.widths = WidthStage::new(context, &self.tables.lods, buffers);
         self.widths.prepare(context, &self.detail);
@@ -363,15 +363,15 @@ impl Lod {
     }
 
     /// Returns the level of detail for hair that `camera` sees on a head at `head`.
-    pub fn seen(&self, camera: &Camera, head: &Pose) -> Detail {
-        self.seen_coarser(camera, head, 0.0)
+    pub fn detail_for_camera(&self, camera: &Camera, head: &Pose) -> Detail {
+        self.detail_with_bias(camera, head, 0.0)
     }
 
     /// [`seen`](Self::seen) with [`LodOptions::bias`] raised by `bias` octaves.
-    pub(crate) fn seen_coarser(&self, camera: &Camera, head: &Pose, bias: f32) -> Detail {
-        let (middle, radius) = self.tables.sphere;
+    pub(crate) fn detail_with_bias(&self, camera: &Camera, head: &Pose, bias: f32) -> Detail {
+        let (center, radius) = self.tables.sphere;
         let clip = camera.projection * camera.view;
-        let w = (clip * head.point(middle).extend(1.0)).w;
+        let w = (clip * head.point(center).extend(1.0)).w;
         // For a perspective camera w is the distance, for an orthographic one it is 1.
         let per_meter = camera.projection.z_axis.w.abs();
         let nearest = if per_meter > 0.0 { (w - radius * per_meter).max(0.01) } else { w };
@@ -414,14 +414,14 @@ impl Lod {
             from if auto && from > 0.0 && coarse >= from => 0.5,
             _ => 1.0,
         };
-        let together = match options.alone_pixel {
+        let together = match options.collision_pixel {
             from if auto && from > 0.0 => (2.0 - coarse / from).clamp(0.0, 1.0),
             _ => 1.0,
         };
         // The share that the table associates with this pixel, whatever width strands have now.
         let automatic = (tables.limit(&tables.options) / pixel.max(1e-12)).min(1.0);
         // Full detail must not wait for the measurements.
-        let [cover, before, behind, sunk] = match drawn {
+        let [cover, before, behind, depth_offset] = match drawn {
             LodMode::Auto | LodMode::Fixed(_) if fraction < 1.0 || automatic < 1.0 => {
                 self.cover().factors(fraction, automatic)
             }
@@ -431,18 +431,18 @@ impl Lod {
             pixel,
             size,
             fraction,
-            strands: tables.ends[tables.bucket(fraction * tables.painted.most(&levels))],
+            strand_count: tables.ends[tables.bucket(fraction * tables.painted.most(&levels))],
             width: match drawn {
                 LodMode::Off => 1.0,
                 _ => tables.widening(fraction) * cover / tables.curve.length(segments),
             },
             area: cover.recip(),
             deeper: [before, behind],
-            sunk,
-            segments,
+            depth_offset,
+            segment_count: segments,
             step,
-            reach: if auto { options.guides * coarse } else { 0.0 },
-            substeps,
+            guide_distance: if auto { options.guides * coarse } else { 0.0 },
+            substep_scale: substeps,
             together,
             levels,
         }
@@ -459,11 +459,11 @@ impl Lod {
     /// Returns the drawn part of the strands at the current level of detail.
     pub(crate) fn drawn(&self) -> DrawCount {
         let detail = &self.detail;
-        let drawn = DrawCount::new(detail.strands, self.tables.segments + 1, detail.segments);
+        let drawn = DrawCount::new(detail.strand_count, self.tables.segments + 1, detail.segment_count);
         DrawCount {
             area: detail.area,
             deeper: detail.deeper,
-            sunk: detail.sunk,
+            depth_offset: detail.depth_offset,
             single: self.tables.columns.unwrap_or(detail.fraction).min(1.0).sqrt(),
             dense: self.tables.dense,
             packed: self.tables.packed,
@@ -479,12 +479,12 @@ impl Lod {
     /// Begins a frame. Returns the number of strands drawn in the last one.
     pub(crate) fn begin(&mut self) -> u32 {
         self.sets = std::mem::take(&mut self.stale);
-        std::mem::replace(&mut self.before, self.detail.strands)
+        std::mem::replace(&mut self.before, self.detail.strand_count)
     }
 
     pub(crate) fn record(&self, pass: &mut crate::gpu::ComputePass<'_>) {
         if self.sets {
-            self.widths.record(pass, self.detail.strands);
+            self.widths.record(pass, self.detail.strand_count);
         }
     }
 

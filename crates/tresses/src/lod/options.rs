@@ -34,9 +34,9 @@ pub struct LodOptions {
     /// Pixel size at which substeps are halved, meters; at twice that size they are quartered. 0 keeps them.
     pub substep_pixel: f32,
     /// Pixel size at which self-collision begins to fade, meters; it is off at twice that size. 0 keeps it.
-    pub alone_pixel: f32,
+    pub collision_pixel: f32,
     /// Whether hair at rest or out of view sleeps.
-    pub sleep: bool,
+    pub can_sleep: bool,
 }
 
 impl Default for LodOptions {
@@ -50,8 +50,8 @@ impl Default for LodOptions {
             slow_pixel: 3e-3,
             guides: 0.0,
             substep_pixel: 0.0,
-            alone_pixel: 0.0,
-            sleep: false,
+            collision_pixel: 0.0,
+            can_sleep: false,
         }
     }
 }
@@ -67,8 +67,8 @@ impl LodOptions {
         slow_pixel: 3e-3,
         guides: 3.0,
         substep_pixel: 3e-3,
-        alone_pixel: 4e-3,
-        sleep: true,
+        collision_pixel: 4e-3,
+        can_sleep: true,
     };
     /// The range of the share of [`LodMode::Fixed`].
     pub const FRACTION: Range = range!("fraction of the strands", 0.0001 to 1.0);
@@ -90,7 +90,7 @@ impl LodOptions {
     pub const SUBSTEP_PIXEL: Range =
         range!("pixel size for fewer substeps", 0.0 to 10.0, "m"; usually 0.0 to 1.0);
     /// The range of [`alone_pixel`](Self::alone_pixel).
-    pub const ALONE_PIXEL: Range =
+    pub const COLLISION_PIXEL: Range =
         range!("pixel size without self-collision", 0.0 to 10.0, "m"; usually 0.0 to 1.0);
 
     /// Checks that every value is in its range.
@@ -107,7 +107,7 @@ impl LodOptions {
         Self::SLOWEST.check(self.slowest)?;
         Self::GUIDES.check(self.guides)?;
         Self::SUBSTEP_PIXEL.check(self.substep_pixel)?;
-        Self::ALONE_PIXEL.check(self.alone_pixel)?;
+        Self::COLLISION_PIXEL.check(self.collision_pixel)?;
         Ok(Self::SLOW_PIXEL.check(self.slow_pixel)?)
     }
 }

@@ -7,10 +7,10 @@ pub const BUCKET_RATIO: f64 = 1.189_207_115; // 2^(1/4)
 
 /// Returns the strand counts at which buckets end, ascending; the last is `count`. The first bucket has at most `least`
 /// strands and is always drawn.
-pub fn buckets(count: u32, least: u32) -> Vec<u32> {
+pub fn buckets(count: u32, max_first: u32) -> Vec<u32> {
     let mut ends = vec![count];
     let mut end = f64::from(count);
-    while end > f64::from(least.max(1)) {
+    while end > f64::from(max_first.max(1)) {
         end /= BUCKET_RATIO;
         let next = end.ceil() as u32;
         if ends.last().is_some_and(|last| next < *last) {
@@ -46,14 +46,14 @@ pub fn order(strands: &BoundStrands) -> Vec<u32> {
     };
     let mut sorted: Vec<u32> = (0..count).collect();
     sorted.sort_by_cached_key(key);
-    let mut places: Vec<u32> = (0..count).collect();
-    places.sort_unstable_by_key(|place| place.reverse_bits());
+    let mut slots: Vec<u32> = (0..count).collect();
+    slots.sort_unstable_by_key(|slot| slot.reverse_bits());
     let mut begin = 0;
     for end in buckets(count, 1) {
-        places[begin as usize..end as usize].sort_unstable();
+        slots[begin as usize..end as usize].sort_unstable();
         begin = end;
     }
-    places.iter().map(|place| sorted[*place as usize]).collect()
+    slots.iter().map(|slot| sorted[*slot as usize]).collect()
 }
 
 #[cfg(test)]

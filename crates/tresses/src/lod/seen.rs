@@ -28,14 +28,18 @@ impl Strip {
     pub(super) fn new(strands: &BoundStrands, infos: &[Strand], i: usize, segments: Option<f32>) -> Self {
         let n = strands.vertex_count as usize;
         let rest = strands.rest[i * n..(i + 1) * n].iter();
-        let (points, shares) =
+        let (points, radius_factors) =
             rest.map(|rest| rest.unpack(&strands.bindings[i])).unzip::<_, _, Vec<_>, Vec<f32>>();
         let radius = infos[i].radius;
         let Some(segments) = segments.filter(|s| *s < (n - 1) as f32) else {
-            return Self { points, radii: shares.into_iter().map(|share| share * radius).collect() };
+            return Self {
+                points,
+                radii: radius_factors.into_iter().map(|factor| factor * radius).collect(),
+            };
         };
-        let shares: Vec<Vec3> = shares.into_iter().map(|share| Vec3::splat(share * radius)).collect();
-        let radii = resample(&shares, segments).into_iter().map(|r| r.x).collect();
+        let radius_vectors: Vec<Vec3> =
+            radius_factors.into_iter().map(|factor| Vec3::splat(factor * radius)).collect();
+        let radii = resample(&radius_vectors, segments).into_iter().map(|r| r.x).collect();
         Self { points: resample(&points, segments), radii }
     }
 
@@ -88,17 +92,17 @@ impl Segment {
     /// strand turns within a pixel, these lines cross beside it, and the covered width is zero beyond the crossing, not
     /// negative.
     fn drawn(&self, widening: f32, cell: f32) -> f32 {
-        let way = self.b - self.a;
-        let length = way.length();
-        let along = way.normalize_or_zero();
+        let delta = self.b - self.a;
+        let length = delta.length();
+        let along = delta.normalize_or_zero();
         // Same as in `draw/tiles/row.wesl`.
         let slope = |side: Vec2| {
-            let ahead = side.perp_dot(along).abs();
-            if ahead > ALIKE { side.dot(along) / side.perp_dot(along) } else { 0.0 }
+            let alignment = side.perp_dot(along).abs();
+            if alignment > ALIKE { side.dot(along) / side.perp_dot(along) } else { 0.0 }
         };
         let [a, b] = self.sides.map(slope);
-        let reach = (a - b).abs() * 0.5 * (widening * self.width + cell * (along.x.abs() + along.y.abs()));
-        if reach <= length { length } else { 0.25 * (length + reach).powi(2) / reach }
+        let extent = (a - b).abs() * 0.5 * (widening * self.width + cell * (along.x.abs() + along.y.abs()));
+        if extent <= length { length } else { 0.25 * (length + extent).powi(2) / extent }
     }
 }
 
@@ -115,9 +119,9 @@ pub(super) struct Pictures {
 
 impl Pictures {
     /// Projects `strips`, which lie in the sphere of `radius` meters around `middle`.
-    pub(super) fn new(strips: &[Strip], (middle, radius): (Vec3, f32)) -> Self {
+    pub(super) fn new(strips: &[Strip], (center, radius): (Vec3, f32)) -> Self {
         let vertices = strips.iter().map(|strip| strip.points.len()).sum();
-        let pieces = EYES.map(|back| pieces(strips, middle, back, PIECE * radius)).into();
+        let pieces = EYES.map(|back| pieces(strips, center, back, PIECE * radius)).into();
         Self { pieces, radius, vertices, passes: Vec::new(), drawn: Vec::new() }
     }
 
@@ -141,7 +145,12 @@ impl Pictures {
 
     /// [`area`](Self::area) with a callback: `see` receives visible fractions of vertices, which are valid once the
     /// pieces are sorted.
-    pub(super) fn covered(&mut self, widening: f32, cell: f32, mut see: impl FnMut(usize, u32, f32)) -> f32 {
+    pub(super) fn covered(
+        &mut self,
+        widening: f32,
+        cell: f32,
+        mut visit: impl FnMut(usize, u32, f32),
+    ) -> f32 {
         let phases: &[[f32; 2]] = if cell > COARSE * self.finest() {
             &[[0.0, 0.0], [0.5, 0.0], [0.0, 0.5], [0.5, 0.5]]
         } else {
@@ -154,14 +163,14 @@ impl Pictures {
         for (eye, (pieces, segments)) in self.pieces.iter().enumerate() {
             self.drawn.clear();
             self.drawn.extend(segments.iter().map(|segment| segment.drawn(widening, cell)));
-            let mut see = |vertex, amount| see(eye, vertex, amount);
+            let mut visit_vertex = |vertex, amount| visit(eye, vertex, amount);
             for phase in phases {
                 self.passes.clear();
                 self.passes.resize(wide * wide, 1.0);
                 for piece in pieces {
                     let strip = [self.drawn[piece.segment as usize], widening * piece.width];
                     let shift = half + Vec2::from(*phase);
-                    splat(piece, strip, scale, shift, wide, &mut self.passes, &mut see);
+                    splat(piece, strip, scale, shift, wide, &mut self.passes, &mut visit_vertex);
                 }
                 sum += self.passes.iter().map(|passes| 1.0 - passes).sum::<f32>();
             }
@@ -170,7 +179,7 @@ impl Pictures {
     }
 
     /// Returns the visible fraction of each vertex. A point between two vertices contributes to both by proximity.
-    pub(super) fn seen(&mut self, widening: f32, cell: f32) -> Vec<Visibility> {
+    pub(super) fn visibility(&mut self, widening: f32, cell: f32) -> Vec<Visibility> {
         self.sort();
         let mut weights = vec![Visibility::default(); self.vertices];
         self.covered(widening, cell, |eye, vertex, amount| weights[vertex as usize][eye] += amount);
@@ -178,7 +187,7 @@ impl Pictures {
     }
 }
 
-fn pieces(strips: &[Strip], middle: Vec3, back: Vec3, longest: f32) -> (Vec<Piece>, Vec<Segment>) {
+fn pieces(strips: &[Strip], center: Vec3, back: Vec3, longest: f32) -> (Vec<Piece>, Vec<Segment>) {
     let (right, up, back) = axes(back);
     let flat = |p: Vec3| Vec2::new(p.dot(right), p.dot(up));
     let (mut pieces, mut segments) = (Vec::new(), Vec::new());
@@ -194,7 +203,7 @@ fn pieces(strips: &[Strip], middle: Vec3, back: Vec3, longest: f32) -> (Vec<Piec
             let next = if i + 2 < strip.points.len() { edge(i) + edge(i + 1) } else { edge(i) };
             let behind = across(next);
             side = Some(behind);
-            let [from, to] = [points[0] - middle, points[1] - middle];
+            let [from, to] = [points[0] - center, points[1] - center];
             let parts = (from.distance(to) / longest).ceil().max(1.0);
             for k in 0..parts as u32 {
                 let span = [k as f32 / parts, (k + 1) as f32 / parts];
@@ -227,37 +236,37 @@ fn splat(
     shift: Vec2,
     wide: usize,
     passes: &mut [f32],
-    see: &mut impl FnMut(u32, f32),
+    visit: &mut impl FnMut(u32, f32),
 ) {
-    let way = (piece.b - piece.a) * scale;
-    let length = way.length();
+    let delta = (piece.b - piece.a) * scale;
+    let length = delta.length();
     let steps = length.ceil();
     if length < 1e-6 || steps < 1.0 {
         return;
     }
     let start = piece.a * scale + shift;
-    let across = way.perp() / length;
+    let across = delta.perp() / length;
     let width = width * scale;
     let lanes = width.ceil().max(1.0);
     // Share of a cell that a patch of the strip covers.
     let drawn = drawn * scale * (piece.span[1] - piece.span[0]);
-    let share = (drawn / steps * (width / lanes)).min(1.0);
+    let coverage = (drawn / steps * (width / lanes)).min(1.0);
     for i in 0..steps as u32 {
         let t = (i as f32 + 0.5) / steps;
-        let middle = start + way * t;
-        let mut seen = 0.0;
+        let center = start + delta * t;
+        let mut visible = 0.0;
         for lane in 0..lanes as u32 {
-            let p = middle + across * (((lane as f32 + 0.5) / lanes - 0.5) * width);
+            let p = center + across * (((lane as f32 + 0.5) / lanes - 0.5) * width);
             let (x, y) = (p.x as usize, p.y as usize);
             if p.x >= 0.0 && p.y >= 0.0 && x < wide && y < wide {
                 let passes = &mut passes[y * wide + x];
-                seen += *passes;
-                *passes *= 1.0 - share;
+                visible += *passes;
+                *passes *= 1.0 - coverage;
             }
         }
         let t = piece.span[0] + (piece.span[1] - piece.span[0]) * t;
-        see(piece.vertex, seen * share * (1.0 - t));
-        see(piece.vertex + 1, seen * share * t);
+        visit(piece.vertex, visible * coverage * (1.0 - t));
+        visit(piece.vertex + 1, visible * coverage * t);
     }
 }
 
@@ -282,7 +291,7 @@ pub(super) mod tests {
         let strips = curtains(3, 0.4);
         let mut pictures = Pictures::new(&strips, (Vec3::ZERO, 0.8));
         let cell = 0.02;
-        let seen = pictures.seen(1.0, cell);
+        let seen = pictures.visibility(1.0, cell);
         let of = |layer: usize| -> f32 {
             let strips = seen.chunks(3).enumerate().filter(|(i, _)| i % 3 == layer);
             strips.flat_map(|(_, seen)| seen).map(|seen| seen[0]).sum()

@@ -109,7 +109,7 @@ impl WidthStage {
             weights: Vec4::from_array(detail.levels),
             fraction: detail.fraction,
             width: detail.width,
-            count: detail.strands,
+            count: detail.strand_count,
             _pad: 0,
         };
         queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));

@@ -27,10 +27,10 @@ impl Map {
 
     /// Returns the map that applies `other` first, then this one.
     pub fn after(&self, other: &Self) -> Self {
-        let turns = self.rotation != DQuat::IDENTITY && other.rotation != DQuat::IDENTITY;
+        let both_rotate = self.rotation != DQuat::IDENTITY && other.rotation != DQuat::IDENTITY;
         let product = self.rotation * other.rotation;
         Self {
-            rotation: if turns { product.normalize() } else { product },
+            rotation: if both_rotate { product.normalize() } else { product },
             translation: self.point(other.translation),
         }
     }
@@ -51,7 +51,7 @@ impl Map {
 
     /// Transforms a ray.
     pub fn ray(&self, ray: &Ray) -> Ray {
-        Ray { origin: self.at(ray.origin), direction: self.turned(ray.direction) }
+        Ray { origin: self.at(ray.origin), direction: self.vector(ray.direction) }
     }
 
     /// Transforms a point.
@@ -60,7 +60,7 @@ impl Map {
     }
 
     /// Transforms a direction.
-    pub fn turned(&self, v: Vec3) -> Vec3 {
+    pub fn vector(&self, v: Vec3) -> Vec3 {
         if self.rotation == DQuat::IDENTITY { v } else { (self.rotation * v.as_dvec3()).as_vec3() }
     }
 

@@ -28,7 +28,7 @@ pub(crate) struct Footprint {
 }
 
 /// Radius of the disc, pixels, times the square root of the number of samples.
-const REACH: f32 = 2.5;
+const RADIUS: f32 = 2.5;
 
 /// Positions of a pixel's samples, sixteenths of a pixel: the standard pattern of D3D 11 and Vulkan, which WebGPU
 /// requires for four samples. If an adapter places 8 or 16 samples elsewhere, pixels are only a little noisier.
@@ -61,12 +61,12 @@ fn pattern(samples: u32) -> &'static [[u8; 2]] {
 impl Footprint {
     /// Disc of samples for masks of `samples` (4, 8 or 16) per pixel.
     pub fn disc(samples: u32) -> Self {
-        let radius = REACH / (samples as f32).sqrt();
+        let radius = RADIUS / (samples as f32).sqrt();
         let cells = (-2..=2).flat_map(|y| (-2..=2).map(move |x| IVec2::new(x, y)));
         let near = cells.flat_map(|cell| {
             pattern(samples).iter().enumerate().filter_map(move |(number, &[x, y])| {
-                let from_middle = cell.as_vec2() + Vec2::new(f32::from(x), f32::from(y)) / 16.0 - 0.5;
-                let weight = 1.0 - from_middle.length_squared() / (radius * radius);
+                let offset = cell.as_vec2() + Vec2::new(f32::from(x), f32::from(y)) / 16.0 - 0.5;
+                let weight = 1.0 - offset.length_squared() / (radius * radius);
                 (weight > 0.0).then(|| cell.as_vec2().extend(number as f32).extend(weight))
             })
         });

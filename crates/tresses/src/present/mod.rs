@@ -62,7 +62,7 @@ pub(crate) struct PresentUniform {
 pub(crate) struct Pipelines {
     device: Device,
     /// Keyed by shader, whether targets are supersampled, and output format.
-    made: PipelineCache<(&'static str, bool, wgpu::TextureFormat), wgpu::RenderPipeline>,
+    cache: PipelineCache<(&'static str, bool, wgpu::TextureFormat), wgpu::RenderPipeline>,
 }
 
 /// Returns the shader for the targets of `renderer`, and its bindings.
@@ -97,7 +97,7 @@ fn steps(format: wgpu::TextureFormat) -> f64 {
 impl PipelineSet for Pipelines {
     fn new(context: &Context) -> Self {
         let Context { device, .. } = context;
-        Self { device: device.clone(), made: PipelineCache::default() }
+        Self { device: device.clone(), cache: PipelineCache::default() }
     }
 }
 
@@ -110,7 +110,7 @@ impl Pipelines {
         format: wgpu::TextureFormat,
     ) -> Result<wgpu::RenderPipeline> {
         let (module, bindings) = shader(renderer);
-        self.made.get((module, ssaa > 1, format), || {
+        self.cache.get((module, ssaa > 1, format), || {
             let name = module.rsplit("::").next().unwrap_or(module);
             // Two entry points, since a software driver executes both sides of a branch.
             let entry = if ssaa > 1 { "supersampled" } else { "fragment" };

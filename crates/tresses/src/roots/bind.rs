@@ -44,14 +44,14 @@ pub struct RootReport {
     /// Number of guides and strands.
     pub roots: u32,
     /// Largest distance of a root from the surface, meters.
-    pub farthest: f32,
+    pub max_distance: f32,
     /// Mean distance, meters.
-    pub mean: f32,
+    pub mean_distance: f32,
 }
 
 /// A point of the mesh at rest: its triangle, the barycentric coordinates of the second and third corner, position and
 /// rotation. Computed like `roots::surface::skin`.
-struct Place {
+struct SurfacePoint {
     triangle: [u32; 3],
     b: f32,
     c: f32,
@@ -59,7 +59,7 @@ struct Place {
     rotation: Quat,
 }
 
-fn skin(mesh: &TriMesh, triangle: [u32; 3], b: f32, c: f32) -> Place {
+fn skin(mesh: &TriMesh, triangle: [u32; 3], b: f32, c: f32) -> SurfacePoint {
     let [corner, second, third] = triangle.map(|i| mesh.positions[i as usize]);
     let (edge, other) = (second - corner, third - corner);
     let normal = |i: usize| mesh.normals.get(triangle[i] as usize).copied().unwrap_or_default();
@@ -69,14 +69,14 @@ fn skin(mesh: &TriMesh, triangle: [u32; 3], b: f32, c: f32) -> Place {
     let up = if smooth { up } else { face }.normalize_or(Vec3::Y);
     let x = (edge - up * up.dot(edge)).normalize_or(Vec3::X);
     let rotation = Quat::from_mat3(&Mat3::from_cols(x, up, x.cross(up))).normalize();
-    Place { triangle, b, c, at: corner + b * edge + c * other, rotation }
+    SurfacePoint { triangle, b, c, at: corner + b * edge + c * other, rotation }
 }
 
 /// Binds the roots of guides and of strands to the nearest point on `mesh`, at most `reach` meters away.
 pub(super) fn bind(
     [guides, strands]: [&[Vec3]; 2],
     mesh: &TriMesh,
-    reach: f32,
+    max_distance: f32,
 ) -> Result<(Vec<GuideRoot>, Vec<StrandRoot>, RootReport)> {
     if mesh.triangles.iter().flatten().any(|i| *i as usize >= mesh.positions.len()) {
         return Err(Error::unusable("a triangle of the mesh refers to a missing vertex"));
@@ -84,46 +84,46 @@ pub(super) fn bind(
     if mesh.triangles.is_empty() {
         return Err(Error::unusable("the mesh has no triangles to attach roots to"));
     }
-    let near = near(mesh, guides.iter().chain(strands).copied(), reach);
+    let near = near(mesh, guides.iter().chain(strands).copied(), max_distance);
     let bvh = Bvh::new(&near);
     let mut report = RootReport::default();
     let mut sum = 0.0f64;
-    let mut find = |root: Vec3| -> Result<Place> {
-        let Some(closest) = bvh.closest_point(root).filter(|closest| closest.distance <= reach) else {
+    let mut find = |root: Vec3| -> Result<SurfacePoint> {
+        let Some(closest) = bvh.closest_point(root).filter(|closest| closest.distance <= max_distance) else {
             // Search all of the skin for the distance in the error message.
             let closest = Bvh::new(mesh).closest_point(root);
             let closest = closest.ok_or_else(|| Error::unusable("the position of a root is not finite"))?;
             return Err(Error::unusable(format!(
                 "a root is {:.1} mm from the mesh, more than the {:.1} mm allowed",
                 1e3 * closest.distance,
-                1e3 * reach
+                1e3 * max_distance
             )));
         };
         report.roots += 1;
-        report.farthest = report.farthest.max(closest.distance);
+        report.max_distance = report.max_distance.max(closest.distance);
         sum += f64::from(closest.distance);
         let [_, b, c] = closest.barycentric.to_array();
         Ok(skin(mesh, near.triangles[closest.triangle as usize], b, c))
     };
     let guides = guides.iter().map(|root| {
-        let Place { triangle, b, c, at, rotation } = find(*root)?;
+        let SurfacePoint { triangle, b, c, at, rotation } = find(*root)?;
         Ok(GuideRoot { triangle, b, rest_at: at, c, rest_back: rotation.conjugate() })
     });
     let guides = guides.collect::<Result<Vec<_>>>()?;
     let strands = strands.iter().map(|root| {
-        let Place { triangle, b, c, at, rotation } = find(*root)?;
+        let SurfacePoint { triangle, b, c, at, rotation } = find(*root)?;
         Ok(StrandRoot { triangle, b, offset: rotation.conjugate() * (*root - at), c })
     });
     let strands = strands.collect::<Result<Vec<_>>>()?;
-    report.mean = (sum / f64::from(report.roots.max(1))) as f32;
+    report.mean_distance = (sum / f64::from(report.roots.max(1))) as f32;
     Ok((guides, strands, report))
 }
 
 /// Returns the triangles of `mesh` that may be within `reach` of any root, so that binding brows does not build a
 /// search tree over a whole body.
-fn near(mesh: &TriMesh, roots: impl Iterator<Item = Vec3>, reach: f32) -> TriMesh {
+fn near(mesh: &TriMesh, roots: impl Iterator<Item = Vec3>, max_distance: f32) -> TriMesh {
     let (low, high) = roots.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
-    let (low, high) = (low - reach, high + reach);
+    let (low, high) = (low - max_distance, high + max_distance);
     let touches = |triangle: &&[u32; 3]| {
         let [a, b, c] = triangle.map(|i| mesh.positions[i as usize]);
         let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));

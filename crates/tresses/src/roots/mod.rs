@@ -122,9 +122,9 @@ impl RootAsset {
         roots: [&[Vec3]; 2],
         follows: bool,
         mesh: &TriMesh,
-        reach: f32,
+        max_distance: f32,
     ) -> Result<Self> {
-        let (guides, strands, report) = bind::bind(roots, mesh, reach)?;
+        let (guides, strands, report) = bind::bind(roots, mesh, max_distance)?;
         let strands = (!follows).then(|| filled(context, "bound strands", bytemuck::cast_slice(&strands)));
         let guides = filled(context, "bound guides", bytemuck::cast_slice(&guides))?;
         Ok(Self { guides, strands: strands.transpose()?, report })
@@ -199,13 +199,13 @@ impl Roots {
     pub(crate) fn prepare(
         &mut self,
         context: &Context,
-        (head, seen): (&Pose, &Map),
+        (head, to_drawn_space): (&Pose, &Map),
         counts: [u32; 2],
         fresh: bool,
     ) {
         let Context { queue, .. } = context;
         let to_head = head.inverse().after(&self.pose);
-        let to_world = seen.pose(&self.pose);
+        let to_world = to_drawn_space.pose(&self.pose);
         let [position, normal] = self.words;
         let uniform = RootsUniform {
             to_world_rotation: to_world.rotation,

@@ -94,10 +94,10 @@ impl Forces {
         let mut bytes = vec![0u8; AIR_STRIDE as usize * count.min(MAX_STEPS as usize)];
         if let Some(air) = air {
             for (i, slot) in bytes.chunks_mut(AIR_STRIDE as usize).enumerate() {
-                let place = air.place(i as u32);
+                let grid = air.grid_after(i as u32);
                 let uniforms = AirUniforms {
-                    corner: place.corner,
-                    scale: place.scale,
+                    corner: grid.corner,
+                    scale: grid.scale,
                     drag: physics.drag,
                     reynolds: physics.diameter / drag::AIR_VISCOSITY,
                     weight: drag::drag_weight(physics.diameter, physics.line_density),

@@ -46,7 +46,7 @@ fn groom(count: usize, n: usize) -> (Vec<Vec3>, Vec<GuideTraits>) {
         }
         traits.push(GuideTraits { stiffness: 0.5 + random(&mut seed), ..Default::default() });
     }
-    traits[0].tip_pinned = true;
+    traits[0].is_tip_pinned = true;
     traits[1].stiffness = 0.0;
     // An upright hair, one of 2 mm, one with a segment of zero length.
     for i in 0..n {
@@ -136,7 +136,7 @@ impl Setup {
         poses: &ColliderPoses,
         forced: bool,
     ) {
-        let (substeps, step) = (params.substeps, params.step);
+        let (substeps, step) = (params.substep_count, params.step);
         let head = steps.last().unwrap().end;
         let moments = Moments { steps, substeps, step, head, alpha: 1.0 };
         self.colliders.advance(poses, &moments).unwrap();
@@ -434,7 +434,7 @@ fn absurd_parameters_give_finite_positions() {
         wind: Wind::uniform(Vec3::X * 400.0),
         drag: 1e4,
         step: 0.1,
-        substeps: 1,
+        substep_count: 1,
         ..Default::default()
     };
     let grid = sphere();

@@ -88,7 +88,7 @@ impl LinkUniforms {
             vertices,
             stiffness: params.cohesion,
             limit: params.cohesion_limit,
-            fade_start: params.cohesion_reach,
+            fade_start: params.cohesion_distance,
             span,
             ..Self::zeroed()
         }
@@ -99,7 +99,7 @@ impl LinkUniforms {
 #[derive(Clone, Debug)]
 pub(crate) struct LinkAsset {
     /// Distance at which vertices are linked, meters.
-    pub reach: f32,
+    pub distance: f32,
     /// [`Link`]s.
     links: wgpu::Buffer,
 }
@@ -109,8 +109,8 @@ impl LinkAsset {
     ///
     /// # Errors
     /// [`Error::Limit`](crate::Error::Limit).
-    pub fn new(context: &Context, rest: &RestGuides, reach: f32) -> Result<Self> {
-        Ok(Self { reach, links: filled(context, "links", bytemuck::cast_slice(&find(rest, reach)))? })
+    pub fn new(context: &Context, rest: &RestGuides, distance: f32) -> Result<Self> {
+        Ok(Self { distance, links: filled(context, "links", bytemuck::cast_slice(&find(rest, distance)))? })
     }
 
     pub fn bytes(&self) -> u64 {
@@ -170,9 +170,9 @@ impl Links {
 fn pull(u: &LinkUniforms, x: Vec3, v: Vec3, links: &[(f32, Vec3, Vec3)]) -> Vec3 {
     let (mut pull, mut m) = (Vec3::ZERO, Mat3::IDENTITY);
     for (length, at, velocity) in links {
-        let way = *at - x;
-        let unit = way / way.length().max(1e-6);
-        let longer = way.length() - length;
+        let offset = *at - x;
+        let unit = offset / offset.length().max(1e-6);
+        let longer = offset.length() - length;
         let near = (2.0 - longer / u.fade_start).clamp(0.0, 1.0);
         let stiffness = near * u.stiffness.min(u.limit / longer.abs().max(1e-9));
         let rate = stiffness * u.span;
@@ -183,25 +183,25 @@ fn pull(u: &LinkUniforms, x: Vec3, v: Vec3, links: &[(f32, Vec3, Vec3)]) -> Vec3
 }
 
 /// Returns the links of all vertices; the `k`th link of vertex `at` is at `k * vertices + at`.
-pub(crate) fn find(rest: &RestGuides, reach: f32) -> Vec<Link> {
+pub(crate) fn find(rest: &RestGuides, distance: f32) -> Vec<Link> {
     let (count, all) = (rest.info.len(), rest.rest.len());
-    let place = |at: usize| rest.rest[at].position;
+    let position = |at: usize| rest.rest[at].position;
     let none = |at: usize| Link { other: at as u32, length: 0.0 };
     let mut links: Vec<_> = (0..LINKS as usize * all).map(|slot| none(slot % all)).collect();
-    let near = CellIndex::new(rest, reach);
+    let near = CellIndex::new(rest, distance);
     // The first half of a vertex's links are those that it chose; the others were chosen by other vertices.
     let own = LINKS as usize / 2;
     let mut found = vec![0u8; all];
     for at in 2 * count..all {
         let (guide, i) = (at % count, at / count);
-        let before = place(at - count);
-        let after = if at + count < all { place(at + count) } else { place(at) };
+        let before = position(at - count);
+        let after = if at + count < all { position(at + count) } else { position(at) };
         let Some(t) = (after - before).try_normalize() else { continue };
         let side = t.any_orthonormal_vector();
         // Search farther where hair is sparse.
         let foreign = |other: usize| other % count != guide;
-        let Some(closest) = near.nearest(place(at), SPARSE * reach, foreign) else { continue };
-        let reach = reach.max(1.5 * place(at).distance(place(closest)));
+        let Some(closest) = near.nearest(position(at), SPARSE * distance, foreign) else { continue };
+        let local_distance = distance.max(1.5 * position(at).distance(position(closest)));
         let (sine, cosine) = ((guide as f32 * 0.618_034).fract() * TAU + i as f32 * GOLDEN).sin_cos();
         let around = side * cosine + t.cross(side) * sine;
         for (k, oblique) in [t + around, -t - around].into_iter().enumerate() {
@@ -209,12 +209,13 @@ pub(crate) fn find(rest: &RestGuides, reach: f32) -> Vec<Link> {
                 other % count != guide
                     && (other < 2 * count || usize::from(found[other]) < LINKS as usize - own)
             };
-            let way = oblique * (reach * FRAC_1_SQRT_2);
-            let mirrored = way - 2.0 * (way - t * way.dot(t));
-            let target =
-                [way, mirrored].into_iter().find_map(|way| near.nearest(place(at) + way, 0.5 * reach, free));
+            let offset = oblique * (local_distance * FRAC_1_SQRT_2);
+            let mirrored = offset - 2.0 * (offset - t * offset.dot(t));
+            let target = [offset, mirrored]
+                .into_iter()
+                .find_map(|offset| near.nearest(position(at) + offset, 0.5 * local_distance, free));
             let Some(other) = target else { continue };
-            let length = place(at).distance(place(other));
+            let length = position(at).distance(position(other));
             links[k * all + at] = Link { other: other as u32, length };
             // Roots need no link back: they follow the head.
             if other >= 2 * count {
@@ -236,13 +237,13 @@ struct CellIndex<'a> {
 
 impl<'a> CellIndex<'a> {
     /// Sorts the vertices of `rest` into cells of a few vertices each, but no smaller than an eighth of `reach`.
-    fn new(rest: &'a RestGuides, reach: f32) -> Self {
+    fn new(rest: &'a RestGuides, distance: f32) -> Self {
         let mut corners = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for r in &rest.rest {
             corners = (corners.0.min(r.position), corners.1.max(r.position));
         }
-        let room = (corners.1 - corners.0).max(Vec3::splat(reach)).element_product();
-        let cell = (4.0 * room / rest.rest.len().max(1) as f32).cbrt().clamp(reach / 8.0, reach);
+        let volume = (corners.1 - corners.0).max(Vec3::splat(distance)).element_product();
+        let cell = (4.0 * volume / rest.rest.len().max(1) as f32).cbrt().clamp(distance / 8.0, distance);
         let cells = rest.rest.iter().enumerate();
         let mut sorted: Vec<_> =
             cells.map(|(i, r)| ((r.position / cell).floor().as_ivec3(), i as u32)).collect();
@@ -251,11 +252,11 @@ impl<'a> CellIndex<'a> {
     }
 
     /// Returns the `free` vertex nearest to `x`, no farther than `most`.
-    fn nearest(&self, x: Vec3, most: f32, free: impl Fn(usize) -> bool) -> Option<usize> {
-        let middle = (x / self.cell).floor().as_ivec3();
-        let mut best = (most * most, None);
+    fn nearest(&self, x: Vec3, max_distance: f32, free: impl Fn(usize) -> bool) -> Option<usize> {
+        let center = (x / self.cell).floor().as_ivec3();
+        let mut best = (max_distance * max_distance, None);
         // Shell by shell of cells, until no farther shell can be nearer.
-        for shell in 0..=(most / self.cell).ceil() as i32 {
+        for shell in 0..=(max_distance / self.cell).ceil() as i32 {
             let within = (shell - 1).max(0) as f32 * self.cell;
             if within * within > best.0 {
                 break;
@@ -266,7 +267,7 @@ impl<'a> CellIndex<'a> {
                     let sides =
                         if inner { vec![(-shell, -shell), (shell, shell)] } else { vec![(-shell, shell)] };
                     for (from, to) in sides {
-                        self.row(middle + IVec3::new(dx, dy, from), middle.z + to, |at| {
+                        self.row(center + IVec3::new(dx, dy, from), center.z + to, |at| {
                             let far = self.rest.rest[at].position.distance_squared(x);
                             if far < best.0 && free(at) {
                                 best = (far, Some(at));
@@ -335,13 +336,13 @@ mod tests {
         let forces = vec![GuideForce::pack(&before); all];
         queue.write_buffer(&guides.forces, 0, bytemuck::cast_slice(&forces));
         let params =
-            HairHair { cohesion: 900.0, cohesion_limit: 5.0, cohesion_reach: 0.02, ..Default::default() };
-        let asset = LinkAsset::new(context, &rest, params.cohesion_reach).unwrap();
+            HairHair { cohesion: 900.0, cohesion_limit: 5.0, cohesion_distance: 0.02, ..Default::default() };
+        let asset = LinkAsset::new(context, &rest, params.cohesion_distance).unwrap();
         let links = Links::new(context, &guides, asset).unwrap();
         links.prepare(context, &params, 1.0 / 60.0);
         crate::gpu::compute(context, |pass| links.record(pass));
         let found: Vec<GuideForce> = readback::buffer(context, &guides.forces).unwrap();
-        let list = find(&rest, params.cohesion_reach);
+        let list = find(&rest, params.cohesion_distance);
         let mut u = LinkUniforms::new(all as u32, &params, 1.0 / 60.0);
         u.limit *= false_limit;
         let mut worst = 0f32;

@@ -107,7 +107,7 @@ use std::sync::Arc;
 use step::StepKernels;
 
 pub(crate) use forces::Forces;
-pub use grab::{BrushEffect, Grab, MotionBrush, Target};
+pub use grab::{BrushEffect, Grab, GrabTarget, MotionBrush};
 pub(crate) use lead::Tree;
 pub(crate) use links::LinkAsset;
 pub(crate) use links::Links;

@@ -67,7 +67,7 @@ pub struct SimulationParams {
     /// Length of one fixed step, s.
     pub step: f32,
     /// Implicit solves per fixed step.
-    pub substeps: u32,
+    pub substep_count: u32,
 }
 
 impl Default for SimulationParams {
@@ -86,7 +86,7 @@ impl Default for SimulationParams {
             stretch: 5e-4,
             hair_hair: HairHair::default(),
             step: 1.0 / 60.0,
-            substeps: 4,
+            substep_count: 4,
         }
     }
 }
@@ -141,7 +141,7 @@ impl SimulationParams {
         Self::STRETCH.check(self.stretch)?;
         self.hair_hair.check()?;
         Self::STEP.check(self.step)?;
-        Error::unless_within("substeps", self.substeps as f32, 1.0, MAX_SUBSTEPS as f32, "from 1 to 32")
+        Error::unless_within("substeps", self.substep_count as f32, 1.0, MAX_SUBSTEPS as f32, "from 1 to 32")
     }
 
     /// Returns the bending rate (1/s², per unit of vertex weight) at vertex `j` of a guide with stiffness factor
@@ -149,9 +149,10 @@ impl SimulationParams {
     /// line density and edge is half the rate times the square of its deviation.
     pub fn bending_rate(&self, j: usize, factor: f32, edge: f32, before: Vec3, next: Vec3) -> f32 {
         let square = edge * edge;
-        let bare = factor * self.bending.at(j as f32 * edge) / (self.line_density * square * square);
-        let h = if self.twist > 0.0 { 0.0 } else { self.step / self.substeps.max(1) as f32 };
-        bending_rate(bare, j, before, next, h)
+        let continuum_rate =
+            factor * self.bending.at(j as f32 * edge) / (self.line_density * square * square);
+        let h = if self.twist > 0.0 { 0.0 } else { self.step / self.substep_count.max(1) as f32 };
+        bending_rate(continuum_rate, j, before, next, h)
     }
 
     /// Returns the stretching rate (1/s², per unit of vertex weight) of a guide of `length` meters.
@@ -163,10 +164,10 @@ impl SimulationParams {
 /// Returns the bending rate at vertex `j` between rest edges `before` and `next`, from the continuum's rate `bare`. It
 /// is doubled at the root, where half of the bend lies in the skin, and limited by [`MAX_BENDING_RATE`]. Tight curls
 /// are limited by [`MAX_CURL`] for substeps of `h`; `h` is 0 where the solve includes twist.
-pub(crate) fn bending_rate(bare: f32, j: usize, before: Vec3, next: Vec3, h: f32) -> f32 {
+pub(crate) fn bending_rate(continuum_rate: f32, j: usize, before: Vec3, next: Vec3, h: f32) -> f32 {
     let sine =
         before.cross(next).length_squared() / (before.length_squared() * next.length_squared()).max(1e-30);
-    let rate = if j == 1 { 2.0 * bare } else { bare };
+    let rate = if j == 1 { 2.0 * continuum_rate } else { continuum_rate };
     rate.min(MAX_BENDING_RATE).min(MAX_CURL / (h * h * sine.max(1e-6)))
 }
 
@@ -256,9 +257,9 @@ impl StepUniforms {
             head_begin: begin.rotation.into(),
             head_end: end.rotation.into(),
             head_begin_at: begin.translation,
-            h: params.step / params.substeps.max(1) as f32,
+            h: params.step / params.substep_count.max(1) as f32,
             head_end_at: end.translation,
-            substeps: params.substeps.clamp(1, MAX_SUBSTEPS),
+            substeps: params.substep_count.clamp(1, MAX_SUBSTEPS),
             gravity: params.gravity,
             drag: params.drag,
             wind: if params.wind.blows() { Vec3::ZERO } else { params.wind.velocity },

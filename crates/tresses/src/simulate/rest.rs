@@ -22,22 +22,22 @@ use crate::{
     range::Range,
     strands::{
         Guide, GuideRest, GuideShape, PackedGuide, RestGuides,
-        guide::{MOST_GIVE, MOST_SHORTER, TIP_PINNED, rounded_give},
+        guide::{MAX_GIVE, MAX_SHORTER, TIP_PINNED, rounded_give},
     },
 };
 use glam::Vec3;
 
 /// Largest compensation of one bend, as a fraction of the edge.
-pub const MOST_COMPENSATION: f32 = MOST_GIVE;
+pub const MAX_COMPENSATION: f32 = MAX_GIVE;
 
 /// Largest compensation from which a shaken bend recovers its shape by itself, as a fraction of the edge.
 pub const EASY_COMPENSATION: f32 = 0.35;
 
 /// Value of [`RestOptions::support`] at which bends recover up to [`EASY_COMPENSATION`].
-pub const USUAL_SUPPORT: f32 = 2.0;
+pub const DEFAULT_SUPPORT: f32 = 2.0;
 
 /// Largest factor of a guide's stiffness, per unit of [`RestOptions::support`]; see [`support`].
-pub const MOST_SUPPORT: f32 = 10.0;
+pub const MAX_SUPPORT: f32 = 10.0;
 
 /// Interpretation of the authored pose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -58,12 +58,12 @@ pub(crate) struct GuideTraits {
     /// Number of drawn strands that the guide represents.
     pub strands: f32,
     /// Whether the tip follows the head, like the root.
-    pub tip_pinned: bool,
+    pub is_tip_pinned: bool,
 }
 
 impl Default for GuideTraits {
     fn default() -> Self {
-        Self { stiffness: 1.0, strands: 1.0, tip_pinned: false }
+        Self { stiffness: 1.0, strands: 1.0, is_tip_pinned: false }
     }
 }
 
@@ -169,7 +169,7 @@ pub(crate) fn guides_at(
             length: guide.windows(2).map(|w| w[0].distance(w[1])).sum(),
             stiffness: if traits.stiffness.is_finite() { traits.stiffness.clamp(0.0, 1e3) } else { 1.0 },
             strands: traits.strands,
-            flags: if traits.tip_pinned { TIP_PINNED } else { 0 },
+            flags: if traits.is_tip_pinned { TIP_PINNED } else { 0 },
             ..info
         };
         if options.shape == RestShape::SagFree {
@@ -201,10 +201,10 @@ pub(crate) fn shape(p: &[Vec3], info: &Guide, params: &SimulationParams, mode: R
         .collect();
     if mode == RestShape::SagFree {
         compensate(p, info, params, |i, s, shortened| {
-            let most = edge_of(i).length();
-            let limit = MOST_SHORTER * most;
-            let s = s.clamp_length_max(MOST_COMPENSATION * most);
-            let (give, shorter) = rounded_give(s, shortened.clamp(-limit, limit), most);
+            let length = edge_of(i).length();
+            let limit = MAX_SHORTER * length;
+            let s = s.clamp_length_max(MAX_COMPENSATION * length);
+            let (give, shorter) = rounded_give(s, shortened.clamp(-limit, limit), length);
             out[i].curvature -= give;
             out[i].length -= shorter;
         });
@@ -228,9 +228,9 @@ fn compensate(p: &[Vec3], info: &Guide, params: &SimulationParams, mut each: imp
         let force = load - torque.cross(e) / e.length_squared().max(1e-18);
         let tension = force.dot(dir);
         let rate = params.bending_rate(i, info.stiffness, edge, before, e);
-        let whole = (force - dir * tension) / rate.max(1e-9);
-        each(i, whole, tension / stretch);
-        let s = whole.clamp_length_max(MOST_COMPENSATION * e.length());
+        let deflection = (force - dir * tension) / rate.max(1e-9);
+        each(i, deflection, tension / stretch);
+        let s = deflection.clamp_length_max(MAX_COMPENSATION * e.length());
         // Torque that a bend and the twist from below exert on the edge before, as in the step.
         torque = dir * dir.dot(torque) - rate * (e - s).cross(s);
     }
@@ -266,8 +266,8 @@ pub fn support(p: &[Vec3], info: &Guide, params: &SimulationParams, margin: f32)
         return 1.0;
     }
     let edge = info.length / (n - 1) as f32;
-    let most = MOST_SUPPORT * margin;
-    let easy = EASY_COMPENSATION * USUAL_SUPPORT / margin;
+    let max_factor = MAX_SUPPORT * margin;
+    let easy = EASY_COMPENSATION * DEFAULT_SUPPORT / margin;
     let mut factor = 1.0f32;
     for _ in 0..8 {
         let raised = Guide { stiffness: info.stiffness * factor, ..*info };
@@ -279,13 +279,13 @@ pub fn support(p: &[Vec3], info: &Guide, params: &SimulationParams, margin: f32)
                 need = need.max(s.length() / (easy * e));
             }
         });
-        if need <= 1.0 || factor >= most {
+        if need <= 1.0 || factor >= max_factor {
             break;
         }
-        factor = (factor * need.clamp(1.05, 4.0)).min(most);
+        factor = (factor * need.clamp(1.05, 4.0)).min(max_factor);
     }
-    while factor < most && !stands(p, info, params, factor / margin) {
-        factor = (factor * 1.1).min(most);
+    while factor < max_factor && !stands(p, info, params, factor / margin) {
+        factor = (factor * 1.1).min(max_factor);
     }
     factor
 }

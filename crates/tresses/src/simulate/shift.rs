@@ -63,7 +63,7 @@ impl Shifting {
     pub fn prepare(&self, context: &Context, shift: &Shift) {
         let Context { queue, .. } = context;
         let uniform = ShiftUniform {
-            offset: shift.way,
+            offset: shift.offset,
             count: self.count,
             velocity: shift.velocity,
             faster: u32::from(shift.velocity != Vec3::ZERO),

@@ -126,13 +126,13 @@ impl TieVertices {
                     rings[ring].push(Member { rests, mass, vertex, ..Member::zeroed() });
                 }
             }
-            let alone = tie.held == TieTarget::ToHead;
+            let is_pinned = tie.held == TieTarget::ToHead;
             let several = |members: &Vec<Member>| {
                 members.iter().any(|m| m.vertex as usize % count != members[0].vertex as usize % count)
             };
-            rings.retain(|members| !members.is_empty() && (alone || several(members)));
+            rings.retain(|members| !members.is_empty() && (is_pinned || several(members)));
             if rings.is_empty() {
-                let what = if alone { "no guide passes" } else { "fewer than two guides pass" };
+                let what = if is_pinned { "no guide passes" } else { "fewer than two guides pass" };
                 let of = tie.group.map_or(String::new(), |group| format!(" of group {group}"));
                 let sentence = format!(
                     "tie {} holds nothing: {what}{of} within {} mm of {} (groom space, meters)",
@@ -156,8 +156,8 @@ impl TieVertices {
 
     /// Adds the members as a ring, or as pins.
     fn add(&mut self, mut members: Vec<Member>, tie: &Tie) {
-        let whole: f32 = members.iter().map(|m| m.mass).sum();
-        members.iter_mut().for_each(|m| m.mass /= whole);
+        let total_mass: f32 = members.iter().map(|m| m.mass).sum();
+        members.iter_mut().for_each(|m| m.mass /= total_mass);
         let center: Vec3 = members.iter().map(|m| m.rests * m.mass).sum();
         members.iter_mut().for_each(|m| m.rests = (m.rests - center) * tie.gather);
         if tie.held == TieTarget::ToHead {
@@ -224,7 +224,7 @@ pub(crate) struct Ties {
     pipelines: Arc<Pipelines>,
     pub(crate) asset: TieAsset,
     /// Rotation of each ring relative to the head, quaternions.
-    turns: wgpu::Buffer,
+    rotations: wgpu::Buffer,
     together: wgpu::BindGroup,
     to_head: wgpu::BindGroup,
 }
@@ -256,7 +256,7 @@ impl Ties {
             rotations: turns.entire(),
         });
         let to_head = pipelines.pins.bind(&kernels::Pins { u, pinned: pins.entire(), current, forces });
-        Ok(Self { pipelines, asset: asset.clone(), turns, together, to_head })
+        Ok(Self { pipelines, asset: asset.clone(), rotations: turns, together, to_head })
     }
 
     /// Returns the number of rings and held vertices.
@@ -283,7 +283,7 @@ impl Ties {
 
     /// Bytes of GPU memory of this head alone.
     pub(crate) fn own_bytes(&self) -> u64 {
-        self.turns.size()
+        self.rotations.size()
     }
 }
 

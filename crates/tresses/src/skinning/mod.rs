@@ -89,7 +89,7 @@ pub(crate) struct SkinAsset {
     /// Bounding box of each joint's vertices, in the space of the file's mesh; inverted for joints without vertices.
     boxes: Vec<[Vec3; 2]>,
     /// Largest displacement by each blend shape.
-    reaches: Vec<f32>,
+    max_displacements: Vec<f32>,
 }
 
 impl SkinAsset {
@@ -111,7 +111,7 @@ impl SkinAsset {
         let (vertices, deltas) = packed(rig)?;
         let upload = |what, bytes: &[u8]| filled(context, what, bytes);
         let counts = [count as u32, Body::WORDS];
-        let reach = |target: &crate::groom::rig::Target| {
+        let max_displacement = |target: &crate::groom::rig::MorphTarget| {
             target.deltas.iter().map(|delta| delta.position.length()).fold(0.0, f32::max)
         };
         Ok(Self {
@@ -123,7 +123,7 @@ impl SkinAsset {
             ],
             vertices: counts[0],
             boxes: boxes(rig),
-            reaches: rig.targets.iter().map(reach).collect(),
+            max_displacements: rig.targets.iter().map(max_displacement).collect(),
         })
     }
 }
@@ -151,10 +151,10 @@ impl Skinning {
 
     /// Skins `body`, an instance of the one that the asset was created for, with vertices of its own.
     pub(crate) fn of(asset: &Arc<SkinAsset>, body: &Body) -> Result<Self> {
-        let SkinAsset { context, buffers: [counts, bound, moves], boxes, reaches, .. } = &**asset;
+        let SkinAsset { context, buffers: [counts, bound, moves], boxes, max_displacements, .. } = &**asset;
         let pipelines: Arc<Pipelines> = context.pipelines();
         let palette = storage::<Mat4>(&context.device, "skin palette", boxes.len() as u64)?;
-        let shapes = storage::<f32>(&context.device, "skin shapes", reaches.len() as u64)?;
+        let shapes = storage::<f32>(&context.device, "skin shapes", max_displacements.len() as u64)?;
         let group = pipelines.skin.bind(&kernels::Skin {
             counts: counts.entire(),
             bound: bound.entire(),
@@ -173,7 +173,9 @@ impl Skinning {
     /// # Errors
     /// [`crate::groom::Error::Unusable`] for the pose of another rig.
     pub fn pose(&mut self, pose: &RigPose, body: &mut Body) -> Result<bool> {
-        if pose.palette.len() != self.asset.boxes.len() || pose.weights.len() != self.asset.reaches.len() {
+        if pose.palette.len() != self.asset.boxes.len()
+            || pose.weights.len() != self.asset.max_displacements.len()
+        {
             return Err(Error::unusable("the pose does not match the body's rig"));
         }
         if (&pose.palette, &pose.weights) == (&self.pose.palette, &self.pose.weights) {
@@ -196,8 +198,12 @@ impl Skinning {
     /// Bounding box of the body in `pose`, groom space, meters. A vertex is a weighted mean of its positions under each
     /// joint.
     fn bounds(&self, pose: &RigPose) -> [Vec3; 2] {
-        let further: f32 =
-            pose.weights.iter().zip(&self.asset.reaches).map(|(w, reach)| w.abs() * reach).sum();
+        let further: f32 = pose
+            .weights
+            .iter()
+            .zip(&self.asset.max_displacements)
+            .map(|(w, displacement)| w.abs() * displacement)
+            .sum();
         let mut out = [Vec3::INFINITY, Vec3::NEG_INFINITY];
         for (matrix, [lo, hi]) in pose.palette.iter().zip(&self.asset.boxes) {
             if lo.cmpgt(*hi).any() {
@@ -235,14 +241,14 @@ fn packed(rig: &Rig) -> Result<(Vec<SkinVertex>, Vec<SkinDelta>)> {
         firsts.push(next);
         next += count;
     }
-    let mut places = firsts.clone();
+    let mut slots = firsts.clone();
     let mut deltas = vec![SkinDelta::default(); (next as usize).max(1)];
     for (shape, target) in rig.targets.iter().enumerate() {
         for delta in &target.deltas {
-            let place = &mut places[delta.vertex as usize];
+            let slot = &mut slots[delta.vertex as usize];
             let (position, normal, shape) = (delta.position, delta.normal, shape as u32);
-            deltas[*place as usize] = SkinDelta { position, shape, normal, _pad: 0 };
-            *place += 1;
+            deltas[*slot as usize] = SkinDelta { position, shape, normal, _pad: 0 };
+            *slot += 1;
         }
     }
     let vertices = rig.vertices.iter().zip(counts).zip(firsts).map(|((bind, count), first)| {
@@ -266,11 +272,11 @@ fn packed(rig: &Rig) -> Result<(Vec<SkinVertex>, Vec<SkinDelta>)> {
 /// Converts weights to 16-bit fractions whose sum is as close as possible to the weights' sum. The rounding error goes
 /// to the largest weight.
 fn fractions(weights: [f32; 8]) -> [u16; 8] {
-    let whole = f64::from(weights.iter().sum::<f32>()).clamp(0.0, 1.0) * 65_535.0;
+    let total = f64::from(weights.iter().sum::<f32>()).clamp(0.0, 1.0) * 65_535.0;
     let mut out = weights.map(|w| (w.clamp(0.0, 1.0) * 65_535.0).round() as u16);
-    let most = (0..8).max_by(|a, b| weights[*a].total_cmp(&weights[*b])).unwrap_or(0);
-    let left = whole.round() as i64 - out.iter().map(|w| i64::from(*w)).sum::<i64>();
-    out[most] = (i64::from(out[most]) + left).clamp(0, 65_535) as u16;
+    let largest = (0..8).max_by(|a, b| weights[*a].total_cmp(&weights[*b])).unwrap_or(0);
+    let left = total.round() as i64 - out.iter().map(|w| i64::from(*w)).sum::<i64>();
+    out[largest] = (i64::from(out[largest]) + left).clamp(0, 65_535) as u16;
     out
 }
 

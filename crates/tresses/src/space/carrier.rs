@@ -26,12 +26,12 @@ pub(crate) struct Passage {
 impl Passage {
     /// Returns the transform at the fraction `f` of the frame's motion.
     pub fn at(&self, f: f32) -> Map {
-        let rotation = relative(self.axes, self.turned(f));
+        let rotation = relative(self.axes, self.rotation_at(f));
         Map { rotation, translation: -(rotation * self.fixed) }
     }
 
     /// Returns the space's rotation in the world at `f`.
-    fn turned(&self, f: f32) -> DQuat {
+    fn rotation_at(&self, f: f32) -> DQuat {
         if self.from == self.to || f >= 1.0 { self.to } else { self.from.slerp(self.to, f.into()) }
     }
 }
@@ -64,7 +64,7 @@ impl Field {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shift {
     /// Offset added to positions, whole meters.
-    pub way: Vec3,
+    pub offset: Vec3,
     /// Offset added to velocities, m/s.
     pub velocity: Vec3,
 }
@@ -85,7 +85,7 @@ pub(crate) struct CarrierFrame {
 impl CarrierFrame {
     /// Returns the displacement of all positions by the shift, meters.
     pub fn displacement(&self) -> Vec3 {
-        self.shift.as_ref().map_or(Vec3::ZERO, |shift| shift.way)
+        self.shift.as_ref().map_or(Vec3::ZERO, |shift| shift.offset)
     }
 }
 
@@ -121,14 +121,15 @@ impl Carrier {
         let before = self.before.filter(|before| !before.is_where(space))?;
         let state = clock.state()?;
         let steps = clock.steps_to(dt, step);
-        let way = self.velocity.unwrap_or_default() * dt;
-        let there = Space { at: before.at + way, ..before };
-        let map = space.from(&there);
+        let displacement = self.velocity.unwrap_or_default() * dt;
+        let predicted = Space { at: before.at + displacement, ..before };
+        let map = space.from(&predicted);
         let stays = map.pose(state);
         // Such an unexpected displacement of the origin is a jump and exerts no force, so reinterpreting it loses no
         // motion.
-        let came = space.at - there.at + space.rotation * self.fixed - before.rotation * self.fixed;
-        let leaps = came.length() > JOLT * dt && clock.way(&stays, head) < clock.way(state, head);
+        let came = space.at - predicted.at + space.rotation * self.fixed - before.rotation * self.fixed;
+        let leaps = came.length() > JOLT * dt
+            && clock.relative_motion(&stays, head) < clock.relative_motion(state, head);
         if !(leaps || clock.jumps(state, head, steps)) || clock.jumps(&stays, head, steps) {
             return None;
         }
@@ -137,18 +138,18 @@ impl Carrier {
             true => space.rotation,
             false => (self.rotation * map.rotation.inverse()).normalize(),
         };
-        self.before = Some(Space { at: space.at - way, ..*space });
+        self.before = Some(Space { at: space.at - displacement, ..*space });
         Some(map)
     }
 
     /// Converts the frame described by `ticks`, `dt` seconds after the last one, to the carrier. `middle` is the center
     /// of the hair at rest, groom space. `world` contains gravity and wind in the axes of the world.
-    pub fn carry(
+    pub fn advance(
         &mut self,
         space: &Space,
         (clock, ticks): (&StepClock, &Ticks),
         (dt, step): (f64, f64),
-        middle: Vec3,
+        center: Vec3,
         world: &Field,
     ) -> CarrierFrame {
         let first = ticks.steps.first();
@@ -161,11 +162,11 @@ impl Carrier {
         }
         self.before = Some(*space);
         // A space that turns abruptly turns the carrier's axes with it.
-        let turn = clock.teleport_angle * (dt / step).clamp(1.0, MAX_STEPS.into()) as f32;
-        if self.rotation.angle_between(space.rotation) > f64::from(turn) {
+        let max_angle = clock.teleport_angle * (dt / step).clamp(1.0, MAX_STEPS.into()) as f32;
+        if self.rotation.angle_between(space.rotation) > f64::from(max_angle) {
             let still = self.axes == self.rotation;
-            let turned = space.rotation * self.rotation.inverse() * self.axes;
-            self.axes = if still { space.rotation } else { turned.normalize() };
+            let rotated_axes = space.rotation * self.rotation.inverse() * self.axes;
+            self.axes = if still { space.rotation } else { rotated_axes.normalize() };
             self.rotation = space.rotation;
         }
         let angular = match space.velocity {
@@ -183,12 +184,12 @@ impl Carrier {
             // The pose from which the step moves the hair, or at which it is placed.
             let pose = match first.mode {
                 Mode::Step => start.at(0.0).pose(&first.begin),
-                Mode::Carry | Mode::Reset => start.at(1.0).pose(&first.end),
+                Mode::Rigid | Mode::Reset => start.at(1.0).pose(&first.end),
             };
-            let strayed = pose.point(middle) - middle;
+            let strayed = pose.point(center) - center;
             if strayed.abs().max_element() > FAR {
-                let turned = if first.mode == Mode::Step { self.rotation } else { space.rotation };
-                shift = Some(self.move_origin(strayed.round(), turned, angular));
+                let rotation = if first.mode == Mode::Step { self.rotation } else { space.rotation };
+                shift = Some(self.move_origin(strayed.round(), rotation, angular));
             }
         }
         let origin = space.at + space.rotation * self.fixed;
@@ -199,7 +200,7 @@ impl Carrier {
         let felt = if dt > 0.0 { (dt - f64::from(ticks.skipped)).max(0.0) / dt } else { 0.0 };
         let change = if mode == Some(Mode::Step) { change * felt } else { DVec3::ZERO };
         let passage = self.passage(space);
-        let mut carried = CarrierFrame { passage, ..CarrierFrame::default() };
+        let mut frame = CarrierFrame { passage, ..CarrierFrame::default() };
         let mut last: Option<Pose> = None;
         for tick in &ticks.steps {
             let (begin, to, part) = match tick.mode {
@@ -208,7 +209,7 @@ impl Carrier {
                     (begin, tick.to, f64::from(tick.to) - f64::from(tick.from))
                 }
                 // Carried hair was where the origin had been.
-                Mode::Carry => (start.at(0.0).pose(&tick.begin), 1.0, 0.0),
+                Mode::Rigid => (start.at(0.0).pose(&tick.begin), 1.0, 0.0),
                 Mode::Reset => (passage.at(1.0).pose(&tick.begin), 1.0, 0.0),
             };
             let end = passage.at(to).pose(&tick.end);
@@ -220,24 +221,24 @@ impl Carrier {
                 let pull = self.axes.inverse() * (change * (part / step));
                 field.gravity = (field.gravity.as_dvec3() - pull).as_vec3();
             }
-            if let Some(Shift { velocity, .. }) = shift.filter(|_| carried.fields.is_empty()) {
+            if let Some(Shift { velocity, .. }) = shift.filter(|_| frame.fields.is_empty()) {
                 field.kick += velocity;
             }
-            carried.fields.push(field);
-            carried.steps.push(Step { begin, end, ..*tick });
+            frame.fields.push(field);
+            frame.steps.push(Step { begin, end, ..*tick });
         }
         match ticks.steps.last() {
             Some(tick) if tick.mode == Mode::Step => {
-                self.rotation = passage.turned(tick.to);
+                self.rotation = passage.rotation_at(tick.to);
                 self.origin = self.origin.lerp(origin, tick.to.into());
                 let rest = if ticks.skipped > 0.0 { 1.0 } else { f64::from(tick.to) };
                 self.velocity = self.velocity.map(|_| velocity + change * rest);
-                carried.shift = shift;
+                frame.shift = shift;
             }
             Some(_) => (self.rotation, self.origin) = (space.rotation, origin),
             None => {}
         }
-        carried
+        frame
     }
 
     /// Returns the velocity relative to another carrier, in this one's axes, m/s; zero where either is unknown.
@@ -255,13 +256,13 @@ impl Carrier {
 
     /// Moves the origin by `way` meters in the carrier's axes. The space has the rotation `turned` and the angular
     /// velocity `angular`.
-    fn move_origin(&mut self, way: Vec3, turned: DQuat, angular: DVec3) -> Shift {
-        let there = relative(self.axes, turned).inverse() * way.as_dvec3();
-        let faster = angular.cross(turned * there);
-        self.fixed += there;
-        self.origin += turned * there;
+    fn move_origin(&mut self, offset: Vec3, rotation: DQuat, angular: DVec3) -> Shift {
+        let space_offset = relative(self.axes, rotation).inverse() * offset.as_dvec3();
+        let faster = angular.cross(rotation * space_offset);
+        self.fixed += space_offset;
+        self.origin += rotation * space_offset;
         self.velocity = self.velocity.map(|v| v + faster);
-        Shift { way: -way, velocity: -(self.axes.inverse() * faster).as_vec3() }
+        Shift { offset: -offset, velocity: -(self.axes.inverse() * faster).as_vec3() }
     }
 
     /// Returns the origin's velocity at the end of the last step, and its change in this frame, m/s.
@@ -308,13 +309,13 @@ impl Carrier {
     ) -> Field {
         let to_axes = Map { rotation: relative(self.axes, DQuat::IDENTITY), translation: DVec3::ZERO };
         let wind = world.wind;
-        let gravity = to_axes.turned(world.gravity);
-        if space.carries_air {
-            let own = map.turned(wind);
+        let gravity = to_axes.vector(world.gravity);
+        if space.moves_air {
+            let own = map.vector(wind);
             let spin = to_axes.point(angular).as_vec3();
             return Field { spin, at: map.rotation * self.fixed, ..Field::of(gravity, own) };
         }
-        let own = to_axes.turned(wind);
+        let own = to_axes.vector(wind);
         let still = Field { at: to_axes.point(at), ..Field::of(gravity, own) };
         if v == DVec3::ZERO || v.length() > FASTEST {
             return still;

@@ -64,7 +64,7 @@ pub struct Space {
     pub velocity: Option<Velocity>,
     /// Whether the air moves with the space, as in a cabin. If so, the wind is relative to the space and in its axes.
     /// Otherwise the air is the world's, and motion through it is felt as wind.
-    pub carries_air: bool,
+    pub moves_air: bool,
 }
 
 /// The motion of a rigid space, in the axes of the world.
@@ -85,7 +85,7 @@ impl Default for Space {
 impl Space {
     /// The world.
     pub const WORLD: Self =
-        Self { at: DVec3::ZERO, rotation: DQuat::IDENTITY, velocity: None, carries_air: false };
+        Self { at: DVec3::ZERO, rotation: DQuat::IDENTITY, velocity: None, moves_air: false };
 
     /// Creates a space at `at` (meters) with the world's axes.
     pub const fn at(at: DVec3) -> Self {

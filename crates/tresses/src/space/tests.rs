@@ -29,7 +29,7 @@ impl Ride {
             self.clock.enter(&map);
         }
         let ticks = self.clock.tick(dt as f32, STEP as f32, head);
-        self.carrier.carry(space, (&self.clock, &ticks), (dt, STEP), Vec3::Y, world)
+        self.carrier.advance(space, (&self.clock, &ticks), (dt, STEP), Vec3::Y, world)
     }
 }
 
@@ -215,7 +215,7 @@ fn changing_coordinates_moves_nothing() {
     // A head that jumps in both spaces is teleported.
     let far = Pose { translation: Vec3::Z * 40.0, ..Pose::IDENTITY };
     let space = Space::at(start + DVec3::Y * 500.0);
-    assert_eq!(there.frame(&space, &far, STEP).steps[0].mode, Mode::Carry);
+    assert_eq!(there.frame(&space, &far, STEP).steps[0].mode, Mode::Rigid);
 }
 
 #[test]
@@ -226,9 +226,9 @@ fn origin_follows_hair_in_whole_meters() {
         let head = Pose { translation: Vec3::new(0.03, 0.0, -0.02) * i as f32, ..nod(f64::from(i) * STEP) };
         let carried = ride.frame(&Space::WORLD, &head, STEP);
         if let Some(shift) = carried.shift {
-            assert_eq!((shift.way, shift.velocity), (shift.way.round(), Vec3::ZERO));
-            way -= shift.way;
-            before = before.map(|pose| Pose { translation: pose.translation + shift.way, ..pose });
+            assert_eq!((shift.offset, shift.velocity), (shift.offset.round(), Vec3::ZERO));
+            way -= shift.offset;
+            before = before.map(|pose| Pose { translation: pose.translation + shift.offset, ..pose });
         }
         let step = carried.steps[0];
         assert!(step.end.translation.abs().max_element() < FAR + 0.2);
@@ -244,7 +244,7 @@ fn origin_follows_hair_in_whole_meters() {
     assert_eq!((step.mode, step.end.translation), (Mode::Reset, Vec3::Z * 0.25));
     // Teleported hair is carried there: from the old origin to the new one.
     let step = ride.frame(&Space::WORLD, &far, STEP).steps[0];
-    assert_eq!(step.mode, Mode::Carry);
+    assert_eq!(step.mode, Mode::Rigid);
     assert_eq!(step.begin, before.unwrap());
     assert!(step.end.translation.length() < 1.0);
 }
@@ -260,7 +260,11 @@ fn air_belongs_to_world_or_cabin() {
         for i in 0..40 {
             let t = f64::from(i) * STEP;
             let turned = DQuat::from_rotation_y(0.5 * t) * rotation;
-            let space = Space { rotation: turned, carries_air, ..Space::at(DVec3::new(30.0 * t, 0.0, 1e4)) };
+            let space = Space {
+                rotation: turned,
+                moves_air: carries_air,
+                ..Space::at(DVec3::new(30.0 * t, 0.0, 1e4))
+            };
             let carried = ride.with(&space, &Pose::IDENTITY, STEP, &world);
             field = carried.fields.first().copied().map(|field| (field, turned));
         }

@@ -62,28 +62,28 @@ pub struct StrandBuffers {
     pub drawn: DrawCount,
     /// Capacity of `strands`, `vertices` and `widening`. [`Hair`](crate::hair::Hair) has room for what its level of detail
     /// draws.
-    pub room: Room,
+    pub capacity: StrandCapacity,
 }
 
 /// Capacity of one head's buffers: strands, and vertices in total.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Room {
+pub struct StrandCapacity {
     /// Number of strands.
     pub strands: u32,
     /// Total number of vertices.
     pub vertices: u32,
 }
 
-impl Room {
+impl StrandCapacity {
     /// Returns a capacity for at least these strands and vertices, and at most for `all`. It grows in steps of half an
     /// octave, so that an approaching head seldom reallocates.
     pub fn of([strands, vertices]: [u32; 2], all: Self) -> Self {
-        let step = |least: u32, need: u32, most: u32| {
-            let mut room = f64::from(least);
-            while room < f64::from(need) {
-                room *= std::f64::consts::SQRT_2;
+        let step = |min: u32, need: u32, max: u32| {
+            let mut capacity = f64::from(min);
+            while capacity < f64::from(need) {
+                capacity *= std::f64::consts::SQRT_2;
             }
-            (room.ceil() as u32).min(most)
+            (capacity.ceil() as u32).min(max)
         };
         Self { strands: step(512, strands, all.strands), vertices: step(4096, vertices, all.vertices) }
     }
@@ -91,9 +91,9 @@ impl Room {
     /// Returns the new capacity if this one is smaller than `need` or more than three times too large.
     pub fn resized(&self, need: [u32; 2], all: Self) -> Option<Self> {
         let fits = self.strands >= need[0] && self.vertices >= need[1];
-        let room = Self::of(need, all);
-        let wastes = self.strands / 3 > room.strands || self.vertices / 3 > room.vertices;
-        (!fits || wastes).then_some(room)
+        let capacity = Self::of(need, all);
+        let wastes = self.strands / 3 > capacity.strands || self.vertices / 3 > capacity.vertices;
+        (!fits || wastes).then_some(capacity)
     }
 }
 
@@ -111,7 +111,7 @@ pub struct DrawCount {
     /// Factors of the number of fibers in front of visible hair ([`crate::lod::Detail::deeper`]).
     pub deeper: [f32; 2],
     /// See [`crate::lod::Detail::sunk`], meters.
-    pub sunk: f32,
+    pub depth_offset: f32,
     /// Strength of the stochastic light and shadow on single strands, where each drawn strand represents several: the
     /// square root of the fraction that is drawn.
     pub single: f32,
@@ -135,7 +135,7 @@ impl DrawCount {
                 stride: 1.0,
                 area: 1.0,
                 deeper: [1.0; 2],
-                sunk: 0.0,
+                depth_offset: 0.0,
                 single: 1.0,
                 dense: 0.0,
                 packed: 0.0,
@@ -149,7 +149,7 @@ impl DrawCount {
             stride: last as f32 / segments,
             area: 1.0,
             deeper: [1.0; 2],
-            sunk: 0.0,
+            depth_offset: 0.0,
             single: 1.0,
             dense: 0.0,
             packed: 0.0,
@@ -305,8 +305,8 @@ impl StrandAsset {
     }
 
     /// Returns the capacity for all strands.
-    pub fn whole(&self) -> Room {
-        Room { strands: self.count, vertices: self.count.saturating_mul(self.vertex_count) }
+    pub fn full_capacity(&self) -> StrandCapacity {
+        StrandCapacity { strands: self.count, vertices: self.count.saturating_mul(self.vertex_count) }
     }
 
     pub fn bytes(&self) -> u64 {
@@ -321,24 +321,24 @@ impl StrandBuffers {
     /// [`Error::Limit`].
     pub fn new(context: &Context, count: u32, vertex_count: u32) -> Result<Self> {
         let asset = StrandAsset::new(context, count, vertex_count)?;
-        Self::of(context, &asset, asset.whole())
+        Self::of(context, &asset, asset.full_capacity())
     }
 
     /// Creates empty buffers of one head with the capacity `room`.
-    pub(crate) fn of(context: &Context, asset: &StrandAsset, room: Room) -> Result<Self> {
+    pub(crate) fn of(context: &Context, asset: &StrandAsset, capacity: StrandCapacity) -> Result<Self> {
         let Context { device, .. } = context;
         let StrandAsset { count, vertex_count, bindings, rest } = asset.clone();
         Ok(Self {
             count,
             vertex_count,
-            strands: buffer(device, "strands", room.strands.into())?,
+            strands: buffer(device, "strands", capacity.strands.into())?,
             bindings,
             rest,
-            vertices: buffer(device, "strand vertices", room.vertices.into())?,
-            widening: buffer(device, "strand widening", room.strands.into())?,
+            vertices: buffer(device, "strand vertices", capacity.vertices.into())?,
+            widening: buffer(device, "strand widening", capacity.strands.into())?,
             roots: buffer(device, "strand roots", 1)?,
             drawn: DrawCount::new(count, vertex_count, f32::INFINITY),
-            room,
+            capacity,
         })
     }
 

@@ -48,9 +48,9 @@ pub(crate) struct GuideShape {
 
 /// Largest deviation of a bend's rest value from the rest pose, as a fraction of the edge after it (a chord of about 40
 /// degrees).
-pub const MOST_GIVE: f32 = 0.7;
+pub const MAX_GIVE: f32 = 0.7;
 /// Largest deviation of an edge's rest length from its length in the rest pose, as a fraction of the latter.
-pub const MOST_SHORTER: f32 = 0.05;
+pub const MAX_SHORTER: f32 = 0.05;
 
 /// [`GuideRest`] and [`GuideShape`] of a vertex in GPU layout: the position as fractions of the guide's cube, the shape
 /// as its deviation from the rest pose.
@@ -76,16 +76,16 @@ fn signed(v: f32) -> i32 {
 /// `edge`.
 pub(crate) fn rounded_give(give: Vec3, shorter: f32, edge: f32) -> (Vec3, f32) {
     let edge = edge.max(1e-9);
-    let round = |v: f32, most: f32| signed(v / (most * edge)) as f32 / 32_767.0 * most * edge;
-    (give.map(|v| round(v, MOST_GIVE)), round(shorter, MOST_SHORTER))
+    let round = |v: f32, max: f32| signed(v / (max * edge)) as f32 / 32_767.0 * max * edge;
+    (give.map(|v| round(v, MAX_GIVE)), round(shorter, MAX_SHORTER))
 }
 
 impl PackedGuide {
     /// Packs the vertex at `rest`. Its bend deviates by `give` meters, and its edge of `edge` meters is shortened by
     /// `shorter` meters.
     pub fn pack(rest: &GuideRest, give: Vec3, shorter: f32, edge: f32, guide: &Guide) -> Self {
-        let places = (rest.position - guide.origin) / guide.extent.max(1e-12);
-        let places = (places.clamp(Vec3::ZERO, Vec3::ONE) * 65_535.0).round().as_uvec3();
+        let fractions = (rest.position - guide.origin) / guide.extent.max(1e-12);
+        let quantized = (fractions.clamp(Vec3::ZERO, Vec3::ONE) * 65_535.0).round().as_uvec3();
         let near = f16::from_f32(rest.contact);
         // Rounded down, so that the rest pose has no contacts.
         let contact = if near.to_f32() <= rest.contact {
@@ -97,21 +97,21 @@ impl PackedGuide {
         };
         let edge = edge.max(1e-9);
         let word = |a: i32, b: i32| u32::from(a as u16) | u32::from(b as u16) << 16;
-        let give = give / (MOST_GIVE * edge);
+        let give = give / (MAX_GIVE * edge);
         Self {
-            xy: places.x | places.y << 16,
-            z_contact: places.z | u32::from(contact) << 16,
+            xy: quantized.x | quantized.y << 16,
+            z_contact: quantized.z | u32::from(contact) << 16,
             give_xy: word(signed(give.x), signed(give.y)),
-            give_z_shorter: word(signed(give.z), signed(shorter / (MOST_SHORTER * edge))),
+            give_z_shorter: word(signed(give.z), signed(shorter / (MAX_SHORTER * edge))),
         }
     }
 
     /// Returns rest position and clearance.
     pub fn rest(&self, guide: &Guide) -> GuideRest {
         let fraction = |v: u32| (v & 0xffff) as f32 / 65_535.0;
-        let places = Vec3::new(fraction(self.xy), fraction(self.xy >> 16), fraction(self.z_contact));
+        let fractions = Vec3::new(fraction(self.xy), fraction(self.xy >> 16), fraction(self.z_contact));
         let contact = f16::from_bits((self.z_contact >> 16) as u16).to_f32();
-        GuideRest { position: guide.origin + places * guide.extent, contact }
+        GuideRest { position: guide.origin + fractions * guide.extent, contact }
     }
 }
 
@@ -133,15 +133,15 @@ pub fn unpack_velocity([a, b]: [u32; 2]) -> Vec3 {
 
 /// Packs a short displacement, meters, in 4 bytes: three signed 9-bit fractions with a shared exponent. 0 is no
 /// displacement.
-pub fn pack_lag(way: Vec3) -> u32 {
-    let (q, e) = shared(way, [106, 137], 155, 8);
+pub fn pack_lag(displacement: Vec3) -> u32 {
+    let (q, e) = shared(displacement, [106, 137], 155, 8);
     let [x, y, z] = (q & 0x1ff).as_uvec3().to_array();
     x | y << 9 | z << 18 | e << 27
 }
 
 /// Returns `v` as integers of `bits` bits plus sign, and their shared exponent, counted from 0.
-fn shared(v: Vec3, [least, most]: [u32; 2], inverse: u32, bits: u32) -> (IVec3, u32) {
-    let e = (v.abs().max_element().to_bits() >> 23).clamp(least, most) - least;
+fn shared(v: Vec3, [min_exponent, max_exponent]: [u32; 2], inverse: u32, bits: u32) -> (IVec3, u32) {
+    let e = (v.abs().max_element().to_bits() >> 23).clamp(min_exponent, max_exponent) - min_exponent;
     let limit = ((1 << bits) - 1) as f32;
     let q = v * f32::from_bits((inverse - e) << 23);
     (q.map(|v| v.round_ties_even().clamp(-limit, limit)).as_ivec3(), e)

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 /// Number of vertices that a 16-bit index can address.
-const REACH: u32 = 1 << 16;
+const ADDRESSABLE_VERTICES: u32 = 1 << 16;
 
 /// Index buffer for as many strands as 16 bits can address, drawn repeatedly with different base vertices. One list
 /// stays in the cache. Indices for a whole groom would take twice the memory of its vertices, and instances of one
@@ -18,7 +18,7 @@ pub(crate) struct Chunks {
 
 impl Chunks {
     fn new(device: &wgpu::Device, count: u32, strand: &[u16], vertices_per_strand: u32) -> Self {
-        let strands_per_chunk = (REACH / vertices_per_strand).min(count).max(1);
+        let strands_per_chunk = (ADDRESSABLE_VERTICES / vertices_per_strand).min(count).max(1);
         let list: Vec<u16> = (0..strands_per_chunk)
             .flat_map(|i| strand.iter().map(move |index| (i * vertices_per_strand) as u16 + index))
             .collect();

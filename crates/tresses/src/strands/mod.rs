@@ -28,7 +28,7 @@ pub use crate::groom::bound::{
     binding::{PackedRest, StrandBinding},
     strand::{self, Strand},
 };
-pub use buffers::{DrawCount, GuideBuffers, Room, StrandBuffers};
+pub use buffers::{DrawCount, GuideBuffers, StrandBuffers, StrandCapacity};
 pub(crate) use buffers::{GuideAsset, StrandAsset};
 #[cfg(test)]
 pub(crate) use force::Force;

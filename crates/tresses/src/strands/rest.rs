@@ -52,16 +52,16 @@ impl RestGuides {
     /// Returns vertex `at` in GPU layout.
     fn packed(&self, at: usize) -> PackedGuide {
         let count = self.info.len();
-        let place = |at: usize| self.rest[at].position;
+        let position = |at: usize| self.rest[at].position;
         let (rest, shape, guide) = (&self.rest[at], &self.shape[at], &self.info[at % count]);
         if at + count >= self.rest.len() {
             return PackedGuide::pack(rest, Vec3::ZERO, 0.0, 1.0, guide);
         }
-        let edge = place(at + count) - rest.position;
+        let edge = position(at + count) - rest.position;
         let give = if at < count {
             Vec3::ZERO
         } else {
-            edge - (rest.position - place(at - count)) - shape.curvature
+            edge - (rest.position - position(at - count)) - shape.curvature
         };
         PackedGuide::pack(rest, give, edge.length() - shape.length, edge.length(), guide)
     }

@@ -24,7 +24,7 @@ pub(crate) struct Arrows {
     /// Maximum length of an arrow, meters.
     pub longest: f32,
     /// Minimum length of a vector that is drawn.
-    pub least: f32,
+    pub min_value: f32,
 }
 
 impl Arrows {
@@ -40,7 +40,14 @@ impl Arrows {
             counts[axis.min(2)] = 1;
         }
         let longest = 0.95 * (grid.extent() * step).min_element();
-        Self { first, step, count: counts, seconds: longest / high.max(1e-20), longest, least: 0.02 * high }
+        Self {
+            first,
+            step,
+            count: counts,
+            seconds: longest / high.max(1e-20),
+            longest,
+            min_value: 0.02 * high,
+        }
     }
 }
 
@@ -87,11 +94,11 @@ impl ArrowsKernel {
             step: arrows.step,
             longest: arrows.longest,
             count,
-            min_value: arrows.least,
+            min_value: arrows.min_value,
         };
-        let (place, uniform) = (canvas.grid(grid), constant(canvas.device, "arrows", &uniform));
+        let (grid_uniform, uniform) = (canvas.grid(grid), constant(canvas.device, "arrows", &uniform));
         let group = self.0.bind(&kernels::Arrows {
-            grid: place.entire(),
+            grid: grid_uniform.entire(),
             params: uniform.entire(),
             values: grid.texture,
             linear_clamp: canvas.sampler,

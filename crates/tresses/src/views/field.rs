@@ -35,7 +35,7 @@ impl FieldKernel {
         });
         let obstacles = collide::layout(device);
         Self {
-            kernel: Kernel::beside::<kernels::Field>(&context.device, &[&obstacles]),
+            kernel: Kernel::with_shared::<kernels::Field>(&context.device, &[&obstacles]),
             texture: texture.create_view(&Default::default()),
         }
     }
@@ -47,8 +47,9 @@ impl FieldKernel {
         grid: &GridView<'_>,
         colliders: &ColliderSet,
     ) -> Result<()> {
-        let place = canvas.grid(grid);
-        let group = self.kernel.bind(&kernels::Field { grid: place.entire(), distances: &self.texture });
+        let grid_uniform = canvas.grid(grid);
+        let group =
+            self.kernel.bind(&kernels::Field { grid: grid_uniform.entire(), distances: &self.texture });
         let mut pass = canvas.commands.compute("debug");
         pass.set_bind_group(1, colliders.group(), &[]);
         self.kernel.record_grid(&mut pass, &group, &[], [RESOLUTION.div_ceil(4); 3]);

@@ -27,7 +27,7 @@ pub struct GridView<'a> {
     /// Value of a texel that is shown.
     pub(crate) quantity: Quantity,
     /// Whether vectors are in the grid's frame and turn with its pose. Otherwise they are in world axes.
-    pub(crate) turns: bool,
+    pub(crate) rotates: bool,
 }
 
 impl GridView<'_> {
@@ -50,7 +50,7 @@ impl GridView<'_> {
                 Quantity::Length => 4,
             },
             scale: self.scale,
-            rotates: u32::from(self.turns),
+            rotates: u32::from(self.rotates),
             bias: self.bias,
             _pad: 0,
         }

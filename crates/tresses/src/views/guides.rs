@@ -57,7 +57,7 @@ impl GuidesKernel {
         &self,
         canvas: &mut Canvas<'_, '_>,
         guides: &GuideBuffers,
-        place: &Pose,
+        pose: &Pose,
         quantity: GuideQuantity,
     ) -> Result<wgpu::Buffer> {
         let total = u64::from(guides.count) * u64::from(guides.line_count());
@@ -70,8 +70,8 @@ impl GuidesKernel {
                 vertex_count: guides.vertex_count,
                 sample_count: guides.line_count(),
                 quantity: quantity as u32,
-                rotation: place.rotation,
-                translation: place.translation,
+                rotation: pose.rotation,
+                translation: pose.translation,
                 _pad: 0,
             },
         );

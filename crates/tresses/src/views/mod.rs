@@ -65,7 +65,7 @@ pub(crate) use slices::Slices;
 pub(crate) use strands::StrandQuantity;
 pub(crate) use streams::Streams;
 pub use terms::Term;
-pub use view::{DebugView, Scale};
+pub use view::{ColorScale, DebugView};
 
 use crate::{
     Camera, Context, Pose, Result,
@@ -205,8 +205,8 @@ impl DebugStage {
                         self.lines.record(&mut canvas, &points, streams.points.max(2), paint);
                     }
                 }
-                Layer::Guides(guides, place, paint, quantity) => {
-                    let points = self.guides.record(&mut canvas, guides, place, *quantity)?;
+                Layer::Guides(guides, pose, paint, quantity) => {
+                    let points = self.guides.record(&mut canvas, guides, pose, *quantity)?;
                     self.lines.record(&mut canvas, &points, guides.line_count(), paint);
                 }
                 Layer::Distance(colliders, grid, slices) => {
@@ -215,7 +215,7 @@ impl DebugStage {
                     let grid = GridView {
                         texture: &field.texture,
                         quantity: Quantity::Channel(0),
-                        turns: false,
+                        rotates: false,
                         ..*grid
                     };
                     for (paint, slices) in slices {

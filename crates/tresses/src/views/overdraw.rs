@@ -22,7 +22,7 @@ const COUNTS: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
 pub(super) struct Overdraw {
     device: Device,
     light: Arc<light::Pipelines>,
-    made: PipelineCache<&'static str, wgpu::RenderPipeline>,
+    cache: PipelineCache<&'static str, wgpu::RenderPipeline>,
     layout: wgpu::BindGroupLayout,
     format: wgpu::TextureFormat,
 }
@@ -34,7 +34,7 @@ impl Overdraw {
         Self {
             device: context.device.clone(),
             light: context.pipelines(),
-            made: PipelineCache::default(),
+            cache: PipelineCache::default(),
             layout,
             format,
         }
@@ -46,7 +46,7 @@ impl Overdraw {
             Renderer::Masks(_) => ("draw::masks::masked", "masked_vertex"),
             Renderer::Tiles(_) | Renderer::Classic(_) => ("views::overdraw", "overdraw_strip"),
         };
-        self.made.get(vertex.1, || {
+        self.cache.get(vertex.1, || {
             let light::Pipelines { frame, hair, fiber, .. } = &*self.light;
             Recipe {
                 vertex,
@@ -69,7 +69,7 @@ impl Overdraw {
         paint: &Paint,
     ) -> Result<()> {
         let count = self.count(renderer)?;
-        let show = self.made.get("show", || {
+        let show = self.cache.get("show", || {
             let topology = wgpu::PrimitiveTopology::TriangleList;
             overlay(canvas.device, "views::overdraw", &[&self.layout], self.format, topology, false)
         })?;
@@ -91,7 +91,7 @@ impl Overdraw {
         let mut pass = canvas.commands.render("debug", &[cleared(&counts)], deep(canvas.depth, None));
         pass.set_pipeline(&count);
         pass.set_bind_group(0, frame, &[]);
-        hair.iter().for_each(|seen| seen.record_strips(&mut pass));
+        hair.iter().for_each(|view| view.record_strips(&mut pass));
         drop(pass);
         let paint = canvas.paint(paint);
         let resources = [paint.as_entire_binding(), wgpu::BindingResource::TextureView(&counts)];

@@ -27,9 +27,9 @@ impl Peak {
     /// [`crate::Error::Gpu`] when the device is lost.
     pub async fn measure(&self, grid: &GridView<'_>) -> Result<f32> {
         let result = storage::<f32>(&self.context.device, "peak", 1)?;
-        let place = constant(&self.context.device, "peak", &grid.uniform());
+        let grid_uniform = constant(&self.context.device, "peak", &grid.uniform());
         let group = self.kernel.bind(&kernels::Peak {
-            grid: place.entire(),
+            grid: grid_uniform.entire(),
             values: grid.texture,
             result: result.entire(),
         });

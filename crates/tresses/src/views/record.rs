@@ -1,8 +1,8 @@
 //! Records frames that show a [`super::DebugView`].
 
 use super::{
-    Arrows, DebugStage, DebugView, GridView, GuideQuantity, Layer, LinePoint, Paint, Scale, Slices, Streams,
-    outline::Pen, strands::StrandsKernel, terms::Terms, view::grid,
+    Arrows, ColorScale, DebugStage, DebugView, GridView, GuideQuantity, Layer, LinePoint, Paint, Slices,
+    Streams, outline::Pen, strands::StrandsKernel, terms::Terms, view::grid,
 };
 use crate::{
     Camera, Context, Pose, Result,
@@ -44,9 +44,9 @@ impl DebugDisplay {
     }
 
     /// Returns the color scale, with `high` applied.
-    pub fn scale(&self) -> Option<Scale> {
+    pub fn scale(&self) -> Option<ColorScale> {
         self.view.scale().map(|scale| match self.high {
-            Some(high) => Scale { high, low: if scale.low < 0.0 { -high } else { 0.0 }, ..scale },
+            Some(high) => ColorScale { high, low: if scale.low < 0.0 { -high } else { 0.0 }, ..scale },
             None => scale,
         })
     }
@@ -116,18 +116,18 @@ impl DebugViews {
         shown: &DebugDisplay,
         picture: &Picture,
         hair: &[&Hair],
-        seen: &[HairView<'_>],
+        hair_views: &[HairView<'_>],
     ) -> Result<bool> {
         Ok(match (shown.view.strands(), shown.view.term()) {
             (Some(quantity), _) => {
-                for (hair, seen) in hair.iter().zip(seen) {
+                for (hair, hair_view) in hair.iter().zip(hair_views) {
                     let eye = picture.camera.eye();
-                    self.strands.record(commands, hair, seen, (eye, quantity, shown.high()))?;
+                    self.strands.record(commands, hair, hair_view, (eye, quantity, shown.high()))?;
                 }
                 true
             }
             (None, Some(term)) => {
-                self.terms.record(commands, seen, term)?;
+                self.terms.record(commands, hair_views, term)?;
                 true
             }
             // Overdraw draws the shaded strips.
@@ -145,7 +145,7 @@ impl DebugViews {
         shown: &DebugDisplay,
         picture: &Picture,
         (view, output): (&View, &wgpu::TextureView),
-        (hair, seen): (&[&Hair], &[HairView<'_>]),
+        (hair, hair_views): (&[&Hair], &[HairView<'_>]),
         bodies: &[&Body],
     ) -> Result<()> {
         let (what, camera, high) = (shown.view, &picture.camera, shown.high());
@@ -155,7 +155,7 @@ impl DebugViews {
         let low = shown.scale().map_or(0.0, |scale| scale.low);
         let paint = |opacity| Paint { low, high, opacity };
         if what == DebugView::Overdraw {
-            let drawn = (&view.light.frame, view.options().renderer, seen);
+            let drawn = (&view.light.frame, view.options().renderer, hair_views);
             let (stage, paint) = (&mut self.stage, paint(1.0));
             return stage.record_overdraw(commands, camera, bodies, output, drawn, &paint);
         }
@@ -190,8 +190,8 @@ impl DebugViews {
             (DebugView::Colliders, _) => {
                 // The first collider is the head's field, which follows the head.
                 let pose = hair.colliders.drawn().first().copied().unwrap_or(hair.motion.head);
-                let place = |p: &LinePoint| LinePoint { position: pose.point(p.position), ..*p };
-                lines.extend(self.contours.iter().map(place));
+                let to_world = |p: &LinePoint| LinePoint { position: pose.point(p.position), ..*p };
+                lines.extend(self.contours.iter().map(to_world));
             }
             _ => {}
         }
@@ -232,7 +232,7 @@ fn layers<'a>(
             let points = 3 * u32::from(STEPS) / 2;
             vec![
                 Layer::Lines(lines, paint(0.7)),
-                Layer::Streams(grid, paint(0.8), Streams { seeds, points, step, least: 0.02 * high }),
+                Layer::Streams(grid, paint(0.8), Streams { seeds, points, step, min_speed: 0.02 * high }),
                 Layer::Slices(grid, paint(1.0), column),
             ]
         }

@@ -77,7 +77,7 @@ impl SlicesPipeline {
         paint: &Paint,
         slices: &Slices,
     ) {
-        let (paint, place) = (canvas.paint(paint), canvas.grid(grid));
+        let (paint, grid_uniform) = (canvas.paint(paint), canvas.grid(grid));
         let uniform = constant(
             canvas.device,
             "slices",
@@ -91,7 +91,7 @@ impl SlicesPipeline {
         );
         let resources = [
             paint.as_entire_binding(),
-            place.as_entire_binding(),
+            grid_uniform.as_entire_binding(),
             wgpu::BindingResource::TextureView(grid.texture),
             wgpu::BindingResource::Sampler(canvas.sampler),
             uniform.as_entire_binding(),

@@ -56,21 +56,21 @@ impl StrandsKernel {
         &self,
         commands: &mut Commands<'_>,
         hair: &Hair,
-        seen: &HairView<'_>,
+        view: &HairView<'_>,
         (eye, quantity, high): (Vec3, StrandQuantity, f32),
     ) -> Result<()> {
         let uniform = StrandsUniform { eye, quantity: quantity as u32, high: high.max(1e-9), _pad: [0; 3] };
         let uniform = constant(&hair.asset.context.device, "debug strands", &uniform);
-        let (set, strands) = (seen.hair, &hair.strands);
+        let (set, strands) = (view.hair, &hair.strands);
         let group = self.0.bind(&kernels::Strands {
             params: uniform.entire(),
-            hair: seen.shaded.uniform.entire(),
+            hair: view.shaded.uniform.entire(),
             vertices: strands.vertices.entire(),
             info: strands.strands.entire(),
             bindings: strands.bindings.entire(),
             states: hair.avoidance.states().entire(),
             widening: strands.widening.entire(),
-            shaded: seen.shaded.colors.entire(),
+            shaded: view.shaded.colors.entire(),
         });
         let workgroups = (set.drawn.count * set.drawn.vertex_count).div_ceil(STRAND_WORKGROUP);
         let mut pass = commands.compute("shade");

@@ -21,7 +21,7 @@ pub(crate) struct Streams<'a> {
     /// Distance from point to point, meters.
     pub step: f32,
     /// Minimum speed. A line ends where the field is slower.
-    pub least: f32,
+    pub min_speed: f32,
 }
 
 impl Streams<'_> {
@@ -31,13 +31,13 @@ impl Streams<'_> {
         let along = grid.pose.rotation.conjugate() * wind.normalize_or(Vec3::Z);
         // From the middle against the wind to the face of the box, and a little back into the box.
         let half = 0.5 * grid.extent();
-        let reach = 0.98 * (half / along.abs().max(Vec3::splat(1e-6))).min_element();
+        let distance = 0.98 * (half / along.abs().max(Vec3::splat(1e-6))).min_element();
         let (right, up) = along.any_orthonormal_pair();
-        let middle = (Vec3::splat(0.5) - grid.bias) / grid.scale - along * reach;
+        let center = (Vec3::splat(0.5) - grid.bias) / grid.scale - along * distance;
         let width = 0.96 * 2.0 * half.min_element();
-        let place = |i: u32| ((i as f32 + 0.5) / count as f32 - 0.5) * width;
+        let offset = |i: u32| ((i as f32 + 0.5) / count as f32 - 0.5) * width;
         (0..count * count)
-            .map(|i| grid.pose.point(middle + right * place(i % count) + up * place(i / count)))
+            .map(|i| grid.pose.point(center + right * offset(i % count) + up * offset(i / count)))
             .collect()
     }
 }
@@ -79,7 +79,7 @@ impl StreamsKernel {
             seeds: streams.seeds.len() as u32,
             points: streams.points.max(2),
             step: streams.step,
-            min_speed: streams.least,
+            min_speed: streams.min_speed,
         };
         let total = u64::from(uniform.seeds) * u64::from(uniform.points);
         let points = self.1.get::<LinePoint>(canvas.device, "streams", total)?;
@@ -90,9 +90,9 @@ impl StreamsKernel {
             usage: wgpu::BufferUsages::STORAGE,
         });
         let workgroups = uniform.seeds.div_ceil(STRAND_WORKGROUP);
-        let (place, uniform) = (canvas.grid(grid), constant(canvas.device, "streams", &uniform));
+        let (grid_uniform, uniform) = (canvas.grid(grid), constant(canvas.device, "streams", &uniform));
         let group = self.0.bind(&kernels::Streams {
-            grid: place.entire(),
+            grid: grid_uniform.entire(),
             params: uniform.entire(),
             values: grid.texture,
             linear_clamp: canvas.sampler,

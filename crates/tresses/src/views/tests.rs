@@ -40,7 +40,7 @@ fn texture(context: &Context, n: u32, f: impl Fn(Vec3) -> Vec4) -> wgpu::Texture
 
 /// A box of 20 cm around the origin of `pose`.
 fn grid(texture: &wgpu::TextureView, pose: Pose, quantity: Quantity) -> GridView<'_> {
-    GridView { texture, pose, scale: Vec3::splat(5.0), bias: Vec3::splat(0.5), quantity, turns: true }
+    GridView { texture, pose, scale: Vec3::splat(5.0), bias: Vec3::splat(0.5), quantity, rotates: true }
 }
 
 /// An orthographic camera along -Z, 30 cm wide and high. The near plane is at z = 1 m, the far plane at z = -1 m.
@@ -99,7 +99,7 @@ fn arrows_point_along_the_field() {
     let texture = spinning(context);
     for turns in [true, false] {
         let pose = turned();
-        let grid = GridView { turns, ..grid(&texture, pose, Quantity::Length) };
+        let grid = GridView { rotates: turns, ..grid(&texture, pose, Quantity::Length) };
         let arrows = Arrows::over(&grid, Some((1, 0.25)), 8, 1.0);
         let kernel = ArrowsKernel::new(context);
         let points = points(context, |canvas| kernel.record(canvas, &grid, &arrows).unwrap());
@@ -136,7 +136,7 @@ fn streamlines_follow_circles() {
     let seeds: Vec<_> = radii.iter().map(|r| grid.pose.point(Vec3::new(*r, 0.02, 0.0))).collect();
     let kernel = StreamsKernel::new(context);
     let drift = |step: f32, least: f32| {
-        let streams = Streams { seeds: &seeds, points: 64, step, least };
+        let streams = Streams { seeds: &seeds, points: 64, step, min_speed: least };
         let points = points(context, |canvas| kernel.record(canvas, &grid, &streams).unwrap().unwrap());
         let mut worst = 0.0f32;
         for (line, radius) in points.chunks(64).zip(radii) {

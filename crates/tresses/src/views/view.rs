@@ -55,7 +55,7 @@ pub enum DebugView {
 /// Color scale of a view: [`super::ramp`] from `low` to `high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Scale {
+pub struct ColorScale {
     /// Quantity, with its unit.
     pub title: &'static str,
     /// Value drawn darkest.
@@ -170,8 +170,8 @@ impl DebugView {
     }
 
     /// Color scale, if the colors encode a number.
-    pub fn scale(self) -> Option<Scale> {
-        let scale = |title, high| Some(Scale { title, low: 0.0, high });
+    pub fn scale(self) -> Option<ColorScale> {
+        let scale = |title, high| Some(ColorScale { title, low: 0.0, high });
         match self {
             Self::Speed => scale("speed, m/s", 1.0),
             Self::Strain => scale("strain", 0.01),
@@ -181,7 +181,7 @@ impl DebugView {
             Self::Density => scale("density, km/m³", 2000.0),
             Self::Push => scale("push, m/s²", 5.0),
             Self::Wind => scale("air speed, m/s", 10.0),
-            Self::Distance => Some(Scale { title: "distance, m", low: -0.1, high: 0.1 }),
+            Self::Distance => Some(ColorScale { title: "distance, m", low: -0.1, high: 0.1 }),
             Self::Shadow => scale("fraction of the light", 1.0),
             _ => None,
         }
@@ -239,27 +239,27 @@ impl DebugView {
 /// Returns the grid that a view shows, or the box in which it evaluates its values.
 pub(super) fn grid(view: DebugView, hair: &Hair) -> Option<GridView<'_>> {
     let volume = &hair.volume;
-    let (texture, quantity, turns) = match view {
+    let (texture, quantity, rotates) = match view {
         DebugView::Density => (&volume.hair, Quantity::Channel(3), false),
         DebugView::Push => (&volume.push, Quantity::Length, true),
         // Only the box matters.
         DebugView::Distance => (&volume.hair, Quantity::Channel(0), false),
         DebugView::Wind => {
             let air = hair.air.as_ref()?;
-            let place = air.now();
+            let air_grid = air.current_grid();
             return Some(GridView {
                 texture: &air.view,
-                pose: hair.motion.to_drawn.after(&Pose { translation: place.corner, ..Pose::IDENTITY }),
-                scale: Vec3::splat(place.scale),
+                pose: hair.motion.to_drawn.after(&Pose { translation: air_grid.corner, ..Pose::IDENTITY }),
+                scale: Vec3::splat(air_grid.scale),
                 bias: Vec3::ZERO,
                 quantity: Quantity::Length,
-                turns: true,
+                rotates: true,
             });
         }
         _ => return None,
     };
     let (scale, bias) = (Vec3::splat(volume.grid.scale), volume.grid.bias);
-    Some(GridView { texture, pose: hair.motion.head, scale, bias, quantity, turns })
+    Some(GridView { texture, pose: hair.motion.head, scale, bias, quantity, rotates })
 }
 
 #[cfg(test)]

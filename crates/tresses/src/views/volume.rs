@@ -24,10 +24,10 @@ impl Volume {
     }
 
     pub(super) fn record(&self, canvas: &mut Canvas<'_, '_>, grid: &GridView<'_>, paint: &Paint) {
-        let (paint, place) = (canvas.paint(paint), canvas.grid(grid));
+        let (paint, grid_uniform) = (canvas.paint(paint), canvas.grid(grid));
         let resources = [
             paint.as_entire_binding(),
-            place.as_entire_binding(),
+            grid_uniform.as_entire_binding(),
             wgpu::BindingResource::TextureView(grid.texture),
             wgpu::BindingResource::Sampler(canvas.sampler),
             wgpu::BindingResource::TextureView(canvas.depth),

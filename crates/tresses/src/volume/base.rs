@@ -15,11 +15,11 @@ use glam::{Quat, Vec3};
 pub(super) const TOTAL_UNITS: f64 = (1u64 << 30) as f64;
 
 /// Maximum number of vertices of a guide in one sample.
-const MOST_TOGETHER: u32 = 4;
+const MAX_VERTICES_PER_SAMPLE: u32 = 4;
 
 impl VolumeUniforms {
     /// Returns the uniforms that depend only on the groom and its grid.
-    pub(super) fn of(grid: &VolumeGrid, rest: &RestGuides, most_splatted: u32) -> Self {
+    pub(super) fn of(grid: &VolumeGrid, rest: &RestGuides, max_samples: u32) -> Self {
         let (guide_count, vertex_count) = (rest.info.len() as u32, rest.vertex_count);
         // The blur hides gaps of up to one and a half cells between samples.
         let edges = vertex_count.saturating_sub(1).max(1) as f32;
@@ -27,9 +27,9 @@ impl VolumeUniforms {
         let (meters_of, strands_of) = lengths.fold((0f32, 0f32), |sum, x| (sum.0 + x.0, sum.1 + x.1));
         let edge = meters_of / strands_of / edges;
         // Clamped also without hair, where the ratio is NaN.
-        let vertices_per_sample = ((1.5 * grid.cell / edge) as u32).clamp(1, MOST_TOGETHER);
+        let vertices_per_sample = ((1.5 * grid.cell / edge) as u32).clamp(1, MAX_VERTICES_PER_SAMPLE);
         let samples = vertex_count.div_ceil(vertices_per_sample);
-        let stride = guide_count.saturating_mul(samples).div_ceil(most_splatted).max(1);
+        let stride = guide_count.saturating_mul(samples).div_ceil(max_samples).max(1);
         let meters = |guide: &Guide| {
             let meters = f64::from(guide.strands) * f64::from(guide.length);
             if meters.is_finite() { meters.max(0.0) } else { 0.0 }

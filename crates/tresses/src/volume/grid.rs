@@ -4,7 +4,7 @@ use crate::strands::RestGuides;
 use glam::{IVec3, Vec3};
 
 /// Size of the grid relative to the rest hair; the margin is for swinging hair.
-const ROOM: f32 = 1.3;
+const GRID_SCALE: f32 = 1.3;
 /// Edge of the cells in which the mean density of a groom is measured, meters.
 const MEASURE: f32 = 0.03;
 
@@ -30,7 +30,7 @@ impl VolumeGrid {
             .map(|p| (p, p))
             .reduce(|(lo, hi), (p, q)| (lo.min(p), hi.max(q)))
             .unwrap_or((Vec3::splat(-0.1), Vec3::splat(0.1)));
-        let edge = ((hi - lo).max_element() * ROOM).max(0.05);
+        let edge = ((hi - lo).max_element() * GRID_SCALE).max(0.05);
         let origin = 0.5 * (lo + hi) - 0.5 * edge;
         Self { origin, cell: edge / resolution as f32, resolution, bias: -origin / edge, scale: 1.0 / edge }
     }

@@ -14,7 +14,7 @@ pub(super) struct Neighbor {
     pub uniforms: wgpu::Buffer,
     pub splat: wgpu::BindGroup,
     pub base: VolumeUniforms,
-    pub way: Pose,
+    pub transform: Pose,
     pub closing: Vec3,
 }
 

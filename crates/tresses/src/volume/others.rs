@@ -25,40 +25,45 @@ pub(crate) struct OtherGroom<'a> {
     pub guides: &'a GuideBuffers,
     pub volume: &'a Volume,
     /// Transform from the other's simulation frame to this hair's.
-    pub way: Pose,
+    pub transform: Pose,
     /// Velocity of this hair's frame relative to the other's, m/s, in this frame's axes.
     pub closing: Vec3,
 }
 
 impl Volume {
     /// Adds `others` to the grid in the next frame.
-    pub(crate) fn meet<'a>(&mut self, context: &Context, others: impl Iterator<Item = OtherGroom<'a>>) {
+    pub(crate) fn set_neighbors<'a>(
+        &mut self,
+        context: &Context,
+        others: impl Iterator<Item = OtherGroom<'a>>,
+    ) {
         let Context { device, .. } = context;
-        let mut before = std::mem::take(&mut self.others);
-        let mut met = |OtherGroom { guides, volume, way, closing }: OtherGroom<'_>| {
-            let known = before.iter().position(|met| met.guides == *guides.current);
+        let mut before = std::mem::take(&mut self.neighbors);
+        let mut to_neighbor = |OtherGroom { guides, volume, transform, closing }: OtherGroom<'_>| {
+            let known = before.iter().position(|neighbor| neighbor.guides == *guides.current);
             if let Some(known) = known {
-                return Neighbor { way, closing, ..before.swap_remove(known) };
+                return Neighbor { transform, closing, ..before.swap_remove(known) };
             }
             let uniforms = bindings::uniform(device, "volume steps", (STRIDE * MAX_STEPS) as usize);
             let (rested, cells) = (volume.rested.entire(), self.cells.entire());
             let splat = splat(&self.pipelines, &uniforms, guides, rested, cells);
             let guides = (*guides.current).clone();
-            Neighbor { guides, uniforms, splat, base: volume.base, way, closing }
+            Neighbor { guides, uniforms, splat, base: volume.base, transform, closing }
         };
-        self.others = others.filter(|other| other.volume.base.meters() > 0.0).map(&mut met).collect();
-        self.meets_next = true;
+        self.neighbors =
+            others.filter(|other| other.volume.base.meters() > 0.0).map(&mut to_neighbor).collect();
+        self.has_new_neighbors = true;
     }
 
     /// Returns whether the grid holds other grooms in this frame.
-    pub(crate) fn meets(&self) -> bool {
-        !self.others.is_empty()
+    pub(crate) fn has_neighbors(&self) -> bool {
+        !self.neighbors.is_empty()
     }
 
     /// Begins a frame: removes the other grooms if [`meet`](Self::meet) was not called since the last frame.
     pub(crate) fn begin(&mut self) {
-        if !std::mem::take(&mut self.meets_next) {
-            self.others.clear();
+        if !std::mem::take(&mut self.has_new_neighbors) {
+            self.neighbors.clear();
         }
     }
 
@@ -66,7 +71,7 @@ impl Volume {
     /// grooms.
     pub(super) fn shared_units(&self) -> f64 {
         let own = self.base.meters();
-        let others: f64 = self.others.iter().map(|met| met.base.meters()).sum();
+        let others: f64 = self.neighbors.iter().map(|neighbor| neighbor.base.meters()).sum();
         if own > 0.0 { own / (own + others) } else { 1.0 }
     }
 
@@ -81,28 +86,29 @@ impl Volume {
     ) {
         let Context { queue, .. } = context;
         let own = self.with(params, frame.length);
-        let share = self.shared_units() as f32;
-        for met in &self.others {
-            let way = Pose { translation: met.way.translation + shift, ..met.way };
+        let unit_scale = self.shared_units() as f32;
+        for neighbor in &self.neighbors {
+            let transform =
+                Pose { translation: neighbor.transform.translation + shift, ..neighbor.transform };
             let base = VolumeUniforms {
-                guide_count: met.base.guide_count,
-                vertex_count: met.base.vertex_count,
-                stride: met.base.stride,
-                splat_count: met.base.splat_count,
-                vertices_per_sample: met.base.vertices_per_sample,
-                samples: met.base.samples,
-                units: own.units * share * met.base.strands_each() / own.strands_each(),
-                velocity_rotation: way.rotation.into(),
+                guide_count: neighbor.base.guide_count,
+                vertex_count: neighbor.base.vertex_count,
+                stride: neighbor.base.stride,
+                splat_count: neighbor.base.splat_count,
+                vertices_per_sample: neighbor.base.vertices_per_sample,
+                samples: neighbor.base.samples,
+                units: own.units * unit_scale * neighbor.base.strands_each() / own.strands_each(),
+                velocity_rotation: transform.rotation.into(),
                 ..own
             };
             let mut slots = Slots::new(MAX_STEPS);
             for (i, step) in frame.last().iter().enumerate() {
                 // The head's pose in the other's carrier frame.
-                let head = way.inverse().after(&step.begin);
-                let drift = way.rotation.conjugate() * (step.drift(frame.length) + met.closing);
+                let head = transform.inverse().after(&step.begin);
+                let drift = transform.rotation.conjugate() * (step.drift(frame.length) + neighbor.closing);
                 slots.put(i as u32, &base.placed(&head, drift));
             }
-            queue.write_buffer(&met.uniforms, 0, &slots.0);
+            queue.write_buffer(&neighbor.uniforms, 0, &slots.0);
         }
     }
 }

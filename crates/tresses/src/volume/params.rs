@@ -42,7 +42,7 @@ pub struct HairHair {
     /// Largest acceleration by one link, m/s². Beyond it, hair slides along hair.
     pub cohesion_limit: f32,
     /// Distance of linked guide vertices, meters.
-    pub cohesion_reach: f32,
+    pub cohesion_distance: f32,
 }
 
 impl Default for HairHair {
@@ -57,7 +57,7 @@ impl Default for HairHair {
             fixed: 10.0,
             cohesion: 0.0,
             cohesion_limit: 30.0,
-            cohesion_reach: 0.025,
+            cohesion_distance: 0.025,
         }
     }
 }
@@ -74,7 +74,7 @@ impl HairHair {
         fixed: 0.0,
         cohesion: 0.0,
         cohesion_limit: 0.0,
-        cohesion_reach: 0.025,
+        cohesion_distance: 0.025,
     };
 
     /// The range of [`speed`](Self::speed).
@@ -95,7 +95,7 @@ impl HairHair {
     pub const COHESION_LIMIT: Range =
         range!("self-collision cohesion limit", 0.0 to 1e4, "m/s²"; usually 0.0 to 1000.0);
     /// The range of [`cohesion_reach`](Self::cohesion_reach).
-    pub const COHESION_REACH: Range =
+    pub const COHESION_DISTANCE: Range =
         range!("self-collision cohesion reach", 0.001 to 1.0, "m"; usually 0.005 to 0.1);
 
     /// Checks that every value is finite and in its range.
@@ -111,7 +111,7 @@ impl HairHair {
         Self::FIXED.check(self.fixed)?;
         Self::COHESION.check(self.cohesion)?;
         Self::COHESION_LIMIT.check(self.cohesion_limit)?;
-        Ok(Self::COHESION_REACH.check(self.cohesion_reach)?)
+        Ok(Self::COHESION_DISTANCE.check(self.cohesion_distance)?)
     }
 }
 
@@ -196,16 +196,16 @@ impl Blur {
     pub fn new(variance: f32) -> Self {
         let t = f64::from(variance);
         let sigma = t.max(0.0).sqrt();
-        let most = (MAX_TAPS as usize - 4) / 2;
-        let radius = if t > 1e-3 { ((3.5 * sigma + 0.5).ceil() as usize).min(most) } else { 0 };
+        let max_radius = (MAX_TAPS as usize - 4) / 2;
+        let radius = if t > 1e-3 { ((3.5 * sigma + 0.5).ceil() as usize).min(max_radius) } else { 0 };
         // Bessel functions by Miller's downward recurrence, up to a factor.
         let mut half = vec![0f64; radius + 1];
-        let (mut above, mut here) = (0.0, 1e-200);
+        let (mut above, mut current) = (0.0, 1e-200);
         for n in (0..=radius + 20 + (6.0 * sigma) as usize).rev() {
             if let Some(w) = half.get_mut(n) {
-                *w = here;
+                *w = current;
             }
-            (above, here) = (here, above + 2.0 * n as f64 / t.max(1e-3) * here);
+            (above, current) = (current, above + 2.0 * n as f64 / t.max(1e-3) * current);
         }
         let sum = half[0] + 2.0 * half[1..].iter().sum::<f64>();
         let mut weights = [[0.0; 4]; MAX_TAPS as usize];

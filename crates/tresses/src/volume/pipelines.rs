@@ -23,7 +23,7 @@ impl PipelineSet for Pipelines {
         let colliders = collide::layout(&context.device);
         let device = &context.device;
         Self {
-            obstacles: Kernel::beside::<kernels::Obstacles>(device, &[&colliders]),
+            obstacles: Kernel::with_shared::<kernels::Obstacles>(device, &[&colliders]),
             splat: Kernel::new::<kernels::Splat>(device),
             sum: Kernel::new::<kernels::Sum>(device),
             blur: Kernel::each::<kernels::Blur, 2>(device, ["volume::blur_x", "volume::blur_y"]),

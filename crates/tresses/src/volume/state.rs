@@ -28,12 +28,12 @@ pub struct VolumeOptions {
     pub resolution: u32,
     /// Maximum number of samples splatted per step. A sample is a guide vertex, or a few within about a cell. For
     /// larger grooms, every second guide counts twice, and so on.
-    pub most_splatted: u32,
+    pub max_samples: u32,
 }
 
 impl Default for VolumeOptions {
     fn default() -> Self {
-        Self { resolution: 32, most_splatted: 4_096 }
+        Self { resolution: 32, max_samples: 4_096 }
     }
 }
 
@@ -75,8 +75,8 @@ pub(crate) struct Volume {
     blur: wgpu::Buffer,
     pub(super) rested: wgpu::Buffer,
     /// Other grooms in this grid, and whether they have been set since the last frame began.
-    pub(super) others: Vec<Neighbor>,
-    pub(super) meets_next: bool,
+    pub(super) neighbors: Vec<Neighbor>,
+    pub(super) has_new_neighbors: bool,
     /// Textures of sums, used in turn; the second also holds densities.
     scratch: [wgpu::TextureView; 2],
     pub(super) groups: Groups,
@@ -85,7 +85,7 @@ pub(crate) struct Volume {
     modes: Vec<Mode>,
     /// Whether the obstacles have moved at the start of each step, and their poses relative to the head when they were
     /// last written to the grid.
-    obstacles_moved: Vec<bool>,
+    obstacle_changes: Vec<bool>,
     obstacles_at: Option<Vec<Pose>>,
     /// Variances of the blur (cells², as bits): of the one for which the rest density was computed, if it was; of the
     /// current one; and of the one whose weights are on the GPU.
@@ -131,14 +131,14 @@ impl VolumeAsset {
         cells: Option<wgpu::Buffer>,
     ) -> Result<Self> {
         let Context { device, .. } = context;
-        let VolumeOptions { resolution, most_splatted } = *options;
+        let VolumeOptions { resolution, max_samples } = *options;
         let n = u64::from(options.cells()?);
         let (lent, own) = (cells.is_some(), || storage::<i32>(device, "volume cells", n * CHANNELS));
         let grid = VolumeGrid::around(rest.rest.iter().map(|r| r.position), resolution);
         let texture = |label, format| grid_texture(device, label, format, [resolution; 3]);
         use wgpu::TextureFormat::{Rgba16Float, Rgba32Uint};
         Ok(Self {
-            base: VolumeUniforms::of(&grid, rest, most_splatted.max(1)),
+            base: VolumeUniforms::of(&grid, rest, max_samples.max(1)),
             grid,
             textures: [texture("volume hair", Rgba16Float), texture("volume push", Rgba16Float)],
             cells: cells.map_or_else(own, Ok)?,
@@ -186,13 +186,13 @@ impl Volume {
             rest,
             blur,
             rested,
-            others: Vec::new(),
-            meets_next: false,
+            neighbors: Vec::new(),
+            has_new_neighbors: false,
             scratch,
             groups,
             base: asset.base,
             modes: Vec::new(),
-            obstacles_moved: Vec::new(),
+            obstacle_changes: Vec::new(),
             obstacles_at: None,
             rest_blur: (None, 0),
             written_blur: None,
@@ -232,11 +232,11 @@ impl Volume {
         let Context { queue, .. } = context;
         let (h, steps) = (frame.length, frame.last());
         self.modes = steps.iter().map(|step| step.mode).collect();
-        self.obstacles_moved = (0..steps.len())
+        self.obstacle_changes = (0..steps.len())
             .map(|i| self.obstacles_move(&steps[i].begin, colliders, i * frame.substeps as usize))
             .collect();
         let base = self.with(params, h);
-        let share = self.shared_units() as f32;
+        let unit_scale = self.shared_units() as f32;
         // The rest density is valid for one blur.
         let variance = self.variance(params);
         self.rest_blur.1 = variance.to_bits();
@@ -247,7 +247,7 @@ impl Volume {
         let mut slots = Slots::new(RESTING + 1);
         for (i, step) in steps.iter().enumerate() {
             let moment = i as u32 * frame.substeps;
-            let (units, density) = (base.units * share, base.density / share);
+            let (units, density) = (base.units * unit_scale, base.density / unit_scale);
             let placed = base.placed(&step.begin, step.drift(h));
             slots.put(i as u32, &VolumeUniforms { moment, units, density, ..placed });
         }
@@ -259,7 +259,7 @@ impl Volume {
     /// Records step `i` of those written by [`prepare`](Self::prepare).
     pub fn record(&mut self, pass: &mut crate::gpu::ComputePass<'_>, colliders: &ColliderSet, i: u32) {
         let mode = self.modes[i as usize];
-        if self.obstacles_moved[i as usize] {
+        if self.obstacle_changes[i as usize] {
             pass.set_bind_group(1, colliders.group(), &[]);
             let cells = self.grid.resolution.pow(3).div_ceil(VOLUME_WORKGROUP);
             self.pipelines.obstacles.record(pass, &self.groups.obstacles, &[offset(i)], cells);
@@ -303,7 +303,7 @@ impl Volume {
         let offset = [offset(slot)];
         self.pipelines.splat.record(pass, &self.groups.splat, &offset, self.base.splat_workgroups());
         if slot != RESTING {
-            self.others.iter().for_each(|other| other.record(&self.pipelines, pass, slot));
+            self.neighbors.iter().for_each(|other| other.record(&self.pipelines, pass, slot));
         }
         self.pipelines.sum.record_grid(pass, &self.groups.sum, &offset, self.tiles([1, 1, 1]));
         for (axis, four) in [[4, 1, 1], [1, 4, 1]].into_iter().enumerate() {

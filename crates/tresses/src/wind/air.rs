@@ -25,7 +25,7 @@ const ACROSS: f32 = 3.0 * std::f32::consts::PI / 16.0;
 
 /// Position of a step's air grid. The texture coordinate of `x` is `(x - corner) * scale`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct AirPlace {
+pub(crate) struct AirGrid {
     /// Corner of the grid, meters, relative to the origin of the simulation (by default the world's origin).
     pub corner: Vec3,
     /// Texture coordinates per meter.
@@ -73,7 +73,7 @@ pub(crate) struct Air {
     corner: I64Vec3,
     zero: DVec3,
     /// Distance that the wind has traveled, meters.
-    way: DVec3,
+    travel: DVec3,
     started: bool,
     /// Settings of each step of the frame.
     runs: Vec<Run>,
@@ -94,12 +94,12 @@ impl Air {
     ) -> Result<Self> {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
-        let most = device.limits().max_texture_dimension_3d;
-        if cells + 2 > most {
+        let max_size = device.limits().max_texture_dimension_3d;
+        if cells + 2 > max_size {
             return Err(Error::Limit {
                 what: "the air",
                 need: (cells + 2).into(),
-                have: most.into(),
+                have: max_size.into(),
                 unit: "cells along an axis",
             });
         }
@@ -125,7 +125,7 @@ impl Air {
             gusts: Gusts::default(),
             corner: I64Vec3::ZERO,
             zero: DVec3::ZERO,
-            way: DVec3::ZERO,
+            travel: DVec3::ZERO,
             started: false,
             runs: Vec::new(),
         })
@@ -189,7 +189,7 @@ impl Air {
             let mut uniforms = self.step(&field, step, hair);
             uniforms.moment = (i as u32 + 1) * frame.substeps;
             uniforms.reynolds = diameter / drag::AIR_VISCOSITY;
-            self.runs.push(Run { first, parts, fresh: uniforms.reset == 1, place: self.at() });
+            self.runs.push(Run { first, parts, fresh: uniforms.reset == 1, grid: self.grid() });
             for _ in 0..parts {
                 let length = frame.length / parts as f32;
                 uniforms.drag = length * 0.5 * diameter * ACROSS * 1e3;
@@ -203,14 +203,14 @@ impl Air {
     }
 
     /// Returns the position of the grid after step `index` of the last frame with steps.
-    pub fn place(&self, index: u32) -> AirPlace {
-        self.runs.get(index as usize).map(|run| run.place).unwrap_or_default()
+    pub fn grid_after(&self, index: u32) -> AirGrid {
+        self.runs.get(index as usize).map(|run| run.grid).unwrap_or_default()
     }
 
     /// Returns the position of the grid after the most recent step.
     #[cfg(feature = "debug-views")]
-    pub(crate) fn now(&self) -> AirPlace {
-        self.at()
+    pub(crate) fn current_grid(&self) -> AirGrid {
+        self.grid()
     }
 
     /// Records step `index` of those written by [`prepare`](Self::prepare). The caller has
@@ -254,9 +254,9 @@ impl Air {
         })
     }
 
-    fn at(&self) -> AirPlace {
+    fn grid(&self) -> AirGrid {
         let corner = self.edge().as_vec3();
-        AirPlace { corner, scale: 1.0 / (self.cells as f32 * self.cell) }
+        AirGrid { corner, scale: 1.0 / (self.cells as f32 * self.cell) }
     }
 
     /// Returns the grid's corner, meters.
@@ -265,27 +265,27 @@ impl Air {
     }
 
     /// Moves the grid by `way` meters, when the origin of the simulation moves.
-    pub(crate) fn shift(&mut self, way: Vec3) {
-        self.zero += way.as_dvec3();
+    pub(crate) fn shift(&mut self, offset: Vec3) {
+        self.zero += offset.as_dvec3();
     }
 
     /// Returns the number of parts into which a step is split, so that air does not jump over a head.
     fn parts(&self, wind: &Wind, mean: Vec3, step: f32) -> u32 {
-        let way = mean.length() * (1.0 + wind.gusts) * step;
-        let cells = way / self.cell;
-        let parts = (way / MAX_WAY).min(cells / COARSE_REACH).max(cells / MAX_REACH);
+        let distance = mean.length() * (1.0 + wind.gusts) * step;
+        let cells = distance / self.cell;
+        let parts = (distance / MAX_TRAVEL).min(cells / COARSE_TRAVEL_CELLS).max(cells / MAX_TRAVEL_CELLS);
         (parts.ceil() as u32).clamp(1, MAX_SPLIT)
     }
 
     /// Advances the wind by `dt` seconds, and writes advection scale and gusts to the uniforms.
     fn blow(&mut self, wind: &Wind, field: &Field, u: &mut WindUniforms, dt: f32) {
         if u.reset == 0 {
-            self.way += field.own.as_dvec3() * f64::from(dt);
+            self.travel += field.own.as_dvec3() * f64::from(dt);
         }
         u.advection_scale = dt / self.cell;
         // Gusts are fixed to the air's own ground, over which the grid may move.
         let deviation = f64::from(wind.gusts * field.own.length());
-        let gusts = self.gusts.at(self.edge() + field.at, self.way, deviation, self.cell);
+        let gusts = self.gusts.at(self.edge() + field.at, self.travel, deviation, self.cell);
         u.gust_count = gusts.len() as u32;
         u.gusts[..gusts.len()].copy_from_slice(&gusts);
     }
@@ -294,16 +294,17 @@ impl Air {
     fn step(&mut self, field: &Field, step: &Step, hair: Option<HairGrid>) -> WindUniforms {
         let cell = f64::from(self.cell);
         // Move by whole cells, so that a moving head causes no interpolation.
-        let middle =
+        let exact_corner =
             (step.end.point(self.center).as_dvec3() - self.zero) / cell - 0.5 * f64::from(self.cells);
-        let corner = middle.round().as_i64vec3();
+        let corner = exact_corner.round().as_i64vec3();
         let reset = !self.started || step.mode == Mode::Reset;
         // Teleported hair keeps its air.
-        let moved = if reset || step.mode == Mode::Carry { I64Vec3::ZERO } else { corner - self.corner };
+        let corner_shift =
+            if reset || step.mode == Mode::Rigid { I64Vec3::ZERO } else { corner - self.corner };
         self.started = true;
         self.corner = corner;
         if reset {
-            self.way = DVec3::ZERO;
+            self.travel = DVec3::ZERO;
         }
         let at = self.edge();
         let local = |pose: &Pose| (pose.translation.as_dvec3() - at).as_vec3();
@@ -311,7 +312,7 @@ impl Air {
             mean: field.wind,
             kick: field.kick,
             cells: self.cells,
-            shift: moved
+            shift: corner_shift
                 .as_ivec3()
                 .clamp(IVec3::splat(-4 * self.cells as i32), IVec3::splat(4 * self.cells as i32)),
             head: step.begin.rotation.into(),
@@ -333,11 +334,11 @@ impl Air {
 const SWEEPS: usize = 8;
 
 /// Largest distance that the air travels at once, meters: about a head's width.
-const MAX_WAY: f32 = 0.21;
+const MAX_TRAVEL: f32 = 0.21;
 /// Number of cells that the air may always travel at once: coarse grids do not resolve a head.
-const COARSE_REACH: f32 = 6.0;
+const COARSE_TRAVEL_CELLS: f32 = 6.0;
 /// Largest number of cells that the air travels at once, so that the pressure can follow.
-const MAX_REACH: f32 = 8.0;
+const MAX_TRAVEL_CELLS: f32 = 8.0;
 /// Maximum number of parts of a step.
 const MAX_SPLIT: u32 = 4;
 
@@ -351,17 +352,17 @@ pub(super) struct Run {
     /// Whether the air starts anew.
     pub fresh: bool,
     /// Position of the grid.
-    place: AirPlace,
+    grid: AirGrid,
 }
 
 /// Returns the sides through which wind of mean velocity `mean` enters: those that it meets at more than 6 degrees. The
 /// others are open.
 fn inflow(mean: Vec3) -> u32 {
-    let least = 0.1 * mean.length();
+    let min_speed = 0.1 * mean.length();
     (0..3)
         .map(|axis| {
-            let lower = u32::from(mean[axis] > least) << (2 * axis);
-            lower | u32::from(mean[axis] < -least) << (2 * axis + 1)
+            let lower = u32::from(mean[axis] > min_speed) << (2 * axis);
+            lower | u32::from(mean[axis] < -min_speed) << (2 * axis + 1)
         })
         .sum()
 }

@@ -36,10 +36,10 @@ pub fn drag_weight(diameter: f32, line_density: f32) -> f32 {
 /// kinematic viscosity, s/m; `weight` comes from [`drag_weight`].
 #[cfg(test)]
 pub fn drag_rates(relative: Vec3, tangent: Vec3, reynolds: f32, weight: f32) -> Vec2 {
-    let way = relative.dot(tangent);
-    let along = way.abs();
+    let axial_speed = relative.dot(tangent);
+    let along = axial_speed.abs();
     // Not by Pythagoras: for a storm along the hair, its rounding would add a breeze across it.
-    let across = (relative - way * tangent).length();
+    let across = (relative - axial_speed * tangent).length();
     weight
         * Vec2::new(
             normal_coefficient(across * reynolds) * across,

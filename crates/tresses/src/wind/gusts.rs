@@ -31,16 +31,17 @@ impl Gusts {
         };
         // Von Kármán: the energy's peak is near one over this length.
         let length = 1.339 * f64::from(wind.gust_length);
-        let (least, most) = (0.1 / length, (0.5 * PI / f64::from(cell)).max(1.0 / length));
+        let (min_wavenumber, max_wavenumber) = (0.1 / length, (0.5 * PI / f64::from(cell)).max(1.0 / length));
         let energy = |k: f64| (k * length).powi(4) / (1.0 + (k * length).powi(2)).powf(17.0 / 6.0);
         let mut modes: Vec<_> = (0..MAX_GUSTS)
             .map(|i| {
                 // Equal steps of log k, in which the energy is k E(k), and evenly distributed directions.
-                let k = least * (most / least).powf((i as f64 + random()) / MAX_GUSTS as f64);
+                let k = min_wavenumber
+                    * (max_wavenumber / min_wavenumber).powf((i as f64 + random()) / MAX_GUSTS as f64);
                 let height = 2.0 * ((i * 11 % MAX_GUSTS) as f64 + random()) / MAX_GUSTS as f64 - 1.0;
-                let turn = TAU * random();
+                let azimuth = TAU * random();
                 let flat = (1.0 - height * height).max(0.0).sqrt();
-                let direction = DVec3::new(flat * turn.cos(), height, flat * turn.sin());
+                let direction = DVec3::new(flat * azimuth.cos(), height, flat * azimuth.sin());
                 let (a, b) = direction.any_orthonormal_pair();
                 let roll = TAU * random();
                 let amplitude = (a * roll.cos() + b * roll.sin()) * (k * energy(k)).sqrt();
@@ -57,10 +58,10 @@ impl Gusts {
 
     /// Returns the waves relative to the grid's corner (meters), when the air has traveled `way` (meters) in total.
     /// `deviation` is the standard deviation of a velocity component, m/s; `cell` is in meters.
-    pub fn at(&self, corner: DVec3, way: DVec3, deviation: f64, cell: f32) -> Vec<GustMode> {
+    pub fn at(&self, corner: DVec3, travel: DVec3, deviation: f64, cell: f32) -> Vec<GustMode> {
         let mode = |(wave, phase, amplitude): &(DVec3, f64, DVec3)| GustMode {
             wave: (*wave * f64::from(cell)).as_vec3(),
-            phase: (wave.dot(corner - way) + phase).rem_euclid(TAU) as f32,
+            phase: (wave.dot(corner - travel) + phase).rem_euclid(TAU) as f32,
             amplitude: (*amplitude * deviation).as_vec3(),
             _pad: 0.0,
         };

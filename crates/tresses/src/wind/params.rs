@@ -35,14 +35,14 @@ pub struct Wind {
     /// Cells of the fluid's grid along each axis, a multiple of 8 up to 96; 0 for uniform air. Without the fluid
     /// nothing shields hair from the wind, so only [`crate::simulate::SimulationParams::drag`] acts, not the quadratic
     /// drag of single hairs.
-    pub cells: u32,
+    pub resolution: u32,
     /// Edge of the fluid's grid, relative to the longest side of the box around the hair at rest.
-    pub room: f32,
+    pub grid_size: f32,
 }
 
 impl Default for Wind {
     fn default() -> Self {
-        Self { velocity: Vec3::ZERO, gusts: 0.2, gust_length: 2.0, seed: 1, cells: 32, room: 2.2 }
+        Self { velocity: Vec3::ZERO, gusts: 0.2, gust_length: 2.0, seed: 1, resolution: 32, grid_size: 2.2 }
     }
 }
 
@@ -59,12 +59,12 @@ impl Wind {
 
     /// Returns air of uniform `velocity` (m/s), without obstacles.
     pub fn uniform(velocity: Vec3) -> Self {
-        Self { velocity, gusts: 0.0, cells: 0, ..Self::default() }
+        Self { velocity, gusts: 0.0, resolution: 0, ..Self::default() }
     }
 
     /// Returns whether there is a fluid to simulate.
     pub fn blows(&self) -> bool {
-        self.cells > 0 && self.velocity != Vec3::ZERO
+        self.resolution > 0 && self.velocity != Vec3::ZERO
     }
 
     /// The range of the speed of [`velocity`](Self::velocity).
@@ -74,7 +74,7 @@ impl Wind {
     /// The range of [`gust_length`](Self::gust_length).
     pub const GUST_LENGTH: Range = range!("gust length", 0.01 to 1000.0, "m"; usually 0.05 to 100.0);
     /// The range of [`room`](Self::room).
-    pub const ROOM: Range = range!("air grid size", 1.2 to 20.0);
+    pub const GRID_SIZE: Range = range!("air grid size", 1.2 to 20.0);
 
     /// Checks that every value is finite and in its range.
     ///
@@ -84,13 +84,13 @@ impl Wind {
         Self::SPEED.check(self.velocity.length())?;
         Self::GUSTS.check(self.gusts)?;
         Self::GUST_LENGTH.check(self.gust_length)?;
-        Self::ROOM.check(self.room)?;
-        if self.cells != 0
-            && (!(MIN_CELLS..=MAX_CELLS).contains(&self.cells) || !self.cells.is_multiple_of(8))
+        Self::GRID_SIZE.check(self.grid_size)?;
+        if self.resolution != 0
+            && (!(MIN_CELLS..=MAX_CELLS).contains(&self.resolution) || !self.resolution.is_multiple_of(8))
         {
             return Err(Error::Parameter {
                 name: "air grid cells",
-                value: self.cells.to_string(),
+                value: self.resolution.to_string(),
                 range: "0 or a multiple of 8 up to 96",
             });
         }
@@ -179,9 +179,9 @@ mod tests {
             (Wind::new(Vec3::X * 1e4), "wind"),
             (Wind { gusts: -0.1, ..Default::default() }, "gusts"),
             (Wind { gust_length: 0.0, ..Default::default() }, "gust length"),
-            (Wind { room: f32::INFINITY, ..Default::default() }, "grid size"),
-            (Wind { cells: 12, ..Default::default() }, "cells"),
-            (Wind { cells: 104, ..Default::default() }, "cells"),
+            (Wind { grid_size: f32::INFINITY, ..Default::default() }, "grid size"),
+            (Wind { resolution: 12, ..Default::default() }, "cells"),
+            (Wind { resolution: 104, ..Default::default() }, "cells"),
         ] {
             assert!(wind.check().unwrap_err().to_string().contains(name));
         }

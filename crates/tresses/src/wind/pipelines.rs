@@ -22,7 +22,7 @@ impl PipelineSet for Pipelines {
     fn new(context: &Context) -> Self {
         let device = &context.device;
         Self {
-            obstacles: Kernel::beside::<kernels::Obstacles>(device, &[&collide::layout(device)]),
+            obstacles: Kernel::with_shared::<kernels::Obstacles>(device, &[&collide::layout(device)]),
             predict: Kernel::new::<kernels::Predict>(device),
             correct: Kernel::new::<kernels::Correct>(device),
             gather: Kernel::new::<kernels::Gather>(device),

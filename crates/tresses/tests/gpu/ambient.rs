@@ -31,14 +31,14 @@ struct Bench<'a> {
 
 impl<'a> Bench<'a> {
     fn new(context: &'a Context) -> Self {
-        Self::with_cells(context, ViewOptions::default().ambient_cells)
+        Self::with_cells(context, ViewOptions::default().ambient_resolution)
     }
 
     fn with_cells(context: &'a Context, ambient_cells: u32) -> Self {
         let options = ViewOptions {
             renderer: Renderer::masks(1),
             shadow_resolution: 256,
-            ambient_cells,
+            ambient_resolution: ambient_cells,
             ..Default::default()
         };
         let mut scene = Picture { focus: Sphere { center: Vec3::ZERO, radius: HALF }, ..Default::default() };
@@ -49,7 +49,7 @@ impl<'a> Bench<'a> {
     }
 
     fn body(mut self, mesh: &TriMesh) -> Self {
-        let cells = self.view.options().ambient_cells;
+        let cells = self.view.options().ambient_resolution;
         let mut body = Body::with_levels(self.context, mesh, &[], cells);
         body.material.color = Vec3::splat(WHITE);
         body.material.wrap = 0.0;
@@ -121,7 +121,7 @@ fn empty_space_sees_the_whole_sky() {
         })
         .collect();
     let open = |found: &IncidentLight| (found.open - 1.0).abs().max_element() < 2e-3;
-    let dark = |found: &IncidentLight| found.glow == Vec3::ZERO;
+    let dark = |found: &IncidentLight| found.radiance == Vec3::ZERO;
     for found in Bench::new(context).light(Vec3::Y).ask(&points) {
         assert!(open(&found) && dark(&found), "{found:?}");
     }
@@ -194,7 +194,7 @@ fn seen_of_wall(context: &Context, half: f32, heights: &[f32]) -> Vec<[f64; 2]> 
         // With an irradiance of π, the wall's radiance is its albedo.
         let found = Bench::new(context).body(&mesh).light(turn * Vec3::Z).ask(&points);
         for (sum, found) in sums.iter_mut().zip(found) {
-            sum[0] += f64::from(found.glow.x / WHITE) / f64::from(turns);
+            sum[0] += f64::from(found.radiance.x / WHITE) / f64::from(turns);
             sum[1] += (1.0 - f64::from(found.open.x)) / f64::from(turns);
         }
     }
@@ -224,11 +224,11 @@ fn wall_reflects_and_occludes_by_its_form_factor() {
     let bench = Bench::new(context).body(&wall(HALF, -0.1)).light(Vec3::Z);
     let close = Vec3::new(0.0, 0.0, -0.08);
     let found = bench.ask(&[(close, Vec3::NEG_Z * COSINES), (close, Vec3::Z * COSINES)]);
-    assert!((found[0].glow.x / WHITE - 1.0).abs() < 0.12 && found[0].open.x < 0.12, "{found:?}");
-    assert!(found[1].glow.x < 0.05 && (found[1].open.x - 1.0).abs() < 0.12, "{found:?}");
+    assert!((found[0].radiance.x / WHITE - 1.0).abs() < 0.12 && found[0].open.x < 0.12, "{found:?}");
+    assert!(found[1].radiance.x < 0.05 && (found[1].open.x - 1.0).abs() < 0.12, "{found:?}");
     // A wall lit from behind reflects nothing.
     let dark = Bench::new(context).body(&wall(HALF, -0.1)).light(Vec3::NEG_Z).ask(&[(close, Vec3::ZERO)])[0];
-    assert!(dark.glow.x < 1e-3, "{dark:?}");
+    assert!(dark.radiance.x < 1e-3, "{dark:?}");
 }
 
 /// Coarse grids represent the same surface with fewer points of the body.
@@ -244,7 +244,7 @@ fn coarse_grids_represent_the_same_body() {
     let same = |coarse: &[IncidentLight]| {
         coarse.iter().zip(&fine).all(|(coarse, fine)| {
             (coarse.open - fine.open).abs().max_element() < 0.04
-                && (coarse.glow - fine.glow).abs().max_element() < 0.04 * WHITE
+                && (coarse.radiance - fine.radiance).abs().max_element() < 0.04 * WHITE
         })
     };
     for cells in [12, 16] {
@@ -333,8 +333,8 @@ fn light_does_not_leak_through_closed_meshes() {
         (Vec3::NEG_Y * 0.21, Vec3::Y * 0.5),
         (Vec3::Y * 0.2, Vec3::NEG_Y * 0.5),
     ]);
-    assert!(found[0].open.x < 0.02 && found[0].glow.x < 0.02, "inside {:?}", found[0]);
-    assert!(found[1].glow.x < 0.1 * found[2].glow.x, "below {:?}, above {:?}", found[1], found[2]);
+    assert!(found[0].open.x < 0.02 && found[0].radiance.x < 0.02, "inside {:?}", found[0]);
+    assert!(found[1].radiance.x < 0.1 * found[2].radiance.x, "below {:?}, above {:?}", found[1], found[2]);
 }
 
 /// Still scenes are bit-identical. Slow rotations of light and head change the light slowly.
@@ -366,7 +366,7 @@ fn slow_motion_changes_ambient_light_slowly() {
     for pair in frames.windows(2) {
         for (a, b) in pair[0].iter().zip(&pair[1]) {
             worst[0] = worst[0].max((a.open - b.open).abs().max_element());
-            worst[1] = worst[1].max((a.glow - b.glow).abs().max_element());
+            worst[1] = worst[1].max((a.radiance - b.radiance).abs().max_element());
         }
     }
     println!("from frame to frame at most {:.4} of the sky, {:.4} of the radiance", worst[0], worst[1]);

@@ -19,10 +19,10 @@ fn strands_and_cards(context: &Context) -> [CharacterParts; 2] {
     let style: Style = "bob".parse().unwrap();
     let source = pollster::block_on(drape::style(context, &style, &())).unwrap();
     let growth = Growth::for_style(&style).with_strands(2000);
-    let face = FaceHair { brows: false, lashes: false, beard: Beard::None };
+    let face = FaceHair { has_brows: false, has_lashes: false, beard: Beard::None };
     let styling = Styling { growth: Some(growth), face, ..Styling::default() };
     let parts = pollster::block_on(source.dress(&styling, &())).unwrap();
-    let options = CardOptions { levels: vec![120], texture: 512, ..CardOptions::default() };
+    let options = CardOptions { levels: vec![120], texture_size: 512, ..CardOptions::default() };
     let baked = bake(&parts.groom.strands.unbound(), parts.head.as_ref(), &options).unwrap();
     [parts.clone(), parts.with_cards(&baked, 0).unwrap()]
 }
@@ -125,7 +125,7 @@ fn the_level_of_detail_leaves_cards_whole() {
     let drawn = [1.0, 60.0].map(|distance| {
         let mut encoder = context.device().create_command_encoder(&Default::default());
         let eye = [camera(distance)];
-        context.frame(&mut encoder).seen_by(&eye).advance(&mut [&mut cards], 1.0 / 60.0).unwrap();
+        context.frame(&mut encoder).with_cameras(&eye).advance(&mut [&mut cards], 1.0 / 60.0).unwrap();
         context.queue().submit([encoder.finish()]);
         (cards.hair().set.drawn.count, cards.hair().set.drawn.vertex_count)
     });

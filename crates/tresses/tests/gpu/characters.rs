@@ -131,11 +131,11 @@ fn crowd_keeps_its_budget_and_has_a_zone_per_head() {
             CrowdBudget { budget: Budget { bytes, ..Budget::default() }, ..CrowdBudget::default() };
         let mut all: Vec<_> = crowd.iter_mut().collect();
         let mut encoder = context.device().create_command_encoder(&Default::default());
-        let frame = context.frame(&mut encoder).seen_by(camera);
+        let frame = context.frame(&mut encoder).with_cameras(camera);
         frame.within(&mut budget).advance(&mut all, 1.0 / 60.0).unwrap();
         context.queue().submit([encoder.finish()]);
-        let strands = budget.chosen.heads.iter().map(|head| head.strands).sum::<u32>();
-        (strands, budget.chosen.heads.len())
+        let strands = budget.detail.heads.iter().map(|head| head.strand_count).sum::<u32>();
+        (strands, budget.detail.heads.len())
     };
     let (near, far) = (eye(1024), eye(64));
     let grooms = first.grooms().count();
@@ -173,7 +173,7 @@ fn obstacles_push_hair_and_can_be_removed() {
     assert!(vertices(&first)[0] != vertices(&second)[0], "the ball is in the hair");
     assert_eq!(second.drawn_obstacles().len(), 1);
     second.set_obstacles(&[]).unwrap();
-    assert!(second.place_obstacles(&[Pose::IDENTITY]).is_err(), "it was made with none");
+    assert!(second.set_obstacle_poses(&[Pose::IDENTITY]).is_err(), "it was made with none");
     advance_characters(&mut [&mut second], 1.0 / 60.0);
     assert!(second.drawn_obstacles().is_empty());
     let field = Shape::Field(tresses::collide::FieldId(77));
@@ -204,7 +204,7 @@ fn teleported_hair_keeps_its_shape() {
             character.teleport();
         }
         advance_characters(&mut [&mut character], 1.0 / 60.0);
-        let place = character.hair().place();
+        let place = character.hair().simulation_transform();
         let head = character.head().inverse();
         let shape = guides(&character);
         let off = shape.iter().zip(&before).map(|(now, then)| {

@@ -34,11 +34,11 @@ fn visible_vertices_are_shaded_as_in_full_shading() {
     });
     context.queue().write_buffer(&buffer, 0, bytemuck::cast_slice(&bits));
     context.queue().write_buffer(&colors, 0, &vec![0; 4 * all.len()]);
-    let chosen = view.chosen(&hair, &buffer).expect("fits");
+    let chosen = view.shading_subset(&hair, &buffer).expect("fits");
     // Twice, because each run must clear the lists.
     for _ in 0..2 {
         let mut encoder = context.device().create_command_encoder(&Default::default());
-        view.light.shade_chosen(&mut context.commands(&mut encoder), &[(&hair, &chosen)]).unwrap();
+        view.light.shade_subsets(&mut context.commands(&mut encoder), &[(&hair, &chosen)]).unwrap();
         context.queue().submit([encoder.finish()]);
     }
     let some: Vec<u32> = readback::buffer(context, &colors).expect("read back");

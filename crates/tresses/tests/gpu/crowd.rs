@@ -10,7 +10,7 @@ use tresses::{
     glam::{Quat, Vec3},
     groom::{BindOptions, Groom, GuideCount, bind},
     light::{HairMaterial, Lights, Sphere},
-    low_level::{Costs, Detail, Hair, StrandVertex, ViewBytes, Zone},
+    low_level::{CostModel, Detail, Hair, StrandVertex, ViewBytes, Zone},
     renderer::Renderer,
 };
 
@@ -22,7 +22,7 @@ fn groom() -> Groom {
 
 fn grown(strands: usize) -> Groom {
     let options =
-        BindOptions { guides: GuideCount::OneIn(15), strand_vertices: Some(12), ..Default::default() };
+        BindOptions { guides: GuideCount::OneIn(15), strand_vertex_count: Some(12), ..Default::default() };
     bind(&common::hanging(strands, 12, 0.2), &options).unwrap()
 }
 
@@ -89,7 +89,7 @@ fn distant_heads_use_little_memory() {
         let detail = far.lod.detail(pixel, 100.0);
         far.set_detail(detail);
         submit(|recorder| recorder.advance(&mut far, &frame(Pose::IDENTITY, 1.0 / 60.0)));
-        let (drawn, room) = (far.strands.drawn, far.strands.room);
+        let (drawn, room) = (far.strands.drawn, far.strands.capacity);
         assert!(room.strands >= drawn.count && room.vertices >= drawn.count * drawn.vertex_count);
         far.strands.vertices.size()
     };
@@ -163,7 +163,7 @@ fn unsimulated_guides_follow_the_others() {
         let mut hair = hair(context, &groom);
         let full = *hair.lod.current();
         let frames = (0..60u32).map(|i| {
-            hair.set_detail(Detail { reach: reach(i), ..full });
+            hair.set_detail(Detail { guide_distance: reach(i), ..full });
             // A turn to the side and back, then rest.
             let s = (std::f32::consts::PI * (i as f32 / 36.0).min(1.0)).sin();
             let pose = Pose { rotation: Quat::from_rotation_y(0.8 * s * s), ..Pose::IDENTITY };
@@ -225,7 +225,7 @@ fn hair_at_rest_sleeps_and_wakes() {
     let Some(context) = common::context() else { return };
     let groom = groom();
     let [mut sleeper, mut waking] = [(); 2].map(|()| hair(context, &groom));
-    sleeper.lod.options = LodOptions { sleep: true, ..LodOptions::default() };
+    sleeper.lod.options = LodOptions { can_sleep: true, ..LodOptions::default() };
     let dispatches = |hair: &mut Hair, pose: Pose| {
         let mut encoder = context.device().create_command_encoder(&Default::default());
         let mut timings = tresses::Timings::by(tresses::low_level::wall);
@@ -268,7 +268,7 @@ fn unseen_hair_pauses_and_resumes_with_its_head() {
     let Some(context) = common::context() else { return };
     let first = hair(context, &groom());
     let mut hair = Hair::new(first.asset()).unwrap();
-    hair.lod.options = LodOptions { sleep: true, ..LodOptions::default() };
+    hair.lod.options = LodOptions { can_sleep: true, ..LodOptions::default() };
     let look = |hair: &mut Hair, target: Vec3, pose: &Pose| {
         let camera = Camera::look_at(Vec3::Z, target, 0.5, SIZE);
         hair.look_from(&camera, pose);
@@ -287,11 +287,11 @@ fn unseen_hair_pauses_and_resumes_with_its_head() {
     let before = relative(&hair, &turning(19, 0));
     for i in 20..60 {
         look(&mut hair, away, &turning(i, 0));
-        assert!(!hair.is_seen() && hair.set.drawn.count == 0);
+        assert!(!hair.is_visible() && hair.set.drawn.count == 0);
     }
     let pose = turning(60, 0);
     look(&mut hair, here, &pose);
-    assert!(hair.is_seen() && hair.set.drawn.count > 0);
+    assert!(hair.is_visible() && hair.set.drawn.count > 0);
     let after = relative(&hair, &pose);
     let came = mean_distance(&before, &after);
     // Hair resumes: no frame moves farther than for hair that was always in view.
@@ -326,9 +326,9 @@ fn levels_of_detail_keep_the_budget() {
     heads.iter_mut().for_each(|hair| hair.lod.options = LodOptions::CROWD);
     let camera = Camera::look_at(Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 0.5, [640, 400]);
     let place = |i: usize| Pose { translation: Vec3::new(0.5 * i as f32 - 0.75, 0.0, 0.0), ..Pose::IDENTITY };
-    let costs = Costs::default();
+    let costs = CostModel::default();
     let focus = |i: usize| Sphere { center: place(i).translation, radius: 0.35 };
-    let zone = |i: usize, bias: f32| Zone::seen(focus(i), &camera, bias, vec![i], Vec::new());
+    let zone = |i: usize, bias: f32| Zone::for_camera(focus(i), &camera, bias, vec![i], Vec::new());
     let held = ViewBytes { vertex: ViewBytes::BY_TILES, head: &|i, bias| zone(i, bias).bytes() };
     // `Zone::bytes` predicts what the view allocates.
     let options = ViewOptions { renderer: Renderer::masks(4), ..common::coarse() };
@@ -356,12 +356,14 @@ fn levels_of_detail_keep_the_budget() {
         chosen.unwrap()
     };
     let free = choose(&Budget::default(), 1);
-    assert!(free.fits && free.bias == 0.0 && free.heads.iter().all(|head| head.seen), "{free:?}");
+    assert!(free.fits && free.bias == 0.0 && free.heads.iter().all(|head| head.is_visible), "{free:?}");
     let half = Budget { milliseconds: 0.75 * free.milliseconds as f32, ..Budget::default() };
     let chosen = choose(&half, 60);
     assert!(chosen.fits && chosen.bias > 0.1, "{chosen:?}");
     assert!(chosen.milliseconds > 0.6 * free.milliseconds, "no coarser than need be: {chosen:?}");
-    let drawn = |chosen: &tresses::low_level::CrowdDetail| chosen.heads[0].strands * chosen.heads[0].vertices;
+    let drawn = |chosen: &tresses::low_level::CrowdDetail| {
+        chosen.heads[0].strand_count * chosen.heads[0].vertex_count
+    };
     assert!(drawn(&chosen) < drawn(&free), "{chosen:?}");
     let less = Budget { bytes: free.bytes - (free.bytes - first.shared_bytes()) / 4, ..Budget::default() };
     let chosen = choose(&less, 60);
@@ -428,7 +430,7 @@ fn zones_are_as_bright_as_finer_maps() {
                 pixels.map(|[r, g, b, _]| linear(*r) + linear(*g) + linear(*b)).sum()
             };
             let whole = mean(&view);
-            let own = Zone::seen(focus, &camera, 0.0, vec![0], vec![0]);
+            let own = Zone::for_camera(focus, &camera, 0.0, vec![0], vec![0]);
             let sizes = [[512, 24], [256, 24], [128, 24], [64, 24], [256, 12], [256, 8]];
             let zones = sizes.map(|[resolution, cells]| Zone { resolution, cells, ..own.clone() });
             for (i, zone) in [&own].into_iter().chain(&zones).enumerate() {
@@ -472,7 +474,7 @@ fn distant_heads_do_not_flicker() {
             let dt = if i == 0 { 0.0 } else { 1.0 / 60.0 };
             submit(|recorder| recorder.advance(&mut hair, &frame(turn(i), dt)));
             body.pose = turn(i);
-            let mut zone = Zone::seen(focus, &camera, 0.0, vec![0], vec![0]);
+            let mut zone = Zone::for_camera(focus, &camera, 0.0, vec![0], vec![0]);
             // With a fixed interval the zone's pose stays the same, so that turning the head does not trigger updates.
             match every {
                 Some(every) => zone.every = every,

@@ -107,7 +107,7 @@ fn cube_probe_recovers_the_environment() {
     let to_map = mirror * Mat3::from_quat(turn.inverse());
     let mirrored = map(context, 32, false, |d| truth.around(mirror * d));
     let found = measure(&mirrored, CubeMap::Irradiance, to_map);
-    assert!(off(&found, &truth.turned(turn)) < 0.01, "{}", off(&found, &truth.turned(turn)));
+    assert!(off(&found, &truth.rotated(turn)) < 0.01, "{}", off(&found, &truth.rotated(turn)));
     assert!(off(&found, &truth) > 0.04, "a turn is seen");
 
     // A small sun in a fine map is not missed if the map has mip levels. The expected value is the integral of the sky.

@@ -157,7 +157,7 @@ fn hair_shadows_hair() {
     // With two vertices per strand, terms that are nonlinear along a strand cannot agree.
     hair.material.root_darkness = 1.0;
     hair.material.shift_noise = 0.0;
-    scene.shadows.ambient = false;
+    scene.shadows.has_ambient = false;
     // Fibers that each method counts in front of the second curtain. The first one is 1.6 fibers deep.
     let behind = scene.shadows.density * (0.01 - scene.shadows.bias);
     for (method, expected, tolerance) in [

@@ -12,7 +12,7 @@ use tresses::{
         grow::Growth,
         import::ImportOptions,
         mannequin::{self, SKULL_CENTER},
-        orient::{Choice, Unit},
+        orient::{LengthUnit, OrientationOverride},
         styles::Style,
     },
     low_level::{Hair, HairFrame, lod},
@@ -163,8 +163,11 @@ fn blown_hair_keeps_its_shape() {
         for _ in 0..90 {
             common::advance(&mut blown, &frame);
         }
-        let now: Vec<Vec3> =
-            common::guide_lines(&blown).concat().iter().map(|p| blown.place().point(*p)).collect();
+        let now: Vec<Vec3> = common::guide_lines(&blown)
+            .concat()
+            .iter()
+            .map(|p| blown.simulation_transform().point(*p))
+            .collect();
         let kept = editor.keep(&now).unwrap().expect("the hair has moved");
         let moved = common::apart(&kept.guides().positions(), &base.guides.positions);
         let off = common::apart(&kept.guides().positions(), &now);
@@ -220,7 +223,7 @@ fn built_in_style_grows_on_the_head_of_a_file() {
     }
     let files = [(PathBuf::from("head.obj"), Cow::Owned(text.into_bytes()))];
     let files = CharacterFiles::Given(&files);
-    let orient_head = Choice { unit: Some(Unit(1.0)), ..Choice::default() };
+    let orient_head = OrientationOverride { unit: Some(LengthUnit(1.0)), ..OrientationOverride::default() };
     let options = ImportOptions { orient_head, ..ImportOptions::default() };
     let style: Style = "bob".parse().unwrap();
     let run = async {

@@ -5,7 +5,7 @@ use crate::common;
 
 use half::f16;
 use tresses::{
-    Camera, Compositor, Context, Error, Picture, Pose, Result, Surroundings, View, ViewOptions,
+    Camera, Compositor, Context, Error, HostFrame, Picture, Pose, Result, View, ViewOptions,
     glam::{
         Mat4, Vec3, Vec4,
         camera::rh::proj::directx::{orthographic, perspective},
@@ -79,10 +79,10 @@ impl<'a> Setup<'a> {
         let known = target(device, Compositor::GEOMETRY, TextureUsages::COPY_SRC, (SIZE, 1));
         let known_view = known.create_view(&Default::default());
         let geometry = asked.then_some(&known_view);
-        let into = Surroundings {
+        let into = HostFrame {
             origin: self.origin,
             geometry,
-            ..Surroundings::new(&scene.color, &scene.depth, projection)
+            ..HostFrame::new(&scene.color, &scene.depth, projection)
         };
         let sight = Drawing { shows: ViewContent::Over(&self.embed, into), ..Drawing::new(&self.scene) };
         context.recorder(&mut encoder).draw(
@@ -333,7 +333,7 @@ fn cards_are_hidden_and_blended_like_strands() {
     use tresses::groom::cards::{CardOptions, bake};
     let Some(context) = common::context() else { return };
     let groom = bind(&common::hanging(500, 16, 0.12), &Default::default()).unwrap();
-    let options = CardOptions { levels: vec![60], texture: 256, ..Default::default() };
+    let options = CardOptions { levels: vec![60], texture_size: 256, ..Default::default() };
     let baked = bake(&groom.strands.unbound(), None, &options).unwrap();
     let columns = baked.strands(0, &groom).unwrap();
     let projection = perspective(FOV, ASPECT, 0.1, 100.0);

@@ -7,7 +7,7 @@ use crate::{
 };
 
 use tresses::{
-    Camera, Compositor, Context, Error, Picture, Result, Shade, Surroundings, View, ViewOptions,
+    Camera, Compositor, Context, Error, HostFrame, Picture, Result, Shade, View, ViewOptions,
     glam::{
         Mat4, Vec3, Vec4,
         camera::rh::{
@@ -86,8 +86,7 @@ impl<'a> Setup<'a> {
         let mut encoder = device.create_command_encoder(&Default::default());
         let scene = HostScene::new(self.context, &mut encoder, (SIZE, self.samples), (WALL, far), None);
         let shade = (shade != 0.0).then_some(Shade { strength: shade, ..self.shade });
-        let into =
-            Surroundings { shadows, shade, ..Surroundings::new(&scene.color, &scene.depth, projection) };
+        let into = HostFrame { shadows, shade, ..HostFrame::new(&scene.color, &scene.depth, projection) };
         let sight = Drawing { shows: ViewContent::Over(&self.embed, into), ..Drawing::new(&self.picture) };
         context.recorder(&mut encoder).draw(&[&self.hair], &[], &self.view, sight)?;
         queue.submit([encoder.finish()]);
@@ -228,7 +227,7 @@ fn edge_of_a_coarse_shadow_map_is_straight() {
     let Some(context) = common::context() else { return };
     let mut setup = Setup::new(context, Vec3::Z);
     setup.picture.lights.directional[1].irradiance = Vec3::splat(40.0);
-    setup.picture.shadows.ambient = false;
+    setup.picture.shadows.has_ambient = false;
     let free = setup.drawn(&[], 0.0).unwrap();
     // Eight texels of 0.1 m along each edge. Those above the diagonal are covered: a staircase.
     let flat = orthographic(-0.4, 0.4, -0.4, 0.4, 0.1, 4.0);
@@ -335,7 +334,7 @@ fn hair_casts_shadows_on_the_scene() {
     let cast = difference(&plain, &setup.drawn(&[], 1.0).unwrap());
     assert!(cast > 0.2, "{cast}: 2 m away there is a shadow");
     let all = setup.shade;
-    for none in [Shade { reach: 0.5, ..all }, Shade { lights: [true, false, true, true], ..all }] {
+    for none in [Shade { range: 0.5, ..all }, Shade { lights: [true, false, true, true], ..all }] {
         setup.shade = none;
         assert!(setup.drawn(&[], 1.0).unwrap() == plain, "{none:?}");
     }
@@ -439,7 +438,7 @@ fn shadow_map_reports_what_it_covers() {
     let depth = setup.map(flat, [4; 2], |_, _| f32::NAN);
     let sees = |projection, [x, z]: [f32; 2]| {
         let shadow = SceneShadow { light: 0, depth: &depth, part: None, projection, bias: 0.0 };
-        shadow.sees(&Sphere { center: Vec3::new(x, 0.0, z), radius: 0.2 })
+        shadow.covers(&Sphere { center: Vec3::new(x, 0.0, z), radius: 0.2 })
     };
     for projection in [flat, reversed(flat)] {
         for (at, seen) in [

@@ -9,7 +9,7 @@ use tresses::{
     collide::{Collider, ColliderPoses, Shape},
     glam::Vec3,
     groom::{BindOptions, GuideCount},
-    low_level::{GrabState, Hair, HairFrame, Ray, Target, readback::blocking as readback},
+    low_level::{GrabState, GrabTarget, Hair, HairFrame, Ray, readback::blocking as readback},
 };
 
 const HEAD: f32 = 0.09;
@@ -51,7 +51,7 @@ impl Setup {
 
     /// Returns the positions of the guides in vertex-major order.
     fn guides(&self, hair: &Hair) -> Vec<Vec3> {
-        common::guides(hair).iter().map(|p| hair.place().point(*p)).collect()
+        common::guides(hair).iter().map(|p| hair.simulation_transform().point(*p)).collect()
     }
 
     fn state(&self, hair: &Hair) -> GrabState {
@@ -72,7 +72,7 @@ impl Setup {
     /// Drags the held hair by `way` within half a second, then waits for as long.
     fn drag(&self, hair: &mut Hair, from: Vec3, way: Vec3) {
         for i in 1..=30 {
-            hair.drag_to(&Target::Point(from + way * (i as f32 / 30.0))).unwrap();
+            hair.drag_to(&GrabTarget::Point(from + way * (i as f32 / 30.0))).unwrap();
             self.still(hair, 1);
         }
         self.still(hair, 30);
@@ -157,7 +157,7 @@ fn grab_pulls_in_wind_and_among_other_hair() {
     frames(&mut hair, 1);
     let state = stage.state(&hair);
     let way = Vec3::new(0.01, 0.03, 0.01);
-    hair.drag_to(&Target::Point(state.hit + way)).unwrap();
+    hair.drag_to(&GrabTarget::Point(state.hit + way)).unwrap();
     frames(&mut hair, 40);
     let after = stage.guides(&hair);
     let count = stage.character.groom.guides.len();
@@ -219,7 +219,7 @@ fn grab_without_a_hit_changes_nothing() {
     for ray in [beside, away, hidden] {
         let (mut hair, _, state) = stage.grabbed(&ray);
         assert_eq!(state.held, 0, "{ray:?}");
-        hair.drag_to(&Target::Point(Vec3::splat(0.3))).unwrap();
+        hair.drag_to(&GrabTarget::Point(Vec3::splat(0.3))).unwrap();
         stage.still(&mut hair, 9);
         assert!(stage.guides(&hair) == control, "{ray:?}");
     }
@@ -229,7 +229,7 @@ fn grab_without_a_hit_changes_nothing() {
     let mut hair = stage.hair();
     assert!(hair.grab(&Ray { direction: Vec3::ZERO, ..FRONT }, RADIUS).is_err());
     assert!(hair.grab(&FRONT, 0.0).is_err());
-    assert!(hair.drag_to(&Target::Point(Vec3::NAN)).is_err());
+    assert!(hair.drag_to(&GrabTarget::Point(Vec3::NAN)).is_err());
 }
 
 #[test]
@@ -241,7 +241,7 @@ fn grab_is_deterministic_at_any_frame_rate() {
         hair.grab(&FRONT, RADIUS).unwrap();
         let at = |t: f32| Ray { origin: FRONT.origin + Vec3::new(0.3, 0.4, 0.0) * t * speed, ..FRONT };
         for i in 1..=(0.5 * fps).round() as u32 {
-            hair.drag_to(&Target::Ray(at(i as f32 / fps))).unwrap();
+            hair.drag_to(&GrabTarget::Ray(at(i as f32 / fps))).unwrap();
             stage.advance(&mut hair, Pose::IDENTITY, 1.0 / fps);
         }
         stage.guides(&hair)

@@ -15,7 +15,7 @@ use tresses::{
 };
 use tresses::{Camera, Character, CharacterAsset, Context, Pose, Result, Space, View};
 use tresses::{CharacterFiles, CharacterOptions, CharacterParts, CharacterSource};
-use tresses::{Compositor, Shade, Surroundings};
+use tresses::{Compositor, HostFrame, Shade};
 use tresses::{CrowdBudget, Obstacle};
 use tresses::{FaceHair, FillOptions, Styling, drape};
 use tresses::{Picture, ViewOptions};
@@ -64,7 +64,7 @@ async fn filled(tresses: Context) -> Result<Character> {
     let (grooms, heads) = (["hair.tfx".into()], ["head.obj".into()]);
     let files = CharacterFiles::Disk { grooms: &grooms, heads: &heads };
     let source = CharacterSource::imported(&files, &ImportOptions::default(), &()).await?;
-    let fill = FillOptions { strands: Some(20_000), ..Default::default() };
+    let fill = FillOptions { strand_count: Some(20_000), ..Default::default() };
     let parts = source.dress(&Styling { fill, ..Default::default() }, &()).await?;
     let asset = CharacterAsset::new(&tresses, parts, &CharacterOptions::default(), &()).await?;
     let ann = Character::new(&asset)?;
@@ -187,9 +187,9 @@ async fn engine(guide: &Guide) -> Result<()> {
     let shadow_map = HostScene::new(&tresses, &mut encoder, ([64; 2], 1), (blue, 0.0), None).depth;
     let (color, depth, projection) = (scene.color.clone(), scene.depth.clone(), camera.projection);
     let cameras = [picture.camera];
-    let mut frame = tresses.frame(&mut encoder).seen_by(&cameras);
+    let mut frame = tresses.frame(&mut encoder).with_cameras(&cameras);
     frame.advance(&mut [&mut ann], dt)?;
-    let into = Surroundings::new(&color, &depth, projection);
+    let into = HostFrame::new(&color, &depth, projection);
     frame.composite(&mut view, &[&ann], &picture, &embed, into)?;
     tresses.queue().submit([encoder.finish()]);
     let covered = scene.read(&tresses)?.iter().filter(|texel| **texel != blue).count();
@@ -200,8 +200,8 @@ async fn engine(guide: &Guide) -> Result<()> {
     let geometry = target(tresses.device(), Compositor::GEOMETRY, TextureUsages::COPY_SRC, (size, 1));
     let motion = geometry.create_view(&Default::default());
     let shadow = SceneShadow { light: 0, depth: &shadow_map, part: None, projection: to_lamp, bias: 0.006 };
-    let into = Surroundings { shadows: &[shadow], shade: Some(Shade::default()), ..into };
-    let into = Surroundings { geometry: Some(&motion), ..into };
+    let into = HostFrame { shadows: &[shadow], shade: Some(Shade::default()), ..into };
+    let into = HostFrame { geometry: Some(&motion), ..into };
     tresses.frame(&mut encoder).composite(&mut view, &[&ann], &picture, &embed, into)?;
     tresses.queue().submit([encoder.finish()]);
     let texels: Vec<Vec4> = bytemuck::pod_collect_to_vec(&readback::texture(&tresses, &geometry).await?);
@@ -218,16 +218,16 @@ async fn engine(guide: &Guide) -> Result<()> {
     let mut crowd = (0..3).map(|_| Character::new(&asset)).collect::<Result<Vec<_>>>()?;
     let budget = Budget { milliseconds: 4.0, bytes: 500_000_000 };
     let mut budget = CrowdBudget { budget, ..Default::default() };
-    budget.costs.fit(&budget.chosen.work, milliseconds);
+    budget.costs.fit(&budget.detail.work, milliseconds);
     for (character, pose) in crowd.iter_mut().zip(&poses) {
         character.set_pose(*pose);
     }
     let cameras = [picture.camera];
-    let mut frame = tresses.frame(&mut encoder).seen_by(&cameras).within(&mut budget);
+    let mut frame = tresses.frame(&mut encoder).with_cameras(&cameras).within(&mut budget);
     frame.advance(&mut crowd.iter_mut().collect::<Vec<_>>(), dt)?;
     frame.draw(&mut view, &crowd.iter().collect::<Vec<_>>(), &picture, &target)?;
     tresses.queue().submit([encoder.finish()]);
     let covered = view.targets().read().await?.chunks(4).filter(|pixel| pixel[3] > 128).count();
-    assert!(covered > 100 && budget.chosen.heads.len() >= 3, "{covered} pixels, {:?}", budget.chosen);
+    assert!(covered > 100 && budget.detail.heads.len() >= 3, "{covered} pixels, {:?}", budget.detail);
     Ok(())
 }

@@ -36,7 +36,7 @@ impl Setup {
 
     /// Renders the image, with geometry and labels if `asks`.
     fn drawn(&self, asks: bool) -> Result<Vec<u8>> {
-        let sight = Drawing { asks, ..Drawing::new(&self.scene) };
+        let sight = Drawing { labels: asks, ..Drawing::new(&self.scene) };
         common::try_submit(|recorder| recorder.draw(&[&self.hair], &[], &self.view, sight))?;
         pollster::block_on(self.view.targets().read())
     }
@@ -77,15 +77,15 @@ fn labels_name_the_visible_strand() {
                 assert_eq!(*opacity, 0.0, "there is hair, but no strand");
                 continue;
             };
-            assert!(label.groom == 0 && label.share <= opacity + 1e-3, "{label:?} of {opacity}");
-            if label.share < 0.2 {
+            assert!(label.groom == 0 && label.coverage <= opacity + 1e-3, "{label:?} of {opacity}");
+            if label.coverage < 0.2 {
                 continue;
             }
             let pixel = Vec2::new((i as u32 % SIZE[0]) as f32, (i as u32 / SIZE[0]) as f32) + 0.5;
             let (at, z) = place(label.strand, label.vertex, label.along);
             assert!((at - pixel).abs().max_element() < 1.0, "{label:?} is at {at}, not {pixel}");
             // A strand that covers most of a pixel is about as deep as the mean of the pixel.
-            assert!(label.share < 0.6 || (z / depth - 1.0).abs() < 0.1, "{z} {depth}");
+            assert!(label.coverage < 0.6 || (z / depth - 1.0).abs() < 0.1, "{z} {depth}");
             // The next strand is elsewhere, which shows that labels matter.
             let (other, _) = place((label.strand + 1) % 300, label.vertex, label.along);
             wrong += usize::from((other - pixel).abs().max_element() > 1.0);

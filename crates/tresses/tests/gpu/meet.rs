@@ -36,7 +36,7 @@ impl Pair {
     fn new() -> Option<Self> {
         let context = common::context()?;
         let options =
-            BindOptions { guides: GuideCount::OneIn(5), strand_vertices: Some(12), ..Default::default() };
+            BindOptions { guides: GuideCount::OneIn(5), strand_vertex_count: Some(12), ..Default::default() };
         let groom = bind(&block(), &options).unwrap();
         let first = common::hair(context, &groom, &HairOptions::default(), None).unwrap();
         let second = Hair::new(first.asset()).unwrap();
@@ -71,7 +71,7 @@ impl Pair {
 }
 
 fn both([first, second]: &mut [Hair; 2]) {
-    Hair::meet_each_other(&mut [first, second]);
+    Hair::collide_nearby(&mut [first, second]);
 }
 
 fn alone(_: &mut [Hair; 2]) {}
@@ -99,7 +99,7 @@ fn hair_of_two_heads_collides() {
 
     // Hair that does not know of the other hair does not give way.
     let one = pair.come(BESIDE, here, |[first, second]| {
-        second.meet(&[first]);
+        second.collide_with(&[first]);
     });
     assert!(one[0] == through[0] && tips(&one)[1] > was[1] + 1.5e-3, "{one:?}");
 

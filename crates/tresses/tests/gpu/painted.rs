@@ -27,7 +27,7 @@ fn wall() -> TriMesh {
 
 fn paint(base: Texture, relief: [u8; 4], cutout: Option<f32>) -> Paint {
     Paint {
-        places: vec![Vec2::new(0.0, 1.0), Vec2::ONE, Vec2::new(1.0, 0.0), Vec2::ZERO],
+        uvs: vec![Vec2::new(0.0, 1.0), Vec2::ONE, Vec2::new(1.0, 0.0), Vec2::ZERO],
         of: vec![0; 4],
         coats: vec![Coat { base, relief: Texture::even(relief), cutout }],
     }

@@ -2,7 +2,7 @@
 
 use crate::{common, renderers};
 use tresses::{
-    Body, Camera, Compositor, Picture, Surroundings, View, ViewOptions,
+    Body, Camera, Compositor, HostFrame, Picture, View, ViewOptions,
     glam::Mat4,
     groom::TriMesh,
     light::SceneShadow,
@@ -76,7 +76,7 @@ fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureForma
     let geometry = matches!(options.renderer, Renderer::Tiles(_))
         .then(|| texture(Compositor::GEOMETRY, wgpu::TextureUsages::RENDER_ATTACHMENT));
     let map = texture(wgpu::TextureFormat::Depth24Plus, wgpu::TextureUsages::TEXTURE_BINDING);
-    let into = Surroundings {
+    let into = HostFrame {
         color: &texture(color, wgpu::TextureUsages::RENDER_ATTACHMENT),
         depth: &texture(wgpu::TextureFormat::Depth24Plus, wgpu::TextureUsages::TEXTURE_BINDING),
         origin: [0; 2],
@@ -84,7 +84,7 @@ fn embedded(samples: u32, format: wgpu::TextureFormat, color: wgpu::TextureForma
         geometry: geometry.as_ref(),
         shadows: &[SceneShadow { light: 0, depth: &map, part: None, projection: Mat4::IDENTITY, bias: 0.01 }],
         shade: Some(Default::default()),
-        lit: false,
+        is_lit: false,
     };
     let mut encoder = context.device().create_command_encoder(&Default::default());
     let picture = Picture::default();

@@ -37,7 +37,7 @@ fn pixels_are_tone_mapped_once() {
     let sky = Sky { zenith: Vec3::ZERO, horizon: Vec3::ZERO, ground: Vec3::ZERO };
     let unlit = Picture {
         lights: Lights { directional: [Directional::OFF; MAX_LIGHTS], sky, ..Default::default() },
-        shadows: Shadows { ambient: false, enabled: false, ..Default::default() },
+        shadows: Shadows { has_ambient: false, is_enabled: false, ..Default::default() },
         ..golden::scene()
     };
     for renderer in [Renderer::tiles(4), Renderer::masks(4)] {

@@ -34,7 +34,7 @@ impl Stage {
         if living {
             let SkinnedHair { hair, body, rest } = &mut skinned;
             let report = hair.attach(rest, &Skin::from(&*body), 0.005).unwrap();
-            assert!(report.farthest < 1e-3 && report.roots > 150, "{report:?}");
+            assert!(report.max_distance < 1e-3 && report.roots > 150, "{report:?}");
         }
         Self(skinned)
     }

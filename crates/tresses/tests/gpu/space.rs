@@ -85,7 +85,7 @@ fn distant_and_carried_hair_is_bit_identical() {
     let there = |t| Given::at(Space::at(far), t);
     assert!(same(&here, &run(context, &physics, &there)), "10 km from the origin");
     let moves = DVec3::new(100.0, 0.0, 7.0);
-    let platform = |t: f64| Given::at(Space { carries_air: true, ..Space::at(10.0 * far + moves * t) }, t);
+    let platform = |t: f64| Given::at(Space { moves_air: true, ..Space::at(10.0 * far + moves * t) }, t);
     assert!(same(&here, &run(context, &physics, &platform)), "on a platform at 100 m/s");
     let jumps = |t: f64| {
         let i = (t * 50.0).round();
@@ -142,7 +142,7 @@ fn other_coordinates_do_not_change_the_motion() {
 fn moving_platform_in_still_air_feels_wind() {
     let Some(context) = common::context() else { return };
     let wind = |v: f32| SimulationParams {
-        wind: Wind { gusts: 0.0, cells: 8, ..Wind::new(Vec3::X * v) },
+        wind: Wind { gusts: 0.0, resolution: 8, ..Wind::new(Vec3::X * v) },
         ..Default::default()
     };
     let stands = run(context, &wind(6.0), &|t| Given::at(Space::WORLD, t));

@@ -103,7 +103,7 @@ fn advance(context: &Context) -> Result<()> {
     hair.attach(&mesh, &skin, 0.1)?;
     let deforming = DeformingField { which: DeformTarget::Field(FieldId(0)), triangles: &mesh.triangles };
     hair.colliders.deform(&mesh, &skin, &[deforming])?;
-    hair.set_detail(Detail { strands: 20, ..*hair.lod.current() });
+    hair.set_detail(Detail { strand_count: 20, ..*hair.lod.current() });
     let physics = SimulationParams { wind: Wind::new(Vec3::X), ..Default::default() };
     let colliders = ColliderPoses { head: None, colliders: vec![Pose::IDENTITY] };
     let frame =
@@ -210,7 +210,7 @@ fn measure_peak(context: &Context) -> Result<()> {
         scale: Vec3::ONE,
         bias: Vec3::ZERO,
         quantity: Quantity::Length,
-        turns: false,
+        rotates: false,
     };
     pollster::block_on(Peak::new(context).measure(&grid)).map(|_| ())
 }

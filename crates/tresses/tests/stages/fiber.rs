@@ -142,7 +142,7 @@ fn on_gpu(context: &Context, view: &View1, material: FiberMaterial) -> Vec<Vec3>
     hair.material = HairMaterial { fiber: material, warmth_spread: 0.0, ..Default::default() };
     let lights = light_from(to_light);
     // Fibers do not shadow each other.
-    let shadows = Shadows { enabled: false, ..Default::default() };
+    let shadows = Shadows { is_enabled: false, ..Default::default() };
     let picture = Picture {
         camera: Camera::look_at(Vec3::ZERO, Vec3::Z, 1.0, [16, 16]),
         focus: Sphere { center: Vec3::ZERO, radius: 3.0 },
@@ -238,7 +238,7 @@ fn upright(
     let options = ViewOptions {
         renderer: Renderer::masks(1),
         shadow_resolution: 256,
-        strand_map,
+        strand_map_resolution: strand_map,
         ..Default::default()
     };
     let eye = View::new(context, &options, [16, 16], 1).expect("fits");

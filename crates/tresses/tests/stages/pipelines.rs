@@ -78,7 +78,7 @@ fn frame_records_on_baseline_webgpu() {
     // A grab, and every debug view.
     hair.grab(&picture.camera.ray(20.0, 30.0), 0.02).unwrap();
     recorder.advance(&mut hair, &input).unwrap();
-    hair.drag_to(&tresses::low_level::Target::Ray(picture.camera.ray(30.0, 30.0))).unwrap();
+    hair.drag_to(&tresses::low_level::GrabTarget::Ray(picture.camera.ray(30.0, 30.0))).unwrap();
     recorder.advance(&mut hair, &input).unwrap();
     assert!(hair.grabbed().is_active() && hair.grabbed().state().is_some());
     let mut views = DebugViews::new(context, tresses::low_level::PICTURE_FORMAT).unwrap();

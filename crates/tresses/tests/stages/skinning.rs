@@ -7,7 +7,7 @@ use tresses::{
     groom::{
         TriMesh, import,
         mesh::shapes,
-        rig::{Bind, Delta, Joint, Node, Rig, RigPose, Target},
+        rig::{Bind, Delta, Joint, MorphTarget, Node, Rig, RigPose},
     },
     low_level::readback::blocking as readback,
     skinning::Skinning,
@@ -50,7 +50,7 @@ fn knotted() -> (TriMesh, Rig) {
         let joints = std::array::from_fn(|k| ((i + 2 * k) % 9) as u16);
         Bind { position: *position, normal: mesh.normals[i], joints, weights: weights.map(|w| w / sum) }
     };
-    let target = |s: usize| Target {
+    let target = |s: usize| MorphTarget {
         name: format!("shape {s}"),
         deltas: (0..mesh.positions.len() as u32)
             .filter(|v| *v as usize % 3 != s)
@@ -112,7 +112,7 @@ fn imported_characters_match_the_cpu() {
     let Some(context) = common::context() else { return };
     for name in ["CesiumMan", "RobotExpressive"] {
         let Some(path) = common::asset(format!("characters/{name}.glb")) else { return };
-        let import::Body { mesh, rig, .. } = import::read_body(&[path], &Default::default()).unwrap();
+        let import::ImportedBody { mesh, rig, .. } = import::read_body(&[path], &Default::default()).unwrap();
         let rig = rig.expect("it bends");
         for animation in &rig.animations {
             let morphs: Vec<_> = (0..rig.targets.len()).map(|i| (i, 0.4)).collect();

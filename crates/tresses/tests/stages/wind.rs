@@ -112,7 +112,7 @@ impl Tunnel {
             Some(value) => volume(context, 32, 0.6, value),
             None => volume(context, 1, 1.0, |_| [0.0; 4]),
         };
-        let air = Air::new(context, wind.cells, (Vec3::ZERO, 1.0), &view).unwrap();
+        let air = Air::new(context, wind.resolution, (Vec3::ZERO, 1.0), &view).unwrap();
         Some(Self {
             context,
             air,
@@ -135,7 +135,7 @@ impl Tunnel {
         let steps = [step];
         let moments = Moments { steps: &steps, substeps: 4, step: STEP, head, alpha: 1.0 };
         self.colliders.advance(&ColliderPoses::default(), &moments).unwrap();
-        let SimulationParams { wind, diameter, step, substeps, .. } = self.physics;
+        let SimulationParams { wind, diameter, step, substep_count: substeps, .. } = self.physics;
         let due = Steps { steps: &steps, length: step, substeps };
         self.air.prepare(context, &wind, diameter, &due, self.hair);
         common::compute(context, |pass| self.air.record(pass, &self.colliders, 0));
@@ -154,7 +154,7 @@ impl Tunnel {
 
     /// Returns the center of a cell relative to the head's origin, in head radii of 10 cm.
     fn middle(&self, i: [usize; 3]) -> Vec3 {
-        let corner = self.air.place(0).corner;
+        let corner = self.air.grid_after(0).corner;
         let i = Vec3::new(i[0] as f32, i[1] as f32, i[2] as f32);
         (corner + (i + 0.5) * self.air.cell - self.head.translation) / 0.1
     }
@@ -208,7 +208,7 @@ fn divergence_free(wind: Wind, steps: u32) -> Option<Tunnel> {
 
 /// Checks the divergence in wind of 10 m/s on a grid of `cells` cells along an axis.
 fn divergence_on(cells: u32, steps: u32) {
-    divergence_free(Wind { cells, ..Wind::new(Vec3::new(8.0, 0.0, 6.0)) }, steps);
+    divergence_free(Wind { resolution: cells, ..Wind::new(Vec3::new(8.0, 0.0, 6.0)) }, steps);
 }
 
 #[test]
@@ -290,7 +290,8 @@ fn undisturbed_wind_stays_uniform_while_the_grid_moves() {
     println!("largest error of uniform wind: {error} m/s");
     assert!(error < 0.005 * wind.velocity.length(), "{error}");
     assert!(
-        (tunnel.air.place(0).corner + 0.5 - tunnel.head.translation).abs().max_element() < tunnel.air.cell
+        (tunnel.air.grid_after(0).corner + 0.5 - tunnel.head.translation).abs().max_element()
+            < tunnel.air.cell
     );
 }
 

@@ -71,7 +71,7 @@ fn storm(seconds: u32) {
 /// Blows at `hair` with 30 m/s in air of `cells` cells along an axis, and checks the lengths of its guides every second.
 /// Returns their lengths at rest, meters.
 fn blow(hair: &mut Hair, cells: u32, seconds: u32) -> Vec<f32> {
-    let wind = Wind { cells, gusts: 0.3, ..Wind::new(Vec3::new(30.0, 0.0, 4.0)) };
+    let wind = Wind { resolution: cells, gusts: 0.3, ..Wind::new(Vec3::new(30.0, 0.0, 4.0)) };
     let physics = SimulationParams { wind, ..Default::default() };
     simulate(hair, &physics, 0.0);
     let rest: Vec<_> = common::guide_lines(hair).iter().map(|line| common::length(line)).collect();
@@ -110,7 +110,7 @@ fn in_plain_air(
     let volume = VolumeOptions { resolution: 8, ..Default::default() };
     let options = HairOptions { volume, simulation: physics, ..Default::default() };
     let mut hair = common::hair(context, &groom, &options, None).unwrap();
-    let wind = Wind { cells: 16, gusts: 0.0, ..Wind::new(velocity) };
+    let wind = Wind { resolution: 16, gusts: 0.0, ..Wind::new(velocity) };
     let physics = SimulationParams { wind, hair_hair: HairHair::OFF, ..physics };
     simulate(&mut hair, &physics, 0.0);
     (hair, physics)

@@ -13,14 +13,14 @@ use tresses_cli::{
     },
     photographer::Photographer,
 };
-use tresses_scene::{Motion, Source, Viewpoint};
+use tresses_scene::{Motion, PresetSource, Viewpoint};
 
 /// Image size, pixels.
 pub const SIZE: Size = Size { width: 1280, height: 720 };
 const MOTION: &str = "turn";
 /// Time limit of whole frames, seconds. After it, at least [`LEAST`] frames are measured and no more.
 const LONG: f64 = 10.0;
-const LEAST: usize = 5;
+const MIN_FRAMES: usize = 5;
 
 /// One style with one strand count.
 #[derive(Debug, Default, Serialize)]
@@ -40,7 +40,8 @@ pub struct FrameCase {
     /// Frames whose stages are submitted separately where the adapter has no comparable timestamps.
     pub run: Run,
     /// Frames that are submitted whole, milliseconds.
-    pub whole: Summary,
+    #[serde(rename = "whole")]
+    pub full_frame: Summary,
     /// Number of those.
     pub frames: u32,
     /// Their mean processor time of all threads, milliseconds, if the system reports it.
@@ -66,17 +67,17 @@ pub fn measure(
     simulated: bool,
     sitting: Sitting<'_>,
 ) -> Result<FrameCase> {
-    let source = Source { style: Some(style.into()), ..Source::default() };
+    let source = PresetSource { style: Some(style.into()), ..PresetSource::default() };
     let mut preset = workload::preset(source, workload::TILES);
     if let Some(strands) = strands {
         preset.settings.set("style.strands", strands)?;
     }
     preset.settings.style.all_guides = simulated;
-    let mut scene = Photographer::with_samples_at_most(&preset, SIZE, None)
+    let mut scene = Photographer::with_clamped_samples(&preset, SIZE, None)
         .with_context(|| format!("the style {style}"))?;
     let camera = workload::camera(&scene, SIZE, None);
     let run = workload::run(&mut scene, "in motion", MOTION, &camera, sitting)?;
-    let (whole, processor) = whole(&mut scene, &camera, sitting)?;
+    let (frame_times, processor) = measure_full_frames(&mut scene, &camera, sitting)?;
     let facts = scene.facts();
     Ok(FrameCase {
         style: style.into(),
@@ -86,16 +87,16 @@ pub fn measure(
         is_all_simulated: simulated,
         samples: scene.samples(),
         run,
-        frames: whole.len() as u32,
+        frames: frame_times.len() as u32,
         processor,
-        whole: Summary::of(whole),
+        full_frame: Summary::of(frame_times),
         hair_bytes: facts.bytes,
         view_bytes: scene.targets().bytes() + scene.view.shadow_bytes() + scene.view.ambient_bytes(),
     })
 }
 
 /// Returns the times of frames that are submitted whole, and their mean processor time, milliseconds.
-fn whole(
+fn measure_full_frames(
     scene: &mut Photographer,
     camera: &Viewpoint,
     Sitting { frames, bar, .. }: Sitting<'_>,
@@ -106,7 +107,7 @@ fn whole(
     let mut times = Vec::new();
     let (start, mut spent) = (Instant::now(), None);
     for frame in 0..WARM_UP + frames {
-        if times.len() >= LEAST && start.elapsed().as_secs_f64() > LONG {
+        if times.len() >= MIN_FRAMES && start.elapsed().as_secs_f64() > LONG {
             bar.inc(u64::from(WARM_UP + frames - frame));
             break;
         }
@@ -114,7 +115,7 @@ fn whole(
             spent = PROCESSOR.map(|now| now());
         }
         let gesture = motion.gesture(f64::from(frame + 1) / FPS, pivot);
-        let time = scene.measured_whole(&gesture, (1.0 / FPS) as f32, camera)?;
+        let time = scene.measured_frame_time(&gesture, (1.0 / FPS) as f32, camera)?;
         if frame >= WARM_UP {
             bar.inc(1);
             times.push(time);

@@ -30,8 +30,8 @@ impl Load {
 fn all() -> Option<f64> {
     let text = read_to_string("/proc/stat").ok()?;
     let fields: Vec<f64> = text.lines().next()?.split_whitespace().filter_map(|v| v.parse().ok()).collect();
-    let busy = [0, 1, 2, 5, 6, 7].iter().map(|i| fields.get(*i)).sum::<Option<f64>>()?;
-    Some(busy / TICKS)
+    let ticks = [0, 1, 2, 5, 6, 7].iter().map(|i| fields.get(*i)).sum::<Option<f64>>()?;
+    Some(ticks / TICKS)
 }
 
 /// Processor time of this process and its finished children, seconds, in steps of 10 ms.

@@ -95,11 +95,11 @@ pub fn run(
 
 /// Returns the `tresses` command to measure.
 fn program(given: Option<&Path>) -> Result<PathBuf> {
-    let beside = || -> Result<PathBuf> {
+    let sibling = || -> Result<PathBuf> {
         let name = format!("tresses{}", std::env::consts::EXE_SUFFIX);
         Ok(std::env::current_exe()?.with_file_name(name))
     };
-    let program = given.map_or_else(beside, |path| Ok(path.to_owned()))?;
+    let program = given.map_or_else(sibling, |path| Ok(path.to_owned()))?;
     ensure!(
         program.is_file(),
         "{}: there is no such program; build it with `cargo build --bin tresses`, or name it with --command",

@@ -84,8 +84,8 @@ fn header(adapter: &Adapter, machine: &Machine, other_load: Option<f64>, is_full
         ("Command", format!("`{command}`")),
         ("Clock", clock.into()),
     ];
-    if let Some(share) = other_load {
-        rows.push(("Other programs", format!("used {:.0} % of the cores meanwhile", 100.0 * share)));
+    if let Some(fraction) = other_load {
+        rows.push(("Other programs", format!("used {:.0} % of the cores meanwhile", 100.0 * fraction)));
     }
     markdown(rows.into_iter().map(|(name, value)| vec![name.into(), value]), false)
 }
@@ -116,8 +116,8 @@ fn stages(styles: &[FrameCase], adapter: &Adapter) -> String {
         })
     }));
     rows.push(row("sum of the stages", &|case| ms(case.run.gpu.median)));
-    rows.push(row("**whole frame**", &|case| format!("**{}**", ms(case.whole.median))));
-    rows.push(row("95th percentile", &|case| ms(case.whole.p95)));
+    rows.push(row("**whole frame**", &|case| format!("**{}**", ms(case.full_frame.median))));
+    rows.push(row("95th percentile", &|case| ms(case.full_frame.p95)));
     if adapter.software && styles.iter().any(|case| case.processor.is_some()) {
         rows.push(row("processor time, mean", &|case| case.processor.map_or("-".into(), ms)));
     }
@@ -156,7 +156,7 @@ fn strands(case: &FrameCase) -> String {
 
 fn strand_counts(series: &[&FrameCase]) -> String {
     let points = series.iter().filter(|case| !case.is_all_simulated);
-    let points: Vec<_> = points.map(|case| (f64::from(case.strands), case.whole.median)).collect();
+    let points: Vec<_> = points.map(|case| (f64::from(case.strands), case.full_frame.median)).collect();
     let (fixed, slope) = line(&points);
     let head = ["strands", "guides", "whole frame", "95th percentile", "processor time, mean", "line"];
     let mut rows = vec![head.map(String::from).to_vec()];
@@ -164,8 +164,8 @@ fn strand_counts(series: &[&FrameCase]) -> String {
         vec![
             strands(case),
             grouped(case.guides.into()),
-            ms(case.whole.median),
-            ms(case.whole.p95),
+            ms(case.full_frame.median),
+            ms(case.full_frame.p95),
             case.processor.map_or("-".into(), ms),
             if case.is_all_simulated { "-".into() } else { ms(fixed + slope * f64::from(case.strands)) },
         ]
@@ -243,9 +243,9 @@ fn peer(peer: &peers::Peer) -> String {
             figure.scene.clone(),
             figure.clock.clone(),
             figure.date.clone(),
-            grouped(figure.ours),
-            grouped(figure.theirs),
-            format!("{:.1}", figure.theirs as f64 / figure.ours.max(1) as f64),
+            grouped(figure.tresses_ms),
+            grouped(figure.peer_ms),
+            format!("{:.1}", figure.peer_ms as f64 / figure.tresses_ms.max(1) as f64),
         ]
     });
     format!(
@@ -255,7 +255,7 @@ fn peer(peer: &peers::Peer) -> String {
         peer.version,
         peer.url,
         peer.command,
-        peer.ours,
+        peer.tresses_command,
         markdown(std::iter::once(head).chain(rows), false)
     )
 }
@@ -294,7 +294,7 @@ mod tests {
                 gpu: time(4.0),
                 ..Run::default()
             },
-            whole: time(2.0 + f64::from(strands) * 1e-3),
+            full_frame: time(2.0 + f64::from(strands) * 1e-3),
             hair_bytes: u64::from(strands) * 480,
             ..FrameCase::default()
         };

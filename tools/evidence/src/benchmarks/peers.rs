@@ -20,7 +20,8 @@ pub struct Peer {
     /// The command that measured it.
     pub command: String,
     /// The command that measured Tresses.
-    pub ours: String,
+    #[serde(rename = "ours")]
+    pub tresses_command: String,
     /// The figures.
     #[serde(rename = "figure")]
     pub figures: Vec<Figure>,
@@ -37,9 +38,11 @@ pub struct Figure {
     /// The clock.
     pub clock: String,
     /// Tresses, milliseconds.
-    pub ours: u64,
+    #[serde(rename = "ours")]
+    pub tresses_ms: u64,
     /// The peer, milliseconds.
-    pub theirs: u64,
+    #[serde(rename = "theirs")]
+    pub peer_ms: u64,
 }
 
 #[derive(Deserialize)]

@@ -109,6 +109,6 @@ fn counted(workload: &Workload) -> Result<CountedFrame> {
         scene: format!("{}, {}×{}", workload.name, workload.size.width, workload.size.height),
         commands: commands.iter().map(CountedCommand::from).collect(),
         transfers: transfers.into_iter().map(|(stage, count)| (stage, count as u32)).collect(),
-        moved: by_stage(&|counts| counts.bytes).into_iter().collect(),
+        traffic_bytes: by_stage(&|counts| counts.bytes).into_iter().collect(),
     })
 }

@@ -54,7 +54,8 @@ pub struct CountedFrame {
     /// Copies and fills outside passes, by stage.
     pub transfers: BTreeMap<String, u32>,
     /// Bytes that attachments and transfers move, by stage.
-    pub moved: BTreeMap<String, u64>,
+    #[serde(rename = "moved")]
+    pub traffic_bytes: BTreeMap<String, u64>,
 }
 
 /// A counted dispatch or draw.
@@ -147,12 +148,12 @@ impl<'a> Model<'a> {
                 let threads = f64::from(kernel.threads.max(1));
                 let workgroups = command.threads as f64 / threads;
                 let waves = workgroups * (threads / WAVE).ceil();
-                let turns = command.operations as f64 / command.threads as f64 / expected.max(1.0);
+                let iteration_ratio = command.operations as f64 / command.threads as f64 / expected.max(1.0);
                 let rounds = (waves / (chip.simds * fitting(kernel))).max(1.0);
-                limits.push((kernel.latency as f64 * turns * rounds / chip.clock, "latency"));
+                limits.push((kernel.latency as f64 * iteration_ratio * rounds / chip.clock, "latency"));
                 // The compiler's figure is for waves whose threads are all used.
                 let cycles = kernel.throughput as f64 * command.threads as f64 / WAVE;
-                limits.push((cycles * turns / chip.simds / chip.clock, "cycles"));
+                limits.push((cycles * iteration_ratio / chip.simds / chip.clock, "cycles"));
             }
             None => limits.push((command.threads as f64 / chip.fragments, "fragments")),
         }
@@ -163,20 +164,20 @@ impl<'a> Model<'a> {
     fn stages(&self, frame: &CountedFrame, chip: &Chip) -> Vec<(String, StageTime)> {
         let mut stages: Vec<(String, StageTime)> = Vec::new();
         for command in &frame.commands {
-            let place = stages.iter().position(|(name, _)| *name == command.stage).unwrap_or_else(|| {
+            let index = stages.iter().position(|(name, _)| *name == command.stage).unwrap_or_else(|| {
                 stages.push((command.stage.clone(), StageTime::default()));
                 stages.len() - 1
             });
             let (seconds, limit) = self.command(command, chip);
-            stages[place].1.commands += 1;
-            *stages[place].1.limits.entry(limit).or_default() += seconds;
+            stages[index].1.commands += 1;
+            *stages[index].1.limits.entry(limit).or_default() += seconds;
         }
         for (name, stage) in &mut stages {
             let transfers = frame.transfers.get(name).copied().unwrap_or(0);
-            let moved = frame.moved.get(name).copied().unwrap_or(0) as f64 / chip.bytes;
+            let traffic_seconds = frame.traffic_bytes.get(name).copied().unwrap_or(0) as f64 / chip.bytes;
             stage.commands += transfers;
             *stage.limits.entry("launch").or_default() += LAUNCH * f64::from(transfers);
-            *stage.limits.entry("bytes").or_default() += moved;
+            *stage.limits.entry("bytes").or_default() += traffic_seconds;
         }
         stages
     }
@@ -203,8 +204,8 @@ impl<'a> Model<'a> {
         let mut rows = vec![["stage", "commands", "ms", "limited by"].map(String::from).to_vec()];
         for (name, stage) in self.stages(frame, chip) {
             let sum: f64 = stage.limits.values().sum();
-            let most = stage.limits.iter().max_by(|a, b| a.1.total_cmp(b.1));
-            let limit = most.map_or("-", |(name, _)| name);
+            let dominant = stage.limits.iter().max_by(|a, b| a.1.total_cmp(b.1));
+            let limit = dominant.map_or("-", |(name, _)| name);
             rows.push(vec![name, stage.commands.to_string(), format!("{:.3}", 1e3 * sum), limit.into()]);
         }
         rows

@@ -9,12 +9,12 @@ use wgpu::naga::{
 };
 
 /// Returns the turns that Mesa's ACO assumes of a loop in `depth` others, when it estimates cycles.
-fn turns(depth: u32) -> f64 {
+fn loop_iterations(depth: u32) -> f64 {
     [8.0, 4.0, 2.0][depth.min(2) as usize]
 }
 
 /// Share of the waves that take a side of a branch, as ACO assumes.
-const TAKEN: f64 = 0.75;
+const BRANCH_FRACTION: f64 = 0.75;
 
 /// Returns the operations of an invocation of the compute shader `source` with the turns and branches that ACO assumes.
 pub fn expected(source: &str) -> Result<f64> {
@@ -50,12 +50,14 @@ impl Expectation<'_> {
             let mut inner = |block, depth| self.block(block, expressions, info, depth);
             sum += match statement {
                 Statement::Block(block) => inner(block, depth),
-                Statement::If { accept, reject, .. } => TAKEN * (inner(accept, depth) + inner(reject, depth)),
+                Statement::If { accept, reject, .. } => {
+                    BRANCH_FRACTION * (inner(accept, depth) + inner(reject, depth))
+                }
                 Statement::Switch { cases, .. } => {
-                    TAKEN * cases.iter().map(|case| inner(&case.body, depth)).sum::<f64>()
+                    BRANCH_FRACTION * cases.iter().map(|case| inner(&case.body, depth)).sum::<f64>()
                 }
                 Statement::Loop { body, continuing, .. } => {
-                    turns(depth) * (inner(body, depth + 1) + inner(continuing, depth + 1))
+                    loop_iterations(depth) * (inner(body, depth + 1) + inner(continuing, depth + 1))
                 }
                 Statement::Call { function, .. } => self.call(*function, depth),
                 other => f64::from(reader.operations(expressions, other)),

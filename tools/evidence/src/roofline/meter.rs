@@ -15,7 +15,7 @@ use tresses::{
 };
 
 /// Most dispatches and draws of a frame that can be counted.
-const MOST: usize = 4096;
+const MAX_COMMANDS: usize = 4096;
 /// Distance between the counters of two dispatches: dynamic offsets are multiples of 256.
 const STEP: u64 = BYTES.next_multiple_of(256);
 
@@ -25,7 +25,7 @@ pub struct StageWork {
     /// Sums of the counters, except bytes by binding.
     pub counted: ShaderCounts,
     /// Bytes that shaders load from and store to buffers.
-    pub asked: u64,
+    pub requested_bytes: u64,
     /// The same, but per dispatch at most the size of each buffer: the minimum memory traffic.
     pub bytes: u64,
 }
@@ -81,7 +81,7 @@ impl State {
         self.own.get_or_init(|| {
             let buffer = device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("tally"),
-                size: STEP * MOST as u64,
+                size: STEP * MAX_COMMANDS as u64,
                 usage: wgpu::BufferUsages::STORAGE
                     | wgpu::BufferUsages::COPY_SRC
                     | wgpu::BufferUsages::COPY_DST,
@@ -138,11 +138,11 @@ impl Meter {
     pub fn take(&self, context: &Context) -> Result<Vec<(&'static str, StageWork)>> {
         let mut rows: Vec<(&'static str, StageWork)> = Vec::new();
         for command in self.commands(context)? {
-            let place = rows.iter().position(|(known, _)| *known == command.stage).unwrap_or_else(|| {
+            let index = rows.iter().position(|(known, _)| *known == command.stage).unwrap_or_else(|| {
                 rows.push((command.stage, StageWork::default()));
                 rows.len() - 1
             });
-            rows[place].1.merge(&command.work);
+            rows[index].1.merge(&command.work);
         }
         Ok(rows)
     }
@@ -153,8 +153,8 @@ impl Meter {
         let mut log = self.0.log();
         log.counts = false;
         ensure!(
-            log.work.len() <= MOST,
-            "the frame has {} dispatches and draws, but at most {MOST} can be counted",
+            log.work.len() <= MAX_COMMANDS,
+            "the frame has {} dispatches and draws, but at most {MAX_COMMANDS} can be counted",
             log.work.len()
         );
         let mut commands = Vec::new();
@@ -181,7 +181,7 @@ impl StageWork {
         sum.texels += one.texels;
         sum.texel_bytes += one.texel_bytes;
         sum.atomics += one.atomics;
-        self.asked += other.asked;
+        self.requested_bytes += other.requested_bytes;
         self.bytes += other.bytes;
     }
 
@@ -189,13 +189,13 @@ impl StageWork {
     fn add(&mut self, one: &ShaderCounts, bound: &[u64]) {
         self.merge(&Self { counted: *one, ..Self::default() });
         let others: u64 = one.others.iter().sum();
-        self.asked += others;
+        self.requested_bytes += others;
         self.bytes += others;
         for i in 0..BINDINGS {
-            let room = bound.get(i).copied().filter(|bytes| *bytes > 0).unwrap_or(u64::MAX);
+            let buffer_size = bound.get(i).copied().filter(|bytes| *bytes > 0).unwrap_or(u64::MAX);
             for bytes in one.bound[i] {
-                self.asked += bytes;
-                self.bytes += bytes.min(room);
+                self.requested_bytes += bytes;
+                self.bytes += bytes.min(buffer_size);
             }
         }
     }
@@ -228,14 +228,14 @@ impl Probe for Meter {
     ) -> (wgpu::BindGroup, u32) {
         let own = self.0.own.get().expect("a pipeline was made");
         let mut log = self.0.log();
-        let mut place = 0;
+        let mut index = 0;
         if log.counts {
-            place = log.work.len().min(MOST - 1);
+            index = log.work.len().min(MAX_COMMANDS - 1);
             let first = groups[0].as_ref().and_then(|group| log.sizes.get(group));
             let bytes = first.cloned().unwrap_or_default();
             log.work.push((kernel, bytes));
         }
-        (own.group.clone(), (STEP * place as u64) as u32)
+        (own.group.clone(), (STEP * index as u64) as u32)
     }
 
     fn lap(&self, name: &'static str) {
@@ -260,7 +260,7 @@ mod tests {
         let mut done = StageWork::default();
         // Size 0: the third binding is not a buffer.
         done.add(&one, &[100, 32, 0]);
-        assert_eq!((done.asked, done.bytes), (1000 + 16 + 64 + 500 + 8, 100 + 16 + 32 + 500 + 8));
+        assert_eq!((done.requested_bytes, done.bytes), (1000 + 16 + 64 + 500 + 8, 100 + 16 + 32 + 500 + 8));
         done.add(&one, &[]);
         assert_eq!((done.bytes, done.counted.loads), (656 + 1588, 14));
     }

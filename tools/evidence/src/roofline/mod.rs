@@ -34,12 +34,12 @@ pub struct Roofline {
     /// Peak rates of the adapter.
     pub rates: Rates,
     /// The stages, in order.
-    pub stages: Vec<Stage>,
+    pub stages: Vec<StageBound>,
 }
 
 /// One stage of a frame.
 #[derive(Debug, Default, PartialEq, Serialize)]
-pub struct Stage {
+pub struct StageBound {
     /// Name of the stage.
     pub name: String,
     /// Invocations of compute and fragment shaders.
@@ -47,7 +47,8 @@ pub struct Stage {
     /// Minimum memory traffic of shaders, attachments and transfers, bytes.
     pub bytes: u64,
     /// Bytes that shaders load from and store to storage buffers.
-    pub asked: u64,
+    #[serde(rename = "asked")]
+    pub requested_bytes: u64,
     /// Loads from storage buffers.
     pub loads: u64,
     /// Loaded or sampled texels.
@@ -60,15 +61,15 @@ pub struct Stage {
     pub time: f64,
 }
 
-impl Stage {
+impl StageBound {
     /// Creates the stage from its work and time in milliseconds. Attachments and transfers move `moved` bytes.
-    fn new(name: &str, done: &StageWork, moved: u64, time: f64) -> Self {
+    fn new(name: &str, done: &StageWork, traffic_bytes: u64, time: f64) -> Self {
         let counted = done.counted;
         Self {
             name: name.into(),
             invocations: counted.invocations,
-            bytes: done.bytes + counted.texel_bytes + moved,
-            asked: done.asked,
+            bytes: done.bytes + counted.texel_bytes + traffic_bytes,
+            requested_bytes: done.requested_bytes,
             loads: counted.loads,
             texels: counted.texels,
             atomics: counted.atomics,
@@ -94,7 +95,7 @@ impl Stage {
 /// Measures the last state of `workload`.
 pub fn measure(workload: &Workload, sitting: Sitting<'_>) -> Result<Roofline> {
     let (state, motion) = *workload.runs.last().context("a state to measure")?;
-    let mut scene = Photographer::with_samples_at_most(&workload.preset, workload.size, workload.cards)?;
+    let mut scene = Photographer::with_clamped_samples(&workload.preset, workload.size, workload.cards)?;
     let camera = workload::camera(&scene, workload.size, workload.distance);
     let run = workload::run(&mut scene, state, motion, &camera, sitting)?;
     drop(scene);
@@ -164,12 +165,12 @@ fn play(
 }
 
 /// Combines times and counts of the same stages.
-fn stages(run: &Run, done: &[(&'static str, StageWork)]) -> Vec<Stage> {
+fn stages(run: &Run, done: &[(&'static str, StageWork)]) -> Vec<StageBound> {
     let stage = |time: &StageTime| {
         let nothing = StageWork::default();
         let done = done.iter().find(|(name, _)| *name == time.name).map_or(&nothing, |(_, done)| done);
-        let moved = run.recorded.iter().find(|row| row.stage == time.name).map_or(0, |row| row.bytes);
-        Stage::new(&time.name, done, moved, time.time.median)
+        let traffic_bytes = run.recorded.iter().find(|row| row.stage == time.name).map_or(0, |row| row.bytes);
+        StageBound::new(&time.name, done, traffic_bytes, time.time.median)
     };
     run.stages.iter().map(stage).collect()
 }
@@ -192,16 +193,16 @@ pub fn text(roofline: &Roofline) -> String {
     ];
     let mut rows = vec![head.map(String::from).to_vec()];
     let millions = |count: u64| ms(count as f64 * 1e-6);
-    let (mut least, mut measured) = (0.0, 0.0);
+    let (mut lower_bound, mut measured) = (0.0, 0.0);
     for stage in &roofline.stages {
         let (bound, what) = stage.bound(&roofline.rates);
-        least += bound;
+        lower_bound += bound;
         measured += stage.time;
         rows.push(vec![
             stage.name.clone(),
             tresses_scene::words::grouped(stage.invocations),
             millions(stage.bytes),
-            millions(stage.asked),
+            millions(stage.requested_bytes),
             millions(stage.loads),
             millions(stage.texels),
             millions(stage.atomics),
@@ -215,9 +216,9 @@ pub fn text(roofline: &Roofline) -> String {
     }
     let mut sum = vec![String::new(); head.len()];
     sum[0] = "the frame".into();
-    sum[8] = ms(least);
+    sum[8] = ms(lower_bound);
     sum[10] = ms(measured);
-    sum[11] = format!("{:.1}", measured / f64::max(least, 1e-9));
+    sum[11] = format!("{:.1}", measured / f64::max(lower_bound, 1e-9));
     rows.push(sum);
     format!(
         "\nPeak rates\n{}\n{}: work of a frame, lower bound and measured time, milliseconds\n{}",
@@ -237,14 +238,14 @@ mod tests {
             Rates { copied: 2e9, streamed: 1e9, operations: 1e12, loads: 1e9, texels: 1e9, atomics: 1e6 };
         let counted =
             ShaderCounts { operations: 3_000_000_000, atomics: 1000, loads: 1000, ..ShaderCounts::default() };
-        let done = StageWork { counted, asked: 9, bytes: 1_000_000 };
+        let done = StageWork { counted, requested_bytes: 9, bytes: 1_000_000 };
         // 3 ms of operations, 1 ms of atomics, bytes at the better of both rates.
-        let stage = Stage::new("bins", &done, 0, 6.0);
+        let stage = StageBound::new("bins", &done, 0, 6.0);
         assert_eq!(stage.bound(&rates), (3.0, "operations"));
-        assert_eq!(Stage::new("bins", &done, 9_000_000, 6.0).bound(&rates), (5.0, "bytes"));
+        assert_eq!(StageBound::new("bins", &done, 9_000_000, 6.0).bound(&rates), (5.0, "bytes"));
         let slow = Rates { atomics: 1e5, ..rates };
         assert_eq!(stage.bound(&slow), (10.0, "atomics"));
-        let idle = Stage { name: "wind".into(), time: 1.0, ..Stage::default() };
+        let idle = StageBound { name: "wind".into(), time: 1.0, ..StageBound::default() };
         let text = text(&Roofline { name: "a scene".into(), rates, stages: vec![stage, idle] });
         let last: Vec<_> = text.lines().last().expect("a sum").split_whitespace().collect();
         assert_eq!(last, ["the", "frame", "3.00", "7.00", "2.3"]);

@@ -49,7 +49,7 @@ impl Rates {
 /// Repetitions of each measurement; the best counts.
 const TIMES: u32 = 5;
 /// Loop iterations of the kernels.
-const TURNS: u64 = 64;
+const ITERATIONS: u64 = 64;
 
 /// Benchmark kernels. They store the results of loads and sums, so that no compiler removes them.
 const KERNELS: &str = "
@@ -58,7 +58,7 @@ const KERNELS: &str = "
 @group(0) @binding(2) var<storage, read_write> sums: array<atomic<u32>>;
 @group(0) @binding(3) var texels: texture_2d<f32>;
 @group(0) @binding(4) var<storage, read> words: array<u32>;
-@group(0) @binding(5) var<storage, read> turns: u32;
+@group(0) @binding(5) var<storage, read> iterations: u32;
 
 fn index(id: vec3u, count: vec3u) -> u32 { return id.x + id.y * count.x * 64u; }
 
@@ -74,13 +74,13 @@ fn compute(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) co
     let b = vec4f(0.999, 0.998, 0.997, 0.996);
     let c = vec4f(f32(i));
     var x = c; var y = c + 1.0; var z = c + 2.0; var w = c + 3.0;
-    var turn = 0u;
+    var iteration = 0u;
     loop {
         x = fma(x, b, c); y = fma(y, b, c); z = fma(z, b, c); w = fma(w, b, c);
         x = fma(x, b, c); y = fma(y, b, c); z = fma(z, b, c); w = fma(w, b, c);
         x = fma(x, b, c); y = fma(y, b, c); z = fma(z, b, c); w = fma(w, b, c);
         x = fma(x, b, c); y = fma(y, b, c); z = fma(z, b, c); w = fma(w, b, c);
-        continuing { turn += 1u; break if turn >= turns; }
+        continuing { iteration += 1u; break if iteration >= iterations; }
     }
     target_[i] = x + y + z + w;
 }
@@ -89,12 +89,12 @@ fn compute(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) co
 fn load(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) count: vec3u) {
     let i = index(id, count);
     var sum = 0u;
-    var turn = 0u;
+    var iteration = 0u;
     loop {
-        let at = i + 4u * turn;
+        let at = i + 4u * iteration;
         sum += words[at & 1023u] ^ words[(at + 1u) & 1023u];
         sum += words[(at + 2u) & 1023u] ^ words[(at + 3u) & 1023u];
-        continuing { turn += 1u; break if turn >= turns; }
+        continuing { iteration += 1u; break if iteration >= iterations; }
     }
     target_[i] = vec4f(f32(sum));
 }
@@ -103,12 +103,12 @@ fn load(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) count
 fn texel(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) count: vec3u) {
     let i = index(id, count);
     var sum = 0.0;
-    var turn = 0u;
+    var iteration = 0u;
     loop {
-        let at = vec2u(i + 4u * turn, turn) & vec2u(124u, 127u);
+        let at = vec2u(i + 4u * iteration, iteration) & vec2u(124u, 127u);
         sum += textureLoad(texels, at, 0).x * textureLoad(texels, at + vec2u(1u, 0u), 0).x;
         sum += textureLoad(texels, at + vec2u(2u, 0u), 0).x * textureLoad(texels, at + vec2u(3u, 0u), 0).x;
-        continuing { turn += 1u; break if turn >= turns; }
+        continuing { iteration += 1u; break if iteration >= iterations; }
     }
     target_[i] = vec4f(sum);
 }
@@ -116,10 +116,10 @@ fn texel(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) coun
 @compute @workgroup_size(64)
 fn count(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) count: vec3u) {
     let i = index(id, count);
-    var turn = 0u;
+    var iteration = 0u;
     loop {
-        atomicAdd(&sums[(i * 17u + turn * 1021u) & 65535u], 1u);
-        continuing { turn += 1u; break if turn >= turns; }
+        atomicAdd(&sums[(i * 17u + iteration * 1021u) & 65535u], 1u);
+        continuing { iteration += 1u; break if iteration >= iterations; }
     }
 }
 ";
@@ -139,8 +139,8 @@ pub fn measure(gpu: &Gpu, clock: Clock) -> Result<Rates> {
         })
     };
     let [source, target, sums, words] = [bytes, bytes, 4 << 16, 4096].map(buffer);
-    let turns = uniform(device, "turns", 4);
-    queue.write_buffer(&turns, 0, &(TURNS as u32).to_le_bytes());
+    let iterations = uniform(device, "iterations", 4);
+    queue.write_buffer(&iterations, 0, &(ITERATIONS as u32).to_le_bytes());
     let texture = device.create_texture(&wgpu::TextureDescriptor {
         label: Some("rates"),
         size: wgpu::Extent3d { width: 128, height: 128, depth_or_array_layers: 1 },
@@ -185,7 +185,7 @@ pub fn measure(gpu: &Gpu, clock: Clock) -> Result<Rates> {
             2 => sums.as_entire_binding(),
             3 => wgpu::BindingResource::TextureView(&view),
             4 => words.as_entire_binding(),
-            _ => turns.as_entire_binding(),
+            _ => iterations.as_entire_binding(),
         };
         let entry = |&binding: &u32| wgpu::BindGroupEntry { binding, resource: resource(binding) };
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -206,9 +206,9 @@ pub fn measure(gpu: &Gpu, clock: Clock) -> Result<Rates> {
         copied: rate(2 * bytes, &|encoder| encoder.copy_buffer_to_buffer(&source, 0, &target, 0, bytes))?,
         streamed: kernel("stream", bytes / 16, &[0, 1], 2 * bytes)?,
         // 16 lines of 4 components, a multiplication and an addition each.
-        operations: kernel("compute", threads, &[1, 5], threads * TURNS * 16 * 4 * 2)?,
-        loads: kernel("load", threads, &[1, 4, 5], threads * TURNS * 4)?,
-        texels: kernel("texel", threads, &[1, 3, 5], threads * TURNS * 4)?,
-        atomics: kernel("count", threads, &[2, 5], threads * TURNS)?,
+        operations: kernel("compute", threads, &[1, 5], threads * ITERATIONS * 16 * 4 * 2)?,
+        loads: kernel("load", threads, &[1, 4, 5], threads * ITERATIONS * 4)?,
+        texels: kernel("texel", threads, &[1, 3, 5], threads * ITERATIONS * 4)?,
+        atomics: kernel("count", threads, &[2, 5], threads * ITERATIONS)?,
     })
 }

@@ -15,7 +15,7 @@ use tresses::{
         mannequin,
     },
 };
-use tresses_web::{Page, pack};
+use tresses_web::{WebPage, pack};
 
 /// Script that returns the names of all loaded files.
 pub const LOADED: &str = "performance.getEntriesByType('resource').map(file => file.name).join(' ')";
@@ -45,8 +45,12 @@ fn file() -> &'static [u8] {
         strands.radii = vec![0.001; strands.positions.len()];
         let mut rig = mannequin::rig::rig(&mesh);
         rig.animations = vec![turning()];
-        let options =
-            CardOptions { levels: LEVELS.to_vec(), texture: 512, textures: 8, ..CardOptions::default() };
+        let options = CardOptions {
+            levels: LEVELS.to_vec(),
+            texture_size: 512,
+            lock_texture_count: 8,
+            ..CardOptions::default()
+        };
         let mut cards = bake(&strands, Some(&mesh), &options).unwrap();
         cards.levels[1].accuracy.switch = 128.0;
         let look =
@@ -57,7 +61,7 @@ fn file() -> &'static [u8] {
 
 /// Builds the element into `folder`, with cards and a page for an element with `attributes`.
 fn build(folder: &Path, attributes: &str) {
-    pack(Page::Viewer, folder, false).unwrap();
+    pack(WebPage::Viewer, folder, false).unwrap();
     std::fs::write(folder.join("cards.glb"), file()).unwrap();
     std::fs::write(folder.join("broken.glb"), &file()[..file().len() / 2]).unwrap();
     std::fs::write(folder.join("index.html"), page(attributes)).unwrap();

@@ -12,11 +12,11 @@ use tresses::{
     glam::Vec3,
     groom::{
         Strands, TriMesh,
-        export::{Hair, Writer},
+        export::{ExportHair, Writer},
         mannequin,
     },
 };
-use tresses_web::{Page, Server, pack};
+use tresses_web::{Server, WebPage, pack};
 
 /// Size of the page, pixels.
 const SIZE: [u32; 2] = [640, 400];
@@ -59,7 +59,7 @@ fn element_shows_hair_and_reports_errors() {
     let Some(mut browser) = Browser::start(SIZE) else { return };
     let browser = &mut browser;
     let folder = tempfile::tempdir().unwrap();
-    pack(Page::Viewer, folder.path(), false).unwrap();
+    pack(WebPage::Viewer, folder.path(), false).unwrap();
     for file in ["package.json", "tresses-viewer.d.ts", "README.md", "example.html"] {
         assert!(folder.path().join(file).exists(), "{file}");
     }
@@ -67,7 +67,7 @@ fn element_shows_hair_and_reports_errors() {
     let (mesh, strands) = character();
     let mut rig = mannequin::rig::rig(&mesh);
     rig.animations = vec![turning()];
-    let hair = [Hair { name: "hair", strands: &strands, packed: true, look: None }];
+    let hair = [ExportHair { name: "hair", strands: &strands, packed: true, look: None }];
     let glb = Writer::of("hair.glb").unwrap();
     let file = glb.character(Some((&mesh, Some(&rig))), &hair).unwrap();
     write("head of hair.glb", &file);

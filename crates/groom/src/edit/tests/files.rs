@@ -1,15 +1,15 @@
 //! Versions, `.groom` files and scripts.
 
 use super::*;
-use crate::orient::{Axis, Choice, Unit};
+use crate::orient::{Axis, LengthUnit, OrientationOverride};
 use proptest::prelude::*;
 use std::path::Path;
 
 /// Returns a script with every tool on `fixture`, from several sides.
 fn every_tool(fixture: &Fixture) -> StrokeScript {
-    let reaches = [Reach::Shell, Reach::Ball, Reach::Through];
+    let reaches = [BrushRegion::Shell, BrushRegion::Ball, BrushRegion::Through];
     let step = |(i, (tool, _)): (usize, (BrushTool, &str))| ScriptStep::Stroke {
-        brush: Brush { reach: reaches[i % 3], mirror: i % 2 == 0, share: 0.9, ..Brush::of(tool) },
+        brush: Brush { region: reaches[i % 3], mirror: i % 2 == 0, guide_fraction: 0.9, ..Brush::of(tool) },
         samples: fixture.side_stroke(),
     };
     let mut steps: Vec<_> = BrushTool::ALL.into_iter().enumerate().map(step).collect();
@@ -68,7 +68,7 @@ fn versions_share_what_a_stroke_does_not_touch() {
     let brush = Brush { strength: 1.0, mirror: false, ..Brush::default() };
     let after = stroke(&mut editor, &brush, &fixture.side_stroke()).unwrap();
     let all = 400 * after.vertex_count() * size_of::<Vec3>();
-    let own = after.bytes_beside(&fixture.document);
+    let own = after.unshared_bytes(&fixture.document);
     assert!(own > 0 && own < all / 2, "{own} of {all} bytes");
     assert_eq!(after.original(), fixture.document);
     editor.go_to(fixture.document.clone()).unwrap();
@@ -80,8 +80,12 @@ fn versions_share_what_a_stroke_does_not_touch() {
 #[test]
 fn file_keeps_everything() {
     for (fixture, head) in fixtures().iter().zip(0..) {
-        let orientation =
-            Choice { unit: Some(Unit(0.01)), up: Some(Axis::Z), front: None, mirror: Some(false) };
+        let orientation = OrientationOverride {
+            unit: Some(LengthUnit(0.01)),
+            up: Some(Axis::Z),
+            front: None,
+            is_mirrored: Some(false),
+        };
         let files =
             vec![("head.obj".into(), Arc::from(&b"v 0 0 0"[..])), ("a.mtl".into(), Arc::from(&b""[..]))];
         let head = match head {
@@ -94,7 +98,7 @@ fn file_keeps_everything() {
         let after = stroke(editor, &Brush::default(), &fixture.side_stroke()).unwrap();
         let bytes = after.write();
         let back = GroomDocument::read(Path::new("a.groom"), &bytes).unwrap();
-        assert_eq!((back.hash(), back.middle(), back.head()), (after.hash(), 0.25, after.head()));
+        assert_eq!((back.hash(), back.mirror_x(), back.head()), (after.hash(), 0.25, after.head()));
         assert_eq!(back.base(), after.base());
         assert_eq!(back.groom(), after.groom());
         assert_eq!(back.original().hash(), document.hash());

@@ -11,8 +11,8 @@ fn free(guides: &[Vec<Vec3>]) -> GroomDocument {
     let count = Some(guides[0].len() as u32);
     let options = BindOptions {
         guides: GuideCount::All,
-        guide_vertices: count,
-        strand_vertices: count,
+        guide_vertex_count: count,
+        strand_vertex_count: count,
         ..Default::default()
     };
     GroomDocument::new(bind(&strands, &options).unwrap(), HeadFiles::None, 0.0).unwrap()
@@ -132,7 +132,7 @@ fn root_tip_and_share_limit_the_brush() {
         guides.filter(|i| after.guide(*i) != fixture.document.guide(*i)).count()
     };
     let all = moved(&Brush { strength: 1.0, ..Brush::default() });
-    let half = moved(&Brush { strength: 1.0, share: 0.5, ..Brush::default() });
+    let half = moved(&Brush { strength: 1.0, guide_fraction: 0.5, ..Brush::default() });
     assert!((0.3..0.7).contains(&(half as f32 / all as f32)), "{half} of {all}");
     let tip = Brush { root_tip: 1.0, ..Brush::default() };
     assert_eq!([tip.along(0.0), tip.along(0.25), tip.along(0.75)], [0.0, 0.5, 1.0]);

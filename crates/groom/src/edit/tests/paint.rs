@@ -24,7 +24,7 @@ fn painted_hair_keeps_its_shape() {
             assert_ne!(after.hash(), fixture.document.hash());
             assert!(old != new, "{tool:?} on {}", fixture.name);
             // A version costs its values, not its strands.
-            let bytes = after.bytes_beside(&fixture.document);
+            let bytes = after.unshared_bytes(&fixture.document);
             assert!(bytes < 20 * old.strands.len() + 8 * old.guides.len(), "{bytes} bytes");
             // Combing keeps painted values.
             let mut editor = fixture.editor();
@@ -89,7 +89,7 @@ fn color_reaches_strands_under_the_brush_and_goes_again() {
     );
     let mut editor = fixture.editor();
     editor.go_to(after).unwrap();
-    let wide = Brush { radius: 0.15, reach: Reach::Through, inverted: true, ..brush };
+    let wide = Brush { radius: 0.15, region: BrushRegion::Through, inverted: true, ..brush };
     let gone = stroke(&mut editor, &wide, &fixture.side_stroke()).unwrap();
     assert_eq!(gone.groom(), fixture.document.groom());
 }
@@ -116,7 +116,8 @@ fn brush_of_a_layer_leaves_others_alone() {
     // Groups are kept in files and for exports.
     let file = GroomDocument::read(std::path::Path::new("a.groom"), &combed.write()).unwrap();
     assert_eq!(file.base().guides.groups, groom.guides.groups);
-    let (strands, _, report) = crate::import::edited_whole(std::path::Path::new("a.groom"), &file).unwrap();
+    let (strands, _, report) =
+        crate::import::edited_complete(std::path::Path::new("a.groom"), &file).unwrap();
     assert_eq!(strands.marks.len(), strands.len());
     assert_eq!(report.groups.iter().map(|group| group.id).collect::<Vec<_>>(), [0, 1]);
 }

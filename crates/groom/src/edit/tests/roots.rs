@@ -72,7 +72,7 @@ fn planted_hair_keeps_its_distances_and_stays_outside() {
     // Undo is the same version.
     editor.go_to(before.clone()).unwrap();
     assert_eq!(editor.document(), &before);
-    assert!(after.bytes_beside(&before) > 100_000);
+    assert!(after.unshared_bytes(&before) > 100_000);
     // The same stroke plants nothing where hair is.
     editor.go_to(after.clone()).unwrap();
     let again = stroke(&mut editor, &Brush { spacing: 0.012, ..planting(false) }, &right_side());
@@ -121,7 +121,7 @@ fn removed_hair_is_gone_and_the_rest_stays() {
         let guides = groom.guides.len() as u32;
         assert!(groom.strands.bindings.iter().all(|it| it.guides.iter().all(|guide| *guide < guides)));
         // A stroke that would remove all hair does nothing.
-        let all = Brush { radius: 0.15, reach: Reach::Through, ..brush };
+        let all = Brush { radius: 0.15, region: BrushRegion::Through, ..brush };
         let everywhere: Vec<_> = [-0.1, 0.0, 0.1]
             .map(|y| StrokeSample::point(fixture.center + Vec3::new(0.0, y, 0.0)))
             .into_iter()

@@ -33,10 +33,10 @@ fn check(what: &str, fixture: &Fixture, before: &GroomDocument, after: &GroomDoc
 fn every_tool_keeps_lengths_and_stays_outside() {
     for fixture in fixtures() {
         for (tool, name) in shaping() {
-            for reach in [Reach::Shell, Reach::Ball, Reach::Through] {
+            for reach in [BrushRegion::Shell, BrushRegion::Ball, BrushRegion::Through] {
                 let what = format!("{name} {reach:?} on {}", fixture.name);
                 let mut editor = fixture.editor();
-                let brush = Brush { strength: 1.0, reach, ..Brush::of(tool) };
+                let brush = Brush { strength: 1.0, region: reach, ..Brush::of(tool) };
                 let after = stroke(&mut editor, &brush, &fixture.side_stroke()).expect(&what);
                 assert_eq!(after.is_pose_of(&fixture.document), tool.keeps_lengths(), "{what}");
                 check(&what, fixture, &fixture.document, &after);
@@ -105,7 +105,8 @@ fn degenerate_strokes_change_nothing_or_stay_finite() {
             let along = StrokeSample::ray(guide[0] + (guide[0] - guide[1]) * 20.0, guide[1] - guide[0]);
             let through = StrokeSample::point(fixture.center);
             for first in [along, StrokeSample::point(guide[2]), through] {
-                let brush = Brush { radius: 1e-3, reach: Reach::Ball, strength: 1.0, ..Brush::of(tool) };
+                let brush =
+                    Brush { radius: 1e-3, region: BrushRegion::Ball, strength: 1.0, ..Brush::of(tool) };
                 let samples = [first, first, StrokeSample { time: 1.0, ..first }];
                 if let Some(after) = stroke(&mut fixture.editor(), &brush, &samples) {
                     check(&what, fixture, &fixture.document, &after);
@@ -153,9 +154,9 @@ fn canceled_stroke_leaves_no_trace() {
     let samples = fixture.side_stroke();
     editor.press(&Brush::default(), &samples[0]).unwrap();
     samples.iter().for_each(|sample| editor.drag(sample).unwrap());
-    assert!(editor.take_moved() && editor.positions() != fixture.document.guides().positions());
+    assert!(editor.take_changed() && editor.positions() != fixture.document.guides().positions());
     editor.cancel();
-    assert!(editor.take_moved() && editor.positions() == fixture.document.guides().positions());
+    assert!(editor.take_changed() && editor.positions() == fixture.document.guides().positions());
     assert_eq!(editor.document(), &fixture.document);
 }
 
@@ -167,7 +168,7 @@ fn cut_hair_lies_where_it_was_and_ends_at_the_cut() {
         let level = fixture.center.y - 0.03;
         let to = |x: f32| Vec3::new(x, level, fixture.center.z) - eye;
         let samples = [-0.3, 0.3].map(|x| StrokeSample::ray(eye, to(x)));
-        let brush = Brush { reach: Reach::Through, mirror: false, ..Brush::of(BrushTool::Line) };
+        let brush = Brush { region: BrushRegion::Through, mirror: false, ..Brush::of(BrushTool::Line) };
         let after = stroke(&mut fixture.editor(), &brush, &samples).expect(fixture.name);
         let (old, new) = (fixture.document.groom().strands, after.groom().strands);
         // The eye is at another height than the cut: further back, the plane is lower.
@@ -251,7 +252,7 @@ fn lasso_cuts_hair_that_enters_the_outline() {
         let to = |[x, y]: [f32; 2]| StrokeSample::ray(eye, fixture.center + Vec3::new(x, y, 0.0) - eye);
         let cut = |tool, corners: &[[f32; 2]]| {
             let samples: Vec<StrokeSample> = corners.iter().copied().map(to).collect();
-            let brush = Brush { reach: Reach::Through, mirror: false, ..Brush::of(tool) };
+            let brush = Brush { region: BrushRegion::Through, mirror: false, ..Brush::of(tool) };
             stroke(&mut fixture.editor(), &brush, &samples)
         };
         let level = -0.03;

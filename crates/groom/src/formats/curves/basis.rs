@@ -20,7 +20,7 @@ pub(crate) enum Basis<'a> {
 }
 
 /// Maximum control points of one vertex.
-pub(crate) const MOST: usize = 8;
+pub(crate) const MAX_ORDER: usize = 8;
 /// Approximate number of vertices of a curved strand.
 const VERTICES: usize = 32;
 
@@ -28,13 +28,13 @@ const VERTICES: usize = 32;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Blend {
     first: usize,
-    weights: [f32; MOST],
+    weights: [f32; MAX_ORDER],
     count: usize,
 }
 
 impl Blend {
     fn of(first: usize, some: &[f32]) -> Self {
-        let mut weights = [0.0; MOST];
+        let mut weights = [0.0; MAX_ORDER];
         weights[..some.len()].copy_from_slice(some);
         Self { first, weights, count: some.len() }
     }
@@ -122,8 +122,8 @@ fn catmull_rom(t: f32) -> [f32; 4] {
 /// Tessellates a B-spline over its own knots, by the Cox–de Boor recursion for the nonzero basis functions (Piegl and
 /// Tiller, *The NURBS Book*, algorithm A2.2).
 fn over_knots(points: usize, order: usize, knots: &[f32]) -> Result<Vec<Blend>, String> {
-    if !(2..=MOST).contains(&order) {
-        return Err(format!("a curve of order {order} is not supported, only orders 2 to {MOST}"));
+    if !(2..=MAX_ORDER).contains(&order) {
+        return Err(format!("a curve of order {order} is not supported, only orders 2 to {MAX_ORDER}"));
     }
     if points < order || knots.len() != points + order {
         return Err(format!(
@@ -141,16 +141,17 @@ fn over_knots(points: usize, order: usize, knots: &[f32]) -> Result<Vec<Blend>, 
     Ok(cut(spans.len(), |span, t| {
         let k = spans[span];
         let u = knots[k] + (knots[k + 1] - knots[k]) * t;
-        let (mut weights, mut left, mut right) = ([0.0f32; MOST], [0.0f32; MOST], [0.0f32; MOST]);
+        let (mut weights, mut left, mut right) =
+            ([0.0f32; MAX_ORDER], [0.0f32; MAX_ORDER], [0.0f32; MAX_ORDER]);
         weights[0] = 1.0;
         for j in 1..order {
             left[j] = u - knots[k + 1 - j];
             right[j] = knots[k + j] - u;
             let mut saved = 0.0;
             for r in 0..j {
-                let share = weights[r] / (right[r + 1] + left[j - r]);
-                weights[r] = saved + right[r + 1] * share;
-                saved = left[j - r] * share;
+                let ratio = weights[r] / (right[r + 1] + left[j - r]);
+                weights[r] = saved + right[r + 1] * ratio;
+                saved = left[j - r] * ratio;
             }
             weights[j] = saved;
         }

@@ -1,6 +1,6 @@
 //! Custom attributes of curves: parameters that only their author interprets.
 
-use super::{AttributeScope, Groom, Object, Param, Place, Values};
+use super::{AttributeScope, Groom, Object, Param, ParamLocation, Values};
 use crate::{
     attribute::{MAX_WIDTH, StrandAttribute},
     error::Result,
@@ -41,7 +41,7 @@ impl Groom {
         values: &Values,
         name: &str,
     ) -> Result<Option<StrandAttribute>, String> {
-        let read: Result<Option<Param>> = values(Place::Beside, name);
+        let read: Result<Option<Param>> = values(ParamLocation::Attributes, name);
         let Some(param) = read.map_err(|error| error.to_string())? else { return Ok(None) };
         let (curves, points) = (object.starts.len() - 1, object.points.len());
         let width = param.width;

@@ -5,7 +5,7 @@ use crate::formats::raw::Raw;
 /// Observations while a file is read, for one note each.
 #[derive(Default)]
 pub(in crate::formats) struct CurveWarnings {
-    pub moved: usize,
+    pub transformed: usize,
     /// Objects bound to a skeleton.
     pub bound: usize,
     pub curved: Vec<&'static str>,
@@ -14,7 +14,7 @@ pub(in crate::formats) struct CurveWarnings {
     pub straightened: usize,
     pub clamped: usize,
     pub guides: usize,
-    pub guides_said: bool,
+    pub has_guide_attribute: bool,
     pub widths: Vec<&'static str>,
     pub without_width: usize,
     pub groups: bool,
@@ -29,7 +29,7 @@ impl CurveWarnings {
     pub fn tell(self, raw: &mut Raw, objects: usize, how: &str) {
         let mut say = |any: bool, note: String| raw.notes.extend(any.then_some(note));
         say(objects > 1, format!("{objects} curve objects"));
-        say(self.moved > 0, format!("the transforms of {} objects are applied", self.moved));
+        say(self.transformed > 0, format!("the transforms of {} objects are applied", self.transformed));
         let of = if self.bound == 1 { String::new() } else { format!(" of {} objects", self.bound) };
         say(self.bound > 0, format!("curves{of} follow the joints of a skeleton"));
         say(
@@ -46,7 +46,7 @@ impl CurveWarnings {
             self.straightened > 0,
             format!("curves without knots in {} objects are read as polylines", self.straightened),
         );
-        let how = if self.guides_said { "groom_guide" } else { how };
+        let how = if self.has_guide_attribute { "groom_guide" } else { how };
         say(self.guides > 0, format!("{} strands are marked as guides ({how})", self.guides));
         say(!self.widths.is_empty(), format!("widths are read from “{}”", self.widths.join("” and “")));
         say(self.without_width > 0 && self.widths.is_empty(), "no widths (Unreal would use 1 cm)".into());
@@ -72,10 +72,10 @@ impl CurveWarnings {
             }
         }
         strands.attributes.retain(|attribute| {
-            let is_whole = attribute.fits(curves, vertices);
+            let is_complete = attribute.fits(curves, vertices);
             let name = &attribute.name;
-            raw.notes.extend((!is_whole).then(|| format!("“{name}” is ignored: not all objects have it")));
-            is_whole
+            raw.notes.extend((!is_complete).then(|| format!("“{name}” is ignored: not all objects have it")));
+            is_complete
         });
     }
 }

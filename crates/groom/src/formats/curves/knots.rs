@@ -1,7 +1,7 @@
 //! Knots of B-splines.
 
 #[cfg(feature = "alembic")]
-use super::basis::MOST;
+use super::basis::MAX_ORDER;
 
 /// Returns uniform knots, repeated at both ends so that curves reach their outermost points, for files with orders but
 /// without knots.
@@ -12,7 +12,7 @@ pub(in crate::formats) fn clamped(starts: &[u32], orders: &[f32]) -> Option<Vec<
         let each = starts.windows(2).zip(orders);
         each.map(|(w, order)| {
             let points = (w[1] - w[0]) as usize;
-            let order = (*order as usize).clamp(2, MOST).min(points.max(2));
+            let order = (*order as usize).clamp(2, MAX_ORDER).min(points.max(2));
             let spans = (points + 1).saturating_sub(order);
             (order, (0..points + order).map(|k| k.saturating_sub(order - 1).min(spans) as f32).collect())
         })

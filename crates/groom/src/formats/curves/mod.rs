@@ -27,15 +27,15 @@ use basis::{Basis, Blend};
 
 /// Where a parameter is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
+pub(super) enum ParamLocation {
     /// With the points, under the format's own name.
     Shape,
     /// Among the attributes that exporters add.
-    Beside,
+    Attributes,
 }
 
 /// Looks up the parameter of a name.
-pub(super) type Values<'v> = dyn Fn(Place, &str) -> Result<Option<Param>> + 'v;
+pub(super) type Values<'v> = dyn Fn(ParamLocation, &str) -> Result<Option<Param>> + 'v;
 
 /// One object of curves.
 pub(super) struct Object<'o> {
@@ -84,8 +84,8 @@ impl Groom {
     /// Adds the strands of an object.
     pub fn add(&mut self, object: &Object, values: &Values) -> Result<()> {
         let Object { starts, points, matrix, .. } = object;
-        let moved = *matrix != DMat4::IDENTITY;
-        self.habits.moved += usize::from(moved);
+        let is_transformed = *matrix != DMat4::IDENTITY;
+        self.habits.transformed += usize::from(is_transformed);
         let scale = matrix.determinant().abs().cbrt() as f32;
         let widths = self.per_point(object, values, &[self.names.width], &custom::WIDTHS, 1)?;
         let colors = self.per_point(object, values, &[], &custom::COLORS, 3)?;
@@ -97,7 +97,7 @@ impl Groom {
             let range = starts[i] as usize..starts[i + 1] as usize;
             for blend in curve.iter() {
                 let p = blend.of_values(&points[range.clone()]);
-                let p = if moved { matrix.transform_point3(DVec3::from(p)).as_vec3() } else { p };
+                let p = if is_transformed { matrix.transform_point3(DVec3::from(p)).as_vec3() } else { p };
                 strands.positions.push(p);
                 if let Some(widths) = &widths {
                     strands.radii.push(0.5 * scale * blend.of_values(&widths[range.clone()]).x);
@@ -126,12 +126,14 @@ impl Groom {
     ) -> Result<Option<Vec<Vec3>>> {
         let starts = object.starts;
         let (curves, points) = (starts.len() - 1, object.points.len());
-        let own = own.iter().map(|name| (Place::Shape, name));
-        for (place, name) in own.chain(others.iter().map(|name| (Place::Beside, name))) {
-            let Some(param) = values(place, name)? else { continue };
-            if let Some(knots) = (width == 1).then(|| param.at_knots(starts, object.inner)).flatten() {
+        let own = own.iter().map(|name| (ParamLocation::Shape, name));
+        for (location, name) in own.chain(others.iter().map(|name| (ParamLocation::Attributes, name))) {
+            let Some(param) = values(location, name)? else { continue };
+            if let Some(varying) =
+                (width == 1).then(|| param.varying_per_point(starts, object.inner)).flatten()
+            {
                 self.habits.widths.push(name);
-                return Ok(Some(knots.into_iter().map(|value| Vec3::new(value, 0.0, 0.0)).collect()));
+                return Ok(Some(varying.into_iter().map(|value| Vec3::new(value, 0.0, 0.0)).collect()));
             }
             let Some(per) = param.per(width, curves, points) else {
                 self.misfit(name, &param, curves, points);
@@ -163,11 +165,11 @@ impl Groom {
     fn marks(&mut self, object: &Object, values: &Values) -> Result<()> {
         let starts = object.starts;
         let (curves, before) = (starts.len() - 1, self.raw.strands.marks.len());
-        let find = |name: &str| values(Place::Beside, name);
-        let whole = |param: Option<Param>| param.and_then(|param| param.per_curve::<1>(1, starts));
-        let guide = whole(find("groom_guide")?);
-        let id = whole(find("groom_id")?);
-        let group = whole(find("groom_group_id")?);
+        let find = |name: &str| values(ParamLocation::Attributes, name);
+        let scalar = |param: Option<Param>| param.and_then(|param| param.per_curve::<1>(1, starts));
+        let guide = scalar(find("groom_guide")?);
+        let id = scalar(find("groom_id")?);
+        let group = scalar(find("groom_group_id")?);
         let three = |param: Option<Param>| {
             param.and_then(|param| {
                 param.per_curve::<3>(param.width(curves), starts).map(|all| (param.width(curves), all))
@@ -176,7 +178,7 @@ impl Groom {
         let (closest, weights) = (three(find("groom_closest_guides")?), three(find("groom_guide_weights")?));
         let uvs = match find("groom_root_uv")? {
             Some(param) => Some(param),
-            None => values(Place::Shape, self.names.uv)?,
+            None => values(ParamLocation::Shape, self.names.uv)?,
         };
         if let Some(param) = uvs {
             match param.per_curve::<2>(2, starts) {
@@ -185,7 +187,7 @@ impl Groom {
             }
         }
         self.habits.groups |= group.is_some();
-        self.habits.guides_said |= guide.is_some();
+        self.habits.has_guide_attribute |= guide.is_some();
         self.habits.marked |= guide.is_some()
             || id.is_some()
             || group.is_some()
@@ -289,7 +291,7 @@ pub(super) fn names_guides(name: &str) -> bool {
 }
 
 /// Returns whether a criterion distinguishes guides: it holds for some objects, but not for all.
-pub(super) fn told_apart(says: impl Iterator<Item = bool>) -> bool {
+pub(super) fn distinguishes_guides(says: impl Iterator<Item = bool>) -> bool {
     let (mut some, mut others) = (false, false);
     says.for_each(|guides| *(if guides { &mut some } else { &mut others }) = true);
     some && others

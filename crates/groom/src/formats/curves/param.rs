@@ -74,7 +74,7 @@ impl Param {
 
     /// Returns one number per control point if the file has one per end of each segment (`varying`), for Bézier curves
     /// or, with `inner`, for cubic curves that end before their outermost points.
-    pub fn at_knots(&self, starts: &[u32], inner: bool) -> Option<Vec<f32>> {
+    pub fn varying_per_point(&self, starts: &[u32], inner: bool) -> Option<Vec<f32>> {
         if inner {
             return self.at_inner(starts);
         }
@@ -151,15 +151,18 @@ mod tests {
             (per(11, Some(AttributeScope::Curve)), per(2, Some(AttributeScope::Curve))),
             (Some(AttributeScope::Point), Some(AttributeScope::Curve))
         );
-        let knots = param(&[0.0, 3.0, 6.0, 9.0, 0.0], None).at_knots(&starts, false).unwrap();
+        let knots = param(&[0.0, 3.0, 6.0, 9.0, 0.0], None).varying_per_point(&starts, false).unwrap();
         assert_eq!(knots, [0.0, 1.0, 2.0, 3.0, 6.0, 7.0, 8.0, 9.0, 6.0, 3.0, 0.0]);
-        assert_eq!(param(&[0.0; 4], None).at_knots(&starts, false), None);
-        assert_eq!(param(&[0.0; 5], None).at_knots(&[0, 4, 10], false), None);
+        assert_eq!(param(&[0.0; 4], None).varying_per_point(&starts, false), None);
+        assert_eq!(param(&[0.0; 5], None).varying_per_point(&[0, 4, 10], false), None);
         // Two and five segment ends between the outermost points.
         let inner = param(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], None);
         let spread = [1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 5.0, 6.0, 7.0, 7.0];
-        assert_eq!(inner.at_knots(&starts, true).unwrap(), spread);
-        assert_eq!((inner.at_knots(&[0, 4, 10], true), inner.at_knots(&starts, false)), (None, None));
+        assert_eq!(inner.varying_per_point(&starts, true).unwrap(), spread);
+        assert_eq!(
+            (inner.varying_per_point(&[0, 4, 10], true), inner.varying_per_point(&starts, false)),
+            (None, None)
+        );
         let firsts = param(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0], None);
         assert_eq!(firsts.per_curve::<1>(1, &starts), Some(vec![[0.0], [4.0]]));
         assert_eq!(

@@ -8,11 +8,11 @@ use crate::{
         raw::MARK,
         writer::{EncodedFile, put},
     },
-    orient::Unit,
+    orient::LengthUnit,
 };
 
 /// Encodes strands of 1 to 65536 vertices.
-pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<EncodedFile> {
+pub(crate) fn encode(strands: &Strands, unit: Option<LengthUnit>) -> Result<EncodedFile> {
     let counts: Vec<usize> = strands.iter().map(<[_]>::len).collect();
     if let Some(bad) = counts.iter().position(|n| !(1..=65536).contains(n)) {
         let n = counts[bad];

@@ -46,7 +46,7 @@ pub(crate) fn read(source: &Source) -> Result<RawMesh> {
     let options =
         tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let line = Cell::new(0);
-    let materials = |name: &Path| match source.companion(&name.to_string_lossy()) {
+    let materials = |name: &Path| match source.resource(&name.to_string_lossy()) {
         Ok(bytes) => tobj::load_mtl_buf(&mut &*bytes),
         Err(_) => Err(tobj::LoadError::OpenFileFailed),
     };

@@ -5,11 +5,11 @@ use std::fmt::Write;
 use crate::{
     Result, Rig, Strands, TriMesh,
     formats::{raw::MARK, writer::EncodedFile},
-    orient::Unit,
+    orient::LengthUnit,
 };
 
 /// Encodes strands: a `v` per vertex, an `l` per strand.
-pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<EncodedFile> {
+pub(crate) fn encode(strands: &Strands, unit: Option<LengthUnit>) -> Result<EncodedFile> {
     let mut text = String::from("# Tresses groom\n");
     if unit.is_some() {
         text += "# ";

@@ -78,7 +78,7 @@ struct Element {
 
 impl Element {
     /// Returns the index of a scalar property.
-    fn place(&self, name: &str) -> Option<usize> {
+    fn scalar_index(&self, name: &str) -> Option<usize> {
         self.properties.iter().position(|property| property.name == name && property.length.is_none())
     }
 }
@@ -94,7 +94,7 @@ struct Body<'s, 'a> {
 
 impl Body<'_, '_> {
     /// Returns the position of the next value.
-    fn here(&mut self) -> At {
+    fn location(&mut self) -> At {
         if self.form != Form::Text {
             return At::Byte(self.at as u64);
         }
@@ -111,7 +111,7 @@ impl Body<'_, '_> {
             self.at += of.bytes;
             return Ok(of.value(bytes, self.form));
         }
-        let here = self.here();
+        let location = self.location();
         let rest = &self.source.bytes[self.at..];
         let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
         self.at += length;
@@ -123,7 +123,7 @@ impl Body<'_, '_> {
         };
         number.map_err(|_| {
             let excerpt = excerpt(&word);
-            self.source.problem(here, format!("expected a number, found “{excerpt}”"))
+            self.source.problem(location, format!("expected a number, found “{excerpt}”"))
         })
     }
 
@@ -152,29 +152,29 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
     let mut colors: Vec<[u8; 3]> = Vec::new();
     for element in &elements {
         let mut row = vec![0.0; element.properties.len()];
-        let places = |names: &[&str]| -> Result<Vec<usize>> {
-            let place = |name: &&str| {
+        let indices_of = |names: &[&str]| -> Result<Vec<usize>> {
+            let index_of = |name: &&str| {
                 let missing =
                     || source.problem(At::File, format!("the element {} has no {name}", element.name));
-                element.place(name).ok_or_else(missing)
+                element.scalar_index(name).ok_or_else(missing)
             };
-            names.iter().map(place).collect()
+            names.iter().map(index_of).collect()
         };
         match element.name.as_str() {
             "vertex" => {
                 source.check_vertices(0, element.count)?;
-                let (xyz, radius) = (places(&["x", "y", "z"])?, element.place("radius"));
-                let rgb = places(&["red", "green", "blue"]).ok();
+                let (xyz, radius) = (indices_of(&["x", "y", "z"])?, element.scalar_index("radius"));
+                let rgb = indices_of(&["red", "green", "blue"]).ok();
                 if rgb.is_some() {
                     raw.notes.push("colors per vertex are ignored".into());
                 }
                 for _ in 0..element.count {
-                    let here = body.here();
+                    let location = body.location();
                     body.row(element, &mut row)?;
                     let read = xyz.iter().chain(&radius).map(|at| row[*at] as f32).collect::<Vec<_>>();
                     if let Some(bad) = read.iter().find(|v| !v.is_finite() && !source.lenient) {
                         let what = format!("a value of a vertex is {bad}, but must be finite");
-                        return Err(source.problem(here, what));
+                        return Err(source.problem(location, what));
                     }
                     points.push(Vec3::from_slice(&read));
                     radii.extend(read.get(3));
@@ -182,9 +182,9 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
                 }
             }
             "edge" => {
-                let ends = places(&["vertex1", "vertex2"])?;
+                let ends = indices_of(&["vertex1", "vertex2"])?;
                 for _ in 0..element.count {
-                    let here = body.here();
+                    let location = body.location();
                     body.row(element, &mut row)?;
                     let edge = [row[ends[0]], row[ends[1]]];
                     if let Some(bad) = edge.iter().find(|i| !(0.0..points.len() as f64).contains(*i)) {
@@ -192,7 +192,7 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
                             "vertex {bad} does not exist; there are {} before this edge",
                             points.len()
                         );
-                        return Err(source.problem(here, what));
+                        return Err(source.problem(location, what));
                     }
                     edges.push(edge.map(|i| i as usize).to_vec());
                 }
@@ -284,8 +284,8 @@ fn header<'s, 'a>(source: &'s Source<'a>, raw: &mut Raw) -> Result<(Vec<Element>
     }
     let form = form.ok_or_else(|| source.problem(At::Line(line), "the header does not state the format"))?;
     // Items without properties take no bytes, so the file's size would not bound their number.
-    if let Some(bare) = elements.iter().find(|element| element.properties.is_empty() && element.count > 0) {
-        return Err(source.problem(At::Line(line), format!("the element {} has no properties", bare.name)));
+    if let Some(empty) = elements.iter().find(|element| element.properties.is_empty() && element.count > 0) {
+        return Err(source.problem(At::Line(line), format!("the element {} has no properties", empty.name)));
     }
     Ok((elements, Body { source, form, at, line: line + 1 }))
 }

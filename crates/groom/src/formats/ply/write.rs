@@ -8,11 +8,11 @@ use crate::{
         raw::MARK,
         writer::{EncodedFile, put},
     },
-    orient::Unit,
+    orient::LengthUnit,
 };
 
 /// Encodes strands as vertices and edges.
-pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<EncodedFile> {
+pub(crate) fn encode(strands: &Strands, unit: Option<LengthUnit>) -> Result<EncodedFile> {
     let edges = strands.iter().map(|strand| strand.len().saturating_sub(1)).sum::<usize>();
     let mut header = String::from("ply\nformat binary_little_endian 1.0\ncomment Tresses groom\n");
     // Writing into a string cannot fail.

@@ -17,7 +17,7 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
     let strands = &mut raw.strands;
     let (mut scale, mut rotation, mut translation) = (1.0, Vec3::ZERO, Vec3::ZERO);
     let (mut followers, mut radius) = (0, None);
-    let (mut both_ends, mut promised, mut wanted) = (false, None, 0u64);
+    let (mut both_ends, mut promised, mut remaining) = (false, None, 0u64);
     let mut last = 1;
     strands.offsets.push(0);
     for entry in source.lines() {
@@ -25,11 +25,11 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
         let mut words = text.split_ascii_whitespace();
         let Some(first) = words.next().filter(|w| !w.starts_with('#')) else { continue };
         last = line;
-        if wanted > 0 {
+        if remaining > 0 {
             let mut words = std::iter::once(first).chain(words);
             strands.positions.push(source.vec3(line, &mut words, "a vertex's")?);
-            wanted -= 1;
-            if wanted == 0 {
+            remaining -= 1;
+            if remaining == 0 {
                 strands.offsets.push(strands.positions.len() as u32);
             }
             continue;
@@ -54,12 +54,12 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
             "strand" => {
                 let rest: Vec<&str> = words.collect();
                 let after = |key| rest.iter().position(|w| *w == key).map(|i| &rest[i + 1..]);
-                wanted = source.count(
+                remaining = source.count(
                     line,
                     after("numVerts").and_then(|w| w.first().copied()),
                     "the strand's numVerts",
                 )?;
-                if wanted == 0 {
+                if remaining == 0 {
                     return Err(source.problem(At::Line(line), "the strand has 0 vertices"));
                 }
                 if let Some(uv) = after("texcoord") {
@@ -77,10 +77,10 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
         }
     }
     let found = strands.len() as u64;
-    if wanted > 0 {
+    if remaining > 0 {
         return Err(source.problem(
             At::Line(last),
-            format!("the file ends here, {wanted} vertices before the end of strand {found}"),
+            format!("the file ends here, {remaining} vertices before the end of strand {found}"),
         ));
     }
     if let Some(promised) = promised.filter(|n| *n != found) {
@@ -96,10 +96,10 @@ pub(super) fn read(source: &Source) -> Result<Raw> {
         strands.tip_pinned = vec![true; strands.len()];
     }
     if scale != 1.0 || rotation != Vec3::ZERO || translation != Vec3::ZERO {
-        let turn = rotation * (std::f32::consts::PI / 180.0);
-        let turn = Quat::from_euler(EulerRot::XYZ, turn.x, turn.y, turn.z);
+        let radians = rotation * (std::f32::consts::PI / 180.0);
+        let quaternion = Quat::from_euler(EulerRot::XYZ, radians.x, radians.y, radians.z);
         for p in &mut strands.positions {
-            *p = turn * (*p * scale) + translation;
+            *p = quaternion * (*p * scale) + translation;
         }
         raw.notes.push(
             "the header's scale, rotation (degrees, x then y then z) and translation are applied".into(),

@@ -7,13 +7,13 @@ use crate::{
         raw::MARK,
         writer::{EncodedFile, put},
     },
-    orient::Unit,
+    orient::LengthUnit,
 };
 
 const HEADER: usize = 160;
 
 /// Encodes strands as version 4.
-pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<EncodedFile> {
+pub(crate) fn encode(strands: &Strands, unit: Option<LengthUnit>) -> Result<EncodedFile> {
     let per_strand = strands.iter().map(<[_]>::len).max().unwrap_or(0);
     let vertices = strands.len() as u64 * per_strand as u64;
     let with_uvs = !strands.root_uvs.is_empty();

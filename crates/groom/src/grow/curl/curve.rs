@@ -42,31 +42,31 @@ impl CurlCurve {
             return refuse("has coordinates that are not finite");
         }
         let even = curve::resample_chords(points, POINTS);
-        let way = even[POINTS - 1] - even[0];
-        let axis = way.normalize_or_zero();
-        if way.length() <= 1e-3 * curve::length(points) {
+        let chord = even[POINTS - 1] - even[0];
+        let axis = chord.normalize_or_zero();
+        if chord.length() <= 1e-3 * curve::length(points) {
             return refuse("is closed, so it has no axis");
         }
         let across = |p: Vec3| p - axis * p.dot(axis);
         // The end repeats the beginning and must not count twice.
-        let middle =
+        let center =
             even[..POINTS - 1].iter().map(|p| across(*p - even[0])).sum::<Vec3>() / (POINTS - 1) as f32;
-        let out: Vec<Vec3> = even.iter().map(|p| across(*p - even[0]) - middle).collect();
+        let out: Vec<Vec3> = even.iter().map(|p| across(*p - even[0]) - center).collect();
         let largest = out.iter().map(|o| o.length()).fold(0.0, f32::max);
-        if largest < 1e-4 * way.length() {
+        if largest < 1e-4 * chord.length() {
             return refuse("is straight");
         }
         let u = out[0].normalize_or(axis.any_orthonormal_vector());
         let v = axis.cross(u);
         let offsets: Vec<Vec3> = (0..POINTS)
             .map(|i| {
-                let even_advance = way.length() * i as f32 / (POINTS - 1) as f32;
-                let ahead = (even[i] - even[0]).dot(axis) - even_advance;
-                Vec3::new(out[i].dot(u), out[i].dot(v), ahead) / largest
+                let even_advance = chord.length() * i as f32 / (POINTS - 1) as f32;
+                let axial_offset = (even[i] - even[0]).dot(axis) - even_advance;
+                Vec3::new(out[i].dot(u), out[i].dot(v), axial_offset) / largest
             })
             .collect();
         let turns = turns(&offsets);
-        Ok(Self { offsets, proportion: way.length() / largest, turns, stretched: false })
+        Ok(Self { offsets, proportion: chord.length() / largest, turns, stretched: false })
     }
 
     /// Reads the groom file at `path`, which must contain exactly one strand (OBJ lines, or any other format for
@@ -114,8 +114,8 @@ impl CurlCurve {
 /// perpendicular to the largest offset, at least 1.
 fn turns(offsets: &[Vec3]) -> f32 {
     let far = offsets.iter().copied().max_by(|a, b| a.x.hypot(a.y).total_cmp(&b.x.hypot(b.y)));
-    let way = far.unwrap_or(Vec3::X).truncate().normalize_or_zero();
-    let side = |o: &Vec3| o.truncate().dot(way) >= 0.0;
+    let direction = far.unwrap_or(Vec3::X).truncate().normalize_or_zero();
+    let side = |o: &Vec3| o.truncate().dot(direction) >= 0.0;
     let crossings = offsets.windows(2).filter(|w| side(&w[0]) != side(&w[1])).count();
     (crossings as f32 / 2.0).max(1.0)
 }

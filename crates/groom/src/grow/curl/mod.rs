@@ -142,7 +142,7 @@ impl Curls {
     }
 
     /// Minimum number of vertices per turn.
-    pub const LEAST: f32 = 3.0;
+    pub const MIN_VERTICES_PER_TURN: f32 = 3.0;
 
     /// The range of [`radius`](Self::radius).
     pub const RADIUS: Range = range!("curl radius", 0.0 to 0.2, "m"; usually 0.0 to 0.1);
@@ -184,7 +184,7 @@ impl Curls {
     /// # Errors
     /// [`Error::Unusable`] if they cannot.
     pub(crate) fn fits(&self, length: f32, vertices: u32) -> Result<()> {
-        if !self.any() || self.vertices_per_turn(length, vertices) >= Self::LEAST {
+        if !self.any() || self.vertices_per_turn(length, vertices) >= Self::MIN_VERTICES_PER_TURN {
             return Ok(());
         }
         let (turns, path) = (self.turns(), self.path(length));
@@ -192,7 +192,8 @@ impl Curls {
             "{vertices} vertices are too few for curls of {:.0} mm on strands of {:.0} cm; use curls of {:.0} mm or more",
             self.wavelength * 1e3,
             length * 1e2,
-            (Self::LEAST * turns * path / vertices.saturating_sub(1).max(1) as f32 * 1e3).ceil(),
+            (Self::MIN_VERTICES_PER_TURN * turns * path / vertices.saturating_sub(1).max(1) as f32 * 1e3)
+                .ceil(),
         )))
     }
 }

@@ -44,9 +44,9 @@ impl Strand {
 
     /// Creates a random strand; a `loose` one has a phase independent of its lock.
     pub(crate) fn new(curls: &Curls, loose: bool, rng: &mut Rng) -> Self {
-        let apart = if loose { 1.0 } else { 1.0 - curls.coherence };
+        let phase_spread = if loose { 1.0 } else { 1.0 - curls.coherence };
         Self {
-            phase: apart * rng.range(-PI, PI),
+            phase: phase_spread * rng.range(-PI, PI),
             wide: (1.0 + 0.2 * curls.irregularity * rng.bell()).max(0.2),
         }
     }
@@ -56,20 +56,20 @@ impl Twist {
     /// Chooses the curl of the lock with number `lock`, rooted at `root` (meters).
     pub(crate) fn new(curls: &Curls, seed: u32, lock: u32, root: Vec3) -> Self {
         let mut rng = Rng::new(seed ^ 0xcafe, lock);
-        let alone = 1.0 - curls.neighbors;
+        let independence = 1.0 - curls.neighbors;
         let vary = 0.5 * curls.irregularity;
         // Continuous waves need nearly equal wavelengths.
         let radius = curls.radius * rng.range(1.0 - vary, 1.0 + vary);
-        let wavelength = curls.wavelength * (1.0 + vary * alone * rng.range(-0.8, 1.0));
-        let hand = if rng.unit() < 0.5 * alone { -1.0 } else { 1.0 };
+        let wavelength = curls.wavelength * (1.0 + vary * independence * rng.range(-0.8, 1.0));
+        let hand = if rng.unit() < 0.5 * independence { -1.0 } else { 1.0 };
         let field = PI * curls.irregularity * noise(root / TOGETHER, seed ^ 0x77aa);
         Self {
             radius,
             wavelength: wavelength.max(1e-4),
             hand,
-            phase: curls.neighbors * field + alone * rng.range(-PI, PI),
-            plane: (alone + 0.2 * vary) * rng.range(-0.5 * PI, 0.5 * PI),
-            back: (rng.unit() < 0.4 * curls.irregularity * alone).then(|| rng.range(1.0, 5.0)),
+            phase: curls.neighbors * field + independence * rng.range(-PI, PI),
+            plane: (independence + 0.2 * vary) * rng.range(-0.5 * PI, 0.5 * PI),
+            back: (rng.unit() < 0.4 * curls.irregularity * independence).then(|| rng.range(1.0, 5.0)),
             seed: rng.bits(),
         }
     }
@@ -78,21 +78,21 @@ impl Twist {
     /// across the path, z along it.
     pub(crate) fn offset(&self, curls: &Curls, strand: &Strand, arc: f32, length: f32) -> Vec3 {
         let begin = curls.start * length;
-        let way = arc - begin;
-        if way <= 0.0 || self.radius <= 0.0 {
+        let distance = arc - begin;
+        if distance <= 0.0 || self.radius <= 0.0 {
             return Vec3::ZERO;
         }
         let ramp = self.wavelength.min(RAMP).min(0.5 * length);
         let wander = |feature: f32, salt: u32| {
-            let at = way / (feature * self.wavelength);
+            let at = distance / (feature * self.wavelength);
             curls.irregularity * noise(Vec3::new(at, 0.37, 0.81), self.seed ^ salt)
         };
         let radius = self.radius
             * strand.wide
-            * smoothstep(0.0, ramp, way)
+            * smoothstep(0.0, ramp, distance)
             * lerp(1.0, curls.tip, (arc / length).min(1.0))
             * (1.0 + 0.5 * wander(1.7, 0x11));
-        let mut turns = way / self.wavelength + 0.3 * wander(2.3, 0x22);
+        let mut turns = distance / self.wavelength + 0.3 * wander(2.3, 0x22);
         if let Some(back) = self.back {
             // Where the handedness changes, the curl is straight for a short distance.
             turns = (turns - back).hypot(0.25);
@@ -101,7 +101,7 @@ impl Twist {
         let (across, along) = match &curls.curve {
             Some(curve) => {
                 let (s, span) = match curve.stretched {
-                    true => (way / (length - begin).max(1e-6), length - begin),
+                    true => (distance / (length - begin).max(1e-6), length - begin),
                     false => (angle / TAU, self.wavelength),
                 };
                 let o = curve.at(s);

@@ -8,7 +8,7 @@ use crate::{
     TriMesh,
     error::{At, Error, Result},
     formats::{
-        self, Format,
+        self, FileFormat,
         faces::PLAIN,
         source::{FileBytes, Files, Source},
     },
@@ -18,7 +18,7 @@ use crate::{
 
 /// Maximum bytes of the images of all files together.
 #[cfg(feature = "textures")]
-const ROOM: u64 = 1 << 30;
+const MAX_IMAGE_BYTES: u64 = 1 << 30;
 
 /// Reads one mesh, in the file's own unit and axes; [`crate::orient::head`] orients it. Missing normals are computed,
 /// weighted by angle. Vertex colors are the materials' base colors.
@@ -66,7 +66,7 @@ pub(super) fn read_from<P: AsRef<Path>>(files: Files<'_>, paths: &[P]) -> Result
     #[cfg(feature = "textures")]
     if let Some(paint) = all.as_mut().and_then(|all| all.mesh.paint.as_mut()) {
         // The images of several files need one size, too.
-        Arc::make_mut(paint).level(ROOM);
+        Arc::make_mut(paint).level(MAX_IMAGE_BYTES);
     }
     all.ok_or_else(|| Error::Unusable("no head mesh is given".into()))
 }
@@ -77,8 +77,8 @@ fn parse(files: Files<'_>, path: &Path, bytes: &[u8]) -> Result<RawMesh> {
     if bytes.is_empty() {
         return Err(source.problem(At::Byte(0), "the file is empty"));
     }
-    let read = Format::of(path).and_then(|format| format.read_mesh);
-    let mut raw = read.ok_or_else(|| Format::unread(path, "a head", formats::MESHES))?(&source)?;
+    let read = FileFormat::of(path).and_then(|format| format.read_mesh);
+    let mut raw = read.ok_or_else(|| FileFormat::unread(path, "a head", formats::MESHES))?(&source)?;
     if raw.mesh.triangles.is_empty() {
         return Err(source.problem(At::File, "the file holds no triangles"));
     }

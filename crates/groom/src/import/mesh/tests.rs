@@ -83,7 +83,7 @@ fn glb_shorter_than_its_header_is_rejected() {
 #[test]
 fn glb_transform_and_color_are_read() {
     let raw = parse(Files::Disk, Path::new("a.glb"), &glb()).unwrap();
-    assert_eq!(raw.declared, crate::orient::Choice::METERS);
+    assert_eq!(raw.declared, crate::orient::OrientationOverride::METERS);
     let mesh = raw.mesh;
     assert_eq!(mesh.positions, vec![Vec3::ZERO, Vec3::X * 2.0, Vec3::Y * 2.0]);
     assert_eq!(mesh.normals, vec![Vec3::Z; 3]);
@@ -173,7 +173,7 @@ fn given_files_resolve_their_companions() {
     let head = given("head.obj", &mesh);
     let groom = given("hair.obj", "v 0 1 0\nv 0 1.1 0\nv 0 1.2 0\nl 1 2 3\n");
     let sorts = [&head, &material, &groom].map(|(name, bytes)| kind(name, bytes));
-    assert_eq!(sorts, [Some(FileKind::Mesh), Some(FileKind::Companion), Some(FileKind::Groom)]);
+    assert_eq!(sorts, [Some(FileKind::Mesh), Some(FileKind::Resource), Some(FileKind::Groom)]);
     let files = [groom.clone(), material, head.clone()];
     let (strands, mesh, report) = read_given(&files, &Default::default()).unwrap();
     assert_eq!((strands.len(), report.files.len()), (1, 1));
@@ -273,7 +273,7 @@ fn material_images_are_read() {
 
     let turned = r#","extensions":{"KHR_texture_transform":{"offset":[0.5,0],"scale":[2,1]}}"#;
     let raw = parse(Files::Disk, Path::new("a.glb"), &painted(&png(), turned)).unwrap();
-    assert_eq!(raw.mesh.paint.unwrap().places[1], glam::Vec2::new(2.0, 0.5));
+    assert_eq!(raw.mesh.paint.unwrap().uvs[1], glam::Vec2::new(2.0, 0.5));
 }
 
 /// A mesh whose image cannot be read is usable without it, and has a note.

@@ -31,7 +31,7 @@ pub fn brows(strands: &mut Strands) {
 }
 
 /// Returns the center of a brow (mm) at a fraction of its length from the nose, and half its width there.
-fn middle(along: f32) -> (Vec2, f32) {
+fn cross_section(along: f32) -> (Vec2, f32) {
     let x = 11.0 + 43.0 * along;
     // An arch on the ridge of the sculpture, highest over the outer third of the eye.
     let y =
@@ -42,15 +42,15 @@ fn middle(along: f32) -> (Vec2, f32) {
 }
 
 fn hair(strands: &mut Strands, side: f32, along: f32, across: f32, rng: &mut Rng) {
-    let (center, half) = middle(along);
-    let ahead = (middle((along + 0.02).min(1.0)).0 - center).normalize_or(Vec2::X);
-    let at = center + Vec2::new(-ahead.y, ahead.x) * (across * half);
+    let (center, half) = cross_section(along);
+    let tangent = (cross_section((along + 0.02).min(1.0)).0 - center).normalize_or(Vec2::X);
+    let at = center + Vec2::new(-tangent.y, tangent.x) * (across * half);
     let root = in_front(side * at.x, at.y);
     // Hairs point up near the nose and lie along the brow from its first quarter on; those at the edges bend toward the
     // middle.
     let up = 1.25 * (1.0 - along / 0.28).max(0.0).powf(0.8) - 0.42 * across * (0.35 + 0.65 * along) + 0.1;
-    let turn = up + 0.12 * rng.bell();
-    let flat = Vec2::from_angle(turn).rotate(ahead);
+    let angle = up + 0.12 * rng.bell();
+    let flat = Vec2::from_angle(angle).rotate(tangent);
     let bend = -0.35 * across - 0.25 * (1.0 - along) + 0.1 * rng.bell();
     let lift = rng.range(0.35, 0.6);
     let long = 5.2 + 4.2 * (std::f32::consts::PI * along.clamp(0.0, 1.0)).sin() + 0.7 * rng.bell();

@@ -12,12 +12,12 @@ const SEED: u32 = 0x1a5;
 /// Adds the lashes of both closed eyes, meters, with 8 vertices per strand.
 pub fn lashes(strands: &mut Strands) {
     for (side, eye) in [(1.0, 0), (-1.0, 1)] {
-        for (lid, count) in HAIRS.iter().enumerate() {
+        for (eyelid, count) in HAIRS.iter().enumerate() {
             for i in 0..*count {
-                let rng = &mut Rng::new(SEED + 2 * eye + lid as u32, i);
+                let rng = &mut Rng::new(SEED + 2 * eye + eyelid as u32, i);
                 // -1 at the inner corner, 1 at the outer.
                 let t = -0.86 + 1.78 * (i as f32 + rng.unit()) / *count as f32;
-                hair(strands, side, lid == 0, t, rng);
+                hair(strands, side, eyelid == 0, t, rng);
             }
         }
     }

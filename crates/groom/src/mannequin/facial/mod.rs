@@ -55,7 +55,7 @@ fn in_front(x: f32, y: f32) -> Vec3 {
 
 /// Grows a strand of `count` vertices and `length` mm from `root` at the skin. `way` returns the direction of a step
 /// from the fraction of the length and the outward normal at the root. Steps into the skin are pushed out.
-fn grow(root: Vec3, length: f32, count: usize, way: impl Fn(f32, Vec3) -> Vec3) -> Vec<Vec3> {
+fn grow(root: Vec3, length: f32, count: usize, direction: impl Fn(f32, Vec3) -> Vec3) -> Vec<Vec3> {
     let out = normal(root);
     let step = length / (count - 1) as f32;
     // A point on a mesh can be slightly off the skin, and distances are short in creases, so iterate.
@@ -67,7 +67,7 @@ fn grow(root: Vec3, length: f32, count: usize, way: impl Fn(f32, Vec3) -> Vec3) 
     line.push(p);
     for i in 1..count {
         let t = (i as f32 - 0.5) / (count - 1) as f32;
-        let mut next = p + way(t, out).normalize_or(out) * step;
+        let mut next = p + direction(t, out).normalize_or(out) * step;
         let depth = CLEARANCE - skin(next);
         if depth > 0.0 {
             next += normal(next) * depth;

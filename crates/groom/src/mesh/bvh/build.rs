@@ -63,10 +63,10 @@ impl Builder<'_> {
         if count <= LEAF {
             return;
         }
-        let middle = from + self.partition(from, to, depth);
-        self.split(from, middle, depth + 1);
+        let split_index = from + self.partition(from, to, depth);
+        self.split(from, split_index, depth + 1);
         let right = self.nodes.len() as u32;
-        self.split(middle, to, depth + 1);
+        self.split(split_index, to, depth + 1);
         self.nodes[index].first = right;
         self.nodes[index].count = 0;
     }

@@ -11,12 +11,12 @@ use crate::SdfGrid;
 
 /// Lowers unsigned `distances` to the distances from the lids where these are smaller.
 pub fn close(grid: &SdfGrid, field: &Winding<'_>, solid: &[bool], distances: &mut [f32]) {
-    let Some(mut lid) = seeds(grid, field, solid, distances) else { return };
+    let Some(mut cap_distances) = seeds(grid, field, solid, distances) else { return };
     // Distances in cells.
     for directions in 0..8 {
-        sweep(&mut lid, grid.size.as_ivec3(), directions);
+        sweep(&mut cap_distances, grid.size.as_ivec3(), directions);
     }
-    for (d, l) in distances.iter_mut().zip(lid) {
+    for (d, l) in distances.iter_mut().zip(cap_distances) {
         *d = d.min(l * grid.cell);
     }
 }

@@ -44,12 +44,12 @@ pub struct SdfOptions {
     pub thinnest: f32,
     /// Whether air that does not reach the border of the grid (closed mouths, nostrils behind sealed lips) becomes
     /// solid. A gap that the grid resolves keeps a cavity open.
-    pub fill_cavities: bool,
+    pub fills_cavities: bool,
 }
 
 impl Default for SdfOptions {
     fn default() -> Self {
-        Self { resolution: 96, margin: 0.03, thinnest: 0.001, fill_cavities: true }
+        Self { resolution: 96, margin: 0.03, thinnest: 0.001, fills_cavities: true }
     }
 }
 
@@ -71,7 +71,7 @@ pub async fn build_with(mesh: &TriMesh, options: &SdfOptions, progress: &impl Pr
     let (mesh, mut grid, inverted) = prepare(mesh, options)?;
     let bvh = Bvh::new(&mesh);
     let field = Winding { bvh: &bvh, sign: if inverted { -1.0 } else { 1.0 } };
-    let solid = signs::solid(&grid, &field, options.fill_cavities, progress).await;
+    let solid = signs::solid(&grid, &field, options.fills_cavities, progress).await;
     if !solid.contains(&true) {
         return Err(Error::Unusable(NOTHING.into()));
     }

@@ -37,7 +37,7 @@ async fn by_winding(grid: &SdfGrid, field: &Winding<'_>, progress: &impl Progres
     let mut known: Vec<Option<bool>> = vec![None; size.element_product() as usize];
     let index = |c: IVec3| (c.x + size.x * (c.y + size.y * c.z)) as usize;
     let mut hint = None;
-    let mut asked = 0u32;
+    let mut queries = 0u32;
     for stride in [16, 8, 4, 2, 1] {
         let steps = |n: i32| (0..n).step_by(stride);
         for c in steps(size.z)
@@ -46,8 +46,8 @@ async fn by_winding(grid: &SdfGrid, field: &Winding<'_>, progress: &impl Progres
             if known[index(c)].is_some() {
                 continue;
             }
-            asked += 1;
-            if asked.is_multiple_of(256) {
+            queries += 1;
+            if queries.is_multiple_of(256) {
                 // Most of the work is at the last and finest stride.
                 let done = if stride > 1 { 0.0 } else { c.z as f32 / size.z as f32 };
                 progress.step(TASK, 0.1 + 0.3 * done).await;
@@ -56,7 +56,7 @@ async fn by_winding(grid: &SdfGrid, field: &Winding<'_>, progress: &impl Progres
             let w = field.at(p);
             let is_solid = w > 0.5;
             known[index(c)] = Some(is_solid);
-            let t = reach(if is_solid { 1.0 - w } else { w });
+            let t = safe_fraction(if is_solid { 1.0 - w } else { w });
             // Balls of less than a cell classify no other node.
             let Some((slot, nearest)) =
                 (t > 0.0).then(|| field.bvh.nearest(p, f32::INFINITY, hint, 0.05)).flatten()
@@ -75,14 +75,14 @@ async fn by_winding(grid: &SdfGrid, field: &Winding<'_>, progress: &impl Progres
 
 /// Returns the fraction of the distance to the nearest triangle within which the side cannot change, for a winding
 /// number that is `u` away from its ideal.
-fn reach(u: f32) -> f32 {
+fn safe_fraction(u: f32) -> f32 {
     let k = 0.5 / (u.max(0.0) + ROUGH_ERROR);
     if k <= 1.0 { 0.0 } else { (2.0 * k + 1.0 - (8.0 * k + 1.0).sqrt()) / (2.0 * k) }
 }
 
 fn stamp(known: &mut [Option<bool>], size: IVec3, center: IVec3, radius: f32, is_solid: bool) {
-    let reach = IVec3::splat(radius as i32);
-    let (lo, hi) = ((center - reach).max(IVec3::ZERO), (center + reach).min(size - 1));
+    let extent = IVec3::splat(radius as i32);
+    let (lo, hi) = ((center - extent).max(IVec3::ZERO), (center + extent).min(size - 1));
     for z in lo.z..=hi.z {
         for y in lo.y..=hi.y {
             let (dy, dz) = ((y - center.y) as f32, (z - center.z) as f32);
@@ -111,13 +111,13 @@ struct Island {
 fn islands(grid: &SdfGrid, solid: &[bool]) -> Vec<Island> {
     let size = grid.size;
     let steps = [1, size.x, size.x * size.y];
-    let mut seen = vec![false; solid.len()];
+    let mut visited = vec![false; solid.len()];
     let mut islands = Vec::new();
     for start in 0..solid.len() as u32 {
-        if seen[start as usize] {
+        if visited[start as usize] {
             continue;
         }
-        seen[start as usize] = true;
+        visited[start as usize] = true;
         let mut island = Island { solid: solid[start as usize], border: false, nodes: vec![start] };
         let mut next = 0;
         while let Some(&i) = island.nodes.get(next) {
@@ -129,8 +129,8 @@ fn islands(grid: &SdfGrid, solid: &[bool]) -> Vec<Island> {
                 let below = (c[axis] > 0).then(|| i - steps[axis]);
                 let above = (c[axis] < last).then(|| i + steps[axis]);
                 for n in [below, above].into_iter().flatten() {
-                    if !seen[n as usize] && solid[n as usize] == island.solid {
-                        seen[n as usize] = true;
+                    if !visited[n as usize] && solid[n as usize] == island.solid {
+                        visited[n as usize] = true;
                         island.nodes.push(n);
                     }
                 }

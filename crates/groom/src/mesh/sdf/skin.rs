@@ -36,12 +36,12 @@ pub async fn boundary(
             if signs::around(grid, solid, p) != (true, true) {
                 return false;
             }
-            let ahead = p + normal * (OFFSET * grid.cell);
-            let mut front = field.at(ahead);
+            let front_point = p + normal * (OFFSET * grid.cell);
+            let mut front = field.at(front_point);
             // The winding number jumps by one across a single triangle.
             let mut back = front + field.sign;
             if *coincident || (back - 0.5).abs() < 3.0 * SHEET {
-                front = field.precise(ahead);
+                front = field.precise(front_point);
                 back = field.precise(p - normal * (OFFSET * grid.cell));
             }
             front.min(back) <= 0.5 && front.max(back) > 0.5 + SHEET
@@ -64,9 +64,9 @@ pub async fn boundary(
 
 /// Returns for every triangle whether another one has the same corners, in any order: a sheet modeled from both sides.
 fn coincident(mesh: &TriMesh) -> Vec<bool> {
-    let places = parts::places(&mesh.positions);
+    let weld = parts::weld_map(&mesh.positions);
     let key = |t: &[u32; 3]| {
-        let mut key = t.map(|v| places[v as usize]);
+        let mut key = t.map(|v| weld[v as usize]);
         key.sort_unstable();
         key
     };

@@ -137,7 +137,7 @@ fn sheets_tubes_and_cavities_are_ignored() {
             with.sample(p)
         );
     }
-    let hollow = SdfOptions { fill_cavities: false, ..options(64, 0.08) };
+    let hollow = SdfOptions { fills_cavities: false, ..options(64, 0.08) };
     let hollow = build(&TriMesh::merge(&parts), &hollow).unwrap();
     assert!(hollow.sample(Vec3::new(0.02, 0.0, 0.0)) > 0.02);
 }

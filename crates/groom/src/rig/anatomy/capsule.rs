@@ -59,13 +59,13 @@ pub fn fit(mesh: &TriMesh, triangles: &[[u32; 3]], is_own: impl Fn(u32) -> bool)
     if points.len() < 4 {
         return None;
     }
-    let whole: f64 = points.iter().map(|(_, weight)| f64::from(*weight)).sum();
+    let total_area: f64 = points.iter().map(|(_, weight)| f64::from(*weight)).sum();
     let start = axes(&points);
     let found = start.iter().filter_map(|axis| search(&points, begin(&points, *axis)));
     let (cost, capsule) = found.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let out = points.iter().filter(|(p, _)| capsule.distance(*p) > STANDS_OUT);
-    let missed = out.fold(0.0, |sum, (_, weight)| sum + f64::from(*weight)) / whole;
-    Some(CapsuleFit { capsule, off: (cost / whole).sqrt() as f32, missed: missed as f32 })
+    let missed = out.fold(0.0, |sum, (_, weight)| sum + f64::from(*weight)) / total_area;
+    Some(CapsuleFit { capsule, off: (cost / total_area).sqrt() as f32, missed: missed as f32 })
 }
 
 /// Returns vertices with the area around each.
@@ -86,14 +86,14 @@ fn points(mesh: &TriMesh, triangles: &[[u32; 3]], is_own: impl Fn(u32) -> bool) 
 
 /// Returns the principal axes of the points, by Jacobi rotations.
 fn axes(points: &[(Vec3, f32)]) -> [Vec3; 3] {
-    let whole: f32 = points.iter().map(|(_, weight)| weight).sum();
-    let middle = points.iter().map(|(p, weight)| *p * *weight).sum::<Vec3>() / whole;
+    let total_area: f32 = points.iter().map(|(_, weight)| weight).sum();
+    let center = points.iter().map(|(p, weight)| *p * *weight).sum::<Vec3>() / total_area;
     let mut m = [[0.0f32; 3]; 3];
     for (p, weight) in points {
-        let d = (*p - middle).to_array();
+        let d = (*p - center).to_array();
         for (i, row) in m.iter_mut().enumerate() {
             for (j, cell) in row.iter_mut().enumerate() {
-                *cell += weight / whole * d[i] * d[j];
+                *cell += weight / total_area * d[i] * d[j];
             }
         }
     }
@@ -119,17 +119,17 @@ fn axes(points: &[(Vec3, f32)]) -> [Vec3; 3] {
 
 /// Returns a capsule along `axis` with the mean radius of the points and, round ends included, their length.
 fn begin(points: &[(Vec3, f32)], axis: Vec3) -> Capsule {
-    let whole: f32 = points.iter().map(|(_, weight)| weight).sum();
-    let middle = points.iter().map(|(p, weight)| *p * *weight).sum::<Vec3>() / whole;
-    let along = |p: Vec3| (p - middle).dot(axis);
+    let total_area: f32 = points.iter().map(|(_, weight)| weight).sum();
+    let center = points.iter().map(|(p, weight)| *p * *weight).sum::<Vec3>() / total_area;
+    let along = |p: Vec3| (p - center).dot(axis);
     let (lo, hi) = points
         .iter()
         .map(|(p, _)| along(*p))
         .fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), t| (lo.min(t), hi.max(t)));
-    let aside = |p: Vec3| (p - middle - axis * along(p)).length();
-    let radius = points.iter().map(|(p, weight)| aside(*p) * weight).sum::<f32>() / whole;
+    let radial_distance = |p: Vec3| (p - center - axis * along(p)).length();
+    let radius = points.iter().map(|(p, weight)| radial_distance(*p) * weight).sum::<f32>() / total_area;
     let inset = radius.min(0.45 * (hi - lo));
-    Capsule { ends: [middle + axis * (lo + inset), middle + axis * (hi - inset)], radius: radius.max(1e-4) }
+    Capsule { ends: [center + axis * (lo + inset), center + axis * (hi - inset)], radius: radius.max(1e-4) }
 }
 
 /// Returns the sum of squared deviations from a capsule, weighted by area.
@@ -145,12 +145,12 @@ fn search(points: &[(Vec3, f32)], mut capsule: Capsule) -> Option<(f64, Capsule)
         let (mut normal, mut right) = ([[0.0f64; 7]; 7], [0.0f64; 7]);
         for (p, weight) in points {
             let (next, along) = capsule.next_to(*p);
-            let way = *p - next;
-            let far = way.length();
+            let offset = *p - next;
+            let far = offset.length();
             if far < 1e-9 {
                 continue;
             }
-            let n = way / far;
+            let n = offset / far;
             let slope = [(n * (along - 1.0)).to_array(), (n * -along).to_array()].concat();
             let slope: [f64; 7] = std::array::from_fn(|i| slope.get(i).map_or(-1.0, |s| f64::from(*s)));
             let off = f64::from(far - capsule.radius);
@@ -169,10 +169,10 @@ fn search(points: &[(Vec3, f32)], mut capsule: Capsule) -> Option<(f64, Capsule)
             ends: [a + Vec3::from_slice(&step[..3]), b + Vec3::from_slice(&step[3..6])],
             radius: capsule.radius + step[6],
         };
-        let there = cost(points, &tried);
-        if tried.radius > 0.0 && there < best {
-            let gained = best - there;
-            (capsule, best, damping) = (tried, there, (damping * 0.3).max(1e-7));
+        let tried_cost = cost(points, &tried);
+        if tried.radius > 0.0 && tried_cost < best {
+            let gained = best - tried_cost;
+            (capsule, best, damping) = (tried, tried_cost, (damping * 0.3).max(1e-7));
             if gained < 1e-7 * best {
                 break;
             }

@@ -21,17 +21,17 @@ use crate::{
 };
 
 /// Maximum number of parts besides the head that are fields, and that are capsules.
-const MOST_PARTS: usize = 24;
-const MOST_CAPSULES: usize = 48;
+const MAX_PARTS: usize = 24;
+const MAX_CAPSULES: usize = 48;
 /// Nodes along the longest side of a part's field, and the minimum number of triangles of a part.
 const FINE: u32 = 40;
-const LEAST: usize = 12;
+const MIN_TRIANGLES: usize = 12;
 /// Share of a neck in a turn of the head on it.
-const NECK_SHARE: f32 = 0.4;
+const NECK_ROTATION_WEIGHT: f32 = 0.4;
 
 /// Source of a distance field.
 #[derive(Clone, Debug)]
-pub enum Field {
+pub enum DistanceFieldSource {
     /// A mesh in the collider's frame, meters, whose field is not built yet.
     Mesh(TriMesh, SdfOptions),
     /// A built field.
@@ -44,7 +44,7 @@ pub struct BodyPart {
     /// Node of the rig.
     pub node: u32,
     /// Surface at rest, groom space.
-    pub field: Field,
+    pub field: DistanceFieldSource,
     /// Collision shape.
     pub form: PartForm,
     /// Factor on the coefficient of friction.
@@ -67,7 +67,7 @@ pub enum PartForm {
 }
 
 impl BodyPart {
-    pub(crate) fn new(node: u32, field: Field, form: PartForm) -> Self {
+    pub(crate) fn new(node: u32, field: DistanceFieldSource, form: PartForm) -> Self {
         Self { node, field, form, friction: 1.0, vertices: 0, fitted: None }
     }
 }
@@ -82,7 +82,7 @@ pub struct Anatomy {
     /// Parts that other nodes carry, those near the hair first.
     pub parts: Vec<BodyPart>,
     /// Nodes that turn when the head does, a parent before its children, each with its share of the turn.
-    pub turns: Vec<(u32, f32)>,
+    pub rotation_weights: Vec<(u32, f32)>,
     /// Whether all roots are known to lie on skin that follows the head's joint rigidly in every pose.
     pub is_rigid: bool,
 }
@@ -97,13 +97,13 @@ impl Anatomy {
         let holder: Vec<u32> = rig.vertices.iter().map(|vertex| holder(&rig, vertex)).collect();
         let bvh = Bvh::new(mesh);
         let mut votes: HashMap<u32, usize> = HashMap::new();
-        let (mut roots, mut reach) = (Vec::new(), 0.0f32);
+        let (mut roots, mut contact_range) = (Vec::new(), 0.0f32);
         for line in lines {
             roots.extend(line.first());
-            reach = reach.max(curve::length(line));
+            contact_range = contact_range.max(curve::length(line));
         }
         // Contact starts slightly before hair touches a surface.
-        reach += 0.05;
+        contact_range += 0.05;
         // Some hundreds of roots are enough.
         for root in roots.iter().step_by((roots.len() / 500).max(1)) {
             if let Some(closest) = bvh.closest_point(*root) {
@@ -121,14 +121,14 @@ impl Anatomy {
         let (mut parts, mut own) = (Vec::new(), TriMesh::default());
         for (node, triangles) in triangles {
             let part = cut(mesh, &triangles);
-            let far = apart(bounds, part.bounds());
+            let far = box_distance(bounds, part.bounds());
             if node == head {
                 own = part;
             } else {
                 parts.push((
                     far,
                     triangles,
-                    BodyPart::new(node, Field::Mesh(part, fine()), PartForm::Nothing),
+                    BodyPart::new(node, DistanceFieldSource::Mesh(part, fine()), PartForm::Nothing),
                 ));
             }
         }
@@ -138,19 +138,20 @@ impl Anatomy {
             let is_own = |vertex: u32| of(vertex) == part.node;
             part.vertices = (0..owners.len() as u32).filter(|vertex| is_own(*vertex)).count();
             part.fitted = capsule::fit(mesh, triangles, is_own);
-            let is_worth = triangles.len() >= LEAST;
-            if is_worth && *far < reach && fields < MOST_PARTS {
+            let is_large_enough = triangles.len() >= MIN_TRIANGLES;
+            if is_large_enough && *far < contact_range && fields < MAX_PARTS {
                 part.form = PartForm::Field;
                 fields += 1;
-            } else if let Some(fitted) = part.fitted.filter(|_| is_worth && capsules < MOST_CAPSULES) {
+            } else if let Some(fitted) = part.fitted.filter(|_| is_large_enough && capsules < MAX_CAPSULES) {
                 part.form = PartForm::Capsule(fitted.capsule);
                 capsules += 1;
             }
         }
         let parts = parts.into_iter().map(|(.., part)| part).collect();
-        let turns = turns(&rig, head);
-        let head = BodyPart::new(head, Field::Mesh(own, SdfOptions::default()), PartForm::Field);
-        Ok(Self { rig, head, parts, turns, is_rigid: false })
+        let rotation_weights = rotation_weights(&rig, head);
+        let head =
+            BodyPart::new(head, DistanceFieldSource::Mesh(own, SdfOptions::default()), PartForm::Field);
+        Ok(Self { rig, head, parts, rotation_weights, is_rigid: false })
     }
 
     /// Returns the parts besides the head that hair collides with.
@@ -171,10 +172,10 @@ impl Anatomy {
     /// a mesh: it is left to the builder on the GPU, which accepts it.
     pub fn measure(&mut self) {
         for part in self.parts.iter_mut().filter(|part| part.form == PartForm::Field) {
-            if let Field::Mesh(mesh, options) = &part.field
+            if let DistanceFieldSource::Mesh(mesh, options) = &part.field
                 && let Ok(grid) = sdf::build(mesh, options)
             {
-                part.field = Field::Grid(grid);
+                part.field = DistanceFieldSource::Grid(grid);
             }
         }
     }
@@ -183,7 +184,7 @@ impl Anatomy {
     pub fn know(&mut self, fields: Vec<(u32, SdfGrid)>) {
         for (node, grid) in fields {
             if let Some(part) = self.parts.iter_mut().find(|part| part.node == node) {
-                part.field = Field::Grid(grid);
+                part.field = DistanceFieldSource::Grid(grid);
             }
         }
     }
@@ -216,8 +217,8 @@ impl Anatomy {
         }
         if found.is_empty() {
             let names: Vec<_> = self.parts.iter().map(|part| self.name(part.node)).collect();
-            let there = if names.is_empty() { "none".into() } else { names.join(", ") };
-            let problem = format!("the body has no joint {name:?}; joints with parts: {there}");
+            let known_names = if names.is_empty() { "none".into() } else { names.join(", ") };
+            let problem = format!("the body has no joint {name:?}; joints with parts: {known_names}");
             return Err(Error::Unusable(problem));
         }
         Ok(found)
@@ -246,8 +247,8 @@ fn by_node(mesh: &TriMesh, of: impl Fn(u32) -> u32) -> HashMap<u32, Vec<[u32; 3]
 
 /// Returns the node with the largest weight of a vertex.
 fn holder(rig: &Rig, vertex: &Bind) -> u32 {
-    let most = (0..vertex.weights.len()).max_by(|a, b| vertex.weights[*a].total_cmp(&vertex.weights[*b]));
-    most.and_then(|i| rig.joints.get(usize::from(vertex.joints[i]))).map_or(0, |joint| joint.node)
+    let heaviest = (0..vertex.weights.len()).max_by(|a, b| vertex.weights[*a].total_cmp(&vertex.weights[*b]));
+    heaviest.and_then(|i| rig.joints.get(usize::from(vertex.joints[i]))).map_or(0, |joint| joint.node)
 }
 
 /// Returns the node with the largest weight of each vertex; nodes below the head, such as eyes and jaws, count as the
@@ -259,10 +260,10 @@ fn owners(rig: &Rig, head: u32) -> Vec<u32> {
 }
 
 /// Returns the nodes that turn when the head does: its own node, after its parent if that is a neck.
-fn turns(rig: &Rig, head: u32) -> Vec<(u32, f32)> {
+fn rotation_weights(rig: &Rig, head: u32) -> Vec<(u32, f32)> {
     let neck = rig.nodes[head as usize].parent;
     match neck.filter(|node| rig.nodes[*node as usize].name.to_lowercase().contains("neck")) {
-        Some(neck) => vec![(neck, NECK_SHARE), (head, 1.0 - NECK_SHARE)],
+        Some(neck) => vec![(neck, NECK_ROTATION_WEIGHT), (head, 1.0 - NECK_ROTATION_WEIGHT)],
         None => vec![(head, 1.0)],
     }
 }
@@ -280,17 +281,17 @@ fn goes_with(rig: &Rig, node: u32, head: u32) -> bool {
 }
 
 /// Returns the distance between two boxes, meters.
-fn apart(a: (Vec3, Vec3), b: Option<(Vec3, Vec3)>) -> f32 {
+fn box_distance(a: (Vec3, Vec3), b: Option<(Vec3, Vec3)>) -> f32 {
     b.map_or(f32::INFINITY, |b| (a.0 - b.1).max(b.0 - a.1).max(Vec3::ZERO).length())
 }
 
 /// Returns these triangles as a mesh with only the vertices that they use.
 fn cut(mesh: &TriMesh, triangles: &[[u32; 3]]) -> TriMesh {
-    let mut places = HashMap::new();
+    let mut new_indices = HashMap::new();
     let mut part = TriMesh::default();
     for triangle in triangles {
         part.triangles.push(triangle.map(|vertex| {
-            *places.entry(vertex).or_insert_with(|| {
+            *new_indices.entry(vertex).or_insert_with(|| {
                 part.positions.push(mesh.positions[vertex as usize]);
                 part.normals.extend(mesh.normals.get(vertex as usize));
                 part.positions.len() as u32 - 1
@@ -354,7 +355,7 @@ mod tests {
         let anatomy = Anatomy::new(rig, &mesh, hair(0.4).iter()).unwrap();
         assert_eq!(anatomy.head.node, 2);
         // The eye belongs to the head.
-        let Field::Mesh(mesh, _) = &anatomy.head.field else { panic!("a mesh was given") };
+        let DistanceFieldSource::Mesh(mesh, _) = &anatomy.head.field else { panic!("a mesh was given") };
         let (lo, hi) = mesh.bounds().unwrap();
         assert!((hi.z - 0.12).abs() < 1e-3 && (lo.y - 1.4).abs() < 1e-3, "{lo} {hi}");
         let nodes: Vec<_> = anatomy.parts.iter().map(|part| part.node).collect();
@@ -381,14 +382,15 @@ mod tests {
     fn neck_takes_its_share_of_a_head_turn() {
         let (mut rig, mesh) = body();
         let anatomy = Anatomy::new(rig.clone(), &mesh, hair(0.4).iter()).unwrap();
-        assert_eq!(anatomy.turns, [(2, 1.0)], "no node is called a neck");
+        assert_eq!(anatomy.rotation_weights, [(2, 1.0)], "no node is called a neck");
         rig.nodes[1].name = "mixamorig:Neck".into();
         let anatomy = Anatomy::new(rig, &mesh, hair(0.4).iter()).unwrap();
-        assert_eq!(anatomy.turns, [(1, NECK_SHARE), (2, 1.0 - NECK_SHARE)]);
+        assert_eq!(anatomy.rotation_weights, [(1, NECK_ROTATION_WEIGHT), (2, 1.0 - NECK_ROTATION_WEIGHT)]);
         // In total, the head turns by the whole angle about its place on the neck; the eye follows it.
         let turn = Quat::from_rotation_x(0.5);
-        let turns = anatomy.turns.iter().map(|(node, share)| (*node, Quat::IDENTITY.slerp(turn, *share)));
-        let pose = anatomy.rig.pose_turned(None, &[], &turns.collect::<Vec<_>>());
+        let turns =
+            anatomy.rotation_weights.iter().map(|(node, share)| (*node, Quat::IDENTITY.slerp(turn, *share)));
+        let pose = anatomy.rig.pose_with_rotations(None, &[], &turns.collect::<Vec<_>>());
         let rest = anatomy.rig.rest_pose();
         let of =
             |node: usize, p: Vec3| (pose.globals[node] * rest.globals[node].inverse()).transform_point3(p);
@@ -399,7 +401,7 @@ mod tests {
             assert!(up.distance(turn * Vec3::Y) < 1e-5, "{node}: {up}");
         }
         assert!(of(1, neck).distance(neck) < 1e-6, "the neck turns where it is");
-        let bent = Quat::from_rotation_x(0.5 * NECK_SHARE) * Vec3::Y * 0.2;
+        let bent = Quat::from_rotation_x(0.5 * NECK_ROTATION_WEIGHT) * Vec3::Y * 0.2;
         assert!(of(2, neck + Vec3::Y * 0.2).distance(neck + bent) < 1e-6, "and the head is on it");
     }
 }

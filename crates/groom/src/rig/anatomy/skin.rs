@@ -6,10 +6,10 @@
 //! that hangs beside a chest is not part of the chest's skin.
 
 use super::{Anatomy, PartForm, by_node, owners};
-use crate::{TriMesh, mesh::places};
+use crate::{TriMesh, mesh::weld_map};
 
 /// Distance beyond a part up to which skin belongs to it, along edges, meters.
-const BEYOND: f32 = 0.04;
+const MARGIN: f32 = 0.04;
 
 /// Triangles around the head's field, then around those of the other solids. Empty for a part that its skin follows
 /// rigidly.
@@ -39,7 +39,7 @@ impl Flesh {
         let around = |node: u32| {
             let own = own.get(&node).map_or(&[][..], |own| own);
             match own.iter().flatten().any(|vertex| is_free || leaves(node, *vertex)) {
-                true => surface.beyond(mesh, |vertex| of(vertex) == node),
+                true => surface.triangles_within_margin(mesh, |vertex| of(vertex) == node),
                 false => Vec::new(),
             }
         };
@@ -72,7 +72,7 @@ struct Surface {
 
 impl Surface {
     fn new(mesh: &TriMesh) -> Self {
-        let same = places(&mesh.positions);
+        let same = weld_map(&mesh.positions);
         let mut neighbors = vec![Vec::new(); same.len()];
         for triangle in &mesh.triangles {
             let [a, b, c] = triangle.map(|vertex| same[vertex as usize]);
@@ -85,7 +85,7 @@ impl Surface {
     }
 
     /// Returns the triangles within [`BEYOND`] of a part's own vertices.
-    fn beyond(&self, mesh: &TriMesh, is_own: impl Fn(u32) -> bool) -> Vec<[u32; 3]> {
+    fn triangles_within_margin(&self, mesh: &TriMesh, is_own: impl Fn(u32) -> bool) -> Vec<[u32; 3]> {
         let mut far = vec![f32::INFINITY; self.same.len()];
         let mut edge = Vec::new();
         for vertex in 0..self.same.len() as u32 {
@@ -101,16 +101,16 @@ impl Surface {
             for from in edge {
                 for to in &self.neighbors[from as usize] {
                     let step = mesh.positions[from as usize].distance(mesh.positions[*to as usize]);
-                    let way = far[from as usize] + step;
-                    if way < BEYOND && way < far[*to as usize] {
-                        far[*to as usize] = way;
+                    let path_length = far[from as usize] + step;
+                    if path_length < MARGIN && path_length < far[*to as usize] {
+                        far[*to as usize] = path_length;
                         next.push(*to);
                     }
                 }
             }
             edge = next;
         }
-        let is_near = |vertex: &u32| far[self.same[*vertex as usize] as usize] < BEYOND;
+        let is_near = |vertex: &u32| far[self.same[*vertex as usize] as usize] < MARGIN;
         mesh.triangles.iter().filter(|triangle| triangle.iter().any(is_near)).copied().collect()
     }
 }
@@ -136,7 +136,7 @@ mod tests {
         }
         let surface = Surface::new(&mesh);
         let own = |vertex: u32| vertex < 4;
-        let near = surface.beyond(&mesh, own);
+        let near = surface.triangles_within_margin(&mesh, own);
         let middle = |t: &[u32; 3]| t.iter().map(|v| mesh.positions[*v as usize]).sum::<Vec3>() / 3.0;
         assert!(near.iter().all(|t| middle(t).z == 0.0 && middle(t).x < 0.06), "not through the air");
         assert!(near.iter().any(|t| middle(t).x > 0.03), "across seams");

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::*;
-use crate::import::{Body, ImportOptions, read_body};
+use crate::import::{ImportOptions, ImportedBody, read_body};
 
 fn body(file: &str) -> Option<(TriMesh, Rig)> {
     let folder = std::env::var_os("TRESSES_ASSETS").map(PathBuf::from).filter(|f| f.is_dir());
@@ -13,7 +13,7 @@ fn body(file: &str) -> Option<(TriMesh, Rig)> {
         println!("skipped: TRESSES_ASSETS names no folder");
         return None;
     };
-    let Body { mesh, rig, .. } =
+    let ImportedBody { mesh, rig, .. } =
         read_body(&[folder.join("characters").join(file)], &ImportOptions::default()).unwrap();
     let rig = rig.unwrap();
     let rest = posed(&rig, &rig.rest_pose());

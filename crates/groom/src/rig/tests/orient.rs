@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::import::{ImportOptions, read_given_body};
-use crate::orient::{Axis, Choice, Unit};
+use crate::orient::{Axis, LengthUnit, OrientationOverride};
 
 const CUBE: &str = "o cube
 v -1 -1 -1
@@ -16,11 +16,11 @@ f 4 3 2 1
 fn oriented_rig_matches_oriented_mesh() {
     let file: FileBytes = ("a.glb".into(), glb::arm().0.bytes().into());
     for mirror in [false, true] {
-        let orient_head = Choice {
-            unit: Some(Unit(0.01)),
+        let orient_head = OrientationOverride {
+            unit: Some(LengthUnit(0.01)),
             up: Some(Axis::Z),
             front: Some(Axis::NegX),
-            mirror: Some(mirror),
+            is_mirrored: Some(mirror),
         };
         let options = ImportOptions { orient_head, ..Default::default() };
         let body = read_given_body(std::slice::from_ref(&file), &options).unwrap();

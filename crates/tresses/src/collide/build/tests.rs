@@ -32,7 +32,7 @@ fn both(
     resolution: u32,
 ) -> (SdfGrid, SdfGrid, FieldDifference) {
     // Only the CPU builder fills cavities.
-    let options = SdfOptions { resolution, fill_cavities: false, ..Default::default() };
+    let options = SdfOptions { resolution, fills_cavities: false, ..Default::default() };
     let builder = FieldBuilder::new(context);
     let start = Instant::now();
     let ours = pollster::block_on(builder.grid(mesh, &options)).unwrap();

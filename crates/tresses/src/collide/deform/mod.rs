@@ -48,7 +48,7 @@ use glam::{Quat, UVec3, Vec3};
 use std::sync::Arc;
 
 /// Largest displacement of skin from its rigid position on the part's joint, meters.
-pub const MOST: f32 = 0.04;
+pub const MAX_DISPLACEMENT: f32 = 0.04;
 
 /// Nodes in the grid of a part.
 const PART: u32 = DEFORM_NODES * DEFORM_NODES * DEFORM_NODES;
@@ -213,14 +213,14 @@ pub struct Deformation {
 
 /// Skin points with which fields deform, shared by instances of a body.
 #[derive(Clone, Debug)]
-pub(crate) struct DeformPlaces {
+pub(crate) struct DeformPoints {
     nodes: wgpu::Buffer,
     parts: Vec<DeformPart>,
     /// Index of the field of each part, the head's first.
     pub(super) fields: Vec<usize>,
 }
 
-impl DeformPlaces {
+impl DeformPoints {
     /// Finds the skin points on `mesh`, at rest, for the fields with the indices `fields`.
     pub(super) fn new(
         context: &Context,
@@ -228,12 +228,12 @@ impl DeformPlaces {
         grids: &[Grid<'_>],
         fields: Vec<usize>,
     ) -> Result<Self> {
-        let most = context.device.limits().max_texture_dimension_3d;
-        if grids.len() as u64 * u64::from(DEFORM_NODES) > u64::from(most) {
+        let max_size = context.device.limits().max_texture_dimension_3d;
+        if grids.len() as u64 * u64::from(DEFORM_NODES) > u64::from(max_size) {
             return Err(Error::Colliders(format!(
                 "{} fields cannot deform; this adapter allows {}",
                 grids.len(),
-                most / DEFORM_NODES
+                max_size / DEFORM_NODES
             )));
         }
         let (mut nodes, mut parts) = (Vec::with_capacity(grids.len() * PART as usize), Vec::new());
@@ -250,16 +250,16 @@ impl DeformPlaces {
 
 impl Deformation {
     /// Creates the deformation of fields with `skin`.
-    pub(super) fn new(context: &Context, places: &DeformPlaces, skin: &Skin<'_>) -> Result<Self> {
+    pub(super) fn new(context: &Context, points: &DeformPoints, skin: &Skin<'_>) -> Result<Self> {
         let Context { device, .. } = context;
         let pipelines: Arc<Pipelines> = context.pipelines();
         let (buffer, words) = skin.positions;
-        let DeformPlaces { nodes, parts, .. } = places;
+        let DeformPoints { nodes, parts, .. } = points;
         let head = DeformHead {
             count: parts.len() as u32 * PART,
             position_first: words.first,
             position_stride: words.stride,
-            max_displacement: MOST,
+            max_displacement: MAX_DISPLACEMENT,
             ..Default::default()
         };
         let known = [bytemuck::bytes_of(&head), bytemuck::cast_slice(parts)].concat();
@@ -294,8 +294,8 @@ impl Deformation {
     /// Marks the field of `shape` as deforming field number `part`, and extends its bounds by [`MOST`].
     pub(super) fn widen(shape: &mut ShapeData, part: usize) {
         shape.deforms = part as u32 + 1;
-        shape.size += MOST;
-        shape.bound += MOST;
+        shape.size += MAX_DISPLACEMENT;
+        shape.bound += MAX_DISPLACEMENT;
     }
 
     /// Writes the uniforms of a frame, and returns the half of the texture that belongs to it. `steps` is true if the

@@ -77,7 +77,7 @@ impl Pipelines {
             let pipeline = self.get(name, canvas.target.samples)?;
             let mut pass = pass(canvas, "cards", false);
             pass.set_pipeline(&pipeline);
-            cards.iter().for_each(|seen| seen.record_cards(&mut pass));
+            cards.iter().for_each(|view| view.record_cards(&mut pass));
         }
         canvas.commands.lap(Stage::Hair);
         Ok(())

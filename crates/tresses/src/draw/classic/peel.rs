@@ -22,7 +22,7 @@ const PASSES_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
 #[derive(Clone, Debug)]
 pub(crate) struct Peel {
     layer: wgpu::RenderPipeline,
-    under: wgpu::RenderPipeline,
+    blend_layer: wgpu::RenderPipeline,
     thickness: wgpu::RenderPipeline,
     rest: wgpu::RenderPipeline,
 }
@@ -93,7 +93,7 @@ impl Peel {
         let part = |name| part(pipelines, name, rate);
         Ok(Self {
             layer: part("layer")?,
-            under: part("under")?,
+            blend_layer: part("under")?,
             thickness: part("thickness")?,
             rest: part("rest")?,
         })
@@ -134,11 +134,11 @@ impl Peel {
             pass.set_pipeline(&self.layer);
             pass.set_bind_group(0, frame, &[]);
             pass.set_bind_group(3, &layers.behind[(i + 1) % 2], &[]);
-            hair.iter().for_each(|seen| seen.record_strips(&mut pass));
+            hair.iter().for_each(|view| view.record_strips(&mut pass));
             drop(pass);
             let mut pass = canvas.begin("hair", &[(&layers.front, wgpu::LoadOp::Load)], None);
-            pass.set_pipeline(&self.under);
-            pass.set_bind_group(0, &layers.under, &[]);
+            pass.set_pipeline(&self.blend_layer);
+            pass.set_bind_group(0, &layers.blend_layer_group, &[]);
             pass.draw(0..3, 0..1);
             drop(pass);
             canvas.commands.lap(Stage::Hair);
@@ -151,7 +151,7 @@ impl Peel {
         pass.set_pipeline(&self.thickness);
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(3, &layers.behind[last], &[]);
-        hair.iter().for_each(|seen| seen.record_strips(&mut pass));
+        hair.iter().for_each(|view| view.record_strips(&mut pass));
         drop(pass);
         canvas.commands.lap(Stage::Thickness);
         let colors = [(&layers.rest, clear), (&layers.rest_passes, white)];
@@ -159,7 +159,7 @@ impl Peel {
         pass.set_pipeline(&self.rest);
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(3, &layers.rest_behind[last], &[]);
-        hair.iter().for_each(|seen| seen.record_strips(&mut pass));
+        hair.iter().for_each(|view| view.record_strips(&mut pass));
         Ok(())
     }
 }
@@ -196,7 +196,7 @@ pub(crate) struct Layers {
     behind: [wgpu::BindGroup; 2],
     /// Groups to blend the hair behind each of `depths`.
     rest_behind: [wgpu::BindGroup; 2],
-    under: wgpu::BindGroup,
+    blend_layer_group: wgpu::BindGroup,
 }
 
 impl Layers {
@@ -224,7 +224,7 @@ impl Layers {
             rest: color("hair behind the layers", HDR_FORMAT),
             rest_passes: color("light past that hair", PASSES_FORMAT),
             behind,
-            under: device.group("under", &layer_layout, &[TextureView(&layer)]),
+            blend_layer_group: device.group("under", &layer_layout, &[TextureView(&layer)]),
             layer,
             thickness,
             rest_behind,

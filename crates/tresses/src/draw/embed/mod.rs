@@ -63,7 +63,7 @@ pub(crate) struct EmbedUniform {
 }
 
 impl EmbedUniform {
-    fn new(into: &Surroundings<'_>, to: Mat4, target: &HdrTarget) -> Self {
+    fn new(into: &HostFrame<'_>, to: Mat4, target: &HdrTarget) -> Self {
         let HdrTarget { samples, ssaa, size, .. } = *target;
         let depth = Self::map(into.projection, to);
         Self { depth, samples, ssaa, origin: into.origin, size, _pad: [0; 2] }
@@ -76,14 +76,14 @@ impl EmbedUniform {
         let rows = |m: Mat4| [m.z_axis.z, m.w_axis.z, m.z_axis.w, m.w_axis.w].map(f64::from);
         let ([p, q, r, s], [t, u, v, w]) = (rows(from), rows(to));
         let map = [t * s - u * r, u * p - t * q, v * s - w * r, w * p - v * q];
-        let largest = map.iter().fold(0.0f64, |most, x| most.max(x.abs())).max(f64::MIN_POSITIVE);
+        let largest = map.iter().fold(0.0f64, |max, x| max.max(x.abs())).max(f64::MIN_POSITIVE);
         map.map(|x| (x / largest) as f32)
     }
 }
 
 /// A host's scene that is already drawn.
 #[derive(Clone, Copy, Debug)]
-pub struct Surroundings<'a> {
+pub struct HostFrame<'a> {
     /// Linear color, in the format that [`Compositor`] was built for. Hair is blended over it.
     pub color: &'a wgpu::TextureView,
     /// Depth, with `TEXTURE_BINDING` and any number of samples per pixel.
@@ -111,10 +111,10 @@ pub struct Surroundings<'a> {
     /// the hair moved, as scenes do whose shaders evaluate hair shadows. The light is then not recorded again, and
     /// `shadows` must be empty, since `light` took them. If `light` was not recorded, the hair has the previous frame's
     /// light.
-    pub lit: bool,
+    pub is_lit: bool,
 }
 
-impl<'a> Surroundings<'a> {
+impl<'a> HostFrame<'a> {
     /// A scene with one image, drawn with `projection`, without geometry output and without shadows in either
     /// direction.
     pub fn new(color: &'a wgpu::TextureView, depth: &'a wgpu::TextureView, projection: Mat4) -> Self {
@@ -126,7 +126,7 @@ impl<'a> Surroundings<'a> {
             geometry: None,
             shadows: &[],
             shade: None,
-            lit: false,
+            is_lit: false,
         }
     }
 
@@ -277,11 +277,11 @@ impl Compositor {
     ///
     /// # Errors
     /// [`Error::Parameter`] if hair is not drawn by tiles.
-    pub(crate) fn known(renderer: Renderer, asks: bool) -> Result<Option<[f32; 4]>> {
-        if asks && !renderer.is_tiles() {
+    pub(crate) fn identity_depth_map(renderer: Renderer, is_requested: bool) -> Result<Option<[f32; 4]>> {
+        if is_requested && !renderer.is_tiles() {
             return Err(unknown("hair with a geometry output", renderer));
         }
-        Ok(asks.then_some([1.0, 0.0, 0.0, 1.0]))
+        Ok(is_requested.then_some([1.0, 0.0, 0.0, 1.0]))
     }
 
     /// Returns the map from the hair's depth to the scene's, if the scene needs the hair's geometry.
@@ -289,11 +289,15 @@ impl Compositor {
     /// # Errors
     /// [`Error::Parameter`] if geometry is requested and hair is not drawn by tiles, or if `lit` is set and `shadows`
     /// is not empty.
-    pub(crate) fn asked(renderer: Renderer, of: Mat4, into: &Surroundings<'_>) -> Result<Option<[f32; 4]>> {
+    pub(crate) fn geometry_depth_map(
+        renderer: Renderer,
+        of: Mat4,
+        into: &HostFrame<'_>,
+    ) -> Result<Option<[f32; 4]>> {
         if into.geometry.is_some() && !renderer.is_tiles() {
             return Err(unknown("hair with a geometry output in a scene", renderer));
         }
-        if into.lit && !into.shadows.is_empty() {
+        if into.is_lit && !into.shadows.is_empty() {
             return Err(Error::Parameter {
                 name: "the number of scene shadow maps",
                 value: into.shadows.len().to_string(),
@@ -301,12 +305,12 @@ impl Compositor {
             });
         }
         // The depth of the hair is also needed to compare it with each sample of the scene.
-        let asks = into.geometry.is_some() || (renderer.is_tiles() && has_samples(into.depth));
-        Ok(asks.then(|| EmbedUniform::map(of, into.projection)))
+        let needs_geometry = into.geometry.is_some() || (renderer.is_tiles() && has_samples(into.depth));
+        Ok(needs_geometry.then(|| EmbedUniform::map(of, into.projection)))
     }
 
     /// Converts the scene's depth to the projection `to` and writes it into the targets, before the hair.
-    pub(crate) fn record_depth(&self, canvas: &mut Canvas<'_, '_>, to: Mat4, into: &Surroundings<'_>) {
+    pub(crate) fn record_depth(&self, canvas: &mut Canvas<'_, '_>, to: Mat4, into: &HostFrame<'_>) {
         let values = EmbedUniform::new(into, to, canvas.target);
         canvas.commands.context().queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&values));
         let (pipeline, layout) = &self.depths[usize::from(has_samples(into.depth))];
@@ -318,7 +322,7 @@ impl Compositor {
     }
 
     /// Records the shadow of hair over the scene's color, before the hair is composited.
-    pub(crate) fn record_shade(&self, canvas: &mut Canvas<'_, '_>, into: &Surroundings<'_>) -> Result<()> {
+    pub(crate) fn record_shade(&self, canvas: &mut Canvas<'_, '_>, into: &HostFrame<'_>) -> Result<()> {
         self.shade.record(canvas, into)
     }
 
@@ -327,7 +331,7 @@ impl Compositor {
         &self,
         tiles: Option<&Tiles>,
         canvas: &mut Canvas<'_, '_>,
-        into: &Surroundings<'_>,
+        into: &HostFrame<'_>,
         has_cards: bool,
     ) {
         let cards = tiles.filter(|_| has_cards).map(|_| {

@@ -50,7 +50,7 @@ const ACROSS: [u32; 2] = [2, 8];
 /// Words per point.
 const WORDS: u64 = 8;
 /// Initial value of the count buffer: workgroups of `evaluate` (x, y, z) and number of listed points.
-const NONE_ASKED: [u32; 4] = [0, 1, 1, 0];
+const INITIAL_COUNT: [u32; 4] = [0, 1, 1, 0];
 /// Byte offset of the count in the buffer of a zone.
 const COUNT_AT: u64 = 32;
 
@@ -81,7 +81,7 @@ pub(super) struct Pipelines {
     frame: wgpu::BindGroupLayout,
     surface: PipelineCache<(), wgpu::RenderPipeline>,
     list: Kernel,
-    ask: Kernel,
+    evaluate: Kernel,
 }
 
 impl Pipelines {
@@ -90,7 +90,7 @@ impl Pipelines {
             frame: light.frame.clone(),
             surface: PipelineCache::default(),
             list: Kernel::new::<kernels::List>(&context.device),
-            ask: Kernel::new::<kernels::Evaluate>(&context.device),
+            evaluate: Kernel::new::<kernels::Evaluate>(&context.device),
         }
     }
 
@@ -111,7 +111,7 @@ impl Pipelines {
 
     /// Returns jobs that compile the pipelines.
     pub(super) fn jobs<'a>(&'a self, device: &'a Device) -> Vec<Job<'a>> {
-        let mut jobs = kernel::jobs([&self.list, &self.ask]);
+        let mut jobs = kernel::jobs([&self.list, &self.evaluate]);
         jobs.push(Box::new(move || self.surface(device).map(|_| ())));
         jobs
     }
@@ -133,7 +133,7 @@ pub(crate) struct SoftTargets {
     uniform: wgpu::Buffer,
     points: wgpu::Buffer,
     /// Listed points: the index of each, and of the texel on the body that it samples.
-    asked: wgpu::Buffer,
+    listed: wgpu::Buffer,
     /// Workgroups of `evaluate`, then the number of listed points.
     count: wgpu::Buffer,
     /// For each zone, its uniform and the initial count.
@@ -151,7 +151,7 @@ struct KernelGroups {
     light: wgpu::BindGroup,
     uniform: wgpu::Buffer,
     list: wgpu::BindGroup,
-    ask: wgpu::BindGroup,
+    evaluate: wgpu::BindGroup,
     is_used: bool,
 }
 
@@ -183,8 +183,8 @@ impl SoftTargets {
                 mapped_at_creation: false,
             })
         };
-        let most = u64::from(width) * u64::from(height);
-        let points = buffer("soft points", 4 * WORDS * most, wgpu::BufferUsages::COPY_DST);
+        let max_points = u64::from(width) * u64::from(height);
+        let points = buffer("soft points", 4 * WORDS * max_points, wgpu::BufferUsages::COPY_DST);
         let uniform = bindings::uniform(device, "soft", size_of::<SoftUniform>());
         let buffers = [&uniform, &points].map(wgpu::Buffer::as_entire_binding);
         Self {
@@ -193,7 +193,7 @@ impl SoftTargets {
             normal: texture("soft normals", NORMAL),
             depth: texture("soft depth", DEPTH_FORMAT),
             group: device.group("soft", &points_layout(device), &buffers),
-            asked: buffer("asked points", 8 * most, wgpu::BufferUsages::empty()),
+            listed: buffer("asked points", 8 * max_points, wgpu::BufferUsages::empty()),
             count: buffer(
                 "count of asked points",
                 16,
@@ -245,8 +245,8 @@ impl SoftTargets {
         if canvas.parts.iter().any(|part| part.number > 0) {
             self.record_zones(pipelines, canvas, bodies, uniform)?;
         } else {
-            canvas.commands.context().queue.write_buffer(&self.count, 0, bytemuck::bytes_of(&NONE_ASKED));
-            self.ask(pipelines, canvas, (canvas.light, &self.uniform), wide * high)?;
+            canvas.commands.context().queue.write_buffer(&self.count, 0, bytemuck::bytes_of(&INITIAL_COUNT));
+            self.evaluate(pipelines, canvas, (canvas.light, &self.uniform), wide * high)?;
         }
         self.groups().retain(|groups| groups.is_used);
         Ok(())
@@ -263,7 +263,7 @@ impl SoftTargets {
         pipelines: &Pipelines,
         canvas: &mut Canvas<'_, '_>,
         bodies: &[&Body],
-        whole: SoftUniform,
+        full: SoftUniform,
     ) -> Result<()> {
         canvas.commands.clear(&self.points, None);
         let parts = canvas.parts;
@@ -282,60 +282,56 @@ impl SoftTargets {
         }
         for (part, buffer) in parts.iter().zip(zones.iter()) {
             let corners = part.bodies.iter().flat_map(|i| bodies[*i].corners());
-            let Some((first, size)) = square(canvas.camera, corners, [whole.wide, whole.high]) else {
+            let Some((first, size)) = square(canvas.camera, corners, [full.wide, full.high]) else {
                 continue;
             };
-            let uniform = SoftUniform { zone: part.number, first, size, ..whole };
+            let uniform = SoftUniform { zone: part.number, first, size, ..full };
             canvas.commands.context().queue.write_buffer(buffer, 0, bytemuck::bytes_of(&uniform));
-            canvas.commands.context().queue.write_buffer(buffer, COUNT_AT, bytemuck::bytes_of(&NONE_ASKED));
+            canvas.commands.context().queue.write_buffer(
+                buffer,
+                COUNT_AT,
+                bytemuck::bytes_of(&INITIAL_COUNT),
+            );
             canvas.commands.encoder().copy_buffer_to_buffer(buffer, COUNT_AT, &self.count, 0, 16);
-            self.ask(pipelines, canvas, (part.light, buffer), size[0] * size[1])?;
+            self.evaluate(pipelines, canvas, (part.light, buffer), size[0] * size[1])?;
         }
         Ok(())
     }
 
     /// Tests `looked_at` points, lists the ones that see a body, and evaluates `light` there.
-    fn ask(
+    fn evaluate(
         &self,
         pipelines: &Pipelines,
         canvas: &mut Canvas<'_, '_>,
         (light, uniform): (&light::LightState, &wgpu::Buffer),
-        looked_at: u32,
+        point_count: u32,
     ) -> Result<()> {
         let mut all = self.groups();
         let known = all.iter().position(|groups| groups.light == light.frame && groups.uniform == *uniform);
-        let place = known.unwrap_or_else(|| {
+        let index = known.unwrap_or_else(|| {
             all.push(self.bind(pipelines, light, uniform));
             all.len() - 1
         });
-        let groups = &mut all[place];
+        let groups = &mut all[index];
         groups.is_used = true;
         let mut pass = canvas.commands.compute("body");
-        pipelines.list.record(&mut pass, &groups.list, &[], looked_at.div_ceil(STRAND_WORKGROUP));
-        pipelines.ask.record_indirect(&mut pass, &groups.ask, &[], (&self.count, 0));
+        pipelines.list.record(&mut pass, &groups.list, &[], point_count.div_ceil(STRAND_WORKGROUP));
+        pipelines.evaluate.record_indirect(&mut pass, &groups.evaluate, &[], (&self.count, 0));
         pass.end()
     }
 
     fn bind(&self, pipelines: &Pipelines, light: &light::LightState, uniform: &wgpu::Buffer) -> KernelGroups {
         let soft = uniform.part(0, Some(size_of::<SoftUniform>() as u64));
         let (positions, normals) = (&self.position, &self.normal);
-        let (points, asked, count) = (self.points.entire(), self.asked.entire(), self.count.entire());
+        let (points, listed, count) = (self.points.entire(), self.listed.entire(), self.count.entire());
         let (transmittance, ambient) = (light.transmittance(), light.ambient());
-        let ask = kernels::Evaluate {
-            transmittance,
-            ambient,
-            positions,
-            normals,
-            soft,
-            points,
-            listed: asked,
-            count,
-        };
+        let evaluate =
+            kernels::Evaluate { transmittance, ambient, positions, normals, soft, points, listed, count };
         KernelGroups {
             light: light.frame.clone(),
             uniform: uniform.clone(),
-            list: pipelines.list.bind(&kernels::List { positions, soft, points, listed: asked, count }),
-            ask: pipelines.ask.bind(&ask),
+            list: pipelines.list.bind(&kernels::List { positions, soft, points, listed, count }),
+            evaluate: pipelines.evaluate.bind(&evaluate),
             is_used: true,
         }
     }
@@ -354,8 +350,8 @@ fn square(
         let at = clip * corner.extend(1.0);
         any = true;
         behind |= at.w <= 1e-3;
-        let place = Vec2::new(at.x, -at.y) / at.w.max(1e-3) * 0.5 + 0.5;
-        (low, high) = (low.min(place), high.max(place));
+        let position = Vec2::new(at.x, -at.y) / at.w.max(1e-3) * 0.5 + 0.5;
+        (low, high) = (low.min(position), high.max(position));
     }
     if behind {
         (low, high) = (Vec2::ZERO, Vec2::ONE);

@@ -63,7 +63,7 @@ pub(super) enum ListSpan {
     /// The entries behind the front, for tiles whose front did not suffice.
     Behind,
     /// All entries.
-    Whole,
+    All,
 }
 
 /// Alignment of dynamic uniform offsets that every device supports, bytes.
@@ -81,13 +81,13 @@ pub(crate) struct TileBuffers {
     /// Two words per pixel in tile order: depths of the opaque surfaces, later the transmittance to each of them.
     pub surfaces: wgpu::Buffer,
     /// Farthest opaque depth per tile.
-    pub farthest: wgpu::Buffer,
+    pub far_depths: wgpu::Buffer,
     /// Entry counts per bin of a tile, later the bins' offsets.
     pub bins: wgpu::Buffer,
     /// `grid::Bounds` per tile, and the same as texels.
     pub bounds: (wgpu::Buffer, Texels),
     /// Tiles with hair.
-    pub busy: wgpu::Buffer,
+    pub occupied: wgpu::Buffer,
     /// Depth range of the hair per block of tiles.
     pub ranges: wgpu::Buffer,
     /// See [`TileControl`].
@@ -114,8 +114,8 @@ impl TileBuffers {
         let count = u64::from(tiles[0]) * u64::from(tiles[1]);
         let blocks = tiles.map(|side| u64::from(side.div_ceil(TILE_BLOCK)));
         let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::STORAGE_BINDING;
-        let asked = [ListSpan::Front, ListSpan::Behind, ListSpan::Whole];
-        let mut numbers = vec![0u32; asked.len() * (STEP * u64::from(TILE_ROUNDS)) as usize / 4];
+        let spans = [ListSpan::Front, ListSpan::Behind, ListSpan::All];
+        let mut numbers = vec![0u32; spans.len() * (STEP * u64::from(TILE_ROUNDS)) as usize / 4];
         for (at, words) in numbers.chunks_mut(STEP as usize / 4).enumerate() {
             words[..2].copy_from_slice(&[at as u32 % TILE_ROUNDS, at as u32 / TILE_ROUNDS]);
         }
@@ -129,13 +129,13 @@ impl TileBuffers {
             tiles,
             hair: texture(("hair", HDR_FORMAT, usage)).create_view(&Default::default()),
             surfaces: storage::<[u32; 2]>(device, "surfaces", count * u64::from(TILE * TILE))?,
-            farthest: storage::<u32>(device, "farthest bodies", count)?,
+            far_depths: storage::<u32>(device, "farthest bodies", count)?,
             bins: storage::<u32>(device, "bins", count * u64::from(TILE_BINS))?,
             bounds: (
                 storage::<[u32; 4]>(device, "bounds of tiles", Texels::rows(count))?,
                 Texels::new(device, "bounds of tiles", count, wgpu::TextureFormat::Rgba32Uint)?,
             ),
-            busy: storage::<[u32; 4]>(device, "occupied tiles", count)?,
+            occupied: storage::<[u32; 4]>(device, "occupied tiles", count)?,
             ranges: storage::<[u32; 2]>(device, "ranges of depth", blocks[0] * blocks[1])?,
             control: device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("control of tiles"),
@@ -163,7 +163,7 @@ impl TileBuffers {
 
     /// Bytes of GPU memory.
     pub fn bytes(&self) -> u64 {
-        let own = [&self.surfaces, &self.farthest, &self.bins, &self.busy, &self.ranges, &self.depths];
+        let own = [&self.surfaces, &self.far_depths, &self.bins, &self.occupied, &self.ranges, &self.depths];
         let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
         own.iter().map(|buffer| buffer.size()).sum::<u64>()
             + self.bounds.0.size()

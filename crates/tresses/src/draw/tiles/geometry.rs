@@ -92,7 +92,7 @@ impl Geometry {
     }
 
     /// Whether the last frame requested geometry.
-    pub(crate) fn is_asked(&self) -> bool {
+    pub(crate) fn is_requested(&self) -> bool {
         self.last.is_some()
     }
 

@@ -20,7 +20,7 @@ pub struct Label {
     /// Position of the pixel between that vertex (0) and the next (1).
     pub along: f32,
     /// Share of the pixel that the segment covers, 0 to 1.
-    pub share: f32,
+    pub coverage: f32,
 }
 
 /// Points of a groom: the first one, and the strand and vertex counts of the last frame.
@@ -33,8 +33,8 @@ pub(crate) struct Owner {
 
 impl Label {
     /// Decodes a texel that the kernel wrote.
-    pub(crate) fn read([low, rest, along, share]: [f32; 4], owners: &[Owner]) -> Option<Self> {
-        if share <= 0.0 {
+    pub(crate) fn read([low, rest, along, coverage]: [f32; 4], owners: &[Owner]) -> Option<Self> {
+        if coverage <= 0.0 {
             return None;
         }
         let id = low as u32 | (rest as u32) << 12;
@@ -42,7 +42,7 @@ impl Label {
         let Owner { first, count, vertex_count } = owners[groom];
         let (own, each) = (id - first, vertex_count.max(1));
         let strand = own / each;
-        (strand < count).then_some(Self { groom: groom as u32, strand, vertex: own % each, along, share })
+        (strand < count).then_some(Self { groom: groom as u32, strand, vertex: own % each, along, coverage })
     }
 }
 
@@ -90,7 +90,7 @@ mod tests {
             Owner { first: 2048, count: 5000, vertex_count: 20 },
         ];
         let read = |id: u32, share| Label::read([(id & 4095) as f32, (id >> 12) as f32, 0.5, share], &owners);
-        let label = |groom, strand, vertex| Some(Label { groom, strand, vertex, along: 0.5, share: 0.25 });
+        let label = |groom, strand, vertex| Some(Label { groom, strand, vertex, along: 0.5, coverage: 0.25 });
         assert_eq!(read(0, 0.25), label(0, 0, 0));
         assert_eq!(read(47, 0.25), label(0, 2, 15));
         assert_eq!(read(2048, 0.25), label(1, 0, 0));

@@ -59,12 +59,12 @@ pub(super) struct GroomPoints {
     part: wgpu::Buffer,
     pub project: wgpu::BindGroup,
     /// The visible segments, for shading.
-    pub chosen: ShadingSubset,
+    pub visible_segments: ShadingSubset,
     pub tint: wgpu::BindGroup,
     /// Number of points in this frame.
     pub points: u32,
     /// See [`PointRange::capacity`].
-    pub room: u32,
+    pub capacity: u32,
 }
 
 /// Buffers and textures that grow with the number of points or entries.
@@ -73,7 +73,7 @@ struct ListBuffers {
     points: Texels,
     colors: Texels,
     /// A bit per segment: whether it is visible.
-    seen: wgpu::Buffer,
+    visible: wgpu::Buffer,
     unsorted: wgpu::Buffer,
     list: Texels,
     /// A byte per entry: the rows of its tile that it covers.
@@ -91,10 +91,10 @@ pub(super) struct Groups {
     pub scatter: wgpu::BindGroup,
     pub sort: wgpu::BindGroup,
     pub merge: wgpu::BindGroup,
-    pub deepen: wgpu::BindGroup,
-    pub rewind: wgpu::BindGroup,
+    pub dispatch_deep: wgpu::BindGroup,
+    pub reset_bins: wgpu::BindGroup,
     pub touch: wgpu::BindGroup,
-    pub see: wgpu::BindGroup,
+    pub visibility: wgpu::BindGroup,
     pub blend: wgpu::BindGroup,
 }
 
@@ -108,10 +108,10 @@ impl HairLists {
         tiles: &TileBuffers,
         canvas: &Canvas<'_, '_>,
         hair: &[HairView<'_>],
-        least: u32,
+        min_entries: u32,
     ) -> Result<Self> {
         let (firsts, points) = firsts(hair);
-        let window = window_of(points).max(least.into());
+        let window = window_of(points).max(min_entries.into());
         let buffers = ListBuffers::new(&canvas.commands.context().device, points, window, tiles.count())?;
         let grid = TileGrid {
             size: tiles.size,
@@ -150,17 +150,17 @@ impl HairLists {
     }
 
     /// The bits of visible segments.
-    pub fn seen(&self) -> &wgpu::Buffer {
-        &self.buffers.seen
+    pub fn visible(&self) -> &wgpu::Buffer {
+        &self.buffers.visible
     }
 
     /// Prepares labels and motion, before this frame overwrites the last frame's points.
     pub fn begin(&mut self, canvas: &mut Canvas<'_, '_>, hair: &[HairView<'_>]) {
         if let Some(labels) = &mut self.labels {
-            let owner = |(seen, first): (&HairView<'_>, &u32)| Owner {
+            let owner = |(view, first): (&HairView<'_>, &u32)| Owner {
                 first: *first,
-                count: seen.hair.drawn.count,
-                vertex_count: seen.hair.drawn.vertex_count,
+                count: view.hair.drawn.count,
+                vertex_count: view.hair.drawn.vertex_count,
             };
             let labeled = if canvas.labels { hair } else { &[] };
             labels.begin(canvas, labeled.iter().zip(&self.firsts).map(owner).collect());
@@ -168,7 +168,7 @@ impl HairLists {
         let Some(geometry) = &mut self.geometry else { return };
         match canvas.geometry {
             Some(depth) => {
-                let drawn = hair.iter().map(|seen| [seen.hair.drawn.count, seen.hair.drawn.vertex_count]);
+                let drawn = hair.iter().map(|view| [view.hair.drawn.count, view.hair.drawn.vertex_count]);
                 geometry.begin(canvas, &self.buffers.points, drawn.collect(), depth);
             }
             None => geometry.forget(),
@@ -179,17 +179,13 @@ impl HairLists {
     pub fn prepare(&mut self, context: &Context, grid: &wgpu::Buffer, hair: &[HairView<'_>]) {
         let Context { queue, .. } = context;
         let mut points = 0;
-        for ((seen, groom), first) in hair.iter().zip(&mut self.grooms).zip(&self.firsts) {
-            let drawn = &seen.hair.drawn;
+        for ((view, groom), first) in hair.iter().zip(&mut self.grooms).zip(&self.firsts) {
+            let drawn = &view.hair.drawn;
             let own = drawn.count * drawn.vertex_count;
-            let room = groom.points.max(own);
-            let part = PointRange {
-                first: *first,
-                count: drawn.count,
-                vertex_count: drawn.vertex_count,
-                capacity: room,
-            };
-            (groom.points, groom.room) = (own, room);
+            let capacity = groom.points.max(own);
+            let part =
+                PointRange { first: *first, count: drawn.count, vertex_count: drawn.vertex_count, capacity };
+            (groom.points, groom.capacity) = (own, capacity);
             points = part.first + own;
             queue.write_buffer(&groom.part, 0, bytemuck::bytes_of(&part));
         }
@@ -216,7 +212,7 @@ impl ListBuffers {
         Ok(Self {
             points: Texels::new(device, "points", points, Rgba32Float)?,
             colors: Texels::new(device, "colors of points", points, R32Uint)?,
-            seen: storage::<u32>(device, "visible segments", points / 32)?,
+            visible: storage::<u32>(device, "visible segments", points / 32)?,
             unsorted: storage::<u32>(device, "unsorted lists", entries)?,
             list: Texels::new(device, "lists of tiles", entries, R32Uint)?,
             touches: storage::<u32>(device, "rows of tiles", touches)?,
@@ -228,7 +224,7 @@ impl ListBuffers {
         bound::Fine {
             grid: tiles.grid.entire(),
             control: tiles.control.entire(),
-            occupied: tiles.busy.entire(),
+            occupied: tiles.occupied.entire(),
             list: self.list.view(),
             points: self.points.view(),
             surfaces: tiles.surfaces.entire(),
@@ -240,7 +236,7 @@ impl ListBuffers {
     fn bytes(&self) -> u64 {
         [&self.points, &self.colors, &self.list].map(Texels::bytes).iter().sum::<u64>()
             + self.unsorted.size()
-            + self.seen.size()
+            + self.visible.size()
             + self.touches.size()
     }
 }
@@ -268,17 +264,17 @@ impl GroomPoints {
         let tint = kernels.tint.bind(&bound::Tint {
             part: part.entire(),
             shaded: own.shaded.colors.entire(),
-            visible: buffers.seen.entire(),
+            visible: buffers.visible.entire(),
             colors: buffers.colors.view(),
         });
-        let seen = buffers.seen.part(u64::from(first) / 8, None);
+        let seen = buffers.visible.part(u64::from(first) / 8, None);
         let light = (own.light, canvas.eye);
         Ok(Self {
-            chosen: ShadingSubset::new(context, light, own.hair, own.shaded, seen)?,
+            visible_segments: ShadingSubset::new(context, light, own.hair, own.shaded, seen)?,
             project,
             tint,
             points: 0,
-            room: 0,
+            capacity: 0,
             part,
         })
     }
@@ -287,50 +283,38 @@ impl GroomPoints {
 impl Groups {
     fn new(kernels: &Pipelines, tiles: &TileBuffers, canvas: &Canvas<'_, '_>, buffers: &ListBuffers) -> Self {
         let many = usize::from(canvas.target.samples > 1);
-        let (grid, control, busy) = (tiles.grid.entire(), tiles.control.entire(), tiles.busy.entire());
+        let (grid, control, occupied) =
+            (tiles.grid.entire(), tiles.control.entire(), tiles.occupied.entire());
         let (bins, bounds, depths) = (tiles.bins.entire(), tiles.bounds.0.entire(), tiles.depths.entire());
-        let (farthest, surfaces, ranges) =
-            (tiles.farthest.entire(), tiles.surfaces.entire(), tiles.ranges.entire());
-        let (unsorted, touches, seen) =
-            (buffers.unsorted.entire(), buffers.touches.entire(), buffers.seen.entire());
+        let (far_depths, surfaces, ranges) =
+            (tiles.far_depths.entire(), tiles.surfaces.entire(), tiles.ranges.entire());
+        let (unsorted, touches, visible) =
+            (buffers.unsorted.entire(), buffers.touches.entire(), buffers.visible.entire());
         let (points, list, colors) = (buffers.points.view(), buffers.list.view(), buffers.colors.view());
         let (depth, hair, round, fine) =
             (&canvas.target.depth, &tiles.hair, tiles.round(), buffers.fine(tiles));
-        let asked = bound::Slots { grid, control, occupied: busy, depths, round };
+        let slots = bound::Slots { grid, control, occupied, depths, round };
         let texels = tiles.bounds.1.view();
         let scatter = bound::Scatter { grid, points, bounds: texels, bins, list: unsorted, round };
         let surface = if many == 0 {
-            kernels.surface[0].bind(&bound::SurfaceOne {
-                grid,
-                ranges,
-                depth,
-                surfaces,
-                far_depths: farthest,
-            })
+            kernels.surface[0].bind(&bound::SurfaceOne { grid, ranges, depth, surfaces, far_depths })
         } else {
             let view = canvas.eye.entire();
-            kernels.surface[1].bind(&bound::SurfaceMany {
-                grid,
-                ranges,
-                depth,
-                surfaces,
-                far_depths: farthest,
-                view,
-            })
+            kernels.surface[1].bind(&bound::SurfaceMany { grid, ranges, depth, surfaces, far_depths, view })
         };
         Self {
             surface,
-            bound: kernels.bound.bind(&bound::Bound { grid, far_depths: farthest, ranges, bounds }),
+            bound: kernels.bound.bind(&bound::Bound { grid, far_depths, ranges, bounds }),
             count: kernels.count.bind(&bound::Count { grid, points, bounds: texels, bins }),
             totals: kernels.totals.bind(&bound::Totals { grid, bins, bounds }),
-            scan: kernels.scan.bind(&bound::Scan { grid, bounds, occupied: busy, control, depths }),
+            scan: kernels.scan.bind(&bound::Scan { grid, bounds, occupied, control, depths }),
             scatter: kernels.scatter.bind(&scatter),
-            sort: kernels.sort.bind(&bound::Sort { slots: asked, bins, unsorted, list }),
-            merge: kernels.merge.bind(&bound::Merge { slots: asked, bins, entries: unsorted, list }),
-            deepen: kernels.deepen.bind(&bound::DispatchDeep { control, depths, round }),
-            rewind: kernels.rewind.bind(&bound::ResetBins { control, occupied: busy, bins, round }),
-            touch: kernels.touch.bind(&bound::Touch { slots: asked, list, points, touches }),
-            see: kernels.see[many].bind(&bound::Visibility { fine, visible: seen, depths }),
+            sort: kernels.sort.bind(&bound::Sort { slots, bins, unsorted, list }),
+            merge: kernels.merge.bind(&bound::Merge { slots, bins, entries: unsorted, list }),
+            dispatch_deep: kernels.dispatch_deep.bind(&bound::DispatchDeep { control, depths, round }),
+            reset_bins: kernels.reset_bins.bind(&bound::ResetBins { control, occupied, bins, round }),
+            touch: kernels.touch.bind(&bound::Touch { slots, list, points, touches }),
+            visibility: kernels.visibility[many].bind(&bound::Visibility { fine, visible, depths }),
             blend: kernels.blend[many].bind(&bound::Blend { fine, colors, hair }),
         }
     }
@@ -341,7 +325,7 @@ fn firsts(hair: &[HairView<'_>]) -> (Vec<u32>, u64) {
     let mut points = 0u64;
     let first = |seen: &HairView<'_>| {
         let first = points as u32;
-        points += u64::from(seen.hair.strands.room.vertices).next_multiple_of(u64::from(ALIGN));
+        points += u64::from(seen.hair.strands.capacity.vertices).next_multiple_of(u64::from(ALIGN));
         first
     };
     let firsts = hair.iter().map(first).collect();

@@ -106,15 +106,15 @@ impl<'a> Round<'a> {
         pass: &mut crate::gpu::ComputePass<'_>,
         kernel: &Kernel,
         group: &wgpu::BindGroup,
-        (asked, field): (ListSpan, usize),
+        (span, field): (ListSpan, usize),
     ) {
         let workgroups = (self.control, field as u64 + 16 * u64::from(self.number));
-        kernel.record_indirect(pass, group, &[self.offset(asked)], workgroups);
+        kernel.record_indirect(pass, group, &[self.offset(span)], workgroups);
     }
 
     /// Dynamic offset of the pass's uniform.
-    fn offset(&self, asked: ListSpan) -> u32 {
-        STEP as u32 * (asked as u32 * TILE_ROUNDS + self.number)
+    fn offset(&self, span: ListSpan) -> u32 {
+        STEP as u32 * (span as u32 * TILE_ROUNDS + self.number)
     }
 }
 
@@ -139,13 +139,14 @@ impl Pipelines {
         let mut lists = tiles.bind(self, canvas, hair)?;
         let Some(lists) = lists.as_mut() else { return Ok(()) };
         lists.begin(canvas, hair);
-        for buffer in [&tiles.buffers.farthest, &tiles.buffers.bins, &tiles.buffers.ranges, lists.seen()] {
+        for buffer in [&tiles.buffers.far_depths, &tiles.buffers.bins, &tiles.buffers.ranges, lists.visible()]
+        {
             canvas.commands.clear(buffer, None);
         }
         let many = usize::from(canvas.target.samples > 1);
         let mut pass = canvas.commands.compute("bins");
         for groom in &lists.grooms {
-            self.project.record(&mut pass, &groom.project, &[], threads(groom.room));
+            self.project.record(&mut pass, &groom.project, &[], threads(groom.capacity));
         }
         self.surface[many].record(
             &mut pass,
@@ -172,15 +173,30 @@ impl Pipelines {
             let mut pass = canvas.commands.compute("see");
             let of = |field| (ListSpan::Front, field);
             round.run(&mut pass, &self.touch, &lists.groups.touch, of(offset_of!(TileControl, bins)));
-            round.run(&mut pass, &self.see[many], &lists.groups.see, of(offset_of!(TileControl, rows)));
-            self.deepen.record(&mut pass, &lists.groups.deepen, &[round.offset(ListSpan::Front)], 1);
+            round.run(
+                &mut pass,
+                &self.visibility[many],
+                &lists.groups.visibility,
+                of(offset_of!(TileControl, rows)),
+            );
+            self.dispatch_deep.record(
+                &mut pass,
+                &lists.groups.dispatch_deep,
+                &[round.offset(ListSpan::Front)],
+                1,
+            );
             let of = |field| (ListSpan::Behind, field);
             round.run(&mut pass, &self.sort, &lists.groups.sort, of(offset_of!(TileControl, deep_tiles)));
             round.run(&mut pass, &self.merge, &lists.groups.merge, of(offset_of!(TileControl, deep_tiles)));
             round.run(&mut pass, &self.touch, &lists.groups.touch, of(offset_of!(TileControl, deep_tiles)));
-            round.run(&mut pass, &self.see[many], &lists.groups.see, of(offset_of!(TileControl, deep_rows)));
+            round.run(
+                &mut pass,
+                &self.visibility[many],
+                &lists.groups.visibility,
+                of(offset_of!(TileControl, deep_rows)),
+            );
             pass.end()?;
-            canvas.commands.lap(Stage::See);
+            canvas.commands.lap(Stage::Visibility);
         }
         Ok(())
     }
@@ -192,12 +208,12 @@ impl Pipelines {
         pass: &mut crate::gpu::ComputePass<'_>,
         lists: &HairLists,
         round: &Round<'_>,
-        asked: ListSpan,
+        span: ListSpan,
         [segments, bins]: [usize; 2],
     ) {
-        round.run(pass, &self.scatter, &lists.groups.scatter, (asked, segments));
-        round.run(pass, &self.sort, &lists.groups.sort, (asked, bins));
-        round.run(pass, &self.merge, &lists.groups.merge, (asked, bins));
+        round.run(pass, &self.scatter, &lists.groups.scatter, (span, segments));
+        round.run(pass, &self.sort, &lists.groups.sort, (span, bins));
+        round.run(pass, &self.merge, &lists.groups.merge, (span, bins));
     }
 
     /// Records the shading of the segments that the last [`record_bins`](Self::record_bins) found visible.
@@ -209,9 +225,12 @@ impl Pipelines {
     ) -> Result<()> {
         let lists = tiles.lists();
         let Some(lists) = lists.as_ref().filter(|_| !hair.is_empty()) else { return Ok(()) };
-        let chosen: Vec<_> =
-            hair.iter().zip(&lists.grooms).map(|(seen, groom)| (seen.hair, &groom.chosen)).collect();
-        canvas.light.shade_chosen(canvas.commands, &chosen)
+        let subsets: Vec<_> = hair
+            .iter()
+            .zip(&lists.grooms)
+            .map(|(view, groom)| (view.hair, &groom.visible_segments))
+            .collect();
+        canvas.light.shade_subsets(canvas.commands, &subsets)
     }
 
     /// Blends the hair of the last [`record_bins`](Self::record_bins). Its visible segments must be shaded.
@@ -229,18 +248,18 @@ impl Pipelines {
             self.tint.record(&mut pass, &groom.tint, &[], threads(groom.points));
         }
         pass.end()?;
-        let (asked, labeled) = (canvas.geometry.is_some(), canvas.labels);
+        let (has_geometry, labeled) = (canvas.geometry.is_some(), canvas.labels);
         for round in Round::all(tiles) {
             let mut pass = canvas.commands.compute("hair");
-            let of = |field| (ListSpan::Whole, field);
+            let of = |field| (ListSpan::All, field);
             if tiles.rounds() > 1 {
                 let again = offset_of!(TileControl, bins_again);
-                round.run(&mut pass, &self.rewind, &lists.groups.rewind, of(again));
+                round.run(&mut pass, &self.reset_bins, &lists.groups.reset_bins, of(again));
                 let fields = [offset_of!(TileControl, segments_again), again];
-                self.order(&mut pass, lists, &round, ListSpan::Whole, fields);
+                self.order(&mut pass, lists, &round, ListSpan::All, fields);
                 round.run(&mut pass, &self.touch, &lists.groups.touch, of(again));
             }
-            if let Some(geometry) = lists.geometry.as_ref().filter(|_| asked) {
+            if let Some(geometry) = lists.geometry.as_ref().filter(|_| has_geometry) {
                 round.run(
                     &mut pass,
                     &self.geometry[many],

@@ -20,11 +20,11 @@ pub(crate) struct Pipelines {
     pub scatter: Kernel,
     pub sort: Kernel,
     pub merge: Kernel,
-    pub rewind: Kernel,
+    pub reset_bins: Kernel,
     pub touch: Kernel,
     /// Indexed by whether pixels have two surfaces, that is, several samples.
-    pub see: [Kernel; 2],
-    pub deepen: Kernel,
+    pub visibility: [Kernel; 2],
+    pub dispatch_deep: Kernel,
     pub tint: Kernel,
     /// As `see`; compiled only if geometry is requested.
     pub geometry: [Kernel; 2],
@@ -50,9 +50,9 @@ impl Pipelines {
             scatter: Kernel::new::<kernels::Scatter>(device),
             sort: Kernel::new::<kernels::Sort>(device),
             merge: Kernel::new::<kernels::Merge>(device),
-            rewind: Kernel::new::<kernels::ResetBins>(device),
+            reset_bins: Kernel::new::<kernels::ResetBins>(device),
             touch: Kernel::new::<kernels::Touch>(device),
-            see: Kernel::each::<kernels::Visibility, 2>(
+            visibility: Kernel::each::<kernels::Visibility, 2>(
                 device,
                 ["draw::tiles::visibility::1", "draw::tiles::visibility::2"],
             ),
@@ -64,7 +64,7 @@ impl Pipelines {
                 device,
                 ["draw::tiles::label::1", "draw::tiles::label::2"],
             ),
-            deepen: Kernel::new::<kernels::DispatchDeep>(device),
+            dispatch_deep: Kernel::new::<kernels::DispatchDeep>(device),
             tint: Kernel::new::<kernels::Tint>(device),
             blend: Kernel::each::<kernels::Blend, 2>(
                 device,
@@ -86,10 +86,10 @@ impl Pipelines {
             &self.scatter,
             &self.sort,
             &self.merge,
-            &self.rewind,
+            &self.reset_bins,
             &self.touch,
-            &self.see[many],
-            &self.deepen,
+            &self.visibility[many],
+            &self.dispatch_deep,
             &self.tint,
             &self.blend[many],
         ])

@@ -70,8 +70,8 @@ impl FrameLook {
         let Sphere { center, radius } = *focus;
         let clip = camera.projection * camera.view;
         let ends = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z];
-        let focus = ends.map(|way| {
-            let at = clip * (center + way * radius).extend(1.0);
+        let focus = ends.map(|direction| {
+            let at = clip * (center + direction * radius).extend(1.0);
             (at.truncate().truncate() * (0.5 / at.w)).extend(at.w)
         });
         Self { points, focus }
@@ -168,7 +168,7 @@ impl Tiles {
     pub fn geometry(&self) -> Option<wgpu::TextureView> {
         let lists = self.lists();
         let geometry = lists.as_ref()?.geometry.as_ref()?;
-        geometry.is_asked().then(|| geometry.texture.clone())
+        geometry.is_requested().then(|| geometry.texture.clone())
     }
 
     /// Whether [`geometry`](Self::geometry) holds motion.
@@ -212,8 +212,8 @@ impl Tiles {
             capacity.read(canvas.commands.context(), &self.buffers.control);
         }
         let entries = capacity.known.entries;
-        let least = if capacity.several < ListCapacity::PATIENCE { entries } else { next(entries) };
-        if !lists.as_ref().is_some_and(|lists| lists.fits(canvas, hair, least)) {
+        let min_entries = if capacity.several < ListCapacity::PATIENCE { entries } else { next(entries) };
+        if !lists.as_ref().is_some_and(|lists| lists.fits(canvas, hair, min_entries)) {
             // The old lists are dropped first, so that both are never in memory at once.
             *lists = None;
             *lists = Some(HairLists::new(kernels, &self.buffers, canvas, hair, next(entries))?);

@@ -26,9 +26,14 @@ impl Texels {
         format: wgpu::TextureFormat,
     ) -> Result<Self> {
         let rows = count.div_ceil(u64::from(TILE_POINTS)).max(1);
-        let most = device.limits().max_texture_dimension_2d.into();
-        if rows > most {
-            return Err(crate::Error::Limit { what: label, need: rows, have: most, unit: "rows of texels" });
+        let max_rows = device.limits().max_texture_dimension_2d.into();
+        if rows > max_rows {
+            return Err(crate::Error::Limit {
+                what: label,
+                need: rows,
+                have: max_rows,
+                unit: "rows of texels",
+            });
         }
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),

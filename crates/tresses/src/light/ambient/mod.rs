@@ -61,9 +61,9 @@ const LAYERS: u32 = 5;
 /// Kernels of ambient light.
 #[derive(Debug)]
 pub(super) struct Pipelines {
-    pub(super) lay: Kernel,
+    pub(super) splat_hair: Kernel,
     skin: Kernel,
-    glow: Kernel,
+    splat_radiance: Kernel,
     settle: Kernel,
     /// For sky light, then for mesh radiance.
     sweeps: [Kernel; 2],
@@ -75,9 +75,9 @@ impl Pipelines {
         let device = &context.device;
         let surface = body::surface_layout(device);
         Self {
-            lay: Kernel::new::<kernels::SplatHair>(device),
-            skin: Kernel::beside::<kernels::Skin>(device, &[&surface]),
-            glow: Kernel::beside::<kernels::SplatRadiance>(device, &[&surface]),
+            splat_hair: Kernel::new::<kernels::SplatHair>(device),
+            skin: Kernel::with_shared::<kernels::Skin>(device, &[&surface]),
+            splat_radiance: Kernel::with_shared::<kernels::SplatRadiance>(device, &[&surface]),
             settle: Kernel::new::<kernels::Settle>(device),
             sweeps: Kernel::each::<kernels::Sweep, 2>(
                 device,
@@ -91,8 +91,8 @@ impl Pipelines {
     }
 
     pub(super) fn kernels(&self) -> impl Iterator<Item = &Kernel> {
-        let Self { lay, skin, glow, settle, sweeps, gathers } = self;
-        [lay, skin, glow, settle].into_iter().chain(sweeps).chain(gathers)
+        let Self { splat_hair, skin, splat_radiance, settle, sweeps, gathers } = self;
+        [splat_hair, skin, splat_radiance, settle].into_iter().chain(sweeps).chain(gathers)
     }
 }
 
@@ -108,7 +108,7 @@ pub(crate) struct Ambient {
     result: wgpu::TextureView,
     sampler: wgpu::Sampler,
     skin: wgpu::BindGroup,
-    glow: wgpu::BindGroup,
+    splat_radiance: wgpu::BindGroup,
     settle: wgpu::BindGroup,
     /// For sky light, then for mesh radiance.
     sweeps: [wgpu::BindGroup; 2],
@@ -120,11 +120,11 @@ impl Ambient {
     pub(super) fn new(
         context: &Context,
         pipelines: &Pipelines,
-        wanted: u32,
+        requested_cells: u32,
         transmittance: Transmittance<'_>,
     ) -> Self {
         let Context { device, .. } = context;
-        let cells = Self::within(wanted);
+        let cells = Self::within(requested_cells);
         let count = u64::from(cells).pow(3);
         let storage = |label, size| {
             device.create_buffer(&wgpu::BufferDescriptor {
@@ -146,10 +146,14 @@ impl Ambient {
         let ambient = bindings(&result, &sampler);
         let sweep = kernels::Sweep { link: kernels::Link { lights, settled }, fields };
         let gather = kernels::Gather { lights, fields, weights, result: &result };
-        let Pipelines { skin, glow, settle, sweeps, gathers, .. } = pipelines;
+        let Pipelines { skin, splat_radiance, settle, sweeps, gathers, .. } = pipelines;
         Self {
             skin: skin.bind(&kernels::Skin { lights, cells: sum }),
-            glow: glow.bind(&kernels::SplatRadiance { transmittance, ambient, cells: sum }),
+            splat_radiance: splat_radiance.bind(&kernels::SplatRadiance {
+                transmittance,
+                ambient,
+                cells: sum,
+            }),
             settle: settle.bind(&kernels::Settle { lights, cells: sum, settled }),
             sweeps: sweeps.each_ref().map(|kernel| kernel.bind(&sweep)),
             gathers: gathers.each_ref().map(|kernel| kernel.bind(&gather)),
@@ -161,8 +165,8 @@ impl Ambient {
     }
 
     /// Clamps a number of cells per edge to the supported range.
-    pub(super) fn within(wanted: u32) -> u32 {
-        wanted.clamp(4, 64)
+    pub(super) fn within(cells: u32) -> u32 {
+        cells.clamp(4, 64)
     }
 
     /// Returns the stride through the sample points of mesh surfaces. Meshes have enough points for the finest grid;
@@ -214,11 +218,12 @@ impl Ambient {
             let strands = u64::from(drawn.count.div_ceil(every));
             let threads = strands * u64::from(drawn.vertex_count.saturating_sub(1));
             let workgroups = threads.div_ceil(u64::from(STRAND_WORKGROUP)) as u32;
-            pipelines.lay.record(pass, group, &[], workgroups);
+            pipelines.splat_hair.record(pass, group, &[], workgroups);
         }
         let cells = self.cells.pow(3);
         for i in 0..2 {
-            let (kernel, group) = [(&pipelines.skin, &self.skin), (&pipelines.glow, &self.glow)][i];
+            let (kernel, group) =
+                [(&pipelines.skin, &self.skin), (&pipelines.splat_radiance, &self.splat_radiance)][i];
             for body in bodies {
                 pass.set_bind_group(1, &body.surface_group, &[]);
                 kernel.record(

@@ -60,8 +60,8 @@ impl FiberShape {
     }
 
     /// Shift of each lobe towards the root, radians.
-    pub fn turns(&self) -> [f64; LOBES] {
-        [-2.0, 1.0, 4.0, 0.0].map(|turn| turn * f64::from(self.tilt))
+    pub fn shifts(&self) -> [f64; LOBES] {
+        [-2.0, 1.0, 4.0, 0.0].map(|factor| factor * f64::from(self.tilt))
     }
 
     /// Scale of the azimuthal logistic distribution (Chiang, equation 8).
@@ -133,10 +133,10 @@ impl FiberShape {
     /// Returns the longitudinal and the azimuthal factor of each lobe.
     fn factors(&self, eye: DVec3, light: DVec3, along: Longitudinal) -> [[f64; LOBES]; 2] {
         let phi = light.z.atan2(light.x) - eye.z.atan2(eye.x);
-        let (v, turns) = (self.variances(), self.turns());
+        let (v, shifts) = (self.variances(), self.shifts());
         let (cos_theta, h) = (cosine(eye.y), entry(eye));
         let m = std::array::from_fn(|p| {
-            let (sin, cos) = (eye.y.clamp(-1.0, 1.0).asin() + turns[p]).sin_cos();
+            let (sin, cos) = (eye.y.clamp(-1.0, 1.0).asin() + shifts[p]).sin_cos();
             along(v[p], sin, cos.abs(), light.y, cosine(light.y))
         });
         [m, std::array::from_fn(|p| self.around(p, phi, h, cos_theta))]
@@ -273,7 +273,7 @@ mod tests {
         }
         // A narrow lobe mirrors light about the tilted cuticle: θ_light = -θ_eye + 2α.
         let shape = FiberShape { longitudinal: 0.1, ..shape };
-        let (v, turn) = (shape.variances()[0], shape.turns()[0]);
+        let (v, turn) = (shape.variances()[0], shape.shifts()[0]);
         let peak = (0..20_000)
             .map(|i| -1.0 + 1e-4 * f64::from(i))
             .max_by(|a, b| {

@@ -114,9 +114,9 @@ impl FarField {
         for u in 0..HUES {
             let sigma = -2.0 * (f64::from(u) / f64::from(HUES - 1)).max(1e-6).ln();
             for c in 0..COSINES {
-                let share =
+                let fraction =
                     entries().map(|(h, w)| w * shape.attenuations(h, cosine(c), sigma)[3]).sum::<f64>();
-                rest.push(share as f32);
+                rest.push(fraction as f32);
             }
         }
         Self { shape, direct, wide, rest }
@@ -129,12 +129,12 @@ impl FarField {
             let f = shape.fresnel(cos_theta * (1.0 - h * h).sqrt());
             let path = shape.path(h, cos_theta);
             let through = (1.0 - f) * (1.0 - f);
-            for (p, share) in [f, through, through * f].into_iter().enumerate() {
+            for (p, fraction) in [f, through, through * f].into_iter().enumerate() {
                 for (i, sum) in sums.iter_mut().enumerate() {
                     // The other half of the width is the mirror image.
                     let phi = azimuth(i as u32);
                     let n = shape.around(p, phi, h, cos_theta) + shape.around(p, -phi, h, cos_theta);
-                    sum[p].add(width * share * 0.5 * n, p as f64 * path);
+                    sum[p].add(width * fraction * 0.5 * n, p as f64 * path);
                 }
             }
         }
@@ -185,12 +185,12 @@ impl FarField {
         let [cos_eye, cos_light] = [sin_eye, sin_light].map(|s: f64| (1.0 - s * s).max(0.0).sqrt());
         let cos_phi = (e.dot(l) - sin_eye * sin_light) / (cos_eye * cos_light).max(1e-9);
         let around = Self::around(&self.direct, cos_phi.clamp(-1.0, 1.0).acos(), cos_eye);
-        let (v, turns) = (self.shape.variances(), self.shape.turns());
+        let (v, shifts) = (self.shape.variances(), self.shape.shifts());
         let channel = |sigma: f32| {
             let sigma = f64::from(sigma);
             let n = around.densities(sigma, self.rest(sigma, cos_eye));
             let m = |p: usize| {
-                let (sin, cos) = (sin_eye.clamp(-1.0, 1.0).asin() + turns[p]).sin_cos();
+                let (sin, cos) = (sin_eye.clamp(-1.0, 1.0).asin() + shifts[p]).sin_cos();
                 along(v[p], sin, cos.abs(), sin_light, cos_light)
             };
             (0..LOBES).map(|p| m(p) * n[p]).sum::<f64>() as f32
@@ -202,12 +202,12 @@ impl FarField {
 /// Returns the mean over the half circle of light around step `i`.
 fn half_circle(sums: &[[Moments; 3]], i: u32) -> [Moments; 3] {
     let last = AZIMUTHS - 1;
-    let reach = f64::from(last) * 0.5;
+    let radius = f64::from(last) * 0.5;
     let mut out = [Moments::default(); 3];
     // Each step around the circle, and the fraction of it within reach.
     for k in 0..2 * last {
         let offset = (f64::from(k) - f64::from(i)).rem_euclid(2.0 * f64::from(last));
-        let inside = (reach + 0.5 - offset.min(2.0 * f64::from(last) - offset)).clamp(0.0, 1.0);
+        let inside = (radius + 0.5 - offset.min(2.0 * f64::from(last) - offset)).clamp(0.0, 1.0);
         let from = &sums[k.min(2 * last - k) as usize];
         for (sum, m) in out.iter_mut().zip(from) {
             (0..3).for_each(|j| sum.0[j] += m.0[j] * inside / f64::from(last));

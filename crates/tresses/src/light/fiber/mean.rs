@@ -24,7 +24,7 @@ pub(crate) struct MeanScattering {
     /// Longitudinal variance of `local` (equation 17).
     pub local_variance: f32,
     /// Shift of `local` towards the root, radians (equation 16).
-    pub local_turn: f32,
+    pub local_shift: f32,
     /// Share of the last lobe.
     pub rest: f32,
 }
@@ -35,13 +35,13 @@ impl MeanScattering {
         forward: [f64; LOBES],
         backward: [f64; LOBES],
         variances: [f64; LOBES],
-        turns: [f64; LOBES],
+        shifts: [f64; LOBES],
         density: f64,
         rest: f64,
     ) -> Self {
-        let sum = |shares: &[f64; LOBES]| shares.iter().sum::<f64>();
-        let mean = |shares: &[f64; LOBES], of: &[f64; LOBES]| {
-            shares.iter().zip(of).map(|(a, v)| a * v).sum::<f64>() / sum(shares).max(1e-9)
+        let sum = |fractions: &[f64; LOBES]| fractions.iter().sum::<f64>();
+        let mean = |fractions: &[f64; LOBES], of: &[f64; LOBES]| {
+            fractions.iter().zip(of).map(|(a, v)| a * v).sum::<f64>() / sum(fractions).max(1e-9)
         };
         // If fibers passed on all light, the series below would diverge.
         let (f, b) = (sum(&forward).min(0.99), sum(&backward));
@@ -52,8 +52,8 @@ impl MeanScattering {
         let deviation = (1.0 + density * f2)
             * (b * (2.0 * vf + vb).sqrt() + b * b2 * (2.0 * vf + 3.0 * vb).sqrt())
             / (b + b * b2 * (2.0 * vf.sqrt() + 3.0 * vb.sqrt())).max(1e-9);
-        let turn = mean(&backward, &turns) * (1.0 - 2.0 * b2 / (left * left))
-            + mean(&forward, &turns) * (2.0 * left * left + 4.0 * f2 * b2) / left.powi(3);
+        let shift = mean(&backward, &shifts) * (1.0 - 2.0 * b2 / (left * left))
+            + mean(&forward, &shifts) * (2.0 * left * left + 4.0 * f2 * b2) / left.powi(3);
         Self {
             forward: f as f32,
             backward: b as f32,
@@ -61,7 +61,7 @@ impl MeanScattering {
             backward_variance: vb as f32,
             local: local as f32,
             local_variance: (deviation * deviation) as f32,
-            local_turn: turn.clamp(-0.5, 0.5) as f32,
+            local_shift: shift.clamp(-0.5, 0.5) as f32,
             rest: rest as f32,
         }
     }
@@ -69,7 +69,7 @@ impl MeanScattering {
 
 /// Returns a table of [`MeanScattering`]s, indexed `hue * COSINES + cosine`.
 pub(crate) fn table(far: &FarField, density: f32) -> Vec<MeanScattering> {
-    let (variances, turns) = (far.shape().variances(), far.shape().turns());
+    let (variances, shifts) = (far.shape().variances(), far.shape().shifts());
     let mut table = Vec::with_capacity((HUES * COSINES) as usize);
     for u in 0..HUES {
         let sigma = -2.0 * (f64::from(u) / f64::from(HUES - 1)).max(1e-6).ln();
@@ -90,7 +90,7 @@ pub(crate) fn table(far: &FarField, density: f32) -> Vec<MeanScattering> {
                 }
             }
             debug_assert!(cosine(c) > 0.0);
-            table.push(MeanScattering::new(forward, backward, variances, turns, density.into(), rest));
+            table.push(MeanScattering::new(forward, backward, variances, shifts, density.into(), rest));
         }
     }
     table
@@ -106,8 +106,8 @@ pub(crate) fn forward(table: &[MeanScattering]) -> Vec<f32> {
             let step = 0.5 * (angle(c.saturating_sub(1)) - angle(c + 1));
             (cosine(c as u32).powi(2) * step) as f32
         };
-        let whole: f32 = (0..means.len()).map(weight).sum();
-        means.iter().enumerate().map(|(c, mean)| weight(c) * mean.forward).sum::<f32>() / whole
+        let total: f32 = (0..means.len()).map(weight).sum();
+        means.iter().enumerate().map(|(c, mean)| weight(c) * mean.forward).sum::<f32>() / total
     };
     table.chunks(COSINES as usize).map(hue).collect()
 }
@@ -149,7 +149,7 @@ mod tests {
         let local = 0.2 * 0.25 / 0.75 + 0.008 * 0.25 / 0.421_875;
         assert!((m.local - local).abs() < 1e-6);
         let turn = -0.1 * (1.0 - 2.0 * 0.04 / 0.5625) + 0.05 * (2.0 * 0.5625 + 4.0 * 0.25 * 0.04) / 0.421_875;
-        assert!((m.local_turn - turn).abs() < 1e-6);
+        assert!((m.local_shift - turn).abs() < 1e-6);
         let deviation =
             1.175 * (0.2 * 0.17_f32.sqrt() + 0.008 * 0.35_f32.sqrt()) / (0.2 + 0.008 * (0.4 + 0.9));
         assert!((m.local_variance - deviation * deviation).abs() < 1e-5);

@@ -99,15 +99,15 @@ impl FiberTables {
             return;
         }
         let far = FarField::new(&shape);
-        let ways = |table: &[AzimuthalLobes]| {
+        let texels = |table: &[AzimuthalLobes]| {
             let first = table.iter().flat_map(|a| [a.weight[0], a.weight[1], a.weight[2], a.path[0]]);
             let second = table.iter().flat_map(|a| [a.path[1], a.spread[0], a.spread[1], 0.0]);
             first.chain(second).collect::<Vec<_>>()
         };
-        write(&self.context, &self.around, [ways(&far.direct), ways(&far.wide)].concat());
+        write(&self.context, &self.around, [texels(&far.direct), texels(&far.wide)].concat());
         let means = mean::table(&far, density);
         let first = means.iter().flat_map(|m| [m.forward, m.forward_variance, m.local, m.local_variance]);
-        let second = means.iter().flat_map(|m| [m.local_turn, m.rest, m.backward, m.backward_variance]);
+        let second = means.iter().flat_map(|m| [m.local_shift, m.rest, m.backward, m.backward_variance]);
         write(&self.context, &self.mean, first.chain(second).collect());
         *filled = Some(TableBuild { key: (shape, density), forward: mean::forward(&means) });
     }
@@ -117,12 +117,12 @@ impl FiberTables {
     pub(crate) fn passes(&self, absorption: Vec3) -> Vec3 {
         let filled = self.filled.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let Some(TableBuild { forward, .. }) = &*filled else { return Vec3::ZERO };
-        let share = |sigma: f32| {
+        let fraction = |sigma: f32| {
             let at = hue(f64::from(sigma.max(0.0))) as f32 * (HUES - 1) as f32;
             let low = (at as usize).min(HUES as usize - 2);
             forward[low] + (forward[low + 1] - forward[low]) * (at - low as f32)
         };
-        Vec3::from_array(absorption.to_array().map(share))
+        Vec3::from_array(absorption.to_array().map(fraction))
     }
 
     /// Bytes of GPU memory.

@@ -28,10 +28,10 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3, Vec4};
 
 /// Maximum number of scene shadow maps in a frame.
-pub const MOST_SCENE_SHADOWS: usize = 16;
+pub const MAX_SCENE_SHADOWS: usize = 16;
 
 /// Difference of depth that counts as an edge in a scene's map, meters.
-const APART: f32 = 0.03;
+const DISCONTINUITY: f32 = 0.03;
 
 /// A shadow map of the host's scene, for one light.
 #[derive(Clone, Copy, Debug)]
@@ -55,17 +55,17 @@ impl SceneShadow<'_> {
     /// Returns whether the map covers all of a sphere, or `None` if it covers nothing of it. For an orthographic map
     /// the sphere must lie between the near and the far plane: casters in front of the near plane may have been drawn
     /// at it, behind the sphere.
-    pub fn sees(&self, sphere: &Sphere) -> Option<bool> {
+    pub fn covers(&self, sphere: &Sphere) -> Option<bool> {
         let [x, y, z, w] = [0, 1, 2, 3].map(|i| self.projection.row(i));
         let within = |plane: Vec4| {
             plane.dot(sphere.center.extend(1.0)) / plane.truncate().length().max(f32::MIN_POSITIVE)
         };
         let sides = [w - x, w + x, w - y, w + y].into_iter();
-        let least = match is_flat(&self.projection) {
+        let min_distance = match is_flat(&self.projection) {
             true => sides.chain([z, w - z]).map(within).fold(f32::INFINITY, f32::min),
             false => sides.map(within).fold(f32::INFINITY, f32::min),
         };
-        (least > -sphere.radius).then_some(least >= sphere.radius)
+        (min_distance > -sphere.radius).then_some(min_distance >= sphere.radius)
     }
 }
 
@@ -108,15 +108,15 @@ impl SceneUniform {
             let a = z.truncate().dot(w.truncate()) / w.truncate().length_squared();
             z.w - a * w.w < 0.0
         };
-        let whole = shadow.depth.texture().size();
-        let [origin, size] = shadow.part.unwrap_or([[0; 2], [whole.width, whole.height]]);
-        let share = |meters: f32| meters / range.max(1e-6);
+        let full_size = shadow.depth.texture().size();
+        let [origin, size] = shadow.part.unwrap_or([[0; 2], [full_size.width, full_size.height]]);
+        let depth_fraction = |meters: f32| meters / range.max(1e-6);
         Self {
             to_scene,
             origin,
             size,
-            bias: share(shadow.bias),
-            discontinuity: share(APART),
+            bias: depth_fraction(shadow.bias),
+            discontinuity: depth_fraction(DISCONTINUITY),
             nothing: if rises { 1.0 } else { 0.0 },
             edge: edge as f32,
         }
@@ -128,7 +128,7 @@ impl SceneUniform {
 pub(super) struct Pipelines {
     device: Device,
     layout: wgpu::BindGroupLayout,
-    bring: PipelineCache<(), wgpu::RenderPipeline>,
+    transfer: PipelineCache<(), wgpu::RenderPipeline>,
 }
 
 impl Pipelines {
@@ -136,11 +136,11 @@ impl Pipelines {
         let Context { device, .. } = context;
         let entries = [Binding::Uniform, Binding::Depth];
         let layout = layout(device, "scene shadow", wgpu::ShaderStages::FRAGMENT, &entries);
-        Self { device: device.clone(), layout, bring: PipelineCache::default() }
+        Self { device: device.clone(), layout, transfer: PipelineCache::default() }
     }
 
-    fn bring(&self) -> Result<wgpu::RenderPipeline> {
-        self.bring.get((), || {
+    fn transfer(&self) -> Result<wgpu::RenderPipeline> {
+        self.transfer.get((), || {
             let module = "light::scene::transfer";
             Recipe {
                 vertex: (module, "transfer_vertex"),
@@ -179,12 +179,12 @@ impl ImportedShadows {
             return Ok(Self::default());
         }
         shadows.iter().try_for_each(check)?;
-        if shadows.len() > MOST_SCENE_SHADOWS {
+        if shadows.len() > MAX_SCENE_SHADOWS {
             return Err(wrong("the number of shadow maps of a scene", shadows.len(), "at most 16"));
         }
         let on = |light: &usize| lights.directional.get(*light).is_some_and(|light| light.is_on());
-        let taken = shadows.iter().filter(|shadow| on(&shadow.light) && shadow.sees(focus).is_some());
-        let brought = taken.map(|shadow| {
+        let applicable = shadows.iter().filter(|shadow| on(&shadow.light) && shadow.covers(focus).is_some());
+        let imported = applicable.map(|shadow| {
             let map = lights.directional[..shadow.light].iter().filter(|light| light.is_on()).count();
             let values = SceneUniform::new(shadow, matrices[map], (range, resolution));
             use wgpu::util::DeviceExt;
@@ -197,8 +197,8 @@ impl ImportedShadows {
             let bound = [uniform.as_entire_binding(), depth];
             (map, pipelines.device.group("scene shadow", &pipelines.layout, &bound))
         });
-        let groups: Vec<_> = brought.collect();
-        let pipeline = if groups.is_empty() { None } else { Some(pipelines.bring()?) };
+        let groups: Vec<_> = imported.collect();
+        let pipeline = if groups.is_empty() { None } else { Some(pipelines.transfer()?) };
         Ok(Self { pipeline, groups })
     }
 
@@ -246,12 +246,13 @@ fn check(shadow: &SceneShadow<'_>) -> Result<()> {
         return Err(wrong("the bias of a scene's shadow map", shadow.bias, "a finite length in meters"));
     }
     let Some([origin, size]) = shadow.part else { return Ok(()) };
-    let whole = texture.size();
+    let full_size = texture.size();
     let fits =
         |i: usize, edge: u32| size[i] > 0 && origin[i].checked_add(size[i]).is_some_and(|end| end <= edge);
-    if fits(0, whole.width) && fits(1, whole.height) {
+    if fits(0, full_size.width) && fits(1, full_size.height) {
         return Ok(());
     }
-    let value = format!("{size:?} texels from {origin:?}, in a map of {} by {}", whole.width, whole.height);
+    let value =
+        format!("{size:?} texels from {origin:?}, in a map of {} by {}", full_size.width, full_size.height);
     Err(wrong("the part of a scene's shadow map", value, "inside the map"))
 }

@@ -13,9 +13,9 @@ use crate::{
 pub(crate) struct GrabKernels {
     pick: Kernel,
     hit: Kernel,
-    reach: Kernel,
+    min_distance: Kernel,
     hold: Kernel,
-    aim: Kernel,
+    move_target: Kernel,
     pull: Kernel,
     sweep: Kernel,
 }
@@ -35,9 +35,9 @@ pub(crate) struct GrabBuffers {
 pub(crate) struct Groups {
     pick: wgpu::BindGroup,
     hit: wgpu::BindGroup,
-    reach: wgpu::BindGroup,
+    min_distance: wgpu::BindGroup,
     hold: wgpu::BindGroup,
-    aim: wgpu::BindGroup,
+    move_target: wgpu::BindGroup,
     pull: wgpu::BindGroup,
     sweep: wgpu::BindGroup,
 }
@@ -49,12 +49,12 @@ impl GrabKernels {
         let device = &context.device;
         Self {
             pick: Kernel::new::<kernels::Pick>(device),
-            hit: Kernel::beside::<kernels::Hit>(device, &[&obstacles]),
-            reach: Kernel::new::<kernels::MinDistance>(device),
+            hit: Kernel::with_shared::<kernels::Hit>(device, &[&obstacles]),
+            min_distance: Kernel::new::<kernels::MinDistance>(device),
             hold: Kernel::new::<kernels::Hold>(device),
-            aim: Kernel::new::<kernels::MoveTarget>(device),
-            pull: Kernel::beside::<kernels::Pull>(device, &[&obstacles]),
-            sweep: Kernel::beside::<kernels::Sweep>(device, &[&obstacles]),
+            move_target: Kernel::new::<kernels::MoveTarget>(device),
+            pull: Kernel::with_shared::<kernels::Pull>(device, &[&obstacles]),
+            sweep: Kernel::with_shared::<kernels::Sweep>(device, &[&obstacles]),
         }
     }
 
@@ -68,9 +68,9 @@ impl GrabKernels {
         Groups {
             pick: self.pick.bind(&kernels::Pick { u, marks, vertices }),
             hit: self.hit.bind(&kernels::Hit { u, marks, state }),
-            reach: self.reach.bind(&kernels::MinDistance { u, marks, state, current }),
+            min_distance: self.min_distance.bind(&kernels::MinDistance { u, marks, state, current }),
             hold: self.hold.bind(&kernels::Hold { u, marks, state, current, holds }),
-            aim: self.aim.bind(&kernels::MoveTarget { u, state }),
+            move_target: self.move_target.bind(&kernels::MoveTarget { u, state }),
             pull: self.pull.bind(&kernels::Pull { u, state, holds, current, velocity, forces }),
             sweep: self.sweep.bind(&kernels::Sweep { u, marks, state, current, velocity, forces }),
         }
@@ -91,12 +91,12 @@ impl GrabKernels {
         if picks {
             self.pick.record(pass, &groups.pick, at, strands);
             self.hit.record(pass, &groups.hit, at, 1);
-            self.reach.record(pass, &groups.reach, at, guides);
+            self.min_distance.record(pass, &groups.min_distance, at, guides);
             if !sweeps {
                 self.hold.record(pass, &groups.hold, at, guides);
             }
         }
-        self.aim.record(pass, &groups.aim, at, 1);
+        self.move_target.record(pass, &groups.move_target, at, 1);
         if sweeps {
             self.sweep.record(pass, &groups.sweep, at, guides);
         } else {

@@ -65,7 +65,7 @@ use glam::Vec3;
 use std::sync::Arc;
 
 /// Weight of the distance from the ray relative to the depth along it.
-pub const ASIDE: f32 = 3.0;
+pub const RAY_DISTANCE_WEIGHT: f32 = 3.0;
 /// Time constant with which a held vertex's remaining offset decays, s; at least two steps.
 pub const SETTLE: f32 = 0.03;
 /// Time constant with which a brush follows the hair in depth, s.
@@ -76,7 +76,7 @@ pub const STRONGEST: f32 = 2000.0;
 /// Target to which a grab pulls hair.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Target {
+pub enum GrabTarget {
     /// The intersection of a ray with the plane through the hit point, perpendicular to the ray of the grab.
     Ray(Ray),
     /// A point in the space of the rays, meters, to which the hit point is pulled.
@@ -198,7 +198,7 @@ pub struct Grab {
 #[derive(Clone, Copy, Debug)]
 enum Hand {
     /// Ray, radius and target of a grab.
-    Lock(Ray, f32, Target),
+    Lock(Ray, f32, GrabTarget),
     /// A brush and its current ray.
     Brush(MotionBrush, Ray),
 }
@@ -232,7 +232,7 @@ impl Grab {
     pub fn begin(&mut self, ray: &Ray, radius: f32) -> Result<()> {
         Error::unless_within("grab radius", radius, 1e-3, 1.0, "from 0.001 to 1 m")?;
         let ray = unit(ray)?;
-        self.hand = Some(Hand::Lock(ray, radius, Target::Ray(ray)));
+        self.hand = Some(Hand::Lock(ray, radius, GrabTarget::Ray(ray)));
         self.fresh = true;
         Ok(())
     }
@@ -252,11 +252,11 @@ impl Grab {
     ///
     /// # Errors
     /// [`Error::Parameter`] for a target that is not finite.
-    pub fn drag(&mut self, target: &Target) -> Result<()> {
+    pub fn drag(&mut self, target: &GrabTarget) -> Result<()> {
         let target = match target {
-            Target::Ray(ray) => Target::Ray(unit(ray)?),
-            Target::Point(point) if point.is_finite() => Target::Point(*point),
-            Target::Point(point) => {
+            GrabTarget::Ray(ray) => GrabTarget::Ray(unit(ray)?),
+            GrabTarget::Point(point) if point.is_finite() => GrabTarget::Point(*point),
+            GrabTarget::Point(point) => {
                 return Err(Error::Parameter {
                     name: "grab target",
                     value: point.to_string(),
@@ -311,7 +311,7 @@ impl Grab {
         physics: &SimulationParams,
         steps: &[Step],
         (guides, strands): (&GuideBuffers, &StrandBuffers),
-        sights: &RayTransforms,
+        transforms: &RayTransforms,
         forced: bool,
     ) -> Result<bool> {
         let Context { queue, .. } = context;
@@ -326,7 +326,7 @@ impl Grab {
         }
         let (brush, ray, radius, target) = match hand {
             Hand::Lock(ray, radius, target) => (None, ray, radius, target),
-            Hand::Brush(brush, ray) => (Some(brush), ray, brush.radius, Target::Ray(ray)),
+            Hand::Brush(brush, ray) => (Some(brush), ray, brush.radius, GrabTarget::Ray(ray)),
         };
         let begins = std::mem::take(&mut self.fresh);
         self.picks = begins || brush.is_some();
@@ -335,15 +335,15 @@ impl Grab {
         }
         let Some(buffers) = &self.buffers else { return Ok(false) };
         let (target, toward) = match target {
-            Target::Ray(ray) => (ray.origin, ray.direction),
-            Target::Point(point) => (point, Vec3::ZERO),
+            GrabTarget::Ray(ray) => (ray.origin, ray.direction),
+            GrabTarget::Point(point) => (point, Vec3::ZERO),
         };
-        let (seen, drawn) = (ray, sights.to_last.ray(&ray));
-        let ray = sights.to_carrier.ray(&ray);
-        let (target, toward) = (sights.to_carrier.at(target), sights.to_carrier.turned(toward));
+        let (frame_ray, drawn) = (ray, transforms.to_last.ray(&ray));
+        let ray = transforms.to_carrier.ray(&ray);
+        let (target, toward) = (transforms.to_carrier.at(target), transforms.to_carrier.vector(toward));
         let (mirror_at, mirror_normal) = brush.and_then(|brush| brush.mirror).unwrap_or_default();
         let follow = 1.0 - (-(steps.len() as f32) * physics.step / FOLLOW).exp();
-        let substeps = physics.substeps.clamp(1, MAX_SUBSTEPS);
+        let substeps = physics.substep_count.clamp(1, MAX_SUBSTEPS);
         let mut bytes = vec![0u8; STRIDE as usize * steps.len()];
         for (i, (step, slot)) in steps.iter().zip(bytes.chunks_mut(STRIDE as usize)).enumerate() {
             let uniform = GrabUniform {
@@ -361,10 +361,10 @@ impl Grab {
                 strand_vertices: strands.drawn.vertex_count,
                 forced: forced.into(),
                 moment: i as u32 * substeps,
-                ray_distance_weight: ASIDE,
+                ray_distance_weight: RAY_DISTANCE_WEIGHT,
                 strongest: STRONGEST,
-                frame_origin: seen.origin,
-                frame_direction: seen.direction,
+                frame_origin: frame_ray.origin,
+                frame_direction: frame_ray.direction,
                 drawn_origin: drawn.origin,
                 drawn_direction: drawn.direction,
                 effect: brush.map_or(0, |brush| brush.effect as u32),
@@ -373,10 +373,10 @@ impl Grab {
                 begins: u32::from(begins && i == 0),
                 mirrors: u32::from(mirror_normal != Vec3::ZERO),
                 follow,
-                mirror_at: sights.to_carrier.at(mirror_at),
-                mirror_normal: sights.to_carrier.turned(mirror_normal),
+                mirror_at: transforms.to_carrier.at(mirror_at),
+                mirror_normal: transforms.to_carrier.vector(mirror_normal),
                 // A hit in the first step of a grab is already relative to the new origin.
-                shift: if i == 0 && !begins { sights.shift } else { Vec3::ZERO },
+                shift: if i == 0 && !begins { transforms.shift } else { Vec3::ZERO },
                 ..Zeroable::zeroed()
             };
             slot[..size_of::<GrabUniform>()].copy_from_slice(bytemuck::bytes_of(&uniform));

@@ -13,9 +13,9 @@ use glam::Vec3;
 
 #[test]
 fn splatting_every_third_guide_keeps_push() {
-    let few = VolumeOptions { most_splatted: 24 * 24 * N as u32 / 3, ..Default::default() };
+    let few = VolumeOptions { max_samples: 24 * 24 * N as u32 / 3, ..Default::default() };
     let params = HairHair { friction: 0.0, ..Default::default() };
-    let all = VolumeOptions { most_splatted: u32::MAX, ..Default::default() };
+    let all = VolumeOptions { max_samples: u32::MAX, ..Default::default() };
     let pushes = [all, few].map(|options| {
         Setup::new(cube(24), &options).map(|mut scene| {
             assert_eq!(scene.volume.base.stride, if options == few { 3 } else { 1 });
@@ -52,7 +52,7 @@ fn samples_of_two_vertices_match_single_vertices() {
     // Returns density, momentum and push of all cells, with `together` vertices per sample.
     let grids = |most_splatted: u32, together: u32| {
         let options =
-            VolumeOptions { most_splatted: most_splatted * LONG.div_ceil(2) as u32, ..Default::default() };
+            VolumeOptions { max_samples: most_splatted * LONG.div_ceil(2) as u32, ..Default::default() };
         let mut scene = Setup::with(lock(), Vec::new(), LONG, &options, &Default::default())?;
         let base = &mut scene.volume.base;
         assert_eq!(base.vertices_per_sample, 2);

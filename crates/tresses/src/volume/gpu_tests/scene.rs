@@ -88,7 +88,7 @@ impl Setup {
 
     pub(super) fn prepare(&mut self, params: &HairHair, step: &Step) {
         let steps = [*step];
-        let substeps = SimulationParams::default().substeps;
+        let substeps = SimulationParams::default().substep_count;
         let moments = Moments { steps: &steps, substeps, step: H, head: step.end, alpha: 1.0 };
         let poses = ColliderPoses { head: None, colliders: self.places.clone() };
         self.colliders.advance(&poses, &moments).unwrap();

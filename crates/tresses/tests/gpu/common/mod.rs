@@ -189,7 +189,7 @@ pub const TEXTURE: wgpu::TextureDescriptor<'static> = wgpu::TextureDescriptor {
 pub fn dark() -> Picture {
     Picture {
         lights: Lights { directional: [Directional::OFF; MAX_LIGHTS], ..Lights::default() },
-        shadows: Shadows { enabled: false, ambient: false, ..Shadows::default() },
+        shadows: Shadows { is_enabled: false, has_ambient: false, ..Shadows::default() },
         background: Background::transparent(),
         ..Default::default()
     }
@@ -197,7 +197,7 @@ pub fn dark() -> Picture {
 
 /// Returns the options of a view for tests in which neither shadows nor ambient light need to be fine.
 pub fn coarse() -> ViewOptions {
-    ViewOptions { shadow_resolution: 64, ambient_cells: 8, ..ViewOptions::default() }
+    ViewOptions { shadow_resolution: 64, ambient_resolution: 8, ..ViewOptions::default() }
 }
 
 /// Renders `picture` with `view`: RGBA, rows from the top.

@@ -67,8 +67,8 @@ fn many_level_changes_do_not_pop() {
     let details: Vec<_> = (0..72).map(|i| hair.lod.detail(0.8 * start * 1.03f32.powi(i), 100.0)).collect();
     let last = details[details.len() - 1];
     let first = details[0];
-    assert!((first.strands, first.width, first.segments) == (5000, 1.0, 31.0), "{first:?}");
-    assert!(last.strands < 1100 && last.segments < 26.0, "{last:?}");
+    assert!((first.strand_count, first.width, first.segment_count) == (5000, 1.0, 31.0), "{first:?}");
+    assert!(last.strand_count < 1100 && last.segment_count < 26.0, "{last:?}");
     // The first frames are at full detail and do not change.
     let all = steps(&stage, &mut hair, &details);
     let moving: Vec<_> = all.iter().copied().skip_while(|step| *step == 0.0).collect();

@@ -75,7 +75,14 @@ fn beyond(stage: &Setup, name: &str, hairs: &mut [Hair], distances: &[f32]) -> V
         for hair in &mut hairs[..seen] {
             let pixels = shot.size(hair.lod.sphere().1);
             let error = errors(stage, hair, distance, directions(pixels), |_| {});
-            let Detail { strands, width, deeper: [before, behind], segments, sunk, .. } = shot.detail(hair);
+            let Detail {
+                strand_count: strands,
+                width,
+                deeper: [before, behind],
+                segment_count: segments,
+                depth_offset: sunk,
+                ..
+            } = shot.detail(hair);
             println!(
                 "{name}, {distance} m: {pixels} px, {strands} strands, {width:.2} times as wide, fibers count \
                  {before:.2} and {behind:.2}, {sunk:.4} m deeper, {segments:.2} segments: coverage {:+.2} %, luminance {:+.2} %",

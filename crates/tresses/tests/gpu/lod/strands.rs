@@ -23,7 +23,7 @@ fn strands_with_fewer_vertices_keep_their_shape() {
     let mut hair = stage.hair(&groom, None);
     let full = *hair.lod.current();
     for segments in [15.0, 14.5, 7.4, 3.0, 1.0] {
-        hair.set_detail(Detail { segments, strands: 300, ..full });
+        hair.set_detail(Detail { segment_count: segments, strand_count: 300, ..full });
         stage.advance(&mut hair, Pose::IDENTITY, 0.0);
         let drawn = hair.strands.drawn;
         assert_eq!((drawn.count, drawn.vertex_count), (300, segments.ceil() as u32 + 1));
@@ -61,7 +61,7 @@ fn strands_that_return_start_without_a_hit() {
     let before = amounts(&hair);
     assert!(most(&before[300..]) > 0.9, "{}", most(&before[300..]));
     let full = *hair.lod.current();
-    hair.set_detail(Detail { strands: 300, ..full });
+    hair.set_detail(Detail { strand_count: 300, ..full });
     stage.advance(&mut hair, turn(40.0 / 60.0), 1.0 / 60.0);
     assert!(most(&amounts(&hair)[300..]) > 0.9, "what is not drawn is left alone");
     hair.set_detail(full);

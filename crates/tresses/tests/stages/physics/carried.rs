@@ -32,7 +32,8 @@ impl Rider {
         let mut strands = Strands::default();
         lines.iter().for_each(|line| strands.push(line));
         let vertices = Some(lines[0].len() as u32);
-        let options = BindOptions { guides: GuideCount::All, guide_vertices: vertices, ..Default::default() };
+        let options =
+            BindOptions { guides: GuideCount::All, guide_vertex_count: vertices, ..Default::default() };
         let groom = bind(&strands, &options).unwrap();
         let params = SimulationParams { hair_hair: HairHair::OFF, ..params };
         let rest = RestOptions { shape: RestShape::Natural, ..Default::default() };
@@ -116,7 +117,7 @@ fn journey(lab: &'static Lab, space: &dyn Fn(f64) -> Space, folded: bool) -> Vec
 fn places(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let here = journey(lab, &|_| Space::WORLD, false);
     let far = DVec3::new(1e4, 0.3, -2e3);
-    let moves = |t: f64| Space { carries_air: true, ..Space::at(far + DVec3::new(100.0, 0.0, -20.0) * t) };
+    let moves = |t: f64| Space { moves_air: true, ..Space::at(far + DVec3::new(100.0, 0.0, -20.0) * t) };
     // Somewhere else in each frame.
     let jumps = |t: f64| {
         let i = (t * 60.0).round();
@@ -158,7 +159,7 @@ fn lifts(lab: &'static Lab, fault: bool) -> Vec<Row> {
         let a = a * off;
         rider.rides(6.0, |t| Space {
             velocity: given.then_some(Velocity { linear: DVec3::Y * a * t, angular: DVec3::ZERO }),
-            carries_air: true,
+            moves_air: true,
             ..Space::at(DVec3::new(5e3, 0.5 * a * t * t, 0.0))
         });
         let tip = rider.guides()[0][15];
@@ -187,7 +188,7 @@ fn falls(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let g = G * if fault { 0.9 } else { 1.0 };
     let begun = rider.time();
     rider.rides(6.0, |t| Space {
-        carries_air: true,
+        moves_air: true,
         ..Space::at(DVec3::Y * (1e4 - 0.5 * g * (t - begun).powi(2)))
     });
     let off = apart(&rider.guides(), &rest);
@@ -227,7 +228,7 @@ fn carousel(lab: &'static Lab, fault: bool) -> Vec<Row> {
                 let velocity = Velocity { linear: angular.cross(place), angular };
                 Space {
                     rotation,
-                    carries_air: true,
+                    moves_air: true,
                     velocity: (head != DVec3::ZERO).then_some(velocity),
                     ..Space::at(DVec3::splat(1e4) + place)
                 }
@@ -265,7 +266,7 @@ fn foucault(lab: &'static Lab, fault: bool) -> Vec<Row> {
             let turned = |t: f64| DQuat::from_axis_angle(pole, omega * t * if fault { 0.95 } else { 1.0 });
             let (aside, along) = tilt.to_radians().sin_cos();
             let down = Vec3::new(aside, -along, 0.0);
-            let params = SimulationParams { step: 1.0 / 240.0, substeps: 8, ..bare(0.0) };
+            let params = SimulationParams { step: 1.0 / 240.0, substep_count: 8, ..bare(0.0) };
             let mut rider = Rider::new(lab, &[straight(3, 0.2, down)], params, 30.0);
             // Swing directions in the frame of the place. They give the plane of the swing over about a second.
             let mut samples = Vec::new();

@@ -48,7 +48,7 @@ pub fn style(lab: &Lab, name: &str) -> Subject {
 pub fn sintel() -> Option<Subject> {
     let (strands, _, field) = common::sintel()?;
     let options =
-        BindOptions { guides: GuideCount::OneIn(16), guide_vertices: Some(16), ..Default::default() };
+        BindOptions { guides: GuideCount::OneIn(16), guide_vertex_count: Some(16), ..Default::default() };
     let groom = bind(strands, &options).unwrap();
     let guides = &groom.guides;
     Some(Subject {
@@ -140,8 +140,11 @@ fn print_drift_of_other_grooms() {
     for file in ["cyhair_straight/straight.hair", "tressfx4_ratboy/Ratboy_mohawk.tfx"] {
         let Some(path) = common::asset(file) else { continue };
         let (strands, _) = import::read(&[path], &ImportOptions::default()).unwrap();
-        let options =
-            BindOptions { guides: GuideCount::Count(600), guide_vertices: Some(16), ..Default::default() };
+        let options = BindOptions {
+            guides: GuideCount::Count(600),
+            guide_vertex_count: Some(16),
+            ..Default::default()
+        };
         let groom = bind(&strands, &options).unwrap();
         let strands: Vec<_> = (0..groom.guides.len()).map(|i| groom.guides.guide(i).to_vec()).collect();
         let params = SimulationParams::default();

@@ -55,7 +55,7 @@ fn independence(lab: &'static Lab, names: &[&str], fault: bool) -> Vec<Row> {
     let subject = style(lab, "long");
     let base = SimulationParams::default();
     let usual = Variant { vertices: 32, fps: 60, params: base };
-    let halved = SimulationParams { step: 1.0 / 120.0, substeps: 2, ..base };
+    let halved = SimulationParams { step: 1.0 / 120.0, substep_count: 2, ..base };
     let mut rows = Vec::new();
     let reference = run(lab, &subject, usual);
     for (name, mut variant, most) in [
@@ -64,7 +64,7 @@ fn independence(lab: &'static Lab, names: &[&str], fault: bool) -> Vec<Row> {
         ("30 frames per second", Variant { fps: 30, ..usual }, 0.5),
         ("144 frames per second", Variant { fps: 144, ..usual }, 0.5),
         ("steps of 1/120 s in 2", Variant { params: halved, ..usual }, 0.5),
-        ("8 substeps", Variant { params: SimulationParams { substeps: 8, ..base }, ..usual }, 1.0),
+        ("8 substeps", Variant { params: SimulationParams { substep_count: 8, ..base }, ..usual }, 1.0),
     ] {
         if !names.is_empty() && !names.contains(&name) {
             continue;

@@ -123,7 +123,7 @@ impl Experiment {
     pub fn steps(&mut self, steps: &[Step]) {
         let context = self.lab.context;
         for steps in steps.chunks(MAX_STEPS as usize) {
-            let (substeps, head) = (self.params.substeps, steps[steps.len() - 1].end);
+            let (substeps, head) = (self.params.substep_count, steps[steps.len() - 1].end);
             let moments = Moments { steps, substeps, step: self.params.step, head, alpha: 1.0 };
             self.colliders.advance(&self.obstacles, &moments).unwrap();
             common::compute(context, |pass| {

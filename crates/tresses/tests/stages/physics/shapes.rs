@@ -25,7 +25,7 @@ fn catenary(lab: &'static Lab, fault: bool) -> Vec<Row> {
             std::iter::once(Vec3::Y * 2.0 * half / edges).chain((1..n).map(at)).collect()
         })
         .collect();
-    let traits = [GuideTraits { tip_pinned: true, ..Default::default() }; 3];
+    let traits = [GuideTraits { is_tip_pinned: true, ..Default::default() }; 3];
     let params = SimulationParams { drag: 4.0, ..bare(0.0) };
     let mut e = Experiment::new(lab, &strands, &traits, params, RestShape::Natural, None);
     e.still(600);
@@ -164,7 +164,7 @@ fn free_fall(lab: &'static Lab, fault: bool) -> Vec<Row> {
         Vec3::new(0.1 * a.sin(), 0.1 * (1.0 - a.cos()), 0.02 * a)
     });
     let strands = [straight(n, length, Vec3::X), straight(n, length, Vec3::Y), arc.collect()];
-    let params = SimulationParams { step: 1.0 / 240.0, substeps: 1, ..bare(8e-9) };
+    let params = SimulationParams { step: 1.0 / 240.0, substep_count: 1, ..bare(8e-9) };
     let mut e = Experiment::new(lab, &strands, &[], params, RestShape::Natural, None);
     // The head's mean velocity over a step is its velocity in the middle of the step.
     e.throw(&vec![vec![Vec3::Y * G * 0.5 * params.step; n]; 3]);

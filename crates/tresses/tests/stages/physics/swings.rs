@@ -52,7 +52,7 @@ fn pendulum(lab: &'static Lab, fault: bool) -> Vec<Row> {
     };
     let mut rows = Vec::new();
     // Two swings with a fine step, because the implicit Euler method loses energy.
-    let fine = SimulationParams { step: 1.0 / 240.0, substeps: 16, gravity, ..bare(0.0) };
+    let fine = SimulationParams { step: 1.0 / 240.0, substep_count: 16, gravity, ..bare(0.0) };
     for (found, (angle, factor)) in run(fine, 520).into_iter().zip(factors) {
         let case = format!("pendulum, 20 cm, {angle}°, period");
         rows.push(near(case, "s", f64::from(exact * factor), found, 0.01));
@@ -115,7 +115,7 @@ fn lumped(n: usize, length: f32, mode: usize) -> f32 {
 fn chain(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let length = 0.3f32;
     let gravity = Vec3::NEG_Y * G * if fault { 0.9 } else { 1.0 };
-    let params = SimulationParams { step: 1.0 / 240.0, substeps: 4, gravity, ..bare(0.0) };
+    let params = SimulationParams { step: 1.0 / 240.0, substep_count: 4, gravity, ..bare(0.0) };
     let zeros = [2.404_826f32, 5.520_078, 8.653_728];
     let mut rows = Vec::new();
     for n in [16, 32] {
@@ -155,7 +155,7 @@ fn vibration(lab: &'static Lab, fault: bool) -> Vec<Row> {
     let (length, ei) = (0.1f32, 8e-9f32);
     let params = SimulationParams {
         step: 1.0 / 240.0,
-        substeps: 4,
+        substep_count: 4,
         gravity: Vec3::ZERO,
         ..bare(ei * if fault { 1.05 } else { 1.0 })
     };

@@ -50,12 +50,12 @@ struct Swing {
 impl Swing {
     fn new(strands: &[Vec<Vec3>], ties: &[Tie]) -> Self {
         let context = common::context().unwrap();
-        let mut params = SimulationParams { step: 1.0 / 240.0, substeps: 4, ..bare(0.0) };
+        let mut params = SimulationParams { step: 1.0 / 240.0, substep_count: 4, ..bare(0.0) };
         params.hair_hair.mode = HairHairMode::Off;
         let mut list = Strands::default();
         strands.iter().for_each(|strand| list.push(strand));
         let guides = GuideCount::Count(strands.len() as u32);
-        let options = BindOptions { guides, guide_vertices: Some(N as u32), ..Default::default() };
+        let options = BindOptions { guides, guide_vertex_count: Some(N as u32), ..Default::default() };
         let groom = bind(&list, &options).unwrap();
         let options = HairOptions { simulation: params, ..Default::default() };
         let mut hair = common::hair(context, &groom, &options, None).unwrap();
@@ -170,7 +170,7 @@ fn ponytail() -> Groom {
         strands.push(&line);
     }
     let guides = GuideCount::Count(160);
-    bind(&strands, &BindOptions { guides, guide_vertices: Some(32), ..Default::default() }).unwrap()
+    bind(&strands, &BindOptions { guides, guide_vertex_count: Some(32), ..Default::default() }).unwrap()
 }
 
 /// Measurements during three seconds of shaking and two seconds of rest.

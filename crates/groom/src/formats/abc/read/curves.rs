@@ -14,7 +14,7 @@ use crate::{
     error::{At, Result},
     formats::{
         curves::{
-            self, CurveCut, Groom, Names, Place,
+            self, CurveCut, Groom, Names, ParamLocation,
             basis::{Basis, Blend},
             clamped, cut, split_knots,
         },
@@ -38,15 +38,15 @@ pub(crate) fn read(source: &Source, moment: Moment) -> Result<Raw> {
         return Err(source.problem(At::File, problem));
     }
     let mut groom = Groom::new("Alembic", Names { width: "width", uv: "uv" });
-    let (time, told) = when(&archive, &objects, moment)?;
-    groom.raw.notes.extend(told);
+    let (time, note) = when(&archive, &objects, moment)?;
+    groom.raw.notes.extend(note);
     let matrices = tree.matrices(&archive, time)?;
     let mut reading = CurveReader { archive: &archive, time, groom };
-    let by_name = curves::told_apart(objects.iter().map(|object| named_guides(object)));
+    let by_name = curves::distinguishes_guides(objects.iter().map(|object| named_guides(object)));
     for (i, object) in objects.iter().enumerate() {
         let guides = by_name.then(|| named_guides(object));
         let above = tree.above(object);
-        let places = groom::places(&archive, object, above)?;
+        let compounds = groom::param_compounds(&archive, object, above)?;
         let shared = curves::Object {
             names: [&object.names[0], &object.names[1]],
             index: i,
@@ -56,10 +56,10 @@ pub(crate) fn read(source: &Source, moment: Moment) -> Result<Raw> {
             cut: &[],
             inner: false,
             matrix: Tree::of(object, &matrices),
-            group_names: &groom::text(&archive, &places, "groom_group_name", time)?,
+            group_names: &groom::text(&archive, &compounds, "groom_group_name", time)?,
             custom: &groom::custom(&archive, object)?,
         };
-        reading.object(object, &places, shared)?;
+        reading.object(object, &compounds, shared)?;
     }
     let Groom { mut raw, habits, .. } = reading.groom;
     habits.tell(&mut raw, objects.len(), "by object name");
@@ -79,33 +79,33 @@ fn named_guides(object: &Object) -> bool {
 
 /// Returns the time that `moment` selects, seconds, and a note on the file's frames.
 fn when(archive: &Archive, objects: &[&Object], moment: Moment) -> Result<(f64, Option<String>)> {
-    let mut most: Option<Property> = None;
+    let mut longest: Option<Property> = None;
     let mut first = f64::INFINITY;
     for object in objects {
         let Some(points) = object.shape.property(archive, "P")? else { continue };
         if points.samples() > 0 {
             first = first.min(points.time(archive, 0));
         }
-        if most.as_ref().is_none_or(|most| most.samples() < points.samples()) {
-            most = Some(points);
+        if longest.as_ref().is_none_or(|best| best.samples() < points.samples()) {
+            longest = Some(points);
         }
     }
-    let Some(most) = most.filter(|most| most.samples() > 0) else { return Ok((0.0, None)) };
-    let count = most.samples();
-    let last = most.time(archive, count - 1);
+    let Some(longest) = longest.filter(|property| property.samples() > 0) else { return Ok((0.0, None)) };
+    let count = longest.samples();
+    let last = longest.time(archive, count - 1);
     let time = match moment {
         Moment::First => first,
         Moment::Seconds(time) => time,
-        Moment::Frame(frame) if frame < count => most.time(archive, frame),
+        Moment::Frame(frame) if frame < count => longest.time(archive, frame),
         Moment::Frame(frame) => {
             let problem =
                 format!("frame {frame} does not exist; the file has {count} frames, counted from 0");
-            return Err(archive.source.problem(most.at(), problem));
+            return Err(archive.source.problem(longest.at(), problem));
         }
     };
-    let told = (count > 1 && most.moves())
+    let note = (count > 1 && longest.moves())
         .then(|| format!("{count} frames from {first:.3} to {last:.3} s, read at {time:.3} s"));
-    Ok((time, told))
+    Ok((time, note))
 }
 
 /// State while a file is read.
@@ -116,7 +116,12 @@ struct CurveReader<'r, 's, 'a> {
 }
 
 impl<'a> CurveReader<'_, '_, 'a> {
-    fn object(&mut self, object: &Object<'a>, places: &[Compound<'a>], shared: curves::Object) -> Result<()> {
+    fn object(
+        &mut self,
+        object: &Object<'a>,
+        compounds: &[Compound<'a>],
+        shared: curves::Object,
+    ) -> Result<()> {
         let (archive, time) = (self.archive, self.time);
         let shape = &object.shape;
         let Some(points) = shape.property(archive, "P")? else { return Ok(()) };
@@ -130,9 +135,9 @@ impl<'a> CurveReader<'_, '_, 'a> {
         let points: Vec<Vec3> = flat.as_chunks().0[..end].iter().map(|p| Vec3::from(*p)).collect();
         let cut = self.curves(shape, &starts)?;
         self.budget(&cut, shape)?;
-        let values = |place: Place, name: &str| match place {
-            Place::Shape => find(archive, std::slice::from_ref(shape), name, time),
-            Place::Beside => find(archive, places, name, time),
+        let values = |location: ParamLocation, name: &str| match location {
+            ParamLocation::Shape => find(archive, std::slice::from_ref(shape), name, time),
+            ParamLocation::Attributes => find(archive, compounds, name, time),
         };
         self.groom.add(&curves::Object { starts: &starts, points: &points, cut: &cut, ..shared }, &values)
     }

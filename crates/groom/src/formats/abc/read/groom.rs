@@ -9,12 +9,12 @@ use crate::{
 /// Returns the first nonempty parameter `name` of the compounds `places`.
 pub(super) fn find<'a>(
     archive: &Archive<'_, 'a>,
-    places: &[Compound<'a>],
+    compounds: &[Compound<'a>],
     name: &str,
     time: f64,
 ) -> Result<Option<Param>> {
-    for place in places {
-        if let Some(param) = read(archive, place, name, time)?.filter(|p| !p.flat.is_empty()) {
+    for compound in compounds {
+        if let Some(param) = read(archive, compound, name, time)?.filter(|p| !p.flat.is_empty()) {
             return Ok(Some(param));
         }
     }
@@ -22,11 +22,16 @@ pub(super) fn find<'a>(
 }
 
 /// Reads a parameter, with or without indices.
-fn read<'a>(archive: &Archive<'_, 'a>, place: &Compound<'a>, name: &str, time: f64) -> Result<Option<Param>> {
-    let indexed = place.compound(archive, name)?;
+fn read<'a>(
+    archive: &Archive<'_, 'a>,
+    compound: &Compound<'a>,
+    name: &str,
+    time: f64,
+) -> Result<Option<Param>> {
+    let indexed = compound.compound(archive, name)?;
     let values = match &indexed {
         Some(both) => both.property(archive, ".vals")?,
-        None => place.property(archive, name)?,
+        None => compound.property(archive, name)?,
     };
     let Some(values) = values.filter(|values| !values.is_text()) else { return Ok(None) };
     let extent = values.extent();
@@ -54,7 +59,7 @@ fn read<'a>(archive: &Archive<'_, 'a>, place: &Compound<'a>, name: &str, time: f
 }
 
 /// Returns the compounds that may hold an object's parameters: beside its geometry, then on the transform above it.
-pub(super) fn places<'a>(
+pub(super) fn param_compounds<'a>(
     archive: &Archive<'_, 'a>,
     object: &Object<'a>,
     above: Option<&Compound<'a>>,
@@ -78,12 +83,12 @@ pub(super) fn custom<'a>(archive: &Archive<'_, 'a>, object: &Object<'a>) -> Resu
 /// Returns the values of the first text property `name`.
 pub(super) fn text<'a>(
     archive: &Archive<'_, 'a>,
-    places: &[Compound<'a>],
+    compounds: &[Compound<'a>],
     name: &str,
     time: f64,
 ) -> Result<Vec<String>> {
-    for place in places {
-        if let Some(property) = place.property(archive, name)?.filter(|property| property.is_text()) {
+    for compound in compounds {
+        if let Some(property) = compound.property(archive, name)?.filter(|property| property.is_text()) {
             return property.texts(archive, time);
         }
     }

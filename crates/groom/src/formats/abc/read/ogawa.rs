@@ -13,7 +13,7 @@ const DATA: u64 = 1 << 63;
 /// A group: the offsets of its children.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Group<'a> {
-    places: &'a [[u8; 8]],
+    offsets: &'a [[u8; 8]],
     /// Byte offset; 0 for an empty group.
     pub at: u64,
 }
@@ -62,18 +62,18 @@ impl<'a> Group<'a> {
             return Ok(Self::default());
         }
         let count = u64_at(source, "child count", at)?;
-        let places = source.array("child offsets", at.saturating_add(8), count, 8)?;
-        Ok(Self { places: places.as_chunks().0, at })
+        let offsets = source.array("child offsets", at.saturating_add(8), count, 8)?;
+        Ok(Self { offsets: offsets.as_chunks().0, at })
     }
 
     /// Returns the number of children.
     pub fn len(&self) -> usize {
-        self.places.len()
+        self.offsets.len()
     }
 
-    fn place(&self, source: &Source, child: usize, what: &str) -> Result<u64> {
-        match self.places.get(child) {
-            Some(place) => Ok(u64::from_le_bytes(*place)),
+    fn offset(&self, source: &Source, child: usize, what: &str) -> Result<u64> {
+        match self.offsets.get(child) {
+            Some(offset) => Ok(u64::from_le_bytes(*offset)),
             None => {
                 let problem = format!(
                     "{what} should be child {child} of this group, which has {} children",
@@ -86,20 +86,20 @@ impl<'a> Group<'a> {
 
     /// Returns a child that is a group; `what` names it in errors.
     pub fn group(&self, source: &Source<'a>, child: usize, what: &str) -> Result<Self> {
-        let place = self.place(source, child, what)?;
-        if place & DATA != 0 {
+        let offset = self.offset(source, child, what)?;
+        if offset & DATA != 0 {
             return Err(source.problem(At::Byte(self.at), format!("{what} is data, but should be a group")));
         }
-        Self::at(source, place)
+        Self::at(source, offset)
     }
 
     /// Returns a child that is data; `what` names it in errors.
     pub fn data(&self, source: &Source<'a>, child: usize, what: &str) -> Result<Data<'a>> {
-        let place = self.place(source, child, what)?;
-        if place & DATA == 0 {
+        let offset = self.offset(source, child, what)?;
+        if offset & DATA == 0 {
             return Err(source.problem(At::Byte(self.at), format!("{what} is a group, but should be data")));
         }
-        let at = place & !DATA;
+        let at = offset & !DATA;
         if at == 0 {
             return Ok(Data::default());
         }

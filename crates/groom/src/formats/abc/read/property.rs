@@ -325,16 +325,16 @@ impl<'a> Property<'a> {
 fn number(pod: Pod, bytes: &[u8]) -> f64 {
     let mut wide = [0; 8];
     wide[..bytes.len()].copy_from_slice(bytes);
-    let whole = u64::from_le_bytes(wide);
+    let bits = u64::from_le_bytes(wide);
     match pod {
-        Pod::I8 => f64::from(whole as u8 as i8),
-        Pod::I16 => f64::from(whole as u16 as i16),
-        Pod::I32 => f64::from(whole as u32 as i32),
-        Pod::I64 => whole as i64 as f64,
-        Pod::F16 => half(whole as u16),
-        Pod::F32 => f64::from(f32::from_bits(whole as u32)),
-        Pod::F64 => f64::from_bits(whole),
-        _ => whole as f64,
+        Pod::I8 => f64::from(bits as u8 as i8),
+        Pod::I16 => f64::from(bits as u16 as i16),
+        Pod::I32 => f64::from(bits as u32 as i32),
+        Pod::I64 => bits as i64 as f64,
+        Pod::F16 => half(bits as u16),
+        Pod::F32 => f64::from(f32::from_bits(bits as u32)),
+        Pod::F64 => f64::from_bits(bits),
+        _ => bits as f64,
     }
 }
 

@@ -21,11 +21,11 @@ impl Sampling {
     /// Returns the time of sample `i`, seconds.
     pub fn time(&self, i: u32) -> f64 {
         let n = self.stored.len().max(1);
-        let whole = i as usize / n;
+        let cycles = i as usize / n;
         if self.cycle > ACYCLIC {
             return self.stored.get(i as usize).or(self.stored.last()).copied().unwrap_or(0.0);
         }
-        self.stored.get(i as usize % n).copied().unwrap_or(0.0) + self.cycle * whole as f64
+        self.stored.get(i as usize % n).copied().unwrap_or(0.0) + self.cycle * cycles as f64
     }
 
     /// Returns which of `count` samples is nearest to `time`; the earlier one of a tie.
@@ -33,11 +33,11 @@ impl Sampling {
         // Sample times never decrease.
         let (mut lo, mut hi) = (0, count);
         while lo < hi {
-            let middle = lo + (hi - lo) / 2;
-            if self.time(middle) < time {
-                lo = middle + 1;
+            let midpoint = lo + (hi - lo) / 2;
+            if self.time(midpoint) < time {
+                lo = midpoint + 1;
             } else {
-                hi = middle;
+                hi = midpoint;
             }
         }
         let after = lo.min(count.saturating_sub(1));

@@ -42,7 +42,7 @@ pub(super) struct Tree<'a> {
 
 /// Position of the traversal in the tree.
 #[derive(Clone, Default)]
-struct Place {
+struct ObjectCursor {
     depth: usize,
     transform: Option<usize>,
     name: String,
@@ -51,11 +51,11 @@ struct Place {
 impl<'a> Tree<'a> {
     pub fn read(archive: &Archive<'_, 'a>) -> Result<Self> {
         let mut tree = Self::default();
-        let mut seen = HashSet::new();
-        let mut rest = vec![(archive.top, Place::default())];
-        while let Some((group, place)) = rest.pop() {
+        let mut visited = HashSet::new();
+        let mut rest = vec![(archive.top, ObjectCursor::default())];
+        while let Some((group, cursor)) = rest.pop() {
             let before = rest.len();
-            tree.children(archive, group, &place, &mut seen, &mut rest)?;
+            tree.children(archive, group, &cursor, &mut visited, &mut rest)?;
             // Keep the order of the file.
             rest[before..].reverse();
         }
@@ -67,15 +67,15 @@ impl<'a> Tree<'a> {
         &mut self,
         archive: &Archive<'_, 'a>,
         group: Group<'a>,
-        place: &Place,
-        seen: &mut HashSet<u64>,
-        rest: &mut Vec<(Group<'a>, Place)>,
+        cursor: &ObjectCursor,
+        visited: &mut HashSet<u64>,
+        rest: &mut Vec<(Group<'a>, ObjectCursor)>,
     ) -> Result<()> {
         let source = archive.source;
         if group.len() == 0 {
             return Ok(());
         }
-        if place.depth > DEEPEST || !seen.insert(group.at) {
+        if cursor.depth > DEEPEST || !visited.insert(group.at) {
             return Err(
                 source.problem(At::Byte(group.at), "objects contain each other or are nested too deeply")
             );
@@ -97,8 +97,9 @@ impl<'a> Tree<'a> {
             };
             child += 1;
             let group = group.group(source, child, "an object")?;
-            let mut inner = Place { depth: place.depth + 1, transform: place.transform, name: name.clone() };
-            self.object(archive, group, &meta, [name, place.name.clone()], &mut inner)?;
+            let mut inner =
+                ObjectCursor { depth: cursor.depth + 1, transform: cursor.transform, name: name.clone() };
+            self.object(archive, group, &meta, [name, cursor.name.clone()], &mut inner)?;
             rest.push((group, inner));
         }
         Ok(())
@@ -111,7 +112,7 @@ impl<'a> Tree<'a> {
         group: Group<'a>,
         meta: &str,
         names: [String; 2],
-        place: &mut Place,
+        cursor: &mut ObjectCursor,
     ) -> Result<()> {
         let schema = entry(meta, "schema").unwrap_or_default();
         let (kind, holder) = match schema {
@@ -127,11 +128,11 @@ impl<'a> Tree<'a> {
         let Some(shape) = properties.compound(archive, holder)? else { return Ok(()) };
         match kind {
             Some(schema) => {
-                self.objects.push(Object { names, schema, shape, parent: place.transform });
+                self.objects.push(Object { names, schema, shape, parent: cursor.transform });
             }
             None => {
-                self.transforms.push((shape, place.transform));
-                place.transform = Some(self.transforms.len() - 1);
+                self.transforms.push((shape, cursor.transform));
+                cursor.transform = Some(self.transforms.len() - 1);
             }
         }
         Ok(())

@@ -11,8 +11,8 @@ pub(super) fn digest(bytes: &[u8], size: u32) -> [u8; 16] {
     let second = |k: u64| k.wrapping_mul(C2).rotate_left(33).wrapping_mul(C1);
     let (blocks, tail) = bytes.as_chunks::<16>();
     let halves = |block: &[u8; 16]| {
-        let whole = u128::from_le_bytes(*block);
-        (whole as u64, (whole >> 64) as u64)
+        let bits = u128::from_le_bytes(*block);
+        (bits as u64, (bits >> 64) as u64)
     };
     for block in blocks {
         let (low, high) = halves(block);

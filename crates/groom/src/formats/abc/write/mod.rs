@@ -21,11 +21,11 @@ use crate::{
     Error, Strands, error,
     formats::{
         raw::{CENTIMETERS, MARK},
-        writer::{self, CacheOptions, EncodedFile, Output},
+        writer::{self, CacheOptions, CacheSink, EncodedFile},
     },
-    orient::Unit,
+    orient::LengthUnit,
 };
-use ogawa::{Ogawa, Place};
+use ogawa::{NodeOffset, Ogawa};
 use property::{BOOL, Compound, F32, F64, I16, I32, SampledProperty, TEXT, U8};
 
 /// Alembic version of the layout, 1.8.0.
@@ -36,7 +36,7 @@ const CURVES: &str = "schema=AbcGeom_Curve_v2;schemaBaseType=AbcGeom_GeomBase_v1
 #[derive(Clone, Copy, PartialEq)]
 struct Options {
     /// Unit of the file: lengths in meters are divided by it.
-    unit: Unit,
+    unit: LengthUnit,
     /// Whether the strands are in meters, Y up, face +Z.
     oriented: bool,
     /// Time of the first frame, seconds.
@@ -101,7 +101,7 @@ impl<W: Write + Seek> Cache<W> {
     }
 }
 
-impl<W: Write + Seek> writer::Cache for Cache<W> {
+impl<W: Write + Seek> writer::CacheWriter for Cache<W> {
     fn frame(&mut self, positions: &[Vec3]) -> Result<()> {
         if positions.len() != self.strands.positions.len() {
             let problem = format!(
@@ -133,10 +133,10 @@ impl<W: Write + Seek> writer::Cache for Cache<W> {
 
 /// Begins a cache.
 pub(crate) fn cache<'a>(
-    out: Box<dyn Output + 'a>,
+    out: Box<dyn CacheSink + 'a>,
     strands: &Strands,
     options: CacheOptions,
-) -> Result<Box<dyn writer::Cache + 'a>> {
+) -> Result<Box<dyn writer::CacheWriter + 'a>> {
     let CacheOptions { unit, rate, .. } = options;
     Ok(Box::new(Cache::new(out, strands, Options { unit, oriented: true, start: 0.0, rate })?))
 }
@@ -167,16 +167,16 @@ fn samplings(options: Options, frames: u32) -> Vec<u8> {
 fn object<W: Write + Seek>(
     out: &mut Ogawa<W>,
     top: Compound,
-    children: &[(&str, &str, Place)],
-) -> Result<Place> {
+    children: &[(&str, &str, NodeOffset)],
+) -> Result<NodeOffset> {
     let mut all = vec![top.finish(out)?];
     let mut list = Vec::new();
-    for (name, meta, place) in children {
+    for (name, meta, offset) in children {
         list.extend((name.len() as u32).to_le_bytes());
         list.extend(name.bytes());
         // Sharing cannot fail: the texts are few and short.
-        list.push(out.share(meta).unwrap_or(0));
-        all.push(*place);
+        list.push(out.shared_index(meta).unwrap_or(0));
+        all.push(*offset);
     }
     let [one, other] = [digest::digest(&list, 1), digest::digest(&list, 2)];
     list.extend(one.iter().chain(&other));
@@ -254,12 +254,12 @@ fn shape<W: Write + Seek>(
 }
 
 /// Encodes a static groom.
-pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> error::Result<EncodedFile> {
+pub(crate) fn encode(strands: &Strands, unit: Option<LengthUnit>) -> error::Result<EncodedFile> {
     let options =
-        Options { unit: unit.unwrap_or(Unit(1.0)), oriented: unit.is_some(), start: 0.0, rate: 24.0 };
+        Options { unit: unit.unwrap_or(LengthUnit(1.0)), oriented: unit.is_some(), start: 0.0, rate: 24.0 };
     let written = || -> Result<Vec<u8>> {
         let mut cache = Cache::new(Cursor::new(Vec::new()), strands, options)?;
-        writer::Cache::frame(&mut cache, &strands.positions)?;
+        writer::CacheWriter::frame(&mut cache, &strands.positions)?;
         Ok(cache.end()?.into_inner())
     };
     // Writing to memory cannot fail.

@@ -20,7 +20,7 @@ pub(super) struct Ogawa<W> {
 }
 
 /// Offset of a group or of data, as its parent stores it.
-pub(super) type Place = u64;
+pub(super) type NodeOffset = u64;
 
 impl<W: Write + Seek> Ogawa<W> {
     pub fn new(mut out: W) -> Result<Self> {
@@ -36,45 +36,45 @@ impl<W: Write + Seek> Ogawa<W> {
     }
 
     /// Writes a leaf.
-    pub fn data(&mut self, bytes: &[u8]) -> Result<Place> {
+    pub fn data(&mut self, bytes: &[u8]) -> Result<NodeOffset> {
         if bytes.is_empty() {
             return Ok(DATA);
         }
-        let place = self.next | DATA;
+        let offset = self.next | DATA;
         self.put(&(bytes.len() as u64).to_le_bytes())?;
         self.put(bytes)?;
-        Ok(place)
+        Ok(offset)
     }
 
     /// Writes a leaf with the digest of its numbers, which have `size` bytes each. Reuses an equal leaf that is already
     /// written.
-    pub fn sample(&mut self, bytes: &[u8], size: u32) -> Result<Place> {
+    pub fn sample(&mut self, bytes: &[u8], size: u32) -> Result<NodeOffset> {
         let digest = digest(bytes, size);
-        if let Some(place) = self.known.get(&(digest, bytes.len())) {
-            return Ok(*place);
+        if let Some(offset) = self.known.get(&(digest, bytes.len())) {
+            return Ok(*offset);
         }
-        let place = self.next | DATA;
+        let offset = self.next | DATA;
         self.put(&(16 + bytes.len() as u64).to_le_bytes())?;
         self.put(&digest)?;
         self.put(bytes)?;
-        self.known.insert((digest, bytes.len()), place);
-        Ok(place)
+        self.known.insert((digest, bytes.len()), offset);
+        Ok(offset)
     }
 
-    pub fn group(&mut self, children: &[Place]) -> Result<Place> {
+    pub fn group(&mut self, children: &[NodeOffset]) -> Result<NodeOffset> {
         if children.is_empty() {
             return Ok(0);
         }
-        let place = self.next;
+        let offset = self.next;
         self.put(&(children.len() as u64).to_le_bytes())?;
         for child in children {
             self.put(&child.to_le_bytes())?;
         }
-        Ok(place)
+        Ok(offset)
     }
 
     /// Returns the index of a shared string; `None` if the string must be stored where it is used.
-    pub fn share(&mut self, text: &str) -> Option<u8> {
+    pub fn shared_index(&mut self, text: &str) -> Option<u8> {
         if text.is_empty() {
             return Some(0);
         }
@@ -96,7 +96,7 @@ impl<W: Write + Seek> Ogawa<W> {
     }
 
     /// Ends the file.
-    pub fn finish(mut self, root: Place) -> Result<W> {
+    pub fn finish(mut self, root: NodeOffset) -> Result<W> {
         self.out.seek(SeekFrom::Start(8))?;
         self.out.write_all(&root.to_le_bytes())?;
         self.out.seek(SeekFrom::Start(5))?;

@@ -5,7 +5,7 @@ use std::{
     io::{Result, Seek, Write},
 };
 
-use super::ogawa::{Ogawa, Place};
+use super::ogawa::{NodeOffset, Ogawa};
 
 /// Element type: code in the format, size in bytes, name.
 #[derive(Clone, Copy)]
@@ -26,7 +26,7 @@ pub(super) const TEXT: Pod = Pod { code: 12, size: 1, name: "string" };
 /// A compound being written.
 #[derive(Default)]
 pub(super) struct Compound {
-    children: Vec<Place>,
+    children: Vec<NodeOffset>,
     list: Vec<u8>,
 }
 
@@ -37,13 +37,13 @@ pub(super) struct SampledProperty {
     pod: Pod,
     extent: u32,
     array: bool,
-    places: Vec<Place>,
+    offsets: Vec<NodeOffset>,
 }
 
 impl SampledProperty {
     /// Returns a scalar property of `extent` numbers.
     pub fn scalar(name: impl Into<Cow<'static, str>>, meta: &str, pod: Pod, extent: u32) -> Self {
-        Self { name: name.into(), meta: meta.to_owned(), pod, extent, array: false, places: Vec::new() }
+        Self { name: name.into(), meta: meta.to_owned(), pod, extent, array: false, offsets: Vec::new() }
     }
 
     /// Returns an array property of `extent` numbers per element.
@@ -72,13 +72,13 @@ impl SampledProperty {
 
     /// Adds a sample. For text, the dimensions store the number of strings.
     pub fn push<W: Write + Seek>(&mut self, out: &mut Ogawa<W>, bytes: &[u8]) -> Result<()> {
-        let place = out.sample(bytes, self.pod.size)?;
-        self.places.push(place);
+        let offset = out.sample(bytes, self.pod.size)?;
+        self.offsets.push(offset);
         if self.array {
             let texts = bytes.iter().filter(|byte| **byte == 0).count() as u64;
             let counts = if self.pod.code == TEXT.code { texts.to_le_bytes().to_vec() } else { Vec::new() };
-            let place = out.data(&counts)?;
-            self.places.push(place);
+            let offset = out.data(&counts)?;
+            self.offsets.push(offset);
         }
         Ok(())
     }
@@ -92,12 +92,12 @@ impl Compound {
         property: SampledProperty,
         sampling: u32,
     ) -> Result<()> {
-        let SampledProperty { name, meta, pod, extent, array, mut places } = property;
+        let SampledProperty { name, meta, pod, extent, array, mut offsets } = property;
         let each = if array { 2 } else { 1 };
-        let count = (places.len() / each) as u32;
-        let constant = places.chunks_exact(each).all(|sample| sample[0] == places[0]);
+        let count = (offsets.len() / each) as u32;
+        let constant = offsets.chunks_exact(each).all(|sample| sample[0] == offsets[0]);
         if constant {
-            places.truncate(each);
+            offsets.truncate(each);
         }
         let mut info = if array { 2 } else { 1 };
         info |= pod.code << 4 | extent << 12 | 0x400;
@@ -106,7 +106,7 @@ impl Compound {
         info |= if sampling > 0 { 0x100 } else { 0 };
         let mut numbers = vec![count];
         numbers.extend((sampling > 0).then_some(sampling));
-        let group = out.group(&places)?;
+        let group = out.group(&offsets)?;
         self.entry(out, group, info, &numbers, &name, &meta);
         Ok(())
     }
@@ -138,13 +138,13 @@ impl Compound {
     fn entry<W: Write + Seek>(
         &mut self,
         out: &mut Ogawa<W>,
-        group: Place,
+        group: NodeOffset,
         mut info: u32,
         numbers: &[u32],
         name: &str,
         meta: &str,
     ) {
-        let index = out.share(meta);
+        let index = out.shared_index(meta);
         let longest =
             numbers.iter().copied().chain([name.len() as u32, meta.len() as u32]).max().unwrap_or(0);
         let (hint, size) = match longest {
@@ -166,7 +166,7 @@ impl Compound {
     }
 
     /// Writes the compound's group and returns its offset.
-    pub fn finish<W: Write + Seek>(self, out: &mut Ogawa<W>) -> Result<Place> {
+    pub fn finish<W: Write + Seek>(self, out: &mut Ogawa<W>) -> Result<NodeOffset> {
         if self.children.is_empty() {
             return Ok(0);
         }

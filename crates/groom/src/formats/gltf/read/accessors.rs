@@ -72,12 +72,12 @@ impl File<'_> {
         }
         let (bytes, stride) = self.data(accessor)?;
         self.spend(accessor.count(), size_of::<[f32; N]>())?;
-        let shares = accessor.normalized();
-        Ok(bytes.chunks(stride).map(|item| vector(item, kind, shares)).collect())
+        let is_normalized = accessor.normalized();
+        Ok(bytes.chunks(stride).map(|item| vector(item, kind, is_normalized)).collect())
     }
 
     /// [`Self::vectors`] for positions and normals.
-    pub fn places(&self, accessor: &Accessor) -> Result<Vec<Vec3>> {
+    pub fn vec3s(&self, accessor: &Accessor) -> Result<Vec<Vec3>> {
         Ok(self.vectors(accessor)?.into_iter().map(Vec3::from_array).collect())
     }
 
@@ -146,7 +146,7 @@ impl File<'_> {
         let to = self.window(&values.view(), values.offset(), n, wide, wide).ok_or_else(outside)?;
         self.spend(n, size_of::<(u32, Vec3)>())?;
         let dense = !given.is_empty();
-        let mut least = 0u64;
+        let mut min_index = 0u64;
         let values =
             to.chunks_exact(wide).map(|item| Vec3::from_array(vector(item, kind, accessor.normalized())));
         for (b, value) in at.chunks_exact(size).zip(values) {
@@ -155,13 +155,13 @@ impl File<'_> {
                 IndexType::U16 => u32::from(u16::from_le_bytes([b[0], b[1]])),
                 IndexType::U32 => u32::from_le_bytes([b[0], b[1], b[2], b[3]]),
             };
-            if u64::from(vertex) < least || vertex as usize >= count {
+            if u64::from(vertex) < min_index || vertex as usize >= count {
                 let problem = format!(
                     "accessor {index} has the sparse index {vertex}, which is too large or not ascending"
                 );
                 return Err(self.problem(problem));
             }
-            least = u64::from(vertex) + 1;
+            min_index = u64::from(vertex) + 1;
             match given.get_mut(vertex as usize).filter(|_| dense) {
                 Some(old) => old.1 = value,
                 None => given.push((vertex, value)),
@@ -220,18 +220,18 @@ impl File<'_> {
 }
 
 /// Decodes a float, or an integer of up to 16 bits, which `shares` normalizes.
-fn number(b: &[u8], kind: DataType, shares: bool) -> f32 {
-    let (value, most) = match kind {
+fn number(b: &[u8], kind: DataType, is_normalized: bool) -> f32 {
+    let (value, max) = match kind {
         DataType::F32 => return f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
         DataType::U8 => (f32::from(b[0]), 255.0),
         DataType::I8 => (f32::from(b[0] as i8), 127.0),
         DataType::U16 => (f32::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
         _ => (f32::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
     };
-    if shares { (value / most).max(-1.0) } else { value }
+    if is_normalized { (value / max).max(-1.0) } else { value }
 }
 
 /// Decodes a vector.
-fn vector<const N: usize>(item: &[u8], kind: DataType, shares: bool) -> [f32; N] {
-    std::array::from_fn(|i| number(&item[i * kind.size()..], kind, shares))
+fn vector<const N: usize>(item: &[u8], kind: DataType, is_normalized: bool) -> [f32; N] {
+    std::array::from_fn(|i| number(&item[i * kind.size()..], kind, is_normalized))
 }

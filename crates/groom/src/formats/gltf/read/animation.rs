@@ -13,7 +13,7 @@ use crate::{
 pub(super) fn read(
     file: &File,
     placed: &[PlacedNode],
-    places: &[Option<u32>],
+    scene_indices: &[Option<u32>],
     shapes: &Shapes,
 ) -> Result<Vec<Animation>> {
     let mut all = Vec::new();
@@ -21,8 +21,8 @@ pub(super) fn read(
         let mut read = Animation { name: animation.name.clone().unwrap_or_default(), ..Default::default() };
         for channel in &animation.channels {
             // Nodes outside the scene have no effect; paths that only extensions define are not supported.
-            let place = places.get(channel.target.node.value()).copied().flatten();
-            let (Some(node), Checked::Valid(path)) = (place, channel.target.path) else { continue };
+            let scene_index = scene_indices.get(channel.target.node.value()).copied().flatten();
+            let (Some(node), Checked::Valid(path)) = (scene_index, channel.target.path) else { continue };
             let Some(sampler) = animation.samplers.get(channel.sampler.value()) else { continue };
             let property = property(file, path, i, &placed[node as usize], shapes)?;
             let curve = curve(file, sampler, &property, i)?;

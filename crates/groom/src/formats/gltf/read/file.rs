@@ -35,12 +35,12 @@ impl<'a> File<'a> {
         let unreadable = |problem: &dyn std::fmt::Display| {
             source.problem(At::File, format!("the file is not a valid glTF file ({})", one_line(problem)))
         };
-        if is_shorter_than_its_header(source.bytes) {
+        if has_invalid_length(source.bytes) {
             return Err(unreadable(&"its stated length is shorter than its header"));
         }
         let file = gltf::Gltf::from_slice_without_validation(source.bytes).map_err(|e| unreadable(&e))?;
         let root = file.document.into_json();
-        check_what_the_crate_forgets(source, &root)?;
+        check_indices(source, &root)?;
         if let Some(problem) = invalid(&root) {
             return Err(unreadable(&problem));
         }
@@ -55,7 +55,7 @@ impl<'a> File<'a> {
             }
             let missing = |why: String| source.problem(At::File, format!("a buffer is missing ({why})"));
             let data = match buffer.source() {
-                gltf::buffer::Source::Uri(uri) if !uri.contains(':') => source.companion(&unescape(uri))?,
+                gltf::buffer::Source::Uri(uri) if !uri.contains(':') => source.resource(&unescape(uri))?,
                 gltf::buffer::Source::Uri(uri) => Cow::Owned(embedded(uri).map_err(missing)?),
                 gltf::buffer::Source::Bin => {
                     Cow::Owned(blob.take().ok_or_else(|| missing("the file has no binary chunk".into()))?)
@@ -77,8 +77,8 @@ impl<'a> File<'a> {
 
     /// Reads a file that this one refers to.
     #[cfg(feature = "textures")]
-    pub fn companion(&self, name: &str) -> Result<Cow<'a, [u8]>> {
-        self.source.companion(name)
+    pub fn resource(&self, name: &str) -> Result<Cow<'a, [u8]>> {
+        self.source.resource(name)
     }
 
     /// Adds `items` of `size` bytes to the count of expanded bytes. Without this limit, a small file that refers to its
@@ -109,7 +109,7 @@ pub(super) fn embedded(uri: &str) -> std::result::Result<Vec<u8>, String> {
 
 /// Returns whether the header of a GLB states a length shorter than the header. The `gltf` crate subtracts the two
 /// unchecked.
-fn is_shorter_than_its_header(bytes: &[u8]) -> bool {
+fn has_invalid_length(bytes: &[u8]) -> bool {
     matches!(bytes.first_chunk::<12>(), Some([b'g', b'l', b'T', b'F', _, _, _, _, length @ ..])
         if u32::from_le_bytes(*length) < 12)
 }
@@ -118,7 +118,7 @@ fn is_shorter_than_its_header(bytes: &[u8]) -> bool {
 const EXTENSIONS: [&str; 3] = [PACKED, "KHR_mesh_quantization", HAIR];
 
 /// Rejects files that would make the `gltf` crate panic before or after its own validation.
-fn check_what_the_crate_forgets(source: &Source, root: &json::Root) -> Result<()> {
+fn check_indices(source: &Source, root: &json::Root) -> Result<()> {
     // It uses the accessor of positions before it validates the index.
     let accessors = root.accessors.len();
     let primitives = root.meshes.iter().flat_map(|m| &m.primitives);

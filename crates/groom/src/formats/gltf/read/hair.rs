@@ -29,7 +29,7 @@ pub(crate) fn read(source: &Source) -> Result<Raw> {
     };
     let extension = file.document.extension_value(HAIR).ok_or_else(none)?;
     let mut raw = Raw::new("glTF with hair");
-    raw.declared = orient::Choice::METERS;
+    raw.declared = orient::OrientationOverride::METERS;
     let grooms = extension.get("grooms").and_then(Value::as_array);
     for (i, groom) in grooms.into_iter().flatten().enumerate() {
         let at = |problem: String| file.problem(format!("groom {i}: {problem}"));

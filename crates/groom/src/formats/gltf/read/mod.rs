@@ -44,12 +44,12 @@ struct Rigging {
 pub(crate) fn read_mesh(source: &Source) -> Result<RawMesh> {
     let file = packed::open(source)?;
     let scene = file.document.default_scene().or_else(|| file.document.scenes().next());
-    let (placed, places) = match scene {
+    let (placed, scene_indices) = match scene {
         Some(scene) => walk::scene(&file, scene)?,
         None => Default::default(),
     };
     let moves = may_move(&file);
-    let mut reader = Reader::new(&file, moves.then(|| Rigging::new(&placed, &places)));
+    let mut reader = Reader::new(&file, moves.then(|| Rigging::new(&placed, &scene_indices)));
     for (i, node) in placed.iter().enumerate() {
         if let Some(mesh) = node.node.mesh() {
             reader.mesh(&mesh, node.global, node.node.skin(), i as u32)?;
@@ -58,12 +58,12 @@ pub(crate) fn read_mesh(source: &Source) -> Result<RawMesh> {
     }
     if placed.is_empty() {
         for mesh in file.document.meshes() {
-            let node = reader.bare_node(mesh.name());
+            let node = reader.add_orphan_node(mesh.name());
             reader.mesh(&mesh, Mat4::IDENTITY, None, node)?;
             reader.weights(&mesh, None, node)?;
         }
     }
-    reader.finish(&placed, &places)
+    reader.finish(&placed, &scene_indices)
 }
 
 /// Returns whether a file has skins, animations or morph targets.
@@ -74,10 +74,10 @@ fn may_move(file: &File) -> bool {
 }
 
 impl Rigging {
-    fn new(placed: &[PlacedNode], places: &[Option<u32>]) -> Self {
+    fn new(placed: &[PlacedNode], scene_indices: &[Option<u32>]) -> Self {
         let nodes = placed.iter().map(PlacedNode::rest).collect();
         let rig = Rig { nodes, ..Default::default() };
-        Self { rig, skins: Skins::new(places), shapes: Shapes::default(), skinned: Vec::new() }
+        Self { rig, skins: Skins::new(scene_indices), shapes: Shapes::default(), skinned: Vec::new() }
     }
 
     /// Returns the rig and moves the mesh to the rest pose. `None` if nothing moves.
@@ -85,11 +85,11 @@ impl Rigging {
         self,
         file: &File,
         placed: &[PlacedNode],
-        places: &[Option<u32>],
+        scene_indices: &[Option<u32>],
         mesh: &mut TriMesh,
     ) -> Result<Option<Rig>> {
         let mut rig = self.rig;
-        rig.animations = animation::read(file, placed, places, &self.shapes)?;
+        rig.animations = animation::read(file, placed, scene_indices, &self.shapes)?;
         rig.targets = self.shapes.targets;
         if self.skinned.is_empty() && rig.targets.is_empty() && rig.animations.is_empty() {
             return Ok(None);

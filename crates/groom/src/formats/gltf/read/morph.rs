@@ -5,14 +5,14 @@ use std::collections::{HashMap, HashSet};
 use super::file::File;
 use crate::{
     error::Result,
-    rig::{Delta, Target},
+    rig::{Delta, MorphTarget},
 };
 use glam::Vec3;
 
 /// The morph targets read so far.
 #[derive(Default)]
 pub(super) struct Shapes {
-    pub targets: Vec<Target>,
+    pub targets: Vec<MorphTarget>,
     named: HashMap<String, u32>,
     /// For each visited mesh, the indices of its targets in `targets`.
     meshes: HashMap<usize, Vec<u32>>,
@@ -36,7 +36,7 @@ impl Shapes {
             let next = self.targets.len() as u32;
             let index = *self.named.entry(name.clone()).or_insert(next);
             if index == next {
-                self.targets.push(Target { name, deltas: Vec::new() });
+                self.targets.push(MorphTarget { name, deltas: Vec::new() });
             }
             index
         });
@@ -69,15 +69,15 @@ impl Shapes {
 
 /// Merges deltas of positions and of normals, each in ascending order of vertices, into one list.
 fn merge(positions: &[(u32, Vec3)], normals: &[(u32, Vec3)], base: u32, out: &mut Vec<Delta>) {
-    let mut turns = normals.iter().copied().peekable();
+    let mut remaining_normals = normals.iter().copied().peekable();
     for (vertex, position) in positions {
-        while let Some((before, normal)) = turns.next_if(|(v, _)| v < vertex) {
+        while let Some((before, normal)) = remaining_normals.next_if(|(v, _)| v < vertex) {
             out.push(Delta { vertex: before + base, position: Vec3::ZERO, normal });
         }
-        let normal = turns.next_if(|(v, _)| v == vertex).map_or(Vec3::ZERO, |(_, n)| n);
+        let normal = remaining_normals.next_if(|(v, _)| v == vertex).map_or(Vec3::ZERO, |(_, n)| n);
         out.push(Delta { vertex: vertex + base, position: *position, normal });
     }
-    out.extend(turns.map(|(v, normal)| Delta { vertex: v + base, position: Vec3::ZERO, normal }));
+    out.extend(remaining_normals.map(|(v, normal)| Delta { vertex: v + base, position: Vec3::ZERO, normal }));
 }
 
 /// Returns unique names of a mesh's targets: those in `extras.targetNames`, or numbers.
@@ -85,14 +85,14 @@ fn names(mesh: &gltf::Mesh, count: usize) -> Vec<String> {
     let extras =
         mesh.extras().as_ref().and_then(|raw| serde_json::from_str::<serde_json::Value>(raw.get()).ok());
     let given = extras.as_ref().and_then(|e| e.get("targetNames")).and_then(|n| n.as_array());
-    let mut taken = HashSet::with_capacity(count);
+    let mut used = HashSet::with_capacity(count);
     let name = |i: usize| {
         let name = given.and_then(|all| all.get(i)).and_then(|n| n.as_str());
         let mut name = name.map_or_else(|| format!("morph {i}"), String::from);
-        if taken.contains(&name) {
+        if used.contains(&name) {
             name = format!("{name} {i}");
         }
-        while !taken.insert(name.clone()) {
+        while !used.insert(name.clone()) {
             name.push('\'');
         }
         name

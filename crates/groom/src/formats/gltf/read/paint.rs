@@ -21,15 +21,15 @@ use crate::{
 };
 
 /// Maximum width and height of an image, texels.
-const LARGEST: u32 = 16_384;
+const MAX_IMAGE_SIZE: u32 = 16_384;
 /// Maximum bytes of a file's images: kept at the end, and decoded in total.
-const ROOM: u64 = 1 << 30;
-const WORK: u64 = 8 << 30;
+const MAX_STORED_BYTES: u64 = 1 << 30;
+const MAX_DECODED_BYTES: u64 = 8 << 30;
 /// Maximum notes per file.
-const NOTES: usize = 8;
+const MAX_NOTES: usize = 8;
 
 /// Returns the maximum width and height of stored images, texels, for a file with this many materials.
-fn most(materials: usize) -> u32 {
+fn max_stored_size(materials: usize) -> u32 {
     match materials {
         0..=8 => 2048,
         9..=32 => 1024,
@@ -64,15 +64,15 @@ impl Painter {
         let material = primitive.material();
         let Some(index) = material.index() else { return Ok(false) };
         let Some(guide) = first(&material) else { return Ok(false) };
-        let Some(places) = primitive.get(&Semantic::TexCoords(guide.tex_coord())) else { return Ok(false) };
+        let Some(accessor) = primitive.get(&Semantic::TexCoords(guide.tex_coord())) else { return Ok(false) };
         let known = self.coats.get(&index).copied();
         let coat = known.unwrap_or_else(|| self.coat(file, &material));
         self.coats.insert(index, coat);
         let Some(coat) = coat else { return Ok(false) };
-        match spots(file, &places, &guide, count) {
-            Ok(spots) => {
+        match read_uvs(file, &accessor, &guide, count) {
+            Ok(uvs) => {
                 self.fill(base);
-                self.paint.places.extend(spots);
+                self.paint.uvs.extend(uvs);
                 self.paint.of.resize(base + count, coat);
                 Ok(true)
             }
@@ -85,8 +85,8 @@ impl Painter {
 
     fn note(&mut self, note: String) {
         match self.notes.len() {
-            0..NOTES => self.notes.push(note),
-            NOTES => self.notes.push("more of its images are skipped".into()),
+            0..MAX_NOTES => self.notes.push(note),
+            MAX_NOTES => self.notes.push("more of its images are skipped".into()),
             _ => {}
         }
     }
@@ -96,13 +96,13 @@ impl Painter {
         self.fill(vertices);
         let any = self.paint.of.iter().any(|of| *of != Paint::NONE);
         // Resize all images to the size of the largest, or less to fit the limit.
-        self.paint.level(ROOM);
+        self.paint.level(MAX_STORED_BYTES);
         (any.then_some(self.paint), self.notes)
     }
 
     /// Marks all vertices up to `vertices` that are not set yet as having no coat.
     fn fill(&mut self, vertices: usize) {
-        self.paint.places.resize(vertices, Vec2::ZERO);
+        self.paint.uvs.resize(vertices, Vec2::ZERO);
         self.paint.of.resize(vertices, Paint::NONE);
     }
 
@@ -124,7 +124,7 @@ impl Painter {
         };
         let size = |picture: &Option<RgbaImage>| picture.as_ref().map_or(4, |all| all.as_raw().len() as u64);
         self.kept = self.kept.saturating_add(size(&base) + size(&normal).max(size(&rough)));
-        if self.kept > ROOM {
+        if self.kept > MAX_STORED_BYTES {
             self.note("its images take too much memory".into());
             return None;
         }
@@ -159,17 +159,20 @@ impl Painter {
             reader.map_err(|error| error.to_string())
         };
         let (width, height) = reader()?.into_dimensions().map_err(|error| error.to_string())?;
-        if width.min(height) == 0 || width.max(height) > LARGEST {
-            return Err(format!("it has {width} × {height} pixels, but each side must have 1 to {LARGEST}"));
+        if width.min(height) == 0 || width.max(height) > MAX_IMAGE_SIZE {
+            return Err(format!(
+                "it has {width} × {height} pixels, but each side must have 1 to {MAX_IMAGE_SIZE}"
+            ));
         }
-        let most = most(file.document.materials().len());
-        let scale =
-            |n: u32| (u64::from(n) * u64::from(most) / u64::from(width.max(height).max(most))).max(1) as u32;
+        let max_size = max_stored_size(file.document.materials().len());
+        let scale = |n: u32| {
+            (u64::from(n) * u64::from(max_size) / u64::from(width.max(height).max(max_size))).max(1) as u32
+        };
         let (small, low) = (scale(width), scale(height));
         // Before the conversion to 8 bits, channels have at most 16.
         self.decoded = self.decoded.saturating_add(8 * u64::from(width) * u64::from(height));
         self.kept = self.kept.saturating_add(4 * u64::from(small) * u64::from(low));
-        if self.decoded > WORK || self.kept > ROOM {
+        if self.decoded > MAX_DECODED_BYTES || self.kept > MAX_STORED_BYTES {
             return Err("the file's images take too much memory".into());
         }
         let mut reader = reader()?;
@@ -194,8 +197,8 @@ fn transform(info: &Info) -> (Mat2, Vec2) {
     let Some(transform) = info.texture_transform() else { return (Mat2::IDENTITY, Vec2::ZERO) };
     let scale = Vec2::from(transform.scale());
     // The extension rotates counterclockwise, in coordinates whose V axis points down.
-    let turn = Mat2::from_angle(-transform.rotation()) * Mat2::from_diagonal(scale);
-    (turn, Vec2::from(transform.offset()))
+    let matrix = Mat2::from_angle(-transform.rotation()) * Mat2::from_diagonal(scale);
+    (matrix, Vec2::from(transform.offset()))
 }
 
 /// Returns the bytes of an image. It reads the JSON because the `gltf` crate unwraps fields that a file may lack.
@@ -204,7 +207,7 @@ fn bytes<'a>(file: &'a File<'_>, index: usize) -> std::result::Result<std::borro
     if let Some(uri) = &image.uri {
         return match uri.contains(':') {
             true => embedded(uri).map(std::borrow::Cow::Owned),
-            false => file.companion(&unescape(uri)).map_err(|error| error.to_string()),
+            false => file.resource(&unescape(uri)).map_err(|error| error.to_string()),
         };
     }
     let view = image.buffer_view.as_ref().and_then(|view| file.document.views().nth(view.value()));
@@ -216,20 +219,20 @@ fn bytes<'a>(file: &'a File<'_>, index: usize) -> std::result::Result<std::borro
 }
 
 /// Returns the texture coordinates of `count` vertices.
-fn spots(
+fn read_uvs(
     file: &File,
-    places: &Accessor,
+    accessor: &Accessor,
     guide: &Info,
     count: usize,
 ) -> std::result::Result<Vec<Vec2>, String> {
-    let places = file.vectors(places).map_err(|error| error.to_string())?;
-    if places.len() != count {
-        return Err(format!("it has {} texture coordinates for {count} vertices", places.len()));
+    let uvs = file.vectors(accessor).map_err(|error| error.to_string())?;
+    if uvs.len() != count {
+        return Err(format!("it has {} texture coordinates for {count} vertices", uvs.len()));
     }
-    let (turn, shift) = transform(guide);
-    let spots: Vec<_> = places.into_iter().map(|place| turn * Vec2::from_array(place) + shift).collect();
-    match spots.iter().all(|spot| spot.is_finite()) {
-        true => Ok(spots),
+    let (matrix, shift) = transform(guide);
+    let transformed: Vec<_> = uvs.into_iter().map(|uv| matrix * Vec2::from_array(uv) + shift).collect();
+    match transformed.iter().all(|spot| spot.is_finite()) {
+        true => Ok(transformed),
         false => Err("its texture coordinates are not finite".into()),
     }
 }
@@ -276,8 +279,8 @@ fn relief(normal: Option<RgbaImage>, scale: f32, rough: Option<RgbaImage>, rough
     for (x, y, texel) in all.enumerate_pixels_mut() {
         let along = |k: usize| normal.as_ref().map_or(127.5, |all| f32::from(all.get_pixel(x, y)[k]));
         let side = |k: usize| (127.5 + (along(k) - 127.5) * scale).clamp(0.0, 255.0) as u8;
-        let share = rough.as_ref().map_or(1.0, |all| f32::from(all.get_pixel(x, y)[1]) / 255.0);
-        let blue = (255.0 * (share * roughness).clamp(0.0, 1.0)) as u8;
+        let texel_roughness = rough.as_ref().map_or(1.0, |all| f32::from(all.get_pixel(x, y)[1]) / 255.0);
+        let blue = (255.0 * (texel_roughness * roughness).clamp(0.0, 1.0)) as u8;
         texel.0 = [side(0), side(1), blue, 255];
     }
     texture(all)

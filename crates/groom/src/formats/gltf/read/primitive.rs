@@ -8,7 +8,7 @@ use crate::{
     TriMesh,
     error::Result,
     formats::{faces::PLAIN, raw::RawMesh},
-    orient::Choice,
+    orient::OrientationOverride,
     rig::{Bind, Joint},
 };
 
@@ -19,7 +19,7 @@ pub(super) struct Reader<'a> {
     /// Whether any part has its own color.
     colored: bool,
     /// Whether any part lacks normals.
-    bare: bool,
+    lacks_normals: bool,
     /// The rig being read, if the file may have one.
     rigging: Option<Rigging>,
     #[cfg(feature = "textures")]
@@ -32,7 +32,7 @@ impl<'a> Reader<'a> {
             file,
             mesh: TriMesh::default(),
             colored: false,
-            bare: false,
+            lacks_normals: false,
             rigging,
             #[cfg(feature = "textures")]
             painter: Default::default(),
@@ -40,7 +40,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Returns the mesh at rest, its rig if anything moves, and the notes.
-    pub fn finish(mut self, placed: &[PlacedNode], places: &[Option<u32>]) -> Result<RawMesh> {
+    pub fn finish(mut self, placed: &[PlacedNode], scene_indices: &[Option<u32>]) -> Result<RawMesh> {
         #[cfg(not(feature = "textures"))]
         let notes = Vec::new();
         #[cfg(feature = "textures")]
@@ -57,17 +57,17 @@ impl<'a> Reader<'a> {
             self.mesh.colors.clear();
         }
         let rig = match self.rigging {
-            Some(rigging) => rigging.finish(self.file, placed, places, &mut self.mesh)?,
+            Some(rigging) => rigging.finish(self.file, placed, scene_indices, &mut self.mesh)?,
             None => None,
         };
-        if self.bare {
+        if self.lacks_normals {
             self.mesh.normals.clear();
         }
-        Ok(RawMesh { mesh: self.mesh, declared: Choice::METERS, rig, notes })
+        Ok(RawMesh { mesh: self.mesh, declared: OrientationOverride::METERS, rig, notes })
     }
 
     /// Adds a node for a mesh that no scene contains and returns its index.
-    pub fn bare_node(&mut self, name: Option<&str>) -> u32 {
+    pub fn add_orphan_node(&mut self, name: Option<&str>) -> u32 {
         let Some(rigging) = &mut self.rigging else { return 0 };
         rigging.rig.nodes.push(lone(name));
         rigging.rig.nodes.len() as u32 - 1
@@ -117,9 +117,9 @@ impl<'a> Reader<'a> {
             return Ok(());
         }
         let Some(accessor) = primitive.get(&Semantic::Positions) else { return Ok(()) };
-        let positions = self.file.places(&accessor)?;
+        let positions = self.file.vec3s(&accessor)?;
         let normals =
-            primitive.get(&Semantic::Normals).map(|normals| self.file.places(&normals)).transpose()?;
+            primitive.get(&Semantic::Normals).map(|normals| self.file.vec3s(&normals)).transpose()?;
         if let Some(indices) = primitive.indices() {
             self.file.check(&indices, indices.data_type(), 1)?;
             self.file.spend(indices.count(), size_of::<[u32; 4]>())?;
@@ -135,13 +135,13 @@ impl<'a> Reader<'a> {
         }
         let count = positions.len() as u32;
         self.mesh.positions.extend(positions.into_iter().map(|p| transform.transform_point3(p)));
-        let turn = Mat3::from_mat4(transform).inverse().transpose();
+        let normal_matrix = Mat3::from_mat4(transform).inverse().transpose();
         match normals {
             Some(list) => {
-                self.mesh.normals.extend(list.into_iter().map(|n| (turn * n).normalize_or(Vec3::Y)));
+                self.mesh.normals.extend(list.into_iter().map(|n| (normal_matrix * n).normalize_or(Vec3::Y)));
             }
             None => {
-                self.bare = true;
+                self.lacks_normals = true;
                 self.mesh.normals.resize(self.mesh.positions.len(), Vec3::Y);
             }
         }

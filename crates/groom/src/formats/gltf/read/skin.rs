@@ -17,13 +17,13 @@ pub(super) type Follows = ([u16; INFLUENCES], [f32; INFLUENCES]);
 /// Skins whose joints are already in the palette.
 pub(super) struct Skins {
     /// Index in the scene of each node of the file.
-    places: Vec<Option<u32>>,
+    scene_indices: Vec<Option<u32>>,
     known: std::collections::HashMap<usize, Range<usize>>,
 }
 
 impl Skins {
-    pub fn new(places: &[Option<u32>]) -> Self {
-        Self { places: places.to_vec(), known: Default::default() }
+    pub fn new(scene_indices: &[Option<u32>]) -> Self {
+        Self { scene_indices: scene_indices.to_vec(), known: Default::default() }
     }
 
     /// Adds an entry to the palette and returns its index.
@@ -62,12 +62,12 @@ impl Skins {
         }
         let first = joints.len();
         for (node, inverse) in nodes.into_iter().zip(inverse) {
-            let Some(place) = self.places.get(node).copied().flatten() else {
+            let Some(scene_index) = self.scene_indices.get(node).copied().flatten() else {
                 let problem = format!("node {node}, a joint of skin {index}, is not in the scene");
                 return Err(file.problem(problem));
             };
             let inverse_bind = Mat4::from_cols_array(inverse);
-            self.push(file, joints, Joint { node: place, inverse_bind })?;
+            self.push(file, joints, Joint { node: scene_index, inverse_bind })?;
         }
         self.known.insert(index, first..joints.len());
         Ok(first..joints.len())

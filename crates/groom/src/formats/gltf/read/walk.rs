@@ -23,15 +23,15 @@ pub(super) fn scene<'a>(
     file: &'a File,
     scene: gltf::Scene<'a>,
 ) -> Result<(Vec<PlacedNode<'a>>, Vec<Option<u32>>)> {
-    let mut walk = Walk { file, placed: Vec::new(), places: vec![None; file.document.nodes().len()] };
+    let mut walk = Walk { file, placed: Vec::new(), scene_indices: vec![None; file.document.nodes().len()] };
     scene.nodes().try_for_each(|node| walk.node(node, None, 0))?;
-    Ok((walk.placed, walk.places))
+    Ok((walk.placed, walk.scene_indices))
 }
 
 struct Walk<'a, 'f> {
     file: &'f File<'f>,
     placed: Vec<PlacedNode<'a>>,
-    places: Vec<Option<u32>>,
+    scene_indices: Vec<Option<u32>>,
 }
 
 impl<'a> Walk<'a, '_> {
@@ -41,8 +41,8 @@ impl<'a> Walk<'a, '_> {
         if depth > DEEPEST {
             return Err(self.file.problem(format!("its nodes are nested more than {DEEPEST} levels deep")));
         }
-        let place = self.placed.len() as u32;
-        if self.places[index].replace(place).is_some() {
+        let scene_index = self.placed.len() as u32;
+        if self.scene_indices[index].replace(scene_index).is_some() {
             return Err(self.file.problem(format!("node {index} is in the scene more than once")));
         }
         let local = Mat4::from_cols_array_2d(&node.transform().matrix());
@@ -50,7 +50,7 @@ impl<'a> Walk<'a, '_> {
         let children = node.children();
         self.placed.push(PlacedNode { node, parent, global: above * local });
         for child in children {
-            self.node(child, Some(place), depth + 1)?;
+            self.node(child, Some(scene_index), depth + 1)?;
         }
         Ok(())
     }

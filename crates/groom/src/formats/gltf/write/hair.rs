@@ -13,7 +13,7 @@ use crate::{
     error::{Error, Result},
     formats::{
         gltf::{GUIDE, HAIR, PACKED, TIP_PINNED},
-        writer::Hair,
+        writer::ExportHair,
     },
     strands::Mark,
 };
@@ -22,7 +22,7 @@ use crate::{
 const FINE: f32 = 5e-3;
 
 /// Writes all of `hair`.
-pub(super) fn put(file: &mut File, hair: &[Hair<'_>]) -> Result<()> {
+pub(super) fn put(file: &mut File, hair: &[ExportHair<'_>]) -> Result<()> {
     if hair.is_empty() {
         return Ok(());
     }
@@ -62,7 +62,7 @@ struct Items {
     stride: usize,
 }
 
-fn strands(file: &mut File, hair: &Hair<'_>) -> Result<Value> {
+fn strands(file: &mut File, hair: &ExportHair<'_>) -> Result<Value> {
     let strands = hair.strands;
     let mut out = json!({"count": strands.len()});
     let counts: Vec<u32> = strands.offsets.windows(2).map(|w| w[1] - w[0]).collect();
@@ -81,7 +81,7 @@ fn strands(file: &mut File, hair: &Hair<'_>) -> Result<Value> {
         let bytes = strands
             .colors
             .iter()
-            .flat_map(|c| c.extend(1.0).to_array().map(share))
+            .flat_map(|c| c.extend(1.0).to_array().map(quantize_unorm16))
             .flat_map(u16::to_le_bytes);
         put(&mut out, "colors", Items { component: SHORT, kind: "VEC4", bytes: bytes.collect(), stride: 8 })?;
     }
@@ -154,7 +154,8 @@ fn vertices(strands: &Strands, out: &mut Value) -> Items {
     if size.is_finite() && size / 65535.0 <= FINE * segment {
         out["offset"] = json!(low.to_array());
         out["scale"] = json!(size);
-        let item = |(i, p): (usize, &Vec3)| ((*p - low) / size).extend(width(i)).to_array().map(share);
+        let item =
+            |(i, p): (usize, &Vec3)| ((*p - low) / size).extend(width(i)).to_array().map(quantize_unorm16);
         let bytes = all.flat_map(item).flat_map(u16::to_le_bytes).collect();
         return Items { component: SHORT, kind: "VEC4", bytes, stride: 8 };
     }
@@ -163,7 +164,7 @@ fn vertices(strands: &Strands, out: &mut Value) -> Items {
 }
 
 /// Quantizes a value from 0 to 1 to 16 bits.
-fn share(s: f32) -> u16 {
+fn quantize_unorm16(s: f32) -> u16 {
     (s.clamp(0.0, 1.0) * 65535.0).round() as u16
 }
 

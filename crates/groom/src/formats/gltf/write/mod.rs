@@ -12,9 +12,9 @@ use crate::{
     error::{Error, Result},
     formats::{
         gltf::PACKED,
-        writer::{EncodedFile, Hair},
+        writer::{EncodedFile, ExportHair},
     },
-    orient::Unit,
+    orient::LengthUnit,
     rig::{Animation, Interpolation, Node, Property, Rig},
 };
 
@@ -26,13 +26,13 @@ pub(crate) const FLOAT: u32 = 5126;
 ///
 /// # Errors
 /// [`Error::Unusable`] for strands in an unknown unit: glTF is always in meters.
-pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<EncodedFile> {
+pub(crate) fn encode(strands: &Strands, unit: Option<LengthUnit>) -> Result<EncodedFile> {
     if unit.is_none() {
         return Err(Error::Unusable(
             "a .glb file is in meters, Y up, face +Z, but the unit and axes of this groom are unknown".into(),
         ));
     }
-    Ok(character(None, &[Hair { name: "", strands, packed: false, look: None }])?.into())
+    Ok(character(None, &[ExportHair { name: "", strands, packed: false, look: None }])?.into())
 }
 
 /// Encodes `mesh` (meters, Y up) and, if given, the `rig` that deforms it. After reading, the mesh deforms as with
@@ -48,7 +48,7 @@ pub(crate) fn body(mesh: &TriMesh, rig: Option<&Rig>) -> Result<Vec<u8>> {
 ///
 /// # Errors
 /// See [`body`]; also [`Error::Unusable`] for hair without strands.
-pub(crate) fn character(body: Option<(&TriMesh, Option<&Rig>)>, hair: &[Hair<'_>]) -> Result<Vec<u8>> {
+pub(crate) fn character(body: Option<(&TriMesh, Option<&Rig>)>, hair: &[ExportHair<'_>]) -> Result<Vec<u8>> {
     let mut file = File::new();
     hair::put(&mut file, hair)?;
     match body {
@@ -224,17 +224,17 @@ impl File {
         accessor
     }
 
-    pub(crate) fn places(&mut self, places: &[glam::Vec3]) -> usize {
-        let bounds = places
+    pub(crate) fn position_accessor(&mut self, positions: &[glam::Vec3]) -> usize {
+        let bounds = positions
             .iter()
             .fold((glam::Vec3::INFINITY, glam::Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
-        let accessor = self.floats("VEC3", 3, places.iter().flat_map(|p| p.to_array()));
+        let accessor = self.floats("VEC3", 3, positions.iter().flat_map(|p| p.to_array()));
         self.bounded(accessor, &bounds.0.to_array(), &bounds.1.to_array())
     }
 
     /// Returns a primitive with the triangles and colors of `mesh`, at the given positions.
     fn surface(&mut self, mesh: &TriMesh, positions: &[glam::Vec3], normals: &[glam::Vec3]) -> Value {
-        let position = self.places(positions);
+        let position = self.position_accessor(positions);
         let indices = mesh.triangles.iter().flatten().flat_map(|i| i.to_le_bytes()).collect();
         let indices = self.accessor(INT, "SCALAR", 3 * mesh.triangles.len(), indices);
         let mut primitive = json!({"attributes": {"POSITION": position}, "indices": indices});
@@ -250,7 +250,7 @@ impl File {
     }
 
     /// Writes the deltas of a morph target as sparse accessors.
-    fn target(&mut self, target: &crate::rig::Target, vertices: usize) -> Value {
+    fn target(&mut self, target: &crate::rig::MorphTarget, vertices: usize) -> Value {
         let at = target.deltas.iter().flat_map(|delta| delta.vertex.to_le_bytes()).collect::<Vec<u8>>();
         let at = self.view(&at);
         let mut part = |values: Vec<glam::Vec3>| {

@@ -108,7 +108,7 @@ fn hair_and_body_survive_round_trip() {
     let look = Look { eumelanin: 0.3, roughness: [0.2, 0.4], ..Default::default() };
     let mut sizes = Vec::new();
     for packed in [false, true] {
-        let hair = [Hair { name: "hair", strands: &strands, packed, look: Some(&look) }];
+        let hair = [ExportHair { name: "hair", strands: &strands, packed, look: Some(&look) }];
         let bytes = character(Some((&mesh, Some(&rig))), &hair).unwrap();
         let given = [groom_of(&bytes)];
         assert_eq!(import::kind(&given[0].0, &bytes), Some(import::FileKind::Groom));
@@ -144,15 +144,16 @@ fn fine_hair_is_stored_as_floats() {
         let root = Vec3::new(0.001 * i as f32, 0.0, 0.2);
         strands.push(&[root, root + Vec3::Y * 5e-4, root + Vec3::Y * 1e-3]);
     }
-    let bytes = character(None, &[Hair { name: "", strands: &strands, packed: true, look: None }]).unwrap();
+    let bytes =
+        character(None, &[ExportHair { name: "", strands: &strands, packed: true, look: None }]).unwrap();
     let (back, head, _) = import::read_given(&[groom_of(&bytes)], &Default::default()).unwrap();
     assert!(head.is_none());
     assert_eq!(back, strands);
     let black = Look { eumelanin: f32::NAN, ..Default::default() };
-    let wrong = Hair { name: "", strands: &strands, packed: false, look: Some(&black) };
+    let wrong = ExportHair { name: "", strands: &strands, packed: false, look: Some(&black) };
     assert!(character(None, &[wrong]).unwrap_err().to_string().contains("eumelanin"));
     assert!(
-        character(None, &[Hair { name: "", strands: &Strands::default(), packed: false, look: None }])
+        character(None, &[ExportHair { name: "", strands: &Strands::default(), packed: false, look: None }])
             .is_err()
     );
 }
@@ -161,7 +162,7 @@ fn fine_hair_is_stored_as_floats() {
 fn damaged_hair_is_reported() {
     let strands = strands();
     let whole =
-        character(None, &[Hair { name: "hair", strands: &strands, packed: true, look: None }]).unwrap();
+        character(None, &[ExportHair { name: "hair", strands: &strands, packed: true, look: None }]).unwrap();
     let error = |from: &str, to: &str| {
         assert_eq!(from.len(), to.len());
         let mut bytes = whole.clone();

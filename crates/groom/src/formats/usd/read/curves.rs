@@ -19,7 +19,7 @@ use crate::{
     error::{At, Result},
     formats::{
         curves::{
-            self, CurveCut, Groom, Names, Place,
+            self, CurveCut, Groom, Names, ParamLocation,
             basis::{Basis, Blend},
             cut, split_knots,
         },
@@ -66,31 +66,32 @@ impl<'r> CurveReader<'r> {
         times.extend(skeletons.times(scene, tree, &all)?);
         times.sort_by(f64::total_cmp);
         times.dedup();
-        let (time, told) = when(scene, &times, moment)?;
-        let places = tree.places(scene, time)?;
+        let (time, note) = when(scene, &times, moment)?;
+        let transforms = tree.transforms(scene, time)?;
         let mut groom = Groom::new("USD", Names { width: "widths", uv: "st" });
-        groom.raw.notes.extend(told);
+        groom.raw.notes.extend(note);
         groom.raw.notes.extend(scene.missing());
         groom.raw.declared = scene.declared()?;
-        let palette =
-            |skeleton: &Skeleton| Ok((skeleton.palette(scene, moment, time)?, skeleton.place(&places)));
+        let palette = |skeleton: &Skeleton| {
+            Ok((skeleton.palette(scene, moment, time)?, skeleton.transform(&transforms)))
+        };
         let palettes = skeletons.0.iter().map(palette).collect::<Result<Vec<_>>>()?;
         let mut reading = Self { scene, tree, time, skeletons, palettes, groom };
-        let objects = reading.chosen(all, &places)?;
+        let objects = reading.select_objects(all, &transforms)?;
         let guides = |object: &Object| {
             object.purpose == Purpose::Guide || object.names.iter().any(|n| curves::names_guides(n))
         };
-        let told_apart = curves::told_apart(objects.iter().map(|object| guides(object)));
+        let distinguishes_guides = curves::distinguishes_guides(objects.iter().map(|object| guides(object)));
         for (i, object) in objects.iter().enumerate() {
             let shared = curves::Object {
                 names: [&object.names[0], &object.names[1]],
                 index: i,
-                guides: told_apart.then(|| guides(object)),
+                guides: distinguishes_guides.then(|| guides(object)),
                 starts: &[],
                 points: &[],
                 cut: &[],
                 inner: false,
-                matrix: Tree::of(object, &places).0,
+                matrix: Tree::of(object, &transforms).0,
                 group_names: &reading.texts(object, "groom_group_name")?,
                 custom: &custom(scene, &object.prim)?,
             };
@@ -102,9 +103,13 @@ impl<'r> CurveReader<'r> {
     }
 
     /// Selects visible objects, including guides.
-    fn chosen(&mut self, all: Vec<&'r Object>, places: &[(glam::DMat4, bool)]) -> Result<Vec<&'r Object>> {
+    fn select_objects(
+        &mut self,
+        all: Vec<&'r Object>,
+        transforms: &[(glam::DMat4, bool)],
+    ) -> Result<Vec<&'r Object>> {
         let count = all.len();
-        let shown: Vec<_> = all.into_iter().filter(|object| Tree::of(object, places).1).collect();
+        let shown: Vec<_> = all.into_iter().filter(|object| Tree::of(object, transforms).1).collect();
         if shown.is_empty() {
             return Err(self.scene.problem(format!("all {count} curve objects are invisible")));
         }
@@ -138,11 +143,11 @@ impl<'r> CurveReader<'r> {
         let end = starts.last().map_or(0, |end| *end as usize);
         let mut points: Vec<Vec3> = flat.as_chunks().0[..end].iter().map(|p| Vec3::from(*p)).collect();
         let mut matrix = shared.matrix;
-        let whole = (object, flat.len() / 3);
-        if let Some(bound) = SkelBinding::of(scene, self.tree, whole, &self.skeletons, self.time)? {
-            let (palette, place) = &self.palettes[bound.skeleton];
-            bound.bring(palette, &mut points);
-            matrix = *place;
+        let object_points = (object, flat.len() / 3);
+        if let Some(bound) = SkelBinding::of(scene, self.tree, object_points, &self.skeletons, self.time)? {
+            let (palette, transform) = &self.palettes[bound.skeleton];
+            bound.deform(palette, &mut points);
+            matrix = *transform;
             self.groom.habits.bound += 1;
         }
         drop(flat);
@@ -150,18 +155,20 @@ impl<'r> CurveReader<'r> {
         scene.take(cut.iter().map(|curve| curve.len() as u64).sum())?;
         let (tree, time) = (self.tree, self.time);
         let own = [&object.prim];
-        let values = |place: Place, name: &str| match place {
-            Place::Shape => param(scene, own.into_iter(), name, time),
-            Place::Beside => param(scene, tree.up(object), name, time),
+        let values = |location: ParamLocation, name: &str| match location {
+            ParamLocation::Shape => param(scene, own.into_iter(), name, time),
+            ParamLocation::Attributes => param(scene, tree.up(object), name, time),
         };
         // A single color for an object is the line color of a viewer.
-        let viewers = values(Place::Beside, "displayColor")?.is_some_and(|color| color.flat.len() == 3);
-        if viewers && points.len() > 1 && !self.groom.habits.misfits.iter().any(|said| said == ONE_COLOR) {
+        let viewers =
+            values(ParamLocation::Attributes, "displayColor")?.is_some_and(|color| color.flat.len() == 3);
+        if viewers && points.len() > 1 && !self.groom.habits.misfits.iter().any(|misfit| misfit == ONE_COLOR)
+        {
             self.groom.habits.misfits.push(ONE_COLOR.into());
         }
-        let values = |place: Place, name: &str| match name {
+        let values = |location: ParamLocation, name: &str| match name {
             "displayColor" if viewers => Ok(None),
-            _ => values(place, name),
+            _ => values(location, name),
         };
         self.groom.add(
             &curves::Object { starts: &starts, points: &points, cut: &cut, inner, matrix, ..shared },

@@ -97,11 +97,11 @@ impl Resolver for Layers {
         let anchor = anchor.map(|anchor| anchor.to_string_lossy()).unwrap_or_default();
         // References inside a package are relative to it.
         if let Some((package, inner)) = ar::split_package_relative_path_outer(&anchor) {
-            let beside = Path::new(&inner).parent().unwrap_or(Path::new("")).join(asset);
-            return ar::join_package_relative_path(&package, &tidied(&beside).to_string_lossy());
+            let asset_path = Path::new(&inner).parent().unwrap_or(Path::new("")).join(asset);
+            return ar::join_package_relative_path(&package, &tidied(&asset_path).to_string_lossy());
         }
-        let beside = Path::new(&*anchor).parent().unwrap_or(Path::new("")).join(asset);
-        tidied(&beside).to_string_lossy().into_owned()
+        let asset_path = Path::new(&*anchor).parent().unwrap_or(Path::new("")).join(asset);
+        tidied(&asset_path).to_string_lossy().into_owned()
     }
 
     fn resolve(&self, asset: &str) -> Option<ResolvedPath> {
@@ -143,13 +143,13 @@ impl Resolver for Layers {
 
 /// Returns the depth of nested brackets in a text layer, outside comments and strings.
 fn depth(text: &[u8]) -> usize {
-    let (mut depth, mut most, mut i) = (0usize, 0, 0);
+    let (mut depth, mut max_depth, mut i) = (0usize, 0, 0);
     while i < text.len() {
         let quote = text[i];
         match quote {
             b'{' | b'[' | b'(' => {
                 depth += 1;
-                most = most.max(depth);
+                max_depth = max_depth.max(depth);
             }
             b'}' | b']' | b')' => depth = depth.saturating_sub(1),
             b'#' => i += text[i..].iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(text.len() - i),
@@ -170,7 +170,7 @@ fn depth(text: &[u8]) -> usize {
         }
         i += 1;
     }
-    most
+    max_depth
 }
 
 #[cfg(test)]

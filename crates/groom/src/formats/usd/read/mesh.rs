@@ -24,13 +24,13 @@ pub(crate) fn read(source: &Source) -> Result<RawMesh> {
         let objects: Vec<&Object> =
             tree.objects.iter().filter(|object| object.schema == Schema::Mesh).collect();
         let (time, _) = when(&scene, &tree.times(&scene, &objects)?, Moment::First)?;
-        let places = tree.places(&scene, time)?;
+        let transforms = tree.transforms(&scene, time)?;
         let skeletons = Skeletons::read(&scene, &tree)?;
-        let mut rigging = Rigging::new(&scene, &skeletons, &places)?;
+        let mut rigging = Rigging::new(&scene, &skeletons, &transforms)?;
         let mut mesh = TriMesh::default();
         for object in objects {
-            let (matrix, seen) = Tree::of(object, &places);
-            if !seen || object.purpose != Purpose::Shown {
+            let (matrix, is_visible) = Tree::of(object, &transforms);
+            if !is_visible || object.purpose != Purpose::Shown {
                 continue;
             }
             let path = excerpt(object.prim.path().as_str());
@@ -49,11 +49,11 @@ pub(crate) fn read(source: &Source) -> Result<RawMesh> {
             let bound = SkelBinding::of(&scene, &tree, (object, points.len()), &skeletons, time)?;
             rigging.add(&scene, (object, matrix), bound.as_ref(), &points, time)?;
             let own = match &bound {
-                Some(bound) => skeletons.0[bound.skeleton].place(&places) * bound.geom,
+                Some(bound) => skeletons.0[bound.skeleton].transform(&transforms) * bound.geom,
                 None => matrix,
             };
-            let moved = |p: &Vec3| matrix.transform_point3(DVec3::from(*p)).as_vec3();
-            mesh.positions.extend(points.iter().map(moved));
+            let transform = |p: &Vec3| matrix.transform_point3(DVec3::from(*p)).as_vec3();
+            mesh.positions.extend(points.iter().map(transform));
             let hand = scene.say(object.prim.attribute("orientation").get::<Value>())?;
             let left = hand.as_ref().and_then(value::text).as_deref() == Some("leftHanded");
             fan(

@@ -39,7 +39,7 @@ use crate::{
         source::{Files, Source, excerpt},
         usd::DOC,
     },
-    orient::{Axis, Choice, Unit},
+    orient::{Axis, LengthUnit, OrientationOverride},
 };
 use layers::Layers;
 use tree::{Object, Purpose, Schema, Tree, when};
@@ -54,7 +54,7 @@ struct Scene<'s, 'a> {
     /// Bytes read so far.
     bytes: Rc<Cell<u64>>,
     /// Vertices read so far.
-    taken: Cell<u64>,
+    vertices_read: Cell<u64>,
 }
 
 impl<'s, 'a> Scene<'s, 'a> {
@@ -63,7 +63,7 @@ impl<'s, 'a> Scene<'s, 'a> {
         let bytes = layers.bytes();
         let root = layers.root();
         match Stage::builder().resolver(layers).open(&root) {
-            Ok(stage) => Ok(Self { source, stage, bytes, taken: Cell::new(0) }),
+            Ok(stage) => Ok(Self { source, stage, bytes, vertices_read: Cell::new(0) }),
             Err(error) => Err(problem(source, error)),
         }
     }
@@ -79,12 +79,12 @@ impl<'s, 'a> Scene<'s, 'a> {
 
     /// Adds `count` vertices to those read, within the limit.
     fn take(&self, count: u64) -> Result<()> {
-        let taken = self.taken.get().saturating_add(count);
-        self.source.check_vertices(0, taken)?;
-        if taken > self.bytes.get().saturating_mul(READS_PER_BYTE) {
+        let total = self.vertices_read.get().saturating_add(count);
+        self.source.check_vertices(0, total)?;
+        if total > self.bytes.get().saturating_mul(READS_PER_BYTE) {
             return Err(self.problem("the file refers to the same data too often for its size"));
         }
-        self.taken.set(taken);
+        self.vertices_read.set(total);
         Ok(())
     }
 
@@ -99,12 +99,12 @@ impl<'s, 'a> Scene<'s, 'a> {
     }
 
     /// Returns whether this crate wrote the file.
-    fn is_ours(&self) -> Result<bool> {
+    fn is_written_by_tresses(&self) -> Result<bool> {
         Ok(self.text("documentation")?.as_deref() == Some(DOC))
     }
 
     /// Returns the unit and axes that the file states.
-    fn declared(&self) -> Result<Choice> {
+    fn declared(&self) -> Result<OrientationOverride> {
         let up = self.text("upAxis")?.and_then(|axis| match axis.as_str() {
             "X" => Some(Axis::X),
             "Y" => Some(Axis::Y),
@@ -113,13 +113,13 @@ impl<'s, 'a> Scene<'s, 'a> {
         });
         let meters = self.say(self.stage.stage_metadata("metersPerUnit"))?;
         let meters = meters.as_ref().and_then(value::number).map(|meters| meters as f32);
-        let unit = meters.filter(|meters| meters.is_finite() && *meters > 0.0).map(Unit);
-        let ours = self.is_ours()?;
+        let unit = meters.filter(|meters| meters.is_finite() && *meters > 0.0).map(LengthUnit);
+        let written_by_tresses = self.is_written_by_tresses()?;
         // This crate writes a unit only to files with Y up and face +Z.
-        if ours && up == Some(Axis::Y) && unit.is_some() {
-            return Ok(Choice { unit, ..Choice::METERS });
+        if written_by_tresses && up == Some(Axis::Y) && unit.is_some() {
+            return Ok(OrientationOverride { unit, ..OrientationOverride::METERS });
         }
-        Ok(Choice { unit, up, ..Choice::default() })
+        Ok(OrientationOverride { unit, up, ..OrientationOverride::default() })
     }
 
     /// Returns the first composition error, such as a missing file, and the number of further ones.
@@ -157,8 +157,8 @@ pub(crate) fn holds_body(path: &Path, bytes: &[u8]) -> bool {
         let tree = Tree::read(&scene)?;
         let meshes: Vec<_> = tree.objects.iter().filter(|object| object.schema == Schema::Mesh).collect();
         let (time, _) = when(&scene, &tree.times(&scene, &meshes)?, Moment::First)?;
-        let places = tree.places(&scene, time)?;
-        let is_shown = |mesh: &&Object| mesh.purpose == Purpose::Shown && Tree::of(mesh, &places).1;
+        let transforms = tree.transforms(&scene, time)?;
+        let is_shown = |mesh: &&Object| mesh.purpose == Purpose::Shown && Tree::of(mesh, &transforms).1;
         Ok(meshes.iter().any(is_shown) && meshes.len() < tree.objects.len())
     })
     .unwrap_or(false)
@@ -188,12 +188,12 @@ fn problem(source: &Source, error: Usd) -> Error {
         _ => None,
     };
     let at = parse.map_or(At::File, |parse| At::Line(parse.line() as u64));
-    let mut said = first_line(&error.to_string());
+    let mut message = first_line(&error.to_string());
     // The message of a parse error includes its cause.
     let mut cause = if parse.is_some() { None } else { error.source() };
-    while let Some(error) = cause.filter(|_| said.len() < 300) {
-        said += &format!(": {}", first_line(&error.to_string()));
+    while let Some(error) = cause.filter(|_| message.len() < 300) {
+        message += &format!(": {}", first_line(&error.to_string()));
         cause = error.source();
     }
-    source.problem(at, said)
+    source.problem(at, message)
 }

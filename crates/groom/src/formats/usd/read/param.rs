@@ -34,8 +34,8 @@ pub(super) fn param<'p>(
             if let Some((indices, _)) = indices.as_ref().and_then(|all| value::row(all, |index| index as i64))
             {
                 // A few indices may repeat a long value so often that it fills the memory.
-                let most = scene.bytes.get().saturating_mul(READS_PER_BYTE);
-                if width > 16 && (indices.len() as u64).saturating_mul(width as u64) > most {
+                let max_values = scene.bytes.get().saturating_mul(READS_PER_BYTE);
+                if width > 16 && (indices.len() as u64).saturating_mul(width as u64) > max_values {
                     let (path, name) = (excerpt(prim.path().as_str()), excerpt(&name));
                     return Err(scene
                         .problem(format!("{path}: {name} repeats too much data for the size of the file")));

@@ -16,7 +16,7 @@ use crate::{
         source::{Files, Source},
     },
     import::{FileBytes, FileKind, Moment, kind, mesh, read_given},
-    orient::{Axis, Choice, Unit},
+    orient::{Axis, LengthUnit, OrientationOverride},
 };
 
 const REFERENCE: &[u8] = include_bytes!("reference.usdc");
@@ -27,7 +27,7 @@ pub(super) fn read(name: &str, bytes: &[u8], moment: Moment) -> Result<Raw, Stri
 }
 
 /// Returns a text file of `strands` in a unit.
-fn written(strands: &Strands, unit: Option<Unit>) -> Vec<u8> {
+fn written(strands: &Strands, unit: Option<LengthUnit>) -> Vec<u8> {
     Writer::of("a.usda").unwrap().strands(strands, unit).unwrap().bytes
 }
 
@@ -82,7 +82,8 @@ fn custom_attributes_follow_curves() {
 #[test]
 fn reads_reference_file() {
     let told = ["guides (groom_guide)", "“widths”"];
-    let declared = Choice { unit: Some(Unit(0.01)), up: Some(Axis::Y), ..Default::default() };
+    let declared =
+        OrientationOverride { unit: Some(LengthUnit(0.01)), up: Some(Axis::Y), ..Default::default() };
     let read = |moment| read("a.usdc", REFERENCE, moment).inspect(|raw| assert_eq!(raw.declared, declared));
     check(read, &told);
     assert_eq!(kind(Path::new("a.usdc"), REFERENCE), Some(FileKind::Groom));
@@ -92,22 +93,25 @@ fn reads_reference_file() {
 fn groom_survives_round_trip() {
     let bare = Strands { radii: vec![], colors: vec![], root_uvs: vec![], marks: vec![], ..groom() };
     for strands in [groom(), bare] {
-        let bytes = written(&strands, Some(Unit(1.0)));
+        let bytes = written(&strands, Some(LengthUnit(1.0)));
         let said = String::from_utf8(bytes.clone()).unwrap();
         for (name, bytes) in others(&said).into_iter().chain([("a.usda", bytes)]) {
             let back = read(name, &bytes, Moment::First).unwrap();
             assert_eq!(back.strands, strands, "{name}");
-            assert_eq!(back.declared, Choice::METERS, "{name}");
+            assert_eq!(back.declared, OrientationOverride::METERS, "{name}");
         }
         // The comparison detects a different groom.
         let moved = said.replacen("1.7", "1.8", 1);
         assert_ne!(read("a.usda", moved.as_bytes(), Moment::First).unwrap().strands, strands);
     }
     let unsaid = written(&groom(), None);
-    assert_eq!(read("a.usda", &unsaid, Moment::First).unwrap().declared, Choice::default());
-    let centimeters = written(&groom(), Some(Unit(0.01)));
+    assert_eq!(read("a.usda", &unsaid, Moment::First).unwrap().declared, OrientationOverride::default());
+    let centimeters = written(&groom(), Some(LengthUnit(0.01)));
     let back = read("a.usda", &centimeters, Moment::First).unwrap();
-    assert_eq!(back.declared, Choice { unit: Some(Unit(0.01)), ..Choice::METERS });
+    assert_eq!(
+        back.declared,
+        OrientationOverride { unit: Some(LengthUnit(0.01)), ..OrientationOverride::METERS }
+    );
     assert!((back.strands.positions[0].y - 170.0).abs() < 1e-4);
 }
 
@@ -306,7 +310,10 @@ fn references_resolve_among_given_files() {
     };
     let raw = read(&given).unwrap();
     assert_eq!((raw.strands.len(), raw.strands.positions[3]), (1, Vec3::new(3.0, 9.0, 0.0)));
-    assert_eq!(raw.declared, Choice { unit: Some(Unit(0.01)), up: Some(Axis::Z), ..Default::default() });
+    assert_eq!(
+        raw.declared,
+        OrientationOverride { unit: Some(LengthUnit(0.01)), up: Some(Axis::Z), ..Default::default() }
+    );
     let error = read(&given[..1]).err().unwrap().to_string();
     assert!(error.contains("b.usda") && !error.contains('\n'), "{error}");
     assert!(read_given(&given[1..], &Default::default()).is_ok());
@@ -324,7 +331,7 @@ fn meshes_are_heads() {
     };
     let front = read("", "").unwrap();
     assert_eq!((front.mesh.triangles.len(), front.mesh.normals[0]), (2, Vec3::Z));
-    assert_eq!(front.declared, Choice { up: Some(Axis::Z), ..Default::default() });
+    assert_eq!(front.declared, OrientationOverride { up: Some(Axis::Z), ..Default::default() });
     let back = "uniform token orientation = \"leftHanded\"";
     assert_eq!(read(back, "").unwrap().mesh.normals[0], Vec3::NEG_Z);
     let mirrored = "float3 xformOp:scale = (-1, 1, 1)\n uniform token[] xformOpOrder = [\"xformOp:scale\"]";
@@ -364,7 +371,7 @@ fn change_every(step: usize) {
     strands.colors.truncate(count);
     strands.root_uvs.truncate(3);
     strands.marks.truncate(3);
-    let said = written(&strands, Some(Unit(1.0)));
+    let said = written(&strands, Some(LengthUnit(1.0)));
     let packed = others(std::str::from_utf8(&said).unwrap());
     let files = [("a.usdc", REFERENCE), ("b.usdc", SKELETON), ("a.usda", &said), ("a.usdz", &packed[1].1)];
     for (name, sound) in files {
@@ -466,7 +473,7 @@ pub(super) fn farthest(a: &[Vec3], b: &[Vec3]) -> f32 {
 #[test]
 fn cache_frames_survive_round_trip() {
     let strands = groom();
-    let options = CacheOptions { unit: Unit(0.01), rate: 12.0, frames: 3 };
+    let options = CacheOptions { unit: LengthUnit(0.01), rate: 12.0, frames: 3 };
     let mut bytes = Cursor::new(Vec::new());
     let mut cache = Writer::of("a.usda").unwrap().cache(Box::new(&mut bytes), &strands, options).unwrap();
     let at = |frame: usize| -> Vec<Vec3> {
@@ -478,7 +485,10 @@ fn cache_frames_survive_round_trip() {
     let bytes = bytes.into_inner();
     for frame in 0..3 {
         let raw = read("a.usda", &bytes, Moment::Frame(frame)).unwrap();
-        assert_eq!(raw.declared, Choice { unit: Some(Unit(0.01)), ..Choice::METERS });
+        assert_eq!(
+            raw.declared,
+            OrientationOverride { unit: Some(LengthUnit(0.01)), ..OrientationOverride::METERS }
+        );
         let meters: Vec<Vec3> = raw.strands.positions.iter().map(|p| *p * 0.01).collect();
         assert!(farthest(&meters, &at(frame as usize)) < 1e-5);
         assert_eq!(

@@ -60,7 +60,7 @@ pub(super) struct Tree {
 
 /// Position of the traversal in the tree.
 #[derive(Clone, Default)]
-struct Place {
+struct PrimCursor {
     depth: usize,
     above: Option<usize>,
     name: String,
@@ -70,23 +70,23 @@ struct Place {
 impl Tree {
     pub fn read(scene: &Scene) -> Result<Self> {
         let mut tree = Self::default();
-        let mut rest = vec![(sdf::Path::abs_root(), Place::default())];
-        while let Some((path, place)) = rest.pop() {
+        let mut rest = vec![(sdf::Path::abs_root(), PrimCursor::default())];
+        while let Some((path, cursor)) = rest.pop() {
             let prim = scene.say(scene.stage.prim(path).map_err(Into::into))?;
-            let mut inner = place.clone();
+            let mut inner = cursor.clone();
             inner.depth += 1;
-            if place.depth > 0 {
+            if cursor.depth > 0 {
                 if !scene.say(scene.stage.prim_matches(prim.path(), PrimPredicate::DEFAULT_PROXIES))? {
                     continue;
                 }
-                let most = scene.bytes.get().saturating_add(FREE);
-                if place.depth > DEEPEST || tree.prims.len() as u64 >= most {
+                let max_prims = scene.bytes.get().saturating_add(FREE);
+                if cursor.depth > DEEPEST || tree.prims.len() as u64 >= max_prims {
                     let problem = format!(
-                        "the file has more than {most} prims, or nests them more than {DEEPEST} levels deep"
+                        "the file has more than {max_prims} prims, or nests them more than {DEEPEST} levels deep"
                     );
                     return Err(scene.problem(problem));
                 }
-                tree.add(scene, &prim, &place, &mut inner)?;
+                tree.add(scene, &prim, &cursor, &mut inner)?;
             }
             let children = scene.say(prim.children())?;
             rest.extend(children.into_iter().rev().map(|child| (child.path().clone(), inner.clone())));
@@ -94,7 +94,7 @@ impl Tree {
         Ok(tree)
     }
 
-    fn add(&mut self, scene: &Scene, prim: &Prim, place: &Place, inner: &mut Place) -> Result<()> {
+    fn add(&mut self, scene: &Scene, prim: &Prim, cursor: &PrimCursor, inner: &mut PrimCursor) -> Result<()> {
         let name = prim.path().as_str().rsplit('/').next().unwrap_or_default().to_owned();
         let purpose = scene.say(prim.attribute("purpose").get::<Value>())?;
         match purpose.as_ref().and_then(value::text).as_deref() {
@@ -104,7 +104,7 @@ impl Tree {
             _ => {}
         }
         let own = self.prims.len();
-        self.prims.push((prim.clone(), place.above));
+        self.prims.push((prim.clone(), cursor.above));
         let kind = scene.say(prim.type_name())?;
         let kind = kind.as_ref().map(|kind| kind.as_str());
         match kind {
@@ -122,7 +122,7 @@ impl Tree {
         if let Some(schema) = schema {
             self.objects.push(Object {
                 prim: prim.clone(),
-                names: [name.clone(), place.name.clone()],
+                names: [name.clone(), cursor.name.clone()],
                 schema,
                 purpose: inner.purpose,
                 own,
@@ -150,11 +150,11 @@ impl Tree {
     /// Returns the sorted time codes at which the points of objects or the transforms above them have samples.
     pub fn times(&self, scene: &Scene, objects: &[&Object]) -> Result<Vec<f64>> {
         let mut all = Vec::new();
-        let mut seen = vec![false; self.prims.len()];
+        let mut visited = vec![false; self.prims.len()];
         for object in objects {
             all.extend(scene.say(object.prim.attribute("points").time_sample_times())?);
             let mut next = Some(object.own);
-            while let Some(i) = next.filter(|i| !std::mem::replace(&mut seen[*i], true)) {
+            while let Some(i) = next.filter(|i| !std::mem::replace(&mut visited[*i], true)) {
                 let (prim, above) = &self.prims[i];
                 for operation in operations(scene, prim, TimeCode::EARLIEST)? {
                     let name = operation.trim_start_matches(INVERSE).to_owned();
@@ -171,21 +171,21 @@ impl Tree {
     }
 
     /// Returns for each prim the matrix from its space to the file's, and whether it is visible, at `time`.
-    pub fn places(&self, scene: &Scene, time: TimeCode) -> Result<Vec<(DMat4, bool)>> {
+    pub fn transforms(&self, scene: &Scene, time: TimeCode) -> Result<Vec<(DMat4, bool)>> {
         let mut all: Vec<(DMat4, bool)> = Vec::with_capacity(self.prims.len());
         for (prim, above) in &self.prims {
             let (own, resets) = matrix(scene, prim, time)?;
-            let (above, seen) = above.map_or((DMat4::IDENTITY, true), |above| all[above]);
+            let (above, is_visible) = above.map_or((DMat4::IDENTITY, true), |above| all[above]);
             let visibility = scene.say(prim.attribute("visibility").get_at::<Value>(time))?;
             let hidden = visibility.as_ref().and_then(value::text).as_deref() == Some("invisible");
-            all.push((if resets { own } else { above * own }, seen && !hidden));
+            all.push((if resets { own } else { above * own }, is_visible && !hidden));
         }
         Ok(all)
     }
 
     /// Returns the matrix and visibility of an object, of those that [`Self::places`] returned.
-    pub fn of(object: &Object, places: &[(DMat4, bool)]) -> (DMat4, bool) {
-        places[object.own]
+    pub fn of(object: &Object, transforms: &[(DMat4, bool)]) -> (DMat4, bool) {
+        transforms[object.own]
     }
 }
 
@@ -213,11 +213,11 @@ pub(super) fn when(scene: &Scene, times: &[f64], moment: Moment) -> Result<(Time
             times.iter().copied().min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(*first)
         }
     };
-    let told = (times.len() > 1).then(|| {
+    let note = (times.len() > 1).then(|| {
         let [first, last, time] = [*first, *last, time].map(|code| code / per_second);
         format!("{} frames from {first:.3} to {last:.3} s, read at {time:.3} s", times.len())
     });
-    Ok((TimeCode::new(time), told))
+    Ok((TimeCode::new(time), note))
 }
 
 /// Prefix of the inverse of an operation.
@@ -262,7 +262,7 @@ fn operation(name: &str, value: &Value) -> Option<DMat4> {
     let mut parts = name.split(':');
     let kind = parts.next().filter(|space| *space == "xformOp").and_then(|_| parts.next())?;
     if kind == "orient" {
-        return Some(DMat4::from_quat(value::turn(value::rotation(value)?)));
+        return Some(DMat4::from_quat(value::normalized_quaternion(value::rotation(value)?)));
     }
     let (numbers, width) = value::row(value, |number| number)?;
     let three = || DVec3::from_slice(numbers.get(..3).unwrap_or(&[0.0; 3]));
@@ -289,8 +289,8 @@ fn operation(name: &str, value: &Value) -> Option<DMat4> {
         // The first axis of the name applies first. The angles are those about x, y and z in any case.
         (_, 3) if axes.len() == 3 && ['X', 'Y', 'Z'].iter().all(|axis| axes.contains(*axis)) => {
             let angles = three();
-            let turn = |axis: char| about(axis, angles[usize::from(axis as u8 - b'X')]);
-            Some(axes.chars().fold(DMat4::IDENTITY, |all, axis| turn(axis) * all))
+            let axis_rotation = |axis: char| about(axis, angles[usize::from(axis as u8 - b'X')]);
+            Some(axes.chars().fold(DMat4::IDENTITY, |all, axis| axis_rotation(axis) * all))
         }
         _ => None,
     }

@@ -112,9 +112,9 @@ pub(super) fn rotation(value: &Value) -> Option<[f64; 4]> {
 }
 
 /// Normalizes a quaternion; zero becomes the identity.
-pub(super) fn turn(xyzw: [f64; 4]) -> DQuat {
-    let turn = DQuat::from_array(xyzw);
-    if turn.length() > 0.0 { turn.normalize() } else { DQuat::IDENTITY }
+pub(super) fn normalized_quaternion(xyzw: [f64; 4]) -> DQuat {
+    let quaternion = DQuat::from_array(xyzw);
+    if quaternion.length() > 0.0 { quaternion.normalize() } else { DQuat::IDENTITY }
 }
 
 /// Returns rotations as x, y, z and w.

@@ -4,17 +4,17 @@ use std::io::{Error, ErrorKind, Result, Write};
 
 use glam::Vec3;
 
-use super::{Curves, LayerInfo, begun, layer::Layer};
+use super::{Curves, LayerInfo, layer::Layer, layer_metadata};
 use crate::{
     Strands,
-    formats::writer::{self, CacheOptions, Output},
-    orient::Unit,
+    formats::writer::{self, CacheOptions, CacheSink},
+    orient::LengthUnit,
 };
 
 /// A cache being written, frame by frame.
 struct Cache<W> {
     out: W,
-    unit: Unit,
+    unit: LengthUnit,
     vertices: usize,
     frames: u32,
 }
@@ -23,7 +23,7 @@ impl<W: Write> Cache<W> {
     /// Begins a file of `strands`, without their positions: [`frame`](writer::Cache::frame) adds positions per frame.
     fn new(mut out: W, strands: &Strands, options: CacheOptions) -> Result<Self> {
         let CacheOptions { unit, rate, frames } = options;
-        let mut lines = begun(&LayerInfo { prim: "groom", unit: Some(unit) });
+        let mut lines = layer_metadata(&LayerInfo { prim: "groom", unit: Some(unit) });
         lines.extend([
             format!("timeCodesPerSecond = {rate}"),
             format!("framesPerSecond = {rate}"),
@@ -33,14 +33,14 @@ impl<W: Write> Cache<W> {
         let mut layer = Layer::new(&lines);
         layer.open("Xform", "groom", &["GroomAPI"]);
         layer.open("BasisCurves", "strands", &[]);
-        Curves { strands, scale: unit.0 }.beside_points(&mut layer);
+        Curves { strands, scale: unit.0 }.attributes(&mut layer);
         layer.line("point3f[] points.timeSamples = {");
         out.write_all(layer.finish().as_bytes())?;
         Ok(Self { out, unit, vertices: strands.positions.len(), frames: 0 })
     }
 }
 
-impl<W: Write> writer::Cache for Cache<W> {
+impl<W: Write> writer::CacheWriter for Cache<W> {
     fn frame(&mut self, positions: &[Vec3]) -> Result<()> {
         if positions.len() != self.vertices {
             let problem =
@@ -64,9 +64,9 @@ impl<W: Write> writer::Cache for Cache<W> {
 
 /// Begins a cache as text.
 pub(crate) fn cache<'a>(
-    out: Box<dyn Output + 'a>,
+    out: Box<dyn CacheSink + 'a>,
     strands: &Strands,
     options: CacheOptions,
-) -> Result<Box<dyn writer::Cache + 'a>> {
+) -> Result<Box<dyn writer::CacheWriter + 'a>> {
     Ok(Box::new(Cache::new(out, strands, options)?))
 }

@@ -15,9 +15,9 @@ use crate::{
     Error, Result, Rig, Strands, TriMesh,
     formats::{
         usd::DOC,
-        writer::{EncodedFile, Hair},
+        writer::{EncodedFile, ExportHair},
     },
-    orient::Unit,
+    orient::LengthUnit,
 };
 use layer::{Layer, per, point};
 
@@ -26,10 +26,10 @@ struct LayerInfo<'a> {
     /// The default prim.
     prim: &'a str,
     /// Unit of the file, with Y up; `None` states neither.
-    unit: Option<Unit>,
+    unit: Option<LengthUnit>,
 }
 
-fn begun(about: &LayerInfo<'_>) -> Vec<String> {
+fn layer_metadata(about: &LayerInfo<'_>) -> Vec<String> {
     let mut lines = vec![format!("defaultPrim = \"{}\"", about.prim), format!("doc = \"{DOC}\"")];
     if let Some(unit) = about.unit {
         lines.extend([format!("metersPerUnit = {}", unit.0), "upAxis = \"Y\"".into()]);
@@ -38,13 +38,13 @@ fn begun(about: &LayerInfo<'_>) -> Vec<String> {
 }
 
 /// Encodes strands as text.
-pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<EncodedFile> {
-    let mut layer = Layer::new(&begun(&LayerInfo { prim: "groom", unit }));
+pub(crate) fn encode(strands: &Strands, unit: Option<LengthUnit>) -> Result<EncodedFile> {
+    let mut layer = Layer::new(&layer_metadata(&LayerInfo { prim: "groom", unit }));
     layer.open("Xform", "groom", &["GroomAPI"]);
     layer.open("BasisCurves", "strands", &[]);
     let curves = Curves { strands, scale: unit.map_or(1.0, |unit| unit.0) };
     curves.points(&mut layer);
-    curves.beside_points(&mut layer);
+    curves.attributes(&mut layer);
     layer.close();
     layer.close();
     Ok(layer.finish().into_bytes().into())
@@ -58,11 +58,11 @@ pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<EncodedFil
 /// # Errors
 /// [`Error::Unusable`] for a rig of another mesh, for a joint whose bind matrix has no inverse, for animations of more
 /// than 100,000 frames or with scales beyond half floats, and for hair without strands.
-pub(crate) fn character(body: Option<(&TriMesh, Option<&Rig>)>, hair: &[Hair<'_>]) -> Result<Vec<u8>> {
+pub(crate) fn character(body: Option<(&TriMesh, Option<&Rig>)>, hair: &[ExportHair<'_>]) -> Result<Vec<u8>> {
     if hair.iter().any(|hair| hair.strands.is_empty()) {
         return Err(Error::Unusable("a groom without strands cannot be written".into()));
     }
-    let mut lines = begun(&LayerInfo { prim: "character", unit: Some(Unit(1.0)) });
+    let mut lines = layer_metadata(&LayerInfo { prim: "character", unit: Some(LengthUnit(1.0)) });
     let rig = body.and_then(|(_, rig)| rig);
     let rate = rig.map_or(0.0, skel::rate);
     if let Some(rig) = rig.filter(|rig| !rig.animations.is_empty()) {
@@ -90,7 +90,7 @@ pub(crate) fn character(body: Option<(&TriMesh, Option<&Rig>)>, hair: &[Hair<'_>
                 layer.open("BasisCurves", &skel::unique(&mut used, "", hair.name), &[]);
                 let curves = Curves { strands: hair.strands, scale: 1.0 };
                 curves.points(&mut layer);
-                curves.beside_points(&mut layer);
+                curves.attributes(&mut layer);
                 layer.close();
             }
         }
@@ -115,20 +115,20 @@ impl Curves<'_> {
         if self.scale == 1.0 { v } else { v / self.scale }
     }
 
-    fn place(&self, p: &glam::Vec3) -> String {
+    fn scaled_point(&self, p: &glam::Vec3) -> String {
         point(&glam::Vec3::from(p.to_array().map(|v| self.scaled(v))))
     }
 
     /// Writes the positions and their bounds.
     fn points(&self, layer: &mut Layer) {
-        layer.list("point3f[] points", self.strands.positions.iter().map(|p| self.place(p)), &[]);
+        layer.list("point3f[] points", self.strands.positions.iter().map(|p| self.scaled_point(p)), &[]);
         if let Some((lo, hi)) = self.strands.bounds() {
-            layer.list("float3[] extent", [lo, hi].iter().map(|p| self.place(p)), &[]);
+            layer.list("float3[] extent", [lo, hi].iter().map(|p| self.scaled_point(p)), &[]);
         }
     }
 
     /// Writes all attributes except positions.
-    fn beside_points(&self, layer: &mut Layer) {
+    fn attributes(&self, layer: &mut Layer) {
         let strands = self.strands;
         layer.line("uniform token type = \"linear\"");
         layer.line("uniform token wrap = \"nonperiodic\"");
@@ -202,7 +202,7 @@ mod tests {
         strands.root_uvs = vec![Vec2::new(0.5, 0.25); 2];
         strands.marks = vec![Mark { guide: true, id: 7, weights: [1.0, 0.0, 0.0], ..Default::default() }; 2];
         let text = |unit| String::from_utf8(encode(&strands, unit).unwrap().bytes).unwrap();
-        let meters = text(Some(Unit(1.0)));
+        let meters = text(Some(LengthUnit(1.0)));
         let values = |text: &str, name: &str| {
             let line = text.lines().find(|line| line.contains(&format!("{name} = ["))).unwrap().to_owned();
             let list = line.split_once('[').and_then(|(_, rest)| rest.split_once(" = [")).unwrap().1;
@@ -228,7 +228,7 @@ mod tests {
             assert_eq!(values(&meters, name).len(), count, "{name}: {meters}");
         }
         assert_eq!(values(&meters, "points")[5].parse::<f32>(), Ok(1e-7));
-        let centimeters = text(Some(Unit(0.01)));
+        let centimeters = text(Some(LengthUnit(0.01)));
         assert!(meters.contains("metersPerUnit = 1\n") && centimeters.contains("metersPerUnit = 0.01\n"));
         assert_eq!(values(&centimeters, "points")[4].parse::<f32>(), Ok(-50.0));
         assert!(!text(None).contains("upAxis") && meters.contains("upAxis = \"Y\""));

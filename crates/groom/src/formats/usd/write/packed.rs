@@ -2,8 +2,8 @@
 
 use crate::{
     Error, Result, Rig, Strands, TriMesh,
-    formats::writer::{EncodedFile, Hair},
-    orient::Unit,
+    formats::writer::{EncodedFile, ExportHair},
+    orient::LengthUnit,
 };
 
 /// Version of the files. The writer states 0.12, which Blender 4.2 refuses. Versions after 0.8 only add types of values
@@ -11,12 +11,12 @@ use crate::{
 const VERSION: [u8; 3] = [0, 8, 0];
 
 /// Encodes strands.
-pub(crate) fn encode(strands: &Strands, unit: Option<Unit>) -> Result<EncodedFile> {
+pub(crate) fn encode(strands: &Strands, unit: Option<LengthUnit>) -> Result<EncodedFile> {
     packed(&super::encode(strands, unit)?.bytes).map(EncodedFile::from)
 }
 
 /// Encodes a mesh with hair.
-pub(crate) fn character(body: Option<(&TriMesh, Option<&Rig>)>, hair: &[Hair<'_>]) -> Result<Vec<u8>> {
+pub(crate) fn character(body: Option<(&TriMesh, Option<&Rig>)>, hair: &[ExportHair<'_>]) -> Result<Vec<u8>> {
     packed(&super::character(body, hair)?)
 }
 

@@ -15,9 +15,9 @@ use super::{
 };
 use crate::{
     Error, Result, Strands, TriMesh,
-    formats::writer::Hair,
+    formats::writer::ExportHair,
     mesh::Bvh,
-    rig::{Animation, INFLUENCES, Node, Rig, RigPose, Target},
+    rig::{Animation, INFLUENCES, MorphTarget, Node, Rig, RigPose},
 };
 
 /// Returns the frame rate: the first of 24, 25, 30 and 50 frames per second on which all animation keys lie, else 60.
@@ -28,11 +28,11 @@ pub(super) fn rate(rig: &Rig) -> f32 {
 }
 
 /// Maximum length of an animation, frames.
-const MOST_FRAMES: f32 = 100_000.0;
+const MAX_FRAMES: f32 = 100_000.0;
 /// The largest half float, the type of scales.
-const MOST_SCALE: f64 = 65_504.0;
+const MAX_SCALE: f64 = 65_504.0;
 /// Maximum joints of a strand.
-const HELD: usize = 4;
+const MAX_JOINTS_PER_STRAND: usize = 4;
 
 /// A rig, its rest pose, and its joints as USD has them.
 struct Skeleton<'a> {
@@ -61,7 +61,7 @@ impl<'a> Skeleton<'a> {
             all.bind.push(if global.determinant() == 0.0 { DMat4::IDENTITY } else { global });
             all.rest.push(node.matrix.unwrap_or_else(|| node.rest.matrix()).as_dmat4());
         }
-        let mut taken = vec![false; rig.nodes.len()];
+        let mut has_bind = vec![false; rig.nodes.len()];
         for joint in &rig.joints {
             let (node, bind) = (joint.node as usize, joint.inverse_bind.as_dmat4().inverse());
             if !bind.is_finite() || bind.determinant() == 0.0 {
@@ -69,7 +69,7 @@ impl<'a> Skeleton<'a> {
                     "a joint whose bind matrix has no inverse cannot be written".into(),
                 ));
             }
-            if !std::mem::replace(&mut taken[node], true) {
+            if !std::mem::replace(&mut has_bind[node], true) {
                 all.bind[node] = bind;
             }
             if all.bind[node] == bind {
@@ -90,9 +90,9 @@ impl<'a> Skeleton<'a> {
     fn animation(&self, layer: &mut Layer, name: &str, rate: f32, animation: &Animation) -> Result<()> {
         let rig = self.rig;
         let frames = (animation.length * rate).round().max(0.0);
-        if frames > MOST_FRAMES {
+        if frames > MAX_FRAMES {
             return Err(Error::Unusable(format!(
-                "the animation {name} of {} s is too long: the maximum is {MOST_FRAMES} frames",
+                "the animation {name} of {} s is too long: the maximum is {MAX_FRAMES} frames",
                 animation.length
             )));
         }
@@ -131,10 +131,10 @@ impl<'a> Skeleton<'a> {
         layer.samples(
             "quatf[] rotations",
             poses.iter().map(|(frame, parts, _)| {
-                let turn = |q: &glam::DQuat| {
+                let rotation = |q: &glam::DQuat| {
                     format!("({}, {}, {}, {})", q.w as f32, q.x as f32, q.y as f32, q.z as f32)
                 };
-                (*frame, listed(parts.iter().map(|(_, q, _)| turn(q))))
+                (*frame, listed(parts.iter().map(|(_, q, _)| rotation(q))))
             }),
         );
         layer.samples(
@@ -151,7 +151,7 @@ impl<'a> Skeleton<'a> {
         layer.close();
         let widest =
             poses.iter().flat_map(|(_, parts, _)| parts).map(|(scale, ..)| scale.abs().max_element());
-        match widest.fold(0.0, f64::max) <= MOST_SCALE {
+        match widest.fold(0.0, f64::max) <= MAX_SCALE {
             true => Ok(()),
             false => Err(Error::Unusable(format!("the animation {name} has scales too large for USD"))),
         }
@@ -196,7 +196,7 @@ impl<'a> Skeleton<'a> {
         mesh: &TriMesh,
         bvh: &Bvh,
     ) -> Result<()> {
-        let mut moved = strands.clone();
+        let mut bind_strands = strands.clone();
         let mut held = Vec::with_capacity(strands.len());
         for (i, line) in strands.iter().enumerate() {
             let own = carriers(line[0], mesh, self.rig, bvh);
@@ -209,7 +209,7 @@ impl<'a> Skeleton<'a> {
                     "hair on skin whose rest transform has no inverse cannot be written".into(),
                 ));
             }
-            for p in &mut moved.positions[strands.range(i)] {
+            for p in &mut bind_strands.positions[strands.range(i)] {
                 *p = back.transform_point3(DVec3::from(*p)).as_vec3();
             }
             held.push(own.into_iter().map(|(joint, weight)| (self.of[joint], weight)).collect::<Vec<_>>());
@@ -217,10 +217,10 @@ impl<'a> Skeleton<'a> {
         layer.open("BasisCurves", name, &["SkelBindingAPI"]);
         // Widths are in the skeleton's space.
         let scale = self.rig.to_groom.determinant().abs().cbrt();
-        moved.radii.iter_mut().for_each(|radius| *radius /= scale);
-        let curves = Curves { strands: &moved, scale: 1.0 };
+        bind_strands.radii.iter_mut().for_each(|radius| *radius /= scale);
+        let curves = Curves { strands: &bind_strands, scale: 1.0 };
         curves.points(layer);
-        curves.beside_points(layer);
+        curves.attributes(layer);
         // Hair on a single joint stores it once.
         let once = held.iter().all(|own| own.len() == 1 && *own == held[0]);
         let width = held.iter().map(Vec::len).max().unwrap_or(1);
@@ -264,7 +264,7 @@ pub(super) fn put(
     layer: &mut Layer,
     (mesh, rig): (&TriMesh, &Rig),
     rate: f32,
-    hair: &[Hair<'_>],
+    hair: &[ExportHair<'_>],
 ) -> Result<()> {
     if rig.vertices.len() != mesh.positions.len() {
         return Err(Error::Unusable("the rig does not match the mesh".into()));
@@ -301,9 +301,9 @@ pub(super) fn put(
 
 /// Decomposes a joint's local transform into scale, rotation and translation. A singular transform gets no rotation.
 fn parts_of(local: &DMat4) -> (DVec3, glam::DQuat, DVec3) {
-    let (scale, turn, place) = local.to_scale_rotation_translation();
-    if turn.is_finite() && scale.is_finite() {
-        return (scale, turn, place);
+    let (scale, rotation, translation) = local.to_scale_rotation_translation();
+    if rotation.is_finite() && scale.is_finite() {
+        return (scale, rotation, translation);
     }
     let scale = DVec3::new(
         local.x_axis.truncate().length(),
@@ -325,7 +325,7 @@ pub(super) fn surface(layer: &mut Layer, mesh: &TriMesh) {
     layer.line("uniform token subdivisionScheme = \"none\"");
 }
 
-fn shape(layer: &mut Layer, name: &str, target: &Target) {
+fn shape(layer: &mut Layer, name: &str, target: &MorphTarget) {
     layer.open("BlendShape", name, &[]);
     layer.list("uniform vector3f[] offsets", target.deltas.iter().map(|d| point(&d.position)), &[]);
     layer.list("uniform vector3f[] normalOffsets", target.deltas.iter().map(|d| point(&d.normal)), &[]);
@@ -336,7 +336,7 @@ fn shape(layer: &mut Layer, name: &str, target: &Target) {
 /// Returns the names of the rig's blend shapes, made unique.
 fn shape_names(rig: &Rig) -> Vec<String> {
     let mut used = HashMap::<String, u32>::new();
-    let name = |target: &Target| {
+    let name = |target: &MorphTarget| {
         let count = used.entry(target.name.clone()).or_insert(0);
         *count += 1;
         if *count == 1 { quoted(&target.name) } else { quoted(&format!("{} {count}", target.name)) }
@@ -364,10 +364,10 @@ fn carriers(root: Vec3, mesh: &TriMesh, rig: &Rig, bvh: &Bvh) -> Vec<(usize, f32
     let Some(closest) = bvh.closest_point(root) else { return vec![(0, 1.0)] };
     let corners = mesh.triangles[closest.triangle as usize];
     let mut all: Vec<(usize, f32)> = Vec::new();
-    for (corner, share) in corners.into_iter().zip(closest.barycentric.to_array()) {
+    for (corner, corner_weight) in corners.into_iter().zip(closest.barycentric.to_array()) {
         let bind = &rig.vertices[corner as usize];
         for (joint, weight) in bind.joints.iter().zip(bind.weights).filter(|(_, weight)| *weight > 0.0) {
-            let (joint, weight) = (usize::from(*joint), weight * share);
+            let (joint, weight) = (usize::from(*joint), weight * corner_weight);
             match all.iter_mut().find(|(other, _)| *other == joint) {
                 Some((_, sum)) => *sum += weight,
                 None => all.push((joint, weight)),
@@ -375,7 +375,7 @@ fn carriers(root: Vec3, mesh: &TriMesh, rig: &Rig, bvh: &Bvh) -> Vec<(usize, f32
         }
     }
     all.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-    all.truncate(HELD);
+    all.truncate(MAX_JOINTS_PER_STRAND);
     // Drop joints of negligible weight.
     all.retain(|(_, weight)| *weight > 1e-4);
     let sum: f32 = all.iter().map(|(_, weight)| weight).sum();

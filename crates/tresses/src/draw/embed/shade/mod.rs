@@ -19,7 +19,7 @@
 //! below. Shadows do not widen with distance, as they would for a nearby light. In the pass each zone casts its own shadow;
 //! the function reads only the view's own maps.
 
-use super::{Surroundings, has_samples};
+use super::{HostFrame, has_samples};
 use crate::{
     Context, Result,
     draw::canvas::Canvas,
@@ -52,7 +52,7 @@ pub struct Shade {
     /// Opacity of the shadow, 0 to 1.
     pub strength: f32,
     /// Distance behind the hair's shadow maps at which the shadow ends, meters. It fades out over the last quarter.
-    pub reach: f32,
+    pub range: f32,
     /// Which of [`Lights::directional`](crate::light::Lights::directional) cast shadows of hair.
     pub lights: [bool; MAX_LIGHTS],
 }
@@ -60,7 +60,7 @@ pub struct Shade {
 impl Default for Shade {
     /// Full strength, all lights, and a reach from a head to the floor.
     fn default() -> Self {
-        Self { strength: 1.0, reach: 2.5, lights: [true; MAX_LIGHTS] }
+        Self { strength: 1.0, range: 2.5, lights: [true; MAX_LIGHTS] }
     }
 }
 
@@ -87,7 +87,7 @@ pub(crate) struct ShadeUniform {
 }
 
 impl ShadeUniform {
-    fn new(shade: &Shade, canvas: &Canvas<'_, '_>, into: &Surroundings<'_>) -> Self {
+    fn new(shade: &Shade, canvas: &Canvas<'_, '_>, into: &HostFrame<'_>) -> Self {
         let depth = |z: f32| into.projection.project_point3(Vec3::NEG_Z * z).z;
         let is_on = canvas.lights.directional.iter().zip(shade.lights).filter(|(light, _)| light.is_on());
         let bits = is_on.enumerate().map(|(i, (_, casts))| u32::from(casts) << i);
@@ -97,7 +97,7 @@ impl ShadeUniform {
             origin: into.origin,
             size: canvas.target.size,
             strength: shade.strength.clamp(0.0, 1.0),
-            range: shade.reach.max(0.0),
+            range: shade.range.max(0.0),
             nothing: if depth(2.0) > depth(1.0) { 1.0 } else { 0.0 },
             lights: bits.sum(),
         }
@@ -150,9 +150,9 @@ impl Caster {
     }
 
     /// Darkens the scene's color where hair is between it and the lights.
-    pub fn record(&self, canvas: &mut Canvas<'_, '_>, into: &Surroundings<'_>) -> Result<()> {
+    pub fn record(&self, canvas: &mut Canvas<'_, '_>, into: &HostFrame<'_>) -> Result<()> {
         // `max` turns NaN into 0, which casts no shadow.
-        let casts = |shade: &Shade| shade.strength.max(0.0) > 0.0 && shade.reach.max(0.0) > 0.0;
+        let casts = |shade: &Shade| shade.strength.max(0.0) > 0.0 && shade.range.max(0.0) > 0.0;
         let Some(shade) = into.shade.filter(casts) else { return Ok(()) };
         let many = has_samples(into.depth);
         let pipeline = self.pipeline(many)?;

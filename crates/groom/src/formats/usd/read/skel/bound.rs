@@ -52,33 +52,34 @@ impl SkelBinding {
             || !fits(joints.flat.len())
             || constant && joints.flat.len() != width
         {
-            let [given, shares] = [joints.flat.len(), weights.flat.len()];
+            let [joint_count, weight_count] = [joints.flat.len(), weights.flat.len()];
             return Err(broken(format!(
-                "{given} joint indices and {shares} weights do not match {points} points"
+                "{joint_count} joint indices and {weight_count} weights do not match {points} points"
             )));
         }
         let own = &skeletons.0[skeleton];
         // The prim may have its own list of joints.
         let listed = inherited(scene, tree.up(object), "skel:joints", time)?;
         let listed = listed.as_ref().map(value::texts).unwrap_or_default();
-        let places: Vec<Option<u32>> = match listed.is_empty() {
+        let joint_indices: Vec<Option<u32>> = match listed.is_empty() {
             true => (0..own.joints.len() as u32).map(Some).collect(),
             false => {
-                let place = |name: &String| own.places.get(name).map(|at| *at as u32);
-                listed.iter().map(place).collect()
+                let index_of = |name: &String| own.joint_indices.get(name).map(|at| *at as u32);
+                listed.iter().map(index_of).collect()
             }
         };
         let mut named = Vec::with_capacity(joints.flat.len());
         for (joint, weight) in joints.flat.iter().zip(&weights.flat) {
-            let place = (*joint >= 0.0).then(|| places.get(*joint as usize).copied().flatten()).flatten();
-            match place {
-                Some(place) => named.push(place),
+            let index =
+                (*joint >= 0.0).then(|| joint_indices.get(*joint as usize).copied().flatten()).flatten();
+            match index {
+                Some(index) => named.push(index),
                 // Files may store any joint with weight 0.
                 None if *weight == 0.0 => named.push(0),
                 None => {
                     return Err(broken(format!(
                         "joint index {joint} is out of range; there are {} joints",
-                        places.len()
+                        joint_indices.len()
                     )));
                 }
             }
@@ -103,7 +104,7 @@ impl SkelBinding {
     }
 
     /// Moves points by a skeleton's `palette`, into the skeleton's space.
-    pub fn bring(&self, palette: &[DMat4], points: &mut [Vec3]) {
+    pub fn deform(&self, palette: &[DMat4], points: &mut [Vec3]) {
         let blend = |point: usize| {
             let mut held = self.at(point).peekable();
             if held.peek().is_none() {

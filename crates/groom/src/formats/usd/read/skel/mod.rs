@@ -46,7 +46,7 @@ pub(super) struct Skeleton {
     /// Paths of the joints, by which animations and bindings refer to them.
     pub joints: Vec<String>,
     /// Index of the joint of each path.
-    pub places: HashMap<String, usize>,
+    pub joint_indices: HashMap<String, usize>,
     /// Names of the joints; their paths if the file has no names.
     pub names: Vec<String>,
     pub parents: Vec<Option<usize>>,
@@ -109,9 +109,9 @@ impl Skeleton {
                 "the skeleton has more than {MAX_JOINTS} joints, or paths of more than {LONGEST} bytes"
             )));
         }
-        let places: HashMap<String, usize> =
+        let joint_indices: HashMap<String, usize> =
             joints.iter().enumerate().map(|(i, path)| (path.clone(), i)).collect();
-        let parents = parents(&joints, &places).map_err(broken)?;
+        let parents = parents(&joints, &joint_indices).map_err(broken)?;
         let names = value("jointNames")?.as_ref().map(value::texts).unwrap_or_default();
         let names = if names.len() == joints.len() { names } else { joints.clone() };
         let matrices = |name: &str| -> Result<Vec<DMat4>> {
@@ -143,12 +143,12 @@ impl Skeleton {
         let source = target(scene, tree.above(own), "skel:animationSource")?;
         let animation =
             source.and_then(|source| tree.animations.iter().find(|prim| *prim.path() == source).cloned());
-        Ok(Self { prim: prim.clone(), joints, places, names, parents, bind, rest, animation, own })
+        Ok(Self { prim: prim.clone(), joints, joint_indices, names, parents, bind, rest, animation, own })
     }
 
     /// Returns the matrix from the skeleton's space to the file's.
-    pub fn place(&self, places: &[(DMat4, bool)]) -> DMat4 {
-        places[self.own].0
+    pub fn transform(&self, transforms: &[(DMat4, bool)]) -> DMat4 {
+        transforms[self.own].0
     }
 
     /// Returns the skinning matrices, in the skeleton's space: at rest for [`Moment::First`], else at `time`.
@@ -157,7 +157,7 @@ impl Skeleton {
         if let Some(animation) = self.animation.as_ref().filter(|_| !matches!(moment, Moment::First)) {
             let joints = animated(scene, animation)?;
             for (name, moved) in joints.iter().zip(moves(scene, animation, joints.len(), time)?) {
-                if let Some(joint) = self.places.get(name) {
+                if let Some(joint) = self.joint_indices.get(name) {
                     local[*joint] = moved;
                 }
             }
@@ -206,21 +206,26 @@ fn moves(scene: &Scene, prim: &Prim, count: usize, time: TimeCode) -> Result<Vec
         let row = value(name)?.as_ref().and_then(|value| value::row(value, |number| number));
         Ok(row.filter(|(_, width)| *width == 3).map(|(flat, _)| flat).unwrap_or_default())
     };
-    let (moved, scaled) = (three("translations")?, three("scales")?);
-    let turned = value("rotations")?.as_ref().map(value::rotations).unwrap_or_default();
-    let fits =
-        moved.len() == 3 * count && turned.len() == count && (scaled.is_empty() || scaled.len() == 3 * count);
+    let (translations, scales) = (three("translations")?, three("scales")?);
+    let rotations = value("rotations")?.as_ref().map(value::rotations).unwrap_or_default();
+    let fits = translations.len() == 3 * count
+        && rotations.len() == count
+        && (scales.is_empty() || scales.len() == 3 * count);
     if !fits {
         return Err(broken(&format!("the transforms of the animation do not match its {count} joints")));
     }
-    let place = |i: usize| {
+    let transform = |i: usize| {
         let at = |row: &[f64]| DVec3::from_slice(&row[3 * i..]);
-        let scale = if scaled.is_empty() { DVec3::ONE } else { at(&scaled) };
-        DMat4::from_scale_rotation_translation(scale, value::turn(turned[i]), at(&moved))
+        let scale = if scales.is_empty() { DVec3::ONE } else { at(&scales) };
+        DMat4::from_scale_rotation_translation(
+            scale,
+            value::normalized_quaternion(rotations[i]),
+            at(&translations),
+        )
     };
-    let places: Vec<_> = (0..count).map(place).collect();
-    match places.iter().all(DMat4::is_finite) {
-        true => Ok(places),
+    let transforms: Vec<_> = (0..count).map(transform).collect();
+    match transforms.iter().all(DMat4::is_finite) {
+        true => Ok(transforms),
         false => Err(broken("the transforms of the animation are not finite")),
     }
 }

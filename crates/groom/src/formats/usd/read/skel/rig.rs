@@ -16,8 +16,8 @@ use crate::{
         usd::read::{Scene, tree::Object},
     },
     rig::{
-        Animation, Bind, Channel, Curve, Delta, INFLUENCES, Interpolation, Joint, MAX_JOINTS, Node, Property,
-        Rig, Target, Transform,
+        Animation, Bind, Channel, Curve, Delta, INFLUENCES, Interpolation, Joint, MAX_JOINTS, MorphTarget,
+        Node, Property, Rig, Transform,
     },
 };
 
@@ -39,7 +39,7 @@ const STILL: u16 = u16::MAX;
 
 impl Rigging {
     /// Begins a rig with the skeletons of a file.
-    pub fn new(scene: &Scene, skeletons: &Skeletons, places: &[(DMat4, bool)]) -> Result<Self> {
+    pub fn new(scene: &Scene, skeletons: &Skeletons, transforms: &[(DMat4, bool)]) -> Result<Self> {
         let mut rig = Rig::default();
         let mut first = Vec::new();
         for skeleton in &skeletons.0 {
@@ -56,7 +56,11 @@ impl Rigging {
             if rig.joints.len() + skeleton.joints.len() + skeletons.0.len() + 1 > MAX_JOINTS {
                 return Err(scene.problem(format!("the skeletons have more than {MAX_JOINTS} joints")));
             }
-            rig.nodes.push(node(skeleton.prim.path().as_str(), None, skeleton.place(places).as_mat4()));
+            rig.nodes.push(node(
+                skeleton.prim.path().as_str(),
+                None,
+                skeleton.transform(transforms).as_mat4(),
+            ));
             for (i, name) in skeleton.names.iter().enumerate() {
                 let parent = skeleton.parents[i].map_or(root, |parent| root + 1 + parent);
                 rig.nodes.push(node(name, Some(parent), skeleton.rest[i].as_mat4()));
@@ -80,10 +84,10 @@ impl Rigging {
         let base = self.rig.vertices.len();
         let own = bound.map_or(matrix, |bound| bound.geom);
         for (i, point) in points.iter().enumerate() {
-            let place = own.transform_point3(DVec3::from(*point)).as_vec3();
+            let position = own.transform_point3(DVec3::from(*point)).as_vec3();
             let bind = match bound {
-                Some(bound) => self.held(bound, i, place),
-                None => Bind::rigid(place, Vec3::Y, STILL),
+                Some(bound) => self.held(bound, i, position),
+                None => Bind::rigid(position, Vec3::Y, STILL),
             };
             self.rig.vertices.push(bind);
         }
@@ -92,7 +96,7 @@ impl Rigging {
     }
 
     /// Returns a vertex with its strongest joints.
-    fn held(&mut self, bound: &SkelBinding, point: usize, place: Vec3) -> Bind {
+    fn held(&mut self, bound: &SkelBinding, point: usize, position: Vec3) -> Bind {
         let first = self.first[bound.skeleton].1;
         let mut all: Vec<(u32, f32)> = bound.at(point).collect();
         all.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -105,9 +109,9 @@ impl Rigging {
                 rig.joints.push(Joint { node: root, inverse_bind: Mat4::IDENTITY });
                 (rig.joints.len() - 1) as u16
             });
-            return Bind::rigid(place, Vec3::Y, joint);
+            return Bind::rigid(position, Vec3::Y, joint);
         }
-        let mut bind = Bind { position: place, normal: Vec3::Y, joints: [0; 8], weights: [0.0; 8] };
+        let mut bind = Bind { position, normal: Vec3::Y, joints: [0; 8], weights: [0.0; 8] };
         for (slot, (joint, weight)) in all.into_iter().enumerate() {
             bind.joints[slot] = (first + joint as usize) as u16;
             bind.weights[slot] = weight / sum;
@@ -164,7 +168,7 @@ impl Rigging {
                 Some(known) => self.rig.targets[*known].deltas.extend(deltas),
                 None => {
                     self.targets.insert(name.clone(), next);
-                    self.rig.targets.push(Target { name: name.clone(), deltas });
+                    self.rig.targets.push(MorphTarget { name: name.clone(), deltas });
                 }
             }
         }
@@ -242,15 +246,15 @@ impl Rigging {
             }
             let stamps: Vec<f32> = stamps.iter().map(seconds).collect();
             // An animation that some skeletons refer to does not move the others.
-            let moved =
+            let is_animated =
                 |skeleton: &Skeleton| skeleton.animation.as_ref().map(Prim::path) == Some(prim.path());
-            let free = !skeletons.0.iter().any(moved);
+            let free = !skeletons.0.iter().any(is_animated);
             for (skeleton, (root, _)) in skeletons.0.iter().zip(&self.first) {
-                if !free && !moved(skeleton) {
+                if !free && !is_animated(skeleton) {
                     continue;
                 }
                 for (at, name) in joints.iter().enumerate() {
-                    let Some(joint) = skeleton.places.get(name) else { continue };
+                    let Some(joint) = skeleton.joint_indices.get(name) else { continue };
                     scene.take(keys.len() as u64)?;
                     let node = (root + 1 + joint) as u32;
                     let parts = keys.iter().map(|key| Transform::from_matrix(key[at].as_mat4()));
@@ -263,10 +267,10 @@ impl Rigging {
                     let three = |of: fn(&Transform) -> Vec3| {
                         curve(parts.iter().flat_map(|part| of(part).to_array()).collect())
                     };
-                    let turns = parts.iter().flat_map(|part| part.rotation.to_array()).collect();
+                    let rotations = parts.iter().flat_map(|part| part.rotation.to_array()).collect();
                     channels.extend([
                         Channel { node, property: Property::Translation, curve: three(|t| t.translation) },
-                        Channel { node, property: Property::Rotation, curve: curve(turns) },
+                        Channel { node, property: Property::Rotation, curve: curve(rotations) },
                         Channel { node, property: Property::Scale, curve: three(|t| t.scale) },
                     ]);
                 }

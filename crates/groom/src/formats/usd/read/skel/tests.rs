@@ -11,7 +11,7 @@ use glam::{Mat4, Quat, Vec3};
 use super::super::tests::{SKELETON, farthest, read, text};
 use crate::{
     Rig, Strands, TriMesh,
-    export::{Hair, Writer},
+    export::{ExportHair, Writer},
     import::{
         Moment,
         mesh::{self, RawMesh},
@@ -121,7 +121,7 @@ fn broken_skeletons_are_refused() {
 
 /// Writes a mesh with its rig and hair, and reads it back.
 fn written_body(body: &TriMesh, rig: &Rig, strands: &Strands, packed: bool) -> (RawMesh, Vec<u8>) {
-    let hair = [Hair { name: "hair", strands, packed: false, look: None }];
+    let hair = [ExportHair { name: "hair", strands, packed: false, look: None }];
     let name = if packed { "a.usdc" } else { "a.usda" };
     let bytes = Writer::of(name).unwrap().character(Some((body, Some(rig))), &hair).unwrap();
     let given = [(PathBuf::from(name), Cow::Borrowed(&bytes[..]))];
@@ -223,7 +223,7 @@ fn bodies_with_hair_survive_round_trip() {
     gone.animations[0].length = 1e7;
     let error = usda.character(Some((&bust, Some(&gone))), &[]).unwrap_err().to_string();
     assert!(error.contains("100000 frames"), "{error}");
-    let empty = [Hair { name: "hair", strands: &Strands::default(), packed: false, look: None }];
+    let empty = [ExportHair { name: "hair", strands: &Strands::default(), packed: false, look: None }];
     assert!(usda.character(None, &empty).is_err());
     assert!(usda.character(Some((&other, Some(&built_in))), &[]).is_err(), "another's rig");
     // Without a rig nothing is bound.
