@@ -5,7 +5,7 @@ use clap::{Arg, ArgAction, ArgMatches, Args, Command, Error, FromArgMatches, err
 use std::{marker::PhantomData, str::FromStr};
 use tresses_scene::{
     Companion, PresetSource, Settings,
-    companions::{ColorSource, MapSource},
+    companion_files::{ColorSource, MapSource},
     knobs::{Flag, Knob, SECTIONS, ValueKind, flags::Assignment, removed},
     source::{COMPANION_FILES, CompanionKind as Companionship},
 };

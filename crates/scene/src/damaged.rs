@@ -5,7 +5,7 @@
 
 use crate::{
     Colliders, Motion, Preset, Shelf,
-    companions::{levels::levels, ties::ties},
+    companion_files::{levels::levels, ties::ties},
     preset::Extent,
 };
 use std::{

@@ -14,7 +14,7 @@
 //! - `quality`: image size and sampling.
 //! - `knobs`: the table of all parameters, with units, ranges and hints.
 //! - `colliders`: colliders from a file.
-//! - `companions`: readers of the files that accompany a groom and its head.
+//! - `companion_files`: readers of the files that accompany a groom and its head.
 //! - `options`: conversion of settings to the library's options.
 //! - `preset`: settings and file names as one text file.
 //! - `open`: loading a preset's character.
@@ -27,7 +27,7 @@
 pub mod camera;
 pub mod cards;
 pub mod colliders;
-pub mod companions;
+pub mod companion_files;
 pub mod crowd;
 #[cfg(test)]
 mod damaged;
@@ -49,7 +49,7 @@ pub mod words;
 
 pub use camera::{CaptureCamera, Shot, Viewpoint};
 pub use colliders::Colliders;
-pub use companions::{CompanionFiles, EnvironmentMap};
+pub use companion_files::{CompanionFiles, EnvironmentMap};
 pub use crowd::{Crowd, CrowdOptions};
 pub use history::History;
 pub use knobs::{Change, Changes, Knob, Value};

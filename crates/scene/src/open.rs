@@ -1,6 +1,6 @@
 //! Loads the character of a preset: a groom and its head, imported or built in.
 
-use crate::{companions::CompanionFiles, preset::Preset, settings::HairColor, shelf::Shelf};
+use crate::{companion_files::CompanionFiles, preset::Preset, settings::HairColor, shelf::Shelf};
 use anyhow::{Result, ensure};
 use std::str::FromStr;
 use tresses::{

@@ -10,7 +10,7 @@ pub use surface::SurfaceSample;
 use crate::{
     camera::Viewpoint,
     colliders::Colliders,
-    companions::EnvironmentMap,
+    companion_files::EnvironmentMap,
     quality::Quality,
     settings::{LightSettings, Settings},
 };

@@ -39,15 +39,15 @@ pub struct Drawing<'a> {
     /// Whether to write hair geometry and strand labels as well: [`Targets::geometry`](crate::draw::Targets::geometry),
     /// [`Targets::labels`](crate::draw::Targets::labels). Applies to [`ViewContent::Hair`] and [`ViewContent::Again`],
     /// and requires [`Renderer::Tiles`](crate::renderer::Renderer::Tiles).
-    pub labels: bool,
+    pub writes_labels: bool,
     /// Whether the hair is drawn alone, without bodies and their shadows.
-    pub hair_only: bool,
+    pub hides_bodies: bool,
 }
 
 impl<'a> Drawing<'a> {
     /// Draws bodies and hair into the view's own target.
     pub fn new(picture: &'a Picture) -> Self {
-        Self { picture, output: None, shows: ViewContent::Hair, labels: false, hair_only: false }
+        Self { picture, output: None, shows: ViewContent::Hair, writes_labels: false, hides_bodies: false }
     }
 }
 
@@ -261,7 +261,7 @@ impl Recorder<'_> {
         view: &View,
         drawing: Drawing<'_>,
     ) -> Result<()> {
-        let Drawing { picture, output, shows, labels, hair_only } = drawing;
+        let Drawing { picture, output, shows, writes_labels: labels, hides_bodies: hair_only } = drawing;
         let bodies = if hair_only { &[][..] } else { bodies };
         let inside = match &shows {
             ViewContent::Inside(_, shown) => Some(*shown),

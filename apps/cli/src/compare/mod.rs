@@ -11,8 +11,8 @@ mod metrics;
 mod orders;
 mod rig;
 mod scenes;
-mod share;
 mod tones;
+mod transmission;
 
 use crate::{
     args,
@@ -25,9 +25,9 @@ use orders::ScatteringOrders;
 use rig::ReferenceScene;
 use scenes::{Folders, ONCE, Pair, ReferenceView, Scenes};
 use serde::Serialize;
-use share::Transmission;
 use std::{fmt::Write, path::PathBuf};
 use tones::{Regions, Tones};
+use transmission::Transmission;
 use tresses_scene::knobs::Flag;
 
 /// Options of `tresses compare`.

@@ -215,7 +215,7 @@ impl Studio {
                 recorder.start(renderer, &self.dialogs, messages);
             }
         }
-        panels::ask::show(&mut panels.map_choices, document, messages, ui);
+        panels::map_choice::show(&mut panels.map_choices, document, messages, ui);
     }
 
     /// Draws the next frame: of the hair, of a recording, or of an image to save. Does nothing while a frame is in

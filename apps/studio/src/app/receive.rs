@@ -7,7 +7,7 @@ use crate::{
     hair::{DocumentHair, HairSource},
     hosted::Command,
     job::{JobResult, PreparedCharacter},
-    panels::ask::MapChoice,
+    panels::map_choice::MapChoice,
     tool::Tool,
 };
 use eframe::egui;

@@ -1,6 +1,5 @@
 //! Panels and controls around the viewport, one per file.
 
-pub mod ask;
 pub mod body;
 pub mod brush;
 pub mod cards;
@@ -12,6 +11,7 @@ pub mod inside;
 pub mod keys;
 pub mod knobs;
 pub mod legend;
+pub mod map_choice;
 pub mod overlay;
 pub mod palette;
 pub mod record;
@@ -61,7 +61,7 @@ pub struct Panels {
     /// Whether the dialog that records a loop is open.
     pub record: bool,
     /// Dropped images whose kind the user must choose.
-    pub map_choices: Vec<ask::MapChoice>,
+    pub map_choices: Vec<map_choice::MapChoice>,
     /// Whether the side panel is hidden; `None` hides it in narrow windows.
     folded: Option<bool>,
 }

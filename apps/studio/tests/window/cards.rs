@@ -1,6 +1,6 @@
 //! Cards are baked on their page, and the levels are shown in place of the strands.
 
-use crate::{SPACE, desk::Desk, turn};
+use crate::{SPACE, display::Desk, turn};
 
 /// Places in a window of 1280 × 720, pixels.
 const PAGE: [i16; 2] = [1067, 57];

@@ -1,6 +1,6 @@
 //! Hair is combed with the mouse, undone, redone, saved, and recovered after a crash.
 
-use crate::{SPACE, desk::Desk, turn};
+use crate::{SPACE, display::Desk, turn};
 use std::{
     fmt::Write,
     path::{Path, PathBuf},

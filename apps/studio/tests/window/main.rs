@@ -1,12 +1,12 @@
 //! The window on a virtual display with the software driver: it opens, draws hair, responds, resizes and closes.
 #![cfg(target_os = "linux")]
 
-mod answers;
 mod cards;
-mod desk;
+mod display;
 mod groom;
+mod responsiveness;
 
-use desk::{Desk, Shot};
+use display::{Desk, Shot};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Keysym of the space bar.
@@ -17,7 +17,7 @@ static TURN: Mutex<()> = Mutex::new(());
 
 /// Waits for the turn of this test. Returns `None` without a virtual display.
 fn turn() -> Option<MutexGuard<'static, ()>> {
-    if let Some(why) = desk::missing() {
+    if let Some(why) = display::missing() {
         tresses_testing::skip("window", why);
         return None;
     }

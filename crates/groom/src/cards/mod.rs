@@ -29,6 +29,7 @@ mod helmet;
 #[cfg(feature = "textures")]
 mod ktx2;
 mod lines;
+mod lock_classes;
 mod mesh;
 #[cfg(feature = "textures")]
 mod obj;
@@ -37,7 +38,6 @@ mod order;
 mod picture;
 mod ribbon;
 mod scalp;
-mod share;
 mod strands;
 mod strip;
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! Versions of an edited groom.
 
 use super::{
-    carry::DeformedStrands,
     cuts::{Cuts, LengthChanges},
+    deform::DeformedStrands,
     guide_blocks::GuideBlocks,
-    looks::PaintedValues,
+    painted_values::PaintedValues,
 };
 use crate::{Error, Groom, Result, orient::OrientationOverride, restyle::painted};
 use glam::Vec3;

@@ -4,7 +4,7 @@ use super::{
     Brush, BrushTool, GroomDocument,
     ground::Ground,
     hair::EditedHair,
-    looks::PaintedValues,
+    painted_values::PaintedValues,
     sample::StrokeSample,
     solve::{PressState, Solver},
     stroke::ActiveStroke,

@@ -20,7 +20,7 @@
 //!
 //! Later versions read this version. Unknown chunks are skipped.
 
-use super::{GroomDocument, HeadFiles, looks::PaintedValues};
+use super::{GroomDocument, HeadFiles, painted_values::PaintedValues};
 use crate::{
     BoundStrands, Groom, Guides, MAX_VERTICES,
     bound::{PackedRest, Strand, StrandBinding},

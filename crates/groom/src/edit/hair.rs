@@ -1,8 +1,8 @@
 //! The hair under the brush.
 
 use super::{
-    Brush, BrushTool, GroomDocument, StrokeSample, brush::chance, ground::Ground, looks::PaintedValues,
-    posed_guides::PosedGuides, solve::PressState, tools::Dab,
+    Brush, BrushTool, GroomDocument, StrokeSample, brush::chance, ground::Ground,
+    painted_values::PaintedValues, posed_guides::PosedGuides, solve::PressState, tools::Dab,
 };
 use crate::{Groom, SdfGrid, progress::in_parallel};
 use glam::Vec3;

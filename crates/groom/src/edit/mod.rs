@@ -18,8 +18,8 @@
 //! WebAssembly: the code below uses only additions, multiplications, divisions and square roots of 32-bit floats.
 
 pub mod brush;
-pub mod carry;
 mod cuts;
+pub mod deform;
 pub mod document;
 mod editor;
 pub mod file;
@@ -27,8 +27,8 @@ mod ground;
 pub mod guide_blocks;
 mod hair;
 mod line;
-mod looks;
 mod paint;
+mod painted_values;
 mod plant;
 mod posed_guides;
 mod roots;

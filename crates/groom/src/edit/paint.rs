@@ -1,7 +1,7 @@
 //! Strokes that paint: widths, colors, clumps, curls and frizz of strands, stiffness of guides.
 
 use super::{
-    Brush, BrushTool, GroomDocument, brush::chance, hair::EditedHair, looks::PaintedValues,
+    Brush, BrushTool, GroomDocument, brush::chance, hair::EditedHair, painted_values::PaintedValues,
     posed_guides::sphere, tools::Dab,
 };
 use crate::{

@@ -2,7 +2,7 @@
 //!
 //! Hair is carried to its current shape once, and becomes the hair before the first stroke of the new version.
 
-use super::{GroomDocument, document::Base, ground::Ground, looks::PaintedValues, solve::unit};
+use super::{GroomDocument, document::Base, ground::Ground, painted_values::PaintedValues, solve::unit};
 use crate::{
     BoundStrands, Fill, Groom, Guides, Head, Result, Strands,
     bind::finder::GuideFinder,

@@ -2,7 +2,7 @@
 
 use super::{
     Brush, BrushRegion,
-    carry::DeformedStrands,
+    deform::DeformedStrands,
     hair::EditedHair,
     line::{Crossing, CutPath},
     tools::Dab,

@@ -2,8 +2,8 @@
 
 use super::{
     Brush, BrushTool, StrokeSample,
-    carry::DeformedStrands,
     cuts::LengthChanges,
+    deform::DeformedStrands,
     hair::EditedHair,
     line::{CutPath, SKIN},
     paint::PaintStroke,

@@ -28,7 +28,7 @@
 pub(crate) mod curves;
 mod followers;
 mod kin;
-mod place;
+mod scatter;
 mod shape;
 mod skin;
 mod surface;
@@ -53,7 +53,7 @@ use crate::{
 use curves::{Curves, Smoothing};
 use glam::Vec3;
 use kin::Kin;
-use place::{RootPoint, Thrower};
+use scatter::{RootPoint, Thrower};
 use shape::Shaper;
 use skin::Skin;
 use surface::Surface;

@@ -25,14 +25,14 @@ mod params;
 mod seed;
 mod shape;
 mod triangles;
-mod unrest;
+mod variation;
 
 pub(crate) use bind::frames_from;
 pub use curl::{CurlCurve, Curls};
 pub(crate) use curl::{Strand as CurlStrand, Twist};
 pub use paint::{ColorMap, ScalpPaint};
 pub use params::{Clumps, Growth, StrandKind, StrandVariation};
-pub(crate) use unrest::add_variation;
+pub(crate) use variation::add_variation;
 
 use crate::hash::pcg;
 use crate::random::Rng;

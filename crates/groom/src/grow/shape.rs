@@ -4,7 +4,7 @@ use super::avoid::Keeper;
 use super::bind::{Scaffold, frames_from};
 use super::cells::Cells;
 use super::seed::Seed;
-use super::unrest::add_variation;
+use super::variation::add_variation;
 use super::{CurlStrand, Curls, Growth, Twist};
 use crate::random::{Rng, lerp, smoothstep};
 use crate::scalp::{Scalp, stereographic};

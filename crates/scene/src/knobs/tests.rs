@@ -1,5 +1,5 @@
 use super::*;
-use crate::companions::Maps;
+use crate::companion_files::Maps;
 
 /// Returns both ends of a knob's range, or all values of a choice.
 fn ends(knob: &Knob) -> Vec<Value> {

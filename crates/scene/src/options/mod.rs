@@ -6,7 +6,7 @@ mod style;
 
 use crate::settings::HairColor;
 use crate::{
-    companions::Maps,
+    companion_files::Maps,
     knobs::{self, Refusal},
     quality::Quality,
     settings::Settings,

@@ -1,7 +1,7 @@
 //! Growth of built-in styles, and restyling of grooms from files.
 
 use crate::{
-    companions::Maps,
+    companion_files::Maps,
     knobs::{self, CURLS},
     settings::{Curl, Settings},
 };

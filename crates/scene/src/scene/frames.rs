@@ -129,8 +129,8 @@ impl Scene {
         };
         let drawing = Drawing {
             shows,
-            labels: request.hair,
-            hair_only: request.hair_only,
+            writes_labels: request.hair,
+            hides_bodies: request.hair_only,
             ..Drawing::new(&self.picture)
         };
         let mut frame = self.gpu.context.frame(encoder).timed(timings);

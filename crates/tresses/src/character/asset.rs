@@ -1,6 +1,6 @@
 //! The data that all instances of a character share.
 
-use super::{aside::BackgroundTask, facial, obstacles::Obstacles, rigged::RigAsset};
+use super::{background::BackgroundTask, facial, obstacles::Obstacles, rigged::RigAsset};
 use crate::{
     Context, Error, Progress, Result,
     body::Body,

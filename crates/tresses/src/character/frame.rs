@@ -195,7 +195,7 @@ impl<'a> Frame<'a> {
         characters: &[&Character],
         drawing: Drawing<'_>,
     ) -> Result<()> {
-        let Drawing { picture, output, shows, labels, hair_only } = drawing;
+        let Drawing { picture, output, shows, writes_labels: labels, hides_bodies: hair_only } = drawing;
         let (bodies, numbers) = match hair_only {
             true => (Vec::new(), vec![Vec::new(); characters.len()]),
             false => bodies(characters),
@@ -206,7 +206,7 @@ impl<'a> Frame<'a> {
             false => lighting.set(view, characters, bodies.len(), picture),
         };
         let hair: Vec<&Hair> = characters.iter().flat_map(|character| character.grooms()).collect();
-        let drawing = Drawing { output, shows, labels, ..Drawing::new(&picture) };
+        let drawing = Drawing { output, shows, writes_labels: labels, ..Drawing::new(&picture) };
         self.recorder.draw(&hair, &bodies, view, drawing)
     }
 }

@@ -25,8 +25,8 @@
 //! **A lost device** takes all buffers with it. The host keeps the [`CharacterParts`](crate::CharacterParts), creates a new
 //! [`Context`](crate::Context), a [`CharacterAsset`] and a [`Character`], and calls [`Character::continue_from`].
 
-mod aside;
 mod asset;
+mod background;
 mod create;
 mod facial;
 mod frame;

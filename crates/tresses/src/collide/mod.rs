@@ -46,7 +46,7 @@
 mod atlas;
 pub(crate) mod build;
 pub(crate) mod deform;
-mod places;
+mod poses;
 mod set;
 pub(crate) mod shape;
 mod volume;
@@ -61,9 +61,9 @@ use crate::{
 use glam::{Quat, Vec3};
 
 pub(crate) use build::FieldBuilder;
-pub(crate) use places::Journey;
-pub(crate) use places::PoseHead;
-pub(crate) use places::{Moments, PoseData};
+pub(crate) use poses::Journey;
+pub(crate) use poses::PoseHead;
+pub(crate) use poses::{Moments, PoseData};
 pub(crate) use set::ColliderSet;
 pub(crate) use set::{FieldAtlas, layout};
 pub(crate) use shape::{ShapeData, ShapeTable};

@@ -6,7 +6,7 @@ use super::{
     atlas::{Atlas, pack},
     build::Plan,
     deform::{self, DeformPoints, DeformTarget, Deformation, DeformingField},
-    places::{Journey, Track},
+    poses::{Journey, Track},
 };
 use crate::{
     Context, Error, Pose, Result,

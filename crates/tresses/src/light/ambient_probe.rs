@@ -1,6 +1,6 @@
 //! Evaluates ambient light at arbitrary points, for tests and measurements.
 
-use super::{LightState, asked::PointQuery};
+use super::{LightState, point_query::PointQuery};
 use crate::{
     Context, Result,
     gpu::{BindBuffer, Kernel},

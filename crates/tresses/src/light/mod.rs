@@ -65,9 +65,7 @@
 
 pub(crate) mod ambient;
 pub(crate) mod ambient_probe;
-mod asked;
 pub(crate) mod cards;
-pub(crate) mod chosen;
 pub(crate) mod cube;
 mod directional;
 mod environment;
@@ -77,17 +75,18 @@ pub(crate) mod hair;
 mod lights;
 pub(crate) mod material;
 mod pipelines;
+mod point_query;
 pub(crate) mod probe;
 pub(crate) mod radiance;
 mod record;
 pub(crate) mod scene;
+pub(crate) mod shading_subset;
 pub(crate) mod shadow;
 mod shadows;
 pub(crate) mod state;
 pub(crate) mod zone;
 
 pub(crate) use ambient::Ambient;
-pub(crate) use chosen::ShadingSubset;
 pub use directional::{Directional, MAX_LIGHTS};
 pub use environment::Environment;
 pub(crate) use frame::FrameLight;
@@ -97,6 +96,7 @@ pub use material::{FiberMaterial, HairMaterial};
 pub(crate) use pipelines::Pipelines;
 pub(crate) use scene::ImportedShadows;
 pub use scene::SceneShadow;
+pub(crate) use shading_subset::ShadingSubset;
 pub(crate) use shadow::ShadowMaps;
 pub use shadows::Shadows;
 pub(crate) use state::LightState;

@@ -1,6 +1,6 @@
 //! Evaluates the shadow maps at arbitrary points, for tests and measurements.
 
-use super::{LightState, MAX_LIGHTS, asked::PointQuery};
+use super::{LightState, MAX_LIGHTS, point_query::PointQuery};
 use crate::{
     Context, Result,
     gpu::{BindBuffer, Kernel},

@@ -6,7 +6,7 @@
 use super::{
     curve::CurveTable,
     lit::{LightDepths, fibers},
-    seen::{EYES, Pictures, Strip, Visibility},
+    visibility::{EYES, Pictures, Strip, Visibility},
 };
 #[cfg(not(target_arch = "wasm32"))]
 use crate::progress::at_once;

@@ -1,6 +1,6 @@
 //! Light on the visible parts of strands, on the CPU: fiber counts towards lights.
 
-use super::seen::{EYES, Strip, Visibility, axes};
+use super::visibility::{EYES, Strip, Visibility, axes};
 use glam::{Vec2, Vec3};
 
 /// Edge of a counting cell, meters: a texel of default shadow maps. Then the maximum number of cells per edge.
@@ -265,7 +265,7 @@ fn columns(grid: usize, at: Vec3) -> [(usize, f32); 4] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::seen::tests::curtains;
+    use super::super::visibility::tests::curtains;
     use super::*;
 
     #[test]

@@ -53,12 +53,12 @@
 mod cover;
 mod curve;
 mod guides;
-mod later;
 mod lit;
 mod maps;
 mod options;
 mod order;
-mod seen;
+mod promise;
+mod visibility;
 mod widths;
 
 pub(crate) use cover::CoverTable;
@@ -78,10 +78,10 @@ use crate::{
 use glam::Vec3;
 use std::sync::Arc;
 
-#[cfg(not(target_arch = "wasm32"))]
-use later::CancelToken;
-use later::Promise;
 use maps::PaintedFactors;
+#[cfg(not(target_arch = "wasm32"))]
+use promise::CancelToken;
+use promise::Promise;
 use widths::WidthStage;
 
 /// The level of detail of a frame.

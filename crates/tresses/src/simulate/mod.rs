@@ -77,9 +77,9 @@
 //! are single precision, relative to an origin near the hair that moves with the space of the frame's poses
 //! ([`crate::space`]).
 
+mod follow_leader;
 mod forces;
 pub mod grab;
-mod lead;
 pub mod links;
 pub mod params;
 pub mod rest;
@@ -106,9 +106,9 @@ use params::StepUniforms;
 use std::sync::Arc;
 use step::StepKernels;
 
+pub(crate) use follow_leader::Tree;
 pub(crate) use forces::Forces;
 pub use grab::{BrushEffect, Grab, GrabTarget, MotionBrush};
-pub(crate) use lead::Tree;
 pub(crate) use links::LinkAsset;
 pub(crate) use links::Links;
 pub use params::{RootToTip, SimulationParams};
@@ -145,7 +145,7 @@ impl PipelineSet for Pipelines {
             forces: forces::ForcesKernel::new(context),
             links: Kernel::new::<kernels::Links>(&context.device),
             grab: grab::GrabKernels::new(context),
-            lead: lead::kernel(context),
+            lead: follow_leader::kernel(context),
             ties: Kernel::new::<kernels::Ties>(&context.device),
             pins: Kernel::new::<kernels::Pins>(&context.device),
         }
@@ -165,7 +165,7 @@ pub(crate) struct Simulation {
     guide_count: u32,
     vertex_count: u32,
     /// Motion of unsimulated guides; `None` until some guides are not simulated.
-    lead: Option<lead::Lead>,
+    lead: Option<follow_leader::Lead>,
     /// Bands, braids and pins.
     ties: Option<Ties>,
     /// Number of simulated guides: from the next frame on, and in each step of this frame.
@@ -213,8 +213,9 @@ impl Simulation {
     /// Limits simulation to the first `count` guides in the order of `tree`, from the next frame on. The others follow
     /// them.
     pub(crate) fn simulate_first(&mut self, guides: &GuideBuffers, tree: &Tree, count: u32) {
-        self.lead
-            .get_or_insert_with(|| lead::Lead::new(&self.pipelines.lead, slot(&self.uniforms), guides, tree));
+        self.lead.get_or_insert_with(|| {
+            follow_leader::Lead::new(&self.pipelines.lead, slot(&self.uniforms), guides, tree)
+        });
         self.simulated.0 = count.clamp(1, self.guide_count.max(1));
     }
 

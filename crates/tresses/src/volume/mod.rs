@@ -57,7 +57,7 @@
 
 mod base;
 mod grid;
-mod met;
+mod neighbor;
 mod others;
 pub mod params;
 mod pipelines;

@@ -7,7 +7,7 @@
 
 use super::{
     HairHair, Volume,
-    met::Neighbor,
+    neighbor::Neighbor,
     params::{STRIDE, VolumeUniforms},
     state::{Slots, splat},
 };

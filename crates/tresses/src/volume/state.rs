@@ -2,7 +2,7 @@
 
 use super::{
     HairHair, HairHairMode, Pipelines, VolumeGrid,
-    met::Neighbor,
+    neighbor::Neighbor,
     params::{Blur, STRIDE, VolumeUniforms, offset},
 };
 use crate::{

@@ -36,7 +36,7 @@ impl Setup {
 
     /// Renders the image, with geometry and labels if `asks`.
     fn drawn(&self, asks: bool) -> Result<Vec<u8>> {
-        let sight = Drawing { labels: asks, ..Drawing::new(&self.scene) };
+        let sight = Drawing { writes_labels: asks, ..Drawing::new(&self.scene) };
         common::try_submit(|recorder| recorder.draw(&[&self.hair], &[], &self.view, sight))?;
         pollster::block_on(self.view.targets().read())
     }

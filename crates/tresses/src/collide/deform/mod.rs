@@ -32,7 +32,7 @@
 
 use super::{
     FieldId, ShapeData,
-    places::{JUMP, JUMP_ANGLE},
+    poses::{JUMP, JUMP_ANGLE},
 };
 use crate::{
     Context, Error, Pose, Result,

@@ -1,6 +1,6 @@
 //! Levels of detail: coverage and luminance match full detail, and levels change without jumps.
 
+mod appearance;
 mod changes;
-mod looks;
 pub mod stage;
 mod strands;

@@ -4,12 +4,12 @@
 //! same rows, and the tests compare with them; `TRESSES_PHYSICS=write` writes the file. Each comparison runs twice. The
 //! second experiment is wrong by a few percent and must fail.
 
-mod carried;
 mod cohesion;
 mod friction;
 mod grooms;
 mod independence;
 pub mod lab;
+mod moving_frames;
 mod robust;
 mod shapes;
 mod squeeze;

@@ -81,7 +81,7 @@ fn inside(choice: &mut MapChoice, ui: &mut Ui) -> Option<&'static Companion> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tresses_scene::{companions::MapSource, source::companion};
+    use tresses_scene::{companion_files::MapSource, source::companion};
 
     #[test]
     fn channel_suffix_matches_the_command_line() {

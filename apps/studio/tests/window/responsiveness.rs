@@ -2,7 +2,7 @@
 
 use crate::{
     SPACE,
-    desk::{Desk, Shot},
+    display::{Desk, Shot},
     turn,
 };
 use std::{
