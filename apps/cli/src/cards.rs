@@ -26,7 +26,8 @@ pub struct CardsArgs {
     /// Edge of the textures, texels: a power of two from 128 to 8192
     #[arg(long, value_name = "N", default_value = "2048")]
     pub texture: u32,
-    /// Number of different pictures of locks, shared out over the levels: with more, cards differ more, and texels are larger
+    /// Number of different pictures of locks, shared out over the levels: with more, cards differ more, and texels are
+    /// larger
     #[arg(long, value_name = "N", default_value = "32")]
     pub textures: u32,
     /// Largest numbers of triangles of the levels [default: 48 per card, then 32, then 12; 480 for a helmet]
@@ -35,7 +36,8 @@ pub struct CardsArgs {
     /// Number of chains of bones that carry the cards: for spring bones of engines, and for --simulate
     #[arg(long, value_name = "N", default_value = "0")]
     pub bones: u32,
-    /// Simulate the hair in these animations of the body (all: in every one), and write the motion of the bones to a .glb
+    /// Simulate the hair in these animations of the body (all: in every one), and write the motion of the bones to a
+    /// .glb
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub simulate: Vec<String>,
     /// Drawing of partial coverage in a .glb: core (an opaque core and a blended fringe), mask, or blend

@@ -62,8 +62,8 @@ impl Photographer {
         Self::with_samples(None, preset, size, Opening { moves, cards, ..Opening::default() })
     }
 
-    /// Opens a scene, with fewer samples per pixel if the adapter does not offer more, whose hair is drawn as this number
-    /// of cards, or as strands.
+    /// Opens a scene, with fewer samples per pixel if the adapter does not offer more, whose hair is drawn as this
+    /// number of cards, or as strands.
     pub fn with_clamped_samples(preset: &Preset, size: Size, cards: Option<u32>) -> Result<Self> {
         Self::with_samples(None, preset, size, Opening { fewer: true, cards, ..Opening::default() })
     }

@@ -103,7 +103,8 @@ impl CardPreview {
         self.baked.chain.show(&mut show.stage, level)
     }
 
-    /// Shows the level for the current size of the hair, if the level follows from it. Returns whether that is a change.
+    /// Shows the level for the current size of the hair, if the level follows from it. Returns whether that is a
+    /// change.
     pub fn follow(&mut self, show: &mut CharacterDisplay) -> bool {
         self.by_size && self.show(show, self.chain().fitting(show.hair_size()))
     }

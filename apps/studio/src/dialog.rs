@@ -82,7 +82,7 @@ impl Dialogs {
         self.context.request_repaint();
     }
 
-    /// Reports an error if the dialog requested at `asked` did not open.
+    /// Reports an error if the dialog requested at `request_time` did not open.
     fn nothing(&self, request_time: Instant) {
         if no_dialog(request_time) {
             let help = "drop files on the window or name them on the command line";
@@ -90,7 +90,7 @@ impl Dialogs {
         }
     }
 
-    /// Opens the file dialog that `ask` builds, reads the chosen files, and queues the answers of `sort`.
+    /// Opens the file dialog that `build` returns, reads the selected files, and queues the actions of `sort`.
     fn open_dialog(
         &self,
         build: impl FnOnce() -> AsyncFileDialog + Send + 'static,
@@ -196,8 +196,8 @@ impl Dialogs {
     }
 }
 
-/// Whether the dialog requested at `asked` did not open: the system has none, or the request ended faster than a user
-/// could close a dialog. (The toolkit does not distinguish the two.)
+/// Whether the dialog requested at `request_time` did not open: the system has none, or the request ended faster than a
+/// user could close a dialog. (The toolkit does not distinguish the two.)
 fn no_dialog(request_time: Instant) -> bool {
     cfg!(not(target_arch = "wasm32"))
         && (request_time.elapsed() < Duration::from_millis(500) || !has_dialogs())

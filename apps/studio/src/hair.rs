@@ -49,7 +49,8 @@ impl HairSource {
         }
     }
 
-    /// Returns the source of `files`: their groom or, if they hold a head alone, the built-in style named `style` on it.
+    /// Returns the source of `files`: their groom or, if they hold a head alone, the built-in style named `style` on
+    /// it.
     pub fn of_files(files: Files, style: &str, options: Box<ImportOptions>) -> Self {
         match files.hold_groom() {
             true => Self::Files { files, options },

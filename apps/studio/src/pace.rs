@@ -75,9 +75,9 @@ impl QualityLevel {
     }
 }
 
-/// Levels from best to fastest. Fewer strands are drawn wider, so they still cover the scalp (`tresses::low_level::lod`). But
-/// fewer segments form chords that cut through the skull: no level has so few that skin shows through
-/// (`tests/levels.rs`).
+/// Levels from best to fastest. Fewer strands are drawn wider, so they still cover the scalp
+/// (`tresses::low_level::lod`). But fewer segments form chords that cut through the skull: no level has so few that
+/// skin shows through (`tests/levels.rs`).
 pub const LEVELS: [QualityLevel; 8] = [
     QualityLevel::FULL,
     QualityLevel { scale: 0.85, ..QualityLevel::FULL },

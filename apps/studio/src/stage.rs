@@ -226,8 +226,8 @@ impl CharacterDisplay {
         Ok(())
     }
 
-    /// Starts reading back the guides. Returns the vertex-major positions to come, how many guides there are, and the map
-    /// to groom space.
+    /// Starts reading back the guides. Returns the vertex-major positions to come, how many guides there are, and the
+    /// map to groom space.
     pub fn guides(&self) -> (Pending, usize, Pose) {
         let character = &self.stage.character;
         let hair = character.hair();

@@ -225,8 +225,8 @@ fn cut_path(
     }
 }
 
-/// Paints values from -1 to 1 at the roots of guides, given with the normals of the skin: from blue over white to orange,
-/// which color-blind people can tell apart.
+/// Paints values from -1 to 1 at the roots of guides, given with the normals of the skin: from blue over white to
+/// orange, which color-blind people can tell apart.
 fn dots(
     guides: &[(Vec3, Vec3, f32)],
     (projection, direction): (ViewportProjection<'_>, Vec3),

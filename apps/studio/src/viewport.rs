@@ -40,7 +40,7 @@ pub struct Viewport {
     grooms: bool,
     /// Last position of the pointer in a drag.
     pointer: Option<Pos2>,
-    /// [Number](Picture::number) of the displayed frame, or 0.
+    /// [Number](DisplayedFrame::number) of the displayed frame, or 0.
     pub displayed_frame: u64,
 }
 
@@ -83,8 +83,8 @@ impl Viewport {
         rect
     }
 
-    /// Agrees on whether hair moves: grooming begins with the motion paused, and playing it while a brush is active makes
-    /// that live. Brushes that need hair at rest stop both.
+    /// Agrees on whether hair moves: grooming begins with the motion paused, and playing it while a brush is active
+    /// makes that live. Brushes that need hair at rest stop both.
     pub fn lead(&mut self, renderer: &mut StudioRenderer) {
         let Playback { live, play, .. } = &mut renderer.playback;
         let brush = self.tool.brush();

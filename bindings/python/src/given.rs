@@ -33,8 +33,8 @@ pub struct StrandAttachments {
 }
 
 impl StrandAttachments {
-    /// Finds the places of `given` on `drawn`, the strands at rest. `order` has the index among repaired strands of each
-    /// drawn strand.
+    /// Finds the places of `given` on `drawn`, the strands at rest. `order` has the index among repaired strands of
+    /// each drawn strand.
     ///
     /// # Errors
     /// Fails if a given strand is not among the drawn ones.

@@ -77,8 +77,8 @@ impl Groom {
         Self { character, source: preset.source, settings: preset.settings, order, given: None }
     }
 
-    /// Multiplies the stiffness of each guide by the mean of `factors`, one per strand of `given`, over the strands that
-    /// follow it.
+    /// Multiplies the stiffness of each guide by the mean of `factors`, one per strand of `given`, over the strands
+    /// that follow it.
     fn stiffen(&mut self, given: &groom::Strands, factors: &[f32]) {
         let (_, kept) = lint::repair_kept(&mut given.clone());
         let groom = &mut self.character.groom;
@@ -179,9 +179,9 @@ impl Groom {
     /// Create a groom from strands in arrays, with or without a head.
     ///
     /// Coordinates are meters, Y up, face toward +Z. Invalid strands are repaired as by `Strands.repaired`. The groom
-    /// keeps the widths and colors of the strands, and simulates those that are guides. `rig` makes the head, or the whole
-    /// body, follow `joints` or `skin` of `Simulation.step`. `stiffness`, array [n], has a factor on the stiffness of each
-    /// strand. `built_in` describes the other parameters.
+    /// keeps the widths and colors of the strands, and simulates those that are guides. `rig` makes the head, or the
+    /// whole body, follow `joints` or `skin` of `Simulation.step`. `stiffness`, array [n], has a factor on the
+    /// stiffness of each strand. `built_in` describes the other parameters.
     #[staticmethod]
     #[pyo3(signature = (strands, head=None, settings=None, *, rig=None, stiffness=None, progress=None, **files))]
     #[allow(clippy::too_many_arguments)] // Python keyword arguments.

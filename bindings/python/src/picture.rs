@@ -40,7 +40,7 @@ pub enum HeadDrawing {
 }
 
 impl HeadDrawing {
-    /// Returns `asked` with this drawing of the head.
+    /// Returns `request` with this drawing of the head.
     pub fn request(&self, request: OutputRequest) -> PyResult<OutputRequest> {
         match self {
             Self::Shown(shown) => Ok(OutputRequest { hair_only: !shown, ..request }),

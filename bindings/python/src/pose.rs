@@ -30,7 +30,7 @@ pub fn pose(of: &Bound<'_, PyAny>, what: &str) -> PyResult<Pose> {
                 return Err(refuse("must have a quaternion (x, y, z, w) of length 1"));
             }
             let unit = rotation.normalize();
-            // Keep unit quaternions unchanged, so that poses from `told` round-trip bit-identically.
+            // Keep unit quaternions unchanged, so that poses from `pose_to_tuple` round-trip bit-identically.
             let rotation = if (rotation.length_squared() - 1.0).abs() < 1e-6 { rotation } else { unit };
             Pose { rotation, translation: vector(&translation, what)? }
         }

@@ -6,8 +6,8 @@ use tresses::groom::retarget::{Landmark, retarget as fitted};
 
 /// Fit strands that were made on one head to another.
 ///
-/// Each strand keeps its shape and its lengths, turns with the skin at its root, and is pushed out of the other head. Heads
-/// with the same triangles correspond by their vertices; others are matched.
+/// Each strand keeps its shape and its lengths, turns with the skin at its root, and is pushed out of the other head.
+/// Heads with the same triangles correspond by their vertices; others are matched.
 ///
 /// Parameters
 /// ----------

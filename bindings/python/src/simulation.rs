@@ -310,8 +310,8 @@ impl Simulation {
         })
     }
 
-    /// Return the state of the hair, for `reset` of a Simulation of the same Groom with the same settings. The motion of
-    /// the air is not part of it.
+    /// Return the state of the hair, for `reset` of a Simulation of the same Groom with the same settings. The motion
+    /// of the air is not part of it.
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let words = run(py, None, async |_| {
             let mut inner = self.lock();
@@ -354,9 +354,9 @@ impl Simulation {
         .map(Strands)
     }
 
-    /// Return the strands given to `Groom.of` in their current state, in world space, meters: float32 [all, 3], vertex by
-    /// vertex in the given order. Strands that the repair has dropped move with the head. Curls, length and other settings
-    /// that restyle strands do not show.
+    /// Return the strands given to `Groom.of` in their current state, in world space, meters: float32 [all, 3], vertex
+    /// by vertex in the given order. Strands that the repair has dropped move with the head. Curls, length and other
+    /// settings that restyle strands do not show.
     fn given<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f32>>> {
         let positions = run(py, None, async |_| {
             let mut inner = self.lock();

@@ -408,7 +408,7 @@ impl Finder {
         Self { cell, cells, guide_strands: guide_strands.to_vec() }
     }
 
-    /// Returns the guides within `reach` cells of `root`.
+    /// Returns the guides within `radius` cells of `root`.
     fn around(&self, root: Vec3, radius: i32) -> Vec<u32> {
         let center = (root / self.cell).floor().as_ivec3();
         let mut found = Vec::new();

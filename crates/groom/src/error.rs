@@ -64,7 +64,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// Checks that `value` is a number from `least` to `most`. `range` is that range in words.
+    /// Checks that `value` is a number from `min` to `max`. `range` is that range in words.
     ///
     /// # Errors
     /// [`Error::Parameter`] if it is not.

@@ -47,8 +47,8 @@ impl<'a> PointTree<'a> {
         found.first().map(|(_, i)| *i as usize)
     }
 
-    /// Puts the `count` points nearest to `p` and nearer than `reach` meters into `found`, nearest first, as squared
-    /// distances and indices.
+    /// Puts the `count` points nearest to `p` and nearer than `max_distance` meters into `found`, nearest first, as
+    /// squared distances and indices.
     pub(crate) fn nearest(&self, p: Vec3, count: usize, max_distance: f32, found: &mut Vec<(f32, u32)>) {
         found.clear();
         let mut max_squared = max_distance * max_distance;

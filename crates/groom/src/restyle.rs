@@ -1,5 +1,5 @@
-//! Curls, clumps, stray hairs and widths for existing grooms: imported ones ([`Restyle`]) and edited ones, where a brush
-//! paints how much of each a strand has.
+//! Curls, clumps, stray hairs and widths for existing grooms: imported ones ([`Restyle`]) and edited ones, where a
+//! brush paints how much of each a strand has.
 //!
 //! Guides do not change. They are chosen and bound in the original hair, and then the rest curves of the render strands
 //! change. A curled guide would be simulated as a spring, and the strands of three such guides would be their mean,
@@ -104,8 +104,8 @@ impl Restyle {
         .check()
     }
 
-    /// Changes the strands of `groom` (meters, groom space); `skull` is the center of the braincase, and the map of curls
-    /// lies `on` the hair. Strands on guides with pinned tips keep their shape.
+    /// Changes the strands of `groom` (meters, groom space); `skull` is the center of the braincase, and the map of
+    /// curls lies `on` the hair. Strands on guides with pinned tips keep their shape.
     ///
     /// # Errors
     /// [`Error::Parameter`](crate::Error::Parameter) for values out of range.
@@ -204,8 +204,8 @@ impl Shaper<'_> {
         fraction
     }
 
-    /// Pulls the strand toward the center of its lock: each vertex toward the center's point at the same distance from the
-    /// root.
+    /// Pulls the strand toward the center of its lock: each vertex toward the center's point at the same distance from
+    /// the root.
     fn gather(&self, line: &mut [Vec3], center: &[Vec3], weight: f32, name: u32, rng: &mut Rng) {
         let mut shared = Rng::new(self.seed ^ 0xbeef, name);
         let strength = self.clumps.strength * shared.range(0.45, 1.0).sqrt() * rng.range(0.75, 1.0) * weight;

@@ -16,8 +16,8 @@ pub fn minimal_rotation(a: Vec3, b: Vec3) -> Quat {
     if length > 1e-30 { Quat::from_vec4(q / length) } else { Quat::IDENTITY }
 }
 
-/// Returns the rotation that turns the first vectors of `pairs` closest to the second, in the sense of least squares (Horn
-/// 1987, *Closed-form solution of absolute orientation using unit quaternions*). The identity without any.
+/// Returns the rotation that turns the first vectors of `pairs` closest to the second, in the sense of least squares
+/// (Horn 1987, *Closed-form solution of absolute orientation using unit quaternions*). The identity without any.
 pub fn nearest_rotation(pairs: impl Iterator<Item = (Vec3, Vec3)>) -> Quat {
     let mut s = DMat3::ZERO;
     for (a, b) in pairs {

@@ -62,8 +62,8 @@ impl SdfGrid {
         mix(near, far, f.z) + (local - q).length() * self.cell
     }
 
-    /// Returns the distance along a ray (`direction` unit) to the surface that is `thickness` meters above the obstacle,
-    /// by sphere tracing; `None` if there is none within 20 m.
+    /// Returns the distance along a ray (`direction` unit) to the surface that is `thickness` meters above the
+    /// obstacle, by sphere tracing; `None` if there is none within 20 m.
     pub fn trace(&self, origin: Vec3, direction: Vec3, thickness: f32) -> Option<f32> {
         let mut t = 0.0;
         for _ in 0..200 {

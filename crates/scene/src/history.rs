@@ -55,8 +55,8 @@ impl<H: Clone + PartialEq> History<H> {
         self.push(step);
     }
 
-    /// Drops the oldest steps from which on the history needs more than `most` bytes. `bytes` returns the memory of one hair
-    /// besides another.
+    /// Drops the oldest steps from which on the history needs more than `max_bytes` bytes. `bytes` returns the memory
+    /// of one hair besides another.
     pub fn limit(&mut self, max_bytes: usize, bytes: impl Fn(&H, &H) -> usize) {
         let newer = self.past.iter().skip(1).map(|step| &step.hair).chain([&self.hair]);
         let pairs: Vec<_> = self.past.iter().map(|step| &step.hair).zip(newer).collect();

@@ -21,8 +21,8 @@ impl Preset {
         Ok(base.dress(&styling, progress).await?)
     }
 
-    /// Opens this preset's character to edit its hair, as styled by the settings. Also returns the character with the first
-    /// version of the hair.
+    /// Opens this preset's character to edit its hair, as styled by the settings. Also returns the character with the
+    /// first version of the hair.
     ///
     /// # Errors
     /// As [`character`](Self::character).

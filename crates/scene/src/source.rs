@@ -116,7 +116,7 @@ impl PartialEq for Companion {
 impl Companion {
     /// Returns the companion's file name in `source`.
     pub fn name(&self, source: &PresetSource) -> Option<String> {
-        // `place` needs a mutable source, so read from a copy.
+        // `field` needs a mutable source, so read from a copy.
         (self.field)(&mut source.clone()).clone()
     }
 

@@ -11,10 +11,9 @@
 //! of the cost on each head and is equally visible on each. (Funkhouser and Séquin, "Adaptive display algorithm for
 //! interactive frame rates", SIGGRAPH 1993, weigh benefit by cost; here the ratio is the same for all heads.)
 //!
-//! The cost model is linear: each kind of work has a factor. [`Costs::fit`] estimates the factors from timed frames by
-//! non-negative least squares, with the previously known factors as a prior. The default
-//! factors are from a software driver; their proportions serve on other devices until frames are timed. Bytes are
-//! counted, not estimated.
+//! The cost model is linear: each kind of work has a factor. [`CostModel::fit`] estimates the factors from timed frames
+//! by non-negative least squares, with the previously known factors as a prior. The default factors are from a software
+//! driver; their proportions serve on other devices until frames are timed. Bytes are counted, not estimated.
 //!
 //! The bias changes by at most [`FASTEST`] octaves per frame, so that a single slow frame has no visible effect.
 //! Timings differ from run to run, and so may levels. For reproducible runs, leave [`Budget::milliseconds`] infinite.

@@ -153,8 +153,8 @@ pub fn framing_distance(subject: Bounds, direction: Vec3, fov_y: f32, aspect: f3
     let up = direction.cross(right);
     let half = 0.5 * (subject.1 - subject.0);
     let tan = (0.5 * fov_y).tan() * FILL;
-    // Fit an elliptic cylinder rather than the box, because no hairstyle reaches the corners of its box. The cylinder is
-    // narrower at top and bottom, because the point nearest to the camera is seldom there.
+    // Fit an elliptic cylinder rather than the box, because no hairstyle reaches the corners of its box. The cylinder
+    // is narrower at top and bottom, because the point nearest to the camera is seldom there.
     (0..32)
         .flat_map(|i| {
             let angle = i as f32 / 16.0 * std::f32::consts::PI;

@@ -56,7 +56,7 @@ impl Error {
         Self::Groom(groom::Error::Unusable(problem.into()))
     }
 
-    /// Returns [`Error::Parameter`] unless `value` is a number from `least` to `most`. `range` is the range in words.
+    /// Returns [`Error::Parameter`] unless `value` is a number from `min` to `max`. `range` is the range in words.
     pub(crate) fn unless_within(
         name: &'static str,
         value: f32,

@@ -215,8 +215,8 @@ impl Recorder<'_> {
         self.picture(&sets, hair, bodies, view, drawing)
     }
 
-    /// [`draw`](Self::draw) for strands without simulation. Debug views ([`ViewContent::Inside`]) then show only data of the
-    /// strands themselves.
+    /// [`draw`](Self::draw) for strands without simulation. Debug views ([`ViewContent::Inside`]) then show only data
+    /// of the strands themselves.
     ///
     /// # Errors
     /// As [`record`](Self::record).

@@ -1,5 +1,6 @@
 //! Hair on the GPU. Lifetimes: pipelines live as long as the device ([`crate::Context`]), a groom as long as its
-//! [`HairAsset`], the state of one head as long as its [`Hair`], render targets as long as their [`crate::view::View`], and parameters for one frame ([`HairFrame`]).
+//! [`HairAsset`], the state of one head as long as its [`Hair`], render targets as long as their [`crate::view::View`],
+//! and parameters for one frame ([`HairFrame`]).
 
 use crate::{
     Camera, Pose, Result,
@@ -96,8 +97,8 @@ impl Hair {
     /// Creates hair at rest, with the head at the origin. Its material, level of detail and options are its own.
     ///
     /// # Errors
-    /// [`crate::Error::Limit`] when the adapter cannot hold it, [`crate::Error::Parameter`] for invalid options, and the
-    /// errors of `ColliderSet::replace`.
+    /// [`crate::Error::Limit`] when the adapter cannot hold it, [`crate::Error::Parameter`] for invalid options, and
+    /// the errors of `ColliderSet::replace`.
     pub fn new(asset: &Arc<HairAsset>) -> Result<Self> {
         Self::on(asset, &asset.colliders, None)
     }
@@ -151,8 +152,8 @@ impl Hair {
 
     /// Makes the roots follow a deforming skin from the next frame on. `mesh` is the skin at rest (groom space). `skin`
     /// holds its vertices in each frame, in a space whose pose is `Roots::pose`. [`HairFrame::head`](HairFrame::head)
-    /// remains the pose of the rigid part. No root may be farther than `reach` meters from the mesh; the report contains
-    /// the distances.
+    /// remains the pose of the rigid part. No root may be farther than `max_distance` meters from the mesh; the report
+    /// contains the distances.
     ///
     /// # Errors
     /// [`crate::groom::Error::Unusable`] for a root that is too far away, or a skin that does not fit `mesh`;

@@ -8,10 +8,11 @@
 //! - **Grooms:** [`HairAsset`], [`Hair`], [`HairFrame`], [`HairSet`] for strands that are not simulated, [`GuideState`]
 //!   for snapshots, [`Detail`] for the level of detail, [`Skin`] for hair on skinned meshes.
 //! - **Recording:** [`Recorder`], [`Drawing`], [`ViewContent`], [`Targets`], [`Zone`].
-//! - **Hands:** [`Target`] for grabs, [`MotionBrush`] for brushes that push moving hair.
+//! - **Hands:** [`GrabTarget`] for grabs, [`MotionBrush`] for brushes that push moving hair.
 //! - **Data on the GPU:** [`GuideBuffers`], [`StrandBuffers`], [`StrandVertex`] and their packing; [`readback`] and
 //!   [`bindings`].
-//! - **Crowds:** [`Costs`], [`CrowdDetail`] and [`Work`], which a [`CrowdBudget`](crate::CrowdBudget) fits and reports.
+//! - **Crowds:** [`CostModel`], [`CrowdDetail`] and [`Work`], which a [`CrowdBudget`](crate::CrowdBudget) fits and
+//!   reports.
 //! - **Debug views** (feature `debug-views`): `DebugViews` draws a `DebugDisplay`; `Peak` measures a `GridView`.
 //! - **Probes:** [`AmbientProbe`], [`ShadowProbe`], [`CubeProbe`].
 //! - **Measurement:** [`Timings`](crate::Timings) by a [`Clock`], [`Counts`], `probe`, [`shaders`], [`Tier`].

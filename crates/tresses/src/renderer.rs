@@ -16,11 +16,11 @@ pub enum Renderer {
     /// A compute rasterizer: the exact covered fraction of a pixel becomes alpha, and all
     /// strands are blended from front to back. Only visible segments are shaded.
     Tiles(TileOptions),
-    /// Strips whose samples are masked. A strip is drawn at least
-    /// [`min_width`](crate::light::HairMaterial::min_width) pixels wide and covers only the fraction of the samples that
-    /// corresponds to its true width; each strand covers a different set. One pass, no sorting, correct on average
-    /// however many strands overlap. A pixel is the mean of the samples in a disc, which is wider than the pixel if it
-    /// has few samples (`Footprint`); otherwise moving hair would shimmer.
+    /// Strips whose samples are masked. A strip is drawn at least [`min_width`](crate::light::HairMaterial::min_width)
+    /// pixels wide and covers only the fraction of the samples that corresponds to its true width; each strand covers a
+    /// different set. One pass, no sorting, correct on average however many strands overlap. A pixel is the mean of the
+    /// samples in a disc, which is wider than the pixel if it has few samples (`Footprint`); otherwise moving hair
+    /// would shimmer.
     Masks(MaskOptions),
     /// The renderer of Tariq and Bavoil (2008), in Kajiya–Kay shading.
     Classic(ClassicOptions),

@@ -188,13 +188,14 @@ impl View {
     }
 
     /// Returns the shaded colors of `hair` in the last image, as written by `light::shade`: one word per strand vertex
-    /// ([`light::unpack_radiance`](crate::light::radiance::unpack_radiance)), or eight bytes of incident light with per-pixel shading.
+    /// ([`light::unpack_radiance`](crate::light::radiance::unpack_radiance)), or eight bytes of incident light with
+    /// per-pixel shading.
     pub fn shaded(&self, hair: &HairSet) -> Option<wgpu::Buffer> {
         let shaded = self.lock();
         shaded.iter().find(|(of, _)| of[0] == *hair.strands.vertices).map(|(_, shaded)| shaded.colors.clone())
     }
 
-    /// Returns a shader for selected segments of `hair`: those whose bit is set in `seen`, indexed by their first
+    /// Returns a shader for selected segments of `hair`: those whose bit is set in `visible`, indexed by their first
     /// vertex (`light::LightState::shade_chosen`). Valid while the view's options stay the same.
     ///
     /// # Errors
@@ -210,8 +211,8 @@ impl View {
     }
 
     /// Sets the lighting zones from the next image on. Grooms and bodies in a zone are lit by it, all others by the
-    /// lighting around [`Picture::focus`]. An empty slice removes all zones. [Debug views](crate::frame::ViewContent::Inside)
-    /// ignore zones.
+    /// lighting around [`Picture::focus`]. An empty slice removes all zones. [Debug
+    /// views](crate::frame::ViewContent::Inside) ignore zones.
     pub fn set_zones(&mut self, zones: &[Zone]) {
         self.zones.set(&self.context, &self.camera, zones);
     }

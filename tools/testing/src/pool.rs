@@ -2,7 +2,8 @@
 
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// The most values of a pool. Each device compiles its own pipelines, so more devices than this cost more than they save.
+/// The most values of a pool. Each device compiles its own pipelines, so more devices than this cost more than they
+/// save.
 const SLOTS: usize = 4;
 
 /// Number of threads that use each slot.

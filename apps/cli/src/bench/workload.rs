@@ -15,8 +15,8 @@ use tresses_scene::{Motion, Preset, PresetSource, Settings, Value, Viewpoint, ca
 /// Warm-up frames, in which shaders are compiled.
 pub const WARM_UP: u32 = 2;
 
-/// Time limit of a scene, seconds. After it, at least [`LEAST`] frames are measured and no more: a software driver's
-/// frames take seconds.
+/// Time limit of a scene, seconds. After it, at least [`MIN_FRAMES`] frames are measured and no more: a software
+/// driver's frames take seconds.
 const LONG: f64 = 10.0;
 const MIN_FRAMES: usize = 5;
 

@@ -240,8 +240,8 @@ impl Scenes {
 }
 
 impl<'a> ReferenceView<'a> {
-    /// Returns the same view with each light alone, as far as the reference has images of them: all its light, and light
-    /// that was scattered once.
+    /// Returns the same view with each light alone, as far as the reference has images of them: all its light, and
+    /// light that was scattered once.
     pub fn single_lights(&self) -> impl Iterator<Item = Self> {
         let view = *self;
         self.single_light_files.iter().filter_map(move |file| {

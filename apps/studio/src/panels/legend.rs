@@ -11,7 +11,7 @@ const WIDTH: f32 = 280.0;
 /// Segments of the color bar.
 const PIECES: u32 = 32;
 
-/// Shows name and scale of the view, at most `room` points wide.
+/// Shows name and scale of the view, at most `max_width` points wide.
 pub fn show(renderer: &StudioRenderer, ui: &mut Ui, max_width: f32) {
     let Some(shown) = &renderer.debug else { return };
     let physics = renderer.show.as_ref().map(|show| &show.stage.character.physics);

@@ -22,8 +22,8 @@ impl GuideFinder {
         Self { finder: Finder::new(&shapes, &guide_strands), shapes, lengths }
     }
 
-    /// Returns up to three guides for a strand along `line`, as [`bind`] chooses them. A guide that `suits` rejects is used
-    /// only if it rejects all candidates.
+    /// Returns up to three guides for a strand along `line`, as [`bind`] chooses them. A guide that `suits` rejects is
+    /// used only if it rejects all candidates.
     pub(crate) fn nearest(&self, line: &[Vec3], pinned: bool, suits: impl Fn(u32) -> bool) -> Vec<Influence> {
         let mut found = self.finder.nearest(&self.shapes, &Shapes::of(line), pinned, suits);
         let length = curve::length(line);

@@ -104,7 +104,7 @@ impl PackedRest {
     }
 
     /// Returns the vertex with a rest depth of `sunk` meters inside the clearance that strands keep from obstacles,
-    /// rounded up to a [`SUNK_STEP`]. Above 254 steps (32 mm), the depth is unlimited.
+    /// rounded up to a [`PENETRATION_STEP`]. Above 254 steps (32 mm), the depth is unlimited.
     #[must_use]
     pub fn with_penetration(self, penetration: f32) -> Self {
         let steps = (penetration / PENETRATION_STEP).ceil().clamp(0.0, 255.0) as u32;

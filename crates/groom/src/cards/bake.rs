@@ -80,8 +80,8 @@ pub struct CardLevel {
     pub locks: Vec<Vec<u32>>,
     /// Coverage against the strands.
     pub accuracy: CardAccuracy,
-    /// Mean difference of the opacity to the level before, or for the first level to the strands, at the size where this
-    /// level takes over ([`CardAccuracy::switch`]).
+    /// Mean difference of the opacity to the level before, or for the first level to the strands, at the size where
+    /// this level takes over ([`CardAccuracy::switch`]).
     pub pop: f32,
     /// Mean number of triangles over each pixel that has any, in 14 pictures from all sides.
     pub overdraw: f32,
@@ -111,8 +111,8 @@ struct Draft {
 /// Bakes cards from `strands` (meters, Y up). `head` hides hair behind it, and cards stay outside of it.
 ///
 /// # Errors
-/// [`Error::Parameter`] for an option out of range, [`Error::Unusable`] for hair without length and for pictures that do
-/// not fit into the textures, and the errors of [`sdf::build`].
+/// [`Error::Parameter`] for an option out of range, [`Error::Unusable`] for hair without length and for pictures that
+/// do not fit into the textures, and the errors of [`sdf::build`].
 pub fn bake(strands: &Strands, head: Option<&TriMesh>, options: &CardOptions) -> Result<Cards> {
     at_once(bake_with(strands, head, options, &()))
 }
@@ -362,7 +362,7 @@ impl Stage<'_> {
         })
     }
 
-    /// Returns the triangles of a level whose tiles are at `places`.
+    /// Returns the triangles of a level whose tiles are at `rects`.
     fn mesh(&self, draft: &Draft, rects: &[Rect], size: usize) -> CardMesh {
         let ribbons = draft.locks.iter().map(|lock| &lock.ribbon);
         let plans = mesh::plan(ribbons, self.options.max_triangles(draft.level));
@@ -374,7 +374,7 @@ impl Stage<'_> {
         mesh
     }
 
-    /// Returns the factor on the widths of strands with which the level covers as much as the strands in `wanted`.
+    /// Returns the factor on the widths of strands with which the level covers as much as the strands in `target`.
     fn widening(&self, draft: &Draft, studio: &Studio, target: &[Opacity]) -> Result<f32> {
         let size = self.options.texture_size.min(DRAFT) as usize;
         let single_draft = std::slice::from_ref(draft);

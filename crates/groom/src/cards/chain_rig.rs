@@ -35,8 +35,8 @@ fn rotation(matrix: Mat4) -> Quat {
 }
 
 impl CardChains {
-    /// Adds the chains to `rig`, the rig of a mesh at `vertices`: a chain hangs on the node that moves the vertex nearest
-    /// to its root. `motions` add their rotations to animations.
+    /// Adds the chains to `rig`, the rig of a mesh at `vertices`: a chain hangs on the node that moves the vertex
+    /// nearest to its root. `motions` add their rotations to animations.
     pub(super) fn on(&self, rig: &Rig, vertices: &PointTree<'_>, motions: &[ChainMotion]) -> ChainRig {
         let mut rig = rig.clone();
         let first = rig.nodes.len();

@@ -100,8 +100,8 @@ fn numbered(of: &[u32]) -> Vec<u32> {
         .collect()
 }
 
-/// Merges the clusters `of` points until `count` are left, always the pair whose union adds least to the weighted sum of
-/// squared distances (Ward 1963).
+/// Merges the clusters `of` points until `count` are left, always the pair whose union adds least to the weighted sum
+/// of squared distances (Ward 1963).
 pub(super) fn merge<const N: usize>(
     points: &[Point<N>],
     weights: &[f32],

@@ -56,8 +56,8 @@ impl Cards {
     /// the joints of the body's vertex nearest to its root.
     ///
     /// # Errors
-    /// [`Error::Unusable`] for a head with another number of vertices than in the bake, for a rig of another mesh, and for a file of more than
-    /// 4 GB.
+    /// [`Error::Unusable`] for a head with another number of vertices than in the bake, for a rig of another mesh, and
+    /// for a file of more than 4 GB.
     pub fn glb(&self, body: Option<(&TriMesh, Option<&Rig>)>, look: &CardLook) -> Result<Vec<u8>> {
         let mut file = File::new();
         file.root["scenes"] = json!([{"nodes": []}]);

@@ -35,7 +35,7 @@ pub(super) fn solid(pictures: &[Opacity]) -> f32 {
     if any > 0.0 { solid / any } else { 0.0 }
 }
 
-/// Returns the shell of at most about `triangles` triangles whose pictures in `studio` are most like `wanted`.
+/// Returns the shell of at most about `triangles` triangles whose pictures in `studio` are most like `target`.
 pub(super) fn shell(
     lines: &Lines<'_>,
     head: Option<&SdfGrid>,
@@ -56,7 +56,7 @@ pub(super) fn shell(
     best.map(|(_, shell)| shell)
 }
 
-/// Keeps the large parts of `surface` that are not hidden by the head, with at most about `most` triangles.
+/// Keeps the large parts of `surface` that are not hidden by the head, with at most about `max_triangles` triangles.
 fn outside(mut surface: TriMesh, head: Option<&SdfGrid>, cell: f32, max_triangles: usize) -> Option<TriMesh> {
     if let Some(head) = head {
         let p = surface.positions.clone();
@@ -102,7 +102,7 @@ struct Nearby {
     distance: f32,
 }
 
-/// Returns the mean of the strands around `p`: those farther away than `reach` count little.
+/// Returns the mean of the strands around `p`: those farther away than `radius` count little.
 fn nearby(lines: &Lines<'_>, p: Vec3, radius: f32) -> Nearby {
     let mut sum = Nearby::default();
     for i in 0..lines.strands.len() as u32 {
@@ -129,7 +129,7 @@ fn nearby(lines: &Lines<'_>, p: Vec3, radius: f32) -> Nearby {
     }
 }
 
-/// Returns a shell with texture coordinates in `place` of a texture of `size` texels: from the front to the back, the
+/// Returns a shell with texture coordinates in `rect` of a texture of `size` texels: from the front to the back, the
 /// same on the left and the right, and from root to tip.
 pub(super) fn textured(
     shell: &TriMesh,

@@ -17,9 +17,9 @@ const CUTOFF: f32 = 0.5;
 
 impl CardTextures {
     /// Encodes all textures with their mip levels as KTX 2.0, 8 bits per channel, without compression. Colors and
-    /// attributes of a level are means weighted by the coverage, colors in linear light. The coverage is the mean, which
-    /// keeps the area of blended cards. For [`CardAlpha::Mask`], each level scales it so that the share of opaque texels
-    /// is the mean coverage of the first level (Castaño 2010, "Computing Alpha Mipmaps").
+    /// attributes of a level are means weighted by the coverage, colors in linear light. The coverage is the mean,
+    /// which keeps the area of blended cards. For [`CardAlpha::Mask`], each level scales it so that the share of opaque
+    /// texels is the mean coverage of the first level (Castaño 2010, "Computing Alpha Mipmaps").
     ///
     /// File names begin with `name`.
     pub fn ktx2(&self, name: &str, alpha: CardAlpha) -> Vec<NamedFile> {

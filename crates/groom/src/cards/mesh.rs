@@ -178,7 +178,7 @@ impl CardMesh {
         mesh
     }
 
-    /// Adds a card whose picture is at `place` in a texture of `size` texels.
+    /// Adds a card whose picture is at `rect` in a texture of `size` texels.
     pub(super) fn push(
         &mut self,
         plan: &Plan<'_>,
@@ -231,7 +231,8 @@ impl CardMesh {
         self.face(self.triangles.len() - (2 * (rows - 1) * (columns - 1)) as usize);
     }
 
-    /// Divides the part of a card between two rows along the diagonal with the smaller fold. Fronts are counterclockwise.
+    /// Divides the part of a card between two rows along the diagonal with the smaller fold. Fronts are
+    /// counterclockwise.
     fn halves(&self, [a, b, c, d]: [u32; 4]) -> [[u32; 3]; 2] {
         let front = |[a, b, c]: [u32; 3]| {
             let [a, b, c] = [a, b, c].map(|v| self.positions[v as usize]);

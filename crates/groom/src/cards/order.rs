@@ -12,7 +12,8 @@ const ROUNDS: u32 = 12;
 /// How well an order of cards serves 14 pictures from all sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Blending {
-    /// Mean difference of the brightness between cards in their order and cards sorted by depth, as a fraction of white.
+    /// Mean difference of the brightness between cards in their order and cards sorted by depth, as a fraction of
+    /// white.
     pub(super) error: f32,
     /// Mean number of triangles over each pixel that has any.
     pub(super) overdraw: f32,

@@ -70,8 +70,8 @@ impl Studio {
         studio
     }
 
-    /// Returns the images of `strands` whose vertices have `radii`, and the number of samples in which each strand is in
-    /// front.
+    /// Returns the images of `strands` whose vertices have `radii`, and the number of samples in which each strand is
+    /// in front.
     pub(super) fn strands(&self, strands: &Strands, radii: &[f32]) -> (Vec<Opacity>, Vec<u32>) {
         const NONE: u32 = u32::MAX;
         let views = in_parallel(&self.eyes(), |(back, behind)| {
@@ -131,8 +131,8 @@ impl Studio {
         })
     }
 
-    /// Calls `see` for each sample with cards, with its layers sorted from the front. Returns a result for each picture.
-    /// `alpha` is the opacity of texels, `tones` their brightness.
+    /// Calls `visit` for each sample with cards, with its layers sorted from the front. Returns a result for each
+    /// picture. `alpha` is the opacity of texels, `tones` their brightness.
     pub(super) fn layered<R: Default + Send>(
         &self,
         mesh: &CardMesh,
@@ -218,8 +218,8 @@ impl Eye<'_> {
         depths
     }
 
-    /// Calls `see` for each sample of a triangle: its index, barycentric coordinates, depth, and the triangle's area in
-    /// samples.
+    /// Calls `visit` for each sample of a triangle: its index, barycentric coordinates, depth, and the triangle's area
+    /// in samples.
     fn fill(&self, corners: [Vec3; 3], mut visit: impl FnMut(usize, [f32; 3], f32, f32)) {
         let [a, b, c] = corners.map(|p| self.project(p));
         let twice = (b.0 - a.0).perp_dot(c.0 - a.0);

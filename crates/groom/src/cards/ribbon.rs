@@ -139,7 +139,7 @@ fn bell(k: usize, breadth: f32) -> impl Iterator<Item = (usize, f32)> {
     (0..ROWS).map(move |j| (j, (-0.5 * ((j as f32 - k as f32) / breadth).powi(2)).exp()))
 }
 
-/// Returns the value below which the fraction `share` of the weight of `values` lies.
+/// Returns the value below which the `fraction` of the weight of `values` lies.
 fn percentile(values: &mut [(f32, f32)], fraction: f32) -> f32 {
     values.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut left = fraction * values.iter().map(|(_, weight)| weight).sum::<f32>();

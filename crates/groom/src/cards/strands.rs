@@ -26,8 +26,8 @@ pub struct CardStrands {
 
 impl Cards {
     /// Returns the cards of a level as strands that follow the guides of `groom`. The cards must be baked from the
-    /// strands of this groom at rest ([`BoundStrands::unbound`]). All columns of a card follow the same guides, those that most of its
-    /// hair follows, so the card does not tear. A column casts the shadow of its share of the hair.
+    /// strands of this groom at rest ([`BoundStrands::unbound`]). All columns of a card follow the same guides, those
+    /// that most of its hair follows, so the card does not tear. A column casts the shadow of its share of the hair.
     ///
     /// # Errors
     /// [`Error::Unusable`] for a helmet, a level that does not exist, and another groom.

@@ -19,7 +19,7 @@ struct Slice {
     count: usize,
 }
 
-/// Calls `see` for each column of samples between the ends of a strip.
+/// Calls `visit` for each column of samples between the ends of a strip.
 fn slices([a, b]: [Vec2; 2], half: [f32; 2], [width, height]: [usize; 2], mut visit: impl FnMut(Slice)) {
     let delta = b - a;
     let steep = delta.y.abs() > delta.x.abs();
@@ -51,7 +51,7 @@ fn slices([a, b]: [Vec2; 2], half: [f32; 2], [width, height]: [usize; 2], mut vi
     }
 }
 
-/// Calls `see` with the index of every sample whose center (0.5, 1.5, …) is in the strip from `a` to `b`, and the
+/// Calls `visit` with the index of every sample whose center (0.5, 1.5, …) is in the strip from `a` to `b`, and the
 /// fraction of the way from `a`. A strip narrower than a sample covers no sample in some places, but on average as many
 /// as its area has. `half` is half its width at both ends.
 pub(super) fn samples(ends: [Vec2; 2], half: [f32; 2], size: [usize; 2], mut visit: impl FnMut(usize, f32)) {
@@ -66,7 +66,7 @@ pub(super) fn samples(ends: [Vec2; 2], half: [f32; 2], size: [usize; 2], mut vis
     });
 }
 
-/// Calls `see` with the index of every sample that the strip touches, the fraction of the way from its first end, and
+/// Calls `visit` with the index of every sample that the strip touches, the fraction of the way from its first end, and
 /// the fraction of the sample that it covers.
 pub(super) fn sample_coverage(
     ends: [Vec2; 2],

@@ -403,7 +403,8 @@ mod files {
         assert!(refusal.contains("another head"), "{refusal}");
     }
 
-    /// Returns how far cards of swaying hair are from where they should be with a number of chains, and how far without.
+    /// Returns how far cards of swaying hair are from where they should be with a number of chains, and how far
+    /// without.
     fn swayed(chains: u32) -> [f32; 2] {
         let (strands, head) = (&sample().0, &sample().1);
         let cards =

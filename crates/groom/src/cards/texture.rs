@@ -37,7 +37,7 @@ fn byte(value: f32) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }
 
-/// Calls `see` with the index of each texel of a texture that a tile covers or that is close to one, the tile's texel
+/// Calls `visit` with the index of each texel of a texture that a tile covers or that is close to one, the tile's texel
 /// there, and whether it is in the tile.
 fn each(size: usize, rects: &[Rect], tiles: &[Tile], mut visit: impl FnMut(usize, &Texel, bool)) {
     let margin = gutter(size) / 2;
@@ -53,7 +53,7 @@ fn each(size: usize, rects: &[Rect], tiles: &[Tile], mut visit: impl FnMut(usize
     }
 }
 
-/// Returns the coverage of a texture of `size` texels with `tiles` at `places`.
+/// Returns the coverage of a texture of `size` texels with `tiles` at `rects`.
 pub(super) fn coverage(size: usize, rects: &[Rect], tiles: &[Tile]) -> Vec<f32> {
     let mut coverage = vec![0.0; size * size];
     each(size, rects, tiles, |i, texel, inside| coverage[i] = if inside { texel.coverage } else { 0.0 });
@@ -65,7 +65,7 @@ fn tinted(texel: &Texel) -> Vec3 {
     texel.color * lightness(texel.seed, texel.along) * (0.6 + 0.4 * texel.shade)
 }
 
-/// Returns the brightness of a texture of `size` texels with `tiles` at `places`.
+/// Returns the brightness of a texture of `size` texels with `tiles` at `rects`.
 pub(super) fn tones(size: usize, rects: &[Rect], tiles: &[Tile]) -> Vec<f32> {
     let mut tones = vec![0.0; size * size];
     each(size, rects, tiles, |i, texel, _| tones[i] = tinted(texel).dot(LUMINANCE));

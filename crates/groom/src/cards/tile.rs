@@ -125,7 +125,7 @@ impl Lock {
         starts.get(starts.len() / 2).map_or(0.0, |start| start.clamp(0.0, ROOTS))
     }
 
-    /// Calls `see` with each strand in the frame of the ribbon. Widths stay in meters.
+    /// Calls `visit` with each strand in the frame of the ribbon. Widths stay in meters.
     fn each(&self, lines: &Lines<'_>, mut visit: impl FnMut(u32, &[Vertex])) {
         let mut vertices = Vec::new();
         for i in &self.members {

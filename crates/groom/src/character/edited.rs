@@ -71,8 +71,8 @@ impl CharacterSource {
         }
     }
 
-    /// Returns a document to edit `groom`, made from this source by [`dress`](Self::dress). `files` and nothing else have
-    /// made the source, unless it is a built-in style. A groom of fewer than `LEAST_GUIDES` guides gets more, chosen
+    /// Returns a document to edit `groom`, made from this source by [`dress`](Self::dress). `files` and nothing else
+    /// have made the source, unless it is a built-in style. A groom of fewer than `MIN_GUIDES` guides gets more, chosen
     /// among its strands, because a brush moves guides; its strands do not move.
     ///
     /// # Errors
@@ -90,7 +90,7 @@ impl CharacterSource {
         let more = GuideCount::OneIn(STRANDS_PER_GUIDE);
         let is_sparse = groom.guides.len() < MIN_GUIDES.min(more.among(groom.strands.len()));
         let groom = if is_sparse { rebound(&groom, more)? } else { groom };
-        Ok(GroomDocument::new(groom, head, self.neck.x)?)
+        GroomDocument::new(groom, head, self.neck.x)
     }
 
     /// Returns this source with `document`, a groom on the same head.

@@ -219,8 +219,8 @@ impl CharacterSource {
         self.report = Some(report);
     }
 
-    /// Creates a source from `strands` in meters, Y up, face towards +Z, on `head` if given, which `rig` deforms. Repairs
-    /// the strands first.
+    /// Creates a source from `strands` in meters, Y up, face towards +Z, on `head` if given, which `rig` deforms.
+    /// Repairs the strands first.
     ///
     /// # Errors
     /// [`Error::Unusable`] when the strands or the head are invalid.

@@ -49,7 +49,8 @@ impl CharacterSource {
     }
 }
 
-/// Gives the strands of `groom` the color of the skin of `head` at their roots. Strands on parts without color keep theirs.
+/// Gives the strands of `groom` the color of the skin of `head` at their roots. Strands on parts without color keep
+/// theirs.
 pub(super) fn color_by_skin(groom: &mut Groom, head: Option<&TriMesh>) -> Result<()> {
     let none = || Error::Unusable("the color of the skin needs a body with textures or colors".into());
     let skin = head.and_then(SkinColors::new).ok_or_else(none)?;

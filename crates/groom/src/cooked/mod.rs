@@ -28,8 +28,8 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Version of the format. Increase it when a type in [`CookedGroom`] changes and, between releases, when a stored value is
-/// computed differently.
+/// Version of the format. Increase it when a type in [`CookedGroom`] changes and, between releases, when a stored value
+/// is computed differently.
 pub const VERSION: u32 = 3;
 /// Version of this crate.
 const TRESSES: &str = env!("CARGO_PKG_VERSION");
@@ -75,7 +75,7 @@ struct ReportText {
 }
 
 impl CookedGroom {
-    /// Binds `strands` and computes the head's coarser meshes. [`import::read_whole`](crate::import::read_whole)
+    /// Binds `strands` and computes the head's coarser meshes. [`import::read_complete`](crate::import::read_complete)
     /// returns `strands`, `head` and `report`; `field` is the strands' collision field. [`Self::parts`] stays empty.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! Lengths of an edited groom: how much is left of each strand, and by how much guides have grown.
 //!
-//! A cut is a share of a strand's length, not a surface in space: hair that is combed later is not cut again. Guides end
-//! a little after the longest strand that follows them.
+//! A cut is a share of a strand's length, not a surface in space: hair that is combed later is not cut again. Guides
+//! end a little after the longest strand that follows them.
 
 use crate::{
     BoundStrands, Groom,
@@ -55,7 +55,7 @@ fn at(points: &[Vec3], x: f32) -> Vec3 {
     points[k].lerp(points[k + 1], x - k as f32)
 }
 
-/// Returns the first `share` of a polyline, with as many points.
+/// Returns the first `fraction` of a polyline, with as many points.
 fn shortened(points: &[Vec3], fraction: f32) -> Vec<Vec3> {
     (0..points.len()).map(|i| at(points, fraction * i as f32)).collect()
 }

@@ -101,7 +101,7 @@ impl PartialEq for GroomDocument {
 }
 
 impl GroomDocument {
-    /// Creates the first version: `groom` on `head`. `middle` is the plane between left and right (x, meters).
+    /// Creates the first version: `groom` on `head`. `mirror_x` is the plane between left and right (x, meters).
     ///
     /// # Errors
     /// [`Error::Unusable`] for a groom without guides or strands, and for one that its bindings do not fit.
@@ -188,8 +188,8 @@ impl GroomDocument {
         Arc::ptr_eq(&self.base.family, &other.base.family)
     }
 
-    /// Whether `other` is a version of the same groom with the same guides, lengths and painted values, so that only shapes
-    /// differ.
+    /// Whether `other` is a version of the same groom with the same guides, lengths and painted values, so that only
+    /// shapes differ.
     pub fn is_pose_of(&self, other: &Self) -> bool {
         let has_same_painted_values = match (&self.painted_values, &other.painted_values) {
             (Some(a), Some(b)) => Arc::ptr_eq(a, b),

@@ -91,7 +91,8 @@ impl GroomEditor {
         painted.map_or(&self.hair.painted_values, |paint| &paint.painted_values)
     }
 
-    /// Returns root, normal of the skin and stiffness of each guide. The last is relative to that before the first stroke.
+    /// Returns root, normal of the skin and stiffness of each guide. The last is relative to that before the first
+    /// stroke.
     pub fn stiffness(&self) -> Vec<(Vec3, Vec3, f32)> {
         let pairs = self.painted_values().stiffness.iter().zip(&self.hair.base.guides.stiffness);
         self.hair.guides.at_roots(pairs.map(|(now, first)| now / first.max(1e-6))).collect()
@@ -173,9 +174,9 @@ impl GroomEditor {
         }
     }
 
-    /// Gives the guides the shapes of `positions` (groom space, meters, guide after guide), for example of simulated hair.
-    /// Roots and lengths stay, and nothing enters the head. Returns the new version, or `None` if no vertex is farther
-    /// than a tenth of a millimeter from it.
+    /// Gives the guides the shapes of `positions` (groom space, meters, guide after guide), for example of simulated
+    /// hair. Roots and lengths stay, and nothing enters the head. Returns the new version, or `None` if no vertex is
+    /// farther than a tenth of a millimeter from it.
     ///
     /// # Errors
     /// [`Error::Unusable`] for another number of positions, or for one that is not finite.

@@ -20,8 +20,8 @@ pub(super) struct Ground {
 }
 
 impl Ground {
-    /// Returns the distance along a ray to the skin, meters. Sphere tracing on the mesh does not enter gaps that a distance
-    /// field resolves, as between lips.
+    /// Returns the distance along a ray to the skin, meters. Sphere tracing on the mesh does not enter gaps that a
+    /// distance field resolves, as between lips.
     pub fn trace(&self, origin: Vec3, direction: Vec3) -> Option<f32> {
         let Some(mesh) = &self.mesh else {
             return self.field.as_deref()?.trace(origin, direction, 0.0);
@@ -37,8 +37,8 @@ impl Ground {
         None
     }
 
-    /// Returns the point of the skin nearest to `p` and its outward normal; `None` if there is no skin within `reach`
-    /// meters.
+    /// Returns the point of the skin nearest to `p` and its outward normal; `None` if there is no skin within
+    /// `max_distance` meters.
     pub fn nearest(&self, p: Vec3, max_distance: f32) -> Option<(Vec3, Vec3)> {
         if let Some(mesh) = &self.mesh {
             let (mesh, bvh) = &**mesh;

@@ -14,8 +14,8 @@
 //! pose to the current one, by the formula that the shaders of `tresses` use for moving hair. A
 //! thousand strokes lose no detail.
 //!
-//! **A stroke is data** ([`script`]). It gives the same guides, bit for bit, with any number of threads, natively and in
-//! WebAssembly: the code below uses only additions, multiplications, divisions and square roots of 32-bit floats.
+//! **A stroke is data** ([`script`]). It gives the same guides, bit for bit, with any number of threads, natively and
+//! in WebAssembly: the code below uses only additions, multiplications, divisions and square roots of 32-bit floats.
 
 pub mod brush;
 mod cuts;

@@ -104,7 +104,8 @@ impl PaintStroke {
                 (strand.root_color, strand.tip_color) = (first.root_color, first.tip_color);
                 continue;
             }
-            // The pigment of strands without a color is not known here, so a random share of them takes the color whole.
+            // The pigment of strands without a color is not known here, so a random share of them takes the color
+            // whole.
             let chance = chance(seed, i as u32);
             let mixed = |now: u32, fraction: f32| match unpack_color(now) {
                 Some(now) => pack_color(now.lerp(color, (TINT * weight * fraction).min(1.0))),

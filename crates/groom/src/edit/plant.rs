@@ -21,7 +21,8 @@ const MAX_TRIES: usize = 400;
 const SLOPE: (f32, f32) = (0.57, 0.82);
 /// Length over which hanging hair bends down, meters.
 const DROOP: f32 = 0.05;
-/// Distance from the skin to which new hair rises within the length `RISE`, meters: of the lowest and the highest layer.
+/// Distance from the skin to which new hair rises within the length `RISE`, meters: of the lowest and the highest
+/// layer.
 const LAYERS: (f32, f32) = (1.5e-3, 7e-3);
 const RISE: f32 = 0.03;
 /// Cosine of the largest angle between the brush's direction and the skin's normal.
@@ -177,8 +178,8 @@ fn in_disc(seed: u32) -> [f32; 2] {
     }
 }
 
-/// Returns hair of `n` vertices that leaves the skin at `root`, falls, and lies on the head. `layer`, 0 to 1, is its place
-/// among hair that lies over other hair.
+/// Returns hair of `n` vertices that leaves the skin at `root`, falls, and lies on the head. `layer`, 0 to 1, is its
+/// place among hair that lies over other hair.
 fn fallen(
     ground: &Ground,
     root: Vec3,

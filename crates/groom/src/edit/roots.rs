@@ -120,7 +120,7 @@ impl GroomDocument {
         Ok(Some(document.with_painted_values(painted_values)))
     }
 
-    /// Returns this version with the strands that follow `moved` guides rooted in the skin: each is moved there as a
+    /// Returns this version with the strands that follow `guides` rooted in the skin: each is moved there as a
     /// whole.
     pub(super) fn rooted(&self, guides: &BTreeSet<usize>, ground: &Ground) -> Self {
         let mut groom = self.unshaped_groom();

@@ -3,12 +3,11 @@
 //! ```text
 //! {"version":1}
 //! {"tool":"comb","set":{"radius":0.03},"samples":[[0,0.1,1.7,0.9,-0.1,0,-0.99,1],[0.02,0.1,1.7,0.9,-0.1,-0.02,-0.99,1]]}
-//! {"tool":"smooth","path":[[0.1,1.6,0],[0.1,1.5,0]]}
-//! {"do":"undo"}
+//! {"tool":"smooth","path":[[0.1,1.6,0],[0.1,1.5,0]]} {"do":"undo"}
 //! {"do":"pose","guides":[[12,[[0,1.7,0.1],[0,1.71,0.1]]]]}
 //! ```
-//! A sample is time (s), eye (x, y, z, meters), direction of sight (x, y, z) and pressure, in groom space. A path has the
-//! middle of the brush instead, without a camera. [`Brush::of`] gives the values that `set` does not name.
+//! A sample is time (s), eye (x, y, z, meters), direction of sight (x, y, z) and pressure, in groom space. A path has
+//! the middle of the brush instead, without a camera. [`Brush::of`] gives the values that `set` does not name.
 
 use super::{Brush, BrushTool, GroomDocument, GroomEditor, StrokeSample};
 use crate::error::{At, Error, Result};

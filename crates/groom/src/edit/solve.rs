@@ -53,8 +53,8 @@ impl PressState {
         Self { lengths, growth: self.growth * factor, ..self.clone() }
     }
 
-    /// Whether `p`, where vertex `i` is now, is certainly farther from the skin than `distance`, meters: it has not moved
-    /// far enough to be nearer.
+    /// Whether `p`, where vertex `i` is now, is certainly farther from the skin than `distance`, meters: it has not
+    /// moved far enough to be nearer.
     pub fn is_clear(&self, i: usize, p: Vec3, distance: f32) -> bool {
         let left = self.volume[i] - distance - SLACK;
         left > 0.0 && (p - self.at[i]).length_squared() < left * left
@@ -101,8 +101,8 @@ fn bent(direction: Vec3, before: Vec3, angle: f32, sharpest: f32) -> Vec3 {
 }
 
 impl Solver<'_> {
-    /// Returns the guide that was at `before` and whose vertices a tool moved to `target`. `near` is the falloff at each
-    /// vertex: 1 in the middle of the brush, 0 outside. Vertices before the first with `moved` keep their bits.
+    /// Returns the guide that was at `before` and whose vertices a tool moved to `target`. `near` is the falloff at
+    /// each vertex: 1 in the middle of the brush, 0 outside. Vertices before `first` keep their bits.
     pub fn solve(
         &self,
         before: &[Vec3],
@@ -189,8 +189,8 @@ impl Solver<'_> {
     }
 }
 
-/// Returns the targets of held hair after some passes of FABRIK (Aristidou and Lasenby 2011), so that the vertex that is
-/// held most reaches its target if the hair is long enough; and the falloff, 1 up to that vertex.
+/// Returns the targets of held hair after some passes of FABRIK (Aristidou and Lasenby 2011), so that the vertex that
+/// is held most reaches its target if the hair is long enough; and the falloff, 1 up to that vertex.
 pub(super) fn fabrik_targets(
     guide: &[Vec3],
     mut target: Vec<Vec3>,

@@ -25,7 +25,8 @@ const STEP: f32 = 0.25;
 const BEAT: f32 = 0.05;
 /// Largest radius to which a brush grows where guides are sparse, meters.
 const WIDEST: f32 = 0.06;
-/// Distance of the nearest guide, relative to the distance at which one is picked, from which a brush is beside the hair.
+/// Distance of the nearest guide, relative to the distance at which one is picked, from which a brush is beside the
+/// hair.
 const SPARSE: f32 = 2.0;
 /// Limits of the growth in one stroke.
 const GROWTH: std::ops::RangeInclusive<f32> = 0.1..=5.0;
@@ -227,7 +228,8 @@ impl ActiveStroke {
         hair.dab(&held, |hair, i| self.shaped(hair, &dabs, i, hair.document.guide(i), &self.grabbed[&i]));
     }
 
-    /// Returns the vertices to which the tool moves guide `i` from `guide`, and its state at the press; `None` if it stays.
+    /// Returns the vertices to which the tool moves guide `i` from `guide`, and its state at the press; `None` if it
+    /// stays.
     fn shaped(
         &self,
         hair: &EditedHair,

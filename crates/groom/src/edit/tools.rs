@@ -46,7 +46,7 @@ pub(super) struct Dab {
 }
 
 impl Dab {
-    /// Returns the same dab on the other side of the plane x = `middle`.
+    /// Returns the same dab on the other side of the plane x = `mirror_x`.
     pub fn mirrored(&self, mirror_x: f32) -> Self {
         let flip = |v: Vec3| Vec3::new(-v.x, v.y, v.z);
         let center = Vec3::new(2.0 * mirror_x - self.center.x, self.center.y, self.center.z);
@@ -76,7 +76,8 @@ impl Dab {
         }
     }
 
-    /// Returns the place where `line` enters the brush, in segments from the root; `None` if it does not, or begins there.
+    /// Returns the place where `line` enters the brush, in segments from the root; `None` if it does not, or begins
+    /// there.
     pub fn entry(&self, line: &[Vec3], brush: &Brush) -> Option<f32> {
         let inside = |p: Vec3| self.near(p, &Brush { falloff: Falloff::Flat, ..*brush }) > 0.0;
         let first = line.iter().position(|p| inside(*p)).filter(|first| *first > 0)?;

@@ -1,8 +1,8 @@
 //! Export of grooms, meshes, characters and caches.
 //!
 //! Reading a written file returns the same strands, bit-identical except in GLB, which may store positions as 16-bit
-//! fractions of a bounding box. [`EncodedFile::notes`] lists data that the format cannot hold. A file in meters, Y up, face
-//! +Z says so, and the importer need not guess; only `.data` has no field for it.
+//! fractions of a bounding box. [`EncodedFile::notes`] lists data that the format cannot hold. A file in meters, Y up,
+//! face +Z says so, and the importer need not guess; only `.data` has no field for it.
 
 pub use crate::formats::writer::{CacheOptions, CacheSink, CacheWriter, EncodedFile, ExportHair, Writer};
 
@@ -29,8 +29,8 @@ impl Writer {
         Self::holding(path, ContentKind::Strands)
     }
 
-    /// Returns the writer for `path` that can hold `content`: a [`Mesh`](Content::Mesh), or the
-    /// [`Frames`](Content::Frames) of a cache.
+    /// Returns the writer for `path` that can hold `content`: a [`Mesh`](ContentKind::Mesh), or the
+    /// [`Frames`](ContentKind::Frames) of a cache.
     ///
     /// # Errors
     /// [`Error::File`] with the extensions that can hold it.
@@ -117,7 +117,7 @@ impl Writer {
         self.mesh.ok_or_else(|| self.cannot("a mesh"))?(mesh, rig)
     }
 
-    /// Begins a cache of `strands`. [`Cache::frame`] writes the positions of each frame.
+    /// Begins a cache of `strands`. [`CacheWriter::frame`] writes the positions of each frame.
     ///
     /// # Errors
     /// The errors of `out`, and [`Unsupported`](io::ErrorKind::Unsupported) for a format without frames.

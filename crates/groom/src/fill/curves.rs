@@ -47,7 +47,7 @@ pub(crate) struct Curves {
     pub(crate) rotation: Vec<Quat>,
     /// Length of each strand, meters.
     pub(crate) length: Vec<f32>,
-    /// Path points at equal fractions of the length, `KNOTS` per strand.
+    /// Path points at equal fractions of the length, `PATH_POINTS` per strand.
     pub(crate) path_points: Vec<Vec3>,
     /// Distance of each knot from the head, meters; empty without a head.
     pub(crate) clear: Vec<f32>,

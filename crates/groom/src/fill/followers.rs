@@ -11,7 +11,7 @@ use crate::{Error, Followers, Progress, Result, Strands, bind::Parents};
 use std::f32::consts::{PI, TAU};
 
 /// Adds to each of `given` (meters, groom space) its child strands. `followers` has one entry per strand, or one for
-/// all. The result has at most `most` strands; that limit reduces the children of all strands evenly.
+/// all. The result has at most `max_strands` strands; that limit reduces the children of all strands evenly.
 ///
 /// # Errors
 /// [`Error::Unusable`] without strands, if the numbers of strands and followers differ, or for more strands than can be

@@ -269,7 +269,7 @@ impl Scalp {
         Shaper { kin: &self.kin, field: head.field, skin: self.skin.as_ref() }
     }
 
-    /// Chooses the parents of a strand rooted at `place`.
+    /// Chooses the parents of a strand rooted at `point`.
     fn parents(&self, point: &RootPoint, field: Option<&SdfGrid>, rng: &mut Rng) -> Parents {
         let strands = point.sites.map(|site| {
             let all = self.surface.strands(site);

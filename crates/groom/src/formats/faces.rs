@@ -3,8 +3,8 @@
 /// Vertex color where only some parts of a mesh have colors: a neutral skin tone, linear.
 pub(crate) const PLAIN: glam::Vec3 = glam::Vec3::new(0.45, 0.32, 0.265);
 
-/// Triangulates faces of `counts` corners each as fans, with the winding of `corners` or, if `turned`, the opposite
-/// one. `corners` are indices of `points` points, the first of which is vertex `base` of the mesh.
+/// Triangulates faces of `counts` corners each as fans, with the winding of `corners` or, if `reverse_winding`, the
+/// opposite one. `corners` are indices of `points` points, the first of which is vertex `base` of the mesh.
 #[cfg(any(feature = "alembic", feature = "usd"))]
 pub(super) fn fan(
     counts: &[i64],

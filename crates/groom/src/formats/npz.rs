@@ -1,8 +1,8 @@
 //! `.npz`: arrays of NumPy. Strands are `positions`, [n, v, 3], or [all, 3] with `offsets` [n + 1].
 //!
 //! DiffLocks (Rosu and others, 2025) writes `difflocks_output_strands.npz` with 256 points a strand, and beside it
-//! `roots_uv01.npz` and `hair.json`. Its data set has `full_strands.npz` and others, with `root_uv` in the same file and
-//! `metadata.json`. All are in the space of SMPL-X: meters, Y up, the face toward +Z.
+//! `roots_uv01.npz` and `hair.json`. Its data set has `full_strands.npz` and others, with `root_uv` in the same file
+//! and `metadata.json`. All are in the space of SMPL-X: meters, Y up, the face toward +Z.
 
 use super::{raw::Raw, source::Source};
 use crate::{

@@ -153,8 +153,8 @@ impl ScalpPaint {
     }
 }
 
-/// Returns for each vertex of `line` its new position, in vertex indices, if the line ends at the fraction `share` of
-/// its length.
+/// Returns for each vertex of `line` its new position, in vertex indices, if the line ends at the fraction `fraction`
+/// of its length.
 fn cut(line: &[Vec3], fraction: f32) -> Vec<f32> {
     let n = line.len();
     let end = fraction * curve::length(line);

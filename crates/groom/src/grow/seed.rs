@@ -15,7 +15,7 @@ pub(crate) struct Seed {
     pub(crate) root: Vec3,
     pub(crate) uv: Vec2,
     pub(crate) bound: GuideWeights,
-    /// Side of the parting, 1 or -1; `beside` is the distance from it, meters.
+    /// Side of the parting, 1 or -1; `parting_distance` is the distance from it, meters.
     pub(crate) side: f32,
     pub(crate) parting_distance: f32,
     /// Whether the strand follows one guide.

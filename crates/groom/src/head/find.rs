@@ -1,9 +1,9 @@
 //! Finds the landmarks of a head in its mesh.
 //!
-//! The mesh is upright, in meters, with the face towards +Z ([`orient`](crate::orient)); it may have a body. Two outlines
-//! are enough: the profile in the plane between left and right, and the width at each height. The neck is where the width
-//! is smallest below the head. The tip of the nose is where the profile is farthest in front, and the chin where it recedes
-//! to the throat. The other landmarks follow from these by the proportions of the built-in head.
+//! The mesh is upright, in meters, with the face towards +Z ([`orient`](crate::orient)); it may have a body. Two
+//! outlines are enough: the profile in the plane between left and right, and the width at each height. The neck is
+//! where the width is smallest below the head. The tip of the nose is where the profile is farthest in front, and the
+//! chin where it recedes to the throat. The other landmarks follow from these by the proportions of the built-in head.
 
 use crate::{Error, Result, TriMesh, mannequin, scalp::Landmarks};
 use glam::Vec3;

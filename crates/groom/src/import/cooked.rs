@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 /// Returns the cooked groom among `paths`, with its path; `None` if there is none.
 ///
 /// # Errors
-/// The errors of [`CookedGroom::read`], and [`Error::File`](crate::Error::File) if other files accompany the cooked groom
-/// or the options select a unit, axes or a frame.
+/// The errors of [`CookedGroom::read`], and [`Error::File`](crate::Error::File) if other files accompany the cooked
+/// groom or the options select a unit, axes or a frame.
 pub fn cooked<P: AsRef<Path>, H: AsRef<Path>>(
     paths: &[P],
     heads: &[H],

@@ -152,11 +152,11 @@ pub fn edited_body(document: &GroomDocument) -> Result<Option<ImportedBody>> {
     super::body_of(Files::Given(&files), &sorted.heads().paths, &options).map(Some)
 }
 
-/// Returns the files of a head: `heads` or, without any, those of `grooms` that hold a body, and the files that they refer
-/// to. `placement` is how the import has placed the head.
+/// Returns the files of a head: `heads` or, without any, those of `grooms` that hold a body, and the files that they
+/// refer to. `placement` is how the import has placed the head.
 ///
 /// # Errors
-/// The errors of [`super::read_whole`].
+/// The errors of [`super::read_complete`].
 pub fn head_files<P: AsRef<Path>, H: AsRef<Path>>(
     grooms: &[P],
     heads: &[H],

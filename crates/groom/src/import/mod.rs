@@ -119,9 +119,9 @@ pub fn read_complete<P: AsRef<Path>, H: AsRef<Path>>(
     read_all(Files::Disk, paths, all, options)
 }
 
-/// [`read_whole`] for files in memory, for example in a browser. `files` are sorted by [`kind`]: the grooms are joined,
-/// and the meshes make the head. Without meshes, the head is the one in the grooms' own files, if any. Companions
-/// (`.mtl`, `.bin`) are found by the files that refer to them.
+/// [`read_complete`] for files in memory, for example in a browser. `files` are sorted by [`kind`]: the grooms are
+/// joined, and the meshes make the head. Without meshes, the head is the one in the grooms' own files, if any.
+/// Companions (`.mtl`, `.bin`) are found by the files that refer to them.
 ///
 /// # Errors
 /// The errors of [`read`], and [`Error::File`] for a file of unknown kind or a missing companion.
@@ -215,8 +215,8 @@ impl<'a> Heads<'a> {
     }
 }
 
-/// Checks that the groom at `path`, which is complete, is the only one of `count` files, and that nothing is asked of it
-/// that its file states.
+/// Checks that the groom at `path`, which is complete, is the only one of `count` files, and that nothing is asked of
+/// it that its file states.
 #[cfg(any(feature = "cooked", feature = "edit"))]
 fn check_single(path: &Path, count: usize, heads: &Heads<'_>, options: &ImportOptions) -> Result<()> {
     let kind = if formats::is_cooked(path) { "a cooked groom" } else { "an edited groom" };

@@ -179,7 +179,7 @@ fn diagonal(quad: &[u32; 6]) -> [u32; 2] {
     [quad[0].min(other), quad[0].max(other)]
 }
 
-/// Returns the triangles of a quad, along its other diagonal if `is_turned`.
+/// Returns the triangles of a quad, along its other diagonal if `is_flipped`.
 fn split(quad: &[u32; 6], is_flipped: bool) -> [[u32; 3]; 2] {
     let [a, b, c, d, e, f] = *quad;
     match is_flipped {

@@ -31,8 +31,8 @@ pub fn ellipsoid(p: Vec3, c: Vec3, r: Vec3) -> f32 {
     if slope < 1e-9 { -r.min_element() } else { value * (value - 1.0) / slope }
 }
 
-/// Returns the distance to the hull of two spheres about `a` and `b`. The sphere that touches the hull nearest to `p` is found in closed
-/// form: seen from its center, `p` lies along the normal of the hull, which the taper tilts.
+/// Returns the distance to the hull of two spheres about `a` and `b`. The sphere that touches the hull nearest to `p`
+/// is found in closed form: seen from its center, `p` lies along the normal of the hull, which the taper tilts.
 pub fn stroke(p: Vec3, a: Vec3, ra: f32, b: Vec3, rb: f32) -> f32 {
     let axis = b - a;
     let length = axis.length();
@@ -56,8 +56,8 @@ pub fn step(a: f32, b: f32, x: f32) -> f32 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Evaluates a profile over the height `y`: a uniform cubic B-spline over `knots`, the first at `start`, the others
-/// `spacing` apart. Returns value and slope. Constant beyond the ends.
+/// Evaluates a profile over the height `y`: a uniform cubic B-spline over `control_values`, the first at `start`, the
+/// others `spacing` apart. Returns value and slope. Constant beyond the ends.
 pub fn curve(control_values: &[f32], start: f32, spacing: f32, y: f32) -> (f32, f32) {
     let last = control_values.len() as i32 - 1;
     let s = ((y - start) / spacing).clamp(0.0, last as f32);

@@ -4,7 +4,8 @@
 //! head. Skin on the form of the head, its jaw included, belongs to the head alone. Hair grows only there, so the scalp
 //! stays rigid.
 //!
-//! A neck turns as a whole spine does: [`SHARES`] divides a turn between the neck's joint and the head's joint.
+//! A neck turns as a whole spine does: [`ROTATION_WEIGHTS`] divides a turn between the neck's joint and the head's
+//! joint.
 
 use super::{NECK_JOINT, forms::step, neck, skull};
 use crate::{
@@ -125,7 +126,7 @@ fn clipped(field: &SdfGrid, inside: impl Fn(Vec3) -> f32) -> SdfGrid {
     }
 }
 
-/// Returns a blend shape that adds `moves` to each position of `mesh`.
+/// Returns a blend shape that adds `displacement` to each position of `mesh`.
 fn target(name: &str, mesh: &TriMesh, displacement: impl Fn(Vec3) -> Vec3) -> MorphTarget {
     // Half a millimeter: the normal follows from the deformation of a small disc of skin.
     const H: f32 = 5e-4;

@@ -62,8 +62,8 @@ impl HairFacts {
             - 0.5 * self.mean.dot(side).abs()
     }
 
-    /// Returns the length of the body, in the file's unit, if the roots lie all around it, as fur does, or on no sphere;
-    /// `None` if they lie on one side of a sphere, as on a head.
+    /// Returns the length of the body, in the file's unit, if the roots lie all around it, as fur does, or on no
+    /// sphere; `None` if they lie on one side of a sphere, as on a head.
     pub fn body(&self) -> Option<f32> {
         let FittedSphere { center, radius } = self.sphere;
         let mut off: Vec<f32> =

@@ -184,8 +184,8 @@ pub fn head(mesh: &TriMesh, known: &KnownOrientation) -> Placement {
     placement
 }
 
-/// Sets the unit from crown and chin, from the breadth of the rooted area, or from both. `hair` is half that breadth, and
-/// the length of the body if it is no head.
+/// Sets the unit from crown and chin, from the breadth of the rooted area, or from both. `hair` is half that breadth,
+/// and the length of the body if it is no head.
 fn unit_of_head(
     placement: &mut Placement,
     mesh: &TriMesh,

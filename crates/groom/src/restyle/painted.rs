@@ -52,8 +52,8 @@ const ROUND: f32 = 5.0;
 /// Seed of painted shapes.
 const SEED: u32 = 0x9a17;
 
-/// Returns `groom` with the painted `shapes` of its strands. Random numbers come from the seeds of strands, so hair that
-/// is planted or removed elsewhere changes none. Curls too small for the vertices of a lock are wider and longer.
+/// Returns `groom` with the painted `shapes` of its strands. Random numbers come from the seeds of strands, so hair
+/// that is planted or removed elsewhere changes none. Curls too small for the vertices of a lock are wider and longer.
 pub(crate) fn shaped(groom: &Groom, shapes: &[StrandShape]) -> Groom {
     let mut groom = groom.clone();
     let is_curled = |strand: &StrandShape| strand.curl > 0;

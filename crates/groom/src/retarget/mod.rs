@@ -7,11 +7,11 @@
 //! distance fields ─► pushed out of the other head, from root to tip
 //! ```
 //!
-//! Heads of one topology (SMPL-X, FLAME, MetaHuman) correspond by their vertices. Others are matched by their landmarks and
-//! by nearest points in both directions, and the head is warped, coarse to fine (`warp`).
+//! Heads of one topology (SMPL-X, FLAME, MetaHuman) correspond by their vertices. Others are matched by their landmarks
+//! and by nearest points in both directions, and the head is warped, coarse to fine (`warp`).
 //!
-//! **Why rigid per strand?** A warp of space changes lengths by 13 % in the mean (AMD's head to ICT-FaceKit's), and bends
-//! curls. A rigid motion changes neither; turns that are smoothed over 24 neighbors keep these together.
+//! **Why rigid per strand?** A warp of space changes lengths by 13 % in the mean (AMD's head to ICT-FaceKit's), and
+//! bends curls. A rigid motion changes neither; turns that are smoothed over 24 neighbors keep these together.
 
 mod warp;
 
@@ -61,8 +61,8 @@ struct SkinPoint {
     height: f32,
 }
 
-/// Returns `strands`, which grow on `head`, on `other`. Both are in meters, Y up, the face towards +Z. `landmarks` are points
-/// of both heads that correspond.
+/// Returns `strands`, which grow on `head`, on `other`. Both are in meters, Y up, the face towards +Z. `landmarks` are
+/// points of both heads that correspond.
 ///
 /// # Errors
 /// [`Error::Unusable`] without strands, for a mesh without triangles or volume, and for heads that do not resemble each
@@ -183,8 +183,8 @@ fn mean_rotation(rotations: impl Iterator<Item = (Quat, f32)>) -> Quat {
     sum.filter(|sum| sum.length_squared() > 1e-12).map_or(Quat::IDENTITY, Quat::normalize)
 }
 
-/// Returns `line` out of the head of the field `target`: each vertex is at least as far from it as the vertex of `before` was
-/// from its own head, up to [`CLEARANCE`]. Edges keep their lengths in `before`.
+/// Returns `line` out of the head of the field `target`: each vertex is at least as far from it as the vertex of
+/// `before` was from its own head, up to [`CLEARANCE`]. Edges keep their lengths in `before`.
 fn pushed(before: &[Vec3], line: &[Vec3], field: &SdfGrid, target: &SdfGrid) -> Vec<Vec3> {
     let Some(first) = line.first() else { return Vec::new() };
     let mut out = vec![*first];

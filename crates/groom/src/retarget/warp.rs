@@ -1,7 +1,8 @@
 //! The skin of a head, warped onto another head of other triangles.
 //!
-//! A similarity first: the landmarks of both heads, then nearest points in both directions. With one direction only, heads
-//! shrink: every point of the one has a near point on the other. Then sums of Gaussians move the skin, with radii that fall.
+//! A similarity first: the landmarks of both heads, then nearest points in both directions. With one direction only,
+//! heads shrink: every point of the one has a near point on the other. Then sums of Gaussians move the skin, with radii
+//! that fall.
 
 use crate::{
     Error, Result, TriMesh, head::HeadShape, mesh::Bvh, near::PointTree, progress::in_parallel,

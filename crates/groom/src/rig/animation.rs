@@ -78,8 +78,8 @@ impl Animation {
 
 impl Curve {
     /// Writes the values at `time` (seconds) to `out`, which is as long as a key has numbers. Before the first key and
-    /// after the last one, that key holds. `turn` marks the numbers as a quaternion. Without keys, or with too few
-    /// numbers for them, nothing is written.
+    /// after the last one, that key holds. `is_rotation` marks the numbers as a quaternion. Without keys, or with too
+    /// few numbers for them, nothing is written.
     pub fn sample(&self, time: f32, is_rotation: bool, out: &mut [f32]) {
         let parts = if self.interpolation == Interpolation::CubicSpline { 3 } else { 1 };
         if self.values.len() < self.times.len() * out.len() * parts {

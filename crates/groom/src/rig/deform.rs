@@ -50,7 +50,7 @@ impl Rig {
     pub(crate) fn take_normals(&mut self, mesh: &TriMesh) {
         let pose = self.rest_pose();
         for (bind, normal) in self.vertices.iter_mut().zip(&mesh.normals) {
-            // The inverse of `turn`, up to length.
+            // The inverse of `rotation`, up to length.
             let by = blend(&pose.palette, bind);
             let axes = [by.x_axis, by.y_axis, by.z_axis].map(|a| a.truncate().dot(*normal));
             bind.normal = Vec3::from(axes).normalize_or(Vec3::Y);

@@ -106,7 +106,8 @@ impl Rig {
         self.pose_of(globals, weights)
     }
 
-    /// Returns the pose in which the nodes have the transforms `globals` to the file's space, and the targets `weights`.
+    /// Returns the pose in which the nodes have the transforms `globals` to the file's space, and the targets
+    /// `weights`.
     pub fn pose_of(&self, globals: Vec<Mat4>, weights: Vec<f32>) -> RigPose {
         let entry = |joint: &Joint| {
             let global = globals.get(joint.node as usize).copied().unwrap_or_default();

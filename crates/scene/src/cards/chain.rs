@@ -54,8 +54,8 @@ impl CardChain {
         self.characters.get(level).is_some_and(Option::is_some)
     }
 
-    /// Shows a level in `scene`, or the strands. Returns whether that is a change. `scene` must be the one that the last
-    /// call changed.
+    /// Shows a level in `scene`, or the strands. Returns whether that is a change. `scene` must be the one that the
+    /// last call changed.
     pub fn show(&mut self, scene: &mut Scene, level: Option<usize>) -> bool {
         if level == self.shown || level.is_some_and(|level| !self.can_show(level)) {
             return false;

@@ -1,6 +1,6 @@
 //! Files that accompany a groom and its head: scalp maps, a drawn curl, painted levels of detail, colliders, ties and
-//! environment maps. A [`Source`] names them. The functions here read them from disk or, in a browser, from the bytes
-//! in a [`Shelf`].
+//! environment maps. A [`PresetSource`] names them. The functions here read them from disk or, in a browser, from the
+//! bytes in a [`Shelf`].
 
 pub(crate) mod levels;
 mod maps;

@@ -1,9 +1,9 @@
 //! Command-line flags of the parameters.
 //!
-//! A flag parses its text to [`Assignment`]: parameters to reset to their defaults, and parameters to set. Most flags set
-//! only the parameter of their row. Composite flags take a comma-separated list (`--wind 8,45`) or words in place of a
-//! number (`--guides all`). A [`FlagValue`] also lists the changes it makes to other rows. Numbers are in the row's unit
-//! unless they carry another unit; shares are from 0 to 1, or have a `%`.
+//! A flag parses its text to [`Assignment`]: parameters to reset to their defaults, and parameters to set. Most flags
+//! set only the parameter of their row. Composite flags take a comma-separated list (`--wind 8,45`) or words in place
+//! of a number (`--guides all`). A [`FlagValue`] also lists the changes it makes to other rows. Numbers are in the
+//! row's unit unless they carry another unit; shares are from 0 to 1, or have a `%`.
 
 use super::{
     Knob, Value, ValueKind, find, removed,

@@ -143,7 +143,7 @@ impl ValueKind {
     }
 }
 
-/// Returns a range of numbers from `least` to `most`, both in `unit`.
+/// Returns a range of numbers from `min` to `max`, both in `unit`.
 pub(super) const fn number(unit: Unit, min: f64, max: f64) -> ValueKind {
     ValueKind::Number { unit, min, max, scale: SliderScale::Linear }
 }

@@ -64,7 +64,7 @@ impl Settings {
         resolved
     }
 
-    /// Returns the view's options for an adapter that supports up to `most` samples per pixel.
+    /// Returns the view's options for an adapter that supports up to `max_samples` samples per pixel.
     ///
     /// # Errors
     /// As [`renderer`](Self::renderer).
@@ -91,7 +91,7 @@ impl Settings {
         requests
     }
 
-    /// Returns the image quality for `size` (pixels) on an adapter that supports up to `most` samples per pixel.
+    /// Returns the image quality for `size` (pixels) on an adapter that supports up to `max_samples` samples per pixel.
     ///
     /// # Errors
     /// As [`view_options`](Self::view_options).

@@ -77,8 +77,8 @@ impl Scene {
     /// Draws the complete frame from `camera` and reads it back.
     ///
     /// # Errors
-    /// Fails if the adapter cannot allocate what the view needs, if the GPU is lost, or if [`OutputRequest::hair`] is set and
-    /// the hair is not tiled, or drawn as cards.
+    /// Fails if the adapter cannot allocate what the view needs, if the GPU is lost, or if [`OutputRequest::hair`] is
+    /// set and the hair is not tiled, or drawn as cards.
     pub async fn capture(
         &mut self,
         camera: impl Into<CaptureCamera>,
@@ -132,7 +132,7 @@ impl Scene {
         }
     }
 
-    /// Returns the bodies in the last frame; none if it is `bare`.
+    /// Returns the bodies in the last frame; none if it is `hair_only`.
     async fn surface(&self, hair_only: bool) -> Result<Vec<SurfaceSample>> {
         let mut meshes = Vec::new();
         let bodies = self.character.body().into_iter().chain(&self.character.props);
@@ -189,8 +189,8 @@ impl Scene {
         Ok(drawn)
     }
 
-    /// Reads back the colors of drawn strands: one per vertex of [`drawn`](Self::drawn), linear. Empty if the settings or
-    /// the groom do not color each strand.
+    /// Reads back the colors of drawn strands: one per vertex of [`drawn`](Self::drawn), linear. Empty if the settings
+    /// or the groom do not color each strand.
     ///
     /// # Errors
     /// Fails if the GPU is lost.

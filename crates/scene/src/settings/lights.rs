@@ -74,7 +74,8 @@ impl Default for LightSettings {
 impl LightSettings {
     /// Returns the lights for a camera at `azimuth` around the head, radians, as for [`Lights::around`]. The light of
     /// an environment map, `surroundings`, replaces key, rim and sky light. The caller has already applied
-    /// [`environment_turn`](Self::environment_turn) and [`environment_strength`](Self::environment_strength) to it.
+    /// [`environment_rotation`](Self::environment_rotation) and [`environment_strength`](Self::environment_strength) to
+    /// it.
     pub fn lights(&self, azimuth: f32, surroundings: Option<&Lights>) -> Lights {
         let mut lights = match surroundings {
             Some(lights) => *lights,

@@ -92,7 +92,7 @@ pub(crate) struct BodyUniform {
     pub gloss_exponent: f32,
     /// [`Surface::outward`].
     pub outward: f32,
-    /// 0 for a [holdout](BodyMaterial::holdout), else 1.
+    /// 0 for a [holdout](BodyMaterial::is_holdout), else 1.
     pub shown: f32,
 }
 

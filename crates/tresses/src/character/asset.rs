@@ -37,7 +37,7 @@ const SWING: f32 = 1.15;
 pub struct CharacterOptions<'a> {
     /// Options of the hair. Face grooms use its physics and level of detail.
     pub hair: HairOptions,
-    /// Colliders besides the body; [`Character::place_obstacles`](super::Character::place_obstacles) moves them.
+    /// Colliders besides the body; [`Character::set_obstacle_poses`](super::Character::set_obstacle_poses) moves them.
     pub obstacles: &'a [Collider],
     /// Distance fields that colliders refer to by [`FieldId`](crate::collide::FieldId).
     pub fields: &'a [FieldSource<'a>],
@@ -94,7 +94,7 @@ impl<'a> CharacterOptions<'a> {
         Self { ambient_resolution: ambient_cells, ..self }
     }
 
-    /// Sets the [maximum distance of roots](Self::root_reach), meters.
+    /// Sets the [maximum distance of roots](Self::max_root_distance), meters.
     #[must_use]
     pub fn with_max_root_distance(self, max_root_distance: f32) -> Self {
         Self { max_root_distance, ..self }

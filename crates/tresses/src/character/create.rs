@@ -134,8 +134,8 @@ impl Character {
     }
 
     /// Makes the roots follow a mesh that the host deforms. `mesh` is the mesh at rest (groom space). `skin` holds its
-    /// vertices in each frame, in a space whose pose is set by [`set_pose`](Self::set_pose). No root may be farther than
-    /// `reach` meters from the mesh.
+    /// vertices in each frame, in a space whose pose is set by [`set_pose`](Self::set_pose). No root may be farther
+    /// than `max_distance` meters from the mesh.
     ///
     /// # Errors
     /// [`crate::groom::Error::Unusable`] for a root that is too far away and for a skin that does not fit the mesh;

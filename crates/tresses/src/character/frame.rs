@@ -167,7 +167,7 @@ impl<'a> Frame<'a> {
     }
 
     /// Records only the lighting of an image, for a host whose shaders sample the shadow of the hair before it is
-    /// composited with [`Surroundings::lit`]. `scene` are the host's shadow maps.
+    /// composited with [`HostFrame::is_lit`]. `scene` are the host's shadow maps.
     ///
     /// # Errors
     /// As [`draw`](Self::draw).

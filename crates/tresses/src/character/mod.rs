@@ -15,15 +15,15 @@
 //! - deformed by the host: [`Character::skinned_by`] reads the host's vertex buffer.
 //!
 //! Characters of one [`CharacterAsset`] share everything that does not move: a crowd is a `Vec<Character>`, and a
-//! [`CrowdBudget`] keeps it within a time and a memory limit. The layer below is public as well: [`Hair`], [`View`](crate::View) and
-//! [`Recorder`](crate::frame::Recorder).
+//! [`CrowdBudget`] keeps it within a time and a memory limit. The layer below is public as well: [`Hair`],
+//! [`View`](crate::View) and [`Recorder`](crate::frame::Recorder).
 //!
 //! **Why not an entity per groom?** Brows follow the hair's clock, color and detail. A beard collides with the same
 //! body. Shadow focus and zones belong to the head. With one object per groom, every host reimplemented these rules,
 //! each a little differently.
 //!
-//! **A lost device** takes all buffers with it. The host keeps the [`CharacterParts`](crate::CharacterParts), creates a new
-//! [`Context`](crate::Context), a [`CharacterAsset`] and a [`Character`], and calls [`Character::continue_from`].
+//! **A lost device** takes all buffers with it. The host keeps the [`CharacterParts`](crate::CharacterParts), creates a
+//! new [`Context`](crate::Context), a [`CharacterAsset`] and a [`Character`], and calls [`Character::continue_from`].
 
 mod asset;
 mod background;

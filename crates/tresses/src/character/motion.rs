@@ -56,7 +56,7 @@ impl Character {
     pub(super) fn drawn(&self, pose: &Pose) -> Pose {
         match self.drawn_in {
             Some(_) => HairFrame { space: self.space, drawn_in: self.drawn_in, ..HairFrame::default() }
-                .to_drawn_space()
+                .map_to_drawn()
                 .pose(pose),
             None => *pose,
         }

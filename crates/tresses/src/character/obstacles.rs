@@ -99,7 +99,7 @@ impl Obstacles {
         ColliderPoses { head: None, colliders: self.fixed.iter().copied().chain(parts).chain(free).collect() }
     }
 
-    /// Returns the entries of `places` (one per collider) that are not body parts.
+    /// Returns the entries of `poses` (one per collider) that are not body parts.
     pub fn visible<'a>(&self, poses: &'a [Pose]) -> impl Iterator<Item = Pose> + 'a {
         let (fixed, own) = (self.fixed.len(), self.own());
         poses.iter().enumerate().filter(move |(i, _)| *i < fixed || *i >= own).map(|(_, pose)| *pose)

@@ -185,8 +185,8 @@ impl RiggedBody {
     }
 
     /// Sets the vertices that a host has deformed, from the next frame on, in place of animation and gesture.
-    /// `positions` has one point per vertex of the body's mesh, relative to the pose of the body, meters. `joints` has the poses of the
-    /// joints ([`pose_of`](Self::pose_of)); without it they are fitted to the vertices.
+    /// `positions` has one point per vertex of the body's mesh, relative to the pose of the body, meters. `joints` has
+    /// the poses of the joints ([`pose_of`](Self::pose_of)); without it they are fitted to the vertices.
     ///
     /// # Errors
     /// [`crate::groom::Error::Unusable`] for another number of vertices, for vertices that are not finite, and if the

@@ -10,8 +10,8 @@
 //!
 //! **Moments.** The simulation evaluates a collider at the start of the frame's first step (moment 0) and at the end of
 //! every substep `k` of the frame (moment `k`); the moment is the last argument of `nearest(x, moment)`. The host
-//! writes one `PoseData` per moment and collider, so no kernel interpolates poses per vertex. The velocity of a point of
-//! an obstacle is its rigid motion, rotation included, in the substep that ends at the moment. Between frames a
+//! writes one `PoseData` per moment and collider, so no kernel interpolates poses per vertex. The velocity of a point
+//! of an obstacle is its rigid motion, rotation included, in the substep that ends at the moment. Between frames a
 //! collider moves from its pose at the end of the last step towards its current pose, like the head.
 //!
 //! **Now.** The drawn hair is interpolated between the last two states *in the head's frame* and carried to the head's

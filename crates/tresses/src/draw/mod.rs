@@ -11,8 +11,8 @@
 //! One 16-bit index buffer covers as many strands as fit. It is drawn repeatedly with a different base vertex
 //! (`strands::indices`). `docs/validation/coverage.md` compares them.
 //!
-//! **Cards** are textured strips between strands ([`HairDescriptor::cards`](crate::HairDescriptor::cards)). They are drawn after the
-//! bodies by every renderer.
+//! **Cards** are textured strips between strands ([`HairDescriptor::cards`](crate::HairDescriptor::cards)). They are
+//! drawn after the bodies by every renderer.
 
 pub(crate) mod canvas;
 pub(crate) mod cards;

@@ -44,8 +44,8 @@ impl Kernel {
         Self::named::<B>(device, B::MODULES[0], shared)
     }
 
-    /// As [`beside`](Self::beside), for one of several shaders with these bindings, or a variant of one (for example
-    /// `simulate::step::16`).
+    /// As [`with_shared`](Self::with_shared), for one of several shaders with these bindings, or a variant of one (for
+    /// example `simulate::step::16`).
     pub(crate) fn named<B: Bindings>(
         device: &Device,
         module: &'static str,

@@ -176,7 +176,7 @@ impl Timings {
     }
 
     /// Waits for the frame and returns milliseconds per name, in order of first use. Then starts over. Programs that
-    /// must not wait use [`later`](Self::later).
+    /// must not wait use [`start_read`](Self::start_read).
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] when the device is lost.

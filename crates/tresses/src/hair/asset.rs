@@ -119,7 +119,8 @@ impl HairAsset {
         let distances = rest::distances(&guides.positions, resting);
         let rest = rested(&guides, &distances, &options.simulation, &options.rest)?;
         // A step uses the scratch memory for the cells of the density grid, then for the forces on guides; drawing uses
-        // it for shading samples. None of these is read after another has been written, in any order of heads and views.
+        // it for shading samples. None of these is read after another has been written, in any order of heads and
+        // views.
         let forces = u64::from(guide_count) * u64::from(n) * size_of::<GuideForce>() as u64;
         let scratch = sample_bytes([count, vertex_count]).max(options.volume.cell_bytes()?).max(forces);
         let scratch = storage::<u8>(device, "scratch of a groom", scratch)?;
@@ -175,7 +176,7 @@ impl HairAsset {
         Ok(())
     }
 
-    /// Returns the links between guide vertices that are about `reach` meters apart.
+    /// Returns the links between guide vertices that are about `distance` meters apart.
     pub(super) fn links(&self, distance: f32) -> Result<LinkAsset> {
         let mut links = self.links.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = links.as_ref().filter(|known| known.distance == distance) {

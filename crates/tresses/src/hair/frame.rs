@@ -45,7 +45,7 @@ impl HairFrame<'_> {
     }
 
     /// Returns the map from the space of the poses to the space in which the hair is drawn.
-    pub(crate) fn to_drawn_space(&self) -> Map {
+    pub(crate) fn map_to_drawn(&self) -> Map {
         self.drawn_space().from(&self.space.normalized())
     }
 }

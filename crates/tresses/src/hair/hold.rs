@@ -36,7 +36,8 @@ impl Hair {
     /// [`reset`](Self::reset). A ray that hits no hair, or the head first, grabs nothing.
     ///
     /// # Errors
-    /// [`Error::Parameter`](crate::Error::Parameter) for a ray without a direction, and for a radius outside 1 mm to 1 m.
+    /// [`Error::Parameter`](crate::Error::Parameter) for a ray without a direction, and for a radius outside 1 mm to 1
+    /// m.
     pub fn grab(&mut self, ray: &Ray, radius: f32) -> Result<()> {
         self.effects.grab.begin(ray, radius)
     }

@@ -33,8 +33,8 @@ impl Hair {
         self.volume.set_neighbors(&self.asset.context, others.into_iter());
     }
 
-    /// Makes each of `hair` [meet](Self::meet) the others that are near it. Call it before the frame in which they
-    /// advance. Do not include several grooms of one head, which overlap at rest.
+    /// Makes each of `hair` [collide with](Self::collide_with) the others that are near it. Call it before the frame in
+    /// which they advance. Do not include several grooms of one head, which overlap at rest.
     pub fn collide_nearby(hair: &mut [&mut Self]) {
         for i in 0..hair.len() {
             let (before, rest) = hair.split_at_mut(i);

@@ -133,7 +133,7 @@ impl Hair {
         is_forced: bool,
     ) -> Result<bool> {
         let rays = RayTransforms {
-            to_carrier: carrier_frame.passage.at(1.0).after(&frame.to_drawn_space().inverse()),
+            to_carrier: carrier_frame.passage.at(1.0).after(&frame.map_to_drawn().inverse()),
             to_last: self.motion.drawn_in.from(&frame.drawn_space()),
             shift: carrier_frame.displacement(),
         };
@@ -147,7 +147,7 @@ impl Hair {
         if let Some(roots) = &mut self.roots {
             let counts = [self.guides.count, self.strands.drawn.count];
             let fresh = steps.first().is_some_and(|step| step.mode == Mode::Reset);
-            roots.prepare(&self.asset.context, (&frame.head, &frame.to_drawn_space()), counts, fresh);
+            roots.prepare(&self.asset.context, (&frame.head, &frame.map_to_drawn()), counts, fresh);
         }
     }
 
@@ -300,7 +300,7 @@ impl Hair {
             steps: &carrier_frame.steps,
             substeps: params.substep_count,
             step: params.step,
-            head: frame.to_drawn_space().pose(head),
+            head: frame.map_to_drawn().pose(head),
             alpha: ticks.alpha,
         };
         let journey = Journey { head: *head, passage: carrier_frame.passage };
@@ -322,7 +322,7 @@ impl Hair {
 
     /// Writes the uniforms of the stages after the guides.
     pub(crate) fn prepare(&mut self, frame: &HairFrame<'_>) {
-        let to_drawn_space = frame.to_drawn_space();
+        let to_drawn_space = frame.map_to_drawn();
         self.motion.head = to_drawn_space.pose(&frame.head);
         self.motion.drawn_in = frame.drawn_space();
         self.motion.to_drawn = to_drawn_space.after(&self.motion.passage.at(1.0).inverse()).as_pose();

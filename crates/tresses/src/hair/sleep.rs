@@ -94,7 +94,7 @@ fn settled(drag: f32, pixel: f32) -> f32 {
     if drag < 0.05 { f32::INFINITY } else { 2.0 / drag * (SWING / min_amplitude).max(3.0).ln() }
 }
 
-/// Whether any part of a sphere (center and radius, meters), enlarged by [`ROOM`], is in view of `camera`.
+/// Whether any part of a sphere (center and radius, meters), enlarged by [`BOUNDS_SCALE`], is in view of `camera`.
 pub(super) fn is_sphere_in_view(camera: &Camera, (center, radius): (Vec3, f32)) -> bool {
     let clip = camera.projection * camera.view;
     let (x, y, w) = (clip.row(0), clip.row(1), clip.row(3));

@@ -9,7 +9,7 @@ use glam::{Quat, Vec3};
 /// The air (`Hair::air`) is not part of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GuideState {
-    /// [`Hair::place`] of that frame.
+    /// [`Hair::simulation_transform`] of that frame.
     simulation_transform: Pose,
     /// Poses of the head before and after the last step, and at the clock's last step.
     heads: [Pose; 3],

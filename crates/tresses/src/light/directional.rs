@@ -18,7 +18,7 @@ impl Directional {
     /// No light.
     pub const OFF: Self = Self { direction: Vec3::Y, irradiance: Vec3::ZERO };
 
-    /// Creates the light that a point light at `at` (meters) gives at `place`, the position of the hair. `intensity`
+    /// Creates the light that a point light at `at` (meters) gives at `target`, the position of the hair. `intensity`
     /// (radiance times square meters) falls off with the squared distance, which is at least 1 cm².
     pub fn from_point(at: Vec3, intensity: Vec3, target: Vec3) -> Self {
         const MIN_DISTANCE_SQUARED: f32 = 1e-4;
@@ -29,7 +29,7 @@ impl Directional {
         }
     }
 
-    /// Creates the light that a polygonal area light gives at `place`. `corners` (meters) are in order,
+    /// Creates the light that a polygonal area light gives at `target`. `corners` (meters) are in order,
     /// counter-clockwise as seen from the front, and the front emits `radiance` in all directions. The direction is the
     /// mean over the polygon. The irradiance is for a surface that faces this direction, with all of the polygon in
     /// front of it (Lambert's formula, 1760). The back emits nothing.
@@ -42,7 +42,7 @@ impl Directional {
         };
         let arrives: Vec3 = (0..corners.len()).map(edge).sum();
         let center = corners.iter().sum::<Vec3>() / corners.len().max(1) as f32 - target;
-        // The edges of a counter-clockwise polygon add up to a vector towards `place`. A place in the plane of the
+        // The edges of a counter-clockwise polygon add up to a vector towards `target`. A place in the plane of the
         // polygon gets no light, or NaN.
         let solid_angle = -arrives.length() * arrives.dot(center).signum();
         if !(solid_angle > 1e-6 && solid_angle.is_finite()) {

@@ -93,10 +93,11 @@ impl Environment {
 
     /// Converts an equirectangular image of `width` × `height` pixels of linear radiance, in rows from the top left. Up
     /// is at the top, the center lies towards +Z, the left and right edges towards -Z, and +X is left of the center
-    /// (looking along +Z). `turn` rotates the environment about the vertical, in radians from +Z towards +X.
+    /// (looking along +Z). `angle` rotates the environment about the vertical, in radians from +Z towards +X.
     ///
-    /// At most [`MAX_LIGHTS`] bright regions, of up to 25 degrees around their middle, become directional lights; their light leaves the harmonics, so the
-    /// total is conserved. Pixels that are not finite count as black. Returns `None` when the sizes do not match or are
+    /// At most [`MAX_LIGHTS`] bright regions, of up to 25 degrees around their middle, become directional lights; their
+    /// light leaves the harmonics, so the total is conserved. Pixels that are not finite count as black. Returns `None`
+    /// when the sizes do not match or are
     /// 0.
     pub fn from_equirectangular(
         width: usize,

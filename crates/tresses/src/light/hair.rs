@@ -165,8 +165,8 @@ impl HairSet {
             .or_insert_with(|| Arc::new(Chunks::of(&self.context.device, count, drawn.vertex_count)));
     }
 
-    /// Fills the fiber tables, if `model` reads them. Returns the fraction of light that a fiber passes on, and the fraction of that light
-    /// which hits other hair.
+    /// Fills the fiber tables, if `model` reads them. Returns the fraction of light that a fiber passes on, and the
+    /// fraction of that light which hits other hair.
     pub(crate) fn passes(&self, model: ShadingModel) -> (Vec3, f32) {
         if model == ShadingModel::Fiber {
             let fiber = &self.material.fiber;
@@ -231,7 +231,7 @@ fn words_for(rate: ShadingRate) -> u64 {
 const SAMPLE_BYTES: u64 = 8;
 
 /// Returns the maximum number of shading samples of `count` strands with `vertex_count` vertices, over all levels of
-/// detail that `room` allows.
+/// detail that `capacity` allows.
 fn max_samples([count, vertex_count]: [u32; 2], capacity: &StrandCapacity) -> u64 {
     let counts = (1..=vertex_count).flat_map(|vertices| {
         (1..=STRIDE).map(move |of| {
@@ -328,7 +328,7 @@ impl HairShading {
         queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
     }
 
-    /// Bindings of the kernels that shade the samples of `hair` whose indices are in `chosen`.
+    /// Bindings of the kernels that shade the samples of `hair` whose indices are in `selected`.
     pub(super) fn sample_bindings<'a>(
         &'a self,
         camera: &'a wgpu::Buffer,

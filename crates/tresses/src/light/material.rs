@@ -316,9 +316,9 @@ pub(crate) struct HairUniform {
     pub splat_segments: u32,
     /// [`FiberShape::variances`].
     pub variances: Vec4,
-    /// Sines of [`FiberShape::turns`].
+    /// Sines of [`FiberShape::shifts`].
     pub shift_sin: Vec4,
-    /// Cosines of [`FiberShape::turns`].
+    /// Cosines of [`FiberShape::shifts`].
     pub shift_cos: Vec4,
     pub root_absorption: Vec3,
     /// [`ShadingModel`]: 0 Kajiya and Kay, 1 fiber.
@@ -347,7 +347,7 @@ pub(crate) struct HairUniform {
     pub single: f32,
     /// See [`crate::strands::DrawCount::dense`].
     pub dense: f32,
-    /// See [`crate::strands::DrawCount::sunk`].
+    /// See [`crate::strands::DrawCount::depth_offset`].
     pub depth_offset: f32,
     /// See [`crate::strands::DrawCount::packed`].
     pub packed: f32,

@@ -113,8 +113,8 @@ impl Pipelines {
         })
     }
 
-    /// Returns the jobs that compile all pipelines for a frame with default shadows. `chosen`: the frame shades only
-    /// visible hair. `strand_maps`: it uses strand maps.
+    /// Returns the jobs that compile all pipelines for a frame with default shadows. `visible_only`: the frame shades
+    /// only visible hair. `strand_maps`: it uses strand maps.
     pub(crate) fn jobs(&self, visible_only: bool, strand_maps: bool) -> Vec<Job<'_>> {
         let [front, cover, stack] = &self.deep;
         let mut kernels =

@@ -24,7 +24,7 @@ pub struct ShadingSubset {
 }
 
 impl ShadingSubset {
-    /// Creates the lists for `hair`, shaded as `shaded` in the light of `state` and seen by `camera`. `seen` has one
+    /// Creates the lists for `hair`, shaded as `shaded` in the light of `state` and seen by `camera`. `visible` has one
     /// bit per strand vertex: whether the segment that begins there is visible.
     ///
     /// # Errors

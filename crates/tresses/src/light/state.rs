@@ -44,7 +44,7 @@ impl LightState {
         self.maps.transmittance(&self.lights)
     }
 
-    /// Bindings of the kernels that shade the hair of `knot`.
+    /// Bindings of the kernels that shade the hair of `shading_sample`.
     pub(super) fn shading<'a>(&'a self, shading_sample: kernels::ShadingSample<'a>) -> kernels::Shading<'a> {
         kernels::Shading { shading_sample, transmittance: self.transmittance(), ambient: self.ambient() }
     }

@@ -57,7 +57,7 @@ pub struct Zone {
     pub every: u32,
 }
 
-/// Coarsest and finest maps and grids of [`Zone::seen`].
+/// Coarsest and finest maps and grids of [`Zone::for_camera`].
 const RESOLUTIONS: [u32; 2] = [256, 1024];
 const CELLS: [u32; 3] = [12, 16, 24];
 /// Target size of a cell, pixels.
@@ -68,8 +68,8 @@ const STRAY: f32 = 1.0;
 /// second frame, smaller ones every third.
 const EACH: f32 = 320.0;
 
-/// Texels and cells of a distant zone, the only one in its view. As with [`Zone::seen`], texels of the hair maps are
-/// smaller than two pixels. With 16 cells, hair without a mesh would be 3.3 % brighter in sky light alone.
+/// Texels and cells of a distant zone, the only one in its view. As with [`Zone::for_camera`], texels of the hair maps
+/// are smaller than two pixels. With 16 cells, hair without a mesh would be 3.3 % brighter in sky light alone.
 const FAR: [u32; 2] = [512, 20];
 /// Diameter in pixels below which a zone is distant.
 const SMALL: f32 = 100.0;

@@ -1,7 +1,7 @@
 //! Coverage and brightness of wider strands. A few wide strands cover more than many thin ones of the same area,
 //! because they cover gaps and extend beyond outlines. A coarse pixel covers more as well, because strands within it
 //! are treated as randomly overlapping. The eye then sees less or more deeply into the hair, where less light arrives.
-//! Factors that correct both are measured on the CPU ([`seen`](super::seen)).
+//! Factors that correct both are measured on the CPU ([`visibility`](super::visibility)).
 
 use super::{
     curve::CurveTable,
@@ -120,8 +120,8 @@ impl CoverTable {
     }
 }
 
-/// Returns the mean position of the visible parts of `strips` along the directions to the eyes, meters. `seen` are the
-/// visible fractions.
+/// Returns the mean position of the visible parts of `strips` along the directions to the eyes, meters. `visibility`
+/// has the visible fractions.
 fn height(strips: &[Strip], visibility: &[Visibility]) -> f32 {
     let points = strips.iter().flat_map(|strip| &strip.points);
     let eyes = EYES.map(Vec3::normalize);

@@ -126,7 +126,7 @@ fn light_in(bins: &[[f32; 2]], factor: f32) -> f32 {
     sum / all.max(1e-20)
 }
 
-/// Returns the base-2 logarithm of the factor at which `light`, a decreasing function, equals `wanted`.
+/// Returns the base-2 logarithm of the factor at which `light`, a decreasing function, equals `target`.
 fn power(light: impl Fn(f32) -> f32, target: f32) -> f32 {
     let (mut low, mut high) = (-MAX_LOG2_FACTOR, MAX_LOG2_FACTOR);
     for _ in 0..16 {
@@ -165,7 +165,7 @@ fn layer_of(depth: f32) -> f32 {
 }
 
 impl DeepMap {
-    /// Builds the map from `strips` with cells of `cell` meters. `place` maps positions to cells and depth.
+    /// Builds the map from `strips` with cells of `cell` meters. `project` maps positions to cells and depth.
     fn splat(
         &mut self,
         strips: &[Strip],
@@ -231,7 +231,7 @@ impl DeepMap {
     }
 }
 
-/// Walks along `strips` from cell to cell. For each step, calls `see` with the strip's index, the position, the axis
+/// Walks along `strips` from cell to cell. For each step, calls `visit` with the strip's index, the position, the axis
 /// perpendicular to the strip, and the covered area divided by the edge of a cell (meters).
 fn walk(strips: &[Strip], project: impl Fn(Vec3) -> Vec3, mut visit: impl FnMut(usize, Vec3, Vec2, f32)) {
     for (k, strip) in strips.iter().enumerate() {

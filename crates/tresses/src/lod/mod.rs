@@ -131,7 +131,7 @@ const MIN_SEGMENTS: f32 = 3.0;
 const MIN_REMAINDER: f32 = 0.02;
 
 /// Mean numbers of overlapping fibers. At the first, ambient-light cells that are larger than default begin to darken
-/// hair. At the second, sampling the light half a cell further ahead compensates for it. [`MOST_PACKED`] limits this
+/// hair. At the second, sampling the light half a cell further ahead compensates for it. [`MAX_PACKED`] limits this
 /// offset, in half cells.
 const PACKED: [f32; 2] = [3.0, 5.0];
 const MAX_PACKED: f32 = 2.0;
@@ -367,7 +367,7 @@ impl Lod {
         self.detail_with_bias(camera, head, 0.0)
     }
 
-    /// [`seen`](Self::seen) with [`LodOptions::bias`] raised by `bias` octaves.
+    /// [`detail_for_camera`](Self::detail_for_camera) with [`LodOptions::bias`] raised by `bias` octaves.
     pub(crate) fn detail_with_bias(&self, camera: &Camera, head: &Pose, bias: f32) -> Detail {
         let (center, radius) = self.tables.sphere;
         let clip = camera.projection * camera.view;

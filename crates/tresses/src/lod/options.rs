@@ -89,7 +89,7 @@ impl LodOptions {
     /// The range of [`substep_pixel`](Self::substep_pixel).
     pub const SUBSTEP_PIXEL: Range =
         range!("pixel size for fewer substeps", 0.0 to 10.0, "m"; usually 0.0 to 1.0);
-    /// The range of [`alone_pixel`](Self::alone_pixel).
+    /// The range of [`collision_pixel`](Self::collision_pixel).
     pub const COLLISION_PIXEL: Range =
         range!("pixel size without self-collision", 0.0 to 10.0, "m"; usually 0.0 to 1.0);
 

@@ -5,8 +5,8 @@ use crate::{groom::BoundStrands, math::hash::pcg};
 /// Ratio of the strand counts of successive buckets. A bucket fades in as a whole.
 pub const BUCKET_RATIO: f64 = 1.189_207_115; // 2^(1/4)
 
-/// Returns the strand counts at which buckets end, ascending; the last is `count`. The first bucket has at most `least`
-/// strands and is always drawn.
+/// Returns the strand counts at which buckets end, ascending; the last is `count`. The first bucket has at most
+/// `max_first` strands and is always drawn.
 pub fn buckets(count: u32, max_first: u32) -> Vec<u32> {
     let mut ends = vec![count];
     let mut end = f64::from(count);

@@ -118,7 +118,7 @@ pub(super) struct Pictures {
 }
 
 impl Pictures {
-    /// Projects `strips`, which lie in the sphere of `radius` meters around `middle`.
+    /// Projects `strips`, which lie in the sphere of `radius` meters around `center`.
     pub(super) fn new(strips: &[Strip], (center, radius): (Vec3, f32)) -> Self {
         let vertices = strips.iter().map(|strip| strip.points.len()).sum();
         let pieces = EYES.map(|back| pieces(strips, center, back, PIECE * radius)).into();
@@ -143,7 +143,7 @@ impl Pictures {
         self.covered(widening, cell, |_, _, _| ())
     }
 
-    /// [`area`](Self::area) with a callback: `see` receives visible fractions of vertices, which are valid once the
+    /// [`area`](Self::area) with a callback: `visit` receives visible fractions of vertices, which are valid once the
     /// pieces are sorted.
     pub(super) fn covered(
         &mut self,

@@ -12,7 +12,8 @@
 //! - Sample masks are averaged over a disc that is wider than the pixel if it has few samples (`footprint.rs`).
 //! - A single sample per pixel is blended with its neighbors along the strand or edge that the structure tensor of its
 //!   neighborhood finds (`smooth.wesl`).
-//! - Peeled hair is composited over the rest (`draw/classic/layers.wesl`), hair of tiles over each of the two surfaces of a pixel
+//! - Peeled hair is composited over the rest (`draw/classic/layers.wesl`), hair of tiles over each of the two surfaces
+//!   of a pixel
 //!   (`tiled.wesl`).
 
 mod background;

@@ -72,7 +72,7 @@ fn skin(mesh: &TriMesh, triangle: [u32; 3], b: f32, c: f32) -> SurfacePoint {
     SurfacePoint { triangle, b, c, at: corner + b * edge + c * other, rotation }
 }
 
-/// Binds the roots of guides and of strands to the nearest point on `mesh`, at most `reach` meters away.
+/// Binds the roots of guides and of strands to the nearest point on `mesh`, at most `max_distance` meters away.
 pub(super) fn bind(
     [guides, strands]: [&[Vec3]; 2],
     mesh: &TriMesh,
@@ -119,8 +119,8 @@ pub(super) fn bind(
     Ok((guides, strands, report))
 }
 
-/// Returns the triangles of `mesh` that may be within `reach` of any root, so that binding brows does not build a
-/// search tree over a whole body.
+/// Returns the triangles of `mesh` that may be within `max_distance` of any root, so that binding brows does not build
+/// a search tree over a whole body.
 fn near(mesh: &TriMesh, roots: impl Iterator<Item = Vec3>, max_distance: f32) -> TriMesh {
     let (low, high) = roots.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
     let (low, high) = (low - max_distance, high + max_distance);

@@ -112,7 +112,7 @@ pub(crate) struct RootAsset {
 
 impl RootAsset {
     /// Binds the roots of guides and strands to `mesh`, the surface at rest (groom space). No root may be farther from
-    /// the surface than `reach` meters. `follows` if strands are their own guides.
+    /// the surface than `max_distance` meters. `follows` if strands are their own guides.
     ///
     /// # Errors
     /// [`crate::groom::Error::Unusable`] for a root that is farther away and for a mesh without triangles;
@@ -194,8 +194,8 @@ impl Roots {
         })
     }
 
-    /// Writes the uniforms of a frame with the head at `head`; `seen` maps to the space in which hair is drawn. With
-    /// `fresh`, and in the first frame, hair starts at the current skin without any previous motion.
+    /// Writes the uniforms of a frame with the head at `head`; `to_drawn_space` maps to the space in which hair is
+    /// drawn. With `fresh`, and in the first frame, hair starts at the current skin without any previous motion.
     pub(crate) fn prepare(
         &mut self,
         context: &Context,

@@ -13,7 +13,7 @@
 //! twice the reach the pull fades out, so hands pass through.
 //!
 //! **Selection.** Each vertex looks for one vertex of another guide obliquely ahead and one obliquely behind, at 45° to
-//! the strand and `cohesion_reach` away. The direction around the strand advances by the golden angle from vertex to
+//! the strand and `cohesion_distance` away. The direction around the strand advances by the golden angle from vertex to
 //! vertex. Links at right angles to the strands would not resist sliding. At most two other vertices may choose a
 //! vertex, so it has at most [`LINKS`] links. Each link is stored at both ends, and no sum depends on the order of
 //! threads.
@@ -236,7 +236,7 @@ struct CellIndex<'a> {
 }
 
 impl<'a> CellIndex<'a> {
-    /// Sorts the vertices of `rest` into cells of a few vertices each, but no smaller than an eighth of `reach`.
+    /// Sorts the vertices of `rest` into cells of a few vertices each, but no smaller than an eighth of `distance`.
     fn new(rest: &'a RestGuides, distance: f32) -> Self {
         let mut corners = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for r in &rest.rest {
@@ -251,7 +251,7 @@ impl<'a> CellIndex<'a> {
         Self { rest, cell, sorted }
     }
 
-    /// Returns the `free` vertex nearest to `x`, no farther than `most`.
+    /// Returns the `free` vertex nearest to `x`, no farther than `max_distance`.
     fn nearest(&self, x: Vec3, max_distance: f32, free: impl Fn(usize) -> bool) -> Option<usize> {
         let center = (x / self.cell).floor().as_ivec3();
         let mut best = (max_distance * max_distance, None);

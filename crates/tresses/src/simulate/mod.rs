@@ -317,7 +317,7 @@ impl Simulation {
         if steps.is_empty() || self.guide_count == 0 {
             return Ok(0);
         }
-        // `Carry` and `Reset` steps move every guide.
+        // `Rigid` and `Reset` steps move every guide.
         let (some, all) = (self.simulated.0, self.guide_count);
         self.simulated.1 =
             steps.iter().map(|step| if step.mode == Mode::Step { some } else { all }).collect();

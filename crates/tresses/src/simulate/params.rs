@@ -161,9 +161,10 @@ impl SimulationParams {
     }
 }
 
-/// Returns the bending rate at vertex `j` between rest edges `before` and `next`, from the continuum's rate `bare`. It
-/// is doubled at the root, where half of the bend lies in the skin, and limited by [`MAX_BENDING_RATE`]. Tight curls
-/// are limited by [`MAX_CURL`] for substeps of `h`; `h` is 0 where the solve includes twist.
+/// Returns the bending rate at vertex `j` between rest edges `before` and `next`, from the continuum's rate
+/// `continuum_rate`. It is doubled at the root, where half of the bend lies in the skin, and limited by
+/// [`MAX_BENDING_RATE`]. Tight curls are limited by [`MAX_CURL`] for substeps of `h`; `h` is 0 where the solve includes
+/// twist.
 pub(crate) fn bending_rate(continuum_rate: f32, j: usize, before: Vec3, next: Vec3, h: f32) -> f32 {
     let sine =
         before.cross(next).length_squared() / (before.length_squared() * next.length_squared()).max(1e-30);

@@ -10,7 +10,7 @@
 //! An equilibrium need not be stable. A floppy strand that is authored to stick out needs a rest shape wound up like a
 //! watch spring, and collapses at the first touch. Real hair that stands out is stiff or leans on other hair.
 //! [`support`] therefore raises the stiffness of such guides, and only of these, until their poses are stable. The
-//! compensation of one bend is still limited to [`MOST_COMPENSATION`] of the edge; the remainder shows as sag, reduced
+//! compensation of one bend is still limited to [`MAX_COMPENSATION`] of the edge; the remainder shows as sag, reduced
 //! by the goal spring. Contact forces at rest are not compensated: hair that rested on the head in its authored pose
 //! hovers over it. Untried: the second variation including the torques of bends, which couple the two directions across
 //! the strand, and a factor per vertex instead of per guide.
@@ -252,10 +252,10 @@ fn loads(n: usize, info: &Guide, params: &SimulationParams) -> impl Iterator<Ite
 }
 
 /// Returns the factor by which a guide's stiffness must be raised to make its authored pose a stable equilibrium: 1 if
-/// it is stable already, at most [`MOST_SUPPORT`] times `margin` ([`RestOptions::support`]).
+/// it is stable already, at most [`MAX_SUPPORT`] times `margin` ([`RestOptions::support`]).
 ///
 /// Hair that stands out or up is stiff, or rests on other hair; a single guide has neither. The pose must meet two
-/// conditions. First, no bend needs more compensation than [`EASY_COMPENSATION`], scaled by [`USUAL_SUPPORT`] over
+/// conditions. First, no bend needs more compensation than [`EASY_COMPENSATION`], scaled by [`DEFAULT_SUPPORT`] over
 /// `margin`. Raising the stiffness until the compensation is feasible is the condition of
 /// sag-free rods (Hsu and others, 2022 and 2023). Second, the second variation of the energy, `∫ EI φ'² + (F·t) φ²`
 /// with the weight `F` below and the tangent `t`, is positive with that margin; for an upright hair this is Greenhill's

@@ -142,7 +142,7 @@ impl Carrier {
         Some(map)
     }
 
-    /// Converts the frame described by `ticks`, `dt` seconds after the last one, to the carrier. `middle` is the center
+    /// Converts the frame described by `ticks`, `dt` seconds after the last one, to the carrier. `center` is the center
     /// of the hair at rest, groom space. `world` contains gravity and wind in the axes of the world.
     pub fn advance(
         &mut self,
@@ -254,8 +254,8 @@ impl Carrier {
         Passage { from: self.rotation, to: space.rotation, axes: self.axes, fixed: self.fixed }
     }
 
-    /// Moves the origin by `way` meters in the carrier's axes. The space has the rotation `turned` and the angular
-    /// velocity `angular`.
+    /// Moves the origin by `offset` meters in the carrier's axes. The space has `rotation` and the angular velocity
+    /// `angular`.
     fn move_origin(&mut self, offset: Vec3, rotation: DQuat, angular: DVec3) -> Shift {
         let space_offset = relative(self.axes, rotation).inverse() * offset.as_dvec3();
         let faster = angular.cross(rotation * space_offset);

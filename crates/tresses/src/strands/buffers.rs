@@ -60,8 +60,8 @@ pub struct StrandBuffers {
     pub roots: Buffer<[f32; 4]>,
     /// Strands and vertices to draw; fewer than all at a lower level of detail.
     pub drawn: DrawCount,
-    /// Capacity of `strands`, `vertices` and `widening`. [`Hair`](crate::hair::Hair) has room for what its level of detail
-    /// draws.
+    /// Capacity of `strands`, `vertices` and `widening`. [`Hair`](crate::hair::Hair) has room for what its level of
+    /// detail draws.
     pub capacity: StrandCapacity,
 }
 
@@ -110,7 +110,7 @@ pub struct DrawCount {
     pub area: f32,
     /// Factors of the number of fibers in front of visible hair ([`crate::lod::Detail::deeper`]).
     pub deeper: [f32; 2],
-    /// See [`crate::lod::Detail::sunk`], meters.
+    /// See [`crate::lod::Detail::depth_offset`], meters.
     pub depth_offset: f32,
     /// Strength of the stochastic light and shadow on single strands, where each drawn strand represents several: the
     /// square root of the fraction that is drawn.
@@ -324,7 +324,7 @@ impl StrandBuffers {
         Self::of(context, &asset, asset.full_capacity())
     }
 
-    /// Creates empty buffers of one head with the capacity `room`.
+    /// Creates empty buffers of one head with the capacity `capacity`.
     pub(crate) fn of(context: &Context, asset: &StrandAsset, capacity: StrandCapacity) -> Result<Self> {
         let Context { device, .. } = context;
         let StrandAsset { count, vertex_count, bindings, rest } = asset.clone();

@@ -61,9 +61,9 @@ pub struct PackedGuide {
     pub xy: u32,
     /// `z | contact << 16`; the contact is a half float, rounded down.
     pub z_contact: u32,
-    /// `x | y << 16` of the bend's deviation, signed fractions of [`MOST_GIVE`] of the edge after it.
+    /// `x | y << 16` of the bend's deviation, signed fractions of [`MAX_GIVE`] of the edge after it.
     pub give_xy: u32,
-    /// `z` of that deviation, and the shortening of the edge as a fraction of [`MOST_SHORTER`].
+    /// `z` of that deviation, and the shortening of the edge as a fraction of [`MAX_SHORTER`].
     pub give_z_shorter: u32,
 }
 

@@ -65,7 +65,7 @@ pub(crate) struct ArrowsUniform {
     pub longest: f32,
     /// [`Arrows::count`].
     pub count: UVec3,
-    /// [`Arrows::least`].
+    /// [`Arrows::min_value`].
     pub min_value: f32,
 }
 

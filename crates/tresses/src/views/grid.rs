@@ -69,7 +69,7 @@ pub(crate) struct GridUniform {
     pub quantity: u32,
     /// [`GridView::scale`].
     pub scale: Vec3,
-    /// [`GridView::turns`].
+    /// [`GridView::rotates`].
     pub rotates: u32,
     /// [`GridView::bias`].
     pub bias: Vec3,

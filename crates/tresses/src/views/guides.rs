@@ -52,7 +52,7 @@ impl GuidesKernel {
     }
 
     /// Records the kernel and returns its output: a point per guide sample. Guides without samples have a point per
-    /// vertex after the last step, transformed by `place` from simulation space to the world.
+    /// vertex after the last step, transformed by `pose` from simulation space to the world.
     pub(super) fn record(
         &self,
         canvas: &mut Canvas<'_, '_>,

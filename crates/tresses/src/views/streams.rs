@@ -52,7 +52,7 @@ pub(crate) struct StreamsUniform {
     pub points: u32,
     /// [`Streams::step`].
     pub step: f32,
-    /// [`Streams::least`].
+    /// [`Streams::min_speed`].
     pub min_speed: f32,
 }
 

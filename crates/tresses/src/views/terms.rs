@@ -71,7 +71,8 @@ impl Terms {
         Self { kernel, groups: groups.into() }
     }
 
-    /// Records the kernel for all vertices of `hair`, in place of [`LightState::shade`](crate::light::LightState::shade).
+    /// Records the kernel for all vertices of `hair`, in place of
+    /// [`LightState::shade`](crate::light::LightState::shade).
     pub(crate) fn record(
         &self,
         commands: &mut Commands<'_>,

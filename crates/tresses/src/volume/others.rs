@@ -60,7 +60,8 @@ impl Volume {
         !self.neighbors.is_empty()
     }
 
-    /// Begins a frame: removes the other grooms if [`meet`](Self::meet) was not called since the last frame.
+    /// Begins a frame: removes the other grooms if [`set_neighbors`](Self::set_neighbors) was not called since the last
+    /// frame.
     pub(crate) fn begin(&mut self) {
         if !std::mem::take(&mut self.has_new_neighbors) {
             self.neighbors.clear();

@@ -94,7 +94,7 @@ impl HairHair {
     /// The range of [`cohesion_limit`](Self::cohesion_limit).
     pub const COHESION_LIMIT: Range =
         range!("self-collision cohesion limit", 0.0 to 1e4, "m/s²"; usually 0.0 to 1000.0);
-    /// The range of [`cohesion_reach`](Self::cohesion_reach).
+    /// The range of [`cohesion_distance`](Self::cohesion_distance).
     pub const COHESION_DISTANCE: Range =
         range!("self-collision cohesion reach", 0.001 to 1.0, "m"; usually 0.005 to 0.1);
 

@@ -264,7 +264,7 @@ impl Air {
         self.corner.as_dvec3() * f64::from(self.cell) + self.zero
     }
 
-    /// Moves the grid by `way` meters, when the origin of the simulation moves.
+    /// Moves the grid by `offset` meters, when the origin of the simulation moves.
     pub(crate) fn shift(&mut self, offset: Vec3) {
         self.zero += offset.as_dvec3();
     }

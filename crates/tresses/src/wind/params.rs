@@ -73,7 +73,7 @@ impl Wind {
     pub const GUSTS: Range = range!("gusts", 0.0 to 1.0);
     /// The range of [`gust_length`](Self::gust_length).
     pub const GUST_LENGTH: Range = range!("gust length", 0.01 to 1000.0, "m"; usually 0.05 to 100.0);
-    /// The range of [`room`](Self::room).
+    /// The range of [`grid_size`](Self::grid_size).
     pub const GRID_SIZE: Range = range!("air grid size", 1.2 to 20.0);
 
     /// Checks that every value is finite and in its range.

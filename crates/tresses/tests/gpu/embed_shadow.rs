@@ -326,7 +326,7 @@ fn hair_casts_shadows_on_the_scene() {
         let [plain, shaded] = [0.0, 1.0].map(|shade| setup.drawn(&[], shade).unwrap());
         assert!(plain == shaded, "what is infinitely far is in no shadow");
     }
-    // The shadow ends at `reach` behind the map, and only the selected lights cast it.
+    // The shadow ends at `range` behind the map, and only the selected lights cast it.
     setup.projection = None;
     setup.wall = 2.0;
     setup.picture.lights.directional[1].direction = Vec3::new(0.25, 0.0, 1.0).normalize();

@@ -68,8 +68,8 @@ fn storm(seconds: u32) {
     assert!(strain(&now, &rest) > 1.0);
 }
 
-/// Blows at `hair` with 30 m/s in air of `cells` cells along an axis, and checks the lengths of its guides every second.
-/// Returns their lengths at rest, meters.
+/// Blows at `hair` with 30 m/s in air of `cells` cells along an axis, and checks the lengths of its guides every
+/// second. Returns their lengths at rest, meters.
 fn blow(hair: &mut Hair, cells: u32, seconds: u32) -> Vec<f32> {
     let wind = Wind { resolution: cells, gusts: 0.3, ..Wind::new(Vec3::new(30.0, 0.0, 4.0)) };
     let physics = SimulationParams { wind, ..Default::default() };

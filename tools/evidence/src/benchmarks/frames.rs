@@ -18,7 +18,7 @@ use tresses_scene::{Motion, PresetSource, Viewpoint};
 /// Image size, pixels.
 pub const SIZE: Size = Size { width: 1280, height: 720 };
 const MOTION: &str = "turn";
-/// Time limit of whole frames, seconds. After it, at least [`LEAST`] frames are measured and no more.
+/// Time limit of whole frames, seconds. After it, at least [`MIN_FRAMES`] frames are measured and no more.
 const LONG: f64 = 10.0;
 const MIN_FRAMES: usize = 5;
 

@@ -83,8 +83,8 @@ fn inputs() -> Result<Inputs> {
     Ok(Inputs { driver, kernels, frames })
 }
 
-/// The scenes of the model: the default look, the two scenes of the 2008 talk, a groom with every strand simulated if its
-/// file is there, and many strands.
+/// The scenes of the model: the default look, the two scenes of the 2008 talk, a groom with every strand simulated if
+/// its file is there, and many strands.
 fn scenes() -> Vec<Workload> {
     let mut many = workload::long();
     many.name = "100,000 strands of the style long".into();

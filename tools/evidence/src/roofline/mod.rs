@@ -62,7 +62,7 @@ pub struct StageBound {
 }
 
 impl StageBound {
-    /// Creates the stage from its work and time in milliseconds. Attachments and transfers move `moved` bytes.
+    /// Creates the stage from its work and time in milliseconds. Attachments and transfers move `traffic_bytes` bytes.
     fn new(name: &str, done: &StageWork, traffic_bytes: u64, time: f64) -> Self {
         let counted = done.counted;
         Self {

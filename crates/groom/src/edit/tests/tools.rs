@@ -7,7 +7,8 @@ fn shaping() -> impl Iterator<Item = (BrushTool, &'static str)> {
     BrushTool::ALL.into_iter().filter(|(tool, _)| !tool.acts_on_roots() && !tool.paints())
 }
 
-/// Checks lengths (of tools that keep them), depths and untouched guides of `after`, the result of a stroke on `before`.
+/// Checks lengths (of tools that keep them), depths and untouched guides of `after`, the result of a stroke on
+/// `before`.
 fn check(what: &str, fixture: &Fixture, before: &GroomDocument, after: &GroomDocument) {
     let keeps_lengths = after.is_pose_of(before);
     let mut touched = 0;

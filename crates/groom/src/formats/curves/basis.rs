@@ -15,7 +15,7 @@ pub(crate) enum Basis<'a> {
     BSpline { pinned: bool },
     /// A Catmull-Rom curve, which interpolates its points. Unless `pinned`, it ends before the outermost points.
     CatmullRom { pinned: bool },
-    /// A B-spline of degree below [`MOST`] over its own knots, `points + order` of them.
+    /// A B-spline of degree below [`MAX_ORDER`] over its own knots, `points + order` of them.
     Knots { order: usize, knots: &'a [f32] },
 }
 

@@ -95,7 +95,7 @@ impl Param {
         Some(all)
     }
 
-    /// [`Self::at_knots`] of `inner` curves, whose segments end at all points but the outermost.
+    /// [`Self::varying_per_point`] of `inner` curves, whose segments end at all points but the outermost.
     fn at_inner(&self, starts: &[u32]) -> Option<Vec<f32>> {
         let inner = |w: &[u32]| ((w[1] - w[0]) as usize).checked_sub(2).filter(|n| *n > 1);
         let ends: Option<usize> = starts.windows(2).map(inner).sum();

@@ -117,7 +117,8 @@ impl Curls {
     }
 
     /// Returns how many of `vertices` equally spaced vertices fall on each turn of a strand whose path is `length`
-    /// meters long. From 8 on, curls are smooth; below [`Self::LEAST`], the vertices cannot represent them.
+    /// meters long. From 8 on, curls are smooth; below [`Self::MIN_VERTICES_PER_TURN`], the vertices cannot represent
+    /// them.
     pub fn vertices_per_turn(&self, length: f32, vertices: u32) -> f32 {
         // A stretched curve has the turns that it was drawn with.
         let repeats = match &self.curve {

@@ -53,8 +53,8 @@ fn in_front(x: f32, y: f32) -> Vec3 {
     p
 }
 
-/// Grows a strand of `count` vertices and `length` mm from `root` at the skin. `way` returns the direction of a step
-/// from the fraction of the length and the outward normal at the root. Steps into the skin are pushed out.
+/// Grows a strand of `count` vertices and `length` mm from `root` at the skin. `direction` returns the direction of a
+/// step from the fraction of the length and the outward normal at the root. Steps into the skin are pushed out.
 fn grow(root: Vec3, length: f32, count: usize, direction: impl Fn(f32, Vec3) -> Vec3) -> Vec<Vec3> {
     let out = normal(root);
     let step = length / (count - 1) as f32;

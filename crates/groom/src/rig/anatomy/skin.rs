@@ -2,7 +2,7 @@
 //!
 //! A part follows a joint. Its skin deviates from it where other joints carry a share of it, and where blend shapes
 //! move it. There, its field deforms (`collide::deform` of the crate `tresses`). Fields of neighboring parts overlap
-//! where they meet, so the skin of a part extends [`BEYOND`] farther than the part itself, along the surface: an arm
+//! where they meet, so the skin of a part extends [`MARGIN`] farther than the part itself, along the surface: an arm
 //! that hangs beside a chest is not part of the chest's skin.
 
 use super::{Anatomy, PartForm, by_node, owners};
@@ -84,7 +84,7 @@ impl Surface {
         Self { same, neighbors }
     }
 
-    /// Returns the triangles within [`BEYOND`] of a part's own vertices.
+    /// Returns the triangles within [`MARGIN`] of a part's own vertices.
     fn triangles_within_margin(&self, mesh: &TriMesh, is_own: impl Fn(u32) -> bool) -> Vec<[u32; 3]> {
         let mut far = vec![f32::INFINITY; self.same.len()];
         let mut edge = Vec::new();

@@ -26,9 +26,9 @@
 //! skin. Without it, skin that has turned by 20° pushes the hair on it backwards, and friction carries it only half as
 //! far.
 //!
-//! **Limits.** Skin moves at most [`MOST`] from its rigid position on the joint. Distances are correct to first order
-//! at the surface. Skin that folds within two nodes, such as the corners of a mouth, is smoothed. Volume and wind use
-//! the deformed surface, but not its velocity.
+//! **Limits.** Skin moves at most [`MAX_DISPLACEMENT`] from its rigid position on the joint. Distances are correct to
+//! first order at the surface. Skin that folds within two nodes, such as the corners of a mouth, is smoothed. Volume
+//! and wind use the deformed surface, but not its velocity.
 
 use super::{
     FieldId, ShapeData,
@@ -67,7 +67,7 @@ pub(crate) struct DeformHead {
     pub side: u32,
     /// 1 to write the same displacements to the other half: the skin has jumped and has no velocity.
     pub fresh: u32,
-    /// [`MOST`].
+    /// [`MAX_DISPLACEMENT`].
     pub max_displacement: f32,
     /// Unused.
     pub _pad: [u32; 2],
@@ -291,7 +291,7 @@ impl Deformation {
         })
     }
 
-    /// Marks the field of `shape` as deforming field number `part`, and extends its bounds by [`MOST`].
+    /// Marks the field of `shape` as deforming field number `part`, and extends its bounds by [`MAX_DISPLACEMENT`].
     pub(super) fn widen(shape: &mut ShapeData, part: usize) {
         shape.deforms = part as u32 + 1;
         shape.size += MAX_DISPLACEMENT;

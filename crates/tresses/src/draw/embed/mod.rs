@@ -15,7 +15,7 @@
 //!
 //! Cards are in the HDR target and composited before the strands. They are not in the output of geometry.
 //!
-//! The scene's depth is not written. [`Surroundings::geometry`] can output the motion, depth and opacity of the visible
+//! The scene's depth is not written. [`HostFrame::geometry`] can output the motion, depth and opacity of the visible
 //! hair in each pixel, for fog, depth of field and temporal antialiasing. Transparent surfaces drawn later blend as if
 //! there were no hair, whether they are in front of it or behind.
 //!
@@ -54,7 +54,7 @@ pub(crate) struct EmbedUniform {
     pub samples: u32,
     /// Texels of the hair per pixel, along each axis.
     pub ssaa: u32,
-    /// [`Surroundings::origin`].
+    /// [`HostFrame::origin`].
     pub origin: [u32; 2],
     /// Width and height of the image, pixels.
     pub size: [u32; 2],
@@ -141,8 +141,8 @@ impl<'a> HostFrame<'a> {
     }
 }
 
-/// Pipelines and buffers that composite the hair of one view into a scene. Record it at most once per submission: it has
-/// one set of uniforms.
+/// Pipelines and buffers that composite the hair of one view into a scene. Record it at most once per submission: it
+/// has one set of uniforms.
 #[derive(Debug)]
 pub struct Compositor {
     /// Depth conversion, for depth with one sample and with several.
@@ -160,7 +160,7 @@ pub struct Compositor {
 }
 
 impl Compositor {
-    /// The format of [`Surroundings::geometry`].
+    /// The format of [`HostFrame::geometry`].
     pub const GEOMETRY: wgpu::TextureFormat = geometry::FORMAT;
 
     /// Creates the pipelines for hair drawn by `renderer`, and for scenes with linear color of `format`, which must be
@@ -287,8 +287,8 @@ impl Compositor {
     /// Returns the map from the hair's depth to the scene's, if the scene needs the hair's geometry.
     ///
     /// # Errors
-    /// [`Error::Parameter`] if geometry is requested and hair is not drawn by tiles, or if `lit` is set and `shadows`
-    /// is not empty.
+    /// [`Error::Parameter`] if geometry is requested and hair is not drawn by tiles, or if `is_lit` is set and
+    /// `shadows` is not empty.
     pub(crate) fn geometry_depth_map(
         renderer: Renderer,
         of: Mat4,

@@ -298,7 +298,7 @@ impl SoftTargets {
         Ok(())
     }
 
-    /// Tests `looked_at` points, lists the ones that see a body, and evaluates `light` there.
+    /// Tests `point_count` points, lists the ones that see a body, and evaluates `light` there.
     fn evaluate(
         &self,
         pipelines: &Pipelines,

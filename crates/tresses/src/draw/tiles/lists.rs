@@ -99,7 +99,7 @@ pub(super) struct Groups {
 }
 
 impl HairLists {
-    /// Allocates lists of at least `least` entries for `hair`.
+    /// Allocates lists of at least `min_entries` entries for `hair`.
     ///
     /// # Errors
     /// [`crate::Error::Limit`] if a buffer exceeds the device's limits.

@@ -26,11 +26,11 @@ pub(crate) struct Pipelines {
     pub visibility: [Kernel; 2],
     pub dispatch_deep: Kernel,
     pub tint: Kernel,
-    /// As `see`; compiled only if geometry is requested.
+    /// As `visibility`; compiled only if geometry is requested.
     pub geometry: [Kernel; 2],
-    /// As `see`; compiled only if labels are requested.
+    /// As `visibility`; compiled only if labels are requested.
     pub label: [Kernel; 2],
-    /// As `see`.
+    /// As `visibility`.
     pub blend: [Kernel; 2],
 }
 

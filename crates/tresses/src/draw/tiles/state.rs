@@ -88,8 +88,9 @@ impl FrameLook {
 }
 
 impl ListCapacity {
-    /// Factor by which a frame may need more entries than a recent one with almost the same camera. Bodies that suddenly
-    /// uncover hair exceed it only in close-ups, because lists always have room for one and a half entries per point.
+    /// Factor by which a frame may need more entries than a recent one with almost the same camera. Bodies that
+    /// suddenly uncover hair exceed it only in close-ups, because lists always have room for one and a half entries per
+    /// point.
     const GROWTH: f32 = 1.15;
     /// Consecutive frames in several rounds after which the lists grow, so that one round suffices.
     const PATIENCE: u32 = 30;
@@ -116,7 +117,8 @@ impl ListCapacity {
         self.last = Some(look);
     }
 
-    /// Takes the count of the latest frame that has been read back, and begins to read back the last one. Does not wait.
+    /// Takes the count of the latest frame that has been read back, and begins to read back the last one. Does not
+    /// wait.
     fn read(&mut self, context: &Context, control: &wgpu::Buffer) {
         let last = self.last;
         if self.pending.is_none() {
@@ -164,7 +166,8 @@ impl Tiles {
         self.lists().as_ref().map_or(0, HairLists::bytes)
     }
 
-    /// Motion, depth and opacity of the hair in the last frame; `None` without hair or unless [`Canvas::geometry`] asked.
+    /// Motion, depth and opacity of the hair in the last frame; `None` without hair or unless [`Canvas::geometry`]
+    /// asked.
     pub fn geometry(&self) -> Option<wgpu::TextureView> {
         let lists = self.lists();
         let geometry = lists.as_ref()?.geometry.as_ref()?;
@@ -179,8 +182,8 @@ impl Tiles {
             .is_some_and(|known| known.knows_motion)
     }
 
-    /// Strand labels of the last frame, with the grooms that its point numbers belong to; `None` unless [`Canvas::labels`]
-    /// asked.
+    /// Strand labels of the last frame, with the grooms that its point numbers belong to; `None` unless
+    /// [`Canvas::labels`] asked.
     pub fn labels(&self) -> Option<Labels> {
         self.lists().as_ref()?.labels.clone().filter(|labels| !labels.owners.is_empty())
     }

@@ -116,7 +116,7 @@ pub(crate) struct Ambient {
 }
 
 impl Ambient {
-    /// Creates a grid of `wanted` cells per edge, clamped to 4 to 64.
+    /// Creates a grid of `requested_cells` per edge, clamped to 4 to 64.
     pub(super) fn new(
         context: &Context,
         pipelines: &Pipelines,

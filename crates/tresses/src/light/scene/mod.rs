@@ -162,8 +162,8 @@ pub(crate) struct ImportedShadows {
 }
 
 impl ImportedShadows {
-    /// Selects the `shadows` that apply to `lights` and to the view's maps of `resolution`² texels. Those have the world to clip space
-    /// transforms `matrices` and a depth of `range` meters, and cover `focus`.
+    /// Selects the `shadows` that apply to `lights` and to the view's maps of `resolution`² texels. Those have the
+    /// world to clip space transforms `matrices` and a depth of `range` meters, and cover `focus`.
     ///
     /// # Errors
     /// [`Error::Parameter`] when there are too many shadows, or when one has several samples, cannot be read by

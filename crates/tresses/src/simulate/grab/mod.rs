@@ -9,11 +9,11 @@
 //! ```
 //!
 //! **Picking.** `pick` is an atomic minimum over the drawn segments near the ray, because the user sees those. It
-//! minimizes depth plus [`ASIDE`] times the distance from the ray, so that hair under the cursor wins over slightly
-//! nearer hair beside it. `hit` tests the obstacles along the ray, so hair behind the head is not grabbed. `reach`
-//! finds the distance of the nearest guide vertex from the hit point, because guides may be farther apart than the
-//! radius. `hold` stores, for all vertices within the radius or up to twice that distance, the offset from the hit
-//! point and a weight that falls to 0 at the edge.
+//! minimizes depth plus [`RAY_DISTANCE_WEIGHT`] times the distance from the ray, so that hair under the cursor wins
+//! over slightly nearer hair beside it. `hit` tests the obstacles along the ray, so hair behind the head is not
+//! grabbed. `reach` finds the distance of the nearest guide vertex from the hit point, because guides may be farther
+//! apart than the radius. `hold` stores, for all vertices within the radius or up to twice that distance, the offset
+//! from the hit point and a weight that falls to 0 at the edge.
 //!
 //! **Pull.** Each held vertex has a target: its position if it had moved with the grab's target. The pull is a rate
 //! towards a velocity, `RATE (w − v)`, where `w` is the target's velocity plus the remaining offset over [`SETTLE`]. It
@@ -115,7 +115,7 @@ pub(crate) struct GrabUniform {
     pub forced: u32,
     /// Collider moment at the start of the step, see [`crate::collide`].
     pub moment: u32,
-    /// [`ASIDE`].
+    /// [`RAY_DISTANCE_WEIGHT`].
     pub ray_distance_weight: f32,
     /// [`STRONGEST`], m/s².
     pub strongest: f32,

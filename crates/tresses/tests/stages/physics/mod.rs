@@ -1,8 +1,8 @@
 //! The physics suite: the step on the GPU compared with closed forms and invariants.
 //!
-//! Each case prints a row with the expected value, the measured value and the tolerance. `docs/validation/motion.md` contains the
-//! same rows, and the tests compare with them; `TRESSES_PHYSICS=write` writes the file. Each comparison runs twice. The
-//! second experiment is wrong by a few percent and must fail.
+//! Each case prints a row with the expected value, the measured value and the tolerance. `docs/validation/motion.md`
+//! contains the same rows, and the tests compare with them; `TRESSES_PHYSICS=write` writes the file. Each comparison
+//! runs twice. The second experiment is wrong by a few percent and must fail.
 
 mod cohesion;
 mod friction;

@@ -80,9 +80,9 @@ fn j0(x: f32) -> f32 {
     sum as f32
 }
 
-/// Follows a chain of `n - 2` straight edges that swings with `omega` from its tip, which a force keeps 1 m to the side,
-/// to its root. The force is per mass of 1 m of hair. Returns the position of the root, meters, and how often the chain
-/// crosses the vertical.
+/// Follows a chain of `n - 2` straight edges that swings with `omega` from its tip, which a force keeps 1 m to the
+/// side, to its root. The force is per mass of 1 m of hair. Returns the position of the root, meters, and how often the
+/// chain crosses the vertical.
 pub fn root_of_chain(n: usize, length: f64, omega: f64, force: f64) -> (f64, usize) {
     let edge = length / (n - 2) as f64;
     let (mut x, mut below, mut count) = (1.0f64, force, 0);

@@ -6,7 +6,7 @@ use crate::{
     formats::curves::{AttributeScope, Param, is_custom},
 };
 
-/// Returns the first nonempty parameter `name` of the compounds `places`.
+/// Returns the first nonempty parameter `name` of `compounds`.
 pub(super) fn find<'a>(
     archive: &Archive<'_, 'a>,
     compounds: &[Compound<'a>],

@@ -4,8 +4,8 @@
 //! ABC ─ /groom (transform) ─ /groom/strands (curves): P, nVertices, width, .arbGeomParams: groom_…
 //! ```
 //!
-//! Constant data is written once, positions once per frame as the caller passes them. A cache of any length needs little
-//! more memory than one frame. The layout is described at the reader.
+//! Constant data is written once, positions once per frame as the caller passes them. A cache of any length needs
+//! little more memory than one frame. The layout is described at the reader.
 
 mod digest;
 mod ogawa;

@@ -219,7 +219,7 @@ impl File<'_> {
     }
 }
 
-/// Decodes a float, or an integer of up to 16 bits, which `shares` normalizes.
+/// Decodes a float, or an integer of up to 16 bits, which `is_normalized` normalizes.
 fn number(b: &[u8], kind: DataType, is_normalized: bool) -> f32 {
     let (value, max) = match kind {
         DataType::F32 => return f32::from_le_bytes([b[0], b[1], b[2], b[3]]),

@@ -183,7 +183,7 @@ impl Tree {
         Ok(all)
     }
 
-    /// Returns the matrix and visibility of an object, of those that [`Self::places`] returned.
+    /// Returns the matrix and visibility of an object, of those that [`Self::transforms`] returned.
     pub fn of(object: &Object, transforms: &[(DMat4, bool)]) -> (DMat4, bool) {
         transforms[object.own]
     }

@@ -16,8 +16,8 @@
 //!
 //! Both are as wide as the light's shadow map. Along the light's direction, the pass ends at a distance
 //! ([`Shade::reach`]): it does not know the geometry in between, and would otherwise also darken the floor of the story
-//! below. Shadows do not widen with distance, as they would for a nearby light. In the pass each zone casts its own shadow;
-//! the function reads only the view's own maps.
+//! below. Shadows do not widen with distance, as they would for a nearby light. In the pass each zone casts its own
+//! shadow; the function reads only the view's own maps.
 
 use super::{HostFrame, has_samples};
 use crate::{
@@ -72,13 +72,13 @@ pub(crate) struct ShadeUniform {
     pub to_eye: Mat4,
     /// From view space to the world.
     pub to_world: Mat4,
-    /// [`Surroundings::origin`].
+    /// [`HostFrame::origin`].
     pub origin: [u32; 2],
     /// Width and height of the image, pixels.
     pub size: [u32; 2],
     /// [`Shade::strength`].
     pub strength: f32,
-    /// [`Shade::reach`].
+    /// [`Shade::range`].
     pub range: f32,
     /// Depth of the scene's background, where nothing was drawn.
     pub nothing: f32,
