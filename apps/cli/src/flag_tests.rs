@@ -19,7 +19,7 @@ const SETTINGS: &[&str] = &[
     "density-map",
     "environment",
     "environment-strength",
-    "environment-turn",
+    "environment-rotation",
     "flyaways",
     "frizz",
     "front",

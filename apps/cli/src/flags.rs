@@ -6,7 +6,7 @@ use std::{marker::PhantomData, str::FromStr};
 use tresses_scene::{
     Companion, PresetSource, Settings,
     companion_files::{ColorSource, MapSource},
-    knobs::{Flag, Knob, SECTIONS, ValueKind, flags::Assignment, removed},
+    knobs::{Flag, Knob, SECTIONS, ValueKind, flags::Assignment, removed, renamed},
     source::{COMPANION_FILES, CompanionKind as Companionship},
 };
 
@@ -113,6 +113,7 @@ fn argument(title: &'static str, row: &'static Knob, flag: Flag) -> Arg {
     }
     let arg = Arg::new(flag.name)
         .long(flag.name)
+        .aliases(renamed::FLAGS.iter().filter(|(_, name)| *name == flag.name).map(|(former, _)| *former))
         .help_heading(title)
         .help(about.to_owned())
         .long_help(long.trim_end().to_owned())

@@ -68,8 +68,8 @@ pub fn apply(companion_flags: &CompanionFlags, rows: &RowFlags<All>, preset: &mu
     }
     ensure!(
         source.environment.is_some()
-            || !(rows.gives("environment-turn") || rows.gives("environment-strength")),
-        "--environment-turn and --environment-strength need --environment"
+            || !(rows.gives("environment-rotation") || rows.gives("environment-strength")),
+        "--environment-rotation and --environment-strength need --environment"
     );
     let peels = settings.renderer.coverage == ClassicBlending::Peel;
     ensure!(!rows.gives("layers") || peels, "--layers needs --coverage peel");
@@ -109,7 +109,7 @@ mod tests {
         (&["--set", "style.curl_stretch=on"], &["style.curl_stretch"]),
         (&["--clump", "0.4"], &["style.clump"]),
         (&["--frizz", "1mm"], &["style.frizz"]),
-        (&["--strays", "0.5,3mm"], &["style.strays", "style.stray_reach"]),
+        (&["--strays", "0.5,3mm"], &["style.strays", "style.stray_distance"]),
         (&["--flyaways", "0.5"], &["style.flyaways"]),
         (&["--width", "90um"], &["style.width"]),
         (&["--width-variation", "0.1"], &["style.width_variation"]),
@@ -219,12 +219,13 @@ mod tests {
 
     #[test]
     fn environment_is_stored_in_a_preset() {
-        let words = ["--environment", "sky.hdr", "--environment-turn", "-90", "--environment-strength", "2"];
+        let words =
+            ["--environment", "sky.hdr", "--environment-rotation", "-90", "--environment-strength", "2"];
         let preset = parse(&words).unwrap();
         assert_eq!(preset.source.environment.as_deref(), Some("sky.hdr"));
         let lights = &preset.settings.lights;
         assert_eq!((lights.environment_rotation, lights.environment_strength), (-90f32.to_radians(), 2.0));
-        assert!(parse(&["--environment-turn", "20"]).is_err(), "there is nothing to turn");
+        assert!(parse(&["--environment-rotation", "20"]).is_err(), "there is nothing to turn");
     }
 
     #[test]

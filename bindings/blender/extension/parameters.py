@@ -35,12 +35,12 @@ def _property(row):
     if row.kind == "color":
         return bpy.props.StringProperty(default=row.default or "", **texts)
     max_integer = 2**31 - 1
-    default = row.least if row.default is None else row.default
+    default = row.min if row.default is None else row.default
     if row.kind == "integer":
         return bpy.props.IntProperty(
-            default=int(default), min=int(row.least), max=min(int(row.most), max_integer), **texts
+            default=int(default), min=int(row.min), max=min(int(row.max), max_integer), **texts
         )
-    return bpy.props.FloatProperty(default=default, min=row.least, max=row.most, precision=3, **texts)
+    return bpy.props.FloatProperty(default=default, min=row.min, max=row.max, precision=3, **texts)
 
 
 def annotations():

@@ -28,10 +28,8 @@ pub struct Parameter {
     /// Unit of numbers; empty for plain numbers.
     unit: &'static str,
     /// Minimum, or None.
-    #[pyo3(name = "least")]
     min: Option<f64>,
     /// Maximum, or None.
-    #[pyo3(name = "most")]
     max: Option<f64>,
     /// Allowed values, in words.
     range: String,
@@ -50,6 +48,18 @@ pub struct Parameter {
 
 #[pymethods]
 impl Parameter {
+    /// Former name of `min`.
+    #[getter]
+    fn least(&self) -> Option<f64> {
+        self.min
+    }
+
+    /// Former name of `max`.
+    #[getter]
+    fn most(&self) -> Option<f64> {
+        self.max
+    }
+
     fn __repr__(&self) -> String {
         format!("Parameter({}: {})", self.name, self.range)
     }

@@ -17,11 +17,11 @@ def test_parameters_have_rows_and_values():
         # The default and both ends of the range are allowed; values beyond are not.
         settings[row.name] = row.default
         if row.kind in ("number", "integer"):
-            for end in (row.least, row.most):
+            for end in (row.min, row.max):
                 settings[row.name] = int(end) if row.kind == "integer" else end
                 assert settings[row.name] == pytest.approx(end, rel=1e-6, abs=1e-12)
             with pytest.raises(tresses.TressesError, match="must be"):
-                settings[row.name] = int(row.most + 1) if row.kind == "integer" else row.most * 2 + 1
+                settings[row.name] = int(row.max + 1) if row.kind == "integer" else row.max * 2 + 1
         for name, _ in row.choices:
             settings[row.name] = name
             assert settings[row.name] == name

@@ -1,4 +1,4 @@
-//! Names of types in all crates: nouns, and one name per public type of a crate.
+//! Names in all crates: types are nouns with one meaning, files are named by terms of graphics.
 
 use proc_macro2::{TokenStream, TokenTree};
 use std::{
@@ -12,6 +12,30 @@ const IRREGULAR: &str = "Begun Bound Brought Built Chosen Done Drawn Found Given
                          Lost Made Met Seen Sees Shown Shows Spent Taken Told Wound Worn";
 /// Nouns that end in "ed".
 const NOUNS: &str = "Seed Speed Bed";
+
+/// Words that name no file, because graphics and programming have other terms for what they mean.
+const FILE_WORDS: &str = "aim alone along answers apart aside ask asked asks bare begun beside beyond bring busy carried \
+                          carries carry choose chosen deepen farthest few glow gone here its lay least lid looks \
+                          made meet meets met middle most moved ours place places reach reaches rewind room said seen \
+                          see sees share shares shine sight sunk taken than theirs there thing things told turn turned \
+                          turns under unlike unrest usual wanted way ways whole worth";
+/// Files that have such a word, and why.
+const FILE_EXCEPTIONS: &[(&str, &str)] = &[];
+
+/// Public types whose names occur in several crates, and why.
+const SHARED_TYPES: &[(&str, &str)] = &[
+    ("Error", "the error of each library, as is usual in Rust"),
+    ("Result", "the result of each library, as is usual in Rust"),
+    ("CardLevel", WRAPPED),
+    ("Cards", WRAPPED),
+    ("Finding", WRAPPED),
+    ("Groom", WRAPPED),
+    ("Motion", WRAPPED),
+    ("Rig", WRAPPED),
+    ("Settings", WRAPPED),
+    ("Strands", WRAPPED),
+];
+const WRAPPED: &str = "the Python class wraps the library's type";
 
 /// A declared type.
 struct Type {
@@ -56,6 +80,13 @@ fn files(folder: &Path, extension: &str, found: &mut Vec<PathBuf>) {
     }
 }
 
+/// The folders of all crates.
+fn crates() -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let all = ["crates", "apps", "bindings", "tools"].map(|folder| fs::read_dir(root.join(folder)).unwrap());
+    all.into_iter().flatten().map(|entry| entry.unwrap().path()).collect()
+}
+
 /// The faults of the crate in `folder`, a line each.
 fn faults(folder: &Path) -> Vec<String> {
     let (mut sources, mut shaders, mut faults) = (Vec::new(), Vec::new(), Vec::new());
@@ -69,7 +100,8 @@ fn faults(folder: &Path) -> Vec<String> {
             if is_participle(&name) {
                 faults.push(format!("{}: {name} is no noun", path.display()));
             }
-            if is_public {
+            // `none.rs` stands in for a module whose feature is off, and repeats its names.
+            if is_public && !path.ends_with("none.rs") {
                 public.entry(name).or_default().insert(path.clone());
             }
         }
@@ -92,14 +124,50 @@ fn faults(folder: &Path) -> Vec<String> {
 
 #[test]
 fn types_are_nouns_with_names_of_their_own() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let mut found = Vec::new();
-    for folder in ["crates", "apps", "bindings", "tools"] {
-        for entry in fs::read_dir(root.join(folder)).unwrap() {
-            found.extend(faults(&entry.unwrap().path()));
+    let found: Vec<_> = crates().iter().flat_map(|folder| faults(folder)).collect();
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+#[test]
+fn public_types_have_one_meaning() {
+    let mut crates_of: BTreeMap<String, BTreeSet<PathBuf>> = BTreeMap::new();
+    for folder in crates() {
+        let mut sources = Vec::new();
+        files(&folder.join("src"), "rs", &mut sources);
+        for path in sources {
+            let mut found = Vec::new();
+            types(fs::read_to_string(&path).unwrap().parse().unwrap(), &mut found);
+            for Type { name, .. } in found.into_iter().filter(|found| found.is_public) {
+                crates_of.entry(name).or_default().insert(folder.clone());
+            }
         }
     }
-    assert!(found.is_empty(), "{}", found.join("\n"));
+    assert!(crates_of.len() > 300, "{}", crates_of.len());
+    let shared: BTreeSet<&str> =
+        crates_of.iter().filter(|(_, crates)| crates.len() > 1).map(|(name, _)| name.as_str()).collect();
+    let listed: BTreeSet<&str> = SHARED_TYPES.iter().map(|(name, _)| *name).collect();
+    assert_eq!(
+        shared, listed,
+        "public types with one name in several crates, and the list of those that may"
+    );
+}
+
+#[test]
+fn files_are_named_by_terms() {
+    let words: BTreeSet<&str> = FILE_WORDS.split_whitespace().collect();
+    let mut found = Vec::new();
+    for folder in crates() {
+        for extension in ["rs", "wesl", "wgsl", "py", "js", "ts"] {
+            files(&folder.join("src"), extension, &mut found);
+        }
+    }
+    assert!(found.len() > 500, "{}", found.len());
+    let stem = |path: &PathBuf| path.file_stem().unwrap().to_string_lossy().into_owned();
+    found.retain(|path| {
+        let is_exception = FILE_EXCEPTIONS.iter().any(|(name, _)| *name == stem(path));
+        !is_exception && stem(path).split('_').any(|word| words.contains(word))
+    });
+    assert!(found.is_empty(), "{found:#?}");
 }
 
 #[test]

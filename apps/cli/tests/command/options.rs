@@ -45,7 +45,7 @@ fn invalid_presets_and_parameters_are_errors() {
     refuses(&["demo", "--set", "wind.speed=900"], "from 0 to 100 m/s");
     refuses(&["render", "--set", "wind.sped=3"], "the nearest is wind.speed");
     refuses(&["render", "--renderer", "classic", "--samples", "4"], "depth peeling");
-    refuses(&["render", "--environment-turn", "20"], "--environment");
+    refuses(&["render", "--environment-rotation", "20"], "--environment");
     refuses(&["preset", "--save-preset", "mine.png"], ".toml");
     refuses(&["knobs", "beehive"], "without a word");
 }

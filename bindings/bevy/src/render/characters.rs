@@ -107,7 +107,7 @@ impl Recipe {
                 None => CharacterParts {
                     head: groom.mesh.as_deref().cloned(),
                     field: groom.head.as_deref().cloned(),
-                    ..CharacterParts::bare(strands)
+                    ..CharacterParts::without_body(strands)
                 },
             };
             parts.ties = groom.ties;
@@ -118,7 +118,7 @@ impl Recipe {
                 .with_simulation(physics)
                 .with_lod(detail)
                 .with_obstacles(&[], &fields)
-                .with_root_reach(skin.as_ref().map_or(0.0, |skin| skin.max_root_distance));
+                .with_max_root_distance(skin.as_ref().map_or(0.0, |skin| skin.max_root_distance));
             let mut character = Character::new(&CharacterAsset::new(&context, parts, &options, &()).await?)?;
             character.prepare_to_bend()?;
             // Hair and brows on one skin cast the skin's shadow only once.

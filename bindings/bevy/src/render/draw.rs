@@ -2,7 +2,7 @@
 //!
 //! Hair is drawn after Bevy's main pass, when the scene's depth is complete, and before bloom and tone mapping, which
 //! thus apply to hair. Hair is blended over the resolved color of the main pass, and occluded per depth sample
-//! ([`Surroundings`]).
+//! ([`HostFrame`]).
 
 use super::{
     HairContext, Wardrobe,
@@ -29,7 +29,7 @@ use bevy::{
     },
 };
 use tresses::{
-    Camera, Character, Compositor, Context, Picture, Result, Shade, Surroundings, View, ViewOptions,
+    Camera, Character, Compositor, Context, Picture, Result, Shade, HostFrame, View, ViewOptions,
     renderer::Renderer,
     wgpu::{self, TextureFormat, TextureUsages},
 };
@@ -163,9 +163,9 @@ pub(crate) fn draw(
             fog: scene_camera.fog.filter(|_| is_tiled).map(|fog| ((&**color, format, 1), fog)),
         },
     };
-    let into = Surroundings {
+    let into = HostFrame {
         origin: [extracted.viewport.x, extracted.viewport.y],
-        ..Surroundings::new(color, depth_view, drawing.camera.projection)
+        ..HostFrame::new(color, depth_view, drawing.camera.projection)
     };
     let label = Some("hair");
     let mut encoder = tresses.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
@@ -199,7 +199,7 @@ impl Drawing<'_> {
         CameraView { view, embed, overlays, .. }: &mut CameraView,
         context: &Context,
         encoder: &mut wgpu::CommandEncoder,
-        into: Surroundings<'_>,
+        into: HostFrame<'_>,
     ) -> Result<()> {
         let Self { characters, scene, scene_camera, camera, exposure, .. } = self;
         // The library's lights are directional, so evaluate them at the nearest head.
@@ -216,7 +216,7 @@ impl Drawing<'_> {
             .any()
             .then(|| overlays.get_or_insert_with(|| Overlays::new(context.device(), camera.size)));
         let shade = Shade { strength: self.casts, lights: casts, ..Default::default() };
-        let surroundings = Surroundings {
+        let surroundings = HostFrame {
             shadows: &self.shadows.of(&sources, self.entity, &foci.all),
             geometry: overlays.as_ref().map(|overlays| &overlays.geometry),
             shade: casts.contains(&true).then_some(shade),

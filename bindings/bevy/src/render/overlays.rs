@@ -1,7 +1,7 @@
 //! Passes that write hair's motion vectors, depth and fog into a camera's targets.
 //!
 //! The prepass has written the motion of meshes, the main pass their depth. While drawing hair, the library writes the
-//! hair's motion, depth and opacity into a texture ([`Surroundings::geometry`](tresses::Surroundings::geometry)). Where
+//! hair's motion, depth and opacity into a texture ([`HostFrame::geometry`](tresses::HostFrame::geometry)). Where
 //! hair covers more than half of the background, the passes write the hair's motion and depth over the scene's. Motion
 //! is in Bevy's unit: fractions of the frame, to the right and down.
 //!

@@ -6,7 +6,7 @@
 use bevy::{ecs::system::SystemParam, prelude::*};
 use tresses::{
     light::{MAX_LIGHTS, SceneShadow, Sphere},
-    low_level::MOST_SCENE_SHADOWS,
+    low_level::MAX_SCENE_SHADOWS,
 };
 
 #[cfg(feature = "pbr")]
@@ -71,7 +71,7 @@ impl LightShadows<'_, '_> {
             let shadow = SceneShadow { light, depth: depth_view, part, projection, bias: 0.0 };
             let covered: Vec<_> = (0..heads.len())
                 .filter(|head| !done.contains(&(light, *head)))
-                .filter_map(|head| Some((head, shadow.sees(&heads[head])?)))
+                .filter_map(|head| Some((head, shadow.covers(&heads[head])?)))
                 .collect();
             let texels =
                 covered.iter().map(|(head, _)| texel(&projection, heads[*head].center, view.viewport.z));
@@ -85,14 +85,14 @@ impl LightShadows<'_, '_> {
             );
             shadows.push(SceneShadow { bias: CLOSE + TEXELS * coarsest, ..shadow });
         }
-        shadows.truncate(MOST_SCENE_SHADOWS);
+        shadows.truncate(MAX_SCENE_SHADOWS);
         shadows
     }
 
     /// Returns none: without Bevy's PBR renderer there are no shadow maps.
     #[cfg(not(feature = "pbr"))]
     pub fn of(&self, _: &[Option<Entity>; MAX_LIGHTS], _: Entity, _: &[Sphere]) -> Vec<SceneShadow<'_>> {
-        let _ = MOST_SCENE_SHADOWS;
+        let _ = MAX_SCENE_SHADOWS;
         Vec::new()
     }
 }

@@ -38,7 +38,7 @@ pub(crate) fn simulate(
             }
         }
     }
-    Character::meet_each_other(&mut wardrobe.colliding(&scene));
+    Character::collide_nearby(&mut wardrobe.colliding(&scene));
     for hair in &scene.hair {
         let Some(model) = wardrobe.get_mut(hair.entity).filter(|model| model.is_shown) else { continue };
         let max_colliders = model.max_colliders();
@@ -57,7 +57,7 @@ pub(crate) fn simulate(
             .collect();
         let label = Some("hair");
         let mut encoder = tresses.device().create_command_encoder(&wgpu::CommandEncoderDescriptor { label });
-        let result = model.advance(tresses.frame(&mut encoder).seen_by(&cameras), hair, &scene);
+        let result = model.advance(tresses.frame(&mut encoder).with_cameras(&cameras), hair, &scene);
         // Submit even after an error: the skin may be posed already, and it is posed only once.
         context.add_command_buffer(encoder.finish());
         model.is_shown = result.is_ok();

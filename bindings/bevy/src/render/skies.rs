@@ -122,7 +122,7 @@ impl Skies {
         let total = if left > 0.0 || sum <= 0.0 { 1.0 } else { sum };
         let skies = around.into_iter().chain(camera.sky.as_ref().map(|sky| (sky, left)));
         let lit = skies.filter_map(|(sky, weight)| {
-            let rotated = self.known.get(&sky.map)?.environment.turned(sky.rotation);
+            let rotated = self.known.get(&sky.map)?.environment.rotated(sky.rotation);
             Some((rotated, weight / total * sky.intensity))
         });
         lit.fold(Environment::default(), |light, (sky, weight)| light.blended(1.0, &sky, weight))

@@ -22,7 +22,7 @@ const KNOBS: &[Knob] = rows! { "lights";
         "Strength of the light from behind, which outlines the hair and shines through it.";
     "sky" "Ambient light" [lights.sky] number(TIMES, 0.0, 10.0),
         "Strength of the light from all other directions; lower for more contrast.";
-    "turn" "Rotation" [lights.rotation] number(DEGREES, -360.0, 360.0),
+    "rotation" "Rotation" [lights.rotation] number(DEGREES, -360.0, 360.0),
         "Rotation of key and rim light about the head, toward its left.";
     "follow" "Follow the camera" [lights.follow] ValueKind::Toggle,
         "Key and rim light move with the camera; otherwise they stay in place.";
@@ -32,8 +32,8 @@ const KNOBS: &[Knob] = rows! { "lights";
         flag(flag("environment-strength", "FACTOR")),
         also("hdri strength; world strength"),
         "Factor on the light of the environment map.";
-    "environment_turn" "Environment rotation" [lights.environment_rotation] number(DEGREES, -360.0, 360.0),
-        flag(flag("environment-turn", "DEGREES")),
+    "environment_rotation" "Environment rotation" [lights.environment_rotation] number(DEGREES, -360.0, 360.0),
+        flag(flag("environment-rotation", "DEGREES")),
         also("hdri rotation"),
         "Rotation of the environment map about the head, toward its left.";
     "lamp1_strength" "Light 1" [lights.lamps[0].irradiance] number(PLAIN, 0.0, 100.0).log(),

@@ -38,7 +38,7 @@ const KNOBS: &[Knob] = rows! { "lod";
         "Guides nearer than this to a simulated guide follow it; 0 simulates all, or means 3 in a crowd.";
     "substep_pixel" "Fewer substeps from" [lod.substep_pixel] within(MILLIMETERS, LodOptions::SUBSTEP_PIXEL).log(), advanced,
         "Pixel size that halves the substeps; twice that quarters them. 0: never, or 3 in a crowd.";
-    "alone_pixel" "Less self-collision from" [lod.collision_pixel]
+    "collision_pixel" "Less self-collision from" [lod.collision_pixel]
         within(MILLIMETERS, LodOptions::COLLISION_PIXEL).log(), advanced,
         "Pixel size from which self-collision fades; it is off at twice that. 0: never, or 4 in a crowd.";
     "sleep" "Sleep" [lod.can_sleep] ValueKind::Toggle, advanced,

@@ -26,6 +26,7 @@ pub mod flags;
 mod lights;
 mod lod;
 pub mod removed;
+pub mod renamed;
 mod renderer;
 mod shading;
 mod shadows;
@@ -221,8 +222,9 @@ pub(crate) fn section(key: &str) -> impl Iterator<Item = &'static Knob> {
     SECTIONS.iter().filter(move |section| section.key == key).flat_map(|section| section.knobs)
 }
 
-/// Returns the row with this path.
+/// Returns the row with this path, or with this former path.
 pub fn find(path: &str) -> Option<&'static Knob> {
+    let path = renamed::current(path);
     all().find(|knob| knob.path == path)
 }
 

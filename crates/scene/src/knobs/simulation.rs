@@ -51,7 +51,7 @@ const KNOBS: &[Knob] = rows! { "simulation";
     "cohesion_limit" "Cohesion limit" [simulation.hair_hair.cohesion_limit]
         within(ACCELERATION, HairHair::COHESION_LIMIT).log(), advanced,
         "Maximum acceleration by one cohesion spring; beyond it, hair slides along hair.";
-    "cohesion_reach" "Cohesion distance" [simulation.hair_hair.cohesion_distance]
+    "cohesion_distance" "Cohesion distance" [simulation.hair_hair.cohesion_distance]
         within(CENTIMETERS, HairHair::COHESION_DISTANCE).log(), advanced,
         "Maximum distance of guides that a cohesion spring connects.";
     "line_density" "Mass per length" [simulation.line_density] within(LINE_DENSITY, Params::LINE_DENSITY).log(), advanced,

@@ -119,11 +119,11 @@ const KNOBS: &[Knob] = rows! { "style";
         auto, advanced, regrow, flag(flag("strays", "SHARE[,LENGTH]").then(STRAYS)),
         also("stray hairs"),
         "Fraction of strands that stand off slightly near the tip; makes hair less tidy.";
-    "stray_reach" "Stray distance" [style.growth.variation.stray] within(MILLIMETERS, StrandVariation::STRAY).log(),
+    "stray_distance" "Stray distance" [style.growth.variation.stray] within(MILLIMETERS, StrandVariation::STRAY).log(),
         auto, advanced, regrow,
         also("roughness endpoint; tip spread"),
         "Distance by which strays stand off.";
-    "flyaway_reach" "Flyaway distance" [style.growth.variation.flyaway] within(MILLIMETERS, StrandVariation::FLYAWAY).log(),
+    "flyaway_distance" "Flyaway distance" [style.growth.variation.flyaway] within(MILLIMETERS, StrandVariation::FLYAWAY).log(),
         auto, advanced, regrow,
         "Distance by which flyaways stand off.";
     "width_variation" "Width variation" [style.growth.width_variation] within(PERCENT, Growth::WIDTH_VARIATION),
@@ -150,8 +150,8 @@ pub(crate) const CURLS: [&str; 9] = [
 /// A new curl type resets the parameters that modified the previous one.
 const CURL: &[FlagValue] = &[value("style.curl").resets(&CURLS)];
 
-const STRAYS: &[Slot] = &[slot(value("style.stray_reach"), OmittedValue::Kept)];
-const FLYAWAYS: &[Slot] = &[slot(value("style.flyaway_reach"), OmittedValue::Kept)];
+const STRAYS: &[Slot] = &[slot(value("style.stray_distance"), OmittedValue::Kept)];
+const FLYAWAYS: &[Slot] = &[slot(value("style.flyaway_distance"), OmittedValue::Kept)];
 
 const GUIDES: &[FlagValue] = &[
     word("all", &[("style.all_guides", Value::Toggle(true))]),

@@ -195,7 +195,7 @@ fn flags_set_their_rows() {
         ("style.width", "90um", &["width=90 µm"]),
         ("style.width", "0.09mm", &["width=90 µm"]),
         ("style.frizz", "0.3", &["frizz=0.3 mm"]),
-        ("style.strays", "0.6,4mm", &["strays=60%", "stray_reach=4 mm"]),
+        ("style.strays", "0.6,4mm", &["strays=60%", "stray_distance=4 mm"]),
         ("style.strays", "0.3", &["strays=30%"]),
         ("style.curl", "waves", &["curl=waves"]),
         ("style.clump", "0.5", &["clump=50%"]),

@@ -33,7 +33,7 @@ const KNOBS: &[Knob] = rows! { "wind";
         "Random seed of the gusts.";
     "cells" "Grid cells" [simulation.wind.resolution] integer(PLAIN, 0, MAX_CELLS, 8), advanced,
         "Cells of the air grid along each axis; more resolve the flow around the head. 0: uniform wind.";
-    "room" "Grid size" [simulation.wind.grid_size] within(TIMES, Wind::GRID_SIZE).log(), advanced,
+    "grid_size" "Grid size" [simulation.wind.grid_size] within(TIMES, Wind::GRID_SIZE).log(), advanced,
         "Edge of the air grid relative to the size of the hair.";
 };
 

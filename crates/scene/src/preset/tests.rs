@@ -206,6 +206,29 @@ fn shipped_presets_parse() {
     assert!(count >= 3);
 }
 
+/// Presets from before parameters were renamed.
+#[test]
+fn presets_with_former_names_open() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut count = 0;
+    for file in std::fs::read_dir(root.join("src/preset/former")).unwrap() {
+        let path = file.unwrap().path();
+        let former = Preset::open(&path).unwrap_or_else(|error| panic!("{error}"));
+        let current = Preset::open(&root.join("../../presets").join(path.file_name().unwrap())).unwrap();
+        assert_eq!(former.settings, current.settings, "{}", path.display());
+        count += 1;
+    }
+    assert_eq!(count, 5);
+    let text = "version = 1\n[lights]\nturn = 20\nenvironment_turn = -90\n[wind]\nroom = 3\n[simulation]\n\
+                cohesion_reach = 12\n[lod]\nalone_pixel = 2\n";
+    let settings = Preset::read(text, "former.toml").unwrap().settings;
+    assert_eq!(settings.lights.rotation, 20f32.to_radians());
+    assert_eq!(settings.lights.environment_rotation, -90f32.to_radians());
+    assert_eq!(settings.simulation.wind.grid_size, 3.0);
+    assert_eq!(settings.simulation.hair_hair.cohesion_distance, 0.012);
+    assert_eq!(settings.lod.collision_pixel, 0.002);
+}
+
 #[test]
 fn changes_report_their_cost() {
     let before = Settings::default();

@@ -151,7 +151,7 @@ def drawn(table: Table) -> dict[str, Range | Choice]:
                 checked({name: value}, "draw")
             out[name] = Choice(tuple(of))
         elif isinstance(of, dict) and row.kind in ("number", "integer"):
-            ends = (-math.inf if row.least is None else row.least, math.inf if row.most is None else row.most)
+            ends = (-math.inf if row.min is None else row.min, math.inf if row.max is None else row.max)
             out[name] = range_of(of, path, *ends, is_integer=row.kind == "integer")
         else:
             numbers = ", or { from = …, to = … }" if row.kind in ("number", "integer") else ""
