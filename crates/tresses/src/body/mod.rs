@@ -121,7 +121,7 @@ impl Body {
 
     /// As [`new`](Self::new), with given levels of detail, finest first. `cells` is the largest number of cells per
     /// edge of the views' grids of ambient light
-    /// ([`ViewOptions::ambient_cells`](crate::view::ViewOptions::ambient_cells)): coarse grids need fewer points on the
+    /// ([`ViewOptions::ambient_resolution`](crate::view::ViewOptions::ambient_resolution)): coarse grids need fewer points on the
     /// surface.
     pub fn with_levels(context: &Context, mesh: &TriMesh, levels: &[MeshLevel], cells: u32) -> Self {
         let Context { device, .. } = context;

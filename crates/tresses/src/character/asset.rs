@@ -31,7 +31,7 @@ const SWING: f32 = 1.15;
 /// ```
 /// use tresses::{CharacterOptions, LodOptions};
 ///
-/// let options = CharacterOptions::default().with_lod(LodOptions::CROWD).with_root_reach(0.01);
+/// let options = CharacterOptions::default().with_lod(LodOptions::CROWD).with_max_root_distance(0.01);
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct CharacterOptions<'a> {
@@ -42,7 +42,7 @@ pub struct CharacterOptions<'a> {
     /// Distance fields that colliders refer to by [`FieldId`](crate::collide::FieldId).
     pub fields: &'a [FieldSource<'a>],
     /// Maximum resolution of the grid of ambient light that the body is drawn with, cells per edge
-    /// ([`ViewOptions::ambient_cells`](crate::view::ViewOptions::ambient_cells)).
+    /// ([`ViewOptions::ambient_resolution`](crate::view::ViewOptions::ambient_resolution)).
     pub ambient_resolution: u32,
     /// Maximum distance of a root of the hair from a skinned mesh, meters. Grooms made for another head may be
     /// centimeters off.
@@ -88,7 +88,7 @@ impl<'a> CharacterOptions<'a> {
         Self { obstacles, fields, ..self }
     }
 
-    /// Sets the [resolution of ambient light](Self::ambient_cells).
+    /// Sets the [resolution of ambient light](Self::ambient_resolution).
     #[must_use]
     pub fn with_ambient_cells(self, ambient_cells: u32) -> Self {
         Self { ambient_resolution: ambient_cells, ..self }

@@ -60,7 +60,7 @@ pub struct Frame<'a> {
 ///         character.set_pose(*pose);
 ///     }
 ///     let cameras = [picture.camera];
-///     let mut frame = tresses.frame(encoder).seen_by(&cameras).within(budget);
+///     let mut frame = tresses.frame(encoder).with_cameras(&cameras).within(budget);
 ///     frame.advance(&mut crowd.iter_mut().collect::<Vec<_>>(), 1.0 / 60.0)?;
 ///     frame.draw(view, &crowd.iter().collect::<Vec<_>>(), picture, target)
 /// }

@@ -44,7 +44,7 @@ pub async fn style_on(
     CharacterSource::styled(style, files, options, progress, drape).await
 }
 
-/// Returns the draped guides of `style` on the mannequin, and its scalp: the inputs of [`CharacterSource::built_in`].
+/// Returns the draped guides of `style` on the mannequin, and its scalp: the inputs of `CharacterSource::built_in`.
 /// The guides of default styles are stored ([`styles::settled`]) and need no GPU.
 ///
 /// # Errors

@@ -152,7 +152,7 @@ impl Targets {
     ///
     /// Each texel holds the motion of the visible hair since the view's previous frame (x to the right and y down,
     /// texels), its depth in the camera's projection, and its opacity; see
-    /// [`Surroundings::geometry`](super::Surroundings::geometry). There are [`ssaa`](Self::ssaa)² texels per pixel.
+    /// [`HostFrame::geometry`](super::HostFrame::geometry). There are [`ssaa`](Self::ssaa)² texels per pixel.
     ///
     /// # Errors
     /// [`Error::Gpu`] when the device is lost.

@@ -55,7 +55,7 @@ impl FiberMaterial {
     }
 }
 
-/// Material of hair. Both [shading models](ShadingModel) use `file_colors`, `warmth_spread` and `min_width`;
+/// Material of hair. Both [shading models](ShadingModel) use `uses_file_colors`, `warmth_spread` and `min_width`;
 /// [`ShadingModel::Fiber`] uses `fiber`, [`ShadingModel::KajiyaKay`] the other fields.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HairMaterial {

@@ -41,7 +41,7 @@
 //! seconds. It acts towards the mean velocity of the neighborhood, so it does not slow a swing of all hair.
 //!
 //! **Cost.** A third of it is the splat, with 40 atomic additions per sample. Grooms of more than
-//! [`VolumeOptions::most_splatted`] samples splat every second, third, ... guide with the weight of all.
+//! [`VolumeOptions::max_samples`] samples splat every second, third, ... guide with the weight of all.
 //!
 //! **Other grooms** that meet this one ([`Hair::meet`](crate::Hair::meet)) are splatted into the same cells: a common
 //! excess pushes both apart.

@@ -22,7 +22,7 @@ pub(crate) struct GustMode {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wind {
     /// Mean velocity of the air far from the head, m/s, in world axes. In a space that [carries its
-    /// air](crate::space::Space::carries_air), relative to the space and in its axes. Zero is calm air unless the space
+    /// air](crate::space::Space::moves_air), relative to the space and in its axes. Zero is calm air unless the space
     /// moves through it: no fluid is computed, and only [`crate::simulate::SimulationParams::drag`] slows hair.
     pub velocity: Vec3,
     /// Intensity of the gusts: standard deviation of each velocity component over the mean speed. About 0.1 over open

@@ -9,7 +9,7 @@
 //! that calls it for each light darkens only that light's contribution. It reads the shadow maps of the current frame,
 //! so draw the hair, or record its [light](crate::frame::Recorder::light), first.
 //!
-//! **The pass** ([`Surroundings::shade`]) needs only the scene's depth. It reconstructs the position and normal of each
+//! **The pass** ([`HostFrame::shade`]) needs only the scene's depth. It reconstructs the position and normal of each
 //! pixel's surface. It then multiplies the color by the ratio of the light on a matte white surface with and without
 //! hair, from the lights that illuminate the hair. It cannot know which part of the color is emitted, reflected, or due
 //! to other lights; those are darkened as well. Normals are per triangle.
