@@ -42,8 +42,8 @@ pub struct BakeArgs {
 pub fn run(args: &BakeArgs) -> Result<()> {
     let writer = Writer::holding(&args.out, ContentKind::Frames)?;
     let motion = Motion::open(&args.motion)?;
-    let period = (motion.duration() * args.fps).round().clamp(1.0, MAX_FRAMES as f64);
-    let frames = args.frames.unwrap_or(period as u32);
+    let period_frames = (motion.duration() * args.fps).round().clamp(1.0, MAX_FRAMES as f64);
+    let frames = args.frames.unwrap_or(period_frames as u32);
     let preset = args.settings.preset()?;
     preset.settings.check()?;
     let preparing = Preparing::new("opening the GPU");
@@ -60,25 +60,26 @@ pub fn run(args: &BakeArgs) -> Result<()> {
     // Write all strands, whatever their level of detail.
     scene.set_lod(LodOptions { mode: LodMode::Off, ..Default::default() })?;
     drop(preparing);
-    let (pivot, step) = (scene.character.neck(), 1.0 / args.fps);
+    let (pivot, frame_interval) = (scene.character.neck(), 1.0 / args.fps);
     scene.reset(&motion.gesture(0.0, pivot))?;
-    let first = drawn(&scene, [&scene.character.hair().strands])?;
+    let first_frame = drawn(&scene, [&scene.character.hair().strands])?;
     let unit = args.out_unit.unwrap_or(LengthUnit(1.0));
     let bar = progress::frames("baking", u64::from(frames));
     files::stream(&args.out, |file| {
         let mut cache =
-            writer.cache(Box::new(file), &first, CacheOptions { unit, rate: args.fps, frames })?;
-        cache.frame(&first.positions)?;
+            writer.cache(Box::new(file), &first_frame, CacheOptions { unit, rate: args.fps, frames })?;
+        cache.frame(&first_frame.positions)?;
         bar.inc(1);
         for frame in 1..frames {
-            scene.advance(&motion.gesture(f64::from(frame) * step, pivot), step as f32)?;
+            let gesture = motion.gesture(f64::from(frame) * frame_interval, pivot);
+            scene.advance(&gesture, frame_interval as f32)?;
             cache.frame(&drawn(&scene, [&scene.character.hair().strands])?.positions)?;
             bar.inc(1);
         }
         Ok(cache.finish()?)
     })?;
     bar.finish_and_clear();
-    let (count, vertices) = (first.len(), first.positions.len());
+    let (count, vertices) = (first_frame.len(), first_frame.positions.len());
     say!("{}: {frames} frames of {count} strands, {vertices} vertices", args.out.display());
     Ok(())
 }

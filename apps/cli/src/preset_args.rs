@@ -29,7 +29,7 @@ impl PresetArgs {
         open(self.preset.as_ref())
     }
 
-    /// Sets single parameters of `preset`, and saves it if requested.
+    /// Applies `--set` to `preset`, checks its settings, and writes it to the file of `--save-preset`, if given.
     pub fn finish(&self, preset: &mut Preset) -> Result<()> {
         for Assignment { knob, value } in &self.assignments {
             knob.set(&mut preset.settings, *value)?;
@@ -67,7 +67,7 @@ impl FromStr for Assignment {
     fn from_str(text: &str) -> Result<Self, String> {
         let (path, value) = text.split_once('=').ok_or("expected NAME=VALUE, as in simulation.drag=5")?;
         let knob = knobs::named(path.trim())?;
-        let value = knob.parse(value).map_err(|refusal| refusal.to_string())?;
+        let value = knob.parse(value).map_err(|error| error.to_string())?;
         Ok(Self { knob, value })
     }
 }

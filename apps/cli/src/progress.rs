@@ -8,67 +8,72 @@ use std::{
 };
 use tresses::Progress;
 
-/// The current bar.
-static SHOWN: Mutex<Option<WeakProgressBar>> = Mutex::new(None);
+/// The bar on the terminal, for [`clear`].
+static CURRENT_BAR: Mutex<Option<WeakProgressBar>> = Mutex::new(None);
 
-fn shown(bar: ProgressBar) -> ProgressBar {
-    *SHOWN.lock().unwrap_or_else(PoisonError::into_inner) = Some(bar.downgrade());
+/// Records `bar` as the one that [`clear`] removes, and returns it.
+fn set_current(bar: ProgressBar) -> ProgressBar {
+    *CURRENT_BAR.lock().unwrap_or_else(PoisonError::into_inner) = Some(bar.downgrade());
     bar
 }
 
 /// Removes the bar from the terminal before the program exits.
 pub fn clear() {
-    let shown = SHOWN.lock().unwrap_or_else(PoisonError::into_inner).take();
-    if let Some(bar) = shown.and_then(|bar| bar.upgrade()) {
+    let current = CURRENT_BAR.lock().unwrap_or_else(PoisonError::into_inner).take();
+    if let Some(bar) = current.and_then(|bar| bar.upgrade()) {
         bar.finish_and_clear();
     }
 }
 
-fn styled(bar: &ProgressBar, template: &str) {
+fn set_template(bar: &ProgressBar, template: &str) {
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
 }
 
-/// Shows a bar of `frames` frames.
-pub fn frames(what: &'static str, frames: u64) -> ProgressBar {
-    let bar = ProgressBar::new(frames).with_message(what);
-    styled(&bar, "{msg} {wide_bar} {pos}/{len} frames, {eta} left");
-    shown(bar)
+/// Shows and returns a bar with `message` that counts to `frames`.
+pub fn frames(message: &'static str, frames: u64) -> ProgressBar {
+    let bar = ProgressBar::new(frames).with_message(message);
+    set_template(&bar, "{msg} {wide_bar} {pos}/{len} frames, {eta} left");
+    set_current(bar)
 }
 
-/// Resolution of a bar that shows a fraction.
+/// Length of a bar that shows a fraction.
 const STEPS: u64 = 1000;
 
-/// Progress of the preparation: a spinner, or a bar with the remaining time once a task reports its fraction.
+/// Progress of one task at a time: a spinner, or a bar with the remaining time once the task reports a fraction.
 pub struct Preparing {
     bar: ProgressBar,
     task: Cell<&'static str>,
-    is_measured: Cell<bool>,
+    /// Whether the task has reported a fraction, so that the bar replaces the spinner.
+    has_fraction: Cell<bool>,
 }
 
 impl Preparing {
-    /// Shows the first task.
+    /// Shows `task` as the first task.
     pub fn new(task: &'static str) -> Self {
-        let preparing =
-            Self { bar: shown(ProgressBar::new(STEPS)), task: Cell::new(""), is_measured: Cell::new(false) };
-        preparing.task(task);
+        let preparing = Self {
+            bar: set_current(ProgressBar::new(STEPS)),
+            task: Cell::new(""),
+            has_fraction: Cell::new(false),
+        };
+        preparing.start_task(task);
         preparing.bar.enable_steady_tick(Duration::from_millis(100));
         preparing
     }
 
-    /// Shows `task` with a spinner.
-    pub fn task(&self, task: &'static str) {
+    /// Shows `task` with a spinner, in place of the task before.
+    pub fn start_task(&self, task: &'static str) {
         self.task.set(task);
-        self.is_measured.set(false);
+        self.has_fraction.set(false);
         self.bar.reset();
-        styled(&self.bar, "{spinner} {msg}, {elapsed}");
+        set_template(&self.bar, "{spinner} {msg}, {elapsed}");
         self.bar.set_message(task);
     }
 
-    /// Hides the bar while `tell` writes to the terminal.
-    pub fn suspend(&self, tell: impl FnOnce()) {
-        self.bar.suspend(tell);
+    /// Hides the bar while `print` writes to the terminal.
+    pub fn suspend(&self, print: impl FnOnce()) {
+        self.bar.suspend(print);
     }
 }
 
@@ -81,10 +86,10 @@ impl Drop for Preparing {
 impl Progress for Preparing {
     async fn step(&self, task: &'static str, fraction: f32) {
         if task != self.task.get() {
-            self.task(task);
+            self.start_task(task);
         }
-        if fraction > 0.0 && !self.is_measured.replace(true) {
-            styled(&self.bar, "{msg} {wide_bar} {eta} left");
+        if fraction > 0.0 && !self.has_fraction.replace(true) {
+            set_template(&self.bar, "{msg} {wide_bar} {eta} left");
         }
         self.bar.set_position((fraction.clamp(0.0, 1.0) * STEPS as f32) as u64);
     }

@@ -25,9 +25,9 @@ use tresses_scene::{
 };
 
 /// Size of the warm-up frame, which is not shown, pixels.
-const FIRST: [u32; 2] = [487, 305];
+const WARM_UP_SIZE: [u32; 2] = [487, 305];
 /// Longest time that a job works before it yields to the window.
-const PATIENCE: std::time::Duration = std::time::Duration::from_millis(40);
+const YIELD_INTERVAL: std::time::Duration = std::time::Duration::from_millis(40);
 
 /// Input of a job.
 pub struct Order {
@@ -41,7 +41,7 @@ pub struct Order {
     pub settings: Settings,
     /// Whether camera and motion stay unchanged.
     pub keep: bool,
-    /// Whether the hair becomes a first version to groom.
+    /// Whether the job also converts the hair to a document and opens it in an editor.
     pub groom: bool,
 }
 
@@ -65,7 +65,7 @@ pub struct PreparedCharacter {
     pub shown: DisplayedCharacter,
     /// Whether camera and motion stay unchanged.
     pub keep: bool,
-    /// An editor of the hair, if it is to be groomed, and the settings that are left to it.
+    /// The editor, if the hair is to be groomed, and the settings without the style, which the document already has.
     pub editor: Option<(GroomEditor, Settings)>,
 }
 
@@ -96,8 +96,8 @@ struct Inbox {
     step: &'static str,
     fraction: f32,
     /// Time at which the job last yielded to the window.
-    breath: Option<web_time::Instant>,
-    done: Option<Result<JobResult>>,
+    last_yield: Option<web_time::Instant>,
+    result: Option<Result<JobResult>>,
 }
 
 /// A running job.
@@ -122,8 +122,8 @@ fn lock(inbox: &Mutex<Inbox>) -> MutexGuard<'_, Inbox> {
 
 impl ProgressSender {
     /// Stores the result and wakes the window.
-    fn done(&self, done: Result<JobResult>) {
-        lock(&self.inbox).done = Some(done);
+    fn finish(&self, result: Result<JobResult>) {
+        lock(&self.inbox).result = Some(result);
         self.context.request_repaint();
     }
 }
@@ -131,17 +131,17 @@ impl ProgressSender {
 impl Progress for ProgressSender {
     async fn step(&self, task: &'static str, fraction: f32) {
         let now = web_time::Instant::now();
-        let waits = {
+        let must_yield = {
             let mut inbox = lock(&self.inbox);
-            let other = inbox.step != task;
+            let is_new_step = inbox.step != task;
             (inbox.step, inbox.fraction) = (task, fraction);
-            let due = inbox.breath.is_none_or(|last| now.duration_since(last) > PATIENCE);
-            if other || due {
-                inbox.breath = Some(now);
+            let is_due = inbox.last_yield.is_none_or(|last| now.duration_since(last) > YIELD_INTERVAL);
+            if is_new_step || is_due {
+                inbox.last_yield = Some(now);
             }
-            other || due
+            is_new_step || is_due
         };
-        if waits {
+        if must_yield {
             self.context.request_repaint();
             task::breathe().await;
         }
@@ -149,33 +149,33 @@ impl Progress for ProgressSender {
 }
 
 impl Job {
-    /// Starts to build `order`.
+    /// Starts to build the character of `order`.
     pub fn start(context: &egui::Context, gpu: Gpu, order: Order) -> Self {
-        let (job, teller) = Self::begin(context, order.hair.clone(), JobKind::Hair);
+        let (job, progress) = Self::begin(context, order.hair.clone(), JobKind::Hair);
         task::spawn(move || async move {
-            let done = ready(gpu, order, &teller).await;
-            teller.done(done.map(|ready| JobResult::Hair(Box::new(ready))));
+            let result = prepare(gpu, order, &progress).await;
+            progress.finish(result.map(|character| JobResult::Hair(Box::new(character))));
         });
         job
     }
 
-    /// Starts to load the environment of `hair`. Everything else of it is already shown.
+    /// Starts to load the environment of `hair`, whose character is already on the screen.
     pub fn light(context: &egui::Context, hair: DocumentHair) -> Self {
         let companion_files = hair.companion_files.clone();
-        let (job, teller) = Self::begin(context, hair, JobKind::Light);
+        let (job, progress) = Self::begin(context, hair, JobKind::Light);
         task::spawn(move || async move {
-            teller.step("reading the environment map", 0.0).await;
-            teller.done(companion_files.surroundings().map(|read| JobResult::Light(read.map(Arc::new))));
+            progress.step("reading the environment map", 0.0).await;
+            progress.finish(companion_files.surroundings().map(|map| JobResult::Light(map.map(Arc::new))));
         });
         job
     }
 
-    /// Starts to bake cards of `order`, which is already shown.
+    /// Starts to bake cards of the hair of `order`, which is already on the screen.
     pub fn cards(context: &egui::Context, gpu: Gpu, order: Order, options: CardOptions) -> Self {
-        let (job, teller) = Self::begin(context, order.hair.clone(), JobKind::Cards);
+        let (job, progress) = Self::begin(context, order.hair.clone(), JobKind::Cards);
         task::spawn(move || async move {
-            let done = baked(gpu, order, &options, &teller).await;
-            teller.done(done.map(|baked| JobResult::Cards(Box::new(baked))));
+            let result = bake(gpu, order, &options, &progress).await;
+            progress.finish(result.map(|cards| JobResult::Cards(Box::new(cards))));
         });
         job
     }
@@ -183,8 +183,8 @@ impl Job {
     fn begin(context: &egui::Context, hair: DocumentHair, kind: JobKind) -> (Self, ProgressSender) {
         let inbox = Arc::<Mutex<Inbox>>::default();
         let started = web_time::Instant::now();
-        let teller = ProgressSender { inbox: inbox.clone(), context: context.clone() };
-        (Self { inbox, hair, kind, started }, teller)
+        let progress = ProgressSender { inbox: inbox.clone(), context: context.clone() };
+        (Self { inbox, hair, kind, started }, progress)
     }
 
     /// Whether the job only loads an environment.
@@ -209,11 +209,12 @@ impl Job {
 
     /// Takes the result once the job has ended.
     pub fn take(&self) -> Option<Result<JobResult>> {
-        lock(&self.inbox).done.take()
+        lock(&self.inbox).result.take()
     }
 }
 
-async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<PreparedCharacter> {
+/// Builds the character of `order` and renders its first frame.
+async fn prepare(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<PreparedCharacter> {
     let Order { mut hair, base, surroundings, mut settings, keep, groom } = order;
     let DocumentHair { source, companion_files } = &hair;
     // Validate the inputs before the expensive work.
@@ -259,24 +260,19 @@ async fn ready(gpu: Gpu, order: Order, progress: &impl Progress) -> Result<Prepa
     let mut pipelines = settings.pipelines(options);
     pipelines.extend(settings.pipelines_of_motion(&character.guide_vertices()));
     gpu.context.prepare(&pipelines, progress).await?;
-    let quality = Quality { size: FIRST, view: options, ssaa: settings.ssaa, lod: settings.lod() };
+    let quality = Quality { size: WARM_UP_SIZE, view: options, ssaa: settings.ssaa, lod: settings.lod() };
     let stage = Scene::new(gpu, character, colliders, &settings, &quality, progress).await;
     let mut stage = stage?;
     stage.dress(&settings);
     stage.set_surroundings(surroundings.clone());
     progress.step("rendering the first frame", 0.0).await;
-    first_picture(&mut stage)?;
+    warm_up(&mut stage)?;
     let shown = DisplayedCharacter { hair, notes, base, surroundings };
     Ok(PreparedCharacter { stage, shown, keep, editor })
 }
 
-/// Bakes cards of the hair of `order`, which is shown.
-async fn baked(
-    gpu: Gpu,
-    order: Order,
-    options: &CardOptions,
-    progress: &impl Progress,
-) -> Result<BakedCards> {
+/// Bakes cards of the hair of `order`, which is on the screen.
+async fn bake(gpu: Gpu, order: Order, options: &CardOptions, progress: &impl Progress) -> Result<BakedCards> {
     let Order { hair, base, settings, .. } = order;
     let base = base.context("there is no hair on the screen")?;
     let (maps, colliders) = (hair.companion_files.maps()?, hair.companion_files.colliders()?);
@@ -292,15 +288,16 @@ async fn baked(
     Ok(BakedCards { chain, rig, strands: parts.groom.strands.len(), head: parts.head })
 }
 
-/// Returns the view options: from `settings` where they set the sampling, else fast defaults.
+/// Returns the view options of `settings`. If these set neither renderer nor samples, and the renderer is not the
+/// classic one, fast defaults replace the sampling.
 pub fn view_options(settings: &Settings, tier: Tier) -> tresses::Result<ViewOptions> {
-    let own = settings.view_options(tier.max_samples)?;
+    let options = settings.view_options(tier.max_samples)?;
     let is_given = settings.gives("renderer.samples") || settings.gives("renderer.kind");
-    if is_given || matches!(own.renderer, Renderer::Classic(_)) {
-        return Ok(own);
+    if is_given || matches!(options.renderer, Renderer::Classic(_)) {
+        return Ok(options);
     }
     let samples = if tier.software { 1 } else { 4 };
-    let renderer = Renderer::masks(samples).with_shading(own.renderer.shading());
+    let renderer = Renderer::masks(samples).with_shading(options.renderer.shading());
     let mut fast = ViewOptions { renderer, ..settings.view };
     if tier.software {
         fast.shadow_resolution = fast.shadow_resolution.min(256);
@@ -310,8 +307,9 @@ pub fn view_options(settings: &Settings, tier: Tier) -> tresses::Result<ViewOpti
     Ok(fast)
 }
 
-/// Draws two frames. Drivers finish compiling at the first draw, which would otherwise stall the window.
-fn first_picture(stage: &mut Scene) -> Result<()> {
+/// Simulates two frames and draws the second. Drivers finish compiling at the first draw, which would otherwise stall
+/// the window.
+fn warm_up(stage: &mut Scene) -> Result<()> {
     let mut encoder = stage.gpu.context.device().create_command_encoder(&Default::default());
     let camera = tresses_scene::Viewpoint::portrait(Default::default(), stage.subject(), 1.0, 1.0);
     stage.character.hair_mut().reset();

@@ -42,7 +42,7 @@ impl HairGroom {
         Self { groom: Arc::new(groom), head: None, mesh: None, cards: None, ties: Vec::new(), options }
     }
 
-    /// Chooses guides among `strands` and binds the others to them.
+    /// Selects guides among `strands` and binds the others to them.
     ///
     /// # Errors
     /// Returns the errors of [`bind()`].
@@ -61,8 +61,8 @@ impl HairGroom {
         Ok(self)
     }
 
-    /// Creates the built-in character with hair of `style`; `None` uses the style's own strand count. A style with
-    /// custom parameters first settles on the GPU, which takes about a second.
+    /// Creates the built-in character with hair of `style`. Without a `strand_count`, the style's own applies. A style
+    /// with custom parameters first settles on the GPU, which takes about a second.
     ///
     /// # Errors
     /// Returns the errors of [`drape::style`], and an error for an invalid number of strands.
@@ -70,10 +70,10 @@ impl HairGroom {
         device: &RenderDevice,
         queue: &RenderQueue,
         style: &Style,
-        strands: Option<u32>,
+        strand_count: Option<u32>,
     ) -> tresses::Result<Self> {
         let context = Context::new(device.wgpu_device(), queue);
-        let growth = strands.map(|count| Growth::for_style(style).with_strands(count));
+        let growth = strand_count.map(|count| Growth::for_style(style).with_strands(count));
         let source = pollster::block_on(drape::style(&context, style, &()))?;
         let parts = pollster::block_on(source.dress(&Styling { growth, ..Default::default() }, &()))?;
         let head = parts.rest.or(parts.field).map(Arc::new);
@@ -105,7 +105,7 @@ impl HairGroom {
         self.mesh.as_deref().map(meshes::mesh)
     }
 
-    /// Whether both share the same data in memory.
+    /// Returns whether both share the same groom, head and cards in memory, and have equal ties and options.
     pub(crate) fn is(&self, other: &Self) -> bool {
         fn same<T>(a: &Option<Arc<T>>, b: &Option<Arc<T>>) -> bool {
             a.as_ref().map(Arc::as_ptr) == b.as_ref().map(Arc::as_ptr)

@@ -1,15 +1,16 @@
 //! A budget for crowds: levels of detail are chosen so that all heads together stay within a time and a memory limit.
 //!
 //! ```text
-//! camera, heads ─► drawing, simulation and memory of each head at a bias ─► Costs ─► milliseconds ─┐
-//!        ▲                                                                           bytes ────────┤
-//!        └───────────── smallest bias that meets both limits (bisection) ◄─────────────────────────┘
+//! camera, heads ─► drawing, simulation and memory of each head at a bias ─► CostModel ─► milliseconds ─┐
+//!        ▲                                                                               bytes ────────┤
+//!        └───────────── smallest bias that meets both limits (bisection) ◄─────────────────────────────┘
 //! ```
 //!
 //! One [bias](crate::lod::LodOptions::bias) applies to all heads. Strands are then equally wide in pixels on each, so
-//! no head looks coarser than another. It also minimizes the total error: an octave of bias saves about the same share
-//! of the cost on each head and is equally visible on each. (Funkhouser and Séquin, "Adaptive display algorithm for
-//! interactive frame rates", SIGGRAPH 1993, weigh benefit by cost; here the ratio is the same for all heads.)
+//! no head looks coarser than another. It also minimizes the total error: an octave of bias saves about the same
+//! fraction of the cost on each head and is equally visible on each. (Funkhouser and Séquin, "Adaptive display
+//! algorithm for interactive frame rates", SIGGRAPH 1993, weigh benefit by cost; here the ratio is the same for all
+//! heads.)
 //!
 //! The cost model is linear: each kind of work has a factor. [`CostModel::fit`] estimates the factors from timed frames
 //! by non-negative least squares, with the previously known factors as a prior. The default factors are from a software
@@ -19,8 +20,6 @@
 //! Timings differ from run to run, and so may levels. For reproducible runs, leave [`Budget::milliseconds`] infinite.
 //!
 //! [`CrowdBudget`](crate::character::CrowdBudget) applies a [`Budget`] to the characters of a frame.
-//!
-//!
 //! Hosts that own [`Hair`] directly call [`Budget::look_from`].
 
 use crate::{
@@ -34,7 +33,7 @@ use crate::{
 pub struct Budget {
     /// Time for hair per frame, ms, measured like the frames that the costs were fitted to.
     pub milliseconds: f32,
-    /// GPU memory of the heads including the view's share, bytes.
+    /// GPU memory of the heads including the view's buffers for them, bytes.
     pub bytes: u64,
 }
 
@@ -71,7 +70,7 @@ pub struct Work {
     pub heads: f64,
     /// Drawn strand vertices.
     pub vertices: f64,
-    /// Solves of a guide vertex: vertices of simulated guides × substeps × steps.
+    /// Solves of single guide vertices: vertices of simulated guides × substeps × steps.
     pub solves: f64,
     /// Steps of self-collision grids.
     pub grids: f64,
@@ -80,10 +79,11 @@ pub struct Work {
 }
 
 /// Number of cost factors: the kinds of work and a constant per frame.
-const KINDS: usize = 6;
+const FACTOR_COUNT: usize = 6;
 
 impl Work {
-    fn list(&self) -> [f64; KINDS] {
+    /// Returns the amounts of work in the order of the cost factors, 1 for the constant.
+    fn amounts(&self) -> [f64; FACTOR_COUNT] {
         [1.0, self.heads, self.vertices, self.solves, self.grids, self.pixels]
     }
 
@@ -96,19 +96,19 @@ impl Work {
     }
 }
 
-/// Cost of work, ms.
+/// Linear model of the time that work takes, ms.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CostModel {
-    /// Cost per frame, head, drawn vertex, solve, grid step and pixel.
-    factors: [f64; KINDS],
+    /// Cost per frame, head, drawn vertex, solve, grid step and pixel, ms.
+    factors: [f64; FACTOR_COUNT],
     /// Factors before any frame was timed.
-    prior: [f64; KINDS],
+    prior: [f64; FACTOR_COUNT],
     /// Work and milliseconds of the most recent timed frames.
-    timed: Vec<([f64; KINDS], f64)>,
+    timed: Vec<([f64; FACTOR_COUNT], f64)>,
 }
 
-/// Number of timed frames kept.
-const REMEMBERED: usize = 48;
+/// Maximum number of timed frames kept.
+const MAX_TIMED_FRAMES: usize = 48;
 
 impl Default for CostModel {
     /// Factors of a software driver on two cores.
@@ -118,20 +118,21 @@ impl Default for CostModel {
 }
 
 impl CostModel {
-    /// Creates costs from factors in ms: per frame, head in view, drawn vertex, solve, grid step and pixel.
-    pub fn new(factors: [f64; KINDS]) -> Self {
+    /// Creates a model from factors in ms: per frame, head in view, drawn vertex, solve, grid step and pixel. Negative
+    /// and non-finite factors become 0.
+    pub fn new(factors: [f64; FACTOR_COUNT]) -> Self {
         let factors = factors.map(|factor| if factor.is_finite() { factor.max(0.0) } else { 0.0 });
         Self { factors, prior: factors, timed: Vec::new() }
     }
 
     /// Returns the factors in the order of [`new`](Self::new).
-    pub fn factors(&self) -> [f64; KINDS] {
+    pub fn factors(&self) -> [f64; FACTOR_COUNT] {
         self.factors
     }
 
     /// Returns the estimated cost of `work`, ms.
     pub fn of(&self, work: &Work) -> f64 {
-        self.factors.iter().zip(work.list()).map(|(factor, work)| factor * work).sum()
+        self.factors.iter().zip(work.amounts()).map(|(factor, amount)| factor * amount).sum()
     }
 
     /// Adds a timed frame and refits the factors to the most recent frames. Ignores times that are not finite and
@@ -140,36 +141,40 @@ impl CostModel {
         if !(milliseconds.is_finite() && milliseconds > 0.0) {
             return;
         }
-        if self.timed.len() == REMEMBERED {
+        if self.timed.len() == MAX_TIMED_FRAMES {
             self.timed.remove(0);
         }
-        self.timed.push((work.list(), milliseconds));
+        self.timed.push((work.amounts(), milliseconds));
         self.factors = self.solve();
     }
 
-    /// Minimizes the squared relative errors of the timed frames plus a penalty on deviation from the scaled prior. The
-    /// scale is the mean ratio of measured to predicted time, so factors that the frames do not determine keep their
-    /// proportions. Uses coordinate descent with factors clamped at zero: the problem is convex and has six unknowns.
-    fn solve(&self) -> [f64; KINDS] {
-        let known = |work: &[f64; KINDS]| work.iter().zip(&self.prior).map(|(w, p)| w * p).sum::<f64>();
-        let scale = self.timed.iter().map(|(work, ms)| ms / known(work).max(1e-12)).sum::<f64>()
+    /// Returns the factors that minimize the squared relative errors of the timed frames plus a penalty on deviation
+    /// from the scaled prior. The scale is the mean ratio of measured to predicted time, so factors that the frames do
+    /// not determine keep their proportions. Uses coordinate descent with factors clamped at zero: the problem is
+    /// convex and has six unknowns.
+    fn solve(&self) -> [f64; FACTOR_COUNT] {
+        let predicted = |work: &[f64; FACTOR_COUNT]| {
+            work.iter().zip(&self.prior).map(|(amount, factor)| amount * factor).sum::<f64>()
+        };
+        let scale = self.timed.iter().map(|(work, ms)| ms / predicted(work).max(1e-12)).sum::<f64>()
             / self.timed.len() as f64;
         let prior = self.prior.map(|factor| factor * scale);
-        let weight = 0.02 * self.timed.len() as f64 / KINDS as f64;
+        let penalty = 0.02 * self.timed.len() as f64 / FACTOR_COUNT as f64;
         let mut factors = prior;
         for _ in 0..200 {
-            for k in 0..KINDS {
+            for k in 0..FACTOR_COUNT {
                 if prior[k] <= 0.0 {
                     continue;
                 }
-                let (mut above, mut below) = (weight / prior[k], weight / prior[k].powi(2));
+                let (mut numerator, mut denominator) = (penalty / prior[k], penalty / prior[k].powi(2));
                 for (work, ms) in &self.timed {
-                    let others: f64 = (0..KINDS).filter(|j| *j != k).map(|j| factors[j] * work[j]).sum();
+                    let others: f64 =
+                        (0..FACTOR_COUNT).filter(|j| *j != k).map(|j| factors[j] * work[j]).sum();
                     let own = work[k] / ms;
-                    above += own * (1.0 - others / ms);
-                    below += own * own;
+                    numerator += own * (1.0 - others / ms);
+                    denominator += own * own;
                 }
-                factors[k] = (above / below).max(0.0);
+                factors[k] = (numerator / denominator).max(0.0);
             }
         }
         factors
@@ -217,16 +222,17 @@ pub struct CrowdDetail {
 }
 
 impl Budget {
-    /// Chooses the level of detail of `heads`, each given with its head's pose, for `camera`. Call it before a frame is
-    /// recorded, instead of [`Hair::look_from`]. `before` is the bias of the last frame ([`CrowdDetail::bias`]); `None`
-    /// allows any change of levels, for a first frame or after a cut. `held` describes the view's memory for the heads.
+    /// Chooses, applies and returns the levels of detail of `heads`, each given with its pose, for `camera`. Call it
+    /// before a frame is recorded, instead of [`Hair::look_from`]. `last_bias` is the bias of the last frame
+    /// ([`CrowdDetail::bias`]); `None` allows any change of levels, for a first frame or after a cut. `view_bytes`
+    /// describes the view's memory for the heads.
     pub fn look_from(
         &self,
         costs: &CostModel,
         camera: &Camera,
         heads: &mut [(&mut Hair, Pose)],
-        before: Option<f32>,
-        held: &ViewBytes<'_>,
+        last_bias: Option<f32>,
+        view_bytes: &ViewBytes<'_>,
     ) -> CrowdDetail {
         let plan = |bias: f32, heads: &[(&mut Hair, Pose)]| -> (CrowdDetail, Vec<Detail>) {
             let mut crowd = CrowdDetail { bias, ..CrowdDetail::default() };
@@ -234,8 +240,8 @@ impl Budget {
             crowd.bytes = heads.iter().map(|(hair, _)| hair.shared_bytes()).max().unwrap_or(0);
             for (i, (hair, pose)) in heads.iter().enumerate() {
                 let detail = hair.lod.detail_with_bias(camera, pose, bias);
-                let (mut head, work) = hair.at(&detail, camera, pose, held.vertex);
-                head.bytes += if head.is_visible { (held.head)(i, bias) } else { 0 };
+                let (mut head, work) = hair.detail_and_work(&detail, camera, pose, view_bytes.vertex);
+                head.bytes += if head.is_visible { (view_bytes.head)(i, bias) } else { 0 };
                 crowd.bytes += head.bytes;
                 crowd.work.add(&work);
                 crowd.heads.push(head);
@@ -246,8 +252,8 @@ impl Budget {
             (crowd, details)
         };
         let target = self.min_bias(|bias| plan(bias, heads).0.fits);
-        // The limited rate applies to time only, which may be a passing disturbance. Memory must fit at once.
-        let reachable = before.map_or(target, |bias| target.clamp(bias - FASTEST, bias + FASTEST));
+        // The limit on the rate applies to time only, since one slow frame may be an outlier. Memory must fit at once.
+        let reachable = last_bias.map_or(target, |bias| target.clamp(bias - FASTEST, bias + FASTEST));
         let reachable = reachable.clamp(0.0, COARSEST);
         let (mut crowd, mut details) = plan(reachable, heads);
         if crowd.bytes > self.bytes && target > reachable {
@@ -274,21 +280,29 @@ impl Budget {
 }
 
 impl Hair {
-    /// Returns the level and the work of this hair at `detail`, seen by `camera` on a head at `pose`.
-    fn at(&self, detail: &Detail, camera: &Camera, pose: &Pose, view_bytes: u64) -> (HeadDetail, Work) {
+    /// Returns the level and the work of this hair at `detail`, seen by `camera` on a head at `pose`. A view has
+    /// `vertex_bytes` bytes per vertex.
+    fn detail_and_work(
+        &self,
+        detail: &Detail,
+        camera: &Camera,
+        pose: &Pose,
+        vertex_bytes: u64,
+    ) -> (HeadDetail, Work) {
         let is_visible = !self.lod.options.can_sleep || self.is_in_view(camera, pose);
         let vertices = detail.segment_count.ceil() as u32 + 1;
         let [guides, substeps] = self.motion_at(detail);
-        let need = if is_visible { [detail.strand_count, detail.strand_count * vertices] } else { [0; 2] };
-        let (capacity, own) = self.sized_for(need);
-        let bytes = own + view_bytes * u64::from(capacity.vertices);
-        let asleep = self.is_asleep();
+        let required =
+            if is_visible { [detail.strand_count, detail.strand_count * vertices] } else { [0; 2] };
+        let (capacity, own_bytes) = self.sized_for(required);
+        let bytes = own_bytes + vertex_bytes * u64::from(capacity.vertices);
+        let is_asleep = self.is_asleep();
         let head = HeadDetail {
             is_visible,
-            is_asleep: asleep,
+            is_asleep,
             strand_count: if is_visible { detail.strand_count } else { 0 },
             vertex_count: vertices,
-            guide_count: if is_visible && !asleep { guides } else { 0 },
+            guide_count: if is_visible && !is_asleep { guides } else { 0 },
             substep_count: substeps,
             size: detail.size,
             bytes,
@@ -297,13 +311,16 @@ impl Hair {
             return (head, Work::default());
         }
         // Assumes one frame per fixed step.
-        let steps = f64::from(detail.step.max(1.0)).recip();
-        let moves = if asleep { 0.0 } else { steps };
+        let steps_per_frame = f64::from(detail.step.max(1.0)).recip();
+        let simulated_steps = if is_asleep { 0.0 } else { steps_per_frame };
         let work = Work {
             heads: 1.0,
             vertices: f64::from(detail.strand_count) * f64::from(vertices),
-            solves: f64::from(guides) * f64::from(self.guides.vertex_count) * f64::from(substeps) * moves,
-            grids: if detail.together > 0.0 { moves } else { 0.0 },
+            solves: f64::from(guides)
+                * f64::from(self.guides.vertex_count)
+                * f64::from(substeps)
+                * simulated_steps,
+            grids: if detail.together > 0.0 { simulated_steps } else { 0.0 },
             pixels: f64::from(detail.size).powi(2).min(f64::from(camera.size[0]) * f64::from(camera.size[1])),
         };
         (head, work)
@@ -322,7 +339,7 @@ mod tests {
     use super::*;
     use crate::math::hash::pcg;
 
-    fn work(i: u32) -> Work {
+    fn random_work(i: u32) -> Work {
         let random = |k: u32| f64::from(pcg(5 * i + k)) / f64::from(u32::MAX);
         Work {
             heads: 1.0 + 50.0 * random(0),
@@ -335,28 +352,30 @@ mod tests {
 
     #[test]
     fn fit_recovers_factors_from_noisy_frames() {
-        let truth = CostModel::new([3.0, 0.5, 4e-5, 2e-6, 0.3, 1e-5]);
+        let exact = CostModel::new([3.0, 0.5, 4e-5, 2e-6, 0.3, 1e-5]);
         let mut costs = CostModel::default();
-        let off = |costs: &CostModel| {
-            (100..130).map(|i| (costs.of(&work(i)) / truth.of(&work(i)) - 1.0).abs()).fold(0.0, f64::max)
+        let max_error = |costs: &CostModel| {
+            (100..130)
+                .map(|i| (costs.of(&random_work(i)) / exact.of(&random_work(i)) - 1.0).abs())
+                .fold(0.0, f64::max)
         };
-        let before = off(&costs);
+        let initial_error = max_error(&costs);
         for i in 0..40 {
             // 10 % noise.
             let noise = 0.9 + 0.2 * f64::from(pcg(977 * i)) / f64::from(u32::MAX);
-            costs.fit(&work(i), truth.of(&work(i)) * noise);
+            costs.fit(&random_work(i), exact.of(&random_work(i)) * noise);
         }
-        println!("{before} {} {:?}", off(&costs), costs.factors());
+        println!("{initial_error} {} {:?}", max_error(&costs), costs.factors());
         // Frames that were not used for fitting: within twice the noise of the timed ones.
-        assert!(before > 3.0 && off(&costs) < 0.2, "{before} {}", off(&costs));
+        assert!(initial_error > 3.0 && max_error(&costs) < 0.2, "{initial_error} {}", max_error(&costs));
         // Identical frames determine only their own cost; the proportions of the factors stay.
         let mut costs = CostModel::default();
-        (0..20).for_each(|_| costs.fit(&work(3), 7.0));
-        assert!((costs.of(&work(3)) - 7.0).abs() < 0.2, "{}", costs.of(&work(3)));
+        (0..20).for_each(|_| costs.fit(&random_work(3), 7.0));
+        assert!((costs.of(&random_work(3)) - 7.0).abs() < 0.2, "{}", costs.of(&random_work(3)));
         assert!(costs.factors().iter().all(|factor| *factor > 0.0));
-        let same = costs.clone();
-        costs.fit(&work(3), f64::NAN);
-        assert_eq!(costs, same);
+        let unchanged = costs.clone();
+        costs.fit(&random_work(3), f64::NAN);
+        assert_eq!(costs, unchanged);
     }
 
     #[test]

@@ -166,6 +166,5 @@ pub const TILE_ROUNDS: u32 = 4;
 pub const TILE_SCAN: u32 = 256;
 /// Tiles per workgroup.
 pub const TILE_SLOTS: u32 = 4;
-/// Runs into which the tile list is divided. Neighboring workgroups take tiles from different runs, which balances
-/// load.
+/// Runs into which the tile list is divided. Adjacent workgroups take tiles from different runs, which balances load.
 pub const TILE_STRATA: u32 = 16;

@@ -13,7 +13,7 @@ use tresses::{
 };
 use tresses_cli::bench::{
     Sitting,
-    results::measured,
+    results::frame_range,
     statistics::Summary,
     table::{ms, table},
     workload,
@@ -94,7 +94,7 @@ impl SimulationCosts {
             grouped(self.guides.into()),
             self.guide_vertices,
             grouped(self.strands.into()),
-            measured(std::iter::once(self.frames)),
+            frame_range(std::iter::once(self.frames)),
             table(&rows)
         );
         let mut rows = vec![["ratio of medians", "measured", "at most"].map(String::from).to_vec()];

@@ -32,7 +32,7 @@ pub struct SceneResults {
     pub triangles: u64,
     /// GPU memory of the groom, bytes.
     pub bytes: u64,
-    /// GPU memory per drawn vertex.
+    /// GPU memory per drawn vertex, bytes.
     pub bytes_per_vertex: f64,
     /// Runs at rest and in motion.
     pub runs: Vec<Run>,
@@ -49,9 +49,9 @@ pub struct Run {
     pub stages: Vec<StageTime>,
     /// Commands recorded by one frame.
     pub recorded: Vec<StageCommands>,
-    /// Sum of the stages of a frame.
+    /// Sum of the stages of a frame, milliseconds.
     pub gpu: Summary,
-    /// Time from the start of recording until the GPU is done.
+    /// Time from the start of recording until the GPU is done, milliseconds.
     pub frame: Summary,
 }
 
@@ -84,9 +84,9 @@ pub struct StrandPoint {
     pub frame: Summary,
 }
 
-/// Formats the number of measured frames per run, as a range if it varies.
-pub fn measured(runs: impl Iterator<Item = u32> + Clone) -> String {
-    let (min, max) = (runs.clone().min().unwrap_or(0), runs.max().unwrap_or(0));
+/// Formats the numbers of measured frames, one per run, as a range if they differ.
+pub fn frame_range(counts: impl Iterator<Item = u32> + Clone) -> String {
+    let (min, max) = (counts.clone().min().unwrap_or(0), counts.max().unwrap_or(0));
     if min == max { format!("{max} frames") } else { format!("{min} to {max} frames") }
 }
 
@@ -100,7 +100,7 @@ impl SceneResults {
             self.name,
             if self.samples == 1 { "1 sample".into() } else { format!("{}×MSAA", self.samples) },
             if self.ssaa > 1 { format!(", {0}×{0} SSAA", self.ssaa) } else { String::new() },
-            measured(self.runs.iter().map(|run| run.frames)),
+            frame_range(self.runs.iter().map(|run| run.frames)),
             grouped(self.guides.into()),
             grouped(self.strands.into()),
             self.vertices_per_strand,
@@ -133,7 +133,7 @@ impl SceneResults {
             row("all stages", &|run| run.gpu);
         }
         row("whole frame", &|run| run.frame);
-        // The commands of the last run; runs at rest record the same.
+        // Shows the commands of the last run only; runs at rest record the same commands.
         text + &table(&rows) + &self.runs.last().map_or(String::new(), |run| recorded::text(&run.recorded))
     }
 }

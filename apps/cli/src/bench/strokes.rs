@@ -1,4 +1,4 @@
-//! Times of grooming: a dab of each brush, a pick, undo, and the strands made anew after a stroke.
+//! Times of grooming: a dab of each brush, a pick, undo, and rebuilding the strands after a stroke.
 
 use super::{
     sitting::Sitting,
@@ -15,30 +15,31 @@ use tresses::{
 };
 use tresses_scene::{CompanionFiles, Preset, Shelf, words::grouped};
 
-/// Strands that are all guides, for dabs.
+/// Number of guides under the brushes; every strand is a guide.
 const GUIDES: u32 = 5_000;
-/// Strands that are made anew.
+/// Number of strands that are rebuilt after a stroke.
 const STRANDS: u32 = 20_000;
 /// Largest allowed median times, milliseconds.
-const DAB: f64 = 10.0;
-const PICK: f64 = 2.0;
-const UNDO: f64 = 16.0;
-const SETTLE: f64 = 500.0;
-/// Strokes with each brush, around the head.
+const DAB_GOAL: f64 = 10.0;
+const PICK_GOAL: f64 = 2.0;
+const UNDO_GOAL: f64 = 16.0;
+const REBUILD_GOAL: f64 = 500.0;
+/// Number of strokes with each brush, around the head.
 const STROKES: u32 = 6;
-/// Distance of the eye, length of a stroke, and of its steps, meters.
-const EYE: f32 = 0.8;
-const LENGTH: f32 = 0.12;
-const STEP: f32 = 2e-3;
+/// Distance of the eye from the center of the hair, meters.
+const EYE_DISTANCE: f32 = 0.8;
+/// Length of a stroke and distance between its samples, meters.
+const STROKE_LENGTH: f32 = 0.12;
+const SAMPLE_SPACING: f32 = 2e-3;
 /// Time between two samples, s.
-const TICK: f32 = 1.0 / 120.0;
+const SAMPLE_INTERVAL: f32 = 1.0 / 120.0;
 
 /// Times of grooming.
 #[derive(Debug, Serialize)]
 pub struct GroomTimes {
     /// Number of guides under the brushes, and their vertices.
     pub guides: [usize; 2],
-    /// Number of strands made anew.
+    /// Number of strands rebuilt after a stroke.
     pub strands: usize,
     /// Times of each operation.
     pub rows: Vec<OperationTime>,
@@ -71,58 +72,58 @@ pub fn measure(sitting: Sitting<'_>) -> Result<GroomTimes> {
     preset.settings.style.all_guides = true;
     let (_, mut editor) = pollster::block_on(preset.editor(&gpu.context, &()))?;
     let guides = [editor.document().guides().len(), editor.document().vertex_count()];
-    let first = editor.document().clone();
+    let initial = editor.document().clone();
     let mut rows = Vec::new();
     let (mut picks, mut undos) = (Vec::new(), Vec::new());
     let deforms_strands = |tool: BrushTool| !(tool.draws() || tool.acts_on_roots());
     for tool in BrushTool::ALL.map(|(tool, _)| tool).into_iter().filter(|tool| deforms_strands(*tool)) {
         let mut dabs = Vec::new();
-        for stroke in path(&editor) {
-            let (begin, others) = stroke.split_first().context("a stroke has samples")?;
-            let clock = Stopwatch(sitting);
-            picks.push(clock.ms(|| editor.hit(tool, begin)).1);
-            editor.press(&Brush::of(tool), begin)?;
+        for stroke in strokes(&editor) {
+            let (first_sample, others) = stroke.split_first().context("a stroke has samples")?;
+            let stopwatch = Stopwatch(sitting);
+            picks.push(stopwatch.measure_ms(|| editor.hit(tool, first_sample)).1);
+            editor.press(&Brush::of(tool), first_sample)?;
             for sample in others {
-                let before = editor.dab_count();
-                let (done, time) = clock.ms(|| editor.drag(sample));
-                done?;
-                let count = editor.dab_count() - before;
-                if count > 0 {
-                    dabs.push(time / count as f64);
+                let dabs_before = editor.dab_count();
+                let (result, time) = stopwatch.measure_ms(|| editor.drag(sample));
+                result?;
+                let new_dabs = editor.dab_count() - dabs_before;
+                if new_dabs > 0 {
+                    dabs.push(time / new_dabs as f64);
                 }
             }
             let before = editor.document().clone();
             if editor.release().is_some() {
-                let (done, time) = clock.ms(|| editor.go_to(before));
-                done?;
+                let (result, time) = stopwatch.measure_ms(|| editor.go_to(before));
+                result?;
                 undos.push(time);
             }
         }
-        rows.push(OperationTime::of(&format!("a dab of {}", tool.name()), dabs, DAB));
-        editor.go_to(first.clone())?;
+        rows.push(OperationTime::of(&format!("a dab of {}", tool.name()), dabs, DAB_GOAL));
+        editor.go_to(initial.clone())?;
     }
-    rows.push(OperationTime::of("a pick", picks, PICK));
-    rows.push(OperationTime::of("undo", undos, UNDO));
-    let (strands, times) = settle(&gpu, &workload::style(Some(STRANDS), workload::TILES), sitting)?;
-    rows.push(OperationTime::of("strands made anew", times, SETTLE));
+    rows.push(OperationTime::of("a pick", picks, PICK_GOAL));
+    rows.push(OperationTime::of("undo", undos, UNDO_GOAL));
+    let (strands, times) = rebuild_strands(&gpu, &workload::style(Some(STRANDS), workload::TILES), sitting)?;
+    rows.push(OperationTime::of("strands made anew", times, REBUILD_GOAL));
     Ok(GroomTimes { guides, strands, rows })
 }
 
-/// Returns the number of strands of `preset`, and the times in which they are made anew after a stroke.
-fn settle(gpu: &Gpu, preset: &Preset, sitting: Sitting<'_>) -> Result<(usize, Vec<f64>)> {
+/// Rebuilds the strands of `preset` after each stroke. Returns their number and the times, milliseconds.
+fn rebuild_strands(gpu: &Gpu, preset: &Preset, sitting: Sitting<'_>) -> Result<(usize, Vec<f64>)> {
     let (source, mut editor) = pollster::block_on(preset.editor(&gpu.context, &()))?;
     let styling = preset
         .settings
         .without_style()
         .styling(None, &CompanionFiles::of(&preset.source, Shelf::default()).maps()?)?;
     let (mut strands, mut times) = (0, Vec::new());
-    for stroke in path(&editor) {
-        let (begin, others) = stroke.split_first().context("a stroke has samples")?;
-        editor.press(&Brush::of(BrushTool::Comb), begin)?;
+    for stroke in strokes(&editor) {
+        let (first_sample, others) = stroke.split_first().context("a stroke has samples")?;
+        editor.press(&Brush::of(BrushTool::Comb), first_sample)?;
         others.iter().try_for_each(|sample| editor.drag(sample))?;
         let Some(after) = editor.release() else { continue };
         let (parts, time) = Stopwatch(sitting)
-            .ms(|| pollster::block_on(source.with_document(after.clone()).dress(&styling, &())));
+            .measure_ms(|| pollster::block_on(source.with_document(after.clone()).dress(&styling, &())));
         parts?;
         strands = after.base().strands.len();
         times.push(time);
@@ -130,31 +131,32 @@ fn settle(gpu: &Gpu, preset: &Preset, sitting: Sitting<'_>) -> Result<(usize, Ve
     Ok((strands, times))
 }
 
-/// Returns strokes from top to bottom, seen from around the hair.
-fn path(editor: &GroomEditor) -> Vec<Vec<StrokeSample>> {
+/// Returns strokes from top to bottom, each from another view around the hair.
+fn strokes(editor: &GroomEditor) -> Vec<Vec<StrokeSample>> {
     let positions = editor.positions();
     let center = positions.iter().sum::<Vec3>() / positions.len().max(1) as f32;
-    let steps = (LENGTH / STEP) as usize;
+    let steps = (STROKE_LENGTH / SAMPLE_SPACING) as usize;
     let stroke = |k: u32| {
         let rotation = Quat::from_rotation_y(std::f32::consts::TAU * k as f32 / STROKES as f32);
-        let eye = center + rotation * Vec3::Z * EYE;
+        let eye = center + rotation * Vec3::Z * EYE_DISTANCE;
         let sample = |i: usize| {
-            let target = center + Vec3::Y * (0.5 * LENGTH - i as f32 * STEP);
-            StrokeSample { time: i as f32 * TICK, ..StrokeSample::ray(eye, target - eye) }
+            let target = center + Vec3::Y * (0.5 * STROKE_LENGTH - i as f32 * SAMPLE_SPACING);
+            StrokeSample { time: i as f32 * SAMPLE_INTERVAL, ..StrokeSample::ray(eye, target - eye) }
         };
         (0..=steps).map(sample).collect()
     };
     (0..STROKES).map(stroke).collect()
 }
 
-/// Measures with the clock of a sitting.
+/// Measures times with the clock of the benchmark.
 struct Stopwatch<'a>(Sitting<'a>);
 
 impl Stopwatch<'_> {
-    fn ms<T>(&self, work: impl FnOnce() -> T) -> (T, f64) {
-        let begin = (self.0.clock)();
-        let done = work();
-        (done, 1e3 * ((self.0.clock)().saturating_sub(begin)).as_secs_f64())
+    /// Returns the result of `work` and the time that it took, milliseconds.
+    fn measure_ms<T>(&self, work: impl FnOnce() -> T) -> (T, f64) {
+        let start = (self.0.clock)();
+        let result = work();
+        (result, 1e3 * ((self.0.clock)().saturating_sub(start)).as_secs_f64())
     }
 }
 

@@ -15,13 +15,13 @@ pub struct Block<'a> {
 
 /// Languages, and how their blocks are tested.
 ///
-/// `sh` runs (`shell.rs`), `python` runs in the tests of the wheel, `json` and `toml` are parsed, `rust`, `html`, `js`
-/// and `wgsl` are quotations; `console` and `text` are neither.
+/// `sh` runs (`shell.rs`), `python` runs in the tests of the Python wheel, `json` and `toml` are parsed. `rust`,
+/// `html`, `js` and `wgsl` must be quoted from tested code. `console` and `text` are not tested.
 const LANGUAGES: [&str; 10] =
     ["sh", "console", "python", "json", "toml", "rust", "html", "js", "wgsl", "text"];
 
 /// Folders with code that tests compile and run, from which pages quote.
-const QUOTED: [&str; 7] = [
+const QUOTED_FOLDERS: [&str; 7] = [
     "crates/tresses/examples",
     "crates/tresses/src",
     "crates/tresses/tests/gpu",
@@ -45,7 +45,8 @@ pub fn blocks(text: &str) -> Vec<Block<'_>> {
         match open.take() {
             Some(block) => all.push(block),
             None => {
-                let (language, file) = info.split_once(' ').map_or((info, None), |(a, b)| (a, Some(b)));
+                let (language, file) =
+                    info.split_once(' ').map_or((info, None), |(language, file)| (language, Some(file)));
                 open = Some(Block { language, file, line: i + 1, lines: Vec::new() });
             }
         }
@@ -55,7 +56,7 @@ pub fn blocks(text: &str) -> Vec<Block<'_>> {
 }
 
 /// Returns `lines` without empty ones, surrounding spaces, and the marks and hidden lines of tested doc comments.
-fn squeezed<'a>(lines: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+fn normalize<'a>(lines: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     let lines = lines.into_iter().map(|line| {
         let line = line.trim();
         line.strip_prefix("//!").or(line.strip_prefix("///")).unwrap_or(line).trim()
@@ -67,9 +68,9 @@ fn squeezed<'a>(lines: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
 fn blocks_have_a_known_language() {
     for page in Page::taught() {
         for block in blocks(&page.text) {
-            let known = LANGUAGES.contains(&block.language);
+            let is_known = LANGUAGES.contains(&block.language);
             assert!(
-                known,
+                is_known,
                 "{}:{}: a block of {:?}: use one of {LANGUAGES:?}",
                 page.path, block.line, block.language
             );
@@ -95,14 +96,14 @@ fn data_blocks_parse() {
 #[test]
 fn code_blocks_are_quoted_from_tested_code() {
     let mut sources = Vec::new();
-    for folder in QUOTED {
-        read(&root().join(folder), &mut sources);
+    for folder in QUOTED_FOLDERS {
+        read_files(&root().join(folder), &mut sources);
     }
-    let sources: Vec<_> = sources.iter().map(|text| squeezed(text.lines())).collect();
+    let sources: Vec<_> = sources.iter().map(|text| normalize(text.lines())).collect();
     let mut missing = Vec::new();
     for page in Page::taught() {
         for block in blocks(&page.text) {
-            let lines = squeezed(block.lines.iter().copied());
+            let lines = normalize(block.lines.iter().copied());
             if ["rust", "html", "js", "wgsl"].contains(&block.language)
                 && !sources.iter().any(|source| source.windows(lines.len()).any(|part| part == lines))
             {
@@ -110,16 +111,16 @@ fn code_blocks_are_quoted_from_tested_code() {
             }
         }
     }
-    assert!(missing.is_empty(), "blocks that are not quoted from {QUOTED:?}: {missing:?}");
+    assert!(missing.is_empty(), "blocks that are not quoted from {QUOTED_FOLDERS:?}: {missing:?}");
 }
 
-/// Reads all files below `folder`.
-fn read(folder: &std::path::Path, into: &mut Vec<String>) {
+/// Appends the text of all files below `folder` to `texts`.
+fn read_files(folder: &std::path::Path, texts: &mut Vec<String>) {
     for entry in fs::read_dir(folder).unwrap().map(Result::unwrap) {
         if entry.path().is_dir() {
-            read(&entry.path(), into);
+            read_files(&entry.path(), texts);
         } else {
-            into.extend(fs::read_to_string(entry.path()));
+            texts.extend(fs::read_to_string(entry.path()));
         }
     }
 }

@@ -14,41 +14,43 @@ const CHANNELS: [(&str, &str); 4] = [("", "gray"), (":r", "red"), (":g", "green"
 #[derive(Debug)]
 pub struct MapChoice {
     name: String,
+    /// Holds the image if its file is in memory. Otherwise it is read from disk.
     files: Shelf,
     /// Index into [`CHANNELS`].
     channel: usize,
 }
 
 impl MapChoice {
-    /// Creates the question for the image `name`.
+    /// Creates the dialog for the image `name`.
     pub fn new(name: String, files: Shelf) -> Self {
         Self { name, files, channel: 0 }
     }
 
-    /// Returns the image's name as a scalp map, with the suffix of the chosen channel.
+    /// Returns the image's name as the file of `companion`. For a map, it ends with the suffix of the chosen channel.
     fn name_as(&self, companion: &Companion) -> String {
         let channel = if companion.kind == CompanionKind::Colors { "" } else { CHANNELS[self.channel].0 };
         format!("{}{channel}", self.name)
     }
 }
 
-/// Shows the dialog for the first question.
-pub fn show(questions: &mut Vec<MapChoice>, document: &mut Document, messages: &mut Messages, ui: &Ui) {
-    let Some(choice) = questions.first_mut() else { return };
+/// Shows the dialog for the first image. Removes the image from `choices` when the user has answered or canceled.
+pub fn show(choices: &mut Vec<MapChoice>, document: &mut Document, messages: &mut Messages, ui: &Ui) {
+    let Some(choice) = choices.first_mut() else { return };
     let (mut open, mut selected) = (true, None);
     let window = egui::Window::new("Which map is this?").collapsible(false).resizable(false).open(&mut open);
-    window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ui.ctx(), |ui| selected = inside(choice, ui));
+    window.anchor(Align2::CENTER_CENTER, vec2(0.0, 0.0)).show(ui.ctx(), |ui| selected = contents(choice, ui));
     let canceled = !open || ui.input(|input| input.key_pressed(Key::Escape));
     if selected.is_none() && !canceled {
         return;
     }
-    let choice = questions.remove(0);
+    let choice = choices.remove(0);
     if let Some(companion) = selected {
         document.put(companion, Some(choice.name_as(companion)), &choice.files, messages);
     }
 }
 
-fn inside(choice: &mut MapChoice, ui: &mut Ui) -> Option<&'static Companion> {
+/// Returns the scalp map that the user clicked.
+fn contents(choice: &mut MapChoice, ui: &mut Ui) -> Option<&'static Companion> {
     ui.set_width(300.0);
     ui.add(egui::Label::new(RichText::new(last(&choice.name)).strong()).truncate())
         .on_hover_text(&choice.name);
@@ -85,9 +87,9 @@ mod tests {
 
     #[test]
     fn channel_suffix_matches_the_command_line() {
-        let asked = MapChoice { channel: 2, ..MapChoice::new("maps/d.png".into(), Shelf::default()) };
-        let map = asked.name_as(companion("density_map").unwrap());
+        let choice = MapChoice { channel: 2, ..MapChoice::new("maps/d.png".into(), Shelf::default()) };
+        let map = choice.name_as(companion("density_map").unwrap());
         assert_eq!(map.parse(), Ok(MapSource::Picture("maps/d.png".into(), Some(1))));
-        assert_eq!(asked.name_as(companion("color_map").unwrap()), "maps/d.png");
+        assert_eq!(choice.name_as(companion("color_map").unwrap()), "maps/d.png");
     }
 }

@@ -26,7 +26,7 @@ pub fn show(
         ui.horizontal(|ui| {
             ui.label(RichText::new("Tresses").size(15.0).strong().color(theme::ACCENT));
             ui.add_space(10.0);
-            source(document, messages, ui);
+            source_menu(document, messages, ui);
             if ui.ctx().content_rect().width() < WIDE {
                 ui.menu_button("File", |ui| files(panels, document, snapshot, can_record, dialogs, ui));
             } else {
@@ -70,25 +70,28 @@ fn files(
     }
 }
 
-fn source(document: &mut Document, messages: &mut Messages, ui: &mut Ui) {
-    let shown =
+/// Shows the choice among the built-in styles.
+fn source_menu(document: &mut Document, messages: &mut Messages, ui: &mut Ui) {
+    // The hair being loaded, or else the hair on screen.
+    let hair =
         document.job.as_ref().map(|job| &job.hair).or(document.shown.as_ref().map(|shown| &shown.hair));
-    let shown = shown.map(|hair| &hair.source);
-    let name = shown.map(HairSource::name).unwrap_or_default();
-    let current = shown.and_then(HairSource::style);
-    let (built_in, on_head) = (current.is_some(), matches!(shown, Some(HairSource::Head { .. })));
+    let current = hair.map(|hair| &hair.source);
+    let name = current.map(HairSource::name).unwrap_or_default();
+    let current_style = current.and_then(HairSource::style);
+    let (is_built_in, is_on_file_head) =
+        (current_style.is_some(), matches!(current, Some(HairSource::Head { .. })));
     let mut selected = None;
     ComboBox::from_id_salt("style")
-        .selected_text(if built_in { format!("Style: {name}") } else { name.clone() })
+        .selected_text(if is_built_in { format!("Style: {name}") } else { name.clone() })
         .width(150.0)
         .truncate()
         .show_ui(ui, |ui| {
             for style in Style::NAMES {
-                if ui.selectable_label(current == Some(style), style).clicked() {
-                    selected = shown.map(|source| source.with_style(style));
+                if ui.selectable_label(current_style == Some(style), style).clicked() {
+                    selected = current.map(|source| source.with_style(style));
                 }
             }
-            if let Some(style) = current.filter(|_| on_head) {
+            if let Some(style) = current_style.filter(|_| is_on_file_head) {
                 ui.separator();
                 if ui.selectable_label(false, "built-in head").clicked() {
                     selected = Some(HairSource::Style(style.into()));
@@ -96,34 +99,37 @@ fn source(document: &mut Document, messages: &mut Messages, ui: &mut Ui) {
             }
         })
         .response
-        .on_hover_text(if built_in { "Built-in styles".into() } else { name.clone() });
+        .on_hover_text(if is_built_in { "Built-in styles".into() } else { name.clone() });
     if let Some(source) = selected {
         document.open(source, messages);
     }
 }
 
+/// Shows the buttons for undo and redo.
 fn history(document: &mut Document, messages: &mut Messages, ui: &mut Ui) {
-    let (undoes, redoes) =
+    let (undo_step, redo_step) =
         (document.settings.undoes().map(str::to_owned), document.settings.redoes().map(str::to_owned));
-    let mut button = |text: &str, what: &Option<String>, key: &str| {
-        let help = what
+    let mut button = |text: &str, step: &Option<String>, key: &str| {
+        let help = step
             .as_ref()
-            .map_or_else(|| format!("Nothing to {}", text.to_lowercase()), |what| format!("{text}: {what}"));
-        ui.add_enabled(what.is_some(), egui::Button::new(text))
+            .map_or_else(|| format!("Nothing to {}", text.to_lowercase()), |step| format!("{text}: {step}"));
+        ui.add_enabled(step.is_some(), egui::Button::new(text))
             .on_hover_text(format!("{help}\n{key}"))
             .on_disabled_hover_text(help)
             .clicked()
     };
-    // Right to left.
-    let (redo, undo) = (button("Redo", &redoes, "Ctrl Shift Z"), button("Undo", &undoes, "Ctrl Z"));
-    if undo {
+    // Redo comes first, as the layout runs from right to left.
+    let (is_redo_clicked, is_undo_clicked) =
+        (button("Redo", &redo_step, "Ctrl Shift Z"), button("Undo", &undo_step, "Ctrl Z"));
+    if is_undo_clicked {
         document.undo(false, messages);
     }
-    if redo {
+    if is_redo_clicked {
         document.undo(true, messages);
     }
 }
 
+/// Shows the buttons that open and save a preset.
 fn presets(document: &Document, dialogs: &Dialogs, ui: &mut Ui) {
     let help = "Loads all parameters from a file, as `tresses render --preset` does";
     if ui.button("Open preset…").on_hover_text(help).clicked() {

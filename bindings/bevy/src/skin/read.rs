@@ -15,7 +15,7 @@ use bevy::{
 use std::sync::Arc;
 use tresses::groom::{
     Rig, TriMesh,
-    rig::{Bind, Delta, Joint, Node, Target},
+    rig::{Bind, Delta, Joint, MorphTarget, Node},
 };
 
 /// Meshes and joints of the main world.
@@ -240,7 +240,7 @@ fn bound(asset: &Mesh, mesh: &TriMesh, numbers: &[u16]) -> Result<Vec<Bind>, Str
 }
 
 /// Splits Bevy's morph attributes into one morph target per run of `vertices` displacements.
-fn targets(all: &[MorphAttributes], vertices: usize) -> Vec<Target> {
+fn targets(all: &[MorphAttributes], vertices: usize) -> Vec<MorphTarget> {
     let target = |(i, of): (usize, &[MorphAttributes])| {
         let displaced =
             of.iter().enumerate().filter(|(_, d)| d.position != Vec3::ZERO || d.normal != Vec3::ZERO);
@@ -249,7 +249,7 @@ fn targets(all: &[MorphAttributes], vertices: usize) -> Vec<Target> {
             position: d.position,
             normal: d.normal,
         };
-        Target { name: i.to_string(), deltas: displaced.map(delta).collect() }
+        MorphTarget { name: i.to_string(), deltas: displaced.map(delta).collect() }
     };
     all.chunks_exact(vertices.max(1)).enumerate().map(target).collect()
 }

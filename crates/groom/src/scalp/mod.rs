@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3};
 /// Landmarks of a head for hairstyles, groom space, meters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Landmarks {
-    /// Center of the braincase, from which every scalp point is seen.
+    /// Center of the braincase, from which every scalp point is visible.
     pub skull: Vec3,
     /// Point between the eyebrows.
     pub brow: Vec3,
@@ -18,7 +18,7 @@ pub struct Landmarks {
     pub chin: Vec3,
     /// Center of the left ear (at positive x); the right one mirrors it.
     pub ear: Vec3,
-    /// Lower end of the neck's hair, in the middle of the back.
+    /// Lowest point of the hairline at the back of the neck, centered.
     pub nape: Vec3,
 }
 
@@ -46,15 +46,16 @@ pub trait Scalp {
     fn point(&self, dir: Vec3) -> Vec3 {
         let from = self.landmarks().skull;
         let dir = dir.normalize_or(Vec3::Y);
-        let mut along = 0.0;
+        // Sphere tracing from inside: the distance is negative until the skin.
+        let mut ray_length = 0.0;
         for _ in 0..60 {
-            let d = self.distance(from + dir * along);
-            along -= d;
-            if d.abs() < 2e-5 {
+            let distance = self.distance(from + dir * ray_length);
+            ray_length -= distance;
+            if distance.abs() < 2e-5 {
                 break;
             }
         }
-        from + dir * along
+        from + dir * ray_length
     }
 }
 
@@ -85,9 +86,9 @@ fn pole() -> Vec3 {
 /// Angle from the pole at the edge of the scalp map, radians.
 const MAP_ANGLE: f32 = 2.4;
 
-/// Returns the position of the direction `dir` from the skull on a scalp map: 0.5 in the middle of the scalp, at a
-/// distance from there in proportion to the angle. The left of the head (positive x) is at large u, the front at large
-/// v. The whole scalp lies within 0..1.
+/// Returns the position on a scalp map of the direction `dir` from the skull, by azimuthal equidistant projection: the
+/// middle of the scalp is at (0.5, 0.5), and the distance from it is proportional to the angle. The left of the head
+/// (positive x) is at large u, the front at large v. The whole scalp lies within 0..1.
 pub fn scalp_uv(dir: Vec3) -> Vec2 {
     let pole = pole();
     let front = Vec3::X.cross(pole);
@@ -106,8 +107,8 @@ pub fn scalp_direction(uv: Vec2) -> Vec3 {
     (pole * angle.cos() + (Vec3::X * direction.x + front * direction.y) * angle.sin()).normalize()
 }
 
-/// Returns the stereographic projection about the middle of the scalp. It maps circles to circles, so a Delaunay
-/// triangulation of the plane is one of the sphere.
+/// Returns the stereographic projection of the direction `dir` about the middle of the scalp. It maps circles to
+/// circles, so a Delaunay triangulation of the plane is also a Delaunay triangulation of the sphere.
 pub(crate) fn stereographic(dir: Vec3) -> Vec2 {
     let pole = pole();
     let front = Vec3::X.cross(pole);
@@ -116,17 +117,17 @@ pub(crate) fn stereographic(dir: Vec3) -> Vec2 {
 }
 
 /// Returns the `i`-th of evenly spread directions over the part of the sphere that holds the scalp. The sequence is an
-/// additive recurrence, so every prefix is evenly spread too.
+/// additive recurrence (R2), so every prefix is evenly spread too. `start`, 0 to 1 in each coordinate, shifts it.
 pub(crate) fn spread_direction(i: u32, start: Vec2) -> Vec3 {
     let pole = pole();
     let front = Vec3::X.cross(pole);
     // Compute the fractional parts in 64 bits: in 32 bits they would repeat after a million directions.
-    let step = |g: f64, s: f32| ((f64::from(i) * g + f64::from(s)).fract()) as f32;
-    let u = step(0.754_877_666_246_692_8, start.x);
-    let v = step(0.569_840_290_998_053_3, start.y) * std::f32::consts::TAU;
-    let height = 1.0 - u * (1.0 - MAP_ANGLE.cos());
-    let around = (1.0 - height * height).max(0.0).sqrt();
-    pole * height + (Vec3::X * v.cos() + front * v.sin()) * around
+    let term = |increment: f64, offset: f32| ((f64::from(i) * increment + f64::from(offset)).fract()) as f32;
+    let area_fraction = term(0.754_877_666_246_692_8, start.x);
+    let azimuth = term(0.569_840_290_998_053_3, start.y) * std::f32::consts::TAU;
+    let height = 1.0 - area_fraction * (1.0 - MAP_ANGLE.cos());
+    let ring_radius = (1.0 - height * height).max(0.0).sqrt();
+    pole * height + (Vec3::X * azimuth.cos() + front * azimuth.sin()) * ring_radius
 }
 
 #[cfg(test)]

@@ -53,39 +53,43 @@ impl Lighting {
         let spheres: Vec<_> = characters.iter().map(|character| character.focus_drawn()).collect();
         let groups = groups(&spheres);
         let eye = camera.eye();
-        let away = |group: &&Group| group.focus.center.distance(eye);
+        let eye_distance = |group: &&Group| group.focus.center.distance(eye);
         let is_visible = |group: &&Group| group.members.iter().any(|i| characters[*i].hair().is_visible());
-        let nearest = groups.iter().filter(is_visible).min_by(|a, b| away(a).total_cmp(&away(b)));
+        let nearest =
+            groups.iter().filter(is_visible).min_by(|a, b| eye_distance(a).total_cmp(&eye_distance(b)));
         let focus = nearest.or(groups.first()).map_or(Sphere::default(), |group| group.focus);
         if groups.len() < 2 {
             return Self { focus, zones: Vec::new() };
         }
-        let mut first = 0;
-        let grooms: Vec<_> = characters
+        let mut groom_count = 0;
+        let groom_indices: Vec<_> = characters
             .iter()
             .map(|character| {
-                let numbers = first..first + character.grooms().count();
-                first = numbers.end;
-                numbers
+                let indices = groom_count..groom_count + character.grooms().count();
+                groom_count = indices.end;
+                indices
             })
             .collect();
         let zone = |group: &Group| {
-            let hair = group.members.iter().flat_map(|i| grooms[*i].clone()).collect();
-            let mut on: Vec<_> = group.members.iter().flat_map(|i| bodies[*i].iter().copied()).collect();
-            on.sort_unstable();
-            on.dedup();
+            let hair = group.members.iter().flat_map(|i| groom_indices[*i].clone()).collect();
+            let mut group_bodies: Vec<_> =
+                group.members.iter().flat_map(|i| bodies[*i].iter().copied()).collect();
+            group_bodies.sort_unstable();
+            group_bodies.dedup();
             let first = characters[group.members[0]];
-            Zone { pose: first.head_drawn(), ..Zone::for_camera(group.focus, camera, first.bias, hair, on) }
+            let zone = Zone::for_camera(group.focus, camera, first.bias, hair, group_bodies);
+            Zone { pose: first.head_drawn(), ..zone }
         };
         Self { focus, zones: groups.iter().filter(is_visible).map(zone).collect() }
     }
 
-    /// Sets the zones of `view` for an image of `characters` and `bodies`. Returns `picture` with its focus.
+    /// Sets the zones of `view` for an image of `characters` and `body_count` bodies. Returns `picture` with the focus
+    /// of this lighting.
     pub fn set(
         &self,
         view: &mut View,
         characters: &[&Character],
-        bodies: usize,
+        body_count: usize,
         picture: &Picture,
     ) -> Picture {
         let picture = Picture { focus: self.focus, ..*picture };
@@ -93,8 +97,8 @@ impl Lighting {
             Some(Character { hair, bias, .. })
                 if self.zones.is_empty() && hair.lod.options.mode == LodMode::Auto =>
             {
-                let grooms = characters.iter().flat_map(|it| it.grooms()).count();
-                view.fit_light((&picture, hair.lod.options.bias + bias), [grooms, bodies]);
+                let groom_count = characters.iter().flat_map(|it| it.grooms()).count();
+                view.fit_light((&picture, hair.lod.options.bias + bias), [groom_count, body_count]);
             }
             _ => view.set_zones(&self.zones),
         }
@@ -109,9 +113,9 @@ fn groups(spheres: &[Sphere]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for i in order {
         let sphere = spheres[i];
-        let near =
+        let is_inside =
             |group: &&mut Group| group.focus.center.distance(sphere.center) < 0.75 * group.focus.radius;
-        match groups.iter_mut().find(near) {
+        match groups.iter_mut().find(is_inside) {
             Some(group) => {
                 let radius = group.focus.center.distance(sphere.center) + sphere.radius;
                 group.focus.radius = group.focus.radius.max(radius);
@@ -140,7 +144,7 @@ mod tests {
         let members: Vec<_> = found.iter().map(|group| group.members.as_slice()).collect();
         assert_eq!(members, [&[0, 1][..], &[2, 3]]);
         assert_eq!((found[0].focus, found[1].focus), (spheres[1], spheres[2]));
-        let apart = [at(0.0, 0.0, 0.25), at(0.2, 0.0, 0.25)];
-        assert_eq!(groups(&apart).len(), 2);
+        let separate = [at(0.0, 0.0, 0.25), at(0.2, 0.0, 0.25)];
+        assert_eq!(groups(&separate).len(), 2);
     }
 }

@@ -362,7 +362,7 @@ impl Character {
     }
 
     /// Lets the hair of nearby characters collide in the next frame. Call it before [`Frame::advance`].
-    pub fn meet_each_other(characters: &mut [&mut Self]) {
+    pub fn collide_nearby(characters: &mut [&mut Self]) {
         let mut hair: Vec<_> = characters.iter_mut().map(|character| &mut character.hair).collect();
         Hair::collide_nearby(&mut hair);
     }

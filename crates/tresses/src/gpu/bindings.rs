@@ -83,7 +83,7 @@ impl Binding {
 
 /// The `@group(0)` of a kernel: one field per binding.
 pub(crate) trait Bindings {
-    /// Modules of the kernels that bind it.
+    /// Modules of the kernels that have these bindings.
     const MODULES: &'static [&'static str];
     /// Number and type of each binding.
     const LAYOUT: &'static [(u32, BindingType)];
@@ -94,7 +94,7 @@ pub(crate) trait Bindings {
 
 /// A value that a kernel binds.
 pub(crate) trait Resource {
-    /// Returns the resource of a bind group.
+    /// Returns the resource for an entry of a bind group.
     fn resource(&self) -> wgpu::BindingResource<'_>;
 }
 
@@ -110,7 +110,8 @@ impl Resource for &wgpu::Sampler {
     }
 }
 
-/// Content of a buffer that only shaders declare, or whose type no other buffer has.
+/// Element type of buffers that the compiler does not check: only shaders declare the content, or no other buffer has
+/// its type.
 #[derive(Debug)]
 pub(crate) enum Opaque {}
 
@@ -143,14 +144,14 @@ impl<T> Resource for BufferBinding<'_, T> {
     }
 }
 
-/// Binds a buffer without a type of elements: the caller is responsible for the type that the kernel declares.
+/// Binds a buffer without an element type: the caller ensures that the content has the type that the kernel declares.
 pub(crate) trait BindBuffer {
     /// Binds the whole buffer.
     fn entire<T>(&self) -> BufferBinding<'_, T> {
         self.part(0, None)
     }
 
-    /// Binds `size` bytes from the byte `offset`, or all after it.
+    /// Binds `size` bytes from byte `offset` on, or the rest of the buffer without `size`.
     fn part<T>(&self, offset: u64, size: Option<u64>) -> BufferBinding<'_, T>;
 }
 
@@ -243,7 +244,7 @@ fn by_position<'a>(resources: &[wgpu::BindingResource<'a>]) -> Vec<wgpu::BindGro
 }
 
 impl Device {
-    /// As [`group`], and notifies the probe.
+    /// Creates a bind group as [`group`] does, and reports the sizes of its buffers to the probe.
     pub fn group(
         &self,
         label: &str,
@@ -253,7 +254,7 @@ impl Device {
         self.numbered_group(label, layout, &by_position(resources))
     }
 
-    /// As [`group`](Self::group), of resources with their binding numbers.
+    /// Creates a bind group as [`group`](Self::group) does, from resources with their binding numbers.
     pub(super) fn numbered_group(
         &self,
         label: &str,
@@ -264,9 +265,9 @@ impl Device {
         if let Some(probe) = &self.probe {
             let mut bytes = vec![0; entries.last().map_or(0, |last| last.binding as usize + 1)];
             for entry in entries {
-                if let wgpu::BindingResource::Buffer(part) = &entry.resource {
+                if let wgpu::BindingResource::Buffer(range) = &entry.resource {
                     bytes[entry.binding as usize] =
-                        part.size.map_or(part.buffer.size() - part.offset, wgpu::BufferSize::get);
+                        range.size.map_or(range.buffer.size() - range.offset, wgpu::BufferSize::get);
                 }
             }
             probe.bound(&group, bytes);
@@ -286,7 +287,7 @@ pub fn uniform(device: &wgpu::Device, label: &str, size: usize) -> wgpu::Buffer 
     })
 }
 
-/// Creates a sampler with linear filtering and clamping, as all grids use.
+/// Creates a sampler with linear filtering and clamping, for grids.
 pub fn linear(device: &wgpu::Device) -> wgpu::Sampler {
     device.create_sampler(&wgpu::SamplerDescriptor {
         label: Some("linear"),

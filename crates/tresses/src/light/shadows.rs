@@ -12,7 +12,7 @@ pub struct Shadows {
     pub hair_radius: f32,
     /// Radius over which the shadows of meshes on themselves are averaged, meters.
     pub body_radius: f32,
-    /// Fibers that light hits per meter of its way through hair, 1/m. Used by [`ShadowMethod::Absorption`].
+    /// Fibers that light hits per meter of its path through hair, 1/m. Used by [`ShadowMethod::Absorption`].
     pub density: f32,
     /// Weight of the shadow of hair on meshes. At 1, a fiber removes as much light from a mesh as from other hair.
     pub body_opacity: f32,
@@ -21,8 +21,8 @@ pub struct Shadows {
     /// Variation of light and shadow from strand to strand, where maps have only a mean: 0 for none, 1 as in real hair.
     /// Only for [`ShadingModel::Fiber`](crate::renderer::ShadingModel::Fiber).
     pub strand_by_strand: f32,
-    /// Whether light from the sky and from meshes is propagated through the hair. Otherwise sky
-    /// visibility is estimated from the zenith and the lights that are on, and meshes reflect no light.
+    /// Whether light from the sky and from meshes is propagated through the hair. Otherwise sky visibility is estimated
+    /// from the zenith and the lights that are on, and meshes reflect no light.
     pub has_ambient: bool,
 }
 
@@ -53,10 +53,10 @@ impl Shadows {
         lights + usize::from(!self.follows_ambient())
     }
 
-    /// Returns the edge of a texel of the hair maps in texels of a depth map, which are `texel` meters wide. Hair maps
-    /// are only as fine as their shadows are sharp, and a filter that reads all of their texels does not flicker. A
-    /// spline over 3×3 texels reads deep opacity maps: texels of 0.866 radii make it as wide as the disk. A spline over
-    /// 9×9 texels reads the depths of the nearest hair.
+    /// Returns the width of a texel of the hair maps, in texels of a depth map, which are `texel` meters wide. Hair
+    /// maps are only as fine as their shadows are sharp, and a filter that reads all of their texels does not flicker.
+    /// A spline over 3×3 texels reads deep opacity maps: texels of 0.866 radii make it as wide as the disk. A spline
+    /// over 9×9 texels reads the depths of the nearest hair.
     pub(crate) fn hair_texels(&self, method: ShadowMethod, texel: f32) -> u32 {
         let texels = |radii: f32| (radii * self.hair_radius / texel).round() as u32;
         match method {
@@ -66,5 +66,5 @@ impl Shadows {
     }
 }
 
-/// Minimum edge of a deep opacity map's texel, in texels of a depth map.
+/// Minimum width of a deep opacity map's texel, in texels of a depth map.
 pub(crate) const DEEP_FINEST: u32 = 3;

@@ -2,7 +2,7 @@
 //!
 //! One set of maps around one [focus](crate::view::Picture::focus) suits a head, or a few side by side. In maps that
 //! cover a crowd of 40 m, a head is two texels wide, and a cell of the grid is as large as ten heads. So each head has
-//! a zone: a sphere around it, whose maps are as fine as its size on screen requires ([`Zone::seen`]).
+//! a zone: a sphere around it, whose maps are as fine as its size on screen requires ([`Zone::for_camera`]).
 //!
 //! Coarse maps are too dark, because their texels smooth the first depth layer of the hair: by 1.6 % with 256² texels
 //! around a head, 5 % with 128², 13 % with 64². Coarse grids are not, in a photographer's lights: 12³ and 8³ cells have
@@ -57,29 +57,30 @@ pub struct Zone {
     pub every: u32,
 }
 
-/// Coarsest and finest maps and grids of [`Zone::for_camera`].
+/// Coarsest and finest maps of [`Zone::for_camera`], texels along each edge.
 const RESOLUTIONS: [u32; 2] = [256, 1024];
+/// Sizes of its grids, cells along each edge.
 const CELLS: [u32; 3] = [12, 16, 24];
 /// Target size of a cell, pixels.
-const CELL: f32 = 8.0;
+const CELL_PIXELS: f32 = 8.0;
 /// Movement of the contents relative to the focus after which ambient light is recomputed, cells.
-const STRAY: f32 = 1.0;
+const MAX_DRIFT_CELLS: f32 = 1.0;
 /// Zones of at least this diameter in pixels update ambient light in each frame. With at least half of it they do every
 /// second frame, smaller ones every third.
-const EACH: f32 = 320.0;
+const EVERY_FRAME_PIXELS: f32 = 320.0;
 
 /// Texels and cells of a distant zone, the only one in its view. As with [`Zone::for_camera`], texels of the hair maps
 /// are smaller than two pixels. With 16 cells, hair without a mesh would be 3.3 % brighter in sky light alone.
-const FAR: [u32; 2] = [512, 20];
+const FAR_SIZES: [u32; 2] = [512, 20];
 /// Diameter in pixels below which a zone is distant.
-const SMALL: f32 = 100.0;
-/// Factor on `SMALL` at which finer light returns.
-const AGAIN: f32 = 1.1;
+const FAR_PIXELS: f32 = 100.0;
+/// A distant zone gets finer light again from `FAR_PIXELS` times this factor.
+const FAR_HYSTERESIS: f32 = 1.1;
 
 impl Zone {
-    /// Creates a zone around `focus`, as fine as `camera` requires: texels of the hair maps of at most two pixels, up
-    /// to the finest maps, and cells of about eight pixels. `coarser` reduces the image resolution by this number of
-    /// octaves. Sizes change in steps, so that a moving head seldom changes them.
+    /// Creates a zone around `focus`, as fine as `camera` requires: texels of the hair maps are at most two pixels
+    /// wide, as long as the finest maps suffice for that, and cells about eight pixels. `coarser` reduces the image
+    /// resolution by this number of octaves. Sizes change in steps, so that a moving head seldom changes them.
     pub fn for_camera(
         focus: Sphere,
         camera: &Camera,
@@ -91,10 +92,11 @@ impl Zone {
         // A texel of the hair maps is three texels of a depth map wide, and is smoothed over three.
         let octaves = (1.5 * pixels / RESOLUTIONS[0] as f32).max(1.0).log2().ceil();
         let resolution = (RESOLUTIONS[0] << (octaves as u32).min(16)).min(RESOLUTIONS[1]);
-        let cells = CELLS.into_iter().rev().find(|cells| *cells as f32 * CELL <= pixels).unwrap_or(CELLS[0]);
-        let every = if pixels >= EACH {
+        let cells =
+            CELLS.into_iter().rev().find(|cells| *cells as f32 * CELL_PIXELS <= pixels).unwrap_or(CELLS[0]);
+        let every = if pixels >= EVERY_FRAME_PIXELS {
             1
-        } else if pixels >= 0.5 * EACH {
+        } else if pixels >= 0.5 * EVERY_FRAME_PIXELS {
             2
         } else {
             3
@@ -103,36 +105,38 @@ impl Zone {
     }
 
     /// Returns a zone around `focus` for `counts` grooms and meshes, if they are so far from `camera` that fewer texels
-    /// and cells than `finest` suffice. `coarser` reduces the image resolution by this number of octaves. `before` is
+    /// and cells than `finest` suffice. `coarser` reduces the image resolution by this number of octaves. `previous` is
     /// the zone of the previous frame, for hysteresis.
     pub(crate) fn far(
         focus: Sphere,
         (camera, coarser): (&Camera, f32),
         finest: [u32; 2],
-        before: Option<&Self>,
+        previous: Option<&Self>,
         counts: [usize; 2],
     ) -> Option<Self> {
-        let sizes @ [resolution, cells] = [0, 1].map(|i| FAR[i].min(finest[i]));
-        let had = before.is_some_and(|zone| [zone.resolution, zone.cells] == sizes);
-        let line = if had { AGAIN * SMALL } else { SMALL };
-        let is_far = focus.pixels(camera) * (-coarser).exp2() < line;
+        let sizes @ [resolution, cells] = [0, 1].map(|i| FAR_SIZES[i].min(finest[i]));
+        let was_far = previous.is_some_and(|zone| [zone.resolution, zone.cells] == sizes);
+        let threshold = if was_far { FAR_HYSTERESIS * FAR_PIXELS } else { FAR_PIXELS };
+        let is_far = focus.pixels(camera) * (-coarser).exp2() < threshold;
         let [hair, bodies] = counts.map(|count| (0..count).collect());
         let zone = Self { focus, resolution, cells, hair, bodies, every: 1, pose: Pose::IDENTITY };
         (is_far && sizes != finest).then_some(zone)
     }
 
-    /// Whether ambient light computed for `then` is still valid.
-    fn keeps(&self, then: &Self) -> bool {
-        if (self.focus.radius, &self.hair, &self.bodies) != (then.focus.radius, &then.hair, &then.bodies) {
+    /// Whether ambient light computed for `earlier`, an earlier state of the zone, is still valid.
+    fn can_reuse_ambient(&self, earlier: &Self) -> bool {
+        if (self.focus.radius, &self.hair, &self.bodies)
+            != (earlier.focus.radius, &earlier.hair, &earlier.bodies)
+        {
             return false;
         }
-        let rotation = self.pose.rotation * then.pose.rotation.conjugate();
+        let rotation = self.pose.rotation * earlier.pose.rotation.conjugate();
         // Length of the chord for an axis through the focus: twice the sine of half the angle, times the radius.
         let swing = 2.0 * self.focus.radius * rotation.xyz().length();
         let local_center =
             |zone: &Self| zone.pose.rotation.conjugate() * (zone.focus.center - zone.pose.translation);
         let cell = 2.0 * self.focus.radius / self.cells.max(1) as f32;
-        swing + local_center(self).distance(local_center(then)) <= STRAY * cell
+        swing + local_center(self).distance(local_center(earlier)) <= MAX_DRIFT_CELLS * cell
     }
 
     /// Bytes of GPU memory of the zone's light.
@@ -162,25 +166,26 @@ impl CachedZone {
 pub(crate) struct Zones {
     list: Vec<CachedZone>,
     /// Number of frames for which light was computed.
-    pictures: AtomicU32,
+    frame_count: AtomicU32,
 }
 
 impl Zones {
-    /// Replaces the zones, which `camera` sees. Light of the right resolution is kept.
+    /// Replaces the zones. `camera` is the uniform buffer of the camera. A zone keeps the light of the old zone with
+    /// the same index if its resolution fits.
     pub fn set(&mut self, context: &Context, camera: &wgpu::Buffer, zones: &[Zone]) {
-        let mut before: Vec<_> = std::mem::take(&mut self.list).into_iter().map(Some).collect();
-        let mut set = |(i, zone): (usize, &Zone)| {
+        let mut old_zones: Vec<_> = std::mem::take(&mut self.list).into_iter().map(Some).collect();
+        let mut cached = |(i, zone): (usize, &Zone)| {
             let sizes = [zone.resolution, zone.cells];
-            let kept = before.get_mut(i).and_then(|old| old.take_if(|old| old.light.fits(sizes)));
+            let kept = old_zones.get_mut(i).and_then(|old| old.take_if(|old| old.light.fits(sizes)));
             let Some(kept) = kept else {
                 let light = Arc::new(LightState::new(context, sizes, 0, camera));
                 return CachedZone { zone: zone.clone(), light, ambient_zone: Mutex::default() };
             };
-            // The ambient light may be for another zone.
-            let ambient_zone = kept.ambient_zone().take().filter(|then| zone.keeps(then));
+            // The zone may have changed since its ambient light was computed.
+            let ambient_zone = kept.ambient_zone().take().filter(|earlier| zone.can_reuse_ambient(earlier));
             CachedZone { zone: zone.clone(), light: kept.light, ambient_zone: ambient_zone.into() }
         };
-        self.list = zones.iter().enumerate().map(&mut set).collect();
+        self.list = zones.iter().enumerate().map(&mut cached).collect();
     }
 
     /// Returns the first zone.
@@ -188,14 +193,14 @@ impl Zones {
         self.list.first().map(|kept| &kept.zone)
     }
 
-    /// Marks the ambient light of these parts as computed, once per frame.
+    /// Marks the ambient light that these parts update as computed. Call it once per frame.
     pub fn mark_recorded(&self, parts: &[Part<'_>]) {
         for part in parts.iter().filter(|part| part.fresh) {
             if let Some(kept) = (part.number as usize).checked_sub(1).and_then(|i| self.list.get(i)) {
                 *kept.ambient_zone() = Some(kept.zone.clone());
             }
         }
-        self.pictures.fetch_add(1, Ordering::Relaxed);
+        self.frame_count.fetch_add(1, Ordering::Relaxed);
     }
 
     /// Returns the parts that light a frame of `hair` grooms and `bodies` meshes: one for each zone, and the view's own
@@ -208,32 +213,33 @@ impl Zones {
         let (all_hair, all_bodies) = ((0..hair).collect(), (0..bodies).collect());
         let all = Part { number: 0, light, focus, hair: all_hair, bodies: all_bodies, fresh: true };
         let Some(zones) = zones.filter(|zones| !zones.list.is_empty()) else { return vec![all] };
-        let picture = zones.pictures.load(Ordering::Relaxed);
+        let frame = zones.frame_count.load(Ordering::Relaxed);
         let zones = &zones.list;
-        let mut rest = [vec![true; hair], vec![true; bodies]];
+        // Grooms and meshes that no zone has claimed yet.
+        let mut free = [vec![true; hair], vec![true; bodies]];
         let mut parts = Vec::with_capacity(zones.len() + 1);
         for kept in zones {
             let CachedZone { zone, light, .. } = kept;
             // An earlier zone owns items that both list. Skip them, and indices that do not exist.
-            let [own_hair, own_bodies] = [&zone.hair, &zone.bodies].map(|list| list.iter().copied());
-            let own = |list: &mut dyn Iterator<Item = usize>, rest: &mut Vec<bool>| -> Vec<usize> {
-                list.filter(|i| rest.get_mut(*i).is_some_and(std::mem::take)).collect()
+            let [zone_hair, zone_bodies] = [&zone.hair, &zone.bodies].map(|list| list.iter().copied());
+            let claim = |list: &mut dyn Iterator<Item = usize>, free: &mut Vec<bool>| -> Vec<usize> {
+                list.filter(|i| free.get_mut(*i).is_some_and(std::mem::take)).collect()
             };
-            let [of_hair, of_bodies] = &mut rest;
+            let [free_hair, free_bodies] = &mut free;
             let number = parts.len() as u32 + 1;
             // The zones update in turn.
-            let due = picture.wrapping_add(number).is_multiple_of(zone.every.max(1));
+            let due = frame.wrapping_add(number).is_multiple_of(zone.every.max(1));
             parts.push(Part {
                 number,
                 fresh: due || kept.ambient_zone().is_none(),
                 light,
                 focus: zone.focus,
-                hair: own(&mut { own_hair }, of_hair),
-                bodies: own(&mut { own_bodies }, of_bodies),
+                hair: claim(&mut { zone_hair }, free_hair),
+                bodies: claim(&mut { zone_bodies }, free_bodies),
             });
         }
-        let [hair, bodies] = rest.map(|rest| {
-            rest.iter().enumerate().filter(|(_, rest)| **rest).map(|(i, _)| i).collect::<Vec<_>>()
+        let [hair, bodies] = free.map(|free| {
+            free.iter().enumerate().filter(|(_, is_free)| **is_free).map(|(i, _)| i).collect::<Vec<_>>()
         });
         if !hair.is_empty() || !bodies.is_empty() {
             parts.push(Part { number: parts.len() as u32 + 1, hair, bodies, ..all });
@@ -261,7 +267,7 @@ pub(crate) struct Part<'a> {
 }
 
 impl Part<'_> {
-    /// Returns the part's own items of `all` grooms or meshes.
+    /// Returns the items of `all`, grooms or meshes, at the indices in `list`.
     pub fn of<T: Copy>(list: &[usize], all: &[T]) -> Vec<T> {
         list.iter().filter_map(|i| all.get(*i).copied()).collect()
     }
@@ -288,10 +294,10 @@ mod tests {
     #[test]
     fn only_distant_heads_get_coarser_light() {
         let focus = Sphere { center: Vec3::ZERO, radius: 0.35 };
-        let far = |away: f32, coarser: f32, finest: [u32; 2], before: Option<&Zone>| {
+        let far = |away: f32, coarser: f32, finest: [u32; 2], previous: Option<&Zone>| {
             let camera =
                 Camera::look_at(Vec3::Z * away, Vec3::ZERO, std::f32::consts::FRAC_PI_6, [1280, 720]);
-            Zone::far(focus, (&camera, coarser), finest, before, [2, 1])
+            Zone::far(focus, (&camera, coarser), finest, previous, [2, 1])
         };
         let finest = [1024, 24];
         assert_eq!([0.6, 2.0, 9.2].map(|away| far(away, 0.0, finest, None)), [const { None }; 3]);

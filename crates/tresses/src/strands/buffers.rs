@@ -20,20 +20,18 @@ pub struct GuideBuffers {
     /// One per vertex.
     pub rest: Buffer<PackedGuide>,
     /// Three floats: the position after the last step, relative to the origin of the simulation
-    /// ([`Hair::place`](crate::hair::Hair::place)). Then a word by `pack_lag`: the difference between the
-    /// previous position and the one that position and velocity predict.
+    /// ([`Hair::simulation_transform`](crate::hair::Hair::simulation_transform)). Then a word by `pack_lag`: the
+    /// difference between the previous position and the one that position and velocity predict.
     pub current: Buffer<[u32; 4]>,
-    /// Velocity after the last step, m/s, by `pack_velocity`. If hair can
-    /// twist, the twist of each bend (radians) after and before the last step follows the velocities
-    /// of all vertices.
+    /// Velocity after the last step, m/s, by `pack_velocity`. If hair can twist, the twist of each bend (radians) after
+    /// and before the last step follows the velocities of all vertices.
     pub velocity: Buffer<[u32; 2]>,
     /// External forces in the next step. Contents are valid only within a step; the memory may be a
     /// groom's [scratch](crate::hair::Hair) buffer, which may be larger.
     pub forces: Buffer<GuideForce>,
     /// Indexed `guide * sample_count + sample`.
     pub samples: Buffer<GuideSample>,
-    /// One per guide and one more if roots are on a deforming surface, else a single
-    /// unused one.
+    /// One per guide and one more if roots are on a deforming surface, else a single unused one.
     pub(crate) roots: Buffer<RootMotion>,
 }
 
@@ -60,8 +58,8 @@ pub struct StrandBuffers {
     pub roots: Buffer<[f32; 4]>,
     /// Strands and vertices to draw; fewer than all at a lower level of detail.
     pub drawn: DrawCount,
-    /// Capacity of `strands`, `vertices` and `widening`. [`Hair`](crate::hair::Hair) has room for what its level of
-    /// detail draws.
+    /// Capacity of `strands`, `vertices` and `widening`. [`Hair`](crate::hair::Hair) allocates enough for its level of
+    /// detail.
     pub capacity: StrandCapacity,
 }
 
@@ -92,23 +90,23 @@ impl StrandCapacity {
     pub fn resized(&self, need: [u32; 2], all: Self) -> Option<Self> {
         let fits = self.strands >= need[0] && self.vertices >= need[1];
         let capacity = Self::of(need, all);
-        let wastes = self.strands / 3 > capacity.strands || self.vertices / 3 > capacity.vertices;
-        (!fits || wastes).then_some(capacity)
+        let is_wasteful = self.strands / 3 > capacity.strands || self.vertices / 3 > capacity.vertices;
+        (!fits || is_wasteful).then_some(capacity)
     }
 }
 
 /// Strands and vertices that the stages after the guides process.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawCount {
-    /// Number of strands, the first of the order.
+    /// Number of strands: the first ones in the buffers.
     pub count: u32,
     /// Vertices per strand.
     pub vertex_count: u32,
     /// Segments of the rest curve per drawn segment; the last drawn segment may be shorter.
     pub stride: f32,
-    /// Factor of a strand's width for the area that light meets ([`crate::lod::Detail::area`]).
+    /// Factor on strand widths in shadow maps and ambient light ([`crate::lod::Detail::area`]).
     pub area: f32,
-    /// Factors of the number of fibers in front of visible hair ([`crate::lod::Detail::deeper`]).
+    /// Factors on fiber counts in front of visible hair ([`crate::lod::Detail::deeper`]).
     pub deeper: [f32; 2],
     /// See [`crate::lod::Detail::depth_offset`], meters.
     pub depth_offset: f32,
@@ -127,8 +125,8 @@ impl DrawCount {
     /// Returns the settings for the first `count` strands, of `vertex_count` rest vertices each, drawn with `segments`
     /// segments. `segments` need not be an integer.
     pub fn new(count: u32, vertex_count: u32, segments: f32) -> Self {
-        let last = vertex_count.saturating_sub(1).max(1);
-        if segments >= last as f32 {
+        let rest_segments = vertex_count.saturating_sub(1).max(1);
+        if segments >= rest_segments as f32 {
             return Self {
                 count,
                 vertex_count,
@@ -146,7 +144,7 @@ impl DrawCount {
         Self {
             count,
             vertex_count,
-            stride: last as f32 / segments,
+            stride: rest_segments as f32 / segments,
             area: 1.0,
             deeper: [1.0; 2],
             depth_offset: 0.0,
@@ -157,37 +155,37 @@ impl DrawCount {
     }
 }
 
-/// Creates a storage buffer for `count` values of `T`.
+/// Creates a storage buffer for `count` values of `T`, at least 16 bytes.
 ///
 /// # Errors
 /// [`Error::Limit`] if the adapter cannot hold it.
-pub fn storage<T>(device: &wgpu::Device, what: &'static str, count: u64) -> Result<wgpu::Buffer> {
+pub fn storage<T>(device: &wgpu::Device, label: &'static str, count: u64) -> Result<wgpu::Buffer> {
     let need = count.saturating_mul(size_of::<T>() as u64).max(16);
     let limits = device.limits();
     let have = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
     if need > have {
-        return Err(Error::Limit { what, need, have, unit: "bytes in one buffer" });
+        return Err(Error::Limit { what: label, need, have, unit: "bytes in one buffer" });
     }
     Ok(device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(what),
+        label: Some(label),
         size: need,
         usage: BufferUsages::STORAGE | BufferUsages::COPY_DST | BufferUsages::COPY_SRC,
         mapped_at_creation: false,
     }))
 }
 
-/// As [`storage`], with the type of the values.
-pub(crate) fn buffer<T>(device: &wgpu::Device, what: &'static str, count: u64) -> Result<Buffer<T>> {
-    Ok(storage::<T>(device, what, count)?.into())
+/// Like [`storage`], but returns a typed buffer.
+pub(crate) fn buffer<T>(device: &wgpu::Device, label: &'static str, count: u64) -> Result<Buffer<T>> {
+    Ok(storage::<T>(device, label, count)?.into())
 }
 
 /// Creates a storage buffer with the contents `bytes`.
 ///
 /// # Errors
 /// [`Error::Limit`] if the adapter cannot hold it.
-pub(crate) fn filled(context: &Context, what: &'static str, bytes: &[u8]) -> Result<wgpu::Buffer> {
+pub(crate) fn filled(context: &Context, label: &'static str, bytes: &[u8]) -> Result<wgpu::Buffer> {
     let Context { device, queue, .. } = context;
-    let buffer = storage::<u8>(device, what, bytes.len() as u64)?;
+    let buffer = storage::<u8>(device, label, bytes.len() as u64)?;
     queue.write_buffer(&buffer, 0, bytes);
     Ok(buffer)
 }
@@ -216,6 +214,7 @@ impl GuideAsset {
         Ok(Self { count, vertex_count, sample_count, info, rest, forces })
     }
 
+    /// Returns the GPU memory, bytes.
     pub fn bytes(&self) -> u64 {
         self.info.size() + self.rest.size() + self.forces.size()
     }
@@ -252,8 +251,8 @@ impl GuideBuffers {
         })
     }
 
-    /// Adds room for twist ([`SimulationParams::twist`](crate::simulate::SimulationParams::twist)), without twist. The
-    /// velocities stay.
+    /// Extends `velocity` by the twist of each bend
+    /// ([`SimulationParams::twist`](crate::simulate::SimulationParams::twist)), initially zero. The velocities stay.
     ///
     /// # Errors
     /// [`Error::Limit`].
@@ -268,7 +267,7 @@ impl GuideBuffers {
         Ok(())
     }
 
-    /// Returns whether the buffers have room for twist.
+    /// Returns whether `velocity` includes twist.
     pub(crate) fn can_twist(&self) -> bool {
         self.velocity.size()
             > u64::from(self.count) * u64::from(self.vertex_count) * size_of::<[u32; 2]>() as u64
@@ -280,7 +279,7 @@ impl GuideBuffers {
         if self.sample_count == 0 { self.vertex_count } else { self.sample_count }
     }
 
-    /// Bytes of GPU memory of this head alone.
+    /// Returns the GPU memory of this head alone, bytes.
     pub(crate) fn own_bytes(&self) -> u64 {
         [&*self.current, &self.velocity, &self.samples, &self.roots].iter().map(|buffer| buffer.size()).sum()
     }
@@ -309,6 +308,7 @@ impl StrandAsset {
         StrandCapacity { strands: self.count, vertices: self.count.saturating_mul(self.vertex_count) }
     }
 
+    /// Returns the GPU memory, bytes.
     pub fn bytes(&self) -> u64 {
         self.bindings.size() + self.rest.size()
     }
@@ -342,7 +342,7 @@ impl StrandBuffers {
         })
     }
 
-    /// Bytes of GPU memory of this head alone.
+    /// Returns the GPU memory of this head alone, bytes.
     pub(crate) fn own_bytes(&self) -> u64 {
         [&*self.strands, &self.vertices, &self.widening, &self.roots].iter().map(|buffer| buffer.size()).sum()
     }

@@ -1,14 +1,15 @@
-//! GPU data shared by stages. Each buffer has a pair of files: the Rust struct, and WESL that packs and unpacks it.
+//! GPU data shared by stages. Most buffers have a pair of files: the Rust struct of an element, and WESL that packs
+//! and unpacks it. The table lists the buffers of [`GuideBuffers`] and [`StrandBuffers`].
 //!
 //! ```text
 //! guides     rest, info                   written once           read by simulate, tessellate
 //!            current, velocity            written by simulate    read by volume, tessellate
 //!            forces                       written and read by simulate
 //!            roots                        written by roots, simulate; read by simulate, tessellate
-//! samples    position + rotation          written by tessellate  read by interpolate, avoid; none where strands
-//!                                                                are guides themselves
-//! strands    binding, rest                written once           read by interpolate
-//!            strand                       written once           read by light, draw
+//! samples    position + rotation          written by tessellate  read by interpolate, avoid; empty if each strand
+//!                                                                is itself a guide
+//! strands    bindings, rest               written once           read by interpolate
+//!            strands                      written once           read by light, draw
 //!            vertices                     written by interpolate read by light, draw
 //! ```
 //!
@@ -38,7 +39,7 @@ pub(crate) use rest::RestGuides;
 pub(crate) use root::RootMotion;
 pub use vertex::StrandVertex;
 
-// Limits on the CPU side equal the array sizes of the shaders.
+// The limits on the CPU equal the array sizes of the shaders.
 const _: () = assert!(
     crate::constants::MAX_GUIDE_VERTICES == crate::groom::MAX_GUIDE_VERTICES
         && crate::constants::MAX_STRAND_VERTICES == crate::groom::MAX_STRAND_VERTICES

@@ -34,7 +34,7 @@ pub(crate) struct TessellateParams {
     pub vertex_count: u32,
     /// Samples per guide, at least 2 if there are any.
     pub sample_count: u32,
-    /// Length of the last step, s.
+    /// Duration of the last step, s.
     pub span: f32,
     /// 1 if guides twist, else 0.
     pub twists: f32,
@@ -125,6 +125,7 @@ impl Tessellation {
     }
 }
 
+/// Returns the bindings of `walk.wesl`.
 fn walk<'a>(params: &'a wgpu::Buffer, guides: &'a GuideBuffers) -> kernels::Walk<'a> {
     kernels::Walk {
         params: params.entire(),
@@ -136,11 +137,11 @@ fn walk<'a>(params: &'a wgpu::Buffer, guides: &'a GuideBuffers) -> kernels::Walk
     }
 }
 
-/// Returns the samples of a guide at rest: the same spline over `vertices` (at least two), without rotations. Positions
-/// equal the kernel's.
+/// Returns the samples of a guide at rest: the same spline over `vertices`, without rotations. Positions equal the
+/// kernel's. Needs at least two vertices and two samples.
 pub fn rest_samples(vertices: &[Vec3], sample_count: u32) -> Vec<Vec3> {
-    let span = (vertices.len() - 1) as f32 / (sample_count - 1) as f32;
-    (0..sample_count).map(|sample| curve::spline_at(vertices, sample as f32 * span)).collect()
+    let edges_per_sample = (vertices.len() - 1) as f32 / (sample_count - 1) as f32;
+    (0..sample_count).map(|sample| curve::spline_at(vertices, sample as f32 * edges_per_sample)).collect()
 }
 
 #[cfg(test)]

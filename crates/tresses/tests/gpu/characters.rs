@@ -38,7 +38,7 @@ fn bearded_with(context: &Context, hair: HairOptions) -> Character {
 }
 
 /// Renders `characters` with a camera in front of the origin.
-fn seen(context: &Context, characters: &[&Character]) -> Vec<u8> {
+fn render(context: &Context, characters: &[&Character]) -> Vec<u8> {
     let size = [96, 96];
     let mut view = View::new(context, &common::coarse(), size, 1).unwrap();
     let camera = Camera::look_at(Vec3::new(0.0, 0.05, 1.2), Vec3::new(0.0, 0.05, 0.0), 0.5, size);
@@ -75,7 +75,7 @@ fn instance_moves_and_looks_like_a_separate_character() {
     }
     for other in [&second, &third] {
         assert!(vertices(&first) == vertices(other));
-        assert!(seen(context, &[&first]) == seen(context, &[other]));
+        assert!(render(context, &[&first]) == render(context, &[other]));
     }
 }
 
@@ -124,35 +124,36 @@ fn crowd_keeps_its_budget_and_has_a_zone_per_head() {
     for (i, character) in crowd.iter_mut().enumerate() {
         character.set_pose(Pose { translation: Vec3::X * (i as f32 - 1.0), ..Pose::IDENTITY });
     }
-    let eye = |size| [Camera::look_at(Vec3::new(0.0, 0.1, 4.0), Vec3::ZERO, 0.6, [size, size])];
-    let strands = |bytes: u64, camera: &[Camera]| {
+    let cameras = |size| [Camera::look_at(Vec3::new(0.0, 0.1, 4.0), Vec3::ZERO, 0.6, [size, size])];
+    // Returns the strand count and the number of levels of detail that the crowd gets for a budget of `bytes`.
+    let select_detail = |bytes: u64, cameras: &[Camera]| {
         let mut crowd: Vec<_> = crowd.iter().map(|character| character.instance().unwrap()).collect();
         let mut budget =
             CrowdBudget { budget: Budget { bytes, ..Budget::default() }, ..CrowdBudget::default() };
         let mut all: Vec<_> = crowd.iter_mut().collect();
         let mut encoder = context.device().create_command_encoder(&Default::default());
-        let frame = context.frame(&mut encoder).with_cameras(camera);
+        let frame = context.frame(&mut encoder).with_cameras(cameras);
         frame.within(&mut budget).advance(&mut all, 1.0 / 60.0).unwrap();
         context.queue().submit([encoder.finish()]);
         let strands = budget.detail.heads.iter().map(|head| head.strand_count).sum::<u32>();
         (strands, budget.detail.heads.len())
     };
-    let (near, far) = (eye(1024), eye(64));
+    let (near, far) = (cameras(1024), cameras(64));
     let grooms = first.grooms().count();
-    assert_eq!(strands(u64::MAX, &near).1, 3 * grooms, "every groom has a level");
-    assert_eq!(strands(u64::MAX, &far).1, 3, "faces of small heads are left out");
-    assert!(strands(1, &near).0 < strands(u64::MAX, &near).0);
+    assert_eq!(select_detail(u64::MAX, &near).1, 3 * grooms, "every groom has a level");
+    assert_eq!(select_detail(u64::MAX, &far).1, 3, "faces of small heads are left out");
+    assert!(select_detail(1, &near).0 < select_detail(u64::MAX, &near).0);
     let mut all: Vec<_> = crowd.iter_mut().collect();
     advance_characters(&mut all, 0.0);
     let size = [64, 64];
     let mut view = View::new(context, &common::coarse(), size, 1).unwrap();
     let picture = Picture { camera: far[0], ..Picture::default() };
-    let mut draw = |count: usize| {
+    let mut zone_bytes = |count: usize| {
         let all: Vec<_> = crowd.iter().take(count).collect();
         common::draw_characters(&mut view, &all, &picture);
         view.zone_bytes()
     };
-    let [three, two] = [draw(3), draw(2)];
+    let [three, two] = [zone_bytes(3), zone_bytes(2)];
     assert!(three > two && two > 0, "a zone each: {three} {two}");
 }
 
@@ -194,7 +195,8 @@ fn teleported_hair_keeps_its_shape() {
     };
     let before = guides(&character);
     let far = Pose { translation: Vec3::new(0.3, 0.0, 0.0), ..Pose::IDENTITY };
-    let moved = |teleports: bool| {
+    // Returns the largest change of a guide point relative to the head, meters.
+    let max_change = |teleports: bool| {
         let mut character = character.instance().unwrap();
         for _ in 0..3 {
             advance_characters(&mut [&mut character], 1.0 / 60.0);
@@ -204,16 +206,16 @@ fn teleported_hair_keeps_its_shape() {
             character.teleport();
         }
         advance_characters(&mut [&mut character], 1.0 / 60.0);
-        let place = character.hair().simulation_transform();
+        let transform = character.hair().simulation_transform();
         let head = character.head().inverse();
         let shape = guides(&character);
-        let off = shape.iter().zip(&before).map(|(now, then)| {
+        let changes = shape.iter().zip(&before).map(|(now, then)| {
             let [x, y, z, _] = *now;
-            head.point(place.point(Vec3::new(x, y, z))).distance(Vec3::from_slice(&then[..3]))
+            head.point(transform.point(Vec3::new(x, y, z))).distance(Vec3::from_slice(&then[..3]))
         });
-        off.fold(0.0, f32::max)
+        changes.fold(0.0, f32::max)
     };
-    let [carried, dragged] = [moved(true), moved(false)];
+    let [carried, dragged] = [max_change(true), max_change(false)];
     assert!(carried < 0.01 && dragged > 0.1, "carried {carried} m, dragged {dragged} m");
 }
 

@@ -119,7 +119,7 @@ async fn character(guide: &Guide) -> Result<()> {
     let pose = Pose { translation: Vec3::new(0.1, 0.05, 0.0), ..Pose::IDENTITY };
     ann.set_obstacles(&[Obstacle { id: 1, collider, pose }])?;
     for _ in 0..3 {
-        Character::meet_each_other(&mut [&mut ann, &mut bob]);
+        Character::collide_nearby(&mut [&mut ann, &mut bob]);
         moved(guide, &mut bob).await?;
         moved(guide, &mut ann).await?;
     }

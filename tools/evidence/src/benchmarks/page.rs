@@ -9,7 +9,7 @@ use super::{
 use crate::gpu;
 use anyhow::{Context, Result};
 use std::fmt::Write;
-use tresses_cli::bench::{Adapter, results::measured, statistics::line, table};
+use tresses_cli::bench::{Adapter, results::frame_range, statistics::line, table};
 use tresses_scene::words::grouped;
 
 /// Formats milliseconds.
@@ -33,7 +33,7 @@ pub fn text(measurements: &Measurements) -> String {
         text,
         "\nTimes are milliseconds: medians, and 95th percentiles where named, of {}. The built-in character turns its \
          head in front of a portrait camera, {}×{} pixels, {}, full detail.\n",
-        measured(cases().map(|case| case.frames)),
+        frame_range(cases().map(|case| case.frames)),
         SIZE.width,
         SIZE.height,
         match styles.first().map_or(1, |case| case.samples) {

@@ -1,4 +1,4 @@
-//! GPUs that are not there: what their compiler makes of each kernel, and a model of a frame on them.
+//! GPUs that this machine does not have: their compiler's statistics for each kernel, and a model of the frame time.
 
 pub mod compiler;
 mod kernels;
@@ -16,18 +16,19 @@ use tresses_cli::{
     bench::workload::{self, Workload},
 };
 
-/// Where the inputs of the model lie, from the root of the repository.
+/// Path of the model's inputs, relative to the root of the repository.
 pub const INPUTS: &str = "tools/evidence/gpu-model.json";
-/// The inputs of the model in the repository.
+/// The committed inputs of the model, JSON.
 pub const STORED: &str = include_str!("../../gpu-model.json");
 
-/// Frames before the counted one: after them, the tile lists of a view have their size.
-const BEFORE: u32 = 5;
+/// Frames rendered before the counted one, so that the tile lists of a view have reached their size.
+const UNCOUNTED_FRAMES: u32 = 5;
 
-/// Compiles the kernels for `families` and prints them.
+/// Compiles the kernels for `families` (RADV chip names; empty for the default ones) and prints their statistics. Each
+/// table has the kernels with the most registers, or every kernel with `all`. Without RADV, prints that it is missing.
 ///
 /// # Errors
-/// Fails if a kernel spills.
+/// Fails if a kernel does not compile or spills registers.
 pub fn print_kernels(mut families: Vec<String>, all: bool, json: bool) -> Result<()> {
     if compiler::driver().is_none() {
         println!(
@@ -48,14 +49,14 @@ pub fn print_kernels(mut families: Vec<String>, all: bool, json: bool) -> Result
     kernels::check(&chips)
 }
 
-/// Prints the model of the inputs at `path`. With `write`, counts and compiles them first.
+/// Prints the model of the inputs at `path`. With `write`, first counts frames, compiles kernels and writes the inputs.
 ///
 /// # Errors
 /// Fails without the file; with `write`, without RADV or an adapter.
 pub fn print_model(path: &Path, write: bool, json: bool) -> Result<()> {
     if write {
         let text = serde_json::to_string(&inputs()?)?;
-        // A line per command and kernel, for short differences.
+        // One line per command and kernel keeps diffs short.
         let text = text.replace("{\"stage\"", "\n{\"stage\"").replace("{\"name\"", "\n{\"name\"");
         std::fs::write(path, text + "\n").with_context(|| format!("cannot write {}", path.display()))?;
     }
@@ -70,37 +71,38 @@ pub fn print_model(path: &Path, write: bool, json: bool) -> Result<()> {
     Ok(())
 }
 
-/// Counts frames on this machine and compiles their kernels for RDNA 3, or RDNA 2 where RADV does not know it.
+/// Counts frames on this machine and compiles their kernels for RDNA 3, or for RDNA 2 if RADV does not support RDNA 3.
 fn inputs() -> Result<Inputs> {
     let compiled =
         compiler::compile("navi31")?.map_or_else(|| compiler::compile("navi21"), |it| Ok(Some(it)))?;
     let compiler::CompiledKernels { driver, mut kernels } = compiled.context("RADV knows no such chip")?;
-    let frames = scenes().iter().map(counted).collect::<Result<Vec<_>>>()?;
-    let used = |name: &str| {
+    let frames = scenes().iter().map(count_frame).collect::<Result<Vec<_>>>()?;
+    let is_used = |name: &str| {
         frames.iter().flat_map(|frame| &frame.commands).any(|command| command.kernel.as_deref() == Some(name))
     };
-    kernels.retain(|kernel| used(&kernel.name));
+    kernels.retain(|kernel| is_used(&kernel.name));
     Ok(Inputs { driver, kernels, frames })
 }
 
-/// The scenes of the model: the default look, the two scenes of the 2008 talk, a groom with every strand simulated if
-/// its file is there, and many strands.
+/// Returns the scenes of the model: the default look, the two scenes of the 2008 talk, a groom with every strand
+/// simulated if its file exists, and a style with 100,000 strands.
 fn scenes() -> Vec<Workload> {
-    let mut many = workload::long();
-    many.name = "100,000 strands of the style long".into();
-    many.preset = workload::style(Some(100_000), workload::TILES);
-    many.size = Size { width: 1920, height: 1080 };
+    let mut many_strands = workload::long();
+    many_strands.name = "100,000 strands of the style long".into();
+    many_strands.preset = workload::style(Some(100_000), workload::TILES);
+    many_strands.size = Size { width: 1920, height: 1080 };
     let mut scenes = vec![workload::long()];
     // The model has kernels only, no rasterizer.
     scenes.extend(workload::seed().into_iter().filter(|scene| scene.name.ends_with("tiles")));
     scenes.extend(workload::peer(&[], &[]).into_iter().flatten().skip(1));
-    scenes.push(many);
+    scenes.push(many_strands);
     scenes
 }
 
-fn counted(workload: &Workload) -> Result<CountedFrame> {
+/// Renders frames of `workload` and counts the commands and transfers of the last.
+fn count_frame(workload: &Workload) -> Result<CountedFrame> {
     eprintln!("counting: {}", workload.name);
-    let (commands, recorded) = roofline::commands(workload, BEFORE, wall)?;
+    let (commands, recorded) = roofline::commands(workload, UNCOUNTED_FRAMES, wall)?;
     let by_stage = |value: &dyn Fn(&tresses::low_level::Counts) -> u64| {
         recorded.iter().map(|(stage, counts)| ((*stage).to_owned(), value(counts))).collect::<Vec<_>>()
     };

@@ -26,30 +26,31 @@ pub(in crate::formats) enum AttributeScope {
 }
 
 impl Param {
-    /// Returns the values at `indices`, `extent` numbers each; an error is the first invalid index.
-    pub fn picked(known: &[f32], indices: &[i64], extent: usize) -> Result<Vec<f32>, i64> {
+    /// Returns the values at `indices`, `width` numbers each. Fails with the first invalid index.
+    pub fn picked(values: &[f32], indices: &[i64], width: usize) -> Result<Vec<f32>, i64> {
         let mut flat = Vec::with_capacity(indices.len());
         for index in indices {
-            let at = usize::try_from(*index).ok().and_then(|i| i.checked_mul(extent));
-            flat.extend_from_slice(at.and_then(|at| known.get(at..)?.get(..extent)).ok_or(*index)?);
+            let start = usize::try_from(*index).ok().and_then(|i| i.checked_mul(width));
+            let value = start.and_then(|start| values.get(start..)?.get(..width));
+            flat.extend_from_slice(value.ok_or(*index)?);
         }
         Ok(flat)
     }
 
-    /// Returns the scope if `width` numbers make a value; `None` if the count fits no scope.
+    /// Returns the scope of values of `width` numbers each; `None` if their count fits no scope.
     pub fn per(&self, width: usize, curves: usize, points: usize) -> Option<AttributeScope> {
         let count = self.flat.len() / width.max(1);
-        let fits = |per| match per {
+        let fits = |scope| match scope {
             AttributeScope::All => count == 1,
             AttributeScope::Curve => count == curves,
             AttributeScope::Point => count == points,
         };
         // The stated scope comes first, but the count must fit: scopes are missing or wrong more often than counts.
-        let any = [AttributeScope::Point, AttributeScope::Curve, AttributeScope::All];
+        let all = [AttributeScope::Point, AttributeScope::Curve, AttributeScope::All];
         self.scope
             .into_iter()
-            .chain(any)
-            .find(|per| self.flat.len().is_multiple_of(width.max(1)) && fits(*per))
+            .chain(all)
+            .find(|scope| self.flat.len().is_multiple_of(width.max(1)) && fits(*scope))
     }
 
     /// Returns the value at `index`; numbers beyond `width` are 0.
@@ -59,59 +60,65 @@ impl Param {
         })
     }
 
-    /// Returns one value of `N` numbers per curve. Of values per point it takes the first of each curve. `None` if the
-    /// count fits no scope.
+    /// Returns one value of `N` numbers per curve; of values per point, the one at each curve's first point. `None` if
+    /// the count fits no scope. `starts` has the index of the first point of each curve, and the end of the last curve.
     pub fn per_curve<const N: usize>(&self, width: usize, starts: &[u32]) -> Option<Vec<[f32; N]>> {
         let (curves, points) = (starts.len() - 1, starts.last().map_or(0, |end| *end as usize));
-        let per = self.per(width, curves, points)?;
-        let at = |i: usize| match per {
+        let scope = self.per(width, curves, points)?;
+        let index = |i: usize| match scope {
             AttributeScope::All => 0,
             AttributeScope::Curve => i,
             AttributeScope::Point => starts[i] as usize,
         };
-        Some((0..curves).map(|i| self.value(width, at(i))).collect())
+        Some((0..curves).map(|i| self.value(width, index(i))).collect())
     }
 
-    /// Returns one number per control point if the file has one per end of each segment (`varying`), for Bézier curves
-    /// or, with `inner`, for cubic curves that end before their outermost points.
+    /// Converts one number per segment end (`varying`) to one per control point. The curves are Bézier curves or, with
+    /// `inner`, cubic curves that end before their outermost points. Returns `None` if the count differs from the
+    /// number of segment ends.
     pub fn varying_per_point(&self, starts: &[u32], inner: bool) -> Option<Vec<f32>> {
         if inner {
-            return self.at_inner(starts);
+            return self.varying_per_inner_point(starts);
         }
-        let pieces =
+        // A Bézier curve of n segments has n + 1 segment ends and 3 n + 1 points.
+        let intervals =
             |w: &[u32]| ((w[1] - w[0]) as usize).checked_sub(1).filter(|n| *n > 0 && n.is_multiple_of(3));
-        let ends: Option<usize> = starts.windows(2).map(|w| pieces(w).map(|n| n / 3 + 1)).sum();
-        if ends != Some(self.flat.len()) {
+        let end_count: Option<usize> = starts.windows(2).map(|w| intervals(w).map(|n| n / 3 + 1)).sum();
+        if end_count != Some(self.flat.len()) {
             return None;
         }
         let mut first = 0;
         let mut all = Vec::with_capacity(starts.last().map_or(0, |end| *end as usize));
         for w in starts.windows(2) {
             let points = (w[1] - w[0]) as usize;
-            let at = |k: usize| self.flat[first + k.min((points - 1) / 3)];
-            all.extend((0..points).map(|k| at(k / 3) + (at(k / 3 + 1) - at(k / 3)) * (k % 3) as f32 / 3.0));
+            let end = |k: usize| self.flat[first + k.min((points - 1) / 3)];
+            all.extend(
+                (0..points).map(|k| end(k / 3) + (end(k / 3 + 1) - end(k / 3)) * (k % 3) as f32 / 3.0),
+            );
             first += (points - 1) / 3 + 1;
         }
         Some(all)
     }
 
-    /// [`Self::varying_per_point`] of `inner` curves, whose segments end at all points but the outermost.
-    fn at_inner(&self, starts: &[u32]) -> Option<Vec<f32>> {
-        let inner = |w: &[u32]| ((w[1] - w[0]) as usize).checked_sub(2).filter(|n| *n > 1);
-        let ends: Option<usize> = starts.windows(2).map(inner).sum();
-        if ends != Some(self.flat.len()) {
+    /// [`Self::varying_per_point`] for `inner` curves: their segments end at all points but the outermost, which take
+    /// the number of the point next to them.
+    fn varying_per_inner_point(&self, starts: &[u32]) -> Option<Vec<f32>> {
+        let inner_count = |w: &[u32]| ((w[1] - w[0]) as usize).checked_sub(2).filter(|n| *n > 1);
+        let end_count: Option<usize> = starts.windows(2).map(inner_count).sum();
+        if end_count != Some(self.flat.len()) {
             return None;
         }
         let mut first = 0;
         let mut all = Vec::with_capacity(starts.last().map_or(0, |end| *end as usize));
-        for count in starts.windows(2).filter_map(inner) {
+        for count in starts.windows(2).filter_map(inner_count) {
             all.extend((0..count + 2).map(|k| self.flat[first + k.saturating_sub(1).min(count - 1)]));
             first += count;
         }
         Some(all)
     }
 
-    /// Returns the numbers per value if there is one value per curve, else the width that the file states.
+    /// Returns the numbers per value: the numbers per curve if they divide evenly and are at most 3, else the width
+    /// that the file states.
     pub fn width(&self, curves: usize) -> usize {
         match curves {
             0 => self.width,
@@ -141,24 +148,24 @@ mod tests {
     fn scope_follows_number_of_values() {
         // Two curves of four and seven points.
         let starts = [0, 4, 11];
-        let per = |count: usize, scope| param(&vec![1.0; count], scope).per(1, 2, 11);
+        let find_scope = |count: usize, scope| param(&vec![1.0; count], scope).per(1, 2, 11);
         assert_eq!(
-            [1, 2, 11, 3].map(|n| per(n, None)),
+            [1, 2, 11, 3].map(|n| find_scope(n, None)),
             [Some(AttributeScope::All), Some(AttributeScope::Curve), Some(AttributeScope::Point), None]
         );
         // A scope that does not fit is ignored.
         assert_eq!(
-            (per(11, Some(AttributeScope::Curve)), per(2, Some(AttributeScope::Curve))),
+            (find_scope(11, Some(AttributeScope::Curve)), find_scope(2, Some(AttributeScope::Curve))),
             (Some(AttributeScope::Point), Some(AttributeScope::Curve))
         );
-        let knots = param(&[0.0, 3.0, 6.0, 9.0, 0.0], None).varying_per_point(&starts, false).unwrap();
-        assert_eq!(knots, [0.0, 1.0, 2.0, 3.0, 6.0, 7.0, 8.0, 9.0, 6.0, 3.0, 0.0]);
+        let interpolated = param(&[0.0, 3.0, 6.0, 9.0, 0.0], None).varying_per_point(&starts, false).unwrap();
+        assert_eq!(interpolated, [0.0, 1.0, 2.0, 3.0, 6.0, 7.0, 8.0, 9.0, 6.0, 3.0, 0.0]);
         assert_eq!(param(&[0.0; 4], None).varying_per_point(&starts, false), None);
         assert_eq!(param(&[0.0; 5], None).varying_per_point(&[0, 4, 10], false), None);
         // Two and five segment ends between the outermost points.
         let inner = param(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], None);
-        let spread = [1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 5.0, 6.0, 7.0, 7.0];
-        assert_eq!(inner.varying_per_point(&starts, true).unwrap(), spread);
+        let expected = [1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 5.0, 6.0, 7.0, 7.0];
+        assert_eq!(inner.varying_per_point(&starts, true).unwrap(), expected);
         assert_eq!(
             (inner.varying_per_point(&[0, 4, 10], true), inner.varying_per_point(&starts, false)),
             (None, None)

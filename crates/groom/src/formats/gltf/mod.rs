@@ -19,16 +19,16 @@ const TIP_PINNED: u32 = 2;
 /// The extension for compressed buffer views.
 const PACKED: &str = "EXT_meshopt_compression";
 
-/// Returns whether a file has hair. Extensions and lists are named in plain text.
+/// Returns whether a file has hair. Searches the bytes: `.glb` and `.gltf` both store their JSON as plain text.
 pub(super) fn is_groom(_: &Path, bytes: &[u8]) -> bool {
-    holds(bytes, HAIR)
+    contains(bytes, HAIR)
 }
 
 /// Returns whether a file has hair and the mesh that it grows on.
 pub(super) fn holds_body(path: &Path, bytes: &[u8]) -> bool {
-    is_groom(path, bytes) && holds(bytes, "\"meshes\"")
+    is_groom(path, bytes) && contains(bytes, "\"meshes\"")
 }
 
-fn holds(bytes: &[u8], word: &str) -> bool {
+fn contains(bytes: &[u8], word: &str) -> bool {
     bytes.windows(word.len()).any(|window| window == word.as_bytes())
 }

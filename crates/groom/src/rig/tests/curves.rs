@@ -2,7 +2,7 @@
 
 use super::*;
 
-fn at(curve: &Curve, time: f32) -> [f32; 3] {
+fn sample(curve: &Curve, time: f32) -> [f32; 3] {
     let mut out = [f32::NAN; 3];
     curve.sample(time, false, &mut out);
     out
@@ -15,15 +15,15 @@ fn cubic_spline_matches_hermite_formula() {
     let values = values.as_flattened().to_vec();
     let curve = Curve { interpolation: Interpolation::CubicSpline, times: vec![1.0, 3.0], values };
     for t in [0.25f64, 0.5, 0.8] {
-        let formula = |p: f64, b: f64, q: f64, a: f64| {
+        let formula = |start: f64, start_tangent: f64, end: f64, end_tangent: f64| {
             let (t2, t3) = (t * t, t * t * t);
-            (2.0 * t3 - 3.0 * t2 + 1.0) * p
-                + 2.0 * (t3 - 2.0 * t2 + t) * b
-                + (3.0 * t2 - 2.0 * t3) * q
-                + 2.0 * (t3 - t2) * a
+            (2.0 * t3 - 3.0 * t2 + 1.0) * start
+                + 2.0 * (t3 - 2.0 * t2 + t) * start_tangent
+                + (3.0 * t2 - 2.0 * t3) * end
+                + 2.0 * (t3 - t2) * end_tangent
         };
         let want = [formula(0.0, 1.0, 3.0, 0.5), formula(0.0, 0.0, 1.0, 4.0), formula(0.0, -2.0, 0.0, 0.0)];
-        let have = at(&curve, 1.0 + 2.0 * t as f32);
+        let have = sample(&curve, 1.0 + 2.0 * t as f32);
         let error = (0..3).map(|i| (want[i] - f64::from(have[i])).abs()).fold(0.0, f64::max);
         assert!(error < 1e-6, "{have:?} {want:?}");
         // The check detects tangents that are not per second.
@@ -31,19 +31,19 @@ fn cubic_spline_matches_hermite_formula() {
         assert!((unscaled - f64::from(have[0])).abs() > 1e-2);
     }
     // By hand: halfway between 0 and 3 with tangents 1 and 0.5.
-    assert!((at(&curve, 2.0)[0] - (1.5 + 0.25 - 0.125)).abs() < 1e-6);
-    assert_eq!((at(&curve, 0.0), at(&curve, 9.0)), ([0.0; 3], [3.0, 1.0, 0.0]));
+    assert!((sample(&curve, 2.0)[0] - (1.5 + 0.25 - 0.125)).abs() < 1e-6);
+    assert_eq!((sample(&curve, 0.0), sample(&curve, 9.0)), ([0.0; 3], [3.0, 1.0, 0.0]));
 }
 
 #[test]
 fn step_holds_and_linear_interpolates() {
     let values = vec![0.0, 0.0, 0.0, 4.0, 8.0, 2.0];
     let mut curve = Curve { interpolation: Interpolation::Step, times: vec![1.0, 2.0], values };
-    assert_eq!([0.0, 1.0, 1.999].map(|t| at(&curve, t)), [[0.0; 3]; 3]);
-    assert_eq!(at(&curve, 2.0), [4.0, 8.0, 2.0]);
+    assert_eq!([0.0, 1.0, 1.999].map(|t| sample(&curve, t)), [[0.0; 3]; 3]);
+    assert_eq!(sample(&curve, 2.0), [4.0, 8.0, 2.0]);
     curve.interpolation = Interpolation::Linear;
-    assert_eq!(at(&curve, 1.25), [1.0, 2.0, 0.5]);
-    assert_eq!((at(&curve, 0.5), at(&curve, 2.5)), ([0.0; 3], [4.0, 8.0, 2.0]));
+    assert_eq!(sample(&curve, 1.25), [1.0, 2.0, 0.5]);
+    assert_eq!((sample(&curve, 0.5), sample(&curve, 2.5)), ([0.0; 3], [4.0, 8.0, 2.0]));
 }
 
 #[test]
@@ -63,7 +63,7 @@ fn rotations_take_the_shorter_arc() {
 fn missing_values_and_odd_times_are_handled() {
     let short = Curve { times: vec![0.0, 1.0], values: vec![1.0; 5], ..Default::default() };
     for curve in [Curve::default(), short] {
-        assert!(at(&curve, 0.5).iter().all(|v| v.is_nan()));
+        assert!(sample(&curve, 0.5).iter().all(|v| v.is_nan()));
     }
     let animation = Animation { length: 2.0, ..Default::default() };
     let wrapped = [-0.5, 2.0, 4.5, f32::NAN, f32::INFINITY].map(|t| animation.wrap(t));

@@ -19,10 +19,10 @@ use crate::{
 };
 use glb::Glb;
 
-/// Returns the mesh and rig of a file, as its reader returns them.
+/// Reads the mesh and rig of a `.glb` file, in the file's own axes and unit.
 fn read(bytes: Vec<u8>) -> crate::Result<mesh::RawMesh> {
-    let given: FileBytes = ("a.glb".into(), bytes.into());
-    mesh::read_given(&[given], Path::new("a.glb"))
+    let file: FileBytes = ("a.glb".into(), bytes.into());
+    mesh::read_given(&[file], Path::new("a.glb"))
 }
 
 /// Returns the deformed mesh of a rig in a pose.
@@ -32,13 +32,13 @@ fn posed(rig: &Rig, pose: &RigPose) -> TriMesh {
     mesh
 }
 
-/// Checks that two lists of points differ by at most `by`; the error names the first difference.
-fn agree(have: &[Vec3], want: &[Vec3], by: f32) -> Result<(), String> {
-    if have.len() != want.len() {
-        return Err(format!("{} points, not {}", have.len(), want.len()));
+/// Checks that two lists of points differ by at most `tolerance`; the error names the first difference.
+fn agree(actual: &[Vec3], expected: &[Vec3], tolerance: f32) -> Result<(), String> {
+    if actual.len() != expected.len() {
+        return Err(format!("{} points, not {}", actual.len(), expected.len()));
     }
-    match have.iter().zip(want).position(|(a, b)| a.distance(*b) > by || !a.is_finite()) {
-        Some(i) => Err(format!("point {i} is {}, not {}", have[i], want[i])),
+    match actual.iter().zip(expected).position(|(a, b)| a.distance(*b) > tolerance || !a.is_finite()) {
+        Some(i) => Err(format!("point {i} is {}, not {}", actual[i], expected[i])),
         None => Ok(()),
     }
 }

@@ -55,7 +55,8 @@ pub(crate) struct TileControl {
     pub _pad: [u32; 3],
 }
 
-/// Part of a tile's list that a pass processes. The values equal `grid::FRONT`, `grid::BEHIND` and `grid::ALL`.
+/// Part of a tile's list that a pass processes. The values equal `grid::FRONT`, `grid::BEHIND`, `grid::ALL`
+/// and `grid::COUNT`.
 #[derive(Clone, Copy)]
 pub(super) enum ListSpan {
     /// The entries that the previous frame needed, plus a margin.
@@ -64,6 +65,8 @@ pub(super) enum ListSpan {
     Behind,
     /// All entries.
     All,
+    /// No entries: `scatter` counts them.
+    Count,
 }
 
 /// Alignment of dynamic uniform offsets that every device supports, bytes.
@@ -114,7 +117,7 @@ impl TileBuffers {
         let count = u64::from(tiles[0]) * u64::from(tiles[1]);
         let blocks = tiles.map(|side| u64::from(side.div_ceil(TILE_BLOCK)));
         let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::STORAGE_BINDING;
-        let spans = [ListSpan::Front, ListSpan::Behind, ListSpan::All];
+        let spans = [ListSpan::Front, ListSpan::Behind, ListSpan::All, ListSpan::Count];
         let mut numbers = vec![0u32; spans.len() * (STEP * u64::from(TILE_ROUNDS)) as usize / 4];
         for (at, words) in numbers.chunks_mut(STEP as usize / 4).enumerate() {
             words[..2].copy_from_slice(&[at as u32 % TILE_ROUNDS, at as u32 / TILE_ROUNDS]);

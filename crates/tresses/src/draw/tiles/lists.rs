@@ -85,7 +85,6 @@ struct ListBuffers {
 pub(super) struct Groups {
     pub surface: wgpu::BindGroup,
     pub bound: wgpu::BindGroup,
-    pub count: wgpu::BindGroup,
     pub totals: wgpu::BindGroup,
     pub scan: wgpu::BindGroup,
     pub scatter: wgpu::BindGroup,
@@ -305,7 +304,6 @@ impl Groups {
         Self {
             surface,
             bound: kernels.bound.bind(&bound::Bound { grid, far_depths, ranges, bounds }),
-            count: kernels.count.bind(&bound::Count { grid, points, bounds: texels, bins }),
             totals: kernels.totals.bind(&bound::Totals { grid, bins, bounds }),
             scan: kernels.scan.bind(&bound::Scan { grid, bounds, occupied, control, depths }),
             scatter: kernels.scatter.bind(&scatter),

@@ -2,10 +2,10 @@
 //!
 //! ```text
 //! depth of bodies ─► surface ─► depths per pixel, farthest per tile
-//! strand vertices ─► project ─► points ─► count ─► totals ─► scan ─► scatter ─► sort, merge ─► lists of tiles
-//! lists ─► touch ─► bits per row ─► see ─► visible segments ─► light::shade ─► tint ─► colors ─► blend ─► hair
+//! strand vertices ─► project ─► points ─► scatter (counts) ─► totals ─► scan ─► scatter ─► sort, merge ─► lists of tiles
+//! lists ─► touch ─► bits per row ─► visibility ─► visible segments ─► light::shade ─► tint ─► colors ─► blend ─► hair
 //!   ▲                                 │
-//!   └─ sort, merge ◄─ deepen ◄────────┘ tiles whose front is not enough
+//!   └─ sort, merge ◄─ dispatch_deep ◄─┘ tiles whose front is not enough
 //! ```
 //!
 //! **Lists.** A segment is the part of a strand between two adjacent vertices. It is written into the list of each tile
@@ -114,7 +114,11 @@ impl<'a> Round<'a> {
 
     /// Dynamic offset of the pass's uniform.
     fn offset(&self, span: ListSpan) -> u32 {
-        STEP as u32 * (span as u32 * TILE_ROUNDS + self.number)
+        Self::offset_of(span, self.number)
+    }
+
+    fn offset_of(span: ListSpan, number: u32) -> u32 {
+        STEP as u32 * (span as u32 * TILE_ROUNDS + number)
     }
 }
 
@@ -158,7 +162,8 @@ impl Pipelines {
         pass.end()?;
         tiles.buffers.bounds.1.copy(canvas.commands, &tiles.buffers.bounds.0, tiles.buffers.count());
         let mut pass = canvas.commands.compute("bins");
-        self.count.record(&mut pass, &lists.groups.count, &[], threads(lists.grid.points));
+        let counting = [Round::offset_of(ListSpan::Count, 0)];
+        self.scatter.record(&mut pass, &lists.groups.scatter, &counting, threads(lists.grid.points));
         self.totals.record(&mut pass, &lists.groups.totals, &[], threads(tiles.buffers.count()));
         self.scan.record(&mut pass, &lists.groups.scan, &[], 1);
         pass.end()?;

@@ -14,7 +14,6 @@ pub(crate) struct Pipelines {
     /// Indexed by whether targets have several samples per pixel.
     pub surface: [Kernel; 2],
     pub bound: Kernel,
-    pub count: Kernel,
     pub totals: Kernel,
     pub scan: Kernel,
     pub scatter: Kernel,
@@ -44,7 +43,6 @@ impl Pipelines {
             ],
             project: Kernel::new::<kernels::Project>(device),
             bound: Kernel::new::<kernels::Bound>(device),
-            count: Kernel::new::<kernels::Count>(device),
             totals: Kernel::new::<kernels::Totals>(device),
             scan: Kernel::new::<kernels::Scan>(device),
             scatter: Kernel::new::<kernels::Scatter>(device),
@@ -80,7 +78,6 @@ impl Pipelines {
             &self.project,
             &self.surface[many],
             &self.bound,
-            &self.count,
             &self.totals,
             &self.scan,
             &self.scatter,

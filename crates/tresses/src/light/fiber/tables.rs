@@ -22,16 +22,20 @@ type Key = (FiberShape, f32);
 #[derive(Debug)]
 pub(crate) struct FiberTables {
     context: Context,
-    around: wgpu::Texture,
+    /// [`AzimuthalLobes`] by azimuth and cos θ: two layers for light from one direction, two for the half circle around
+    /// it.
+    azimuthal: wgpu::Texture,
+    /// [`mean::MeanScattering`] by cos θ and [`hue`]: two layers.
     mean: wgpu::Texture,
     pub(crate) group: wgpu::BindGroup,
-    filled: Mutex<Option<TableBuild>>,
+    /// `None` before the tables are filled.
+    build: Mutex<Option<TableBuild>>,
 }
 
 #[derive(Debug)]
 struct TableBuild {
     key: Key,
-    /// Fraction of the light that a fiber passes on, by hue: the mean over light directions.
+    /// Fraction of the light that a fiber scatters forward, per step of [`hue`]: the mean over light directions.
     forward: Vec<f32>,
 }
 
@@ -58,7 +62,7 @@ impl FiberTables {
                 view_formats: &[],
             })
         };
-        let around = texture("lobes around a fiber", AZIMUTHS, COSINES, 4);
+        let azimuthal = texture("lobes around a fiber", AZIMUTHS, COSINES, 4);
         let mean = texture("means of fibers", COSINES, HUES, 2);
         let view = |texture: &wgpu::Texture| {
             texture.create_view(&wgpu::TextureViewDescriptor {
@@ -70,23 +74,23 @@ impl FiberTables {
             "fiber",
             &Self::layout(device),
             &[
-                wgpu::BindingResource::TextureView(&view(&around)),
+                wgpu::BindingResource::TextureView(&view(&azimuthal)),
                 wgpu::BindingResource::TextureView(&view(&mean)),
                 wgpu::BindingResource::Sampler(&bindings::linear(device)),
             ],
         );
-        Self { context: context.clone(), around, mean, group, filled: Mutex::new(None) }
+        Self { context: context.clone(), azimuthal, mean, group, build: Mutex::new(None) }
     }
 
-    /// Creates other tables, which are empty.
+    /// Creates a second, empty set of tables.
     pub(crate) fn empty(&self) -> Self {
         Self::new(&self.context)
     }
 
-    /// Whether the tables are filled for another shape or density.
+    /// Whether the tables are filled, but for another shape or density.
     pub(crate) fn holds_others(&self, shape: &FiberShape, density: f32) -> bool {
-        let filled = self.filled.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        filled.as_ref().is_some_and(|filled| filled.key != (shape.clamped(), density))
+        let build = self.build.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        build.as_ref().is_some_and(|build| build.key != (shape.clamped(), density))
     }
 
     /// Fills the tables for fibers of `shape`. `density` is Zinke's d_b, the fraction of the backscattered light that
@@ -94,8 +98,8 @@ impl FiberTables {
     pub(crate) fn fill(&self, shape: &FiberShape, density: f32) {
         let shape = shape.clamped();
         // The key is valid even if another thread has panicked.
-        let mut filled = self.filled.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if filled.as_ref().is_some_and(|filled| filled.key == (shape, density)) {
+        let mut build = self.build.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if build.as_ref().is_some_and(|build| build.key == (shape, density)) {
             return;
         }
         let far = FarField::new(&shape);
@@ -104,28 +108,28 @@ impl FiberTables {
             let second = table.iter().flat_map(|a| [a.path[1], a.spread[0], a.spread[1], 0.0]);
             first.chain(second).collect::<Vec<_>>()
         };
-        write(&self.context, &self.around, [texels(&far.direct), texels(&far.wide)].concat());
+        write(&self.context, &self.azimuthal, [texels(&far.direct), texels(&far.wide)].concat());
         let means = mean::table(&far, density);
         let first = means.iter().flat_map(|m| [m.forward, m.forward_variance, m.local, m.local_variance]);
         let second = means.iter().flat_map(|m| [m.local_shift, m.rest, m.backward, m.backward_variance]);
         write(&self.context, &self.mean, first.chain(second).collect());
-        *filled = Some(TableBuild { key: (shape, density), forward: mean::forward(&means) });
+        *build = Some(TableBuild { key: (shape, density), forward: mean::forward(&means) });
     }
 
-    /// Returns the fraction of ambient light that fibers of these absorptions per radius pass on, or zero before the
-    /// tables are filled.
+    /// Returns the fraction of ambient light that a fiber scatters forward, per color channel; zero before the tables
+    /// are filled. `absorption` is per fiber radius.
     pub(crate) fn passes(&self, absorption: Vec3) -> Vec3 {
-        let filled = self.filled.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let Some(TableBuild { forward, .. }) = &*filled else { return Vec3::ZERO };
+        let build = self.build.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let Some(TableBuild { forward, .. }) = &*build else { return Vec3::ZERO };
         let fraction = |sigma: f32| {
-            let at = hue(f64::from(sigma.max(0.0))) as f32 * (HUES - 1) as f32;
-            let low = (at as usize).min(HUES as usize - 2);
-            forward[low] + (forward[low + 1] - forward[low]) * (at - low as f32)
+            let step = hue(f64::from(sigma.max(0.0))) as f32 * (HUES - 1) as f32;
+            let low = (step as usize).min(HUES as usize - 2);
+            forward[low] + (forward[low + 1] - forward[low]) * (step - low as f32)
         };
         Vec3::from_array(absorption.to_array().map(fraction))
     }
 
-    /// Bytes of GPU memory.
+    /// GPU memory of the tables, bytes.
     pub fn bytes(&self) -> u64 {
         8 * u64::from(AZIMUTHS * COSINES * 4 + COSINES * HUES * 2)
     }

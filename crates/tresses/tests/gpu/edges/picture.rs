@@ -11,7 +11,7 @@ use tresses::{
 
 use super::groom::Groom;
 
-/// A view in one mode.
+/// A view that renders grooms in one [`Mode`].
 pub struct Studio<'a> {
     context: &'a Context,
     view: View,
@@ -20,7 +20,7 @@ pub struct Studio<'a> {
 impl<'a> Studio<'a> {
     pub fn new(context: &'a Context, mode: Mode, size: [u32; 2]) -> Self {
         let options = ViewOptions {
-            // The model of the classic renderer, with which the others are compared.
+            // The shading model of the classic renderer, which is the reference for the other renderers.
             renderer: mode.renderer.with_shading(ShadingModel::KajiyaKay),
             shadow_resolution: 256,
             ..common::coarse()
@@ -40,7 +40,7 @@ impl<'a> Studio<'a> {
         self.view.shaded(hair).expect("drawn")
     }
 
-    /// Uploads `groom`.
+    /// Uploads `groom`. Returns the set to draw and its buffers.
     pub fn hair(&self, groom: &Groom) -> (HairSet, StrandBuffers) {
         let strand = |i: u32| Strand {
             radius: groom.root_radius,
@@ -58,7 +58,7 @@ impl<'a> Studio<'a> {
         self.with(scene, hair, &[])
     }
 
-    /// Renders `hair` alone and returns how many dispatches found visible segments.
+    /// Renders `hair` alone. Returns the image and the number of dispatches that find visible segments.
     pub fn counted(&self, scene: &Picture, hair: &HairSet) -> (Vec<[u8; 4]>, u32) {
         let mut timings = Timings::by(wall);
         let mut encoder = self.context.device().create_command_encoder(&Default::default());
@@ -66,8 +66,9 @@ impl<'a> Studio<'a> {
         recorder.draw_strands(&[hair], &[], &self.view, Drawing::new(scene)).expect("it fits");
         self.context.queue().submit([encoder.finish()]);
         let bytes = pollster::block_on(self.view.targets().read()).expect("a picture");
-        let see = timings.counts().iter().find(|(name, _)| *name == "see").expect("a row of that name");
-        (bytes.as_chunks().0.to_vec(), see.1.dispatches)
+        let visibility =
+            timings.counts().iter().find(|(name, _)| *name == "see").expect("a row of that name");
+        (bytes.as_chunks().0.to_vec(), visibility.1.dispatches)
     }
 
     /// Whether the last image is complete: all tile lists fitted into memory.
@@ -96,7 +97,7 @@ pub fn write(context: &Context, groom: &Groom, buffers: &StrandBuffers) {
     context.queue().write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(&vertices(groom)));
 }
 
-/// Returns the sum of alpha, pixels.
+/// Returns the covered area, pixels: the sum of alpha, 1 per opaque pixel.
 pub fn total(picture: &[[u8; 4]]) -> f64 {
     picture.iter().map(|pixel| f64::from(pixel[3]) / 255.0).sum()
 }

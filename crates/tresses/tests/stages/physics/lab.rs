@@ -23,7 +23,7 @@ thread_local! {
     static FOR_GPUS: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Creates a context with the kernels that GPUs use, on this thread's device.
+/// Creates a context with the kernels for GPUs, instead of those for software adapters, on this thread's device.
 fn with_kernels_for_gpus() -> Option<Context> {
     let context = common::context()?;
     Some(context.clone().with_tier(Tier { software: false, ..context.tier() }))
@@ -49,10 +49,10 @@ pub fn for_gpus(tests: &[fn()]) {
 
 /// Returns hair with one bending stiffness (N·m²) and nothing else: no goal, no drag, no damping.
 pub fn bare(bending: f32) -> SimulationParams {
-    let along = |v| RootToTip { root: v, tip: v, falloff: 1.0 };
+    let uniform = |value| RootToTip { root: value, tip: value, falloff: 1.0 };
     SimulationParams {
-        bending: along(bending),
-        goal: along(0.0),
+        bending: uniform(bending),
+        goal: uniform(0.0),
         bending_damping: 0.0,
         drag: 0.0,
         friction: 0.0,
@@ -61,7 +61,7 @@ pub fn bare(bending: f32) -> SimulationParams {
 }
 
 /// Returns a straight strand of `n` vertices. Its free part, from vertex 1 on, starts at the origin and is `length`
-/// long.
+/// meters long.
 pub fn straight(n: usize, length: f32, dir: Vec3) -> Vec<Vec3> {
     let edge = length / (n - 2) as f32;
     (0..n).map(|i| dir * edge * (i as f32 - 1.0)).collect()
@@ -72,8 +72,9 @@ pub struct Experiment {
     lab: &'static Lab,
     pub params: SimulationParams,
     pub rest: RestGuides,
+    /// Vertices per strand.
     pub n: usize,
-    /// Poses of the colliders that it is [among](Self::among).
+    /// Poses of the colliders of [`among`](Self::among).
     pub obstacles: ColliderPoses,
     guides: GuideBuffers,
     colliders: ColliderSet,
@@ -82,7 +83,7 @@ pub struct Experiment {
 }
 
 impl Experiment {
-    /// Creates strands at rest, which is also where they start.
+    /// Creates strands that start in their rest shape. `field` is the distance field of the head.
     pub fn new(
         lab: &'static Lab,
         strands: &[Vec<Vec3>],
@@ -100,26 +101,27 @@ impl Experiment {
             guides.add_twist(context).unwrap();
         }
         rest.upload(context, &guides).unwrap();
-        let obstacles = ColliderDescriptor { head: field, ..Default::default() };
-        let colliders = ColliderSet::new(context, &obstacles).unwrap();
+        let descriptor = ColliderDescriptor { head: field, ..Default::default() };
+        let colliders = ColliderSet::new(context, &descriptor).unwrap();
         let simulation = Simulation::new(context, &guides);
         let (obstacles, clock) = (ColliderPoses::default(), StepClock::default());
         Self { colliders, lab, params, rest, n, obstacles, guides, simulation, clock }
     }
 
-    /// Replaces the head's field by the colliders `what`, with the poses `at`.
-    pub fn among(mut self, what: &ColliderDescriptor<'_>, at: Vec<Pose>) -> Self {
+    /// Replaces the head's field by the colliders of `descriptor`, with the poses `poses`.
+    pub fn among(mut self, descriptor: &ColliderDescriptor<'_>, poses: Vec<Pose>) -> Self {
         let context = self.lab.context;
-        self.colliders = ColliderSet::new(context, what).unwrap();
-        self.obstacles.colliders = at;
+        self.colliders = ColliderSet::new(context, descriptor).unwrap();
+        self.obstacles.colliders = poses;
         self
     }
 
+    /// Returns the number of strands.
     pub fn count(&self) -> usize {
         self.rest.info.len()
     }
 
-    /// Runs any number of fixed steps.
+    /// Runs fixed steps, in batches of at most [`MAX_STEPS`].
     pub fn steps(&mut self, steps: &[Step]) {
         let context = self.lab.context;
         for steps in steps.chunks(MAX_STEPS as usize) {
@@ -145,18 +147,18 @@ impl Experiment {
         self.steps(&steps);
     }
 
-    /// Advances by a frame: runs the steps that are due `dt` after the last frame, with the head now at `head`.
+    /// Advances by a frame: runs the steps that are due `dt` seconds after the last frame, with the head now at `head`.
     pub fn frame(&mut self, dt: f32, head: Pose) {
         let ticks = self.clock.tick(dt, self.params.step, &head);
         self.steps(&ticks.steps);
     }
 
-    /// Returns the positions by guide, meters.
+    /// Returns the positions of the vertices by strand, meters.
     pub fn positions(&self) -> Vec<Vec<Vec3>> {
         self.read(&self.guides.current, |v: &[f32; 4]| Vec3::from_slice(v))
     }
 
-    /// Returns the velocities by guide, m/s.
+    /// Returns the velocities of the vertices by strand, m/s.
     pub fn velocities(&self) -> Vec<Vec<Vec3>> {
         self.read(&self.guides.velocity, |v| unpack_velocity(*v))
     }
@@ -169,15 +171,15 @@ impl Experiment {
         let context = self.lab.context;
         let all: Vec<T> = readback::buffer(context, buffer).unwrap();
         let count = self.count();
-        (0..count).map(|g| (0..self.n).map(|i| unpack(&all[i * count + g])).collect()).collect()
+        (0..count).map(|strand| (0..self.n).map(|i| unpack(&all[i * count + strand])).collect()).collect()
     }
 
-    /// Sets the positions of the strands.
+    /// Sets the positions of the vertices by strand, meters.
     pub fn place(&self, positions: &[Vec<Vec3>]) {
         self.write(&self.guides.current, positions, |p| p.extend(0.0).to_array().map(f32::to_bits));
     }
 
-    /// Sets the velocities of the strands.
+    /// Sets the velocities of the vertices by strand, m/s.
     pub fn throw(&self, velocities: &[Vec<Vec3>]) {
         self.write(&self.guides.velocity, velocities, pack_velocity);
     }
@@ -193,11 +195,11 @@ impl Experiment {
         self.lab.context.queue().write_buffer(buffer, 0, &bytes);
     }
 
-    /// Returns the vertices at rest by strand, in groom space.
+    /// Returns the rest positions of the vertices by strand, meters, in groom space.
     pub fn at_rest(&self) -> Vec<Vec<Vec3>> {
         let count = self.count();
-        let at = |g: usize, i: usize| self.rest.rest[i * count + g].position;
-        (0..count).map(|g| (0..self.n).map(|i| at(g, i)).collect()).collect()
+        let position = |strand: usize, i: usize| self.rest.rest[i * count + strand].position;
+        (0..count).map(|strand| (0..self.n).map(|i| position(strand, i)).collect()).collect()
     }
 }
 
@@ -211,13 +213,14 @@ pub fn head_at(translation: Vec3) -> Pose {
     Pose { translation, ..Pose::IDENTITY }
 }
 
-/// Returns the largest relative change of an edge's length from `rest`, in either direction.
+/// Returns the largest relative change of an edge's length from `rest`, in either direction, or infinity if one is not
+/// finite.
 pub fn strain(now: &[Vec<Vec3>], rest: &[Vec<Vec3>]) -> f32 {
     let lengths = |strand: &[Vec3]| strand.windows(2).map(|w| w[0].distance(w[1])).collect::<Vec<_>>();
     let mut worst = 0f32;
     for (now, rest) in now.iter().zip(rest) {
-        for (l, l0) in lengths(now).into_iter().zip(lengths(rest)) {
-            let strain = (l / l0 - 1.0).abs();
+        for (length, rest_length) in lengths(now).into_iter().zip(lengths(rest)) {
+            let strain = (length / rest_length - 1.0).abs();
             worst = if strain.is_finite() { worst.max(strain) } else { f32::INFINITY };
         }
     }
